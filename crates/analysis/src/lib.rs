@@ -1,8 +1,9 @@
 //! **Whether a system and a scheme do what is claimed of them, by measurements that can fail.**
 //!
-//! [`inspect()`] says what a system is; [`strong_order`] and [`weak_order`] measure the order of a
-//! scheme with an interval; [`order_verdict`] says whether an order holds, is refuted or undecided.
-//! [`results::Results`] is what a run of many such measurements says, as data.
+//! `inspect` (with the feature of this name) says what a system is; [`strong_order`] and
+//! [`weak_order`] measure the order of a scheme with an interval; [`order_verdict`] says whether an
+//! order holds, is refuted or undecided. [`results::Results`] is what a run of many such measurements
+//! says, as data.
 //!
 //! | item | job |
 //! |---|---|
@@ -13,7 +14,7 @@
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
-//! | [`inspect()`], [`inspect_problem`] | what a system is, and which statements apply |
+//! | `inspect`, [`facts::Facts`] | what a system is, and which statements apply |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
 //! | [`compare_of`], [`DynCandidates`], [`DynCompareSettings`] | of systems known at run time |
@@ -28,7 +29,10 @@
 pub mod compare;
 mod evidence;
 pub mod exact;
+#[cfg_attr(not(feature = "inspect"), allow(dead_code, reason = "for `inspect`"))]
+pub mod facts;
 mod final_moments;
+#[cfg(feature = "inspect")]
 pub mod inspect;
 mod number;
 mod orders;
@@ -46,9 +50,8 @@ pub use compare::{
 };
 pub use evidence::{DEVIATIONS, worse};
 pub use final_moments::{FinalMoments, FinalRows, FinalValues};
-pub use inspect::{
-    inspect, inspect_formula_problem, inspect_formulas, inspect_large, inspect_problem,
-};
+#[cfg(feature = "inspect")]
+pub use inspect::{InspectSettings, inspect};
 pub use number::number;
 pub use orders::{
     Decision, DynExact, DynReference, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes,

@@ -39,7 +39,8 @@ type Error = Box<dyn std::error::Error>;
 fn main() -> Result<(), Error> {
     let particle = Particle { trap: 1.0, field: 2.0, gradient: 0.5, noise: 0.4 };
     let problem = Problem::new(particle, Constant::new(0.2)?, [1.0, 0.0, 0.0, 0.5], 8.0)?;
-    println!("{}\n", inspect_problem(&problem)?);
+    let system = Compiled::new(problem.system(), problem.y0());
+    println!("{}\n", inspect(&system, &InspectSettings::of(&problem))?);
     one_path(&problem)?;
     many_paths(&problem)?;
     order(&problem)

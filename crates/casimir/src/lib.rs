@@ -44,13 +44,13 @@ pub use {analysis, dgrad, formula, mc, noise, nonlin, real, schemes, stats, syst
 /// The names that most programs use: `use casimir::prelude::*`.
 pub mod prelude {
     pub use analysis::{
-        Candidates, CompareSettings, StepSizes, compare, inspect, inspect_problem, strong_order,
+        Candidates, CompareSettings, InspectSettings, StepSizes, compare, inspect, strong_order,
     };
     pub use mc::{Observable, Simulation, StudySettings, Times, study, write_csv};
     pub use noise::{StreamKey, Truncation};
     pub use real::Real;
     pub use schemes::{Explicit, Heun, Implicit, Increment, Scheme, Sexp, SexpLevy, SexpLi, Split};
-    pub use systems::{Constant, Damping, PoissonSystem, Problem};
+    pub use systems::{Constant, Damping, PoissonSystem, Problem, run_time::Compiled};
 }
 
 /// The examples of the README, compiled and run with the other examples.

@@ -8,10 +8,13 @@ use schemes::{
     DynScheme, EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split,
     run_time::{self, SchemeError},
 };
-use systems::{Damping, Flows, PoissonSystem, Problem, run_time::Problem as RunTimeProblem};
+use systems::{
+    Damping, Flows, PoissonSystem, Problem,
+    run_time::{Compiled, Problem as RunTimeProblem},
+};
 
 use super::own_areas::OwnAreas;
-use crate::inspect::{Form, FoundCasimir, inspect};
+use crate::facts::{Form, casimirs_around};
 
 /// Schemes to compare, the reference, and Casimirs whose laws are measured.
 pub struct Candidates<'a, S, const D: usize, const M: usize> {
@@ -59,7 +62,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D
     /// [`Heun`] and [`EulerMaruyama`]. The reference is [`SexpLevy`]. Strong errors are related to
     /// those of [`Heun`] on the same paths ([`StrongPoint::ratio`](super::StrongPoint::ratio)).
     ///
-    /// If the system names no invariant, the linear and quadratic Casimirs that [`inspect()`] finds
+    /// If the system names no invariant, the linear and quadratic Casimirs that [`Facts`](crate::facts::Facts) have
     /// are measured.
     pub fn all<G>(problem: &Problem<S, G, D>) -> Self
     where
@@ -107,10 +110,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D
         schemes.push(Box::new(Heun));
         schemes.push(Box::new(EulerMaruyama));
         let casimirs = match system.invariants()[..] {
-            // A domain that is hard to find leaves the Casimirs unknown.
-            [] => inspect(system)
-                .map(|report| report.casimirs.found.iter().map(FoundCasimir::form).collect())
-                .unwrap_or_default(),
+            [] => casimirs_around(&Compiled::new(system, y0), &y0),
             _ => Vec::new(),
         };
         let schemes = schemes.into_iter().map(Held::Own).collect();
@@ -189,7 +189,7 @@ impl<'a> DynCandidates<'a, NoiseRows> {
     }
 
     /// With the laws of these Casimirs, such as those that
-    /// [`Facts`](crate::inspect::Facts) have.
+    /// [`Facts`](crate::facts::Facts) have.
     #[must_use]
     pub fn with_casimirs(self, casimirs: Vec<Form>) -> Self {
         Self { casimirs, ..self }

@@ -2,7 +2,7 @@
 
 use mc::DynProblem;
 
-use crate::inspect::Form;
+use crate::facts::Form;
 
 /// The value of a function of the state.
 type Value<'a> = Box<dyn Fn(&[f64]) -> f64 + Sync + 'a>;

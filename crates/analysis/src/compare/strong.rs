@@ -14,7 +14,7 @@ use super::{
     own_areas::terms,
     time::Time,
 };
-use crate::{inspect::Form, orders::squared_distance};
+use crate::{facts::Form, orders::squared_distance};
 
 /// Strong errors of several schemes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,161 +1,210 @@
-//! A report on a system for its author: [`inspect()`] and [`inspect_problem`].
+//! What a system is: [`inspect()`] evaluates it at random points and reports to its author.
 //!
-//! [`inspect()`] evaluates a system and its derivatives at random points. It reports
+//! It works on the run-time interface [`System`]; [`Compiled`](systems::run_time::Compiled) takes a
+//! system in Rust there. The report says
 //!
-//! - whether B is skew-symmetric, and whether closed forms agree with the energy;
+//! - whether B is skew-symmetric, and whether all methods agree with B and the energy;
 //! - whether the claimed invariants are invariants, and of which degree;
-//! - all linear and quadratic Casimirs of B, what is almost one, and those Σ cᵢ ln|yᵢ|;
+//! - all linear and quadratic Casimirs of B and those Σ cᵢ ln|yᵢ|;
 //! - whether the noises commute;
 //! - which statements of the paper apply, which orders to expect, and a scheme to take;
 //! - the step size below which the implicit step is a contraction.
 //!
-//! [`inspect_problem`] adds what follows from damping and initial value, and looks along pilot
-//! paths. A report prints as text and serializes as data.
+//! With an initial value it looks there, along pilot paths and at the damping, too. A report prints
+//! as text and serializes as data.
 //!
-//! Each [`Finding`] has a [`Status`]. All formulas are evaluated in numbers that bound their own
-//! rounding error ([`real::Bounded`]), component by component. A defect beyond its bound is a
-//! counterexample: the identity is *refuted*, and the defect is printed with its place. An identity
-//! that held at all points is *shown* if its formulas are polynomials of a degree below the number
-//! of points, else *found by search*; the accuracy is printed. Where the bound is above 1e-11 of
-//! the terms it *cannot be told*. A supremum is the largest value over the points, a lower bound
-//! only.
+//! Each [`Finding`] has one of three answers, see [`Status`]. A defect is relative to the terms of
+//! its identity. It is none if it is below 10⁻¹⁴ of them. A larger one is a counterexample if it is
+//! about the same at four states 10⁻⁹ apart: there round-off differs. Anything else cannot be told.
+//! A property that holds was looked at at points only, and a supremum is the largest value over
+//! these, a lower bound.
 //!
 //! ```
-//! use systems::{MaxwellBloch, RigidBody};
-//! use analysis::inspect;
+//! use analysis::inspect::{InspectSettings, inspect};
+//! use systems::{MaxwellBloch, RigidBody, run_time::Compiled};
 //!
-//! let report = inspect(&MaxwellBloch)?;
+//! let settings = InspectSettings::default();
+//! let maxwell = Compiled::new(MaxwellBloch, [1.0, 2.0, 3.0]);
+//! let report = inspect(&maxwell, &settings)?;
 //! assert!(report.structure.skew.holds() && report.mistakes.is_empty());
-//! assert_eq!(report.casimirs.found[0].formula, "0.5 y2² + 0.5 y3²");
+//! assert_eq!(report.casimirs.as_ref().unwrap().found[0].formula, "0.5 y2² + 0.5 y3²");
 //! assert!(report.bound.is_none(), "nothing bounds y1: {report}");
 //!
-//! let body = inspect(&RigidBody::three_noises([2.0, 1.0, 0.5], [1.0, 2.0, 3.0])?)?;
+//! let body = RigidBody::three_noises([2.0, 1.0, 0.5], [1.0, 2.0, 3.0])?;
+//! let body = inspect(&Compiled::new(body, [0.6, 0.0, 0.8]), &settings)?;
 //! assert!(!body.noise.commute.holds());
 //! assert_eq!(body.order("sexp"), Some((0.5, 1.0)));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod advice;
-mod algebra;
 mod casimirs;
-mod damping;
-mod erased;
 mod error;
-mod facts;
-mod finding;
-mod formulas;
-mod function;
 mod hamiltonian;
 mod invariants;
-mod large;
-mod logarithms;
 mod noises;
 mod pilot;
 mod points;
 mod problem;
 mod recommendation;
 mod report;
+mod shape;
+mod sight;
 mod solvability;
+mod spectrum;
 mod structure;
-#[cfg(test)]
-mod tests;
 mod theory;
 
-use formula::FormulaSystem;
-use systems::{Damping, PoissonSystem, Problem};
+use systems::{
+    Damping, Problem,
+    run_time::{self, Lanes, System},
+};
 
+use crate::facts::{algebra, finding, form, probe, random, search};
 use algebra::norm;
-use erased::{Erased, System};
-use formulas::OfFormulas;
-use pilot::{pilot_paths, pilot_paths_of};
+use finding::CLUSTER;
+use pilot::pilot_paths;
 use points::Points;
-use report::Quadrature;
-use theory::{with_unbounded_rate, without_damping};
+use probe::Probe;
+use sight::Sight;
 
-pub use advice::{Override, WithoutIteration};
-pub use casimirs::{Casimirs, FoundCasimir};
-pub use damping::DampingIntegral;
+pub use crate::facts::{DampingIntegral, Finding, Form, Status};
+pub use casimirs::{Casimirs, FoundCasimir, LogarithmicCasimir};
 pub use error::InspectError;
-pub use facts::{Facts, Form};
-pub use finding::{Finding, Status};
-pub use function::{Kind, Minimum, Shape};
 pub use hamiltonian::Hamiltonians;
 pub use invariants::ClaimedInvariant;
-pub use large::{Identity, LargeInspection, inspect_large};
-pub use logarithms::LogarithmicCasimir;
 pub use noises::Noises;
 pub use pilot::Pilot;
 pub use points::Region;
 pub use problem::{Bound, ProblemFindings};
-pub use recommendation::{Kept, Purpose, Recommendation, long_times};
-pub use report::Inspection;
+pub use recommendation::{Purpose, Recommendation};
+pub use report::{Inspection, Schemes};
+pub use shape::{Kind, Minimum, Shape};
 pub use solvability::Solvability;
 pub use structure::Structure;
 pub use theory::{Applies, ExpectedOrder, Theorem};
 
 /// Half the side of the box in which a system alone is inspected.
 const HALF_SIDE: f64 = 2.0;
+/// Most components of a system that is inspected in a region and not only near its initial value.
+const SMALL: usize = 64;
 
-/// Inspects a system at random points of its domain with |yᵢ| ≤ 2.
+/// Where and with what a system is inspected.
+#[derive(Clone)]
+pub struct InspectSettings<'a> {
+    /// The initial value: random points have ‖y‖ ≤ 2‖y₀‖, and others are around it. Without one they
+    /// have |yᵢ| ≤ 2.
+    pub y0: Option<Vec<f64>>,
+    /// The damping and the final time: pilot paths show where the system goes.
+    pub damping: Option<(&'a dyn Damping, f64)>,
+    /// Whether Lévy areas are drawn for the system.
+    pub areas: bool,
+}
+
+/// The system alone, for which areas are drawn.
+impl Default for InspectSettings<'_> {
+    fn default() -> Self {
+        Self { y0: None, damping: None, areas: true }
+    }
+}
+
+impl<'a> InspectSettings<'a> {
+    /// The settings for a problem; areas are drawn for its system.
+    pub fn of<S, G: Damping, const D: usize>(problem: &'a Problem<S, G, D>) -> Self {
+        let damping = Some((problem.damping() as &dyn Damping, problem.t_end()));
+        Self { y0: Some(problem.y0().to_vec()), damping, areas: true }
+    }
+
+    /// The settings for a problem known at run time; no areas are drawn for its system.
+    pub fn at_run_time(problem: &'a run_time::Problem) -> Self {
+        let damping = Some((problem.damping(), problem.t_end()));
+        Self { y0: Some(problem.y0().to_vec()), damping, areas: false }
+    }
+}
+
+/// Inspects a system at random points of its domain.
+///
+/// A system of up to 64 components is looked at component by component, one of more along random
+/// directions near its initial value: there a small defect in one of many components may be below
+/// the rounding of a sum. If something bounds all paths, the contraction constant is that of the
+/// ball in which they stay.
 ///
 /// # Errors
-/// [`InspectError::NoPoints`] if too little of the box is in the domain ([`inspect_problem`]
-/// searches around y₀), [`InspectError::NotFinite`] if B or the energy is NaN or infinite at a
-/// point of the domain.
-pub fn inspect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-    system: &S,
+/// [`InspectError::NoComponents`]; [`InspectError::NoPoints`] if too little of the region is in the
+/// domain, or if a large system has no initial value; [`InspectError::NotFinite`] if B or the energy
+/// is NaN or infinite at a point of the domain.
+pub fn inspect(
+    system: &dyn System,
+    settings: &InspectSettings<'_>,
 ) -> Result<Inspection, InspectError> {
-    let system = Erased::<S, D, M>(system);
-    let points = Points::new(&system, Region::Box(HALF_SIDE), None)?;
-    check_finite(&system, &points)?;
-    Ok(Inspection::of(&system, &points).with_mistakes(Quadrature::OfTheSystem))
-}
-
-/// Inspects the system of a problem at random points with ‖y‖ ≤ 2‖y₀‖, around y₀ and at states of
-/// pilot paths, and its damping.
-///
-/// If something bounds all paths, the contraction constant is that of the ball in which they stay.
-///
-/// # Errors
-/// As [`inspect()`].
-pub fn inspect_problem<S, G, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-) -> Result<Inspection, InspectError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let system = Erased::<S, D, M>(problem.system());
-    let pilot = pilot_paths(problem);
-    let (damping, y0) = (problem.damping() as &dyn Damping, problem.y0());
-    let report = inspect_around(&system, damping, &y0, problem.t_end(), pilot)?;
-    Ok(report.with_mistakes(Quadrature::OfTheSystem))
-}
-
-/// Inspects a system from texts, without damping, at random points with ‖y‖ ≤ 2‖y₀‖ and around y₀.
-///
-/// # Errors
-/// As [`inspect()`].
-pub fn inspect_formulas(system: &FormulaSystem, y0: &[f64]) -> Result<Inspection, InspectError> {
-    let system = OfFormulas(system);
-    let points = Points::new(&system, ball(y0), Some(y0))?;
-    check_finite(&system, &points)?;
-    Ok(Inspection::of(&system, &points).with_mistakes(Quadrature::Ours))
-}
-
-/// Inspects a problem whose system is from texts, as [`inspect_problem`].
-///
-/// # Errors
-/// As [`inspect()`].
-pub fn inspect_formula_problem(
-    system: &FormulaSystem,
-    damping: &dyn Damping,
-    y0: &[f64],
-    t_end: f64,
-) -> Result<Inspection, InspectError> {
-    let pilot = pilot_paths_of(system, damping, y0, t_end);
-    let report = inspect_around(&OfFormulas(system), damping, y0, t_end, pilot)?;
-    Ok(report.with_mistakes(Quadrature::Ours))
+    let InspectSettings { y0, damping, areas } = settings;
+    let y0 = y0.as_deref();
+    let probe = Probe::new(system);
+    let rows_of_paths = system.description().layout.lanes == Lanes::Paths;
+    let small = rows_of_paths && probe.dimension() <= SMALL;
+    let mut points = match (small, y0) {
+        (true, _) => Points::new(&probe, y0.map_or(Region::Box(HALF_SIDE), ball), y0)?,
+        (false, y0) => Points::near(&probe, y0.unwrap_or_default())?,
+    };
+    if let (true, Some(y0), Some((damping, t_end))) = (small, y0, damping) {
+        points = points.with_paths(&probe, y0, pilot_paths(system, *damping, y0, *t_end));
+    }
+    let mut sight = Sight::new(probe, &points);
+    check_finite(&mut sight)?;
+    let structure = Structure::of(&mut sight);
+    let hamiltonians = Hamiltonians::of(&mut sight);
+    let noise = Noises::of(&mut sight);
+    let invariants = ClaimedInvariant::all(&mut sight);
+    let casimirs = rows_of_paths.then(|| Casimirs::of(&mut sight));
+    let bound =
+        casimirs.as_ref().and_then(|casimirs| Bound::of(&structure, &hamiltonians, casimirs));
+    let own_methods = own_methods(&sight);
+    let few = !sight.locals.is_empty();
+    let mut probe = sight.probe;
+    let problem = y0.zip(*damping).map(|(y0, (damping, t_end))| {
+        ProblemFindings::of(damping, y0, t_end, &mut probe, bound.as_ref())
+    });
+    let radius = problem.as_ref().and_then(|problem| problem.radius);
+    let reached = match radius.filter(|radius| radius.is_finite() && *radius > 0.0) {
+        Some(radius) if few => Some(Points::new(&probe, Region::Ball(radius), y0)?),
+        _ => None,
+    };
+    let reached = reached.as_ref().unwrap_or(&points);
+    let schemes = Schemes::of(system, *areas);
+    let mut orders = theory::orders(&noise, schemes.draws_areas);
+    if problem.as_ref().is_some_and(|problem| !problem.integral.finite) {
+        theory::without_rates(&mut orders);
+    }
+    let damped = problem.as_ref().is_none_or(|problem| !problem.integral.none);
+    let mut report = Inspection {
+        system: match few {
+            true => system.description().name.clone(),
+            false => format!("{} ({})", system.description().name, system.description().parameters),
+        },
+        dimension: system.description().dimension,
+        noises: system.description().noises,
+        region: points.region.clone(),
+        points: points.for_identities.len(),
+        pilot: points.pilot,
+        defined_everywhere: points.everywhere,
+        solvability: few.then(|| Solvability::of(&mut probe, reached)),
+        problem,
+        theorems: Vec::new(),
+        orders,
+        schemes,
+        recommended: Vec::new(),
+        own_methods,
+        mistakes: Vec::new(),
+        undecided: Vec::new(),
+        structure,
+        hamiltonians,
+        noise,
+        invariants,
+        casimirs,
+        bound,
+    };
+    report.theorems = theory::theorems(&report, damped);
+    report.recommended = recommendation::recommendations(&report, damped);
+    Ok(report.with_mistakes())
 }
 
 /// The ball around zero in which a problem is inspected.
@@ -164,41 +213,40 @@ fn ball(y0: &[f64]) -> Region {
     Region::Ball(if length > 0.0 { 2.0 * length } else { HALF_SIDE })
 }
 
-fn inspect_around(
-    system: &dyn System,
-    damping: &dyn Damping,
-    y0: &[f64],
-    t_end: f64,
-    pilot: (Pilot, Vec<Vec<f64>>),
-) -> Result<Inspection, InspectError> {
-    let points = Points::new(system, ball(y0), Some(y0))?;
-    let points = points.with_paths(system, y0, pilot);
-    check_finite(system, &points)?;
-    let mut report = Inspection::of(system, &points);
-    let findings = ProblemFindings::of(damping, y0, t_end, system, report.bound.as_ref());
-    if let Some(radius) = findings.radius.filter(|radius| radius.is_finite() && *radius > 0.0) {
-        let reached = Points::new(system, Region::Ball(radius), Some(y0))?;
-        report.solvability = Solvability::of(system, &reached);
-    }
-    if findings.integral.none {
-        without_damping(&mut report);
-    }
-    if !findings.integral.finite {
-        with_unbounded_rate(&mut report);
-    }
-    report = report.with_recommendations(!findings.integral.none);
-    report.problem = Some(findings);
-    Ok(report)
-}
-
-fn check_finite(system: &dyn System, points: &Points) -> Result<(), InspectError> {
-    let ones = vec![1.0; system.noises() + 1];
-    let energy = system.energy(&ones);
-    for y in points.for_suprema.iter().chain(&points.for_identities) {
-        let values = system.field(y, &ones).0.into_iter().chain([energy.value(y)]);
-        if let Some(value) = values.map(|x| x.value).find(|value| !value.is_finite()) {
-            return Err(InspectError::NotFinite { at: y.clone(), value });
+fn check_finite(sight: &mut Sight<'_>) -> Result<(), InspectError> {
+    let weights = vec![1.0; sight.probe.system.description().noises + 1];
+    let probe = &mut sight.probe;
+    for states in [&sight.points.for_suprema, &sight.points.for_identities] {
+        let gradient = probe.gradient(states, &weights);
+        let fields = probe.structure(states, &gradient);
+        let energies = probe.energy(states, &weights);
+        for ((y, field), energy) in states.iter().zip(fields).zip(energies) {
+            let mut values = field.into_iter().chain([energy]);
+            if let Some(value) = values.find(|value| !value.is_finite()) {
+                return Err(InspectError::NotFinite { at: y.clone(), value });
+            }
         }
     }
     Ok(())
+}
+
+/// What the methods that a compiled system has written out should be.
+fn own_methods(sight: &Sight<'_>) -> Vec<(&'static str, Finding)> {
+    let mut found: Vec<(&'static str, Finding)> = Vec::new();
+    let mut random = random::Random::new(random::Purpose::Weights);
+    for (n, at) in sight.points.for_identities.iter().enumerate() {
+        let weights = sight.weights(&mut random);
+        let members = &sight.states[CLUSTER * n..CLUSTER * (n + 1)];
+        let of = |y: &Vec<f64>| sight.probe.system.own_methods(y, weights[0], &weights[1..]);
+        let cluster: Vec<_> = members.iter().map(of).collect();
+        for (k, (what, _)) in cluster[0].iter().enumerate() {
+            let terms: Vec<_> = cluster.iter().map(|own| own[k].1.clone()).collect();
+            let place = found.iter().position(|(same, _)| same == what).unwrap_or(found.len());
+            if place == found.len() {
+                found.push((what, Finding::default()));
+            }
+            found[place].1.record(at, &terms, 0.0);
+        }
+    }
+    found
 }

@@ -1,134 +1,159 @@
 //! Whether the noises commute, which decides the strong orders.
 
-use real::Bounded;
 use serde::Serialize;
 
 use super::{
-    algebra::{matrix_values, norm, size, times, values},
-    erased::System,
-    finding::Finding,
-    points::{Points, Purpose, Random},
+    algebra::{dot, moved, norm, times},
+    finding::{CLUSTER, Finding, Term, products},
+    probe::Local,
+    random::{Purpose, Random},
+    sight::Sight,
 };
 
 /// Commutators and products of the noise fields fₘ = B∇Hₘ.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Noises {
     /// [fₘ, f_l] = 0: strong order one needs no Lévy areas. Holds for one noise.
     pub commute: Finding,
     /// fₘ′f_l = 0: the Itô correction vanishes and Euler–Maruyama has strong order one.
     pub no_correction: Finding,
-    /// `commutators` is Σ A_ml [fₘ, f_l].
-    pub commutators: Finding,
     /// fₘ = 0 for every m: there is no noise.
     pub silent: Finding,
-    /// Whether B or the energy may be made of pieces, with a root or a condition: orders are those
-    /// of smooth formulas.
-    pub pieces: bool,
     /// `commute` and `no_correction` at y₀ and on pilot paths, which may stay where they hold.
     #[serde(skip)]
     pub(super) on_paths: [Finding; 2],
 }
 
 impl Noises {
-    pub(super) fn of(system: &dyn System, points: &Points) -> Self {
-        let (noises, d) = (system.noises(), system.dimension());
-        let zero = Bounded::exact(0.0);
-        let mut found = Self::default();
-        let mut random = Random::new(Purpose::Areas);
-        let extent = points.extent();
-        for (n, y) in points.for_identities.iter().enumerate() {
-            let on_path = points.on_path(n);
-            found.pieces |= system.piecewise(y);
-            let (fields, derivatives): (Vec<_>, Vec<_>) =
-                (1..=noises).map(|m| system.field(y, &system.weights(m))).unzip();
+    pub(super) fn of(sight: &mut Sight<'_>) -> Self {
+        let mut found = Self {
+            commute: Finding::strict(),
+            no_correction: Finding::strict(),
+            silent: Finding::strict(),
+            on_paths: [Finding::strict(), Finding::strict()],
+        };
+        let noises = sight.probe.system.description().noises;
+        if noises == 0 {
+            return found;
+        }
+        if sight.locals.is_empty() {
+            found.along_directions(sight);
+            return found;
+        }
+        let extent = sight.points.extent();
+        for (n, cluster) in sight.locals.chunks(CLUSTER).enumerate() {
+            let at = &sight.points.for_identities[n];
             // ‖B‖‖∇Hₘ‖: a field may vanish to round-off.
-            let b = norm(&matrix_values(&system.matrix(y)).concat());
-            let length = |m| b * norm(&values(&system.hamiltonian(m).gradient(y)));
-            let lengths: Vec<f64> = (1..=noises).map(length).collect();
-            let mut areas = vec![vec![0.0; noises]; noises];
-            let (mut sum, mut sizes) = (vec![zero; d], vec![0.0; d]);
+            let b = norm(&cluster[0].b.concat());
+            let length = |m: usize| b * norm(&cluster[0].gradients[m]);
+            let fields: Vec<Vec<Field>> = cluster.iter().map(fields).collect();
+            let of = |terms: &dyn Fn(&[Field]) -> Vec<Term>| -> Vec<Vec<Term>> {
+                fields.iter().map(|fields| terms(fields)).collect()
+            };
             for l in 0..noises {
-                for &component in &fields[l] {
-                    found.silent.record(component, lengths[l], y);
-                }
+                found.silent.record(at, &of(&|fields| fields[l].terms.clone()), length(l + 1));
                 for m in 0..noises {
-                    let product = times(&derivatives[l], &fields[m]);
                     // The size of a derivative of fields that are not nearly constant.
-                    let typical = lengths[l] * lengths[m] / extent;
-                    for i in 0..d {
-                        let terms = size(&derivatives[l][i], &fields[m]);
-                        found.no_correction.record(product[i], terms + typical, y);
-                        if on_path {
-                            found.on_paths[1].record(product[i], terms + typical, y);
-                        }
+                    let typical = length(l + 1) * length(m + 1) / extent;
+                    let product = of(&|fields| fields[l].along(&fields[m]));
+                    let commutator = of(&|fields| {
+                        let (one, other) =
+                            (fields[l].along(&fields[m]), fields[m].along(&fields[l]));
+                        one.iter().zip(other).map(|(a, b)| (a.0 - b.0, a.1 + b.1)).collect()
+                    });
+                    let mut findings = vec![&mut found.no_correction];
+                    let [commute, correction] = &mut found.on_paths;
+                    if sight.points.on_path(n) {
+                        findings.push(correction);
                     }
+                    findings.into_iter().for_each(|f| f.record(at, &product, typical));
                     if m < l {
-                        let exchanged = times(&derivatives[m], &fields[l]);
-                        areas[m][l] = random.uniform();
-                        areas[l][m] = -areas[m][l];
-                        for i in 0..d {
-                            let commutator = product[i] - exchanged[i];
-                            let terms = size(&derivatives[l][i], &fields[m])
-                                + size(&derivatives[m][i], &fields[l]);
-                            found.commute.record(commutator, terms + typical, y);
-                            if on_path {
-                                found.on_paths[0].record(commutator, terms + typical, y);
-                            }
-                            sizes[i] += terms + typical;
-                            sum[i] = sum[i] + commutator * Bounded::exact(areas[m][l]);
+                        found.commute.record(at, &commutator, typical);
+                        if sight.points.on_path(n) {
+                            commute.record(at, &commutator, typical);
                         }
                     }
-                }
-            }
-            if noises > 1 {
-                let given = system.commutators(y, &areas);
-                for i in 0..d {
-                    found.commutators.record(given[i] - sum[i], sizes[i], y);
                 }
             }
         }
         found
     }
+
+    /// Random combinations of all noises commute if all do.
+    fn along_directions(&mut self, sight: &mut Sight<'_>) {
+        let mut random = Random::new(Purpose::Areas);
+        let weights = [0, 1].map(|_| {
+            let mut weights = sight.weights(&mut random);
+            weights[0] = 0.0;
+            weights
+        });
+        let Sight { probe, states, .. } = &mut *sight;
+        let slopes = weights.each_ref().map(|weights| probe.gradient(states, weights));
+        let fields = slopes.each_ref().map(|slopes| probe.structure(states, slopes));
+        let mut product = |l: usize, m: usize| {
+            let bent = probe.structure_along(states, &fields[m], &slopes[l]);
+            let curved = probe.hessian(states, &fields[m], &weights[l]);
+            let curved = probe.structure(states, &curved);
+            bent.iter().zip(&curved).map(|(a, b)| moved(a, 1.0, b)).collect::<Vec<_>>()
+        };
+        let (own, one, other) = (product(0, 0), product(0, 1), product(1, 0));
+        let terms = |a: &[f64], b: &[f64]| -> Vec<Term> {
+            let size = norm(a) + norm(b);
+            a.iter().zip(b).map(|(a, b)| (a - b, size)).collect()
+        };
+        let none = vec![0.0; probe.dimension()];
+        let silent = fields[0]
+            .iter()
+            .zip(&slopes[0])
+            .map(|(f, v)| terms(f, &none).into_iter().map(|(x, _)| (x, norm(v))).collect());
+        sight.record(&mut self.silent, silent.collect(), 0.0);
+        let own = own.iter().map(|x| x.iter().map(|x| (*x, x.abs())).collect()).collect();
+        sight.record(&mut self.no_correction, own, 0.0);
+        if weights[0].len() > 2 {
+            let terms = one.iter().zip(&other).map(|(a, b)| terms(a, b)).collect();
+            sight.record(&mut self.commute, terms, 0.0);
+        }
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::{
-        super::tests::by_hand::{ByHand, Given, Slope, at, close, exact},
-        *,
-    };
+/// A noise field at a state, and its derivative, with the sizes of their terms.
+struct Field {
+    terms: Vec<Term>,
+    /// The rows of f′, and the sizes of the terms of each entry.
+    slope: [Vec<Vec<f64>>; 2],
+}
 
-    #[test]
-    fn commutators_are_compared_with_the_size_of_their_terms() {
-        // f₁ = (1, 0) with f₁′ = (0 1; 0 0) and f₂ = (0, 1), constant: [f₁, f₂] = −f₁′f₂.
-        let slope: [Slope; 3] =
-            [|_| exact(&[0.0; 2]), |_| exact(&[3.0, 4.0]), |_| exact(&[0.0, 2.0])];
-        let given = |m: usize| Given {
-            value: |_| Bounded::exact(0.0),
-            gradient: slope[m],
-            hessian: |_| unreachable!(),
+/// The fields of all noises.
+fn fields(local: &Local) -> Vec<Field> {
+    let Local { b, slopes, gradients, hessians, .. } = local;
+    let d = b.len();
+    let absolute = |a: &Vec<f64>| a.iter().map(|x| x.abs()).collect::<Vec<_>>();
+    let field = |m: usize| {
+        let (v, curved) = (&gradients[m], &hessians[m]);
+        let size = absolute(v);
+        let [mut values, mut sizes] = [0, 1].map(|_| vec![vec![0.0; d]; d]);
+        for j in 0..d {
+            let column: Vec<f64> = curved.iter().map(|row| row[j]).collect();
+            let bent = times(&slopes[j], v);
+            let turned = products(b, &column);
+            for i in 0..d {
+                values[i][j] = bent[i] + turned[i].0;
+                sizes[i][j] = dot(&absolute(&slopes[j][i]), &size) + turned[i].1;
+            }
+        }
+        Field { terms: products(b, v), slope: [values, sizes] }
+    };
+    (1..gradients.len()).map(field).collect()
+}
+
+impl Field {
+    /// f′g.
+    fn along(&self, g: &Field) -> Vec<Term> {
+        let [values, sizes] = &self.slope;
+        let entry = |(value, size): (&Vec<f64>, &Vec<f64>)| {
+            let terms = g.terms.iter().zip(value.iter().zip(size));
+            terms.fold((0.0, 0.0), |(sum, total), ((x, s), (a, b))| (sum + a * x, total + b * s))
         };
-        let system = ByHand {
-            hamiltonians: vec![given(0), given(1), given(2)],
-            structure: |_, v| vec![v[1], -v[0]],
-            field: |weights| {
-                let (zero, moves) = (exact(&[0.0; 2]), exact(&[0.0, 1.0]));
-                match weights[1] {
-                    1.0 => (exact(&[1.0, 0.0]), vec![moves, zero]),
-                    _ => (exact(&[0.0, 1.0]), vec![zero.clone(), zero]),
-                }
-            },
-            commutators: |areas| exact(&[-areas[0][1], 0.0]),
-            ..ByHand::default()
-        };
-        let found = Noises::of(&system, &at(&[&[3.0, 4.0]]));
-        // ‖B‖‖∇H‖ = 5√2 and 2√2; their product over the extent five is 4, and with itself 10.
-        assert!(close(found.silent.scale, 50f64.sqrt()) && found.silent.defect == 1.0);
-        assert!(close(found.no_correction.scale, 10.0) && found.no_correction.defect == 1.0);
-        assert!(close(found.commute.scale, 5.0) && found.commute.defect == 1.0, "{found:?}");
-        assert!(found.commutators.holds() && close(found.commutators.scale, 5.0), "{found:?}");
-        assert!(found.on_paths.iter().all(|finding| finding.points == 0));
-        let wrong = ByHand { commutators: |areas| exact(&[areas[0][1], 0.0]), ..system };
-        assert!(Noises::of(&wrong, &at(&[&[3.0, 4.0]])).commutators.refuted());
+        values.iter().zip(sizes).map(entry).collect()
     }
 }

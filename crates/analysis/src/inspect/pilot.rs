@@ -1,13 +1,12 @@
 //! Pilot paths: where the paths of a problem go.
 
-use noise::Noise;
 use nonlin::BlockStatus;
 use real::WIDTH;
-use schemes::{Implicit, Increment, Scheme, Step, run_time as at_run_time};
+use schemes::{Implicit, Increment, Step, run_time::Scheme};
 use serde::Serialize;
-use systems::{Damping, PoissonSystem, Problem, run_time};
+use systems::{Damping, run_time};
 
-use super::points::{Purpose, Random};
+use super::random::{Purpose, Random};
 
 /// Pilot paths of a problem, at whose states identities are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -42,39 +41,9 @@ impl Implicit for ConformalMidpoint {
     }
 }
 
-/// Simulates a few paths, and keeps some of their states.
-pub fn pilot_paths<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-) -> (Pilot, Vec<Vec<f64>>) {
-    let mut random = Random::new(Purpose::Paths);
-    let (system, tau) = (problem.system(), problem.t_end() / STEPS as f64);
-    let (mut states, mut until) = (Vec::new(), problem.t_end());
-    for _ in 0..PATHS {
-        let mut y = problem.y0();
-        for n in 0..STEPS {
-            let normals = [(); M].map(|()| random.normals.normal().clamp(-CLIPPED, CLIPPED));
-            let noise = Noise::increments(normals.map(|normal| tau.sqrt() * normal));
-            let solved = Step::new(problem.damping(), n, tau)
-                .map(|step| ConformalMidpoint.step(system, &step, &noise, y))
-                .is_ok_and(|solution| {
-                    y = solution.z;
-                    solution.outcome.converged() && system.check_domain(y).is_ok()
-                });
-            if !solved {
-                until = until.min(n as f64 * tau);
-                break;
-            }
-            if (n + 1) % EVERY == 0 {
-                states.push(y.to_vec());
-            }
-        }
-    }
-    (Pilot { paths: PATHS, states: states.len(), until }, states)
-}
-
-/// The same for a system from texts: paths that a step has no solution on, or that leave the
+/// Simulates a few paths, and keeps some of their states: paths that a step has no solution on, or that leave the
 /// domain, end.
-pub fn pilot_paths_of(
+pub fn pilot_paths(
     system: &dyn run_time::System,
     damping: &dyn Damping,
     y0: &[f64],
@@ -83,7 +52,7 @@ pub fn pilot_paths_of(
     let tau = t_end / STEPS as f64;
     let (mut states, mut until) = (Vec::new(), t_end);
     let pilot = |states: &[Vec<f64>], until| Pilot { paths: PATHS, states: states.len(), until };
-    let Ok(mut paths) = at_run_time::Scheme::stepper(&ConformalMidpoint, system) else {
+    let Ok(mut paths) = Scheme::stepper(&ConformalMidpoint, system) else {
         return (pilot(&states, 0.0), states);
     };
     paths.state_mut().iter_mut().zip(y0).for_each(|(row, &y)| *row = [y; WIDTH]);

@@ -5,13 +5,12 @@ use systems::Damping;
 
 use super::{
     casimirs::{Casimirs, FoundCasimir},
-    damping::DampingIntegral,
-    erased::System,
-    finding::Status,
-    function::Minimum,
     hamiltonian::Hamiltonians,
+    probe::Probe,
+    shape::Minimum,
     structure::Structure,
 };
+use crate::facts::DampingIntegral;
 
 /// A function F with a conformal law and m(F) > 0, which bounds exact and numerical paths:
 /// ‖y(t)‖ ≤ (F(y₀)/m(F))^{1/p} e^{−∫γ}.
@@ -23,46 +22,53 @@ pub struct Bound {
     pub degree: f64,
     /// m(F).
     pub minimum: Minimum,
-    /// How it is known that F obeys the law and that m(F) > 0.
-    pub status: Status,
     /// F, if it is a Casimir; else it is H₀.
     #[serde(skip)]
     casimir: Option<FoundCasimir>,
 }
 
 impl Bound {
-    /// Prefers what is shown to what was found, a bound that holds everywhere to one in the domain,
-    /// and a Casimir to the energy.
+    /// Prefers a bound that holds everywhere to one in the domain, an eigenvalue to a search, and a
+    /// Casimir to the energy.
     pub(super) fn of(
         structure: &Structure,
         hamiltonians: &Hamiltonians,
         casimirs: &Casimirs,
     ) -> Option<Self> {
-        let sound = structure.sound();
+        if !structure.sound().holds() {
+            return None;
+        }
         let casimir = |found: &FoundCasimir| Self {
             function: found.formula.clone(),
             degree: f64::from(found.degree),
             minimum: found.minimum,
-            status: sound.min(found.casimir.status).min(found.minimum.positive),
             casimir: Some(found.clone()),
         };
-        let energy = hamiltonians.proportional.as_ref().filter(|finding| finding.holds());
-        let energy = energy.and_then(|proportional| {
-            let shape = &hamiltonians.shapes[0];
-            let (degree, minimum) = (shape.degree?, shape.minimum?);
-            let law = proportional.status.min(shape.homogeneous.status);
-            let status = sound.min(law).min(minimum.positive);
-            Some(Self { function: "H₀".into(), degree, minimum, status, casimir: None })
-        });
+        let shape = &hamiltonians.shapes[0];
+        let energy = shape.degree.zip(shape.minimum);
+        let energy =
+            energy.filter(|_| hamiltonians.proportional.holds()).map(|(degree, minimum)| Self {
+                function: "H₀".into(),
+                degree,
+                minimum,
+                casimir: None,
+            });
         let candidates = casimirs.definite.iter().chain(&casimirs.found).map(casimir).chain(energy);
-        let positive = candidates.filter(|bound| bound.status.holds() && bound.degree > 0.0);
-        positive.min_by_key(|bound| (bound.minimum.in_domain_only, std::cmp::Reverse(bound.status)))
+        let positive =
+            candidates.filter(|bound| bound.minimum.positive.holds() && bound.degree > 0.0);
+        positive.min_by_key(|bound| (bound.minimum.in_domain_only, bound.minimum.searched))
     }
 
     /// (F(y)/m(F))^{1/p}: the bound of undamped paths from y.
-    fn radius(&self, system: &dyn System, y: &[f64]) -> f64 {
-        let energy = || system.hamiltonian(0).value(y).value;
-        let value = self.casimir.as_ref().map_or_else(energy, |casimir| casimir.form().value(y));
+    fn radius(&self, probe: &mut Probe<'_>, y: &[f64]) -> f64 {
+        let mut energy = || {
+            let weights = probe.weights(0);
+            probe.energy(&[y.to_vec()], &weights)[0]
+        };
+        let value = match &self.casimir {
+            Some(casimir) => casimir.form().value(y),
+            None => energy(),
+        };
         (value / (self.minimum.value - self.minimum.error)).powf(1.0 / self.degree)
     }
 }
@@ -84,13 +90,13 @@ impl ProblemFindings {
         damping: &dyn Damping,
         y0: &[f64],
         t_end: f64,
-        system: &dyn System,
+        probe: &mut Probe<'_>,
         bound: Option<&Bound>,
     ) -> Self {
         let integral = DampingIntegral::of(damping, t_end);
         let radius = bound
             .filter(|_| integral.agrees.holds())
-            .map(|bound| bound.radius(system, y0) * (-integral.least).exp());
+            .map(|bound| bound.radius(probe, y0) * (-integral.least).exp());
         Self { damping: damping.describe(), integral, radius }
     }
 }

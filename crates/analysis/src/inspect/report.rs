@@ -2,28 +2,26 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use serde::Serialize;
-use systems::Linearity;
+use schemes::{Nv, SexpLi, run_time::Scheme};
+use serde::{Serialize, Serializer};
+use systems::{Linearity, run_time::System};
 
 use super::{
-    advice::{Override, WithoutIteration, word},
-    casimirs::{Casimirs, FoundCasimir},
-    damping::DampingIntegral,
-    erased::System,
+    casimirs::{Casimirs, FoundCasimir, LogarithmicCasimir},
     finding::{Finding, Status},
-    function::{Kind, Minimum, Shape},
     hamiltonian::Hamiltonians,
     invariants::ClaimedInvariant,
-    logarithms::LogarithmicCasimir,
     noises::Noises,
     pilot::Pilot,
-    points::{Points, Region},
+    points::Region,
     problem::{Bound, ProblemFindings},
-    recommendation::{Recommendation, long_times, recommendations},
+    recommendation::Recommendation,
+    shape::{Kind, Minimum, Shape},
     solvability::Solvability,
     structure::Structure,
-    theory::{Applies, ExpectedOrder, Theorem, orders, theorems},
+    theory::{Applies, ExpectedOrder, Theorem},
 };
+use crate::facts::long_times;
 
 /// The report on a system: its properties, what theory says of it, and its mistakes.
 ///
@@ -52,24 +50,24 @@ pub struct Inspection {
     pub noise: Noises,
     /// The invariants that the system claims.
     pub invariants: Vec<ClaimedInvariant>,
-    /// The linear and quadratic Casimirs of B.
-    pub casimirs: Casimirs,
+    /// The Casimirs of B; `None` where rows belong to one path of very many components.
+    pub casimirs: Option<Casimirs>,
     /// A function that bounds all paths, if one was found.
     pub bound: Option<Bound>,
-    /// The norms of the contraction constant of the implicit step.
-    pub solvability: Solvability,
+    /// The norms of the contraction constant of the implicit step, for up to 24 components.
+    pub solvability: Option<Solvability>,
     /// What damping and initial value add; `None` for a system alone.
     pub problem: Option<ProblemFindings>,
+    /// Methods that a compiled system has written out, with what they should be.
+    pub own_methods: Vec<(&'static str, Finding)>,
     /// Which statements of the paper apply.
     pub theorems: Vec<Theorem>,
     /// The orders that theory predicts for the schemes.
     pub orders: Vec<ExpectedOrder>,
-    /// What `sexp-li` and `nv` say of the system.
-    pub without_iteration: WithoutIteration,
+    /// Which schemes apply to the system.
+    pub schemes: Schemes,
     /// The schemes to take, that for paths first.
     pub recommended: Vec<Recommendation>,
-    /// The methods that are worth writing out.
-    pub overrides: Vec<Override>,
     /// Every property that a system must have or claims and that was found wrong, in words; empty
     /// for a sound system.
     pub mistakes: Vec<String>,
@@ -77,13 +75,52 @@ pub struct Inspection {
     pub undecided: Vec<String>,
 }
 
-/// Whose quadrature `averaged_gradient` is.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Quadrature {
-    /// That of the system, which may be wrong.
-    OfTheSystem,
-    /// Our own, of a system from texts.
-    Ours,
+/// Which of the schemes that are not for every system apply to one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Schemes {
+    /// How B depends on y.
+    #[serde(serialize_with = "as_word")]
+    pub structure: Linearity,
+    /// Why `sexp-li` refuses the system, if it does.
+    pub sexp_li_refused: Option<String>,
+    /// Whether it truncates increments, since a step may have no solution.
+    pub truncates: bool,
+    /// Why `nv` refuses the system, unless it is given flows of its parts.
+    pub nv_refused: Option<String>,
+    /// Why `split` refuses the system.
+    pub split_refused: Option<String>,
+    /// Whether Lévy areas are drawn for the system.
+    pub draws_areas: bool,
+}
+
+impl Schemes {
+    pub(super) fn of(system: &dyn System, draws_areas: bool) -> Self {
+        let scheme = SexpLi::at_run_time(system);
+        Self {
+            structure: system.description().linearity,
+            truncates: scheme.as_ref().is_ok_and(Scheme::clips_increments),
+            sexp_li_refused: scheme.err().map(|refused| refused.to_string()),
+            nv_refused: Nv::at_run_time(system).err().map(|refused| refused.to_string()),
+            split_refused: system.description().parts.clone().err(),
+            draws_areas,
+        }
+    }
+}
+
+/// `constant`, `affine` or `other`.
+fn word(structure: Linearity) -> &'static str {
+    match structure {
+        Linearity::Constant => "constant",
+        Linearity::Affine => "affine",
+        Linearity::Other => "other",
+    }
+}
+
+fn as_word<S: Serializer>(
+    structure: &Linearity,
+    serializer: S,
+) -> std::result::Result<S::Ok, S::Error> {
+    serializer.serialize_str(word(*structure))
 }
 
 /// Least relative error of `averaged_gradient` that is a mistake and not that of a quadrature: the
@@ -94,90 +131,46 @@ const POOR_QUADRATURE: f64 = 1e-3;
 const USELESS_STEP: f64 = 1e-6;
 
 impl Inspection {
-    /// The report on a system alone.
-    pub(super) fn of(system: &dyn System, points: &Points) -> Self {
-        let structure = Structure::of(system, points);
-        let hamiltonians = Hamiltonians::of(system, points);
-        let noise = Noises::of(system, points);
-        let invariants = ClaimedInvariant::all(system, points);
-        let casimirs = Casimirs::of(system, points);
-        let bound = Bound::of(&structure, &hamiltonians, &casimirs);
-        let without_iteration = system.without_iteration(&points.for_identities[0]);
-        Self {
-            system: system.name().into(),
-            dimension: system.dimension(),
-            noises: system.noises(),
-            region: points.region.clone(),
-            points: points.for_identities.len(),
-            pilot: points.pilot,
-            defined_everywhere: points.everywhere,
-            solvability: Solvability::of(system, points),
-            problem: None,
-            theorems: theorems(
-                &structure,
-                &hamiltonians,
-                &casimirs,
-                &noise,
-                &invariants,
-                bound.as_ref(),
-            ),
-            orders: orders(&noise, without_iteration.draws_areas),
-            without_iteration,
-            recommended: Vec::new(),
-            overrides: system.overrides(&points.for_identities),
-            mistakes: Vec::new(),
-            undecided: Vec::new(),
-            structure,
-            hamiltonians,
-            noise,
-            invariants,
-            casimirs,
-            bound,
-        }
-        .with_recommendations(true)
-    }
-
-    /// With the schemes to take, with damping or without.
-    pub(super) fn with_recommendations(mut self, damped: bool) -> Self {
-        self.recommended = recommendations(&self, damped);
-        self
-    }
-
     /// Lists what is wrong, and what cannot be told.
-    pub(super) fn with_mistakes(mut self, quadrature: Quadrature) -> Self {
-        let Self { structure, hamiltonians: h, noise, invariants, .. } = &self;
+    pub(super) fn with_mistakes(mut self) -> Self {
+        let Self { structure, hamiltonians: h, invariants, .. } = &self;
         let check = |finding: &Finding, what| (finding.status, format!("{what}: {finding}"));
         let mut checks = vec![
             check(&structure.linear, "structure(y, v) is not linear in v"),
             check(&structure.skew, "B(y) is not skew-symmetric"),
+            check(&structure.derivative, "structure_along is not the derivative of structure"),
             check(&h.linear, "energy(y, dt, dw) is not linear in (dt, dw)"),
-            check(&h.gradient, "gradient is not the gradient of energy"),
-            check(
-                &h.averaged_gradient,
-                "averaged_gradient(y, y) is not the gradient of energy at y",
-            ),
+            check(&h.hessian, "hessian is not the derivative of gradient"),
             check(
                 &h.averaged_field,
                 "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))",
             ),
-            check(
-                &h.prediction,
-                "the residual of the predicted step exceeds the bound given with it",
-            ),
-            check(&noise.commutators, "commutators is not what follows from B and the energy"),
         ];
-        // The error of a quadrature is no mistake.
-        let poor = quadrature == Quadrature::OfTheSystem && h.quadrature_error > POOR_QUADRATURE;
-        if !h.discrete_gradient.refuted() || poor {
-            let what = "averaged_gradient(a, b)·(b − a) is not the change of energy";
-            checks.push(check(&h.discrete_gradient, what));
+        match &h.gradient {
+            // What follows from a wrong gradient is the same mistake.
+            Some(gradient) if gradient.fails() => {
+                checks.push(check(gradient, "gradient is not the gradient of energy"));
+            }
+            gradient => {
+                let what = "gradient is not the gradient of energy";
+                checks.extend(gradient.iter().map(|finding| check(finding, what)));
+                let what = "averaged_gradient(y, y) is not the gradient at y";
+                checks.push(check(&h.averaged_gradient, what));
+                // The error of a quadrature is no mistake.
+                if !h.discrete_gradient.fails() || h.quadrature_error > POOR_QUADRATURE {
+                    let what = "averaged_gradient(a, b)·(b − a) is not the change of energy";
+                    checks.push(check(&h.discrete_gradient, what));
+                }
+            }
         }
+        let own = self.own_methods.iter();
+        checks.extend(own.map(|(what, finding)| check(finding, what)));
         if let Some(ProblemFindings { integral, .. }) = &self.problem {
             let what = "the integral of the damping is not the integral of its rate";
             checks.push((integral.agrees, format!("{what}: {integral}")));
         }
         let all = |status| checks.iter().filter(move |check| check.0 == status);
-        let mistakes = all(Status::Refuted).map(|check| check.1.clone());
+        let mistakes = all(Status::Fails).map(|check| check.1.clone());
         let mistakes = mistakes.chain(invariants.iter().flat_map(|i| i.mistakes.clone()));
         let undecided = all(Status::Unknown).map(|check| format!("whether {}", check.1));
         let claims = invariants.iter().filter(|i| i.status() == Status::Unknown);
@@ -198,6 +191,15 @@ impl Inspection {
         let theorem = self.theorems.iter().find(|theorem| theorem.statement == statement)?;
         Some(theorem.applies)
     }
+
+    /// Whether B is sound and a Casimir was found, or is claimed and may be one.
+    fn has_casimirs(&self) -> bool {
+        let found = |c: &Casimirs| !c.found.is_empty() || !c.logarithmic.is_empty();
+        let mut claims = self.invariants.iter().filter(|claim| claim.claimed_casimir);
+        self.structure.sound() != Status::Fails
+            && (self.casimirs.as_ref().is_some_and(found)
+                || claims.any(|claim| claim.status() != Status::Fails))
+    }
 }
 
 impl Display for Inspection {
@@ -214,19 +216,18 @@ impl Display for Inspection {
             None => writeln!(f, "{points} points with {region}{domain}")?,
         }
         self.write_properties(f)?;
-        self.write_casimirs(f)?;
+        if let Some(casimirs) = &self.casimirs {
+            casimirs.write(f)?;
+        }
         if let Some(problem) = &self.problem {
             row(f, "damping", format!("{}; {}", problem.damping, problem.integral))?;
             match (problem.radius, &self.bound) {
-                (Some(radius), Some(bound)) => {
-                    let inside = if bound.minimum.in_domain_only {
-                        " while they are in the domain"
-                    } else {
-                        ""
-                    };
-                    let found = match bound.status {
-                        Status::Shown => "",
-                        _ => " if that bound, found by search, holds",
+                (Some(radius), Some(Bound { minimum, .. })) => {
+                    let inside =
+                        if minimum.in_domain_only { " while they are in the domain" } else { "" };
+                    let found = match minimum.searched {
+                        true => " if that bound, found by search, holds",
+                        false => "",
                     };
                     let radius = length(radius);
                     row(f, "paths", format!("stay within ‖y‖ ≤ {radius}{inside}{found}"))?;
@@ -242,13 +243,21 @@ impl Display for Inspection {
         if !self.mistakes.is_empty() {
             return write!(f, "Mistakes\n  - {}", list(&self.mistakes));
         }
-        let but = if self.hamiltonians.discrete_gradient.refuted() {
-            " but the error of ∇̄h"
-        } else {
-            ""
-        };
-        write!(f, "No mistakes found{but}.")
+        let inexact = self.hamiltonians.discrete_gradient.fails();
+        write!(f, "No mistakes found{}.", if inexact { " but the error of ∇̄h" } else { "" })
     }
+}
+
+/// Lists of names that have the same words.
+fn grouped<'a>(all: impl Iterator<Item = (&'a str, String)>) -> Vec<(String, String)> {
+    let mut groups: Vec<(String, String)> = Vec::new();
+    for (name, words) in all {
+        match groups.iter_mut().find(|(same, _)| *same == words) {
+            Some((_, names)) => *names += &format!(", {name}"),
+            None => groups.push((words, name.into())),
+        }
+    }
+    groups
 }
 
 impl Inspection {
@@ -256,67 +265,48 @@ impl Inspection {
         let h = &self.hamiltonians;
         row(f, "B(y)", &self.structure)?;
         for (m, shape) in h.shapes.iter().enumerate() {
-            match (h.noise_size, &h.proportional) {
-                (Some(c), Some(finding)) if m == 1 => {
-                    row(f, "H1", format!("c H0 up to a constant, c = {c} ({finding})"))?;
-                }
+            match h.noise_size {
+                Some(c) if m == 1 => row(f, "H1", format!("c H0 up to a constant, c = {c}"))?,
                 _ => row(f, &format!("H{m}"), shape)?,
             }
         }
         let gradient = &h.discrete_gradient;
         let exact = match gradient.status {
-            Status::Refuted => {
+            Status::Fails => {
                 format!("NOT exact: relative error {:.1e} in h(b) − h(a)", h.quadrature_error)
             }
             Status::Unknown => format!("exact? {gradient}"),
-            _ => format!("exact ({gradient})"),
+            Status::Holds => format!("exact ({gradient})"),
         };
         // The combining macron takes a character, but no width.
         row(f, "∇̄h ", format!(" {exact}"))?;
         if self.noises > 1 {
             let commute = &self.noise.commute;
             let text = match commute.status {
-                Status::Refuted => "do not commute: strong order 1 needs Lévy areas",
+                Status::Fails => "do not commute: strong order 1 needs Lévy areas",
                 Status::Unknown => "commute?",
-                _ => "commute: strong order 1 needs no Lévy areas",
+                Status::Holds => "commute: strong order 1 needs no Lévy areas",
             };
             row(f, "noises", format!("{text}{LINE}({commute})"))?;
         }
-        for invariant in &self.invariants {
+        let claims = self.invariants.iter().map(|invariant| {
             let ClaimedInvariant { name, formula, shape, .. } = invariant;
             let kind = if invariant.claimed_casimir { "Casimir" } else { "energy" };
             let status = match invariant.status() {
-                Status::Refuted => "WRONG, see below",
+                Status::Fails => "WRONG, see below",
                 status => status.name(),
             };
-            row(f, name, format!("{formula}: {kind} ({status}); {shape}"))?;
+            format!("{name:<9}{formula}: {kind} ({status}); {shape}")
+        });
+        // Every part of a lattice claims the same.
+        let mut claims: Vec<String> = claims.collect();
+        let all = claims.len();
+        claims.dedup();
+        claims.iter().try_for_each(|claim| writeln!(f, "  {claim}"))?;
+        if claims.len() < all {
+            row(f, "", format!("{all} claims of this kind"))?;
         }
         Ok(())
-    }
-
-    fn write_casimirs(&self, f: &mut Formatter<'_>) -> Result {
-        let Casimirs { found, nearly, complete, definite, quadratic_sought, logarithmic } =
-            &self.casimirs;
-        let sought = if *quadratic_sought { "linear or quadratic" } else { "linear" };
-        let none = match (found.is_empty(), complete) {
-            (true, Status::Shown) => " none (shown)",
-            (true, _) => " none found",
-            _ => "",
-        };
-        writeln!(f, "  Casimirs of B, {sought}, coefficients to six digits:{none}")?;
-        for FoundCasimir { formula, degree, minimum, casimir, .. } in found {
-            writeln!(f, "    {formula}; degree {degree}, m = {minimum}; B∇C = 0 {casimir}")?;
-        }
-        for FoundCasimir { formula, casimir, .. } in nearly {
-            let is = if casimir.refuted() { "not" } else { "perhaps" };
-            writeln!(f, "    {is} {formula}: B∇C has {casimir}")?;
-        }
-        for FoundCasimir { formula, minimum, .. } in definite.iter().filter(|_| found.len() > 1) {
-            writeln!(f, "    a positive definite sum: {formula}, m = {minimum}")?;
-        }
-        logarithmic.iter().try_for_each(|LogarithmicCasimir { formula, casimir, .. }| {
-            writeln!(f, "  and with logarithms: {formula}; B∇C = 0 {casimir}")
-        })
     }
 
     fn write_theory(&self, f: &mut Formatter<'_>) -> Result {
@@ -329,41 +319,84 @@ impl Inspection {
             };
             writeln!(f, "  {applies:<13}  {statement}: {says}\n{:17}{because}", "")?;
         }
-        let mut orders: Vec<(String, Vec<&str>)> = Vec::new();
-        for ExpectedOrder { scheme, strong, weak, known } in &self.orders {
-            let known = match known {
-                Status::Shown => "",
-                Status::Found => " (found)",
-                _ => " at least",
-            };
-            let order = format!("{strong}{known} / {weak}");
-            match orders.iter_mut().find(|(same, _)| *same == order) {
-                Some((_, schemes)) => schemes.push(scheme),
-                None => orders.push((order, vec![scheme])),
-            }
+        let orders = self.orders.iter().map(|ExpectedOrder { scheme, strong, weak, known }| {
+            let known = if known.holds() { "" } else { " at least" };
+            (*scheme, format!("{strong}{known} / {weak}"))
+        });
+        writeln!(f, "Expected orders, strong / weak")?;
+        for (order, schemes) in grouped(orders) {
+            writeln!(f, "  {order}: {schemes}")?;
         }
-        let orders: Vec<_> =
-            orders.iter().map(|(order, of)| format!("{order}: {}", of.join(", "))).collect();
-        writeln!(f, "Expected orders, strong / weak\n  {}", orders.join("\n  "))?;
-        let constant = self.without_iteration.structure == Linearity::Constant;
-        let mut over: Vec<(&str, Vec<&str>)> = Vec::new();
-        for ExpectedOrder { scheme, .. } in &self.orders {
-            let words = long_times(scheme, constant);
-            match over.iter_mut().find(|(same, _)| *same == words) {
-                Some((_, schemes)) => schemes.push(scheme),
-                None => over.push((words, vec![scheme])),
-            }
+        let constant = self.schemes.structure == Linearity::Constant;
+        let over = self
+            .orders
+            .iter()
+            .map(|order| (order.scheme, long_times(order.scheme, constant).to_owned()));
+        writeln!(f, "Over long times")?;
+        for (words, schemes) in grouped(over) {
+            writeln!(f, "  {schemes}: {words}")?;
         }
-        let over: Vec<_> =
-            over.iter().map(|(words, of)| format!("{}: {words}", of.join(", "))).collect();
-        writeln!(f, "Over long times\n  {}", over.join("\n  "))?;
-        self.write_solvability(f)?;
         self.write_advice(f)
     }
 
-    fn write_solvability(&self, f: &mut Formatter<'_>) -> Result {
-        let Solvability { points, region, .. } = &self.solvability;
-        let steps = [1, 2, 4].map(|k| (k, self.solvability.largest_step(k)));
+    fn write_advice(&self, f: &mut Formatter<'_>) -> Result {
+        if let Some(solvability) = &self.solvability {
+            solvability.write(f)?;
+        }
+        let Schemes { structure, sexp_li_refused, truncates, .. } = &self.schemes;
+        match sexp_li_refused {
+            Some(reason) => writeln!(f, "{reason}")?,
+            None => {
+                let solved = if *truncates {
+                    "a step may have no solution, so increments are truncated"
+                } else {
+                    "every step has a solution"
+                };
+                writeln!(f, "sexp-li applies: B is {} in y, {solved}", word(*structure))?;
+            }
+        }
+        for Recommendation { purpose, scheme, because } in &self.recommended {
+            writeln!(f, "Take {scheme} {}: {because}", purpose.name())?;
+        }
+        if self.schemes.split_refused.is_none() {
+            writeln!(f, "split applies: the flows of parts are known")?;
+        } else if self.has_casimirs() {
+            writeln!(f, "split keeps every Casimir, if you can write the flows of parts of H")?;
+        }
+        Ok(())
+    }
+}
+
+impl Casimirs {
+    fn write(&self, f: &mut Formatter<'_>) -> Result {
+        let Self { found, nearly, complete, definite, quadratic_sought, logarithmic } = self;
+        let sought = if *quadratic_sought { "linear or quadratic" } else { "linear" };
+        let none = match (found.is_empty(), complete) {
+            (true, true) => " none",
+            (true, false) => " none found",
+            _ => "",
+        };
+        writeln!(f, "  Casimirs of B, {sought}, coefficients to six digits:{none}")?;
+        for FoundCasimir { formula, degree, minimum, casimir, .. } in found {
+            writeln!(f, "    {formula}; degree {degree}, m = {minimum}; B∇C = 0 {casimir}")?;
+        }
+        for FoundCasimir { formula, casimir, .. } in nearly {
+            let is = if casimir.fails() { "not" } else { "perhaps" };
+            writeln!(f, "    {is} {formula}: B∇C = 0 {casimir}")?;
+        }
+        for FoundCasimir { formula, minimum, .. } in definite.iter().filter(|_| found.len() > 1) {
+            writeln!(f, "    a positive definite sum: {formula}, m = {minimum}")?;
+        }
+        logarithmic.iter().try_for_each(|LogarithmicCasimir { formula, casimir, .. }| {
+            writeln!(f, "  and with logarithms: {formula}; B∇C = 0 {casimir}")
+        })
+    }
+}
+
+impl Solvability {
+    fn write(&self, f: &mut Formatter<'_>) -> Result {
+        let Self { points, region, .. } = self;
+        let steps = [1, 2, 4].map(|k| (k, self.largest_step(k)));
         if steps[0].1 < USELESS_STEP {
             return writeln!(
                 f,
@@ -379,87 +412,32 @@ impl Inspection {
              largest norms found at {points} points with {region}"
         )
     }
-
-    fn write_advice(&self, f: &mut Formatter<'_>) -> Result {
-        let WithoutIteration { structure, refused, truncates, areas_refused, .. } =
-            &self.without_iteration;
-        match refused {
-            Some(reason) => writeln!(f, "{reason}")?,
-            None => {
-                let solved = if *truncates {
-                    "a step may have no solution, so increments are truncated"
-                } else {
-                    "every step has a solution"
-                };
-                writeln!(f, "sexp-li applies: B is {} in y, {solved}", word(*structure))?;
-            }
-        }
-        if let (None, Some(reason)) = (refused, areas_refused) {
-            writeln!(f, "{reason}")?;
-        }
-        for Recommendation { purpose, scheme, because } in &self.recommended {
-            writeln!(f, "Take {scheme} {}: {because}", purpose.name())?;
-        }
-        if self.has_casimirs() {
-            writeln!(f, "split keeps every Casimir, if you can write the flows of parts of H")?;
-        }
-        if !self.overrides.is_empty() {
-            writeln!(f, "Worth writing out")?;
-        }
-        for Override { method, schemes, gains } in &self.overrides {
-            writeln!(f, "  {method}, for {schemes}: {gains}")?;
-        }
-        Ok(())
-    }
-
-    /// Whether B is sound and a Casimir was found, or is claimed and may be one.
-    fn has_casimirs(&self) -> bool {
-        let Casimirs { found, logarithmic, .. } = &self.casimirs;
-        let mut claims = self.invariants.iter().filter(|claim| claim.claimed_casimir);
-        self.structure.sound() != Status::Refuted
-            && (!found.is_empty()
-                || !logarithmic.is_empty()
-                || claims.any(|claim| claim.status() != Status::Refuted))
-    }
 }
 
 impl Display for Finding {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { status, defect, round_off, at, points, .. } = self;
+        let Self { status, defect, at, .. } = self;
         match status {
-            Status::Shown if self.points == 0 => write!(f, "shown"),
-            Status::Shown => write!(f, "shown, to {round_off:.0e}"),
-            Status::Found => write!(f, "found at {points} points, to {round_off:.0e}"),
-            Status::Unknown => write!(f, "too much round-off, {round_off:.0e}, at {at:.3?}"),
-            Status::Refuted => {
-                write!(f, "defect {defect:.1e} at {at:.3?}, round-off {round_off:.0e}")
-            }
+            _ if self.points == 0 => f.write_str("not looked at"),
+            Status::Holds if *defect == 0.0 => f.write_str("exactly"),
+            Status::Holds => write!(f, "to {defect:.0e} of its terms"),
+            Status::Unknown => write!(f, "cannot tell: {defect:.0e} of its terms at {}", Point(at)),
+            Status::Fails => write!(f, "off by {defect:.1e} of its terms at {}", Point(at)),
         }
     }
 }
 
-impl Display for DampingIntegral {
+/// A point, of which the first components are printed.
+struct Point<'a>(&'a [f64]);
+
+impl Display for Point<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { defect, relative, at, given, expected, resolution, .. } = self;
-        if self.agrees.holds() {
-            write!(
-                f,
-                "rate and integral agree to {relative:.0e}, pulses below {resolution:.0e} aside"
-            )?;
-        } else {
-            let rough = if self.rough > 0 { ", and the rate jumps or has pulses" } else { "" };
-            write!(
-                f,
-                "rate and integral DISAGREE by {defect:.1e} in a step from t = {at:.4} on\
-                 {LINE}∫₀ᵀγ = {given:.6} in 1024 steps, {expected:.6} by quadrature{rough}"
-            )?;
-        }
-        match self.longest_step {
-            Some(step) if step < self.t_end => {
-                write!(f, "{LINE}and to 1e-6 for steps of {step:.2e}, and of halves of it")
+        match self.0 {
+            [first @ .., _] if first.len() >= 8 => {
+                let first = first.iter().take(3).map(|x| format!("{x:.3}")).collect::<Vec<_>>();
+                write!(f, "[{}, …]", first.join(", "))
             }
-            Some(_) => Ok(()),
-            None => write!(f, "{LINE}and not to 1e-6 for steps of T/1024"),
+            all => write!(f, "{all:.3?}"),
         }
     }
 }
@@ -482,24 +460,25 @@ impl Display for Region {
         match self {
             Self::Box(half_side) => write!(f, "|yᵢ| ≤ {half_side}"),
             Self::Ball(radius) => write!(f, "‖y‖ ≤ {}", length(*radius)),
+            Self::Near => f.write_str("|yᵢ| near that of y₀, along random directions"),
         }
     }
 }
 
 impl Display for Structure {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { linear, skew, constant, jacobi } = self;
-        if linear.refuted() {
+        let Self { linear, skew, constant, jacobi, .. } = self;
+        if linear.fails() {
             return write!(f, "structure(y, v) is NOT linear in v, see below");
         }
         let is = |finding: &Finding, yes, no| match finding.status {
-            Status::Refuted => format!("{no} ({finding})"),
+            Status::Fails => format!("{no} ({finding})"),
             Status::Unknown => format!("{yes}? ({finding})"),
-            _ => format!("{yes} ({finding})"),
+            Status::Holds => format!("{yes} ({finding})"),
         };
         let skew = is(skew, "skew-symmetric", "NOT skew-symmetric, see below");
         let constant = match constant.status {
-            Status::Refuted => "depends on y".into(),
+            Status::Fails => "depends on y".into(),
             _ => is(constant, "constant", ""),
         };
         let jacobi = is(jacobi, "Jacobi identity", "no Jacobi identity, not needed");
@@ -509,15 +488,17 @@ impl Display for Structure {
 
 impl Display for Minimum {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { value, error, positive, in_domain_only } = *self;
-        let domain = if in_domain_only { " on the domain" } else { "" };
+        let Self { value, error, positive, searched, in_domain_only } = *self;
         match positive {
             Status::Unknown if value.abs() <= error => write!(f, "0 to {error:.0e}")?,
             Status::Unknown => write!(f, "{value:.1e}, sign cannot be told")?,
-            Status::Refuted => write!(f, "{value:.4e}")?,
-            status => write!(f, "{value:.4e} > 0 ({})", status.name())?,
+            Status::Fails => write!(f, "{value:.4e}")?,
+            Status::Holds => {
+                let search = if searched { " (found by search)" } else { "" };
+                write!(f, "{value:.4e} > 0{search}")?;
+            }
         }
-        f.write_str(domain)
+        f.write_str(if in_domain_only { " on the domain" } else { "" })
     }
 }
 
@@ -529,7 +510,9 @@ impl Display for Shape {
             let separator = if *kind == Kind::Homogeneous { " of" } else { "," };
             write!(f, "{separator} degree {degree}")?;
         }
-        write!(f, " ({homogeneous})")?;
+        if *kind != Kind::Zero {
+            write!(f, " ({homogeneous})")?;
+        }
         minimum.map_or(Ok(()), |minimum| write!(f, ", m = {minimum}"))
     }
 }

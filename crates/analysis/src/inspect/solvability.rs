@@ -1,11 +1,13 @@
 //! The contraction constant of the implicit equation of `sexp`.
 
+use real::WIDTH;
 use serde::Serialize;
 
 use super::{
-    algebra::{Matrix, matrix_values, norm, spectral_norm, values},
-    erased::{Function, System},
+    algebra::norm,
     points::{Points, Region},
+    probe::{Local, Probe},
+    spectrum::spectral_norm,
 };
 
 /// The norms in the contraction constant of the implicit step of `sexp`,
@@ -31,25 +33,29 @@ pub struct Solvability {
 }
 
 impl Solvability {
-    pub(super) fn of(system: &dyn System, points: &Points) -> Self {
-        let supremum = |size: &dyn Fn(&[f64]) -> f64| {
-            points.for_suprema.iter().map(|y| size(y)).fold(0.0, f64::max)
-        };
-        let norms = |size: &dyn Fn(&dyn Function, &[f64]) -> f64| -> Vec<f64> {
-            let hamiltonians = (0..=system.noises()).map(|m| system.hamiltonian(m));
-            hamiltonians.map(|h| supremum(&|y| size(&*h, y))).collect()
-        };
-        Self {
+    pub(super) fn of(probe: &mut Probe<'_>, points: &Points) -> Self {
+        let none = vec![0.0; probe.system.description().noises + 1];
+        let mut found = Self {
             region: points.region.clone(),
             points: points.for_suprema.len(),
-            structure: supremum(&|y| spectral_norm(&matrix_values(&system.matrix(y)))),
-            structure_slope: supremum(&|y| {
-                let slopes: Matrix<_> = system.matrix_derivatives(y).concat();
-                spectral_norm(&matrix_values(&slopes))
-            }),
-            gradients: norms(&|h, y| norm(&values(&h.gradient(y)))),
-            hessians: norms(&|h, y| spectral_norm(&matrix_values(&h.hessian(y)))),
+            structure: 0.0,
+            structure_slope: 0.0,
+            gradients: none.clone(),
+            hessians: none,
+        };
+        for chunk in points.for_suprema.chunks(WIDTH) {
+            for Local { b, slopes, gradients, hessians, .. } in probe.locals(chunk) {
+                found.structure = found.structure.max(spectral_norm(&b));
+                found.structure_slope = found.structure_slope.max(spectral_norm(&slopes.concat()));
+                for (most, slope) in found.gradients.iter_mut().zip(&gradients) {
+                    *most = most.max(norm(slope));
+                }
+                for (most, hessian) in found.hessians.iter_mut().zip(&hessians) {
+                    *most = most.max(spectral_norm(hessian));
+                }
+            }
         }
+        found
     }
 
     /// ½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖.

@@ -3,24 +3,18 @@
 use serde::Serialize;
 
 use super::{
-    casimirs::Casimirs,
     finding::{Finding, Status},
-    hamiltonian::Hamiltonians,
-    invariants::ClaimedInvariant,
     noises::Noises,
-    problem::Bound,
     report::Inspection,
-    structure::Structure,
 };
 
 /// Whether a statement of the paper applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Applies {
-    /// It applies: its assumptions were shown.
+    /// It applies: its assumptions hold wherever they were looked at.
     Yes,
-    /// It applies if what was found at points holds everywhere, or under a condition that points
-    /// cannot decide; the reason names it.
+    /// It applies under a condition that points cannot decide; the reason names it.
     Conditionally,
     /// It does not apply.
     No,
@@ -48,27 +42,25 @@ pub struct ExpectedOrder {
     pub strong: f64,
     /// Weak order.
     pub weak: f64,
-    /// How the strong order is known: `Found` where noises were found to commute at the points, or
-    /// where formulas may be made of pieces.
+    /// `Unknown` if the strong order may be higher.
     pub known: Status,
 }
 
-/// Orders of the schemes of this workspace, of those with Lévy areas if `areas` are drawn. Strong
-/// order one takes Lévy areas where noises do not commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which
-/// `em` leaves out, where they are not zero. Without
-/// noise all but `em` are symmetric or Runge–Kutta methods of order two.
+/// Orders of the schemes of this workspace for smooth B and H, of those with Lévy areas if `areas`
+/// are drawn. Strong order one takes Lévy areas where noises do not commute, and the terms
+/// ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero. Without noise all but `em` are
+/// symmetric or Runge–Kutta methods of order two.
 pub fn orders(noises: &Noises, areas: bool) -> Vec<ExpectedOrder> {
-    let smooth = if noises.pieces { Status::Found } else { Status::Shown };
+    type Order = (f64, f64, Status);
     let expected = |(scheme, (strong, weak, known))| ExpectedOrder { scheme, strong, weak, known };
-    let listed = |without_areas: (f64, f64, Status), with_areas, em| {
-        let (strong, _, status) = without_areas;
+    let listed = |without_areas: Order, with_areas: Order, em: Order| {
         let all = [
             ("sexp", Some(without_areas)),
             ("sexp-levy", areas.then_some(with_areas)),
             ("sexp-li", Some(without_areas)),
             ("sexp-li-levy", areas.then_some(with_areas)),
             ("split", Some(without_areas)),
-            ("nv", Some((strong, 2.0, status))),
+            ("nv", Some((without_areas.0, 2.0, without_areas.2))),
             ("midpoint", Some(without_areas)),
             ("heun", Some(without_areas)),
             ("em", Some(em)),
@@ -76,172 +68,108 @@ pub fn orders(noises: &Noises, areas: bool) -> Vec<ExpectedOrder> {
         let listed = all.into_iter().filter_map(|(scheme, order)| Some((scheme, order?)));
         listed.map(expected).collect()
     };
+    let of = |strong, weak| (strong, weak, Status::Holds);
     if noises.silent.holds() {
-        let known = noises.silent.status.min(smooth);
-        return listed((2.0, 2.0, known), (2.0, 2.0, known), (1.0, 1.0, known));
+        return listed(of(2.0, 2.0), of(2.0, 2.0), of(1.0, 1.0));
     }
     // A counterexample shows that the order is ½, unless paths stay where there is none.
     let one_if = |finding: &Finding, on_paths: &Finding| match finding.status {
-        Status::Refuted if on_paths.points > 0 && !on_paths.refuted() => {
-            (0.5, 1.0, Status::Unknown)
-        }
-        Status::Refuted => (0.5, 1.0, Status::Shown),
+        Status::Fails if on_paths.points > 0 && !on_paths.fails() => (0.5, 1.0, Status::Unknown),
+        Status::Fails => of(0.5, 1.0),
         Status::Unknown => (0.5, 1.0, Status::Unknown),
-        holds => (1.0, 1.0, holds.min(smooth)),
+        Status::Holds => of(1.0, 1.0),
     };
+    let [commute, no_correction] = &noises.on_paths;
     listed(
-        one_if(&noises.commute, &noises.on_paths[0]),
-        (1.0, 1.0, smooth),
-        one_if(&noises.no_correction, &noises.on_paths[1]),
+        one_if(&noises.commute, commute),
+        of(1.0, 1.0),
+        one_if(&noises.no_correction, no_correction),
     )
-}
-
-/// What a statement that needs this takes.
-fn applies(status: Status) -> Applies {
-    match status {
-        Status::Shown => Applies::Yes,
-        Status::Found | Status::Unknown => Applies::Conditionally,
-        Status::Refuted => Applies::No,
-    }
-}
-
-/// `text`, and how it is known.
-fn known(text: &str, status: Status) -> String {
-    match status {
-        Status::Refuted => text.to_owned(),
-        _ => format!("{text} ({})", status.name()),
-    }
-}
-
-/// Without damping the energy is constant where H₁ = cH₀, homogeneous or not, and `sexp` keeps it.
-pub fn without_damping(report: &mut Inspection) {
-    let hamiltonians = &report.hamiltonians;
-    let sound = report.structure.sound();
-    let proportional = hamiltonians.proportional.as_ref();
-    let energy = proportional.map_or(Status::Refuted, |finding| finding.status).min(sound);
-    if hamiltonians.shapes[0].degree.is_some() || !energy.holds() {
-        return;
-    }
-    let exact = hamiltonians.discrete_gradient.holds();
-    let but = if exact { "" } else { ", up to the error of ∇̄h" };
-    for theorem in report.theorems.iter_mut().filter(|t| t.statement == "energy-balance") {
-        theorem.applies = Applies::Conditionally;
-        theorem.because = format!("γ = 0 wherever it was looked at, and H₁ = c H₀{but}");
-    }
 }
 
 /// The schemes that read rates of the damping; the others take its integral.
 const READ_RATES: [&str; 3] = ["midpoint", "heun", "em"];
 
 /// The order of a scheme that reads rates of the damping is not known where these are not finite.
-pub fn with_unbounded_rate(report: &mut Inspection) {
-    report.orders.retain(|order| !READ_RATES.contains(&order.scheme));
+pub fn without_rates(orders: &mut Vec<ExpectedOrder>) {
+    orders.retain(|order| !READ_RATES.contains(&order.scheme));
 }
 
-/// The statements of the paper for a system with these properties.
-pub fn theorems(
-    structure: &Structure,
-    hamiltonians: &Hamiltonians,
-    casimirs: &Casimirs,
-    noise: &Noises,
-    invariants: &[ClaimedInvariant],
-    bound: Option<&Bound>,
-) -> Vec<Theorem> {
+/// The statements of the paper for a system with these properties, with damping or without.
+pub fn theorems(report: &Inspection, damped: bool) -> Vec<Theorem> {
     use Applies::{Conditionally, No, Yes};
-    let noises = hamiltonians.shapes.len() - 1;
-    let proportional = hamiltonians.proportional.as_ref().map_or(Status::Refuted, |f| f.status);
+    let Inspection { structure, hamiltonians, casimirs, invariants, bound, .. } = report;
+    let shape = &hamiltonians.shapes[0];
+    let exact = hamiltonians.discrete_gradient.holds();
     // Noises that are multiples of one energy are one noise.
-    let multiple = match hamiltonians.noise_size {
-        _ if noises == 0 => Some("no noise".to_owned()),
-        Some(c) => Some(format!("H₁ = {c} H₀")),
-        None => (noises > 1 && proportional.holds()).then(|| "Hₘ = cₘ H₀ for every m".to_owned()),
+    let one_noise = match (report.noises, hamiltonians.noise_size) {
+        (0, _) => "no noise".to_owned(),
+        (_, Some(c)) => format!("H₁ = {c} H₀"),
+        _ => "Hₘ = cₘ H₀ for every m".to_owned(),
     };
-    let energy_degree = multiple.as_ref().and(hamiltonians.shapes[0].degree);
-    let energy_known = proportional.min(hamiltonians.shapes[0].homogeneous.status);
-    let listed: Vec<_> =
-        casimirs.found.iter().map(|c| (c.formula.clone(), c.casimir.status)).collect();
+    let proportional = hamiltonians.proportional.status;
+    let listed: Vec<String> =
+        casimirs.iter().flat_map(|c| &c.found).map(|c| c.formula.clone()).collect();
     let claims = invariants.iter().filter(|i| i.claimed_casimir && i.status().holds());
-    let mut laws: Vec<_> = claims.map(|i| (i.name.to_owned(), i.status())).collect();
+    let mut laws: Vec<String> = claims.map(|i| i.name.to_owned()).collect();
     laws.extend(listed.iter().cloned());
-    if energy_degree.is_some() && energy_known.holds() {
-        laws.push(("H₀".into(), energy_known));
+    if proportional.holds() && shape.degree.is_some() {
+        laws.push("H₀".into());
     }
-    let each = |laws: &[(String, Status)], what| match laws.iter().map(|(_, status)| *status).min()
-    {
-        Some(worst) => {
-            let texts: Vec<_> = laws.iter().map(|(law, status)| known(law, *status)).collect();
-            (applies(worst), texts.join("; "))
-        }
-        None if casimirs.complete == Status::Shown => (No, format!("no {what}")),
-        None => (Conditionally, format!("cannot tell whether there is a {what}")),
+    let complete = casimirs.as_ref().is_some_and(|casimirs| casimirs.complete);
+    let each = |laws: &[String], what| match (laws, complete) {
+        ([], true) => (No, format!("no {what}")),
+        ([], false) => (Conditionally, format!("cannot tell whether there is a {what}")),
+        _ => (Yes, laws.join("; ")),
     };
     let none = "linear or quadratic Casimir, and found no homogeneous energy or true claim";
-    let conformal = each(&laws, none);
-    let casimir = each(&listed, "linear or quadratic Casimir of B");
-    let energy = match (multiple, energy_degree) {
-        (Some(noise), Some(p)) if hamiltonians.discrete_gradient.holds() => {
-            let status = energy_known.min(hamiltonians.discrete_gradient.status);
-            let law = format!("{noise}, H₀ is homogeneous of degree {p}, and ∇̄h is exact");
-            (applies(status), known(&law, status))
+    let inexact = if exact { "" } else { ", up to the error of ∇̄h; take more nodes" };
+    let energy = match (proportional, shape.degree) {
+        (Status::Holds, Some(p)) => {
+            let law = format!("{one_noise}, and H₀ is homogeneous of degree {p}{inexact}");
+            (if exact { Yes } else { Conditionally }, law)
         }
-        (Some(_), Some(_)) => {
-            (Conditionally, "up to the error of ∇̄h; take more nodes or a closed form".into())
+        // Without damping the energy is constant, homogeneous or not.
+        (Status::Holds, None) if !damped => {
+            (Conditionally, format!("γ = 0 wherever it was looked at, and {one_noise}{inexact}"))
         }
-        (Some(_), None) if energy_known == Status::Refuted => (No, "H₀ is not homogeneous".into()),
-        (None, _) if energy_known == Status::Refuted => {
-            (No, "there is not one noise with H₁ = c H₀".into())
-        }
+        (Status::Holds, None) if shape.homogeneous.fails() => (No, "H₀ is not homogeneous".into()),
+        (Status::Fails, _) => (No, "there is not one noise with H₁ = c H₀".into()),
         _ => (Conditionally, "cannot tell whether H₁ = c H₀ with a homogeneous H₀".into()),
     };
     let bounded = match bound {
-        Some(Bound { function, minimum, status, .. }) if minimum.in_domain_only => {
-            let condition = "while paths stay in the domain, on which it is positive";
-            (Conditionally, known(&format!("m({function}) = {minimum} {condition}"), *status))
-        }
-        Some(Bound { function, minimum, status, .. }) => {
-            (applies(*status), format!("m({function}) = {minimum}"))
+        Some(bound) => {
+            let text = format!("m({}) = {}", bound.function, bound.minimum);
+            match (bound.minimum.in_domain_only, bound.minimum.searched) {
+                (true, _) => (Conditionally, format!("{text} while paths stay there")),
+                (_, true) => (Conditionally, format!("{text}, if the search missed nothing")),
+                _ => (Yes, text),
+            }
         }
         None => (No, "found no linear or quadratic Casimir or energy with m(F) > 0".into()),
     };
-    let constant = hamiltonians
-        .shapes
-        .iter()
-        .map(|shape| shape.constant_hessian.status)
-        .fold(structure.constant.status, Status::min);
-    let (solvable, condition) = match (structure.constant.holds(), bounded.0) {
-        (true, _) if constant.holds() => {
-            (applies(constant), known("B and the Hessians are constant", constant))
-        }
-        (true, _) => {
-            let condition = "if the second derivatives of all Hamiltonians are bounded";
-            (Conditionally, condition.into())
-        }
-        (false, No) => (Conditionally, "if paths stay in the region of the points".into()),
+    let quadratic = hamiltonians.shapes.iter().all(|shape| shape.constant_hessian.holds());
+    let solvable = match (structure.constant.holds(), bounded.0) {
+        (true, _) if quadratic => (Yes, "B and the Hessians are constant".into()),
+        (true, _) => (Conditionally, "B is constant; if the Hessians are bounded".into()),
+        (false, No) => (Conditionally, "in any ball in which the steps stay".into()),
         (false, _) => (Conditionally, "in the ball of the moment bound".into()),
     };
     // The paper assumes that exact and numerical paths are bounded.
     let orders = match bounded.0 {
-        No => (Conditionally, "if all paths stay bounded, which was not proved here".into()),
+        No => (Conditionally, "if all paths stay bounded, which was not found".into()),
         _ => bounded.clone(),
     };
-    let orders = match orders {
-        (_, because) if noise.pieces => {
-            (Conditionally, format!("{because}; if B and the energy are smooth"))
-        }
-        orders => orders,
+    let (strong, strong_order) = match report.noises {
+        0 | 1 => ("strong-one", "strong order 1 of sexp (k ≥ 2), for smooth B and H"),
+        _ => ("strong-half", "strong order 1/2 of sexp (k ≥ 1), for smooth B and H"),
     };
-    let (strong, strong_order) = if noises > 1 {
-        ("strong-half", "strong order 1/2 of sexp (k ≥ 1)")
-    } else {
-        ("strong-one", "strong order 1 of sexp (k ≥ 2)")
-    };
-
     let sound = structure.sound();
-    let theorem = |(statement, says, (applies, because))| {
+    let theorem = |(statement, says, (applies, because)): (_, _, (Applies, String))| {
         let (applies, because) = match (sound, applies) {
-            (Status::Refuted, _) => (No, "B is not skew-symmetric".into()),
-            (Status::Found | Status::Unknown, Yes) => {
-                (Conditionally, format!("{because}; B is skew-symmetric ({})", sound.name()))
+            (Status::Fails, _) => (No, "B is not skew-symmetric".into()),
+            (Status::Unknown, Yes) => {
+                (Conditionally, format!("{because}; cannot tell whether B is skew-symmetric"))
             }
             _ => (applies, because),
         };
@@ -251,12 +179,12 @@ pub fn theorems(
         (
             "exact-conformal",
             "homogeneous Casimirs (one noise: and the energy) obey exp(−p∫γ)",
-            conformal,
+            each(&laws, none),
         ),
         (
             "conformal-casimir",
             "sexp keeps linear and quadratic Casimirs on their law for any τ",
-            casimir,
+            each(&listed, "linear or quadratic Casimir of B"),
         ),
         (
             "energy-balance",
@@ -264,13 +192,9 @@ pub fn theorems(
             energy,
         ),
         ("moment-bound", "all paths stay in a known ball", bounded),
-        (
-            "solvability",
-            "an implicit step below a known size has exactly one solution",
-            (solvable, condition),
-        ),
+        ("solvability", "an implicit step below a known size has exactly one solution", solvable),
         (strong, strong_order, orders.clone()),
-        ("weak-one", "weak order 1 of sexp (k ≥ 2)", orders),
+        ("weak-one", "weak order 1 of sexp (k ≥ 2), for smooth B and H", orders),
     ];
     theorems.map(theorem).into()
 }

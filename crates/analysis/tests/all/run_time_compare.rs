@@ -94,7 +94,7 @@ fn casimirs_that_were_found_are_measured_on_texts() {
     let (compiled, texts) = body(one_noise(), 0.2);
     let definition = crate::run_time::body_definition(1);
     let system = formula::FormulaSystem::new(&definition, &compiled.y0()).unwrap();
-    let found = analysis::inspect_formulas(&system, &compiled.y0()).unwrap().casimirs.found;
+    let found = super::inspect_formulas(&system, &compiled.y0()).unwrap().casimirs.unwrap().found;
     assert_eq!(found.len(), 1);
     let found = found.iter().map(|casimir| casimir.form()).collect();
     let scheme = |scheme| Setup::at_run_time(&texts, scheme).unwrap().scheme;

@@ -1,7 +1,12 @@
 //! `casimir inspect`: what a system is.
 
 use super::{open, print, print_json, saying};
-use crate::{arguments::Inspect, failure::Done, model::with_model, scene::Changes};
+use crate::{
+    arguments::Inspect,
+    failure::Done,
+    model::{with_model, with_names},
+    scene::Changes,
+};
 
 /// Prints the findings. The scheme of the scene is not asked for.
 pub fn inspect(arguments: &Inspect) -> Done {
@@ -11,8 +16,8 @@ pub fn inspect(arguments: &Inspect) -> Done {
         saying(what, || with_model!(&scene.model, model => (model.known(), model.findings())));
     let findings = findings.map_err(|error| scene.source.error_of_all(error))?;
     if arguments.json {
-        return print_json(&findings.json()?);
+        return print_json(&serde_json::to_value(&findings)?);
     }
-    let text = findings.text(&scene.components);
+    let text = with_names(&findings.to_string(), &scene.components);
     print(&format!("{}{}\n", known.equation(), text.trim_end()))
 }

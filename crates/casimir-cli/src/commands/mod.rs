@@ -13,7 +13,7 @@ mod run;
 use std::{fs, io::Write, path::Path, sync::mpsc::RecvTimeoutError, time::Duration};
 
 use casimir::{
-    analysis::inspect::long_times,
+    analysis::facts::long_times,
     mc::parts::{Job, Program, Stop, limit_threads},
 };
 use clap::CommandFactory;

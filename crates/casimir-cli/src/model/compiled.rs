@@ -4,15 +4,20 @@ use std::{error::Error, sync::Arc};
 
 use casimir::{
     analysis::{
-        Candidates, Comparison, DynCompareSettings, compare_of, inspect::Kept, inspect_problem,
+        Candidates, Comparison, DynCompareSettings, compare_of,
+        facts::Kept,
+        inspect,
+        inspect::{InspectError, InspectSettings, Inspection},
     },
     mc::{DynProblem, Expect, Setup},
     noise::BlockNoise,
     schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split},
-    systems::{Damping, Flows, InvariantKind, Linearity, PoissonSystem, Problem, linearity},
+    systems::{
+        Damping, Flows, InvariantKind, Linearity, PoissonSystem, Problem, linearity, run_time,
+    },
 };
 
-use super::{Findings, Model};
+use super::Model;
 
 /// A scheme, or why it is not for the system.
 type Suited<S, const D: usize, const M: usize> = Result<Box<dyn Scheme<S, D, M>>, String>;
@@ -115,7 +120,8 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model<Blo
         Ok(compare_of(&DynProblem::of(&self.problem), &candidates, settings)?)
     }
 
-    fn findings(&self) -> Result<Findings, Box<dyn Error>> {
-        Ok(Findings::Small(Box::new(inspect_problem(&self.problem)?)))
+    fn findings(&self) -> Result<Inspection, InspectError> {
+        let system = run_time::Compiled::new(self.problem.system(), self.problem.y0());
+        inspect(&system, &InspectSettings::of(&self.problem))
     }
 }

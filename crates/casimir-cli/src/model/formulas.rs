@@ -8,8 +8,9 @@ use std::{
 use casimir::{
     analysis::{
         Comparison, DynCandidates, DynCompareSettings, compare_of,
-        inspect::{Facts, Form},
-        inspect_formula_problem,
+        facts::{Facts, Form},
+        inspect,
+        inspect::{InspectError, InspectSettings, Inspection},
     },
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
     mc::{DynProblem, Expect, Setup},
@@ -22,7 +23,7 @@ use casimir::{
 use toml::Spanned;
 
 use super::{
-    AnyModel, Built, Findings, Known, Model,
+    AnyModel, Built, Known, Model,
     laws::{laws, with_laws},
     row_schemes::RowSchemes,
 };
@@ -87,10 +88,8 @@ impl Model<NoiseRows> for Formulas {
         Ok(compare_of(&DynProblem::at_run_time(&self.problem), &candidates, settings)?)
     }
 
-    fn findings(&self) -> Result<Findings, Box<dyn Error>> {
-        let (damping, y0) = (self.problem.damping(), self.problem.y0());
-        let found = inspect_formula_problem(&self.system, damping, y0, self.problem.t_end())?;
-        Ok(Findings::Small(Box::new(found)))
+    fn findings(&self) -> Result<Inspection, InspectError> {
+        inspect(self.problem.system(), &InspectSettings::at_run_time(&self.problem))
     }
 }
 

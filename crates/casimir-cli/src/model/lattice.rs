@@ -3,7 +3,10 @@
 use std::{error::Error, sync::Arc};
 
 use casimir::{
-    analysis::{Comparison, DynCandidates, DynCompareSettings, compare_of, inspect_large},
+    analysis::{
+        Comparison, DynCandidates, DynCompareSettings, compare_of, inspect,
+        inspect::{InspectError, InspectSettings, Inspection},
+    },
     formula::Names,
     mc::{DynProblem, Expect, Setup},
     noise::NoiseRows,
@@ -16,7 +19,7 @@ use casimir::{
     },
 };
 
-use super::{AnyModel, Built, Findings, Model, row_schemes::RowSchemes};
+use super::{AnyModel, Built, Model, row_schemes::RowSchemes};
 use crate::scene::{Observable, Parameters, Quantity, Read, Settings, Source, SystemTable};
 
 /// The parameters of a lattice.
@@ -70,8 +73,8 @@ impl Model<NoiseRows> for Lattice {
         Ok(compare_of(&DynProblem::at_run_time(&self.problem), &candidates, settings)?)
     }
 
-    fn findings(&self) -> Result<Findings, Box<dyn Error>> {
-        Ok(Findings::Large(inspect_large(self.problem.system(), self.problem.y0())?))
+    fn findings(&self) -> Result<Inspection, InspectError> {
+        inspect(self.problem.system(), &InspectSettings::at_run_time(&self.problem))
     }
 }
 

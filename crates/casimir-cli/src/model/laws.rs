@@ -1,7 +1,7 @@
 //! Functions that were found to obey the conformal law.
 
 use casimir::{
-    analysis::inspect::{Facts, Form},
+    analysis::facts::{Facts, Form},
     mc::{ConformalLaw, DynProblem, Formulas},
 };
 

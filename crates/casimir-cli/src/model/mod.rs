@@ -13,7 +13,7 @@ use std::{error::Error, sync::Arc};
 use casimir::{
     analysis::{
         Comparison, DynCompareSettings,
-        inspect::{Inspection, LargeInspection},
+        inspect::{InspectError, Inspection},
     },
     formula::{FormulaDamping, Names},
     mc::{Expect, Setup},
@@ -65,7 +65,7 @@ pub trait Model<N>: Send + Sync {
     ///
     /// # Errors
     /// Those of [`casimir::analysis::inspect`].
-    fn findings(&self) -> Result<Findings, Box<dyn Error>>;
+    fn findings(&self) -> Result<Inspection, InspectError>;
 }
 
 /// What is found within milliseconds.
@@ -195,24 +195,6 @@ fn unknown_scheme(name: &str, known: &[&str]) -> String {
     format!("no scheme `{name}` for this system; there are auto, {}{hint}", known.join(", "))
 }
 
-/// What a system is.
-pub enum Findings {
-    /// Of few components.
-    Small(Box<Inspection>),
-    /// Of many.
-    Large(LargeInspection),
-}
-
-impl Findings {
-    /// As JSON.
-    pub fn json(&self) -> serde_json::Result<serde_json::Value> {
-        match self {
-            Self::Small(inspection) => serde_json::to_value(inspection),
-            Self::Large(inspection) => serde_json::to_value(inspection),
-        }
-    }
-}
-
 /// A text in which `y1`, `y2`, … are the names of the components.
 pub fn with_names(text: &str, components: &[String]) -> String {
     let mut named = String::new();
@@ -230,17 +212,6 @@ pub fn with_names(text: &str, components: &[String]) -> String {
         rest = &found[1 + digits..];
     }
     named + rest
-}
-
-impl Findings {
-    /// The findings in words, with the names of the components.
-    pub fn text(&self, components: &[String]) -> String {
-        let text = match self {
-            Self::Small(inspection) => inspection.to_string(),
-            Self::Large(inspection) => inspection.to_string(),
-        };
-        with_names(&text, components)
-    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Whether the integral of a damping is the integral of its rate.
 
+use std::fmt;
+
 use serde::Serialize;
 use systems::{Damping, RateIntegrals, RateQuadrature};
 
@@ -35,13 +37,13 @@ pub struct DampingIntegral {
     pub t_end: f64,
     /// The least ∫₀ᵗ given for a t in [0, T], or less.
     #[serde(skip)]
-    pub(super) least: f64,
+    pub(crate) least: f64,
     /// Whether rate and integral are zero wherever they were looked at.
     #[serde(skip)]
-    pub(super) none: bool,
+    pub(crate) none: bool,
     /// Whether the rate is finite at both ends of every part, where schemes may read it.
     #[serde(skip)]
-    pub(super) finite: bool,
+    pub(crate) finite: bool,
 }
 
 /// Parts of [0, T], a power of two.
@@ -54,7 +56,7 @@ const AGREEMENT: f64 = 1e-6;
 const UNEVEN: f64 = 0.381_966_011_250_105;
 
 impl DampingIntegral {
-    pub(super) fn of(damping: &dyn Damping, t_end: f64) -> Self {
+    pub(crate) fn of(damping: &dyn Damping, t_end: f64) -> Self {
         let time = |n: u32, of: u32| t_end * f64::from(n) / f64::from(of);
         let RateQuadrature { parts, resolution } = RateQuadrature::new(damping, t_end, PARTS);
         let sum = |parts: &[RateIntegrals]| {
@@ -63,7 +65,7 @@ impl DampingIntegral {
         let total = sum(&parts);
         let average = total.size / f64::from(PARTS);
         let mut found = Self {
-            agrees: Status::Found,
+            agrees: Status::Holds,
             defect: 0.0,
             relative: 0.0,
             at: 0.0,
@@ -92,7 +94,7 @@ impl DampingIntegral {
             }
             if difference.is_nan() || difference > AGREEMENT * scale {
                 let unresolved = exact.rough && !difference.is_nan();
-                let because = if unresolved { Status::Unknown } else { Status::Refuted };
+                let because = if unresolved { Status::Unknown } else { Status::Fails };
                 found.agrees = found.agrees.min(because);
             }
         }
@@ -111,6 +113,32 @@ impl DampingIntegral {
         let longest = finest_first.take_while(|&steps| agrees_for(steps)).last();
         found.longest_step = longest.map(|steps| t_end / f64::from(steps));
         found
+    }
+}
+
+impl fmt::Display for DampingIntegral {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { defect, relative, at, given, expected, resolution, .. } = self;
+        if self.agrees.holds() {
+            write!(
+                f,
+                "rate and integral agree to {relative:.0e}, pulses below {resolution:.0e} aside"
+            )?;
+        } else {
+            let rough = if self.rough > 0 { ", and the rate jumps or has pulses" } else { "" };
+            write!(
+                f,
+                "rate and integral DISAGREE by {defect:.1e} in a step from t = {at:.4} on\
+                 \n           ∫₀ᵀγ = {given:.6} in 1024 steps, {expected:.6} by quadrature{rough}"
+            )?;
+        }
+        match self.longest_step {
+            Some(step) if step < self.t_end => {
+                write!(f, "\n           and to 1e-6 for steps of {step:.2e}, and of halves of it")
+            }
+            Some(_) => Ok(()),
+            None => write!(f, "\n           and not to 1e-6 for steps of T/1024"),
+        }
     }
 }
 
@@ -182,7 +210,7 @@ mod tests {
         // Right on every part, and not on its pieces.
         let uneven = |a: f64, b: f64| if (1024.0 * a).fract() > 0.0 { 0.0 } else { b - a };
         let found = of(|_| 1.0, uneven, 1.0);
-        assert!(found.agrees == Status::Refuted && near(found.given, 1.0), "{found:?}");
+        assert!(found.agrees == Status::Fails && near(found.given, 1.0), "{found:?}");
         assert!(near(found.relative, 1.0 - UNEVEN), "{found:?}");
         assert_eq!(found.longest_step, Some(1.0));
     }
@@ -205,13 +233,13 @@ mod tests {
         // An integral of no rate, and no integral of a rate.
         let integral = of(|_| 0.0, |a, b| b - a, 1.0);
         assert!(!integral.none && integral.relative == f64::INFINITY, "{integral:?}");
-        assert!(integral.agrees == Status::Refuted && integral.longest_step.is_none());
+        assert!(integral.agrees == Status::Fails && integral.longest_step.is_none());
         let rate = of(|_| 1.0, |_, _| 0.0, 1.0);
         assert!(!rate.none && near(rate.relative, 1.0), "{rate:?}");
         let root = of(|t| 0.5 / t.sqrt(), |a, b| b.sqrt() - a.sqrt(), 1.0);
         assert!(!root.finite && !root.none);
         let nan = of(|_| 1.0, |a, b| if a > 0.5 { f64::NAN } else { b - a }, 1.0);
-        assert!(nan.agrees == Status::Refuted && nan.longest_step.is_none(), "{nan:?}");
+        assert!(nan.agrees == Status::Fails && nan.longest_step.is_none(), "{nan:?}");
     }
 
     #[test]

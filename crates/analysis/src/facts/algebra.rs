@@ -1,0 +1,77 @@
+//! Dense linear algebra for matrices of the size of a system.
+
+/// A matrix by rows.
+pub type Matrix = Vec<Vec<f64>>;
+
+/// The unit vector e_i of length n.
+pub fn axis(n: usize, i: usize) -> Vec<f64> {
+    let mut axis = vec![0.0; n];
+    axis[i] = 1.0;
+    axis
+}
+
+pub fn transposed(a: &Matrix) -> Matrix {
+    (0..a.len()).map(|i| a.iter().map(|row| row[i]).collect()).collect()
+}
+
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// ‖a‖₂.
+pub fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// a + cb.
+pub fn moved(a: &[f64], c: f64, b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + c * b).collect()
+}
+
+/// max |aᵢ|; NaN if one of them is.
+pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    values.into_iter().map(|x| x.abs()).max_by(f64::total_cmp).unwrap_or(0.0)
+}
+
+pub fn times(matrix: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
+    matrix.iter().map(|row| dot(row, v)).collect()
+}
+
+/// A basis of the x with Ax = 0, in which each vector has a 1 where all others have a 0, and the
+/// smallest pivot. Pivots below `zero` are none. By Gauss–Jordan elimination with complete pivoting,
+/// whose bits are the same on every machine.
+pub fn null_space(mut rows: Matrix, unknowns: usize, zero: f64) -> (Matrix, f64) {
+    let mut pivots: Vec<usize> = Vec::new();
+    let mut least = f64::INFINITY;
+    while pivots.len() < rows.len() {
+        let rank = pivots.len();
+        let places = (rank..rows.len()).flat_map(|i| (0..unknowns).map(move |j| (i, j)));
+        let size = |(i, j): (usize, usize)| rows[i][j].abs();
+        let Some(place) = places.max_by(|a, b| size(*a).total_cmp(&size(*b)).then(b.cmp(a))) else {
+            break;
+        };
+        let pivot = rows[place.0][place.1];
+        if pivot.is_nan() || pivot.abs() <= zero {
+            break;
+        }
+        least = least.min(pivot.abs());
+        rows.swap(rank, place.0);
+        rows[rank].iter_mut().for_each(|x| *x /= pivot);
+        let pivot_row = rows[rank].clone();
+        for (k, row) in rows.iter_mut().enumerate() {
+            let factor = row[place.1];
+            if k != rank && factor != 0.0 {
+                row.iter_mut().zip(&pivot_row).for_each(|(x, p)| *x -= factor * p);
+                row[place.1] = 0.0;
+            }
+        }
+        pivots.push(place.1);
+    }
+    let solution = |free: usize| {
+        let mut x = axis(unknowns, free);
+        pivots.iter().zip(&rows).for_each(|(&pivot, row)| x[pivot] = -row[free]);
+        x
+    };
+    let free = (0..unknowns).filter(|j| !pivots.contains(j));
+    (free.map(solution).collect(), least)
+}

@@ -1,0 +1,176 @@
+//! Whether an identity holds.
+
+use serde::Serialize;
+
+use super::algebra::largest;
+
+/// The answer to whether a property holds, from the worst to the best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// It fails: there is a counterexample beyond round-off.
+    Fails,
+    /// It cannot be told: round-off hides it, or a value is not finite.
+    Unknown,
+    /// It holds to round-off at every point that was looked at.
+    Holds,
+}
+
+impl Status {
+    /// Whether the property holds wherever it was looked at.
+    #[must_use]
+    pub fn holds(self) -> bool {
+        self == Self::Holds
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Fails => "fails",
+            Self::Unknown => "cannot tell",
+            Self::Holds => "holds",
+        }
+    }
+}
+
+/// Whether an identity holds at points, and its largest relative defect.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// The answer.
+    pub status: Status,
+    /// The largest defect relative to the terms of the identity, of those with this answer.
+    pub defect: f64,
+    /// The point of the defect.
+    pub at: Vec<f64>,
+    /// The number of points.
+    pub points: usize,
+    #[serde(skip)]
+    kind: Tolerance,
+}
+
+/// How a defect is judged that is far below the largest terms, though not below its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Tolerance {
+    /// As rounding.
+    #[default]
+    Usual,
+    /// It cannot be told from a rounded constant.
+    Strict,
+    /// As rounding; and coefficients that were fitted have errors.
+    Fitted,
+}
+
+/// States of a cluster: a point and others at this relative distance of it. A defect that is not
+/// about the same at all of them is round-off.
+pub const CLUSTER: usize = 4;
+/// The distance of the states of a cluster, relative to each component.
+pub const APART: f64 = 1e-9;
+/// The ratio of defects in a cluster that are about the same.
+const ALIKE: f64 = 1.5;
+/// A defect below this part of its own terms is round-off: some tens of ε.
+const ROUNDING: f64 = 1e-14;
+/// Above this part a defect that is the same in the whole cluster is none of rounded constants.
+const DEFECT: f64 = 1e-12;
+/// Round-off above this part of the terms leaves an identity undecided.
+const COARSE: f64 = 1e-11;
+/// A defect below this part of the largest terms may be one of rounded constants.
+const FAINT: f64 = 2.0 * f64::EPSILON;
+
+/// A defect, and the size of the terms of which it is the sum.
+pub type Term = (f64, f64);
+
+/// Holds, since nothing was compared yet.
+impl Default for Finding {
+    fn default() -> Self {
+        let (at, kind) = (Vec::new(), Tolerance::default());
+        Self { status: Status::Holds, defect: 0.0, at, points: 0, kind }
+    }
+}
+
+impl Finding {
+    /// Of an identity that decides an order: what is hidden by larger terms cannot be told.
+    pub(crate) fn strict() -> Self {
+        Self { kind: Tolerance::Strict, ..Self::default() }
+    }
+
+    /// Of an identity with coefficients that were fitted.
+    pub(crate) fn fitted() -> Self {
+        Self { kind: Tolerance::Fitted, ..Self::default() }
+    }
+
+    /// Records the identity at the states of a cluster around `at`, component by component. `wide`
+    /// is the size of terms that are not among those given.
+    pub(crate) fn record(&mut self, at: &[f64], cluster: &[Vec<Term>], wide: f64) {
+        self.points += 1;
+        let sizes = cluster.iter().flatten().map(|term| &term.1);
+        let wide = largest(sizes.chain([&wide]));
+        for i in 0..cluster.first().map_or(0, Vec::len) {
+            let own = largest(cluster.iter().map(|terms| &terms[i].1));
+            let defects: Vec<f64> = cluster.iter().map(|terms| terms[i].0).collect();
+            let high = largest(&defects);
+            let low = defects.iter().fold(f64::INFINITY, |low, x| low.min(x.abs()));
+            let signs = defects.iter().all(|x| (*x < 0.0) == (defects[0] < 0.0));
+            let alike = signs && high <= ALIKE * low;
+            let (below, defect) = match self.kind {
+                Tolerance::Usual => (8.0 * FAINT, DEFECT),
+                Tolerance::Strict => (FAINT, DEFECT),
+                Tolerance::Fitted => (8.0 * FAINT, 2.0 * DEFECT),
+            };
+            let rounding = if self.kind == Tolerance::Fitted { DEFECT } else { ROUNDING };
+            let status = if !(high.is_finite() && wide.is_finite()) {
+                Status::Unknown
+            } else if high <= (rounding * own).max(f64::MIN_POSITIVE) {
+                Status::Holds
+            } else if !alike {
+                if high <= COARSE * wide { Status::Holds } else { Status::Unknown }
+            } else if low <= below * wide {
+                if self.kind == Tolerance::Strict { Status::Unknown } else { Status::Holds }
+            } else if low <= defect * own {
+                Status::Unknown
+            } else {
+                Status::Fails
+            };
+            let size = if status == Status::Fails { own } else { wide };
+            let relative = if high == 0.0 { 0.0 } else { high / size };
+            if status < self.status
+                || self.at.is_empty()
+                || (status == self.status && relative > self.defect)
+            {
+                (self.status, self.defect, self.at) = (status, relative, at.to_vec());
+            }
+        }
+    }
+
+    /// Whether it holds at every point.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.status.holds()
+    }
+
+    /// Whether it is false.
+    #[must_use]
+    pub fn fails(&self) -> bool {
+        self.status == Status::Fails
+    }
+
+    /// This finding, unknown if there was no point to look at.
+    pub(crate) fn seen(mut self) -> Self {
+        if self.points == 0 {
+            self.status = Status::Unknown;
+        }
+        self
+    }
+}
+
+/// The terms of a = b, component by component.
+pub fn differences(a: &[f64], b: &[f64]) -> Vec<Term> {
+    a.iter().zip(b).map(|(a, b)| (a - b, a.abs() + b.abs())).collect()
+}
+
+/// The terms of A·v = 0, row by row.
+pub fn products(a: &[Vec<f64>], v: &[f64]) -> Vec<Term> {
+    let sum = |row: &Vec<f64>| {
+        let terms = row.iter().zip(v).map(|(a, v)| a * v);
+        terms.fold((0.0, 0.0), |(sum, size), x| (sum + x, size + x.abs()))
+    };
+    a.iter().map(sum).collect()
+}

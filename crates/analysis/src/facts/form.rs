@@ -1,0 +1,80 @@
+//! Linear and quadratic forms, and sums of terms as text.
+
+use super::algebra::{dot, largest};
+
+/// βᵀy, or ½yᵀQy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Form {
+    /// 1 or 2.
+    pub degree: u32,
+    /// β, or the rows of Q one after the other.
+    pub coefficients: Vec<f64>,
+}
+
+impl Form {
+    /// The formula in y1, y2, …, coefficients to six digits.
+    pub fn formula(&self) -> String {
+        let c = &self.coefficients;
+        let d = if self.degree == 1 { c.len() } else { c.len().isqrt() };
+        let (squares, products): (Vec<_>, Vec<_>) = places(d).partition(|(i, j)| i == j);
+        let term = |(i, j): (usize, usize)| match (self.degree, i == j) {
+            (1, _) => (c[i], format!("y{}", i + 1)),
+            (_, true) => (0.5 * c[i * d + i], format!("y{}²", i + 1)),
+            (_, false) => (c[i * d + j], format!("y{} y{}", i + 1, j + 1)),
+        };
+        let products = products.into_iter().filter(|_| self.degree == 2);
+        sum_of_terms(squares.into_iter().chain(products).map(term))
+    }
+
+    /// The gradient at y.
+    pub(crate) fn gradient(&self, y: &[f64]) -> Vec<f64> {
+        match self.degree {
+            1 => self.coefficients.clone(),
+            _ => self.coefficients.chunks(y.len()).map(|row| dot(row, y)).collect(),
+        }
+    }
+
+    /// The value at y.
+    pub fn value(&self, y: &[f64]) -> f64 {
+        dot(&self.gradient(y), y) / f64::from(self.degree)
+    }
+}
+
+/// The places (i, j), i ≤ j, of a symmetric matrix.
+pub fn places(d: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..d).flat_map(move |i| (i..d).map(move |j| (i, j)))
+}
+
+/// `2 a − b`, coefficients to six digits and without those that are zero.
+pub fn sum_of_terms(terms: impl Iterator<Item = (f64, String)>) -> String {
+    let mut formula = String::new();
+    for (coefficient, symbol) in terms.filter(|(coefficient, _)| *coefficient != 0.0) {
+        let sign = match (formula.is_empty(), coefficient < 0.0) {
+            (true, false) => "",
+            (true, true) => "−",
+            (false, false) => " + ",
+            (false, true) => " − ",
+        };
+        let size = (coefficient.abs() * 1e6).round() / 1e6;
+        let size = if size == 1.0 { String::new() } else { format!("{size} ") };
+        formula += &format!("{sign}{size}{symbol}");
+    }
+    formula
+}
+
+/// The multiple of x whose smallest coefficient is ±1 and whose first one is positive. Coefficients
+/// within `error` of zero or, relatively, of an integer are made exact.
+pub fn readable(mut x: Vec<f64>, error: f64) -> Vec<f64> {
+    let size = largest(&x);
+    x.iter_mut().filter(|c| c.abs() <= error * size).for_each(|c| *c = 0.0);
+    let smallest = x.iter().filter(|c| **c != 0.0).fold(f64::INFINITY, |m, c| m.min(c.abs()));
+    let sign = x.iter().find(|c| **c != 0.0).map_or(1.0, |c| c.signum());
+    let error = error * size / smallest;
+    for c in &mut x {
+        *c *= sign / smallest;
+        if (*c - c.round()).abs() <= error {
+            *c = c.round();
+        }
+    }
+    x
+}

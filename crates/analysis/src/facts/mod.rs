@@ -1,0 +1,124 @@
+//! What a run has to know of a system, found in milliseconds: [`Facts`], and the rule for the default
+//! scheme, [`Kept`].
+//!
+//! Here is what [`inspect`](crate::inspect) is made of, too: a system at many states, identities
+//! with three answers, and the search for Casimirs. The bits of all this are the same on every
+//! machine.
+
+pub(crate) mod algebra;
+mod damping;
+pub(crate) mod finding;
+pub(crate) mod form;
+pub(crate) mod probe;
+pub(crate) mod random;
+mod scheme;
+pub(crate) mod search;
+
+use real::WIDTH;
+use systems::run_time::{Problem, System};
+
+use algebra::{dot, largest, moved, norm};
+use probe::{Batch, Probe};
+use random::{Purpose, Random};
+use search::{ZERO, casimirs};
+
+pub use damping::DampingIntegral;
+pub use finding::{Finding, Status};
+pub use form::Form;
+pub use scheme::{Kept, long_times};
+
+/// What a run has to know of a problem: which laws it obeys.
+///
+/// Identities are tested at 32 random points around the initial value: what is found holds to 10⁻⁹
+/// of its terms there. The bits are the same on every machine. [`inspect`](crate::inspect) tests more,
+/// and more sharply.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Facts {
+    /// Linear Casimirs, then quadratic ones that are no products of these.
+    pub casimirs: Vec<Form>,
+    /// Whether every Hₘ is a multiple of H₀, up to a constant.
+    pub proportional: bool,
+    /// The degree of H₀, if it is homogeneous.
+    pub degree: Option<f64>,
+    /// Whether there is damping.
+    pub damped: bool,
+    /// That the integral of the damping is not the integral of its rate.
+    pub mistake: Option<String>,
+}
+
+impl Facts {
+    /// The facts of a problem whose system has one path in each place of a row.
+    pub fn of(problem: &Problem) -> Self {
+        let integral = DampingIntegral::of(problem.damping(), problem.t_end());
+        let wrong = format!("the integral of the damping is not that of its rate: {integral}");
+        let mut probe = Probe::new(problem.system());
+        let y = around(&probe, problem.y0(), &mut Random::new(Purpose::Points));
+        let slopes = |probe: &mut Probe<'_>, m: usize| {
+            let weights = probe.weights(m);
+            probe.gradient(&y, &weights).concat()
+        };
+        let drift = slopes(&mut probe, 0);
+        let proportional = (1..=problem.system().description().noises)
+            .all(|m| multiple(&drift, &slopes(&mut probe, m)).is_some());
+        let weights = probe.weights(0);
+        let energy = probe.energy(&y, &weights);
+        // Euler's identity y·∇H₀ = pH₀.
+        let gradients = drift.chunks(problem.y0().len().max(1));
+        let euler: Vec<f64> = y.iter().zip(gradients).map(|(y, g)| dot(y, g)).collect();
+        let degree = multiple(&energy, &euler).filter(|degree| *degree != 0.0);
+        Self {
+            casimirs: casimirs_around(problem.system(), problem.y0()),
+            proportional,
+            degree: degree.map(nearby_integer),
+            damped: !integral.none,
+            mistake: (integral.agrees == Status::Fails).then_some(wrong),
+        }
+    }
+
+    /// The degree p of the law H₀(y(t)) = e^{−p∫γ}H₀(y₀), if there is one; any without damping.
+    pub fn energy_law(&self) -> Option<f64> {
+        let degree = self.degree.or((!self.damped).then_some(0.0));
+        degree.filter(|_| self.proportional)
+    }
+
+    /// What a scheme has to care for. Lévy areas are not drawn for systems known at run time.
+    pub fn kept(&self) -> Kept {
+        let (casimirs, energy) = (!self.casimirs.is_empty(), self.energy_law().is_some());
+        Kept { casimirs, energy, areas: false }
+    }
+}
+
+/// The linear and quadratic Casimirs of a system, as [`Facts`] have them.
+pub fn casimirs_around(system: &dyn System, y0: &[f64]) -> Vec<Form> {
+    let mut random = Random::new(Purpose::Points);
+    casimirs(&mut Probe::new(system), |probe| around(probe, y0, &mut random)).forms
+}
+
+/// 32 points of the domain, as far from y₀ as its size where possible.
+fn around(probe: &Probe<'_>, y0: &[f64], random: &mut Random) -> Batch {
+    let size = match norm(y0) {
+        0.0 => 1.0,
+        length => 0.3 * length,
+    };
+    let mut point = || {
+        let shift: Vec<f64> = y0.iter().map(|y| random.uniform() * (y.abs() + size)).collect();
+        let at = |halvings: i32| moved(y0, f64::powi(0.5, halvings), &shift);
+        let inside = (0..40).map(at).find(|y| probe.in_domain(y));
+        inside.unwrap_or_else(|| y0.to_vec())
+    };
+    (0..WIDTH).map(|_| point()).collect()
+}
+
+/// c with b = c·a, if there is one.
+fn multiple(a: &[f64], b: &[f64]) -> Option<f64> {
+    let square = dot(a, a);
+    let c = if square > 0.0 { dot(a, b) / square } else { 0.0 };
+    let scale = largest(b) + c.abs() * largest(a);
+    let near = |(a, b): (&f64, &f64)| (b - c * a).abs() <= ZERO * scale;
+    a.iter().zip(b).all(near).then_some(c)
+}
+
+/// An integer, if one is within 10⁻⁹ of x.
+fn nearby_integer(x: f64) -> f64 {
+    if (x - x.round()).abs() <= ZERO * x.abs() { x.round() } else { x }
+}

@@ -1,0 +1,175 @@
+//! The search for linear and quadratic Casimirs, from B alone.
+
+use systems::Linearity;
+
+use super::{
+    algebra::{Matrix, axis, dot, largest, norm, null_space},
+    form::{Form, places, readable},
+    probe::{Batch, Probe},
+};
+
+/// What is relative to its terms below this is zero.
+pub const ZERO: f64 = 1e-9;
+/// Rows of B below this part of the largest entry are round-off, and say nothing.
+const NOISE: f64 = 32.0 * f64::EPSILON;
+/// A pivot below this is hardly told from zero.
+const CLEAR: f64 = 1e-6;
+/// Most unknowns of a quadratic Casimir: their elimination takes a tenth of a second.
+pub const UNKNOWNS: usize = 300;
+/// Equations for each unknown; a matrix of low rank has few at a point.
+const SURPLUS: usize = 2;
+
+/// Functions that may be Casimirs.
+#[derive(Default)]
+pub struct Candidates {
+    /// Linear ones, then quadratic ones that are no products of these.
+    pub forms: Vec<Form>,
+    /// Whether there can be no others.
+    pub complete: bool,
+    /// Whether quadratic ones were sought in every part of the state.
+    pub quadratic: bool,
+}
+
+/// Points, and B there.
+type AtPoints = (Batch, Vec<Matrix>);
+
+/// Solves B(y)∇C(y) = 0 for the coefficients of C in each part of the state that B does not join
+/// with others. `points` gives more points with each call, if it has any.
+pub fn casimirs(
+    probe: &mut Probe<'_>,
+    mut points: impl FnMut(&mut Probe<'_>) -> Batch,
+) -> Candidates {
+    let d = probe.dimension();
+    let mut states: Vec<AtPoints> = Vec::new();
+    let mut more = |probe: &mut Probe<'_>, states: &mut Vec<AtPoints>| {
+        let y = points(probe);
+        let matrices = probe.matrix(&y);
+        let some = !y.is_empty();
+        states.push((y, matrices));
+        some
+    };
+    more(probe, &mut states);
+    let (mut linear, mut quadratic) = (Vec::new(), Vec::new());
+    let mut all = Candidates { forms: Vec::new(), complete: true, quadratic: true };
+    for part in parts(probe, &states[0]) {
+        let size = part.len();
+        let (ones, least) = null_space(equations(1, &part, &states[..1]), size, ZERO);
+        all.complete &= least > CLEAR;
+        let (unknowns, rank) = (size * (size + 1) / 2, size - ones.len());
+        let mut twos = Matrix::new();
+        if unknowns > UNKNOWNS {
+            all.quadratic = false;
+        } else if probe.system.description().linearity != Linearity::Constant && rank > 0 {
+            let enough = |states: &[AtPoints]| {
+                states.iter().map(|state| state.0.len()).sum::<usize>() * rank >= SURPLUS * unknowns
+            };
+            while !enough(&states) {
+                if !more(probe, &mut states) {
+                    all.complete = false;
+                    break;
+                }
+            }
+            let (found, least) = null_space(equations(2, &part, &states), unknowns, ZERO);
+            all.complete &= least > CLEAR;
+            twos = beyond(found, products(&ones, size));
+        }
+        let whole = |degree: u32, x: Vec<f64>| {
+            let (x, mut all) = (readable(x, ZERO), vec![0.0; d.pow(degree)]);
+            match degree {
+                1 => part.iter().zip(x).for_each(|(i, c)| all[*i] = c),
+                _ => {
+                    for ((k, l), c) in places(size).zip(x) {
+                        all[part[k] * d + part[l]] = c;
+                        all[part[l] * d + part[k]] = c;
+                    }
+                }
+            }
+            Form { degree, coefficients: all }
+        };
+        linear.extend(ones.into_iter().map(|x| whole(1, x)));
+        quadratic.extend(twos.into_iter().map(|x| whole(2, x)));
+    }
+    all.forms = linear.into_iter().chain(quadratic).collect();
+    all.complete &= all.quadratic;
+    all
+}
+
+/// The parts of the state that B joins: by an entry, or by what an entry depends on.
+fn parts(probe: &mut Probe<'_>, (y, matrices): &AtPoints) -> Vec<Vec<usize>> {
+    let d = probe.dimension();
+    let mut label: Vec<usize> = (0..d).collect();
+    let mut join = |i: usize, j: usize| {
+        let (one, other) = (label[i], label[j]);
+        label.iter_mut().filter(|label| **label == other).for_each(|label| *label = one);
+    };
+    // A vector without special ratios.
+    let v: Vec<f64> = (0..d).map(|i| (1.0 + 0.7 * i as f64).sin()).collect();
+    for j in 0..d {
+        let along = probe.structure_along(y, &[axis(d, j)], std::slice::from_ref(&v));
+        let moves = |i: &usize| {
+            matrices.iter().any(|b| b[*i][j] != 0.0) || along.iter().any(|out| out[*i] != 0.0)
+        };
+        (0..d).filter(moves).for_each(|i| join(i, j));
+    }
+    let part = |one: usize| (0..d).filter(|i| label[*i] == one).collect::<Vec<_>>();
+    (0..d).map(part).filter(|part| !part.is_empty()).collect()
+}
+
+/// bᵀ∇C(y) = 0 for every row b of B(y) on a part, at all points, as rows of length one.
+fn equations(degree: u32, part: &[usize], states: &[AtPoints]) -> Matrix {
+    let mut rows = Matrix::new();
+    let points = states.iter().flat_map(|(y, matrices)| y.iter().zip(matrices));
+    for (y, b) in points {
+        let noise = NOISE * largest(b.iter().flatten());
+        for &i in part {
+            let b: Vec<f64> = part.iter().map(|&j| b[i][j]).collect();
+            if norm(&b) <= noise {
+                continue;
+            }
+            let row: Vec<f64> = match degree {
+                1 => b,
+                _ => places(part.len())
+                    .map(|(k, l)| match k == l {
+                        true => b[k] * y[part[k]],
+                        false => b[k] * y[part[l]] + b[l] * y[part[k]],
+                    })
+                    .collect(),
+            };
+            let length = norm(&row);
+            if length > 0.0 {
+                rows.push(row.into_iter().map(|x| x / length).collect());
+            }
+        }
+    }
+    rows
+}
+
+/// The products of linear forms, as quadratic ones.
+fn products(linear: &Matrix, d: usize) -> Matrix {
+    let product = |a: &[f64], b: &[f64]| {
+        places(d).map(|(i, j)| a[i] * b[j] + a[j] * b[i]).collect::<Vec<_>>()
+    };
+    places(linear.len()).map(|(i, j)| product(&linear[i], &linear[j])).collect()
+}
+
+/// Vectors of a span that no combination of `known` and of one another gives, by Gram and Schmidt.
+fn beyond(span: Matrix, known: Matrix) -> Matrix {
+    let (mut basis, mut kept, known_first) = (Matrix::new(), Matrix::new(), known.len());
+    for (n, x) in known.into_iter().chain(span).enumerate() {
+        let mut rest = x.clone();
+        for _ in 0..2 {
+            for b in &basis {
+                let share = dot(&rest, b);
+                rest.iter_mut().zip(b).for_each(|(x, b)| *x -= share * b);
+            }
+        }
+        let length = norm(&rest);
+        if length > CLEAR * norm(&x) {
+            basis.push(rest.into_iter().map(|x| x / length).collect());
+            if n >= known_first {
+                kept.push(x);
+            }
+        }
+    }
+    kept
+}
