@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use real::{Row, WIDTH};
-use systems::run_time::{Lanes, System, Weights};
+use systems::run_time::{Lanes, System, Weights, averaged_gradient};
 
 use super::algebra::{Matrix, axis, transposed};
 
@@ -69,7 +69,8 @@ impl<'a> Probe<'a> {
         arguments: &[&[Vec<f64>]],
         mut f: impl FnMut(&mut Self, &[Vec<Row>], Range<usize>),
     ) {
-        let points = arguments.iter().map(|states| states.len()).max().unwrap_or(0);
+        let counts = || arguments.iter().map(|states| states.len());
+        let points = if counts().any(|n| n == 0) { 0 } else { counts().max().unwrap_or(0) };
         for first in (0..points).step_by(self.together()) {
             let chunk = first..(first + self.together()).min(points);
             let of = |states: &&[Vec<f64>]| match states.len() {
@@ -156,8 +157,9 @@ impl<'a> Probe<'a> {
         })
     }
 
-    /// ∇̄h(a, b) and B((a+b)/2)∇̄h(a, b), of systems with one tile.
-    pub fn averages(&mut self, a: &[Vec<f64>], b: &[Vec<f64>], weights: &[f64]) -> [Batch; 2] {
+    /// ∇̄h(a, b), B((a+b)/2)∇̄h(a, b), and ∇̄h by the quadrature of the system, of systems with one
+    /// tile.
+    pub fn averages(&mut self, a: &[Vec<f64>], b: &[Vec<f64>], weights: &[f64]) -> [Batch; 3] {
         let h = Weights { dt: weights[0], dw: &self.noise(&weights[1..]) };
         let gradient = self.vectors(&[a, b], |system, _, rows, out, scratch| {
             system.averaged_gradient(&rows[0], &rows[1], h, out, scratch);
@@ -165,7 +167,10 @@ impl<'a> Probe<'a> {
         let field = self.vectors(&[a, b], |system, _, rows, out, scratch| {
             system.averaged_field(&rows[0], &rows[1], h, out, scratch);
         });
-        [gradient, field]
+        let quadrature = self.vectors(&[a, b], |system, _, rows, out, scratch| {
+            averaged_gradient(system, &rows[0], &rows[1], h, out, scratch);
+        });
+        [gradient, field, quadrature]
     }
 
     /// h(y).

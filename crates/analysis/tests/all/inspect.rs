@@ -731,6 +731,23 @@ fn lattices_are_inspected_along_directions() {
     let ring = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), one_field).unwrap();
     let report = large(&ring, &y0[..12]).unwrap();
     assert!(report.schemes.nv_refused.is_none(), "{report}");
+    // Too many components for matrices: spins on 32 paths, each with its length.
+    let ring = SpinLattice::on_paths(Shape::periodic(&[24]).unwrap(), one_field).unwrap();
+    let report = large(&ring, &y0[..72]).unwrap();
+    assert!(sound(&report) && report.casimirs.as_ref().unwrap().found.len() == 24, "{report}");
+    assert!(report.noise.commute.fails() && report.to_string().contains("and 12 more"), "{report}");
+    // A quadrature that is not exact is no mistake of formulas.
+    let words = |text: &str| text.split_whitespace().map(String::from).collect::<Vec<_>>();
+    let definition = formula::Definition {
+        name: "steep".into(),
+        state: words("x y"),
+        structure: vec![words("1")],
+        energy: "exp(6*x^2) + y^2".into(),
+        ..formula::Definition::default()
+    };
+    let steep = formula::FormulaSystem::new(&definition, &[1.0, 0.5]).unwrap();
+    let report = inspect_formulas(&steep, &[1.0, 0.5]).unwrap();
+    assert!(report.mistakes.is_empty() && report.hamiltonians.quadrature_error > 0.0, "{report}");
     // A body whose B is not skew, and one with a wrong Casimir, given as compiled systems.
     struct Wrong {
         skew: bool,
