@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use real::{Row, WIDTH};
-use systems::run_time::{Lanes, Op, System, Weights};
+use systems::run_time::{Lanes, Op, System, Weights, derived};
 
 use super::algebra::{Matrix, axis, transposed};
 
@@ -69,7 +69,8 @@ impl<'a> Probe<'a> {
         arguments: &[&[Vec<f64>]],
         mut f: impl FnMut(&mut Self, &[Vec<Row>], Range<usize>),
     ) {
-        let points = arguments.iter().map(|states| states.len()).max().unwrap_or(0);
+        let counts = || arguments.iter().map(|states| states.len());
+        let points = if counts().any(|n| n == 0) { 0 } else { counts().max().unwrap_or(0) };
         for first in (0..points).step_by(self.together()) {
             let chunk = first..(first + self.together()).min(points);
             let of = |states: &&[Vec<f64>]| match states.len() {
@@ -158,8 +159,9 @@ impl<'a> Probe<'a> {
         })
     }
 
-    /// ∇̄h(a, b) and B((a+b)/2)∇̄h(a, b), of systems with one tile.
-    pub fn averages(&mut self, a: &[Vec<f64>], b: &[Vec<f64>], weights: &[f64]) -> [Batch; 2] {
+    /// ∇̄h(a, b), B((a+b)/2)∇̄h(a, b), and ∇̄h by the quadrature of the system, of systems with one
+    /// tile.
+    pub fn averages(&mut self, a: &[Vec<f64>], b: &[Vec<f64>], weights: &[f64]) -> [Batch; 3] {
         let h = Weights { dt: weights[0], dw: &self.noise(&weights[1..]), areas: &[] };
         let gradient = self.vectors(&[a, b], |system, tile, rows, out, scratch| {
             let op = Op::AveragedGradient { a: &rows[0][..], b: &rows[1][..] };
@@ -169,7 +171,11 @@ impl<'a> Probe<'a> {
             let op = Op::AveragedField { a: &rows[0][..], b: &rows[1][..] };
             system.apply(op, tile, h, out, scratch);
         });
-        [gradient, field]
+        let quadrature = self.vectors(&[a, b], |system, _, rows, out, scratch| {
+            let op = Op::AveragedGradient { a: &rows[0][..], b: &rows[1][..] };
+            derived(system, op, h, out, scratch);
+        });
+        [gradient, field, quadrature]
     }
 
     /// h(y).

@@ -34,10 +34,15 @@ pub struct Hamiltonians {
     pub discrete_gradient: Finding,
     /// The largest defect of that relative to ‖∇̄h‖‖b − a‖: the relative error of the quadrature.
     pub quadrature_error: f64,
+    /// Whether `averaged_gradient` is written out, and not the quadrature of the interface: then a
+    /// large error of it is a mistake.
+    pub own_average: bool,
     /// `averaged_field(a, b)` is B((a+b)/2)∇̄h(a, b).
     pub averaged_field: Finding,
 }
 
+/// Averages that differ by this part are not the same.
+const SAME: f64 = 1e-9;
 /// Most noises that are looked at one by one; of others, two random combinations are.
 const SINGLY: usize = 8;
 
@@ -91,14 +96,16 @@ impl Hamiltonians {
         };
         let (states, steps) = (sight.states.clone(), sight.segments());
         let probe = &mut sight.probe;
-        let [alone, _] = probe.averages(&states, &states, weights);
+        let [alone, _, _] = probe.averages(&states, &states, weights);
         let slope = probe.gradient(&states, weights);
         let ends: Batch = states.iter().zip(&steps).map(|(y, step)| moved(y, 1.0, step)).collect();
         let middle = |(a, b): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
             a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
         };
         let middles: Batch = states.iter().zip(&ends).map(middle).collect();
-        let [mean, field] = probe.averages(&states, &ends, weights);
+        let [mean, field, quadrature] = probe.averages(&states, &ends, weights);
+        let far = |(a, b): (&Vec<f64>, &Vec<f64>)| norm(&moved(a, -1.0, b)) > SAME * norm(b);
+        self.own_average |= mean.iter().zip(&quadrature).any(far);
         let expected = probe.structure(&middles, &mean);
         let [start, end] = [&states, &ends].map(|y| probe.energy(y, weights));
         let change = |n: usize| {

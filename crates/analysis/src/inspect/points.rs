@@ -53,8 +53,9 @@ const NEARER: usize = 16;
 /// of them until a point is in the domain.
 const AROUND: [f64; 4] = [1.0, 0.1, 0.01, 1e-3];
 const HALVINGS: i32 = 40;
-/// Points of a system of very many components.
+/// Points of a system of very many components: for identities, and for Casimirs.
 const NEAR: usize = 6;
+const ALL_NEAR: usize = 96;
 
 impl Points {
     /// Random points of the region that are in the domain. Where the domain is a small part of the
@@ -107,15 +108,16 @@ impl Points {
         let mut random = Random::new(Purpose::Points);
         let shifted = |y: &f64, random: &mut Random| y + 0.1 * random.uniform() * (0.1 + y.abs());
         let mut point = || y0.iter().map(|y| shifted(y, &mut random)).collect::<Vec<_>>();
-        let points: Batch = (0..NEAR).map(|_| point()).filter(|y| probe.in_domain(y)).collect();
+        let points: Batch = (0..ALL_NEAR).map(|_| point()).filter(|y| probe.in_domain(y)).collect();
         if points.len() < 2 {
             return Err(InspectError::NoPoints { found: points.len(), wanted: NEAR });
         }
+        let for_identities = points[..points.len().min(NEAR)].to_vec();
         Ok(Self {
             region: Region::Near,
-            random: points.len(),
-            for_suprema: points.clone(),
-            for_identities: points,
+            random: for_identities.len(),
+            for_suprema: points,
+            for_identities,
             everywhere: true,
             pilot: None,
         })

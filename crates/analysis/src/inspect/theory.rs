@@ -120,6 +120,7 @@ pub fn theorems(report: &Inspection, damped: bool) -> Vec<Theorem> {
     let each = |laws: &[String], what| match (laws, complete) {
         ([], true) => (No, format!("no {what}")),
         ([], false) => (Conditionally, format!("cannot tell whether there is a {what}")),
+        _ if laws.len() > 12 => (Yes, format!("{} functions", laws.len())),
         _ => (Yes, laws.join("; ")),
     };
     let none = "linear or quadratic Casimir, and found no homogeneous energy or true claim";
