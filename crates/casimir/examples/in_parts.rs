@@ -50,18 +50,10 @@ fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     ];
     // 240 steps, quantile bands at 40 of them.
     let settings = StudySettings::new(240, 40, paths, truncation, key);
-    let bands =
-        Study::new(&Setup::of(&problem, &scheme), &phi, &settings)?.run_in(&job, "bands", &|_| ());
+    let setup = Setup::of(&problem, &scheme);
+    let bands = Study::new(&setup, &phi, &settings)?.run_in(&job, "bands", &|_| ());
     let settings = ExpectationSettings::new(key, truncation, 16, Coupling::Antithetic);
-    let mean = expectation_in(
-        &job,
-        "E",
-        &Setup::of(&problem, &scheme),
-        &phi,
-        accuracy,
-        &settings,
-        &|_| (),
-    )?;
+    let mean = expectation_in(&job, "E", &setup, &phi, accuracy, &settings, &|_| ())?;
     job.finish()?;
 
     // A part has no results.

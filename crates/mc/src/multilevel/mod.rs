@@ -79,7 +79,7 @@
 //! let problem = Problem::new(body, Constant::new(0.0)?, [1.0, 0.5, 0.0], 1.0)?;
 //! let key = StreamKey { seed: 1, experiment: 1 };
 //! let settings = ExpectationSettings::new(key, Truncation::new(4)?, 4, Coupling::Plain);
-//! let y2 = [Observable { name: "y2", function: |y| y[1] }];
+//! let y2 = [Observable { name: "y2", function: |y: [f64; 3]| y[1] }];
 //! let expectation = expectation(&Setup::of(&problem, &Sexp), &y2, 0.01, &settings, &|_| ())?;
 //!
 //! let (lower, upper) = expectation.estimates[0].interval();

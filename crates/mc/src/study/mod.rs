@@ -31,7 +31,7 @@
 //! // y₁²t, so E[y₂] = ½exp(−t/2).
 //! let body = RigidBody::one_noise([1.0, 1.0, 1.0], 1.0)?;
 //! let problem = Problem::new(body, Constant::new(0.0)?, [1.0, 0.5, 0.0], 1.0)?;
-//! let observables = [Observable { name: "y2", function: |y| y[1] }];
+//! let observables = [Observable { name: "y2", function: |y: [f64; 3]| y[1] }];
 //! let key = StreamKey { seed: 1, experiment: 0 };
 //! // 64 steps, 4 times, 2000 paths.
 //! let settings = StudySettings::new(64, 4, 2000, Truncation::new(4)?, key);
