@@ -8,7 +8,6 @@
 
 use std::cell::RefCell;
 
-use noise::StepNoise;
 use nonlin::BlockStatus;
 use schemes::Step;
 use systems::{Damping, RateQuadrature};
@@ -140,7 +139,7 @@ fn reads_rates(setup: &Setup<'_>, tau: f64) -> bool {
         let damping = Other { damping: problem.damping, rate, integral };
         let step = Step::new(&damping, 0, tau).ok()?;
         let (noise, mut state) =
-            (StepNoise::zero(problem.noises), scheme.start(&splat(&problem.y0)));
+            (scheme.no_noise(problem.noises), scheme.start(&splat(&problem.y0)));
         state.step(&step, &noise, &mut BlockStatus::explicit());
         Some(state.state().iter().map(|row| row[0].to_bits()).collect::<Vec<_>>())
     };

@@ -19,6 +19,14 @@ pub trait Method: Send + Sync {
     /// Whether the method reads the Lévy areas of a step.
     fn reads_areas(&self) -> bool;
 
+    /// No noise of a step, with areas if the method reads them.
+    fn no_noise(&self, noises: usize) -> StepNoise {
+        match self.reads_areas() {
+            true => StepNoise::with_areas(noises),
+            false => StepNoise::zero(noises),
+        }
+    }
+
     /// Whether the driver truncates increments and areas for this method.
     fn clips_increments(&self) -> bool;
 

@@ -48,10 +48,7 @@ impl<'a> Steps<'a> {
     pub fn new(subject: Subject<'a>) -> Self {
         let start: Vec<Row> = subject.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
         let noises = subject.problem.noises;
-        let none = || match subject.scheme.reads_areas() {
-            true => StepNoise::with_areas(noises),
-            false => StepNoise::zero(noises),
-        };
+        let none = || subject.scheme.no_noise(noises);
         Self {
             noises: [none(), none()],
             zero: none(),
