@@ -1,5 +1,6 @@
 //! Pilot paths: where the paths of a problem go.
 
+use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::WIDTH;
 use schemes::{Implicit, Increment, Step, run_time::Scheme};
@@ -57,15 +58,15 @@ pub fn pilot_paths(
     };
     paths.state_mut().iter_mut().zip(y0).for_each(|(row, &y)| *row = [y; WIDTH]);
     let mut random = Random::new(Purpose::Paths);
-    let mut dw = vec![[0.0; WIDTH]; system.description().noises];
+    let mut noise = StepNoise::zero(system.description().noises);
     let mut live: Vec<usize> = (0..PATHS).collect();
     for n in 0..STEPS {
-        for increment in dw.iter_mut().flat_map(|row| &mut row[..PATHS]) {
+        for increment in noise.increments.iter_mut().flat_map(|row| &mut row[..PATHS]) {
             *increment = tau.sqrt() * random.normals.normal().clamp(-CLIPPED, CLIPPED);
         }
         let Ok(step) = Step::new(damping, n, tau) else { break };
         let mut status = BlockStatus::explicit();
-        paths.step(&step, &dw, &mut status);
+        paths.step(&step, &noise, &mut status);
         let state = |p: usize| paths.state().iter().map(|row| row[p]).collect::<Vec<_>>();
         let ends =
             |p: &usize| status.failed.contains(*p) || system.check_domain(&state(*p)).is_err();

@@ -22,7 +22,7 @@ pub(crate) mod system;
 use std::fmt::Display;
 
 use mc::{
-    Observable,
+    Observable, Setup,
     multilevel::{Coupling, Estimate, Expectation, ExpectationSettings, expectation},
     parts::Job,
 };
@@ -356,7 +356,7 @@ where
         };
         let observable = [Observable { name: "φ", function }];
         let run = |settings: &ExpectationSettings| {
-            expectation(&scheme, &problem, &observable, how.accuracy, settings, &|_| ())
+            expectation(&Setup::of(&problem, &scheme), &observable, how.accuracy, settings, &|_| ())
         };
         let result = match run(&settings) {
             Ok(result) => result,

@@ -7,7 +7,7 @@ use analysis::{
     rigid_body_expectations,
 };
 use mc::{
-    Expect, Observable, Observe,
+    Expect, Observable, Observe, Setup,
     multilevel::{Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation_in},
     parts::Job,
 };
@@ -58,7 +58,15 @@ fn multilevel(
     let settings = with(settings(conditions, part));
     let advance = |work| conditions.progress.advance(work);
     let (scheme, problem) = (sexp.as_ref(), &problem);
-    valid(expectation_in(job, &name, scheme, problem, observables, accuracy, &settings, &advance))
+    valid(expectation_in(
+        job,
+        &name,
+        &Setup::of(problem, scheme),
+        observables,
+        accuracy,
+        &settings,
+        &advance,
+    ))
 }
 
 /// Expectations with everything chosen, on the points of part number `part`.
