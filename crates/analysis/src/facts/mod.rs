@@ -14,10 +14,10 @@ pub(crate) mod random;
 mod scheme;
 pub(crate) mod search;
 
-use real::WIDTH;
+use real::{WIDTH, elementary};
 use systems::run_time::{Problem, System};
 
-use algebra::{dot, largest, moved, norm};
+use algebra::{Matrix, axis, dot, largest, moved, norm, times, transposed};
 use probe::{Batch, Probe};
 use random::{Purpose, Random};
 use search::{ZERO, casimirs};
@@ -92,6 +92,45 @@ impl Facts {
 pub fn casimirs_around(system: &dyn System, y0: &[f64]) -> Vec<Form> {
     let mut random = Random::new(Purpose::Points);
     casimirs(&mut Probe::new(system), |probe| around(probe, y0, &mut random)).forms
+}
+
+/// Components up to which [`fastest`] looks at the matrix of the derivative.
+const MOST_COMPONENTS: usize = 64;
+/// Squarings of that matrix: ρ is found to the factor 1 ± 64·ln κ/2²⁰, κ its condition.
+const SQUARINGS: u32 = 20;
+
+/// The rate of the fastest motion about y₀ without noise, in radians or e-foldings per time: the
+/// spectral radius ρ of f′(y₀) with f = B∇H₀, by Gelfand's formula ρ = lim ‖f′ᵏ‖^{1/k}. Zero with
+/// more than 64 components.
+pub fn fastest(system: &dyn System, y0: &[f64]) -> f64 {
+    let d = y0.len();
+    if d > MOST_COMPONENTS || d == 0 {
+        return 0.0;
+    }
+    let mut probe = Probe::new(system);
+    let (y, weights) = ([y0.to_vec()], probe.weights(0));
+    let slope = probe.gradient(&y, &weights);
+    // The columns (∂B·u)∇H₀ + B∇²H₀u of f′.
+    let column = |u: Vec<f64>| {
+        let u = [u];
+        let turned = probe.structure_along(&y, &u, &slope);
+        let curved = probe.hessian(&y, &u, &weights);
+        moved(&turned[0], 1.0, &probe.structure(&y, &curved)[0])
+    };
+    let columns: Matrix = (0..d).map(|j| axis(d, j)).map(column).collect();
+    let mut power = transposed(&columns);
+    let mut log_radius = 0.0;
+    for n in 0..=SQUARINGS {
+        let size = power.iter().map(|row| norm(row)).fold(0.0, f64::max);
+        if size == 0.0 || !size.is_finite() {
+            return 0.0;
+        }
+        log_radius += elementary::ln(size) * f64::powi(0.5, n as i32);
+        power.iter_mut().flatten().for_each(|x| *x /= size);
+        let columns = transposed(&power);
+        power = power.iter().map(|row| times(&columns, row)).collect();
+    }
+    elementary::exp(log_radius)
 }
 
 /// 32 points of the domain, as far from y₀ as its size where possible.

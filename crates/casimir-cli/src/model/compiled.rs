@@ -5,7 +5,7 @@ use std::{error::Error, sync::Arc};
 use casimir::{
     analysis::{
         Candidates, CompareSettings, Comparison, compare,
-        facts::Kept,
+        facts::{Kept, fastest},
         inspect,
         inspect::{InspectError, InspectSettings, Inspection},
     },
@@ -101,6 +101,11 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model for
         let areas = M > 1 && !SexpLevy::new(system, y0).commuting();
         Kept { casimirs: has(InvariantKind::Casimir), energy: has(InvariantKind::Energy), areas }
             .scheme()
+    }
+
+    fn fastest(&self) -> f64 {
+        let system = run_time::Compiled::new(self.problem.system(), self.problem.y0());
+        fastest(&system, &self.problem.y0())
     }
 
     fn constant_structure(&self) -> bool {

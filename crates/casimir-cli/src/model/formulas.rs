@@ -8,7 +8,7 @@ use std::{
 use casimir::{
     analysis::{
         Candidates, CompareSettings, Comparison, compare,
-        facts::{Facts, Form},
+        facts::{Facts, Form, fastest},
         inspect,
         inspect::{InspectError, InspectSettings, Inspection},
     },
@@ -71,6 +71,10 @@ impl Model for Formulas {
             laws: facts.casimirs.iter().enumerate().map(form).chain(energy).collect(),
             mistake: facts.mistake.clone(),
         }
+    }
+
+    fn fastest(&self) -> f64 {
+        fastest(self.problem.system(), self.problem.y0())
     }
 
     fn constant_structure(&self) -> bool {
