@@ -6,10 +6,7 @@ use std::{error::Error, sync::Arc};
 
 use casimir::{
     formula::{Definition, Formula, FormulaDamping, FormulaSystem},
-    mc::{
-        DynSimulation, RowFunction, Setup,
-        multilevel::{Coupling, ExpectationSettings, expectation_of},
-    },
+    mc::{DynSimulation, Expect, RowFunction, Setup},
     prelude::*,
     systems::run_time,
 };
@@ -38,12 +35,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         function: move |y: &[_], values: &mut _| nutation.values(y, values),
     };
     let (truncation, key) = (Truncation::new(4)?, StreamKey { seed: 1, experiment: 0 });
-    let settings = ExpectationSettings::new(key, truncation, 16, Coupling::Antithetic);
-    let setup = Setup::at_run_time(&problem, &scheme)?;
-    let found = expectation_of(&setup, &[&nutation], 2e-3, &settings, &|_| ())?;
+    let found = Expect::at_run_time(&problem)?.with_key(key).run(&[&nutation], 2e-3, &|_| ())?;
     let (lo, hi) = found.estimates[0].interval();
     println!("E nutation in [{lo:.4}, {hi:.4}]");
 
+    let setup = Setup::at_run_time(&problem, &scheme)?;
     let simulation = DynSimulation::new(setup, truncation).every(32).observing(nutation);
     let path = &simulation.paths(256, key, 0..1)?[0];
     for (t, value) in path.times().iter().zip(path.column("nutation").unwrap_or_default()) {

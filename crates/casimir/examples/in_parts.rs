@@ -11,8 +11,7 @@ use std::{env, process::ExitCode};
 
 use casimir::{
     mc::{
-        Observable, Study, StudySettings,
-        multilevel::{Coupling, ExpectationSettings, expectation_in},
+        Expect, Observable, Observe, Study, StudySettings,
         parts::{Job, Program},
     },
     prelude::*,
@@ -51,8 +50,8 @@ fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     // 240 steps, quantile bands at 40 of them.
     let settings = StudySettings::new(240, 40, paths, truncation, key);
     let bands = Study::new(&problem, &scheme, &phi, &settings)?.run_in(&job, "bands", &|_| ());
-    let settings = ExpectationSettings::new(key, truncation, 16, Coupling::Antithetic);
-    let mean = expectation_in(&job, "E", &scheme, &problem, &phi, accuracy, &settings, &|_| ())?;
+    let phi = phi.each_ref().map(|phi| phi as &dyn Observe);
+    let mean = Expect::new(&problem).with_key(key).run_in(&job, "E", &phi, accuracy, &|_| ())?;
     job.finish()?;
 
     // A part has no results.

@@ -40,21 +40,19 @@
 //! | [`Setup`], [`LargePath`] | problems and large systems known at run time |
 //! | [`Recording`] | the increments of a path, to exchange with other programs |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
-//! | [`expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme and points chosen |
-//! | [`multilevel`] | the same with a given scheme, levels and random points |
+//! | [`mod@expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme chosen or given |
 //! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
 //!
 //! Everything but [`trajectory`] also takes a [`DynProblem`] or a [`Setup`], whose dimension and
 //! number of noises are known at run time only: [`Ladder::of`], [`DynSimulation`], [`Study::of`],
-//! [`multilevel::expectation_of`].
+//! [`Expect::with_scheme`].
 
 mod driver;
 mod error;
-mod expect;
+pub mod expect;
 mod failure;
 mod ladder;
 mod large_path;
-pub mod multilevel;
 mod noise_source;
 mod observable;
 mod parallel;

@@ -4,9 +4,8 @@
 use std::sync::Arc;
 
 use mc::{
-    DynProblem, DynRun, DynSimulation, Formulas, Ladder, LadderError, Observable, Observe, Run,
-    Setup, Simulation, Statistic, Study, StudySettings, View,
-    multilevel::{Coupling, ExpectationSettings, expectation, expectation_of},
+    DynProblem, DynRun, DynSimulation, Expect, Formulas, Ladder, LadderError, Observable, Observe,
+    Run, Setup, Simulation, Statistic, Study, StudySettings, View,
     parts::{Job, Program, Share},
     study,
 };
@@ -313,10 +312,12 @@ fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_a_study() {
 #[test]
 fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_an_expectation() {
     let (one, damping) = (compiled(), Constant::new(0.5).unwrap());
-    for coupling in [Coupling::Plain, Coupling::Antithetic] {
-        let settings = ExpectationSettings::new(KEY, Truncation::none(), 4, coupling);
-        let found = expectation(&Heun, &one, &PRODUCT, 0.02, &settings, &|_| ()).unwrap();
-        let other = expectation_of(&setup(&damping), &[&Product], 0.02, &settings, &|_| ());
-        assert_eq!(other, Ok(found));
+    for random_points in [true, false] {
+        let found = Expect::with_scheme(Setup::of(&one, &Heun));
+        let found = if random_points { found.with_random_points() } else { found };
+        let found = found.run(&[&PRODUCT[0]], 0.02, &|_| ()).unwrap();
+        let other = Expect::with_scheme(setup(&damping));
+        let other = if random_points { other.with_random_points() } else { other };
+        assert_eq!(other.run(&[&Product], 0.02, &|_| ()), Ok(found));
     }
 }
