@@ -459,7 +459,7 @@ fn each_assumption_is_judged_at_its_limit() {
     let (same_on_all, warnings) = judged(steps, 0.0, alpha, blind);
     assert!(!same_on_all.variance);
     let few = |warning: &Warning| {
-        matches!(warning, Warning::FewSamples { level: 2, effective: 0.0, samples: 400, .. })
+        matches!(warning, Warning::FewSamples { level: 2, effective: 0.0, samples: 64, .. })
     };
     assert!(warnings.iter().any(few), "{warnings:?}");
     // One sample has the variance of the level that the sum begins with.
