@@ -6,17 +6,13 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`strong_order`], [`strong_order_against`], [`weak_order`] | the order of any scheme |
-//! | [`strong_order_within`], [`weak_order_within`] | the same within a budget |
-//! | [`strong_order_of`], [`weak_order_of`], [`DynReference`] | of systems known at run time |
-//! | [`strong_order_of_within`], [`weak_order_of_within`] | these within a budget |
+//! | [`strong_order`], [`weak_order`] | the order of any scheme, in one measurement or a budget |
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | [`inspect()`], [`inspect_problem`] | what a system is, and which statements apply |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
-//! | [`compare_of`], [`DynCandidates`], [`DynCompareSettings`] | of systems known at run time |
 //! | [`OtherNoise`] | a scheme on other noise than the driver's |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`] | moments of final states; times; digits |
 //! | [`results::Evidence`], [`results::Claim`] | a measurement as data, its verdict in words |
@@ -41,9 +37,7 @@ mod step_check;
 mod stopwatch;
 mod verdict;
 
-pub use compare::{
-    Candidates, CompareSettings, Comparison, DynCandidates, DynCompareSettings, compare, compare_of,
-};
+pub use compare::{Candidates, CompareSettings, Comparison, compare};
 pub use evidence::{DEVIATIONS, worse};
 pub use final_moments::{FinalMoments, FinalRows, FinalValues};
 pub use inspect::{
@@ -51,10 +45,8 @@ pub use inspect::{
 };
 pub use number::number;
 pub use orders::{
-    Decision, DynExact, DynReference, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes,
-    exact_mean, strong_order, strong_order_against, strong_order_of, strong_order_of_within,
-    strong_order_within, weak_order, weak_order_of, weak_order_of_within, weak_order_within,
-    wrong_limit,
+    Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, exact_mean, strong_order,
+    weak_order, wrong_limit,
 };
 pub use other_noise::OtherNoise;
 pub use settings::{Mode, Progress, Settings, Silent};

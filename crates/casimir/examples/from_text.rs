@@ -6,7 +6,7 @@ use std::{error::Error, sync::Arc};
 
 use casimir::{
     formula::{Definition, Formula, FormulaDamping, FormulaSystem},
-    mc::{DynSimulation, Expect, RowFunction, Setup},
+    mc::{Expect, RowFunction, Setup, Simulation},
     prelude::*,
     systems::run_time,
 };
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("E nutation in [{lo:.4}, {hi:.4}]");
 
     let setup = Setup::at_run_time(&problem, &scheme)?;
-    let simulation = DynSimulation::new(setup, truncation).every(32).observing(nutation);
+    let simulation = Simulation::new(setup, truncation).every(32).observing(nutation);
     let path = &simulation.paths(256, key, 0..1)?[0];
     for (t, value) in path.times().iter().zip(path.column("nutation").unwrap_or_default()) {
         println!("t = {t:.2}: nutation {value:.6}");

@@ -11,7 +11,7 @@ use std::{env, process::ExitCode};
 
 use casimir::{
     mc::{
-        Expect, Observable, Observe, Study, StudySettings,
+        Expect, Observable, Observe, Setup, Study, StudySettings,
         parts::{Job, Program},
     },
     prelude::*,
@@ -49,7 +49,8 @@ fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     ];
     // 240 steps, quantile bands at 40 of them.
     let settings = StudySettings::new(240, 40, paths, truncation, key);
-    let bands = Study::new(&problem, &scheme, &phi, &settings)?.run_in(&job, "bands", &|_| ());
+    let setup = Setup::of(&problem, &scheme);
+    let bands = Study::new(&setup, &phi, &settings)?.run_in(&job, "bands", &|_| ());
     let phi = phi.each_ref().map(|phi| phi as &dyn Observe);
     let mean = Expect::new(&problem).with_key(key).run_in(&job, "E", &phi, accuracy, &|_| ())?;
     job.finish()?;

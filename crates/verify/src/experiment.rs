@@ -5,11 +5,11 @@ use analysis::{
     results::{Claim, Kind, Panel},
 };
 use mc::{
-    Kept, Ladder, Measured, Trajectory,
+    Kept, Ladder, Measured, Setup, Trajectory,
     parts::{GROUP_PATHS, Job},
     trajectory,
 };
-use noise::{StepNoise, StreamKey, Truncation};
+use noise::{StreamKey, Truncation};
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
 
@@ -60,16 +60,16 @@ impl Conditions<'_> {
         scheme: &dyn Scheme<S, D, M>,
         steps: u64,
         path: u64,
-    ) -> Trajectory<D> {
-        valid(trajectory(problem, scheme, steps, truncation(), self.key(part), path))
+    ) -> Trajectory {
+        valid(trajectory(&Setup::of(problem, scheme), steps, truncation(), self.key(part), path))
     }
 
     /// The results of a ladder with `samples` paths, as a piece of work of the job: `None` if they
     /// are not here. Two ladders of an experiment have different names.
-    pub fn run<T: Kept, N: StepNoise>(
+    pub fn run<T: Kept>(
         &self,
         name: &str,
-        ladder: &Ladder<'_, N>,
+        ladder: &Ladder<'_>,
         samples: u64,
         new: impl Fn() -> T + Sync,
     ) -> Option<Measured<T>> {

@@ -4,8 +4,8 @@
 //! turns by e^{−ia}. Steps are independent: after n of them
 //! E|Π A − Π e^{−ia}|² = (E|A|²)ⁿ + 1 − 2 Re (E[A e^{ia}])ⁿ, with expectations over one normal.
 
-use analysis::{StepSizes, strong_order};
-use mc::{Ladder, Reference, Run, StrongErrors};
+use analysis::{ReferenceSolution, StepSizes, strong_order};
+use mc::{Ladder, Reference, Run, Setup, StrongErrors, bind};
 use noise::StreamKey;
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme};
 use stats::{Point, root_mean_squares};
@@ -66,20 +66,27 @@ fn entry<X: Scheme<Plane, 2, 1> + Copy + 'static>(
     let ask = move |key: StreamKey| {
         let levels = index.max(3) + 1;
         let sizes = StepSizes { levels, refinement, ..StepSizes::new(COARSEST, truncation(), key) };
-        let stated = match strong_order(&scheme, &problem, &sizes) {
+        let stated = match strong_order(
+            &Setup::of(&problem, &scheme),
+            &sizes,
+            &ReferenceSolution::independent(&problem),
+        ) {
             Ok(order) => interval(order.points.get(index)),
             Err(error) => Stated::undecided(error),
         };
         // Against the finest run.
         let last = sizes.levels + refinement as usize - 1;
-        let runs = (0..=last).map(|index| Run::new(&scheme as _, last - index)).collect();
+        let runs =
+            (0..=last).map(|index| Run::new(bind(&problem, &scheme as _), last - index)).collect();
         let steps = sizes.reference_steps();
-        let old = Ladder::new(&problem, steps, last, sizes.truncation, key, runs).map(|ladder| {
-            let series = [vec![index]];
-            let none = || StrongErrors::new(Reference::Run(last), &series, ladder.coarse_steps());
-            let errors = ladder.run(sizes.samples, none, &|_| ()).statistic;
-            interval(root_mean_squares(&[1.0 / f64::from(n)], &errors.at_end(0).errors).first())
-        });
+        let old = Ladder::new(&mc::Problem::of(&problem), steps, last, sizes.truncation, key, runs)
+            .map(|ladder| {
+                let series = [vec![index]];
+                let none =
+                    || StrongErrors::new(Reference::Run(last), &series, ladder.coarse_steps());
+                let errors = ladder.run(sizes.samples, none, &|_| ()).statistic;
+                interval(root_mean_squares(&[1.0 / f64::from(n)], &errors.at_end(0).errors).first())
+            });
         Answer { stated, old: old.ok(), cost: cost(&sizes) }
     };
     let old_rule = (refinement == 1).then_some(OldRule::FinestRun);

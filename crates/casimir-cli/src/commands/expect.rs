@@ -15,7 +15,6 @@ use casimir::{
         expect::{ExpectError, Expectation, SoFar},
         parts::{Job, JobError, Share, remove},
     },
-    noise::StepNoise,
     report::Bars,
 };
 
@@ -26,7 +25,7 @@ use super::{
 use crate::{
     arguments::Expect,
     failure::{Done, Failure},
-    model::{Model, with_model},
+    model::Model,
     output,
     scene::{AUTO, Changes, Scene},
 };
@@ -51,7 +50,8 @@ pub fn expect(arguments: &Expect) -> Done {
     scene.accuracy = arguments.accuracy.or(scene.accuracy);
     let stop = stop();
     let folder = arguments.output.out.as_ref();
-    let (results, finished) = with_model!(&scene.model, model => {
+    let (results, finished) = {
+        let model = &*scene.model;
         let ready = Ready::new(&scene, model, None)?;
         let job = match folder {
             Some(folder) => {
@@ -62,7 +62,7 @@ pub fn expect(arguments: &Expect) -> Done {
         };
         let job = stoppable(job, &stop);
         (ready.compute(&job)?, job.finish())
-    });
+    };
     match finished {
         Err(JobError::Stopped) => {
             if let Some(results) = results {
@@ -88,23 +88,23 @@ pub fn expect(arguments: &Expect) -> Done {
 }
 
 /// The scheme, which stays `auto` where points, levels and order are chosen too.
-pub fn settle<N>(scene: &Scene, model: &dyn Model<N>) -> Done<Settled> {
+pub fn settle(scene: &Scene, model: &dyn Model) -> Done<Settled> {
     warn(model);
     let is_chosen = scene.settings.scheme == AUTO && model.expect().is_some();
     Ok(if is_chosen { (AUTO.into(), None) } else { scheme(scene, model) })
 }
 
 /// Expectations that were checked.
-pub struct Ready<'a, N> {
+pub struct Ready<'a> {
     scene: &'a Scene,
-    expect: mc::Expect<'a, N>,
+    expect: mc::Expect<'a>,
     because: Option<String>,
     accuracy: f64,
 }
 
-impl<'a, N: StepNoise> Ready<'a, N> {
+impl<'a> Ready<'a> {
     /// Chooses the way, and checks that there is something to expect.
-    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>, settled: Option<&Settled>) -> Done<Self> {
+    pub fn new(scene: &'a Scene, model: &'a dyn Model, settled: Option<&Settled>) -> Done<Self> {
         let (false, Some(accuracy)) = (scene.expected.is_empty(), scene.accuracy) else {
             let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
             let message = format!(

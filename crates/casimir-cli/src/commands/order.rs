@@ -4,11 +4,10 @@ use std::time::Instant;
 
 use casimir::{
     analysis::{
-        self, DynReference, Progress, StepSizes,
+        self, Progress, ReferenceSolution, StepSizes,
         results::{Kind, Series},
-        strong_order_of_within, weak_order_of_within,
+        strong_order, weak_order,
     },
-    noise::StepNoise,
     report::{Bars, figure::convergence, files},
 };
 use serde_json::{Value, json};
@@ -17,7 +16,7 @@ use super::{coarsest_steps, folder, open, print, print_json, scheme, threads, wa
 use crate::{
     arguments::Order,
     failure::Done,
-    model::{Model, with_model},
+    model::Model,
     scene::{Changes, Observable, Scene},
 };
 
@@ -40,7 +39,7 @@ struct Results {
 pub fn order(arguments: &Order) -> Done {
     let scene = open(&arguments.scene, &Changes::from(&arguments.scheme))?;
     threads(arguments.output.threads)?;
-    let results = with_model!(&scene.model, model => measure(&scene, model, arguments.path_steps)?);
+    let results = measure(&scene, &*scene.model, arguments.path_steps)?;
     let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "order");
     folder::prepare(&folder)?;
     let Results { scheme, because, strong, weak, seconds } = &results;
@@ -83,7 +82,7 @@ fn described(found: &Found) -> Value {
     })
 }
 
-fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>, path_steps: u64) -> Done<Results> {
+fn measure(scene: &Scene, model: &dyn Model, path_steps: u64) -> Done<Results> {
     let start = Instant::now();
     warn(model);
     let (scheme, because) = scheme(scene, model);
@@ -94,12 +93,12 @@ fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>, path_steps: u64) -
     };
     let measured = setup(&scheme)?;
     let (heun, midpoint) = (setup("heun")?.scheme, setup("midpoint")?.scheme);
-    let reference = DynReference::Independent(vec![heun, midpoint]);
+    let reference = ReferenceSolution::Independent(vec![heun, midpoint]);
     let sizes = StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key);
     let wrong = |error| settings.steps_error(source, error);
     let bars = Bars::default();
     bars.begin(&format!("strong order of {scheme}"), 0);
-    let order = strong_order_of_within(&measured, &sizes, &reference, path_steps).map_err(wrong)?;
+    let order = strong_order(&measured, &sizes.within(path_steps), &reference).map_err(wrong)?;
     let strong = Found { quantity: "y(T)".into(), order };
     let mut weak = Vec::new();
     let first = scene.observables.first().into_iter();
@@ -109,7 +108,7 @@ fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>, path_steps: u64) -
     };
     for phi in expected {
         bars.begin(&format!("weak order of {scheme} for E[{}]", phi.name), 0);
-        let order = weak_order_of_within(&measured, phi, &sizes, &reference, path_steps);
+        let order = weak_order(&measured, phi, &sizes.within(path_steps), &reference);
         let quantity = format!("E[{}]", phi.name);
         weak.push(Found { quantity, order: order.map_err(wrong)? });
     }

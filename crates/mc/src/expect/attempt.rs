@@ -7,7 +7,7 @@ use std::{
     sync::Arc,
 };
 
-use noise::{QuasiWiener, ScrambledSobol, StepNoise};
+use noise::{QuasiWiener, ScrambledSobol};
 use real::WIDTH;
 
 use super::{
@@ -20,7 +20,7 @@ use super::{
     settings::Settings,
 };
 use crate::{
-    DynRun, Ladder, LadderError, NextNoise, NoiseSource, Observe, SeenDamping, driver::GROUP_PATHS,
+    Ladder, LadderError, NextNoise, NoiseSource, Observe, Run, SeenDamping, driver::GROUP_PATHS,
     ladder::Piece, observable::value, parts::Job,
 };
 
@@ -36,16 +36,16 @@ struct Points {
     noises: usize,
 }
 
-impl<N: StepNoise> NoiseSource<N> for Points {
-    fn block(&self, first_path: u64) -> NextNoise<'_, N> {
+impl NoiseSource for Points {
+    fn block(&self, first_path: u64) -> NextNoise<'_> {
         let scramble = (first_path / ScrambledSobol::POINTS) as usize;
         let wiener = &self.scrambles[scramble];
         let mut increments = vec![[0.0; WIDTH]; wiener.dimensions()];
         let drawn = wiener.block(first_path % ScrambledSobol::POINTS, &mut increments);
         drawn.unwrap_or_else(|error| unreachable!("the points of a block are many: {error}"));
         let (mut next, noises) = (0, self.noises);
-        Box::new(move |noise: &mut N| {
-            noise.increments_mut().copy_from_slice(&increments[next..next + noises]);
+        Box::new(move |noise| {
+            noise.increments.copy_from_slice(&increments[next..next + noises]);
             next += noises;
         })
     }
@@ -61,19 +61,19 @@ pub struct Asked<'a> {
     pub spent: Cell<u64>,
 }
 
-impl<N: StepNoise> Candidate<'_, N> {
+impl Candidate<'_> {
     /// The runs of a sample: fine, coarse, and a second fine and a second coarse one. For several
     /// noises without areas the second fine path takes the increments of every coarse step in the
     /// other order (Giles and Szpruch 2014): then the variance falls like τ² instead of τ.
-    fn runs(&self, coupled: bool) -> Vec<DynRun<'_, N>> {
+    fn runs(&self, coupled: bool) -> Vec<Run<'_>> {
         let (scheme, mirror) = (&self.setup.scheme, self.mirror.as_ref());
         let without_areas = self.setup.problem.noises > 1 && !scheme.reads_areas();
         let twin = mirror.or(without_areas.then_some(scheme)).filter(|_| coupled);
-        let at = |level: usize| move |scheme| DynRun::new(Arc::clone(scheme), level);
+        let at = |level: usize| move |scheme| Run::new(Arc::clone(scheme), level);
         let coarse = usize::from(coupled);
         let mut runs = vec![at(0)(scheme)];
         runs.extend(coupled.then(|| at(1)(scheme)));
-        runs.extend(twin.map(|twin| DynRun::swapped(Arc::clone(twin), 0)));
+        runs.extend(twin.map(|twin| Run::swapped(Arc::clone(twin), 0)));
         runs.extend(mirror.map(at(coarse)));
         runs
     }
@@ -101,7 +101,7 @@ impl<N: StepNoise> Candidate<'_, N> {
         let ladder_of = |level: usize| {
             let (key, steps) = (settings.stream(level), settings.steps(level));
             let (levels, runs) = (usize::from(level > 0), self.runs(level > 0));
-            let ladder = Ladder::of(problem, steps, levels, settings.truncation, key, runs)?;
+            let ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
             let few = steps.saturating_mul(problem.noises as u64) <= MOST_DIMENSIONS;
             let nodes = vec![Vec::new(); settings.replicates as usize];
             if !(sobol && few) {
@@ -151,7 +151,7 @@ impl<N: StepNoise> Candidate<'_, N> {
             draw: &draw,
             scheme: self.setup.scheme.id(),
             t_end: problem.t_end,
-            damping: SeenDamping::of(&self.setup, settings.coarsest_steps),
+            damping: SeenDamping::new(&self.setup, settings.coarsest_steps),
             names: observables.iter().map(|phi| phi.name().to_owned()).collect(),
             accuracy,
             settings,

@@ -137,8 +137,7 @@ fn bad_settings_are_refused() {
         Problem::new(Pendulum::new(1.0).unwrap(), Constant::new(0.5).unwrap(), [0.2, 1.0], 1.0)
             .unwrap();
     let q = Observable { name: "q", function: |y: [f64; 2]| y[1] };
-    let run =
-        |expect: Expect<'_, _>, accuracy| expect.run(&[&q as &dyn Observe], accuracy, &|_| ());
+    let run = |expect: Expect<'_>, accuracy| expect.run(&[&q as &dyn Observe], accuracy, &|_| ());
     // Squares of squares of 1e-100 vanish.
     for accuracy in [0.0, f64::NAN, -1.0, 1e-100, 1e100] {
         let refused = run(Expect::new(&problem), accuracy).unwrap_err();

@@ -6,7 +6,7 @@
 
 use mc::expect::{Expectation, Unresolved, Warning};
 use mc::{Expect, Observable, Setup};
-use noise::{BlockNoise, StreamKey};
+use noise::StreamKey;
 use real::Real;
 use schemes::Sexp;
 use systems::{Constant, PoissonSystem, Problem};
@@ -49,10 +49,7 @@ impl PoissonSystem<2, 1> for Additive {
 }
 
 /// Random points for `sexp`, from eight coarsest steps on.
-fn random<S: PoissonSystem<2, 1>>(
-    problem: &Problem<S, Constant, 2>,
-    seed: u64,
-) -> Expect<'_, BlockNoise<1>> {
+fn random<S: PoissonSystem<2, 1>>(problem: &Problem<S, Constant, 2>, seed: u64) -> Expect<'_> {
     Expect::with_scheme(Setup::of(problem, &Sexp))
         .with_random_points()
         .with_key(StreamKey { seed, experiment: 3 })

@@ -23,7 +23,7 @@ fn random<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     scheme: &'a dyn Scheme<S, D, M>,
     problem: &'a Problem<S, G, D>,
     seed: u64,
-) -> Expect<'a, BlockNoise<M>> {
+) -> Expect<'a> {
     sobol(scheme, problem, seed).with_random_points()
 }
 
@@ -32,14 +32,14 @@ fn sobol<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     scheme: &'a dyn Scheme<S, D, M>,
     problem: &'a Problem<S, G, D>,
     seed: u64,
-) -> Expect<'a, BlockNoise<M>> {
+) -> Expect<'a> {
     Expect::with_scheme(Setup::of(problem, scheme))
         .with_key(StreamKey { seed, experiment: 1 })
         .with_coarsest_steps(4)
 }
 
-fn run<N: noise::StepNoise, const D: usize>(
-    expect: Expect<'_, N>,
+fn run<const D: usize>(
+    expect: Expect<'_>,
     observables: &[Observable<D>],
     accuracy: f64,
 ) -> Result<Expectation, ExpectError> {
@@ -249,7 +249,7 @@ fn the_twin_doubles_the_order_of_the_variance() {
 #[test]
 fn the_cost_of_random_points_grows_as_the_accuracy_squared() {
     let problem = body();
-    let cost = |expect: Expect<'_, BlockNoise<3>>, accuracy: f64| {
+    let cost = |expect: Expect<'_>, accuracy: f64| {
         let result = run(expect, &COS_Y3, accuracy).unwrap();
         assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
         result.cost as f64
@@ -286,9 +286,9 @@ impl<S: PoissonSystem<D, M>, F: Fn(f64) -> f64 + Send + Sync, const D: usize, co
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        let (mut altered, factor) = (noise.clone(), (self.0)(step.tau));
-        altered.increments.0.iter_mut().flatten().for_each(|w| *w *= factor);
-        Sexp.step_block(system, step, &altered, y, status);
+        let factor = (self.0)(step.tau);
+        let altered = noise.increments.map(|row| row.map(|w| factor * w));
+        Sexp.step_block(system, step, &BlockNoise::increments(&altered), y, status);
     }
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
         let factor = (self.0)(step.tau);
@@ -520,7 +520,7 @@ fn coupling_by_areas_has_no_bias() {
 #[test]
 fn bad_requests_are_refused_and_name_the_value() {
     let problem = body();
-    type Change = fn(Expect<'_, BlockNoise<3>>) -> Expect<'_, BlockNoise<3>>;
+    type Change = fn(Expect<'_>) -> Expect<'_>;
     let refuse = |accuracy: f64, observables: &[Observable<3>], change: Change| {
         run(change(random(&Sexp, &problem, 14)), observables, accuracy).unwrap_err()
     };

@@ -42,7 +42,7 @@ use analysis::{
     FinalMoments,
     results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
 };
-use mc::{Ladder, Observable, Run, View};
+use mc::{Ladder, Observable, Run, View, bind};
 use schemes::Sexp;
 use stats::{CrossMoments, Expansion, weak_errors};
 use systems::{
@@ -172,10 +172,15 @@ fn differences(
 ) -> Option<(Vec<CrossMoments>, Vec<String>)> {
     let scheme = curve.scheme.as_ref();
     let ladder = |(difference, part): (&DifferenceSamples, u64)| {
-        let runs = vec![Run::new(scheme, 1), Run::new(scheme, 0), Run::swapped(scheme, 0)];
+        let runs = vec![
+            Run::new(bind(problem, scheme), 1),
+            Run::new(bind(problem, scheme), 0),
+            Run::swapped(bind(problem, scheme), 0),
+        ];
         let finest_steps = (2.0 * problem.t_end() / difference.tau).round() as u64;
         let key = conditions.key(part);
-        let ladder = Ladder::new(problem, finest_steps, 1, truncation(), key, runs);
+        let ladder =
+            Ladder::new(&mc::Problem::of(problem), finest_steps, 1, truncation(), key, runs);
         let name = format!("rigid-body-weak/{}/2^{}", curve.name, difference.tau.log2());
         (name, difference.samples, valid(ladder))
     };

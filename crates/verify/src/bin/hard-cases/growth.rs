@@ -7,7 +7,7 @@
 //! points of one path are not.
 
 use anyhow::{Context, Result};
-use mc::{Kept, Ladder, Run, Statistic, View, parts::Job};
+use mc::{Kept, Ladder, Run, Statistic, View, bind, parts::Job};
 use noise::StreamKey;
 use nonlin::{Method, Solver};
 use real::{WIDTH, elementary};
@@ -170,8 +170,9 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         value(y) / (value(y0) * elementary::exp(-invariant.degree * damping)) - 1.0
     };
     let (scheme, scheme_name, rounding) = scheme(run.rule, &problem)?;
-    let runs = vec![Run::new(scheme.as_ref(), 0)];
-    let ladder = Ladder::new(&problem, steps, 0, verify::truncation(), key, runs)?;
+    let runs = vec![Run::new(bind(&problem, scheme.as_ref()), 0)];
+    let ladder =
+        Ladder::new(&mc::Problem::of(&problem), steps, 0, verify::truncation(), key, runs)?;
     let new = || Defects::<_, D> { steps, defect: &defect, rows: Vec::new() };
     let paths = if let Rule::Sexp(..) = run.rule { PATHS } else { MANY_PATHS };
     let Some(measured) = ladder.run_in(job, run.id, paths as u64, new, &|_| ()) else {

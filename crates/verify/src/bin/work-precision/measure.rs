@@ -5,7 +5,7 @@ use analysis::{
     compare::{Grid, Strong, Weak, path_times},
 };
 use anyhow::Result;
-use schemes::Scheme;
+use mc::{Observe, bind, parts::Stop};
 use systems::{Damping, PoissonSystem};
 use verify::{
     TRUNCATED, set_up,
@@ -45,38 +45,42 @@ impl Visit for Cases<'_> {
         if !self.only.is_empty() && self.only.iter().all(|id| id != setup.id) {
             return Ok(());
         }
-        let schemes: Vec<&dyn Scheme<S, D, M>> =
-            setup.schemes.iter().map(|(_, scheme)| scheme.as_ref()).collect();
-        let levy = schemes.iter().copied().find(|scheme| scheme.reads_areas());
+        let Setup { id, title, system, ref problem, ref observables, .. } = setup;
+        let schemes: Vec<_> =
+            setup.schemes.iter().map(|(_, scheme)| bind(problem, scheme.as_ref())).collect();
+        let levy = schemes.iter().find(|scheme| scheme.reads_areas());
+        let (driven, stop) = (mc::Problem::of(problem), Stop::default());
         let Sizes { strong, weak, timed, repetitions } =
             Sizes::new(self.settings, self.number, levy.is_some());
-        let Setup { id, title, system, ref problem, ref observables, .. } = setup;
         let progress = self.progress;
         let done = |work| progress.advance(work);
         let grid = |sizes: &StepSizes| {
             let finest = sizes.refinement as usize;
             let grid = Grid {
-                problem,
+                problem: &driven,
                 schemes: schemes.clone(),
                 levels: vec![finest..finest + sizes.levels; schemes.len()],
-                reference: levy.unwrap_or(schemes[0]),
+                reference: levy.unwrap_or(&schemes[0]).clone(),
                 reference_level: 0,
                 finest_steps: sizes.reference_steps(),
                 samples: sizes.samples,
                 truncation: sizes.truncation,
                 key: sizes.key,
+                stop: stop.clone(),
             };
             progress.begin(&format!("{id}: errors"), grid.work());
             grid
         };
         let steps = vec![Sizes::timed_steps(&strong, &weak); schemes.len()];
         progress.begin(&format!("{id}: times"), repetitions.work(&steps));
-        let times = path_times(&schemes, problem, &steps, truncation(), timed, repetitions, &done)?;
+        let often = (repetitions, &stop);
+        let times = path_times(&schemes, &driven, &steps, truncation(), timed, often, &done)?;
         progress.end();
         let heun = setup.schemes.iter().position(|(kind, _)| *kind == Kind::Heun);
         let mut strong = Strong::measure(&grid(&strong), &[], heun, &done)?;
         progress.end();
-        let mut weak = Weak::measure(&grid(&weak), observables, &done)?;
+        let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
+        let mut weak = Weak::measure(&grid(&weak), &phi, &done)?;
         progress.end();
         let exact = setup.expectations.map(|exact| exact(problem, observables));
         for (f, observable) in weak.observables.iter_mut().enumerate() {

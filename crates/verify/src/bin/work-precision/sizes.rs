@@ -28,8 +28,8 @@ impl Sizes {
         let first = WORK_PRECISION + WORK_PRECISION_PARTS * number;
         let key = |part| StreamKey { seed: settings.seed, experiment: first + part };
         let sizes = |part, coarsest_steps, levels, refinement, samples| {
-            let (truncation, key) = (truncation(), key(part));
-            StepSizes { coarsest_steps, levels, refinement, samples, truncation, key }
+            let sizes = StepSizes::new(coarsest_steps, truncation(), key(part));
+            StepSizes { levels, refinement, samples, ..sizes }
         };
         let (strong, weak, repetitions) = match settings.mode {
             Mode::Paper => (

@@ -1,7 +1,7 @@
 //! Everything that runs paths.
 
 use anyhow::ensure;
-use mc::{Expect, Ladder, Observable, Run, Setup, trajectory};
+use mc::{Expect, Ladder, Observable, Run, Setup, bind, trajectory};
 use noise::{StreamKey, Truncation};
 use schemes::EulerMaruyama;
 use systems::{Constant, Pendulum, Problem};
@@ -24,15 +24,23 @@ pub fn drivers(bits: &mut Bits) -> Fed {
     match few(3, 3) {
         0 => {
             let (steps, path) = (bits.below(20), bits.word());
-            let path = accepted(trajectory(&problem, &*em, steps, truncation, key, path))?;
+            let path =
+                accepted(trajectory(&Setup::of(&problem, &*em), steps, truncation, key, path))?;
             ensure!(path.states.iter().flatten().all(|y| y.is_finite()), "{path:?}");
             let words = path.failure.map(|failure| failure.to_string());
             ensure!(words.is_none_or(|words| !words.is_empty()), "a failure without words");
         }
         1 => {
             let (levels, steps) = (few(200, 4) as usize, few(u64::MAX, 33));
-            let runs = vec![Run::new(&*em, few(300, 4) as usize)];
-            accepted(Ladder::new(&problem, steps, levels, truncation, key, runs))?;
+            let runs = vec![Run::new(bind(&problem, &*em), few(300, 4) as usize)];
+            accepted(Ladder::new(
+                &mc::Problem::of(&problem),
+                steps,
+                levels,
+                truncation,
+                key,
+                runs,
+            ))?;
         }
         _ => {
             let order = if bits.one_in(2) { 1.0 } else { bits.number() };
