@@ -170,7 +170,7 @@ fn expectations(page: &mut Page, claims: &[Claim]) {
     page.heading(2, "Expectations of the rigid body");
     page.paragraph(
         "Three noises, I = (2, 1, 2/3), Î = (1, 2, 3), γ = ½ cos 2t, y₀ = (cos 1.1, 0, sin 1.1), \
-         T = 1: `sexp` with antithetic multilevel Monte Carlo against the Kolmogorov equation in \
+         T = 1: `sexp` on random points against the Kolmogorov equation in \
          spherical harmonics of degree 96.",
     );
     let row = |claim: &Claim| {

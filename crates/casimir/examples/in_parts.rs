@@ -11,8 +11,7 @@ use std::{env, process::ExitCode};
 
 use casimir::{
     mc::{
-        Observable, Setup, Study, StudySettings,
-        multilevel::{Coupling, ExpectationSettings, expectation_in},
+        Expect, Observable, Observe, Setup, Study, StudySettings,
         parts::{Job, Program},
     },
     prelude::*,
@@ -52,8 +51,8 @@ fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     let settings = StudySettings::new(240, 40, paths, truncation, key);
     let setup = Setup::of(&problem, &scheme);
     let bands = Study::new(&setup, &phi, &settings)?.run_in(&job, "bands", &|_| ());
-    let settings = ExpectationSettings::new(key, truncation, 16, Coupling::Antithetic);
-    let mean = expectation_in(&job, "E", &setup, &phi, accuracy, &settings, &|_| ())?;
+    let phi = phi.each_ref().map(|phi| phi as &dyn Observe);
+    let mean = Expect::new(&problem).with_key(key).run_in(&job, "E", &phi, accuracy, &|_| ())?;
     job.finish()?;
 
     // A part has no results.

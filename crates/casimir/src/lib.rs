@@ -27,7 +27,7 @@
 //! - [`schemes`]: [`Sexp`](schemes::Sexp) and its peers; [`Explicit`](schemes::Explicit) and
 //!   [`Implicit`](schemes::Implicit) for your own.
 //! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`study`](mc::study()),
-//!   [`Ladder`](mc::Ladder) and [`multilevel`](mc::multilevel).
+//!   [`Ladder`](mc::Ladder) and [`Expect`](mc::Expect).
 //! - [`analysis`]: [`inspect`](analysis::inspect()), [`strong_order`](analysis::strong_order),
 //!   [`weak_order`](analysis::weak_order), and [`compare`](analysis::compare()), which says which scheme
 //!   is cheapest for an error.

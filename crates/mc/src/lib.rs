@@ -42,8 +42,7 @@
 //! | [`LargePath`] | one path of a large system |
 //! | [`Recording`] | the increments of a path, to exchange with other programs |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
-//! | [`expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme and points chosen |
-//! | [`multilevel`] | the same with a given scheme, levels and random points |
+//! | [`mod@expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme chosen or given |
 //! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
 //!
 //! Dimension and number of noises are no part of a type here: [`Problem::of`], [`Setup::of`] and
@@ -52,11 +51,10 @@
 
 mod driver;
 mod error;
-mod expect;
+pub mod expect;
 mod failure;
 mod ladder;
 mod large_path;
-pub mod multilevel;
 mod noise_source;
 mod observable;
 mod parallel;

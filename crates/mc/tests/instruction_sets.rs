@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use mc::{Expect, Observable, multilevel::Expectation};
+use mc::{Expect, Observable, expect::Expectation};
 use real::{Level, elementary, limit_to};
 use systems::{
     Cosine, Problem, RigidBody,

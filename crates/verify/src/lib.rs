@@ -17,7 +17,7 @@
 //! | [`streams`] | which noise belongs to which experiment |
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`command`] | what the command lines of all programs share |
-//! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo, against its value |
+//! | [`expectation_claims`] | E[φ(y(T))] on random points, against its value |
 //! | [`weak_observables`] | the test functions of the weak panels |
 //!
 //! The programs of this package are `reproduce`, `work-precision`, `hard-cases` and `bench`; what

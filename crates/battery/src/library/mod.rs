@@ -1,4 +1,4 @@
-//! Problems with exactly known answers, and how often the answers of `mc::multilevel` and of
+//! Problems with exactly known answers, and how often the answers of `mc::Expect` and of
 //! `analysis::strong_order` and `weak_order` are true.
 //!
 //! An [`Entry`] is a question with its truth, a closed form, and settings as a user would choose
@@ -22,8 +22,8 @@ pub(crate) mod system;
 use std::fmt::Display;
 
 use mc::{
-    Observable, Setup,
-    multilevel::{Coupling, Estimate, Expectation, ExpectationSettings, expectation},
+    Expect, Observable, Setup,
+    expect::{Estimate, Expectation},
     parts::Job,
 };
 use noise::{StreamKey, Truncation};
@@ -45,7 +45,7 @@ pub enum Question {
     WeakOrder,
     /// Its root-mean-square error at a step size.
     StrongError,
-    /// E[φ(y(T))].
+    /// E[φ(y(T))] with a given scheme, on random points.
     Expectation,
     /// E[φ(y(T))] with everything chosen, by [`mc::Expect`].
     Chosen,
@@ -183,12 +183,10 @@ impl Entry {
 /// A rule that was in use, and what it states of the same samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OldRule {
-    /// ±1.96 standard errors and the bias: a sample variance of zero is believed.
+    /// Standard errors and the bias alone: a sample variance of zero is believed.
     NothingMissed,
     /// Nothing asks whether the steps resolve the motion: the levels of the pilot and one more.
     NoResolution,
-    /// The bias is that of the last difference.
-    LastDifference,
     /// The order nearest to the fitted slope.
     FittedSlope,
     /// Errors against the finest run of the same scheme.
@@ -197,45 +195,22 @@ pub enum OldRule {
 
 impl OldRule {
     /// All of them.
-    pub const ALL: [Self; 5] = [
-        Self::NothingMissed,
-        Self::NoResolution,
-        Self::LastDifference,
-        Self::FittedSlope,
-        Self::FinestRun,
-    ];
+    pub const ALL: [Self; 4] =
+        [Self::NothingMissed, Self::NoResolution, Self::FittedSlope, Self::FinestRun];
 
     /// The words for tables.
     pub fn words(self) -> &'static str {
         match self {
             Self::NothingMissed => "a variance of zero is believed: no missed events",
             Self::NoResolution => "nobody asks whether the steps resolve the motion",
-            Self::LastDifference => "the bias is that of the last difference",
             Self::FittedSlope => "the order is the multiple of ½ that is nearest to the slope",
             Self::FinestRun => "errors against the finest run of the same scheme",
         }
     }
 
-    /// The settings with which an expectation is asked by this rule: it stopped where the rule in
-    /// use goes on.
-    fn settings(self, settings: ExpectationSettings) -> ExpectationSettings {
-        match self {
-            // The pilot on levels 0, 1 and 2.
-            Self::NothingMissed => {
-                let steps = settings.coarsest_steps;
-                ExpectationSettings { max_cost: 10 * steps * settings.pilot, ..settings }
-            }
-            _ => ExpectationSettings { max_level: 3, ..settings },
-        }
-    }
-
     /// The interval of an expectation by this rule, if it is short enough.
-    fn interval(self, estimate: &Estimate, accuracy: f64) -> Stated {
-        let normal = 1.96 * estimate.standard_error;
-        let half_width = match self {
-            Self::LastDifference => normal.hypot(estimate.missed) + estimate.bias.abs(),
-            _ => normal + estimate.bias.abs(),
-        };
+    fn interval(estimate: &Estimate, accuracy: f64) -> Stated {
+        let half_width = Estimate { missed: 0.0, ..estimate.clone() }.half_width();
         if half_width <= accuracy {
             Stated::Interval(estimate.value - half_width, estimate.value + half_width)
         } else {
@@ -293,22 +268,17 @@ pub fn ask(entries: &[Entry], seeds: u64, job: &Job) -> Option<Vec<Row>> {
 struct How {
     accuracy: f64,
     steps: u64,
-    coupling: Coupling,
     old_rule: Option<OldRule>,
 }
 
 impl How {
     /// With eight coarsest steps.
     fn to(accuracy: f64) -> Self {
-        Self { accuracy, steps: 8, coupling: Coupling::Plain, old_rule: None }
+        Self { accuracy, steps: 8, old_rule: None }
     }
 
     fn against(self, old_rule: OldRule) -> Self {
         Self { old_rule: Some(old_rule), ..self }
-    }
-
-    fn antithetic(self) -> Self {
-        Self { coupling: Coupling::Antithetic, ..self }
     }
 }
 
@@ -320,6 +290,8 @@ fn truncation() -> Truncation {
 /// Most levels of an expectation, and path-steps that it may cost: seconds.
 const MAX_LEVEL: usize = 12;
 const MAX_COST: u64 = 30_000_000;
+/// Path-steps of the pilot for each of the coarsest steps, with two noises at most.
+const PILOT_STEPS: u64 = 32 * 128 * (1 + 5 + 10 + 20);
 
 /// 1 where an event happens, else 0.
 fn indicator(happens: bool) -> f64 {
@@ -349,22 +321,25 @@ where
         }
     };
     let ask = move |key: StreamKey| {
-        let settings = ExpectationSettings {
-            max_level: MAX_LEVEL,
-            max_cost: MAX_COST,
-            ..ExpectationSettings::new(key, truncation(), how.steps, how.coupling)
+        let observable = Observable { name: "φ", function };
+        let run = |max_level: usize, max_cost: u64| {
+            let expect = Expect::with_scheme(Setup::of(&problem, &scheme)).with_random_points();
+            let expect = expect.with_key(key).with_truncation(truncation());
+            let expect = expect.with_coarsest_steps(how.steps).with_max_level(max_level);
+            expect.with_max_cost(max_cost).run(&[&observable], how.accuracy, &|_| ())
         };
-        let observable = [Observable { name: "φ", function }];
-        let run = |settings: &ExpectationSettings| {
-            expectation(&Setup::of(&problem, &scheme), &observable, how.accuracy, settings, &|_| ())
-        };
-        let result = match run(&settings) {
+        let result = match run(MAX_LEVEL, MAX_COST) {
             Ok(result) => result,
             Err(error) => return Answer::refused(error),
         };
         let stated = stated(&result);
-        let old = how.old_rule.map(|rule| match run(&rule.settings(settings)) {
-            Ok(result) => rule.interval(&result.estimates[0], how.accuracy),
+        // An old rule stopped where the one in use goes on.
+        let limits = |rule| match rule {
+            OldRule::NothingMissed => (MAX_LEVEL, PILOT_STEPS * how.steps),
+            _ => (3, MAX_COST),
+        };
+        let old = how.old_rule.map(limits).map(|(level, cost)| match run(level, cost) {
+            Ok(result) => OldRule::interval(&result.estimates[0], how.accuracy),
             Err(error) => Stated::undecided(error),
         });
         Answer { stated, old, cost: result.cost }

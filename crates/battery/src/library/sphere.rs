@@ -45,10 +45,10 @@ pub fn entries() -> Vec<Entry> {
     let about = Normal::new(0.5 + START[2], (0.8 + 0.5 * START[2]).powi(2));
     // Two noises: Σσσᵀ − |σ|²I = −σ² diag(1, 1, 2).
     let plane = Body::linear([[0.8, 0.0, 0.0], [0.0, 0.8, 0.0]]);
-    let antithetic = How::to(0.005).antithetic();
+    let how = How::to(0.005);
     let three = |name, sigma: f64, function, truth| {
         let problem = on_sphere(Body::isotropic(sigma));
-        expected(("sphere", name), sexp, problem, function, antithetic, truth)
+        expected(("sphere", name), sexp, problem, function, how, truth)
     };
     let (linear, harmonic) = ((-0.49f64).exp(), (-3.0 * 0.49f64).exp());
     let third = START[2];
@@ -84,7 +84,7 @@ pub fn entries() -> Vec<Entry> {
             sexp,
             on_sphere(plane),
             first,
-            antithetic,
+            how,
             START[0] * (-0.32f64).exp(),
         ),
         expected(
@@ -102,7 +102,7 @@ pub fn entries() -> Vec<Entry> {
             Heun,
             on_sphere(Body::isotropic(0.7)),
             |y| y[2] * y[2],
-            antithetic,
+            how,
             1.0 / 3.0 + (third * third - 1.0 / 3.0) * harmonic,
         ),
         // y₁y₂ has degree two.
@@ -120,7 +120,7 @@ pub fn entries() -> Vec<Entry> {
             sexp,
             on_sphere(Body { c: [0.0, 0.0, 2.0], ..Body::isotropic(0.5) }),
             first,
-            How::to(0.01).antithetic(),
+            How::to(0.01),
             (-0.25f64).exp() * turned(Normal::new(2.0, 0.0)),
         ),
         // H₁ is a Casimir, which does nothing; and the same with weak noise about the axis of the

@@ -11,10 +11,8 @@ use std::{
 use casimir::{
     analysis::Progress,
     mc::{
-        self, Observe, Setup,
-        multilevel::{
-            Coupling, Expectation, ExpectationSettings, MultilevelError, SoFar, expectation_in,
-        },
+        self, Observe,
+        expect::{ExpectError, Expectation, SoFar},
         parts::{Job, JobError, Share, remove},
     },
     report::Bars,
@@ -99,17 +97,9 @@ pub fn settle(scene: &Scene, model: &dyn Model) -> Done<Settled> {
 /// Expectations that were checked.
 pub struct Ready<'a> {
     scene: &'a Scene,
-    way: Way<'a>,
+    expect: mc::Expect<'a>,
     because: Option<String>,
     accuracy: f64,
-}
-
-/// How they are computed.
-enum Way<'a> {
-    /// With points, levels and order chosen.
-    Chosen(mc::Expect<'a>),
-    /// By levels of random points.
-    Levels(Setup<'a>),
 }
 
 impl<'a> Ready<'a> {
@@ -125,21 +115,26 @@ impl<'a> Ready<'a> {
         let settings = &scene.settings;
         let (scheme, because) = settled.cloned().map_or_else(|| settle(scene, model), Ok)?;
         let chosen = if scheme == AUTO { model.expect() } else { None };
-        if let Some(mut chosen) = chosen {
-            chosen = chosen.with_key(settings.key).with_watch(hear);
-            if let Some(steps) = settings.coarsest_steps {
-                chosen = chosen.with_coarsest_steps(steps);
+        let (expect, because, steps) = match chosen {
+            Some(chosen) => (chosen, None, settings.coarsest_steps),
+            None => {
+                let setup = model.setup(&scheme);
+                let setup = setup.map_err(|error| settings.scheme_error(&scene.source, error))?;
+                let given = mc::Expect::with_scheme(setup).with_truncation(settings.truncation);
+                let steps = settings.coarsest_steps;
+                (given, because, steps.or_else(|| Some(coarsest_steps(settings.until))))
             }
-            return Ok(Self { scene, way: Way::Chosen(chosen), because: None, accuracy });
+        };
+        let mut expect = expect.with_key(settings.key).with_watch(hear);
+        if let Some(steps) = steps {
+            expect = expect.with_coarsest_steps(steps);
         }
-        let setup = model.setup(&scheme);
-        let setup = setup.map_err(|error| settings.scheme_error(&scene.source, error))?;
-        Ok(Self { scene, way: Way::Levels(setup), because, accuracy })
+        Ok(Self { scene, expect, because, accuracy })
     }
 
     /// Computes the expectations as a piece of work of a job.
     pub fn compute(self, job: &Job) -> Done<Option<Results>> {
-        let Self { scene, way, because, accuracy } = self;
+        let Self { scene, expect, because, accuracy } = self;
         let start = Instant::now();
         let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
         let (name, bars) = ("expectation", Bars::default());
@@ -156,16 +151,10 @@ impl<'a> Ready<'a> {
                 bars.note(&how_far(done as f64, seconds));
             }
         };
-        let found = match way {
-            Way::Chosen(chosen) => chosen.run_in(job, name, &phi, accuracy, &advance),
-            Way::Levels(setup) => {
-                let settings = levels(scene, &setup);
-                expectation_in(job, name, &setup, &phi, accuracy, &settings, &advance)
-            }
-        };
+        let found = expect.run_in(job, name, &phi, accuracy, &advance);
         bars.finish();
         let expectation = found.map_err(|error| match error {
-            MultilevelError::Setting { .. } | MultilevelError::NoObservable => {
+            ExpectError::Setting { .. } | ExpectError::NoObservable => {
                 Failure::Usage(error.to_string())
             }
             other => Failure::Run(other.into()),
@@ -173,18 +162,6 @@ impl<'a> Ready<'a> {
         let seconds = start.elapsed().as_secs_f64();
         Ok(expectation.map(|expectation| Results { because, expectation, seconds }))
     }
-}
-
-/// Levels of random points, for one scheme.
-fn levels(scene: &Scene, setup: &Setup<'_>) -> ExpectationSettings {
-    let settings = &scene.settings;
-    let steps = settings.coarsest_steps.unwrap_or_else(|| coarsest_steps(settings.until));
-    let coupling = match setup.problem.noises > 1 && !setup.scheme.reads_areas() {
-        true => Coupling::Antithetic,
-        false => Coupling::Plain,
-    };
-    let settings = ExpectationSettings::new(settings.key, settings.truncation, steps, coupling);
-    ExpectationSettings { watch: hear, ..settings }
 }
 
 /// What the last round of samples gave.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use casimir::{
-    mc::multilevel::{Estimate, Level, Warning},
+    mc::expect::{Estimate, Level, Unresolved, Warning},
     report::files,
 };
 use serde_json::{Value, json};
@@ -27,13 +27,12 @@ pub fn expectation_text(scene: &Scene, results: &Expected) -> String {
 fn of_scene(warning: &Warning, scene: &Scene) -> String {
     let text = format!("warning: {warning}");
     let text = match warning {
-        Warning::Unresolved { component, .. } => {
+        Warning::Unresolved { what: Unresolved::Component(component), .. } => {
             text.replace(&format!("y{component}"), &scene.components[component - 1])
         }
         _ => text,
     };
-    let text = text.replace("coarsest steps, or a higher finest level", "--steps");
-    text.replace("take more coarsest steps", "take more --steps")
+    text.replace("coarsest steps, or a higher finest level", "--steps")
 }
 
 /// The expectations for programs.

@@ -224,7 +224,7 @@ impl Job {
         self
     }
 
-    /// Splits a round of samples of an [expectation](crate::multilevel::expectation_in) into parts
+    /// Splits a round of samples of an [expectation](crate::Expect::run_in) into parts
     /// if it takes more than so many path-steps; 2²⁷, about a second, by default. Smaller rounds
     /// are drawn by every part, since later ones follow from them. All parts and whoever merges
     /// them must have the same number.

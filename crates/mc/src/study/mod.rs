@@ -19,7 +19,7 @@
 //! described. Values that are not finite are counted apart. [`StudyResult::warnings`] has both.
 //!
 //! The intervals are those of sampling. The error of the step size is not in them:
-//! [`multilevel`](crate::multilevel) bounds it.
+//! [`Expect`](crate::Expect) bounds it.
 //!
 //! ```
 //! use mc::{Observable, Setup, StudySettings, study};

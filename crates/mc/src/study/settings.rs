@@ -52,7 +52,7 @@ pub struct StudySettings {
 }
 
 /// The experiment number of the pilot differs from that of the study in this bit. Levels of
-/// `multilevel` use the bits from 40 to 44.
+/// `Expect` use the bits from 40 to 44.
 const PILOT_STREAM: u64 = 1 << 47;
 /// First bit that an experiment number may not use.
 const EXPERIMENT_BITS: u32 = 40;
@@ -155,7 +155,6 @@ impl StudySettings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multilevel::{Coupling, ExpectationSettings};
 
     #[test]
     fn the_pilot_shares_its_streams_with_nothing() {
@@ -164,9 +163,9 @@ mod tests {
             let study = StudySettings::new(1, 1, 1, Truncation::none(), key);
             let pilot = study.pilot_key().experiment;
             assert!(pilot < noise::AREA_STREAM && pilot != experiment);
-            let other = ExpectationSettings::new(key, Truncation::none(), 1, Coupling::Plain);
+            // Those of the levels of an expectation.
             for level in 0..=24 {
-                assert_ne!(pilot, other.stream(level).experiment);
+                assert_ne!(pilot, experiment + ((level + 1) << 40));
             }
         }
     }

@@ -2,10 +2,10 @@
 //! them.
 
 use mc::{
-    Observable, SeenDamping, Setup,
-    multilevel::{Coupling, Expectation, ExpectationSettings, Warning, expectation},
+    Expect, Observable, SeenDamping, Setup,
+    expect::{Expectation, Unresolved, Warning},
 };
-use noise::{StreamKey, Truncation};
+use noise::StreamKey;
 use schemes::{Heun, Scheme, Sexp};
 use systems::{Constant, Cosine, Damping, DampingFunction, Problem};
 
@@ -25,15 +25,26 @@ fn expected<G: Damping>(
     problem: &Problem<Kubo, G, 2>,
     max_level: usize,
 ) -> Expectation {
-    let key = StreamKey { seed: 1, experiment: 5 };
-    let settings = ExpectationSettings::new(key, Truncation::new(4).unwrap(), 8, Coupling::Plain);
-    let settings = ExpectationSettings { max_level, ..settings };
-    let y1 = [Observable { name: "y1", function: |y: [f64; 2]| y[0] }];
-    expectation(&Setup::of(problem, scheme), &y1, 0.02, &settings, &|_| ()).unwrap()
+    of(scheme, problem, max_level, &Observable { name: "y1", function: |y| y[0] }, 0.02)
+}
+
+fn of<G: Damping>(
+    scheme: &dyn Scheme<Kubo, 2, 1>,
+    problem: &Problem<Kubo, G, 2>,
+    max_level: usize,
+    phi: &Observable<2>,
+    accuracy: f64,
+) -> Expectation {
+    let expect = Expect::with_scheme(Setup::of(problem, scheme)).with_random_points();
+    let expect = expect.with_key(StreamKey { seed: 2, experiment: 5 }).with_coarsest_steps(8);
+    expect.with_max_level(max_level).run(&[phi], accuracy, &|_| ()).unwrap()
 }
 
 fn warns(expectation: &Expectation) -> bool {
-    expectation.warnings.iter().any(|warning| matches!(warning, Warning::Damping { .. }))
+    let damping = |what: &Unresolved| matches!(what, Unresolved::Damping);
+    let is =
+        |warning: &Warning| matches!(warning, Warning::Unresolved { what, .. } if damping(what));
+    expectation.warnings.iter().any(is)
 }
 
 fn covers(expectation: &Expectation, exact: f64) -> bool {
@@ -62,7 +73,7 @@ fn a_pulse_between_the_nodes_of_a_quadrature_is_not_resolved() {
     let problem = problem(DampingFunction::new(pulse, 2).unwrap());
     let coarse = expected(&Sexp, &problem, 3);
     assert!(!coarse.reached() && warns(&coarse) && !covers(&coarse, exact(1.0)), "{coarse:?}");
-    let fine = expected(&Sexp, &problem, 16);
+    let fine = expected(&Sexp, &problem, 12);
     assert!(!fine.reached() || covers(&fine, exact(1.0)), "{fine:?}");
 }
 
@@ -94,16 +105,8 @@ fn a_small_defect_matters_to_a_function_that_multiplies_it() {
     // four radians.
     let fast = Cosine::new(0.01, 16_384.0 * std::f64::consts::PI).unwrap();
     let problem = problem(fast);
-    let key = StreamKey { seed: 1, experiment: 5 };
-    let settings = ExpectationSettings {
-        max_level: 6,
-        pilot: 256,
-        ..ExpectationSettings::new(key, Truncation::new(4).unwrap(), 8, Coupling::Plain)
-    };
     let function = |y: [f64; 2]| (200.0 * (y[0] * y[0] + y[1] * y[1])).cos();
-    let phi = [Observable { name: "phi", function }];
-    let sensitive =
-        expectation(&Setup::of(&problem, &Heun), &phi, 0.1, &settings, &|_| ()).unwrap();
+    let sensitive = of(&Heun, &problem, 6, &Observable { name: "phi", function }, 0.1);
     assert!(!sensitive.reached() && warns(&sensitive), "{sensitive:?}");
     assert!(!covers(&sensitive, 200f64.cos()), "the problem is not hard enough");
 }

@@ -4,9 +4,8 @@
 use std::sync::Arc;
 
 use mc::{
-    Formulas, Ladder, Observable, Observe, Recording, Run, Setup, Simulation, StateFunction,
-    Statistic, Study, StudySettings, View, bind,
-    multilevel::{Coupling, ExpectationSettings, expectation},
+    Expect, Formulas, Ladder, Observable, Observe, Recording, Run, Setup, Simulation,
+    StateFunction, Statistic, Study, StudySettings, View, bind,
     parts::{Job, Program, Share},
     study,
 };
@@ -316,11 +315,12 @@ fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_a_study() {
 #[test]
 fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_an_expectation() {
     let (one, damping) = (compiled(), Constant::new(0.5).unwrap());
-    for coupling in [Coupling::Plain, Coupling::Antithetic] {
-        let settings = ExpectationSettings::new(KEY, Truncation::none(), 4, coupling);
-        let found =
-            expectation(&Setup::of(&one, &Heun), &PRODUCT, 0.02, &settings, &|_| ()).unwrap();
-        let other = expectation(&setup(&damping), &[Product], 0.02, &settings, &|_| ());
-        assert_eq!(other, Ok(found));
+    for random_points in [true, false] {
+        let found = Expect::with_scheme(Setup::of(&one, &Heun)).with_truncation(Truncation::none());
+        let found = if random_points { found.with_random_points() } else { found };
+        let found = found.with_coarsest_steps(4).run(&[&PRODUCT[0]], 0.02, &|_| ()).unwrap();
+        let other = Expect::with_scheme(setup(&damping)).with_coarsest_steps(4);
+        let other = if random_points { other.with_random_points() } else { other };
+        assert_eq!(other.run(&[&Product], 0.02, &|_| ()), Ok(found));
     }
 }

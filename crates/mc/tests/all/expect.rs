@@ -8,10 +8,10 @@ use std::sync::{
 
 use mc::{
     Expect, Observable, Observe, Setup, expect,
-    multilevel::{Coupling, ExpectationSettings, MultilevelError, Warning, expectation},
+    expect::{ExpectError, Limit, Warning},
     parts::{Job, JobError, Stop},
 };
-use noise::{StreamKey, Truncation};
+use noise::StreamKey;
 use real::Real;
 use schemes::Sexp;
 use systems::{
@@ -141,14 +141,14 @@ fn bad_settings_are_refused() {
     // Squares of squares of 1e-100 vanish.
     for accuracy in [0.0, f64::NAN, -1.0, 1e-100, 1e100] {
         let refused = run(Expect::new(&problem), accuracy).unwrap_err();
-        assert!(matches!(refused, MultilevelError::Setting { name: "accuracy", .. }), "{refused}");
+        assert!(matches!(refused, ExpectError::Setting { name: "accuracy", .. }), "{refused}");
     }
-    let few = run(Expect::new(&problem).with_scrambles(3), 1e-2).unwrap_err();
-    assert_eq!(few.to_string(), "the number of scrambles must be from 16 to 2^20, got 3");
+    let few = run(Expect::new(&problem).with_replicates(3), 1e-2).unwrap_err();
+    assert_eq!(few.to_string(), "the number of replicates must be from 16 to 2^20, got 3");
     let none = Expect::new(&problem).run(&[], 1e-2, &|_| ()).unwrap_err();
-    assert_eq!(none, MultilevelError::NoObservable);
+    assert_eq!(none, ExpectError::NoObservable);
     let cheap = run(Expect::new(&problem).with_max_cost(1000), 1e-2).unwrap_err();
-    assert!(matches!(cheap, MultilevelError::PilotCost { max_cost: 1000, .. }), "{cheap}");
+    assert!(matches!(cheap, ExpectError::PilotCost { max_cost: 1000, .. }), "{cheap}");
     let limited = run(Expect::new(&problem).with_max_cost(200_000), 1e-9).unwrap();
     assert!(!limited.reached() && limited.cost <= 200_000);
 }
@@ -183,10 +183,8 @@ fn without_noise_one_path_is_extrapolated() {
     for (gamma, t_end, accuracy) in [(0.0, 1.0, 1e-4), (0.0, 50.0, 1e-9), (0.3, 4.0, 1e-12)] {
         let problem = oscillator::<0>(gamma, t_end);
         let chosen = expect(&problem, &[Q, P], accuracy).unwrap();
-        let key = StreamKey { seed: 1, experiment: 0 };
-        let settings = ExpectationSettings::new(key, Truncation::none(), 128, Coupling::Plain);
-        let given = expectation(&Setup::of(&problem, &Sexp), &[Q, P], accuracy, &settings, &|_| ())
-            .unwrap();
+        let given = Expect::with_scheme(Setup::of(&problem, &Sexp)).with_coarsest_steps(128);
+        let given = given.run(&[&Q, &P], accuracy, &|_| ()).unwrap();
         for found in [chosen, given] {
             assert!(found.reached() && found.warnings.is_empty(), "{found}");
             assert!(found.cost < 1_000_000, "{found}");
@@ -215,7 +213,7 @@ fn strong_damping_is_resolved_or_refused() {
     }
     let found = expect(&oscillator::<1>(1e7, 1.0), &[P_SQUARED], 1e-4).unwrap();
     assert!(!found.reached() && found.cost < 1_000_000, "{found}");
-    let named = |warning: &Warning| matches!(warning, Warning::OutOfReach { .. });
+    let named = |warning: &Warning| matches!(warning, Warning::Limit(Limit::OutOfReach { .. }));
     assert!(found.warnings.iter().any(named), "{found}");
 }
 
@@ -234,7 +232,7 @@ fn a_constant_matrix_has_a_conformal_scheme() {
 #[test]
 fn what_is_out_of_reach_is_said_early() {
     let found = expect(&oscillator::<1>(0.1, 1.0), &[Q, P], 1e-14).unwrap();
-    let named = |warning: &Warning| matches!(warning, Warning::OutOfReach { .. });
+    let named = |warning: &Warning| matches!(warning, Warning::Limit(Limit::OutOfReach { .. }));
     assert!(!found.reached() && found.warnings.iter().any(named), "{found}");
     // One in a hundred of the path-steps that are allowed.
     assert!(found.cost < 100_000_000, "{found}");
@@ -267,7 +265,7 @@ fn the_limit_is_for_all_attempts_together() {
         assert!(done <= max_cost, "{done}");
         match found {
             Ok(found) => assert!(found.cost == done && !found.reached(), "{found} {done}"),
-            Err(error) => assert!(matches!(error, MultilevelError::PilotCost { .. }), "{error}"),
+            Err(error) => assert!(matches!(error, ExpectError::PilotCost { .. }), "{error}"),
         }
     }
 }
@@ -314,7 +312,10 @@ fn who_is_stopped_keeps_the_estimates_so_far() {
     };
     let expect = Expect::new(&problem).with_max_cost(u64::MAX);
     let found = expect.run_in(&job, "all", &[&Q], 1e-7, &progress).unwrap().unwrap();
-    assert!(!found.reached() && found.warnings.contains(&Warning::Stopped), "{found}");
+    assert!(
+        !found.reached() && found.warnings.contains(&Warning::Limit(Limit::Stopped)),
+        "{found}"
+    );
     assert!(found.estimates[0].half_width() < 1e-2, "{found}");
     assert!(matches!(job.finish(), Err(JobError::Stopped)));
 }
@@ -324,6 +325,6 @@ fn alike_warnings_are_one_sentence() {
     let rare = |name| Observable { name, function: |y: [f64; 2]| f64::from(u8::from(y[0] > 9.0)) };
     let found = expect(&oscillator::<1>(0.1, 1.0), &[rare("a"), rare("b")], 0.5).unwrap();
     let text = found.to_string();
-    assert_eq!(text.matches("is the same on all").count(), 1, "{text}");
+    assert_eq!(text.matches("samples carry the variance").count(), 1, "{text}");
     assert!(text.contains("; the same of b\n"), "{text}");
 }

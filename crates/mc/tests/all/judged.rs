@@ -4,9 +4,9 @@
 //! and p = W. Numbers of misses are compared with the binomial quantile of 1 − 10⁻⁴ at 5 %, which a
 //! right program exceeds with that probability or less, for any seed.
 
-use mc::multilevel::{Coupling, Estimator, Expectation, ExpectationSettings, Warning, expectation};
-use mc::{Observable, Setup};
-use noise::{StreamKey, Truncation};
+use mc::expect::{Expectation, Unresolved, Warning};
+use mc::{Expect, Observable, Setup};
+use noise::StreamKey;
 use real::Real;
 use schemes::Sexp;
 use systems::{Constant, PoissonSystem, Problem};
@@ -48,24 +48,25 @@ impl PoissonSystem<2, 1> for Additive {
     }
 }
 
-fn settings(seed: u64) -> ExpectationSettings {
-    let key = StreamKey { seed, experiment: 3 };
-    ExpectationSettings {
-        max_cost: 100_000_000,
-        ..ExpectationSettings::new(key, Truncation::new(4).unwrap(), 8, Coupling::Plain)
-    }
+/// Random points for `sexp`, from eight coarsest steps on.
+fn random<S: PoissonSystem<2, 1>>(problem: &Problem<S, Constant, 2>, seed: u64) -> Expect<'_> {
+    Expect::with_scheme(Setup::of(problem, &Sexp))
+        .with_random_points()
+        .with_key(StreamKey { seed, experiment: 3 })
+        .with_coarsest_steps(8)
+        .with_max_cost(100_000_000)
 }
 
 fn kubo(
     (omega, sigma, t_end): (f64, f64, f64),
     function: fn([f64; 2]) -> f64,
     accuracy: f64,
-    settings: &ExpectationSettings,
+    (seed, max_level): (u64, usize),
 ) -> Expectation {
     let undamped = Constant::new(0.0).unwrap();
     let problem = Problem::new(Kubo { omega, sigma }, undamped, [1.0, 0.0], t_end).unwrap();
-    let phi = [Observable { name: "phi", function }];
-    expectation(&Setup::of(&problem, &Sexp), &phi, accuracy, settings, &|_| ()).unwrap()
+    let phi = Observable { name: "phi", function };
+    random(&problem, seed).with_max_level(max_level).run(&[&phi], accuracy, &|_| ()).unwrap()
 }
 
 fn outside(result: &Expectation, exact: f64) -> bool {
@@ -81,30 +82,25 @@ const MOST_MISSES: usize = 6;
 fn what_is_the_same_on_every_path_is_not_believed() {
     // 1{p < median}: the phase of coarse steps is wrong by a hundred standard deviations.
     let indicator = |y: [f64; 2]| f64::from(y[1] < -(6f64.sin()));
-    for estimator in [Estimator::Multilevel, Estimator::SinglePaths] {
-        for seed in 0..4 {
-            let settings = ExpectationSettings { estimator, ..settings(seed) };
-            let result = kubo((1.0, 1e-4, 6.0), indicator, 0.1, &settings);
-            let estimate = &result.estimates[0];
-            assert!(!result.reached() && !estimate.judged.variance, "{result:?}");
-            let constant = |warning: &Warning| matches!(warning, Warning::Constant { .. });
-            assert!(result.warnings.iter().any(constant), "{:?}", result.warnings);
-            // q is the same motion, and nothing is wrong with its mean.
-            let result = kubo((1.0, 1e-4, 6.0), |y| y[0], 0.01, &settings);
-            assert!(result.reached() && !outside(&result, 6f64.cos() * (-3e-8f64).exp()));
-        }
+    for seed in 0..4 {
+        let result = kubo((1.0, 1e-4, 6.0), indicator, 0.1, (seed, 16));
+        let estimate = &result.estimates[0];
+        assert!(!result.reached() && !estimate.judged.variance, "{result:?}");
+        let few = |warning: &Warning| matches!(warning, Warning::FewSamples { effective, .. } if *effective == 0.0);
+        assert!(result.warnings.iter().any(few), "{:?}", result.warnings);
+        // q is the same motion, and nothing is wrong with its mean.
+        let result = kubo((1.0, 1e-4, 6.0), |y| y[0], 0.01, (seed, 16));
+        assert!(result.reached() && !outside(&result, 6f64.cos() * (-3e-8f64).exp()));
     }
 }
 
 #[test]
 fn rare_events_are_found_or_allowed_for() {
-    // P(W > 3.09) = 10⁻³. With probability e⁻¹ the 1024 paths of the pilot see no event, and a
-    // variance of zero would end there.
+    // P(W > 3.09) = 10⁻³: the 4096 paths of the pilot see four events on average.
     let problem = Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
-    let phi = [Observable { name: "rare", function: |y: [f64; 2]| f64::from(y[1] > 3.090_232_3) }];
+    let phi = Observable { name: "rare", function: |y: [f64; 2]| f64::from(y[1] > 3.090_232_3) };
     let run = |seed: u64| {
-        let settings = ExpectationSettings { coarsest_steps: 2, ..settings(seed) };
-        expectation(&Setup::of(&problem, &Sexp), &phi, 1e-3, &settings, &|_| ()).unwrap()
+        random(&problem, seed).with_coarsest_steps(2).run(&[&phi], 1e-3, &|_| ()).unwrap()
     };
     let results: Vec<Expectation> = (0..20).map(run).collect();
     let wrong = results.iter().filter(|result| result.reached() && outside(result, 1e-3)).count();
@@ -121,12 +117,14 @@ fn motion_that_the_steps_do_not_resolve_is_named() {
     let exact = f64::cos(omega) * (-0.5 * sigma * sigma).exp();
     let mut wrong = 0;
     for seed in 0..20 {
-        let few = ExpectationSettings { max_level: 3, ..settings(seed) };
-        let result = kubo((omega, sigma, 1.0), |y| y[0], 0.1, &few);
+        let result = kubo((omega, sigma, 1.0), |y| y[0], 0.1, (seed, 3));
         assert!(!result.reached() && !result.estimates[0].judged.resolution, "{result:?}");
-        let named = |warning: &Warning| matches!(warning, Warning::Unresolved { level: 3, .. });
+        let named = |warning: &Warning| {
+            let component = |what: &Unresolved| matches!(what, Unresolved::Component(_));
+            matches!(warning, Warning::Unresolved { what, level: 3, .. } if component(what))
+        };
         assert!(result.warnings.iter().any(named), "{:?}", result.warnings);
-        let result = kubo((omega, sigma, 1.0), |y| y[0], 0.1, &settings(seed));
+        let result = kubo((omega, sigma, 1.0), |y| y[0], 0.1, (seed, 16));
         assert!(result.reached(), "{result:?}");
         wrong += usize::from(outside(&result, exact));
     }
@@ -144,17 +142,20 @@ fn a_function_of_high_degree_needs_finer_steps_than_the_state() {
     let mut alone = 0;
     for n in 0..40u32 {
         let omega = 6.0 + 0.05 * f64::from(n);
-        let few = ExpectationSettings { max_level: 3, ..settings(n.into()) };
-        let phi = kubo((omega, 1e-3, 1.0), |y| chebyshev(y[0]), 0.1, &few);
+        let phi = kubo((omega, 1e-3, 1.0), |y| chebyshev(y[0]), 0.1, (n.into(), 3));
         let exact = (64.0 * omega).cos() * (-2048e-6f64).exp();
         assert!(!phi.reached() || !outside(&phi, exact), "{omega}: {phi:?}");
-        let named = |warning: &Warning| matches!(warning, Warning::UnresolvedFunction { .. });
-        let state = |warning: &Warning| matches!(warning, Warning::Unresolved { .. });
-        let warned = |of: &dyn Fn(&Warning) -> bool| phi.warnings.iter().any(of);
-        alone += u32::from(warned(&named) && !warned(&state));
+        let warned = |of: fn(&Unresolved) -> bool| {
+            let is =
+                |warning: &Warning| matches!(warning, Warning::Unresolved { what, .. } if of(what));
+            phi.warnings.iter().any(is)
+        };
+        let named = warned(|what| matches!(what, Unresolved::Function(_)));
+        let state = warned(|what| matches!(what, Unresolved::Component(_)));
+        alone += u32::from(named && !state);
     }
     assert!(alone >= 5, "{alone}");
-    let fine = kubo((7.0, 1e-3, 1.0), |y| chebyshev(y[0]), 0.1, &settings(1));
+    let fine = kubo((7.0, 1e-3, 1.0), |y| chebyshev(y[0]), 0.1, (1, 16));
     assert!(fine.reached() && !outside(&fine, 448f64.cos() * (-2048e-6f64).exp()), "{fine:?}");
 }
 
@@ -163,16 +164,14 @@ fn a_variance_that_no_sample_shows_is_not_believed() {
     // E e^{σW} = e^{σ²/2}: with σ = 1 the paths show the variance, with σ = 3 two in a million do.
     let problem = Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
     let run = |function, exact: f64, seed| {
-        let phi = [Observable { name: "phi", function }];
-        let settings = ExpectationSettings { max_cost: 3_000_000, ..settings(seed) };
-        let accuracy = 0.05 * exact;
-        expectation(&Setup::of(&problem, &Sexp), &phi, accuracy, &settings, &|_| ()).unwrap()
+        let phi = Observable { name: "phi", function };
+        random(&problem, seed).with_max_cost(3_000_000).run(&[&phi], 0.05 * exact, &|_| ()).unwrap()
     };
     for seed in 0..20 {
         let light = run(|y: [f64; 2]| y[1].exp(), 0.5f64.exp(), seed);
         assert!(light.reached(), "{light:?}");
         let heavy = run(|y: [f64; 2]| (3.0 * y[1]).exp(), 4.5f64.exp(), seed);
-        let named = |warning: &Warning| matches!(warning, Warning::HeavyTail { .. });
+        let named = |warning: &Warning| matches!(warning, Warning::FewSamples { .. });
         assert!(!heavy.reached() && heavy.warnings.iter().any(named), "{heavy:?}");
     }
 }

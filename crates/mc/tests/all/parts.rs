@@ -9,7 +9,7 @@ use std::{
 
 use mc::{
     Expect, Kept, Ladder, Measured, Observable, Run, Setup, Statistic, View, bind,
-    multilevel::{Coupling, Expectation, ExpectationSettings, expectation_in},
+    expect::Expectation,
     parts::{Job, JobError, Outcome, Program, Share, Stop, merged_paths, remove},
 };
 use noise::{StreamKey, Truncation};
@@ -507,19 +507,12 @@ fn expectation(
     accuracy: f64,
     problem: &Pendulums,
 ) -> Result<Option<Expectation>, JobError> {
-    let key = StreamKey { seed: 3, experiment: 7 };
-    let truncation = Truncation::new(4).unwrap();
-    let settings = ExpectationSettings {
-        pilot: 256,
-        ..ExpectationSettings::new(key, truncation, 4, Coupling::Plain)
-    };
-    let phi = [
-        Observable { name: "q", function: |y: [f64; 2]| y[0] },
-        Observable { name: "q^2", function: |y: [f64; 2]| y[0] * y[0] },
-    ];
+    let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
+    let square = Observable { name: "q^2", function: |y: [f64; 2]| y[0] * y[0] };
     let job = job.splitting_rounds_above(10_000);
-    let found =
-        expectation_in(&job, "E", &Setup::of(problem, &Heun), &phi, accuracy, &settings, &|_| ());
+    let expect = Expect::with_scheme(Setup::of(problem, &Heun)).with_random_points();
+    let expect = expect.with_key(StreamKey { seed: 3, experiment: 7 }).with_replicates(16);
+    let found = expect.run_in(&job, "E", &[&q, &square], accuracy, &|_| ());
     job.finish().map(|_| found.unwrap())
 }
 
@@ -543,7 +536,7 @@ fn an_expectation_in_parts_takes_rounds_and_has_the_same_bits() {
             let merge = Job::merge(folder.path(), STUDY.program()).unwrap();
             match expectation(merge, accuracy, &problem) {
                 Ok(found) => break assert_eq!(found, here),
-                Err(JobError::NextRound { work }) => assert!(work.starts_with("E/level"), "{work}"),
+                Err(JobError::NextRound { work }) => assert!(work.starts_with("E/heun"), "{work}"),
                 Err(error) => panic!("{error}"),
             }
             assert!(rounds.last() < Some(&20));
@@ -558,7 +551,7 @@ fn sobol_points_in_parts_take_rounds_and_have_the_same_bits() {
     let phi = Observable { name: "q^2", function: |y: [f64; 2]| y[0] * y[0] };
     let run = |job: Job, accuracy: f64| {
         let job = job.splitting_rounds_above(10_000);
-        let expect = Expect::by_parts(&problem).with_scrambles(16);
+        let expect = Expect::by_parts(&problem).with_replicates(16);
         let found = expect.run_in(&job, "E", &[&phi], accuracy, &|_| ()).unwrap();
         job.finish().map(|_| found)
     };

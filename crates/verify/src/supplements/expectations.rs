@@ -1,5 +1,5 @@
-//! E[φ(y(T))] of the rigid body with three noises by `mc::Expect` and by multilevel Monte Carlo,
-//! against the Kolmogorov equation, and what an accuracy costs.
+//! E[φ(y(T))] of the rigid body with three noises by `mc::Expect` on Sobol points and on random
+//! points, against the Kolmogorov equation, and what an accuracy costs.
 
 use analysis::{
     Progress,
@@ -8,7 +8,7 @@ use analysis::{
 };
 use mc::{
     Expect, Observable, Observe, Setup,
-    multilevel::{Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation_in},
+    expect::{Estimate, Expectation},
     parts::Job,
 };
 use schemes::Sexp;
@@ -20,22 +20,10 @@ use crate::{
     truncation,
 };
 
-/// Steps on [0, 1] of the coarsest level: with two, the first difference has already the variance
-/// of order τ².
-const COARSEST_STEPS: u64 = 2;
-
 /// Degree of the spherical harmonics: the twelve values agree to 4e-15 from 96 to 160, and 64 is
 /// 8e-13 away.
 fn degree(conditions: &Conditions) -> usize {
     conditions.choose(96, 64)
-}
-
-fn settings(conditions: &Conditions, part: u64) -> ExpectationSettings {
-    let key = conditions.key(part);
-    ExpectationSettings {
-        max_cost: 1 << 40,
-        ..ExpectationSettings::new(key, truncation(), COARSEST_STEPS, Coupling::Antithetic)
-    }
 }
 
 /// Computes here what takes seconds and is no work for parts; it stops when the others do.
@@ -43,46 +31,37 @@ fn here(conditions: &Conditions) -> Job {
     Job::here().stopped_by(conditions.job.stop())
 }
 
-/// Expectations by multilevel Monte Carlo on the streams of part number `part`, as a piece of work
-/// of a job.
-fn multilevel(
-    conditions: &Conditions,
-    job: &Job,
-    part: u64,
-    observables: &[Observable<3>],
-    accuracy: f64,
-    with: impl FnOnce(ExpectationSettings) -> ExpectationSettings,
-) -> Option<Expectation> {
-    let (problem, sexp) = (rigid_body_three_noises(1.0), compiled(Sexp));
-    let name = format!("expectations/{part}");
-    let settings = with(settings(conditions, part));
-    let advance = |work| conditions.progress.advance(work);
-    let (scheme, problem) = (sexp.as_ref(), &problem);
-    valid(expectation_in(
-        job,
-        &name,
-        &Setup::of(problem, scheme),
-        observables,
-        accuracy,
-        &settings,
-        &advance,
-    ))
+/// Points and scheme of an expectation.
+#[derive(Clone, Copy)]
+enum Way {
+    /// `sexp` on random points.
+    Random,
+    /// `nv` on Sobol points, as `mc::Expect` chooses them.
+    Chosen,
 }
 
-/// Expectations with everything chosen, on the points of part number `part`.
-fn chosen(
+/// Expectations with the noise of part number `part`, as a piece of work of a job.
+fn expectation(
+    way: Way,
     conditions: &Conditions,
     job: &Job,
     part: u64,
     observables: &[Observable<3>],
     accuracy: f64,
 ) -> Option<Expectation> {
-    let problem = rigid_body_three_noises(1.0);
-    let expect = Expect::by_parts(&problem).with_key(conditions.key(part));
+    let (problem, sexp) = (rigid_body_three_noises(1.0), compiled(Sexp));
+    let (name, expect) = match way {
+        Way::Random => {
+            let setup = Setup::of(&problem, sexp.as_ref());
+            let expect = Expect::with_scheme(setup).with_random_points();
+            ("expectations", expect.with_truncation(truncation()).with_max_cost(1 << 40))
+        }
+        Way::Chosen => ("chosen", Expect::by_parts(&problem)),
+    };
     let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
     let advance = |work| conditions.progress.advance(work);
-    let name = format!("chosen/{part}");
-    valid(expect.run_in(job, &name, &observables, accuracy, &advance))
+    let expect = expect.with_key(conditions.key(part));
+    valid(expect.run_in(job, &format!("{name}/{part}"), &observables, accuracy, &advance))
 }
 
 /// E[φ] of `estimate` against its value by the Kolmogorov equation. Where the interval has Student's
@@ -114,7 +93,7 @@ fn twelve(conditions: &Conditions, measured: Option<Expectation>, method: Method
 }
 
 /// The twelve expectations of the weak panels, E of y_j, y_j², cos y_j and sin y_j at T = 1, each
-/// to the half-width `accuracy` of its 95 % interval by multilevel Monte Carlo, against the
+/// to the half-width `accuracy` of its 95 % interval by `sexp` on random points, against the
 /// Kolmogorov equation. The cost grows like accuracy⁻²: 2e-4 takes seconds, 2e-5 minutes. They are a piece of work of `job`, and
 /// there are none where it gives no results.
 pub fn expectation_claims(
@@ -126,14 +105,15 @@ pub fn expectation_claims(
     let (experiment, wanted, further) = (streams::EXPECTATIONS, &[], &[]);
     let conditions = Conditions { settings, job, experiment, wanted, further, progress };
     let observables = weak_observables();
-    let measured = multilevel(&conditions, job, 0, &observables, accuracy, |settings| settings);
+    let measured = expectation(Way::Random, &conditions, job, 0, &observables, accuracy);
     twelve(&conditions, measured, Method::Sexp)
 }
 
 /// Twelve expectations by `mc::Expect`, to the accuracy of the mode.
 pub fn measure(conditions: &Conditions) -> Findings {
     let accuracy = conditions.choose(2e-5, 2e-4);
-    let measured = chosen(conditions, &here(conditions), 0, &weak_observables(), accuracy);
+    let (job, observables) = (here(conditions), weak_observables());
+    let measured = expectation(Way::Chosen, conditions, &job, 0, &observables, accuracy);
     twelve(conditions, measured, Method::Nv).into()
 }
 
@@ -143,46 +123,27 @@ const COS_Y3: [Observable<3>; 1] =
 const COST: Words = Words {
     title: "E[cos y_3] of the rigid body with three noises: cost against accuracy",
     system: in_words::BODY_3,
-    paper: "Not in the paper, which takes single paths. With weak order 1 they cost ε⁻³; the \
-            antithetic multilevel method costs ε⁻², since the variance of a level falls like τ². \
-            Expect takes nv, of weak order 2, and scrambled Sobol points on its levels.",
+    paper: "Not in the paper, which takes single paths. With weak order 1 they cost ε⁻³; on \
+            antithetic levels random points cost ε⁻², since the variance of a level falls like \
+            τ². Expect takes nv, of weak order 2, and scrambled Sobol points on its levels.",
 };
 
-/// The first part of the streams, and what computes an expectation on a part to an accuracy.
-type Compute<'a> = (u64, &'a dyn Fn(u64, f64) -> Option<Expectation>);
-
-/// Path-steps for E[cos y₃] at several accuracies, by multilevel Monte Carlo, by single paths and by
-/// `mc::Expect`.
+/// Path-steps for E[cos y₃] at several accuracies, on random points and by `mc::Expect`.
 pub fn cost(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
     let job = here(conditions);
-    let accuracies = conditions.choose([1e-2, 3e-3, 1e-3, 3e-4], [1e-2, 5e-3, 3e-3, 2e-3]);
-    // Single paths at the next accuracy would take twenty times as long as all of these.
-    let finer = conditions.choose([1e-4, 3e-5], [1e-3, 5e-4]);
-    // A coarser one costs what the pilot costs.
-    let finest = conditions.choose([1e-3, 3e-4, 1e-4, 3e-5], [2e-3, 1e-3, 5e-4, 2e-4]);
+    let accuracies = conditions.choose([1e-3, 3e-4, 1e-4, 3e-5], [2e-3, 1e-3, 5e-4, 2e-4]);
     let exact = rigid_body_expectations(&problem, degree(conditions), &COS_Y3)[0];
     let (mut series, mut claims) = (Vec::new(), Vec::new());
-    let by = |estimator: Estimator, part, accuracy| {
-        let with = |settings| ExpectationSettings { estimator, ..settings };
-        multilevel(conditions, &job, part, &COS_Y3, accuracy, with)
-    };
-    let by_multilevel = |part, accuracy| by(Estimator::Multilevel, part, accuracy);
-    let by_paths = |part, accuracy| by(Estimator::SinglePaths, part, accuracy);
-    let by_choice = |part, accuracy| chosen(conditions, &job, part, &COS_Y3, accuracy);
-    // Accuracy number n has the streams 2n + 1, 2n, and 2n + 8, which single paths leave.
-    let all = [&accuracies[..], &finer].concat();
-    let ways: [(_, _, &[f64], Compute<'_>); 3] = [
-        ("multilevel", Method::Sexp, &all, (1, &by_multilevel)),
-        ("single paths", Method::Sexp, &accuracies, (0, &by_paths)),
-        ("Expect", Method::Nv, &finest, (8, &by_choice)),
-    ];
-    for (name, method, accuracies, (first, compute)) in ways {
+    // Accuracy number n has the streams 2n + 1 and 2n + 8.
+    let ways =
+        [("random points", Method::Sexp, 1, Way::Random), ("Expect", Method::Nv, 8, Way::Chosen)];
+    for (name, method, first, way) in ways {
         let mut points = Vec::new();
-        for (n, &accuracy) in (0..).zip(accuracies) {
-            let Some(result) = compute(first + 2 * n, accuracy) else {
-                return Findings::default();
-            };
+        for (n, accuracy) in (0..).zip(accuracies) {
+            let part = first + 2 * n;
+            let found = expectation(way, conditions, &job, part, &COS_Y3, accuracy);
+            let Some(result) = found else { return Findings::default() };
             points.push(Point::Cost { accuracy, path_steps: result.cost });
             let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
             let claim = claim(&result.estimates[0], &result, exact, statement);
@@ -192,8 +153,7 @@ pub fn cost(conditions: &Conditions) -> Findings {
         series.push(Series { scheme: name.into(), quantity, points, ..Series::default() });
     }
     let reference = "half-width ε of the 95 % interval, bias included".into();
-    let steps = "multilevel and single paths: sexp, antithetic differences from τ = 1/2 on; all \
-                 pilots are part of the cost";
+    let steps = "random points: sexp with antithetic differences; all pilots are part of the cost";
     let panel =
         Panel { reference, series, ..COST.panel(conditions.id(), Kind::Cost, &problem, steps) };
     Findings { panels: vec![panel], claims }

@@ -1,11 +1,7 @@
 //! Everything that runs paths.
 
 use anyhow::ensure;
-use mc::{
-    Ladder, Observable, Run, Setup, bind,
-    multilevel::{Coupling, ExpectationSettings, expectation},
-    trajectory,
-};
+use mc::{Expect, Ladder, Observable, Run, Setup, bind, trajectory};
 use noise::{StreamKey, Truncation};
 use schemes::EulerMaruyama;
 use systems::{Constant, Pendulum, Problem};
@@ -47,17 +43,21 @@ pub fn drivers(bits: &mut Bits) -> Fed {
             ))?;
         }
         _ => {
-            let mut settings =
-                ExpectationSettings::new(key, truncation, bits.below(8), Coupling::Plain);
-            settings.weak_order = if bits.one_in(2) { 1.0 } else { bits.number() };
-            settings.pilot = if bits.one_in(2) { 128 } else { bits.word() };
-            settings.max_level = bits.below(30) as usize;
-            settings.key.experiment >>= bits.below(40);
-            settings.max_cost = bits.below(20_000);
-            let first = [Observable { name: "y1", function: |y: [f64; 2]| y[0] }];
-            let accuracy = bits.positive(8);
-            let result =
-                expectation(&Setup::of(&problem, &*em), &first, accuracy, &settings, &|_| ());
+            let order = if bits.one_in(2) { 1.0 } else { bits.number() };
+            let replicates = if bits.one_in(2) { 16 } else { bits.word() };
+            let max_level = bits.below(30) as usize;
+            let key = StreamKey { experiment: key.experiment >> bits.below(40), ..key };
+            let expect = Expect::with_scheme(Setup::of(&problem, &*em))
+                .with_key(key)
+                .with_truncation(truncation)
+                .with_coarsest_steps(bits.below(8))
+                .with_weak_order(order)
+                .with_replicates(replicates)
+                .with_max_level(max_level)
+                .with_max_cost(bits.below(200_000));
+            let expect = if bits.one_in(2) { expect } else { expect.with_random_points() };
+            let first = Observable { name: "y1", function: |y: [f64; 2]| y[0] };
+            let result = expect.run(&[&first], bits.positive(8), &|_| ());
             let (lower, upper) = accepted(result)?.estimates[0].interval();
             ensure!(!lower.is_nan() && !upper.is_nan(), "interval [{lower}, {upper}]");
         }

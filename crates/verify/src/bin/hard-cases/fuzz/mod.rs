@@ -80,7 +80,7 @@ const TARGETS: [Target; 9] = [
         feed: numbers::areas,
     },
     Target {
-        name: "ladders, trajectories, multilevel settings",
+        name: "ladders, trajectories, settings of expectations",
         checks: "refused, or every state of the result is finite",
         cost: 40,
         feed: drivers::drivers,

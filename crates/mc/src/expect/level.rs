@@ -1,14 +1,10 @@
-//! The samples of one level.
+//! The samples of one level, by replicates and all together.
 
 use real::{PathMask, Row, WIDTH};
 use serde::{Deserialize, Serialize};
-use stats::CentralMoments;
+use stats::{CentralMoments, FEW_SAMPLES};
 
-use super::{
-    resolution::{FunctionMotion, Motion, compares_at},
-    settings::Coupling,
-    tails::Extremes,
-};
+use super::resolution::{FunctionMotion, Motion, compares_at};
 use crate::{Kept, Observe, PathFailure, Statistic, View};
 
 /// Moments of one test function on one level.
@@ -16,12 +12,10 @@ use crate::{Kept, Observe, PathFailure, Statistic, View};
 pub struct Values {
     /// φ of single paths, or the difference.
     pub sample: CentralMoments,
-    /// φ on the fine path, or its average over the fine and the swapped path.
+    /// φ on the fine path, or its average over two fine paths.
     pub fine: CentralMoments,
-    /// φ on the coarse path.
+    /// φ on the coarse path, or its average over two.
     pub coarse: CentralMoments,
-    /// The extreme φ on the fine path.
-    pub extremes: Extremes,
     /// How φ moves along fine and coarse paths.
     pub motion: FunctionMotion,
 }
@@ -32,14 +26,11 @@ impl Values {
         let of = |values: &Row| CentralMoments::of_block(values, paths);
         let of_fine = of(fine);
         self.fine.merge(&of_fine);
-        self.extremes.add(fine, paths);
         match coarse {
             None => self.sample.merge(&of_fine),
             Some(coarse) => {
                 self.coarse.merge(&of(coarse));
-                let mut difference = *fine;
-                difference.iter_mut().zip(coarse).for_each(|(fine, coarse)| *fine -= coarse);
-                self.sample.merge(&of(&difference));
+                self.sample.merge(&of(&std::array::from_fn(|p| fine[p] - coarse[p])));
             }
         }
     }
@@ -48,11 +39,10 @@ impl Values {
         self.sample.merge(&later.sample);
         self.fine.merge(&later.fine);
         self.coarse.merge(&later.coarse);
-        self.extremes.merge(&later.extremes);
         self.motion.merge(&later.motion);
     }
 
-    /// The least and the largest φ, or average of the fine and the swapped path.
+    /// The least and the largest φ on fine and coarse paths.
     pub fn range(&self) -> Option<(f64, f64)> {
         hull(self.fine.range(), self.coarse.range())
     }
@@ -66,6 +56,12 @@ impl Values {
     pub fn is_blind(&self) -> bool {
         let same = |moments: &CentralMoments| moments.range().is_none_or(|(a, b)| a == b);
         same(&self.fine) && same(&self.coarse)
+    }
+
+    /// Whether fewer than thirty fine paths carry the variance of φ, and the events are not of one
+    /// size: larger ones may be missing, whose size is not known.
+    pub fn is_heavy(&self) -> bool {
+        self.fine.effective_samples() < FEW_SAMPLES && !self.fine.is_two_valued()
     }
 
     /// Whether the samples vary by more than round-off.
@@ -83,25 +79,86 @@ pub fn hull(a: Option<(f64, f64)>, b: Option<(f64, f64)>) -> Option<(f64, f64)> 
 }
 
 /// The samples of one level so far.
+#[derive(Default)]
 pub struct Samples {
+    /// Its number; samples are φ on level 0 and differences on others.
     pub level: usize,
-    /// `None` for single paths.
-    pub coupling: Option<Coupling>,
     /// Path-steps of one sample.
     pub cost_per_path: u64,
-    /// One for each test function.
+    /// Points of each replicate, failed ones included.
+    pub points: u64,
+    /// Paths of all replicates, failed ones included.
+    pub paths: u64,
+    pub failed: u64,
+    /// All replicates together, one for each test function.
     pub values: Vec<Values>,
     /// Of fine and coarse paths.
     pub motion: Motion,
-    /// Paths drawn, failed ones included.
-    pub paths: u64,
-    pub failed: u64,
+    /// Each replicate as a sample, for each test function: of the difference, and of φ on the fine
+    /// path.
+    pub means: Vec<[Means; 2]>,
+}
+
+/// Numbers of each replicate.
+#[derive(Clone, Copy, Default)]
+pub struct Means {
+    /// The mean over its points.
+    pub mean: CentralMoments,
+    /// Its largest and its least value.
+    ends: [CentralMoments; 2],
+}
+
+impl Means {
+    fn add(&mut self, points: &CentralMoments) {
+        self.mean.add(points.mean());
+        if let Some((least, largest)) = points.range() {
+            self.ends[0].add(largest);
+            self.ends[1].add(least);
+        }
+    }
+
+    /// The variance that the largest and the least of so many points give to the mean of a
+    /// replicate.
+    pub fn variance_of_ends(&self, points: u64) -> f64 {
+        let n = points as f64;
+        self.ends.iter().map(CentralMoments::variance).sum::<f64>() / (n * n)
+    }
 }
 
 impl Samples {
     /// Paths that count.
     pub fn count(&self) -> u64 {
         self.paths - self.failed
+    }
+
+    /// Takes all samples of every replicate, each with so many points.
+    pub fn take(&mut self, replicates: Vec<Drawn>, points: u64) {
+        let functions = self.values.len();
+        (self.points, self.paths, self.failed) = (points, points * replicates.len() as u64, 0);
+        (self.values, self.motion) = (vec![Values::default(); functions], Motion::default());
+        self.means = vec![Default::default(); functions];
+        for Drawn { sums, failed, .. } in replicates {
+            for ((all, means), own) in self.values.iter_mut().zip(&mut self.means).zip(&sums.values)
+            {
+                means[0].add(&own.sample);
+                means[1].add(&own.fine);
+                all.merge(own);
+            }
+            self.motion.merge(&sums.motion);
+            self.failed += failed;
+        }
+    }
+
+    /// Numbers of each replicate for test function number k: of the difference, or of φ on the
+    /// fine path.
+    pub fn of_replicates(&self, k: usize, fine: bool) -> &Means {
+        &self.means[k][usize::from(fine)]
+    }
+
+    /// The variance of independent points over that of the points drawn, for the mean of φ number k
+    /// on the fine path; NaN where it does not vary.
+    pub fn gain(&self, k: usize) -> f64 {
+        self.values[k].fine.variance_of_mean() / self.of_replicates(k, true).mean.variance_of_mean()
     }
 }
 
@@ -176,7 +233,7 @@ impl Kept for PathValues<'_> {
     }
 }
 
-/// All samples of a level.
+/// All samples of a replicate of a level.
 pub struct Drawn {
     pub sums: Sums,
     pub failed: u64,

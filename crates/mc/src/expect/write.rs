@@ -2,7 +2,7 @@
 
 use std::{fmt, mem::discriminant};
 
-use super::{Estimate, Expectation, Warning};
+use super::report::{Estimate, Expectation, Warning};
 
 /// Each expectation with its interval and the parts of it, what it cost, decisions and warnings.
 impl fmt::Display for Expectation {
@@ -63,7 +63,7 @@ impl fmt::Display for Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multilevel::Judged;
+    use crate::expect::{Judged, Limit};
 
     #[test]
     fn an_expectation_says_what_it_is_and_what_it_lacks() {
@@ -95,7 +95,7 @@ mod tests {
         assert!(text.contains("\nE[cos y1] = 0.123457 ± 3.0e-5"), "{text}");
         assert!(text.ends_with("path-steps\na reason\n") && text.contains("1.23e3"), "{text}");
 
-        found.warnings.push(Warning::CostLimit { max_cost: 1000 });
+        found.warnings.push(Warning::Limit(Limit::Cost { max_cost: 1000 }));
         found.estimates[0].missed = 1e-3;
         found.estimates[1].judged.bias = false;
         let text = found.to_string();

@@ -17,27 +17,22 @@
 
 use real::elementary;
 
-use super::super::{
-    bias,
-    plan::{LN_2, SIGNIFICANT, Term},
+use super::{
+    rates::{LN_2, SIGNIFICANT},
     report::{QUANTILE, Rate},
+    settings::Orders,
+    sum::Term,
 };
 
-/// How far the observed order may significantly fall below the theoretical one.
-const ORDER_TOLERANCE: f64 = 0.25;
+/// How far the observed order may significantly fall below the theoretical one. With large steps it
+/// does by a tenth or so, and the bound allows for it.
+pub const ORDER_TOLERANCE: f64 = 0.25;
+/// The bias is extrapolated by no order below this, nor below half of the one given.
+const LOWEST_ORDER: f64 = 0.5;
 
 /// Variances of differences fall by two for a smooth φ on steps that resolve the motion, by 3/2 for
 /// one with kinks, and by one for one with jumps (Giles 2015). Below this φ is taken to be rough.
 const SMOOTH: f64 = 1.25;
-
-/// The powers of τ in an expansion of the bias.
-#[derive(Clone, Copy, Debug)]
-pub struct Orders {
-    /// The weak order p.
-    pub weak: f64,
-    /// The next one q.
-    pub next: f64,
-}
 
 /// A slope this near to a whole number is that order.
 const WHOLE: f64 = 0.2;
@@ -57,6 +52,11 @@ pub fn seen_orders(differences: &[Term], given: Orders) -> Orders {
     let change = |last: &Term, before: &Term| (1.0 + factor) * last.mean - factor * before.mean;
     let next = whole(order(change(b, a), change(c, b)), WHOLE).filter(|next| *next > weak);
     Orders { weak, next: next.unwrap_or(weak + 1.0).min(2.0 * weak + 2.0) }
+}
+
+/// The least order that is believed: a lower one is not what the extrapolation assumes.
+pub fn lowest(given: f64) -> f64 {
+    LOWEST_ORDER.min(0.5 * given)
 }
 
 /// The extrapolation of one test function.
@@ -80,22 +80,24 @@ pub fn extrapolation(
     orders: Orders,
     (alpha, beta): (Option<Rate>, Option<Rate>),
 ) -> Extrapolation {
+    let lowest = lowest(orders.weak);
+    // The upper end of the observed order, if that is less than the one given.
+    let seen = alpha.map_or(orders.weak, |alpha| orders.weak.min(alpha.upper).max(lowest));
     let local = differences.windows(2).filter_map(|pair| local_order(&pair[0], &pair[1]));
-    let least = local.fold(bias::order(orders.weak, alpha), f64::min);
+    let least = local.fold(seen, f64::min);
     let falls = least >= orders.weak - ORDER_TOLERANCE;
-    let order = if falls { orders.weak } else { least.max(bias::lowest(orders.weak)) };
+    let order = if falls { orders.weak } else { least.max(lowest) };
     let rough = beta.is_some_and(|beta| beta.value < SMOOTH);
     let expands = falls && !rough;
     let one_over = |order: f64| 1.0 / (elementary::exp(order * LN_2) - 1.0);
     let (c, next) = (one_over(order), one_over(orders.next));
-    let variance = |term: &Term| term.variance / term.count;
     // c′(R_L − R_{L−1}), in differences.
     let change = |last: &Term, before: &Term| {
         let mean = (1.0 + c) * last.mean - c * before.mean;
-        let square = (1.0 + c).powi(2) * variance(last) + c * c * variance(before);
+        let square = (1.0 + c).powi(2) * last.variance + c * c * before.variance;
         (next * mean.abs(), next * square.sqrt())
     };
-    let whole = |term: &Term| (c * term.mean.abs(), c * variance(term).sqrt());
+    let whole = |term: &Term| (c * term.mean.abs(), c * term.variance.sqrt());
     let larger = |a: (f64, f64), b: (f64, f64)| if a.0 < b.0 { b } else { a };
     let (size, standard_error) = match differences {
         [.., _, _] if rough => differences.iter().map(whole).fold((0.0, 0.0), larger),
@@ -116,7 +118,7 @@ pub fn extrapolation(
 /// The upper end of the order by which one difference falls to the next, if both are significant
 /// and of one sign.
 fn local_order(before: &Term, last: &Term) -> Option<f64> {
-    let square = |term: &Term| term.variance / (term.count * term.mean * term.mean);
+    let square = |term: &Term| term.variance / (term.mean * term.mean);
     let significant = |term: &Term| SIGNIFICANT * SIGNIFICANT * square(term) < 1.0;
     let ratio = before.mean / last.mean;
     if !(significant(before) && significant(last) && ratio > 0.0) {
@@ -128,12 +130,10 @@ fn local_order(before: &Term, last: &Term) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multilevel::tails::Tail;
 
     fn differences(error: impl Fn(f64) -> f64) -> (Vec<Term>, f64) {
         let at = |l: i32| error(f64::powi(0.5, l));
-        let term =
-            |mean: f64| Term { cost: 1.0, count: 1.0, mean, variance: 0.0, tail: Tail::default() };
+        let term = |mean: f64| Term { mean, ..Term::default() };
         ((1..4).map(|l| term(at(l) - at(l - 1))).collect(), at(3))
     }
 
@@ -188,8 +188,7 @@ mod tests {
     #[test]
     fn two_differences_that_hardly_fall_are_no_expansion() {
         // Orders 0.76 and 1.8, where the changes of R happen to be small.
-        let term =
-            |mean: f64| Term { cost: 1.0, count: 1.0, mean, variance: 0.0, tail: Tail::default() };
+        let term = |mean: f64| Term { mean, ..Term::default() };
         let terms = [0.0303, 0.0179, 0.00518].map(term);
         let orders = Orders { weak: 2.0, next: 4.0 };
         let found = extrapolation(&terms, 3, orders, (None, None));

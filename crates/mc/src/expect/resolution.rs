@@ -1,4 +1,4 @@
-//! Whether the steps resolve the motion.
+//! Whether the steps resolve the motion, the damping and every φ.
 //!
 //! A rotation with ωτ ≫ 1 has the right size and the wrong phase on the fine and on the coarse path
 //! alike, and expectations over it may agree on several levels by aliasing. The states then do not:
@@ -10,8 +10,11 @@ use real::{Kernel, PathMask, Row, WIDTH, dispatch};
 use serde::{Deserialize, Serialize};
 use stats::ROUND_OFF;
 
-use super::level::{Samples, Values};
-use crate::View;
+use super::{
+    level::{Samples, Values},
+    report::{Unresolved, Warning},
+};
+use crate::{SeenDamping, View};
 
 /// The largest quotient that counts as resolved, on the last level: a rotation differs by half a
 /// radian to one, and the fine path is wrong by a third of that (phases have order two). The same
@@ -183,26 +186,6 @@ impl FunctionMotion {
     }
 }
 
-/// [`FunctionMotion::difference`] on the last level, if the steps do not resolve the motion of test
-/// function number k: a φ that multiplies phases needs finer steps than the state.
-pub fn unresolved_function(differences: &[Samples], k: usize, accuracy: f64) -> Option<f64> {
-    let [.., a, b, c] = differences else { return None };
-    let quotients = [a, b, c].map(|level| level.values[k].motion.difference(accuracy));
-    // An event is the same on fine and coarse paths if this is below √½: see `coupled`.
-    let scaled = quotients.map(|quotient| std::f64::consts::FRAC_1_SQRT_2 * quotient);
-    (!near(scaled)).then_some(quotients[2])
-}
-
-/// A component that the steps do not resolve.
-pub struct Unresolved {
-    /// Its number, from zero.
-    pub component: usize,
-    /// [`Motion::difference`] on the last level.
-    pub last: f64,
-    /// The larger one of the two levels below.
-    pub before: f64,
-}
-
 /// The quotients of component i on the last three levels, the last one last. Zero if the component
 /// moves by errors of the scheme alone, as one does that the equations keep.
 fn quotients(differences: &[Samples], i: usize) -> Option<[f64; 3]> {
@@ -217,21 +200,50 @@ fn vanishes([a, b, c]: [f64; 3]) -> bool {
     c <= ERROR && c <= VANISHES * b && b <= VANISHES * a
 }
 
-/// Whether every component is near on the last three levels.
-pub fn is_near(differences: &[Samples]) -> bool {
-    let components = differences.last().map_or(0, |last| last.motion.start.len());
-    (0..components).all(|i| quotients(differences, i).is_some_and(near))
+/// The largest ∫|γ| over a step that is resolved: noise of a step that enters in its middle has the
+/// variance x/sinh x of the true one, x = γτ, which has an expansion in τ where x is below one.
+pub const LARGEST_EXPONENT: f64 = 1.0;
+
+/// What the steps of the last difference do not resolve: the worst component of the motion, the
+/// damping, and every test function of these names. Nothing is known of fewer than three levels.
+pub fn unresolved(
+    differences: &[Samples],
+    damping: &SeenDamping<'_>,
+    names: &[String],
+    accuracy: f64,
+) -> Vec<Warning> {
+    let [.., last] = differences else { return Vec::new() };
+    let level = last.level;
+    let components = (0..last.motion.start.len()).filter_map(|i| {
+        let quotients = quotients(differences, i).filter(|quotients| !resolved(*quotients))?;
+        Some((Unresolved::Component(i + 1), quotients[2]))
+    });
+    let component = components.max_by(|one, other| one.1.total_cmp(&other.1));
+    let exponent = damping.lasting_exponent(level);
+    let damping = match exponent > LARGEST_EXPONENT {
+        true => Some((Unresolved::StrongDamping, exponent)),
+        false => damping.unresolved(level).map(|defect| (Unresolved::Damping, defect)),
+    };
+    let function = |(k, name): (usize, &String)| {
+        let defect = unresolved_function(differences, k, accuracy)?;
+        Some((Unresolved::Function(name.clone()), defect))
+    };
+    let functions = names.iter().enumerate().filter_map(function);
+    let all = component.into_iter().chain(damping).chain(functions);
+    all.map(|(what, defect)| Warning::Unresolved { what, level, defect }).collect()
 }
 
-/// The worst component that the steps of the last level do not resolve, if there is one.
-pub fn unresolved(differences: &[Samples]) -> Option<Unresolved> {
-    let components = differences.last().map_or(0, |last| last.motion.start.len());
-    let of = |component: usize| {
-        let quotients = quotients(differences, component)?;
-        let [a, b, last] = quotients;
-        (!resolved(quotients)).then(|| Unresolved { component, last, before: a.max(b) })
-    };
-    (0..components).filter_map(of).max_by(|one, other| one.last.total_cmp(&other.last))
+/// How far fine and coarse paths of the last level differ in test function number k, if its motion
+/// is not resolved, since a φ that multiplies phases needs finer steps than the state; or if it is
+/// not the same event on both.
+fn unresolved_function(differences: &[Samples], k: usize, accuracy: f64) -> Option<f64> {
+    let [.., a, b, c] = differences else { return None };
+    let quotients = [a, b, c].map(|level| level.values[k].motion.difference(accuracy));
+    // An event is the same on fine and coarse paths if this is below √½: see `coupled`.
+    let scaled = quotients.map(|quotient| std::f64::consts::FRAC_1_SQRT_2 * quotient);
+    let values = &c.values[k];
+    let uncoupled = (!coupled(values, accuracy)).then(|| (2.0 * share(values)).sqrt());
+    if near(scaled) { uncoupled } else { Some(quotients[2]) }
 }
 
 /// Whether quotients of three levels are as small as by strong order ½ at least: one alone may be

@@ -1,33 +1,58 @@
-//! Multilevel Monte Carlo: do the intervals cover, does the cost grow as it should, and are wrong
-//! couplings noticed.
+//! Expectations with a given scheme, on random points and on Sobol points: do the intervals cover,
+//! does the cost grow as it should, and are wrong schemes and wrong couplings noticed.
 //!
 //! The bounds of the coverage tests are each exceeded by a right program with probability 10⁻⁴ or
-//! less, and there are 24 of them. Other ranges are derived where they stand, or are several times
+//! less, and there are 16 of them. Other ranges are derived where they stand, or are several times
 //! wider than the spread over seeds.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use mc::multilevel::{
-    Coupling, Estimate, Estimator, Expectation, ExpectationSettings, MultilevelError, Warning,
-    expectation,
-};
-use mc::{LadderError, Observable, Setup};
-use noise::{BlockNoise, Noise, NoiseError, StreamKey, Truncation};
+use mc::expect::{Estimate, ExpectError, Expectation, Limit, Unbounded, Warning};
+use mc::{Expect, LadderError, Observable, Observe, Setup};
+use noise::{BlockNoise, Noise, StreamKey};
 use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::{Block, Real};
 use schemes::{Scheme, Sexp, SexpLevy, Step, WithSolver};
-use systems::{Constant, Cosine, PoissonSystem, Problem, RigidBody};
+use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
 use crate::explosive::Explosive;
 
-fn settings(seed: u64, coupling: Coupling) -> ExpectationSettings {
-    ExpectationSettings::new(
-        StreamKey { seed, experiment: 1 },
-        Truncation::new(4).unwrap(),
-        4,
-        coupling,
-    )
+/// Random points from four coarsest steps on.
+fn random<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    scheme: &'a dyn Scheme<S, D, M>,
+    problem: &'a Problem<S, G, D>,
+    seed: u64,
+) -> Expect<'a> {
+    sobol(scheme, problem, seed).with_random_points()
+}
+
+/// The same with Sobol points.
+fn sobol<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    scheme: &'a dyn Scheme<S, D, M>,
+    problem: &'a Problem<S, G, D>,
+    seed: u64,
+) -> Expect<'a> {
+    Expect::with_scheme(Setup::of(problem, scheme))
+        .with_key(StreamKey { seed, experiment: 1 })
+        .with_coarsest_steps(4)
+}
+
+fn run<const D: usize>(
+    expect: Expect<'_>,
+    observables: &[Observable<D>],
+    accuracy: f64,
+) -> Result<Expectation, ExpectError> {
+    let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
+    expect.run(&observables, accuracy, &|_| ())
+}
+
+fn is_order(warning: &Warning) -> bool {
+    matches!(warning, Warning::Bias { why: Unbounded::Order { .. }, .. })
+}
+
+fn is_telescope(warning: &Warning) -> bool {
+    matches!(warning, Warning::Bias { why: Unbounded::Telescope { .. }, .. })
 }
 
 type Body = Problem<RigidBody<3>, Cosine, 3>;
@@ -144,8 +169,10 @@ fn check_coverage(name: &str, run: impl Fn(u64) -> Expectation) {
             outside_statistical >= fewest,
             "{what}: {outside_statistical} of {n} miss statistically"
         );
-        // Errors spread as the standard errors say: s² of 200 normals is within 1 ± z√(2/199).
-        let (mean, variance) = (sum / n, (squares - sum * sum / n) / (n - 1.0));
+        // Errors spread as the standard errors of 32 replicates say: Student's law with 31 degrees
+        // of freedom has the variance 31/29, and s² of 200 normals is within 1 ± z√(2/199).
+        let mean = sum / n;
+        let variance = (squares - sum * sum / n) / (n - 1.0) * 29.0 / 31.0;
         assert!(
             (variance - 1.0).abs() < Z * (2.0 / (n - 1.0)).sqrt(),
             "{what}: variance {variance}"
@@ -158,56 +185,36 @@ fn check_coverage(name: &str, run: impl Fn(u64) -> Expectation) {
 #[test]
 fn intervals_cover_the_truth() {
     let problem = rotations();
-    for coupling in [Coupling::Antithetic, Coupling::Plain] {
-        check_coverage(&format!("{coupling:?}"), |seed| {
-            let settings = ExpectationSettings { pilot: 256, ..settings(seed, coupling) };
-            expectation(&Setup::of(&problem, &Sexp), &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
-        });
-    }
-}
-
-#[test]
-fn intervals_of_single_paths_cover_the_truth() {
-    let problem = rotations();
-    check_coverage("single paths", |seed| {
-        let settings = ExpectationSettings {
-            estimator: Estimator::SinglePaths,
-            pilot: 256,
-            ..settings(seed, Coupling::Antithetic)
-        };
-        expectation(&Setup::of(&problem, &Sexp), &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
+    check_coverage("random points", |seed| {
+        run(random(&Sexp, &problem, seed).with_coarsest_steps(2), &MOMENTS, 0.015).unwrap()
+    });
+    check_coverage("Sobol points", |seed| {
+        run(sobol(&Sexp, &problem, seed).with_coarsest_steps(2), &MOMENTS, 2e-3).unwrap()
     });
 }
-
-const ESTIMATORS: [Estimator; 2] = [Estimator::Multilevel, Estimator::SinglePaths];
 
 #[test]
 fn the_interval_holds_where_the_bias_is_most_of_it() {
     let problem = rotations();
-    let settings = ExpectationSettings {
-        coarsest_steps: 2,
-        max_level: 3,
-        ..settings(2, Coupling::Antithetic)
-    };
-    for estimator in ESTIMATORS {
-        let settings = ExpectationSettings { estimator, ..settings };
-        let result =
-            expectation(&Setup::of(&problem, &Sexp), &MOMENTS, 5e-4, &settings, &|_| ()).unwrap();
-        assert!(
-            result.warnings.contains(&Warning::LevelLimit { level: 3 }) && !result.reached(),
-            "{result:?}"
-        );
+    for random_points in [true, false] {
+        let expect = sobol(&Sexp, &problem, 2).with_coarsest_steps(2).with_max_level(3);
+        let expect = if random_points { expect.with_random_points() } else { expect };
+        let result = run(expect, &MOMENTS, 1e-6).unwrap();
+        let limit = Warning::Limit(Limit::Level { level: 3 });
+        let limited = |warning: &Warning| {
+            *warning == limit || matches!(warning, Warning::Limit(Limit::OutOfReach { .. }))
+        };
+        assert!(result.warnings.iter().any(limited) && !result.reached(), "{result:?}");
         for (estimate, exact) in result.estimates.iter().zip(exact_moments()) {
             let error = exact - estimate.value;
             let statistical = Z * estimate.standard_error;
-            // The bias is there, it has the sign and the size that the last difference says, and
-            // the interval holds.
-            assert!(error.abs() > 1.96 * estimate.standard_error, "{estimate:?}, error {error}");
-            assert!(
-                (error - estimate.bias).abs() < statistical + 0.3 * estimate.bias.abs(),
-                "{estimate:?}, error {error}"
-            );
             assert!(error.abs() < estimate.bias_bound + statistical, "{estimate:?}, error {error}");
+            // The mean at the finest step is off by what extrapolation added, and by more than the
+            // interval.
+            if !random_points {
+                let before = error + estimate.bias;
+                assert!(before.abs() > estimate.half_width(), "{estimate:?}, error {before}");
+            }
         }
     }
 }
@@ -215,90 +222,45 @@ fn the_interval_holds_where_the_bias_is_most_of_it() {
 #[test]
 fn threads_do_not_change_a_bit() {
     let problem = body();
-    let run = |threads: usize| {
+    let of = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            ESTIMATORS.map(|estimator| {
-                expectation(
-                    &Setup::of(&problem, &Sexp),
-                    &COS_Y3,
-                    1e-3,
-                    &ExpectationSettings { estimator, ..settings(3, Coupling::Antithetic) },
-                    &|_| (),
-                )
-                .unwrap()
-            })
+            [random(&Sexp, &problem, 3), sobol(&Sexp, &problem, 3)]
+                .map(|expect| run(expect, &COS_Y3, 2e-3).unwrap())
         })
     };
-    let one = run(1);
+    let one = of(1);
     assert!(one.iter().all(Expectation::reached));
+    assert_ne!(one[0].estimates, one[1].estimates);
     for threads in [2, 3] {
-        assert_eq!(one, run(threads), "{threads} threads");
+        assert_eq!(one, of(threads), "{threads} threads");
     }
 }
 
 #[test]
 fn the_twin_doubles_the_order_of_the_variance() {
-    let problem = body();
-    for (coupling, accuracy, range) in
-        [(Coupling::Antithetic, 2e-4, 1.8..=2.35), (Coupling::Plain, 4e-4, 0.9..=1.1)]
-    {
-        let result = expectation(
-            &Setup::of(&problem, &Sexp),
-            &COS_Y3,
-            accuracy,
-            &settings(4, coupling),
-            &|_| (),
-        )
-        .unwrap();
-        assert!(result.reached() && result.warnings.is_empty(), "{coupling:?}: {result:?}");
-        let beta = result.estimates[0].beta.unwrap();
-        assert!(range.contains(&beta.value), "{coupling:?}: {beta:?}");
-        assert!(beta.lower < *range.end() && beta.upper > *range.start(), "{coupling:?}: {beta:?}");
-    }
+    let result = run(random(&Sexp, &body(), 4), &COS_Y3, 5e-4).unwrap();
+    assert!(result.reached() && result.warnings.is_empty(), "{result:?}");
+    let beta = result.estimates[0].beta.unwrap();
+    assert!((1.8..=2.35).contains(&beta.value), "{beta:?}");
+    assert!(beta.lower < 2.35 && beta.upper > 1.8, "{beta:?}");
 }
 
 #[test]
-fn the_cost_grows_as_the_accuracy_squared() {
+fn the_cost_of_random_points_grows_as_the_accuracy_squared() {
     let problem = body();
-    let accuracies = [1e-3, 5e-4, 2.5e-4];
-    let costs = |method: fn(f64, &Body, &ExpectationSettings) -> u64| {
-        accuracies.map(|accuracy| {
-            method(
-                accuracy,
-                &problem,
-                &ExpectationSettings { pilot: 128, ..settings(5, Coupling::Antithetic) },
-            ) as f64
-        })
+    let cost = |expect: Expect<'_>, accuracy: f64| {
+        let result = run(expect, &COS_Y3, accuracy).unwrap();
+        assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
+        result.cost as f64
     };
-    let multilevel = costs(|accuracy, problem, settings| {
-        let result =
-            expectation(&Setup::of(problem, &Sexp), &COS_Y3, accuracy, settings, &|_| ()).unwrap();
-        assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
-        result.cost
-    });
-    let plain = costs(|accuracy, problem, settings| {
-        let settings = ExpectationSettings { estimator: Estimator::SinglePaths, ..*settings };
-        let result =
-            expectation(&Setup::of(problem, &Sexp), &COS_Y3, accuracy, &settings, &|_| ()).unwrap();
-        assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
-        result.cost
-    });
-    // The standard error may have 3/4 to all of the accuracy, which is a factor (4/3)² in the
-    // number of samples. Levels that are added later have less than a tenth of Σ√(VC), or a fifth
-    // of its square. Pilots only lower the growth.
-    let margin = (4.0f64 / 3.0).powi(2);
-    for pair in [0..2, 1..3, 0..3] {
-        let (first, last) = (pair.start, pair.end - 1);
-        let square = (accuracies[first] / accuracies[last]).powi(2);
-        let growth = multilevel[last] / multilevel[first];
-        assert!(growth < square * margin * 1.2 && growth > square / margin / 1.2, "{multilevel:?}");
-    }
-    // Single paths take ε⁻³: 64-fold in place of 16-fold, with the same margin and half or twice
-    // the steps.
-    let growth = plain[2] / plain[0];
-    assert!(growth > 64.0 / margin / 2.0 && growth < 64.0 * margin * 2.0, "{plain:?}");
-    assert!(plain[2] > 8.0 * multilevel[2], "{plain:?} {multilevel:?}");
+    // Points are doubled, on one level after the other; the pilots only lower the growth.
+    let [first, last] = [8e-4, 2e-4].map(|accuracy| cost(random(&Sexp, &problem, 5), accuracy));
+    let growth = last / first;
+    assert!(growth > 16.0 / 3.0 && growth < 16.0 * 2.0, "{first} {last}");
+    // Sobol points have a tenth of the error and less.
+    let sobol = cost(sobol(&Sexp, &problem, 5), 2e-4);
+    assert!(last > 8.0 * sobol, "{last} {sobol}");
 }
 
 /// Sexp with something done to the increments, which may depend on the step size.
@@ -341,16 +303,13 @@ fn paths_that_do_not_share_their_noise_are_noticed() {
     // −ΔW on every second level: each level has the right law, and no two neighbours are coupled.
     let alternating =
         Altered(|tau: f64| if (4.0 * tau).log2().rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 });
-    let settings =
-        ExpectationSettings { max_cost: 20_000_000, ..settings(6, Coupling::Antithetic) };
-    let result =
-        expectation(&Setup::of(&problem, &alternating), &COS_Y3, 1e-3, &settings, &|_| ()).unwrap();
+    let limited = |scheme| random(scheme, &problem, 6).with_max_cost(20_000_000);
+    let result = run(limited(&alternating), &COS_Y3, 2e-3).unwrap();
     assert!(result.estimates[0].beta.unwrap().upper < 0.5, "{result:?}");
     // The law is right, so nothing else is wrong.
-    assert!(!result.warnings.iter().any(|warning| matches!(warning, Warning::Inconsistent { .. })));
+    assert!(!result.warnings.iter().any(is_telescope));
     let same = Altered(|_| 1.0);
-    let result =
-        expectation(&Setup::of(&problem, &same), &COS_Y3, 1e-3, &settings, &|_| ()).unwrap();
+    let result = run(random(&same, &problem, 6).with_max_cost(20_000_000), &COS_Y3, 2e-3).unwrap();
     assert!(result.warnings.is_empty(), "{:?}", result.warnings);
     assert!(result.estimates[0].beta.unwrap().lower > 1.0, "{result:?}");
 }
@@ -361,20 +320,16 @@ fn a_lower_weak_order_is_noticed() {
     // Noise that is too large by √τ/2: E[φ] is off by a multiple of √τ.
     let rough = Altered(|tau: f64| 1.0 + 0.5 * tau.sqrt());
     let y1 = &MOMENTS[..1];
-    let settings = ExpectationSettings { max_level: 10, ..settings(7, Coupling::Antithetic) };
-    let result = expectation(&Setup::of(&problem, &rough), y1, 5e-3, &settings, &|_| ()).unwrap();
-    let order = |warning: &Warning| matches!(warning, Warning::WeakOrder { alpha, .. } if alpha.upper < 0.75);
-    assert!(result.warnings.iter().any(order), "{result:?}");
+    let expect = |order| random(&rough, &problem, 7).with_max_level(10).with_weak_order(order);
+    let result = run(expect(1.0), y1, 5e-3).unwrap();
+    let low = |warning: &Warning| matches!(warning, Warning::Bias { why: Unbounded::Order { alpha, .. }, .. } if alpha.upper < 0.75);
+    assert!(result.warnings.iter().any(low), "{result:?}");
     // The bias is judged by the observed order: the interval still holds.
     let (lower, upper) = result.estimates[0].interval();
     assert!(lower < exact_moments()[0] && exact_moments()[0] < upper, "{result:?}");
     // Told the truth, there is nothing to warn of.
-    let settings = ExpectationSettings { weak_order: 0.5, ..settings };
-    let result = expectation(&Setup::of(&problem, &rough), y1, 5e-3, &settings, &|_| ()).unwrap();
-    assert!(
-        !result.warnings.iter().any(|warning| matches!(warning, Warning::WeakOrder { .. })),
-        "{result:?}"
-    );
+    let result = run(expect(0.5), y1, 5e-3).unwrap();
+    assert!(!result.warnings.iter().any(is_order), "{result:?}");
 }
 
 thread_local! {
@@ -419,33 +374,28 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
 fn levels_that_do_not_telescope_are_noticed() {
     let problem = body();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let settings = ExpectationSettings { max_cost: 5_000_000, ..settings(8, Coupling::Antithetic) };
-    let run = |scheme: &dyn Scheme<RigidBody<3>, 3, 3>| {
-        pool.install(|| {
-            expectation(&Setup::of(&problem, scheme), &COS_Y3, 2e-4, &settings, &|_| ()).unwrap()
-        })
+    let of = |scheme: &dyn Scheme<RigidBody<3>, 3, 3>| {
+        pool.install(|| run(random(scheme, &problem, 8), &COS_Y3, 3e-4).unwrap())
     };
-    let wrong = run(&Remembering);
-    let inconsistent =
-        |warning: &Warning| matches!(warning, Warning::Inconsistent { level: 1, .. });
-    assert!(wrong.warnings.iter().any(inconsistent), "{:?}", wrong.warnings);
-    let right = run(&Sexp);
+    let wrong = of(&Remembering);
+    assert!(wrong.warnings.iter().any(is_telescope), "{:?}", wrong.warnings);
+    assert!(!wrong.estimates[0].judged.bias);
+    let right = of(&Sexp);
     assert!(right.warnings.is_empty(), "{:?}", right.warnings);
     // The error is beyond the accuracy, which is what makes the check worth having.
-    assert!((wrong.estimates[0].value - right.estimates[0].value).abs() > 2e-4);
+    assert!((wrong.estimates[0].value - right.estimates[0].value).abs() > 3e-4);
 }
 
 #[test]
 fn a_limit_ends_the_computation_and_nothing_is_lost() {
     let problem = body();
-    let limited = |estimator: Estimator, max_cost: u64| {
-        let settings =
-            ExpectationSettings { estimator, max_cost, ..settings(9, Coupling::Antithetic) };
+    let limited = |max_cost: u64| {
         let done = AtomicU64::new(0);
         let progress = |steps: u64| {
             done.fetch_add(steps, Ordering::Relaxed);
         };
-        let result = expectation(&Setup::of(&problem, &Sexp), &COS_Y3, 1e-5, &settings, &progress);
+        let expect = random(&Sexp, &problem, 9).with_max_cost(max_cost);
+        let result = expect.run(&[&COS_Y3[0]], 1.5e-4, &progress);
         if let Ok(result) = &result {
             // Every path-step is counted, and those that progress was told of are all.
             assert_eq!(done.into_inner(), result.cost);
@@ -455,42 +405,25 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
                 .map(|level| (level.samples + level.failed) * level.cost_per_path);
             assert_eq!(levels.sum::<u64>(), result.cost);
             assert!(result.cost <= max_cost && !result.reached());
-            assert!(
-                result.warnings.contains(&Warning::CostLimit { max_cost }),
-                "{:?}",
-                result.warnings
-            );
-            // 0.7977 ± 0.0001 by a run of 10⁷ path-steps.
+            let limit = Warning::Limit(Limit::Cost { max_cost });
+            assert!(result.warnings.contains(&limit), "{:?}", result.warnings);
             let estimate = &result.estimates[0];
-            let margin = 1e-4 + estimate.bias_bound + Z * estimate.standard_error;
-            assert!((estimate.value - 0.7977).abs() < margin, "{result:?}");
+            let margin = estimate.bias_bound + Z * estimate.standard_error;
+            assert!((estimate.value - EXACT_COS_Y3).abs() < margin, "{result:?}");
         }
         result
     };
-    for estimator in ESTIMATORS {
-        for max_cost in [80_000, 100_000, 300_000, 1_000_000] {
-            let result = limited(estimator, max_cost).unwrap();
-            // What is not used is too little for a pilot on the next level.
-            assert!(result.cost > max_cost / 2, "{} of {max_cost}", result.cost);
-        }
-        let result = limited(estimator, 10_000);
-        assert!(
-            matches!(result, Err(MultilevelError::PilotCost { max_cost: 10_000, .. })),
-            "{result:?}"
-        );
+    for max_cost in [8_000_000, 16_000_000] {
+        let result = limited(max_cost).unwrap();
+        // What is not used is too little for twice as many points on a level.
+        assert!(result.cost > max_cost / 4, "{} of {max_cost}", result.cost);
     }
-    let settings = ExpectationSettings { max_level: 3, ..settings(9, Coupling::Antithetic) };
-    for estimator in ESTIMATORS {
-        let settings = ExpectationSettings { estimator, ..settings };
-        let result =
-            expectation(&Setup::of(&problem, &Sexp), &COS_Y3, 2e-4, &settings, &|_| ()).unwrap();
-        assert!(
-            result.warnings.contains(&Warning::LevelLimit { level: 3 }),
-            "{:?}",
-            result.warnings
-        );
-        assert!(!result.reached() && result.estimates[0].bias_bound > 5e-5);
-    }
+    let result = limited(10_000);
+    assert!(matches!(result, Err(ExpectError::PilotCost { max_cost: 10_000, .. })), "{result:?}");
+    let result = run(sobol(&Sexp, &problem, 9).with_max_level(3), &COS_Y3, 1e-7).unwrap();
+    let limit = Warning::Limit(Limit::Level { level: 3 });
+    assert!(result.warnings.contains(&limit), "{:?}", result.warnings);
+    assert!(!result.reached() && result.estimates[0].bias_bound > 5e-8);
 }
 
 #[test]
@@ -501,11 +434,9 @@ fn what_does_not_vary_needs_no_samples() {
         name: "C",
         function: |y: [f64; 3]| 0.5 * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]),
     }];
-    let settings = settings(10, Coupling::Antithetic);
-    let result =
-        expectation(&Setup::of(&problem, &Sexp), &still, 1e-9, &settings, &|_| ()).unwrap();
+    let result = run(random(&Sexp, &problem, 10), &still, 1e-9).unwrap();
     assert!(result.reached() && result.warnings.is_empty(), "{result:?}");
-    // The pilot, and the third difference that the bias is judged by.
+    // The pilot.
     assert_eq!(result.levels.len(), 4);
     assert!(
         result.estimates.iter().all(|estimate| estimate.alpha.is_none() && estimate.beta.is_none())
@@ -522,13 +453,10 @@ fn the_accuracy_holds_for_each_test_function() {
         Observable { name: "y2", function: |y| y[1] },
         Observable { name: "y2^2", function: |y| y[1] * y[1] },
     ];
-    let settings = settings(11, Coupling::Antithetic);
-    let together =
-        expectation(&Setup::of(&problem, &Sexp), &several, 4e-3, &settings, &|_| ()).unwrap();
+    let together = run(random(&Sexp, &problem, 11), &several, 4e-3).unwrap();
     assert!(together.reached(), "{together:?}");
     for (k, one) in several.iter().enumerate() {
-        let alone =
-            expectation(&Setup::of(&problem, &Sexp), &[*one], 4e-3, &settings, &|_| ()).unwrap();
+        let alone = run(random(&Sexp, &problem, 11), &[*one], 4e-3).unwrap();
         assert!(alone.reached() && alone.cost <= together.cost, "{}", one.name);
         let difference = (alone.estimates[0].value - together.estimates[k].value).abs();
         assert!(difference < 8e-3, "{}: {difference}", one.name);
@@ -541,17 +469,17 @@ fn paths_that_fail_are_counted_and_reported() {
     let sexp = WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) };
     let bounded =
         [Observable { name: "bounded", function: |y: [f64; 2]| 1.0 / (1.0 + y[1] * y[1]) }];
-    let settings = ExpectationSettings { max_cost: 400_000, ..settings(13, Coupling::Plain) };
-    let result =
-        expectation(&Setup::of(&problem, &sexp), &bounded, 0.02, &settings, &|_| ()).unwrap();
-    let failed: u64 = result.levels.iter().map(|level| level.failed).sum();
-    assert!(failed > 0);
-    for level in result.levels.iter().filter(|level| level.failed > 0) {
-        let warning = Warning::FailedPaths { level: level.level, failed: level.failed };
-        assert!(result.warnings.contains(&warning), "{:?}", result.warnings);
-        assert!(warning.to_string().contains(&level.failed.to_string()));
+    let result = run(random(&sexp, &problem, 13).with_max_cost(400_000), &bounded, 0.02).unwrap();
+    let mut failed = 0;
+    for warning in &result.warnings {
+        let Warning::FailedPaths { level, failed: of_level } = *warning else { continue };
+        assert!(warning.to_string().contains(&of_level.to_string()));
+        let found = result.levels.iter().find(|found| found.level == level).unwrap();
+        assert_eq!(found.failed, of_level);
+        failed += of_level;
     }
     // They are reported beside the estimate that misses them.
+    assert!(failed > 0);
     assert_eq!(result.estimates[0].failed, failed);
 }
 
@@ -563,9 +491,9 @@ const EXACT_COS_Y3: f64 = 0.797_719_935_281_68;
 fn coupling_by_areas_has_no_bias() {
     let problem = body();
     let levy = SexpLevy::new(problem.system(), problem.y0());
-    let settings = settings(15, Coupling::Plain);
-    let result =
-        expectation(&Setup::of(&problem, &levy), &COS_Y3, 1e-4, &settings, &|_| ()).unwrap();
+    let result = run(sobol(&levy, &problem, 15), &COS_Y3, 1e-4).unwrap();
+    // Sobol points have no areas.
+    assert!(result.decisions[2].contains("random points"), "{:?}", result.decisions);
     let Estimate { value, standard_error, bias_bound, .. } = result.estimates[0];
     // 3.9 standard errors are a false alarm in 10⁴; areas that lack variance were off by 2.5e-4,
     // ten of them.
@@ -582,8 +510,8 @@ fn coupling_by_areas_has_no_bias() {
     let problem = Problem::new(system, Constant::new(0.1).unwrap(), problem.y0(), 1.0).unwrap();
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let [with, without] = [
-        expectation(&Setup::of(&problem, &levy), &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),
-        expectation(&Setup::of(&problem, &Sexp), &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),
+        run(random(&levy, &problem, 15), &COS_Y3, 1e-2).unwrap(),
+        run(random(&Sexp, &problem, 15), &COS_Y3, 1e-2).unwrap(),
     ];
     assert_eq!((with.cost, with.levels), (without.cost, without.levels));
     assert_eq!(with.estimates, without.estimates);
@@ -592,54 +520,50 @@ fn coupling_by_areas_has_no_bias() {
 #[test]
 fn bad_requests_are_refused_and_name_the_value() {
     let problem = body();
-    let good = settings(14, Coupling::Antithetic);
-    let refuse = |accuracy: f64, observables: &[Observable<3>], settings: ExpectationSettings| {
-        let error =
-            expectation(&Setup::of(&problem, &Sexp), observables, accuracy, &settings, &|_| ())
-                .unwrap_err();
-        let settings = ExpectationSettings { estimator: Estimator::SinglePaths, ..settings };
-        let plain =
-            expectation(&Setup::of(&problem, &Sexp), observables, accuracy, &settings, &|_| ())
-                .unwrap_err();
-        assert_eq!(std::mem::discriminant(&error), std::mem::discriminant(&plain), "{plain}");
-        error
+    type Change = fn(Expect<'_>) -> Expect<'_>;
+    let refuse = |accuracy: f64, observables: &[Observable<3>], change: Change| {
+        run(change(random(&Sexp, &problem, 14)), observables, accuracy).unwrap_err()
     };
-    let setting = |accuracy: f64, settings: ExpectationSettings| {
-        let error = refuse(accuracy, &COS_Y3, settings);
-        let MultilevelError::Setting { name, value, .. } = error else { panic!("{error}") };
+    let setting = |accuracy: f64, change: Change| {
+        let error = refuse(accuracy, &COS_Y3, change);
+        let ExpectError::Setting { name, value, .. } = error else { panic!("{error}") };
         assert!(error.to_string().contains(&format!("got {value}")), "{error}");
         (name, value)
     };
     for accuracy in [0.0, -1.0, f64::INFINITY] {
-        assert_eq!(setting(accuracy, good), ("accuracy", accuracy));
+        assert_eq!(setting(accuracy, |good| good), ("accuracy", accuracy));
     }
-    assert!(setting(f64::NAN, good).1.is_nan());
-    assert_eq!(refuse(0.1, &[], good), MultilevelError::NoObservable);
-    let key = StreamKey { experiment: 1 << 40, ..good.key };
-    let experiment = ExpectationSettings { key, ..good };
-    assert_eq!(setting(0.1, experiment), ("experiment number", 2f64.powi(40)));
-    for coarsest_steps in [0, u64::MAX] {
-        let settings = ExpectationSettings { coarsest_steps, ..good };
-        let name = "number of coarsest steps";
-        assert_eq!(setting(0.1, settings), (name, coarsest_steps as f64));
-    }
-    let order = ExpectationSettings { weak_order: -1.0, ..good };
-    assert_eq!(setting(0.1, order), ("weak order", -1.0));
-    let pilot = ExpectationSettings { pilot: 127, ..good };
-    assert_eq!(setting(0.1, pilot), ("number of pilot paths", 127.0));
-    for max_level in [0, 2, 25] {
-        let settings = ExpectationSettings { max_level, ..good };
-        assert_eq!(setting(0.1, settings), ("finest level", max_level as f64));
-    }
-    // One step on [0, 1] cannot be truncated.
+    assert!(setting(f64::NAN, |good| good).1.is_nan());
+    assert_eq!(refuse(0.1, &[], |good| good), ExpectError::NoObservable);
+    let key = |experiment| StreamKey { seed: 14, experiment };
     assert_eq!(
-        refuse(0.1, &COS_Y3, ExpectationSettings { coarsest_steps: 1, ..good }),
-        MultilevelError::Ladder(LadderError::Noise(NoiseError::StepOutsideUnitInterval {
-            tau: 1.0
-        }))
+        setting(0.1, |good| good.with_key(StreamKey { seed: 14, experiment: 1 << 40 })),
+        ("experiment number", 2f64.powi(40))
     );
+    let steps = "number of coarsest steps";
+    assert_eq!(setting(0.1, |good| good.with_coarsest_steps(0)), (steps, 0.0));
+    let most = 2f64.powi(64);
+    assert_eq!(setting(0.1, |good| good.with_coarsest_steps(u64::MAX)), (steps, most));
+    let past = 2f64.powi(24) + 1.0;
+    assert_eq!(setting(0.1, |good| good.with_coarsest_steps((1 << 24) + 1)), (steps, past));
+    assert_eq!(setting(0.1, |good| good.with_weak_order(-1.0)), ("weak order", -1.0));
+    for (change, value) in
+        [((|good| good.with_max_level(2)) as Change, 2.0), (|good| good.with_max_level(25), 25.0)]
+    {
+        assert_eq!(setting(0.1, change), ("finest level", value));
+    }
+    let replicates = "number of replicates";
+    assert_eq!(setting(0.1, |good| good.with_replicates(15)), (replicates, 15.0));
+    // Up to the limits.
+    let good = random(&Sexp, &problem, 14).with_key(key((1 << 40) - 1)).with_max_level(24);
+    assert!(run(good.with_replicates(16), &COS_Y3, 0.1).is_ok());
+    // The underflow of a step is found before the first one.
+    let short = Problem::new(*problem.system(), Cosine::new(0.5, 2.0).unwrap(), START, 1e-323);
+    let short = short.unwrap();
+    let error = run(random(&Sexp, &short, 14), &COS_Y3, 0.1).unwrap_err();
+    assert!(matches!(error, ExpectError::Ladder(LadderError::Step(_))), "{error}");
     let undefined = [Observable { name: "ln y2", function: |y: [f64; 3]| y[1].ln() }];
-    let error = refuse(0.1, &undefined, good);
-    let MultilevelError::NotFinite { observable, .. } = error else { panic!("{error}") };
+    let error = refuse(0.1, &undefined, |good| good);
+    let ExpectError::NotFinite { observable, .. } = error else { panic!("{error}") };
     assert_eq!(observable, "ln y2");
 }

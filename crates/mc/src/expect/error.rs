@@ -5,7 +5,7 @@ use crate::{LadderError, PathFailure};
 /// Why there is no expectation, not even an inaccurate one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum MultilevelError {
+pub enum ExpectError {
     /// The accuracy or another setting is out of range.
     #[error("the {name} must be {allowed}, got {value}")]
     Setting {

@@ -1,0 +1,182 @@
+//! The sum over the levels for one test function: value, interval, cost.
+
+use real::elementary;
+use stats::{CONFIDENCE, FEW_SAMPLES, two_sided};
+
+use super::{extrapolation::Extrapolation, level::Samples, report::QUANTILE};
+
+/// Number of differences that bound the bias.
+pub const BIAS_LEVELS: usize = 3;
+/// No event in N samples: 97.5 % upper limit u of the expected number, −ln 0.025. With k events the
+/// interval k ± √(1.96²k + u²) covers a Poisson number with 93 % or more for any mean, and events
+/// of several levels with more. With thirty events k ± 1.96√k covers as well without u.
+pub const UNSEEN: f64 = 3.688_879_454_113_936;
+/// The part of the variance from which on the largest and the least value of a replicate decide.
+const FEW_DECIDE: f64 = 0.5;
+/// The confidence for which Student's quantile is taken then.
+const HIGH_CONFIDENCE: f64 = 0.99;
+
+/// What events that n samples missed may add to their mean, if so many of them carry the variance
+/// (NaN where none differs) and an event reaches as far as `reach`.
+fn missed(n: f64, effective: f64, reach: f64) -> f64 {
+    if effective >= FEW_SAMPLES { 0.0 } else { UNSEEN * reach / n }
+}
+
+/// One test function on one level.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Term {
+    /// Path-steps of all samples.
+    pub cost: f64,
+    /// The mean over replicates.
+    pub mean: f64,
+    /// The variance of that mean.
+    pub variance: f64,
+    /// What events that the samples missed may add.
+    pub missed: f64,
+    /// The third central moment of the mean of a replicate.
+    pub third: f64,
+    /// The variance that its largest and its least value give to it.
+    pub ends: f64,
+}
+
+impl Term {
+    fn new(samples: &Samples, k: usize, fine: bool, missed: f64) -> Self {
+        let means = samples.of_replicates(k, fine);
+        // One path without noise has no error of sampling.
+        let variance = match means.mean.count() {
+            1 => 0.0,
+            _ => means.mean.variance_of_mean(),
+        };
+        let (cost, mean) = ((samples.count() * samples.cost_per_path) as f64, means.mean.mean());
+        let (third, ends) = (means.mean.third_moment(), means.variance_of_ends(samples.points));
+        Self { cost, mean, variance, missed, third, ends }
+    }
+
+    /// φ number k itself on the fine paths of a level, where it spreads by `range`.
+    pub fn first(samples: &Samples, k: usize, range: f64) -> Self {
+        let effective = samples.values[k].fine.effective_samples();
+        Self::new(samples, k, true, missed(samples.count() as f64, effective, range))
+    }
+
+    /// Test function number k on each of these differences.
+    ///
+    /// A difference may be as large as the largest of its level and of the level below, where
+    /// events of the same kind are more frequent; where none differs, as large as `range`. Nor is
+    /// its kurtosis less than on the level below.
+    pub fn differences(levels: &[Samples], k: usize, range: f64) -> Vec<Self> {
+        let mut below = (f64::NAN, 0.0);
+        let term = |samples: &Samples| {
+            let (n, sample) = (samples.count() as f64, &samples.values[k].sample);
+            let own = (sample.kurtosis(), sample.largest_deviation());
+            let kurtosis = if own.0.is_nan() { own.0 } else { own.0.max(below.0) };
+            let reach = own.1.max(below.1);
+            below = own;
+            let reach = if reach > 0.0 { reach } else { range };
+            Self::new(samples, k, false, missed(n, n / kurtosis, reach))
+        };
+        levels.iter().map(term).collect()
+    }
+}
+
+/// The sum over the levels for one test function.
+pub struct Sum {
+    /// The first level and all differences above it.
+    pub terms: Vec<Term>,
+    pub extrapolation: Extrapolation,
+    /// Number of replicates.
+    pub replicates: f64,
+    /// How much paths that failed may add: their share of each level times the range of φ.
+    pub lost: f64,
+}
+
+impl Sum {
+    /// The weight of a term: one, and another for the last two differences.
+    fn weight(&self, term: usize) -> f64 {
+        let [before, last] = self.extrapolation.weights;
+        match self.terms.len() - term {
+            1 => 1.0 + last,
+            2 => 1.0 + before,
+            _ => 1.0,
+        }
+    }
+
+    /// Σ of a function of weight and term.
+    fn over(&self, part: impl Fn(f64, &Term) -> f64) -> f64 {
+        self.terms.iter().enumerate().map(|(n, term)| part(self.weight(n), term)).sum()
+    }
+
+    /// What extrapolation adds to the mean at the finest step.
+    pub fn bias(&self) -> f64 {
+        self.over(|weight, term| (weight - 1.0) * term.mean)
+    }
+
+    pub fn value(&self) -> f64 {
+        self.over(|weight, term| weight * term.mean)
+    }
+
+    pub fn standard_error(&self) -> f64 {
+        self.over(|weight, term| weight * weight * term.variance).sqrt()
+    }
+
+    pub fn missed(&self) -> f64 {
+        self.over(|weight, term| (weight * term.missed).powi(2)).sqrt()
+    }
+
+    /// How many standard errors the interval has on each side.
+    ///
+    /// Student's quantile x, and for means of replicates of skewness g, as those of an unbounded φ,
+    /// x(x⁴ + 2x² − 3)g²/(18R) more: so much the two-sided coverage of R skew samples lacks to
+    /// first order (Hall, *The Bootstrap and Edgeworth Expansion*, 1992, §2.6). Where the largest
+    /// and the least value of a replicate make much of its variance, a few large values decide, and
+    /// g is not seen well either: then x is the quantile of 99 %.
+    pub fn quantile(&self) -> f64 {
+        let variance = self.replicates * self.standard_error().powi(2);
+        let student = |confidence| two_sided(confidence, Some(self.replicates - 1.0));
+        if variance == 0.0 {
+            return student(CONFIDENCE);
+        }
+        let third = self.over(|weight, term| weight * weight * weight * term.third);
+        let few = self.over(|weight, term| weight * weight * term.ends) > FEW_DECIDE * variance;
+        let x = student(if few { HIGH_CONFIDENCE } else { CONFIDENCE });
+        let skewness = third * third / variance.powi(3);
+        x + x * (x.powi(4) + 2.0 * x * x - 3.0) * skewness / (18.0 * self.replicates)
+    }
+
+    /// Half of the interval without the bias.
+    pub fn spread(&self) -> f64 {
+        f64::hypot(self.quantile() * self.standard_error(), self.missed())
+    }
+
+    pub fn bias_bound(&self) -> f64 {
+        let Extrapolation { size, standard_error, .. } = self.extrapolation;
+        size + self.quantile() * standard_error + self.lost
+    }
+
+    pub fn half_width(&self) -> f64 {
+        self.spread() + self.bias_bound()
+    }
+
+    /// About half of the interval with twice as many points of term n, whose variance falls as that
+    /// of random points at least.
+    pub fn with_twice(&self, n: usize) -> f64 {
+        let gained = 0.5 * self.weight(n).powi(2) * self.terms[n].variance;
+        let square = self.spread().powi(2) - self.quantile().powi(2) * gained;
+        square.max(0.0).sqrt() + self.bias_bound()
+    }
+
+    /// What a path-step of more points gains on term n, about.
+    pub fn gain(&self, n: usize) -> f64 {
+        let Term { cost, variance, missed, .. } = self.terms[n];
+        self.weight(n).powi(2) * (QUANTILE * QUANTILE * variance + missed * missed) / cost
+    }
+
+    /// About as many path-steps as the half-width `wanted` takes, if the error of a level falls
+    /// with its points as N^{−1/growth}.
+    pub fn cost(&self, wanted: f64, growth: f64) -> f64 {
+        self.over(|weight, term| {
+            let error = weight * f64::hypot(self.quantile() * term.variance.sqrt(), term.missed);
+            let more = elementary::exp(growth * elementary::ln((error / wanted).max(1.0)));
+            term.cost * more
+        })
+    }
+}

@@ -1,0 +1,501 @@
+//! The arithmetic and the rules of the algorithm on samples that are made up.
+
+use real::{Block, PathMask};
+use schemes::Heun;
+use stats::{CentralMoments, ROUND_OFF};
+use systems::{Constant, Pendulum, Problem};
+
+use super::{
+    judge::{Evidence, deviation},
+    level::{PathValues, Samples, Sums, Values, hull},
+    rates,
+    report::{Estimate, Expectation, Judged, QUANTILE, Rate, Unbounded, Unresolved, Warning},
+    resolution::{Motion, coupled, share, unresolved},
+    sum::{Term, UNSEEN},
+};
+use crate::{Observable, Observe, SeenDamping, Setup, Statistic, View};
+
+fn close(found: f64, exact: f64) -> bool {
+    (found - exact).abs() <= 1e-12 * exact.abs()
+}
+
+fn moments(samples: &[f64]) -> CentralMoments {
+    let mut moments = CentralMoments::default();
+    samples.iter().for_each(|&x| moments.add(x));
+    moments
+}
+
+/// Differences of fine and coarse values.
+fn pairs(fine: &[f64], coarse: &[f64]) -> Values {
+    let differences: Vec<f64> = fine.iter().zip(coarse).map(|(a, b)| a - b).collect();
+    let (sample, fine, coarse) = (moments(&differences), moments(fine), moments(coarse));
+    Values { sample, fine, coarse, ..Values::default() }
+}
+
+/// A level of one replicate, whose variance is not known.
+fn level(level: usize, paths: u64, values: Values) -> Samples {
+    let (cost_per_path, means) = (6 << level, vec![Default::default()]);
+    let values = vec![values];
+    Samples { level, cost_per_path, values, paths, points: paths, means, ..Samples::default() }
+}
+
+/// Sample differences with this mean and these deviations from it, again and again.
+fn difference(number: usize, mean: f64, deviations: &[f64], times: usize) -> Samples {
+    let samples: Vec<f64> = deviations.iter().map(|x| mean + x).collect::<Vec<_>>().repeat(times);
+    let values = Values { sample: moments(&samples), ..Values::default() };
+    level(number, samples.len() as u64, values)
+}
+
+#[test]
+fn moments_of_four_numbers() {
+    // Deviations −2, −1, 0, 3 of 3: Σx² = 14, Σx⁴ = 98.
+    let four = moments(&[1.0, 2.0, 3.0, 6.0]);
+    assert_eq!((four.mean(), four.range()), (3.0, Some((1.0, 6.0))));
+    assert!(close(four.variance(), 14.0 / 3.0) && close(four.variance_of_mean(), 14.0 / 12.0));
+    assert!(close(four.kurtosis(), 4.0 * 98.0 / 196.0));
+    assert_eq!(four.largest_deviation(), 3.0);
+    assert_eq!(moments(&[-1.0, -2.0, -3.0, -6.0]).largest_deviation(), 3.0);
+    // Two numbers whose mean is rounded are equal all the same.
+    assert_eq!(moments(&[0.1, 0.1, 0.1]).largest_deviation(), 0.0);
+    let limit = (14.0f64 / 3.0).sqrt() / ROUND_OFF;
+    assert!(four.is_spread(0.999 * limit) && !four.is_spread(1.001 * limit));
+    assert_eq!(CentralMoments::default().range(), None);
+}
+
+#[test]
+fn values_know_their_range_and_what_never_differs() {
+    let values = pairs(&[1.0, 4.0], &[0.0, 2.0]);
+    assert_eq!((values.range(), values.spread()), (Some((0.0, 4.0)), 4.0));
+    assert!(!values.is_blind() && values.varies());
+    assert!(pairs(&[1.0, 1.0], &[2.0, 2.0]).is_blind());
+    assert!(!pairs(&[1.0, 1.0], &[2.0, 3.0]).is_blind());
+    assert!(!pairs(&[1.0, 2.0], &[3.0, 3.0]).is_blind());
+    assert!(Values::default().is_blind() && Values::default().spread() == 0.0);
+    // Differences of a rounding of φ do not vary.
+    assert!(!pairs(&[1.0, 1.0 + f64::EPSILON], &[1.0, 1.0]).varies());
+    let mut merged = pairs(&[1.0], &[0.5]);
+    merged.merge(&pairs(&[3.0], &[1.0]));
+    assert_eq!((merged.range(), merged.sample.mean()), (Some((0.5, 3.0)), 1.25));
+    assert_eq!(hull(None, Some((1.0, 2.0))), Some((1.0, 2.0)));
+    assert_eq!(hull(Some((0.0, 1.0)), None), Some((0.0, 1.0)));
+    assert_eq!(hull(None, None), None);
+}
+
+#[test]
+fn path_values_are_those_of_the_runs() {
+    let observable = Observable { name: "y", function: |y: [f64; 1]| 10.0 * y[0] };
+    let observables = [&observable as &dyn Observe];
+    let new = |coupled| PathValues {
+        observables: &observables,
+        y0: &[0.0],
+        starts: &[0.0],
+        last_time: 2,
+        coupled,
+        sums: Sums { values: vec![Values::default()], motion: Motion::new(&[0.0]) },
+    };
+    let observe = |states: &Vec<Block<1>>, times: &[u64]| {
+        let mut seen = new(states.len() > 1);
+        for &time in times {
+            seen.observe(&View { time, ..View::of(states, PathMask::first(3)) });
+        }
+        seen
+    };
+    let state = |y: f64| Block::splat([y]);
+    // Alone; with a coarse path; and with the twin, whose mean with the fine path counts.
+    for (states, fine, sample) in [
+        (vec![state(3.0)], 30.0, 30.0),
+        (vec![state(3.0), state(2.0)], 30.0, 10.0),
+        (vec![state(3.0), state(2.0), state(5.0)], 40.0, 20.0),
+        (vec![state(3.0), state(2.0), state(5.0), state(1.0)], 40.0, 25.0),
+    ] {
+        let mut seen = observe(&states, &[1, 2]);
+        assert_eq!(
+            (seen.sums.values[0].fine.mean(), seen.sums.values[0].sample.mean()),
+            (fine, sample)
+        );
+        // Motion is seen at all times, φ at the last; of single paths there is none.
+        let apart = if states.len() == 1 { 0.0 } else { 0.1 * sample / 3.0 };
+        assert!(close(seen.sums.motion.difference(0), apart));
+        assert!(observe(&states, &[1]).sums.values[0].range().is_none());
+        seen.merge(observe(&states, &[2]));
+        assert_eq!(seen.sums.values[0].fine.variance(), 0.0);
+    }
+}
+
+/// The weighted line through (l, y, weight): slope and the half-width of its 95 % interval, by the
+/// normal equations.
+fn line(points: &[(f64, f64, f64)]) -> (f64, f64) {
+    let sum =
+        |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|&(x, y, w)| w * f(x, y)).sum::<f64>();
+    let (w, x, y) = (sum(&|_, _| 1.0), sum(&|x, _| x), sum(&|_, y| y));
+    let (xx, xy) = (sum(&|x, _| x * x), sum(&|x, y| x * y));
+    let determinant = w * xx - x * x;
+    let slope = (w * xy - x * y) / determinant;
+    let offset = (y - slope * x) / w;
+    let chi_square = sum(&|x, y| (y - offset - slope * x).powi(2));
+    let excess = (chi_square / (points.len() as f64 - 2.0)).max(1.0);
+    (slope, QUANTILE * (excess * w / determinant).sqrt())
+}
+
+fn is_line(rate: Rate, points: &[(f64, f64, f64)]) -> bool {
+    let (slope, half_width) = line(points);
+    (rate.value + slope).abs() < 1e-9
+        && (rate.upper - rate.value - half_width).abs() < 1e-9
+        && (rate.value - rate.lower - half_width).abs() < 1e-9
+}
+
+#[test]
+fn exponents_are_slopes_of_weighted_lines() {
+    let ln_2 = std::f64::consts::LN_2;
+    // On no line, with errors of different sizes; the fourth is within four standard errors.
+    let means = [(1, 0.5, 100), (2, -0.2, 40), (3, 0.15, 400), (4, 0.004, 100)];
+    for sign in [1.0, -1.0] {
+        let of = |(l, mean, times): (usize, f64, usize)| {
+            let mean = sign * if l == 2 { mean.abs() } else { mean };
+            difference(l, mean, &[-0.05, -0.01, 0.01, 0.05], times)
+        };
+        let levels = means.map(of);
+        let term = |samples: &Samples| {
+            let sample = &samples.values[0].sample;
+            let (mean, variance) = (sample.mean(), sample.variance_of_mean());
+            Term { mean, variance, ..Term::default() }
+        };
+        let terms: Vec<Term> = levels.iter().map(term).collect();
+        let point = |(term, l): (&Term, i32)| {
+            let relative = term.variance / term.mean.powi(2) / ln_2.powi(2);
+            (f64::from(l), term.mean.abs().log2(), 1.0 / relative)
+        };
+        let points: Vec<_> = terms[..3].iter().zip(1..).map(point).collect();
+        assert!(is_line(rates::alpha(&levels, &terms, 0).unwrap(), &points));
+        // No rate is named where significant signs differ, though |d_l| falls.
+        let mut signs = terms.clone();
+        signs[1].mean *= -1.0;
+        assert_eq!(rates::alpha(&levels, &signs, 0), None);
+        // What was missed counts as an error.
+        let missed: Vec<Term> = terms.iter().map(|term| Term { missed: 1.0, ..*term }).collect();
+        assert_eq!(rates::alpha(&levels, &missed, 0), None);
+    }
+    // Variances: the variance of the logarithm of a sample variance is (κ − 1 + 1/N)/N.
+    let levels = [(1, 1.0, 50), (2, 0.4, 100), (3, 0.3, 25)].map(|(l, size, times)| {
+        difference(l, 0.0, &[-size, -0.5 * size, 0.2 * size, 1.3 * size], times)
+    });
+    let points: Vec<_> = levels
+        .iter()
+        .map(|samples| {
+            let (moments, n) = (&samples.values[0].sample, samples.count() as f64);
+            let relative = (moments.kurtosis() - 1.0 + 1.0 / n) / n / ln_2.powi(2);
+            (samples.level as f64, moments.variance().log2(), 1.0 / relative)
+        })
+        .collect();
+    assert!(is_line(rates::beta(&levels, 0).unwrap(), &points));
+    assert_eq!(rates::beta(&levels[..1], 0), None);
+}
+
+/// Motion whose fine path moves by one and whose coarse path is `q` away from it.
+fn moved(y0: f64, q: f64) -> Motion {
+    let mut motion = Motion::new(&[y0]);
+    let states = vec![Block::splat([y0 + 1.0]), Block::splat([y0 + 1.0 + q])];
+    motion.add(&View::of(&states, PathMask::ALL), &[y0]);
+    motion
+}
+
+#[test]
+fn motion_is_compared_over_the_paths_that_live() {
+    let mut motion = Motion::new(&[1.0, 0.0]);
+    let states = |fine: f64, coarse: f64, twin: f64| {
+        [fine, coarse, twin].map(|y| Block::splat([1.0 + y, 2.0 * y])).to_vec()
+    };
+    // Differences ½(2 + 4) − 1 = 2 and twice that, of motions 2 and 4.
+    motion.add(&View::of(&states(2.0, 1.0, 4.0), PathMask::ALL), &[1.0, 0.0]);
+    assert!(close(motion.difference(0), 1.0) && close(motion.difference(1), 1.0));
+    // Three paths more with the difference 3 of the motion 1: √((32·4 + 3·9)/(32·4 + 3)).
+    let few = PathMask::first(3);
+    let exact = (155.0f64 / 131.0).sqrt();
+    let mut merged = motion.clone();
+    motion.add(&View::of(&states(1.0, -1.0, 3.0), few), &[1.0, 0.0]);
+    assert!(close(motion.difference(0), exact) && close(motion.difference(1), exact));
+    let mut later = Motion::new(&[1.0, 0.0]);
+    later.add(&View::of(&states(1.0, -1.0, 3.0), few), &[1.0, 0.0]);
+    merged.merge(&later);
+    assert!(close(merged.difference(0), exact));
+    let mut none = Motion::default();
+    none.merge(&later);
+    assert!(close(none.difference(0), 3.0));
+    // A single path shows nothing.
+    let mut alone = Motion::new(&[1.0, 0.0]);
+    let single = states(2.0, 0.0, 0.0)[..1].to_vec();
+    alone.add(&View::of(&single, PathMask::ALL), &[1.0, 0.0]);
+    assert_eq!(alone.difference(0), 0.0);
+}
+
+#[test]
+fn round_off_of_the_state_is_no_difference() {
+    // ROUND_OFF is 4096 roundings, 9e-13, of √(y₀² + 1).
+    for y0 in [0.0, 1.0, 1000.0f64] {
+        let size = (y0 * y0 + 1.0).sqrt() * ROUND_OFF;
+        assert_eq!(moved(y0, 0.5 * size).difference(0), 0.0, "{y0}");
+        assert!((moved(y0, 2.0 * size).difference(0) / (2.0 * size) - 1.0).abs() < 0.2, "{y0}");
+    }
+}
+
+/// Three levels whose paths differ by these quotients.
+fn quotients(of: [f64; 3]) -> Vec<Samples> {
+    let with = |(l, q): (usize, f64)| Samples {
+        motion: moved(0.0, q),
+        ..level(l, 64, pairs(&[1.0, 2.0], &[1.5, 1.0]))
+    };
+    (1..).zip(of).map(with).collect()
+}
+
+/// What the steps of these levels do not resolve, without damping.
+fn found(levels: &[Samples], accuracy: f64) -> Vec<Warning> {
+    let undamped = Constant::new(0.0).unwrap();
+    let problem = Problem::new(Pendulum::new(1.0).unwrap(), undamped, [0.2, 1.0], 2.0).unwrap();
+    unresolved(levels, &SeenDamping::new(&Setup::of(&problem, &Heun), 4), &["phi".into()], accuracy)
+}
+
+#[test]
+fn a_motion_is_resolved_when_the_last_paths_agree_and_better_than_those_below() {
+    // Near: at most ½ on the last level, 1/√2 on the one below and 1 on the one below that.
+    for (of, resolved) in [
+        ([0.99, 0.69, 0.48], true),
+        ([1.01, 0.5, 0.3], false),
+        ([0.5, 0.72, 0.3], false),
+        ([0.5, 0.5, 0.51], false),
+        // Not below 1/√2 of the larger of those below.
+        ([0.4, 0.3, 0.27], true),
+        ([0.3, 0.4, 0.27], true),
+        ([0.4, 0.3, 0.29], false),
+    ] {
+        let found = found(&quotients(of), 9.0);
+        assert_eq!(found.is_empty(), resolved, "{of:?}");
+        if !resolved {
+            let [Warning::Unresolved { ref what, level: 3, defect }] = found[..] else {
+                panic!("{found:?}")
+            };
+            assert!(close(defect, of[2]) && *what == Unresolved::Component(1), "{of:?}");
+        }
+    }
+    assert!(found(&quotients([0.1; 3])[..2], 9.0).is_empty());
+}
+
+#[test]
+fn a_test_function_is_coupled_where_its_differences_are_small_or_do_not_matter() {
+    // The differences of ±1 and ±(1 − d) are ±d: a share d²/(1 + (1 − d)²) of the variances, ¼ for
+    // d = (√7 − 1)/3.
+    let of = |d: f64| pairs(&[-1.0, 1.0], &[d - 1.0, 1.0 - d]);
+    assert!(close(share(&of(0.5)), 0.25 / 1.25));
+    let limit = (7f64.sqrt() - 1.0) / 3.0;
+    assert!(coupled(&of(limit - 0.01), 0.1) && !coupled(&of(limit + 0.01), 0.1));
+    // A range of two.
+    assert!(coupled(&of(limit + 0.01), 2.0) && !coupled(&of(limit + 0.01), 1.99));
+    let mut levels = quotients([0.1, 0.05, 0.02]);
+    levels[2].values = vec![of(limit + 0.01)];
+    let function = Unresolved::Function("phi".into());
+    let named = |warning: &Warning| matches!(warning, Warning::Unresolved { what, level: 3, .. } if *what == function);
+    assert!(found(&levels, 0.1).iter().any(named) && found(&levels, 2.0).is_empty());
+}
+
+#[test]
+fn missed_events_reach_as_far_as_what_was_seen_on_a_level_or_below() {
+    // Kurtosis 1 of ±1: thirty samples are enough.
+    let heavy = |times: usize| difference(1, 0.0, &[-1.0, 1.0], times);
+    let of = |samples: Samples| Term::differences(&[samples], 0, 9.0)[0].missed;
+    assert!(close(of(heavy(14)), UNSEEN / 28.0) && of(heavy(16)) == 0.0);
+    // φ itself reaches over its range, and a level without a difference too.
+    let fine = |times: usize| {
+        let fine = [-1.0, 1.0].repeat(times);
+        level(0, fine.len() as u64, Values { fine: moments(&fine), ..Values::default() })
+    };
+    assert!(close(Term::first(&fine(14), 0, 9.0).missed, 9.0 * UNSEEN / 28.0));
+    assert_eq!(Term::first(&fine(16), 0, 9.0).missed, 0.0);
+    assert!(close(of(difference(1, 0.0, &[0.0], 10)), 9.0 * UNSEEN / 10.0));
+    // Below: a larger deviation, and a larger kurtosis, 2 of −2, −1, 0, 3.
+    let below = difference(1, 0.0, &[-2.0, -1.0, 0.0, 3.0], 20);
+    let both = Term::differences(&[below, Samples { level: 2, ..heavy(29) }], 0, 9.0);
+    assert!(both[0].missed == 0.0 && close(both[1].missed, 3.0 * UNSEEN / 58.0), "{both:?}");
+}
+
+/// P(X ≤ k), X Poisson with mean λ.
+fn poisson(k: i32, mean: f64) -> f64 {
+    let terms = (0..=k).scan((-mean).exp(), |term, j| {
+        let now = *term;
+        *term *= mean / f64::from(j + 1);
+        Some(now)
+    });
+    terms.sum()
+}
+
+#[test]
+fn poisson_numbers_are_covered_with_what_was_missed_and_not_without() {
+    let covered = |mean: f64, missed: bool| {
+        let inside = |k: i32| {
+            let k = f64::from(k);
+            let tail = if missed && k < 30.0 { UNSEEN } else { 0.0 };
+            (k - mean).abs() <= (1.96 * 1.96 * k + tail * tail).sqrt()
+        };
+        let probability =
+            |k: i32| poisson(k, mean) - if k > 0 { poisson(k - 1, mean) } else { 0.0 };
+        (0..200).filter(|&k| inside(k)).map(probability).sum::<f64>()
+    };
+    for tenths in 1..800 {
+        let mean = 0.1 * f64::from(tenths);
+        assert!(covered(mean, true) > 0.925, "{mean}: {}", covered(mean, true));
+    }
+    // An interval of no width where no event is seen.
+    assert!(covered(1.0, false) < 0.65 && covered(3.0, false) < 0.91);
+}
+
+#[test]
+fn paths_are_heavy_below_thirty_that_carry_the_variance() {
+    let of = |values: &[f64], times: usize| {
+        let fine = values.repeat(times);
+        Values { fine: moments(&fine), ..Values::default() }
+    };
+    // Kurtosis 2: sixty samples.
+    let four = [-2.0, -1.0, 0.0, 3.0];
+    assert!(of(&four, 14).is_heavy() && !of(&four, 16).is_heavy());
+    assert!(!of(&[-1.0, 1.0], 4).is_heavy());
+}
+
+#[test]
+fn powers_without_a_variance_are_heavy() {
+    // u^{−1/α} at the middles of n intervals, and their negatives.
+    for (alpha, n) in [(1.0, 4000), (1.0, 1_000_000), (1.5, 100_000), (5.0, 4000)] {
+        let mut values = Values::default();
+        for i in 0..n {
+            let u: f64 = (f64::from(i) + 0.5) / f64::from(n);
+            let x = u.powf(-1.0 / alpha);
+            values.fine.add(100.0 + x);
+            values.fine.add(100.0 - x);
+        }
+        assert_eq!(values.is_heavy(), alpha < 2.0, "{alpha} {n}");
+    }
+}
+
+#[test]
+fn neighbours_are_compared_in_standard_errors() {
+    // Fine values 0 and 2 below, coarse values 3 and 5 above, eight of each.
+    let below = level(1, 8, pairs(&[0.0, 2.0].repeat(4), &[0.0; 8]));
+    let above = level(2, 8, pairs(&[7.0, 9.0].repeat(4), &[3.0, 5.0].repeat(4)));
+    // Variances 8/7 over 8 each: 3 is 3/√(2/7) of their standard errors.
+    assert!(close(deviation(&below, &above, 0), 3.0 / (2.0f64 / 7.0).sqrt()));
+    // What never varies is compared in 64 roundings.
+    let same = level(1, 8, pairs(&[1.0; 8], &[0.0; 8]));
+    let rounded = level(2, 8, pairs(&[2.0; 8], &[1.0 + 1024.0 * f64::EPSILON; 8]));
+    assert!(close(deviation(&same, &rounded, 0), 16.0));
+}
+
+fn rate(lower: f64, upper: f64) -> Option<Rate> {
+    Some(Rate { value: 0.5 * (lower + upper), lower, upper })
+}
+
+fn estimate() -> Estimate {
+    Estimate {
+        quantile: QUANTILE,
+        name: "phi".into(),
+        value: 2.0,
+        standard_error: 3.0 / QUANTILE,
+        bias: 0.0,
+        bias_bound: 1.0,
+        missed: 4.0,
+        alpha: rate(0.9, 1.1),
+        beta: rate(1.8, 2.2),
+        failed: 0,
+        judged: Judged { variance: true, bias: true, resolution: true },
+    }
+}
+
+/// What is said of three levels of differences above single paths, with these quotients of the
+/// motion, and coarse means of the last level that far from the fine ones below.
+fn judged(
+    motion: [f64; 3],
+    apart: f64,
+    alpha: Option<Rate>,
+    change: impl Fn(&mut [Samples]),
+) -> (Judged, Vec<Warning>) {
+    let good = || pairs(&[-1.0, 1.0].repeat(200), &[-0.9, 0.9].repeat(200));
+    let mut levels = vec![level(0, 400, good())];
+    levels.extend(quotients(motion));
+    levels[1..].iter_mut().for_each(|samples| samples.values = vec![good()]);
+    let coarse: Vec<f64> = [-0.9, 0.9].repeat(200).iter().map(|x| x + apart).collect();
+    levels[3].values = vec![pairs(&[-1.0, 1.0].repeat(200), &coarse)];
+    change(&mut levels);
+    let unresolved = found(&levels[1..], 9.0);
+    let evidence = Evidence { levels: &levels, first: 0, order: 1.0, noisy: true, unresolved };
+    let mut estimates = [Estimate { alpha, ..estimate() }];
+    let warnings = evidence.judge(&mut estimates);
+    (estimates[0].judged, warnings)
+}
+
+#[test]
+fn each_assumption_is_judged_at_its_limit() {
+    let all = Judged { variance: true, bias: true, resolution: true };
+    let (steps, alpha) = ([0.1, 0.05, 0.02], rate(0.9, 1.1));
+    let same = |_: &mut [Samples]| ();
+    assert_eq!(judged(steps, 0.0, alpha, same), (all, vec![]));
+    let (coarse, warnings) = judged([1.2, 1.3, 0.75], 0.0, alpha, same);
+    assert_eq!(coarse, Judged { resolution: false, ..all });
+    assert!(matches!(warnings[..], [Warning::Unresolved { level: 3, .. }]), "{warnings:?}");
+    // Four and a half standard errors between neighbours, of √((1 + 0.81)/399).
+    let error = (1.81f64 / 399.0).sqrt();
+    assert_eq!(judged(steps, 4.45 * error, alpha, same), (all, vec![]));
+    let (apart, warnings) = judged(steps, 4.55 * error, alpha, same);
+    assert_eq!(apart, Judged { bias: false, ..all });
+    let why = |warnings: &[Warning]| match warnings {
+        [Warning::Bias { why, .. }] => why.clone(),
+        _ => panic!("{warnings:?}"),
+    };
+    assert!(matches!(why(&warnings), Unbounded::Telescope { level: 3, .. }));
+    // A weak order below the one given by more than a quarter is named, and below ½ not believed.
+    assert_eq!(judged(steps, 0.0, rate(0.1, 0.76), same), (all, vec![]));
+    let (named, warnings) = judged(steps, 0.0, rate(0.1, 0.74), same);
+    assert!(named == all && matches!(why(&warnings), Unbounded::Order { .. }));
+    let (slow, warnings) = judged(steps, 0.0, rate(0.1, 0.49), same);
+    assert_eq!(slow, Judged { bias: false, ..all });
+    assert!(matches!(why(&warnings), Unbounded::Order { .. }));
+    // φ is the same on every path of a level that decides.
+    let blind = |levels: &mut [Samples]| levels[2].values = vec![pairs(&[1.0; 400], &[1.0; 400])];
+    let (same_on_all, warnings) = judged(steps, 0.0, alpha, blind);
+    assert!(!same_on_all.variance);
+    let few = |warning: &Warning| {
+        matches!(warning, Warning::FewSamples { level: 2, effective: 0.0, samples: 64, .. })
+    };
+    assert!(warnings.iter().any(few), "{warnings:?}");
+    // One sample has the variance of the level that the sum begins with.
+    let heavy = |levels: &mut [Samples]| {
+        let mut values = vec![0.0; 400];
+        (values[0], values[1]) = (100.0, 1.0);
+        levels[0].values = vec![pairs(&values, &[])];
+    };
+    let (heavy, warnings) = judged(steps, 0.0, alpha, heavy);
+    assert!(!heavy.variance);
+    let few = |warning: &Warning| matches!(warning, Warning::FewSamples { level: 0, .. });
+    assert!(warnings.iter().any(few), "{warnings:?}");
+}
+
+#[test]
+fn an_interval_adds_the_bias_to_the_rest() {
+    let estimate = estimate();
+    assert!(close(estimate.half_width(), 6.0));
+    let (lower, upper) = estimate.interval();
+    assert!(close(lower, -4.0) && close(upper, 8.0));
+    let result = |accuracy: f64, judged: Judged| Expectation {
+        scheme: "sexp",
+        decisions: Vec::new(),
+        estimates: vec![Estimate { judged, ..estimate.clone() }],
+        accuracy,
+        cost: 0,
+        levels: vec![],
+        warnings: vec![],
+    };
+    let all = estimate.judged;
+    assert!(result(6.001, all).reached() && !result(5.999, all).reached());
+    for one in [
+        Judged { variance: false, ..all },
+        Judged { bias: false, ..all },
+        Judged { resolution: false, ..all },
+    ] {
+        assert!(!result(7.0, one).reached());
+    }
+}
