@@ -17,7 +17,6 @@
 //! | [`streams`] | which noise belongs to which experiment |
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`command`] | what the command lines of all programs share |
-//! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo, against its value |
 //! | [`weak_observables`] | the test functions of the weak panels |
 //!
 //! The programs of this package are `reproduce`, `work-precision`, `hard-cases` and `bench`; what
@@ -45,5 +44,5 @@ pub use method::Method;
 pub use panels::{EXPERIMENTS, weak_observables};
 pub use reproduce::{UnknownId, check_ids, ids, reproduce};
 pub use statements::STATEMENTS;
-pub use supplements::{SUPPLEMENTS, expectation_claims};
+pub use supplements::SUPPLEMENTS;
 pub use two_spins::TwoSpins;

@@ -115,11 +115,7 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
     let mut findings = Findings { panels: drawn.collect(), claims: Vec::new() };
     let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
     for curve in &curves {
-        let Some((moments, failures)) =
-            differences(conditions, &grid, &problem, &observables, curve)
-        else {
-            continue;
-        };
+        let (moments, failures) = differences(conditions, &grid, &problem, &observables, curve);
         let mut series = observables.iter().enumerate().map(|(f, observable)| {
             let (points, rate) = weak_errors(&taus, &moments, f, Expansion::EveryPower);
             let (scheme, quantity) = (curve.name.into(), observable.name.into());
@@ -161,26 +157,24 @@ fn reference(grid: &[DifferenceSamples], last: u32) -> String {
 }
 
 /// Moments of antithetic differences between neighbouring step sizes, coarsest first, and the paths
-/// that failed; each difference is a part of the experiment, and a piece of work. `None` where the
-/// job gives no results.
+/// that failed; each difference is a part of the experiment.
 fn differences(
     conditions: &Conditions,
     grid: &[DifferenceSamples],
     problem: &Problem<RigidBody<3>, Cosine, 3>,
     observables: &[Observable<3>],
     curve: &Curve<RigidBody<3>, 3, 3>,
-) -> Option<(Vec<CrossMoments>, Vec<String>)> {
+) -> (Vec<CrossMoments>, Vec<String>) {
     let scheme = curve.scheme.as_ref();
     let ladder = |(difference, part): (&DifferenceSamples, u64)| {
         let runs = vec![Run::new(scheme, 1), Run::new(scheme, 0), Run::swapped(scheme, 0)];
         let finest_steps = (2.0 * problem.t_end() / difference.tau).round() as u64;
         let key = conditions.key(part);
         let ladder = Ladder::new(problem, finest_steps, 1, truncation(), key, runs);
-        let name = format!("rigid-body-weak/{}/2^{}", curve.name, difference.tau.log2());
-        (name, difference.samples, valid(ladder))
+        (difference.samples, valid(ladder))
     };
     let ladders: Vec<_> = grid.iter().zip(0..).map(ladder).collect();
-    let work = ladders.iter().map(|(_, samples, ladder)| samples * ladder.steps_per_path()).sum();
+    let work = ladders.iter().map(|(samples, ladder)| samples * ladder.steps_per_path()).sum();
     conditions.progress.begin(&conditions.wanted.join(", "), work);
     let values = |view: &View<'_>, p: usize, differences: &mut [f64]| {
         for (difference, observable) in differences.iter_mut().zip(observables) {
@@ -189,13 +183,12 @@ fn differences(
         }
     };
     let (mut moments, mut failures) = (Vec::new(), Vec::new());
-    // All of them are begun, also where a part has no results.
-    for (name, samples, ladder) in &ladders {
+    for (samples, ladder) in &ladders {
         let new = || FinalMoments::new(ladder.coarse_steps(), observables.len(), &values);
-        let Some(measured) = conditions.run(name, ladder, *samples, new) else { continue };
+        let measured = conditions.run(ladder, *samples, new);
         failures.extend(describe_failures(&measured));
         moments.push(measured.statistic.moments);
     }
     conditions.progress.end();
-    (moments.len() == ladders.len()).then_some((moments, failures))
+    (moments, failures)
 }

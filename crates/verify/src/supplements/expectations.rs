@@ -2,22 +2,19 @@
 //! against the Kolmogorov equation, and what an accuracy costs.
 
 use analysis::{
-    Progress,
     results::{Claim, Evidence, Kind, Panel, Series},
     rigid_body_expectations,
 };
 use mc::{
     Expect, Observable, Observe,
-    multilevel::{Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation_in},
-    parts::Job,
+    multilevel::{Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation},
 };
 use schemes::Sexp;
 use stats::{CONFIDENCE, Point, two_sided};
 use systems::paper::{rigid_body_three_noises, valid};
 
 use crate::{
-    Conditions, Findings, Method, Words, compiled, in_words, panels::weak_observables, streams,
-    truncation,
+    Conditions, Findings, Method, Words, compiled, in_words, panels::weak_observables, truncation,
 };
 
 /// Steps on [0, 1] of the coarsest level: with two, the first difference has already the variance
@@ -38,43 +35,26 @@ fn settings(conditions: &Conditions, part: u64) -> ExpectationSettings {
     }
 }
 
-/// Computes here what takes seconds and is no work for parts; it stops when the others do.
-fn here(conditions: &Conditions) -> Job {
-    Job::here().stopped_by(conditions.job.stop())
-}
-
-/// Expectations by multilevel Monte Carlo on the streams of part number `part`, as a piece of work
-/// of a job.
-fn multilevel(
-    conditions: &Conditions,
-    job: &Job,
-    part: u64,
-    observables: &[Observable<3>],
-    accuracy: f64,
-    with: impl FnOnce(ExpectationSettings) -> ExpectationSettings,
-) -> Option<Expectation> {
+/// E[cos y₃] by this estimator on the streams of part number `part`.
+fn cosine(conditions: &Conditions, estimator: Estimator, part: u64, accuracy: f64) -> Expectation {
     let (problem, sexp) = (rigid_body_three_noises(1.0), compiled(Sexp));
-    let name = format!("expectations/{part}");
-    let settings = with(settings(conditions, part));
+    let settings = ExpectationSettings { estimator, ..settings(conditions, part) };
     let advance = |work| conditions.progress.advance(work);
-    let (scheme, problem) = (sexp.as_ref(), &problem);
-    valid(expectation_in(job, &name, scheme, problem, observables, accuracy, &settings, &advance))
+    valid(expectation(sexp.as_ref(), &problem, &COS_Y3, accuracy, &settings, &advance))
 }
 
 /// Expectations with everything chosen, on the points of part number `part`.
 fn chosen(
     conditions: &Conditions,
-    job: &Job,
     part: u64,
     observables: &[Observable<3>],
     accuracy: f64,
-) -> Option<Expectation> {
+) -> Expectation {
     let problem = rigid_body_three_noises(1.0);
     let expect = Expect::by_parts(&problem).with_key(conditions.key(part));
     let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
     let advance = |work| conditions.progress.advance(work);
-    let name = format!("chosen/{part}");
-    valid(expect.run_in(job, &name, &observables, accuracy, &advance))
+    valid(expect.run(&observables, accuracy, &advance))
 }
 
 /// E[φ] of `estimate` against its value by the Kolmogorov equation. Where the interval has Student's
@@ -92,41 +72,19 @@ fn claim(estimate: &Estimate, of: &Expectation, exact: f64, statement: String) -
     Claim::new("expectation", statement, measured).proven(false)
 }
 
-/// The claims that the weak panels' twelve expectations agree with the Kolmogorov equation.
-fn twelve(conditions: &Conditions, measured: Option<Expectation>, method: Method) -> Vec<Claim> {
-    let Some(measured) = measured else { return Vec::new() };
+/// The weak panels' twelve expectations, E of y_j, y_j², cos y_j and sin y_j at T = 1, by
+/// `mc::Expect` against the Kolmogorov equation.
+pub fn measure(conditions: &Conditions) -> Findings {
+    let (accuracy, observables) = (conditions.choose(2e-5, 2e-4), weak_observables());
+    let measured = chosen(conditions, 0, &observables, accuracy);
     let problem = rigid_body_three_noises(1.0);
-    let exact = rigid_body_expectations(&problem, degree(conditions), &weak_observables());
+    let exact = rigid_body_expectations(&problem, degree(conditions), &observables);
     let claims = measured.estimates.iter().zip(exact).map(|(estimate, exact)| {
         let name = &estimate.name;
         let statement = format!("E[{name}] of the rigid body with three noises at T = 1");
-        claim(estimate, &measured, exact, statement).about("", method.id())
+        claim(estimate, &measured, exact, statement).about("", Method::Nv.id())
     });
-    claims.collect()
-}
-
-/// The twelve expectations of the weak panels, E of y_j, y_j², cos y_j and sin y_j at T = 1, each
-/// to the half-width `accuracy` of its 95 % interval by multilevel Monte Carlo, against the
-/// Kolmogorov equation. The cost grows like accuracy⁻²: 2e-4 takes seconds, 2e-5 minutes. They are a piece of work of `job`, and
-/// there are none where it gives no results.
-pub fn expectation_claims(
-    settings: analysis::Settings,
-    accuracy: f64,
-    job: &Job,
-    progress: &dyn Progress,
-) -> Vec<Claim> {
-    let (experiment, wanted, further) = (streams::EXPECTATIONS, &[], &[]);
-    let conditions = Conditions { settings, job, experiment, wanted, further, progress };
-    let observables = weak_observables();
-    let measured = multilevel(&conditions, job, 0, &observables, accuracy, |settings| settings);
-    twelve(&conditions, measured, Method::Sexp)
-}
-
-/// Twelve expectations by `mc::Expect`, to the accuracy of the mode.
-pub fn measure(conditions: &Conditions) -> Findings {
-    let accuracy = conditions.choose(2e-5, 2e-4);
-    let measured = chosen(conditions, &here(conditions), 0, &weak_observables(), accuracy);
-    twelve(conditions, measured, Method::Nv).into()
+    claims.collect::<Vec<_>>().into()
 }
 
 const COS_Y3: [Observable<3>; 1] =
@@ -141,13 +99,12 @@ const COST: Words = Words {
 };
 
 /// The first part of the streams, and what computes an expectation on a part to an accuracy.
-type Compute<'a> = (u64, &'a dyn Fn(u64, f64) -> Option<Expectation>);
+type Compute<'a> = (u64, &'a dyn Fn(u64, f64) -> Expectation);
 
 /// Path-steps for E[cos y₃] at several accuracies, by multilevel Monte Carlo, by single paths and by
 /// `mc::Expect`.
 pub fn cost(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
-    let job = here(conditions);
     let accuracies = conditions.choose([1e-2, 3e-3, 1e-3, 3e-4], [1e-2, 5e-3, 3e-3, 2e-3]);
     // Single paths at the next accuracy would take twenty times as long as all of these.
     let finer = conditions.choose([1e-4, 3e-5], [1e-3, 5e-4]);
@@ -155,13 +112,9 @@ pub fn cost(conditions: &Conditions) -> Findings {
     let finest = conditions.choose([1e-3, 3e-4, 1e-4, 3e-5], [2e-3, 1e-3, 5e-4, 2e-4]);
     let exact = rigid_body_expectations(&problem, degree(conditions), &COS_Y3)[0];
     let (mut series, mut claims) = (Vec::new(), Vec::new());
-    let by = |estimator: Estimator, part, accuracy| {
-        let with = |settings| ExpectationSettings { estimator, ..settings };
-        multilevel(conditions, &job, part, &COS_Y3, accuracy, with)
-    };
-    let by_multilevel = |part, accuracy| by(Estimator::Multilevel, part, accuracy);
-    let by_paths = |part, accuracy| by(Estimator::SinglePaths, part, accuracy);
-    let by_choice = |part, accuracy| chosen(conditions, &job, part, &COS_Y3, accuracy);
+    let by = |estimator| move |part, accuracy| cosine(conditions, estimator, part, accuracy);
+    let (by_multilevel, by_paths) = (by(Estimator::Multilevel), by(Estimator::SinglePaths));
+    let by_choice = |part, accuracy| chosen(conditions, part, &COS_Y3, accuracy);
     // Accuracy number n has the streams 2n + 1, 2n, and 2n + 8, which single paths leave.
     let all = [&accuracies[..], &finer].concat();
     let ways: [(_, _, &[f64], Compute<'_>); 3] = [
@@ -172,9 +125,7 @@ pub fn cost(conditions: &Conditions) -> Findings {
     for (name, method, accuracies, (first, compute)) in ways {
         let mut points = Vec::new();
         for (n, &accuracy) in (0..).zip(accuracies) {
-            let Some(result) = compute(first + 2 * n, accuracy) else {
-                return Findings::default();
-            };
+            let result = compute(first + 2 * n, accuracy);
             points.push(Point::Cost { accuracy, path_steps: result.cost });
             let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
             let claim = claim(&result.estimates[0], &result, exact, statement);

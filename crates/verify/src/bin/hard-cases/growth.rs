@@ -7,7 +7,7 @@
 //! points of one path are not.
 
 use anyhow::{Context, Result};
-use mc::{Kept, Ladder, Run, Statistic, View, parts::Job};
+use mc::{Ladder, Run, Statistic, View};
 use noise::StreamKey;
 use nonlin::{Method, Solver};
 use real::{WIDTH, elementary};
@@ -70,8 +70,8 @@ struct LongRun<'a> {
     drawn: bool,
 }
 
-/// All long runs, as pieces of work of a job; nothing where it was stopped.
-pub fn run(arguments: &Arguments, job: &Job) -> Result<Vec<Growth>> {
+/// All long runs.
+pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
     use Followed::{Body, Light, Volterra};
     let (none, sine, cosine) = (&Constant::new(0.0)?, &sine(), &half_cosine());
     let (weak, negative) = (&Constant::new(2e-5)?, &Constant::new(-2e-5)?);
@@ -114,19 +114,19 @@ pub fn run(arguments: &Arguments, job: &Job) -> Result<Vec<Growth>> {
         match followed {
             Body => {
                 let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
-                growth(arguments, job, number, &run, ("Rigid body with three noises", body, y0))
+                growth(arguments, number, &run, ("Rigid body with three noises", body, y0))
             }
             Volterra(_) => {
                 let (system, _, y0, _) = lotka_volterra_1_1().into_parts();
-                growth(arguments, job, number, &run, ("Lotka–Volterra with a = b = −1", system, y0))
+                growth(arguments, number, &run, ("Lotka–Volterra with a = b = −1", system, y0))
             }
             Light => {
                 let (system, _, y0, _) = maxwell_bloch(1.0).into_parts();
-                growth(arguments, job, number, &run, ("Maxwell–Bloch", system, y0))
+                growth(arguments, number, &run, ("Maxwell–Bloch", system, y0))
             }
         }
     };
-    runs.into_iter().zip(0..).filter_map(|run| growth(run).transpose()).collect()
+    runs.into_iter().zip(0..).map(growth).collect()
 }
 
 /// The scheme, its name, and what a step of it rounds in units of [`PER_STEP`].
@@ -153,11 +153,10 @@ fn scheme<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
 
 fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     arguments: &Arguments,
-    job: &Job,
     number: u64,
     run: &LongRun<'_>,
     (name, system, y0): (&str, S, [f64; D]),
-) -> Result<Option<Growth>> {
+) -> Result<Growth> {
     eprintln!("{}", run.id);
     let steps = arguments.many(STEPS, QUICK_STEPS);
     let key = StreamKey { seed: arguments.seed, experiment: streams::GROWTH + number };
@@ -174,9 +173,7 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     let ladder = Ladder::new(&problem, steps, 0, verify::truncation(), key, runs)?;
     let new = || Defects::<_, D> { steps, defect: &defect, rows: Vec::new() };
     let paths = if let Rule::Sexp(..) = run.rule { PATHS } else { MANY_PATHS };
-    let Some(measured) = ladder.run_in(job, run.id, paths as u64, new, &|_| ()) else {
-        return Ok(None);
-    };
+    let measured = ladder.run(paths as u64, new, &|_| ());
     let rows = measured.statistic.rows;
     let point = |(steps, d): &Row| GrowthPoint {
         steps: *steps,
@@ -201,7 +198,7 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         Rule::Sexp(..) if lo > 0.5 => Verdict::FailsAsItMust,
         Rule::Sexp(..) => Verdict::Observed,
     };
-    Ok(Some(Growth {
+    Ok(Growth {
         id: run.id,
         setup: format!("{name}, {}, τ = {}.", run.damping.describe(), run.tau),
         scheme: scheme_name,
@@ -214,7 +211,7 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         linear: steps as f64 * f64::EPSILON,
         verdict,
         drawn: run.drawn,
-    }))
+    })
 }
 
 /// d_n of every path for one n; NaN of a path that failed.
@@ -250,18 +247,6 @@ impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic for Defects<'
 
     fn merge(&mut self, later: Self) {
         later.rows.into_iter().for_each(|(n, d)| self.add(n, d));
-    }
-}
-
-impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Kept for Defects<'_, F, D> {
-    type Sums = Vec<Row>;
-
-    fn sums(&self) -> &Vec<Row> {
-        &self.rows
-    }
-
-    fn sums_mut(&mut self) -> &mut Vec<Row> {
-        &mut self.rows
     }
 }
 

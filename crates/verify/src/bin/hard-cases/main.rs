@@ -19,14 +19,13 @@ mod rounding;
 mod row;
 mod schemes;
 
-use std::{collections::BTreeMap, path::PathBuf, process::ExitCode, time::Instant};
+use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use analysis::results::Provenance;
 use anyhow::Result;
 use clap::{Parser, builder::PossibleValuesParser};
-use mc::parts::{Job, Share, remove};
 use report::{Page, files, provenance};
-use verify::command::{self, Study};
+use verify::command;
 
 use results::{SCHEMA, Stability};
 
@@ -91,14 +90,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         files::prepare_file(page)?;
     }
     let start = Instant::now();
-    // The long runs are most of it, and have checkpoints.
-    let study = Study::new("stability", Vec::new(), BTreeMap::new(), &arguments.out)?;
-    let job = Job::part(&arguments.out, Share::WHOLE, study.program())?;
-    if job.resumes() {
-        eprintln!("going on from a checkpoint in {}", arguments.out.display());
-    }
-    let growth = if arguments.wants(GROWTH) { growth::run(arguments, &job)? } else { Vec::new() };
-    job.finish()?;
+    let growth = if arguments.wants(GROWTH) { growth::run(arguments)? } else { Vec::new() };
     let cases = cases::run(arguments)?;
     let energy = if arguments.wants(ENERGY) { energy::run(arguments)? } else { Vec::new() };
     let fuzz = if arguments.wants(FUZZ) { fuzz::run(arguments) } else { Vec::new() };
@@ -110,7 +102,6 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     );
     let results = Stability { schema: SCHEMA, provenance, cases, growth, energy, fuzz };
     files::write_json(&arguments.out.join("stability.json"), &results)?;
-    remove(&arguments.out, Share::WHOLE)?;
     let page = page::page(&results);
     for file in [&arguments.out.join("stability.md")].into_iter().chain(&arguments.page) {
         page.write(file)?;

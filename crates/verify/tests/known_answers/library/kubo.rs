@@ -3,10 +3,10 @@
 
 use std::f64::consts::PI;
 
-use schemes::{EulerMaruyama, Heun, Midpoint, Sexp};
+use schemes::{EulerMaruyama, Midpoint, Sexp};
 
 use super::{
-    Entry, How, OldRule, expected, indicator,
+    Entry, How, expected, indicator,
     law::Normal,
     system::{Rate, damped_kubo, kubo, planes},
 };
@@ -18,7 +18,6 @@ fn angle(omega: f64, sigma: f64, t: f64) -> Normal {
 
 pub fn entries() -> Vec<Entry> {
     let q = |y: [f64; 2]| y[0];
-    let square = |y: [f64; 2]| y[0] * y[0];
     let sexp = |kind, name, [omega, sigma, t]: [f64; 3], function, how, truth| {
         let problem = kubo(omega, sigma, t);
         expected((kind, name), Sexp, problem, function, how, truth)
@@ -35,23 +34,6 @@ pub fn entries() -> Vec<Entry> {
             |y| y[1],
             How::to(0.005),
             -angle(2.0, 0.5, 1.0).sin(1.0),
-        ),
-        expected(
-            ("Kubo", "q², ω = σ = 1, Heun"),
-            Heun,
-            kubo(1.0, 1.0, 1.0),
-            square,
-            How::to(0.01),
-            theta.cos_squared(),
-        ),
-        // cos³ = ¾ cos + ¼ cos 3θ.
-        sexp(
-            "Kubo",
-            "q³, ω = 1, σ = ½, T = 2",
-            [1.0, 0.5, 2.0],
-            |y| y[0].powi(3),
-            How::to(0.01),
-            0.75 * angle(1.0, 0.5, 2.0).cos(1.0) + 0.25 * angle(1.0, 0.5, 2.0).cos(3.0),
         ),
         // P(cos θ > ½).
         sexp(
@@ -78,53 +60,29 @@ pub fn entries() -> Vec<Entry> {
             "p < 0 at its median, σ = 1e-3, T = π",
             [1.0, 1e-3, PI],
             |y| indicator(y[1] < 0.0),
-            How::to(0.02).against(OldRule::NothingMissed),
+            How::to(0.02),
             0.5,
-        ),
-        // E q = E cos θ, all but deterministic.
-        sexp(
-            "weak noise",
-            "q, ω = 2, σ = 0.01",
-            [2.0, 0.01, 1.0],
-            q,
-            How::to(1e-3),
-            angle(2.0, 0.01, 1.0).cos(1.0),
-        ),
-        expected(
-            ("weak noise", "q², ω = 6, σ = 0.1"),
-            Heun,
-            kubo(6.0, 0.1, 1.0),
-            square,
-            How::to(5e-3),
-            angle(6.0, 0.1, 1.0).cos_squared(),
         ),
     ];
     // With Euler–Maruyama E(q + ip) after n steps is (1 − ½σ²τ − iωτ)ⁿ. Here its errors of order τ
     // and τ² are such that E q hardly changes from level 2 to level 3, and is far from the limit.
-    for (omega, sigma, accuracy) in [(5.1, 0.3, 0.05), (4.7, 1.1, 0.02)] {
-        let how = How { steps: 4, ..How::to(accuracy) }.against(OldRule::LastDifference);
+    for (omega, sigma, accuracy) in [(5.1, 0.3, 0.05)] {
+        let how = How { steps: 4, ..How::to(accuracy) };
         let name = format!("q, ω = {omega}, σ = {sigma}, Euler–Maruyama from 4 steps");
         let (problem, truth) = (kubo(omega, sigma, 1.0), angle(omega, sigma, 1.0).cos(1.0));
         all.push(expected(("large steps", name), EulerMaruyama, problem, q, how, truth));
     }
     // E q = e^{−∫γ} E cos θ.
-    let pulse = Rate::Pulse { start: 0.37, end: 0.3701, height: 1.5e4 };
-    for (name, rate, accuracy) in [
-        ("γ = 20", Rate::Constant(20.0), 1e-10),
-        ("γ = ½ until 0.37, 3 after", Rate::JUMP, 2e-3),
-        ("γ = 1.5e4 on [0.37, 0.3701]", pulse, 2e-3),
-        ("γ = −1", Rate::Constant(-1.0), 0.02),
-    ] {
+    for (name, rate, accuracy) in
+        [("γ = 20", Rate::Constant(20.0), 1e-10), ("γ = ½ until 0.37, 3 after", Rate::JUMP, 2e-3)]
+    {
         let truth = (-rate.until(1.0)).exp() * theta.cos(1.0);
         let (problem, how) = (damped_kubo(1.0, 1.0, rate, 1.0), How::to(accuracy));
         all.push(expected(("damping", name), Sexp, problem, q, how, truth));
     }
     // Eight steps turn by several radians. With 77.2, the phases of 32 and 64 steps of the midpoint
     // rule are nearly the same, 2n arctan(ω/2n) modulo 2π, and far from ω.
-    let aliased = How::to(0.05).against(OldRule::NoResolution);
-    for (omega, sigma, how) in
-        [(55.6, 0.3, How::to(0.02)), (26.7, 0.3, How::to(0.02)), (77.2, 0.1, aliased)]
-    {
+    for (omega, sigma, how) in [(26.7, 0.3, How::to(0.02)), (77.2, 0.1, How::to(0.05))] {
         let (name, truth) = (format!("q, ω = {omega}"), angle(omega, sigma, 1.0).cos(1.0));
         let problem = kubo(omega, sigma, 1.0);
         all.push(expected(("fast rotation", name), Sexp, problem, q, how, truth));
@@ -149,7 +107,7 @@ fn planes_entries() -> [Entry; 4] {
             "q₁ + q₂, ω = 77.2 without noise beside 1 with",
             beside.clone(),
             |y| y[0] + y[2],
-            How::to(0.1).against(OldRule::NoResolution),
+            How::to(0.1),
             77.2f64.cos() + q2,
         ),
         entry("fast rotation", "the slow q₂ beside ω = 77.2", beside, |y| y[2], How::to(0.02), q2),

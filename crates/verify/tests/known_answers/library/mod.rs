@@ -5,9 +5,7 @@
 //! them. It is asked with many seeds. An answer that is *stated* may be false, in the share
 //! [`Question::tolerated`] at most. An answer that is *undecided* says so and is not false, but too
 //! many of them are no use.
-//!
-//! Some entries have a twin: what an older rule states of the same samples. The library must refute
-//! it, or it could not tell.
+//
 
 mod errors;
 mod kubo;
@@ -16,25 +14,22 @@ mod normal;
 mod orders;
 mod rare;
 mod sphere;
-mod summary;
-pub(crate) mod system;
+pub mod system;
 
 use std::fmt::Display;
 
 use mc::{
     Observable,
-    multilevel::{Coupling, Estimate, Expectation, ExpectationSettings, expectation},
-    parts::Job,
+    multilevel::{Coupling, Expectation, ExpectationSettings, expectation},
 };
 use noise::{StreamKey, Truncation};
+use rayon::prelude::*;
 use schemes::Scheme;
+use statrs::distribution::{Binomial, DiscreteCDF};
 use systems::Problem;
-
-use system::{Chosen, Rate};
 use verify::streams;
 
-use summary::Counted;
-pub use summary::{Row, Total, by_kind, by_old_rule};
+use system::{Chosen, Rate};
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,10 +93,6 @@ impl Stated {
         Self::Undecided(reason.to_string())
     }
 
-    fn decided(&self) -> bool {
-        !matches!(self, Self::Undecided(_))
-    }
-
     /// Whether something false is stated.
     fn misses(&self, truth: Truth) -> bool {
         match (self, truth) {
@@ -118,8 +109,6 @@ impl Stated {
 pub struct Answer {
     /// What is stated.
     pub stated: Stated,
-    /// What the old rule states, if the entry has one.
-    pub old: Option<Stated>,
     /// Path-steps.
     pub cost: u64,
 }
@@ -127,7 +116,7 @@ pub struct Answer {
 impl Answer {
     /// Of a question that is refused.
     fn refused(error: impl Display) -> Self {
-        Self { stated: Stated::undecided(error), old: None, cost: 0 }
+        Self { stated: Stated::undecided(error), cost: 0 }
     }
 }
 
@@ -144,8 +133,6 @@ pub struct Entry {
     pub question: Question,
     /// What is true: a number or an order, none where there is no order.
     pub truth: Option<f64>,
-    /// The old rule that is its twin.
-    pub old_rule: Option<OldRule>,
     /// Its place in the library, which says which noise it has.
     number: u64,
     /// Whether an answer takes seconds: it is asked with every fourth seed.
@@ -161,11 +148,10 @@ impl Entry {
         name: impl Into<String>,
         question: Question,
         truth: Truth,
-        old_rule: Option<OldRule>,
         ask: impl Fn(StreamKey) -> Answer + Send + Sync + 'static,
     ) -> Self {
         let (name, ask) = (name.into(), Box::new(ask));
-        Self { kind, name, question, truth, old_rule, number: 0, slow: false, ask, chosen: None }
+        Self { kind, name, question, truth, number: 0, slow: false, ask, chosen: None }
     }
 }
 
@@ -175,72 +161,7 @@ impl Entry {
         let Self { kind, truth, .. } = *self;
         let (name, question) = (self.name.clone(), Question::Chosen);
         let ask = self.chosen.take()?;
-        let (old_rule, number, slow, chosen) = (None, 0, false, None);
-        Some(Self { kind, name, question, truth, old_rule, number, slow, ask, chosen })
-    }
-}
-
-/// A rule that was in use, and what it states of the same samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum OldRule {
-    /// ±1.96 standard errors and the bias: a sample variance of zero is believed.
-    NothingMissed,
-    /// Nothing asks whether the steps resolve the motion: the levels of the pilot and one more.
-    NoResolution,
-    /// The bias is that of the last difference.
-    LastDifference,
-    /// The order nearest to the fitted slope.
-    FittedSlope,
-    /// Errors against the finest run of the same scheme.
-    FinestRun,
-}
-
-impl OldRule {
-    /// All of them.
-    pub const ALL: [Self; 5] = [
-        Self::NothingMissed,
-        Self::NoResolution,
-        Self::LastDifference,
-        Self::FittedSlope,
-        Self::FinestRun,
-    ];
-
-    /// The words for tables.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::NothingMissed => "a variance of zero is believed: no missed events",
-            Self::NoResolution => "nobody asks whether the steps resolve the motion",
-            Self::LastDifference => "the bias is that of the last difference",
-            Self::FittedSlope => "the order is the multiple of ½ that is nearest to the slope",
-            Self::FinestRun => "errors against the finest run of the same scheme",
-        }
-    }
-
-    /// The settings with which an expectation is asked by this rule: it stopped where the rule in
-    /// use goes on.
-    fn settings(self, settings: ExpectationSettings) -> ExpectationSettings {
-        match self {
-            // The pilot on levels 0, 1 and 2.
-            Self::NothingMissed => {
-                let steps = settings.coarsest_steps;
-                ExpectationSettings { max_cost: 10 * steps * settings.pilot, ..settings }
-            }
-            _ => ExpectationSettings { max_level: 3, ..settings },
-        }
-    }
-
-    /// The interval of an expectation by this rule, if it is short enough.
-    fn interval(self, estimate: &Estimate, accuracy: f64) -> Stated {
-        let normal = 1.96 * estimate.standard_error;
-        let half_width = match self {
-            Self::LastDifference => normal.hypot(estimate.missed) + estimate.bias.abs(),
-            _ => normal + estimate.bias.abs(),
-        };
-        if half_width <= accuracy {
-            Stated::Interval(estimate.value - half_width, estimate.value + half_width)
-        } else {
-            Stated::undecided("the interval is too long")
-        }
+        Some(Self { kind, name, question, truth, number: 0, slow: false, ask, chosen: None })
     }
 }
 
@@ -263,29 +184,90 @@ pub fn entries() -> Vec<Entry> {
     entries
 }
 
-/// Asks these entries with the seeds 1 … `seeds`, as work of `job`: `None` where that gives no
-/// results. An entry has the same streams in any selection.
-///
-/// The answers are functions of the entries and seeds alone.
-pub fn ask(entries: &[Entry], seeds: u64, job: &Job) -> Option<Vec<Row>> {
-    // By seed: more of them are further tasks.
-    let asked = |seed: u64| {
-        entries.iter().filter(move |entry| !entry.slow || seed % 4 == 1).map(move |e| (e, seed))
-    };
-    let questions: Vec<(&Entry, u64)> = (1..=seeds).flat_map(asked).collect();
-    let answer = |n: u64| {
-        let (entry, seed) = questions[n as usize];
-        let answer = (entry.ask)(StreamKey { seed, experiment: streams::LIBRARY + entry.number });
-        Some(Counted::new(entry, &answer))
-    };
-    let names: Vec<String> =
-        entries.iter().map(|entry| format!("{:?} {}", entry.question, entry.name)).collect();
-    let answers = job.tasks("library", &names.join("\n"), questions.len() as u64, answer)?;
+/// Asks these entries with the seeds 1 … `seeds`. An entry has the same streams in any selection.
+pub fn ask(entries: &[Entry], seeds: u64) -> Vec<Row> {
     let row = |entry: &Entry| {
-        let of_entry = questions.iter().zip(&answers).filter(|(of, _)| of.0.number == entry.number);
-        Row::new(entry, of_entry.map(|(_, counted)| counted))
+        let mut total = Total::default();
+        for seed in (1..=seeds).filter(|seed| !entry.slow || seed % 4 == 1) {
+            let key = StreamKey { seed, experiment: streams::LIBRARY + entry.number };
+            total.add(entry.truth, (entry.ask)(key));
+        }
+        let Entry { kind, question, .. } = *entry;
+        Row { kind, name: entry.name.clone(), question, total }
     };
-    Some(entries.iter().map(row).collect())
+    entries.par_iter().map(row).collect()
+}
+
+/// The answers to one entry.
+#[derive(Debug, PartialEq)]
+pub struct Row {
+    /// What sort of problem it is.
+    pub kind: &'static str,
+    /// The problem.
+    pub name: String,
+    /// What is asked.
+    pub question: Question,
+    /// The counts.
+    pub total: Total,
+}
+
+/// Counts of answers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Total {
+    /// Answers.
+    pub asked: u64,
+    /// Those that state something.
+    pub stated: u64,
+    /// Those that state something false.
+    pub missed: u64,
+    /// Path-steps of all.
+    pub cost: u64,
+    /// A reason for an undecided answer.
+    pub reason: String,
+    /// Sum of the half-widths of the stated intervals.
+    half_widths: f64,
+    /// Sum of the squares of the distances of their middles from the truth.
+    squares: f64,
+}
+
+impl Total {
+    fn add(&mut self, truth: Truth, Answer { stated, cost }: Answer) {
+        self.asked += 1;
+        self.cost += cost;
+        self.missed += u64::from(stated.misses(truth));
+        if let (&Stated::Interval(lo, hi), Some(truth)) = (&stated, truth) {
+            self.half_widths += 0.5 * (hi - lo);
+            self.squares += (0.5 * (lo + hi) - truth).powi(2);
+        }
+        match stated {
+            Stated::Undecided(reason) => self.reason = reason,
+            _ => self.stated += 1,
+        }
+    }
+
+    /// The mean half-width over 1.96 times the root mean square of the errors: one for intervals of
+    /// normal errors without bias.
+    pub fn relative_width(&self) -> f64 {
+        let n = self.stated as f64;
+        self.half_widths / n / (1.96 * (self.squares / n).sqrt())
+    }
+
+    /// Whether the share of false answers is above `tolerated`: with that share, so many among the
+    /// stated ones have a probability of at most `chance`.
+    pub fn refuted(&self, tolerated: f64, chance: f64) -> bool {
+        let at_least = || Binomial::new(tolerated, self.stated).map(|law| law.sf(self.missed - 1));
+        self.missed > 0 && at_least().is_ok_and(|probability| probability <= chance)
+    }
+}
+
+#[test]
+fn binomial_tails() {
+    let of = |missed| Total { asked: 20, stated: 20, missed, ..Total::default() };
+    assert!(!of(1).refuted(0.07, 0.01) && of(6).refuted(0.07, 0.01));
+    // P(X ≥ 1) = 1 − 0.93¹⁰.
+    let one = Total { stated: 10, missed: 1, ..Total::default() };
+    let tail = 1.0 - 0.93f64.powi(10);
+    assert!(one.refuted(0.07, 1.0001 * tail) && !one.refuted(0.07, 0.9999 * tail));
 }
 
 /// How E[φ] is asked for.
@@ -294,17 +276,12 @@ struct How {
     accuracy: f64,
     steps: u64,
     coupling: Coupling,
-    old_rule: Option<OldRule>,
 }
 
 impl How {
     /// With eight coarsest steps.
     fn to(accuracy: f64) -> Self {
-        Self { accuracy, steps: 8, coupling: Coupling::Plain, old_rule: None }
-    }
-
-    fn against(self, old_rule: OldRule) -> Self {
-        Self { old_rule: Some(old_rule), ..self }
+        Self { accuracy, steps: 8, coupling: Coupling::Plain }
     }
 
     fn antithetic(self) -> Self {
@@ -344,7 +321,7 @@ where
         let observable = Observable { name: "φ", function };
         let expect = S::expect(&same).with_key(key).with_max_cost(MAX_COST);
         match expect.run(&[&observable], how.accuracy, &|_| ()) {
-            Ok(result) => Answer { stated: stated(&result), old: None, cost: result.cost },
+            Ok(result) => Answer { stated: stated(&result), cost: result.cost },
             Err(error) => Answer::refused(error),
         }
     };
@@ -355,21 +332,12 @@ where
             ..ExpectationSettings::new(key, truncation(), how.steps, how.coupling)
         };
         let observable = [Observable { name: "φ", function }];
-        let run = |settings: &ExpectationSettings| {
-            expectation(&scheme, &problem, &observable, how.accuracy, settings, &|_| ())
-        };
-        let result = match run(&settings) {
-            Ok(result) => result,
-            Err(error) => return Answer::refused(error),
-        };
-        let stated = stated(&result);
-        let old = how.old_rule.map(|rule| match run(&rule.settings(settings)) {
-            Ok(result) => rule.interval(&result.estimates[0], how.accuracy),
-            Err(error) => Stated::undecided(error),
-        });
-        Answer { stated, old, cost: result.cost }
+        match expectation(&scheme, &problem, &observable, how.accuracy, &settings, &|_| ()) {
+            Ok(result) => Answer { stated: stated(&result), cost: result.cost },
+            Err(error) => Answer::refused(error),
+        }
     };
-    let entry = Entry::new(kind, name, Question::Expectation, Some(truth), how.old_rule, ask);
+    let entry = Entry::new(kind, name, Question::Expectation, Some(truth), ask);
     Entry { chosen: Some(Box::new(chosen)), ..entry }
 }
 

@@ -6,10 +6,10 @@
 //! Laplacian of the sphere, and E of a harmonic polynomial of degree l decays by
 //! e^{−l(l+1)σ²T/2}; a linear H₀ turns it.
 
-use schemes::{Heun, Sexp, SexpLevy};
+use schemes::{Sexp, SexpLevy};
 
 use super::{
-    Entry, How, expected, indicator,
+    Entry, How, expected,
     law::Normal,
     system::{Body, Rate, START, on_sphere, problem},
 };
@@ -50,17 +50,9 @@ pub fn entries() -> Vec<Entry> {
         let problem = on_sphere(Body::isotropic(sigma));
         expected(("sphere", name), sexp, problem, function, antithetic, truth)
     };
-    let (linear, harmonic) = ((-0.49f64).exp(), (-3.0 * 0.49f64).exp());
+    let linear = (-0.49f64).exp();
     let third = START[2];
     vec![
-        one(
-            "time change",
-            "y₁ of a symmetric top, H₁ = 0.7 H₀",
-            on_sphere(top),
-            first,
-            0.005,
-            turned(Normal::new(rate, (0.7 * rate).powi(2))),
-        ),
         one(
             "time change",
             "y₁ of a damped top, c = 0.7",
@@ -70,23 +62,6 @@ pub fn entries() -> Vec<Entry> {
             e * turned(damped),
         ),
         one("one axis", "y₁", on_sphere(axis), first, 0.005, turned(about)),
-        // y₁ > 0: φ − θ within π/2 of 2πk, with φ = atan2(y₂, y₁).
-        one(
-            "indicators",
-            "y₁ > 0, one axis",
-            on_sphere(axis),
-            |y| indicator(y[0] > 0.0),
-            0.02,
-            Normal { mean: START[1].atan2(START[0]) - about.mean, ..about }.cos_above(0.0),
-        ),
-        expected(
-            ("sphere", "y₁, two noises"),
-            sexp,
-            on_sphere(plane),
-            first,
-            antithetic,
-            START[0] * (-0.32f64).exp(),
-        ),
         expected(
             ("sphere", "y₃, two noises, areas"),
             SexpLevy::new(&plane, START),
@@ -96,24 +71,6 @@ pub fn entries() -> Vec<Entry> {
             third * (-0.64f64).exp(),
         ),
         three("y₃, three noises", 0.7, |y| y[2], third * linear),
-        // y₃² − ⅓ has degree two.
-        expected(
-            ("sphere", "y₃², three noises, Heun"),
-            Heun,
-            on_sphere(Body::isotropic(0.7)),
-            |y| y[2] * y[2],
-            antithetic,
-            1.0 / 3.0 + (third * third - 1.0 / 3.0) * harmonic,
-        ),
-        // y₁y₂ has degree two.
-        three("y₁y₂, three noises", 0.7, |y| y[0] * y[1], START[0] * START[1] * harmonic),
-        // y₃³ − ⅗y₃ has degree three.
-        three(
-            "y₃³, three noises",
-            0.5,
-            |y| y[2].powi(3),
-            (third.powi(3) - 0.6 * third) * (-6.0 * 0.25f64).exp() + 0.6 * third * (-0.25f64).exp(),
-        ),
         // Turned by 2T about the third axis, clockwise.
         expected(
             ("sphere", "y₁, three noises on a rotation"),
@@ -132,14 +89,6 @@ pub fn entries() -> Vec<Entry> {
             first,
             0.01,
             turned(Normal::new(rate, 0.0)),
-        ),
-        one(
-            "Casimir noise",
-            "y₁ of a top, H₁ = |y|² + ¼y₃²",
-            on_sphere(Body::top(2.0, 0.5)),
-            first,
-            0.005,
-            turned(Normal::new(rate, 0.32f64.powi(2))),
         ),
     ]
 }

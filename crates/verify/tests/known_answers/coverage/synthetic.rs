@@ -1,13 +1,13 @@
 //! Orders from synthetic squared errors.
 
 use noise::{StreamKey, WienerPath};
-use stats::{
-    Bend, CrossMoments, Expected,
-    Expected::{Calibrated, Covers, Miscovers, Raised, Silent, Stated},
-    Rate, fit_strong, root_mean_squares,
-};
+use stats::{Bend, CrossMoments, Rate, fit_strong, root_mean_squares};
 
-use super::{Check, Tally, naive, point_checks, rate_checks, warns};
+use super::{
+    Check, Expected,
+    Expected::{Calibrated, Covers, Miscovers, Raised, Silent, Stated},
+    Tally, naive, point_checks, rate_checks, warns,
+};
 
 /// Step sizes 2⁻⁵ … 2⁻¹².
 const TAUS: [f64; 8] = [
@@ -126,7 +126,7 @@ const RATE_WARNING: &str = "warning of the rate";
 
 /// A case: its data, what is required of the intervals of its rate, and its other checks.
 fn add(
-    tally: &mut Tally<'_>,
+    tally: &mut Tally,
     case: &'static str,
     data: Synthetic,
     expected: Expected,
@@ -140,7 +140,7 @@ fn add(
     });
 }
 
-pub fn rows(tally: &mut Tally<'_>) {
+pub fn rows(tally: &mut Tally) {
     let half = Synthetic::new(0.5);
     let one = Synthetic::new(1.0);
 

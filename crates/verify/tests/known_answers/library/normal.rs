@@ -5,7 +5,7 @@ use schemes::{EulerMaruyama, Heun, Sexp};
 
 use super::{
     Entry, How, expected, indicator,
-    law::{Normal, above, excess},
+    law::{Normal, above},
     system::{Plane, Rate, UNDAMPED, growth, integrated, problem},
 };
 
@@ -29,7 +29,6 @@ pub fn entries() -> Vec<Entry> {
             / (2.0 * (gamma * gamma + omega * omega))
     };
     let (whole, wave) = ((1.0 - decay * decay) / (2.0 * gamma), primitive(t) - primitive(0.0));
-    let q = Normal::new(decay * (omega * t).cos(), 0.5 * (whole - wave));
     let p = Normal::new(-decay * (omega * t).sin(), 0.5 * (whole + wave));
     // γ alone: Ornstein–Uhlenbeck, p of variance (1 − e^{−2γT})/(2γ).
     let relaxed = problem(Plane::additive(0.0, 0.0), Rate::Constant(2.0), [0.0, 1.0], 1.0);
@@ -44,9 +43,6 @@ pub fn entries() -> Vec<Entry> {
     // ln x = bT + βW and ln y = −aT − αW − ∫γ.
     let x = Normal::new(0.3, 0.36);
     vec![
-        walk("additive noise", "W > 1", |y| indicator(y[1] > 1.0), 0.01, above(1.0)),
-        walk("additive noise", "(W − ½)₊", |y| (y[1] - 0.5).max(0.0), 0.01, excess(0.5)),
-        walk("additive noise", "e^W", |y| y[1].exp(), 0.05, 0.5f64.exp()),
         expected(
             ("additive noise", "(∫W)²"),
             Heun,
@@ -55,24 +51,8 @@ pub fn entries() -> Vec<Entry> {
             How::to(0.01),
             1.0 / 3.0,
         ),
-        expected(
-            ("additive noise", "∫W > ½, Euler–Maruyama"),
-            EulerMaruyama,
-            integrated(),
-            |y| indicator(y[0] > 0.5),
-            How::to(0.02),
-            Normal::new(0.0, 1.0 / 3.0).above(0.5),
-        ),
         // E|q|^½ = (1/3)^{1/4} E|N|^½: a cusp where the density is largest.
         walk("kinks", "|∫W|^½", |y| y[0].abs().sqrt(), 0.01, (1.0f64 / 3.0).powf(0.25) * ROOT),
-        expected(
-            ("Langevin", "q > 0.2"),
-            sexp,
-            langevin.clone(),
-            |y| indicator(y[0] > 0.2),
-            How::to(0.02),
-            q.above(0.2),
-        ),
         // E p² = mean² + variance.
         expected(
             ("Langevin", "p²"),
@@ -83,14 +63,6 @@ pub fn entries() -> Vec<Entry> {
             p.mean * p.mean + p.deviation * p.deviation,
         ),
         expected(
-            ("Langevin", "cos q, Heun"),
-            Heun,
-            langevin,
-            |y| y[0].cos(),
-            How::to(0.01),
-            q.cos(1.0),
-        ),
-        expected(
             ("Langevin", "|p − ½|, Ornstein–Uhlenbeck"),
             sexp,
             relaxed,
@@ -99,7 +71,6 @@ pub fn entries() -> Vec<Entry> {
             distance,
         ),
         heun("x, Heun", UNDAMPED, |y| y[0], 0.02, x.exp(1.0)),
-        heun("x², Heun", UNDAMPED, |y| y[0] * y[0], 0.1, x.exp(2.0)),
         expected(
             ("geometric", "x > 2, Euler–Maruyama"),
             EulerMaruyama,
@@ -107,15 +78,6 @@ pub fn entries() -> Vec<Entry> {
             |y| indicator(y[0] > 2.0),
             How::to(0.02),
             x.above(2.0f64.ln()),
-        ),
-        // ln(xy) = (b − a)T + (β − α)W.
-        heun("xy, Heun", UNDAMPED, |y| y[0] * y[1], 0.01, Normal::new(-0.1, 0.01).exp(1.0)),
-        heun(
-            "y with γ = ½, Heun",
-            Rate::Constant(0.5),
-            |y| y[1],
-            0.01,
-            Normal::new(-0.4 - 0.5, 0.25).exp(1.0),
         ),
     ]
 }

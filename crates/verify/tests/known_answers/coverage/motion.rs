@@ -4,14 +4,13 @@ use analysis::FinalMoments;
 use mc::{Ladder, Run, View};
 use noise::{StreamKey, Truncation};
 use schemes::EulerMaruyama;
-use stats::{
-    CrossMoments, Expansion,
-    Expected::{Calibrated, Miscovers, Silent},
-    normal_covers, weak_errors,
-};
+use stats::{CrossMoments, Expansion, normal_covers, weak_errors};
 use systems::paper::valid;
 
-use super::{Tally, point_checks, warns};
+use super::{
+    Expected::{Calibrated, Miscovers, Silent},
+    Tally, point_checks, warns,
+};
 use crate::library::system::{Growth, UNDAMPED, problem};
 
 /// dX = aX dt + bX dW (Itô), X(0) = 1.
@@ -28,7 +27,7 @@ fn weak_error(tau: f64) -> f64 {
 
 /// The weak error as the weak panels measure it: differences between neighbouring steps, each on
 /// paths of its own.
-pub fn rows(tally: &mut Tally<'_>) {
+pub fn rows(tally: &mut Tally) {
     // X = x, and y = 1.
     let stratonovich = DRIFT - 0.5 * VOLATILITY * VOLATILITY;
     let system = Growth { drift: [0.0, stratonovich], noise: [0.0, VOLATILITY] };

@@ -1,15 +1,9 @@
 //! What the command lines of all programs share.
 
-mod parts;
-mod study;
-
 use std::{fmt::Display, process::ExitCode};
 
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use real::Level;
-
-pub use parts::{Parts, Running};
-pub use study::{RUN, Study};
 
 /// Reads the value of `--simd`: `baseline`, `avx2` or `avx512`.
 ///

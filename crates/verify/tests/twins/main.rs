@@ -2,7 +2,7 @@
 //!
 //! A measurement that cannot fail says nothing. Each statement has at least one twin here: the same
 //! measurement on a method with one deliberate mistake, of the kind that is made in practice. A
-//! twin that is not refuted is a failure of the battery.
+//! twin that is not refuted is a failure.
 
 mod altered;
 mod conformal;
@@ -11,20 +11,23 @@ mod orders;
 mod without_iteration;
 mod wrong_systems;
 
-use analysis::{Progress, Settings, results::Claim};
-use mc::parts::Job;
+use analysis::{
+    Mode, Settings, Silent,
+    results::{Claim, Verdict},
+};
+use report::Outcome;
 use systems::paper::{pendulum, poisson3_strong};
 use verify::{
-    Conditions,
+    Conditions, STATEMENTS, ids, reproduce,
     statements::{solvability::contraction, truncation::sampled_variance},
     streams,
 };
 
 /// A wrong method: the statement that it is a twin of, its mistake in words, and its measurement.
-pub type Twin = (&'static str, &'static str, fn(&Conditions) -> Claim);
+type Twin = (&'static str, &'static str, fn(&Conditions) -> Claim);
 
 /// All of them, by statement.
-pub const TWINS: &[Twin] = &[
+const TWINS: &[Twin] = &[
     ("truncation-moments", "increments are not truncated", |conditions| {
         sampled_variance(conditions, f64::INFINITY)
     }),
@@ -128,13 +131,31 @@ pub const TWINS: &[Twin] = &[
     ("no-noise", "split: all damping at last", without_iteration::order_damped_after),
 ];
 
-/// Measures every twin; the claims come in the order of [`TWINS`].
-pub fn measure_twins(settings: Settings, progress: &dyn Progress) -> Vec<Claim> {
-    let (job, wanted, further) = (&Job::here(), &[], &[]);
-    let conditions =
-        |experiment| Conditions { settings, job, experiment, wanted, further, progress };
-    (streams::TWINS..)
-        .zip(TWINS)
-        .map(|(experiment, (.., measure))| measure(&conditions(experiment)))
-        .collect()
+const QUICK: Settings = Settings { seed: 1, mode: Mode::Quick, samples_times: None };
+
+#[test]
+fn every_twin_is_refuted() {
+    for (experiment, (id, mistake, measure)) in (streams::TWINS..).zip(TWINS) {
+        let (settings, wanted, further, progress) = (QUICK, &[], &[], &Silent);
+        let conditions = Conditions { settings, experiment, wanted, further, progress };
+        let claim = measure(&conditions);
+        assert_eq!(claim.verdict, Verdict::Refuted, "{id}, {mistake}: {}", claim.evidence);
+    }
+}
+
+#[test]
+fn the_right_methods_are_not_refuted() {
+    for claim in reproduce(QUICK, &ids(STATEMENTS), &[], &Silent).unwrap().claims {
+        let refuted = Outcome::of(&claim) == Outcome::Refuted;
+        assert!(!refuted, "{}: {}", claim.id, claim.evidence);
+    }
+}
+
+#[test]
+fn every_statement_has_a_twin() {
+    let of_panels =
+        ["conformal-casimir", "energy-balance", "strong-half", "strong-one", "weak-one"];
+    for id in ids(STATEMENTS).into_iter().chain(of_panels.map(String::from)) {
+        assert!(TWINS.iter().any(|twin| twin.0 == id), "{id} has no twin");
+    }
 }

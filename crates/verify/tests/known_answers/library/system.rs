@@ -12,8 +12,6 @@ pub enum Rate {
     Constant(f64),
     /// `before` until `at`, `after` from then on.
     Jump { at: f64, before: f64, after: f64 },
-    /// `height` from `start` to `end`, else zero.
-    Pulse { start: f64, end: f64, height: f64 },
 }
 
 pub const UNDAMPED: Rate = Rate::Constant(0.0);
@@ -27,7 +25,6 @@ impl Rate {
         match self {
             Self::Constant(rate) => rate * t,
             Self::Jump { at, before, after } => before * t.min(at) + after * (t - at).max(0.0),
-            Self::Pulse { start, end, height } => height * (t.clamp(start, end) - start),
         }
     }
 }
@@ -41,13 +38,6 @@ impl Damping for Rate {
                     before
                 } else {
                     after
-                }
-            }
-            Self::Pulse { start, end, height } => {
-                if (start..end).contains(&t) {
-                    height
-                } else {
-                    0.0
                 }
             }
         }

@@ -19,11 +19,6 @@ pub fn above(x: f64) -> f64 {
     if x > 0.0 { tail } else { 1.0 - tail }
 }
 
-/// E(N − x)₊ = φ(x) − xΦ(−x) for a standard normal N.
-pub fn excess(x: f64) -> f64 {
-    (-0.5 * x * x).exp() / TAU.sqrt() - x * above(x)
-}
-
 /// A normal law.
 #[derive(Clone, Copy)]
 pub struct Normal {
