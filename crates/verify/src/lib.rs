@@ -16,6 +16,7 @@
 //! | [`TwoSpins`] | a system in six dimensions |
 //! | [`streams`] | which noise belongs to which experiment |
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
+//! | [`rounding`] | what rounding can do to a conformal law |
 //! | [`command`] | what the command lines of all programs share |
 //! | [`weak_observables`] | the test functions of the weak panels |
 //!
@@ -29,6 +30,7 @@ pub mod kernels;
 mod method;
 mod panels;
 mod reproduce;
+pub mod rounding;
 pub mod setups;
 pub mod statements;
 pub mod streams;

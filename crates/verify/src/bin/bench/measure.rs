@@ -111,7 +111,7 @@ impl Visit for Schemes {
         let Setup { id, problem, schemes, .. } = setup;
         let problem = problem.until(steps as f64 * TAU)?;
         let ns = 1e9 / (paths * steps) as f64;
-        for (_, scheme) in &schemes {
+        for scheme in &schemes {
             eprintln!("{} on {}", scheme.id(), id);
             let ladder = ladder(&problem, 0, vec![Run::new(scheme.as_ref(), 0)])?;
             let (wall, thread, failed) = repeat::<D, M>(&self.one, &ladder, self.workload);

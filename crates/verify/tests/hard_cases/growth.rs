@@ -5,6 +5,12 @@
 //! The exponent is the slope of ln RMS(d_n) over ln n, from n = 1024 on; its interval is the
 //! percentile interval of the bootstrap over whole paths, which are independent of each other as
 //! points of one path are not.
+//!
+//! With a settled solver the root mean square stays below 32ε√n, a walk of a step's worst roundings.
+//! The default solver leaves a residual of up to 2ε in the same direction in every step, a drift;
+//! one more sweep, `Solver::settled()`, removes it. `sexp-li`, `split` and `nv` solve nothing by
+//! iteration and have no such option: 2, 2.2 and 3.8 times that bound, and an exponent whose
+//! interval lies below 0.55.
 
 use anyhow::{Context, Result};
 use mc::{Ladder, Run, Statistic, View};
@@ -16,15 +22,13 @@ use systems::{
     Constant, Damping, Linear, Problem,
     paper::{half_cosine, lotka_volterra_1_1, maxwell_bloch, rigid_body_three_noises, sine},
 };
-use verify::{PaperSystem, compiled, streams};
-
-use crate::{
-    Arguments,
-    fuzz::Bits,
-    results::{Growth, GrowthPoint},
+use verify::{
+    PaperSystem, compiled,
     rounding::{LINEARLY_IMPLICIT, PER_STEP, rotations},
-    row::Verdict,
+    streams,
 };
+
+use crate::{SEED, bits::Bits};
 
 const STEPS: u64 = 10_000_000;
 const QUICK_STEPS: u64 = 65_536;
@@ -66,12 +70,21 @@ struct LongRun<'a> {
     tau: f64,
     rule: Rule,
     followed: Followed,
-    /// Whether the figure shows it: as many as can be told apart.
-    drawn: bool,
 }
 
-/// All long runs.
-pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
+#[test]
+fn roundings_make_a_random_walk() -> Result<()> {
+    all(QUICK_STEPS)
+}
+
+#[test]
+#[ignore = "ten million steps of some hundred paths: minutes"]
+fn roundings_make_a_random_walk_over_ten_million_steps() -> Result<()> {
+    all(STEPS)
+}
+
+/// All runs.
+fn all(steps: u64) -> Result<()> {
     use Followed::{Body, Light, Volterra};
     let (none, sine, cosine) = (&Constant::new(0.0)?, &sine(), &half_cosine());
     let (weak, negative) = (&Constant::new(2e-5)?, &Constant::new(-2e-5)?);
@@ -86,47 +99,47 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
     // Maxwell–Bloch turns by an angle that grows like √t, and with it what a step rounds: steps are
     // so short that the angle stays small.
     let short = 1.0 / 1024.0;
-    let runs: [(_, &dyn Damping, _, _, _, _); 21] = [
-        ("default solver, undamped", none, dyadic, default, Body, true),
-        ("undamped", none, dyadic, settled, Body, true),
-        ("undamped, Newton", none, dyadic, newton, Body, false),
-        ("constant γ", weak, dyadic, settled, Body, true),
-        ("constant γ < 0", negative, dyadic, settled, Body, false),
-        ("γ = 1e-8 t", linear, dyadic, settled, Body, false),
-        ("γ = ½cos 2t", cosine, dyadic, settled, Body, true),
-        ("γ = ½cos 2t, τ rounded", cosine, rounded, settled, Body, false),
-        ("γ = sin t, τ = ¹⁄₁₀", sine, 0.1, settled, Body, false),
-        ("Lotka–Volterra, H, undamped", none, dyadic, settled, Volterra(0), true),
-        ("Lotka–Volterra, H, γ = sin t", sine, rounded, settled, Volterra(0), false),
-        ("Lotka–Volterra, C, γ = sin t", sine, rounded, settled, Volterra(1), false),
-        ("sexp-li, undamped", none, dyadic, li, Body, false),
-        ("sexp-li, constant γ", weak, dyadic, li, Body, false),
-        ("sexp-li, γ = ½cos 2t", cosine, dyadic, li, Body, false),
-        ("sexp-li, Maxwell–Bloch", none, short, li, Light, false),
-        ("sexp-li, Maxwell–Bloch, γ = ½cos 2t", cosine, short, li, Light, false),
-        ("split, undamped", none, dyadic, split, Body, false),
-        ("split, γ = ½cos 2t", cosine, dyadic, split, Body, false),
-        ("split, Maxwell–Bloch", none, short, split, Light, false),
-        ("nv, γ = ½cos 2t", cosine, dyadic, Rule::Nv, Body, false),
+    let runs: [(_, &dyn Damping, _, _, _); 21] = [
+        ("default solver, undamped", none, dyadic, default, Body),
+        ("undamped", none, dyadic, settled, Body),
+        ("undamped, Newton", none, dyadic, newton, Body),
+        ("constant γ", weak, dyadic, settled, Body),
+        ("constant γ < 0", negative, dyadic, settled, Body),
+        ("γ = 1e-8 t", linear, dyadic, settled, Body),
+        ("γ = ½cos 2t", cosine, dyadic, settled, Body),
+        ("γ = ½cos 2t, τ rounded", cosine, rounded, settled, Body),
+        ("γ = sin t, τ = ¹⁄₁₀", sine, 0.1, settled, Body),
+        ("Lotka–Volterra, H, undamped", none, dyadic, settled, Volterra(0)),
+        ("Lotka–Volterra, H, γ = sin t", sine, rounded, settled, Volterra(0)),
+        ("Lotka–Volterra, C, γ = sin t", sine, rounded, settled, Volterra(1)),
+        ("sexp-li, undamped", none, dyadic, li, Body),
+        ("sexp-li, constant γ", weak, dyadic, li, Body),
+        ("sexp-li, γ = ½cos 2t", cosine, dyadic, li, Body),
+        ("sexp-li, Maxwell–Bloch", none, short, li, Light),
+        ("sexp-li, Maxwell–Bloch, γ = ½cos 2t", cosine, short, li, Light),
+        ("split, undamped", none, dyadic, split, Body),
+        ("split, γ = ½cos 2t", cosine, dyadic, split, Body),
+        ("split, Maxwell–Bloch", none, short, split, Light),
+        ("nv, γ = ½cos 2t", cosine, dyadic, Rule::Nv, Body),
     ];
-    let growth = |((id, damping, tau, rule, followed, drawn), number)| {
-        let run = LongRun { id, damping, tau, rule, followed, drawn };
+    let growth = |((id, damping, tau, rule, followed), number)| {
+        let run = LongRun { id, damping, tau, rule, followed };
         match followed {
             Body => {
                 let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
-                growth(arguments, number, &run, ("Rigid body with three noises", body, y0))
+                growth(steps, number, &run, (body, y0))
             }
             Volterra(_) => {
                 let (system, _, y0, _) = lotka_volterra_1_1().into_parts();
-                growth(arguments, number, &run, ("Lotka–Volterra with a = b = −1", system, y0))
+                growth(steps, number, &run, (system, y0))
             }
             Light => {
                 let (system, _, y0, _) = maxwell_bloch(1.0).into_parts();
-                growth(arguments, number, &run, ("Maxwell–Bloch", system, y0))
+                growth(steps, number, &run, (system, y0))
             }
         }
     };
-    runs.into_iter().zip(0..).map(growth).collect()
+    runs.into_iter().zip(0..).try_for_each(growth)
 }
 
 /// The scheme, its name, and what a step of it rounds in units of [`PER_STEP`].
@@ -152,14 +165,12 @@ fn scheme<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
 }
 
 fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
-    arguments: &Arguments,
+    steps: u64,
     number: u64,
     run: &LongRun<'_>,
-    (name, system, y0): (&str, S, [f64; D]),
-) -> Result<Growth> {
-    eprintln!("{}", run.id);
-    let steps = arguments.many(STEPS, QUICK_STEPS);
-    let key = StreamKey { seed: arguments.seed, experiment: streams::GROWTH + number };
+    (system, y0): (S, [f64; D]),
+) -> Result<()> {
+    let key = StreamKey { seed: SEED, experiment: streams::GROWTH + number };
     let problem = Problem::new::<M>(system, run.damping, y0, steps as f64 * run.tau)?;
     let index = if let Followed::Volterra(index) = run.followed { index } else { 0 };
     let invariant = problem.system().invariants()[index];
@@ -168,50 +179,32 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         let damping = run.damping.integral(0.0, n as f64 * run.tau);
         value(y) / (value(y0) * elementary::exp(-invariant.degree * damping)) - 1.0
     };
-    let (scheme, scheme_name, rounding) = scheme(run.rule, &problem)?;
+    let (scheme, name, rounding) = scheme(run.rule, &problem)?;
     let runs = vec![Run::new(scheme.as_ref(), 0)];
     let ladder = Ladder::new(&problem, steps, 0, verify::truncation(), key, runs)?;
     let new = || Defects::<_, D> { steps, defect: &defect, rows: Vec::new() };
     let paths = if let Rule::Sexp(..) = run.rule { PATHS } else { MANY_PATHS };
     let measured = ladder.run(paths as u64, new, &|_| ());
     let rows = measured.statistic.rows;
-    let point = |(steps, d): &Row| GrowthPoint {
-        steps: *steps,
-        rms: rms(&mut d.iter().copied()),
-        mean: d.iter().sum::<f64>() / paths as f64,
-        max: d.iter().map(|d| d.abs()).fold(0.0, f64::max),
-    };
-    let points: Vec<GrowthPoint> = rows.iter().map(point).collect();
-    let bits = &mut Bits::new(arguments.seed, streams::GROWTH, number);
+    let bits = &mut Bits::new(SEED, streams::GROWTH, number);
     let (exponent, lo, hi) = bootstrap(&rows, bits, rms);
-    let end = points.last().map_or(f64::NAN, |point| point.rms);
+    let d = &rows.last().context("no steps")?.1;
+    let (end, mean) = (rms(&mut d.iter().copied()), d.iter().sum::<f64>() / paths as f64);
+    let id = run.id;
+    println!(
+        "{id:38} {name:22} {end:.2e} mean {mean:+.1e} exponent {exponent:.3} [{lo:.3}, {hi:.3}]"
+    );
     // A walk whose steps are independent, each no larger than the worst case of a step; NaN is not.
     let walk = end <= rounding * PER_STEP * f64::EPSILON * (steps as f64).sqrt();
-    let held = |kept| if kept { Verdict::Holds } else { Verdict::Refuted };
-    let verdict = match run.rule {
+    match run.rule {
         Rule::SexpLi | Rule::Split | Rule::Nv => {
-            held(walk && (steps < TELLING || hi <= MOST_EXPONENT))
+            assert!(walk && (steps < TELLING || hi <= MOST_EXPONENT), "{id}: {end:e}, {hi}");
         }
-        Rule::Sexp(_, solver) if solver.settle => held(walk),
-        // The stopping test leaves a residual that has a direction: a drift is expected, and no
-        // bound is stated.
-        Rule::Sexp(..) if lo > 0.5 => Verdict::FailsAsItMust,
-        Rule::Sexp(..) => Verdict::Observed,
-    };
-    Ok(Growth {
-        id: run.id,
-        setup: format!("{name}, {}, τ = {}.", run.damping.describe(), run.tau),
-        scheme: scheme_name,
-        invariant: invariant.name,
-        paths,
-        points,
-        exponent,
-        lo,
-        hi,
-        linear: steps as f64 * f64::EPSILON,
-        verdict,
-        drawn: run.drawn,
-    })
+        Rule::Sexp(_, solver) if solver.settle => assert!(walk, "{id}: {end:e}"),
+        // The twin: the stopping test leaves a residual that has a direction.
+        Rule::Sexp(..) => assert!(lo > 0.5, "{id} does not drift: {lo}"),
+    }
+    Ok(())
 }
 
 /// d_n of every path for one n; NaN of a path that failed.

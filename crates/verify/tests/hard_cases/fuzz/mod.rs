@@ -1,9 +1,8 @@
 //! Arbitrary inputs: nothing may panic, hang or give NaN.
 //!
-//! A [`Target`] is a function of [`Bits`], a deterministic source of awkward numbers. [`run`] calls
+//! A [`Target`] is a function of [`Bits`], a deterministic source of awkward numbers. [`all`] calls
 //! it many times, catches panics and counts.
 
-mod bits;
 mod drivers;
 mod numbers;
 mod steps;
@@ -16,10 +15,8 @@ use std::{
 use anyhow::{Context, Result, anyhow, ensure};
 use thiserror::Error;
 
-pub use bits::Bits;
+use crate::{SEED, bits::Bits};
 use steps::Job;
-
-use crate::{Arguments, results::Fuzzed};
 
 /// What became of an input: the iterations of the solve, zero where nothing is solved; or
 /// [`Refused`]. Any other error is a broken check.
@@ -99,28 +96,44 @@ const TARGETS: [Target; 9] = [
     },
 ];
 
-/// Inputs for a target of cost one.
-const INPUTS: u64 = 1_000_000;
-const QUICK_INPUTS: u64 = 10_000;
+#[test]
+fn nothing_panics_hangs_or_gives_nan() {
+    all(5000);
+}
+
+#[test]
+#[ignore = "a million inputs: minutes"]
+fn nothing_panics_hangs_or_gives_nan_on_a_million_inputs() {
+    all(1_000_000);
+}
+
 /// Failures that are described one by one; the rest are counted.
 const DESCRIBED: usize = 5;
 
+/// What became of the inputs of a target.
+#[derive(Debug, Default)]
+struct Fuzzed {
+    accepted: u64,
+    refused: u64,
+    /// Of one solve.
+    most_iterations: u64,
+    failures: u64,
+    /// The first few failures.
+    examples: Vec<String>,
+}
+
 /// Feeds all targets, as many times fewer inputs as one takes longer.
-pub fn run(arguments: &Arguments) -> Vec<Fuzzed> {
-    let inputs = arguments.inputs.unwrap_or(arguments.many(INPUTS, QUICK_INPUTS));
-    TARGETS
-        .iter()
-        .zip(0..)
-        .map(|(target, number)| {
-            eprintln!("{}", target.name);
-            feed(target, arguments.seed, number, (inputs / target.cost).max(1))
-        })
-        .collect()
+fn all(inputs: u64) {
+    for (target, number) in TARGETS.iter().zip(0..) {
+        let fuzzed = feed(target, SEED, number, (inputs / target.cost).max(1));
+        println!("{} ({}): {fuzzed:?}", target.name, target.checks);
+        let sound = fuzzed.failures == 0 && fuzzed.accepted > 0 && fuzzed.refused > 0;
+        assert!(sound, "{}: {fuzzed:#?}", target.name);
+    }
 }
 
 fn feed(target: &Target, seed: u64, number: u64, inputs: u64) -> Fuzzed {
-    let Target { name, checks, .. } = target;
-    let mut fuzzed = Fuzzed { target: name, checks, inputs, ..Fuzzed::default() };
+    let mut fuzzed = Fuzzed::default();
     for input in 0..inputs {
         // Every input has bits of its own, so that one that fails can be fed again alone.
         let mut bits = Bits::new(seed, number, input);
@@ -159,23 +172,18 @@ fn answer<T, E: Display>(result: Result<T, E>) -> Result<Option<T>> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_target_that_breaks_is_caught() {
-        fn breaks(bits: &mut Bits) -> Fed {
-            match bits.below(4) {
-                0 => panic!("on purpose"),
-                1 => Err(anyhow!("a NaN")),
-                2 => accepted(Err("no such number")),
-                _ => Ok(0),
-            }
+#[test]
+fn a_target_that_breaks_is_caught() {
+    fn breaks(bits: &mut Bits) -> Fed {
+        match bits.below(4) {
+            0 => panic!("on purpose"),
+            1 => Err(anyhow!("a NaN")),
+            2 => accepted(Err("no such number")),
+            _ => Ok(0),
         }
-        let target = Target { name: "broken", checks: "", cost: 1, feed: breaks };
-        let broken = feed(&target, 1, 0, 30);
-        assert!(broken.failures > 0 && broken.accepted > 0 && broken.refused > 0);
-        assert!(!broken.examples.is_empty());
     }
+    let target = Target { name: "broken", checks: "", cost: 1, feed: breaks };
+    let broken = feed(&target, 1, 0, 30);
+    assert!(broken.failures > 0 && broken.accepted > 0 && broken.refused > 0);
+    assert!(!broken.examples.is_empty());
 }

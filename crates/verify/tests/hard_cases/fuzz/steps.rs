@@ -12,7 +12,6 @@ use systems::{
 use verify::{PaperSystem, TwoSpins, compiled};
 
 use super::{Bits, Fed, Refused, accepted};
-use crate::schemes::schemes;
 
 /// The continuation halves its step in s down to 2⁻¹⁴ and doubles it after each success: at most
 /// 2·2¹⁴ attempts, each with at most 20 Newton iterations.
@@ -61,18 +60,41 @@ fn with_system<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize>
             Ok(0)
         }
         Job::Step => {
-            let schemes = schemes(&system, [1.0; D]);
-            let scheme = &schemes[bits.below(schemes.len() as u64) as usize];
+            let schemes = steps(&system);
+            let (scheme, advance) = &schemes[bits.below(schemes.len() as u64) as usize];
             let step = any_step(bits)?;
             let (noise, y) = (noise::<M>(bits), bits.state::<D>());
-            let solution = scheme.step(&system, &step, &noise, y);
+            let solution = advance(&system, &step, &noise, y);
             let iterations = sound(&solution).with_context(|| {
-                let (scheme, system) = (scheme.name, system.name());
+                let system = system.name();
                 format!("{scheme} of {system} from {y:?} with {noise:?}, {step:?}")
             })?;
             iterations.context(Refused)
         }
     }
+}
+
+/// A step of a single path: no kernel for blocks has to be compiled for all these systems.
+type Advance<S, const D: usize, const M: usize> =
+    dyn Fn(&S, &Step, &Noise<M>, [f64; D]) -> Solution<D>;
+
+/// The schemes for a system with their names.
+fn steps<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+) -> Vec<(&'static str, Box<Advance<S, D, M>>)> {
+    fn boxed<S, const D: usize, const M: usize>(
+        scheme: impl Scheme<S, D, M> + 'static,
+    ) -> (&'static str, Box<Advance<S, D, M>>) {
+        (scheme.id(), Box::new(move |system, step, noise, y| scheme.step(system, step, noise, y)))
+    }
+    let sexp = |method| boxed(WithSolver { formula: Sexp, solver: Solver::new(method) });
+    let mut all = vec![sexp(Method::FixedPoint), sexp(Method::Newton)];
+    if M > 1 {
+        all.push(boxed(SexpLevy::new(system, [1.0; D])));
+    }
+    all.extend(SexpLi::new(system, [1.0; D]).ok().map(boxed));
+    all.extend([boxed(Midpoint), boxed(Heun), boxed(EulerMaruyama)]);
+    all
 }
 
 fn any_step(bits: &mut Bits) -> Result<Step> {

@@ -1,4 +1,4 @@
-//! What rounding can do to a conformal law: the bound that the cases are held to.
+//! What rounding can do to a conformal law: the bound that hard cases are held to.
 //!
 //! Write d for the relative distance F(y_n)e^{pΓ}/F(y₀) − 1 of a quadratic Casimir F (p = 2), and u
 //! = ε/2 for the unit roundoff. A step of `sexp` adds at most, in units of u:
