@@ -1,6 +1,7 @@
 //! Invariants along paths, beside their conformal law exp(−p∫γ)F(y₀).
 
-use analysis::{DEVIATIONS, results::Evidence, worse};
+use crate::{evidence::DEVIATIONS, results::Evidence};
+use analysis::worse;
 use mc::Trajectory;
 use schemes::Scheme;
 use stats::Moments;

@@ -1,11 +1,13 @@
 //! What an experiment is, what it is given and what it returns.
 
-use analysis::{
-    Mode, Progress, Settings,
+use crate::{
     results::{Claim, Kind, Panel},
+    settings::Mode,
+    settings::Settings,
 };
 use mc::{Ladder, Measured, Statistic, Trajectory, parts::GROUP_PATHS, trajectory};
 use noise::{StepNoise, StreamKey, Truncation};
+use plot::Progress;
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
 

@@ -2,10 +2,11 @@
 
 use std::{collections::BTreeMap, time::Instant};
 
-use analysis::{
-    Progress, Settings,
+use crate::{
     results::{Provenance, Results, SCHEMA},
+    settings::Settings,
 };
+use plot::Progress;
 use thiserror::Error;
 
 use crate::{Conditions, EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS, streams};

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::{DynCompareSettings, Progress},
-    report::{Bars, comparison_csv, figure::comparison, files},
+    analysis::DynCompareSettings,
+    plot::{Bars, Progress, comparison_csv, figure::comparison, files},
 };
 
 use super::{folder, open, print, print_json, threads};

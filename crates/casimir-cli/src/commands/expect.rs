@@ -9,7 +9,6 @@ use std::{
 };
 
 use casimir::{
-    analysis::Progress,
     mc::{
         self, Observe, Setup,
         multilevel::{
@@ -18,7 +17,7 @@ use casimir::{
         parts::{Job, JobError, Share, remove},
     },
     noise::StepNoise,
-    report::Bars,
+    plot::{Bars, Progress},
 };
 
 use super::{

@@ -3,13 +3,9 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::{
-        self, DynReference, Progress, StepSizes,
-        results::{Kind, Series},
-        strong_order_of_within, weak_order_of_within,
-    },
+    analysis::{self, DynReference, StepSizes, strong_order_of_within, weak_order_of_within},
     noise::StepNoise,
-    report::{Bars, figure::convergence, files},
+    plot::{Bars, Kind, Progress, Series, figure::convergence, files},
 };
 use serde_json::{Value, json};
 

@@ -8,10 +8,7 @@ use std::{
 
 use casimir::{
     mc::parts::{Job, JobError, Plan as Planned, Share, Stop, merged_paths},
-    report::{
-        cluster::{JOB, Script},
-        files,
-    },
+    plot::files,
 };
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +17,10 @@ use crate::{
     arguments::{Extend, Merge, Part, Plan},
     failure::{Done, Failure},
     model::with_model,
-    output,
+    output::{
+        self,
+        cluster::{JOB, Script},
+    },
     scene::{Changes, Scene, SchemeAndSeed},
 };
 

@@ -3,14 +3,14 @@
 use std::{path::Path, time::Instant};
 
 use casimir::{
-    analysis::{Progress, StepCheck, checked_paths, step_check},
+    analysis::{StepCheck, checked_paths, step_check},
     mc::{
         DynSimulation, Observe, Study, StudySettings, TimeSeries,
         parts::{Job, JobError, Share, Stop, remove},
         study::StudyResult,
     },
     noise::StepNoise,
-    report::Bars,
+    plot::{Bars, Progress},
 };
 
 use super::{

@@ -1,6 +1,6 @@
 //! Invariants along one path of each scheme, beside their conformal law.
 
-use analysis::results::{Claim, Evidence, Kind, Panel, Series};
+use crate::results::{Claim, Evidence, Kind, Panel, Series};
 use stats::Point;
 use systems::{Damping, Invariant, InvariantKind, Problem};
 

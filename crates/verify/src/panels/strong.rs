@@ -2,11 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-use analysis::{
-    Exact,
-    results::{Claim, Clipped, Evidence, Kind, Panel, Series},
-    wrong_limit,
-};
+use crate::results::{Claim, Clipped, Evidence, Kind, Panel, Series};
+use analysis::{Exact, wrong_limit};
 use mc::{Ladder, Measured, Reference, Run, StrongErrors, WorstTimes};
 use noise::Truncation;
 use schemes::{SexpLevy, SexpLi};

@@ -38,10 +38,8 @@
 #[cfg(test)]
 mod tests;
 
-use analysis::{
-    FinalMoments,
-    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
-};
+use crate::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
+use analysis::FinalMoments;
 use mc::{Ladder, Observable, Run, View};
 use schemes::Sexp;
 use stats::{CrossMoments, Expansion, weak_errors};

@@ -9,7 +9,7 @@
 //! path, Σ|dₙ₊₁ − dₙ|. The defect at the end would be a sum of contributions of both signs, and its
 //! leading term may cancel; the variation is Σ|cₙ|·h⁴(1 + O(h)), whose leading term cannot.
 
-use analysis::{
+use crate::{
     results::{Bounded, Claim, Evidence},
     runge_kutta::runge_kutta,
 };

@@ -11,7 +11,7 @@
 //! expansion is the same. R(W) and R(−W) are averaged: all terms of odd degree in W cancel, among
 //! them those of size τ^{3/2}, so that a mean of size τ² can be seen.
 
-use analysis::{
+use crate::{
     results::{Claim, Evidence},
     runge_kutta::runge_kutta,
 };

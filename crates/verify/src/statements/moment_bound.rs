@@ -1,10 +1,8 @@
 //! `moment-bound`: ‖y_n‖ ≤ (F(y₀)/m(F))^{1/p} e^{∫|γ|} almost surely when m(F) = min over the unit
 //! sphere of F > 0 (Bréhier, Cohen and Komori 2025, §3).
 
-use analysis::{
-    results::{Bounded, Claim, Evidence},
-    worse,
-};
+use crate::results::{Bounded, Claim, Evidence};
+use analysis::worse;
 use schemes::{Scheme, Sexp};
 use systems::{
     Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody,

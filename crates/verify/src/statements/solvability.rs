@@ -7,10 +7,8 @@
 //! random pairs of points with increments up to the truncation bound are mapped, and the iteration
 //! is started from both.
 
-use analysis::{
-    results::{Bounded, Claim, Evidence},
-    worse,
-};
+use crate::results::{Bounded, Claim, Evidence};
+use analysis::worse;
 use mc::squared_distance;
 use noise::WienerPath;
 use real::elementary::ln;

@@ -6,10 +6,8 @@
 //! e^{−As − s²/2} ds: sums of positive terms, where the textbook forms in Q(A) cancel. φ(A) =
 //! τᵏ/√(2π).
 
-use analysis::{
-    results::{Bounded, Claim, Evidence, Verdict},
-    worse,
-};
+use crate::results::{Bounded, Claim, Evidence, Verdict};
+use analysis::worse;
 use dgrad::Rule;
 use noise::{Truncation, WienerPath};
 use stats::Moments;

@@ -7,11 +7,8 @@
 //! `no-noise`: for ordinary differential equations the order is two, since the damping stands
 //! symmetrically about the step.
 
-use analysis::{
-    OtherNoise,
-    results::{Bounded, Claim, Evidence},
-    worse,
-};
+use crate::results::{Bounded, Claim, Evidence};
+use analysis::{OtherNoise, worse};
 use mc::{squared_distance, trajectory};
 use noise::{BlockNoise, Noise, Truncation};
 use schemes::{Scheme, Step};

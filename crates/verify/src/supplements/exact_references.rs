@@ -1,12 +1,11 @@
 //! Strong and weak errors of one-noise systems against their exact solution, beside the paper's
 //! kind of reference.
 
+use crate::results::{Claim, Evidence};
 use analysis::{
     Exact, ReferenceSolution, StepSizes,
     exact::{RandomTime, expectation, solution},
-    exact_mean,
-    results::{Claim, Evidence},
-    weak_order,
+    exact_mean, weak_order,
 };
 use mc::Observable;
 use schemes::Sexp;
@@ -85,7 +84,7 @@ fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
         let (name, reference) = (observable.name, &ReferenceSolution::Exact(exact));
         let order = valid(weak_order(sexp.as_ref(), problem, observable, &sizes, reference));
         let statement = format!("sexp has weak order 1 against the exact solution for φ = {name}");
-        let measured = order.evidence(1.0);
+        let measured = Evidence::of_order(order, 1.0);
         let weak = Claim::new("weak-one", statement, measured)
             .about(conditions.id(), Method::Sexp.id())
             .proven(false);

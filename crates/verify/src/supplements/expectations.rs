@@ -1,9 +1,9 @@
 //! E[φ(y(T))] of the rigid body with three noises by `mc::Expect` and by multilevel Monte Carlo,
 //! against the Kolmogorov equation, and what an accuracy costs.
 
-use analysis::{
+use crate::{
     results::{Claim, Evidence, Kind, Panel, Series},
-    rigid_body_expectations,
+    sphere::rigid_body_expectations,
 };
 use mc::{
     Expect, Observable, Observe,

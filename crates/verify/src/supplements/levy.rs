@@ -1,9 +1,7 @@
 //! `spin-pair-levy`: `sexp-levy` beyond three dimensions and over long paths.
 
-use analysis::{
-    results::{Claim, Evidence},
-    worse,
-};
+use crate::results::{Claim, Evidence};
+use analysis::worse;
 use schemes::{Sexp, SexpLevy};
 use systems::{
     Damping, Problem,

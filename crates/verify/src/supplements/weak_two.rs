@@ -9,10 +9,8 @@
 
 use std::ops::RangeInclusive;
 
-use analysis::{
-    FinalMoments,
-    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
-};
+use crate::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
+use analysis::FinalMoments;
 use mc::{Ladder, NextNoise, Observable, Run, View};
 use noise::{BlockNoise, QuasiWiener, StepNoise, StreamKey};
 use real::WIDTH;

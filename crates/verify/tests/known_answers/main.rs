@@ -6,10 +6,11 @@
 mod coverage;
 mod library;
 
-use analysis::{Mode, Settings, Silent};
 use library::{Entry, Question, ask, entries};
-use report::Outcome;
+use plot::Silent;
+use verify::page::Outcome;
 use verify::{Method, reproduce};
+use verify::{Mode, Settings};
 
 /// Probability of a failure of a test if everything is as it should be.
 const CHANCE: f64 = 1e-3;
@@ -100,7 +101,7 @@ fn statements_hold_for_other_seeds() {
     for seed in 2..=11 {
         let settings = Settings::new(seed, Mode::Quick);
         let claims = reproduce(settings, &[], &Method::FURTHER, &Silent).unwrap().claims;
-        println!("seed {seed}: {}", report::terminal::counts(&claims));
+        println!("seed {seed}: {}", verify::page::terminal::counts(&claims));
         alarms.extend(claims.into_iter().filter(|c| Outcome::of(c) == Outcome::Refuted));
     }
     for claim in &alarms {

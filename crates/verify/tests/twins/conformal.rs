@@ -1,11 +1,11 @@
 //! Twins of the conformal laws and of the bounds that follow from them.
 
-use analysis::results::{Claim, Evidence};
 use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp};
 use systems::{
     Damping, PoissonSystem, Problem, RigidBody,
     paper::{lotka_volterra_2_2, rigid_body_three_noises, valid},
 };
+use verify::results::{Claim, Evidence};
 use verify::{
     Conditions,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},

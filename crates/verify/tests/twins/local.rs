@@ -1,7 +1,7 @@
 //! Twins of the one-step remainders.
 
-use analysis::results::Claim;
 use schemes::Sexp;
+use verify::results::Claim;
 use verify::{
     Conditions,
     statements::local::{self, PIECES, Vector, difference, remainder_claims},

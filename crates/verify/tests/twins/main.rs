@@ -11,16 +11,17 @@ mod orders;
 mod without_iteration;
 mod wrong_systems;
 
-use analysis::{
-    Mode, Settings, Silent,
-    results::{Claim, Verdict},
-};
-use report::Outcome;
+use plot::Silent;
 use systems::paper::{pendulum, poisson3_strong};
+use verify::page::Outcome;
 use verify::{
     Conditions, STATEMENTS, ids, reproduce,
     statements::{solvability::contraction, truncation::sampled_variance},
     streams,
+};
+use verify::{
+    Mode, Settings,
+    results::{Claim, Verdict},
 };
 
 /// A wrong method: the statement that it is a twin of, its mistake in words, and its measurement.

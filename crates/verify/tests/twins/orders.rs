@@ -1,8 +1,6 @@
 //! Twins of the convergence orders.
 
-use analysis::{
-    Order, OtherNoise, ReferenceSolution, StepSizes, results::Claim, strong_order, weak_order,
-};
+use analysis::{Order, OtherNoise, ReferenceSolution, StepSizes, strong_order, weak_order};
 use mc::Observable;
 use noise::{BlockNoise, Noise, StreamKey, WienerPath};
 use real::WIDTH;
@@ -11,6 +9,7 @@ use systems::{
     Damping, PoissonSystem, Problem,
     paper::{rigid_body_one_noise, rigid_body_three_noises, valid},
 };
+use verify::results::{Claim, Evidence};
 use verify::{Conditions, truncation};
 
 /// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
@@ -41,7 +40,7 @@ pub fn strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 }
 
 fn order_claim(id: &str, statement: &str, measured: Order, order: f64) -> Claim {
-    Claim::new(id, statement, measured.evidence(order))
+    Claim::new(id, statement, Evidence::of_order(measured, order))
 }
 
 /// Euler–Maruyama with the Itô correction taken `factor` times.

@@ -1,6 +1,5 @@
 //! Twins of the schemes without iteration.
 
-use analysis::results::Claim;
 use schemes::{Explicit, Increment, SexpLi, Split};
 use systems::{
     Damping, Flows, PoissonSystem, Problem,
@@ -8,6 +7,7 @@ use systems::{
         maxwell_bloch, pendulum, poisson3_strong, rigid_body_energy, rigid_body_three_noises, valid,
     },
 };
+use verify::results::Claim;
 use verify::{
     Conditions,
     statements::{

@@ -6,9 +6,9 @@ use analysis::{FinalMoments, Spread, Stopwatch};
 use anyhow::{Context, Result};
 use mc::{Ladder, Run, View};
 use noise::{BlockNoise, StreamKey};
+use plot::provenance::peak_memory_mb;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use real::Level;
-use report::provenance::peak_memory_mb;
 use schemes::Sexp;
 use systems::{Damping, PoissonSystem, Problem, paper::rigid_body_three_noises};
 use verify::{

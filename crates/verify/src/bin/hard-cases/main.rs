@@ -17,11 +17,11 @@ mod schemes;
 
 use std::process::ExitCode;
 
+use analysis::number;
 use anyhow::Result;
 use clap::{Parser, builder::PossibleValuesParser};
 use comfy_table::{Table, presets::ASCII_MARKDOWN};
 use noise::StreamKey;
-use report::number;
 use verify::{command, streams};
 
 use cases::CASES;

@@ -5,16 +5,17 @@ mod wording;
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
-use analysis::{
-    Mode, Settings,
-    results::{Claim, Results},
-};
 use anyhow::Result;
 use clap::{Parser, builder::PossibleValuesParser};
 use mc::parts::limit_threads;
+use plot::{Bars, files, provenance};
 use real::{Level, limit_to};
-use report::{Bars, Outcome, files, provenance, terminal};
+use verify::page::{self, Outcome, terminal};
 use verify::{Method, command};
+use verify::{
+    Mode, Settings,
+    results::{Claim, Results},
+};
 
 use wording::WORDING;
 
@@ -89,7 +90,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     bars.finish();
     results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);
     files::write_json(&arguments.out.join("results.json"), &results)?;
-    report::write_report(&results, &WORDING, &arguments.out)?;
+    page::write_report(&results, &WORDING, &arguments.out)?;
     print_summary(&results, arguments);
     Ok(if results.claims.iter().any(fails) { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

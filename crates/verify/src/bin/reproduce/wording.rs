@@ -1,6 +1,6 @@
 //! What the report says about the paper beside the results.
 
-use report::Wording;
+use verify::page::Wording;
 
 /// The words of the report.
 pub const WORDING: Wording<'static> = Wording {
