@@ -14,7 +14,7 @@ Normals are drawn by NumPy's PCG64 and its ziggurat, in compiled code. Printed a
 time per spin and step, the least of some runs, and the part of it that is the noise.
 
     python3 -m venv venv && venv/bin/pip install numpy numba
-    venv/bin/python crates/lab/peers/spin_lattice.py [most spins]
+    venv/bin/python crates/verify/peers/spin_lattice.py [most spins]
 """
 
 import sys

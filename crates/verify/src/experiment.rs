@@ -1,17 +1,17 @@
 //! What an experiment is, what it is given and what it returns.
 
-use crate::{
-    results::{Claim, Kind, Panel},
-    settings::Mode,
-    settings::Settings,
-};
 use mc::{Ladder, Measured, Statistic, Trajectory, parts::GROUP_PATHS, trajectory};
 use noise::{StepNoise, StreamKey, Truncation};
 use plot::Progress;
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
 
-use crate::{Method, streams};
+use crate::{
+    Method,
+    results::{Claim, Kind, Panel},
+    settings::{Mode, Settings},
+    streams,
+};
 
 /// What an experiment is given.
 pub struct Conditions<'a> {

@@ -2,14 +2,15 @@
 
 use std::{collections::BTreeMap, time::Instant};
 
-use crate::{
-    results::{Provenance, Results, SCHEMA},
-    settings::Settings,
-};
 use plot::Progress;
 use thiserror::Error;
 
-use crate::{Conditions, EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS, streams};
+use crate::{
+    Conditions, EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS,
+    results::{Provenance, Results, SCHEMA},
+    settings::Settings,
+    streams,
+};
 
 /// A panel or statement that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -4,8 +4,9 @@
 //! markers underneath, the other thin and dashed with small markers on top, so that each shows
 //! through the other.
 
-use super::stroke::{Color, Position, Stroke};
 use Layer::{Over, Plain, Under};
+
+use super::stroke::{Color, Position, Stroke};
 
 /// Corners of a marker of radius one, none of a circle. The areas are about that of the circle, so
 /// that no curve looks more important than another.

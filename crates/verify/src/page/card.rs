@@ -1,7 +1,7 @@
 //! One panel of the page: its figure, what the paper says, what was measured, and where the numbers
 //! are.
 
-use crate::results::{Claim, Clipped, Kind, Panel};
+use plot::{escape, series::main_quantity};
 
 use super::file_stem;
 use super::{
@@ -11,7 +11,7 @@ use super::{
     prose::prose,
     statements::badges,
 };
-use plot::{escape, series::main_quantity};
+use crate::results::{Claim, Clipped, Kind, Panel};
 
 /// The card of a panel with its figure inside; `comment` is the heading of what [`Panel::paper`]
 /// says.

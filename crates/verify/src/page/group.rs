@@ -1,6 +1,6 @@
 //! Claims about the same statement, and their common verdict.
 
-use crate::results::{Claim, Evidence};
+use plot::escape;
 
 use super::Outcome;
 use super::{
@@ -8,7 +8,7 @@ use super::{
     number::scientific,
     prose::prose,
 };
-use plot::escape;
+use crate::results::{Claim, Evidence};
 
 /// The claims about one statement: proven ones by statement, others by statement and scheme.
 pub struct Group<'a> {

@@ -2,10 +2,10 @@
 
 use std::{fmt::Display, iter};
 
-use crate::results::Claim;
+use plot::escape;
 
 use super::Outcome;
-use plot::escape;
+use crate::results::Claim;
 
 /// An identifier.
 pub fn code(id: &str) -> String {

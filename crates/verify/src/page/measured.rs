@@ -1,17 +1,17 @@
 //! What was measured on a panel, as tables: fitted orders, errors at every step, or largest
 //! defects.
 
-use crate::results::{Kind, Panel, Point, Series};
+use plot::{
+    escape,
+    series::{QUANTILE, relative_defect},
+};
 
 use super::{
     markup::{code, details, list, quiet, table},
     number::{scientific, step},
     prose::prose,
 };
-use plot::{
-    escape,
-    series::{QUANTILE, relative_defect},
-};
+use crate::results::{Kind, Panel, Point, Series};
 
 type Rows = Vec<Vec<String>>;
 

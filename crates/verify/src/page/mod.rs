@@ -13,6 +13,7 @@ mod provenance;
 mod statements;
 mod summary;
 pub mod terminal;
+mod wording;
 
 use std::{io::Result, path::Path};
 
@@ -22,35 +23,13 @@ use plot::{
     files,
 };
 
-use crate::results::{Claim, Panel, Results};
+use crate::results::{Panel, Results};
 
 pub use outcome::Outcome;
 
-/// What the page says beside the results.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Wording<'a> {
-    /// Title of the page.
-    pub title: &'a str,
-    /// A line above the title.
-    pub kicker: &'a str,
-    /// Ids of schemes and what they stand for.
-    pub schemes: &'a [(&'a str, &'a str)],
-    /// Proven statements by id. Claims about any other statement are headed by the words of the
-    /// first of them.
-    pub statements: &'a [(&'a str, &'a str)],
-}
-
-impl<'a> Wording<'a> {
-    /// The statement that `claim` is a case of.
-    fn statement(&self, claim: &'a Claim) -> &'a str {
-        let found = self.statements.iter().find(|(id, _)| claim.proven && *id == claim.id);
-        found.map_or(&claim.statement, |(_, words)| words)
-    }
-}
-
 /// The page for `results`; `figures` are the drawings of its panels and then of its supplements, in
 /// the same order.
-fn page(results: &Results, wording: &Wording, figures: &[String]) -> String {
+fn page(results: &Results, figures: &[String]) -> String {
     let mut figures = figures.iter();
     let mut cards = |panels: &[Panel], comment: &str| {
         let card =
@@ -58,11 +37,11 @@ fn page(results: &Results, wording: &Wording, figures: &[String]) -> String {
         let cards: String = panels.iter().zip(figures.by_ref()).map(card).collect();
         if cards.is_empty() { cards } else { format!("<div class=\"grid\">{cards}</div>") }
     };
-    let statements = statements::statements(&results.claims, &results.panels, wording);
+    let statements = statements::statements(&results.claims, &results.panels);
     let panels = cards(&results.panels, "What the paper says");
     let supplements = cards(&results.supplements, "What it adds to the paper");
-    let mut page = Document::new(wording.kicker, wording.title);
-    let schemes = wording.schemes.iter().map(|(id, name)| markup::entry(&markup::code(id), name));
+    let mut page = Document::new(wording::KICKER, wording::TITLE);
+    let schemes = wording::SCHEMES.iter().map(|(id, name)| markup::entry(&markup::code(id), name));
     let schemes: String = schemes.collect();
     page.head(&format!("{}<dl class=\"schemes\">{schemes}</dl>\n", summary::summary(results)));
     for (title, content) in [
@@ -92,7 +71,7 @@ fn page(results: &Results, wording: &Wording, figures: &[String]) -> String {
 /// # Errors
 ///
 /// When a file cannot be written; the error names it.
-pub fn write_report(results: &Results, wording: &Wording, folder: &Path) -> Result<()> {
+pub fn write_report(results: &Results, folder: &Path) -> Result<()> {
     let (figures, data) = (folder.join("figures"), folder.join("data"));
     files::prepare(&figures)?;
     files::prepare(&data)?;
@@ -103,7 +82,7 @@ pub fn write_report(results: &Results, wording: &Wording, folder: &Path) -> Resu
         files::write(&figures.join(format!("{stem}.svg")), drawing)?;
         files::write(&data.join(format!("{stem}.csv")), csv::csv(panel))?;
     }
-    files::write(&folder.join("index.html"), page(results, wording, &drawings))
+    files::write(&folder.join("index.html"), page(results, &drawings))
 }
 
 /// The figure of a panel as an SVG document.
@@ -126,7 +105,7 @@ mod tests {
     use plot::Series;
 
     use super::*;
-    use crate::results::{Evidence, Point, Provenance, SCHEMA, Verdict};
+    use crate::results::{Claim, Evidence, Point, Provenance, SCHEMA, Verdict};
 
     /// A claim for tests.
     pub fn claim(id: &str, scheme: &str, proven: bool, verdict: Verdict, erratum: &str) -> Claim {
@@ -142,14 +121,14 @@ mod tests {
 
     #[test]
     fn an_unknown_statement_speaks_for_itself() {
-        let wording = Wording { statements: &[("a", "A is proven.")], ..Wording::default() };
+        let proven = "The exact flow obeys the conformal law of homogeneous Casimirs and energies.";
         for (id, scheme, proven, words) in [
-            ("a", "sexp", true, "A is proven."),
-            ("a", "em", false, "em has a"),
+            ("exact-conformal", "sexp", true, proven),
+            ("exact-conformal", "em", false, "em has exact-conformal"),
             ("new", "sexp", true, "sexp has new"),
         ] {
             let claim = claim(id, scheme, proven, Verdict::Holds, "");
-            assert_eq!(wording.statement(&claim), words);
+            assert_eq!(wording::statement(&claim), words);
         }
     }
 
@@ -225,9 +204,9 @@ mod tests {
             supplements: Vec::new(),
             claims: Vec::new(),
         };
-        write_report(&results, &Wording::default(), dir.path())?;
+        write_report(&results, dir.path())?;
         // A second run replaces the first.
-        write_report(&results, &Wording::default(), dir.path())?;
+        write_report(&results, dir.path())?;
         let page = fs::read_to_string(dir.path().join("index.html"))?;
         for panel in &results.panels {
             let figure = fs::read_to_string(dir.path().join(format!("figures/{}.svg", panel.id)))?;

@@ -3,9 +3,8 @@
 
 use std::sync::LazyLock;
 
-use regex_lite::{Captures, Regex};
-
 use plot::escape;
+use regex_lite::{Captures, Regex};
 
 /// Patterns and their replacements, in the order in which they are applied.
 static RULES: LazyLock<Vec<(Regex, &str)>> = LazyLock::new(|| {

@@ -1,11 +1,10 @@
 //! Where a run comes from, how long it took, and how to read its files.
 
-use crate::results::Provenance;
-
 use super::{
     markup::{code, entry, table},
     number::duration,
 };
+use crate::results::Provenance;
 
 /// The section of the provenance.
 pub fn provenance(from: &Provenance) -> String {

@@ -1,21 +1,21 @@
 //! The statements and their verdicts: one row each, which opens to the claims behind it.
 
-use crate::results::{Claim, Panel};
+use plot::escape;
 
-use super::Outcome;
 use super::{
-    Wording,
+    Outcome,
     group::Group,
     markup::{badge, code, details, list, quiet, scheme},
     prose::prose,
+    wording::statement,
 };
-use plot::escape;
+use crate::results::{Claim, Panel};
 
 /// The section of the statements: first what the paper proves, then what it only reports.
-pub fn statements(claims: &[Claim], panels: &[Panel], wording: &Wording) -> String {
+pub fn statements(claims: &[Claim], panels: &[Panel]) -> String {
     let (proven, reported) = Group::proven_and_reported(claims);
     let table = |lead: &str, title: &str, groups: &[Group]| {
-        let bodies: String = groups.iter().map(|group| body(group, panels, wording)).collect();
+        let bodies: String = groups.iter().map(|group| body(group, panels)).collect();
         if bodies.is_empty() {
             return bodies;
         }
@@ -35,7 +35,7 @@ do not apply, and comparisons with exact solutions, which the paper does not mak
     if section.is_empty() { "<p>None was checked.</p>".into() } else { section }
 }
 
-fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
+fn body(group: &Group, panels: &[Panel]) -> String {
     let (claim, verdict) = (group.first(), group.verdict());
     let misprint = match group.tally(Outcome::Misprint) {
         n if n > 0 && verdict != Outcome::Misprint => badge(Outcome::Misprint, "misprint"),
@@ -53,7 +53,7 @@ fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
         anchor = group.anchor(),
         badge = badge(verdict, verdict.words()),
         counts = group.counts(),
-        words = prose(wording.statement(claim)),
+        words = prose(statement(claim)),
         id = code(&claim.id),
         scheme = group.scheme(),
         digest = group.digest(),
@@ -111,7 +111,7 @@ mod tests {
         let page = |verdict, erratum| {
             let claims =
                 [claim("a", "", true, Verdict::Holds, ""), claim("a", "", true, verdict, erratum)];
-            statements(&claims, &[], &Wording::default())
+            statements(&claims, &[])
         };
         assert!(page(Verdict::Holds, "").contains("<details><summary>Checks: 2"));
         for (verdict, erratum) in
@@ -123,11 +123,7 @@ mod tests {
 
     #[test]
     fn a_misprint_is_told_with_its_text() {
-        let page = statements(
-            &[claim("a", "", true, Verdict::Refuted, "meant: p < 2")],
-            &[],
-            &Wording::default(),
-        );
+        let page = statements(&[claim("a", "", true, Verdict::Refuted, "meant: p < 2")], &[]);
         assert!(
             page.contains("refuted: misprint in the statement") && page.contains("meant: p &lt; 2")
         );
@@ -139,7 +135,7 @@ mod tests {
             claim("a", "em", false, Verdict::Holds, ""),
             claim("b", "sexp", true, Verdict::Holds, ""),
         ];
-        let page = statements(&claims, &[], &Wording::default());
+        let page = statements(&claims, &[]);
         assert!(page.find("statement-b") < page.find("reported-a-em"));
         assert!(page.contains("em has a"));
     }

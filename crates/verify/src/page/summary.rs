@@ -1,10 +1,10 @@
 //! The run in one paragraph: what holds, by name what does not, and what it took.
 
-use crate::results::Results;
+use plot::escape;
 
 use super::Outcome;
 use super::{group::Group, number::duration, prose::prose};
-use plot::escape;
+use crate::results::Results;
 
 /// The paragraphs at the head of the page.
 pub fn summary(results: &Results) -> String {

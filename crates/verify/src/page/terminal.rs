@@ -1,11 +1,11 @@
 //! The verdicts in the terminal.
 
-use crate::results::Claim;
 use comfy_table::{
     Attribute, Cell, Color, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY,
 };
 
 use super::Outcome;
+use crate::results::Claim;
 
 /// A table with a row for each claim: what, on which panel, by which scheme, verdict, evidence.
 pub fn verdicts(claims: &[Claim]) -> String {

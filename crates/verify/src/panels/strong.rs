@@ -2,7 +2,6 @@
 
 use std::ops::RangeInclusive;
 
-use crate::results::{Claim, Clipped, Evidence, Kind, Panel, Series};
 use analysis::{Exact, wrong_limit};
 use mc::{Ladder, Measured, Reference, Run, StrongErrors, WorstTimes};
 use noise::Truncation;
@@ -12,8 +11,9 @@ use systems::{Damping, PoissonSystem, Problem, paper::valid};
 
 use super::curves::{Curve, curves};
 use crate::{
-    Compiled, Conditions, Findings, Method, PaperSystem, TRUNCATED, Words, compiled, streams,
-    truncation,
+    Compiled, Conditions, Findings, Method, PaperSystem, TRUNCATED, Words, compiled,
+    results::{Claim, Clipped, Evidence, Kind, Panel, Series},
+    streams, truncation,
 };
 
 /// Coarsest step size 2⁻⁵.

@@ -38,7 +38,6 @@
 #[cfg(test)]
 mod tests;
 
-use crate::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
 use analysis::FinalMoments;
 use mc::{Ladder, Observable, Run, View};
 use schemes::Sexp;
@@ -53,7 +52,9 @@ use super::{
     strong::{describe_failures, power_of_half},
 };
 use crate::{
-    Conditions, Findings, Method, TRUNCATED, Words, compiled, in_words, setups::TestFunction,
+    Conditions, Findings, Method, TRUNCATED, Words, compiled, in_words,
+    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
+    setups::TestFunction,
     truncation,
 };
 

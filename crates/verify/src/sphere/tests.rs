@@ -1,11 +1,5 @@
 //! Harmonics, generator and expectations against identities and known values.
 
-use super::{
-    generator::{Generator, norm_bound},
-    harmonics::harmonics,
-    integration::{moments, norm, steps},
-    *,
-};
 use mc::{Ladder, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use real::elementary::{cos, sin};
@@ -15,6 +9,13 @@ use systems::{
     Constant, Cosine, ito_correction,
     paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid},
     unit_noise, vector_field,
+};
+
+use super::{
+    generator::{Generator, norm_bound},
+    harmonics::harmonics,
+    integration::{moments, norm, steps},
+    *,
 };
 
 fn paper_problem() -> Problem<RigidBody<3>, Cosine, 3> {

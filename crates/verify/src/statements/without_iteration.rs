@@ -7,7 +7,6 @@
 //! `no-noise`: for ordinary differential equations the order is two, since the damping stands
 //! symmetrically about the step.
 
-use crate::results::{Bounded, Claim, Evidence};
 use analysis::{OtherNoise, worse};
 use mc::{squared_distance, trajectory};
 use noise::{BlockNoise, Noise, Truncation};
@@ -21,6 +20,7 @@ use crate::{
     Conditions, Findings, Method, PaperSystem,
     conformal_law::{ROUND_OFF, along, largest_defect},
     panels::curves::{Curve, without_iteration},
+    results::{Bounded, Claim, Evidence},
     truncation,
 };
 

@@ -1,7 +1,6 @@
 //! Strong and weak errors of one-noise systems against their exact solution, beside the paper's
 //! kind of reference.
 
-use crate::results::{Claim, Evidence};
 use analysis::{
     Exact, ReferenceSolution, StepSizes,
     exact::{RandomTime, expectation, solution},
@@ -20,6 +19,7 @@ use crate::{
         curves::curves,
         strong::{Grid, StrongRuns},
     },
+    results::{Claim, Evidence},
     truncation,
 };
 

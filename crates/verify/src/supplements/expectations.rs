@@ -1,10 +1,6 @@
 //! E[φ(y(T))] of the rigid body with three noises by `mc::Expect` and by multilevel Monte Carlo,
 //! against the Kolmogorov equation, and what an accuracy costs.
 
-use crate::{
-    results::{Claim, Evidence, Kind, Panel, Series},
-    sphere::rigid_body_expectations,
-};
 use mc::{
     Expect, Observable, Observe,
     multilevel::{Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation},
@@ -14,7 +10,11 @@ use stats::{CONFIDENCE, Point, two_sided};
 use systems::paper::{rigid_body_three_noises, valid};
 
 use crate::{
-    Conditions, Findings, Method, Words, compiled, in_words, panels::weak_observables, truncation,
+    Conditions, Findings, Method, Words, compiled, in_words,
+    panels::weak_observables,
+    results::{Claim, Evidence, Kind, Panel, Series},
+    sphere::rigid_body_expectations,
+    truncation,
 };
 
 /// Steps on [0, 1] of the coarsest level: with two, the first difference has already the variance

@@ -1,6 +1,5 @@
 //! `spin-pair-levy`: `sexp-levy` beyond three dimensions and over long paths.
 
-use crate::results::{Claim, Evidence};
 use analysis::worse;
 use schemes::{Sexp, SexpLevy};
 use systems::{
@@ -15,6 +14,7 @@ use crate::{
         curves::Curve,
         strong::{Grid, StrongRuns},
     },
+    results::{Claim, Evidence},
     setups::spin_pair,
 };
 

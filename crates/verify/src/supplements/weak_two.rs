@@ -9,7 +9,6 @@
 
 use std::ops::RangeInclusive;
 
-use crate::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
 use analysis::FinalMoments;
 use mc::{Ladder, NextNoise, Observable, Run, View};
 use noise::{BlockNoise, QuasiWiener, StepNoise, StreamKey};
@@ -24,6 +23,7 @@ use systems::{
 use crate::{
     Conditions, Findings, Method, Words, in_words,
     panels::strong::{describe_failures, power_of_half},
+    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
     truncation,
 };
 

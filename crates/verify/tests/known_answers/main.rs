@@ -6,11 +6,12 @@
 mod coverage;
 mod library;
 
-use library::{Entry, Question, ask, entries};
 use plot::Silent;
 use verify::page::Outcome;
 use verify::{Method, reproduce};
 use verify::{Mode, Settings};
+
+use library::{Entry, Question, ask, entries};
 
 /// Probability of a failure of a test if everything is as it should be.
 const CHANCE: f64 = 1e-3;

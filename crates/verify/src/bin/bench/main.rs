@@ -14,9 +14,10 @@ use anyhow::{Result, ensure};
 use clap::Parser;
 use plot::{files, provenance};
 use real::{Level, limit_to};
-use results::{Report, Workload};
 use verify::command;
 use verify::results::Provenance;
+
+use results::{Report, Workload};
 
 /// Measures what a path-step costs: every scheme on every system, threads, memory, growth.
 #[derive(Parser)]

@@ -7,7 +7,6 @@ use schemes::{
     EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, WithSolver,
 };
 use systems::{Flows, InvariantKind, PoissonSystem};
-
 use verify::rounding::{LINEARLY_IMPLICIT, rotations};
 
 /// Where a scheme reads γ, and what it keeps.

@@ -1,8 +1,6 @@
 //! `cargo xtask reproduce`: runs the experiments of the paper, prints a verdict for every statement
 //! and writes a report with figures, tables and `results.json`.
 
-mod wording;
-
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use anyhow::Result;
@@ -10,14 +8,11 @@ use clap::{Parser, builder::PossibleValuesParser};
 use mc::parts::limit_threads;
 use plot::{Bars, files, provenance};
 use real::{Level, limit_to};
-use verify::page::{self, Outcome, terminal};
-use verify::{Method, command};
 use verify::{
-    Mode, Settings,
+    Method, Mode, Settings, command,
+    page::{self, Outcome, terminal},
     results::{Claim, Results},
 };
-
-use wording::WORDING;
 
 /// Runs the paper's experiments, prints the verdicts and writes the report.
 #[derive(Parser)]
@@ -90,7 +85,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     bars.finish();
     results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);
     files::write_json(&arguments.out.join("results.json"), &results)?;
-    page::write_report(&results, &WORDING, &arguments.out)?;
+    page::write_report(&results, &arguments.out)?;
     print_summary(&results, arguments);
     Ok(if results.claims.iter().any(fails) { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

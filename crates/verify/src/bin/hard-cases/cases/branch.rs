@@ -6,7 +6,6 @@
 
 use real::{Real, VectorFunction, jacobian};
 use systems::{PoissonSystem, RigidBody};
-
 use verify::rounding::length;
 
 const STEPS: u32 = 2048;

@@ -1,7 +1,6 @@
 //! Damping that is stiff, negative, discontinuous or infinite at a time.
 
 use systems::{Constant, Damping};
-
 use verify::rounding::{law_bound, length};
 
 use crate::{

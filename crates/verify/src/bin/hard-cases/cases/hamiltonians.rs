@@ -9,7 +9,6 @@ use systems::{
     PoissonSystem, RealExponents, RigidBodyEnergy,
     paper::{INERTIA, half_cosine, rigid_body_start},
 };
-
 use verify::rounding::length;
 
 use crate::{

@@ -3,7 +3,6 @@
 use noise::{BlockNoise, Truncation};
 use real::WIDTH;
 use systems::paper::half_cosine;
-
 use verify::rounding::length;
 
 use crate::{

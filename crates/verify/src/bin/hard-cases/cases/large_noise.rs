@@ -5,10 +5,9 @@ use nonlin::Outcome;
 use real::elementary::{cos, sin};
 use schemes::{Scheme, Step};
 use systems::{Constant, PoissonSystem, RigidBody};
-
-use super::branch::{agree, follow};
 use verify::rounding::{law_bound, residual_share};
 
+use super::branch::{agree, follow};
 use crate::{
     Case, Context, Rows, each,
     paths::body,

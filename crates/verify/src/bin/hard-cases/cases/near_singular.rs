@@ -5,7 +5,6 @@ use nonlin::Outcome;
 use real::Real;
 use schemes::{Scheme, SexpLi, Step};
 use systems::{Constant, Invariant, PoissonSystem};
-
 use verify::rounding::length;
 
 use crate::{Case, Context, Rows, each, row::Row};

@@ -5,7 +5,6 @@ use systems::{
     Constant, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, RigidBody,
     paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, sine},
 };
-
 use verify::rounding::law_bound;
 
 use crate::{

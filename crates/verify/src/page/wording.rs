@@ -1,22 +1,30 @@
 //! What the report says about the paper beside the results.
 
-use verify::page::Wording;
+use crate::results::Claim;
 
-/// The words of the report.
-pub const WORDING: Wording<'static> = Wording {
-    title: "Structure-preserving simulation of damped stochastic Poisson systems",
-    kicker: "Casimir · reproduction report",
-    schemes: &[
-        ("sexp", "stochastic conformal exponential integrator, the method of the paper"),
-        ("em", "Euler–Maruyama on the Itô form"),
-        ("midpoint", "stochastic midpoint, damping included"),
-        ("sexp-levy", "sexp with Lévy areas, not in the paper"),
-        ("sexp-li", "sexp by a linear equation, not in the paper"),
-        ("split", "exact flows in turn, not in the paper"),
-        ("nv", "flows in turn, of weak order two, not in the paper"),
-    ],
-    statements: &STATEMENTS,
-};
+/// Title of the page.
+pub const TITLE: &str = "Structure-preserving simulation of damped stochastic Poisson systems";
+
+/// A line above the title.
+pub const KICKER: &str = "Casimir · reproduction report";
+
+/// Ids of schemes and what they stand for.
+pub const SCHEMES: [(&str, &str); 7] = [
+    ("sexp", "stochastic conformal exponential integrator, the method of the paper"),
+    ("em", "Euler–Maruyama on the Itô form"),
+    ("midpoint", "stochastic midpoint, damping included"),
+    ("sexp-levy", "sexp with Lévy areas, not in the paper"),
+    ("sexp-li", "sexp by a linear equation, not in the paper"),
+    ("split", "exact flows in turn, not in the paper"),
+    ("nv", "flows in turn, of weak order two, not in the paper"),
+];
+
+/// The statement that `claim` is a case of. Claims about what the paper does not prove speak for
+/// themselves.
+pub fn statement(claim: &Claim) -> &str {
+    let found = STATEMENTS.iter().find(|(id, _)| claim.proven && *id == claim.id);
+    found.map_or(&claim.statement, |(_, words)| words)
+}
 
 /// What the paper proves, by id.
 const STATEMENTS: [(&str, &str); 11] = [
