@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 pub use plot::{Kind, Provenance, Series};
 pub use stats::{Point, Rate, StraightLine};
 
-pub use crate::evidence::{Bounded, Evidence};
-pub use crate::verdict::Verdict;
+pub use crate::evidence::{Bounded, DEVIATIONS, Evidence};
+pub use crate::verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};
 
 /// Version of the contract. 2: claims have [`Claim::measured`], and the sentences of
 /// [`Claim::evidence`] are worded anew.
