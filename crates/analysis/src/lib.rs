@@ -5,17 +5,13 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`strong_order`], [`strong_order_against`], [`weak_order`] | the order of any scheme |
-//! | [`strong_order_within`], [`weak_order_within`] | the same within a budget |
-//! | [`strong_order_of`], [`weak_order_of`], [`DynReference`] | of systems known at run time |
-//! | [`strong_order_of_within`], [`weak_order_of_within`] | these within a budget |
-//! | [`local_weak_order()`], [`local_weak_order_of`] | weak orders of one step, without sampling |
+//! | [`strong_order`], [`weak_order`] | the order of any scheme, in one measurement or a budget |
+//! | [`local_weak_order()`] | weak orders of one step, without sampling |
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | [`inspect()`], [`inspect_problem`] | what a system is, and which statements apply |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
-//! | [`compare_of`], [`DynCandidates`], [`DynCompareSettings`] | of systems known at run time |
 //! | [`OtherNoise`] | a scheme on other noise than the driver's |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`], [`worse`] | moments of final states; times; digits |
 //! | [`exact`] | exact solutions of systems with one noise |
@@ -32,22 +28,16 @@ mod other_noise;
 mod step_check;
 mod stopwatch;
 
-pub use compare::{
-    Candidates, CompareSettings, Comparison, DynCandidates, DynCompareSettings, compare, compare_of,
-};
+pub use compare::{Candidates, CompareSettings, Comparison, compare};
 pub use final_moments::{FinalMoments, FinalRows, FinalValues};
 pub use inspect::{
     inspect, inspect_formula_problem, inspect_formulas, inspect_large, inspect_problem,
 };
-pub use local_weak_order::{
-    LocalError, LocalWeakOrder, LocalWeakOrderError, local_weak_order, local_weak_order_of,
-};
+pub use local_weak_order::{LocalError, LocalWeakOrder, LocalWeakOrderError, local_weak_order};
 pub use number::{number, worse};
 pub use orders::{
-    Decision, DynExact, DynReference, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes,
-    exact_mean, strong_order, strong_order_against, strong_order_of, strong_order_of_within,
-    strong_order_within, weak_order, weak_order_of, weak_order_of_within, weak_order_within,
-    wrong_limit,
+    Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, exact_mean, strong_order,
+    weak_order, wrong_limit,
 };
 pub use other_noise::OtherNoise;
 pub use step_check::{Halved, STIFF, StepCheck, StepError, StepErrors, checked_paths, step_check};

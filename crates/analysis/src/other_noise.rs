@@ -1,6 +1,6 @@
 //! A scheme on other noise than the driver's.
 
-use noise::{BlockNoise, Noise};
+use noise::{BlockNoise, Noise, StepNoise};
 use nonlin::{BlockStatus, Solution};
 use real::{Block, WIDTH};
 use schemes::{Scheme, Step};
@@ -37,19 +37,14 @@ where
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        let mut other = BlockNoise::zero();
-        for p in 0..WIDTH {
-            let Noise { increments, areas } = (self.noise)(step, noise, p);
-            other.increments.set_path(p, increments);
-            other.areas.set_path(p, areas);
-        }
-        self.scheme.step_block(system, step, &other, y, status);
+        let mut other = StepNoise::with_areas(M);
+        (0..WIDTH).for_each(|p| other.set_path(p, &(self.noise)(step, noise, p)));
+        self.scheme.step_block(system, step, &(&other).into(), y, status);
     }
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        let mut block = BlockNoise::zero();
-        block.increments.set_path(0, noise.increments);
-        block.areas.set_path(0, noise.areas);
-        self.scheme.step(system, step, &(self.noise)(step, &block, 0), y)
+        let mut block = StepNoise::with_areas(M);
+        block.set_path(0, noise);
+        self.scheme.step(system, step, &(self.noise)(step, &(&block).into(), 0), y)
     }
 }

@@ -7,8 +7,8 @@
 
 use std::sync::Arc;
 
-use mc::{DynRun, Ladder, LadderError, Observe, Setup, View, parts::Job};
-use noise::{StepNoise, StreamKey, Truncation};
+use mc::{Ladder, LadderError, Observe, Run, Setup, View, parts::Job};
+use noise::{StreamKey, Truncation};
 use real::{Row, WIDTH};
 use serde::Serialize;
 use stats::CrossMoments;
@@ -126,18 +126,18 @@ pub fn checked_paths(run: u64, noises: usize) -> u64 {
 ///
 /// # Errors
 /// [`LadderError`] if the scheme cannot be run on twice as many steps.
-pub fn step_check<N: StepNoise>(
-    setup: &Setup<'_, N>,
+pub fn step_check(
+    setup: &Setup<'_>,
     observables: &[&dyn Observe],
     steps: u64,
     paths: u64,
     (truncation, key): (Truncation, StreamKey),
     job: &Job,
 ) -> Result<Option<StepCheck>, LadderError> {
-    let run = |level| DynRun::new(Arc::clone(&setup.scheme), level);
+    let run = |level| Run::new(Arc::clone(&setup.scheme), level);
     let key = StreamKey { experiment: key.experiment | CHECK_STREAM, ..key };
     let (twice, runs) = (steps.saturating_mul(2), vec![run(1), run(0)]);
-    let ladder = Ladder::of(&setup.problem, twice, 1, truncation, key, runs)?;
+    let ladder = Ladder::new(&setup.problem, twice, 1, truncation, key, runs)?;
     let initial: Vec<Row> = setup.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
     let center = |phi: &&dyn Observe| {
         let mut values = [0.0; WIDTH];

@@ -1,7 +1,7 @@
 //! A charged particle in a trap, across a magnetic field that is not uniform, in an electric field
 //! that fluctuates: the program of `docs/guide.md`.
 
-use casimir::mc::write_json;
+use casimir::mc::{Setup, Simulation, StateFunction, write_json};
 use casimir::prelude::*;
 
 /// A charged particle in the plane, y = (x, y, u, v): a harmonic trap, a magnetic field b₀ + b₁x
@@ -48,9 +48,9 @@ fn main() -> Result<(), Error> {
 fn one_path(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
     let sexp = Sexp;
     let key = StreamKey { seed: 1, experiment: 0 };
-    let path = Simulation::new(problem, &sexp, Truncation::new(4)?)
+    let path = Simulation::new(Setup::of(problem, &sexp), Truncation::new(4)?)
         .every(32)
-        .observing("energy", |y| problem.system().energy(y, 1.0, [0.0]))
+        .observing(StateFunction::new("energy", |y| problem.system().energy(y, 1.0, [0.0])))
         .path(256, key, 0)?;
     write_csv(&[path], &mut std::io::stdout())?;
     Ok(())
@@ -59,9 +59,9 @@ fn one_path(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
 fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
     let sexp = Sexp;
     let key = StreamKey { seed: 1, experiment: 0 };
-    let paths = Simulation::new(problem, &sexp, Truncation::new(4)?)
+    let paths = Simulation::new(Setup::of(problem, &sexp), Truncation::new(4)?)
         .every(64)
-        .observing("energy", |y| problem.system().energy(y, 1.0, [0.0]))
+        .observing(StateFunction::new("energy", |y| problem.system().energy(y, 1.0, [0.0])))
         .paths(256, key, 0..400)?;
     // A path that fails ends early: each mean is of the paths that it has.
     let times = paths.iter().map(|path| path.times()).max_by_key(|times| times.len());
@@ -80,6 +80,9 @@ fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
 fn order(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
     let key = StreamKey { seed: 1, experiment: 1 };
     let sizes = StepSizes::new(512, Truncation::new(4)?, key);
-    println!("strong {}", strong_order(&Sexp, problem, &sizes)?);
+    println!(
+        "strong {}",
+        strong_order(&Setup::of(problem, &Sexp), &sizes, &ReferenceSolution::independent(problem))?
+    );
     Ok(())
 }

@@ -7,8 +7,8 @@ use std::{error::Error, sync::Arc};
 use casimir::{
     formula::{Definition, Formula, FormulaDamping, FormulaSystem},
     mc::{
-        DynSimulation, RowFunction, Setup,
-        multilevel::{Coupling, ExpectationSettings, expectation_of},
+        RowFunction, Setup, Simulation,
+        multilevel::{Coupling, ExpectationSettings, expectation},
     },
     prelude::*,
     systems::run_time,
@@ -40,11 +40,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (truncation, key) = (Truncation::new(4)?, StreamKey { seed: 1, experiment: 0 });
     let settings = ExpectationSettings::new(key, truncation, 16, Coupling::Antithetic);
     let setup = Setup::at_run_time(&problem, &scheme)?;
-    let found = expectation_of(&setup, &[&nutation], 2e-3, &settings, &|_| ())?;
+    let found = expectation(&setup, &[&nutation], 2e-3, &settings, &|_| ())?;
     let (lo, hi) = found.estimates[0].interval();
     println!("E nutation in [{lo:.4}, {hi:.4}]");
 
-    let simulation = DynSimulation::new(setup, truncation).every(32).observing(nutation);
+    let simulation = Simulation::new(setup, truncation).every(32).observing(nutation);
     let path = &simulation.paths(256, key, 0..1)?[0];
     for (t, value) in path.times().iter().zip(path.column("nutation").unwrap_or_default()) {
         println!("t = {t:.2}: nutation {value:.6}");

@@ -54,13 +54,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sexp = Sexp;
     let key = StreamKey { seed: 1, experiment: 0 };
     let truncation = Truncation::new(4)?;
-    let path = Simulation::new(&problem, &sexp, truncation)
+    let path = Simulation::new(Setup::of(&problem, &sexp), truncation)
         .every(64)
-        .observing("energy", |y| problem.system().energy(y, 1.0, [0.0; 2]))
+        .observing(StateFunction::new("energy", |y| problem.system().energy(y, 1.0, [0.0; 2])))
         .path(512, key, 0)?;
     write_csv(&[path], &mut std::io::stdout())?;
 
     let sizes = StepSizes { samples: 128, ..StepSizes::new(512, truncation, key) };
-    println!("strong {}", strong_order(&sexp, &problem, &sizes)?);
+    println!(
+        "strong {}",
+        strong_order(
+            &Setup::of(&problem, &sexp),
+            &sizes,
+            &ReferenceSolution::independent(&problem)
+        )?
+    );
     Ok(())
 }

@@ -11,7 +11,7 @@ use std::{env, process::ExitCode};
 
 use casimir::{
     mc::{
-        Observable, Study, StudySettings,
+        Observable, Setup, Study, StudySettings,
         multilevel::{Coupling, ExpectationSettings, expectation_in},
         parts::{Job, Program},
     },
@@ -50,9 +50,10 @@ fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     ];
     // 240 steps, quantile bands at 40 of them.
     let settings = StudySettings::new(240, 40, paths, truncation, key);
-    let bands = Study::new(&problem, &scheme, &phi, &settings)?.run_in(&job, "bands", &|_| ());
+    let setup = Setup::of(&problem, &scheme);
+    let bands = Study::new(&setup, &phi, &settings)?.run_in(&job, "bands", &|_| ());
     let settings = ExpectationSettings::new(key, truncation, 16, Coupling::Antithetic);
-    let mean = expectation_in(&job, "E", &scheme, &problem, &phi, accuracy, &settings, &|_| ())?;
+    let mean = expectation_in(&job, "E", &setup, &phi, accuracy, &settings, &|_| ())?;
     job.finish()?;
 
     // A part has no results.

@@ -43,7 +43,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // C = ½(y₂² + y₃²) falls in steps, and `sexp` follows its law through every edge of the
     // shutter.
     let (sexp, key) = (Sexp, StreamKey { seed: 1, experiment: 0 });
-    let path = Simulation::new(&problem, &sexp, Truncation::new(4)?).every(50).path(400, key, 0)?;
+    let path = Simulation::new(Setup::of(&problem, &sexp), Truncation::new(4)?)
+        .every(50)
+        .path(400, key, 0)?;
     write_csv(&[path], &mut std::io::stdout())?;
 
     // The same as a function, integrated by quadrature: `inspect` sees that four nodes cannot find

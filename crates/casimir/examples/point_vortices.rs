@@ -8,7 +8,7 @@
 use std::f64::consts::TAU;
 
 use casimir::dgrad::averaged;
-use casimir::mc::Recording;
+use casimir::mc::{Recording, Setup, Simulation, StateFunction};
 use casimir::prelude::*;
 use casimir::schemes::SexpLevy;
 use casimir::systems::{HamiltonianIncrement, SystemError};
@@ -95,9 +95,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (sexp, levy) = (Sexp, SexpLevy::new(problem.system(), problem.y0()));
     let distance = |y: [f64; 4]| (y[0] - y[2]).hypot(y[1] - y[3]);
     let follow = |scheme: &dyn Scheme<Vortices, 4, 2>, recording: &Recording<2>| {
-        Simulation::new(&problem, scheme, Truncation::new(4)?)
+        Simulation::new(Setup::of(&problem, scheme), Truncation::new(4)?)
             .every(recording.increments().len() as u64 / 4)
-            .observing("distance", distance)
+            .observing(StateFunction::new("distance", distance))
             .recorded(recording)
             .map_err(Box::<dyn std::error::Error>::from)
     };

@@ -10,7 +10,7 @@
 
 use std::path::PathBuf;
 
-use casimir::mc::Recording;
+use casimir::mc::{Recording, Setup, Simulation};
 use casimir::prelude::*;
 use casimir::schemes::{EulerMaruyama, Midpoint};
 use casimir::systems::{Cosine, RigidBody};
@@ -36,7 +36,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (sexp, midpoint) = (Sexp, Midpoint);
     let mut paths = Vec::new();
     for scheme in [&sexp as &dyn Scheme<RigidBody<3>, 3, 3>, &midpoint, &EulerMaruyama] {
-        let path = Simulation::new(&problem, scheme, Truncation::none()).recorded(&recording)?;
+        let path = Simulation::new(Setup::of(&problem, scheme), Truncation::none())
+            .recorded(&recording)?;
         let end: Vec<f64> =
             path.columns[1..4].iter().filter_map(|column| column.values.last().copied()).collect();
         let defect =

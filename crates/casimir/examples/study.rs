@@ -14,14 +14,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0])?;
     let problem = Problem::new(body, Cosine::new(0.5, 2.0)?, [0.45, 0.0, 0.89], 10.0)?;
     let observables = [
-        Observable { name: "y1", function: |y| y[0] },
-        Observable { name: "y3", function: |y| y[2] },
-        Observable { name: "y1 y2", function: |y| y[0] * y[1] },
+        Observable { name: "y1", function: |y: [f64; 3]| y[0] },
+        Observable { name: "y3", function: |y: [f64; 3]| y[2] },
+        Observable { name: "y1 y2", function: |y: [f64; 3]| y[0] * y[1] },
     ];
     let key = StreamKey { seed: 1, experiment: 0 };
     // 400 steps, 40 times, 10⁵ paths.
     let settings = StudySettings::new(400, 40, 100_000, Truncation::new(4)?, key);
-    let result = study(&problem, &Sexp, &observables, &settings, &|_| ())?;
+    let result = study(&Setup::of(&problem, &Sexp), &observables, &settings, &|_| ())?;
 
     let y1 = result.series("y1").ok_or("y1 is observed")?;
     for point in y1.points.iter().step_by(10) {

@@ -40,14 +40,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let sexp = Sexp;
     let truncation = Truncation::new(4)?;
-    let path = Simulation::new(&problem, &sexp, truncation)
+    let path = Simulation::new(Setup::of(&problem, &sexp), truncation)
         .every(32)
-        .observing("energy", |y| problem.system().energy(y, 1.0, [0.0]))
+        .observing(StateFunction::new("energy", |y| problem.system().energy(y, 1.0, [0.0])))
         .path(256, StreamKey { seed: 1, experiment: 0 }, 0)?;
     write_csv(&[path], &mut std::io::stdout())?;
 
     let key = StreamKey { seed: 1, experiment: 1 };
     let sizes = StepSizes { samples: 200, ..StepSizes::new(256, truncation, key) };
-    println!("strong {}", strong_order(&sexp, &problem, &sizes)?);
+    println!(
+        "strong {}",
+        strong_order(
+            &Setup::of(&problem, &sexp),
+            &sizes,
+            &ReferenceSolution::independent(&problem)
+        )?
+    );
     Ok(())
 }

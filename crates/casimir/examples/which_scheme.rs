@@ -5,6 +5,7 @@
 //! cargo run --release -p casimir-poisson --features plot --example which_scheme
 //! ```
 
+use casimir::mc;
 use casimir::plot::{comparison_csv, figure};
 use casimir::prelude::*;
 
@@ -70,7 +71,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let key = StreamKey { seed: 1, experiment: 1 };
     // A strong error of 1e-3, in at most a minute.
     let settings = CompareSettings::new(1e-3, Truncation::new(4)?, key);
-    let comparison = compare(&problem, &Candidates::all(&problem), &settings)?;
+    let comparison = compare(&mc::Problem::of(&problem), &Candidates::all(&problem), &settings)?;
     println!("{comparison}");
     let folder = std::env::temp_dir();
     let file = folder.join("kirchhoff.svg");

@@ -17,7 +17,7 @@
 //! let problem = Problem::new(body, Cosine::new(0.5, 2.0)?, [0.45, 0.0, 0.89], 10.0)?;
 //! let key = StreamKey { seed: 1, experiment: 0 };
 //! let sexp = Sexp;
-//! let path = Simulation::new(&problem, &sexp, Truncation::new(4)?).path(100, key, 0)?;
+//! let path = Simulation::new(Setup::of(&problem, &sexp), Truncation::new(4)?).path(100, key, 0)?;
 //! assert!(path.column("C defect").unwrap().iter().all(|defect| defect.abs() < 1e-13));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -44,9 +44,12 @@ pub use {analysis, dgrad, formula, mc, noise, nonlin, real, schemes, stats, syst
 /// The names that most programs use: `use casimir::prelude::*`.
 pub mod prelude {
     pub use analysis::{
-        Candidates, CompareSettings, StepSizes, compare, inspect, inspect_problem, strong_order,
+        Candidates, CompareSettings, ReferenceSolution, StepSizes, compare, inspect,
+        inspect_problem, strong_order,
     };
-    pub use mc::{Observable, Simulation, StudySettings, Times, study, write_csv};
+    pub use mc::{
+        Observable, Setup, Simulation, StateFunction, StudySettings, Times, bind, study, write_csv,
+    };
     pub use noise::{StreamKey, Truncation};
     pub use real::Real;
     pub use schemes::{Explicit, Heun, Implicit, Increment, Scheme, Sexp, SexpLevy, SexpLi, Split};

@@ -9,7 +9,7 @@ mod paper;
 use std::time::Instant;
 
 use formula::{Definition, FormulaSystem};
-use noise::{BlockNoise, StreamKey, WienerBlock};
+use noise::{StepNoise, StreamKey, WienerRows};
 use nonlin::BlockStatus;
 use real::{Block, Level, Real, limit_to};
 use schemes::{Scheme, Sexp, SexpLi, Step, run_time};
@@ -55,9 +55,9 @@ fn least<T>(mut start: impl FnMut() -> T, mut step: impl FnMut(&mut T)) -> f64 {
     least
 }
 
-fn noise<const M: usize>() -> BlockNoise<M> {
-    let mut noise = BlockNoise::zero();
-    let mut wiener = WienerBlock::<M>::new(StreamKey { seed: 1, experiment: 1 }, 0);
+fn noise(noises: usize) -> StepNoise {
+    let mut noise = StepNoise::zero(noises);
+    let mut wiener = WienerRows::new(StreamKey { seed: 1, experiment: 1 }, 0);
     wiener.increments(TAU.sqrt(), &mut noise.increments);
     noise
 }
@@ -68,7 +68,8 @@ fn compiled<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     y0: [f64; D],
 ) -> f64 {
     let step = step();
-    let (noise, mut status) = (noise(), BlockStatus::explicit());
+    let (noise, mut status) = (noise(M), BlockStatus::explicit());
+    let noise = (&noise).into();
     least(|| Block::splat(y0), |y| scheme.step_block(system, &step, &noise, y, &mut status))
 }
 
@@ -83,7 +84,7 @@ fn at_run_time<const M: usize>(
     y0: &[f64],
 ) -> f64 {
     let step = step();
-    let (noise, mut status) = (noise::<M>(), BlockStatus::explicit());
+    let (noise, mut status) = (noise(M), BlockStatus::explicit());
     let mut paths = scheme.stepper(system).unwrap();
     let start = real::Rows::splat(y0).unwrap();
     // The state is set before each run, and carried by the stepper.
@@ -92,7 +93,7 @@ fn at_run_time<const M: usize>(
         paths.state_mut().copy_from_slice(&start);
         let begin = Instant::now();
         for _ in 0..STEPS {
-            paths.step(&step, &noise.increments.0, &mut status);
+            paths.step(&step, &noise, &mut status);
         }
         least = least.min(begin.elapsed().as_nanos() as f64 / (32 * STEPS) as f64);
     }

@@ -13,8 +13,8 @@
 
 use std::time::Instant;
 
-use mc::Observable;
 use mc::multilevel::{Coupling, Estimator, Expectation, ExpectationSettings, expectation};
+use mc::{Observable, Setup};
 use noise::{StreamKey, Truncation};
 use rustix::time::{ClockId, clock_gettime};
 use schemes::Sexp;
@@ -48,7 +48,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut last: Option<(f64, f64)> = None;
     for accuracy in accuracies {
         let start = Clocks::now();
-        let result = expectation(&sexp, &problem, &cos_y3, accuracy, &settings, &|_| ())?;
+        let result =
+            expectation(&Setup::of(&problem, &sexp), &cos_y3, accuracy, &settings, &|_| ())?;
         print("multilevel  ", accuracy, &result, start);
         for level in &result.levels {
             let value = &level.values[0];
@@ -74,7 +75,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let start = Clocks::now();
                 let settings =
                     ExpectationSettings { estimator: Estimator::SinglePaths, ..settings };
-                let result = expectation(&sexp, &problem, &cos_y3, accuracy, &settings, &|_| ())?;
+                let result = expectation(
+                    &Setup::of(&problem, &sexp),
+                    &cos_y3,
+                    accuracy,
+                    &settings,
+                    &|_| (),
+                )?;
                 let cost = result.cost as f64;
                 last = Some((cost * accuracy.powi(3), start.wall.elapsed().as_secs_f64() / cost));
                 print("single paths", accuracy, &result, start);

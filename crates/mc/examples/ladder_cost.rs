@@ -7,7 +7,7 @@
 
 use std::time::Instant;
 
-use mc::{Ladder, Observable, Run, StudySettings, WorstTimes, study};
+use mc::{Ladder, Observable, Run, Setup, StudySettings, WorstTimes, bind, study};
 use noise::{StreamKey, Truncation};
 use schemes::Heun;
 use systems::{Constant, PoissonSystem, Problem, RigidBody};
@@ -35,8 +35,8 @@ fn measure<S: PoissonSystem<3, M>, const M: usize>(
 ) -> Result<(), Box<dyn std::error::Error>> {
     let key = StreamKey { seed: 1, experiment: 1 };
     let ladder = |levels: usize, truncation| {
-        let runs = (0..=levels).map(|level| Run::new(&Heun, level)).collect();
-        Ladder::new(problem, STEPS, levels, truncation, key, runs)
+        let runs = (0..=levels).map(|level| Run::new(bind(problem, &Heun), level)).collect();
+        Ladder::new(&mc::Problem::of(problem), STEPS, levels, truncation, key, runs)
     };
     for levels in [0, 4] {
         let ladder = ladder(levels, Truncation::new(4)?)?;
@@ -55,7 +55,7 @@ fn measure<S: PoissonSystem<3, M>, const M: usize>(
         ..StudySettings::new(STEPS, 64, PATHS, Truncation::none(), key)
     };
     let time = least(|| {
-        let result = study(problem, &Heun, &observables, &settings, &|_| ());
+        let result = study(&Setup::of(problem, &Heun), &observables, &settings, &|_| ());
         assert_eq!(result.map(|result| result.losses.failed), Ok(0));
     });
     let steps = STEPS * (PATHS + settings.pilot);

@@ -84,7 +84,7 @@ fn implicit() {
     let mut paths = Sexp.stepper(&chain).unwrap();
     for tau in [0.05, 0.2, 0.3, 0.4, 0.45, 0.5, 0.7] {
         let step = Step::new(&damping, 0, tau).unwrap();
-        let dw = Rows::splat(&[0.1, -0.2, 0.3]).unwrap();
+        let noise = Rows::splat(&[0.1, -0.2, 0.3]).unwrap().into();
         let (mut least, mut status) = (f64::INFINITY, BlockStatus::explicit());
         for _ in 0..5 {
             for (component, row) in paths.state_mut().iter_mut().enumerate() {
@@ -92,7 +92,7 @@ fn implicit() {
                 *row = [[angle.sin(), 0.6 * angle.cos(), 0.8 * angle.cos()][component % 3]; 32];
             }
             let begin = Instant::now();
-            paths.step(&step, &dw, &mut status);
+            paths.step(&step, &noise, &mut status);
             least = least.min(begin.elapsed().as_secs_f64());
         }
         let way =

@@ -1,18 +1,18 @@
 //! The loop over time: groups of blocks advance on a dyadic ladder of steps.
 //!
-//! The states of a run are a trait object here, so the loop is compiled once for each type of noise
-//! and not for each system and dimension.
+//! The states of a run are a trait object here, so the loop is compiled once and not for each
+//! system, dimension and number of noises.
 
 use std::sync::OnceLock;
 
-use noise::{AreaSums, DyadicLadder, StepNoise, StreamKey, WienerBlock, clip};
+use noise::{AreaLadder, DyadicLadder, StepNoise, StreamKey, WienerBlock, clip, clip_areas};
 use nonlin::BlockStatus;
 use real::{Block, Kernel, PathMask, Row, WIDTH, dispatch};
-use schemes::{RunState, Step};
+use schemes::{Step, Stepper};
 use serde::{Deserialize, Serialize};
 use systems::Damping;
 
-use crate::{Cause, DynRun, NoiseSource, TimeChange, View, observable::splat, parts::Stop};
+use crate::{Cause, NextNoise, NoiseSource, Run, TimeChange, View, observable::splat, parts::Stop};
 
 /// The truncation bounds of increments and areas.
 #[derive(Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ impl Batch {
 }
 
 /// The input of the loop over time.
-pub(crate) struct Driver<'a, N> {
+pub(crate) struct Driver<'a> {
     pub(crate) damping: &'a dyn Damping,
     /// Number of noises.
     pub(crate) noises: usize,
@@ -64,10 +64,10 @@ pub(crate) struct Driver<'a, N> {
     pub(crate) finest_steps: u64,
     pub(crate) levels: usize,
     pub(crate) key: StreamKey,
-    pub(crate) noise: Box<dyn NoiseSource<N> + 'a>,
+    pub(crate) noise: Box<dyn NoiseSource + 'a>,
     /// The first scheme that reads Lévy areas, if one does.
     pub(crate) area_reader: Option<&'static str>,
-    pub(crate) runs: Vec<DynRun<'a, N>>,
+    pub(crate) runs: Vec<Run<'a>>,
     pub(crate) batches: Vec<Batch>,
     pub(crate) time_change: Option<&'a dyn TimeChange>,
     pub(crate) described_failures: usize,
@@ -146,7 +146,15 @@ struct StepPair {
     now: Step,
 }
 
-impl<N: StepNoise> Driver<'_, N> {
+impl Driver<'_> {
+    /// No noise, with areas if a scheme reads them.
+    pub(crate) fn no_noise(&self) -> StepNoise {
+        match self.area_reader {
+            Some(_) => StepNoise::with_areas(self.noises),
+            None => StepNoise::zero(self.noises),
+        }
+    }
+
     pub(crate) fn tau(&self, level: usize) -> f64 {
         self.t_end * (1u64 << level) as f64 / self.finest_steps as f64
     }
@@ -190,7 +198,7 @@ impl<N: StepNoise> Driver<'_, N> {
     ) -> Result<Tally, Tally> {
         let mut tally = self.tally();
         let offsets = (0..paths).step_by(WIDTH);
-        let mut blocks: Vec<Marcher<'_, N>> = offsets
+        let mut blocks: Vec<Marcher<'_>> = offsets
             .map(|offset| Marcher::new(self, first_path + offset, (paths - offset) as usize))
             .collect();
         let levels = 0..=self.levels;
@@ -224,20 +232,20 @@ impl<N: StepNoise> Driver<'_, N> {
 }
 
 /// The noise of one block and the states of every run.
-struct Marcher<'a, N> {
-    driver: &'a Driver<'a, N>,
+struct Marcher<'a> {
+    driver: &'a Driver<'a>,
     first_path: u64,
     live: PathMask,
-    next_noise: crate::NextNoise<'a, N>,
+    next_noise: NextNoise<'a>,
     /// Noise of the finest step.
-    drawn: N,
+    drawn: StepNoise,
     sums: DyadicLadder,
     /// Lévy areas of every level, if a scheme reads them.
-    areas: Option<Box<dyn AreaSums<N>>>,
+    areas: Option<AreaLadder>,
     /// The truncated noise of the current step. It is reused, since zeroing it in every step takes
     /// as long as a tenth of a step.
-    truncated: N,
-    states: Vec<Box<dyn RunState<N> + 'a>>,
+    truncated: StepNoise,
+    states: Vec<Box<dyn Stepper + 'a>>,
     statuses: Vec<BlockStatus>,
     /// For each run the paths with a clipped increment so far.
     clipped: Vec<PathMask>,
@@ -246,8 +254,8 @@ struct Marcher<'a, N> {
     time_change_noise: Option<WienerBlock<1>>,
 }
 
-impl<'a, N: StepNoise> Marcher<'a, N> {
-    fn new(driver: &'a Driver<'a, N>, first_path: u64, paths: usize) -> Self {
+impl<'a> Marcher<'a> {
+    fn new(driver: &'a Driver<'a>, first_path: u64, paths: usize) -> Self {
         let runs = driver.runs.len();
         let experiment = driver.key.experiment ^ TIME_CHANGE_STREAM;
         let key = StreamKey { experiment, ..driver.key };
@@ -257,10 +265,10 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
             first_path,
             live: PathMask::first(paths),
             next_noise: driver.noise.block(first_path),
-            drawn: N::zero(driver.noises),
+            drawn: driver.no_noise(),
             sums: DyadicLadder::new(driver.noises, driver.levels),
-            areas: driver.area_reader.and_then(|_| N::area_sums(driver.levels)),
-            truncated: N::zero(driver.noises),
+            areas: driver.area_reader.map(|_| AreaLadder::new(driver.noises, driver.levels)),
+            truncated: driver.no_noise(),
             states: driver.runs.iter().map(|run| run.scheme.start(&start)).collect(),
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
@@ -283,12 +291,12 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
         {
             let mut normals = Block::zero();
             noise.increments(1.0, &mut normals);
-            let (dw, [time]) = (self.drawn.increments(), &mut self.random_time.0);
+            let (dw, [time]) = (&self.drawn.increments[..], &mut self.random_time.0);
             time_change.advance(n - 1, dw, &normals.0[0], time);
         }
-        let complete = self.sums.push(self.drawn.increments());
+        let complete = self.sums.push(&self.drawn.increments);
         if let Some(areas) = &mut self.areas {
-            areas.push(&self.drawn, &self.sums, complete);
+            areas.push(&self.drawn.areas, &self.sums, complete);
         }
         for batch in driver.batches.iter().filter(|batch| batch.due_level() <= complete) {
             let StepPair { before, now } = steps[batch.level];
@@ -325,8 +333,8 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
         let level = batch.level;
         let increment =
             if one_before { self.sums.first_half(level + 1) } else { self.sums.increment(level) };
-        if clip(increment, batch.bounds.increment, self.truncated.increments_mut()) > 0 {
-            let (paths, count) = differing(increment, self.truncated.increments(), self.live);
+        if clip(increment, batch.bounds.increment, &mut self.truncated.increments) > 0 {
+            let (paths, count) = differing(increment, &self.truncated.increments, self.live);
             for &run in &batch.runs {
                 self.clipped[run] = self.clipped[run].or(paths);
             }
@@ -335,11 +343,8 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
             }
         }
         if let Some(areas) = &self.areas {
-            let (bound, noise) = (batch.bounds.area, &mut self.truncated);
-            match one_before {
-                true => areas.clip_first_half(level + 1, bound, noise),
-                false => areas.clip(level, bound, noise),
-            }
+            let areas = if one_before { areas.first_half(level + 1) } else { areas.areas(level) };
+            clip_areas(self.driver.noises, areas, batch.bounds.area, &mut self.truncated.areas);
         }
     }
 
@@ -367,11 +372,11 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
     /// themselves. Called once in each coarsest step.
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
         for (number, state) in self.states.iter().enumerate() {
-            if dispatch(AreFinite(state.rows())) {
+            if dispatch(AreFinite(state.state())) {
                 continue;
             }
             let mut status = BlockStatus::explicit();
-            status.fail_where_not_finite(state.rows());
+            status.fail_where_not_finite(state.state());
             let failed = status.failed.and(self.live);
             for p in failed.paths() {
                 let step = (n >> self.driver.runs[number].level).saturating_sub(1);

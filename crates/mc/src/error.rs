@@ -32,6 +32,14 @@ pub enum LadderError {
     /// Noise cannot be truncated, or areas cannot be drawn, at one of the step sizes.
     #[error(transparent)]
     Noise(#[from] NoiseError),
+    /// A recording has more or fewer noises than the problem.
+    #[error("the recording must have the {noises} noises of the problem, got {recorded}")]
+    RecordedNoises {
+        /// The noises of the recording.
+        recorded: usize,
+        /// The noises of the problem.
+        noises: usize,
+    },
     /// A recording has more or fewer steps than the ladder has finest steps.
     #[error("the recording must have as many steps as the finest level, {steps}, got {recorded}")]
     RecordedSteps {
@@ -57,12 +65,6 @@ pub enum LadderError {
          increments only"
     )]
     NoAreas {
-        /// The scheme.
-        scheme: &'static str,
-    },
-    /// A scheme reads Lévy areas, and the noise of a number that is known at run time has none.
-    #[error("{scheme} reads Levy areas, which this noise does not have: it has increments only")]
-    NoiseWithoutAreas {
         /// The scheme.
         scheme: &'static str,
     },

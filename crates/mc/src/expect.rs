@@ -2,19 +2,18 @@
 
 use std::{cell::Cell, sync::Arc};
 
-use noise::{BlockNoise, NoiseRows, StepNoise, StreamKey, Truncation};
-use schemes::{DynScheme, Nv, Sexp, SexpLi, Sweep, run_time::SchemeError};
-use systems::{Damping, Flows, Linearity, PoissonSystem, Problem, run_time};
+use noise::{StreamKey, Truncation};
+use schemes::{Method, Nv, Sexp, SexpLi, Sweep, run_time::SchemeError};
+use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
 use crate::{
-    DynProblem, Observable, Observe, Setup,
+    Observable, Observe, Problem, Setup, bind_owned,
     multilevel::{
         Coupling, Expectation, ExpectationSettings, MultilevelError, Orders, QuasiSettings, SoFar,
         Warning, quasi_expectation,
     },
     observable::erased,
     parts::Job,
-    setup::bound_owning,
 };
 
 /// E[φ(y(T))] of every φ to the half-width `accuracy`: value, interval, cost and decisions.
@@ -40,7 +39,7 @@ use crate::{
 /// # Errors
 /// Those of [`Expect::run`].
 pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
+    problem: &systems::Problem<S, G, D>,
     observables: &[Observable<D>],
     accuracy: f64,
 ) -> Result<Expectation, MultilevelError> {
@@ -67,8 +66,8 @@ pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 /// if errors fell as N^{−3/2} ([`Warning::OutOfReach`]).
 ///
 /// What was decided is in [`Expectation::decisions`].
-pub struct Expect<'a, N> {
-    candidates: Vec<Candidate<'a, N>>,
+pub struct Expect<'a> {
+    candidates: Vec<Candidate<'a>>,
     key: StreamKey,
     scrambles: u64,
     max_cost: u64,
@@ -77,40 +76,36 @@ pub struct Expect<'a, N> {
 }
 
 /// A scheme with which an expectation may be computed.
-struct Candidate<'a, N> {
-    setup: Setup<'a, N>,
+struct Candidate<'a> {
+    setup: Setup<'a>,
     /// The scheme with the noises in the other order.
-    mirror: Option<Arc<dyn DynScheme<N> + 'a>>,
+    mirror: Option<Arc<dyn Method + 'a>>,
     orders: Orders,
     /// Why it is this one.
     reason: String,
 }
 
-impl<'a, const M: usize> Expect<'a, BlockNoise<M>> {
+impl<'a> Expect<'a> {
     /// Expectations of a problem.
-    pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
-        problem: &'a Problem<S, G, D>,
+    pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+        problem: &'a systems::Problem<S, G, D>,
     ) -> Self {
-        let setup = |scheme| Setup {
-            problem: DynProblem::of(problem),
-            scheme: bound_owning(problem.system(), scheme),
-        };
+        let setup =
+            |scheme| Setup { problem: Problem::of(problem), scheme: bind_owned(problem, scheme) };
         let first = SexpLi::new(problem.system(), problem.y0());
         let first = first.map(|scheme| Candidate::of_order_one(setup(Box::new(scheme))));
         Self::of(first.map_err(|error| error.to_string()), setup(Box::new(Sexp)))
     }
 
     /// Expectations of a problem whose system has parts with flows, which cost less.
-    pub fn by_parts<S: Flows<D, M>, G: Damping, const D: usize>(
-        problem: &'a Problem<S, G, D>,
+    pub fn by_parts<S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
+        problem: &'a systems::Problem<S, G, D>,
     ) -> Self {
-        let scheme = bound_owning(problem.system(), Box::new(Sexp));
-        let sexp = Setup { problem: DynProblem::of(problem), scheme };
+        let sexp =
+            Setup { problem: Problem::of(problem), scheme: bind_owned(problem, Box::new(Sexp)) };
         Self::of(Ok(by_parts(problem)), sexp)
     }
-}
 
-impl<'a> Expect<'a, NoiseRows> {
     /// Expectations of a problem known at run time.
     ///
     /// # Errors
@@ -130,11 +125,11 @@ impl<'a> Expect<'a, NoiseRows> {
 
 /// `nv` with the flows of the parts.
 fn by_parts<'a, S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
-    problem: &'a Problem<S, G, D>,
-) -> Candidate<'a, BlockNoise<M>> {
-    let of = |sweep| bound_owning(problem.system(), Box::new(Nv::of_parts().with_sweep(sweep)));
+    problem: &'a systems::Problem<S, G, D>,
+) -> Candidate<'a> {
+    let of = |sweep| bind_owned(problem, Box::new(Nv::of_parts().with_sweep(sweep)));
     Candidate {
-        setup: Setup { problem: DynProblem::of(problem), scheme: of(Sweep::Forward) },
+        setup: Setup { problem: Problem::of(problem), scheme: of(Sweep::Forward) },
         mirror: (M > 1).then(|| of(Sweep::Backward)),
         orders: Orders { weak: 2.0, next: 4.0 },
         reason: "nv: weak order two, with the flows of the parts".into(),
@@ -144,9 +139,9 @@ fn by_parts<'a, S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
 /// How often the coarsest level takes twice as many steps where paths fail.
 const REFINEMENTS: u32 = 8;
 
-impl<'a, N: StepNoise> Expect<'a, N> {
+impl<'a> Expect<'a> {
     /// The first scheme where it is for the system, and `sexp`.
-    fn of(first: Result<Candidate<'a, N>, String>, sexp: Setup<'a, N>) -> Self {
+    fn of(first: Result<Candidate<'a>, String>, sexp: Setup<'a>) -> Self {
         let mut sexp = Candidate::of_order_one(sexp);
         let why = match &first {
             Ok(first) => format!("paths of {} fail", first.setup.scheme.id()),
@@ -289,7 +284,7 @@ impl<'a, N: StepNoise> Expect<'a, N> {
         unreachable!("the last candidate returns")
     }
 
-    fn settings(&self, candidate: &Candidate<'_, N>, steps: u64) -> ExpectationSettings {
+    fn settings(&self, candidate: &Candidate<'_>, steps: u64) -> ExpectationSettings {
         let clips = candidate.setup.scheme.clips_increments();
         let truncation = if clips { clipping() } else { Truncation::none() };
         ExpectationSettings {
@@ -305,8 +300,8 @@ impl<'a, N: StepNoise> Expect<'a, N> {
 /// Points of each scramble in the pilot.
 const PILOT_POINTS: u64 = 128;
 
-impl<'a, N: StepNoise> Candidate<'a, N> {
-    fn of_order_one(setup: Setup<'a, N>) -> Self {
+impl<'a> Candidate<'a> {
+    fn of_order_one(setup: Setup<'a>) -> Self {
         let reason = format!("{}: weak order one", setup.scheme.id());
         Self { setup, mirror: None, orders: Orders { weak: 1.0, next: 2.0 }, reason }
     }

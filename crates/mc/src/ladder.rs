@@ -2,45 +2,20 @@
 
 use std::ops::Range;
 
-use noise::{BlockNoise, StepNoise, StreamKey, Truncation};
+use noise::{StreamKey, Truncation};
 use real::{PathMask, Row};
-use schemes::{RunState, Scheme, Step, StepError};
+use schemes::{Step, StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
-use systems::{Damping, PoissonSystem, Problem};
 
 use crate::{
-    DynProblem, DynRun, LadderError, NoiseSource, PathFailure,
+    LadderError, NoiseSource, PathFailure, Problem, Run,
     driver::{Batch, Bounds, Driver, Failed, GROUP_PATHS, StepTable, Tally},
     noise_source::Drawn,
     observable::{components, path},
     parallel::grow,
     parts::{Fingerprint, Hash, Job, Stop, Work, bytes, of_problem, probe_states},
-    setup::bound,
     tree::{MergeTree, Node},
 };
-
-/// A scheme on a level of a ladder. Its steps consist of 2^level finest steps.
-pub struct Run<'a, S, const D: usize, const M: usize> {
-    /// The scheme.
-    pub scheme: &'a dyn Scheme<S, D, M>,
-    /// The level; 0 is the finest.
-    pub level: usize,
-    /// Whether the two increments in every step of the level above are exchanged. The result is the
-    /// antithetic path (Giles and Szpruch 2014), with the same law and the same coarse path.
-    pub swapped: bool,
-}
-
-impl<'a, S, const D: usize, const M: usize> Run<'a, S, D, M> {
-    /// The scheme on the increments in their order.
-    pub fn new(scheme: &'a dyn Scheme<S, D, M>, level: usize) -> Self {
-        Self { scheme, level, swapped: false }
-    }
-
-    /// The scheme on exchanged increments.
-    pub fn swapped(scheme: &'a dyn Scheme<S, D, M>, level: usize) -> Self {
-        Self { scheme, level, swapped: true }
-    }
-}
 
 /// The state of all runs on one block at the end of a coarsest step, a time of all levels.
 #[derive(Clone, Copy)]
@@ -66,13 +41,13 @@ pub(crate) trait States {
     fn state(&self, run: usize) -> &[Row];
 }
 
-impl<N> States for Vec<Box<dyn RunState<N> + '_>> {
+impl States for Vec<Box<dyn Stepper + '_>> {
     fn runs(&self) -> usize {
         self.len()
     }
 
     fn state(&self, run: usize) -> &[Row] {
-        self[run].rows()
+        self[run].state()
     }
 }
 
@@ -155,10 +130,9 @@ pub trait TimeChange: Send + Sync {
     fn advance(&self, n: u64, dw: &[Row], normals: &Row, random_time: &mut Row);
 }
 
-/// Several runs, each a scheme at a step size, on a dyadic ladder of steps with the same noise. N
-/// is the noise of a step, for M noises [`BlockNoise<M>`].
-pub struct Ladder<'a, N> {
-    driver: Driver<'a, N>,
+/// Several runs, each a scheme at a step size, on a dyadic ladder of steps with the same noise.
+pub struct Ladder<'a> {
+    driver: Driver<'a>,
     /// Bytes of stack for a group.
     stack: usize,
     /// The hash of the problem.
@@ -195,9 +169,9 @@ const DESCRIBED_FAILURES: usize = 8;
 /// Paths on which a statistic is tried for its fingerprint.
 const PROBES: usize = 8;
 
-impl<'a, const M: usize> Ladder<'a, BlockNoise<M>> {
-    /// A ladder with `finest_steps` steps on [0, T] at level 0 and `levels` levels above it. The
-    /// noise is drawn from the streams of `key`.
+impl<'a> Ladder<'a> {
+    /// A ladder with `finest_steps` steps on [0, T] at level 0 and `levels` levels above it, for
+    /// schemes on the system of `problem`. The noise is drawn from the streams of `key`.
     ///
     /// If a scheme reads Lévy areas, they are drawn on the finest steps by the method of Mrongowius
     /// and Rößler (2022) with an error of at most τ^{3/2}, as strong order 1 requires. Chen's
@@ -211,37 +185,13 @@ impl<'a, const M: usize> Ladder<'a, BlockNoise<M>> {
     /// - [`LadderError::Noise`] if the truncation is undefined at a step size, or if the areas need
     ///   too many terms.
     /// - [`LadderError::Step`] if the finest step underflows.
-    pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
-        problem: &'a Problem<S, G, D>,
+    pub fn new(
+        problem: &Problem<'a>,
         finest_steps: u64,
         levels: usize,
         truncation: Truncation,
         key: StreamKey,
-        runs: Vec<Run<'a, S, D, M>>,
-    ) -> Result<Self, LadderError> {
-        let run = |Run { scheme, level, swapped }| DynRun {
-            scheme: bound(problem.system(), scheme),
-            level,
-            swapped,
-        };
-        let runs = runs.into_iter().map(run).collect();
-        Self::of(&DynProblem::of(problem), finest_steps, levels, truncation, key, runs)
-    }
-}
-
-impl<'a, N: StepNoise> Ladder<'a, N> {
-    /// The same for a problem of any dimension and schemes on its system.
-    ///
-    /// # Errors
-    /// As [`new`](Ladder::new), and [`LadderError::NoiseWithoutAreas`] if a scheme reads Lévy areas
-    /// and N has none.
-    pub fn of(
-        problem: &DynProblem<'a>,
-        finest_steps: u64,
-        levels: usize,
-        truncation: Truncation,
-        key: StreamKey,
-        runs: Vec<DynRun<'a, N>>,
+        runs: Vec<Run<'a>>,
     ) -> Result<Self, LadderError> {
         let coarsest = 1u64.checked_shl(levels as u32).unwrap_or(u64::MAX);
         if finest_steps == 0 || !finest_steps.is_multiple_of(coarsest) {
@@ -254,9 +204,6 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
         }
         let area_reader = runs.iter().find(|run| run.scheme.reads_areas());
         let area_reader = area_reader.map(|run| run.scheme.id());
-        if let Some(scheme) = area_reader.filter(|_| N::area_sums(0).is_none()) {
-            return Err(LadderError::NoiseWithoutAreas { scheme });
-        }
         let area_noises = area_reader.map(|_| problem.noises);
         let mut driver = Driver {
             damping: problem.damping,
@@ -274,7 +221,7 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
             described_failures: DESCRIBED_FAILURES,
             steps: StepTable::new(finest_steps, levels),
         };
-        for (number, &DynRun { ref scheme, level, swapped }) in runs.iter().enumerate() {
+        for (number, &Run { ref scheme, level, swapped }) in runs.iter().enumerate() {
             if level + usize::from(swapped) > levels {
                 return Err(LadderError::Level { level, swapped, levels });
             }
@@ -304,9 +251,9 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
     /// # Errors
     /// Those of [`NoiseSource::check`]: a recording must have the finest steps of the ladder, and
     /// areas if a scheme reads them.
-    pub fn with_noise(mut self, source: impl NoiseSource<N> + 'a) -> Result<Self, LadderError> {
-        let Driver { t_end, finest_steps, area_reader, .. } = self.driver;
-        source.check(t_end, finest_steps, area_reader)?;
+    pub fn with_noise(mut self, source: impl NoiseSource + 'a) -> Result<Self, LadderError> {
+        let Driver { noises, t_end, finest_steps, area_reader, .. } = self.driver;
+        source.check(noises, t_end, finest_steps, area_reader)?;
         self.driver.noise = Box::new(source);
         Ok(self)
     }
@@ -508,7 +455,7 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
     }
 
     fn failure(&self, &Failed { run, path, step, cause }: &Failed) -> PathFailure {
-        let DynRun { ref scheme, level, swapped } = self.driver.runs[run];
+        let Run { ref scheme, level, swapped } = self.driver.runs[run];
         let (scheme, key, tau) = (scheme.id(), self.driver.key, self.driver.tau(level));
         PathFailure { path, key, scheme, swapped, tau, step, cause }
     }
@@ -523,13 +470,13 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
             hash.with_number(batch.due_level() as u64).with_reals([increment, area])
         });
         // The first noise of the first block, drawn or given, with areas where they are read.
-        let mut noise = N::zero(self.driver.noises);
+        let mut noise = self.driver.no_noise();
         (self.driver.noise.block(0))(&mut noise);
-        schemes = schemes.with_reals(noise.increments().as_flattened().iter().copied());
+        schemes = schemes.with_reals(noise.increments.as_flattened().iter().copied());
         let mut random_time = probe_states(&[1.0], 0)[0];
         if let Some(time_change) = self.driver.time_change {
             let normals = probe_states(&[1.0], 1)[0];
-            time_change.advance(0, noise.increments(), &normals, &mut random_time);
+            time_change.advance(0, &noise.increments, &normals, &mut random_time);
             schemes = schemes.with_reals(random_time);
         }
         let (mut states, mut statuses) = (Vec::new(), Vec::new());
@@ -541,7 +488,7 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
             }
             let place = 2 * run.level as u64 + u64::from(run.swapped);
             let of_run = Hash::with(schemes, run.scheme.id().as_bytes()).with_number(place);
-            schemes = of_run.with_reals(y.rows().as_flattened().iter().copied());
+            schemes = of_run.with_reals(y.state().as_flattened().iter().copied());
             states.push(y);
             statuses.push(status);
         }

@@ -1,12 +1,12 @@
 //! One path of a system with very many components.
 
-use noise::{NoiseError, StreamKey, Truncation, WienerPath, WienerRows};
+use noise::{NoiseError, StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::BlockStatus;
 use rayon::prelude::*;
 use real::{OutOfMemory, Row, Rows, WIDTH};
 use schemes::{
-    Step, StepError,
-    run_time::{Scheme, SchemeError, Stepper},
+    Step, StepError, Stepper,
+    run_time::{Scheme, SchemeError},
 };
 use systems::{
     Damping,
@@ -46,8 +46,8 @@ pub struct LargePath<'a> {
     system: &'a dyn System,
     damping: &'a dyn Damping,
     stepper: Box<dyn Stepper + 'a>,
-    noise: Noise,
-    dw: Rows,
+    source: Source,
+    noise: StepNoise,
     /// Increments are clipped at this.
     bound: f64,
     tau: f64,
@@ -84,7 +84,7 @@ pub enum LargePathError {
 }
 
 /// Where increments come from.
-enum Noise {
+enum Source {
     /// One stream, whose normals are the same for all components.
     Common(WienerPath<1>),
     /// Streams for every tile.
@@ -125,17 +125,17 @@ impl<'a> LargePath<'a> {
             stepper.state_mut()[row][place] = y;
         }
         let tiles = system.rows().div_ceil(system.tile_rows()) as u64;
-        let noise = if system.local_noise() {
+        let source = if system.local_noise() {
             let key = key.of_tiles(path);
             let streams = |tile| WienerRows::new(key, tile * WIDTH as u64);
-            Noise::Local((0..tiles).map(streams).collect())
+            Source::Local((0..tiles).map(streams).collect())
         } else {
-            Noise::Common(WienerPath::new(key, path))
+            Source::Common(WienerPath::new(key, path))
         };
-        let dw = Rows::zero(system.noise_rows())?;
+        let noise = Rows::zero(system.noise_rows())?.into();
         let (scheme, cause) = (scheme.id(), Cause::NotFinite);
         let failure = PathFailure { path, key, scheme, swapped: false, tau, step: 0, cause };
-        Ok(Self { system, damping, stepper, noise, dw, bound, tau, done: 0, failure })
+        Ok(Self { system, damping, stepper, source, noise, bound, tau, done: 0, failure })
     }
 
     /// Advances by so many steps, also beyond T.
@@ -149,7 +149,7 @@ impl<'a> LargePath<'a> {
             let step = Step::new(self.damping, self.done, self.tau)
                 .unwrap_or_else(|error| unreachable!("{error}"));
             self.draw();
-            self.stepper.step(&step, &self.dw, &mut status);
+            self.stepper.step(&step, &self.noise, &mut status);
             let failed = |cause| Err(PathFailure { step: self.done, cause, ..self.failure });
             if !status.failed.is_empty() {
                 return failed(Cause::of_residual(status.residual(0)));
@@ -165,14 +165,14 @@ impl<'a> LargePath<'a> {
     /// Draws the increments of the next step.
     fn draw(&mut self) {
         let (sqrt_tau, bound) = (self.tau.sqrt(), self.bound);
-        match &mut self.noise {
-            Noise::Common(stream) => {
-                for row in self.dw.iter_mut() {
+        match &mut self.source {
+            Source::Common(stream) => {
+                for row in self.noise.increments.iter_mut() {
                     *row = [(stream.normal() * sqrt_tau).clamp(-bound, bound); WIDTH];
                 }
             }
-            Noise::Local(streams) => {
-                let tiles = self.dw.par_chunks_mut(self.system.tile_rows());
+            Source::Local(streams) => {
+                let tiles = self.noise.increments.par_chunks_mut(self.system.tile_rows());
                 tiles.zip(streams).for_each(|(dw, stream)| {
                     stream.increments(sqrt_tau, dw);
                     if bound < f64::INFINITY {

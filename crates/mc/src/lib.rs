@@ -6,7 +6,7 @@
 //! with samples nor with steps. [`trajectory`] and [`Simulation`] store whole paths.
 //!
 //! ```
-//! use mc::{Ladder, Reference, Run, StrongErrors};
+//! use mc::{Ladder, Reference, Run, StrongErrors, bind};
 //! use noise::{StreamKey, Truncation};
 //! use schemes::{EulerMaruyama, Sexp};
 //! use systems::{Constant, Pendulum, Problem};
@@ -14,9 +14,10 @@
 //! let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
 //! let (sexp, em) = (Sexp, EulerMaruyama);
 //! // The reference at 256 steps, then both schemes at 32 steps (level 3).
-//! let runs = vec![Run::new(&sexp, 0), Run::new(&sexp, 3), Run::new(&em, 3)];
+//! let (sexp, em) = (bind(&problem, &sexp), bind(&problem, &em));
+//! let runs = vec![Run::new(sexp.clone(), 0), Run::new(sexp, 3), Run::new(em, 3)];
 //! let key = StreamKey { seed: 1, experiment: 1 };
-//! let ladder = Ladder::new(&problem, 256, 3, Truncation::new(4)?, key, runs)?;
+//! let ladder = Ladder::new(&mc::Problem::of(&problem), 256, 3, Truncation::new(4)?, key, runs)?;
 //! let series = [vec![1], vec![2]];
 //! let errors = || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps());
 //! let measured = ladder.run(64, errors, &|_| ());
@@ -37,16 +38,17 @@
 //! | [`Simulation`], [`TimeSeries`] | tables of states, observables and invariants |
 //! | [`write_csv`], [`write_json`] | tables as files |
 //! | [`mod@study`], [`StudySettings`] | means, quantiles and histograms of many paths in time |
-//! | [`Setup`], [`LargePath`] | problems and large systems known at run time |
+//! | [`Problem`], [`bind`], [`Setup`] | a problem, a scheme on its system, and both |
+//! | [`LargePath`] | one path of a large system |
 //! | [`Recording`] | the increments of a path, to exchange with other programs |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme and points chosen |
 //! | [`multilevel`] | the same with a given scheme, levels and random points |
 //! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
 //!
-//! Everything but [`trajectory`] also takes a [`DynProblem`] or a [`Setup`], whose dimension and
-//! number of noises are known at run time only: [`Ladder::of`], [`DynSimulation`], [`Study::of`],
-//! [`multilevel::expectation_of`].
+//! Dimension and number of noises are no part of a type here: [`Problem::of`], [`Setup::of`] and
+//! [`bind`] take what the compiler knows, [`Problem::at_run_time`] and [`Setup::at_run_time`]
+//! systems known at run time, such as formulas.
 
 mod driver;
 mod error;
@@ -72,16 +74,15 @@ mod tree;
 pub use error::LadderError;
 pub use expect::{Expect, expect};
 pub use failure::{Cause, PathFailure};
-pub use ladder::{Kept, Ladder, Measured, Run, Statistic, TimeChange, View};
+pub use ladder::{Kept, Ladder, Measured, Statistic, TimeChange, View};
 pub use large_path::{LargePath, LargePathError};
 pub use noise_source::{NextNoise, NoiseSource};
-pub use observable::{Observable, Observe, RowFunction};
+pub use observable::{Observable, Observe, RowFunction, StateFunction};
 pub use recording::{Recording, RecordingError};
 pub use seen_damping::SeenDamping;
-pub use setup::{ConformalLaw, DynProblem, DynRun, Formulas, Setup};
+pub use setup::{ConformalLaw, Formulas, Problem, Run, Setup, bind, bind_owned};
 pub use simulation::{
-    Column, DynSimulation, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv,
-    write_json,
+    Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,
 };
 pub use strong::{Reference, Squares, StrongErrors, StrongSums, WorstTimes, squared_distance};
 pub use study::{Study, StudyError, StudyResult, StudySettings, Times, study};

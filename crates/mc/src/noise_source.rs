@@ -1,37 +1,38 @@
 //! Sources of the noise of the finest steps.
 
-use noise::{AreaMethod, StepNoise, StreamKey, WienerRows, strong_order_one_error};
+use noise::{AreaMethod, AreaSampler, StepNoise, StreamKey, WienerRows, strong_order_one_error};
 
 use crate::LadderError;
 
-/// Writes the noise of the next finest step of a block.
-pub type NextNoise<'a, N> = Box<dyn FnMut(&mut N) + Send + 'a>;
+/// Writes the noise of the next finest step of a block; areas if there are rows for them.
+pub type NextNoise<'a> = Box<dyn FnMut(&mut StepNoise) + Send + 'a>;
 
-/// A source of increments and Lévy areas, for noise that is not drawn from the streams of a key. N
-/// is the noise of a step, for M noises [`BlockNoise<M>`](noise::BlockNoise).
-pub trait NoiseSource<N>: Sync {
+/// A source of increments and Lévy areas, for noise that is not drawn from the streams of a key.
+pub trait NoiseSource: Sync {
     /// The untruncated noise of the 32 paths from `first_path` on, one finest step per call.
-    fn block(&self, first_path: u64) -> NextNoise<'_, N>;
+    fn block(&self, first_path: u64) -> NextNoise<'_>;
 
-    /// Checks that the source has the noise of `steps` equal steps on [0, `t_end`], with areas if
-    /// the scheme `area_reader` reads them. By default it has.
+    /// Checks that the source has so many noises on `steps` equal steps of [0, `t_end`], with areas
+    /// if the scheme `area_reader` reads them. By default it has.
     ///
     /// # Errors
-    /// [`LadderError::RecordedSteps`], [`LadderError::Duration`] or [`LadderError::NoAreas`].
+    /// [`LadderError::RecordedNoises`], [`LadderError::RecordedSteps`], [`LadderError::Duration`] or
+    /// [`LadderError::NoAreas`].
     fn check(
         &self,
+        noises: usize,
         t_end: f64,
         steps: u64,
         area_reader: Option<&'static str>,
     ) -> Result<(), LadderError> {
-        let _ = (t_end, steps, area_reader);
+        let _ = (noises, t_end, steps, area_reader);
         Ok(())
     }
 }
 
 /// A function of `first_path` is a source.
-impl<N, F: Fn(u64) -> NextNoise<'static, N> + Sync> NoiseSource<N> for F {
-    fn block(&self, first_path: u64) -> NextNoise<'_, N> {
+impl<F: Fn(u64) -> NextNoise<'static> + Sync> NoiseSource for F {
+    fn block(&self, first_path: u64) -> NextNoise<'_> {
         self(first_path)
     }
 }
@@ -41,7 +42,8 @@ impl<N, F: Fn(u64) -> NextNoise<'static, N> + Sync> NoiseSource<N> for F {
 pub(crate) struct Drawn {
     key: StreamKey,
     tau: f64,
-    areas: Option<(AreaMethod, usize)>,
+    /// The number of noises that have areas, and how these are drawn.
+    areas: Option<(usize, AreaMethod, usize)>,
 }
 
 impl Drawn {
@@ -53,21 +55,24 @@ impl Drawn {
         area_noises: Option<usize>,
     ) -> Result<Self, LadderError> {
         let method = AreaMethod::MrongowiusRoessler;
-        let terms = area_noises.map(|m| method.terms_for(strong_order_one_error(tau), tau, m));
-        Ok(Self { key, tau, areas: terms.transpose()?.map(|terms| (method, terms)) })
+        let areas = area_noises.map(|noises| {
+            let terms = method.terms_for(strong_order_one_error(tau), tau, noises)?;
+            Ok::<_, LadderError>((noises, method, terms))
+        });
+        Ok(Self { key, tau, areas: areas.transpose()? })
     }
 }
 
-impl<N: StepNoise> NoiseSource<N> for Drawn {
-    fn block(&self, first_path: u64) -> NextNoise<'_, N> {
+impl NoiseSource for Drawn {
+    fn block(&self, first_path: u64) -> NextNoise<'_> {
         let mut increments = WienerRows::new(self.key, first_path);
-        let mut areas = self
-            .areas
-            .and_then(|(method, terms)| N::area_draw(self.key, first_path, method, terms));
+        let mut areas = self.areas.map(|(noises, method, terms)| {
+            AreaSampler::new(self.key, first_path, noises, method, terms)
+        });
         Box::new(move |noise| {
-            noise.draw(&mut increments, self.tau.sqrt());
-            if let Some(draw) = &mut areas {
-                draw(self.tau, noise);
+            increments.increments(self.tau.sqrt(), &mut noise.increments);
+            if let Some(areas) = &mut areas {
+                areas.areas(self.tau, &noise.increments, &mut noise.areas);
             }
         })
     }

@@ -48,8 +48,42 @@ impl<F: Fn(&[Row], &mut Row) + Sync> Observe for RowFunction<F> {
     }
 }
 
+/// A test function of D components, such as a closure.
+pub struct StateFunction<F, const D: usize> {
+    name: String,
+    function: F,
+}
+
+impl<F: Fn([f64; D]) -> f64 + Sync, const D: usize> StateFunction<F, D> {
+    /// φ with its name in results.
+    pub fn new(name: impl Into<String>, function: F) -> Self {
+        Self { name: name.into(), function }
+    }
+}
+
+impl<F: Fn([f64; D]) -> f64 + Sync, const D: usize> Observe for StateFunction<F, D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
+        let y = components(y);
+        live.paths().for_each(|p| values[p] = (self.function)(path(y, p)));
+    }
+}
+
+impl<T: Observe + ?Sized> Observe for &T {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+
+    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
+        (**self).evaluate(y, live, values);
+    }
+}
+
 /// Observables as objects.
-pub(crate) fn erased<const D: usize>(observables: &[Observable<D>]) -> Vec<&dyn Observe> {
+pub(crate) fn erased<O: Observe>(observables: &[O]) -> Vec<&dyn Observe> {
     observables.iter().map(|observable| observable as &dyn Observe).collect()
 }
 

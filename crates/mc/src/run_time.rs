@@ -2,20 +2,20 @@
 
 use std::{borrow::Borrow, sync::Arc};
 
-use noise::NoiseRows;
+use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, Rows};
 use schemes::{
-    DynScheme, RunState, Step,
-    run_time::{Scheme, SchemeError, Stepper},
+    Method, Step, Stepper,
+    run_time::{Scheme, SchemeError},
 };
-use systems::run_time::{Problem, System, Weights};
+use systems::run_time::{self, System, Weights};
 
-use crate::{ConformalLaw, DynProblem, Formulas, Setup, observable::splat};
+use crate::{ConformalLaw, Formulas, Problem, Setup, observable::splat};
 
-impl<'a> DynProblem<'a> {
+impl<'a> Problem<'a> {
     /// The problem with a system that is known at run time.
-    pub fn at_run_time(problem: &'a Problem) -> Self {
+    pub fn at_run_time(problem: &'a run_time::Problem) -> Self {
         let system = problem.system();
         Self {
             name: system.name().into(),
@@ -30,13 +30,13 @@ impl<'a> DynProblem<'a> {
     }
 }
 
-impl<'a> Setup<'a, NoiseRows> {
+impl<'a> Setup<'a> {
     /// A problem whose system is known at run time, and a scheme for it. Every statistic, study and
     /// expectation takes it.
     ///
     /// ```
     /// use std::sync::Arc;
-    /// use mc::{DynSimulation, Setup};
+    /// use mc::{Setup, Simulation};
     /// use noise::{StreamKey, Truncation};
     /// use schemes::SexpLi;
     /// use systems::{Constant, run_time::{Couplings, Problem, Shape, SpinLattice}};
@@ -49,7 +49,7 @@ impl<'a> Setup<'a, NoiseRows> {
     /// let y0 = [1.0, 0.0, 0.0].repeat(4);
     /// let problem = Problem::new(Arc::new(ring), Arc::new(Constant::new(0.1)?), y0, 1.0)?;
     /// let setup = Setup::at_run_time(&problem, &scheme)?;
-    /// let simulation = DynSimulation::new(setup, Truncation::new(4)?);
+    /// let simulation = Simulation::new(setup, Truncation::new(4)?);
     /// let key = StreamKey { seed: 1, experiment: 0 };
     /// let paths = simulation.paths(64, key, 0..2)?;
     /// // Each length is on its law.
@@ -61,7 +61,10 @@ impl<'a> Setup<'a, NoiseRows> {
     /// Those of [`Scheme::stepper`]: the scheme is not for the system, or there is no memory.
     /// [`SchemeError::OnePath`] if rows of the system hold one path, which is for
     /// [`LargePath`](crate::LargePath).
-    pub fn at_run_time(problem: &'a Problem, scheme: &'a dyn Scheme) -> Result<Self, SchemeError> {
+    pub fn at_run_time(
+        problem: &'a run_time::Problem,
+        scheme: &'a dyn Scheme,
+    ) -> Result<Self, SchemeError> {
         Self::with(problem, scheme)
     }
 
@@ -69,21 +72,24 @@ impl<'a> Setup<'a, NoiseRows> {
     ///
     /// # Errors
     /// Those of [`at_run_time`](Setup::at_run_time).
-    pub fn owning(problem: &'a Problem, scheme: Box<dyn Scheme + 'a>) -> Result<Self, SchemeError> {
+    pub fn owning(
+        problem: &'a run_time::Problem,
+        scheme: Box<dyn Scheme + 'a>,
+    ) -> Result<Self, SchemeError> {
         Self::with(problem, scheme)
     }
 
-    fn with<B>(problem: &'a Problem, scheme: B) -> Result<Self, SchemeError>
+    fn with<B>(problem: &'a run_time::Problem, scheme: B) -> Result<Self, SchemeError>
     where
         B: Borrow<dyn Scheme + 'a> + Send + Sync + 'a,
     {
         let system = problem.system();
-        if system.lanes() == systems::run_time::Lanes::Components {
+        if system.lanes() == run_time::Lanes::Components {
             return Err(SchemeError::OnePath { system: system.name().into() });
         }
         scheme.borrow().stepper(system)?;
         let scheme = Arc::new(Bound { system, scheme });
-        Ok(Self { problem: DynProblem::at_run_time(problem), scheme })
+        Ok(Self { problem: Problem::at_run_time(problem), scheme })
     }
 }
 
@@ -93,7 +99,7 @@ struct Bound<'a, B> {
     scheme: B,
 }
 
-impl<'a, B> DynScheme<NoiseRows> for Bound<'a, B>
+impl<'a, B> Method for Bound<'a, B>
 where
     B: Borrow<dyn Scheme + 'a> + Send + Sync,
 {
@@ -112,7 +118,7 @@ where
 
     /// # Panics
     /// If there is no more memory.
-    fn start(&self, y: &[Row]) -> Box<dyn RunState<NoiseRows> + '_> {
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let stepper = self.scheme.borrow().stepper(self.system);
         let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));
         stepper.state_mut().copy_from_slice(y);
@@ -131,9 +137,9 @@ struct Paths<'a> {
     guard: Option<Rows>,
 }
 
-impl RunState<NoiseRows> for Paths<'_> {
-    fn step(&mut self, step: &Step, noise: &NoiseRows, status: &mut BlockStatus) {
-        self.stepper.step(step, &noise.increments, status);
+impl Stepper for Paths<'_> {
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        self.stepper.step(step, noise, status);
         if let Some(scratch) = &mut self.guard {
             let mut guard = [0.0; real::WIDTH];
             self.system.guard(self.stepper.state(), &mut guard, scratch);
@@ -141,11 +147,11 @@ impl RunState<NoiseRows> for Paths<'_> {
         }
     }
 
-    fn rows(&self) -> &[Row] {
+    fn state(&self) -> &[Row] {
         self.stepper.state()
     }
 
-    fn rows_mut(&mut self) -> &mut [Row] {
+    fn state_mut(&mut self) -> &mut [Row] {
         self.stepper.state_mut()
     }
 }

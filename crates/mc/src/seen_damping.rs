@@ -8,12 +8,11 @@
 
 use std::cell::RefCell;
 
-use noise::StepNoise;
 use nonlin::BlockStatus;
-use schemes::{Scheme, Step};
-use systems::{Damping, PoissonSystem, Problem, RateQuadrature};
+use schemes::Step;
+use systems::{Damping, RateQuadrature};
 
-use crate::{DynProblem, Setup, observable::splat};
+use crate::{Problem, Setup, observable::splat};
 
 /// At this many times or fewer sums are compared with ∫γ.
 const MOST_TIMES: u64 = 1024;
@@ -48,24 +47,9 @@ pub struct SeenDamping<'a> {
 
 impl<'a> SeenDamping<'a> {
     /// For `coarsest_steps` steps on [0, T] or halvings of them.
-    pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-        scheme: &dyn Scheme<S, D, M>,
-        problem: &'a Problem<S, G, D>,
-        coarsest_steps: u64,
-    ) -> Self {
-        let tau = problem.t_end() / coarsest_steps as f64;
-        let reads_rates = reads_rates(&Setup::of(problem, scheme), tau);
-        Self::seen(problem.damping(), reads_rates, problem.t_end(), coarsest_steps)
-    }
-
-    /// The same for a problem of any dimension.
-    pub fn of<N: StepNoise>(setup: &Setup<'a, N>, coarsest_steps: u64) -> Self {
-        let DynProblem { damping, t_end, .. } = setup.problem;
+    pub fn new(setup: &Setup<'a>, coarsest_steps: u64) -> Self {
+        let Problem { damping, t_end, .. } = setup.problem;
         let reads_rates = reads_rates(setup, t_end / coarsest_steps as f64);
-        Self::seen(damping, reads_rates, t_end, coarsest_steps)
-    }
-
-    fn seen(damping: &'a dyn Damping, reads_rates: bool, t_end: f64, coarsest_steps: u64) -> Self {
         let mut times = coarsest_steps.max(1);
         while times > MOST_TIMES {
             times = if times.is_multiple_of(2) { times / 2 } else { 1 };
@@ -149,14 +133,15 @@ impl<'a> SeenDamping<'a> {
 
 /// Whether the scheme reads rates: whether its first step changes with them. If it seems to read
 /// neither rates nor integrals, as at the origin, it may read both.
-fn reads_rates<N: StepNoise>(setup: &Setup<'_, N>, tau: f64) -> bool {
+fn reads_rates(setup: &Setup<'_>, tau: f64) -> bool {
     let Setup { problem, scheme } = setup;
     let end = |rate: f64, integral: f64| {
         let damping = Other { damping: problem.damping, rate, integral };
         let step = Step::new(&damping, 0, tau).ok()?;
-        let (noise, mut state) = (N::zero(problem.noises), scheme.start(&splat(&problem.y0)));
+        let (noise, mut state) =
+            (scheme.no_noise(problem.noises), scheme.start(&splat(&problem.y0)));
         state.step(&step, &noise, &mut BlockStatus::explicit());
-        Some(state.rows().iter().map(|row| row[0].to_bits()).collect::<Vec<_>>())
+        Some(state.state().iter().map(|row| row[0].to_bits()).collect::<Vec<_>>())
     };
     let plain = end(0.0, 0.0);
     // Large enough to change every digit, small enough that a step succeeds.

@@ -1,22 +1,21 @@
-//! A problem and a scheme, whose dimension and number of noises are known at run time only.
+//! A problem and a scheme of any dimension, with any number of noises.
 
 use std::{ops::Deref, sync::Arc};
 
-use noise::BlockNoise;
+use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Block, Row};
-use schemes::{DynScheme, RunState, Scheme, Step};
-use systems::{
-    Damping, Invariant, InvariantKind, PoissonSystem, Problem, ito_correction, vector_field,
-};
+use schemes::{Method, Scheme, Step, Stepper};
+use systems::{Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, vector_field};
 
 use crate::observable::components;
 
-/// A problem of any dimension with any number of noises: what is needed of it beside the steps of
-/// schemes. That of a [`Problem`] is made where a `Problem` is given.
+/// A problem of any dimension with any number of noises: what a driver needs of it beside the steps
+/// of schemes. [`of`](Self::of) makes that of a [`systems::Problem`],
+/// [`at_run_time`](Self::at_run_time) that of a system known at run time.
 ///
 /// Paths start at `y0` at time 0 and end at `t_end`, which must be positive and finite.
-pub struct DynProblem<'a> {
+pub struct Problem<'a> {
     /// Name of the system.
     pub name: String,
     /// Its parameters, as far as it describes them.
@@ -63,43 +62,42 @@ pub trait Formulas: Sync {
     fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64>;
     /// ½Σₘ fₘ′(y)fₘ(y) with fₘ = B∇Hₘ, the drift that Itô's form of the equation has besides.
     fn ito_correction(&self, y: &[f64]) -> Vec<f64>;
-    /// The value at y of the function number `index` among [`DynProblem::laws`].
+    /// The value at y of the function number `index` among [`Problem::laws`].
     fn law(&self, index: usize, y: &[f64]) -> f64;
 }
 
-/// A problem and a scheme for it. N is the noise of a step, [`noise::NoiseRows`] where the number
-/// of noises is known at run time only.
+/// A problem and a scheme for it: what a simulation, a study, an expectation or an order is of.
 ///
 /// ```
 /// use std::sync::Arc;
 ///
-/// use mc::{DynProblem, DynSimulation, Formulas, Setup};
-/// use noise::{NoiseRows, StepNoise, StreamKey, Truncation};
+/// use mc::{Formulas, Problem, Setup, Simulation};
+/// use noise::{StepNoise, StreamKey, Truncation};
 /// use nonlin::BlockStatus;
 /// use real::Row;
-/// use schemes::{DynScheme, RunState, Step};
+/// use schemes::{Method, Step, Stepper};
 /// use systems::Constant;
 ///
 /// /// dy = dW by Euler's method, in any dimension.
 /// struct Walk;
 /// struct Walked(Vec<Row>);
 ///
-/// impl DynScheme<NoiseRows> for Walk {
+/// impl Method for Walk {
 ///     fn id(&self) -> &'static str { "euler" }
 ///     fn reads_areas(&self) -> bool { false }
 ///     fn clips_increments(&self) -> bool { false }
-///     fn start(&self, y: &[Row]) -> Box<dyn RunState<NoiseRows> + '_> {
+///     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
 ///         Box::new(Walked(y.to_vec()))
 ///     }
 /// }
-/// impl RunState<NoiseRows> for Walked {
-///     fn step(&mut self, _: &Step, noise: &NoiseRows, status: &mut BlockStatus) {
-///         let (y, dw) = (self.0.as_flattened_mut(), noise.increments().as_flattened());
+/// impl Stepper for Walked {
+///     fn step(&mut self, _: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+///         let (y, dw) = (self.0.as_flattened_mut(), noise.increments.as_flattened());
 ///         y.iter_mut().zip(dw).for_each(|(y, dw)| *y += dw);
 ///         *status = BlockStatus::explicit();
 ///     }
-///     fn rows(&self) -> &[Row] { &self.0 }
-///     fn rows_mut(&mut self) -> &mut [Row] { &mut self.0 }
+///     fn state(&self) -> &[Row] { &self.0 }
+///     fn state_mut(&mut self) -> &mut [Row] { &mut self.0 }
 /// }
 /// /// Its formulas tell a file of parts from that of another system.
 /// impl Formulas for Walk {
@@ -113,7 +111,7 @@ pub trait Formulas: Sync {
 /// }
 ///
 /// let (dimension, damping) = (5, Constant::new(0.0)?);
-/// let problem = DynProblem {
+/// let problem = Problem {
 ///     name: "walk".into(),
 ///     parameters: String::new(),
 ///     noises: dimension,
@@ -123,45 +121,46 @@ pub trait Formulas: Sync {
 ///     laws: Vec::new(),
 ///     formulas: Box::new(Walk),
 /// };
-/// let simulation =
-///     DynSimulation::new(Setup { problem, scheme: Arc::new(Walk) }, Truncation::none());
+/// let setup = Setup { problem, scheme: Arc::new(Walk) };
+/// let simulation = Simulation::new(setup, Truncation::none());
 /// let tables = simulation.paths(16, StreamKey { seed: 1, experiment: 0 }, 0..3)?;
 /// assert_eq!(tables[2].column("y5").map(<[f64]>::len), Some(17));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Setup<'a, N> {
+pub struct Setup<'a> {
     /// The problem.
-    pub problem: DynProblem<'a>,
+    pub problem: Problem<'a>,
     /// The scheme on the system of this problem.
-    pub scheme: Arc<dyn DynScheme<N> + 'a>,
+    pub scheme: Arc<dyn Method + 'a>,
 }
 
-/// A scheme on a level of a ladder, see [`Run`](crate::Run).
-pub struct DynRun<'a, N> {
-    /// The scheme on the system of the problem of the ladder.
-    pub scheme: Arc<dyn DynScheme<N> + 'a>,
+/// A scheme on a level of a ladder. Its steps consist of 2^level finest steps.
+pub struct Run<'a> {
+    /// The scheme on the system of the problem of the ladder, see [`bind`].
+    pub scheme: Arc<dyn Method + 'a>,
     /// The level; 0 is the finest.
     pub level: usize,
-    /// Whether the two increments in every step of the level above are exchanged.
+    /// Whether the two increments in every step of the level above are exchanged. The result is the
+    /// antithetic path (Giles and Szpruch 2014), with the same law and the same coarse path.
     pub swapped: bool,
 }
 
-impl<'a, N> DynRun<'a, N> {
+impl<'a> Run<'a> {
     /// The scheme on the increments in their order.
-    pub fn new(scheme: Arc<dyn DynScheme<N> + 'a>, level: usize) -> Self {
+    pub fn new(scheme: Arc<dyn Method + 'a>, level: usize) -> Self {
         Self { scheme, level, swapped: false }
     }
 
     /// The scheme on exchanged increments.
-    pub fn swapped(scheme: Arc<dyn DynScheme<N> + 'a>, level: usize) -> Self {
+    pub fn swapped(scheme: Arc<dyn Method + 'a>, level: usize) -> Self {
         Self { scheme, level, swapped: true }
     }
 }
 
-impl<'a> DynProblem<'a> {
+impl<'a> Problem<'a> {
     /// The problem with a system that the compiler knows.
     pub fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-        problem: &'a Problem<S, G, D>,
+        problem: &'a systems::Problem<S, G, D>,
     ) -> Self {
         let system = problem.system();
         Self {
@@ -177,30 +176,32 @@ impl<'a> DynProblem<'a> {
     }
 }
 
-impl<'a, const M: usize> Setup<'a, BlockNoise<M>> {
+impl<'a> Setup<'a> {
     /// A problem and a scheme that the compiler knows.
-    pub fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
-        problem: &'a Problem<S, G, D>,
+    pub fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+        problem: &'a systems::Problem<S, G, D>,
         scheme: &'a dyn Scheme<S, D, M>,
     ) -> Self {
-        Self { problem: DynProblem::of(problem), scheme: bound(problem.system(), scheme) }
+        Self { problem: Problem::of(problem), scheme: bind(problem, scheme) }
     }
 }
 
-/// A scheme on a system that are known to the compiler.
-pub(crate) fn bound<'a, S: Sync, const D: usize, const M: usize>(
-    system: &'a S,
+/// A scheme on the system of a problem.
+///
+/// The compiler knows both, and their kernel reads the noise of a step in place.
+pub fn bind<'a, S: Sync, G, const D: usize, const M: usize>(
+    problem: &'a systems::Problem<S, G, D>,
     scheme: &'a dyn Scheme<S, D, M>,
-) -> Arc<dyn DynScheme<BlockNoise<M>> + 'a> {
-    Arc::new(Bound { system, scheme })
+) -> Arc<dyn Method + 'a> {
+    Arc::new(Bound { system: problem.system(), scheme })
 }
 
-/// The same with a scheme of its own.
-pub(crate) fn bound_owning<'a, S: Sync, const D: usize, const M: usize>(
-    system: &'a S,
+/// A scheme that is given away, on the system of a problem; as [`bind`].
+pub fn bind_owned<'a, S: Sync, G, const D: usize, const M: usize>(
+    problem: &'a systems::Problem<S, G, D>,
     scheme: Box<dyn Scheme<S, D, M> + 'a>,
-) -> Arc<dyn DynScheme<BlockNoise<M>> + 'a> {
-    Arc::new(Bound { system, scheme })
+) -> Arc<dyn Method + 'a> {
+    Arc::new(Bound { system: problem.system(), scheme })
 }
 
 struct Compiled<'a, S, const D: usize, const M: usize> {
@@ -238,7 +239,7 @@ struct Bound<'a, S, B> {
     scheme: B,
 }
 
-impl<'a, S, B, const D: usize, const M: usize> DynScheme<BlockNoise<M>> for Bound<'a, S, B>
+impl<'a, S, B, const D: usize, const M: usize> Method for Bound<'a, S, B>
 where
     S: Sync,
     B: Deref<Target = dyn Scheme<S, D, M> + 'a> + Send + Sync,
@@ -261,7 +262,7 @@ where
         (1 << 19) + 256 * 8 * D * D
     }
 
-    fn start(&self, y: &[Row]) -> Box<dyn RunState<BlockNoise<M>> + '_> {
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let Self { system, scheme } = self;
         Box::new(BlockState { system: *system, scheme: &**scheme, y: Block(*components(y)) })
     }
@@ -274,16 +275,16 @@ struct BlockState<'a, S, const D: usize, const M: usize> {
     y: Block<D>,
 }
 
-impl<S: Sync, const D: usize, const M: usize> RunState<BlockNoise<M>> for BlockState<'_, S, D, M> {
-    fn step(&mut self, step: &Step, noise: &BlockNoise<M>, status: &mut BlockStatus) {
-        self.scheme.step_block(self.system, step, noise, &mut self.y, status);
-    }
-
-    fn rows(&self) -> &[Row] {
+impl<S: Sync, const D: usize, const M: usize> Stepper for BlockState<'_, S, D, M> {
+    fn state(&self) -> &[Row] {
         &self.y.0
     }
 
-    fn rows_mut(&mut self) -> &mut [Row] {
+    fn state_mut(&mut self) -> &mut [Row] {
         &mut self.y.0
+    }
+
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        self.scheme.step_block(self.system, step, &noise.into(), &mut self.y, status);
     }
 }

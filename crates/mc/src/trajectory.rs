@@ -1,22 +1,32 @@
 //! The states of one path.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 use noise::{StreamKey, Truncation};
-use schemes::Scheme;
-use systems::{Damping, PoissonSystem, Problem};
 
-use crate::{Ladder, LadderError, PathFailure, Run, Statistic, View};
+use crate::{Ladder, LadderError, PathFailure, Run, Setup, Statistic, View};
 
 /// The states y_n of one path at t_n = nτ, n = 0 … N. If a step fails, the states before it.
 #[derive(Clone, Debug)]
-pub struct Trajectory<const D: usize> {
+pub struct Trajectory {
     /// The times t_n.
     pub times: Vec<f64>,
     /// The states y_n.
-    pub states: Vec<[f64; D]>,
+    pub states: Vec<Vec<f64>>,
     /// The failure, if a step failed.
     pub failure: Option<PathFailure>,
+}
+
+impl Trajectory {
+    /// The state y_n.
+    ///
+    /// # Panics
+    /// Unless D is the dimension, and y_n was reached.
+    pub fn state<const D: usize>(&self, n: usize) -> [f64; D] {
+        let state = &self.states[n];
+        let dimension = state.len();
+        state[..].try_into().unwrap_or_else(|_| panic!("a state has {dimension} numbers, not {D}"))
+    }
 }
 
 /// Simulates path number `path` in `steps` steps to the final time of the problem.
@@ -28,18 +38,20 @@ pub struct Trajectory<const D: usize> {
 ///
 /// # Panics
 /// As [`Ladder::run`].
-pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-    scheme: &dyn Scheme<S, D, M>,
+pub fn trajectory(
+    setup: &Setup<'_>,
     steps: u64,
     truncation: Truncation,
     key: StreamKey,
     path: u64,
-) -> Result<Trajectory<D>, LadderError> {
-    let ladder = Ladder::new(problem, steps, 0, truncation, key, vec![Run::new(scheme, 0)])?;
-    let states = |view: &View<'_>| view.live.paths().map(|p| (p, view.path(0, p))).collect();
+) -> Result<Trajectory, LadderError> {
+    let Setup { problem, scheme } = setup;
+    let runs = vec![Run::new(Arc::clone(scheme), 0)];
+    let ladder = Ladder::new(problem, steps, 0, truncation, key, runs)?;
+    let state = |view: &View<'_>, p: usize| view.state(0).iter().map(|row| row[p]).collect();
+    let states = |view: &View<'_>| view.live.paths().map(|p| (p, state(view, p))).collect();
     let measured = ladder.run_from(path, 1, || PathRecords::new(&states), &|_| ());
-    let mut states = vec![problem.y0()];
+    let mut states: Vec<Vec<f64>> = vec![problem.y0.clone()];
     states.extend(measured.statistic.of_path.into_values().flatten());
     let times = (0..states.len()).map(|n| n as f64 * ladder.tau(0)).collect();
     Ok(Trajectory { times, states, failure: measured.failures.into_iter().next() })

@@ -13,7 +13,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use noise::{AreaBlock, AreaMethod, AreaPath, AreaSampler, ExactArea, StreamKey, WienerBlock};
+use noise::{AreaMethod, AreaPath, AreaSampler, ExactArea, StreamKey, WienerBlock};
 use real::{Block, WIDTH};
 
 const STEPS: usize = 64;
@@ -34,11 +34,11 @@ fn areas<const M: usize>(group: &mut Group<'_>, noises: &str, method: AreaMethod
     let dw = increment::<M>();
     group.throughput(Throughput::Elements((WIDTH * STEPS) as u64));
     group.bench_function(format!("{name}/block"), |bencher| {
-        let mut sampler = AreaSampler::<M>::new(KEY, 0, method, terms);
-        let mut areas = AreaBlock::zero();
+        let mut sampler = AreaSampler::new(KEY, 0, M, method, terms);
+        let mut areas = vec![[0.0; WIDTH]; M * M];
         bencher.iter(|| {
             for _ in 0..STEPS {
-                sampler.areas(STEP, black_box(&dw), &mut areas);
+                sampler.areas(STEP, &black_box(&dw).0, &mut areas);
                 black_box(&areas);
             }
         });

@@ -1,61 +1,8 @@
 //! Lévy areas of a block of paths, their truncation, and Chen's relation on a dyadic ladder.
 
-use real::{Row, WIDTH};
+use real::{Row, Rows};
 
-use crate::{DyadicLadder, NoiseError, Truncation, truncation::clip_to};
-
-/// Lévy areas of 32 paths over one step h, in units of time.
-///
-/// A_ij = ½(J_ij − J_ji) with the iterated Stratonovich integrals J_ij = ∫₀ʰ∫₀ˢ ∘dW_i(r) ∘dW_j(s),
-/// hence J = ½WWᵀ + A. A is skew, so only i < j is stored: A_ij of path p is `block.0[i][j][p]`.
-/// All other entries are zero.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(align(64))]
-pub struct AreaBlock<const M: usize>(pub [[[f64; WIDTH]; M]; M]);
-
-impl<const M: usize> AreaBlock<M> {
-    /// All zero.
-    #[inline(always)]
-    pub fn zero() -> Self {
-        Self([[[0.0; WIDTH]; M]; M])
-    }
-
-    /// The skew matrix A of path `p`.
-    #[inline(always)]
-    pub fn path(&self, p: usize) -> [[f64; M]; M] {
-        let mut area = [[0.0; M]; M];
-        for i in 0..M {
-            for j in 0..M {
-                area[i][j] = self.0[i][j][p] - self.0[j][i][p];
-            }
-        }
-        area
-    }
-
-    /// Replaces the areas of path `p` by those of a skew matrix. Only its entries i < j are read.
-    #[inline(always)]
-    pub fn set_path(&mut self, p: usize, area: [[f64; M]; M]) {
-        for i in 0..M {
-            for j in i + 1..M {
-                self.0[i][j][p] = area[i][j];
-            }
-        }
-    }
-
-    /// These areas, each clipped to ±`bound`.
-    #[inline]
-    pub fn clipped(&self, bound: f64) -> Self {
-        let mut clipped = Self::zero();
-        for i in 0..M {
-            for j in i + 1..M {
-                for p in 0..WIDTH {
-                    clipped.0[i][j][p] = clip_to(self.0[i][j][p], bound);
-                }
-            }
-        }
-        clipped
-    }
-}
+use crate::{DyadicLadder, NoiseError, Truncation, clip, step::zero_rows};
 
 impl Truncation {
     /// The largest |Â_ij| at step `tau`: (k/π) τ|log τ|, which is 1/(2π) times the square of
@@ -73,81 +20,92 @@ impl Truncation {
 }
 
 /// Lévy areas over every coarser step of a [`DyadicLadder`], by Chen's relation ([`join`]).
-#[derive(Clone, Debug)]
-pub struct AreaLadder<const M: usize> {
-    first_half: Vec<AreaBlock<M>>,
-    joined: Vec<AreaBlock<M>>,
+#[derive(Debug)]
+pub struct AreaLadder {
+    noises: usize,
+    /// The M² rows of level 0, of level 1, and so on.
+    first_half: Rows,
+    joined: Rows,
 }
 
-impl<const M: usize> AreaLadder<M> {
-    /// A ladder of `levels` levels above the finest, for a [`DyadicLadder`] with the same number.
-    pub fn new(levels: usize) -> Self {
-        let joined = vec![AreaBlock::zero(); levels + 1];
-        Self { first_half: joined.clone(), joined }
+impl AreaLadder {
+    /// A ladder of `levels` levels above the finest, for a [`DyadicLadder`] with the same numbers.
+    ///
+    /// # Panics
+    /// If there is no memory for it.
+    pub fn new(noises: usize, levels: usize) -> Self {
+        let zero = || zero_rows(noises.saturating_mul(noises).saturating_mul(levels + 1));
+        Self { noises, first_half: zero(), joined: zero() }
     }
 
     /// Adds the areas of the next finest step. Push its increment to `sums` first and pass the
     /// result of [`DyadicLadder::push`] as `complete`.
     ///
     /// # Panics
-    /// Unless `sums` has M noises.
-    pub fn push(&mut self, areas: &AreaBlock<M>, sums: &DyadicLadder, complete: usize) {
-        self.joined[0] = *areas;
+    /// Unless `areas` has a row for each pair of noises.
+    pub fn push(&mut self, areas: &[Row], sums: &DyadicLadder, complete: usize) {
+        let size = self.noises * self.noises;
+        self.joined[..size].copy_from_slice(areas);
         for level in 1..=complete {
-            let (first, second) = (of(sums.first_half(level)), of(sums.increment(level - 1)));
-            self.joined[level] =
-                join(&self.first_half[level], first, &self.joined[level - 1], second);
+            let (below, joined) = self.joined[(level - 1) * size..][..2 * size].split_at_mut(size);
+            joined.copy_from_slice(&self.first_half[level * size..][..size]);
+            join(joined, sums.first_half(level), below, sums.increment(level - 1));
         }
-        if let Some(first_half) = self.first_half.get_mut(complete + 1) {
-            *first_half = self.joined[complete];
+        if let Some(first_half) = self.first_half.get_mut((complete + 1) * size..) {
+            let joined = &self.joined[complete * size..][..size];
+            first_half.iter_mut().zip(joined).for_each(|(row, joined)| *row = *joined);
         }
     }
 
     /// The areas over the last complete step of `level`.
-    pub fn areas(&self, level: usize) -> &AreaBlock<M> {
-        &self.joined[level]
+    pub fn areas(&self, level: usize) -> &[Row] {
+        let size = self.noises * self.noises;
+        &self.joined[level * size..][..size]
     }
 
     /// The areas over the first half of the last complete step of `level` ≥ 1. Those of the second
     /// half are [`areas`](Self::areas) of the level below.
-    pub fn first_half(&self, level: usize) -> &AreaBlock<M> {
-        &self.first_half[level]
+    pub fn first_half(&self, level: usize) -> &[Row] {
+        let size = self.noises * self.noises;
+        &self.first_half[level * size..][..size]
     }
-}
-
-/// The rows of M noises.
-fn of<const M: usize>(rows: &[Row]) -> &[Row; M] {
-    rows.try_into().unwrap_or_else(|_| panic!("a ladder of {M} noises, got {}", rows.len()))
 }
 
 /// Chen's relation (Chen 1957) for two consecutive steps with areas A′, A″ and increments W′, W″:
-/// the areas over both are A = A′ + A″ + ½(W′W″ᵀ − W″W′ᵀ).
-#[inline]
-pub fn join<const M: usize>(
-    first_areas: &AreaBlock<M>,
-    first: &[Row; M],
-    second_areas: &AreaBlock<M>,
-    second: &[Row; M],
-) -> AreaBlock<M> {
-    let mut joined = AreaBlock::zero();
-    for i in 0..M {
-        for j in i + 1..M {
-            for p in 0..WIDTH {
-                let wedge = first[i][p] * second[j][p] - second[i][p] * first[j][p];
-                joined.0[i][j][p] =
-                    (first_areas.0[i][j][p] + second_areas.0[i][j][p]) + 0.5 * wedge;
+/// the areas over both are A = A′ + A″ + ½(W′W″ᵀ − W″W′ᵀ). `areas` is A′ before and A after.
+///
+/// Increments have a row for each noise, areas one for each pair as in
+/// [`StepNoise`](crate::StepNoise).
+pub fn join(areas: &mut [Row], first: &[Row], second_areas: &[Row], second: &[Row]) {
+    let noises = first.len();
+    for i in 0..noises {
+        for j in i + 1..noises {
+            let (area, second_area) = (&mut areas[i * noises + j], &second_areas[i * noises + j]);
+            let ((first_i, first_j), (second_i, second_j)) =
+                ((&first[i], &first[j]), (&second[i], &second[j]));
+            for (p, area) in area.iter_mut().enumerate() {
+                let wedge = first_i[p] * second_j[p] - second_i[p] * first_j[p];
+                *area = (*area + second_area[p]) + 0.5 * wedge;
             }
         }
     }
-    joined
+}
+
+/// Writes the areas of so many noises, clipped to ±`bound`, into `clipped`.
+pub fn clip_areas(noises: usize, areas: &[Row], bound: f64, clipped: &mut [Row]) {
+    for i in 0..noises {
+        let above = i * noises + i + 1..(i + 1) * noises;
+        clip(&areas[above.clone()], bound, &mut clipped[above]);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
-    use real::Block;
+    use real::{Block, WIDTH};
 
     use super::*;
+    use crate::{Noise, StepNoise};
 
     /// A piecewise linear path; its areas are sums of triangles.
     fn pieces() -> Vec<[f64; 3]> {
@@ -174,29 +132,19 @@ mod tests {
     #[test]
     fn the_ladder_joins_the_area_of_the_path() {
         let pieces = pieces();
-        let (mut sums, mut areas) = (DyadicLadder::new(3, 4), AreaLadder::<3>::new(4));
+        let (mut sums, mut areas) = (DyadicLadder::new(3, 4), AreaLadder::new(3, 4));
         for (n, piece) in pieces.iter().enumerate() {
             let complete = sums.push(&Block::splat(*piece).0);
-            areas.push(&AreaBlock::zero(), &sums, complete);
+            areas.push(&[[0.0; WIDTH]; 9], &sums, complete);
             for level in 0..=complete {
                 let step = &pieces[n + 1 - (1 << level)..=n];
                 let halves = step.split_at(step.len() / 2);
                 for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-                    assert_eq!(
-                        areas.areas(level).0[i][j],
-                        [area_of(step, i, j); WIDTH],
-                        "{n} {level}"
-                    );
-                    assert_eq!(areas.areas(level).path(5)[j][i], -area_of(step, i, j));
+                    let of = |pieces: &[[f64; 3]]| [area_of(pieces, i, j); WIDTH];
+                    assert_eq!(areas.areas(level)[3 * i + j], of(step), "{n} {level}");
                     if level > 0 {
-                        assert_eq!(
-                            areas.first_half(level).0[i][j],
-                            [area_of(halves.0, i, j); WIDTH]
-                        );
-                        assert_eq!(
-                            areas.areas(level - 1).0[i][j],
-                            [area_of(halves.1, i, j); WIDTH]
-                        );
+                        assert_eq!(areas.first_half(level)[3 * i + j], of(halves.0));
+                        assert_eq!(areas.areas(level - 1)[3 * i + j], of(halves.1));
                     }
                 }
             }
@@ -205,27 +153,31 @@ mod tests {
 
     #[test]
     fn areas_of_the_finest_steps_are_added() {
-        let (mut sums, mut areas) = (DyadicLadder::new(2, 1), AreaLadder::<2>::new(1));
+        let (mut sums, mut areas) = (DyadicLadder::new(2, 1), AreaLadder::new(2, 1));
         for area in [2.0, -0.5] {
-            let mut finest = AreaBlock::zero();
-            finest.set_path(3, [[7.0, area], [7.0, 7.0]]);
-            let entries =
-                [finest.0[0][0][3], finest.0[0][1][3], finest.0[1][0][3], finest.0[1][1][3]];
+            let mut finest = StepNoise::with_areas(2);
+            finest.set_path(3, &Noise { increments: [0.0; 2], areas: [[7.0, area], [7.0; 2]] });
+            let entries = [0, 1, 2, 3].map(|row: usize| finest.areas[row][3]);
             assert_eq!(entries, [0.0, area, 0.0, 0.0]);
             let complete = sums.push(&[[0.0; WIDTH]; 2]);
-            areas.push(&finest, &sums, complete);
+            areas.push(&finest.areas, &sums, complete);
         }
-        assert_eq!(areas.areas(1).path(3), [[0.0, 1.5], [-1.5, 0.0]]);
-        assert_eq!(areas.areas(1).path(4), [[0.0; 2]; 2]);
+        let joined = |p: usize| [0, 1, 2, 3].map(|row: usize| areas.areas(1)[row][p]);
+        assert_eq!(joined(3), [0.0, 1.5, 0.0, 0.0]);
+        assert_eq!(joined(4), [0.0; 4]);
     }
 
     #[test]
     fn clipping_keeps_signs() {
-        let mut areas = AreaBlock::<3>::zero();
-        areas.set_path(0, [[0.0, 5.0, -7.0], [0.0, 0.0, 0.5], [0.0; 3]]);
-        let clipped = [[0.0, 1.0, -1.0], [-1.0, 0.0, 0.5], [1.0, -0.5, 0.0]];
-        assert_eq!(areas.clipped(1.0).path(0), clipped);
-        assert_eq!(areas.clipped(f64::INFINITY), areas);
+        let mut noise = StepNoise::with_areas(3);
+        let areas = [[0.0, 5.0, -7.0], [0.0, 0.0, 0.5], [0.0; 3]];
+        noise.set_path(0, &Noise { increments: [0.0; 3], areas });
+        let mut clipped = StepNoise::with_areas(3);
+        clip_areas(3, &noise.areas, 1.0, &mut clipped.areas);
+        let expected = [[0.0, 1.0, -1.0], [-1.0, 0.0, 0.5], [1.0, -0.5, 0.0]];
+        assert_eq!(clipped.path::<3>(0).areas, expected);
+        clip_areas(3, &noise.areas, f64::INFINITY, &mut clipped.areas);
+        assert_eq!(clipped.areas[..], noise.areas[..]);
     }
 
     #[test]

@@ -3,10 +3,11 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use real::{Block, Kernel, dispatch};
+use real::{Kernel, Row, Rows, dispatch};
 
 use crate::{
-    AreaBlock, StreamKey, area_method::AreaMethod, box_muller::fill_pair, stream::BlockStreams,
+    StreamKey, area_method::AreaMethod, box_muller::fill_pair, step::zero_rows,
+    stream::BlockStreams,
 };
 
 /// The bit of the experiment number that separates the streams of areas from those of increments.
@@ -20,7 +21,7 @@ impl StreamKey {
     }
 }
 
-/// Sampler of the Lévy areas of M Wiener processes on 32 consecutive paths, given the increments.
+/// Sampler of the Lévy areas of Wiener processes on 32 consecutive paths, given the increments.
 ///
 /// A path consumes its normals term by term and noise by noise, each (X, Y) one Box–Muller pair.
 /// The normals of the tail follow: first Ψ, then g_12, g_13, …, g_23, …. If their number is odd,
@@ -30,33 +31,35 @@ impl StreamKey {
 /// A method of strong order one needs areas with an error of at most h^{3/2} in each step:
 ///
 /// ```
-/// use noise::{AreaBlock, AreaMethod, AreaPath, AreaSampler, StreamKey, WienerBlock};
+/// use noise::{AreaMethod, AreaPath, AreaSampler, StepNoise, StreamKey, WienerRows};
 /// use noise::{stratonovich, strong_order_one_error};
-/// use real::Block;
 ///
 /// let key = StreamKey { seed: 1, experiment: 7 };
 /// let tau: f64 = 1.0 / 4096.0;
 /// let (method, terms) = AreaMethod::cheapest(strong_order_one_error(tau), tau, 3)?;
 /// assert_eq!((method, terms), (AreaMethod::MrongowiusRoessler, 11));
 ///
-/// let mut noise = WienerBlock::<3>::new(key, 0);
-/// let mut sampler = AreaSampler::<3>::new(key, 0, method, terms);
-/// let (mut dw, mut areas) = (Block::zero(), AreaBlock::zero());
-/// noise.increments(tau.sqrt(), &mut dw);
-/// sampler.areas(tau, &dw, &mut areas);
+/// let mut wiener = WienerRows::new(key, 0);
+/// let mut sampler = AreaSampler::new(key, 0, 3, method, terms);
+/// let mut noise = StepNoise::with_areas(3);
+/// wiener.increments(tau.sqrt(), &mut noise.increments);
+/// sampler.areas(tau, &noise.increments, &mut noise.areas);
 ///
 /// // Path 17 alone has the same areas; J_ij + J_ji = W_i W_j.
 /// let mut path = AreaPath::<3>::new(key, 17, method, terms);
-/// let (w, a) = (dw.path(17), path.areas(tau, dw.path(17)));
-/// assert_eq!(a, areas.path(17));
+/// let drawn = noise.path::<3>(17);
+/// let (w, a) = (drawn.increments, path.areas(tau, drawn.increments));
+/// assert_eq!(a, drawn.areas);
 /// let j = stratonovich(w, a);
 /// assert!((j[0][2] + j[2][0] - w[0] * w[2]).abs() < 1e-18);
 /// # Ok::<(), noise::NoiseError>(())
 /// ```
-#[derive(Clone, Debug)]
-pub struct AreaSampler<const M: usize> {
+#[derive(Debug)]
+pub struct AreaSampler {
     streams: BlockStreams,
     series: Series,
+    noises: usize,
+    scratch: Rows,
 }
 
 /// The method, n, and the amplitude of its tail.
@@ -73,25 +76,40 @@ impl Series {
     }
 }
 
-impl<const M: usize> AreaSampler<M> {
-    /// The sampler of paths `first_path` .. `first_path + 32`, by `method` with `terms` terms of
-    /// the series. [`AreaMethod::cheapest`] chooses both.
-    pub fn new(key: StreamKey, first_path: u64, method: AreaMethod, terms: usize) -> Self {
+impl AreaSampler {
+    /// The sampler of `noises` noises on the paths `first_path` .. `first_path + 32`, by `method`
+    /// with `terms` terms of the series. [`AreaMethod::cheapest`] chooses both.
+    ///
+    /// # Panics
+    /// If there is no memory for it.
+    pub fn new(
+        key: StreamKey,
+        first_path: u64,
+        noises: usize,
+        method: AreaMethod,
+        terms: usize,
+    ) -> Self {
         Self {
             streams: BlockStreams::new(key.of_areas(), first_path),
             series: Series::new(method, terms),
+            noises,
+            scratch: zero_rows(scratch_rows(noises)),
         }
     }
 
-    /// The areas over the next step of size `step` > 0, given its *untruncated* increments `dw`.
+    /// The areas over the next step of size `step` > 0, given its *untruncated* increments `dw`, a
+    /// row for each noise; `areas` has the rows of [`StepNoise::areas`](crate::StepNoise).
     ///
     /// With fewer than two noises the areas are zero and nothing is drawn.
-    #[inline]
-    pub fn areas(&mut self, step: f64, dw: &Block<M>, areas: &mut AreaBlock<M>) {
-        *areas = AreaBlock::zero();
-        if M > 1 {
-            let words = &mut self.streams.0;
-            dispatch(Draw { words, series: self.series, step, dw: &dw.0, areas: &mut areas.0 });
+    ///
+    /// # Panics
+    /// If there are fewer rows.
+    pub fn areas(&mut self, step: f64, dw: &[Row], areas: &mut [Row]) {
+        let Self { streams, series, noises, scratch } = self;
+        areas.fill([0.0; real::WIDTH]);
+        if *noises > 1 {
+            let (words, dw) = (&mut streams.0, &dw[..*noises]);
+            dispatch(Draw { words, series: *series, step, dw, areas, scratch });
         }
     }
 }
@@ -122,7 +140,8 @@ impl<const M: usize> AreaPath<M> {
                 series: self.series,
                 step,
                 dw: &dw.map(|w| [w]),
-                areas: &mut upper,
+                areas: upper.as_flattened_mut(),
+                scratch: &mut vec![[0.0]; scratch_rows(M)],
             }
             .run();
         }
@@ -137,126 +156,124 @@ impl<const M: usize> AreaPath<M> {
 }
 
 /// Adds the areas of one step of L paths to `areas`, which must be zero.
-struct Draw<'a, const M: usize, const L: usize> {
+struct Draw<'a, const L: usize> {
     words: &'a mut [[u64; L]; 4],
     series: Series,
     step: f64,
-    dw: &'a [[f64; L]; M],
-    areas: &'a mut [[[f64; L]; M]; M],
+    /// A row for each of M noises.
+    dw: &'a [[f64; L]],
+    /// M rows of M.
+    areas: &'a mut [[f64; L]],
+    scratch: &'a mut [[f64; L]],
 }
 
-/// Scratch rows of L paths, aligned as blocks are.
-#[repr(align(64))]
-struct Rows<const M: usize, const L: usize>([[f64; L]; M]);
-
-impl<const M: usize, const L: usize> Rows<M, L> {
-    #[inline(always)]
-    fn zero() -> Self {
-        Self([[0.0; L]; M])
-    }
+/// The rows that a step of so many noises needs: five times a row for each noise, and the normals
+/// of the tail. M² places suffice for M(M+1)/2 normals and the one that is dropped.
+fn scratch_rows(noises: usize) -> usize {
+    noises * (noises + 5)
 }
 
-impl<const M: usize, const L: usize> Kernel for Draw<'_, M, L> {
+impl<const L: usize> Kernel for Draw<'_, L> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { words, series: Series { method, terms, tail_amplitude }, step, dw, areas } =
-            self;
+        let Self {
+            words,
+            series: Series { method, terms, tail_amplitude },
+            step,
+            dw,
+            areas,
+            scratch,
+        } = self;
+        let noises = dw.len();
+        let (w, scratch) = scratch.split_at_mut(noises);
+        let (shift, scratch) = scratch.split_at_mut(noises);
+        let (x, scratch) = scratch.split_at_mut(noises);
+        let (z, scratch) = scratch.split_at_mut(noises);
+        let (gw, tail) = scratch.split_at_mut(noises);
         let per_root = 1.0 / step.sqrt();
         // w = W/√h, and √2 w.
-        let (mut w, mut shift) = (Rows::<M, L>::zero(), Rows::<M, L>::zero());
-        for i in 0..M {
+        for i in 0..noises {
             for p in 0..L {
-                w.0[i][p] = dw[i][p] * per_root;
-                shift.0[i][p] = w.0[i][p] * SQRT_2;
+                w[i][p] = dw[i][p] * per_root;
+                shift[i][p] = w[i][p] * SQRT_2;
             }
         }
-        let (mut x, mut z) = (Rows::<M, L>::zero(), Rows::<M, L>::zero());
         for r in 1..=terms {
             let weight = 1.0 / r as f64;
-            for i in 0..M {
-                fill_pair(words, &mut x.0[i], &mut z.0[i], weight, 1.0);
+            for i in 0..noises {
+                fill_pair(words, &mut x[i], &mut z[i], weight, 1.0);
                 for p in 0..L {
-                    z.0[i][p] -= shift.0[i][p];
+                    z[i][p] -= shift[i][p];
                 }
             }
-            add_wedges(areas, &x.0, &z.0);
+            add_wedges(areas, x, z);
         }
-        let tail = draw_tail::<M, L>(words, method.tail_normals(M), tail_amplitude);
+        draw_tail(
+            words,
+            &mut tail[..method.tail_normals(noises).next_multiple_of(2)],
+            tail_amplitude,
+        );
         match method {
             AreaMethod::Fourier => {}
-            AreaMethod::Milstein => add_wedges(areas, &w.0, &tail.0[0]),
+            AreaMethod::Milstein => add_wedges(areas, w, tail),
             AreaMethod::Wiktorsson => {
-                add_pairs(areas, &tail, 0);
-                add_given_w(areas, &w, &tail);
+                add_pairs(areas, noises, tail);
+                add_given_w(areas, w, tail, gw, shift);
             }
             AreaMethod::MrongowiusRoessler => {
                 // The first M places of the tail are aΨ.
-                add_wedges(areas, &w.0, &tail.0[0]);
-                add_pairs(areas, &tail, M);
+                add_wedges(areas, w, tail);
+                add_pairs(areas, noises, &tail[noises..]);
             }
         }
         let scale = step / TAU;
-        for i in 0..M {
-            for j in i + 1..M {
+        for i in 0..noises {
+            for j in i + 1..noises {
                 for p in 0..L {
-                    areas[i][j][p] *= scale;
+                    areas[i * noises + j][p] *= scale;
                 }
             }
         }
     }
 }
 
-/// A_ij += x_i z_j − x_j z_i.
+/// A_ij += x_i z_j − x_j z_i; x has a row for each noise, z at least.
 #[inline(always)]
-fn add_wedges<const M: usize, const L: usize>(
-    areas: &mut [[[f64; L]; M]; M],
-    x: &[[f64; L]; M],
-    z: &[[f64; L]; M],
-) {
-    for i in 0..M {
-        for j in i + 1..M {
+fn add_wedges<const L: usize>(areas: &mut [[f64; L]], x: &[[f64; L]], z: &[[f64; L]]) {
+    let noises = x.len();
+    for i in 0..noises {
+        for j in i + 1..noises {
+            let area = &mut areas[i * noises + j];
             for p in 0..L {
-                areas[i][j][p] += x[i][p] * z[j][p] - x[j][p] * z[i][p];
+                area[p] += x[i][p] * z[j][p] - x[j][p] * z[i][p];
             }
         }
     }
 }
 
-/// The normals of a tail, numbered row by row. M² places suffice for M(M+1)/2 normals and the one
-/// that is dropped.
-#[repr(align(64))]
-struct Tail<const M: usize, const L: usize>([[[f64; L]; M]; M]);
-
-/// Draws `count` normals for each path and multiplies them by `amplitude`.
+/// Draws normals for all places, an even number, and multiplies them by `amplitude`.
 #[inline(always)]
-fn draw_tail<const M: usize, const L: usize>(
+fn draw_tail<const L: usize>(
     words: &mut [[u64; L]; 4],
-    count: usize,
+    mut places: &mut [[f64; L]],
     amplitude: f64,
-) -> Tail<M, L> {
-    let mut tail = Tail([[[0.0; L]; M]; M]);
-    let mut places = &mut tail.0.as_flattened_mut()[..count.next_multiple_of(2)];
+) {
     while let [first, second, rest @ ..] = places {
         fill_pair(words, first, second, amplitude, amplitude);
         places = rest;
     }
-    tail
 }
 
-/// A_ij += a g_ij; the a g_ij begin at place `first` of the tail.
+/// A_ij += a g_ij, pair by pair.
 #[inline(always)]
-fn add_pairs<const M: usize, const L: usize>(
-    areas: &mut [[[f64; L]; M]; M],
-    tail: &Tail<M, L>,
-    first: usize,
-) {
-    let mut place = first;
-    for i in 0..M {
-        for j in i + 1..M {
-            let g = &tail.0[place / M][place % M];
+fn add_pairs<const L: usize>(areas: &mut [[f64; L]], noises: usize, tail: &[[f64; L]]) {
+    let mut place = 0;
+    for i in 0..noises {
+        for j in i + 1..noises {
+            let (area, g) = (&mut areas[i * noises + j], &tail[place]);
             for p in 0..L {
-                areas[i][j][p] += g[p];
+                area[p] += g[p];
             }
             place += 1;
         }
@@ -264,35 +281,38 @@ fn add_pairs<const M: usize, const L: usize>(
 }
 
 /// A += [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²)); the entries i < j of the skew G are the first places of
-/// the tail.
+/// the tail. `norm` has a row at least.
 #[inline(always)]
-fn add_given_w<const M: usize, const L: usize>(
-    areas: &mut [[[f64; L]; M]; M],
-    w: &Rows<M, L>,
-    tail: &Tail<M, L>,
+fn add_given_w<const L: usize>(
+    areas: &mut [[f64; L]],
+    w: &[[f64; L]],
+    tail: &[[f64; L]],
+    gw: &mut [[f64; L]],
+    norm: &mut [[f64; L]],
 ) {
-    let mut gw = Rows::<M, L>::zero();
-    let mut norm = Rows::<1, L>::zero();
+    let (noises, norm) = (w.len(), &mut norm[0]);
+    gw.fill([0.0; L]);
+    *norm = [0.0; L];
     let mut place = 0;
-    for i in 0..M {
+    for i in 0..noises {
         for p in 0..L {
-            norm.0[0][p] += w.0[i][p] * w.0[i][p];
+            norm[p] += w[i][p] * w[i][p];
         }
-        for j in i + 1..M {
-            let g = &tail.0[place / M][place % M];
+        for j in i + 1..noises {
+            let g = &tail[place];
             for p in 0..L {
-                gw.0[i][p] += g[p] * w.0[j][p];
-                gw.0[j][p] -= g[p] * w.0[i][p];
+                gw[i][p] += g[p] * w[j][p];
+                gw[j][p] -= g[p] * w[i][p];
             }
             place += 1;
         }
     }
-    for i in 0..M {
+    for row in gw.iter_mut() {
         for p in 0..L {
-            gw.0[i][p] /= 1.0 + (1.0 + norm.0[0][p]).sqrt();
+            row[p] /= 1.0 + (1.0 + norm[p]).sqrt();
         }
     }
-    add_wedges(areas, &gw.0, &w.0);
+    add_wedges(areas, gw, w);
 }
 
 #[cfg(test)]

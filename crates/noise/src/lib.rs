@@ -31,9 +31,9 @@
 //! |---|---|
 //! | [`StreamKey`] | identifies the random streams of an experiment |
 //! | [`WienerBlock`], [`WienerPath`] | normal increments of 32 paths, of one path |
-//! | [`Noise`], [`BlockNoise`] | increments and Lévy areas of one step |
-//! | [`WienerRows`], [`NoiseRows`] | increments of noises whose number is known at run time only |
-//! | [`StepNoise`] | what a driver asks of the noise of a step |
+//! | [`WienerRows`] | increments of noises whose number is known at run time only |
+//! | [`StepNoise`] | increments and Lévy areas of one step on 32 paths |
+//! | [`BlockNoise`], [`Noise`] | the same for a compiled kernel, and of one path |
 //! | [`QuasiWiener`] | increments from scrambled Sobol points, by a Brownian bridge |
 //! | [`ScrambledSobol`], [`inverse_normal`] | the points, and the normal of a word |
 //! | [`Truncation`], [`clip`] | truncated increments ΔŴ |
@@ -41,7 +41,7 @@
 //! | [`AreaMethod`] | approximations of the Lévy areas: errors and costs |
 //! | [`AreaSampler`], [`AreaPath`] | Lévy areas given the increments, of 32 paths, of one path |
 //! | [`ExactArea`] | the area of two noises from its characteristic function |
-//! | [`AreaBlock`], [`join`] | Lévy areas of 32 paths, Chen's relation |
+//! | [`join`], [`clip_areas`] | Chen's relation, truncated areas |
 //! | [`stratonovich`], [`ito`] | iterated integrals of one path |
 
 mod area;
@@ -60,7 +60,7 @@ mod stream;
 mod truncation;
 mod wiener;
 
-pub use area::{AreaBlock, AreaLadder, join};
+pub use area::{AreaLadder, clip_areas, join};
 pub use area_method::{AreaMethod, strong_order_one_error};
 pub use area_sampler::{AREA_STREAM, AreaPath, AreaSampler};
 pub use error::NoiseError;
@@ -70,7 +70,7 @@ pub use iterated::{ito, stratonovich};
 pub use ladder::DyadicLadder;
 pub use quasi_wiener::QuasiWiener;
 pub use sobol::ScrambledSobol;
-pub use step::{AreaDraw, AreaSums, BlockNoise, Noise, NoiseRows, StepNoise};
+pub use step::{BlockNoise, Noise, StepNoise, skew};
 pub use stream::StreamKey;
 pub use truncation::{Truncation, clip};
 pub use wiener::{WienerBlock, WienerPath, WienerRows};

@@ -1,76 +1,8 @@
 //! The noise of one step: increments and Lévy areas.
 
-use real::{Block, Row, Rows};
+use real::{Row, Rows, WIDTH};
 
-use crate::{
-    AreaBlock, AreaLadder, AreaMethod, AreaSampler, DyadicLadder, StreamKey, WienerRows, join,
-};
-
-/// The noise of one step on 32 paths: of M noises ([`BlockNoise`]), or of a number that is known at
-/// run time only ([`NoiseRows`]).
-pub trait StepNoise: Send + Sync + Sized + 'static {
-    /// No noise. A type with M noises has M, whatever `noises` is.
-    ///
-    /// # Panics
-    /// If there is no memory for it.
-    fn zero(noises: usize) -> Self;
-
-    /// ΔW_m of every path; row m belongs to noise number m.
-    fn increments(&self) -> &[Row];
-
-    /// The increments, to be written.
-    fn increments_mut(&mut self) -> &mut [Row];
-
-    /// Draws the next increments, each N(0, τ); `sqrt_tau` = √τ.
-    fn draw(&mut self, wiener: &mut WienerRows, sqrt_tau: f64);
-
-    /// Gives path `p` the noise of path `q` of `other`.
-    fn set_path(&mut self, p: usize, other: &Self, q: usize) {
-        for (row, other) in self.increments_mut().iter_mut().zip(other.increments()) {
-            row[p] = other[q];
-        }
-    }
-
-    /// Makes this the noise of its step and the `next` one together: sums of increments, and areas
-    /// by Chen's relation.
-    fn join(&mut self, next: &Self) {
-        for (row, next) in self.increments_mut().iter_mut().zip(next.increments()) {
-            row.iter_mut().zip(next).for_each(|(dw, next)| *dw += next);
-        }
-    }
-
-    /// What draws the Lévy areas of the paths from `first_path` on; `None` if this type has none.
-    fn area_draw(
-        _key: StreamKey,
-        _first_path: u64,
-        _method: AreaMethod,
-        _terms: usize,
-    ) -> Option<AreaDraw<Self>> {
-        None
-    }
-
-    /// What joins Lévy areas on a ladder of `levels` levels above the finest; `None` if this type
-    /// has none.
-    fn area_sums(_levels: usize) -> Option<Box<dyn AreaSums<Self>>> {
-        None
-    }
-}
-
-/// Writes the Lévy areas of the next step, of the size given, into a noise whose *untruncated*
-/// increments are there.
-pub type AreaDraw<N> = Box<dyn FnMut(f64, &mut N) + Send>;
-
-/// The Lévy areas of every level of a ladder, see [`AreaLadder`].
-pub trait AreaSums<N>: Send {
-    /// Adds the areas of the next finest step; see [`AreaLadder::push`].
-    fn push(&mut self, noise: &N, sums: &DyadicLadder, complete: usize);
-
-    /// Writes the areas of the last complete step of `level`, clipped to ±`bound`, into `noise`.
-    fn clip(&self, level: usize, bound: f64, noise: &mut N);
-
-    /// The same for the first half of that step.
-    fn clip_first_half(&self, level: usize, bound: f64, noise: &mut N);
-}
+use crate::join;
 
 /// The noise of one step on one path: M increments and their Lévy areas.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,124 +21,149 @@ impl<const M: usize> Noise<M> {
     }
 }
 
-/// The noise of one step on a block of 32 paths.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BlockNoise<const M: usize> {
-    /// ΔW_m of every path.
-    pub increments: Block<M>,
-    /// Lévy areas of every path; zero if none are drawn.
-    pub areas: AreaBlock<M>,
+/// The noise of one step on a block of 32 paths, for any number M of noises.
+///
+/// A_ml of path p, m < l, is `areas[m * M + l][p]`; the other rows are zero.
+#[derive(Debug)]
+pub struct StepNoise {
+    /// ΔW_m of every path; row m belongs to noise number m.
+    pub increments: Rows,
+    /// M² rows of Lévy areas; none if no areas are drawn.
+    pub areas: Rows,
 }
 
-impl<const M: usize> BlockNoise<M> {
-    /// No noise.
-    pub fn zero() -> Self {
-        Self::increments(Block::zero())
+impl StepNoise {
+    /// No noise, for so many noises, without areas.
+    ///
+    /// # Panics
+    /// If there is no memory for it.
+    pub fn zero(noises: usize) -> Self {
+        Self { increments: zero_rows(noises), areas: Rows::default() }
     }
 
-    /// Increments with zero areas, the mean of the areas given the increments.
-    pub fn increments(increments: Block<M>) -> Self {
-        Self { increments, areas: AreaBlock::zero() }
+    /// No noise, for so many noises, with areas.
+    ///
+    /// # Panics
+    /// If there is no memory for it.
+    pub fn with_areas(noises: usize) -> Self {
+        let areas = zero_rows(noises.saturating_mul(noises));
+        Self { increments: zero_rows(noises), areas }
+    }
+
+    /// The noise of path `p`.
+    ///
+    /// # Panics
+    /// Unless there are M noises.
+    pub fn path<const M: usize>(&self, p: usize) -> Noise<M> {
+        BlockNoise::from(self).path(p)
+    }
+
+    /// Replaces the noise of path `p`. Areas are left out where there are none; of a matrix only
+    /// the entries above the diagonal are read.
+    pub fn set_path<const M: usize>(&mut self, p: usize, noise: &Noise<M>) {
+        self.increments.iter_mut().zip(noise.increments).for_each(|(row, dw)| row[p] = dw);
+        for m in 0..if self.areas.is_empty() { 0 } else { M } {
+            (m + 1..M).for_each(|l| self.areas[m * M + l][p] = noise.areas[m][l]);
+        }
+    }
+
+    /// Gives path `p` the noise of path `q` of `other`, which has areas if this noise has.
+    pub fn copy_path(&mut self, p: usize, other: &Self, q: usize) {
+        let rows = self.increments.iter_mut().zip(other.increments.iter());
+        rows.chain(self.areas.iter_mut().zip(other.areas.iter()))
+            .for_each(|(row, other)| row[p] = other[q]);
+    }
+
+    /// Makes this the noise of its step and the `next` one together: sums of increments, and areas
+    /// by Chen's relation, if this noise has areas.
+    pub fn join(&mut self, next: &Self) {
+        if !self.areas.is_empty() {
+            join(&mut self.areas, &self.increments, &next.areas, &next.increments);
+        }
+        let rows = self.increments.iter_mut().zip(next.increments.iter());
+        rows.for_each(|(row, next)| row.iter_mut().zip(next).for_each(|(dw, next)| *dw += next));
+    }
+}
+
+/// Increments, a row for each noise, without areas.
+impl From<Rows> for StepNoise {
+    fn from(increments: Rows) -> Self {
+        Self { increments, areas: Rows::default() }
+    }
+}
+
+/// The noise of one step on a block of 32 paths as a compiled kernel with M noises reads it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockNoise<'a, const M: usize> {
+    /// ΔW_m of every path.
+    pub increments: &'a [Row; M],
+    /// The M² rows of Lévy areas as in [`StepNoise::areas`]; none if no areas are drawn.
+    pub areas: &'a [Row],
+}
+
+impl<'a, const M: usize> BlockNoise<'a, M> {
+    /// A row of the matrix of areas where none are drawn.
+    pub const NO_AREAS: &'static [Row; M] = &[[0.0; WIDTH]; M];
+
+    /// Increments without areas.
+    pub fn increments(increments: &'a [Row; M]) -> Self {
+        Self { increments, areas: &[] }
+    }
+
+    /// The areas as a matrix of rows; zeros if none are drawn.
+    #[inline(always)]
+    pub fn area_rows(&self) -> [&'a [Row; M]; M] {
+        let mut matrix = [Self::NO_AREAS; M];
+        if !self.areas.is_empty() {
+            for (m, rows) in matrix.iter_mut().enumerate() {
+                *rows = exactly(&self.areas[m * M..(m + 1) * M]);
+            }
+        }
+        matrix
+    }
+
+    /// The increments of path `p`.
+    #[inline(always)]
+    pub fn increments_of(&self, p: usize) -> [f64; M] {
+        let mut increments = [0.0; M];
+        for m in 0..M {
+            increments[m] = self.increments[m][p];
+        }
+        increments
     }
 
     /// The noise of path `p`.
     #[inline(always)]
     pub fn path(&self, p: usize) -> Noise<M> {
-        Noise { increments: self.increments.path(p), areas: self.areas.path(p) }
+        Noise { increments: self.increments_of(p), areas: skew(&self.area_rows(), p) }
     }
 }
 
-impl<const M: usize> StepNoise for BlockNoise<M> {
-    fn zero(_noises: usize) -> Self {
-        Self::zero()
-    }
-
-    #[inline]
-    fn increments(&self) -> &[Row] {
-        &self.increments.0
-    }
-
-    #[inline]
-    fn increments_mut(&mut self) -> &mut [Row] {
-        &mut self.increments.0
-    }
-
-    #[inline]
-    fn draw(&mut self, wiener: &mut WienerRows, sqrt_tau: f64) {
-        // The kernel knows the number of rows.
-        wiener.increments(sqrt_tau, &mut self.increments.0);
-    }
-
-    fn set_path(&mut self, p: usize, other: &Self, q: usize) {
-        self.increments.set_path(p, other.increments.path(q));
-        self.areas.set_path(p, other.areas.path(q));
-    }
-
-    fn join(&mut self, next: &Self) {
-        let (first, second) = (&mut self.increments, &next.increments);
-        self.areas = join(&self.areas, &first.0, &next.areas, &second.0);
-        for (row, next) in first.0.iter_mut().zip(&second.0) {
-            row.iter_mut().zip(next).for_each(|(dw, next)| *dw += next);
+/// The skew matrix of path `p`, of which the rows have the part above the diagonal.
+#[inline(always)]
+pub fn skew<const M: usize>(rows: &[&[Row; M]; M], p: usize) -> [[f64; M]; M] {
+    let mut areas = [[0.0; M]; M];
+    for m in 0..M {
+        for l in 0..M {
+            areas[m][l] = rows[m][l][p] - rows[l][m][p];
         }
     }
+    areas
+}
 
-    fn area_draw(
-        key: StreamKey,
-        first_path: u64,
-        method: AreaMethod,
-        terms: usize,
-    ) -> Option<AreaDraw<Self>> {
-        let mut sampler = AreaSampler::new(key, first_path, method, terms);
-        Some(Box::new(move |step, noise: &mut Self| {
-            sampler.areas(step, &noise.increments, &mut noise.areas);
-        }))
-    }
-
-    fn area_sums(levels: usize) -> Option<Box<dyn AreaSums<Self>>> {
-        Some(Box::new(AreaLadder::<M>::new(levels)))
+/// # Panics
+/// Unless there are M noises.
+impl<'a, const M: usize> From<&'a StepNoise> for BlockNoise<'a, M> {
+    #[inline]
+    fn from(noise: &'a StepNoise) -> Self {
+        Self { increments: exactly(&noise.increments), areas: &noise.areas }
     }
 }
 
-impl<const M: usize> AreaSums<BlockNoise<M>> for AreaLadder<M> {
-    fn push(&mut self, noise: &BlockNoise<M>, sums: &DyadicLadder, complete: usize) {
-        self.push(&noise.areas, sums, complete);
-    }
-
-    fn clip(&self, level: usize, bound: f64, noise: &mut BlockNoise<M>) {
-        noise.areas = self.areas(level).clipped(bound);
-    }
-
-    fn clip_first_half(&self, level: usize, bound: f64, noise: &mut BlockNoise<M>) {
-        noise.areas = self.first_half(level).clipped(bound);
-    }
-}
-
-/// The increments of one step on 32 paths, for any number of noises. It has no Lévy areas.
-#[derive(Debug)]
-pub struct NoiseRows {
-    /// ΔW_m of every path; row m belongs to noise number m.
-    pub increments: Rows,
-}
-
-impl StepNoise for NoiseRows {
-    fn zero(noises: usize) -> Self {
-        Self { increments: zero_rows(noises) }
-    }
-
-    #[inline]
-    fn increments(&self) -> &[Row] {
-        &self.increments
-    }
-
-    #[inline]
-    fn increments_mut(&mut self) -> &mut [Row] {
-        &mut self.increments
-    }
-
-    #[inline]
-    fn draw(&mut self, wiener: &mut WienerRows, sqrt_tau: f64) {
-        wiener.increments(sqrt_tau, &mut self.increments[..]);
-    }
+/// The rows of M noises.
+#[inline(always)]
+fn exactly<const M: usize>(rows: &[Row]) -> &[Row; M] {
+    rows.try_into().unwrap_or_else(|_| panic!("a kernel of {M} noises, got {}", rows.len()))
 }
 
 /// Rows of zeros.

@@ -44,12 +44,11 @@ impl WienerRows {
         Self { streams: BlockStreams::new(key, first_path), spare: Block::zero(), has_spare: false }
     }
 
-    /// Writes the next increment of each noise, each N(0, τ), into a row of `dw`, an array or a
-    /// slice of rows; `sqrt_tau` = √τ.
+    /// Writes the next increment of each noise, each N(0, τ), into a row of `dw`; `sqrt_tau` = √τ.
     #[inline]
-    pub fn increments<R: AsMut<[Row]> + ?Sized>(&mut self, sqrt_tau: f64, dw: &mut R) {
+    pub fn increments(&mut self, sqrt_tau: f64, dw: &mut [Row]) {
         let Self { streams, spare, has_spare } = self;
-        let (noises, begins_with_spare) = (dw.as_mut().len(), *has_spare);
+        let (noises, begins_with_spare) = (dw.len(), *has_spare);
         *has_spare ^= noises % 2 == 1;
         let fill = Fill { streams, spare, begins_with_spare, dw, sqrt_tau };
         if noises == 1 && begins_with_spare {
@@ -63,20 +62,20 @@ impl WienerRows {
 
 /// Fills the rows of `dw` with the spare normals, if it begins with them, and with pairs of
 /// normals. The last of an odd number of these becomes the spare.
-struct Fill<'a, R: ?Sized> {
+struct Fill<'a> {
     streams: &'a mut BlockStreams,
     spare: &'a mut Block<1>,
     begins_with_spare: bool,
-    dw: &'a mut R,
+    dw: &'a mut [Row],
     sqrt_tau: f64,
 }
 
-impl<R: AsMut<[Row]> + ?Sized> Kernel for Fill<'_, R> {
+impl Kernel for Fill<'_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { streams, spare: Block([spare]), begins_with_spare, dw, sqrt_tau } = self;
-        let mut rows = dw.as_mut();
+        let Self { streams, spare: Block([spare]), begins_with_spare, dw: mut rows, sqrt_tau } =
+            self;
         if begins_with_spare && let [row, rest @ ..] = rows {
             for p in 0..WIDTH {
                 row[p] = spare[p] * sqrt_tau;

@@ -2,8 +2,8 @@
 //! and alone, at every level of instructions, in any block, and in every release.
 
 use noise::{
-    AreaBlock, AreaMethod, AreaPath, AreaSampler, DyadicLadder, ExactArea, NoiseRows, QuasiWiener,
-    ScrambledSobol, StepNoise, StreamKey, WienerBlock, WienerPath, WienerRows,
+    AreaMethod, AreaPath, AreaSampler, DyadicLadder, ExactArea, QuasiWiener, ScrambledSobol,
+    StepNoise, StreamKey, WienerBlock, WienerPath, WienerRows,
 };
 use real::{Block, Level, Row, WIDTH, limit_to};
 
@@ -34,22 +34,23 @@ fn block_equals_its_paths<const M: usize>(first_path: u64, steps: usize) {
 fn areas_equal_those_of_the_paths<const M: usize>(first_path: u64, steps: usize) {
     for (n, method) in AreaMethod::ALL.into_iter().enumerate() {
         let terms = [9, 5, 4, 3][n];
-        let mut noise = WienerBlock::<M>::new(KEY, first_path);
-        let mut block = AreaSampler::<M>::new(KEY, first_path, method, terms);
+        let mut wiener = WienerRows::new(KEY, first_path);
+        let mut block = AreaSampler::new(KEY, first_path, M, method, terms);
         let mut paths: Vec<_> = (0..WIDTH as u64)
             .map(|p| AreaPath::<M>::new(KEY, first_path + p, method, terms))
             .collect();
-        let mut dw = Block::zero();
-        // Whatever was in the block is overwritten.
-        let mut areas = AreaBlock([[[f64::NAN; WIDTH]; M]; M]);
+        let mut noise = StepNoise::with_areas(M);
+        // Whatever was there is overwritten.
+        noise.areas.fill([f64::NAN; WIDTH]);
         for n in 0..steps {
-            noise.increments(sqrt_tau(n), &mut dw);
+            wiener.increments(sqrt_tau(n), &mut noise.increments);
             let step = sqrt_tau(n) * sqrt_tau(n);
-            block.areas(step, &dw, &mut areas);
+            block.areas(step, &noise.increments, &mut noise.areas);
             for (p, path) in paths.iter_mut().enumerate() {
-                let alone = path.areas(step, dw.path(p));
+                let drawn = noise.path::<M>(p);
+                let alone = path.areas(step, drawn.increments);
                 assert_eq!(
-                    areas.path(p).map(|row| row.map(f64::to_bits)),
+                    drawn.areas.map(|row| row.map(f64::to_bits)),
                     alone.map(|row| row.map(f64::to_bits)),
                     "{method:?}, M = {M}, step {n}, path {p}"
                 );
@@ -135,13 +136,13 @@ const PINNED_QUASI: [f64; 6] = [
 #[test]
 fn rows_equal_their_paths() {
     fn check<const M: usize>() {
-        let (mut rows, mut noise) = (WienerRows::new(KEY, 7), NoiseRows::zero(M));
+        let (mut rows, mut noise) = (WienerRows::new(KEY, 7), StepNoise::zero(M));
         let mut paths: Vec<_> =
             (7..7 + WIDTH as u64).map(|p| WienerPath::<M>::new(KEY, p)).collect();
         for n in 0..100 {
-            rows.increments(sqrt_tau(n), noise.increments_mut());
+            rows.increments(sqrt_tau(n), &mut noise.increments);
             for (p, path) in paths.iter_mut().enumerate() {
-                let found: [f64; M] = std::array::from_fn(|m| noise.increments()[m][p]);
+                let found: [f64; M] = std::array::from_fn(|m| noise.increments[m][p]);
                 let bits = path.increments(sqrt_tau(n)).map(f64::to_bits);
                 assert_eq!(found.map(f64::to_bits), bits, "M = {M}, step {n}, path {p}");
             }
@@ -179,25 +180,22 @@ fn a_path_is_the_same_in_every_block() {
 fn areas_of_a_path_are_the_same_in_every_block() {
     let method = AreaMethod::Wiktorsson;
     let (mut one, mut other) =
-        (AreaSampler::<3>::new(KEY, 32, method, 2), AreaSampler::<3>::new(KEY, 17, method, 2));
-    let (mut areas, mut other_areas) = (AreaBlock::zero(), AreaBlock::zero());
+        (AreaSampler::new(KEY, 32, 3, method, 2), AreaSampler::new(KEY, 17, 3, method, 2));
+    let (mut areas, mut other_areas) = (StepNoise::with_areas(3), StepNoise::with_areas(3));
     for n in 0..100 {
         let dw = Block::splat([1.0, -0.5, 0.1 * f64::from(n)]);
-        one.areas(1.0, &dw, &mut areas);
-        other.areas(1.0, &dw, &mut other_areas);
-        assert_eq!(areas.path(8), other_areas.path(23));
+        one.areas(1.0, &dw.0, &mut areas.areas);
+        other.areas(1.0, &dw.0, &mut other_areas.areas);
+        assert_eq!(areas.path::<3>(8), other_areas.path(23));
     }
 }
 
 #[test]
 fn one_noise_has_no_areas() {
-    let mut areas = AreaBlock([[[f64::NAN; WIDTH]]]);
-    AreaSampler::<1>::new(KEY, 0, AreaMethod::Milstein, 3).areas(
-        1.0,
-        &Block::splat([1.0]),
-        &mut areas,
-    );
-    assert_eq!(areas, AreaBlock::zero());
+    let mut areas = [[f64::NAN; WIDTH]];
+    let mut sampler = AreaSampler::new(KEY, 0, 1, AreaMethod::Milstein, 3);
+    sampler.areas(1.0, &[[1.0; WIDTH]], &mut areas);
+    assert_eq!(areas, [[0.0; WIDTH]]);
     assert_eq!(AreaPath::<0>::new(KEY, 0, AreaMethod::Milstein, 3).areas(1.0, []), [[0.0; 0]; 0]);
 }
 

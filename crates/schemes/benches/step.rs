@@ -23,8 +23,8 @@ use std::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use noise::{
-    AreaMethod, AreaPath, AreaSampler, BlockNoise, Noise, StreamKey, Truncation, WienerBlock,
-    WienerPath, clip, strong_order_one_error,
+    AreaMethod, AreaPath, AreaSampler, Noise, StepNoise, StreamKey, Truncation, WienerPath,
+    WienerRows, clip, clip_areas, strong_order_one_error,
 };
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, WIDTH};
@@ -79,23 +79,23 @@ impl<S, const D: usize> Run<S, D> {
     {
         group.throughput(Throughput::Elements(WIDTH as u64 * STEPS));
         group.bench_function(name, |bencher| {
-            let (mut drawn, mut shown) = (BlockNoise::zero(), BlockNoise::zero());
+            let (mut drawn, mut shown) = (StepNoise::with_areas(M), StepNoise::with_areas(M));
             let mut status = BlockStatus::explicit();
             let mut first_path = 0;
             bencher.iter(|| {
-                let mut wiener = WienerBlock::<M>::new(KEY, first_path);
+                let mut wiener = WienerRows::new(KEY, first_path);
                 let mut sampler = scheme
                     .reads_areas()
-                    .then(|| AreaSampler::<M>::new(KEY, first_path, METHOD, terms::<M>()));
+                    .then(|| AreaSampler::new(KEY, first_path, M, METHOD, terms::<M>()));
                 let mut y = Block::splat(self.y0);
                 for step in &self.steps {
                     wiener.increments(TAU.sqrt(), &mut drawn.increments);
                     if let Some(sampler) = &mut sampler {
                         sampler.areas(TAU, &drawn.increments, &mut drawn.areas);
-                        shown.areas = drawn.areas.clipped(self.area_bound);
+                        clip_areas(M, &drawn.areas, self.area_bound, &mut shown.areas);
                     }
-                    clip(&drawn.increments.0, self.bound, &mut shown.increments.0);
-                    scheme.step_block(&self.system, step, &shown, &mut y, &mut status);
+                    clip(&drawn.increments, self.bound, &mut shown.increments);
+                    scheme.step_block(&self.system, step, &(&shown).into(), &mut y, &mut status);
                 }
                 first_path += WIDTH as u64;
                 black_box(y)

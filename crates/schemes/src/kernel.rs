@@ -2,9 +2,9 @@
 
 use std::marker::PhantomData;
 
-use noise::{BlockNoise, Noise};
+use noise::{BlockNoise, Noise, skew};
 use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Outcome, Solution};
-use real::{Block, Kernel, Real, WIDTH, dispatch};
+use real::{Block, Kernel, Real, Row, WIDTH, dispatch};
 use systems::{ImplicitStep, PoissonSystem};
 
 use crate::{
@@ -37,7 +37,7 @@ where
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        dispatch(StepKernel { formula: self, system, step, noise, y, status });
+        dispatch(StepKernel { formula: self, system, step, noise: *noise, y, status });
     }
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
@@ -120,7 +120,9 @@ struct BlockEquation<'a, F, S, const D: usize, const M: usize> {
     formula: F,
     system: S,
     step: Step,
-    noise: &'a BlockNoise<M>,
+    noise: BlockNoise<'a, M>,
+    /// Its areas, for a formula that reads them.
+    areas: [&'a [Row; M]; M],
     /// The states before the step.
     y: &'a Block<D>,
 }
@@ -131,12 +133,9 @@ impl<'a, F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Bl
     type Path = Equation<&'a F, &'a S, D, M>;
     #[inline(always)]
     fn path(&self, p: usize) -> Self::Path {
-        let Self { formula, system, step, noise, y } = *self;
-        let noise = if F::READS_AREAS {
-            noise.path(p)
-        } else {
-            Noise { increments: noise.increments.path(p), areas: [[0.0; M]; M] }
-        };
+        let Self { formula, system, step, noise, ref areas, y } = *self;
+        let areas = if F::READS_AREAS { skew(areas, p) } else { [[0.0; M]; M] };
+        let noise = Noise { increments: noise.increments_of(p), areas };
         let y = y.path(p);
         let start = if F::EXACT_DAMPING { scaled(y, step.first_decay) } else { y };
         Equation { formula, system, step, noise, start }
@@ -148,7 +147,7 @@ struct StepKernel<'a, F, S, const D: usize, const M: usize> {
     formula: &'a F,
     system: &'a S,
     step: &'a Step,
-    noise: &'a BlockNoise<M>,
+    noise: BlockNoise<'a, M>,
     y: &'a mut Block<D>,
     status: &'a mut BlockStatus,
 }
@@ -162,10 +161,11 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
     fn run(self) {
         let Self { formula, system, step, noise, y, status } = self;
         let step = *step;
+        let areas = if F::READS_AREAS { noise.area_rows() } else { [BlockNoise::NO_AREAS; M] };
         if F::EXPLICIT {
             // Copies without other references, so that stores to them cannot change the noise.
             let (start, mut next) = (*y, *y);
-            let equations = BlockEquation { formula, system, step, noise, y: &start };
+            let equations = BlockEquation { formula, system, step, noise, areas, y: &start };
             for p in 0..WIDTH {
                 next.set_path(p, equations.path(p).map(start.path(p)));
             }
@@ -175,7 +175,7 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
             return;
         }
         let mut z = Block::zero();
-        let equations = BlockEquation { formula, system, step, noise, y };
+        let equations = BlockEquation { formula, system, step, noise, areas, y };
         formula.solver().solve_block(&equations, &mut z, status);
         if F::EXACT_DAMPING {
             for p in 0..WIDTH {

@@ -35,14 +35,14 @@
 //! | [`Heun`] | explicit | 1 / ½ |
 //! | [`EulerMaruyama`] | explicit | ½ / ½ |
 //!
-//! A [`DynScheme`] is a scheme on a system whose dimension is known at run time only.
+//! A [`Method`] is a scheme on a system, of any dimension and with any number of noises.
 
-mod dynamic;
 mod em;
 mod formula;
 mod heun;
 mod increment;
 mod kernel;
+mod method;
 mod midpoint;
 mod nv;
 mod poisson_flow;
@@ -55,11 +55,11 @@ mod split;
 mod step;
 mod with_solver;
 
-pub use dynamic::{DynScheme, RunState};
 pub use em::EulerMaruyama;
 pub use formula::{Explicit, Implicit};
 pub use heun::Heun;
 pub use increment::{Increment, Vector};
+pub use method::{Method, Stepper};
 pub use midpoint::Midpoint;
 pub use nv::{Nv, PartFlows, StageFlows, Sweep};
 pub use scheme::Scheme;

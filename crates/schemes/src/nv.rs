@@ -366,7 +366,7 @@ struct NvKernel<'a, F, S, const D: usize, const M: usize> {
     nv: Nv<F>,
     system: &'a S,
     step: Step,
-    noise: &'a BlockNoise<M>,
+    noise: BlockNoise<'a, M>,
     y: &'a mut Block<D>,
     status: &'a mut BlockStatus,
 }
@@ -380,7 +380,7 @@ where
     #[inline(always)]
     fn run(self) {
         let Self { nv: Nv { flows, sweep }, system, step, noise, y, status } = self;
-        let (half_tau, increments) = (0.5 * step.tau, noise.increments.0);
+        let (half_tau, increments) = (0.5 * step.tau, *noise.increments);
         let mut state = Flowing { flows, paths: Paths { system, half_tau, increments, y: y.0 } };
         compose(M > 1 && sweep.is_backward(&step), &step, &mut state);
         y.0 = state.paths.y;
@@ -413,7 +413,7 @@ macro_rules! scheme {
                 y: &mut Block<D>,
                 status: &mut BlockStatus,
             ) {
-                dispatch(NvKernel { nv: *self, system, step: *step, noise, y, status });
+                dispatch(NvKernel { nv: *self, system, step: *step, noise: *noise, y, status });
             }
 
             fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {

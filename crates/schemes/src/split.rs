@@ -90,7 +90,7 @@ fn advance<S: Flows<D, M>, const D: usize, const M: usize>(
 struct SplitKernel<'a, S, const D: usize, const M: usize> {
     system: &'a S,
     step: Step,
-    noise: &'a BlockNoise<M>,
+    noise: BlockNoise<'a, M>,
     y: &'a mut Block<D>,
     status: &'a mut BlockStatus,
 }
@@ -103,7 +103,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize> Kernel for SplitKernel<'_, 
         let Self { system, step, noise, y, status } = self;
         let (start, mut next) = (*y, *y);
         for p in 0..WIDTH {
-            let increments = noise.increments.path(p);
+            let increments = noise.increments_of(p);
             next.set_path(p, advance(system, &step, increments, start.path(p)));
         }
         *y = next;
@@ -133,7 +133,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for Split {
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        dispatch(SplitKernel { system, step: *step, noise, y, status });
+        dispatch(SplitKernel { system, step: *step, noise: *noise, y, status });
     }
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {

@@ -46,7 +46,8 @@ impl PoissonSystem<2, 1> for Impatient {
 fn a_loop_that_paths_leave_is_seen_in_the_count() {
     let step = Step::new(&Constant::new(0.1).unwrap(), 0, 1.0 / 256.0).unwrap();
     let (mut y, mut status) = (Block::splat([0.5, 0.8]), BlockStatus::explicit());
-    let noise = BlockNoise::increments(Block::splat([0.1]));
+    let dw = Block::splat([0.1]);
+    let noise = BlockNoise::increments(&dw.0);
     Sexp.step_block(&Impatient, &step, &noise, &mut y, &mut status);
     assert!(y.0[0][31] != 0.5);
     let sets = [(Level::Avx2, "_avx2_version", 1), (Level::Avx512, "up_to_avx512_avx512", 2)];

@@ -33,7 +33,8 @@ fn use_the_kernel() {
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
     let step = Step::new(&Cosine::new(0.5, 2.0).unwrap(), 0, 1.0 / 256.0).unwrap();
     let (mut y, mut status) = (Block::splat([0.45, 0.0, 0.89]), BlockStatus::explicit());
-    let noise = BlockNoise::increments(Block::splat([0.1, -0.05, 0.02]));
+    let dw = Block::splat([0.1, -0.05, 0.02]);
+    let noise = BlockNoise::increments(&dw.0);
     Sexp.step_block(&body, &step, &noise, &mut y, &mut status);
     assert!(status.failed.is_empty() && y.0[1][31] != 0.0);
 }

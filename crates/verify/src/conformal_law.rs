@@ -18,14 +18,14 @@ pub const ROUND_OFF: f64 = 2e-13;
 pub fn along<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     index: usize,
-    path: &Trajectory<D>,
+    path: &Trajectory,
 ) -> Vec<(f64, f64, f64)> {
     let system = problem.system();
     let degree = system.invariants()[index].degree;
     let initial: f64 = system.invariant(index, problem.y0());
-    let values = path.times.iter().zip(&path.states).map(|(&t, &y)| {
+    let values = path.times.iter().enumerate().map(|(n, &t)| {
         let exact = (-degree * problem.damping().integral(0.0, t)).exp() * initial;
-        (t, system.invariant(index, y), exact)
+        (t, system.invariant(index, path.state(n)), exact)
     });
     values.collect()
 }

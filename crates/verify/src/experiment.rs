@@ -1,7 +1,7 @@
 //! What an experiment is, what it is given and what it returns.
 
-use mc::{Ladder, Measured, Statistic, Trajectory, parts::GROUP_PATHS, trajectory};
-use noise::{StepNoise, StreamKey, Truncation};
+use mc::{Ladder, Measured, Setup, Statistic, Trajectory, parts::GROUP_PATHS, trajectory};
+use noise::{StreamKey, Truncation};
 use plot::Progress;
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
@@ -56,14 +56,14 @@ impl Conditions<'_> {
         scheme: &dyn Scheme<S, D, M>,
         steps: u64,
         path: u64,
-    ) -> Trajectory<D> {
-        valid(trajectory(problem, scheme, steps, truncation(), self.key(part), path))
+    ) -> Trajectory {
+        valid(trajectory(&Setup::of(problem, scheme), steps, truncation(), self.key(part), path))
     }
 
     /// The results of a ladder with `samples` paths.
-    pub fn run<T: Statistic, N: StepNoise>(
+    pub fn run<T: Statistic>(
         &self,
-        ladder: &Ladder<'_, N>,
+        ladder: &Ladder<'_>,
         samples: u64,
         new: impl Fn() -> T + Sync,
     ) -> Measured<T> {

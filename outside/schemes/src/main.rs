@@ -4,8 +4,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use casimir::mc::{Ladder, Run, Statistic, View};
-use casimir::noise::BlockNoise;
+use casimir::mc::{self, Ladder, Run, Statistic, View};
 use casimir::prelude::*;
 use casimir::schemes::Heun;
 use casimir::systems::{Cosine, RigidBody};
@@ -47,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Problem::new(body, Cosine::new(0.5, 2.0)?, [0.45, 0.0, 0.89], 1.0)?;
     let (key, truncation) = (StreamKey { seed: 1, experiment: 0 }, Truncation::new(4)?);
 
-    let path = Simulation::new(&problem, &LieConformal, truncation).path(256, key, 0)?;
+    let path = Simulation::new(Setup::of(&problem, &LieConformal), truncation).path(256, key, 0)?;
     let defect =
         path.column("C defect").into_iter().flatten().fold(0.0, |d, x| f64::max(d, x.abs()));
     println!("lie-conformal: largest defect of the Casimir {defect:.1e}");
@@ -57,8 +56,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let pairs: [[&dyn Scheme<Body, 3, 3>; 2]; 2] =
         [[&ExponentialHeun, &Heun], [&LieConformal, &sexp]];
     for [mine, theirs] in pairs {
-        let ladder =
-            |scheme| Ladder::new(&problem, 256, 0, truncation, key, vec![Run::new(scheme, 0)]);
+        let driven = mc::Problem::of(&problem);
+        let ladder = |scheme| {
+            let runs = vec![Run::new(bind(&problem, scheme), 0)];
+            Ladder::new(&driven, 256, 0, truncation, key, runs)
+        };
         let (mine_ladder, their_ladder) = (ladder(mine)?, ladder(theirs)?);
         let (mut own, mut ours) = (f64::INFINITY, f64::INFINITY);
         // The least of many times, both in turn: a disturbance that lasts hits both. Other work on
@@ -77,7 +79,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Time of 512 paths.
-fn seconds(ladder: &Ladder<'_, BlockNoise<3>>) -> f64 {
+fn seconds(ladder: &Ladder<'_>) -> f64 {
     let start = Instant::now();
     black_box(ladder.run(512, || Nothing, &|_| ()).failed);
     start.elapsed().as_secs_f64()

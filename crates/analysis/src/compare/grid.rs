@@ -2,26 +2,25 @@
 
 use std::{array, ops::Range, sync::Arc};
 
-use mc::{DynProblem, DynRun, Ladder, LadderError, parts::Stop};
-use noise::{BlockNoise, StepNoise, StreamKey, Truncation};
-use schemes::{DynScheme, Scheme};
+use mc::{Ladder, LadderError, Problem, Run, parts::Stop};
+use noise::{StreamKey, Truncation};
+use schemes::Method;
 use serde::{Deserialize, Serialize};
 use stats::CrossMoments;
-use systems::{Damping, PoissonSystem, Problem};
 
-use super::{candidates::Entrant, time::Time};
+use super::{own_areas::as_drawn, time::Time};
 use crate::{FinalMoments, FinalRows};
 
 /// Which schemes run at which step sizes, on which noise, and against what.
-pub struct Grid<'a, S, G, const D: usize, const M: usize> {
+pub struct Grid<'a> {
     /// The problem.
-    pub problem: &'a Problem<S, G, D>,
-    /// The schemes.
-    pub schemes: Vec<&'a dyn Scheme<S, D, M>>,
+    pub problem: &'a Problem<'a>,
+    /// The schemes on its system.
+    pub schemes: Vec<Arc<dyn Method + 'a>>,
     /// The levels of each scheme; level l has `finest_steps`/2^l steps.
     pub levels: Vec<Range<usize>>,
     /// The reference. It should have strong order one.
-    pub reference: &'a dyn Scheme<S, D, M>,
+    pub reference: Arc<dyn Method + 'a>,
     /// Its level. It runs on the next two levels as well, to estimate its own error.
     pub reference_level: usize,
     /// Number of the finest steps.
@@ -31,19 +30,6 @@ pub struct Grid<'a, S, G, const D: usize, const M: usize> {
     /// How increments are truncated.
     pub truncation: Truncation,
     /// Which noise.
-    pub key: StreamKey,
-}
-
-/// The same for systems of any dimension.
-pub(super) struct DynGrid<'a, N> {
-    pub problem: &'a DynProblem<'a>,
-    pub schemes: Vec<Entrant<'a, N>>,
-    pub levels: Vec<Range<usize>>,
-    pub reference: Arc<dyn DynScheme<N> + 'a>,
-    pub reference_level: usize,
-    pub finest_steps: u64,
-    pub samples: u64,
-    pub truncation: Truncation,
     pub key: StreamKey,
     /// Ends the runs; what was measured is then of no use.
     pub stop: Stop,
@@ -94,7 +80,7 @@ impl<P: Timed> Series<P> {
 /// Runs of the reference: at its level and at the next two.
 pub(super) const REFERENCES: usize = 3;
 
-impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Grid<'a, S, G, D, M> {
+impl<'a> Grid<'a> {
     /// Path-steps of all runs.
     pub fn work(&self) -> u64 {
         let points = self.levels.iter().cloned().flatten();
@@ -103,28 +89,6 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Gri
         points.chain(references).map(|level| steps(level) * self.samples).sum()
     }
 
-    /// The same without the dimension; `problem` is that of the grid.
-    pub(super) fn erased<'b>(&self, problem: &'b DynProblem<'b>) -> DynGrid<'b, BlockNoise<M>>
-    where
-        'a: 'b,
-    {
-        let entrant = |scheme: &&'a dyn Scheme<S, D, M>| Entrant::of(self.problem, *scheme);
-        DynGrid {
-            problem,
-            schemes: self.schemes.iter().map(entrant).collect(),
-            levels: self.levels.clone(),
-            reference: Entrant::of(self.problem, self.reference).scheme,
-            reference_level: self.reference_level,
-            finest_steps: self.finest_steps,
-            samples: self.samples,
-            truncation: self.truncation,
-            key: self.key,
-            stop: Stop::default(),
-        }
-    }
-}
-
-impl<'a, N: StepNoise> DynGrid<'a, N> {
     /// Number of points of all schemes, one at each step size.
     pub(super) fn points(&self) -> usize {
         self.levels.iter().map(|levels| levels.len()).sum()
@@ -132,7 +96,7 @@ impl<'a, N: StepNoise> DynGrid<'a, N> {
 
     /// Whether a scheme reads areas, so that it has another error with exact ones.
     fn reads(&self, s: usize) -> bool {
-        self.schemes[s].drawn.is_some()
+        self.schemes[s].reads_areas()
     }
 
     /// The number among all points of that of scheme `s` with this many steps.
@@ -165,21 +129,21 @@ impl<'a, N: StepNoise> DynGrid<'a, N> {
         values: &FinalRows<'_>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<(CrossMoments, Sampled), LadderError> {
-        let on = |scheme: &Arc<dyn DynScheme<N> + 'a>, levels: Range<usize>| {
-            let runs = levels.map(|level| DynRun::new(Arc::clone(scheme), level));
+        let on = |scheme: &Arc<dyn Method + 'a>, levels: Range<usize>| {
+            let runs = levels.map(|level| Run::new(Arc::clone(scheme), level));
             runs.collect::<Vec<_>>()
         };
         let first = self.reference_level;
         let mut runs = on(&self.reference, first..first + REFERENCES);
-        for (entrant, levels) in self.schemes.iter().zip(&self.levels) {
-            runs.extend(on(entrant.as_drawn(), levels.clone()).into_iter().rev());
+        for (scheme, levels) in self.schemes.iter().zip(&self.levels) {
+            runs.extend(on(&as_drawn(scheme), levels.clone()).into_iter().rev());
         }
         for s in (0..self.schemes.len()).filter(|&s| exact && self.reads(s)) {
-            runs.extend(on(&self.schemes[s].scheme, self.levels[s].clone()).into_iter().rev());
+            runs.extend(on(&self.schemes[s], self.levels[s].clone()).into_iter().rev());
         }
         let top = runs.iter().map(|run| run.level).max().unwrap_or(0);
         let Self { problem, finest_steps, samples, truncation, key, .. } = *self;
-        let ladder = Ladder::of(problem, finest_steps, top, truncation, key, runs)?;
+        let ladder = Ladder::new(problem, finest_steps, top, truncation, key, runs)?;
         let new = || FinalMoments::of_rows(ladder.coarse_steps(), length, values);
         let measured = ladder.run_until(&self.stop, 0, samples, new, progress);
         let sampled = Sampled {
@@ -199,7 +163,7 @@ impl<'a, N: StepNoise> DynGrid<'a, N> {
     ) -> Vec<Series<P>> {
         let (mut number, mut exact) = (0, self.points());
         let mut all = Vec::with_capacity(self.schemes.len());
-        for (s, entrant) in self.schemes.iter().enumerate() {
+        for (s, scheme) in self.schemes.iter().enumerate() {
             let mut points = Vec::new();
             for level in self.levels[s].clone().rev() {
                 let with_exact = self.reads(s).then_some(exact);
@@ -207,7 +171,7 @@ impl<'a, N: StepNoise> DynGrid<'a, N> {
                 number += 1;
                 exact += usize::from(self.reads(s));
             }
-            all.push(Series { scheme: entrant.scheme.id().to_owned(), points });
+            all.push(Series { scheme: scheme.id().to_owned(), points });
         }
         all
     }

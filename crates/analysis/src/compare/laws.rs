@@ -1,6 +1,6 @@
 //! Conformal laws, and how far final states are from them.
 
-use mc::DynProblem;
+use mc::Problem;
 
 use crate::inspect::Form;
 
@@ -22,7 +22,7 @@ pub struct Law<'a> {
 
 impl<'a> Law<'a> {
     /// The laws of the invariants that the system names, then of Casimirs that were found.
-    pub fn all(problem: &'a DynProblem<'a>, found: &'a [Form]) -> Vec<Self> {
+    pub fn all(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Self> {
         let named = problem.laws.iter().enumerate().map(|(index, law)| {
             let value: Value<'a> = Box::new(move |y| problem.formulas.law(index, y));
             (law.name.clone(), law.casimir, law.degree, value)

@@ -6,6 +6,7 @@
 //! unless it costs significantly more than the cheapest: more than 1.1 times as much with 95 %.
 //!
 //! ```
+//! use mc::bind;
 //! use noise::{StreamKey, Truncation};
 //! use schemes::{EulerMaruyama, Heun, Sexp};
 //! use systems::{Constant, Pendulum, Problem};
@@ -13,10 +14,12 @@
 //!
 //! let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
 //! // `Candidates::all(&problem)` has all schemes; these are two of one's own choice.
-//! let candidates = Candidates::against(&Sexp).and(&Heun).and(&EulerMaruyama);
+//! let candidates = Candidates::against(bind(&problem, &Sexp))
+//!     .and(bind(&problem, &Heun))
+//!     .and(bind(&problem, &EulerMaruyama));
 //! let key = StreamKey { seed: 1, experiment: 1 };
 //! let settings = CompareSettings::new(3e-3, Truncation::new(4)?, key);
-//! let comparison = compare(&problem, &candidates, &settings)?;
+//! let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings)?;
 //! // Heun is of order one here, Euler–Maruyama of order ½.
 //! assert_eq!(comparison.recommended(), Some("heun"));
 //! println!("{comparison}");
@@ -49,7 +52,6 @@
 //! | item | job |
 //! |---|---|
 //! | [`compare`], [`Candidates`], [`CompareSettings`], [`Expectations`] | the call |
-//! | [`compare_of`], [`DynCandidates`] | the same for any dimension |
 //! | [`Comparison`], [`Verdicts`], [`Candidate`], [`Outcome`], [`Keeps`], [`Choice`] | what it says |
 //! | [`Grid`], [`Strong`], [`Weak`], [`Series`] | errors at given step sizes |
 //! | [`path_times`], [`Repetitions`], [`Time`] | processor times |
@@ -69,16 +71,14 @@ mod strong;
 mod time;
 mod weak;
 
-use mc::DynProblem;
-use noise::StepNoise;
+use mc::Problem;
 use serde::{Deserialize, Serialize};
-use systems::{Damping, PoissonSystem, Problem};
 
-pub use candidates::{Candidates, DynCandidates};
+pub use candidates::Candidates;
 pub use cost::{Curve, cost_at};
 pub use grid::{Grid, Sampled, Series, Timed};
 pub use recommend::{Candidate, Choice, Keeps, Measured, Outcome};
-pub use settings::{CompareError, CompareSettings, DynCompareSettings, EXPERIMENTS, Expectations};
+pub use settings::{CompareError, CompareSettings, EXPERIMENTS, Expectations};
 pub use strong::{Ratio, Strong, StrongPoint};
 pub use time::{Repetitions, Time, path_times};
 pub use weak::{Cost, Weak, WeakObservable, WeakPoint};
@@ -171,24 +171,9 @@ impl Verdicts {
 ///
 /// # Panics
 /// When no thread can be started.
-pub fn compare<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-    candidates: &Candidates<'_, S, D, M>,
-    settings: &CompareSettings<'_>,
-) -> Result<Comparison, CompareError> {
-    compare_of(&DynProblem::of(problem), &candidates.erased(problem), settings)
-}
-
-/// The same as [`compare`] for a problem of any dimension.
-///
-/// # Errors
-/// As [`compare`].
-///
-/// # Panics
-/// When no thread can be started.
-pub fn compare_of<N: StepNoise>(
-    problem: &DynProblem<'_>,
-    candidates: &DynCandidates<'_, N>,
+pub fn compare(
+    problem: &Problem<'_>,
+    candidates: &Candidates<'_>,
     settings: &CompareSettings<'_>,
 ) -> Result<Comparison, CompareError> {
     search::Search::new(problem, candidates, settings)?.run()

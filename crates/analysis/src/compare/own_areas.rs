@@ -11,10 +11,10 @@
 
 use std::sync::Arc;
 
-use noise::{AreaMethod, BlockNoise, StreamKey, WienerPath, strong_order_one_error};
+use noise::{AreaMethod, StepNoise, StreamKey, WienerPath, strong_order_one_error};
 use nonlin::BlockStatus;
 use real::{Row, WIDTH};
-use schemes::{DynScheme, RunState, Step};
+use schemes::{Method, Step, Stepper};
 
 /// The method that areas are drawn with.
 const METHOD: AreaMethod = AreaMethod::MrongowiusRoessler;
@@ -30,10 +30,18 @@ fn size(tau: f64, noises: usize) -> f64 {
     terms(tau, noises).map_or(asked, |terms| METHOD.rms_error(tau, terms, noises))
 }
 
-/// A scheme with areas as they are drawn at the step itself.
-pub struct OwnAreas<'a, const M: usize>(pub Arc<dyn DynScheme<BlockNoise<M>> + 'a>);
+/// The scheme as users have it: with Lévy areas as it would draw them, if it reads areas.
+pub fn as_drawn<'a>(scheme: &Arc<dyn Method + 'a>) -> Arc<dyn Method + 'a> {
+    match scheme.reads_areas() {
+        true => Arc::new(OwnAreas(Arc::clone(scheme))),
+        false => Arc::clone(scheme),
+    }
+}
 
-impl<const M: usize> DynScheme<BlockNoise<M>> for OwnAreas<'_, M> {
+/// A scheme with areas as they are drawn at the step itself.
+struct OwnAreas<'a>(Arc<dyn Method + 'a>);
+
+impl Method for OwnAreas<'_> {
     fn id(&self) -> &'static str {
         self.0.id()
     }
@@ -46,47 +54,63 @@ impl<const M: usize> DynScheme<BlockNoise<M>> for OwnAreas<'_, M> {
     fn stack(&self) -> usize {
         self.0.stack()
     }
-    fn start(&self, y: &[Row]) -> Box<dyn RunState<BlockNoise<M>> + '_> {
-        Box::new(Disturbed(self.0.start(y)))
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        Box::new(Disturbed { stepper: self.0.start(y), noise: StepNoise::zero(0) })
     }
 }
 
-struct Disturbed<'a, const M: usize>(Box<dyn RunState<BlockNoise<M>> + 'a>);
+struct Disturbed<'a> {
+    stepper: Box<dyn Stepper + 'a>,
+    /// The noise of the last step, disturbed.
+    noise: StepNoise,
+}
 
-impl<const M: usize> RunState<BlockNoise<M>> for Disturbed<'_, M> {
-    fn step(&mut self, step: &Step, noise: &BlockNoise<M>, status: &mut BlockStatus) {
-        let (mut drawn, size) = (noise.clone(), size(step.tau, M));
-        (0..WIDTH).for_each(|p| drawn.areas.set_path(p, disturb(size, noise.areas.path(p))));
-        self.0.step(step, &drawn, status);
+impl Stepper for Disturbed<'_> {
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        let noises = noise.increments.len();
+        if self.noise.increments.len() != noises {
+            self.noise = StepNoise::with_areas(noises);
+        }
+        let (size, mut areas) = (size(step.tau, noises), vec![0.0; noises * noises]);
+        self.noise.increments.copy_from_slice(&noise.increments);
+        for p in 0..WIDTH {
+            for (i, j) in (0..noises).flat_map(|i| (0..noises).map(move |j| (i, j))) {
+                let [one, other] = [i * noises + j, j * noises + i];
+                areas[one] = noise.areas[one][p] - noise.areas[other][p];
+            }
+            disturb(size, noises, &mut areas);
+            for (i, j) in (0..noises).flat_map(|i| (i + 1..noises).map(move |j| (i, j))) {
+                self.noise.areas[i * noises + j][p] = areas[i * noises + j];
+            }
+        }
+        self.stepper.step(step, &self.noise, status);
     }
-    fn rows(&self) -> &[Row] {
-        self.0.rows()
+    fn state(&self) -> &[Row] {
+        self.stepper.state()
     }
-    fn rows_mut(&mut self) -> &mut [Row] {
-        self.0.rows_mut()
+    fn state_mut(&mut self) -> &mut [Row] {
+        self.stepper.state_mut()
     }
 }
 
 /// A stream of its own among those of the workspace.
 const STREAM: u64 = 0x6f77_6e2d_6172_6561;
 
-/// Adds errors of standard deviation `size` to the entries i < j of a skew matrix, and takes them
-/// from the others.
-fn disturb<const M: usize>(size: f64, areas: [[f64; M]; M]) -> [[f64; M]; M] {
+/// Adds errors of standard deviation `size` to the entries i < j of a skew matrix, row by row, and
+/// takes them from the others.
+fn disturb(size: f64, noises: usize, areas: &mut [f64]) {
     // Numbers of different paths and steps differ in some area; a product with an odd number keeps
     // all of them.
-    let bits = areas.iter().flatten().fold(STREAM, |hash, area| {
+    let bits = areas.iter().fold(STREAM, |hash, area| {
         (hash ^ area.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
     });
     let mut normals = WienerPath::<1>::new(StreamKey { seed: bits, experiment: STREAM }, 0);
-    let mut disturbed = areas;
-    for i in 0..M {
-        for j in i + 1..M {
-            disturbed[i][j] = areas[i][j] + normals.increments(size)[0];
-            disturbed[j][i] = -disturbed[i][j];
+    for i in 0..noises {
+        for j in i + 1..noises {
+            let disturbed = areas[i * noises + j] + normals.increments(size)[0];
+            (areas[i * noises + j], areas[j * noises + i]) = (disturbed, -disturbed);
         }
     }
-    disturbed
 }
 
 #[cfg(test)]
@@ -101,11 +125,15 @@ mod tests {
         let count = 20_000;
         for n in 0..count {
             let a = 0.1 * tau * f64::from(n);
-            let areas = [[0.0, a, 0.0], [-a, 0.0, 0.0], [0.0, 0.0, 0.0]];
-            let disturbed = disturb(size, areas);
-            assert_eq!(disturbed, disturb(size, areas));
-            assert_eq!(disturbed[1][0], -disturbed[0][1]);
-            let (one, other) = ((disturbed[0][1] - a) / size, disturbed[0][2] / size);
+            let disturbed = || {
+                let mut areas = [0.0, a, 0.0, -a, 0.0, 0.0, 0.0, 0.0, 0.0];
+                disturb(size, 3, &mut areas);
+                areas
+            };
+            assert_eq!(disturbed(), disturbed());
+            let disturbed = disturbed();
+            assert_eq!(disturbed[3], -disturbed[1]);
+            let (one, other) = ((disturbed[1] - a) / size, disturbed[2] / size);
             sum += one;
             squares += one * one;
             cross += one * other;

@@ -3,10 +3,11 @@
 use std::sync::{Arc, mpsc};
 use std::{thread, time::Duration};
 
-use mc::{DynProblem, DynRun, Ladder, LadderError, View, parts::Stop};
-use noise::{StepNoise, StreamKey, Truncation};
+use mc::{Ladder, LadderError, Problem, Run, View, parts::Stop};
+use noise::{StreamKey, Truncation};
+use schemes::Method;
 
-use super::{Outcome, candidates::Entrant};
+use super::{Outcome, own_areas::as_drawn};
 use crate::{
     FinalMoments, StepSizes, Stopwatch,
     orders::{Consistency, Subject, single_steps},
@@ -31,9 +32,9 @@ pub struct Known {
 
 impl Known {
     /// Runs the scheme at step sizes from T/`base` on until no path fails, and checks single steps.
-    pub fn new<N: StepNoise>(
-        entrant: &Entrant<'_, N>,
-        problem: &DynProblem<'_>,
+    pub fn new(
+        scheme: &Arc<dyn Method + '_>,
+        problem: &Problem<'_>,
         truncation: Truncation,
         key: StreamKey,
         base: u64,
@@ -42,8 +43,8 @@ impl Known {
         let (mut excluded, mut seconds) = (Outcome::NotMeasured, 0.0);
         for first in 0..=FINEST {
             let steps = base << first;
-            let runs = vec![DynRun::new(Arc::clone(entrant.as_drawn()), 0)];
-            let ladder = Ladder::of(problem, steps, 0, truncation, key, runs)?;
+            let runs = vec![Run::new(as_drawn(scheme), 0)];
+            let ladder = Ladder::new(problem, steps, 0, truncation, key, runs)?;
             let nothing = |_: &View<'_>, _: usize, _: &mut [f64]| ();
             let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
             let watch = Stopwatch::start();
@@ -53,7 +54,7 @@ impl Known {
                 excluded = Outcome::Fails(failure.to_string());
             } else if !stop.is_asked() {
                 let sizes = StepSizes { levels: 1, ..StepSizes::new(steps, truncation, key) };
-                let subject = Subject { problem, scheme: &entrant.scheme };
+                let subject = Subject { problem, scheme };
                 let excluded = match single_steps(subject, &sizes, stop)? {
                     Consistency::Inconsistent(defect) => Some(Outcome::Inconsistent(defect)),
                     _ => None,

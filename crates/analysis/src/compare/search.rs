@@ -2,20 +2,19 @@
 
 use std::{cell::Cell, sync::Arc};
 
-use mc::{DynProblem, parts::Stop};
-use noise::{StepNoise, StreamKey};
+use mc::{Problem, parts::Stop};
+use noise::StreamKey;
+use schemes::Method;
 
 use super::{
-    Candidate, Choice, CompareError, CompareSettings, Comparison, DynCandidates, Expectations,
-    Keeps, Outcome, Repetitions, Series, Stopped, Strong, StrongPoint, Time, Verdicts, Weak,
-    WeakPoint,
-    candidates::Entrant,
-    grid::DynGrid,
+    Candidate, Candidates, Choice, CompareError, CompareSettings, Comparison, Expectations, Keeps,
+    Outcome, Repetitions, Series, Stopped, Strong, StrongPoint, Time, Verdicts, Weak, WeakPoint,
+    grid::Grid,
     laws::Law,
     pilot::{Known, within},
     recommend::choose,
     settings::LEAST_SAMPLES,
-    time::times_of,
+    time::path_times,
 };
 use crate::Stopwatch;
 
@@ -43,10 +42,10 @@ const TIMING: (usize, u64, u64) = (3, 1 << 14, 128);
 
 /// A comparison under way. Step sizes are numbered by the base 2 logarithm of their steps over
 /// those of the longest step.
-pub struct Search<'a, N> {
-    problem: &'a DynProblem<'a>,
+pub struct Search<'a> {
+    problem: &'a Problem<'a>,
     settings: &'a CompareSettings<'a>,
-    candidates: &'a DynCandidates<'a, N>,
+    candidates: &'a Candidates<'a>,
     /// Number of the longest steps.
     base: u64,
     watch: Stopwatch,
@@ -77,10 +76,10 @@ fn good(point: &WeakPoint, accuracy: f64) -> bool {
     point.hi <= std::f64::consts::FRAC_1_SQRT_2 * accuracy
 }
 
-impl<'a, N: StepNoise> Search<'a, N> {
+impl<'a> Search<'a> {
     pub fn new(
-        problem: &'a DynProblem<'a>,
-        candidates: &'a DynCandidates<'a, N>,
+        problem: &'a Problem<'a>,
+        candidates: &'a Candidates<'a>,
         settings: &'a CompareSettings<'a>,
     ) -> Result<Self, CompareError> {
         settings.check(candidates.schemes.len())?;
@@ -107,13 +106,13 @@ impl<'a, N: StepNoise> Search<'a, N> {
         let Self { problem, settings, candidates, .. } = self;
         let reference = self.known(&candidates.reference, 2)?;
         if let Some(Outcome::Fails(failure)) = reference.excluded {
-            let scheme = candidates.reference.scheme.id();
+            let scheme = candidates.reference.id();
             let steps = self.base << reference.first;
             return Err(CompareError::Reference { scheme, steps, failure });
         }
         let waiting = (1..=candidates.schemes.len()).rev();
         let known = candidates.schemes.iter().zip(waiting);
-        let known = known.map(|(entrant, waiting)| self.known(entrant, waiting));
+        let known = known.map(|(scheme, waiting)| self.known(scheme, waiting));
         let known: Vec<Known> = known.collect::<Result<_, _>>()?;
         let mut strong =
             within(ERRORS * self.left_s(), |stop| self.strong(&known, &reference, stop))?;
@@ -179,10 +178,10 @@ impl<'a, N: StepNoise> Search<'a, N> {
     }
 
     /// What a pilot shows of a scheme, where so many pilots share a third of the time left.
-    fn known(&self, entrant: &Entrant<'a, N>, waiting: usize) -> Result<Known, CompareError> {
+    fn known(&self, scheme: &Arc<dyn Method + 'a>, waiting: usize) -> Result<Known, CompareError> {
         let Self { problem, settings, base, .. } = *self;
         within(self.left_s() / (3 * waiting) as f64, |stop| {
-            let known = Known::new(entrant, problem, settings.truncation, self.key(1), base, stop)?;
+            let known = Known::new(scheme, problem, settings.truncation, self.key(1), base, stop)?;
             self.cut.set(self.cut.get() || !known.runs() && stop.is_asked());
             Ok(known)
         })
@@ -197,17 +196,17 @@ impl<'a, N: StepNoise> Search<'a, N> {
         samples: u64,
         key: StreamKey,
         stop: &Stop,
-    ) -> DynGrid<'a, N> {
+    ) -> Grid<'a> {
         let finest = plan.finest();
         let levels = known.iter().zip(&plan.last).map(|(known, &last)| match known.runs() {
             true => (finest - last) as usize..(finest - known.first.min(last)) as usize + 1,
             false => 0..0,
         });
-        DynGrid {
+        Grid {
             problem: self.problem,
             schemes: self.candidates.schemes.clone(),
             levels: levels.collect(),
-            reference: Arc::clone(&self.candidates.reference.scheme),
+            reference: Arc::clone(&self.candidates.reference),
             reference_level: (finest - plan.reference) as usize,
             finest_steps: self.base << finest,
             samples,
@@ -225,8 +224,8 @@ impl<'a, N: StepNoise> Search<'a, N> {
         reference: &Known,
         stop: &Stop,
     ) -> Result<Strong, CompareError> {
-        let DynCandidates { casimirs, base, schemes, .. } = self.candidates;
-        let mut found = Strong::nothing(&schemes.iter().map(|s| s.scheme.id()).collect::<Vec<_>>());
+        let Candidates { casimirs, base, schemes, .. } = self.candidates;
+        let mut found = Strong::nothing(&schemes.iter().map(|s| s.id()).collect::<Vec<_>>());
         let (mut samples, room) = (LEAST_SAMPLES, ERRORS * self.left_s());
         let plans = AHEAD.map(|[scheme, ahead]| Plan {
             last: known.iter().map(|k| if k.runs() { k.first + scheme } else { 0 }).collect(),
@@ -244,7 +243,7 @@ impl<'a, N: StepNoise> Search<'a, N> {
                 break;
             }
             let grid = self.grid(known, &plan, samples, self.key(0), stop);
-            let strong = Strong::of(&grid, casimirs, *base, &|_| ())?;
+            let strong = Strong::measure(&grid, casimirs, *base, &|_| ())?;
             if stop.is_asked() {
                 break;
             }
@@ -330,7 +329,7 @@ impl<'a, N: StepNoise> Search<'a, N> {
             let plan = Plan { last: vec![finest - 2; known.len()], reference: finest };
             let watch = Stopwatch::start();
             let grid = self.grid(known, &plan, samples, self.key(2), stop);
-            let weak = Weak::of(&grid, wanted.observables, &|_| ())?;
+            let weak = Weak::measure(&grid, wanted.observables, &|_| ())?;
             if stop.is_asked() {
                 self.cut.set(true);
                 return Ok(found);
@@ -404,11 +403,10 @@ impl<'a, N: StepNoise> Search<'a, N> {
         let room = (self.left_s() / once).clamp(1.0, count as f64) as usize;
         let repetitions = Repetitions { count: room, path_steps };
         let (truncation, key) = (self.settings.truncation, self.key(3));
-        let schemes = self.candidates.schemes.iter().map(|entrant| Arc::clone(&entrant.scheme));
-        let (schemes, problem) = (schemes.collect::<Vec<_>>(), self.problem);
+        let (schemes, problem) = (&self.candidates.schemes, self.problem);
         let nobody = &|_| ();
         let mut times =
-            times_of(&schemes, problem, &steps, truncation, key, (repetitions, stop), nobody)?;
+            path_times(schemes, problem, &steps, truncation, key, (repetitions, stop), nobody)?;
         self.cut.set(self.cut.get() || stop.is_asked());
         for ((times, steps), known) in times.iter_mut().zip(&steps).zip(known) {
             let step_s = times.last().map_or(known.seconds, |(n, time)| time.min_s / *n as f64);

@@ -22,9 +22,6 @@ pub struct CompareSettings<'a> {
     pub key: StreamKey,
 }
 
-/// [`CompareSettings`] by the name that they had for systems known at run time.
-pub type DynCompareSettings<'a> = CompareSettings<'a>;
-
 /// Expectations E φ(y(T)) to be estimated by plain Monte Carlo.
 #[derive(Clone, Copy)]
 pub struct Expectations<'a> {

@@ -1,15 +1,13 @@
 //! Strong errors against a reference whose own error is estimated.
 
-use mc::{DynProblem, LadderError, View};
-use noise::StepNoise;
+use mc::{LadderError, View};
 use real::Row;
 use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, root_mean_square_interval};
-use systems::{Damping, PoissonSystem};
 
 use super::{
     cost::Curve,
-    grid::{DynGrid, Grid, REFERENCES, Sampled, Series, Timed},
+    grid::{Grid, REFERENCES, Sampled, Series, Timed},
     laws::Law,
     own_areas::terms,
     time::Time,
@@ -197,19 +195,8 @@ impl Strong {
     /// # Errors
     /// [`LadderError`] when there is no step, or when truncation or areas are not defined at a step
     /// size.
-    pub fn measure<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-        grid: &Grid<'_, S, G, D, M>,
-        found: &[Form],
-        base: Option<usize>,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Self, LadderError> {
-        let problem = DynProblem::of(grid.problem);
-        Self::of(&grid.erased(&problem), found, base, progress)
-    }
-
-    /// The same for systems of any dimension.
-    pub(super) fn of<N: StepNoise>(
-        grid: &DynGrid<'_, N>,
+    pub fn measure(
+        grid: &Grid<'_>,
         found: &[Form],
         base: Option<usize>,
         progress: &(dyn Fn(u64) + Sync),

@@ -2,12 +2,11 @@
 
 use std::{hint::black_box, sync::Arc};
 
-use mc::{DynProblem, DynRun, Ladder, LadderError, Setup, View, parts::Stop};
-use noise::{StepNoise, StreamKey, Truncation};
+use mc::{Ladder, LadderError, Problem, Run, View, parts::Stop};
+use noise::{StreamKey, Truncation};
 use rayon::ThreadPoolBuilder;
-use schemes::{DynScheme, Scheme};
+use schemes::Method;
 use serde::{Deserialize, Serialize};
-use systems::{Damping, PoissonSystem, Problem};
 
 use crate::{FinalMoments, Spread, Stopwatch};
 
@@ -68,25 +67,9 @@ pub struct Time {
 ///
 /// # Panics
 /// When no repetition is asked for, or when no thread can be started.
-pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    schemes: &[&dyn Scheme<S, D, M>],
-    problem: &Problem<S, G, D>,
-    steps: &[Vec<u64>],
-    truncation: Truncation,
-    key: StreamKey,
-    repetitions: Repetitions,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<Vec<Vec<(u64, Time)>>, LadderError> {
-    let schemes: Vec<_> = schemes.iter().map(|&scheme| Setup::of(problem, scheme).scheme).collect();
-    let problem = DynProblem::of(problem);
-    let stop = Stop::default();
-    times_of(&schemes, &problem, steps, truncation, key, (repetitions, &stop), progress)
-}
-
-/// The same for systems of any dimension. Few steps come first; what `stop` cuts short is left out.
-pub(super) fn times_of<'a, N: StepNoise>(
-    schemes: &[Arc<dyn DynScheme<N> + 'a>],
-    problem: &DynProblem<'a>,
+pub fn path_times<'a>(
+    schemes: &[Arc<dyn Method + 'a>],
+    problem: &Problem<'a>,
     steps: &[Vec<u64>],
     truncation: Truncation,
     key: StreamKey,
@@ -97,8 +80,8 @@ pub(super) fn times_of<'a, N: StepNoise>(
     let mut ladders = Vec::new();
     for (s, (scheme, steps)) in schemes.iter().zip(steps).enumerate() {
         for &steps in steps {
-            let runs = vec![DynRun::new(Arc::clone(scheme), 0)];
-            let ladder = Ladder::of(problem, steps, 0, truncation, key, runs)?;
+            let runs = vec![Run::new(Arc::clone(scheme), 0)];
+            let ladder = Ladder::new(problem, steps, 0, truncation, key, runs)?;
             ladders.push((ladder, steps, s));
         }
     }
@@ -144,14 +127,17 @@ mod tests {
 
     #[test]
     fn times_are_ordered_and_count_their_paths() -> Result<(), Box<dyn std::error::Error>> {
-        let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
+        let problem =
+            systems::Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
         let (sexp, truncation) = (Sexp, Truncation::new(4)?);
         let key = StreamKey { seed: 3, experiment: 1 };
         let repetitions = Repetitions { count: 3, path_steps: 1 };
-        let schemes: [&dyn Scheme<_, 2, 1>; 2] = [&sexp, &Heun];
+        let schemes = [mc::bind(&problem, &sexp), mc::bind(&problem, &Heun)];
+        let (problem, stop) = (mc::Problem::of(&problem), Stop::default());
         let steps = [vec![8, 16], vec![16]];
         let watch = Stopwatch::start();
-        let times = path_times(&schemes, &problem, &steps, truncation, key, repetitions, &|_| ())?;
+        let times =
+            path_times(&schemes, &problem, &steps, truncation, key, (repetitions, &stop), &|_| ())?;
         // Three repetitions of 128 paths took no longer than all of it.
         let times = || times.iter().flatten();
         let shortest: f64 = times().map(|(_, time)| 3.0 * 128.0 * time.min_s).sum();

@@ -1,14 +1,12 @@
 //! Weak errors against a reference on the same noise, and what expectations cost.
 
-use mc::{DynProblem, LadderError, Observable, Observe, View};
-use noise::StepNoise;
+use mc::{LadderError, Observe, View};
 use real::Row;
 use serde::{Deserialize, Serialize};
-use systems::{Damping, PoissonSystem};
 
 use super::{
     cost::Curve,
-    grid::{DynGrid, Grid, REFERENCES, Sampled, Series, Timed},
+    grid::{Grid, REFERENCES, Sampled, Series, Timed},
     time::Time,
 };
 use crate::orders::{difference, evaluate};
@@ -144,19 +142,8 @@ impl Weak {
     ///
     /// # Errors
     /// As [`Strong::measure`](super::Strong::measure).
-    pub fn measure<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-        grid: &Grid<'_, S, G, D, M>,
-        observables: &[Observable<D>],
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Self, LadderError> {
-        let problem = DynProblem::of(grid.problem);
-        let observables: Vec<_> = observables.iter().map(|phi| phi as &dyn Observe).collect();
-        Self::of(&grid.erased(&problem), &observables, progress)
-    }
-
-    /// The same for systems of any dimension.
-    pub(super) fn of<N: StepNoise>(
-        grid: &DynGrid<'_, N>,
+    pub fn measure(
+        grid: &Grid<'_>,
         observables: &[&dyn Observe],
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Self, LadderError> {

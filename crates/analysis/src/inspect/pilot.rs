@@ -1,6 +1,6 @@
 //! Pilot paths: where the paths of a problem go.
 
-use noise::Noise;
+use noise::{Noise, StepNoise};
 use nonlin::BlockStatus;
 use real::WIDTH;
 use schemes::{Implicit, Increment, Scheme, Step, run_time as at_run_time};
@@ -88,15 +88,15 @@ pub fn pilot_paths_of(
     };
     paths.state_mut().iter_mut().zip(y0).for_each(|(row, &y)| *row = [y; WIDTH]);
     let mut random = Random::new(Purpose::Paths);
-    let mut dw = vec![[0.0; WIDTH]; system.noises()];
+    let mut noise = StepNoise::zero(system.noises());
     let mut live: Vec<usize> = (0..PATHS).collect();
     for n in 0..STEPS {
-        for increment in dw.iter_mut().flat_map(|row| &mut row[..PATHS]) {
+        for increment in noise.increments.iter_mut().flat_map(|row| &mut row[..PATHS]) {
             *increment = tau.sqrt() * random.normals.normal().clamp(-CLIPPED, CLIPPED);
         }
         let Ok(step) = Step::new(damping, n, tau) else { break };
         let mut status = BlockStatus::explicit();
-        paths.step(&step, &dw, &mut status);
+        paths.step(&step, &noise, &mut status);
         let state = |p: usize| paths.state().iter().map(|row| row[p]).collect::<Vec<_>>();
         let ends =
             |p: &usize| status.failed.contains(*p) || system.check_domain(&state(*p)).is_err();

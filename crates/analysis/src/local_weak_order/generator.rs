@@ -189,7 +189,7 @@ mod tests {
         let body = valid(RigidBody::three_noises(inertia, noise));
         let y = [0.75, -0.5, 1.25];
         let problem = valid(Problem::new(body, valid(Constant::new(0.2)), y, 1.0));
-        let formulas = mc::DynProblem::of(&problem).formulas;
+        let formulas = mc::Problem::of(&problem).formulas;
         let fields = Fields::new(&*formulas, 3, 0.2, &y, 1.0).unwrap();
         let powers = Generator::new(&fields).powers(&exponents_up_to(3, 1)[1..], 1);
         for i in 0..3 {

@@ -25,11 +25,10 @@ mod tests;
 
 use std::{collections::HashMap, fmt, sync::Arc};
 
-use mc::{DynProblem, Setup};
-use noise::StepNoise;
+use mc::Problem;
 use real::{Row, WIDTH};
-use schemes::{DynScheme, Scheme, Step};
-use systems::{Damping, PoissonSystem, Problem};
+use schemes::{Method, Step};
+use systems::Damping;
 
 use crate::orders::{Steps, Subject};
 
@@ -219,29 +218,12 @@ const UNCLEAR: f64 = 0.2;
 ///
 /// let body = RigidBody::three_noises([2.0, 1.0, 0.5], [1.0, 2.0, 3.0])?;
 /// let problem = Problem::new(body, Constant::new(0.2)?, [0.6, 0.0, 0.8], 1.0)?;
-/// let found = local_weak_order(&[&Sexp], &problem)?;
+/// let found = local_weak_order(&mc::Problem::of(&problem), &[mc::bind(&problem, &Sexp)])?;
 /// assert!((found.order - 2.0).abs() < 0.05 && (found.weak_order() - 1.0).abs() < 0.05);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// # Errors
-/// [`LocalWeakOrderError`] says what a local weak order needs: a scheme that reads increments only,
-/// polynomial fields, a constant γ, at most five noises and eight dimensions, steps that succeed,
-/// and errors that show an order above round-off.
-pub fn local_weak_order<S, G, const D: usize, const M: usize>(
-    schemes: &[&dyn Scheme<S, D, M>],
-    problem: &Problem<S, G, D>,
-) -> Result<LocalWeakOrder, LocalWeakOrderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let schemes: Vec<_> = schemes.iter().map(|&scheme| Setup::of(problem, scheme).scheme).collect();
-    local_weak_order_of(&DynProblem::of(problem), &schemes)
-}
-
-/// The same for a problem of any dimension, with schemes on its system: those of a [`Setup`], or of
-/// several for the same problem.
+/// Of a system from formulas:
 ///
 /// ```
 /// use std::sync::Arc;
@@ -250,7 +232,7 @@ where
 /// use mc::Setup;
 /// use schemes::Midpoint;
 /// use systems::{Constant, run_time::Problem};
-/// use analysis::local_weak_order_of;
+/// use analysis::local_weak_order;
 ///
 /// let words = |texts: &[&str]| texts.iter().map(|text| text.to_string()).collect::<Vec<_>>();
 /// let oscillator = Definition {
@@ -265,16 +247,18 @@ where
 /// let system = FormulaSystem::new(&oscillator, &y0)?;
 /// let problem = Problem::new(Arc::new(system), Arc::new(damping), y0.into(), 1.0)?;
 /// let Setup { problem, scheme } = Setup::at_run_time(&problem, &Midpoint)?;
-/// let found = local_weak_order_of(&problem, &[scheme])?;
+/// let found = local_weak_order(&problem, &[scheme])?;
 /// assert!((found.weak_order() - 1.0).abs() < 0.05 && found.degree == 3, "{found}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// As [`local_weak_order`].
-pub fn local_weak_order_of<N: StepNoise>(
-    problem: &DynProblem<'_>,
-    schemes: &[Arc<dyn DynScheme<N> + '_>],
+/// [`LocalWeakOrderError`] says what a local weak order needs: a scheme that reads increments only,
+/// polynomial fields, a constant γ, at most five noises and eight dimensions, steps that succeed,
+/// and errors that show an order above round-off.
+pub fn local_weak_order(
+    problem: &Problem<'_>,
+    schemes: &[Arc<dyn Method + '_>],
 ) -> Result<LocalWeakOrder, LocalWeakOrderError> {
     let gamma = check(problem, schemes)?;
     let (state, scale) = generic(&problem.y0);
@@ -305,9 +289,9 @@ pub fn local_weak_order_of<N: StepNoise>(
 
 /// The local order with the noises of the fields multiplied by a number, from steps at a state of
 /// the size given.
-fn of_amplified<N: StepNoise>(
-    problem: &DynProblem<'_>,
-    schemes: &[Arc<dyn DynScheme<N> + '_>],
+fn of_amplified(
+    problem: &Problem<'_>,
+    schemes: &[Arc<dyn Method + '_>],
     fields: &Fields,
     (state, scale): (&[f64], f64),
     amplification: f64,
@@ -429,9 +413,9 @@ impl fmt::Display for LocalWeakOrder {
 }
 
 /// γ, if everything is as it must be.
-fn check<N>(
-    problem: &DynProblem<'_>,
-    schemes: &[Arc<dyn DynScheme<N> + '_>],
+fn check(
+    problem: &Problem<'_>,
+    schemes: &[Arc<dyn Method + '_>],
 ) -> Result<f64, LocalWeakOrderError> {
     if schemes.is_empty() {
         return Err(LocalWeakOrderError::NoScheme);
@@ -524,8 +508,8 @@ impl Functions {
 }
 
 /// Means of test functions after one step.
-struct Means<'a, N> {
-    steps: Vec<Steps<'a, N>>,
+struct Means<'a> {
+    steps: Vec<Steps<'a>>,
     grids: [Vec<(f64, Vec<f64>)>; 2],
     state: &'a [f64],
     scale: f64,
@@ -533,7 +517,7 @@ struct Means<'a, N> {
     functions: &'a Functions,
 }
 
-impl<N: StepNoise> Means<'_, N> {
+impl Means<'_> {
     /// The means of φ and of |φ| over the grid number `grid` and over all schemes.
     fn of(&mut self, grid: usize, tau: f64) -> Result<[Vec<f64>; 2], LocalWeakOrderError> {
         let factors = &self.functions.factors;
@@ -546,7 +530,7 @@ impl<N: StepNoise> Means<'_, N> {
             let fails = || LocalWeakOrderError::StepFails { scheme, tau };
             let step = Step::new(damping, 0, tau).map_err(|_| fails())?;
             for nodes in self.grids[grid].chunks(WIDTH) {
-                for (m, row) in steps.noises[0].increments_mut().iter_mut().enumerate() {
+                for (m, row) in steps.noises[0].increments.iter_mut().enumerate() {
                     row.iter_mut().zip(nodes).for_each(|(dw, (_, x))| *dw = root * x[m]);
                 }
                 let (rows, live) = steps.step(&step, self.state, nodes.len());

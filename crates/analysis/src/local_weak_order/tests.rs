@@ -1,6 +1,7 @@
 //! Local orders of schemes that have them, and of twins that have not.
 
 use formula::{Definition, FormulaSystem};
+use mc::{Setup, bind};
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, Real, WIDTH};
@@ -8,11 +9,20 @@ use schemes::{
     EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, Sweep,
 };
 use systems::{
-    Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Poisson3, Problem, RigidBody, paper,
-    run_time,
+    Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Poisson3, PoissonSystem, Problem,
+    RigidBody, paper, run_time,
 };
 
 use super::*;
+
+/// The order of compiled schemes.
+fn local_weak_order<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    schemes: &[&dyn Scheme<S, D, M>],
+    problem: &Problem<S, G, D>,
+) -> Result<LocalWeakOrder, LocalWeakOrderError> {
+    let schemes: Vec<_> = schemes.iter().map(|scheme| bind(problem, *scheme)).collect();
+    super::local_weak_order(&mc::Problem::of(problem), &schemes)
+}
 
 type Body = RigidBody<3>;
 
@@ -360,7 +370,7 @@ fn any_number_of_noises_is_a_grid_up_to_five() {
     let of = |noises: &[&str]| {
         let problem = problem(noises);
         let Setup { problem, scheme } = Setup::at_run_time(&problem, &Heun).unwrap();
-        local_weak_order_of(&problem, &[scheme])
+        super::local_weak_order(&problem, &[scheme])
     };
     // Heun's method has order two without noise.
     assert_order(of(&[]), 3.0);
@@ -398,7 +408,7 @@ fn eight_dimensions_are_the_most() {
     let of = |particles: usize| {
         let problem = chain(particles);
         let Setup { problem, scheme } = Setup::at_run_time(&problem, &Heun).unwrap();
-        local_weak_order_of(&problem, &[scheme])
+        super::local_weak_order(&problem, &[scheme])
     };
     assert_order(of(4), 2.0);
     assert_eq!(of(5).unwrap_err(), LocalWeakOrderError::Dimension { given: 10, most: 8 });
@@ -434,7 +444,7 @@ fn formulas_in_six_dimensions_have_their_orders() {
     let problem = run_time::Problem::new(system, damping, y0.into(), 1.0).unwrap();
     for scheme in [&Sexp as &dyn schemes::run_time::Scheme, &Heun] {
         let Setup { problem, scheme } = Setup::at_run_time(&problem, scheme).unwrap();
-        let found = local_weak_order_of(&problem, &[scheme]);
+        let found = super::local_weak_order(&problem, &[scheme]);
         assert_eq!(found.as_ref().ok().map(|found| found.degree), Some(2));
         assert_order(found, 2.0);
     }

@@ -52,8 +52,8 @@ const STAYS: f64 = 0.1;
 
 /// Compares steps from these states with the coefficients of the equation, for paths or for their
 /// law alone; unclear if `stop` asks for the end before.
-pub fn consistency<N: StepNoise>(
-    subject: Subject<'_, N>,
+pub fn consistency(
+    subject: Subject<'_>,
     sizes: &StepSizes,
     visits: &[Visit],
     law: bool,
@@ -142,7 +142,7 @@ struct Coefficients<'a> {
 }
 
 impl<'a> Coefficients<'a> {
-    fn new<N>(subject: Subject<'_, N>, visit: &'a Visit) -> Self {
+    fn new(subject: Subject<'_>, visit: &'a Visit) -> Self {
         let (formulas, noises) = (&subject.problem.formulas, subject.problem.noises);
         let field = |dt: f64, dw: &dyn Fn(usize) -> f64| {
             formulas.field(&visit.state, dt, &(0..noises).map(dw).collect::<Vec<_>>())
@@ -158,8 +158,8 @@ impl<'a> Coefficients<'a> {
 }
 
 /// Errors of steps from these states; `None` if a tenth of the steps fail, or y = 0.
-fn errors<N: StepNoise>(
-    steps: &mut Steps<'_, N>,
+fn errors(
+    steps: &mut Steps<'_>,
     key: StreamKey,
     visits: &[Coefficients<'_>],
     tau: f64,
@@ -172,8 +172,9 @@ fn errors<N: StepNoise>(
     let signed = signs(problem.noises).map(|signs| signs.map(|sign| sign * tau.sqrt()).collect());
     let mut increments: Vec<Vec<f64>> = std::iter::once(Vec::new()).chain(signed).collect();
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
-        let mut normals = N::zero(problem.noises);
-        normals.draw(&mut WienerRows::new(key, block * WIDTH as u64), tau.sqrt());
+        let mut normals = StepNoise::zero(problem.noises);
+        let mut wiener = WienerRows::new(key, block * WIDTH as u64);
+        wiener.increments(tau.sqrt(), &mut normals.increments);
         for (p, coefficients) in visits.iter().enumerate() {
             let Coefficients { visit: Visit { t, state: y }, field, correction, noises: b } =
                 coefficients;
@@ -183,7 +184,7 @@ fn errors<N: StepNoise>(
             if stop.is_asked() {
                 return None;
             }
-            increments[0] = normals.increments().iter().map(|row| row[p]).collect();
+            increments[0] = normals.increments.iter().map(|row| row[p]).collect();
             let Some(changes) = changes(steps, &step, y, &increments) else {
                 failed += 1;
                 continue;
@@ -225,15 +226,15 @@ fn errors<N: StepNoise>(
 }
 
 /// The changes Δy in steps from y on these increments; `None` if a step fails.
-fn changes<N: StepNoise>(
-    steps: &mut Steps<'_, N>,
+fn changes(
+    steps: &mut Steps<'_>,
     step: &Step,
     y: &[f64],
     increments: &[Vec<f64>],
 ) -> Option<Vec<Vec<f64>>> {
     let mut changes = Vec::with_capacity(increments.len());
     for increments in increments.chunks(WIDTH) {
-        for (m, row) in steps.noises[0].increments_mut().iter_mut().enumerate() {
+        for (m, row) in steps.noises[0].increments.iter_mut().enumerate() {
             row.iter_mut().zip(increments).for_each(|(dw, increments)| *dw = increments[m]);
         }
         let (end, live) = steps.step(step, y, increments.len());

@@ -6,14 +6,13 @@
 
 use std::sync::Arc;
 
-use mc::{DynRun, LadderError, View, parts::Stop};
-use noise::StepNoise;
+use mc::{LadderError, Run, View, parts::Stop};
 use real::{PathMask, Row};
-use schemes::DynScheme;
+use schemes::Method;
 use stats::CrossMoments;
 
 use super::{
-    DynExact, DynReference, Measure, StepSizes,
+    Exact, Measure, ReferenceSolution, StepSizes,
     consistency::{Consistency, consistency},
     difference,
     errors::squared_distance,
@@ -78,14 +77,14 @@ const TAIL: f64 = 2.42;
 const SAME: f64 = 1e-6;
 
 /// Compares the limit of a scheme; there are more than [`SPAN`] step sizes.
-pub fn limit<N: StepNoise>(
-    subject: Subject<'_, N>,
+pub fn limit(
+    subject: Subject<'_>,
     sizes: &StepSizes,
     visits: &[Visit],
-    reference: &DynReference<'_, N>,
+    reference: &ReferenceSolution<'_>,
     what: Measure<'_>,
 ) -> Result<Limit, LadderError> {
-    let compare = |other: Other<'_, N>| match what {
+    let compare = |other: Other<'_>| match what {
         Measure::Strong => {
             let sizes = StepSizes { samples: sizes.samples.min(STRONG_PATHS), ..*sizes };
             compare_strong(subject, &sizes, other)
@@ -93,11 +92,13 @@ pub fn limit<N: StepNoise>(
         Measure::Weak(_) => compare_weak(subject, sizes, other, what),
     };
     match reference {
-        DynReference::Exact(exact) => Ok(compare(Other::Exact(exact))?.unwrap_or(Limit::Unchecked)),
-        DynReference::Scheme(other) => {
+        ReferenceSolution::Exact(exact) => {
+            Ok(compare(Other::Exact(exact))?.unwrap_or(Limit::Unchecked))
+        }
+        ReferenceSolution::Scheme(other) => {
             Ok(compare(Other::Scheme(other))?.unwrap_or(Limit::Unchecked))
         }
-        DynReference::Independent(others) => {
+        ReferenceSolution::Independent(others) => {
             let mut paths = Limit::Unchecked;
             for other in others {
                 // One scheme may need finer steps than the other.
@@ -134,12 +135,12 @@ fn combine(steps: Consistency, paths: Limit) -> Limit {
 }
 
 /// What a scheme is compared with.
-enum Other<'a, N> {
-    Scheme(&'a Arc<dyn DynScheme<N> + 'a>),
-    Exact(&'a DynExact<'a>),
+enum Other<'a> {
+    Scheme(&'a Arc<dyn Method + 'a>),
+    Exact(&'a Exact<'a>),
 }
 
-impl<N> Other<'_, N> {
+impl Other<'_> {
     fn name(&self) -> &'static str {
         match self {
             Self::Scheme(scheme) => scheme.id(),
@@ -150,14 +151,14 @@ impl<N> Other<'_, N> {
 
 /// Moments of the [`distances`] of the states of the scheme and of the other one at the levels 0, 1
 /// and [`SPAN`]; `None` if paths fail that would not fail with the scheme alone.
-fn moments<'a, N: StepNoise>(
-    subject: Subject<'a, N>,
+fn moments<'a>(
+    subject: Subject<'a>,
     sizes: &StepSizes,
-    other: &Other<'a, N>,
+    other: &Other<'a>,
     what: Measure<'_>,
 ) -> Result<Option<CrossMoments>, LadderError> {
-    let on_levels = |scheme: &Arc<dyn DynScheme<N> + 'a>| {
-        [0, 1, SPAN].map(|level| DynRun::new(Arc::clone(scheme), level))
+    let on_levels = |scheme: &Arc<dyn Method + 'a>| {
+        [0, 1, SPAN].map(|level| Run::new(Arc::clone(scheme), level))
     };
     let mut runs = Vec::from(on_levels(subject.scheme));
     let exact = match *other {
@@ -169,7 +170,7 @@ fn moments<'a, N: StepNoise>(
     };
     let of_view = |view: &View<'_>, numbers: &mut [Row]| {
         let state = |run: usize| view.state(run);
-        let solution = exact.map(|exact| exact.rows(view));
+        let solution = exact.map(|exact| exact.rows(view, subject.problem.y0.len()));
         let others = solution.as_ref().map_or_else(|| [3, 4, 5].map(state), |y| [&y[..]; 3]);
         let distances = distances(what, [0, 1, 2].map(state), others, view.live);
         numbers.copy_from_slice(&distances);
@@ -202,10 +203,10 @@ fn distances(what: Measure<'_>, y: [&[Row]; 3], z: [&[Row]; 3], live: PathMask) 
 
 /// The distance of the limits, (E|y − z|²)^½, from the mean squares X at two step sizes that are
 /// 2^[`SPAN`] apart.
-fn compare_strong<N: StepNoise>(
-    subject: Subject<'_, N>,
+fn compare_strong(
+    subject: Subject<'_>,
     sizes: &StepSizes,
-    other: Other<'_, N>,
+    other: Other<'_>,
 ) -> Result<Option<Limit>, LadderError> {
     let moments = moments(subject, sizes, &other, Measure::Strong)?;
     Ok(moments.and_then(|moments| strong_limit(&moments, other.name())))
@@ -261,10 +262,10 @@ pub fn wrong_limit(errors: &CrossMoments, differences: &CrossMoments) -> Option<
 
 /// The distance of the limits, |E[φ(y) − φ(z)]|, from the finest step. Either error is at most its
 /// last difference, as for order one, or half of the one before.
-fn compare_weak<N: StepNoise>(
-    subject: Subject<'_, N>,
+fn compare_weak(
+    subject: Subject<'_>,
     sizes: &StepSizes,
-    other: Other<'_, N>,
+    other: Other<'_>,
     what: Measure<'_>,
 ) -> Result<Option<Limit>, LadderError> {
     let moments = moments(subject, sizes, &other, what)?;

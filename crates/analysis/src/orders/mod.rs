@@ -14,8 +14,8 @@
 //!
 //! Otherwise [`Order::decision`] says why no order is named, and what would decide.
 //!
-//! All of this knows a scheme as [`Setup`](mc::Setup) describes it, of any dimension; the functions
-//! that take a `Problem<S, G, D>` make such a description.
+//! A scheme and its problem are a [`Setup`](mc::Setup), of any dimension and with any number of
+//! noises.
 
 mod consistency;
 mod decision;
@@ -34,7 +34,6 @@ mod weak;
 mod within;
 
 use mc::{LadderError, Observe, parts::Stop};
-use noise::StepNoise;
 use stats::{Point, Rate};
 
 pub(crate) use consistency::Consistency;
@@ -45,14 +44,11 @@ pub(crate) use weak::{difference, evaluate};
 pub use decision::Decision;
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
-pub use reference::{DynExact, DynReference, Exact, ReferenceSolution};
+pub use reference::{Exact, ReferenceSolution};
 pub use runs::exact_mean;
 pub use step_sizes::StepSizes;
-pub use strong::{strong_order, strong_order_against, strong_order_of};
-pub use weak::{weak_order, weak_order_of};
-pub use within::{
-    strong_order_of_within, strong_order_within, weak_order_of_within, weak_order_within,
-};
+pub use strong::strong_order;
+pub use weak::weak_order;
 
 /// The order of one scheme, with what it rests on.
 ///
@@ -94,8 +90,8 @@ enum Measure<'a> {
 
 /// Compares single steps of the scheme with the coefficients of the equation as τ → 0, at states
 /// that its paths visit, until `stop` asks for the end.
-pub(crate) fn single_steps<N: StepNoise>(
-    subject: Subject<'_, N>,
+pub(crate) fn single_steps(
+    subject: Subject<'_>,
     sizes: &StepSizes,
     stop: &Stop,
 ) -> Result<Consistency, LadderError> {

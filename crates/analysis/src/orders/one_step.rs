@@ -11,7 +11,7 @@
 //! these test functions is r. Means are those of a cubature of degree five (Stroud, *Approximate
 //! Calculation of Multiple Integrals*, 1971), exact for the terms up to τ^{5/2}.
 
-use noise::{AreaMethod, StepNoise, StreamKey, WienerRows};
+use noise::{AreaMethod, AreaSampler, StepNoise, StreamKey, WienerRows};
 use real::WIDTH;
 
 use super::{
@@ -55,11 +55,7 @@ const TOLERANCE: f64 = 0.05;
 
 /// The smallest order that one step of a scheme shows with the noise of the problem or an amplified
 /// one, from these states at their times; `None` if it is not clear.
-pub fn one_step<N: StepNoise>(
-    subject: Subject<'_, N>,
-    sizes: &StepSizes,
-    visits: &[Visit],
-) -> Option<OneStep> {
+pub fn one_step(subject: Subject<'_>, sizes: &StepSizes, visits: &[Visit]) -> Option<OneStep> {
     let mut steps = Steps::new(subject);
     least_order(subject.problem.t_end, sizes, &mut |tau, amplifications| {
         differences(&mut steps, sizes.key, visits, tau, amplifications)
@@ -69,11 +65,7 @@ pub fn one_step<N: StepNoise>(
 /// The smallest weak order that the means of one step leave, for the components and their squares,
 /// with the noise of the problem or an amplified one; `None` if it is not clear, or if the scheme
 /// reads areas, which the cubature has not.
-pub fn mean_order<N: StepNoise>(
-    subject: Subject<'_, N>,
-    sizes: &StepSizes,
-    visits: &[Visit],
-) -> Option<f64> {
+pub fn mean_order(subject: Subject<'_>, sizes: &StepSizes, visits: &[Visit]) -> Option<f64> {
     if subject.scheme.reads_areas() {
         return None;
     }
@@ -139,8 +131,8 @@ const MEAN_VISITS: usize = 16;
 
 /// Means over visits of the squares of E[g(one step) − g(two half steps)] and of g, where g are the
 /// components and their squares; NaN if no step succeeds.
-fn mean_difference<N: StepNoise>(
-    steps: &mut Steps<'_, N>,
+fn mean_difference(
+    steps: &mut Steps<'_>,
     points: &[Point],
     visits: &[Visit],
     tau: f64,
@@ -152,7 +144,7 @@ fn mean_difference<N: StepNoise>(
         let mut means = [(); 2].map(|()| vec![0.0; visit.state.len()]);
         let mut add = |points: &[Point]| {
             for (k, noise) in steps.noises.iter_mut().enumerate() {
-                for (m, row) in noise.increments_mut().iter_mut().enumerate() {
+                for (m, row) in noise.increments.iter_mut().enumerate() {
                     row.iter_mut().zip(points).for_each(|(dw, (_, x))| *dw = root * x[k][m]);
                 }
             }
@@ -212,8 +204,8 @@ fn cubature(noises: usize) -> Vec<Point> {
 
 /// For each factor of the noise, means of |δ|² and |y|² over the steps that succeed; NaN if none
 /// does.
-fn differences<N: StepNoise>(
-    steps: &mut Steps<'_, N>,
+fn differences(
+    steps: &mut Steps<'_>,
     key: StreamKey,
     visits: &[Visit],
     tau: f64,
@@ -224,14 +216,14 @@ fn differences<N: StepNoise>(
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
         let first_path = block * WIDTH as u64;
         let draw = |&factor: &f64| two_steps(key, first_path, 0.5 * tau, factor, noises, areas);
-        let drawn: Vec<[N; 2]> = amplifications.iter().map(draw).collect();
+        let drawn: Vec<[StepNoise; 2]> = amplifications.iter().map(draw).collect();
         for (p, visit) in visits.iter().enumerate() {
             for (lane, drawn) in drawn.iter().enumerate() {
                 steps
                     .noises
                     .iter_mut()
                     .zip(drawn)
-                    .for_each(|(to, from)| to.set_path(lane, from, p));
+                    .for_each(|(to, from)| to.copy_path(lane, from, p));
             }
             let Some(ends) = steps.one_and_two(visit, tau, drawn.len()) else { continue };
             let OneAndTwo { one, two, live } = ends;
@@ -248,26 +240,28 @@ fn differences<N: StepNoise>(
 
 /// The noise of two steps τ of 32 paths, times a factor. Areas have one term of their series, since
 /// one step and two half steps share them and only their law is that of the series.
-fn two_steps<N: StepNoise>(
+fn two_steps(
     key: StreamKey,
     first_path: u64,
     tau: f64,
     factor: f64,
     noises: usize,
     areas: bool,
-) -> [N; 2] {
+) -> [StepNoise; 2] {
     let mut wiener = WienerRows::new(key, first_path);
     let method = AreaMethod::MrongowiusRoessler;
-    let areas = areas.then(|| N::area_draw(key, first_path, method, 1));
-    let mut areas = areas.flatten();
+    let mut areas = areas.then(|| AreaSampler::new(key, first_path, noises, method, 1));
     // Brownian motion times a factor is Brownian motion of another time.
     let time = tau * factor * factor;
     [(); 2].map(|()| {
-        let mut noise = N::zero(noises);
-        noise.draw(&mut wiener, time.sqrt());
-        if let Some(draw) = &mut areas {
-            draw(time, &mut noise);
-        }
+        let Some(areas) = &mut areas else {
+            let mut noise = StepNoise::zero(noises);
+            wiener.increments(time.sqrt(), &mut noise.increments);
+            return noise;
+        };
+        let mut noise = StepNoise::with_areas(noises);
+        wiener.increments(time.sqrt(), &mut noise.increments);
+        areas.areas(time, &noise.increments, &mut noise.areas);
         noise
     })
 }
@@ -299,7 +293,7 @@ mod tests {
     }
 
     use mc::Setup;
-    use noise::{BlockNoise, NoiseRows, Truncation};
+    use noise::{Noise, Truncation};
     use systems::{Constant, Problem, paper::valid};
 
     use super::super::tests::{Anything, Single};
@@ -382,7 +376,7 @@ mod tests {
         let setup = Setup::of(&problem, &scheme);
         let mut steps = Steps::new(Subject::from(&setup));
         for (noise, dw) in steps.noises.iter_mut().zip([0.25, -0.5]) {
-            noise.increments_mut()[0][..2].copy_from_slice(&[7.0, dw]);
+            noise.increments[0][..2].copy_from_slice(&[7.0, dw]);
         }
         let OneAndTwo { one, two, live } = steps.one_and_two(&visit, 0.25, 2).unwrap();
         assert_eq!(live, real::PathMask::first(2));
@@ -440,26 +434,24 @@ mod tests {
     #[test]
     fn areas_of_two_steps_add_up_by_chens_relation() {
         let noise = |increments: [f64; 2], area: f64| {
-            let mut noise = BlockNoise::<2>::zero();
-            noise.increments.set_path(5, increments);
-            noise.areas.set_path(5, [[0.0, area], [-area, 0.0]]);
+            let mut noise = StepNoise::with_areas(2);
+            noise.set_path(5, &Noise { increments, areas: [[0.0, area], [-area, 0.0]] });
             noise
         };
         let mut both = noise([1.0, 2.0], 0.25);
         both.join(&noise([3.0, 5.0], 0.5));
         // ½(1·5 − 2·3) = −½.
-        assert_eq!(both.path(5).increments, [4.0, 7.0]);
-        assert_eq!(both.path(5).areas, [[0.0, 0.25], [-0.25, 0.0]]);
+        assert_eq!(both.path::<2>(5).increments, [4.0, 7.0]);
+        assert_eq!(both.path::<2>(5).areas, [[0.0, 0.25], [-0.25, 0.0]]);
         // Brownian motion times two is that of four times the time.
         let key = StreamKey { seed: 7, experiment: 1 };
-        let of = |tau, factor, areas| two_steps::<BlockNoise<2>>(key, 3, tau, factor, 2, areas);
+        let of = |tau, factor, areas| {
+            two_steps(key, 3, tau, factor, 2, areas).map(|noise| noise.path::<2>(0))
+        };
         assert_eq!(of(0.5, 2.0, true), of(2.0, 1.0, true));
-        assert!(of(0.5, 2.0, true)[0].path(0).areas[0][1] != 0.0);
+        assert!(of(0.5, 2.0, true)[0].areas[0][1] != 0.0);
         let without = of(2.0, 1.0, false);
         assert_eq!(without[0].increments, of(0.5, 2.0, true)[0].increments);
-        assert_eq!(without[0].path(0).areas, [[0.0; 2]; 2]);
-        // Noises that are counted at run time are the same.
-        let rows = two_steps::<NoiseRows>(key, 3, 2.0, 1.0, 2, false);
-        assert_eq!(rows.map(|n| n.increments.to_vec()), without.map(|n| n.increments.0.to_vec()));
+        assert_eq!(without[0].areas, [[0.0; 2]; 2]);
     }
 }

@@ -2,21 +2,17 @@
 
 use std::sync::Arc;
 
-use mc::{DynProblem, DynRun, Ladder, LadderError, Observable, TimeChange, View};
-use noise::{BlockNoise, StepNoise};
-use schemes::DynScheme;
+use mc::{Ladder, LadderError, Observe, Problem, Run, TimeChange, View};
+use real::Row;
+use schemes::Method;
 use stats::CrossMoments;
-use systems::{Damping, PoissonSystem, Problem};
 
-use super::{Decision, Exact, Limit, Order, StepSizes, steps::Subject};
+use super::{Decision, Exact, Limit, Order, StepSizes, evaluate, steps::Subject};
 use crate::{FinalMoments, FinalRows};
 
 /// The scheme at every step size, coarsest first.
-pub fn at_all_sizes<'a, N>(
-    scheme: &Arc<dyn DynScheme<N> + 'a>,
-    sizes: &StepSizes,
-) -> Vec<DynRun<'a, N>> {
-    let run = |index| DynRun::new(Arc::clone(scheme), sizes.sizes() - 1 - index);
+pub fn at_all_sizes<'a>(scheme: &Arc<dyn Method + 'a>, sizes: &StepSizes) -> Vec<Run<'a>> {
+    let run = |index| Run::new(Arc::clone(scheme), sizes.sizes() - 1 - index);
     (0..sizes.sizes()).map(run).collect()
 }
 
@@ -30,17 +26,17 @@ pub struct Failed {
 }
 
 /// Moments of a vector of this length at the final time, and the paths that were left out.
-pub fn measure<'a, N: StepNoise>(
-    problem: &DynProblem<'a>,
+pub fn measure<'a>(
+    problem: &Problem<'a>,
     sizes: &StepSizes,
-    runs: Vec<DynRun<'a, N>>,
+    runs: Vec<Run<'a>>,
     time_change: Option<&'a dyn TimeChange>,
     length: usize,
     values: &FinalRows<'_>,
 ) -> Result<(CrossMoments, Failed), LadderError> {
     sizes.check()?;
     let (steps, top) = (sizes.reference_steps(), sizes.level(0));
-    let mut ladder = Ladder::of(problem, steps, top, sizes.truncation, sizes.key, runs)?;
+    let mut ladder = Ladder::new(problem, steps, top, sizes.truncation, sizes.key, runs)?;
     if let Some(time_change) = time_change {
         ladder = ladder.with_time_change(time_change);
     }
@@ -55,10 +51,7 @@ const FEW: u64 = 32;
 
 /// What is said where half of a few paths fail. More of them decide nothing, and steps that fail
 /// take longest.
-pub fn failing<N: StepNoise>(
-    subject: Subject<'_, N>,
-    sizes: &StepSizes,
-) -> Result<Option<Order>, LadderError> {
+pub fn failing(subject: Subject<'_>, sizes: &StepSizes) -> Result<Option<Order>, LadderError> {
     let few = StepSizes { samples: sizes.samples.min(FEW), ..*sizes };
     let runs = at_all_sizes(subject.scheme, sizes);
     let (_, Failed { paths, t }) = measure(subject.problem, &few, runs, None, 0, &|_, _| ())?;
@@ -72,22 +65,16 @@ pub fn failing<N: StepNoise>(
 ///
 /// # Errors
 /// As [`strong_order`](super::strong_order).
-pub fn exact_mean<S, G, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-    observable: Observable<D>,
+pub fn exact_mean(
+    problem: &Problem<'_>,
+    observable: &dyn Observe,
     sizes: &StepSizes,
-    exact: Exact<'_, D>,
-) -> Result<(f64, f64), LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let values = |view: &View<'_>, values: &mut [real::Row]| {
-        for p in view.live.paths() {
-            values[0][p] = (observable.function)((exact.solution)(view.random_time[p]));
-        }
+    exact: &Exact<'_>,
+) -> Result<(f64, f64), LadderError> {
+    let values = |view: &View<'_>, values: &mut [Row]| {
+        values[0] = evaluate(observable, &exact.rows(view, problem.y0.len()), view.live);
     };
-    let (problem, runs) = (DynProblem::of(problem), Vec::<DynRun<'_, BlockNoise<M>>>::new());
-    let (values, _) = measure(&problem, sizes, runs, Some(exact.time_change), 1, &values)?;
+    let time_change = Some(exact.time_change);
+    let (values, _) = measure(problem, sizes, Vec::new(), time_change, 1, &values)?;
     Ok((values.mean(0), values.covariance_of_means(0, 0).sqrt()))
 }

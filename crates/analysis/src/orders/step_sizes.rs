@@ -1,7 +1,7 @@
 //! Step sizes, paths and noise of a measurement.
 
 use mc::{LadderError, SeenDamping, Setup};
-use noise::{StepNoise, StreamKey, Truncation};
+use noise::{StreamKey, Truncation};
 
 /// Step sizes, paths and noise of a measurement of an order.
 ///
@@ -20,6 +20,8 @@ pub struct StepSizes {
     pub truncation: Truncation,
     /// Which noise.
     pub key: StreamKey,
+    /// Path-steps of all measurements together, see [`within`](Self::within).
+    pub path_steps: u64,
 }
 
 /// The most step sizes: 2⁴⁸ steps would take years.
@@ -29,7 +31,16 @@ impl StepSizes {
     /// Five step sizes from T/`coarsest_steps` on, two beyond, 1000 paths: some 250 000 steps for
     /// each of the coarsest.
     pub fn new(coarsest_steps: u64, truncation: Truncation, key: StreamKey) -> Self {
-        Self { coarsest_steps, levels: 5, refinement: 2, samples: 1000, truncation, key }
+        let (levels, refinement, samples, path_steps) = (5, 2, 1000, 0);
+        Self { coarsest_steps, levels, refinement, samples, truncation, key, path_steps }
+    }
+
+    /// Measures again with more paths or finer steps, whatever would decide, until an order is
+    /// named or the next measurement would exceed `path_steps` in all. Without that there is one
+    /// measurement.
+    #[must_use]
+    pub fn within(self, path_steps: u64) -> Self {
+        Self { path_steps, ..self }
     }
 
     /// The level above the finest of step size number `index`, coarsest first.
@@ -63,8 +74,8 @@ impl StepSizes {
     }
 
     /// What the sums of the damping over the finest steps lack, if these do not resolve it.
-    pub(super) fn damping<N: StepNoise>(&self, setup: &Setup<'_, N>) -> Option<f64> {
-        SeenDamping::of(setup, self.coarsest_steps).unresolved(self.sizes() - 1)
+    pub(super) fn damping(&self, setup: &Setup<'_>) -> Option<f64> {
+        SeenDamping::new(setup, self.coarsest_steps).unresolved(self.sizes() - 1)
     }
 
     /// Refuses sizes without a step or a step size, or with too many.

@@ -2,44 +2,37 @@
 
 use std::sync::Arc;
 
-use mc::{DynProblem, Setup};
+use mc::{Problem, Setup};
 use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{PathMask, Row, WIDTH};
-use schemes::{DynScheme, RunState, Step};
+use schemes::{Method, Step, Stepper};
 
 use super::visits::Visit;
 
 /// A scheme on the system of a problem.
-pub struct Subject<'a, N> {
-    pub problem: &'a DynProblem<'a>,
-    pub scheme: &'a Arc<dyn DynScheme<N> + 'a>,
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    pub problem: &'a Problem<'a>,
+    pub scheme: &'a Arc<dyn Method + 'a>,
 }
 
-impl<N> Clone for Subject<'_, N> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<N> Copy for Subject<'_, N> {}
-
-impl<'a, N> From<&'a Setup<'_, N>> for Subject<'a, N> {
-    fn from(setup: &'a Setup<'_, N>) -> Self {
+impl<'a> From<&'a Setup<'_>> for Subject<'a> {
+    fn from(setup: &'a Setup<'_>) -> Self {
         Self { problem: &setup.problem, scheme: &setup.scheme }
     }
 }
 
 /// Steps from one state on 32 noises. Lanes that nobody sets have none.
-pub struct Steps<'a, N> {
+pub struct Steps<'a> {
     /// What is stepped.
-    pub subject: Subject<'a, N>,
+    pub subject: Subject<'a>,
     /// The noise of a step, or of the two halves of one.
-    pub noises: [N; 2],
+    pub noises: [StepNoise; 2],
     /// No noise, and that of both halves.
-    zero: N,
-    both: N,
-    state: Box<dyn RunState<N> + 'a>,
+    zero: StepNoise,
+    both: StepNoise,
+    state: Box<dyn Stepper + 'a>,
     /// The ends of whole steps.
     one: Vec<Row>,
 }
@@ -51,10 +44,11 @@ pub struct OneAndTwo<'a> {
     pub live: PathMask,
 }
 
-impl<'a, N: StepNoise> Steps<'a, N> {
-    pub fn new(subject: Subject<'a, N>) -> Self {
+impl<'a> Steps<'a> {
+    pub fn new(subject: Subject<'a>) -> Self {
         let start: Vec<Row> = subject.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
-        let none = || N::zero(subject.problem.noises);
+        let noises = subject.problem.noises;
+        let none = || subject.scheme.no_noise(noises);
         Self {
             noises: [none(), none()],
             zero: none(),
@@ -67,7 +61,7 @@ impl<'a, N: StepNoise> Steps<'a, N> {
 
     /// Sets these paths to a state.
     fn set(&mut self, state: &[f64], paths: PathMask) {
-        for (row, &y) in self.state.rows_mut().iter_mut().zip(state) {
+        for (row, &y) in self.state.state_mut().iter_mut().zip(state) {
             paths.paths().for_each(|p| row[p] = y);
         }
     }
@@ -79,13 +73,13 @@ impl<'a, N: StepNoise> Steps<'a, N> {
         self.set(state, PathMask::ALL);
         let mut status = BlockStatus::explicit();
         self.state.step(step, &self.noises[0], &mut status);
-        (self.state.rows(), PathMask::first(count).without(status.failed))
+        (self.state.state(), PathMask::first(count).without(status.failed))
     }
 
     /// Takes the noise from paths that nobody asks for, or no more.
     fn take_noise(&mut self, paths: PathMask) {
         let Self { noises, zero, .. } = self;
-        noises.iter_mut().for_each(|n| paths.paths().for_each(|p| n.set_path(p, zero, p)));
+        noises.iter_mut().for_each(|n| paths.paths().for_each(|p| n.copy_path(p, zero, p)));
     }
 
     /// A step τ from the visit and two half steps, on the first `count` of the noises; `None` if
@@ -98,12 +92,12 @@ impl<'a, N: StepNoise> Steps<'a, N> {
         let step = |n: u64, tau: f64| Step::new(damping, n, tau).ok();
         let (whole, first) = (step(n, tau)?, step(2 * n, 0.5 * tau)?);
         let second = step(2 * n + 1, 0.5 * tau)?;
-        (0..WIDTH).for_each(|p| self.both.set_path(p, &self.noises[0], p));
+        (0..WIDTH).for_each(|p| self.both.copy_path(p, &self.noises[0], p));
         self.both.join(&self.noises[1]);
         let (mut live, mut status) = (PathMask::first(count), BlockStatus::explicit());
         self.set(&visit.state, PathMask::ALL);
         self.state.step(&whole, &self.both, &mut status);
-        self.one.copy_from_slice(self.state.rows());
+        self.one.copy_from_slice(self.state.state());
         live = live.without(status.failed);
         // More steps of a path that failed would only cost time.
         self.take_noise(status.failed);
@@ -115,6 +109,6 @@ impl<'a, N: StepNoise> Steps<'a, N> {
         self.set(&visit.state, status.failed);
         self.state.step(&second, &self.noises[1], &mut status);
         live = live.without(status.failed);
-        Some(OneAndTwo { one: &self.one, two: self.state.rows(), live })
+        Some(OneAndTwo { one: &self.one, two: self.state.state(), live })
     }
 }

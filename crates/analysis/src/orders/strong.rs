@@ -1,62 +1,27 @@
 //! Strong orders.
 
 use mc::{LadderError, Setup, View};
-use noise::StepNoise;
 use real::Row;
-use schemes::Scheme;
 use stats::fit_strong;
-use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
-    Decision, DynReference, Limit, Measure, Order, ReferenceSolution, StepSizes, decision,
+    Decision, Limit, Measure, Order, ReferenceSolution, StepSizes, decision,
     errors::{differences, record, record_length, squared_distance, strong_points},
     limit::limit,
     one_step::one_step,
     runs::{at_all_sizes, failing, measure},
     steps::Subject,
     visits::visits,
+    within::within,
 };
 
 /// Three differences and their order.
 const LEAST_SIZES: usize = 4;
 
-/// The strong order of `scheme`, with root-mean-square errors at the final time. The limit is
-/// compared with that of an independent scheme.
+/// The strong order of a scheme, with root-mean-square errors at the final time. The limit is
+/// compared with `reference`; against an exact solution the points are errors against it.
 ///
-/// # Errors
-/// [`LadderError`] if there are fewer than four step sizes (`levels` + `refinement`) or no step, if
-/// there are too many of either, or if the truncation is not defined at one of the step sizes.
-pub fn strong_order<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    sizes: &StepSizes,
-) -> Result<Order, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    strong_order_against(scheme, problem, sizes, &ReferenceSolution::Independent)
-}
-
-/// The same with a reference of one's own for the limit. Against an exact solution the points are
-/// errors against it.
-///
-/// # Errors
-/// As [`strong_order`].
-pub fn strong_order_against<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    sizes: &StepSizes,
-    reference: &ReferenceSolution<'_, S, D, M>,
-) -> Result<Order, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    strong_order_of(&Setup::of(problem, scheme), sizes, &reference.erased(problem))
-}
-
-/// The same as [`strong_order_against`] for a problem of any dimension.
+/// Of a system from formulas:
 ///
 /// ```
 /// use std::sync::Arc;
@@ -66,7 +31,7 @@ where
 /// use noise::{StreamKey, Truncation};
 /// use schemes::Sexp;
 /// use systems::{Constant, run_time::Problem};
-/// use analysis::{DynReference, StepSizes, strong_order_of};
+/// use analysis::{ReferenceSolution, StepSizes, strong_order};
 ///
 /// let words = |texts: &[&str]| texts.iter().map(|text| text.to_string()).collect::<Vec<_>>();
 /// let pendulum = Definition {
@@ -83,17 +48,27 @@ where
 /// let key = StreamKey { seed: 1, experiment: 1 };
 /// let sizes = StepSizes::new(16, Truncation::new(4)?, key);
 /// let setup = Setup::at_run_time(&problem, &Sexp)?;
-/// let order = strong_order_of(&setup, &sizes, &DynReference::independent(&problem)?)?;
+/// let order = strong_order(&setup, &sizes, &ReferenceSolution::at_run_time(&problem)?)?;
 /// assert_eq!(order.order(), Some(1.0), "{order}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// As [`strong_order`].
-pub fn strong_order_of<N: StepNoise>(
-    setup: &Setup<'_, N>,
+/// [`LadderError`] if there are fewer than four step sizes (`levels` + `refinement`) or no step, if
+/// there are too many of either, or if the truncation is not defined at one of the step sizes.
+pub fn strong_order(
+    setup: &Setup<'_>,
     sizes: &StepSizes,
-    reference: &DynReference<'_, N>,
+    reference: &ReferenceSolution<'_>,
+) -> Result<Order, LadderError> {
+    within(sizes, &|sizes| once(setup, sizes, reference))
+}
+
+/// The order from one measurement.
+fn once(
+    setup: &Setup<'_>,
+    sizes: &StepSizes,
+    reference: &ReferenceSolution<'_>,
 ) -> Result<Order, LadderError> {
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
@@ -105,7 +80,7 @@ pub fn strong_order_of<N: StepNoise>(
         let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
         record(&states, view.live, levels, numbers);
         if let Some(exact) = exact {
-            let solution = exact.rows(view);
+            let solution = exact.rows(view, subject.problem.y0.len());
             for (number, state) in numbers.iter_mut().zip(&states[..levels]) {
                 *number = squared_distance(state, &solution, view.live);
             }

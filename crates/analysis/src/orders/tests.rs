@@ -9,8 +9,8 @@ use stats::{CrossMoments, Point, Rate};
 use systems::{Constant, PoissonSystem, Problem, paper::valid};
 
 use super::{
-    Decision, DynReference, Exact, Limit, Measure, OneStep, Order, ReferenceSolution, StepSizes,
-    Subject, decision,
+    Decision, Exact, Limit, Measure, OneStep, Order, ReferenceSolution, StepSizes, Subject,
+    decision,
     errors::{differences, record, record_length, strong_points},
     exact_mean,
     limit::limit,
@@ -358,8 +358,8 @@ fn moved(offset: f64, seed: u64) -> Limit {
     let tau = 1.0 / sizes.reference_steps() as f64;
     let time_change = RandomTime::new(problem.damping(), 1.0, 1.0, tau);
     let solution = |s: f64| [s.cos() + offset, s.sin()];
-    let exact = Exact { time_change: &time_change, solution: &solution };
-    let (setup, exact) = (Setup::of(&problem, &EulerMaruyama), DynReference::Exact(exact.into()));
+    let exact = Exact::new(&time_change, &solution);
+    let (setup, exact) = (Setup::of(&problem, &EulerMaruyama), ReferenceSolution::Exact(exact));
     limit(Subject::from(&setup), &sizes, &[], &exact, Measure::Strong).unwrap()
 }
 
@@ -397,18 +397,18 @@ fn means_against_the_exact_solution_need_no_tail() {
     let tau = 1.0 / sizes.reference_steps() as f64;
     let time_change = RandomTime::new(problem.damping(), 1.0, 1.0, tau);
     let solution = |s: f64| [s.cos(), s.sin()];
-    let exact = Exact { time_change: &time_change, solution: &solution };
+    let exact = Exact::new(&time_change, &solution);
     let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
     // E cos(1 + W) = e^{−½} cos 1, and E cos² = ½(1 + e^{−2} cos 2).
     let truth = (-0.5f64).exp() * 1f64.cos();
     let variance = 0.5 * (1.0 + (-2f64).exp() * 2f64.cos()) - truth * truth;
-    let (mean, se) = exact_mean(&problem, q, &sizes, exact).unwrap();
+    let (mean, se) = exact_mean(&mc::Problem::of(&problem), &q, &sizes, &exact).unwrap();
     assert!((se / (variance / 4000.0).sqrt() - 1.0).abs() < 0.1, "{se}");
     assert!((mean - truth).abs() < 5.0 * se, "{mean} {truth} {se}");
     // The midpoint rule turns by 2 atan(a/2) for the increment a of time and noise: its errors at
     // the five step sizes have the means E cos(Σ 2 atan(a/2)) − truth, of order one.
     let reference = ReferenceSolution::Exact(exact);
-    let order = weak_order(&Midpoint, &problem, q, &sizes, &reference).unwrap();
+    let order = weak_order(&Setup::of(&problem, &Midpoint), &q, &sizes, &reference).unwrap();
     assert_eq!(order.points.len(), 5);
     for (point, steps) in order.points.iter().zip([4.0, 8.0, 16.0, 32.0, 64.0f64]) {
         let Point::Error { tau, value, se, lo, hi, .. } = *point else { panic!("{point:?}") };

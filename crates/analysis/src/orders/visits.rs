@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use mc::{DynRun, Ladder, LadderError, Statistic, View, parts::Stop};
-use noise::StepNoise;
+use mc::{Ladder, LadderError, Run, Statistic, View, parts::Stop};
 
 use super::{StepSizes, steps::Subject};
 
@@ -15,24 +14,21 @@ pub struct Visit {
 }
 
 /// States of 256 paths.
-pub fn visits<N: StepNoise>(
-    subject: Subject<'_, N>,
-    sizes: &StepSizes,
-) -> Result<Vec<Visit>, LadderError> {
+pub fn visits(subject: Subject<'_>, sizes: &StepSizes) -> Result<Vec<Visit>, LadderError> {
     visits_of(subject, sizes, 256, &Stop::default())
 }
 
 /// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives.
-pub fn visits_of<N: StepNoise>(
-    subject: Subject<'_, N>,
+pub fn visits_of(
+    subject: Subject<'_>,
     sizes: &StepSizes,
     paths: u64,
     stop: &Stop,
 ) -> Result<Vec<Visit>, LadderError> {
     let Subject { problem, scheme } = subject;
     let steps = sizes.coarsest_steps << (sizes.levels - 1);
-    let runs = vec![DynRun::new(Arc::clone(scheme), 0)];
-    let ladder = Ladder::of(problem, steps, 0, sizes.truncation, sizes.key, runs)?;
+    let runs = vec![Run::new(Arc::clone(scheme), 0)];
+    let ladder = Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?;
     let tau = problem.t_end / steps as f64;
     let none = || Visits { steps, tau, visits: Vec::new() };
     let mut visits = ladder.run_until(stop, 0, paths, none, &|_| ()).statistic.visits;

@@ -1,20 +1,18 @@
 //! Weak orders.
 
-use mc::{LadderError, Observable, Observe, Setup, View};
-use noise::StepNoise;
+use mc::{LadderError, Observe, Setup, View};
 use real::{PathMask, Row, WIDTH};
-use schemes::Scheme;
 use stats::{Against, CrossMoments, Point, fit_weak, lower_share};
-use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
-    Decision, DynReference, Limit, Measure, Order, ReferenceSolution, StepSizes, decision,
+    Decision, Limit, Measure, Order, ReferenceSolution, StepSizes, decision,
     errors::widen,
     limit::limit,
     one_step::mean_order,
     runs::{at_all_sizes, failing, measure},
     steps::Subject,
     visits::visits,
+    within::within,
 };
 
 /// Four differences and their order.
@@ -23,7 +21,7 @@ const LEAST_SIZES: usize = 5;
 /// answerable.
 const MODEL_ERROR: f64 = 0.01;
 
-/// The weak order of `scheme` for one test function φ, from the differences E[φ(y_τ) − φ(y_{τ/2})]
+/// The weak order of a scheme for one test function φ, from the differences E[φ(y_τ) − φ(y_{τ/2})]
 /// at the final time on the same noise, or from errors against the exact solution, fitted by
 /// [`stats::fit_weak`].
 ///
@@ -31,31 +29,22 @@ const MODEL_ERROR: f64 = 0.01;
 /// the exact solution.
 ///
 /// # Errors
-/// As [`strong_order`](super::strong_order).
-pub fn weak_order<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    observable: Observable<D>,
-    sizes: &StepSizes,
-    reference: &ReferenceSolution<'_, S, D, M>,
-) -> Result<Order, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let (setup, reference) = (Setup::of(problem, scheme), reference.erased(problem));
-    weak_order_of(&setup, &observable, sizes, &reference)
-}
-
-/// The same for a problem of any dimension.
-///
-/// # Errors
-/// As [`strong_order`](super::strong_order).
-pub fn weak_order_of<N: StepNoise>(
-    setup: &Setup<'_, N>,
+/// As [`strong_order`](super::strong_order), with five step sizes at least.
+pub fn weak_order(
+    setup: &Setup<'_>,
     observable: &dyn Observe,
     sizes: &StepSizes,
-    reference: &DynReference<'_, N>,
+    reference: &ReferenceSolution<'_>,
+) -> Result<Order, LadderError> {
+    within(sizes, &|sizes| once(setup, observable, sizes, reference))
+}
+
+/// The order from one measurement.
+fn once(
+    setup: &Setup<'_>,
+    observable: &dyn Observe,
+    sizes: &StepSizes,
+    reference: &ReferenceSolution<'_>,
 ) -> Result<Order, LadderError> {
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
@@ -72,7 +61,8 @@ pub fn weak_order_of<N: StepNoise>(
             numbers[run - 1] = difference(&this, &next);
         }
         if let Some(exact) = exact {
-            numbers[number - 1] = difference(&next, &phi(&exact.rows(view)));
+            numbers[number - 1] =
+                difference(&next, &phi(&exact.rows(view, subject.problem.y0.len())));
         }
     };
     let (runs, time_change) =

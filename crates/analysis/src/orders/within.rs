@@ -1,83 +1,13 @@
 //! Orders within a budget: more paths or finer steps, whatever would decide.
 
-use mc::{LadderError, Observable, Observe, Setup};
-use noise::StepNoise;
-use schemes::Scheme;
-use systems::{Damping, PoissonSystem, Problem};
+use mc::LadderError;
 
-use super::{
-    Decision, DynReference, Limit, Order, ReferenceSolution, StepSizes, strong_order,
-    strong_order_of, weak_order, weak_order_of,
-};
+use super::{Decision, Limit, Order, StepSizes};
 
-/// [`strong_order`] with more paths or finer steps, whatever would decide, until an order is named
-/// or the next measurement would exceed `path_steps` in all.
-///
-/// # Errors
-/// As [`strong_order`].
-pub fn strong_order_within<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
+/// Measures with more paths or finer steps, whatever would decide, until an order is named, none
+/// can be, or the next measurement would exceed the [budget](StepSizes::within).
+pub fn within(
     sizes: &StepSizes,
-    path_steps: u64,
-) -> Result<Order, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    within(sizes, path_steps, &|sizes| strong_order(scheme, problem, sizes))
-}
-
-/// The same as [`strong_order_within`] for a problem of any dimension.
-///
-/// # Errors
-/// As [`strong_order`].
-pub fn strong_order_of_within<N: StepNoise>(
-    setup: &Setup<'_, N>,
-    sizes: &StepSizes,
-    reference: &DynReference<'_, N>,
-    path_steps: u64,
-) -> Result<Order, LadderError> {
-    within(sizes, path_steps, &|sizes| strong_order_of(setup, sizes, reference))
-}
-
-/// The same for [`weak_order`].
-///
-/// # Errors
-/// As [`weak_order`].
-pub fn weak_order_within<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    observable: Observable<D>,
-    sizes: &StepSizes,
-    reference: &ReferenceSolution<'_, S, D, M>,
-    path_steps: u64,
-) -> Result<Order, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    within(sizes, path_steps, &|sizes| weak_order(scheme, problem, observable, sizes, reference))
-}
-
-/// The same as [`weak_order_within`] for a problem of any dimension.
-///
-/// # Errors
-/// As [`weak_order`].
-pub fn weak_order_of_within<N: StepNoise>(
-    setup: &Setup<'_, N>,
-    observable: &dyn Observe,
-    sizes: &StepSizes,
-    reference: &DynReference<'_, N>,
-    path_steps: u64,
-) -> Result<Order, LadderError> {
-    within(sizes, path_steps, &|sizes| weak_order_of(setup, observable, sizes, reference))
-}
-
-/// Measures until an order is named, none can be, or the budget is spent.
-fn within(
-    sizes: &StepSizes,
-    path_steps: u64,
     measure: &dyn Fn(&StepSizes) -> Result<Order, LadderError>,
 ) -> Result<Order, LadderError> {
     let (mut sizes, mut spent) = (*sizes, 0u64);
@@ -88,11 +18,11 @@ fn within(
             Decision::Order { .. } | Decision::WrongLimit | Decision::Kept => return Ok(order),
             Decision::LimitUnclear if order.limit == Limit::Unchecked => return Ok(order),
             Decision::NoDifferences | Decision::Wide { .. } | Decision::Hidden { .. } => {
-                sizes.samples *= 4;
+                sizes.samples = sizes.samples.saturating_mul(4);
             }
-            _ => sizes.coarsest_steps *= 4,
+            _ => sizes.coarsest_steps = sizes.coarsest_steps.saturating_mul(4),
         }
-        if spent.saturating_add(sizes.cost()) > path_steps || sizes.check().is_err() {
+        if spent.saturating_add(sizes.cost()) > sizes.path_steps || sizes.check().is_err() {
             return Ok(order);
         }
     }
@@ -116,7 +46,7 @@ mod tests {
             ..StepSizes::new(3, Truncation::none(), key)
         };
         let asked = RefCell::new(Vec::new());
-        let order = within(&sizes, path_steps, &|sizes| {
+        let order = within(&sizes.within(path_steps), &|sizes| {
             let mut asked = asked.borrow_mut();
             let (decision, limit) = decisions[asked.len().min(decisions.len() - 1)];
             asked.push((sizes.coarsest_steps, sizes.samples));

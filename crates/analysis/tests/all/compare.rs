@@ -5,12 +5,12 @@ use analysis::compare::{
     Candidates, Choice, CompareError, CompareSettings, Comparison, Expectations, Outcome, Series,
     StrongPoint, compare,
 };
-use mc::Observable;
+use mc::{Observable, bind};
 use noise::{BlockNoise, Noise, StreamKey, Truncation};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, Step};
 use systems::paper::rigid_body_three_noises;
 
-use crate::orders::{Kubo, kubo};
+use crate::orders::kubo;
 
 const OMEGA: f64 = 1.0;
 const SIGMA: f64 = 0.7;
@@ -68,11 +68,15 @@ fn cayley(theta: f64, _: f64) -> Complex {
 #[test]
 fn intervals_contain_the_strong_errors_that_are_known() {
     let problem = kubo(OMEGA, SIGMA);
-    let candidates =
-        Candidates::against(&Sexp).and(&Sexp).and(&Midpoint).and(&Heun).and(&EulerMaruyama);
+    let candidates = Candidates::against(bind(&problem, &Sexp))
+        .and(bind(&problem, &Sexp))
+        .and(bind(&problem, &Midpoint))
+        .and(bind(&problem, &Heun))
+        .and(bind(&problem, &EulerMaruyama));
     let (mut points, mut misses) = (0, Vec::new());
     for seed in 1..=6 {
-        let comparison = compare(&problem, &candidates, &settings(0.02, seed)).unwrap();
+        let comparison =
+            compare(&mc::Problem::of(&problem), &candidates, &settings(0.02, seed)).unwrap();
         assert!(comparison.recommended().is_some(), "{comparison}");
         let exact_error = [cayley, cayley, heun, em];
         for (series, a) in comparison.strong.series.iter().zip(exact_error) {
@@ -94,7 +98,9 @@ fn ratios_to_heun_contain_those_that_are_known() {
     let problem = kubo(OMEGA, SIGMA);
     let (mut points, mut misses, mut shorter) = (0, Vec::new(), 0);
     for seed in 1..=4 {
-        let found = compare(&problem, &Candidates::all(&problem), &settings(0.02, seed)).unwrap();
+        let found =
+            compare(&mc::Problem::of(&problem), &Candidates::all(&problem), &settings(0.02, seed))
+                .unwrap();
         let [sexp, _, _, midpoint, base, em_series] = &found.strong.series[..] else {
             panic!("{found}")
         };
@@ -125,7 +131,8 @@ fn all_schemes_are_compared_and_expectations_are_priced() {
     let y1 = Observable { name: "y1", function: |y: [f64; 2]| y[0] };
     let wanted = Expectations { observables: &[&y1], accuracy: 0.02 };
     let settings = CompareSettings { expectations: Some(wanted), ..settings(0.02, 1) };
-    let comparison = compare(&problem, &Candidates::all(&problem), &settings).unwrap();
+    let comparison =
+        compare(&mc::Problem::of(&problem), &Candidates::all(&problem), &settings).unwrap();
     let names: Vec<&str> =
         comparison.for_error.candidates.iter().map(|one| one.scheme.as_str()).collect();
     // One noise commutes, and B is constant.
@@ -183,7 +190,7 @@ fn weak_order_two_is_compared_with_and_without_flows_of_parts() {
     let areas = ["sexp", "sexp-levy", "sexp-li", "sexp-li-levy"];
     let others = ["nv", "midpoint", "heun", "em"];
     for (candidates, split) in [(all, &[][..]), (parts, &["split"])] {
-        let found = compare(&problem, &candidates, &settings).unwrap();
+        let found = compare(&mc::Problem::of(&problem), &candidates, &settings).unwrap();
         let names: Vec<&str> =
             found.for_error.candidates.iter().map(|one| one.scheme.as_str()).collect();
         assert_eq!(names, [&areas, split, &others].concat());
@@ -204,8 +211,12 @@ fn errors(comparison: &Comparison) -> Vec<Series<StrongPoint>> {
 #[test]
 fn errors_are_the_same_bits_and_follow_the_seed() {
     let problem = kubo(OMEGA, SIGMA);
-    let candidates = Candidates::against(&Sexp).and(&Heun).and(&EulerMaruyama);
-    let of = |seed| errors(&compare(&problem, &candidates, &settings(0.05, seed)).unwrap());
+    let candidates = Candidates::against(bind(&problem, &Sexp))
+        .and(bind(&problem, &Heun))
+        .and(bind(&problem, &EulerMaruyama));
+    let of = |seed| {
+        errors(&compare(&mc::Problem::of(&problem), &candidates, &settings(0.05, seed)).unwrap())
+    };
     assert_eq!(of(1), of(1));
     assert_ne!(of(1), of(2));
 }
@@ -222,8 +233,11 @@ fn a_wrong_coefficient_is_not_recommended_and_a_wrong_reference_is_named() {
     // the wanted one, and it converges to something else.
     let wrong = OtherNoise { scheme: &Heun, noise: amplified(1.001) };
     let failing = OtherNoise { scheme: &Heun, noise: amplified(f64::NAN) };
-    let candidates = Candidates::against(&Sexp).and(&wrong).and(&failing).and(&Sexp);
-    let comparison = compare(&problem, &candidates, &settings(0.02, 1)).unwrap();
+    let candidates = Candidates::against(bind(&problem, &Sexp))
+        .and(bind(&problem, &wrong))
+        .and(bind(&problem, &failing))
+        .and(bind(&problem, &Sexp));
+    let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings(0.02, 1)).unwrap();
     let [first, second, third] = &comparison.for_error.candidates[..] else { panic!() };
     assert!(matches!(first.outcome, Outcome::Inconsistent(_)), "{comparison}");
     assert!(matches!(second.outcome, Outcome::Fails(_)), "{comparison}");
@@ -232,23 +246,25 @@ fn a_wrong_coefficient_is_not_recommended_and_a_wrong_reference_is_named() {
     // No path of the others is lost to the scheme that fails.
     assert_eq!(comparison.strong.sampled.failed, 0);
 
-    let candidates = Candidates::against(&wrong).and(&Sexp);
-    let comparison = compare(&problem, &candidates, &settings(0.02, 1)).unwrap();
+    let candidates = Candidates::against(bind(&problem, &wrong)).and(bind(&problem, &Sexp));
+    let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings(0.02, 1)).unwrap();
     assert!(matches!(comparison.for_error.choice, Choice::WrongReference(_)), "{comparison}");
     assert!(comparison.recommended().is_none());
     assert!(comparison.to_string().contains("converges to something else"), "{comparison}");
 
-    let candidates = Candidates::against(&failing).and(&Sexp);
-    let refused = compare(&problem, &candidates, &settings(0.02, 1)).unwrap_err();
+    let candidates = Candidates::against(bind(&problem, &failing)).and(bind(&problem, &Sexp));
+    let refused = compare(&mc::Problem::of(&problem), &candidates, &settings(0.02, 1)).unwrap_err();
     assert!(matches!(refused, CompareError::Reference { .. }), "{refused}");
 }
 
 #[test]
 fn an_error_out_of_reach_is_said_to_be() {
     let problem = kubo(OMEGA, SIGMA);
-    let candidates = Candidates::against(&Sexp).and(&Heun).and(&EulerMaruyama);
+    let candidates = Candidates::against(bind(&problem, &Sexp))
+        .and(bind(&problem, &Heun))
+        .and(bind(&problem, &EulerMaruyama));
     let settings = CompareSettings { budget_s: 0.5, ..settings(1e-12, 1) };
-    let comparison = compare(&problem, &candidates, &settings).unwrap();
+    let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings).unwrap();
     assert_eq!(comparison.for_error.choice, Choice::NoneReaches);
     assert!(comparison.stopped.is_some_and(|stopped| stopped.budget_s == 0.5));
     let text = comparison.to_string();
@@ -259,10 +275,9 @@ fn an_error_out_of_reach_is_said_to_be() {
 fn bad_requests_are_refused_and_the_value_is_named() {
     let problem = kubo(OMEGA, SIGMA);
     let right = settings(0.01, 1);
-    let heun: &dyn Scheme<Kubo, 2, 1> = &Heun;
     let refused = |settings: &CompareSettings<'_>| {
-        let candidates = Candidates::against(&Sexp).and(heun);
-        compare(&problem, &candidates, settings).unwrap_err().to_string()
+        let candidates = Candidates::against(bind(&problem, &Sexp)).and(bind(&problem, &Heun));
+        compare(&mc::Problem::of(&problem), &candidates, settings).unwrap_err().to_string()
     };
     for error in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
         let message = refused(&CompareSettings { error, ..right });
@@ -278,9 +293,17 @@ fn bad_requests_are_refused_and_the_value_is_named() {
     let none = Expectations { observables: &[], accuracy: 0.1 };
     let message = refused(&CompareSettings { expectations: Some(none), ..right });
     assert!(message.contains("at least one test function"), "{message}");
-    let none = Candidates::against(&Sexp);
-    assert_eq!(compare(&problem, &none, &right).unwrap_err(), CompareError::NoScheme);
+    let none = Candidates::against(bind(&problem, &Sexp));
+    assert_eq!(
+        compare(&mc::Problem::of(&problem), &none, &right).unwrap_err(),
+        CompareError::NoScheme
+    );
     let long = kubo(OMEGA, SIGMA).until(1e300).unwrap();
-    let refused = compare(&long, &Candidates::against(&Sexp).and(heun), &right).unwrap_err();
+    let refused = compare(
+        &mc::Problem::of(&long),
+        &Candidates::against(bind(&problem, &Sexp)).and(bind(&problem, &Heun)),
+        &right,
+    )
+    .unwrap_err();
     assert_eq!(refused, CompareError::FinalTime { t_end: 1e300 });
 }

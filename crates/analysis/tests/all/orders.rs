@@ -1,11 +1,8 @@
 //! Orders on systems whose orders and exact solutions are known, with the false answers of simpler
 //! rules as twins.
 
-use analysis::{
-    Decision, Limit, Order, ReferenceSolution, StepSizes, strong_order, strong_order_within,
-    weak_order, weak_order_within,
-};
-use mc::{Ladder, LadderError, Observable, Reference, Run, StrongErrors};
+use analysis::{Decision, Limit, Order, ReferenceSolution, StepSizes, strong_order, weak_order};
+use mc::{Ladder, LadderError, Observable, Reference, Run, Setup, StrongErrors, bind};
 use noise::{StreamKey, Truncation};
 use real::Real;
 use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Scheme, Sexp};
@@ -68,7 +65,14 @@ fn strong<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     problem: &Problem<S, Constant, D>,
     coarsest_steps: u64,
 ) -> [Order; 4] {
-    [1, 2, 3, 4].map(|seed| strong_order(scheme, problem, &sizes(coarsest_steps, seed)).unwrap())
+    [1, 2, 3, 4].map(|seed| {
+        strong_order(
+            &Setup::of(problem, scheme),
+            &sizes(coarsest_steps, seed),
+            &ReferenceSolution::independent(problem),
+        )
+        .unwrap()
+    })
 }
 
 fn fitted(order: &Order) -> f64 {
@@ -144,10 +148,10 @@ fn convergence_to_something_else_is_no_order() {
     }
     let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
     let many = StepSizes { samples: 20_000, ..sizes(8, 1) };
-    let independent = ReferenceSolution::Independent;
-    let wrong = weak_order(&Corrected(0.0), &problem, q, &many, &independent).unwrap();
+    let independent = ReferenceSolution::independent(&problem);
+    let wrong = weak_order(&Setup::of(&problem, &Corrected(0.0)), &q, &many, &independent).unwrap();
     assert_eq!(wrong.decision, Decision::WrongLimit, "{wrong}");
-    let right = weak_order(&Midpoint, &problem, q, &many, &independent).unwrap();
+    let right = weak_order(&Setup::of(&problem, &Midpoint), &q, &many, &independent).unwrap();
     assert!(matches!(right.limit, Limit::Consistent { .. }), "{right}");
     assert!(right.rate.as_ref().unwrap().covers(1.0), "{right}");
 }
@@ -213,12 +217,18 @@ fn a_law_may_be_right_where_paths_are_wrong() {
     let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
     let many = StepSizes { samples: 5000, levels: 4, refinement: 1, ..sizes(2, 1) };
     let weak = |omega: f64| {
-        let independent = ReferenceSolution::Independent;
-        weak_order(&Flipped, &kubo(omega, 1.0), q, &many, &independent).unwrap()
+        let problem = kubo(omega, 1.0);
+        let independent = ReferenceSolution::independent(&problem);
+        weak_order(&Setup::of(&problem, &Flipped), &q, &many, &independent).unwrap()
     };
     assert!(matches!(weak(0.0).limit, Limit::Consistent { .. }), "{}", weak(0.0));
     assert_eq!(weak(1.0).decision, Decision::WrongLimit, "{}", weak(1.0));
-    let strong = strong_order(&Flipped, &kubo(0.0, 1.0), &sizes(16, 1)).unwrap();
+    let strong = strong_order(
+        &Setup::of(&kubo(0.0, 1.0), &Flipped),
+        &sizes(16, 1),
+        &ReferenceSolution::independent(&kubo(0.0, 1.0)),
+    )
+    .unwrap();
     assert_eq!(strong.decision, Decision::WrongLimit, "{strong}");
 }
 
@@ -228,8 +238,9 @@ fn a_weak_term_of_low_order_is_found_in_one_step() {
     let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
     let many = StepSizes { samples: 4000, ..sizes(16, 1) };
     let weak = |sigma: f64| {
-        let independent = ReferenceSolution::Independent;
-        weak_order(&Heun, &kubo(6.0, sigma), q, &many, &independent).unwrap()
+        let problem = kubo(6.0, sigma);
+        let independent = ReferenceSolution::independent(&problem);
+        weak_order(&Setup::of(&problem, &Heun), &q, &many, &independent).unwrap()
     };
     let order = weak(0.03);
     assert!(matches!(order.decision, Decision::Hidden { share } if share < 0.1), "{order}");
@@ -262,10 +273,14 @@ fn a_damping_that_the_steps_do_not_resolve_leaves_orders_undecided() {
     let fast = Cosine::new(1.0, 512.0 * std::f64::consts::PI).unwrap();
     let problem = Problem::new(system, fast, [1.0, 0.0], 1.0).unwrap();
     let few = StepSizes { levels: 4, refinement: 0, ..sizes(8, 1) };
-    let order = strong_order(&Heun, &problem, &few).unwrap();
+    let order =
+        strong_order(&Setup::of(&problem, &Heun), &few, &ReferenceSolution::independent(&problem))
+            .unwrap();
     assert!(matches!(order.decision, Decision::Damping { .. }), "{order}");
     // `sexp` reads the integral, and its limit is right, whatever `heun` does.
-    let order = strong_order(&Sexp, &problem, &few).unwrap();
+    let order =
+        strong_order(&Setup::of(&problem, &Sexp), &few, &ReferenceSolution::independent(&problem))
+            .unwrap();
     assert!(order.decision != Decision::WrongLimit, "{order}");
 }
 
@@ -291,10 +306,17 @@ fn errors_are_errors_against_the_limit() {
     for seed in 0..100 {
         let sizes = StepSizes { levels: 4, refinement: 1, samples: 1000, ..sizes(8, seed) };
         let covers = |points: &[Point]| points[3].covers(exact_error(1.0, 64));
-        let order = strong_order(&scheme, &problem, &sizes).unwrap();
+        let order = strong_order(
+            &Setup::of(&problem, &scheme),
+            &sizes,
+            &ReferenceSolution::independent(&problem),
+        )
+        .unwrap();
         missed += usize::from(!covers(&order.points));
-        let runs = (0..5).map(|index| Run::new(&scheme as _, 4 - index)).collect();
-        let ladder = Ladder::new(&problem, 128, 4, sizes.truncation, sizes.key, runs).unwrap();
+        let runs = (0..5).map(|index| Run::new(bind(&problem, &scheme as _), 4 - index)).collect();
+        let ladder =
+            Ladder::new(&mc::Problem::of(&problem), 128, 4, sizes.truncation, sizes.key, runs)
+                .unwrap();
         let series = [vec![0, 1, 2, 3]];
         let none = || StrongErrors::new(Reference::Run(4), &series, ladder.coarse_steps());
         let errors = ladder.run(1000, none, &|_| ()).statistic;
@@ -308,7 +330,12 @@ fn errors_are_errors_against_the_limit() {
 #[test]
 fn a_problem_without_noise_has_an_order() {
     // All paths are the same, so no quantile has a finite number of degrees of freedom.
-    let order = strong_order(&Heun, &kubo(1.0, 0.0), &sizes(8, 1)).unwrap();
+    let order = strong_order(
+        &Setup::of(&kubo(1.0, 0.0), &Heun),
+        &sizes(8, 1),
+        &ReferenceSolution::independent(&kubo(1.0, 0.0)),
+    )
+    .unwrap();
     assert_eq!(order.order(), Some(2.0), "{order}");
 }
 
@@ -318,7 +345,12 @@ fn intervals_of_points_hold_where_the_order_does_not_show() {
     let (problem, scheme) = (kubo(1.0, 0.03), EulerMaruyama);
     let missed = (0..40).filter(|&seed| {
         let sizes = StepSizes { levels: 4, refinement: 1, samples: 400, ..sizes(8, seed) };
-        let order = strong_order(&scheme, &problem, &sizes).unwrap();
+        let order = strong_order(
+            &Setup::of(&problem, &scheme),
+            &sizes,
+            &ReferenceSolution::independent(&problem),
+        )
+        .unwrap();
         !order.points[3].covers(exact_error(0.03, 64))
     });
     // 2 of 40 expected at most; more than 8 have probability 2e-4.
@@ -331,18 +363,33 @@ fn a_budget_is_spent_until_the_order_is_decided() {
     let problem = kubo(1.0, 1.0);
     let few = StepSizes { samples: 32, levels: 3, refinement: 1, ..sizes(16, 1) };
     let scheme = Sexp;
-    let order = strong_order_within(&scheme, &problem, &few, 50_000_000).unwrap();
+    let order = strong_order(
+        &Setup::of(&problem, &scheme),
+        &few.within(50_000_000),
+        &ReferenceSolution::independent(&problem),
+    )
+    .unwrap();
     assert_eq!(order.order(), Some(1.0), "{order}");
-    let once = strong_order_within(&scheme, &problem, &few, 1).unwrap();
-    let same = strong_order(&scheme, &problem, &few).unwrap();
+    let once = strong_order(
+        &Setup::of(&problem, &scheme),
+        &few.within(1),
+        &ReferenceSolution::independent(&problem),
+    )
+    .unwrap();
+    let same = strong_order(
+        &Setup::of(&problem, &scheme),
+        &few,
+        &ReferenceSolution::independent(&problem),
+    )
+    .unwrap();
     assert_eq!(once.decision, same.decision);
     // The mean of q needs many paths where its differences are small.
     let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
     let few = StepSizes { samples: 250, levels: 4, refinement: 1, ..sizes(4, 1) };
     let of = |budget: u64| {
-        let independent = ReferenceSolution::Independent;
+        let independent = ReferenceSolution::independent(&problem);
         let scheme = Midpoint;
-        weak_order_within(&scheme, &problem, q, &few, &independent, budget).unwrap()
+        weak_order(&Setup::of(&problem, &scheme), &q, &few.within(budget), &independent).unwrap()
     };
     assert_eq!(of(1).order(), None, "{}", of(1));
     assert_eq!(of(200_000_000).order(), Some(1.0), "{}", of(200_000_000));
@@ -351,7 +398,12 @@ fn a_budget_is_spent_until_the_order_is_decided() {
 #[test]
 fn too_few_step_sizes_are_refused() {
     let few = StepSizes { levels: 2, refinement: 1, ..sizes(16, 1) };
-    let error = strong_order(&Sexp, &kubo(1.0, 1.0), &few).unwrap_err();
+    let error = strong_order(
+        &Setup::of(&kubo(1.0, 1.0), &Sexp),
+        &few,
+        &ReferenceSolution::independent(&kubo(1.0, 1.0)),
+    )
+    .unwrap_err();
     assert!(matches!(error, LadderError::StepSizes { given: 3, from: 4, .. }), "{error}");
 }
 
@@ -362,11 +414,19 @@ fn weak_points_are_the_errors_of_the_scheme() {
     let problem = kubo(1.0, 0.0);
     let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
     let sizes = StepSizes { samples: 32, ..sizes(8, 1) };
-    let order = weak_order(&Heun, &problem, q, &sizes, &ReferenceSolution::Independent).unwrap();
+    let order = weak_order(
+        &Setup::of(&problem, &Heun),
+        &q,
+        &sizes,
+        &ReferenceSolution::independent(&problem),
+    )
+    .unwrap();
     assert_eq!(order.points.len(), 5);
     for (point, steps) in order.points.iter().zip([8, 16, 32, 64, 128]) {
         let Point::Error { tau, value, .. } = *point else { panic!("{point:?}") };
-        let path = mc::trajectory(&problem, &Heun, steps, sizes.truncation, sizes.key, 0).unwrap();
+        let path =
+            mc::trajectory(&Setup::of(&problem, &Heun), steps, sizes.truncation, sizes.key, 0)
+                .unwrap();
         let error = path.states[steps as usize][0] - 1f64.cos();
         assert_eq!(tau, 1.0 / steps as f64);
         assert!((value / error - 1.0).abs() < 0.05, "{steps}: {value} {error}");

@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use analysis::{
-    Decision, DynExact, DynReference, Exact, Limit, Order, ReferenceSolution, StepSizes,
+    Decision, Exact, Limit, Order, ReferenceSolution, StepSizes,
     exact::{RandomTime, solution},
-    strong_order, strong_order_against, strong_order_of, strong_order_of_within,
-    strong_order_within, weak_order, weak_order_of, weak_order_of_within, weak_order_within,
+    strong_order, weak_order,
 };
 use formula::{Definition, FormulaSystem};
-use mc::{LadderError, Observable, RowFunction, Setup};
+use mc::{LadderError, Observable, RowFunction, Setup, bind};
 use noise::{StreamKey, Truncation};
 use real::Row;
 use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Scheme, Sexp, SexpLi, run_time};
@@ -89,7 +88,7 @@ fn strong(
     sizes: &StepSizes,
 ) -> Order {
     let setup = Setup::at_run_time(problem, scheme).unwrap();
-    strong_order_of(&setup, sizes, &DynReference::independent(problem).unwrap()).unwrap()
+    strong_order(&setup, sizes, &ReferenceSolution::at_run_time(problem).unwrap()).unwrap()
 }
 
 /// Numbers that agree to this part of the larger.
@@ -138,7 +137,15 @@ fn check_strong<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let order = strong(texts, other, &sizes(steps));
         assert_eq!(order.order(), Some(expected), "{}: {order}", one.id());
         assert!(matches!(order.limit, Limit::Consistent { .. }), "{order}");
-        check_same(&strong_order(one, compiled, &sizes(steps)).unwrap(), &order);
+        check_same(
+            &strong_order(
+                &Setup::of(compiled, one),
+                &sizes(steps),
+                &ReferenceSolution::independent(compiled),
+            )
+            .unwrap(),
+            &order,
+        );
     }
 }
 
@@ -157,7 +164,15 @@ fn a_linearly_implicit_scheme_of_texts_has_its_order() {
     let order = strong(&texts, &scheme, &sizes(16));
     assert_eq!(order.order(), Some(1.0), "{order}");
     let one = SexpLi::new(compiled.system(), compiled.y0()).unwrap();
-    check_same(&strong_order(&one, &compiled, &sizes(16)).unwrap(), &order);
+    check_same(
+        &strong_order(
+            &Setup::of(&compiled, &one),
+            &sizes(16),
+            &ReferenceSolution::independent(&compiled),
+        )
+        .unwrap(),
+        &order,
+    );
 }
 
 /// y₁ + y₂² of rows.
@@ -172,20 +187,23 @@ fn weak_orders_of_texts_are_those_of_compiled_systems() {
     let (compiled, texts) = body(three_noises(), 0.1);
     let phi = RowFunction { name: "φ".into(), function: first_and_square };
     let sizes = StepSizes { samples: 20_000, levels: 4, refinement: 1, ..sizes(2) };
-    let reference = DynReference::independent(&texts).unwrap();
+    let reference = ReferenceSolution::at_run_time(&texts).unwrap();
     let schemes: [(&dyn Scheme<_, 3, 3>, &dyn run_time::Scheme); 2] =
         [(&Heun, &Heun), (&EulerMaruyama, &EulerMaruyama)];
     for (one, other) in schemes {
         let setup = Setup::at_run_time(&texts, other).unwrap();
-        let order = weak_order_of(&setup, &phi, &sizes, &reference).unwrap();
+        let order = weak_order(&setup, &phi, &sizes, &reference).unwrap();
         assert!(matches!(order.limit, Limit::Consistent { .. }), "{order}");
-        let independent = &ReferenceSolution::Independent;
-        check_same(&weak_order(one, &compiled, PHI, &sizes, independent).unwrap(), &order);
+        let independent = &ReferenceSolution::independent(&compiled);
+        check_same(
+            &weak_order(&Setup::of(&compiled, one), &PHI, &sizes, independent).unwrap(),
+            &order,
+        );
         // Against a scheme.
-        let against = DynReference::Scheme(Setup::at_run_time(&texts, &Sexp).unwrap().scheme);
-        let order = weak_order_of(&setup, &phi, &sizes, &against).unwrap();
-        let sexp = &ReferenceSolution::Scheme(&Sexp);
-        check_same(&weak_order(one, &compiled, PHI, &sizes, sexp).unwrap(), &order);
+        let against = ReferenceSolution::Scheme(Setup::at_run_time(&texts, &Sexp).unwrap().scheme);
+        let order = weak_order(&setup, &phi, &sizes, &against).unwrap();
+        let sexp = &ReferenceSolution::Scheme(bind(&compiled, &Sexp));
+        check_same(&weak_order(&Setup::of(&compiled, one), &PHI, &sizes, sexp).unwrap(), &order);
     }
 }
 
@@ -196,11 +214,10 @@ fn an_exact_solution_serves_texts_too() {
     let tau = compiled.t_end() / sizes.reference_steps() as f64;
     let time_change = RandomTime::new(compiled.damping(), 1.0, 0.5, tau);
     let solution = |s: f64| solution(&compiled, s);
-    let exact = Exact { time_change: &time_change, solution: &solution };
-    let one = strong_order_against(&Heun, &compiled, &sizes, &ReferenceSolution::Exact(exact));
+    let exact = ReferenceSolution::Exact(Exact::new(&time_change, &solution));
+    let one = strong_order(&Setup::of(&compiled, &Heun), &sizes, &exact);
     let setup = Setup::at_run_time(&texts, &Heun).unwrap();
-    let exact = DynReference::Exact(DynExact::from(exact));
-    let other = strong_order_of(&setup, &sizes, &exact).unwrap();
+    let other = strong_order(&setup, &sizes, &exact).unwrap();
     assert_eq!(other.order(), Some(1.0), "{other}");
     check_same(&one.unwrap(), &other);
 }
@@ -241,8 +258,8 @@ fn what_converges_to_something_else_on_texts_is_refuted() {
     let scheme = Wrong { correction: 0.0, damping: 1.0 };
     let setup = Setup::at_run_time(&texts, &scheme).unwrap();
     let sizes = StepSizes { samples: 5000, ..sizes(8) };
-    let reference = DynReference::independent(&texts).unwrap();
-    let order = weak_order_of(&setup, &phi, &sizes, &reference).unwrap();
+    let reference = ReferenceSolution::at_run_time(&texts).unwrap();
+    let order = weak_order(&setup, &phi, &sizes, &reference).unwrap();
     assert_eq!(order.decision, Decision::WrongLimit, "{order}");
 }
 
@@ -251,25 +268,42 @@ fn a_budget_is_spent_on_texts_as_on_compiled_systems() {
     let (compiled, texts) = pendulum(0.3);
     let few = StepSizes { samples: 32, levels: 3, refinement: 1, ..sizes(8) };
     let setup = Setup::at_run_time(&texts, &Heun).unwrap();
-    let reference = DynReference::independent(&texts).unwrap();
-    let of = |budget| strong_order_of_within(&setup, &few, &reference, budget).unwrap();
+    let reference = ReferenceSolution::at_run_time(&texts).unwrap();
+    let of = |budget| strong_order(&setup, &few.within(budget), &reference).unwrap();
     let enough = of(20_000_000);
     assert_eq!(enough.order(), Some(1.0), "{enough}");
-    check_same(&strong_order_within(&Heun, &compiled, &few, 20_000_000).unwrap(), &enough);
-    check_same(&strong_order_within(&Heun, &compiled, &few, 1).unwrap(), &of(1));
+    check_same(
+        &strong_order(
+            &Setup::of(&compiled, &Heun),
+            &few.within(20_000_000),
+            &ReferenceSolution::independent(&compiled),
+        )
+        .unwrap(),
+        &enough,
+    );
+    check_same(
+        &strong_order(
+            &Setup::of(&compiled, &Heun),
+            &few.within(1),
+            &ReferenceSolution::independent(&compiled),
+        )
+        .unwrap(),
+        &of(1),
+    );
     let (momentum, row) = (
         Observable { name: "p", function: |y: [f64; 2]| y[0] },
         RowFunction { name: "p".into(), function: |y: &[Row], p: &mut Row| *p = y[0] },
     );
     let few = StepSizes { samples: 200, levels: 4, refinement: 1, ..sizes(4) };
-    let independent = ReferenceSolution::Independent;
+    let independent = ReferenceSolution::independent(&compiled);
     check_same(
-        &weak_order_within(&Heun, &compiled, momentum, &few, &independent, 5_000_000).unwrap(),
-        &weak_order_of_within(&setup, &row, &few, &reference, 5_000_000).unwrap(),
+        &weak_order(&Setup::of(&compiled, &Heun), &momentum, &few.within(5_000_000), &independent)
+            .unwrap(),
+        &weak_order(&setup, &row, &few.within(5_000_000), &reference).unwrap(),
     );
     // Too few step sizes are refused.
     let few = StepSizes { levels: 2, refinement: 1, ..few };
-    let error = strong_order_of(&setup, &few, &reference).unwrap_err();
+    let error = strong_order(&setup, &few, &reference).unwrap_err();
     assert!(matches!(error, LadderError::StepSizes { given: 3, from: 4, .. }), "{error}");
 }
 
@@ -284,10 +318,10 @@ fn a_function_that_a_scheme_keeps_has_no_order() {
         h.iter_mut().enumerate().for_each(|(p, h)| *h = 0.5 * (y[0][p].powi(2) + y[1][p].powi(2)));
     };
     let phi = RowFunction { name: "energy".into(), function: energy };
-    let reference = DynReference::independent(&texts).unwrap();
+    let reference = ReferenceSolution::at_run_time(&texts).unwrap();
     let of = |scheme: &dyn run_time::Scheme| {
         let setup = Setup::at_run_time(&texts, scheme).unwrap();
-        weak_order_of_within(&setup, &phi, &sizes(8), &reference, 4_000_000).unwrap()
+        weak_order(&setup, &phi, &sizes(8).within(4_000_000), &reference).unwrap()
     };
     let kept = of(&Sexp);
     assert_eq!(kept.decision, Decision::Kept, "{kept}");
@@ -303,10 +337,10 @@ fn a_solution_that_ends_is_said_to_end() {
     let system = FormulaSystem::new(&growth, &[1.0, 0.5]).unwrap();
     let (none, y0) = (Arc::new(constant(0.0)), vec![1.0, 0.5]);
     let texts = systems_at::Problem::new(Arc::new(system), none, y0, 5.0).unwrap();
-    let reference = DynReference::independent(&texts).unwrap();
+    let reference = ReferenceSolution::at_run_time(&texts).unwrap();
     for scheme in [&Heun as &dyn run_time::Scheme, &Sexp] {
         let setup = Setup::at_run_time(&texts, scheme).unwrap();
-        let order = strong_order_of_within(&setup, &sizes(64), &reference, 10_000_000).unwrap();
+        let order = strong_order(&setup, &sizes(64).within(10_000_000), &reference).unwrap();
         let Decision::Failures { all: true, t } = order.decision else { panic!("{order}") };
         assert!((0.5..1.5).contains(&t), "{order}");
         assert!(order.to_string().contains("the solution itself may end"), "{order}");

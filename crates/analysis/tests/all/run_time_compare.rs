@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use analysis::compare::{
-    Candidates, Choice, CompareError, CompareSettings, Comparison, DynCandidates,
-    DynCompareSettings, Expectations, Keeps, Outcome, compare, compare_of,
+    Candidates, Choice, CompareError, CompareSettings, Comparison, Expectations, Keeps, Outcome,
+    compare,
 };
 use formula::{Definition, FormulaSystem};
-use mc::{DynProblem, Observable, RowFunction, Setup};
-use noise::{NoiseRows, StreamKey, Truncation};
+use mc::{Observable, RowFunction, Setup};
+use noise::{StreamKey, Truncation};
 use real::Row;
 use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi};
 use systems::{Constant, run_time::Problem};
@@ -19,9 +19,9 @@ fn key(seed: u64) -> StreamKey {
     StreamKey { seed, experiment: 17 }
 }
 
-fn settings<'a>(error: f64) -> DynCompareSettings<'a> {
-    let settings = DynCompareSettings::new(error, Truncation::new(4).unwrap(), key(1));
-    DynCompareSettings { samples: 128, ..settings }
+fn settings<'a>(error: f64) -> CompareSettings<'a> {
+    let settings = CompareSettings::new(error, Truncation::new(4).unwrap(), key(1));
+    CompareSettings { samples: 128, ..settings }
 }
 
 fn near(a: f64, b: f64, part: f64) -> bool {
@@ -59,20 +59,20 @@ fn errors_on_texts_are_those_on_compiled_systems() {
     let (compiled, texts) = pendulum(0.3);
     let momentum = Observable { name: "p", function: |y: [f64; 2]| y[0] };
     let wanted = Expectations { observables: &[&momentum], accuracy: 0.05 };
-    let DynCompareSettings { samples, truncation, .. } = settings(0.01);
+    let CompareSettings { samples, truncation, .. } = settings(0.01);
     let one = CompareSettings {
         samples,
         expectations: Some(wanted),
         ..CompareSettings::new(0.01, truncation, key(1))
     };
     let all = Candidates::all(&compiled);
-    let one = compare(&compiled, &all, &one).unwrap();
+    let one = compare(&mc::Problem::of(&compiled), &all, &one).unwrap();
 
     let row = RowFunction { name: "p".into(), function: |y: &[Row], p: &mut Row| *p = y[0] };
     let wanted = Expectations { observables: &[&row], accuracy: 0.05 };
-    let other = DynCompareSettings { expectations: Some(wanted), ..settings(0.01) };
-    let all = DynCandidates::all(&texts).unwrap();
-    let other = compare_of(&DynProblem::at_run_time(&texts), &all, &other).unwrap();
+    let other = CompareSettings { expectations: Some(wanted), ..settings(0.01) };
+    let all = Candidates::at_run_time(&texts).unwrap();
+    let other = compare(&mc::Problem::at_run_time(&texts), &all, &other).unwrap();
 
     let names: Vec<_> = other.for_error.candidates.iter().map(|one| &one.scheme[..]).collect();
     assert_eq!(names, ["sexp", "sexp-li", "nv", "midpoint", "heun", "em"]);
@@ -98,10 +98,10 @@ fn casimirs_that_were_found_are_measured_on_texts() {
     assert_eq!(found.len(), 1);
     let found = found.iter().map(|casimir| casimir.form()).collect();
     let scheme = |scheme| Setup::at_run_time(&texts, scheme).unwrap().scheme;
-    let all = DynCandidates::against(scheme(&Sexp)).and(scheme(&Sexp)).and(scheme(&Heun));
+    let all = Candidates::against(scheme(&Sexp)).and(scheme(&Sexp)).and(scheme(&Heun));
     let all = all.with_casimirs(found);
-    let problem = DynProblem::at_run_time(&texts);
-    let comparison = compare_of(&problem, &all, &settings(0.02)).unwrap();
+    let problem = mc::Problem::at_run_time(&texts);
+    let comparison = compare(&problem, &all, &settings(0.02)).unwrap();
     assert_eq!(comparison.invariants.len(), 1);
     let [sexp, heun] = &comparison.strong.series[..] else { panic!("{comparison}") };
     // The law of |y|² holds to round-off for `sexp`, and to the error of the scheme for `heun`.
@@ -115,22 +115,22 @@ fn wrong_schemes_on_texts_are_not_recommended() {
     let (wrong, li) =
         (Wrong { correction: 0.5, damping: 1.0 }, SexpLi::at_run_time(texts.system()).unwrap());
     let scheme = |scheme| Setup::at_run_time(&texts, scheme).unwrap().scheme;
-    let problem = DynProblem::at_run_time(&texts);
-    let of = |all: &DynCandidates<'_, NoiseRows>| compare_of(&problem, all, &settings(0.02));
-    let all = DynCandidates::against(scheme(&Midpoint)).and(scheme(&wrong)).and(scheme(&li));
+    let problem = mc::Problem::at_run_time(&texts);
+    let of = |all: &Candidates<'_>| compare(&problem, all, &settings(0.02));
+    let all = Candidates::against(scheme(&Midpoint)).and(scheme(&wrong)).and(scheme(&li));
     let comparison = of(&all).unwrap();
     let [first, second] = &comparison.for_error.candidates[..] else { panic!("{comparison}") };
     assert!(matches!(first.outcome, Outcome::Inconsistent(_)), "{comparison}");
     assert!(matches!(second.outcome, Outcome::Reached { .. }), "{comparison}");
     assert_eq!(comparison.recommended(), Some("sexp-li"));
-    let all = DynCandidates::against(scheme(&wrong)).and(scheme(&EulerMaruyama));
+    let all = Candidates::against(scheme(&wrong)).and(scheme(&EulerMaruyama));
     let comparison = of(&all).unwrap();
     assert!(matches!(comparison.for_error.choice, Choice::WrongReference(_)), "{comparison}");
     // No scheme, and no error.
-    let none = DynCandidates::against(scheme(&Sexp));
+    let none = Candidates::against(scheme(&Sexp));
     assert_eq!(of(&none).unwrap_err(), CompareError::NoScheme);
     let all = none.and(scheme(&Heun));
-    let refused = compare_of(&problem, &all, &settings(0.0)).unwrap_err().to_string();
+    let refused = compare(&problem, &all, &settings(0.0)).unwrap_err().to_string();
     assert_eq!(refused, "the wanted error must be positive and finite, got 0");
 }
 
@@ -143,9 +143,9 @@ fn of_texts(
     let system = FormulaSystem::new(definition, y0).unwrap();
     let none = Arc::new(Constant::new(0.0).unwrap());
     let problem = Problem::new(Arc::new(system), none, y0.to_vec(), t_end).unwrap();
-    let all = DynCandidates::all(&problem).unwrap();
-    let settings = DynCompareSettings { budget_s, ..settings(error) };
-    let found = compare_of(&DynProblem::at_run_time(&problem), &all, &settings).unwrap();
+    let all = Candidates::at_run_time(&problem).unwrap();
+    let settings = CompareSettings { budget_s, ..settings(error) };
+    let found = compare(&mc::Problem::at_run_time(&problem), &all, &settings).unwrap();
     // A fifth and a second beside the budget.
     assert!(found.wall_s <= 1.2 * budget_s + 1.0, "{} s\n{found}", found.wall_s);
     found
@@ -209,10 +209,10 @@ fn what_was_not_reached_is_extrapolated_and_marked() {
 #[test]
 fn a_scheme_that_keeps_more_is_taken_and_the_words_say_so() {
     let (_, damped) = pendulum(0.3);
-    let problem = DynProblem::at_run_time(&damped);
+    let problem = mc::Problem::at_run_time(&damped);
     let scheme = |scheme| Setup::at_run_time(&damped, scheme).unwrap().scheme;
-    let all = DynCandidates::against(scheme(&Sexp)).and(scheme(&Heun)).and(scheme(&Sexp));
-    let found = compare_of(&problem, &all, &settings(0.01)).unwrap();
+    let all = Candidates::against(scheme(&Sexp)).and(scheme(&Heun)).and(scheme(&Sexp));
+    let found = compare(&problem, &all, &settings(0.01)).unwrap();
     let Choice::Take { scheme: taken, cheapest } = found.for_error.choice else {
         panic!("{found}")
     };

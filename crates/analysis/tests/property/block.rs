@@ -83,7 +83,7 @@ impl Ways {
         y: &Block<D>,
     ) -> TestCaseResult {
         let (mut block, mut status) = (*y, BlockStatus::explicit());
-        let noise = BlockNoise::increments(*dw);
+        let noise = BlockNoise::increments(&dw.0);
         scheme.step_block(system, step, &noise, &mut block, &mut status);
         for p in 0..WIDTH {
             let Solution { z, outcome } =

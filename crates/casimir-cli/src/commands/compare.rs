@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::DynCompareSettings,
+    analysis::CompareSettings,
     plot::{Bars, Progress, comparison_csv, figure::comparison, files},
 };
 
@@ -11,7 +11,6 @@ use super::{folder, open, print, print_json, threads};
 use crate::{
     arguments::Compare,
     failure::{Done, Failure},
-    model::with_model,
     scene::{Changes, SchemeAndSeed},
 };
 
@@ -31,15 +30,15 @@ pub fn compare(arguments: &Compare) -> Done {
     threads(arguments.output.threads)?;
     let (settings, start) = (&scene.settings, Instant::now());
     // What a run takes, for other reasons.
-    let (auto, because) = with_model!(&scene.model, model => model.recommended());
+    let (auto, because) = scene.model.recommended();
     let spent = start.elapsed().as_secs_f64();
-    let wanted = DynCompareSettings {
+    let wanted = CompareSettings {
         budget_s: (arguments.budget - spent).max(0.5 * arguments.budget),
-        ..DynCompareSettings::new(error, settings.truncation, settings.key)
+        ..CompareSettings::new(error, settings.truncation, settings.key)
     };
     let bars = Bars::default();
     bars.begin(&format!("errors and times of all schemes, {} s at most", arguments.budget), 0);
-    let found = with_model!(&scene.model, model => model.compare(&wanted));
+    let found = scene.model.compare(&wanted);
     bars.finish();
     let found = found.map_err(|error| scene.source.error_of_all(error))?;
     let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "compare");

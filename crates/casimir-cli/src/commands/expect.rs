@@ -12,11 +12,10 @@ use casimir::{
     mc::{
         self, Observe, Setup,
         multilevel::{
-            Coupling, Expectation, ExpectationSettings, MultilevelError, SoFar, expectation_of_in,
+            Coupling, Expectation, ExpectationSettings, MultilevelError, SoFar, expectation_in,
         },
         parts::{Job, JobError, Share, remove},
     },
-    noise::StepNoise,
     plot::{Bars, Progress},
 };
 
@@ -27,7 +26,7 @@ use super::{
 use crate::{
     arguments::Expect,
     failure::{Done, Failure},
-    model::{Model, with_model},
+    model::Model,
     output,
     scene::{AUTO, Changes, Scene},
 };
@@ -52,7 +51,8 @@ pub fn expect(arguments: &Expect) -> Done {
     scene.accuracy = arguments.accuracy.or(scene.accuracy);
     let stop = stop();
     let folder = arguments.output.out.as_ref();
-    let (results, finished) = with_model!(&scene.model, model => {
+    let (results, finished) = {
+        let model = &*scene.model;
         let ready = Ready::new(&scene, model, None)?;
         let job = match folder {
             Some(folder) => {
@@ -63,7 +63,7 @@ pub fn expect(arguments: &Expect) -> Done {
         };
         let job = stoppable(job, &stop);
         (ready.compute(&job)?, job.finish())
-    });
+    };
     match finished {
         Err(JobError::Stopped) => {
             if let Some(results) = results {
@@ -89,31 +89,31 @@ pub fn expect(arguments: &Expect) -> Done {
 }
 
 /// The scheme, which stays `auto` where points, levels and order are chosen too.
-pub fn settle<N>(scene: &Scene, model: &dyn Model<N>) -> Done<Settled> {
+pub fn settle(scene: &Scene, model: &dyn Model) -> Done<Settled> {
     warn(model);
     let is_chosen = scene.settings.scheme == AUTO && model.expect().is_some();
     Ok(if is_chosen { (AUTO.into(), None) } else { scheme(scene, model) })
 }
 
 /// Expectations that were checked.
-pub struct Ready<'a, N> {
+pub struct Ready<'a> {
     scene: &'a Scene,
-    way: Way<'a, N>,
+    way: Way<'a>,
     because: Option<String>,
     accuracy: f64,
 }
 
 /// How they are computed.
-enum Way<'a, N> {
+enum Way<'a> {
     /// With points, levels and order chosen.
-    Chosen(mc::Expect<'a, N>),
+    Chosen(mc::Expect<'a>),
     /// By levels of random points.
-    Levels(Setup<'a, N>),
+    Levels(Setup<'a>),
 }
 
-impl<'a, N: StepNoise> Ready<'a, N> {
+impl<'a> Ready<'a> {
     /// Chooses the way, and checks that there is something to expect.
-    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>, settled: Option<&Settled>) -> Done<Self> {
+    pub fn new(scene: &'a Scene, model: &'a dyn Model, settled: Option<&Settled>) -> Done<Self> {
         let (false, Some(accuracy)) = (scene.expected.is_empty(), scene.accuracy) else {
             let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
             let message = format!(
@@ -159,7 +159,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             Way::Chosen(chosen) => chosen.run_in(job, name, &phi, accuracy, &advance),
             Way::Levels(setup) => {
                 let settings = levels(scene, &setup);
-                expectation_of_in(job, name, &setup, &phi, accuracy, &settings, &advance)
+                expectation_in(job, name, &setup, &phi, accuracy, &settings, &advance)
             }
         };
         bars.finish();
@@ -175,7 +175,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
 }
 
 /// Levels of random points, for one scheme.
-fn levels<N: StepNoise>(scene: &Scene, setup: &Setup<'_, N>) -> ExpectationSettings {
+fn levels(scene: &Scene, setup: &Setup<'_>) -> ExpectationSettings {
     let settings = &scene.settings;
     let steps = settings.coarsest_steps.unwrap_or_else(|| coarsest_steps(settings.until));
     let coupling = match setup.problem.noises > 1 && !setup.scheme.reads_areas() {

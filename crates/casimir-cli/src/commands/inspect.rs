@@ -1,14 +1,13 @@
 //! `casimir inspect`: what a system is.
 
 use super::{open, print, print_json, saying};
-use crate::{arguments::Inspect, failure::Done, model::with_model, scene::Changes};
+use crate::{arguments::Inspect, failure::Done, scene::Changes};
 
 /// Prints the findings. The scheme of the scene is not asked for.
 pub fn inspect(arguments: &Inspect) -> Done {
     let scene = open(&arguments.scene, &Changes::default())?;
     let what = "evaluating B and the Hamiltonians at many points";
-    let (known, findings) =
-        saying(what, || with_model!(&scene.model, model => (model.known(), model.findings())));
+    let (known, findings) = saying(what, || (scene.model.known(), scene.model.findings()));
     let findings = findings.map_err(|error| scene.source.error_of_all(error))?;
     if arguments.json {
         return print_json(&findings.json()?);

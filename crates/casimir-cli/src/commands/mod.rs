@@ -43,7 +43,7 @@ fn open(file: &Path, changes: &Changes) -> Done<Scene> {
 
 /// The scheme of a scene, and why it was chosen if that was left to the program, or what it loses
 /// over long times.
-fn scheme<N>(scene: &Scene, model: &dyn Model<N>) -> Settled {
+fn scheme(scene: &Scene, model: &dyn Model) -> Settled {
     let (auto, because) = model.recommended();
     let named = &scene.settings.scheme;
     if named == AUTO {
@@ -64,7 +64,7 @@ fn scheme<N>(scene: &Scene, model: &dyn Model<N>) -> Settled {
 type Settled = (String, Option<String>);
 
 /// Prints what is wrong. Whoever has a wrong system should know before its numbers.
-fn warn<N>(model: &dyn Model<N>) -> Known {
+fn warn(model: &dyn Model) -> Known {
     let known = model.known();
     known.mistake.iter().for_each(|mistake| eprintln!("warning: {mistake}"));
     known

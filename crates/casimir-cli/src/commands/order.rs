@@ -3,8 +3,7 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::{self, DynReference, StepSizes, strong_order_of_within, weak_order_of_within},
-    noise::StepNoise,
+    analysis::{self, ReferenceSolution, StepSizes, strong_order, weak_order},
     plot::{Bars, Kind, Progress, Series, figure::convergence, files},
 };
 use serde_json::{Value, json};
@@ -13,7 +12,7 @@ use super::{coarsest_steps, folder, open, print, print_json, scheme, threads, wa
 use crate::{
     arguments::Order,
     failure::Done,
-    model::{Model, with_model},
+    model::Model,
     scene::{Changes, Observable, Scene},
 };
 
@@ -36,7 +35,7 @@ struct Results {
 pub fn order(arguments: &Order) -> Done {
     let scene = open(&arguments.scene, &Changes::from(&arguments.scheme))?;
     threads(arguments.output.threads)?;
-    let results = with_model!(&scene.model, model => measure(&scene, model, arguments.path_steps)?);
+    let results = measure(&scene, &*scene.model, arguments.path_steps)?;
     let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "order");
     folder::prepare(&folder)?;
     let Results { scheme, because, strong, weak, seconds } = &results;
@@ -79,7 +78,7 @@ fn described(found: &Found) -> Value {
     })
 }
 
-fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>, path_steps: u64) -> Done<Results> {
+fn measure(scene: &Scene, model: &dyn Model, path_steps: u64) -> Done<Results> {
     let start = Instant::now();
     warn(model);
     let (scheme, because) = scheme(scene, model);
@@ -90,12 +89,12 @@ fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>, path_steps: u64) -
     };
     let measured = setup(&scheme)?;
     let (heun, midpoint) = (setup("heun")?.scheme, setup("midpoint")?.scheme);
-    let reference = DynReference::Independent(vec![heun, midpoint]);
+    let reference = ReferenceSolution::Independent(vec![heun, midpoint]);
     let sizes = StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key);
     let wrong = |error| settings.steps_error(source, error);
     let bars = Bars::default();
     bars.begin(&format!("strong order of {scheme}"), 0);
-    let order = strong_order_of_within(&measured, &sizes, &reference, path_steps).map_err(wrong)?;
+    let order = strong_order(&measured, &sizes.within(path_steps), &reference).map_err(wrong)?;
     let strong = Found { quantity: "y(T)".into(), order };
     let mut weak = Vec::new();
     let first = scene.observables.first().into_iter();
@@ -105,7 +104,7 @@ fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>, path_steps: u64) -
     };
     for phi in expected {
         bars.begin(&format!("weak order of {scheme} for E[{}]", phi.name), 0);
-        let order = weak_order_of_within(&measured, phi, &sizes, &reference, path_steps);
+        let order = weak_order(&measured, phi, &sizes.within(path_steps), &reference);
         let quantity = format!("E[{}]", phi.name);
         weak.push(Found { quantity, order: order.map_err(wrong)? });
     }

@@ -16,7 +16,6 @@ use super::{Settled, expect, folder, open, print, program, run, stop, threads};
 use crate::{
     arguments::{Extend, Merge, Part, Plan},
     failure::{Done, Failure},
-    model::with_model,
     output::{
         self,
         cluster::{JOB, Script},
@@ -83,16 +82,19 @@ impl Folder {
     /// Does with a job what the folder is for; the results if there are some here.
     fn compute(&self, job: &Job, stop: &Stop) -> Done<Option<Found>> {
         let (scene, settled) = (&self.scene, self.divided.settled.as_ref());
-        with_model!(&scene.model, model => match self.divided.expect {
-            true => {
-                let ready = expect::Ready::new(scene, model, settled)?;
-                Ok(ready.compute(job)?.map(Found::Expected))
+        {
+            let model = &*scene.model;
+            match self.divided.expect {
+                true => {
+                    let ready = expect::Ready::new(scene, model, settled)?;
+                    Ok(ready.compute(job)?.map(Found::Expected))
+                }
+                false => {
+                    let found = run::Ready::new(scene, model, settled)?.compute(job, stop)?;
+                    Ok(found.map(|results| Found::Run(Box::new(results))))
+                }
             }
-            false => {
-                let found = run::Ready::new(scene, model, settled)?.compute(job, stop)?;
-                Ok(found.map(|results| Found::Run(Box::new(results))))
-            }
-        })
+        }
     }
 }
 
@@ -117,10 +119,13 @@ pub fn plan(arguments: &Plan) -> Done {
             format!("{out} has parts already: take another folder, or casimir extend {out}");
         return Err(Failure::Usage(message));
     }
-    let settled = with_model!(&scene.model, model => match arguments.expect {
-        true => expect::settle(&scene, model)?,
-        false => super::scheme(&scene, model),
-    });
+    let settled = {
+        let model = &*scene.model;
+        match arguments.expect {
+            true => expect::settle(&scene, model)?,
+            false => super::scheme(&scene, model),
+        }
+    };
     folder::prepare(out)?;
     files::write(&out.join(SCENE), &scene.source.text)?;
     let Changes { paths, steps, scheme } = arguments.changes.clone();

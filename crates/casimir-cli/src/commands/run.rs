@@ -5,11 +5,10 @@ use std::{path::Path, time::Instant};
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
     mc::{
-        DynSimulation, Observe, Study, StudySettings, TimeSeries,
+        Observe, Simulation, Study, StudySettings, TimeSeries,
         parts::{Job, JobError, Share, Stop, remove},
         study::StudyResult,
     },
-    noise::StepNoise,
     plot::{Bars, Progress},
 };
 
@@ -20,7 +19,7 @@ use super::{
 use crate::{
     arguments::{Format, Run},
     failure::{Done, Failure},
-    model::{Known, Model, with_model},
+    model::{Known, Model},
     output,
     scene::{Observable, Scene},
 };
@@ -51,7 +50,8 @@ pub fn run(arguments: &Run) -> Done {
     check_size(&scene, &arguments.write, arguments.large)?;
     let stop = stop();
     // The scene is checked before the folder is made.
-    let (results, stopped) = with_model!(&scene.model, model => {
+    let (results, stopped) = {
+        let model = &*scene.model;
         let ready = Ready::new(&scene, model, None)?;
         folder::prepare(&folder)?;
         let job = match scene.settings.is_study() {
@@ -66,10 +66,13 @@ pub fn run(arguments: &Run) -> Done {
         let results = ready.compute(&job, &stop)?;
         let stopped = match job.finish() {
             Err(JobError::Stopped) => true,
-            finished => { finished?; stop.is_asked() }
+            finished => {
+                finished?;
+                stop.is_asked()
+            }
         };
         (results, stopped)
-    });
+    };
     let none =
         |results: &Results| results.study.as_ref().is_some_and(|study| study.record.paths == 0);
     if stopped && results.as_ref().is_some_and(none) {
@@ -113,16 +116,16 @@ impl Results {
 }
 
 /// A run that was checked.
-pub struct Ready<'a, N> {
+pub struct Ready<'a> {
     scene: &'a Scene,
-    model: &'a dyn Model<N>,
+    model: &'a dyn Model,
     scheme: String,
     because: Option<String>,
 }
 
-impl<'a, N: StepNoise> Ready<'a, N> {
+impl<'a> Ready<'a> {
     /// Chooses the scheme unless it is settled, and checks that it can be run.
-    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>, settled: Option<&Settled>) -> Done<Self> {
+    pub fn new(scene: &'a Scene, model: &'a dyn Model, settled: Option<&Settled>) -> Done<Self> {
         let (scheme, because) = settled.cloned().unwrap_or_else(|| self::scheme(scene, model));
         let (source, settings) = (&scene.source, &scene.settings);
         let setup = model.setup(&scheme);
@@ -156,7 +159,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
         Ok(Some(Results { scheme, because, known, tables, study, check, seconds }))
     }
 
-    fn setup(&self) -> Done<casimir::mc::Setup<'_, N>> {
+    fn setup(&self) -> Done<casimir::mc::Setup<'_>> {
         let Self { scene, model, scheme, .. } = self;
         let setup = model.setup(scheme);
         Ok(setup.map_err(|error| scene.settings.scheme_error(&scene.source, error))?)
@@ -178,7 +181,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
     fn tables(&self, paths: u64, stop: &Stop) -> Done<Vec<TimeSeries>> {
         let Scene { source, components, observables, settings, .. } = self.scene;
         let setup = self.model.with_laws(self.setup()?);
-        let mut simulation = DynSimulation::new(setup, settings.truncation)
+        let mut simulation = Simulation::new(setup, settings.truncation)
             .every(settings.steps / settings.times)
             .with_components(components.clone())
             .stopped_by(stop);
@@ -198,7 +201,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             StudySettings::new(steps, settings.times, settings.paths, truncation, key);
         let observables: Vec<&dyn Observe> =
             observables.iter().map(|observable: &Observable| observable as _).collect();
-        let study = Study::of(&setup, observables, &study_settings);
+        let study = Study::new(&setup, &observables, &study_settings);
         let study = study.map_err(|error| settings.steps_error(source, error))?;
         let bars = Bars::default();
         bars.begin("paths", settings.paths * steps);

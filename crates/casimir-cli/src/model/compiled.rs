@@ -3,11 +3,8 @@
 use std::{error::Error, sync::Arc};
 
 use casimir::{
-    analysis::{
-        Candidates, Comparison, DynCompareSettings, compare_of, inspect::Kept, inspect_problem,
-    },
-    mc::{DynProblem, Expect, Setup},
-    noise::BlockNoise,
+    analysis::{Candidates, CompareSettings, Comparison, compare, inspect::Kept, inspect_problem},
+    mc::{self, Expect, Setup},
     schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split},
     systems::{Damping, Flows, InvariantKind, Linearity, PoissonSystem, Problem, linearity},
 };
@@ -21,7 +18,7 @@ type Schemes<S, const D: usize, const M: usize> = Vec<(&'static str, Suited<S, D
 
 /// Expectations of a problem, by the flows of its parts or without them.
 type Expected<S, const D: usize, const M: usize> =
-    for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Expect<'a, BlockNoise<M>>;
+    for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Expect<'a>;
 
 /// A problem with the schemes that are compiled for it.
 pub struct Compiled<S, const D: usize, const M: usize> {
@@ -34,7 +31,7 @@ pub struct Compiled<S, const D: usize, const M: usize> {
 }
 
 type Compared<S, const D: usize, const M: usize> =
-    for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Candidates<'a, S, D, M>;
+    for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Candidates<'a>;
 
 impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<S, D, M> {
     /// The problem of a system without flows of its own, and its schemes.
@@ -84,10 +81,8 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<
     }
 }
 
-impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model<BlockNoise<M>>
-    for Compiled<S, D, M>
-{
-    fn setup(&self, scheme: &str) -> Result<Setup<'_, BlockNoise<M>>, String> {
+impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model for Compiled<S, D, M> {
+    fn setup(&self, scheme: &str) -> Result<Setup<'_>, String> {
         let found = self.schemes.iter().find(|(name, _)| *name == scheme);
         let (_, scheme) = found.ok_or_else(|| super::unknown_scheme(scheme, &self.names))?;
         Ok(Setup::of(&self.problem, &**scheme.as_ref()?))
@@ -105,14 +100,13 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model<Blo
         linearity(self.problem.system(), self.problem.y0()) == Linearity::Constant
     }
 
-    fn expect(&self) -> Option<Expect<'_, BlockNoise<M>>> {
+    fn expect(&self) -> Option<Expect<'_>> {
         Some((self.expect)(&self.problem))
     }
 
-    fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
+    fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
         let candidates = (self.candidates)(&self.problem);
-        let candidates = candidates.erased(&self.problem);
-        Ok(compare_of(&DynProblem::of(&self.problem), &candidates, settings)?)
+        Ok(compare(&mc::Problem::of(&self.problem), &candidates, settings)?)
     }
 
     fn findings(&self) -> Result<Findings, Box<dyn Error>> {

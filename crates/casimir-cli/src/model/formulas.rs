@@ -7,13 +7,12 @@ use std::{
 
 use casimir::{
     analysis::{
-        Comparison, DynCandidates, DynCompareSettings, compare_of,
+        Candidates, CompareSettings, Comparison, compare,
         inspect::{Facts, Form},
         inspect_formula_problem,
     },
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
-    mc::{DynProblem, Expect, Setup},
-    noise::NoiseRows,
+    mc::{self, Expect, Setup},
     systems::{
         Damping, Linearity,
         run_time::{Problem, System},
@@ -22,7 +21,7 @@ use casimir::{
 use toml::Spanned;
 
 use super::{
-    AnyModel, Built, Findings, Known, Model,
+    Built, Findings, Known, Model,
     laws::{laws, with_laws},
     row_schemes::RowSchemes,
 };
@@ -45,13 +44,13 @@ impl Formulas {
     }
 }
 
-impl Model<NoiseRows> for Formulas {
-    fn setup(&self, scheme: &str) -> Result<Setup<'_, NoiseRows>, String> {
+impl Model for Formulas {
+    fn setup(&self, scheme: &str) -> Result<Setup<'_>, String> {
         let scheme = self.schemes.get(scheme)?;
         Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())
     }
 
-    fn with_laws<'a>(&'a self, setup: Setup<'a, NoiseRows>) -> Setup<'a, NoiseRows> {
+    fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
         Setup { problem: with_laws(setup.problem, laws(self.facts())), ..setup }
     }
 
@@ -77,14 +76,14 @@ impl Model<NoiseRows> for Formulas {
         self.system.linearity() == Linearity::Constant
     }
 
-    fn expect(&self) -> Option<Expect<'_, NoiseRows>> {
+    fn expect(&self) -> Option<Expect<'_>> {
         Expect::at_run_time(&self.problem).ok()
     }
 
-    fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
-        let candidates = DynCandidates::all(&self.problem)?;
+    fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
+        let candidates = Candidates::at_run_time(&self.problem)?;
         let candidates = candidates.with_casimirs(self.facts().casimirs.clone());
-        Ok(compare_of(&DynProblem::at_run_time(&self.problem), &candidates, settings)?)
+        Ok(compare(&mc::Problem::at_run_time(&self.problem), &candidates, settings)?)
     }
 
     fn findings(&self) -> Result<Findings, Box<dyn Error>> {
@@ -145,12 +144,7 @@ pub fn build(
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
         .map_err(|error| settings.initial_error(source, error))?;
     Ok(Built {
-        model: AnyModel::Rows(Box::new(Formulas {
-            system,
-            problem,
-            schemes,
-            facts: OnceLock::new(),
-        })),
+        model: Box::new(Formulas { system, problem, schemes, facts: OnceLock::new() }),
         components: definition.state,
         names,
         energy: Quantity::Formula(Arc::new(h0)),

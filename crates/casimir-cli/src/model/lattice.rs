@@ -3,10 +3,9 @@
 use std::{error::Error, sync::Arc};
 
 use casimir::{
-    analysis::{Comparison, DynCandidates, DynCompareSettings, compare_of, inspect_large},
+    analysis::{Candidates, CompareSettings, Comparison, compare, inspect_large},
     formula::Names,
-    mc::{DynProblem, Expect, Setup},
-    noise::NoiseRows,
+    mc::{self, Expect, Setup},
     real::Row,
     schemes::Split,
     systems::{
@@ -15,7 +14,7 @@ use casimir::{
     },
 };
 
-use super::{AnyModel, Built, Findings, Model, row_schemes::RowSchemes};
+use super::{Built, Findings, Model, row_schemes::RowSchemes};
 use crate::scene::{Observable, Parameters, Quantity, Read, Settings, Source, SystemTable};
 
 /// The parameters of a lattice.
@@ -36,8 +35,8 @@ struct Lattice {
     schemes: RowSchemes,
 }
 
-impl Model<NoiseRows> for Lattice {
-    fn setup(&self, scheme: &str) -> Result<Setup<'_, NoiseRows>, String> {
+impl Model for Lattice {
+    fn setup(&self, scheme: &str) -> Result<Setup<'_>, String> {
         let scheme = self.schemes.get(scheme)?;
         Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())
     }
@@ -60,13 +59,13 @@ impl Model<NoiseRows> for Lattice {
     }
 
     /// None: a point has as many dimensions as spins, steps and noises together.
-    fn expect(&self) -> Option<Expect<'_, NoiseRows>> {
+    fn expect(&self) -> Option<Expect<'_>> {
         None
     }
 
-    fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
-        let candidates = DynCandidates::all(&self.problem)?;
-        Ok(compare_of(&DynProblem::at_run_time(&self.problem), &candidates, settings)?)
+    fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
+        let candidates = Candidates::at_run_time(&self.problem)?;
+        Ok(compare(&mc::Problem::at_run_time(&self.problem), &candidates, settings)?)
     }
 
     fn findings(&self) -> Result<Findings, Box<dyn Error>> {
@@ -156,7 +155,7 @@ pub fn build(
     let mut quantities: Vec<Observable> = (0..3).map(mean).collect();
     quantities.push(Observable::new("energy", energy.clone()));
     Ok(Built {
-        model: AnyModel::Rows(Box::new(Lattice { problem, schemes })),
+        model: Box::new(Lattice { problem, schemes }),
         components,
         names,
         energy,

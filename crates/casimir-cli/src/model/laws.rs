@@ -2,7 +2,7 @@
 
 use casimir::{
     analysis::inspect::{Facts, Form},
-    mc::{ConformalLaw, DynProblem, Formulas},
+    mc::{ConformalLaw, Formulas, Problem},
 };
 
 /// A function F with F(y(t)) = e^{−p∫γ}F(y(0)).
@@ -21,7 +21,7 @@ pub fn laws(facts: &Facts) -> Vec<Law> {
 }
 
 /// A problem with these laws.
-pub fn with_laws(problem: DynProblem<'_>, laws: Vec<Law>) -> DynProblem<'_> {
+pub fn with_laws(problem: Problem<'_>, laws: Vec<Law>) -> Problem<'_> {
     let mut casimirs = 0;
     let law = |law: &Law| match law {
         Law::Casimir(found) => {
@@ -37,7 +37,7 @@ pub fn with_laws(problem: DynProblem<'_>, laws: Vec<Law>) -> DynProblem<'_> {
         laws,
         no_noise: vec![0.0; problem.noises],
     });
-    DynProblem { laws: columns, formulas, ..problem }
+    Problem { laws: columns, formulas, ..problem }
 }
 
 struct WithLaws<'a> {

@@ -12,12 +12,11 @@ use std::{error::Error, sync::Arc};
 
 use casimir::{
     analysis::{
-        Comparison, DynCompareSettings,
+        CompareSettings, Comparison,
         inspect::{Inspection, LargeInspection},
     },
     formula::{FormulaDamping, Names},
     mc::{Expect, Setup},
-    noise::{BlockNoise, NoiseRows},
     systems::{Constant, Damping},
 };
 
@@ -25,16 +24,16 @@ use crate::scene::{Constants, Observable, Quantity, Read, SceneFile, Settings, S
 
 pub use project::PROJECT;
 
-/// A system with its damping and initial value, whose steps have the noise N.
-pub trait Model<N>: Send + Sync {
+/// A system with its damping and initial value.
+pub trait Model: Send + Sync {
     /// The problem and a scheme for it.
     ///
     /// # Errors
     /// Why the scheme is not for the system.
-    fn setup(&self, scheme: &str) -> Result<Setup<'_, N>, String>;
+    fn setup(&self, scheme: &str) -> Result<Setup<'_>, String>;
 
     /// The same with the laws that were found as columns of tables.
-    fn with_laws<'a>(&'a self, setup: Setup<'a, N>) -> Setup<'a, N> {
+    fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
         setup
     }
 
@@ -53,13 +52,13 @@ pub trait Model<N>: Send + Sync {
 
     /// Expectations for which everything is chosen; `None` if they are computed by levels of random
     /// points.
-    fn expect(&self) -> Option<Expect<'_, N>>;
+    fn expect(&self) -> Option<Expect<'_>>;
 
     /// Errors against cost of all schemes.
     ///
     /// # Errors
-    /// Those of [`compare_of`](casimir::analysis::compare_of).
-    fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>>;
+    /// Those of [`compare`](casimir::analysis::compare).
+    fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>>;
 
     /// What the system is.
     ///
@@ -95,41 +94,10 @@ impl Known {
     }
 }
 
-/// A model with any noise.
-pub enum AnyModel {
-    /// The number of noises is known at run time.
-    Rows(Box<dyn Model<NoiseRows>>),
-    /// One noise.
-    One(Box<dyn Model<BlockNoise<1>>>),
-    /// Three noises.
-    Three(Box<dyn Model<BlockNoise<3>>>),
-}
-
-/// Calls `$body` with the model in `$any`, whatever its noise.
-macro_rules! with_model {
-    ($any:expr, $model:ident => $body:expr) => {
-        match $any {
-            $crate::model::AnyModel::Rows($model) => {
-                let $model = &**$model;
-                $body
-            }
-            $crate::model::AnyModel::One($model) => {
-                let $model = &**$model;
-                $body
-            }
-            $crate::model::AnyModel::Three($model) => {
-                let $model = &**$model;
-                $body
-            }
-        }
-    };
-}
-pub(crate) use with_model;
-
 /// A model with the names of what it has.
 pub struct Built {
     /// The model.
-    pub model: AnyModel,
+    pub model: Box<dyn Model>,
     /// The names of the components.
     pub components: Vec<String>,
     /// The names that formulas of observables may use.

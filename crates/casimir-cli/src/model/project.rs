@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use casimir::{
     formula::Names,
-    noise::BlockNoise,
     real::Row,
     systems::{
         Damping, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, Problem,
@@ -13,7 +12,7 @@ use casimir::{
 };
 use toml::Spanned;
 
-use super::{AnyModel, Built, Model, compiled::Compiled, lattice};
+use super::{Built, compiled::Compiled, lattice};
 use crate::scene::{Parameters, Quantity, Read, Settings, Source, SystemTable};
 
 /// Name, parameters with their defaults, and what it is.
@@ -59,7 +58,7 @@ pub fn build(
         "pendulum" => {
             let c = parameters(&["c"])?;
             let system = Pendulum::new(c.number("c", 1.0)?).map_err(|e| c.error("c", e))?;
-            built(Compiled::by_parts(run.problem(system, damping)?), system, one)
+            built(Compiled::by_parts(run.problem(system, damping)?), system)
         }
         "rigid-body" => {
             let p = parameters(&["inertia", "noise"])?;
@@ -68,13 +67,13 @@ pub fn build(
                 [noise] => {
                     let system = RigidBody::one_noise(inertia, noise);
                     let system = system.map_err(|e| p.error("inertia", e))?;
-                    built(Compiled::by_parts(run.problem(system, damping)?), system, one)
+                    built(Compiled::by_parts(run.problem(system, damping)?), system)
                 }
                 [a, b, c] => {
                     let system = RigidBody::three_noises(inertia, [a, b, c]);
                     let system = system.map_err(|e| p.error("inertia", e))?;
                     let model = Compiled::by_parts(run.problem(system, damping)?);
-                    built(model, system, three)
+                    built(model, system)
                 }
                 ref list => {
                     let message = format!("`noise` has one or three numbers, got {}", list.len());
@@ -88,17 +87,17 @@ pub fn build(
                 c.number("c", 1.0)?,
             );
             let system = system.map_err(|e| c.error("c", e))?;
-            built(Compiled::new(run.problem(system, damping)?), system, one)
+            built(Compiled::new(run.problem(system, damping)?), system)
         }
         "maxwell-bloch" => {
             parameters(&[])?;
             let model = Compiled::by_parts(run.problem(MaxwellBloch, damping)?);
-            built(model, MaxwellBloch, one)
+            built(model, MaxwellBloch)
         }
         "poisson3" => {
             let c = parameters(&["c"])?;
             let system = Poisson3::new(c.number("c", 1.0)?).map_err(|e| c.error("c", e))?;
-            built(Compiled::by_parts(run.problem(system, damping)?), system, one)
+            built(Compiled::by_parts(run.problem(system, damping)?), system)
         }
         "spin-lattice" => lattice::build(source, table, damping.clone(), settings),
         unknown => Err(source.error(name.span(), unknown_system(unknown))),
@@ -112,11 +111,7 @@ fn unknown_system(name: &str) -> String {
 }
 
 /// The model with the names y1, …, yD.
-fn built<S, const D: usize, const M: usize>(
-    model: Compiled<S, D, M>,
-    system: S,
-    of_noises: fn(Box<dyn Model<BlockNoise<M>>>) -> AnyModel,
-) -> Read<Built>
+fn built<S, const D: usize, const M: usize>(model: Compiled<S, D, M>, system: S) -> Read<Built>
 where
     S: PoissonSystem<D, M> + 'static,
 {
@@ -129,7 +124,7 @@ where
         }
     };
     Ok(Built {
-        model: of_noises(Box::new(model)),
+        model: Box::new(model),
         components,
         names,
         energy: Quantity::Function(Arc::new(energy)),
@@ -140,14 +135,6 @@ where
 struct Run<'a> {
     source: &'a Source,
     settings: &'a Settings,
-}
-
-fn one(model: Box<dyn Model<BlockNoise<1>>>) -> AnyModel {
-    AnyModel::One(model)
-}
-
-fn three(model: Box<dyn Model<BlockNoise<3>>>) -> AnyModel {
-    AnyModel::Three(model)
 }
 
 impl Run<'_> {

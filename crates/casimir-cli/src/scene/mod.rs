@@ -17,7 +17,7 @@ pub use values::{Parameter, Text};
 use casimir::formula::Names;
 use toml::Spanned;
 
-use crate::model::{self, AnyModel};
+use crate::model::{self, Model};
 
 /// A checked scene.
 pub struct Scene {
@@ -28,7 +28,7 @@ pub struct Scene {
     /// The names of the components.
     pub components: Vec<String>,
     /// The system with its damping and initial value.
-    pub model: AnyModel,
+    pub model: Box<dyn Model>,
     /// How it is simulated.
     pub settings: Settings,
     /// The observables, after the components if there are few.

@@ -2,7 +2,7 @@
 
 use casimir::{
     mc::Setup,
-    noise::{StepNoise, StreamKey, Truncation},
+    noise::{StreamKey, Truncation},
 };
 use clap::Args;
 use toml::Spanned;
@@ -190,7 +190,7 @@ impl Settings {
     }
 
     /// Checks that a scheme can take these steps.
-    pub fn check_steps<N: StepNoise>(&self, source: &Source, setup: &Setup<'_, N>) -> Read<()> {
+    pub fn check_steps(&self, source: &Source, setup: &Setup<'_>) -> Read<()> {
         let tau = self.until / self.steps as f64;
         if setup.scheme.clips_increments()
             && let Err(error) = self.truncation.bound(tau)

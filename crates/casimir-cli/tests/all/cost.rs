@@ -7,7 +7,7 @@
 use std::time::Instant;
 
 use casimir::{
-    mc::{Expect, Observable, StudySettings, study},
+    mc::{Expect, Observable, Setup, StudySettings, study},
     noise::{StreamKey, Truncation},
     schemes::SexpLi,
     systems::{Cosine, Problem, RigidBody},
@@ -55,7 +55,7 @@ fn the_program_costs_what_the_library_costs() {
         "a million paths",
         5,
         || drop(succeeds(path, &["run", "scene.toml", "--paths", "1e6"])),
-        || drop(study(&problem, &scheme, &components, &settings, &|_| ()).unwrap()),
+        || drop(study(&Setup::of(&problem, &scheme), &components, &settings, &|_| ()).unwrap()),
     );
     compare(
         "an expectation to 1e-5",

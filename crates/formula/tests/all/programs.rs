@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use dgrad::Rule;
 use formula::FormulaSystem;
+use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{Row, Rows, WIDTH};
+use real::{Row, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, Step, run_time::Scheme};
 use systems::{
     Constant, Linearity,
@@ -105,10 +106,10 @@ fn path(scheme: &dyn Scheme, system: &dyn System, y0: &[f64]) -> Vec<Row> {
     let damping = Constant::new(0.3).unwrap();
     for n in 0..5 {
         let step = Step::new(&damping, n, 0.01).unwrap();
-        let mut dw = Rows::zero(system.noises()).unwrap();
-        dw.iter_mut().flatten().for_each(|dw| *dw = 0.05 * random.number());
+        let mut noise = StepNoise::zero(system.noises());
+        noise.increments.iter_mut().flatten().for_each(|dw| *dw = 0.05 * random.number());
         let mut status = BlockStatus::explicit();
-        stepper.step(&step, &dw, &mut status);
+        stepper.step(&step, &noise, &mut status);
         assert!(status.failed.is_empty(), "{}: {status:?}", scheme.id());
     }
     stepper.state().to_vec()

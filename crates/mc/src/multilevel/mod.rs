@@ -67,7 +67,7 @@
 //! of the rigid body with three noises was off by −2.5·10⁻⁴ for a coarsest step of ¼.
 //!
 //! ```
-//! use mc::Observable;
+//! use mc::{Observable, Setup};
 //! use mc::multilevel::{Coupling, ExpectationSettings, expectation};
 //! use noise::{StreamKey, Truncation};
 //! use schemes::Sexp;
@@ -79,8 +79,8 @@
 //! let problem = Problem::new(body, Constant::new(0.0)?, [1.0, 0.5, 0.0], 1.0)?;
 //! let key = StreamKey { seed: 1, experiment: 1 };
 //! let settings = ExpectationSettings::new(key, Truncation::new(4)?, 4, Coupling::Plain);
-//! let y2 = [Observable { name: "y2", function: |y| y[1] }];
-//! let expectation = expectation(&Sexp, &problem, &y2, 0.01, &settings, &|_| ())?;
+//! let y2 = [Observable { name: "y2", function: |y: [f64; 3]| y[1] }];
+//! let expectation = expectation(&Setup::of(&problem, &Sexp), &y2, 0.01, &settings, &|_| ())?;
 //!
 //! let (lower, upper) = expectation.estimates[0].interval();
 //! assert!(expectation.reached() && expectation.warnings.is_empty() && upper - lower <= 0.02);
@@ -110,12 +110,8 @@ use std::{
     sync::Arc,
 };
 
-use noise::StepNoise;
-use schemes::Scheme;
-use systems::{Damping, PoissonSystem, Problem};
-
 use crate::{
-    DynRun, Ladder, Observable, Observe, SeenDamping, Setup,
+    Ladder, Observe, Run, SeenDamping, Setup,
     driver::GROUP_PATHS,
     ladder::Piece,
     observable::{erased, value},
@@ -139,31 +135,15 @@ pub(crate) use quasi::{Orders, QuasiSettings, quasi_expectation};
 /// [`MultilevelError`] if a setting is out of range, a level cannot be run or has no paths left, or
 /// φ is not finite. Reaching a limit is no error: the result says so in its
 /// [`warnings`](Expectation::warnings), and its intervals are those that were reached.
-pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    observables: &[Observable<D>],
-    accuracy: f64,
-    settings: &ExpectationSettings,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<Expectation, MultilevelError> {
-    let (setup, observables) = (Setup::of(problem, scheme), erased(observables));
-    expectation_of(&setup, &observables, accuracy, settings, progress)
-}
-
-/// The same as [`expectation`] for a problem of any dimension.
-///
-/// # Errors
-/// Those of [`expectation`].
-pub fn expectation_of<N: StepNoise>(
-    setup: &Setup<'_, N>,
-    observables: &[&dyn Observe],
+pub fn expectation(
+    setup: &Setup<'_>,
+    observables: &[impl Observe],
     accuracy: f64,
     settings: &ExpectationSettings,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Expectation, MultilevelError> {
     let job = Job::here();
-    let found = expectation_of_in(&job, "", setup, observables, accuracy, settings, progress)?;
+    let found = expectation_in(&job, "", setup, observables, accuracy, settings, progress)?;
     Ok(found.unwrap_or_else(|| unreachable!("a job that computes everything here has results")))
 }
 
@@ -179,34 +159,16 @@ pub fn expectation_of<N: StepNoise>(
 ///
 /// # Errors
 /// Those of [`expectation`].
-#[expect(clippy::too_many_arguments, reason = "those of `expectation`, and the job with the name")]
-pub fn expectation_in<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+pub fn expectation_in(
     job: &Job,
     name: &str,
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    observables: &[Observable<D>],
+    setup: &Setup<'_>,
+    observables: &[impl Observe],
     accuracy: f64,
     settings: &ExpectationSettings,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Option<Expectation>, MultilevelError> {
-    let (setup, observables) = (Setup::of(problem, scheme), erased(observables));
-    expectation_of_in(job, name, &setup, &observables, accuracy, settings, progress)
-}
-
-/// The same as [`expectation_in`] for a problem of any dimension.
-///
-/// # Errors
-/// Those of [`expectation`].
-pub fn expectation_of_in<N: StepNoise>(
-    job: &Job,
-    name: &str,
-    setup: &Setup<'_, N>,
-    observables: &[&dyn Observe],
-    accuracy: f64,
-    settings: &ExpectationSettings,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<Option<Expectation>, MultilevelError> {
+    let observables = &erased(observables)[..];
     let Setup { problem, scheme } = setup;
     if problem.noises == 0 {
         let orders = Orders { weak: settings.weak_order, next: settings.weak_order + 1.0 };
@@ -228,17 +190,17 @@ pub fn expectation_of_in<N: StepNoise>(
     let drawn = RefCell::new(BTreeMap::new());
     // Draws all samples of a level up to `paths` paths.
     let draw = |level: &Samples, paths: u64, round: u64| {
-        let mut runs = vec![DynRun::new(Arc::clone(scheme), 0)];
+        let mut runs = vec![Run::new(Arc::clone(scheme), 0)];
         if level.coupling.is_some() {
-            runs.push(DynRun::new(Arc::clone(scheme), 1));
+            runs.push(Run::new(Arc::clone(scheme), 1));
         }
         if level.coupling == Some(Coupling::Antithetic) {
-            runs.push(DynRun::swapped(Arc::clone(scheme), 0));
+            runs.push(Run::swapped(Arc::clone(scheme), 0));
         }
         // Single paths have the families of level 0, whatever their step size.
         let (levels, family) = level.coupling.map_or((0, 0), |_| (1, level.level));
         let (key, steps) = (settings.stream(family), settings.steps(level.level));
-        let ladder = Ladder::of(problem, steps, levels, settings.truncation, key, runs)?;
+        let ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
         let last_time = ladder.coarse_steps();
         let values = vec![Values::default(); observables.len()];
         let motion = Motion::new(y0);
@@ -264,7 +226,7 @@ pub fn expectation_of_in<N: StepNoise>(
     let names = observables.iter().map(|observable| observable.name().to_owned()).collect();
     let t_end = problem.t_end;
     let ranges = vec![None; observables.len()];
-    let damping = SeenDamping::of(setup, settings.coarsest_steps);
+    let damping = SeenDamping::new(setup, settings.coarsest_steps);
     let sampler = Sampler {
         draw: &draw,
         scheme: scheme.id(),

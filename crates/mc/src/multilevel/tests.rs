@@ -571,7 +571,7 @@ fn run(
         scheme: "sexp",
         draw: &draw,
         t_end: 2.0,
-        damping: SeenDamping::new(&Heun, &problem, settings.coarsest_steps),
+        damping: SeenDamping::new(&crate::Setup::of(&problem, &Heun), settings.coarsest_steps),
         names: vec!["phi".into()],
         accuracy,
         settings,

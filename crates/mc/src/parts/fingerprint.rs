@@ -6,7 +6,7 @@ use real::{Row, WIDTH};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::DynProblem;
+use crate::Problem;
 
 /// Hashes of a study, one for each of the things that may differ between two studies of one name.
 ///
@@ -101,8 +101,8 @@ pub fn probe_states(y0: &[f64], n: usize) -> Vec<Row> {
 }
 
 /// B(y)v, h, γ, y₀ and T of a problem.
-pub fn of_problem(problem: &DynProblem<'_>) -> String {
-    let DynProblem { ref y0, t_end, damping, noises, ref formulas, .. } = *problem;
+pub fn of_problem(problem: &Problem<'_>) -> String {
+    let Problem { ref y0, t_end, damping, noises, ref formulas, .. } = *problem;
     let mut hash = Hash::default().with_number(y0.len() as u64).with_number(noises as u64);
     hash = hash.with_reals(y0.iter().copied()).with_reals([t_end]);
     for n in 0..POINTS {

@@ -4,8 +4,8 @@
 mod csv;
 mod error;
 
-use noise::{BlockNoise, Noise, StreamKey};
-use real::{Block, WIDTH};
+use noise::{Noise, StepNoise, StreamKey};
+use real::WIDTH;
 
 use crate::{
     LadderError,
@@ -128,7 +128,7 @@ impl<const M: usize> Recording<M> {
             return Err(schemes::StepError::Size { tau }.into());
         }
         let drawn = Drawn::new(key, tau, with_areas.then_some(M))?;
-        let (mut next, mut block) = (drawn.block(path), BlockNoise::<M>::zero());
+        let (mut next, mut block) = (drawn.block(path), StepNoise::with_areas(M));
         let step = |_| {
             next(&mut block);
             let Noise { increments, areas } = block.path(0);
@@ -189,22 +189,26 @@ impl<const M: usize> Recording<M> {
 }
 
 /// The recording on every path.
-impl<const M: usize> NoiseSource<BlockNoise<M>> for &Recording<M> {
-    fn block(&self, _first_path: u64) -> NextNoise<'_, BlockNoise<M>> {
+impl<const M: usize> NoiseSource for &Recording<M> {
+    fn block(&self, _first_path: u64) -> NextNoise<'_> {
         let mut steps = 0..;
         Box::new(move |noise| {
             let (increments, areas) = self.step(steps.next().unwrap_or_default());
-            noise.increments = Block::splat(increments);
-            (0..WIDTH).for_each(|p| noise.areas.set_path(p, areas));
+            let recorded = Noise { increments, areas };
+            (0..WIDTH).for_each(|p| noise.set_path(p, &recorded));
         })
     }
 
     fn check(
         &self,
+        noises: usize,
         t_end: f64,
         steps: u64,
         area_reader: Option<&'static str>,
     ) -> Result<(), LadderError> {
+        if M != noises {
+            return Err(LadderError::RecordedNoises { recorded: M, noises });
+        }
         let recorded = self.increments.len() as u64;
         if recorded != steps {
             return Err(LadderError::RecordedSteps { recorded, steps });

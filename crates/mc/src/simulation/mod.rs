@@ -6,17 +6,14 @@ mod write;
 
 use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
-use noise::{BlockNoise, StepNoise, StreamKey, Truncation};
-use real::{PathMask, Row, WIDTH};
-use schemes::{Scheme, Step};
-use systems::{Damping, PoissonSystem, Problem};
+use noise::{StreamKey, Truncation};
+use real::WIDTH;
+use schemes::Step;
+use systems::Damping;
 
 use crate::{
-    ConformalLaw, DynRun, Ladder, LadderError, NoiseSource, Observe, PathFailure, Recording, Setup,
-    View,
-    observable::{components, path, value},
-    parts::Stop,
-    trajectory::PathRecords,
+    ConformalLaw, Ladder, LadderError, Observe, PathFailure, Recording, Run, Setup, View,
+    observable::value, parts::Stop, trajectory::PathRecords,
 };
 
 pub use error::SimulationError;
@@ -29,16 +26,16 @@ pub use write::{write_csv, write_json};
 /// All tables are kept in memory.
 ///
 /// ```
-/// use mc::{Simulation, write_csv};
+/// use mc::{Setup, Simulation, StateFunction, write_csv};
 /// use noise::{StreamKey, Truncation};
 /// use schemes::Sexp;
 /// use systems::{Constant, MaxwellBloch, Problem};
 ///
 /// let problem = Problem::new(MaxwellBloch, Constant::new(0.1)?, [1.0, 2.0, 3.0], 5.0)?;
 /// let sexp = Sexp;
-/// let simulation = Simulation::new(&problem, &sexp, Truncation::new(4)?)
+/// let simulation = Simulation::new(Setup::of(&problem, &sexp), Truncation::new(4)?)
 ///     .every(100)
-///     .observing("intensity", |y| y[0] * y[0]);
+///     .observing(StateFunction::new("intensity", |y: [f64; 3]| y[0] * y[0]));
 /// let paths = simulation.paths(500, StreamKey { seed: 1, experiment: 0 }, 0..4)?;
 /// assert_eq!(paths[3].times(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
 /// assert!(paths[3].column("C defect").unwrap().iter().all(|defect| defect.abs() < 1e-13));
@@ -51,32 +48,53 @@ pub use write::{write_csv, write_json};
 /// assert_eq!(lines.next(), Some("sexp,0,0.0,1.0,2.0,3.0,1.0,6.5,0.0"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Simulation<'a, const D: usize, const M: usize>(DynSimulation<'a, BlockNoise<M>>);
+pub struct Simulation<'a> {
+    setup: Setup<'a>,
+    truncation: Truncation,
+    every: u64,
+    observables: Vec<Box<dyn Observe + 'a>>,
+    components: Option<Vec<String>>,
+    stop: Stop,
+}
 
-impl<'a, const D: usize, const M: usize> Simulation<'a, D, M> {
+impl<'a> Simulation<'a> {
     /// A simulation that saves every step and has no observables.
-    pub fn new<S: PoissonSystem<D, M>, G: Damping>(
-        problem: &'a Problem<S, G, D>,
-        scheme: &'a dyn Scheme<S, D, M>,
-        truncation: Truncation,
-    ) -> Self {
-        Self(DynSimulation::new(Setup::of(problem, scheme), truncation))
+    pub fn new(setup: Setup<'a>, truncation: Truncation) -> Self {
+        let (observables, stop) = (Vec::new(), Stop::default());
+        Self { setup, truncation, every: 1, observables, components: None, stop }
+    }
+
+    /// Names the columns of the state, which are `y1` … `yD` otherwise.
+    ///
+    /// # Panics
+    /// Unless there is a name for each component.
+    #[must_use]
+    pub fn with_components(mut self, names: Vec<String>) -> Self {
+        assert_eq!(names.len(), self.setup.problem.y0.len(), "names of components");
+        self.components = Some(names);
+        self
+    }
+
+    /// Ends all tables early when `stop` asks for it; [`TimeSeries::halted`] says so.
+    #[must_use]
+    pub fn stopped_by(mut self, stop: &Stop) -> Self {
+        self.stop = stop.clone();
+        self
     }
 
     /// Saves only every `every`-th step, the initial state and the last step.
     #[must_use]
-    pub fn every(self, every: u64) -> Self {
-        Self(self.0.every(every))
+    pub fn every(mut self, every: u64) -> Self {
+        self.every = every;
+        self
     }
 
-    /// Adds a column with the observable φ(y).
+    /// Adds a column with an observable φ(y), for example a
+    /// [`StateFunction`](crate::StateFunction).
     #[must_use]
-    pub fn observing(
-        self,
-        name: impl Into<String>,
-        phi: impl Fn([f64; D]) -> f64 + Sync + 'a,
-    ) -> Self {
-        Self(self.0.observing(Named::<_, D> { name: name.into(), phi }))
+    pub fn observing(mut self, observable: impl Observe + 'a) -> Self {
+        self.observables.push(Box::new(observable));
+        self
     }
 
     /// The table of path number `path` in `steps` steps to the final time, with the same states as
@@ -107,7 +125,9 @@ impl<'a, const D: usize, const M: usize> Simulation<'a, D, M> {
         key: StreamKey,
         paths: Range<u64>,
     ) -> Result<Vec<TimeSeries>, SimulationError> {
-        self.0.paths(steps, key, paths)
+        let StreamKey { seed, experiment } = key;
+        let drawn = |path| NoiseOrigin::Drawn { seed, experiment, path };
+        self.run(self.ladder(steps, key)?, paths, &drawn)
     }
 
     /// The table of the path with recorded increments. They are truncated like drawn increments,
@@ -115,112 +135,21 @@ impl<'a, const D: usize, const M: usize> Simulation<'a, D, M> {
     ///
     /// # Errors
     /// As for [`path`](Self::path), and those of [`Ladder::with_noise`].
-    pub fn recorded(&self, recording: &Recording<M>) -> Result<TimeSeries, SimulationError> {
-        self.0.recorded(recording.increments().len() as u64, recording)
-    }
-}
-
-/// A function of D components with a name.
-struct Named<F, const D: usize> {
-    name: String,
-    phi: F,
-}
-
-impl<F: Fn([f64; D]) -> f64 + Sync, const D: usize> Observe for Named<F, D> {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
-        let y = components(y);
-        live.paths().for_each(|p| values[p] = (self.phi)(path(y, p)));
-    }
-}
-
-/// The same as [`Simulation`] for a problem of any dimension. N is the noise of a step.
-pub struct DynSimulation<'a, N> {
-    setup: Setup<'a, N>,
-    truncation: Truncation,
-    every: u64,
-    observables: Vec<Box<dyn Observe + 'a>>,
-    components: Option<Vec<String>>,
-    stop: Stop,
-}
-
-impl<'a, N: StepNoise> DynSimulation<'a, N> {
-    /// As [`Simulation::new`].
-    pub fn new(setup: Setup<'a, N>, truncation: Truncation) -> Self {
-        let (observables, stop) = (Vec::new(), Stop::default());
-        Self { setup, truncation, every: 1, observables, components: None, stop }
-    }
-
-    /// Names the columns of the state, which are `y1` … `yD` otherwise.
-    ///
-    /// # Panics
-    /// Unless there is a name for each component.
-    #[must_use]
-    pub fn with_components(mut self, names: Vec<String>) -> Self {
-        assert_eq!(names.len(), self.setup.problem.y0.len(), "names of components");
-        self.components = Some(names);
-        self
-    }
-
-    /// Ends all tables early when `stop` asks for it; [`TimeSeries::halted`] says so.
-    #[must_use]
-    pub fn stopped_by(mut self, stop: &Stop) -> Self {
-        self.stop = stop.clone();
-        self
-    }
-
-    /// As [`Simulation::every`].
-    #[must_use]
-    pub fn every(mut self, every: u64) -> Self {
-        self.every = every;
-        self
-    }
-
-    /// As [`Simulation::observing`].
-    #[must_use]
-    pub fn observing(mut self, observable: impl Observe + 'a) -> Self {
-        self.observables.push(Box::new(observable));
-        self
-    }
-
-    /// As [`Simulation::paths`].
-    ///
-    /// # Errors
-    /// As for [`Simulation::path`], and [`LadderError::NoiseWithoutAreas`].
-    pub fn paths(
+    pub fn recorded<const M: usize>(
         &self,
-        steps: u64,
-        key: StreamKey,
-        paths: Range<u64>,
-    ) -> Result<Vec<TimeSeries>, SimulationError> {
-        let StreamKey { seed, experiment } = key;
-        let drawn = |path| NoiseOrigin::Drawn { seed, experiment, path };
-        self.run(self.ladder(steps, key)?, paths, &drawn)
-    }
-
-    /// The table of the path with the noise of `steps` steps of `source`, as
-    /// [`Simulation::recorded`].
-    ///
-    /// # Errors
-    /// As for [`paths`](Self::paths), and those of [`Ladder::with_noise`].
-    pub fn recorded(
-        &self,
-        steps: u64,
-        source: impl NoiseSource<N>,
+        recording: &Recording<M>,
     ) -> Result<TimeSeries, SimulationError> {
+        let steps = recording.increments().len() as u64;
         let ladder = self.ladder(steps, StreamKey { seed: 0, experiment: 0 })?;
-        let ladder = ladder.with_noise(source)?;
+        let ladder = ladder.with_noise(recording)?;
         let mut series = self.run(ladder, 0..1, &|_| NoiseOrigin::Recorded)?;
         Ok(series.swap_remove(0))
     }
 
-    fn ladder(&self, steps: u64, key: StreamKey) -> Result<Ladder<'_, N>, LadderError> {
+    fn ladder(&self, steps: u64, key: StreamKey) -> Result<Ladder<'_>, LadderError> {
         let Setup { problem, scheme } = &self.setup;
-        let runs = vec![DynRun::new(Arc::clone(scheme), 0)];
-        Ladder::of(problem, steps, 0, self.truncation, key, runs)
+        let runs = vec![Run::new(Arc::clone(scheme), 0)];
+        Ladder::new(problem, steps, 0, self.truncation, key, runs)
     }
 
     /// The names of the columns.
@@ -248,7 +177,7 @@ impl<'a, N: StepNoise> DynSimulation<'a, N> {
 
     fn run(
         &self,
-        ladder: Ladder<'_, N>,
+        ladder: Ladder<'_>,
         paths: Range<u64>,
         origin: &dyn Fn(u64) -> NoiseOrigin,
     ) -> Result<Vec<TimeSeries>, SimulationError> {

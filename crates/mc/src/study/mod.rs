@@ -22,7 +22,7 @@
 //! [`multilevel`](crate::multilevel) bounds it.
 //!
 //! ```
-//! use mc::{Observable, StudySettings, study};
+//! use mc::{Observable, Setup, StudySettings, study};
 //! use noise::{StreamKey, Truncation};
 //! use schemes::Sexp;
 //! use systems::{Constant, Problem, RigidBody};
@@ -31,11 +31,11 @@
 //! // y₁²t, so E[y₂] = ½exp(−t/2).
 //! let body = RigidBody::one_noise([1.0, 1.0, 1.0], 1.0)?;
 //! let problem = Problem::new(body, Constant::new(0.0)?, [1.0, 0.5, 0.0], 1.0)?;
-//! let observables = [Observable { name: "y2", function: |y| y[1] }];
+//! let observables = [Observable { name: "y2", function: |y: [f64; 3]| y[1] }];
 //! let key = StreamKey { seed: 1, experiment: 0 };
 //! // 64 steps, 4 times, 2000 paths.
 //! let settings = StudySettings::new(64, 4, 2000, Truncation::new(4)?, key);
-//! let result = study(&problem, &Sexp, &observables, &settings, &|_| ())?;
+//! let result = study(&Setup::of(&problem, &Sexp), &observables, &settings, &|_| ())?;
 //!
 //! let last = result.series("y2").unwrap().last();
 //! let (lo, hi) = last.mean_interval.unwrap();
@@ -58,11 +58,7 @@ mod write;
 
 use std::sync::Arc;
 
-use noise::{BlockNoise, StepNoise};
-use schemes::Scheme;
-use systems::{Damping, PoissonSystem, Problem};
-
-use crate::{DynRun, Ladder, Measured, Observable, Observe, Setup, observable::erased, parts::Job};
+use crate::{Ladder, Measured, Observe, Run, Setup, observable::erased, parts::Job};
 use sums::StudyStatistic;
 
 pub use error::StudyError;
@@ -76,42 +72,28 @@ pub use summary::{Histogram, Place, Quantile, Summary};
 /// when it is made, the paths are simulated by [`run`](Self::run).
 ///
 /// [`run_in`](Self::run_in) is a run that machines share.
-pub struct Study<'a, N> {
-    ladder: Ladder<'a, N>,
+pub struct Study<'a> {
+    ladder: Ladder<'a>,
     observables: Vec<&'a dyn Observe>,
     plan: StudyPlan,
 }
 
-impl<'a, const M: usize> Study<'a, BlockNoise<M>> {
+impl<'a> Study<'a> {
     /// Checks the settings, and chooses the bins by a pilot on the current rayon pool.
     ///
     /// # Errors
     /// [`StudyError`] if a setting is out of range, times are not ends of steps or not in order,
     /// observables are missing or share a name, or the scheme cannot be run on the steps.
-    pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
-        problem: &'a Problem<S, G, D>,
-        scheme: &'a dyn Scheme<S, D, M>,
-        observables: &'a [Observable<D>],
+    pub fn new(
+        setup: &Setup<'a>,
+        observables: &'a [impl Observe],
         settings: &StudySettings,
     ) -> Result<Self, StudyError> {
-        Self::of(&Setup::of(problem, scheme), erased(observables), settings)
-    }
-}
-
-impl<'a, N: StepNoise> Study<'a, N> {
-    /// The same for a problem of any dimension.
-    ///
-    /// # Errors
-    /// As [`new`](Study::new).
-    pub fn of(
-        setup: &Setup<'a, N>,
-        observables: Vec<&'a dyn Observe>,
-        settings: &StudySettings,
-    ) -> Result<Self, StudyError> {
+        let observables = erased(observables);
         let record = Record::new(setup, &observables, settings)?;
         let ladder = |key| {
-            let runs = vec![DynRun::new(Arc::clone(&setup.scheme), 0)];
-            Ladder::of(&setup.problem, settings.steps, 0, settings.truncation, key, runs)
+            let runs = vec![Run::new(Arc::clone(&setup.scheme), 0)];
+            Ladder::new(&setup.problem, settings.steps, 0, settings.truncation, key, runs)
         };
         let pilot = ladder(settings.pilot_key())?.describing(0);
         let new = || StudyStatistic::new(&observables, &record.times, &[]);
@@ -171,12 +153,11 @@ impl<'a, N: StepNoise> Study<'a, N> {
 ///
 /// # Panics
 /// As [`Ladder::run`].
-pub fn study<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-    scheme: &dyn Scheme<S, D, M>,
-    observables: &[Observable<D>],
+pub fn study(
+    setup: &Setup<'_>,
+    observables: &[impl Observe],
     settings: &StudySettings,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<StudyResult, StudyError> {
-    Ok(Study::new(problem, scheme, observables, settings)?.run(progress))
+    Ok(Study::new(setup, observables, settings)?.run(progress))
 }

@@ -48,8 +48,8 @@ pub struct Record {
 }
 
 impl Record {
-    pub(super) fn new<N>(
-        setup: &Setup<'_, N>,
+    pub(super) fn new(
+        setup: &Setup<'_>,
         observables: &[&dyn Observe],
         settings: &StudySettings,
     ) -> Result<Self, StudyError> {

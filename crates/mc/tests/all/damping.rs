@@ -2,7 +2,7 @@
 //! them.
 
 use mc::{
-    Observable, SeenDamping,
+    Observable, SeenDamping, Setup,
     multilevel::{Coupling, Expectation, ExpectationSettings, Warning, expectation},
 };
 use noise::{StreamKey, Truncation};
@@ -28,8 +28,8 @@ fn expected<G: Damping>(
     let key = StreamKey { seed: 1, experiment: 5 };
     let settings = ExpectationSettings::new(key, Truncation::new(4).unwrap(), 8, Coupling::Plain);
     let settings = ExpectationSettings { max_level, ..settings };
-    let y1 = [Observable { name: "y1", function: |y| y[0] }];
-    expectation(scheme, problem, &y1, 0.02, &settings, &|_| ()).unwrap()
+    let y1 = [Observable { name: "y1", function: |y: [f64; 2]| y[0] }];
+    expectation(&Setup::of(problem, scheme), &y1, 0.02, &settings, &|_| ()).unwrap()
 }
 
 fn warns(expectation: &Expectation) -> bool {
@@ -102,7 +102,8 @@ fn a_small_defect_matters_to_a_function_that_multiplies_it() {
     };
     let function = |y: [f64; 2]| (200.0 * (y[0] * y[0] + y[1] * y[1])).cos();
     let phi = [Observable { name: "phi", function }];
-    let sensitive = expectation(&Heun, &problem, &phi, 0.1, &settings, &|_| ()).unwrap();
+    let sensitive =
+        expectation(&Setup::of(&problem, &Heun), &phi, 0.1, &settings, &|_| ()).unwrap();
     assert!(!sensitive.reached() && warns(&sensitive), "{sensitive:?}");
     assert!(!covers(&sensitive, 200f64.cos()), "the problem is not hard enough");
 }
@@ -111,13 +112,13 @@ fn a_small_defect_matters_to_a_function_that_multiplies_it() {
 fn smooth_dampings_and_jumps_are_resolved_by_few_steps() {
     let resolved = |damping: &dyn Damping| {
         let problem = problem(damping);
-        let seen = SeenDamping::new(&Heun, &problem, 8);
+        let seen = SeenDamping::new(&Setup::of(&problem, &Heun), 8);
         (2..8).all(|level| seen.unresolved(level).is_none())
     };
     assert!(resolved(&Constant::new(30.0).unwrap()));
     // What is left of many steps is round-off.
     let constant = problem(Constant::new(0.7).unwrap());
-    let seen = SeenDamping::new(&Heun, &constant, 512);
+    let seen = SeenDamping::new(&Setup::of(&constant, &Heun), 512);
     assert_eq!((6..12).find(|&level| seen.unresolved(level).is_some()), None);
     assert!(resolved(&Cosine::new(3.0, 7.0).unwrap()));
     for at in [0.3, 1.0 / 3.0, 0.5, 0.7, 0.501] {

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use mc::{Ladder, LadderError, NextNoise, NoiseSource, Recording, Run, Statistic, View};
-use noise::{BlockNoise, Noise, NoiseError, StreamKey, Truncation, WienerBlock, WienerPath};
+use mc::{Ladder, LadderError, NextNoise, NoiseSource, Recording, Run, Statistic, View, bind};
+use noise::{Noise, NoiseError, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::Outcome;
 use real::Real;
 use schemes::{Explicit, Implicit, Increment, Scheme, Sexp, SexpLevy, Step};
@@ -81,8 +81,8 @@ fn raw_and_clipped_increments_side_by_side() {
     let (raw, clipped) = (Euler::<false>, Euler::<true>);
     let truncation = Truncation::new(1).unwrap();
     let bound = truncation.bound(0.25).unwrap();
-    let runs = vec![Run::new(&raw as &dyn Scheme<_, 2, 1>, 0), Run::new(&clipped, 0)];
-    let ladder = Ladder::new(&problem, 4, 0, truncation, KEY, runs).unwrap();
+    let runs = vec![Run::new(bind(&problem, &raw), 0), Run::new(bind(&problem, &clipped), 0)];
+    let ladder = Ladder::new(&mc::Problem::of(&problem), 4, 0, truncation, KEY, runs).unwrap();
     let measured = ladder.run(500, || Walks(Vec::new()), &|_| ());
     let mut beyond = 0;
     for (path, [raw, clipped]) in measured.statistic.0.iter().enumerate() {
@@ -106,8 +106,9 @@ fn raw_and_clipped_increments_side_by_side() {
 fn raw_increments_need_no_bound() {
     let problem = walk(8.0);
     let ladder = |scheme: &dyn Scheme<Walk, 2, 1>| {
-        let runs = vec![Run::new(scheme, 0)];
-        let ladder = Ladder::new(&problem, 4, 0, Truncation::new(4).unwrap(), KEY, runs)?;
+        let runs = vec![Run::new(bind(&problem, scheme), 0)];
+        let ladder =
+            Ladder::new(&mc::Problem::of(&problem), 4, 0, Truncation::new(4).unwrap(), KEY, runs)?;
         Ok(ladder.run(1, || Keep::new(4, 1), &|_| ()).statistic.runs[0][0])
     };
     let mut wiener = WienerPath::<1>::new(KEY, 0);
@@ -123,9 +124,9 @@ struct Streams {
     tau: f64,
 }
 
-impl NoiseSource<BlockNoise<3>> for Streams {
-    fn block(&self, first_path: u64) -> NextNoise<'_, BlockNoise<3>> {
-        let mut wiener = WienerBlock::new(self.key, first_path);
+impl NoiseSource for Streams {
+    fn block(&self, first_path: u64) -> NextNoise<'_> {
+        let mut wiener = WienerRows::new(self.key, first_path);
         Box::new(move |noise| wiener.increments(self.tau.sqrt(), &mut noise.increments))
     }
 }
@@ -134,9 +135,13 @@ impl NoiseSource<BlockNoise<3>> for Streams {
 fn noise_from_elsewhere_drives_every_path_of_a_ladder() {
     let (problem, sexp) = (body(), Sexp);
     let run = |source: Option<Streams>| {
-        let runs = vec![Run::new(&sexp as _, 0), Run::new(&sexp, 2), Run::swapped(&sexp, 1)];
+        let runs = vec![
+            Run::new(bind(&problem, &sexp), 0),
+            Run::new(bind(&problem, &sexp), 2),
+            Run::swapped(bind(&problem, &sexp), 1),
+        ];
         let k = Truncation::new(2).unwrap();
-        let ladder = Ladder::new(&problem, 32, 2, k, KEY, runs).unwrap();
+        let ladder = Ladder::new(&mc::Problem::of(&problem), 32, 2, k, KEY, runs).unwrap();
         let ladder = match source {
             Some(source) => ladder.with_noise(source).unwrap(),
             None => ladder,
@@ -155,12 +160,13 @@ fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let ladder = || {
         let runs = vec![
-            Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0),
-            Run::new(&levy, 0),
-            Run::new(&levy, 2),
-            Run::swapped(&levy, 1),
+            Run::new(bind(&problem, &sexp), 0),
+            Run::new(bind(&problem, &levy), 0),
+            Run::new(bind(&problem, &levy), 2),
+            Run::swapped(bind(&problem, &levy), 1),
         ];
-        Ladder::new(&problem, 32, 2, Truncation::new(2).unwrap(), KEY, runs).unwrap()
+        Ladder::new(&mc::Problem::of(&problem), 32, 2, Truncation::new(2).unwrap(), KEY, runs)
+            .unwrap()
     };
     let keep = || Keep::<3>::new(8, 4);
     let drawn = ladder().run_from(4, 1, keep, &|_| ()).statistic.runs;
@@ -205,8 +211,9 @@ fn a_statistic_sees_which_steps_needed_the_robust_method() {
     let problem = Problem::new(system, damping, [2.0, 1.0, 3.0], 2.0).unwrap();
     let sexp = Sexp;
     let tau = problem.t_end() / STEPS as f64;
-    let runs = vec![Run::new(&sexp as _, 0)];
-    let ladder = Ladder::new(&problem, STEPS, 0, Truncation::none(), KEY, runs).unwrap();
+    let runs = vec![Run::new(bind(&problem, &sexp), 0)];
+    let ladder =
+        Ladder::new(&mc::Problem::of(&problem), STEPS, 0, Truncation::none(), KEY, runs).unwrap();
     let seen = ladder.run(PATHS, Robust::default, &|_| ()).statistic.0;
 
     let mut alone = BTreeSet::new();

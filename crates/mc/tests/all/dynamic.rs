@@ -4,53 +4,52 @@
 use std::sync::Arc;
 
 use mc::{
-    DynProblem, DynRun, DynSimulation, Formulas, Ladder, LadderError, Observable, Observe, Run,
-    Setup, Simulation, Statistic, Study, StudySettings, View,
-    multilevel::{Coupling, ExpectationSettings, expectation, expectation_of},
+    Formulas, Ladder, Observable, Observe, Recording, Run, Setup, Simulation, StateFunction,
+    Statistic, Study, StudySettings, View, bind,
+    multilevel::{Coupling, ExpectationSettings, expectation},
     parts::{Job, Program, Share},
     study,
 };
-use noise::{BlockNoise, NoiseRows, StepNoise, Truncation};
+use noise::{StepNoise, Truncation};
 use nonlin::BlockStatus;
 use real::{PathMask, Real, Row, Rows, WIDTH};
-use schemes::{DynScheme, Heun, RunState, Step};
+use schemes::{Heun, Method, Step, Stepper};
 use systems::{Constant, Damping, PoissonSystem, Problem};
 
 use crate::ladder::KEY;
 
-/// y_m = W_m.
-struct Walk {
-    reads_areas: bool,
-}
+/// Sums of the increments of M noises, then of the areas of their pairs.
+struct Sums;
 
-impl<N: StepNoise> DynScheme<N> for Walk {
+impl Method for Sums {
     fn id(&self) -> &'static str {
-        "walk"
+        "sums"
     }
     fn reads_areas(&self) -> bool {
-        self.reads_areas
-    }
-    fn clips_increments(&self) -> bool {
         true
     }
-    fn start(&self, y: &[Row]) -> Box<dyn RunState<N> + '_> {
-        Box::new(Walked(y.to_vec()))
+    fn clips_increments(&self) -> bool {
+        false
+    }
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        Box::new(Summed(y.to_vec()))
     }
 }
 
-struct Walked(Vec<Row>);
+struct Summed(Vec<Row>);
 
-impl<N: StepNoise> RunState<N> for Walked {
-    fn step(&mut self, _: &Step, noise: &N, status: &mut BlockStatus) {
-        for (y, dw) in self.0.iter_mut().zip(noise.increments()) {
-            (0..WIDTH).for_each(|p| y[p] += dw[p]);
+impl Stepper for Summed {
+    fn step(&mut self, _: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        let rows = noise.increments.iter().chain(noise.areas.iter());
+        for (y, row) in self.0.iter_mut().zip(rows) {
+            (0..WIDTH).for_each(|p| y[p] += row[p]);
         }
         *status = BlockStatus::explicit();
     }
-    fn rows(&self) -> &[Row] {
+    fn state(&self) -> &[Row] {
         &self.0
     }
-    fn rows_mut(&mut self) -> &mut [Row] {
+    fn state_mut(&mut self) -> &mut [Row] {
         &mut self.0
     }
 }
@@ -81,8 +80,8 @@ fn problem<'a>(
     noises: usize,
     y0: &[f64],
     formulas: impl Formulas + 'a,
-) -> DynProblem<'a> {
-    DynProblem {
+) -> mc::Problem<'a> {
+    mc::Problem {
         name: "turn".into(),
         parameters: String::new(),
         noises,
@@ -112,39 +111,36 @@ impl Statistic for Bits {
     }
 }
 
-/// The states of walks at several levels, and the number of clipped increments at each.
-fn walks<N: StepNoise>(noises: usize) -> (Bits, Vec<u64>) {
-    let damping = Constant::new(0.0).unwrap();
-    let problem = problem(&damping, noises, &vec![0.0; noises], Nothing);
-    let walk: Arc<dyn DynScheme<N>> = Arc::new(Walk { reads_areas: false });
-    let run = |level| DynRun::new(Arc::clone(&walk), level);
-    let runs = vec![run(0), run(1), run(3), DynRun::swapped(Arc::clone(&walk), 2)];
-    let ladder = Ladder::of(&problem, 64, 3, Truncation::new(1).unwrap(), KEY, runs).unwrap();
-    let measured = ladder.run(150, Bits::default, &|_| ());
-    (measured.statistic, measured.clipped)
-}
-
+/// Sums over two finest steps, and over one of twice their size.
 #[test]
-fn noises_counted_at_run_time_have_the_bits_of_those_counted_by_the_compiler() {
-    fn check<const M: usize>() {
-        let (bits, clipped) = walks::<BlockNoise<M>>(M);
-        assert!(clipped[0] > 0 && clipped[1] > 0 && clipped[3] > 0, "{clipped:?}");
-        assert_eq!(walks::<NoiseRows>(M), (bits, clipped), "M = {M}");
+fn a_number_of_noises_known_at_run_time_has_the_increments_and_areas_of_paths() {
+    let damping = Constant::new(0.0).unwrap();
+    let problem = problem(&damping, 3, &[0.0; 12], Nothing);
+    let sums: Arc<dyn Method> = Arc::new(Sums);
+    let runs = vec![Run::new(Arc::clone(&sums), 0), Run::new(sums, 1)];
+    let ladder = Ladder::new(&problem, 2, 1, Truncation::none(), KEY, runs).unwrap();
+    for path in [0, 41] {
+        let bits = ladder.run_from(path, 1, Bits::default, &|_| ()).statistic.0;
+        let fine = Recording::<3>::draw(KEY, path, 2, 1.0, true).unwrap();
+        let coarse = fine.coarsened(2).unwrap();
+        let mut expected = Vec::new();
+        for recording in [&fine, &coarse] {
+            let (dw, areas) = (recording.increments(), recording.areas().unwrap());
+            let sum = |of: &dyn Fn(usize) -> f64| (0..dw.len()).fold(0.0, |sum, n| sum + of(n));
+            expected.extend((0..3).map(|m| sum(&|n| dw[n][m]).to_bits()));
+            for (m, l) in (0..9).map(|k| (k / 3, k % 3)) {
+                let area = sum(&|n| if m < l { areas[n][m][l] } else { 0.0 });
+                expected.push(area.to_bits());
+            }
+            expected.push(0);
+        }
+        let numbers = |bits: &[u64]| bits.iter().map(|&bits| f64::from_bits(bits)).collect();
+        let (found, expected): (Vec<f64>, Vec<f64>) = (numbers(&bits), numbers(&expected));
+        assert_eq!(found[..12], expected[..12], "path {path}");
+        // A recording adds areas in another order.
+        let differ = found.iter().zip(&expected).any(|(a, b)| (a - b).abs() > 1e-15);
+        assert!(!differ && found.len() == expected.len(), "path {path}: {found:?} {expected:?}");
     }
-    check::<1>();
-    check::<2>();
-    check::<3>();
-    check::<4>();
-    check::<7>();
-}
-
-#[test]
-fn noise_without_areas_is_refused_to_a_scheme_that_reads_them() {
-    let damping = Constant::new(0.0).unwrap();
-    let problem = problem(&damping, 2, &[0.0; 2], Nothing);
-    let run = DynRun::<NoiseRows>::new(Arc::new(Walk { reads_areas: true }), 0);
-    let error = Ladder::of(&problem, 4, 0, Truncation::none(), KEY, vec![run]).err();
-    assert_eq!(error, Some(LadderError::NoiseWithoutAreas { scheme: "walk" }));
 }
 
 /// H₀ = ½(q² + p²), H₁ = ½q², H₂ = ½p², H₃ = ½(q² + p²).
@@ -196,7 +192,7 @@ impl Formulas for TurnFormulas {
 /// `heun` on it, written on rows.
 struct TurnHeun;
 
-impl DynScheme<NoiseRows> for TurnHeun {
+impl Method for TurnHeun {
     fn id(&self) -> &'static str {
         "heun"
     }
@@ -206,7 +202,7 @@ impl DynScheme<NoiseRows> for TurnHeun {
     fn clips_increments(&self) -> bool {
         false
     }
-    fn start(&self, y: &[Row]) -> Box<dyn RunState<NoiseRows> + '_> {
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let mut rows = Rows::zero(y.len()).unwrap();
         rows.copy_from_slice(y);
         Box::new(Turned(rows))
@@ -215,8 +211,8 @@ impl DynScheme<NoiseRows> for TurnHeun {
 
 struct Turned(Rows);
 
-impl RunState<NoiseRows> for Turned {
-    fn step(&mut self, step: &Step, noise: &NoiseRows, status: &mut BlockStatus) {
+impl Stepper for Turned {
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         let [q, p] = &mut self.0[..] else { unreachable!("two components") };
         for k in 0..WIDTH {
             let dw = |m: usize| noise.increments[m][k];
@@ -232,10 +228,10 @@ impl RunState<NoiseRows> for Turned {
         *status = BlockStatus::explicit();
         status.fail_where_not_finite(&self.0);
     }
-    fn rows(&self) -> &[Row] {
+    fn state(&self) -> &[Row] {
         &self.0
     }
-    fn rows_mut(&mut self) -> &mut [Row] {
+    fn state_mut(&mut self) -> &mut [Row] {
         &mut self.0
     }
 }
@@ -259,7 +255,7 @@ fn compiled() -> Problem<Turn, Constant, 2> {
     Problem::new(Turn, Constant::new(0.5).unwrap(), START, 1.0).unwrap()
 }
 
-fn setup(damping: &Constant) -> Setup<'_, NoiseRows> {
+fn setup(damping: &Constant) -> Setup<'_> {
     Setup { problem: problem(damping, 3, &START, TurnFormulas), scheme: Arc::new(TurnHeun) }
 }
 
@@ -268,11 +264,15 @@ fn a_system_on_rows_has_the_bits_of_the_compiled_one_on_a_ladder() {
     let (one, damping) = (compiled(), Constant::new(0.5).unwrap());
     let Setup { problem, scheme } = setup(&damping);
     let k = Truncation::none();
-    let runs = vec![Run::new(&Heun as _, 0), Run::new(&Heun, 2), Run::swapped(&Heun, 1)];
-    let ladder = Ladder::new(&one, 32, 2, k, KEY, runs).unwrap();
-    let run = |level| DynRun::new(Arc::clone(&scheme), level);
-    let runs = vec![run(0), run(2), DynRun::swapped(Arc::clone(&scheme), 1)];
-    let other = Ladder::of(&problem, 32, 2, k, KEY, runs).unwrap();
+    let runs = vec![
+        Run::new(bind(&one, &Heun), 0),
+        Run::new(bind(&one, &Heun), 2),
+        Run::swapped(bind(&one, &Heun), 1),
+    ];
+    let ladder = Ladder::new(&mc::Problem::of(&one), 32, 2, k, KEY, runs).unwrap();
+    let run = |level| Run::new(Arc::clone(&scheme), level);
+    let runs = vec![run(0), run(2), Run::swapped(Arc::clone(&scheme), 1)];
+    let other = Ladder::new(&problem, 32, 2, k, KEY, runs).unwrap();
     let bits = ladder.run(200, Bits::default, &|_| ()).statistic;
     assert_eq!(other.run(200, Bits::default, &|_| ()).statistic, bits);
 }
@@ -280,9 +280,12 @@ fn a_system_on_rows_has_the_bits_of_the_compiled_one_on_a_ladder() {
 #[test]
 fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_tables() {
     let (one, damping) = (compiled(), Constant::new(0.5).unwrap());
-    let simulation = Simulation::new(&one, &Heun, Truncation::none()).every(3);
-    let tables = simulation.observing("qp", |y| y[0] * y[1]).paths(16, KEY, 5..40).unwrap();
-    let other = DynSimulation::new(setup(&damping), Truncation::none()).every(3);
+    let simulation = Simulation::new(Setup::of(&one, &Heun), Truncation::none()).every(3);
+    let tables = simulation
+        .observing(StateFunction::new("qp", |y: [f64; 2]| y[0] * y[1]))
+        .paths(16, KEY, 5..40)
+        .unwrap();
+    let other = Simulation::new(setup(&damping), Truncation::none()).every(3);
     assert_eq!(other.observing(Product).paths(16, KEY, 5..40).unwrap(), tables);
 }
 
@@ -291,8 +294,8 @@ fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_tables() {
 fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_a_study() {
     let (one, damping) = (compiled(), Constant::new(0.5).unwrap());
     let settings = StudySettings::new(16, 4, 1000, Truncation::none(), KEY);
-    let result = study(&one, &Heun, &PRODUCT, &settings, &|_| ()).unwrap();
-    let other = Study::of(&setup(&damping), vec![&Product], &settings).unwrap();
+    let result = study(&Setup::of(&one, &Heun), &PRODUCT, &settings, &|_| ()).unwrap();
+    let other = Study::new(&setup(&damping), &[Product], &settings).unwrap();
     assert_eq!(other.run(&|_| ()), result);
 
     let folder = tempfile::tempdir().unwrap();
@@ -300,7 +303,7 @@ fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_a_study() {
     let part =
         |number| Job::part(folder.path(), Share::new(number, 2).unwrap(), program()).unwrap();
     let (first, second) = (part(1), part(2));
-    let one = Study::new(&one, &Heun, &PRODUCT, &settings).unwrap();
+    let one = Study::new(&Setup::of(&one, &Heun), &PRODUCT, &settings).unwrap();
     assert!(one.run_in(&first, "study", &|_| ()).is_none());
     assert!(other.run_in(&second, "study", &|_| ()).is_none());
     first.finish().unwrap();
@@ -315,8 +318,9 @@ fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_an_expectation() {
     let (one, damping) = (compiled(), Constant::new(0.5).unwrap());
     for coupling in [Coupling::Plain, Coupling::Antithetic] {
         let settings = ExpectationSettings::new(KEY, Truncation::none(), 4, coupling);
-        let found = expectation(&Heun, &one, &PRODUCT, 0.02, &settings, &|_| ()).unwrap();
-        let other = expectation_of(&setup(&damping), &[&Product], 0.02, &settings, &|_| ());
+        let found =
+            expectation(&Setup::of(&one, &Heun), &PRODUCT, 0.02, &settings, &|_| ()).unwrap();
+        let other = expectation(&setup(&damping), &[Product], 0.02, &settings, &|_| ());
         assert_eq!(other, Ok(found));
     }
 }

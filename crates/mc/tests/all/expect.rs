@@ -7,7 +7,7 @@ use std::sync::{
 };
 
 use mc::{
-    Expect, Observable, Observe, expect,
+    Expect, Observable, Observe, Setup, expect,
     multilevel::{Coupling, ExpectationSettings, MultilevelError, Warning, expectation},
     parts::{Job, JobError, Stop},
 };
@@ -137,8 +137,7 @@ fn bad_settings_are_refused() {
         Problem::new(Pendulum::new(1.0).unwrap(), Constant::new(0.5).unwrap(), [0.2, 1.0], 1.0)
             .unwrap();
     let q = Observable { name: "q", function: |y: [f64; 2]| y[1] };
-    let run =
-        |expect: Expect<'_, _>, accuracy| expect.run(&[&q as &dyn Observe], accuracy, &|_| ());
+    let run = |expect: Expect<'_>, accuracy| expect.run(&[&q as &dyn Observe], accuracy, &|_| ());
     // Squares of squares of 1e-100 vanish.
     for accuracy in [0.0, f64::NAN, -1.0, 1e-100, 1e100] {
         let refused = run(Expect::new(&problem), accuracy).unwrap_err();
@@ -186,7 +185,8 @@ fn without_noise_one_path_is_extrapolated() {
         let chosen = expect(&problem, &[Q, P], accuracy).unwrap();
         let key = StreamKey { seed: 1, experiment: 0 };
         let settings = ExpectationSettings::new(key, Truncation::none(), 128, Coupling::Plain);
-        let given = expectation(&Sexp, &problem, &[Q, P], accuracy, &settings, &|_| ()).unwrap();
+        let given = expectation(&Setup::of(&problem, &Sexp), &[Q, P], accuracy, &settings, &|_| ())
+            .unwrap();
         for found in [chosen, given] {
             assert!(found.reached() && found.warnings.is_empty(), "{found}");
             assert!(found.cost < 1_000_000, "{found}");

@@ -4,8 +4,8 @@
 //! and p = W. Numbers of misses are compared with the binomial quantile of 1 − 10⁻⁴ at 5 %, which a
 //! right program exceeds with that probability or less, for any seed.
 
-use mc::Observable;
 use mc::multilevel::{Coupling, Estimator, Expectation, ExpectationSettings, Warning, expectation};
+use mc::{Observable, Setup};
 use noise::{StreamKey, Truncation};
 use real::Real;
 use schemes::Sexp;
@@ -65,7 +65,7 @@ fn kubo(
     let undamped = Constant::new(0.0).unwrap();
     let problem = Problem::new(Kubo { omega, sigma }, undamped, [1.0, 0.0], t_end).unwrap();
     let phi = [Observable { name: "phi", function }];
-    expectation(&Sexp, &problem, &phi, accuracy, settings, &|_| ()).unwrap()
+    expectation(&Setup::of(&problem, &Sexp), &phi, accuracy, settings, &|_| ()).unwrap()
 }
 
 fn outside(result: &Expectation, exact: f64) -> bool {
@@ -104,7 +104,7 @@ fn rare_events_are_found_or_allowed_for() {
     let phi = [Observable { name: "rare", function: |y: [f64; 2]| f64::from(y[1] > 3.090_232_3) }];
     let run = |seed: u64| {
         let settings = ExpectationSettings { coarsest_steps: 2, ..settings(seed) };
-        expectation(&Sexp, &problem, &phi, 1e-3, &settings, &|_| ()).unwrap()
+        expectation(&Setup::of(&problem, &Sexp), &phi, 1e-3, &settings, &|_| ()).unwrap()
     };
     let results: Vec<Expectation> = (0..20).map(run).collect();
     let wrong = results.iter().filter(|result| result.reached() && outside(result, 1e-3)).count();
@@ -166,7 +166,7 @@ fn a_variance_that_no_sample_shows_is_not_believed() {
         let phi = [Observable { name: "phi", function }];
         let settings = ExpectationSettings { max_cost: 3_000_000, ..settings(seed) };
         let accuracy = 0.05 * exact;
-        expectation(&Sexp, &problem, &phi, accuracy, &settings, &|_| ()).unwrap()
+        expectation(&Setup::of(&problem, &Sexp), &phi, accuracy, &settings, &|_| ()).unwrap()
     };
     for seed in 0..20 {
         let light = run(|y: [f64; 2]| y[1].exp(), 0.5f64.exp(), seed);

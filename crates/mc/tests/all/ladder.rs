@@ -3,7 +3,10 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use mc::{Cause, Ladder, LadderError, Reference, Run, Statistic, StrongErrors, View, trajectory};
+use mc::{
+    Cause, Ladder, LadderError, Reference, Run, Setup, Statistic, StrongErrors, View, bind,
+    trajectory,
+};
 use noise::{
     AreaMethod, AreaPath, Noise, NoiseError, StreamKey, Truncation, WienerPath,
     strong_order_one_error,
@@ -121,15 +124,17 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
     let mut expected = Vec::new();
     for scheme in schemes {
         for level in [0, 2, 3] {
-            runs.push(Run::new(scheme, level));
+            runs.push(Run::new(bind(&problem, scheme), level));
             expected.push((scheme, level as u32, false));
         }
         for level in [0, 2] {
-            runs.push(Run::swapped(scheme, level));
+            runs.push(Run::swapped(bind(&problem, scheme), level));
             expected.push((scheme, level as u32, true));
         }
     }
-    let ladder = Ladder::new(&problem, 32, 3, Truncation::new(2).unwrap(), KEY, runs).unwrap();
+    let ladder =
+        Ladder::new(&mc::Problem::of(&problem), 32, 3, Truncation::new(2).unwrap(), KEY, runs)
+            .unwrap();
     // Not a multiple of the block, more than one group.
     let samples = 150;
     let measured =
@@ -149,7 +154,7 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
             );
             if *level == 0 && !swapped {
                 let k = Truncation::new(2).unwrap();
-                let followed = trajectory(&problem, *scheme, 32, k, KEY, path).unwrap();
+                let followed = trajectory(&Setup::of(&problem, *scheme), 32, k, KEY, path).unwrap();
                 assert_eq!(followed.states[32], alone, "{} path {path}", scheme.id());
             }
         }
@@ -161,9 +166,14 @@ fn threads_do_not_change_a_bit() {
     let problem = body();
     let (sexp, em) = (Sexp, EulerMaruyama);
     let mean_squares = |threads: usize| {
-        let runs =
-            vec![Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0), Run::new(&sexp, 2), Run::new(&em, 3)];
-        let ladder = Ladder::new(&problem, 64, 3, Truncation::new(4).unwrap(), KEY, runs).unwrap();
+        let runs = vec![
+            Run::new(bind(&problem, &sexp), 0),
+            Run::new(bind(&problem, &sexp), 2),
+            Run::new(bind(&problem, &em), 3),
+        ];
+        let ladder =
+            Ladder::new(&mc::Problem::of(&problem), 64, 3, Truncation::new(4).unwrap(), KEY, runs)
+                .unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let series = [vec![1], vec![2]];
         let measured = pool.install(|| {
@@ -194,12 +204,12 @@ fn progress_adds_up_to_the_work() {
     let problem = body();
     let sexp = Sexp;
     let ladder = Ladder::new(
-        &problem,
+        &mc::Problem::of(&problem),
         96,
         5,
         Truncation::none(),
         KEY,
-        vec![Run::new(&sexp, 0), Run::new(&sexp, 5)],
+        vec![Run::new(bind(&problem, &sexp), 0), Run::new(bind(&problem, &sexp), 5)],
     )
     .unwrap();
     assert_eq!(ladder.steps_per_path(), 99);
@@ -215,33 +225,33 @@ fn impossible_ladders_are_refused() {
     let problem = body();
     let sexp = Sexp;
     let refuse = |steps, levels, truncation, run| {
-        Ladder::new(&problem, steps, levels, truncation, KEY, vec![run]).err()
+        Ladder::new(&mc::Problem::of(&problem), steps, levels, truncation, KEY, vec![run]).err()
     };
     let k = Truncation::new(2).unwrap();
     assert_eq!(
-        refuse(0, 2, k, Run::new(&sexp, 0)),
+        refuse(0, 2, k, Run::new(bind(&problem, &sexp), 0)),
         Some(LadderError::Steps { steps: 0, multiple_of: 4 })
     );
     assert_eq!(
-        refuse(10, 2, k, Run::new(&sexp, 0)),
+        refuse(10, 2, k, Run::new(bind(&problem, &sexp), 0)),
         Some(LadderError::Steps { steps: 10, multiple_of: 4 })
     );
     assert_eq!(
-        refuse(8, 2, k, Run::new(&sexp, 3)),
+        refuse(8, 2, k, Run::new(bind(&problem, &sexp), 3)),
         Some(LadderError::Level { level: 3, swapped: false, levels: 2 })
     );
     assert_eq!(
-        refuse(8, 2, k, Run::swapped(&sexp, 2)),
+        refuse(8, 2, k, Run::swapped(bind(&problem, &sexp), 2)),
         Some(LadderError::Level { level: 2, swapped: true, levels: 2 })
     );
     assert_eq!(
-        refuse(8, 0, k, Run::swapped(&sexp, 0)),
+        refuse(8, 0, k, Run::swapped(bind(&problem, &sexp), 0)),
         Some(LadderError::Level { level: 0, swapped: true, levels: 0 })
     );
-    let error = refuse(4, 2, k, Run::new(&sexp, 2));
+    let error = refuse(4, 2, k, Run::new(bind(&problem, &sexp), 2));
     assert_eq!(error, Some(LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 1.0 })));
-    assert!(trajectory(&problem, &sexp, 0, k, KEY, 0).is_err());
-    assert!(trajectory(&problem, &sexp, 1, k, KEY, 0).is_err());
+    assert!(trajectory(&Setup::of(&problem, &sexp), 0, k, KEY, 0).is_err());
+    assert!(trajectory(&Setup::of(&problem, &sexp), 1, k, KEY, 0).is_err());
 }
 
 #[test]
@@ -249,9 +259,14 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
     let problem = Problem::new(Explosive, Constant::new(0.0).unwrap(), [0.1, 0.5], 1.0).unwrap();
     let (sexp, em) =
         (WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) }, EulerMaruyama);
-    let runs =
-        vec![Run::new(&sexp as &dyn Scheme<_, 2, 1>, 0), Run::new(&sexp, 2), Run::new(&em, 0)];
-    let ladder = Ladder::new(&problem, 16, 2, Truncation::new(4).unwrap(), KEY, runs).unwrap();
+    let runs = vec![
+        Run::new(bind(&problem, &sexp), 0),
+        Run::new(bind(&problem, &sexp), 2),
+        Run::new(bind(&problem, &em), 0),
+    ];
+    let ladder =
+        Ladder::new(&mc::Problem::of(&problem), 16, 2, Truncation::new(4).unwrap(), KEY, runs)
+            .unwrap();
     let samples = 400;
     let measured = ladder.run(samples, || Keep::<2>::new(ladder.coarse_steps(), 3), &|_| ());
     let kept = measured.statistic.runs[0].len() as u64;
@@ -273,9 +288,14 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
             && failure.tau == 1.0 / 16.0
             && matches!(failure.cause, Cause::NoSolution { .. })
         {
-            let alone =
-                trajectory(&problem, &sexp, 16, Truncation::new(4).unwrap(), KEY, failure.path)
-                    .unwrap();
+            let alone = trajectory(
+                &Setup::of(&problem, &sexp),
+                16,
+                Truncation::new(4).unwrap(),
+                KEY,
+                failure.path,
+            )
+            .unwrap();
             assert_eq!(alone.failure.map(|failure| failure.step), Some(failure.step), "{text}");
         }
     }
@@ -284,13 +304,14 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
 #[test]
 fn a_trajectory_keeps_the_conformal_law() {
     let problem = body();
-    let path = trajectory(&problem, &Sexp, 64, Truncation::new(4).unwrap(), KEY, 3).unwrap();
+    let path =
+        trajectory(&Setup::of(&problem, &Sexp), 64, Truncation::new(4).unwrap(), KEY, 3).unwrap();
     assert_eq!((path.times.len(), path.states.len()), (65, 65));
     let mut defect = Moments::default();
-    for (t, y) in path.times.iter().zip(&path.states) {
+    for (n, t) in path.times.iter().enumerate() {
         let law = (-2.0 * problem.damping().integral(0.0, *t)).exp()
             * problem.system().invariant(0, problem.y0());
-        defect.add((problem.system().invariant(0, *y) / law - 1.0).abs());
+        defect.add((problem.system().invariant(0, path.state(n)) / law - 1.0).abs());
     }
     assert!(defect.mean() < 64.0 * 16.0 * f64::EPSILON);
 }
@@ -299,8 +320,14 @@ fn a_trajectory_keeps_the_conformal_law() {
 #[test]
 fn steps_that_underflow_are_refused() {
     let problem = body().until(5e-324).unwrap();
-    let ladder =
-        Ladder::new(&problem, 4, 0, Truncation::none(), KEY, vec![Run::new(&EulerMaruyama, 0)]);
+    let ladder = Ladder::new(
+        &mc::Problem::of(&problem),
+        4,
+        0,
+        Truncation::none(),
+        KEY,
+        vec![Run::new(bind(&problem, &EulerMaruyama), 0)],
+    );
     assert!(matches!(ladder.err(), Some(LadderError::Step(_))));
 }
 
@@ -311,7 +338,8 @@ fn a_blown_up_path_names_its_step() {
     let problem =
         Problem::new::<3>(system, Constant::new(1e4).unwrap(), [1.0, 1.0, 1.0], 1.0).unwrap();
     let path =
-        trajectory(&problem, &EulerMaruyama, 16, Truncation::new(4).unwrap(), KEY, 0).unwrap();
+        trajectory(&Setup::of(&problem, &EulerMaruyama), 16, Truncation::new(4).unwrap(), KEY, 0)
+            .unwrap();
     let failure = path.failure.expect("the step is far from stable");
     assert_eq!((failure.cause, path.states.len() as u64), (Cause::NotFinite, failure.step + 1));
     assert!(path.states.iter().flatten().all(|y| y.is_finite()));

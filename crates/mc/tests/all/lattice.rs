@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mc::{DynSimulation, LargePath, LargePathError, Setup};
+use mc::{LargePath, LargePathError, Setup, Simulation};
 use noise::{StreamKey, Truncation};
 use nonlin::Solver;
 use schemes::{
@@ -203,7 +203,7 @@ fn one_path_has_the_common_noise_of_the_path_with_its_number() {
     let on_paths = SpinLattice::on_paths(shape.clone(), couplings).unwrap();
     let sexp_li = SexpLi::at_run_time(&on_paths).unwrap();
     let many = problem(on_paths, 0.1, 1.0);
-    let simulation = DynSimulation::new(Setup::at_run_time(&many, &sexp_li).unwrap(), truncation());
+    let simulation = Simulation::new(Setup::at_run_time(&many, &sexp_li).unwrap(), truncation());
     let table = simulation.paths(50, KEY, 33..34).unwrap();
     let single = problem(SpinLattice::one_path(shape, couplings).unwrap(), 0.1, 1.0);
     let mut path = LargePath::new(&single, &sexp_li, 50, truncation(), KEY, 33).unwrap();
@@ -271,7 +271,7 @@ fn long_chains_need_no_large_stack() {
     let sexp_li = SexpLi::at_run_time(many.system()).unwrap();
     for (scheme, steps) in [(&sexp_li as &dyn Scheme, 8), (&Heun, 64), (&Sexp, 64), (&Sexp, 6)] {
         let setup = Setup::at_run_time(&many, scheme).unwrap();
-        let paths = DynSimulation::new(setup, truncation()).paths(steps, KEY, 0..2).unwrap();
+        let paths = Simulation::new(setup, truncation()).paths(steps, KEY, 0..2).unwrap();
         assert!(paths.iter().all(|path| path.halted.is_none()), "{}", scheme.id());
         let mut path = LargePath::new(&one, scheme, steps, truncation(), KEY, 0).unwrap();
         path.advance(steps).unwrap();

@@ -12,7 +12,7 @@ use mc::multilevel::{
     Coupling, Estimate, Estimator, Expectation, ExpectationSettings, MultilevelError, Warning,
     expectation,
 };
-use mc::{LadderError, Observable};
+use mc::{LadderError, Observable, Setup};
 use noise::{BlockNoise, Noise, NoiseError, StreamKey, Truncation};
 use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::{Block, Real};
@@ -161,7 +161,7 @@ fn intervals_cover_the_truth() {
     for coupling in [Coupling::Antithetic, Coupling::Plain] {
         check_coverage(&format!("{coupling:?}"), |seed| {
             let settings = ExpectationSettings { pilot: 256, ..settings(seed, coupling) };
-            expectation(&Sexp, &problem, &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
+            expectation(&Setup::of(&problem, &Sexp), &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
         });
     }
 }
@@ -175,7 +175,7 @@ fn intervals_of_single_paths_cover_the_truth() {
             pilot: 256,
             ..settings(seed, Coupling::Antithetic)
         };
-        expectation(&Sexp, &problem, &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
+        expectation(&Setup::of(&problem, &Sexp), &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
     });
 }
 
@@ -191,7 +191,8 @@ fn the_interval_holds_where_the_bias_is_most_of_it() {
     };
     for estimator in ESTIMATORS {
         let settings = ExpectationSettings { estimator, ..settings };
-        let result = expectation(&Sexp, &problem, &MOMENTS, 5e-4, &settings, &|_| ()).unwrap();
+        let result =
+            expectation(&Setup::of(&problem, &Sexp), &MOMENTS, 5e-4, &settings, &|_| ()).unwrap();
         assert!(
             result.warnings.contains(&Warning::LevelLimit { level: 3 }) && !result.reached(),
             "{result:?}"
@@ -219,8 +220,7 @@ fn threads_do_not_change_a_bit() {
         pool.install(|| {
             ESTIMATORS.map(|estimator| {
                 expectation(
-                    &Sexp,
-                    &problem,
+                    &Setup::of(&problem, &Sexp),
                     &COS_Y3,
                     1e-3,
                     &ExpectationSettings { estimator, ..settings(3, Coupling::Antithetic) },
@@ -243,9 +243,14 @@ fn the_twin_doubles_the_order_of_the_variance() {
     for (coupling, accuracy, range) in
         [(Coupling::Antithetic, 2e-4, 1.8..=2.35), (Coupling::Plain, 4e-4, 0.9..=1.1)]
     {
-        let result =
-            expectation(&Sexp, &problem, &COS_Y3, accuracy, &settings(4, coupling), &|_| ())
-                .unwrap();
+        let result = expectation(
+            &Setup::of(&problem, &Sexp),
+            &COS_Y3,
+            accuracy,
+            &settings(4, coupling),
+            &|_| (),
+        )
+        .unwrap();
         assert!(result.reached() && result.warnings.is_empty(), "{coupling:?}: {result:?}");
         let beta = result.estimates[0].beta.unwrap();
         assert!(range.contains(&beta.value), "{coupling:?}: {beta:?}");
@@ -267,13 +272,15 @@ fn the_cost_grows_as_the_accuracy_squared() {
         })
     };
     let multilevel = costs(|accuracy, problem, settings| {
-        let result = expectation(&Sexp, problem, &COS_Y3, accuracy, settings, &|_| ()).unwrap();
+        let result =
+            expectation(&Setup::of(problem, &Sexp), &COS_Y3, accuracy, settings, &|_| ()).unwrap();
         assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
         result.cost
     });
     let plain = costs(|accuracy, problem, settings| {
         let settings = ExpectationSettings { estimator: Estimator::SinglePaths, ..*settings };
-        let result = expectation(&Sexp, problem, &COS_Y3, accuracy, &settings, &|_| ()).unwrap();
+        let result =
+            expectation(&Setup::of(problem, &Sexp), &COS_Y3, accuracy, &settings, &|_| ()).unwrap();
         assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
         result.cost
     });
@@ -317,9 +324,9 @@ impl<S: PoissonSystem<D, M>, F: Fn(f64) -> f64 + Send + Sync, const D: usize, co
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        let (mut altered, factor) = (noise.clone(), (self.0)(step.tau));
-        altered.increments.0.iter_mut().flatten().for_each(|w| *w *= factor);
-        Sexp.step_block(system, step, &altered, y, status);
+        let factor = (self.0)(step.tau);
+        let altered = noise.increments.map(|row| row.map(|w| factor * w));
+        Sexp.step_block(system, step, &BlockNoise::increments(&altered), y, status);
     }
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
         let factor = (self.0)(step.tau);
@@ -336,12 +343,14 @@ fn paths_that_do_not_share_their_noise_are_noticed() {
         Altered(|tau: f64| if (4.0 * tau).log2().rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 });
     let settings =
         ExpectationSettings { max_cost: 20_000_000, ..settings(6, Coupling::Antithetic) };
-    let result = expectation(&alternating, &problem, &COS_Y3, 1e-3, &settings, &|_| ()).unwrap();
+    let result =
+        expectation(&Setup::of(&problem, &alternating), &COS_Y3, 1e-3, &settings, &|_| ()).unwrap();
     assert!(result.estimates[0].beta.unwrap().upper < 0.5, "{result:?}");
     // The law is right, so nothing else is wrong.
     assert!(!result.warnings.iter().any(|warning| matches!(warning, Warning::Inconsistent { .. })));
     let same = Altered(|_| 1.0);
-    let result = expectation(&same, &problem, &COS_Y3, 1e-3, &settings, &|_| ()).unwrap();
+    let result =
+        expectation(&Setup::of(&problem, &same), &COS_Y3, 1e-3, &settings, &|_| ()).unwrap();
     assert!(result.warnings.is_empty(), "{:?}", result.warnings);
     assert!(result.estimates[0].beta.unwrap().lower > 1.0, "{result:?}");
 }
@@ -353,7 +362,7 @@ fn a_lower_weak_order_is_noticed() {
     let rough = Altered(|tau: f64| 1.0 + 0.5 * tau.sqrt());
     let y1 = &MOMENTS[..1];
     let settings = ExpectationSettings { max_level: 10, ..settings(7, Coupling::Antithetic) };
-    let result = expectation(&rough, &problem, y1, 5e-3, &settings, &|_| ()).unwrap();
+    let result = expectation(&Setup::of(&problem, &rough), y1, 5e-3, &settings, &|_| ()).unwrap();
     let order = |warning: &Warning| matches!(warning, Warning::WeakOrder { alpha, .. } if alpha.upper < 0.75);
     assert!(result.warnings.iter().any(order), "{result:?}");
     // The bias is judged by the observed order: the interval still holds.
@@ -361,7 +370,7 @@ fn a_lower_weak_order_is_noticed() {
     assert!(lower < exact_moments()[0] && exact_moments()[0] < upper, "{result:?}");
     // Told the truth, there is nothing to warn of.
     let settings = ExpectationSettings { weak_order: 0.5, ..settings };
-    let result = expectation(&rough, &problem, y1, 5e-3, &settings, &|_| ()).unwrap();
+    let result = expectation(&Setup::of(&problem, &rough), y1, 5e-3, &settings, &|_| ()).unwrap();
     assert!(
         !result.warnings.iter().any(|warning| matches!(warning, Warning::WeakOrder { .. })),
         "{result:?}"
@@ -412,7 +421,9 @@ fn levels_that_do_not_telescope_are_noticed() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let settings = ExpectationSettings { max_cost: 5_000_000, ..settings(8, Coupling::Antithetic) };
     let run = |scheme: &dyn Scheme<RigidBody<3>, 3, 3>| {
-        pool.install(|| expectation(scheme, &problem, &COS_Y3, 2e-4, &settings, &|_| ()).unwrap())
+        pool.install(|| {
+            expectation(&Setup::of(&problem, scheme), &COS_Y3, 2e-4, &settings, &|_| ()).unwrap()
+        })
     };
     let wrong = run(&Remembering);
     let inconsistent =
@@ -434,7 +445,7 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
         let progress = |steps: u64| {
             done.fetch_add(steps, Ordering::Relaxed);
         };
-        let result = expectation(&Sexp, &problem, &COS_Y3, 1e-5, &settings, &progress);
+        let result = expectation(&Setup::of(&problem, &Sexp), &COS_Y3, 1e-5, &settings, &progress);
         if let Ok(result) = &result {
             // Every path-step is counted, and those that progress was told of are all.
             assert_eq!(done.into_inner(), result.cost);
@@ -471,7 +482,8 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
     let settings = ExpectationSettings { max_level: 3, ..settings(9, Coupling::Antithetic) };
     for estimator in ESTIMATORS {
         let settings = ExpectationSettings { estimator, ..settings };
-        let result = expectation(&Sexp, &problem, &COS_Y3, 2e-4, &settings, &|_| ()).unwrap();
+        let result =
+            expectation(&Setup::of(&problem, &Sexp), &COS_Y3, 2e-4, &settings, &|_| ()).unwrap();
         assert!(
             result.warnings.contains(&Warning::LevelLimit { level: 3 }),
             "{:?}",
@@ -490,7 +502,8 @@ fn what_does_not_vary_needs_no_samples() {
         function: |y: [f64; 3]| 0.5 * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]),
     }];
     let settings = settings(10, Coupling::Antithetic);
-    let result = expectation(&Sexp, &problem, &still, 1e-9, &settings, &|_| ()).unwrap();
+    let result =
+        expectation(&Setup::of(&problem, &Sexp), &still, 1e-9, &settings, &|_| ()).unwrap();
     assert!(result.reached() && result.warnings.is_empty(), "{result:?}");
     // The pilot, and the third difference that the bias is judged by.
     assert_eq!(result.levels.len(), 4);
@@ -510,10 +523,12 @@ fn the_accuracy_holds_for_each_test_function() {
         Observable { name: "y2^2", function: |y| y[1] * y[1] },
     ];
     let settings = settings(11, Coupling::Antithetic);
-    let together = expectation(&Sexp, &problem, &several, 4e-3, &settings, &|_| ()).unwrap();
+    let together =
+        expectation(&Setup::of(&problem, &Sexp), &several, 4e-3, &settings, &|_| ()).unwrap();
     assert!(together.reached(), "{together:?}");
     for (k, one) in several.iter().enumerate() {
-        let alone = expectation(&Sexp, &problem, &[*one], 4e-3, &settings, &|_| ()).unwrap();
+        let alone =
+            expectation(&Setup::of(&problem, &Sexp), &[*one], 4e-3, &settings, &|_| ()).unwrap();
         assert!(alone.reached() && alone.cost <= together.cost, "{}", one.name);
         let difference = (alone.estimates[0].value - together.estimates[k].value).abs();
         assert!(difference < 8e-3, "{}: {difference}", one.name);
@@ -527,7 +542,8 @@ fn paths_that_fail_are_counted_and_reported() {
     let bounded =
         [Observable { name: "bounded", function: |y: [f64; 2]| 1.0 / (1.0 + y[1] * y[1]) }];
     let settings = ExpectationSettings { max_cost: 400_000, ..settings(13, Coupling::Plain) };
-    let result = expectation(&sexp, &problem, &bounded, 0.02, &settings, &|_| ()).unwrap();
+    let result =
+        expectation(&Setup::of(&problem, &sexp), &bounded, 0.02, &settings, &|_| ()).unwrap();
     let failed: u64 = result.levels.iter().map(|level| level.failed).sum();
     assert!(failed > 0);
     for level in result.levels.iter().filter(|level| level.failed > 0) {
@@ -548,7 +564,8 @@ fn coupling_by_areas_has_no_bias() {
     let problem = body();
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let settings = settings(15, Coupling::Plain);
-    let result = expectation(&levy, &problem, &COS_Y3, 1e-4, &settings, &|_| ()).unwrap();
+    let result =
+        expectation(&Setup::of(&problem, &levy), &COS_Y3, 1e-4, &settings, &|_| ()).unwrap();
     let Estimate { value, standard_error, bias_bound, .. } = result.estimates[0];
     // 3.9 standard errors are a false alarm in 10⁴; areas that lack variance were off by 2.5e-4,
     // ten of them.
@@ -565,8 +582,8 @@ fn coupling_by_areas_has_no_bias() {
     let problem = Problem::new(system, Constant::new(0.1).unwrap(), problem.y0(), 1.0).unwrap();
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let [with, without] = [
-        expectation(&levy, &problem, &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),
-        expectation(&Sexp, &problem, &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),
+        expectation(&Setup::of(&problem, &levy), &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),
+        expectation(&Setup::of(&problem, &Sexp), &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),
     ];
     assert_eq!((with.cost, with.levels), (without.cost, without.levels));
     assert_eq!(with.estimates, without.estimates);
@@ -578,10 +595,12 @@ fn bad_requests_are_refused_and_name_the_value() {
     let good = settings(14, Coupling::Antithetic);
     let refuse = |accuracy: f64, observables: &[Observable<3>], settings: ExpectationSettings| {
         let error =
-            expectation(&Sexp, &problem, observables, accuracy, &settings, &|_| ()).unwrap_err();
+            expectation(&Setup::of(&problem, &Sexp), observables, accuracy, &settings, &|_| ())
+                .unwrap_err();
         let settings = ExpectationSettings { estimator: Estimator::SinglePaths, ..settings };
         let plain =
-            expectation(&Sexp, &problem, observables, accuracy, &settings, &|_| ()).unwrap_err();
+            expectation(&Setup::of(&problem, &Sexp), observables, accuracy, &settings, &|_| ())
+                .unwrap_err();
         assert_eq!(std::mem::discriminant(&error), std::mem::discriminant(&plain), "{plain}");
         error
     };

@@ -8,7 +8,7 @@ use std::{
 };
 
 use mc::{
-    Expect, Kept, Ladder, Measured, Observable, Run, Statistic, View,
+    Expect, Kept, Ladder, Measured, Observable, Run, Setup, Statistic, View, bind,
     multilevel::{Coupling, Expectation, ExpectationSettings, expectation_in},
     parts::{Job, JobError, Outcome, Program, Share, Stop, merged_paths, remove},
 };
@@ -119,9 +119,16 @@ impl Study {
         let problem = pendulum(self.c);
         let scheme: &dyn Scheme<Pendulum, 2, 1> = if self.heun { &Heun } else { &EulerMaruyama };
         let key = StreamKey { seed: self.seed, experiment: 5 };
-        let runs = vec![Run::new(scheme, 0)];
-        let ladder =
-            Ladder::new(&problem, steps, 3, Truncation::new(4).unwrap(), key, runs).unwrap();
+        let runs = vec![Run::new(bind(&problem, scheme), 0)];
+        let ladder = Ladder::new(
+            &mc::Problem::of(&problem),
+            steps,
+            3,
+            Truncation::new(4).unwrap(),
+            key,
+            runs,
+        )
+        .unwrap();
         let new = || Sum::new(self.frequency);
         let found = ladder.run_in(job, name, self.paths, new, progress);
         found.map(|measured: Measured<Sum>| measured.statistic.sums)
@@ -381,8 +388,9 @@ fn work_inside_other_work_is_an_error_and_not_a_deadlock() {
     let job = Job::here();
     let problem = pendulum(1.0);
     let key = StreamKey { seed: 1, experiment: 5 };
-    let runs = vec![Run::new(&Heun as &dyn Scheme<Pendulum, 2, 1>, 0)];
-    let ladder = Ladder::new(&problem, 8, 3, Truncation::none(), key, runs).unwrap();
+    let runs = vec![Run::new(bind(&problem, &Heun), 0)];
+    let ladder =
+        Ladder::new(&mc::Problem::of(&problem), 8, 3, Truncation::none(), key, runs).unwrap();
     let inner = |_| drop(ladder.run_in(&job, "inner", 1, || Sum::new(1.0), &|_| ()));
     ladder.run_in(&job, "outer", 1, || Sum::new(1.0), &inner).unwrap();
     assert!(message(job.finish()).contains("inner was begun inside another"));
@@ -476,8 +484,10 @@ impl Kept for Forgetful {
 fn sums_that_do_not_come_back_and_names_given_twice_are_errors() {
     let problem = pendulum(1.0);
     let key = StreamKey { seed: 1, experiment: 1 };
-    let runs = vec![Run::new(&Heun as &dyn Scheme<Pendulum, 2, 1>, 0)];
-    let ladder = Ladder::new(&problem, 8, 3, Truncation::new(4).unwrap(), key, runs).unwrap();
+    let runs = vec![Run::new(bind(&problem, &Heun), 0)];
+    let ladder =
+        Ladder::new(&mc::Problem::of(&problem), 8, 3, Truncation::new(4).unwrap(), key, runs)
+            .unwrap();
     let folder = tempfile::tempdir().unwrap();
     let job = STUDY.part(folder.path(), 1, 1).unwrap();
     assert!(ladder.run_in(&job, "none", 500, Forgetful::default, &|_| ()).is_none());
@@ -508,7 +518,8 @@ fn expectation(
         Observable { name: "q^2", function: |y: [f64; 2]| y[0] * y[0] },
     ];
     let job = job.splitting_rounds_above(10_000);
-    let found = expectation_in(&job, "E", &Heun, problem, &phi, accuracy, &settings, &|_| ());
+    let found =
+        expectation_in(&job, "E", &Setup::of(problem, &Heun), &phi, accuracy, &settings, &|_| ());
     job.finish().map(|_| found.unwrap())
 }
 

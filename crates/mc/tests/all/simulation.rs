@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use mc::{
-    DynSimulation, LadderError, NoiseOrigin, Recording, RecordingError, Setup, Simulation,
-    SimulationError, trajectory, write_csv, write_json,
+    LadderError, NoiseOrigin, Recording, RecordingError, Setup, Simulation, SimulationError,
+    StateFunction, trajectory, write_csv, write_json,
 };
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
@@ -29,16 +29,16 @@ fn k4() -> Truncation {
 #[test]
 fn a_table_holds_the_trajectory_and_the_conformal_defect() {
     let (problem, sexp) = (body(), Sexp);
-    let all = trajectory(&problem, &sexp, 64, k4(), KEY, 7).unwrap();
-    let table = Simulation::new(&problem, &sexp, k4())
+    let all = trajectory(&Setup::of(&problem, &sexp), 64, k4(), KEY, 7).unwrap();
+    let table = Simulation::new(Setup::of(&problem, &sexp), k4())
         .every(10)
-        .observing("y1 y2", |y| y[0] * y[1])
+        .observing(StateFunction::new("y1 y2", |y: [f64; 3]| y[0] * y[1]))
         .path(64, KEY, 7)
         .unwrap();
     let saved = [0, 10, 20, 30, 40, 50, 60, 64];
     assert_eq!(table.times(), saved.map(|n| all.times[n]));
     for (row, &n) in saved.iter().enumerate() {
-        let y = all.states[n];
+        let y = all.state(n);
         for i in 0..3 {
             assert_eq!(table.column(&format!("y{}", i + 1)).unwrap()[row], y[i]);
         }
@@ -61,14 +61,15 @@ fn a_table_holds_the_trajectory_and_the_conformal_defect() {
     let worst = |table: &mc::TimeSeries| {
         table.column("C defect").unwrap().iter().fold(0.0, |m: f64, d| m.max(d.abs()))
     };
-    let euler = Simulation::new(&problem, &EulerMaruyama, k4()).path(64, KEY, 7).unwrap();
+    let euler =
+        Simulation::new(Setup::of(&problem, &EulerMaruyama), k4()).path(64, KEY, 7).unwrap();
     assert!(worst(&table) < 1e-13 && worst(&euler) > 1e-3, "{} {}", worst(&table), worst(&euler));
 }
 
 #[test]
 fn many_paths_come_in_order_and_do_not_depend_on_threads() {
     let (problem, sexp) = (body(), Sexp);
-    let simulation = Simulation::new(&problem, &sexp, k4()).every(8);
+    let simulation = Simulation::new(Setup::of(&problem, &sexp), k4()).every(8);
     let paths = simulation.paths(16, KEY, 3..9).unwrap();
     for (path, table) in (3..9).zip(&paths) {
         assert_eq!(*table, simulation.path(16, KEY, path).unwrap());
@@ -80,8 +81,8 @@ fn many_paths_come_in_order_and_do_not_depend_on_threads() {
 #[test]
 fn tables_read_back_to_the_same_bits() {
     let (problem, sexp) = (body(), Sexp);
-    let paths = Simulation::new(&problem, &sexp, k4())
-        .observing("a \"b\", c", |y| y[0])
+    let paths = Simulation::new(Setup::of(&problem, &sexp), k4())
+        .observing(StateFunction::new("a \"b\", c", |y: [f64; 3]| y[0]))
         .paths(8, KEY, 0..3)
         .unwrap();
     let mut csv = Vec::new();
@@ -108,7 +109,7 @@ fn tables_read_back_to_the_same_bits() {
     assert_eq!(read, paths[2].columns[1].values);
 
     // Tables with other columns do not fit below.
-    let other = Simulation::new(&problem, &sexp, k4()).path(8, KEY, 0).unwrap();
+    let other = Simulation::new(Setup::of(&problem, &sexp), k4()).path(8, KEY, 0).unwrap();
     let error = write_csv(&[paths[0].clone(), other], &mut Vec::new()).unwrap_err();
     assert!(error.to_string().contains("a \"\"b\"\", c"), "{error}");
     write_csv(&[], &mut Vec::new()).unwrap();
@@ -117,7 +118,7 @@ fn tables_read_back_to_the_same_bits() {
 #[test]
 fn recorded_increments_give_the_drawn_path_bit_for_bit() {
     let (problem, sexp) = (body(), Sexp);
-    let simulation = Simulation::new(&problem, &sexp, k4());
+    let simulation = Simulation::new(Setup::of(&problem, &sexp), k4());
     let recording = Recording::<3>::draw(KEY, 4, 32, 1.0, false).unwrap();
     let read: Recording<3> = recording.to_string().parse().unwrap();
     assert_eq!(read, recording);
@@ -128,7 +129,7 @@ fn recorded_increments_give_the_drawn_path_bit_for_bit() {
 
     // With areas, for the scheme that reads them.
     let levy = SexpLevy::new(problem.system(), problem.y0());
-    let simulation = Simulation::new(&problem, &levy, k4());
+    let simulation = Simulation::new(Setup::of(&problem, &levy), k4());
     assert_eq!(
         simulation.recorded(&read),
         Err(LadderError::NoAreas { scheme: "sexp-levy" }.into())
@@ -239,10 +240,10 @@ fn bad_recordings_and_simulations_are_refused() {
     assert!(Recording::<2>::draw(KEY, 0, 4, f64::NAN, false).is_err());
 
     let (problem, sexp) = (body(), Sexp);
-    let simulation = || Simulation::new(&problem, &sexp, k4());
+    let simulation = || Simulation::new(Setup::of(&problem, &sexp), k4());
     assert_eq!(simulation().every(0).path(8, KEY, 0), Err(SimulationError::Every));
     assert_eq!(
-        simulation().observing("y2", |y| y[1]).path(8, KEY, 0),
+        simulation().observing(StateFunction::new("y2", |y: [f64; 3]| y[1])).path(8, KEY, 0),
         Err(SimulationError::Column { name: "y2".to_owned() })
     );
     assert!(matches!(
@@ -267,7 +268,7 @@ fn invariants_that_share_a_name_are_numbered() {
     let lattice = SpinLattice::on_paths(Shape::open(&[2]).unwrap(), couplings).unwrap();
     let (damping, y0) = (Cosine::new(0.5, 2.0).unwrap(), vec![0.0, 0.6, 0.8, 0.0, 0.0, 0.0]);
     let problem = run_time::Problem::new(Arc::new(lattice), Arc::new(damping), y0, 1.0).unwrap();
-    let simulation = DynSimulation::new(Setup::at_run_time(&problem, &Sexp).unwrap(), k4());
+    let simulation = Simulation::new(Setup::at_run_time(&problem, &Sexp).unwrap(), k4());
     let table = &simulation.paths(16, KEY, 0..1).unwrap()[0];
     let names: Vec<&str> = table.columns[7..].iter().map(|column| column.name.as_str()).collect();
     assert_eq!(names, ["C1", "C1 defect", "C2", "C2 defect"]);
@@ -307,9 +308,10 @@ fn large_compiled_systems_run_on_the_usual_threads() {
     let problem = Problem::new(Oscillators, Cosine::new(0.5, 2.0).unwrap(), y0, 0.125).unwrap();
     for (solver, steps) in [(Solver::default(), 8), (Solver::new(Method::Newton), 1)] {
         let scheme = &WithSolver { formula: Sexp, solver };
-        let paths = Simulation::new(&problem, scheme, k4()).paths(steps, KEY, 0..2).unwrap();
-        let alone = trajectory(&problem, scheme, steps, k4(), KEY, 1).unwrap();
-        let last = alone.states[steps as usize];
+        let paths =
+            Simulation::new(Setup::of(&problem, scheme), k4()).paths(steps, KEY, 0..2).unwrap();
+        let alone = trajectory(&Setup::of(&problem, scheme), steps, k4(), KEY, 1).unwrap();
+        let last = &alone.states[steps as usize];
         for (i, column) in paths[1].columns[1..=300].iter().enumerate() {
             assert_eq!(column.values.last(), Some(&last[i]));
         }
@@ -321,7 +323,7 @@ fn a_path_that_ends_early_says_so() {
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
     let problem =
         Problem::new(body, Cosine::new(0.0, 1.0).unwrap(), [1e200, 1e200, 1.0], 1.0).unwrap();
-    let table = Simulation::new(&problem, &EulerMaruyama, k4()).path(8, KEY, 0).unwrap();
+    let table = Simulation::new(Setup::of(&problem, &EulerMaruyama), k4()).path(8, KEY, 0).unwrap();
     assert_eq!(table.times(), [0.0]);
     assert_eq!(
         table.halted.as_deref(),

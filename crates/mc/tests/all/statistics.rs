@@ -1,13 +1,13 @@
 //! Statistics of final states against the states themselves, and recordings against their numbers.
 
 use mc::{
-    Ladder, Recording, RecordingError, Reference, Run, Simulation, StrongErrors, TimeChange,
-    WorstTimes,
+    Ladder, Recording, RecordingError, Reference, Run, Setup, Simulation, StrongErrors, TimeChange,
+    WorstTimes, bind,
 };
-use noise::{BlockNoise, Truncation};
+use noise::Truncation;
 use real::{Row, WIDTH};
-use schemes::{EulerMaruyama, Scheme, Sexp};
-use systems::{Damping, PoissonSystem, RigidBody};
+use schemes::{EulerMaruyama, Sexp};
+use systems::{Damping, PoissonSystem};
 
 use crate::ladder::{KEY, Keep, body};
 
@@ -26,20 +26,20 @@ fn square(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// Runs 0 to 3: the reference, then a series from coarse to fine, and the last one exchanged.
-fn with_runs<T>(use_it: impl FnOnce(&Ladder<'_, BlockNoise<3>>, Truncation) -> T) -> T {
+fn with_runs<T>(use_it: impl FnOnce(&Ladder<'_>, Truncation) -> T) -> T {
     let (problem, euler, k) = (body(), EulerMaruyama, Truncation::new(2).unwrap());
     let sexp = Sexp;
     let runs = vec![
-        Run::new(&sexp as &dyn Scheme<RigidBody<3>, 3, 3>, 0),
-        Run::new(&euler, 3),
-        Run::new(&euler, 2),
-        Run::swapped(&euler, 2),
+        Run::new(bind(&problem, &sexp), 0),
+        Run::new(bind(&problem, &euler), 3),
+        Run::new(bind(&problem, &euler), 2),
+        Run::swapped(bind(&problem, &euler), 2),
     ];
-    use_it(&Ladder::new(&problem, 64, 3, k, KEY, runs).unwrap(), k)
+    use_it(&Ladder::new(&mc::Problem::of(&problem), 64, 3, k, KEY, runs).unwrap(), k)
 }
 
 /// The states of all runs at coarse time n.
-fn states(ladder: &Ladder<'_, BlockNoise<3>>, n: u64) -> Vec<Vec<[f64; 3]>> {
+fn states(ladder: &Ladder<'_>, n: u64) -> Vec<Vec<[f64; 3]>> {
     ladder.run(PATHS as u64, || Keep::new(n, 4), &|_| ()).statistic.runs
 }
 
@@ -126,8 +126,10 @@ impl TimeChange for Steps {
 fn errors_against_an_exact_solution_are_taken_at_the_random_time() {
     let (problem, sexp) = (body(), Sexp);
     let k = Truncation::new(2).unwrap();
-    let runs = vec![Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0)];
-    let ladder = Ladder::new(&problem, 64, 3, k, KEY, runs).unwrap().with_time_change(&Steps);
+    let runs = vec![Run::new(bind(&problem, &sexp), 0)];
+    let ladder = Ladder::new(&mc::Problem::of(&problem), 64, 3, k, KEY, runs)
+        .unwrap()
+        .with_time_change(&Steps);
     let solution = |s: f64| vec![s, 0.0, 0.0];
     let series = [vec![0]];
     let new = || StrongErrors::new(Reference::Exact(&solution), &series, ladder.coarse_steps());
@@ -145,7 +147,8 @@ fn errors_against_an_exact_solution_are_taken_at_the_random_time() {
 fn the_defect_of_a_scheme_that_leaves_the_law_is_relative_to_the_law() {
     let problem = body();
     let k = Truncation::new(4).unwrap();
-    let table = Simulation::new(&problem, &EulerMaruyama, k).every(8).path(16, KEY, 7).unwrap();
+    let table =
+        Simulation::new(Setup::of(&problem, &EulerMaruyama), k).every(8).path(16, KEY, 7).unwrap();
     let (casimir, defects) = (table.column("C").unwrap(), table.column("C defect").unwrap());
     let start: f64 = problem.system().invariant(0, problem.y0());
     for ((t, value), defect) in table.times().iter().zip(casimir).zip(defects) {

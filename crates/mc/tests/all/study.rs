@@ -4,12 +4,13 @@
 //! are each exceeded by a right program with the probability that stands there.
 
 use mc::{
-    LadderError, Observable, Simulation, Study, StudyError, StudyResult, StudySettings, Times,
+    LadderError, Observable, Setup, Simulation, StateFunction, Study, StudyError, StudyResult,
+    StudySettings, Times,
     parts::{Job, Program, Share},
     study,
     study::Place,
 };
-use noise::{BlockNoise, StreamKey, Truncation};
+use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
 use schemes::{Sexp, WithSolver};
 use systems::{Constant, Problem};
@@ -30,7 +31,7 @@ const OFFSET: Observable<2> = Observable { name: "1e8 + p", function: |y| 1e8 + 
 const ROOT: Observable<2> = Observable { name: "√p", function: |y| y[1].sqrt() };
 
 fn run(observables: &[Observable<2>], settings: &StudySettings) -> StudyResult {
-    study(&additive(), &Sexp, observables, settings, &|_| ()).unwrap()
+    study(&Setup::of(&additive(), &Sexp), observables, settings, &|_| ()).unwrap()
 }
 
 /// Quantiles of the normal law at the default levels, and its density there.
@@ -123,9 +124,10 @@ fn a_study_is_made_of_the_values_of_its_paths() {
         quantiles: vec![0.9, 0.1],
         ..StudySettings::new(12, vec![5, 12], paths, k, key)
     };
-    let result = study(&problem, &Sexp, &observables, &settings, &|_| ()).unwrap();
+    let result = study(&Setup::of(&problem, &Sexp), &observables, &settings, &|_| ()).unwrap();
     assert_eq!(result.record.quantiles, [0.1, 0.9]);
-    let simulation = Simulation::new(&problem, &Sexp, k).observing("y2 y3", |y| y[1] * y[2]);
+    let simulation = Simulation::new(Setup::of(&problem, &Sexp), k)
+        .observing(StateFunction::new("y2 y3", |y: [f64; 3]| y[1] * y[2]));
     let tables = simulation.paths(12, key, 0..paths).unwrap();
     for name in ["y1", "y2 y3"] {
         for (point, step) in result.series(name).unwrap().points[1..].iter().zip([5, 12]) {
@@ -161,7 +163,7 @@ fn a_study_is_made_of_the_values_of_its_paths() {
     }
     // Other times give the same numbers where they coincide.
     let even = StudySettings { times: Times::Even(1), ..settings };
-    let even = study(&problem, &Sexp, &observables, &even, &|_| ()).unwrap();
+    let even = study(&Setup::of(&problem, &Sexp), &observables, &even, &|_| ()).unwrap();
     assert_eq!(even.series[1].last(), result.series[1].last());
 }
 
@@ -175,8 +177,9 @@ fn threads_change_no_bit_of_a_study() {
             done.fetch_add(steps, std::sync::atomic::Ordering::Relaxed);
         };
         let settings = settings(6, 3, 3000, 2);
-        let result =
-            pool.install(|| study(&additive(), &Sexp, &[P, OFFSET], &settings, &count).unwrap());
+        let result = pool.install(|| {
+            study(&Setup::of(&additive(), &Sexp), &[P, OFFSET], &settings, &count).unwrap()
+        });
         assert_eq!(done.into_inner(), 6 * 3000);
         let mut json = Vec::new();
         result.write_json(&mut json).unwrap();
@@ -190,7 +193,8 @@ fn threads_change_no_bit_of_a_study() {
 fn a_study_in_parts_has_the_same_bits() {
     let (problem, observables) = (additive(), [P, ROOT]);
     let study = |paths: u64, times: u64| {
-        Study::new(&problem, &Sexp, &observables, &settings(8, times, paths, 3)).unwrap()
+        Study::new(&Setup::of(&problem, &Sexp), &observables, &settings(8, times, paths, 3))
+            .unwrap()
     };
     let whole = study(1700, 4).run(&|_| ());
     let (folder, program) =
@@ -200,7 +204,7 @@ fn a_study_in_parts_has_the_same_bits() {
         assert!(study(1700, 4).run_in(&job, "study", &|_| ()).is_none());
         job.finish().unwrap();
     }
-    let merge_as = |study: Study<'_, BlockNoise<1>>| {
+    let merge_as = |study: Study<'_>| {
         let job = Job::merge(folder.path(), program()).unwrap();
         let found = study.run_in(&job, "study", &|_| ());
         job.finish().map(|_| found)
@@ -208,9 +212,9 @@ fn a_study_in_parts_has_the_same_bits() {
     assert_eq!(merge_as(study(1700, 4)).unwrap().as_ref(), Some(&whole));
     // Other times, and other bins, are another study.
     let bins = StudySettings { bins: 255, ..settings(8, 4, 1700, 3) };
-    let binned = Study::new(&problem, &Sexp, &observables, &bins).unwrap();
+    let binned = Study::new(&Setup::of(&problem, &Sexp), &observables, &bins).unwrap();
     let late = StudySettings { times: vec![2, 4, 7, 8].into(), ..settings(8, 4, 1700, 3) };
-    let late = Study::new(&problem, &Sexp, &observables, &late).unwrap();
+    let late = Study::new(&Setup::of(&problem, &Sexp), &observables, &late).unwrap();
     for other in [study(1700, 2), late, binned] {
         let error = merge_as(other).unwrap_err().to_string();
         assert!(error.contains("observables with hash"), "{error}");
@@ -269,7 +273,7 @@ fn failed_paths_are_left_out_counted_and_described() {
     let observables = [Observable { name: "y2", function: |y: [f64; 2]| y[1] }];
     let settings =
         StudySettings { truncation: Truncation::new(4).unwrap(), ..settings(16, 4, 400, 1) };
-    let result = study(&problem, &scheme, &observables, &settings, &|_| ()).unwrap();
+    let result = study(&Setup::of(&problem, &scheme), &observables, &settings, &|_| ()).unwrap();
     let counts: Vec<u64> = result.series[0].points.iter().map(|point| point.count).collect();
     assert!(counts[0] == 400 && counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
     assert!(result.losses.failed > 20 && counts[4] + result.losses.failed == 400);
@@ -345,7 +349,7 @@ fn a_table_has_a_row_for_each_quantity() {
 fn impossible_studies_are_refused() {
     let good = || settings(12, 4, 100, 1);
     let refuse = |settings: StudySettings, observables: &[Observable<2>]| {
-        study(&additive(), &Sexp, observables, &settings, &|_| ()).unwrap_err()
+        study(&Setup::of(&additive(), &Sexp), observables, &settings, &|_| ()).unwrap_err()
     };
     let message = |settings| refuse(settings, &[P]).to_string();
     let with = |times: Times| message(StudySettings { times, ..good() });

@@ -8,11 +8,11 @@
 
 use std::f64::consts::TAU;
 
-use noise::{AreaBlock, StreamKey, WienerBlock};
+use noise::{StreamKey, WienerBlock};
 use real::{Block, WIDTH};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::law::Law;
+use crate::{AreaBlock, law::Law};
 
 /// Probability that perfect samplers fail anywhere in these tests.
 pub const FALSE_ALARM: f64 = 1e-4;

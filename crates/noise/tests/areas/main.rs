@@ -16,7 +16,7 @@ mod written_out;
 
 use std::f64::consts::{FRAC_2_PI, PI};
 
-use noise::{AreaBlock, AreaMethod, AreaSampler, ExactArea, StreamKey, WienerBlock, join};
+use noise::{AreaMethod, AreaSampler, ExactArea, StreamKey, WienerBlock};
 use real::{Block, Row, WIDTH};
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -34,14 +34,49 @@ pub fn key(experiment: u64) -> StreamKey {
     StreamKey { seed, experiment }
 }
 
+/// The areas of M noises: those of path p are `block.0[i][j][p]`, i < j.
+#[derive(Clone, Copy)]
+pub struct AreaBlock<const M: usize>(pub [[Row; M]; M]);
+
+impl<const M: usize> AreaBlock<M> {
+    /// All zero.
+    pub fn zero() -> Self {
+        Self([[[0.0; WIDTH]; M]; M])
+    }
+
+    /// The skew matrix of path `p`.
+    pub fn path(&self, p: usize) -> [[f64; M]; M] {
+        noise::skew(&self.0.each_ref(), p)
+    }
+
+    /// Replaces the areas of path `p` by those above the diagonal.
+    pub fn set_path(&mut self, p: usize, area: [[f64; M]; M]) {
+        for i in 0..M {
+            (i + 1..M).for_each(|j| self.0[i][j][p] = area[i][j]);
+        }
+    }
+}
+
+/// Chen's relation.
+fn join<const M: usize>(
+    one: &AreaBlock<M>,
+    first: &[Row; M],
+    other: &AreaBlock<M>,
+    second: &[Row; M],
+) -> AreaBlock<M> {
+    let mut joined = *one;
+    noise::join(joined.0.as_flattened_mut(), first, other.0.as_flattened(), second);
+    joined
+}
+
 /// A sampler as a function, as batteries want it.
 fn sampler<const M: usize>(
     key: StreamKey,
     method: AreaMethod,
     terms: usize,
 ) -> impl FnMut(f64, &Block<M>, &mut AreaBlock<M>) {
-    let mut sampler = AreaSampler::<M>::new(key, 0, method, terms);
-    move |step, dw, areas| sampler.areas(step, dw, areas)
+    let mut sampler = AreaSampler::new(key, 0, M, method, terms);
+    move |step, dw, areas| sampler.areas(step, &dw.0, areas.0.as_flattened_mut())
 }
 
 fn exact(key: StreamKey) -> impl FnMut(f64, &Block<2>, &mut AreaBlock<2>) {
@@ -337,12 +372,12 @@ fn samplers_agree_with_the_formulas_written_out() {
     fn agree<const M: usize>(method: AreaMethod, terms: usize) {
         let key = key(300);
         let mut noise = WienerBlock::<M>::new(key, 64);
-        let mut ours = AreaSampler::<M>::new(key, 64, method, terms);
+        let mut ours = AreaSampler::new(key, 64, M, method, terms);
         let mut theirs = WrittenOut::new(key, 64, method, terms, RIGHT);
-        let (mut dw, mut a, mut b) = (Block::zero(), AreaBlock::zero(), AreaBlock::zero());
+        let (mut dw, mut a, mut b) = (Block::zero(), AreaBlock::<M>::zero(), AreaBlock::zero());
         for step in [1.0, 0.25, 0.3, 1e-4] {
             noise.increments(f64::sqrt(step), &mut dw);
-            ours.areas(step, &dw, &mut a);
+            ours.areas(step, &dw.0, a.0.as_flattened_mut());
             theirs.areas(step, &dw, &mut b);
             for p in 0..WIDTH {
                 for (i, j) in (0..M).flat_map(|i| (i + 1..M).map(move |j| (i, j))) {

@@ -3,8 +3,10 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use noise::{AREA_STREAM, AreaBlock, AreaMethod, StreamKey, WienerPath};
+use noise::{AREA_STREAM, AreaMethod, StreamKey, WienerPath};
 use real::{Block, WIDTH};
+
+use crate::AreaBlock;
 
 /// The normals that the areas of a path are made of.
 pub fn normals(key: StreamKey, path: u64) -> WienerPath<1> {

@@ -1,5 +1,6 @@
 //! Explicit formulas on systems known at run time.
 
+use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Kernel, Row, WIDTH, dispatch};
 use systems::{
@@ -8,11 +9,11 @@ use systems::{
 };
 
 use super::{
-    SchemeError, Stepper,
+    SchemeError,
     machine::Machine,
     record::{Recorder, Recording},
 };
-use crate::{Implicit, Step};
+use crate::{Implicit, Step, Stepper};
 
 /// A formula that does not depend on z.
 pub struct ExplicitStepper<'a, F> {
@@ -60,13 +61,13 @@ impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {
         &mut self.machine.buffers[0]
     }
 
-    fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus) {
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         // Operations that a formula did not have before may need more memory, or be refused.
         if self.prepare(step).is_err() {
             *status = BlockStatus::explicit();
             return status.fail_everywhere();
         }
-        let h = Weights { dt: step.tau, dw };
+        let h = Weights { dt: step.tau, dw: &noise.increments };
         self.machine.execute(self.recorder.operations().1, h);
         self.machine.feed_back(0);
         let y = match self.system.lanes() {

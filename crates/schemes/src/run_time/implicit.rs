@@ -1,11 +1,12 @@
 //! Implicit formulas on systems known at run time.
 
+use noise::StepNoise;
 use nonlin::{BlockStatus, Outcome};
 use real::{Kernel, PathMask, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{Lanes, System, Weights};
 
 use super::{
-    SchemeError, Stepper,
+    SchemeError,
     derivative::derivative,
     explicit::some_step,
     krylov::{Equation, Krylov},
@@ -14,7 +15,7 @@ use super::{
     record::{Recorder, Recording},
     sweep::{Pending, Sweep, excess},
 };
-use crate::{Implicit, Step};
+use crate::{Implicit, Step, Stepper};
 
 /// An implicit formula, solved by fixed-point iteration as in [`nonlin::Method::FixedPoint`], and
 /// by Newton's method without a matrix on paths where that does not converge.
@@ -134,13 +135,13 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
         &mut self.state
     }
 
-    fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus) {
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         *status = BlockStatus::explicit();
         // Operations that a formula did not have before may need more memory, or be refused.
         if self.prepare(step).is_err() {
             return status.fail_everywhere();
         }
-        let h = Weights { dt: step.tau, dw };
+        let h = Weights { dt: step.tau, dw: &noise.increments };
         let (first, second) =
             if F::EXACT_DAMPING { (step.first_decay, step.second_decay) } else { (1.0, 1.0) };
         dispatch(Multiple { x: &self.state, factor: first, out: &mut self.machine.buffers[0] });

@@ -2,7 +2,7 @@
 //!
 //! A scheme has one formula for compiled systems and for these: here the formula is recorded as a
 //! list of operations on states, and the list is executed on rows of 32 numbers, tile by tile. A
-//! [`Stepper`] holds the state of 32 paths, or of one large path, whose tiles are computed in
+//! [`Stepper`](crate::Stepper) holds the state of 32 paths, or of one large path, whose tiles are computed in
 //! parallel; the bits do not depend on the number of threads. Memory is a few states, and nothing
 //! is allocated in a step unless a formula stores more than four results at a time.
 //!
@@ -10,6 +10,7 @@
 //! Newton's method with continuation whose linear equations are solved without a matrix.
 //!
 //! ```
+//! use noise::StepNoise;
 //! use nonlin::BlockStatus;
 //! use real::Rows;
 //! use schemes::{Sexp, Step, run_time::Scheme};
@@ -20,9 +21,10 @@
 //! let system = Compiled::new(body, y0);
 //! let mut paths = Sexp.stepper(&system)?;
 //! paths.state_mut().copy_from_slice(&Rows::splat(&y0)?);
-//! let (step, dw) = (Step::new(&damping, 0, 0.01)?, Rows::splat(&[0.1, -0.2, 0.1])?);
+//! let step = Step::new(&damping, 0, 0.01)?;
+//! let noise = StepNoise::from(Rows::splat(&[0.1, -0.2, 0.1])?);
 //! let mut status = BlockStatus::explicit();
-//! paths.step(&step, &dw, &mut status);
+//! paths.step(&step, &noise, &mut status);
 //! let square: f64 = paths.state().iter().map(|row| row[31] * row[31]).sum();
 //! let law = (-2.0 * step.damping_integral()).exp();
 //! assert!(status.failed.is_empty() && (square / law - 1.0).abs() < 1e-15);
@@ -41,4 +43,4 @@ mod scheme;
 mod sweep;
 mod without_iteration;
 
-pub use scheme::{Scheme, SchemeError, Stepper};
+pub use scheme::{Scheme, SchemeError};

@@ -1,11 +1,10 @@
 //! Schemes for systems known at run time.
 
-use nonlin::BlockStatus;
-use real::{OutOfMemory, Row};
+use real::OutOfMemory;
 use systems::run_time::System;
 
 use super::{explicit::ExplicitStepper, implicit::ImplicitStepper};
-use crate::{Implicit, SexpLiError, Step};
+use crate::{Implicit, SexpLiError, Stepper};
 
 /// A one-step method for systems whose dimension is known at run time. Every formula is one, with
 /// the same formula as for compiled systems; see [`Explicit`](crate::Explicit) and [`Implicit`].
@@ -21,19 +20,6 @@ pub trait Scheme: Send + Sync {
     /// # Errors
     /// [`SchemeError`] if the scheme is not for the system, or memory is not there.
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError>;
-}
-
-/// A state that advances step by step.
-pub trait Stepper: Send {
-    /// The rows of the state.
-    fn state(&self) -> &[Row];
-
-    /// The rows of the state, to be set.
-    fn state_mut(&mut self) -> &mut [Row];
-
-    /// Advances by one step with the increments `dw` and overwrites `status`. Numbers that belong
-    /// to one path have the status of path 0.
-    fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus);
 }
 
 /// A scheme that cannot be used for a system known at run time.

@@ -1,12 +1,13 @@
 //! `sexp-li`, `split` and `nv` on systems known at run time.
 
+use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{OutOfMemory, Row, Rows, WIDTH};
 use systems::run_time::{Lanes, System, Weights};
 
-use super::{Scheme, SchemeError, Stepper, explicit::ExplicitStepper};
+use super::{Scheme, SchemeError, explicit::ExplicitStepper};
 use crate::{
-    Implicit, Nv, SexpLi, Split, StageFlows, Step, Sweep, nv, poisson_flow::PoissonFlow,
+    Implicit, Nv, SexpLi, Split, StageFlows, Step, Stepper, Sweep, nv, poisson_flow::PoissonFlow,
     sexp_li::LinearlyImplicit, split,
 };
 
@@ -101,8 +102,9 @@ impl Stepper for SplitStepper<'_> {
         &mut self.state
     }
 
-    fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus) {
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         *status = BlockStatus::explicit();
+        let dw = &noise.increments[..];
         let halves = self.half_dw.iter_mut().flatten().zip(dw.iter().flatten());
         halves.for_each(|(half, dw)| *half = 0.5 * dw);
         let parts = self.parts;
@@ -137,13 +139,14 @@ struct NvStepper<'a, F> {
     flow: ExplicitStepper<'a, F>,
     noises: usize,
     /// The increment of one noise, zero for all others.
-    single: Rows,
+    single: StepNoise,
 }
 
 impl<'a, F: Implicit> NvStepper<'a, F> {
     fn new(sweep: Sweep, flow: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
         let flow = ExplicitStepper::new(flow, system)?;
-        Ok(Self { sweep, flow, noises: system.noises(), single: Rows::zero(system.noise_rows())? })
+        let single = Rows::zero(system.noise_rows())?.into();
+        Ok(Self { sweep, flow, noises: system.noises(), single })
     }
 }
 
@@ -177,9 +180,9 @@ impl<F: Implicit> nv::Moved for Flowing<'_, '_, F> {
         let noises = self.stepper.noises;
         for k in 0..noises {
             let m = if backward { noises - 1 - k } else { k };
-            self.stepper.single[m] = self.dw[m];
+            self.stepper.single.increments[m] = self.dw[m];
             self.flow(0.0);
-            self.stepper.single[m] = [0.0; WIDTH];
+            self.stepper.single.increments[m] = [0.0; WIDTH];
         }
     }
 }
@@ -193,9 +196,9 @@ impl<F: Implicit> Stepper for NvStepper<'_, F> {
         self.flow.state_mut()
     }
 
-    fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus) {
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         let backward = self.noises > 1 && self.sweep.is_backward(step);
-        let half_tau = 0.5 * step.tau;
+        let (half_tau, dw) = (0.5 * step.tau, &noise.increments[..]);
         nv::compose(backward, step, &mut Flowing { stepper: self, half_tau, dw, status });
     }
 }

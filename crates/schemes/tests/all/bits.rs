@@ -4,7 +4,7 @@
 use crate::common::{Numbers, Visit, body, every_system, populations_2};
 use crate::levy::Rotations;
 use crate::own_schemes::{ConformalMidpoint, EulerWithAreas};
-use noise::{BlockNoise, StreamKey, Truncation, WienerBlock, clip};
+use noise::{BlockNoise, Noise, StepNoise, StreamKey, Truncation, WienerBlock, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
 use schemes::{
@@ -48,21 +48,23 @@ impl SideBySide {
         // A path that is no number from the start must not disturb the others.
         block.0[D - 1][13] = f64::NAN;
         let mut paths: Vec<[f64; D]> = (0..WIDTH).map(|p| block.path(p)).collect();
-        let (mut dw, mut noise) = (Block::zero(), BlockNoise::zero());
+        let (mut dw, mut drawn) = (Block::zero(), StepNoise::with_areas(M));
         let mut status = BlockStatus::explicit();
         for n in 0..STEPS {
             let step = Step::new(&damping, n, TAU).unwrap();
             wiener.increments(TAU.sqrt(), &mut dw);
-            clip(&dw.0, bound, &mut noise.increments.0);
+            clip(&dw.0, bound, &mut drawn.increments);
             // Some increments are far larger than truncation allows, so that the robust method has
             // work.
-            for p in [4, 21] {
-                noise.increments.set_path(p, noise.increments.path(p).map(|x| 8.0 * x));
+            for row in drawn.increments.iter_mut() {
+                [4, 21].into_iter().for_each(|p| row[p] *= 8.0);
             }
             for p in 0..WIDTH {
                 let areas = [(); M].map(|()| [(); M].map(|()| area_bound * numbers.next()));
-                noise.areas.set_path(p, areas);
+                let increments = drawn.path(p).increments;
+                drawn.set_path(p, &Noise::<M> { increments, areas });
             }
+            let noise = BlockNoise::from(&drawn);
             scheme.step_block(system, &step, &noise, &mut block, &mut status);
             for p in 0..WIDTH {
                 let single = scheme.step(system, &step, &noise.path(p), paths[p]);

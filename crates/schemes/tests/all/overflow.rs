@@ -46,7 +46,8 @@ fn overflow_in_the_second_half_is_a_failure() {
             let mut block = Block::splat([1e-20, 1e-20]);
             block.set_path(7, large);
             let mut status = BlockStatus::explicit();
-            let noise = BlockNoise::increments(Block::splat([0.1]));
+            let dw = Block::splat([0.1]);
+            let noise = BlockNoise::increments(&dw.0);
             scheme.step_block(&Still, step, &noise, &mut block, &mut status);
             assert_eq!(
                 status.failed.paths().collect::<Vec<_>>(),

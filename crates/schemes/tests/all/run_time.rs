@@ -1,9 +1,9 @@
 //! Schemes on systems known at run time: the bits of compiled ones where formulas are explicit, the
 //! same solutions where they are implicit, and Newton's method without a matrix.
 
-use noise::{BlockNoise, StreamKey, WienerBlock};
+use noise::{BlockNoise, StepNoise, StreamKey, WienerRows};
 use nonlin::{BlockStatus, Method, Solver};
-use real::{Block, Row, Rows, WIDTH};
+use real::{Block, Rows, WIDTH};
 use schemes::{
     EulerMaruyama, Heun, Implicit, Midpoint, Nv, Scheme, Sexp, SexpLi, Split, Step, WithSolver,
     run_time,
@@ -32,17 +32,17 @@ where
     let mut paths = scheme.stepper(adapter).unwrap();
     let mut y = Block::splat(y0);
     paths.state_mut().copy_from_slice(&y.0);
-    let mut wiener = WienerBlock::<M>::new(StreamKey { seed: 3, experiment: 1 }, 0);
-    let mut noise = BlockNoise::zero();
+    let mut wiener = WienerRows::new(StreamKey { seed: 3, experiment: 1 }, 0);
+    let mut noise = StepNoise::zero(M);
     let (mut status, mut other) = (BlockStatus::explicit(), BlockStatus::explicit());
     let damping = Cosine::new(0.5, 2.0).unwrap();
     let mut largest = 0.0f64;
     for n in 0..STEPS {
         wiener.increments(tau.sqrt(), &mut noise.increments);
-        noise.increments.0.iter_mut().flatten().for_each(|dw| *dw = dw.clamp(-0.4, 0.4));
+        noise.increments.iter_mut().flatten().for_each(|dw| *dw = dw.clamp(-0.4, 0.4));
         let step = Step::new(&damping, n, tau).unwrap();
-        scheme.step_block(system, &step, &noise, &mut y, &mut status);
-        paths.step(&step, &noise.increments.0, &mut other);
+        scheme.step_block(system, &step, &(&noise).into(), &mut y, &mut status);
+        paths.step(&step, &noise, &mut other);
         assert!(status.failed.is_empty() && other.failed.is_empty(), "{}", system.name());
         for (row, expected) in paths.state().iter().zip(&y.0) {
             for p in 0..WIDTH {
@@ -110,7 +110,7 @@ fn one_step<F: Implicit>(
     scheme: &F,
     adapter: &dyn System,
     y0: &[f64],
-    (tau, dw): (f64, &[Row]),
+    (tau, noise): (f64, &StepNoise),
 ) -> (Rows, BlockStatus) {
     let mut paths = run_time::Scheme::stepper(scheme, adapter).unwrap();
     let mut numbers = Numbers(5);
@@ -119,7 +119,7 @@ fn one_step<F: Implicit>(
     });
     let mut status = BlockStatus::explicit();
     let step = Step::new(&Cosine::new(0.5, 2.0).unwrap(), 0, tau).unwrap();
-    paths.step(&step, dw, &mut status);
+    paths.step(&step, noise, &mut status);
     let mut z = Rows::zero(y0.len()).unwrap();
     z.copy_from_slice(paths.state());
     (z, status)
@@ -133,10 +133,10 @@ fn newton_without_a_matrix_finds_the_same_solutions() {
         scale: f64,
     ) {
         let adapter = Compiled::new(system.clone(), y0);
-        let mut dw = Rows::zero(M).unwrap();
+        let mut noise = StepNoise::zero(M);
         let mut numbers = Numbers(11);
-        dw.iter_mut().flatten().for_each(|dw| *dw = scale * numbers.next());
-        let h = (0.1, &dw[..]);
+        noise.increments.iter_mut().flatten().for_each(|dw| *dw = scale * numbers.next());
+        let h = (0.1, &noise);
         let one_sweep = Solver { max_sweeps: 1, ..Solver::new(Method::FixedPoint) };
         let forced = WithSolver { formula: Sexp, solver: one_sweep };
         let (z, status) = one_step(&forced, &adapter, &y0, h);
@@ -162,7 +162,7 @@ fn newton_without_a_matrix_finds_the_same_solutions() {
 fn large_increments_are_solved_on_the_branch_of_the_flow() {
     let (system, y0) = (body(), [0.6, 0.0, 0.8]);
     let adapter = Compiled::new(system, y0);
-    let dw = Rows::splat(&[3.0, -2.5, 2.0]).unwrap();
+    let dw = Rows::splat(&[3.0, -2.5, 2.0]).unwrap().into();
     let (z, status) = one_step(&Sexp, &adapter, &y0, (0.5, &dw));
     assert!(status.failed.is_empty() && !status.robust.is_empty());
     let mut numbers = Numbers(5);
@@ -171,7 +171,8 @@ fn large_increments_are_solved_on_the_branch_of_the_flow() {
         y.0[i] = std::array::from_fn(|_| y0[i] + 0.1 * numbers.next());
     }
     let step = Step::new(&Cosine::new(0.5, 2.0).unwrap(), 0, 0.5).unwrap();
-    let noise = BlockNoise::increments(Block::splat([3.0, -2.5, 2.0]));
+    let dw = Block::splat([3.0, -2.5, 2.0]);
+    let noise = BlockNoise::increments(&dw.0);
     let mut compiled = BlockStatus::explicit();
     Sexp.step_block(&system, &step, &noise, &mut y, &mut compiled);
     assert!(compiled.failed.is_empty());

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use dgrad::Rule;
+use noise::StepNoise;
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Row, Rows, WIDTH};
 use schemes::{
@@ -175,7 +176,7 @@ fn run(scheme: &dyn Scheme, system: &Chain, threads: usize, tau: f64) -> (Vec<Ro
             let step = Step::new(&Constant::new(0.1).unwrap(), n, tau).unwrap();
             let angle = n as f64;
             let dw = Rows::splat(&[0.1 * angle.sin(), 0.1 * angle.cos(), 0.05]).unwrap();
-            path.step(&step, &dw, &mut status);
+            path.step(&step, &dw.into(), &mut status);
             assert!(status.failed.is_empty());
             robust += usize::from(status.robust.contains(0));
         }
@@ -270,11 +271,11 @@ fn a_formula_may_store_any_number_of_results() {
             let mut path = Wide.stepper(&system).unwrap();
             path.state_mut().copy_from_slice(&start(&system));
             let step = Step::new(&Constant::new(0.0).unwrap(), 0, 0.05).unwrap();
-            let dw = Rows::splat(&[0.1, -0.2, 0.05]).unwrap();
+            let noise = StepNoise::from(Rows::splat(&[0.1, -0.2, 0.05]).unwrap());
             for _ in 0..3 {
-                let weights = Weights { dt: step.tau, dw: &dw };
+                let weights = Weights { dt: step.tau, dw: &noise.increments };
                 let expected = wide_by_hand(&system, path.state(), weights);
-                path.step(&step, &dw, &mut BlockStatus::explicit());
+                path.step(&step, &noise, &mut BlockStatus::explicit());
                 assert!(path.state() == expected, "{spins} {tile}");
             }
         });

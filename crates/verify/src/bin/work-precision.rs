@@ -10,7 +10,7 @@ use analysis::{
 };
 use anyhow::Result;
 use clap::Parser;
-use mc::Observe;
+use mc::{Observe, bind};
 use noise::StreamKey;
 use systems::{Damping, PoissonSystem};
 use verify::{
@@ -62,10 +62,12 @@ impl Visit for Compared {
         if !only.is_empty() && !only.iter().any(|name| name == id) {
             return Ok(());
         }
+        let schemes: Vec<_> =
+            schemes.iter().map(|scheme| bind(&problem, scheme.as_ref())).collect();
         // The reference is of strong order one.
         let reference = schemes.iter().find(|scheme| scheme.reads_areas()).unwrap_or(&schemes[0]);
-        let candidates = Candidates::against(reference.as_ref());
-        let candidates = schemes.iter().fold(candidates, |all, scheme| all.and(scheme.as_ref()));
+        let candidates = Candidates::against(reference.clone());
+        let candidates = schemes.iter().cloned().fold(candidates, Candidates::and);
         let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
         let experiment = WORK_PRECISION + WORK_PRECISION_PARTS * self.number;
         let key = StreamKey { seed, experiment };
@@ -74,7 +76,8 @@ impl Visit for Compared {
             budget_s: budget,
             ..CompareSettings::new(error, truncation(), key)
         };
-        println!("{id}\n{}\n", compare(&problem, &candidates, &settings)?);
+        let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings)?;
+        println!("{id}\n{comparison}\n");
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use analysis::{Exact, wrong_limit};
-use mc::{Ladder, Measured, Reference, Run, StrongErrors, WorstTimes};
+use mc::{Ladder, Measured, Reference, Run, StrongErrors, WorstTimes, bind};
 use noise::Truncation;
 use schemes::{SexpLevy, SexpLi};
 use stats::{Rate, fit_strong, root_mean_squares};
@@ -62,7 +62,7 @@ pub struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
     pub problem: &'a Problem<S, G, D>,
     pub grid: Grid,
     /// The exact solution, which is known at the final time only.
-    pub exact: Option<Exact<'a, D>>,
+    pub exact: Option<Exact<'a>>,
     /// The one with areas, or else the first, runs at the finest step, too; the errors are
     /// differences from that unless `exact` is given.
     pub curves: &'a [Curve<S, D, M>],
@@ -98,31 +98,31 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         let Self { problem, curves, .. } = *self;
         let grid = Grid { samples: conditions.paths(self.grid.samples), ..self.grid };
         let finest = curves.iter().find(|curve| curve.scheme.reads_areas()).unwrap_or(&curves[0]);
-        let mut runs = vec![Run::new(finest.scheme.as_ref(), 0)];
+        let mut runs = vec![Run::new(bind(problem, finest.scheme.as_ref()), 0)];
         let mut series = Vec::new();
         for curve in curves {
             let first = runs.len();
-            let run = |exponent| Run::new(curve.scheme.as_ref(), grid.level(exponent));
+            let run =
+                |exponent| Run::new(bind(problem, curve.scheme.as_ref()), grid.level(exponent));
             runs.extend(grid.exponents().map(run));
             series.push((first..runs.len()).collect::<Vec<_>>());
         }
-        let exact = self.exact.map(|exact| move |s| (exact.solution)(s).to_vec());
-        let reference = match &exact {
-            Some(solution) => {
+        let reference = match &self.exact {
+            Some(exact) => {
                 series.push(vec![0]);
-                Reference::Exact(solution)
+                Reference::Exact(&*exact.solution)
             }
             None => Reference::Run(0),
         };
         let mut ladder = valid(Ladder::new(
-            problem,
+            &mc::Problem::of(problem),
             grid.finest_steps(problem.t_end()),
             grid.level(FIRST),
             self.truncation,
             conditions.key(0),
             runs,
         ));
-        if let Some(exact) = self.exact {
+        if let Some(exact) = &self.exact {
             ladder = ladder.with_time_change(exact.time_change);
         }
         let times = if self.exact.is_none() { self.worst_times(conditions) } else { Vec::new() };
@@ -199,10 +199,11 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     /// largest, from the difference between that step and a quarter of it on paths of their own,
     /// so that the times do not depend on the errors that are measured there.
     fn worst_times(&self, conditions: &Conditions) -> Vec<u64> {
-        let runs =
-            |curve: &'a Curve<S, D, M>| [2, 0].map(|level| Run::new(curve.scheme.as_ref(), level));
+        let runs = |curve: &'a Curve<S, D, M>| {
+            [2, 0].map(|level| Run::new(bind(self.problem, curve.scheme.as_ref()), level))
+        };
         let ladder = valid(Ladder::new(
-            self.problem,
+            &mc::Problem::of(self.problem),
             (self.problem.t_end() * 2f64.powi(FIRST as i32 + 2)).round() as u64,
             2,
             self.truncation,

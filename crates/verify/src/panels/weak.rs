@@ -39,7 +39,7 @@
 mod tests;
 
 use analysis::FinalMoments;
-use mc::{Ladder, Observable, Run, View};
+use mc::{Ladder, Observable, Run, View, bind};
 use schemes::Sexp;
 use stats::{CrossMoments, Expansion, weak_errors};
 use systems::{
@@ -166,10 +166,15 @@ fn differences(
 ) -> (Vec<CrossMoments>, Vec<String>) {
     let scheme = curve.scheme.as_ref();
     let ladder = |(difference, part): (&DifferenceSamples, u64)| {
-        let runs = vec![Run::new(scheme, 1), Run::new(scheme, 0), Run::swapped(scheme, 0)];
+        let runs = vec![
+            Run::new(bind(problem, scheme), 1),
+            Run::new(bind(problem, scheme), 0),
+            Run::swapped(bind(problem, scheme), 0),
+        ];
         let finest_steps = (2.0 * problem.t_end() / difference.tau).round() as u64;
         let key = conditions.key(part);
-        let ladder = Ladder::new(problem, finest_steps, 1, truncation(), key, runs);
+        let ladder =
+            Ladder::new(&mc::Problem::of(problem), finest_steps, 1, truncation(), key, runs);
         (difference.samples, valid(ladder))
     };
     let ladders: Vec<_> = grid.iter().zip(0..).map(ladder).collect();

@@ -1,6 +1,6 @@
 //! Harmonics, generator and expectations against identities and known values.
 
-use mc::{Ladder, Run, Statistic, View};
+use mc::{Ladder, Run, Statistic, View, bind};
 use noise::{StreamKey, Truncation};
 use real::elementary::{cos, sin};
 use schemes::Sexp;
@@ -255,7 +255,15 @@ fn sampled_paths_agree() {
     let problem = paper_problem();
     let (sexp, key) = (Sexp, StreamKey { seed: 20, experiment: 3 });
     let truncation = Truncation::new(4).unwrap();
-    let ladder = Ladder::new(&problem, 128, 0, truncation, key, vec![Run::new(&sexp, 0)]).unwrap();
+    let ladder = Ladder::new(
+        &mc::Problem::of(&problem),
+        128,
+        0,
+        truncation,
+        key,
+        vec![Run::new(bind(&problem, &sexp), 0)],
+    )
+    .unwrap();
     let new = || Final {
         observables: observables(),
         moments: vec![Moments::default(); 12],

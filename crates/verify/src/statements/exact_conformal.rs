@@ -69,11 +69,12 @@ pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
             states.push(runge_kutta(system, problem.damping(), t, tau, dw, substeps, y));
             times.push((n + 1) as f64 * tau);
         }
+        let states = states.into_iter().map(Vec::from).collect();
         Trajectory { times, states, failure: None }
     };
     let (coarse, fine) = (path(COARSE), path(FINE));
     let claim = |(index, invariant): (usize, &systems::Invariant)| {
-        let variation = |path: &Trajectory<D>| {
+        let variation = |path: &Trajectory| {
             let values = along(problem, index, path);
             let defects: Vec<f64> =
                 values.iter().map(|(_, value, exact)| value / exact - 1.0).collect();

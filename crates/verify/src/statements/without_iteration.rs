@@ -8,7 +8,7 @@
 //! symmetrically about the step.
 
 use analysis::{OtherNoise, worse};
-use mc::{squared_distance, trajectory};
+use mc::{Setup, squared_distance, trajectory};
 use noise::{BlockNoise, Noise, Truncation};
 use schemes::{Scheme, Step};
 use systems::{
@@ -86,7 +86,7 @@ pub fn keeps_casimir<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M
     let mut quantities = Vec::new();
     for size in SIZES {
         let noise = |_: &Step, noise: &BlockNoise<M>, p: usize| {
-            Noise::increments(noise.increments.path(p).map(|dw| size * dw))
+            Noise::increments(noise.increments_of(p).map(|dw| size * dw))
         };
         let scaled = OtherNoise { scheme, noise };
         let (mut solved, mut largest) = (STEPS, 0.0);
@@ -103,8 +103,8 @@ pub fn keeps_casimir<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M
     let long = problem(LONG_STEPS as f64 * LONG_STEP);
     let end = |truncation| {
         let key = conditions.key(part);
-        let path = valid(trajectory(&long, scheme, LONG_STEPS, truncation, key, 0));
-        path.states[path.states.len() - 1]
+        let path = valid(trajectory(&Setup::of(&long, scheme), LONG_STEPS, truncation, key, 0));
+        path.state::<D>(path.states.len() - 1)
     };
     let distance = squared_distance(end(truncation()), end(Truncation::none())).sqrt();
     let words = format!("what clipping increments would change at τ = {LONG_STEP}");
@@ -132,7 +132,7 @@ pub fn order_two<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: us
     let silent = OtherNoise { scheme, noise: silent };
     let [coarse, middle, fine] = [1, 2, 4].map(|finer| {
         let path = conditions.path(0, problem, &silent, finer * COARSE, 0);
-        path.states[path.states.len() - 1]
+        path.state::<D>(path.states.len() - 1)
     });
     let distance = |a, b| squared_distance(a, b).sqrt();
     let order = (distance(coarse, middle) / distance(middle, fine)).log2();

@@ -6,7 +6,7 @@ use analysis::{
     exact::{RandomTime, expectation, solution},
     exact_mean, weak_order,
 };
-use mc::Observable;
+use mc::{Observable, Setup};
 use schemes::Sexp;
 use systems::{
     Damping, Problem,
@@ -49,7 +49,7 @@ fn compare<S: PaperSystem<3, 1>, G: Damping>(
     let curves = curves(conditions, problem);
     let time = random_time(problem, grid.finest_steps(problem.t_end()));
     let solution = |s: f64| solution(problem, s);
-    let exact = Some(Exact { time_change: &time, solution: &solution });
+    let exact = Some(Exact::new(&time, &solution));
     let words = Words { title, system, paper: "Not in the paper." };
     let runs = StrongRuns::new(words, problem, grid, &curves);
     let mut findings = StrongRuns { exact, ..runs }.measure(conditions);
@@ -68,21 +68,20 @@ fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
         Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) },
     ];
     let sizes = StepSizes {
-        coarsest_steps: 8,
         levels: 5,
         refinement: 0,
         samples: conditions.choose(16_000, 400),
-        truncation: truncation(),
-        key: conditions.key(1),
+        ..StepSizes::new(8, truncation(), conditions.key(1))
     };
     let steps = sizes.coarsest_steps << (sizes.levels - 1);
     let time = random_time(problem, steps);
     let solution = |s: f64| solution(problem, s);
-    let exact = Exact { time_change: &time, solution: &solution };
+    let exact = || Exact::new(&time, &solution);
     let sexp = compiled(Sexp);
     let claims = observables.map(|observable| {
-        let (name, reference) = (observable.name, &ReferenceSolution::Exact(exact));
-        let order = valid(weak_order(sexp.as_ref(), problem, observable, &sizes, reference));
+        let (name, reference) = (observable.name, &ReferenceSolution::Exact(exact()));
+        let order =
+            valid(weak_order(&Setup::of(problem, sexp.as_ref()), &observable, &sizes, reference));
         let statement = format!("sexp has weak order 1 against the exact solution for φ = {name}");
         let measured = Evidence::of_order(order, 1.0);
         let weak = Claim::new("weak-one", statement, measured)
@@ -98,7 +97,8 @@ fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
             key: conditions.key(2),
             ..sizes
         };
-        let (value, standard_error) = valid(exact_mean(problem, observable, &sizes, exact));
+        let (value, standard_error) =
+            valid(exact_mean(&mc::Problem::of(problem), &observable, &sizes, &exact()));
         let measured = Evidence::Deviation {
             quantity: format!("E[{name}]"),
             value,

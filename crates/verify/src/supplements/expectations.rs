@@ -2,7 +2,7 @@
 //! against the Kolmogorov equation, and what an accuracy costs.
 
 use mc::{
-    Expect, Observable, Observe,
+    Expect, Observable, Observe, Setup,
     multilevel::{Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation},
 };
 use schemes::Sexp;
@@ -40,7 +40,8 @@ fn cosine(conditions: &Conditions, estimator: Estimator, part: u64, accuracy: f6
     let (problem, sexp) = (rigid_body_three_noises(1.0), compiled(Sexp));
     let settings = ExpectationSettings { estimator, ..settings(conditions, part) };
     let advance = |work| conditions.progress.advance(work);
-    valid(expectation(sexp.as_ref(), &problem, &COS_Y3, accuracy, &settings, &advance))
+    let setup = Setup::of(&problem, sexp.as_ref());
+    valid(expectation(&setup, &COS_Y3, accuracy, &settings, &advance))
 }
 
 /// Expectations with everything chosen, on the points of part number `part`.

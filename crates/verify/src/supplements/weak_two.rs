@@ -10,8 +10,8 @@
 use std::ops::RangeInclusive;
 
 use analysis::FinalMoments;
-use mc::{Ladder, NextNoise, Observable, Run, View};
-use noise::{BlockNoise, QuasiWiener, StepNoise, StreamKey};
+use mc::{Ladder, NextNoise, Observable, Run, View, bind};
+use noise::{QuasiWiener, StreamKey};
 use real::WIDTH;
 use schemes::{Nv, Scheme, Sweep};
 use stats::{CrossMoments, Expansion, weak_errors};
@@ -108,13 +108,14 @@ fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<Stri
     let (mut moments, mut failures) = (CrossMoments::new(OBSERVABLES.len()), Vec::new());
     for scramble in 0..SCRAMBLES {
         let runs = vec![
-            Run::new(forward.as_ref(), 1),
-            Run::new(backward.as_ref(), 1),
-            Run::new(forward.as_ref(), 0),
-            Run::swapped(backward.as_ref(), 0),
+            Run::new(bind(&problem, forward.as_ref()), 1),
+            Run::new(bind(&problem, backward.as_ref()), 1),
+            Run::new(bind(&problem, forward.as_ref()), 0),
+            Run::swapped(bind(&problem, backward.as_ref()), 0),
         ];
         let wiener = valid(QuasiWiener::new(key, scramble, finest_steps, 3, problem.t_end()));
-        let ladder = Ladder::new(&problem, finest_steps, 1, truncation(), key, runs);
+        let ladder =
+            Ladder::new(&mc::Problem::of(&problem), finest_steps, 1, truncation(), key, runs);
         let ladder = valid(valid(ladder).with_noise(move |path| increments(&wiener, path)));
         let new = || FinalMoments::new(ladder.coarse_steps(), OBSERVABLES.len(), &values);
         let measured = ladder.run(points, new, &|_| ());
@@ -125,12 +126,12 @@ fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<Stri
 }
 
 /// The increments of 32 points of a scramble, step by step.
-fn increments(wiener: &QuasiWiener, first_point: u64) -> NextNoise<'static, BlockNoise<3>> {
+fn increments(wiener: &QuasiWiener, first_point: u64) -> NextNoise<'static> {
     let mut all = vec![[0.0; WIDTH]; wiener.dimensions()];
     valid(wiener.block(first_point, &mut all));
     let mut next = 0;
     Box::new(move |noise| {
-        noise.increments_mut().copy_from_slice(&all[next..next + 3]);
+        noise.increments.copy_from_slice(&all[next..next + 3]);
         next += 3;
     })
 }

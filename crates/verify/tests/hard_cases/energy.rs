@@ -13,7 +13,7 @@
 use std::f64::consts::TAU;
 
 use anyhow::Result;
-use noise::{BlockNoise, StreamKey, WienerBlock};
+use noise::{StepNoise, StreamKey, WienerRows};
 use nonlin::BlockStatus;
 use rayon::prelude::*;
 use real::{Block, Real, WIDTH};
@@ -286,8 +286,8 @@ fn march<V: Potential<D>, const D: usize>(
 ) -> Result<Vec<Vec<Row>>> {
     let start = Block::splat(y0);
     let step = Step::new(&Constant::new(0.0)?, 0, tau)?;
-    let mut noise = WienerBlock::<1>::new(key, first as u64);
-    let mut drawn = BlockNoise::increments(Block::splat([0.0]));
+    let mut noise = WienerRows::new(key, first as u64);
+    let mut drawn = StepNoise::zero(1);
     // State, the sum of mean zero, p before, windows, whether a path has not failed.
     let new = |_| (start, [0.0; WIDTH], start.0[D / 2], Vec::<Row>::new(), true);
     let mut runs: Vec<_> = schemes.iter().map(new).collect();
@@ -296,7 +296,7 @@ fn march<V: Potential<D>, const D: usize>(
     let (mut window, mut end) = (WINDOWS, 0);
     for n in 1..=steps {
         noise.increments(tau.sqrt(), &mut drawn.increments);
-        let kick = drawn.increments.0[0].map(|dw| system.1 * dw);
+        let kick = drawn.increments[0].map(|dw| system.1 * dw);
         while n > end {
             window -= 1;
             end = steps >> window;
@@ -310,7 +310,7 @@ fn march<V: Potential<D>, const D: usize>(
                     sum[i] += kick[i] * (p[i] + 0.5 * (p[i] - last[i] + before[i]));
                 }
                 *last = p;
-                scheme.step_block(system, &step, &drawn, y, &mut status);
+                scheme.step_block(system, &step, &(&drawn).into(), y, &mut status);
                 for p in status.failed.paths() {
                     sum[p] = f64::NAN;
                     y.set_path(p, y0);

@@ -13,7 +13,7 @@
 //! interval lies below 0.55.
 
 use anyhow::{Context, Result};
-use mc::{Ladder, Run, Statistic, View};
+use mc::{Ladder, Run, Statistic, View, bind};
 use noise::StreamKey;
 use nonlin::{Method, Solver};
 use real::{WIDTH, elementary};
@@ -180,8 +180,9 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         value(y) / (value(y0) * elementary::exp(-invariant.degree * damping)) - 1.0
     };
     let (scheme, name, rounding) = scheme(run.rule, &problem)?;
-    let runs = vec![Run::new(scheme.as_ref(), 0)];
-    let ladder = Ladder::new(&problem, steps, 0, verify::truncation(), key, runs)?;
+    let runs = vec![Run::new(bind(&problem, scheme.as_ref()), 0)];
+    let ladder =
+        Ladder::new(&mc::Problem::of(&problem), steps, 0, verify::truncation(), key, runs)?;
     let new = || Defects::<_, D> { steps, defect: &defect, rows: Vec::new() };
     let paths = if let Rule::Sexp(..) = run.rule { PATHS } else { MANY_PATHS };
     let measured = ladder.run(paths as u64, new, &|_| ());

@@ -90,7 +90,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for InARow 
         status: &mut BlockStatus,
     ) {
         for p in 0..WIDTH {
-            let path = Noise::increments(noise.increments.path(p));
+            let path = Noise::increments(noise.increments_of(p));
             y.set_path(p, self.step(system, step, &path, y.path(p)).z);
         }
         *status = BlockStatus::explicit();

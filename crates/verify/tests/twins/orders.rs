@@ -1,7 +1,7 @@
 //! Twins of the convergence orders.
 
 use analysis::{Order, OtherNoise, ReferenceSolution, StepSizes, strong_order, weak_order};
-use mc::Observable;
+use mc::{Observable, Setup, bind};
 use noise::{BlockNoise, Noise, StreamKey, WienerPath};
 use real::WIDTH;
 use schemes::{EulerMaruyama, Explicit, Increment, Scheme, Sexp, SexpLevy, Step};
@@ -15,14 +15,8 @@ use verify::{Conditions, truncation};
 /// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
 /// every seed.
 fn step_sizes(conditions: &Conditions) -> StepSizes {
-    StepSizes {
-        coarsest_steps: 32,
-        levels: 8,
-        refinement: 2,
-        samples: 512,
-        truncation: truncation(),
-        key: conditions.key(0),
-    }
+    let sizes = StepSizes::new(32, truncation(), conditions.key(0));
+    StepSizes { levels: 8, refinement: 2, samples: 512, ..sizes }
 }
 
 pub fn strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
@@ -35,7 +29,11 @@ pub fn strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     // Areas cost more normals the finer the steps: 2⁻⁴ … 2⁻¹¹ and a reference at 2⁻¹³ will do.
     let coarsest_steps = if scheme.reads_areas() { 16 } else { 32 };
     let sizes = StepSizes { coarsest_steps, ..step_sizes(conditions) };
-    let measured = valid(strong_order(scheme, problem, &sizes));
+    let measured = valid(strong_order(
+        &Setup::of(problem, scheme),
+        &sizes,
+        &ReferenceSolution::independent(problem),
+    ));
     order_claim(id, &format!("strong order {order}"), measured, order)
 }
 
@@ -68,9 +66,9 @@ pub fn weak_with_correction(conditions: &Conditions, factor: f64) -> Claim {
     let observable = Observable { name: "y3", function: |y: [f64; 3]| y[2] };
     let sizes = StepSizes { levels: 6, samples: 2048, ..step_sizes(conditions) };
     let problem = rigid_body_three_noises(1.0);
-    let (wrong, sexp) = (Miscorrected { factor }, Sexp);
-    let sexp = ReferenceSolution::<_, 3, 3>::Scheme(&sexp);
-    let measured = valid(weak_order(&wrong, &problem, observable, &sizes, &sexp));
+    let wrong = Miscorrected { factor };
+    let sexp = ReferenceSolution::Scheme(bind(&problem, &Sexp));
+    let measured = valid(weak_order(&Setup::of(&problem, &wrong), &observable, &sizes, &sexp));
     order_claim("weak-one", "weak order 1 for φ = y3", measured, 1.0)
 }
 
@@ -85,7 +83,7 @@ fn half(
 
 pub fn shared_stream(conditions: &Conditions) -> Claim {
     half(conditions, |_, noise, p| {
-        let [first, _, third] = noise.increments.path(p);
+        let [first, _, third] = noise.increments_of(p);
         Noise::increments([first, first, third])
     })
 }
@@ -102,7 +100,7 @@ pub fn explicit(conditions: &Conditions) -> Claim {
 pub fn truncated_too_early(conditions: &Conditions) -> Claim {
     let noise = |step: &Step, noise: &BlockNoise<1>, p: usize| {
         let bound = 0.5 * step.tau.sqrt();
-        Noise::increments(noise.increments.path(p).map(|dw| dw.clamp(-bound, bound)))
+        Noise::increments(noise.increments_of(p).map(|dw| dw.clamp(-bound, bound)))
     };
     let wrong = OtherNoise { scheme: &Sexp, noise };
     strong(conditions, "strong-one", &rigid_body_one_noise(), &wrong, 1.0)

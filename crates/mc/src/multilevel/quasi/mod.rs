@@ -18,16 +18,16 @@ use std::{
     sync::Arc,
 };
 
-use noise::{QuasiWiener, ScrambledSobol, StepNoise};
+use noise::{QuasiWiener, ScrambledSobol};
 use real::WIDTH;
-use schemes::DynScheme;
+use schemes::Method;
 
 use super::{
     Drawn, Expectation, ExpectationSettings, MultilevelError, PathValues, Samples, Sums, Values,
     algorithm::Halt, resolution::Motion, settings::Coupling,
 };
 use crate::{
-    DynRun, Ladder, NextNoise, NoiseSource, Observe, SeenDamping, Setup, driver::GROUP_PATHS,
+    Ladder, NextNoise, NoiseSource, Observe, Run, SeenDamping, Setup, driver::GROUP_PATHS,
     ladder::Piece, observable::value, parts::Job,
 };
 use algorithm::Quasi;
@@ -40,25 +40,25 @@ struct Points {
     noises: usize,
 }
 
-impl<N: StepNoise> NoiseSource<N> for Points {
-    fn block(&self, first_path: u64) -> NextNoise<'_, N> {
+impl NoiseSource for Points {
+    fn block(&self, first_path: u64) -> NextNoise<'_> {
         let scramble = (first_path / ScrambledSobol::POINTS) as usize;
         let wiener = &self.scrambles[scramble];
         let mut increments = vec![[0.0; WIDTH]; wiener.dimensions()];
         let drawn = wiener.block(first_path % ScrambledSobol::POINTS, &mut increments);
         drawn.unwrap_or_else(|error| unreachable!("the points of a block are many: {error}"));
         let (mut next, noises) = (0, self.noises);
-        Box::new(move |noise: &mut N| {
-            noise.increments_mut().copy_from_slice(&increments[next..next + noises]);
+        Box::new(move |noise| {
+            noise.increments.copy_from_slice(&increments[next..next + noises]);
             next += noises;
         })
     }
 }
 
 /// What is computed beside one scheme at random points.
-pub(crate) struct QuasiSettings<'a, N> {
+pub(crate) struct QuasiSettings<'a> {
     /// The scheme with the noises in the other order: φ is averaged over both.
-    pub mirror: Option<&'a Arc<dyn DynScheme<N> + 'a>>,
+    pub mirror: Option<&'a Arc<dyn Method + 'a>>,
     /// How the bias falls.
     pub orders: Orders,
     /// Independent scrambles.
@@ -71,13 +71,13 @@ pub(crate) struct QuasiSettings<'a, N> {
 const MOST_HALVINGS: usize = 22;
 
 /// E[φ(y(T))] of every φ by scrambled Sobol points, as a piece of work of a job; see
-/// [`expectation_of_in`](super::expectation_of_in).
-#[expect(clippy::too_many_arguments, reason = "those of `expectation_of_in`, and one more")]
-pub(crate) fn quasi_expectation<N: StepNoise>(
+/// [`expectation_in`](super::expectation_in).
+#[expect(clippy::too_many_arguments, reason = "those of `expectation_in`, and one more")]
+pub(crate) fn quasi_expectation(
     job: &Job,
     name: &str,
-    setup: &Setup<'_, N>,
-    &QuasiSettings { mirror, orders, scrambles, spent }: &QuasiSettings<'_, N>,
+    setup: &Setup<'_>,
+    &QuasiSettings { mirror, orders, scrambles, spent }: &QuasiSettings<'_>,
     observables: &[&dyn Observe],
     accuracy: f64,
     settings: &ExpectationSettings,
@@ -100,24 +100,24 @@ pub(crate) fn quasi_expectation<N: StepNoise>(
     };
     let ladder_of = |level: &Samples| {
         let coupled = level.coupling.is_some();
-        let mut runs = vec![DynRun::new(Arc::clone(scheme), 0)];
+        let mut runs = vec![Run::new(Arc::clone(scheme), 0)];
         if coupled {
-            runs.push(DynRun::new(Arc::clone(scheme), 1));
+            runs.push(Run::new(Arc::clone(scheme), 1));
         }
         match (mirror, coupling) {
             (Some(mirror), _) if coupled => {
-                runs.push(DynRun::swapped(Arc::clone(mirror), 0));
-                runs.push(DynRun::new(Arc::clone(mirror), 1));
+                runs.push(Run::swapped(Arc::clone(mirror), 0));
+                runs.push(Run::new(Arc::clone(mirror), 1));
             }
-            (Some(mirror), _) => runs.push(DynRun::new(Arc::clone(mirror), 0)),
+            (Some(mirror), _) => runs.push(Run::new(Arc::clone(mirror), 0)),
             (None, Coupling::Antithetic) if coupled => {
-                runs.push(DynRun::swapped(Arc::clone(scheme), 0));
+                runs.push(Run::swapped(Arc::clone(scheme), 0));
             }
             (None, _) => (),
         }
         let (key, steps) = (settings.stream(level.level), settings.steps(level.level));
         let levels = usize::from(coupled);
-        let ladder = Ladder::of(problem, steps, levels, settings.truncation, key, runs)?;
+        let ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
         let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end)
             .map_err(crate::LadderError::from)?;
         let points = Points {
@@ -166,7 +166,7 @@ pub(crate) fn quasi_expectation<N: StepNoise>(
         draw: &draw,
         scheme: scheme.id(),
         t_end: problem.t_end,
-        damping: SeenDamping::of(setup, settings.coarsest_steps),
+        damping: SeenDamping::new(setup, settings.coarsest_steps),
         names,
         accuracy,
         settings,

@@ -4,8 +4,8 @@ use std::{fs, hint::black_box, iter::successors, thread::available_parallelism};
 
 use analysis::{FinalMoments, Spread, Stopwatch};
 use anyhow::{Context, Result};
-use mc::{Ladder, Run, View};
-use noise::{BlockNoise, StreamKey};
+use mc::{Ladder, Run, View, bind};
+use noise::StreamKey;
 use plot::provenance::peak_memory_mb;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use real::Level;
@@ -59,15 +59,15 @@ fn pool(threads: usize) -> Result<ThreadPool> {
 fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &'a Problem<S, G, D>,
     levels: usize,
-    runs: Vec<Run<'a, S, D, M>>,
-) -> Result<Ladder<'a, BlockNoise<M>>> {
+    runs: Vec<Run<'a>>,
+) -> Result<Ladder<'a>> {
     let steps = (problem.t_end() / TAU).round() as u64;
-    Ok(Ladder::new(problem, steps, levels, truncation(), KEY, runs)?)
+    Ok(Ladder::new(&mc::Problem::of(problem), steps, levels, truncation(), KEY, runs)?)
 }
 
 /// Runs the ladder on the current pool with a small statistic, the mean of the final state; returns
 /// how many paths were left out.
-fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, BlockNoise<M>>, paths: u64) -> u64 {
+fn run_once<const D: usize>(ladder: &Ladder<'_>, paths: u64) -> u64 {
     let state = |view: &View<'_>, p: usize, values: &mut [f64]| {
         values.copy_from_slice(&view.path::<D>(0, p));
     };
@@ -77,17 +77,17 @@ fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, BlockNoise<M>>, 
 
 /// Runs the ladder once to warm up and then `repetitions` times, on a pool: wall time, time of a
 /// single thread, both in seconds, and how many paths were left out.
-fn repeat<const D: usize, const M: usize>(
+fn repeat<const D: usize>(
     pool: &ThreadPool,
-    ladder: &Ladder<'_, BlockNoise<M>>,
+    ladder: &Ladder<'_>,
     Workload { paths, repetitions, .. }: Workload,
 ) -> (Spread, Spread, u64) {
     // The clock of the thread is read on the thread that works.
     pool.install(|| {
-        let failed = run_once::<D, M>(ladder, paths);
+        let failed = run_once::<D>(ladder, paths);
         let once = |_| {
             let watch = Stopwatch::start();
-            run_once::<D, M>(ladder, paths);
+            run_once::<D>(ladder, paths);
             (watch.wall_s(), watch.thread_s())
         };
         let (wall, thread) = (0..repetitions).map(once).unzip();
@@ -113,8 +113,8 @@ impl Visit for Schemes {
         let ns = 1e9 / (paths * steps) as f64;
         for scheme in &schemes {
             eprintln!("{} on {}", scheme.id(), id);
-            let ladder = ladder(&problem, 0, vec![Run::new(scheme.as_ref(), 0)])?;
-            let (wall, thread, failed) = repeat::<D, M>(&self.one, &ladder, self.workload);
+            let ladder = ladder(&problem, 0, vec![Run::new(bind(&problem, scheme.as_ref()), 0)])?;
+            let (wall, thread, failed) = repeat::<D>(&self.one, &ladder, self.workload);
             self.rows.push(SchemeRow {
                 system: id,
                 dimension: D,
@@ -141,11 +141,11 @@ fn counts(processors: usize) -> Vec<usize> {
 fn threads(workload: Workload) -> Result<Vec<ThreadRow>> {
     let problem = rigid_body_three_noises(workload.steps as f64 * TAU);
     let sexp = compiled(Sexp);
-    let ladder = ladder(&problem, 0, vec![Run::new(sexp.as_ref(), 0)])?;
+    let ladder = ladder(&problem, 0, vec![Run::new(bind(&problem, sexp.as_ref()), 0)])?;
     let mut rows: Vec<ThreadRow> = Vec::new();
     for threads in counts(available_parallelism().map_or(1, usize::from)) {
         eprintln!("{threads} threads");
-        let (seconds, ..) = repeat::<3, _>(&pool(threads)?, &ladder, workload);
+        let (seconds, ..) = repeat::<3>(&pool(threads)?, &ladder, workload);
         let first = rows.first().map_or(seconds.best, |row| row.seconds.best);
         rows.push(ThreadRow { threads, seconds, speedup: first / seconds.best });
     }
@@ -186,14 +186,15 @@ fn growth(workload: Workload, one: &ThreadPool) -> Result<Vec<GrowthRow>> {
     for (grows, value, workload, levels) in sizes(workload) {
         eprintln!("{value} {grows}");
         let problem = rigid_body_three_noises(workload.steps as f64 * TAU);
-        let runs = (0..=levels).map(|level| Run::new(sexp.as_ref(), level)).collect();
+        let runs =
+            (0..=levels).map(|level| Run::new(bind(&problem, sexp.as_ref()), level)).collect();
         let ladder = ladder(&problem, levels, runs)?;
         let path_steps = ladder.steps_per_path() * workload.paths;
         // Sets the mark of the peak back to what is in use now, where the system lets us.
         let forgotten = fs::write("/proc/self/clear_refs", "5").is_ok();
-        one.install(|| run_once::<3, _>(&ladder, workload.paths));
+        one.install(|| run_once::<3>(&ladder, workload.paths));
         let peak_memory_mb = if forgotten { peak_memory_mb() } else { None };
-        let (_, thread, _) = repeat::<3, _>(one, &ladder, workload);
+        let (_, thread, _) = repeat::<3>(one, &ladder, workload);
         let ns_per_path_step = thread.scaled(1e9 / path_steps as f64);
         rows.push(GrowthRow { grows, value, path_steps, ns_per_path_step, peak_memory_mb });
     }

@@ -4,8 +4,8 @@
 use std::{collections::BTreeMap, fmt::Display};
 
 use anyhow::Result;
-use mc::{Ladder, NextNoise, Run, Statistic, View};
-use noise::{BlockNoise, StreamKey, Truncation};
+use mc::{Ladder, NextNoise, Run, Statistic, View, bind};
+use noise::{StreamKey, Truncation};
 use real::WIDTH;
 use systems::{
     Damping, Flows, InvariantKind, PoissonSystem, Problem, RigidBody,
@@ -45,7 +45,7 @@ pub struct Experiment<S, G, const D: usize, const M: usize> {
     pub key: StreamKey,
     /// Where the noise comes from, if not from the streams.
     /// It gives that of a block of paths, see [`mc::NoiseSource`].
-    pub noise: Option<Box<dyn Fn(u64) -> NextNoise<'static, BlockNoise<M>> + Sync>>,
+    pub noise: Option<Box<dyn Fn(u64) -> NextNoise<'static> + Sync>>,
     /// `split` and `nv`, where flows are known.
     pub by_parts: Option<ByParts<S, D, M>>,
 }
@@ -100,18 +100,21 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     }
 
     /// With noise from elsewhere: a function of the number of a block's first path.
-    pub fn with_noise(
-        self,
-        source: impl Fn(u64) -> NextNoise<'static, BlockNoise<M>> + Sync + 'static,
-    ) -> Self {
+    pub fn with_noise(self, source: impl Fn(u64) -> NextNoise<'static> + Sync + 'static) -> Self {
         Self { noise: Some(Box::new(source)), ..self }
     }
 
     /// The paths of one scheme.
     pub fn run(&self, scheme: &Tested<S, D, M>) -> Result<Vec<Path<D>>> {
-        let runs = vec![Run::new(scheme, 0)];
-        let mut ladder =
-            Ladder::new(&self.problem, self.steps, 0, self.truncation, self.key, runs)?;
+        let runs = vec![Run::new(bind(&self.problem, scheme), 0)];
+        let mut ladder = Ladder::new(
+            &mc::Problem::of(&self.problem),
+            self.steps,
+            0,
+            self.truncation,
+            self.key,
+            runs,
+        )?;
         if let Some(source) = &self.noise {
             ladder = ladder.with_noise(source)?;
         }

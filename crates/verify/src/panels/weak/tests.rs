@@ -1,6 +1,6 @@
 //! Variance times cost of three estimators of E[φ(y_τ)] − E[φ(y_{τ/2})].
 
-use mc::{Ladder, Observable, Run, Statistic, View};
+use mc::{Ladder, Observable, Run, Statistic, View, bind};
 use noise::StreamKey;
 use schemes::Sexp;
 use stats::CrossMoments;
@@ -59,12 +59,14 @@ fn antithetic_estimators_are_the_narrowest_per_path_step() {
     println!("| τ | independent | plain difference | antithetic | its variance / τ² |");
     for exponent in [6, 8, 10] {
         let runs = vec![
-            Run::new(sexp.as_ref(), 1),
-            Run::new(sexp.as_ref(), 0),
-            Run::swapped(sexp.as_ref(), 0),
+            Run::new(bind(&problem, sexp.as_ref()), 1),
+            Run::new(bind(&problem, sexp.as_ref()), 0),
+            Run::swapped(bind(&problem, sexp.as_ref()), 0),
         ];
         let key = StreamKey { seed: 1, experiment: exponent };
-        let ladder = Ladder::new(&problem, 2 << exponent, 1, truncation(), key, runs).unwrap();
+        let ladder =
+            Ladder::new(&mc::Problem::of(&problem), 2 << exponent, 1, truncation(), key, runs)
+                .unwrap();
         let statistic = || Estimates {
             observables: observables.clone(),
             last_time: ladder.coarse_steps(),

@@ -2,7 +2,7 @@
 
 use anyhow::ensure;
 use mc::{
-    Ladder, Observable, Run,
+    Ladder, Observable, Run, Setup, bind,
     multilevel::{Coupling, ExpectationSettings, expectation},
     trajectory,
 };
@@ -28,15 +28,23 @@ pub fn drivers(bits: &mut Bits) -> Fed {
     match few(3, 3) {
         0 => {
             let (steps, path) = (bits.below(20), bits.word());
-            let path = accepted(trajectory(&problem, &*em, steps, truncation, key, path))?;
+            let path =
+                accepted(trajectory(&Setup::of(&problem, &*em), steps, truncation, key, path))?;
             ensure!(path.states.iter().flatten().all(|y| y.is_finite()), "{path:?}");
             let words = path.failure.map(|failure| failure.to_string());
             ensure!(words.is_none_or(|words| !words.is_empty()), "a failure without words");
         }
         1 => {
             let (levels, steps) = (few(200, 4) as usize, few(u64::MAX, 33));
-            let runs = vec![Run::new(&*em, few(300, 4) as usize)];
-            accepted(Ladder::new(&problem, steps, levels, truncation, key, runs))?;
+            let runs = vec![Run::new(bind(&problem, &*em), few(300, 4) as usize)];
+            accepted(Ladder::new(
+                &mc::Problem::of(&problem),
+                steps,
+                levels,
+                truncation,
+                key,
+                runs,
+            ))?;
         }
         _ => {
             let mut settings =
@@ -48,7 +56,8 @@ pub fn drivers(bits: &mut Bits) -> Fed {
             settings.max_cost = bits.below(20_000);
             let first = [Observable { name: "y1", function: |y: [f64; 2]| y[0] }];
             let accuracy = bits.positive(8);
-            let result = expectation(&*em, &problem, &first, accuracy, &settings, &|_| ());
+            let result =
+                expectation(&Setup::of(&problem, &*em), &first, accuracy, &settings, &|_| ());
             let (lower, upper) = accepted(result)?.estimates[0].interval();
             ensure!(!lower.is_nan() && !upper.is_nan(), "interval [{lower}, {upper}]");
         }

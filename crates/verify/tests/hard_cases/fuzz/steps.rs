@@ -1,7 +1,7 @@
 //! Problems and steps of every system with every scheme.
 
 use anyhow::{Context, Result, ensure};
-use noise::{BlockNoise, Noise};
+use noise::{BlockNoise, Noise, StepNoise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver};
@@ -158,13 +158,13 @@ fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         }
         _ => compiled(EulerMaruyama),
     };
-    let (mut noises, mut start) = (BlockNoise::zero(), Block::zero());
+    let (mut noises, mut start) = (StepNoise::with_areas(M), Block::zero());
     for p in 0..WIDTH {
         let noise = noise::<M>(bits);
-        noises.increments.set_path(p, noise.increments);
-        noises.areas.set_path(p, noise.areas);
+        noises.set_path(p, &noise);
         start.set_path(p, bits.state::<D>());
     }
+    let noises = BlockNoise::from(&noises);
     let (mut y, mut status) = (start, BlockStatus::explicit());
     scheme.step_block(system, &step, &noises, &mut y, &mut status);
     let mut most = 0;

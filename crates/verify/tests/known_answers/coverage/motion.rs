@@ -1,7 +1,7 @@
 //! Weak orders and errors of geometric Brownian motion, which have closed forms.
 
 use analysis::FinalMoments;
-use mc::{Ladder, Run, View};
+use mc::{Ladder, Run, View, bind};
 use noise::{StreamKey, Truncation};
 use schemes::EulerMaruyama;
 use stats::{CrossMoments, Expansion, normal_covers, weak_errors};
@@ -36,9 +36,15 @@ pub fn rows(tally: &mut Tally) {
     tally.add("weak error of Euler–Maruyama on geometric Brownian motion", |key| {
         let difference = |exponent: u32| -> CrossMoments {
             let own = StreamKey { experiment: key.experiment + (u64::from(exponent) << 32), ..key };
-            let runs = [1, 0].map(|level| Run::new(&EulerMaruyama, level)).into();
-            let ladder =
-                valid(Ladder::new(&motion, 2 << exponent, 1, Truncation::none(), own, runs));
+            let runs = [1, 0].map(|level| Run::new(bind(&motion, &EulerMaruyama), level)).into();
+            let ladder = valid(Ladder::new(
+                &mc::Problem::of(&motion),
+                2 << exponent,
+                1,
+                Truncation::none(),
+                own,
+                runs,
+            ));
             let values = |view: &View<'_>, p: usize, difference: &mut [f64]| {
                 difference[0] = view.state(0)[0][p] - view.state(1)[0][p];
             };

@@ -19,7 +19,7 @@ pub mod system;
 use std::fmt::Display;
 
 use mc::{
-    Observable,
+    Observable, Setup,
     multilevel::{Coupling, Expectation, ExpectationSettings, expectation},
 };
 use noise::{StreamKey, Truncation};
@@ -332,7 +332,8 @@ where
             ..ExpectationSettings::new(key, truncation(), how.steps, how.coupling)
         };
         let observable = [Observable { name: "φ", function }];
-        match expectation(&scheme, &problem, &observable, how.accuracy, &settings, &|_| ()) {
+        let setup = Setup::of(&problem, &scheme);
+        match expectation(&setup, &observable, how.accuracy, &settings, &|_| ()) {
             Ok(result) => Answer { stated: stated(&result), cost: result.cost },
             Err(error) => Answer::refused(error),
         }

@@ -8,7 +8,7 @@
 use std::fmt::Display;
 
 use analysis::{Decision, Order, ReferenceSolution, StepSizes, strong_order, weak_order};
-use mc::Observable;
+use mc::{Observable, Setup};
 use noise::StreamKey;
 use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{PoissonSystem, Problem};
@@ -80,7 +80,13 @@ where
     let name = format!("{}: {name}", scheme.id());
     let slow = scheme.reads_areas();
     let sizes = |key| StepSizes::new(16, truncation(), key);
-    let measure = move |sizes: &StepSizes| strong_order(&scheme, &problem, sizes);
+    let measure = move |sizes: &StepSizes| {
+        strong_order(
+            &Setup::of(&problem, &scheme),
+            sizes,
+            &ReferenceSolution::independent(&problem),
+        )
+    };
     Entry { slow, ..order_entry(kind, name, Question::StrongOrder, truth, sizes, measure) }
 }
 
@@ -101,7 +107,12 @@ where
         |key| StepSizes { samples: 20_000, refinement: 1, ..StepSizes::new(8, truncation(), key) };
     let phi = Observable { name: "φ", function };
     let measure = move |sizes: &StepSizes| {
-        weak_order(&scheme, &problem, phi, sizes, &ReferenceSolution::Independent)
+        weak_order(
+            &Setup::of(&problem, &scheme),
+            &phi,
+            sizes,
+            &ReferenceSolution::independent(&problem),
+        )
     };
     order_entry(kind, name, Question::WeakOrder, truth, sizes, measure)
 }

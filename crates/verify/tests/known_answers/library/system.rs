@@ -1,7 +1,6 @@
 //! The systems of the library: four families, so that few kernels are compiled.
 
 use mc::Expect;
-use noise::BlockNoise;
 use real::{Real, elementary};
 use systems::{Damping, Flows, PoissonSystem, Problem, paper::valid};
 
@@ -63,7 +62,7 @@ pub fn problem<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
 /// A system for which an expectation is computed with everything chosen.
 pub trait Chosen<const D: usize, const M: usize>: PoissonSystem<D, M> {
     /// By the flows of its parts, if it has them.
-    fn expect(problem: &Problem<Self, Rate, D>) -> Expect<'_, BlockNoise<M>>
+    fn expect(problem: &Problem<Self, Rate, D>) -> Expect<'_>
     where
         Self: Sized,
     {
@@ -76,7 +75,7 @@ impl Chosen<2, 1> for Growth {}
 impl Chosen<4, 2> for Planes {}
 
 impl<const M: usize> Chosen<3, M> for Body<M> {
-    fn expect(problem: &Problem<Self, Rate, 3>) -> Expect<'_, BlockNoise<M>> {
+    fn expect(problem: &Problem<Self, Rate, 3>) -> Expect<'_> {
         Expect::by_parts(problem)
     }
 }

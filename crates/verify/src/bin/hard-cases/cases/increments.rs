@@ -1,6 +1,6 @@
 //! Increments that are extreme, steps that are big, and no noise at all.
 
-use noise::{BlockNoise, Truncation};
+use noise::{Noise, StepNoise, Truncation};
 use real::WIDTH;
 use systems::paper::half_cosine;
 use verify::rounding::length;
@@ -53,14 +53,12 @@ fn extreme(context: &Context) -> Rows {
 }
 
 /// Increments ±`size` with combination number `signs` of the signs, and areas ±`size`².
-fn signed(signs: u32, size: f64, noise: &mut BlockNoise<3>) {
+fn signed(signs: u32, size: f64, noise: &mut StepNoise) {
     let sign = |m: u32| if signs >> m & 1 == 1 { -1.0 } else { 1.0 };
     let increments = [0, 1, 2].map(|m| sign(m) * size);
     let [a, b, c] = increments.map(|dw| dw * size);
-    for p in 0..WIDTH {
-        noise.increments.set_path(p, increments);
-        noise.areas.set_path(p, [[0.0, a, b], [-a, 0.0, c], [-b, -c, 0.0]]);
-    }
+    let signed = Noise { increments, areas: [[0.0, a, b], [-a, 0.0, c], [-b, -c, 0.0]] };
+    (0..WIDTH).for_each(|p| noise.set_path(p, &signed));
 }
 
 /// Steps up to 0.9, where truncation is still defined.

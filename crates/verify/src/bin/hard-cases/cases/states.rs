@@ -1,6 +1,6 @@
 //! States of extreme size, next to poles of the structure, or at rest.
 
-use noise::WienerBlock;
+use noise::WienerRows;
 use systems::{
     Constant, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, RigidBody,
     paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, sine},
@@ -35,7 +35,7 @@ fn scales(context: &Context) -> Rows {
         let experiment = Experiment::new(context, system, start, (steps, tau))?;
         // The weights 1/Î² of the areas overflow or underflow.
         let without_areas = experiment.with_noise(move |first_path| {
-            let mut increments = WienerBlock::new(key, first_path);
+            let mut increments = WienerRows::new(key, first_path);
             Box::new(move |noise| increments.increments(tau.sqrt(), &mut noise.increments))
         });
         anyhow::Ok(without_areas.with_parts())

@@ -1,0 +1,54 @@
+//! Schemes on systems, as drivers see them.
+
+use noise::StepNoise;
+use nonlin::BlockStatus;
+use real::Row;
+
+use crate::Step;
+
+/// A scheme on a system, both fixed, of any dimension and with any number of noises: what a driver
+/// sees of them.
+///
+/// A [`Scheme`](crate::Scheme) on a [`PoissonSystem`](systems::PoissonSystem) becomes one in `mc`,
+/// and so does a scheme on a system known at run time. Like a scheme it draws no random numbers and
+/// truncates nothing.
+pub trait Method: Send + Sync {
+    /// Identifier in results, for example `sexp`.
+    fn id(&self) -> &'static str;
+
+    /// Whether the method reads the Lévy areas of a step.
+    fn reads_areas(&self) -> bool;
+
+    /// No noise of a step, with areas if the method reads them.
+    fn no_noise(&self, noises: usize) -> StepNoise {
+        match self.reads_areas() {
+            true => StepNoise::with_areas(noises),
+            false => StepNoise::zero(noises),
+        }
+    }
+
+    /// Whether the driver truncates increments and areas for this method.
+    fn clips_increments(&self) -> bool;
+
+    /// Bytes of stack that a step needs; few unless overridden.
+    fn stack(&self) -> usize {
+        0
+    }
+
+    /// 32 paths in the states `y`; row i is component i. A block of paths has one for each run,
+    /// made once.
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_>;
+}
+
+/// The state of 32 paths, or of one large path, that advances step by step.
+pub trait Stepper: Send {
+    /// The rows of the state.
+    fn state(&self) -> &[Row];
+
+    /// The rows of the state, to be set.
+    fn state_mut(&mut self) -> &mut [Row];
+
+    /// Advances by one step and overwrites `status`. A path that `status` marks as failed may hold
+    /// anything. Of one large path, `status` has that of path 0.
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus);
+}
