@@ -1,9 +1,8 @@
-//! **Whether a system and a scheme do what is claimed of them, by measurements that can fail.**
+//! **What a system is, and what a scheme does on it, by measurements that can fail.**
 //!
 //! `inspect` (with the feature of this name) says what a system is; [`strong_order`] and
-//! [`weak_order`] measure the order of a scheme with an interval; [`order_verdict`] says whether an
-//! order holds, is refuted or undecided. [`results::Results`] is what a run of many such measurements
-//! says, as data.
+//! [`weak_order`] measure the order of a scheme with an interval; [`compare()`] says which scheme is
+//! cheapest for an error.
 //!
 //! | item | job |
 //! |---|---|
@@ -12,18 +11,13 @@
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | `inspect`, [`facts::Facts`] | what a system is, and which statements apply |
-//! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
 //! | [`OtherNoise`] | a scheme on other noise than the driver's |
-//! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`] | moments of final states; times; digits |
-//! | [`results::Evidence`], [`results::Claim`] | a measurement as data, its verdict in words |
-//! | [`exact`], [`runge_kutta`], [`rigid_body_expectations`] | references |
+//! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`], [`worse`] | moments of final states; times; digits |
+//! | [`exact`] | exact solutions of systems with one noise |
 //! | [`step_check()`], [`StepCheck`], [`StepError`] | whether the steps of a run are short enough |
-//! | [`Settings`], [`Mode`], [`Progress`], [`Silent`] | how much to compute; progress |
-//! | [`results`] | the `results.json` contract |
 
 pub mod compare;
-mod evidence;
 pub mod exact;
 #[cfg_attr(not(feature = "inspect"), allow(dead_code, reason = "for `inspect`"))]
 pub mod facts;
@@ -33,29 +27,20 @@ pub mod inspect;
 mod number;
 mod orders;
 mod other_noise;
-pub mod results;
-pub mod runge_kutta;
-mod settings;
-mod sphere;
 mod step_check;
 mod stopwatch;
-mod verdict;
 
 pub use compare::{Candidates, CompareSettings, Comparison, compare};
-pub use evidence::{DEVIATIONS, worse};
 pub use final_moments::{FinalMoments, FinalRows, FinalValues};
 #[cfg(feature = "inspect")]
 pub use inspect::{InspectSettings, inspect};
-pub use number::number;
+pub use number::{number, worse};
 pub use orders::{
     Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, exact_mean, strong_order,
     weak_order, wrong_limit,
 };
 pub use other_noise::OtherNoise;
-pub use settings::{Mode, Progress, Settings, Silent};
-pub use sphere::rigid_body_expectations;
 pub use step_check::{
     Halved, STIFF, StepCheck, StepError, StepErrors, TURN, checked_paths, step_check,
 };
 pub use stopwatch::{Spread, Stopwatch};
-pub use verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};

@@ -15,6 +15,12 @@ pub fn number(x: f64) -> String {
     }
 }
 
+/// The larger of two measurements, NaN if either is: a NaN must not be lost on the way to a
+/// verdict.
+pub fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -28,5 +34,11 @@ mod tests {
             read,
             ["0", "NaN", "-inf", "0.25", "3.16", "27.2", "1235", "1.0e-3", "3.2e-15", "4.0e7"]
         );
+    }
+
+    #[test]
+    fn the_worse_of_two_numbers_is_the_larger_and_nan_stays() {
+        assert_eq!((worse(1.0, 2.0), worse(2.0, 1.0), worse(1.0, 1.0)), (2.0, 2.0, 1.0));
+        assert!(worse(f64::NAN, 1.0).is_nan() && worse(1.0, f64::NAN).is_nan());
     }
 }

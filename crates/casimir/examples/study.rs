@@ -5,8 +5,8 @@
 //! cargo run --release -p casimir-poisson --example study
 //! ```
 
+use casimir::plot::figure::{bands, histogram};
 use casimir::prelude::*;
-use casimir::report::figure::{bands, histogram};
 use casimir::systems::{Cosine, RigidBody};
 use std::fs::{File, write};
 

@@ -2,12 +2,12 @@
 //! noises that do not commute.
 //!
 //! ```text
-//! cargo run --release -p casimir-poisson --features report --example which_scheme
+//! cargo run --release -p casimir-poisson --features plot --example which_scheme
 //! ```
 
 use casimir::mc;
+use casimir::plot::{comparison_csv, figure};
 use casimir::prelude::*;
-use casimir::report::{comparison_csv, figure};
 
 /// A body in an ideal fluid, y = (m, p) with its angular and linear momentum: ṁ = m×∂H/∂m +
 /// p×∂H/∂p, ṗ = p×∂H/∂m.

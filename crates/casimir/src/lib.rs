@@ -35,10 +35,10 @@
 //!   [`schemes::run_time`] for any system whose dimension is known at run time.
 //! - [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`]: increments and Lévy areas, discrete
 //!   gradients, implicit equations, fits of orders, numbers.
-//! - `report`, with the feature of that name: figures and reports.
+//! - `plot`, with the feature of that name: figures and pages.
 
-#[cfg(feature = "report")]
-pub use report;
+#[cfg(feature = "plot")]
+pub use plot;
 pub use {analysis, dgrad, formula, mc, noise, nonlin, real, schemes, stats, systems};
 
 /// The names that most programs use: `use casimir::prelude::*`.

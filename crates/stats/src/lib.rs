@@ -31,7 +31,7 @@
 //! | [`root_mean_squares`], [`root_mean_square_interval`] | root-mean-square errors with intervals |
 //! | [`Rate`], [`Model`], [`Against`], [`StraightLine`], [`Point`] | a fit and a measured error as data |
 //! | [`LogMeanSquares`], [`Bend`], [`Estimate`] | the fit of [`fit_strong`] with other terms or levels |
-//! | [`Coverage`], [`Expected`], [`normal_covers`] | how often an interval covers the truth |
+//! | [`normal_covers`], [`Rate::covers`], [`Point::covers`] | whether an interval covers the truth |
 //!
 //! Of this workspace the crate uses only `real`, whose dispatch runs the bootstrap's kernel on the
 //! widest vectors of the processor.
@@ -54,7 +54,7 @@ mod time_average;
 mod weak;
 
 pub use central::{CentralMoments, ROUND_OFF};
-pub use coverage::{Coverage, Expected, normal_covers};
+pub use coverage::normal_covers;
 pub use independent::fit_independent;
 pub use mean_squares::{Bend, Estimate, LogMeanSquares};
 pub use moments::{BATCHES, CrossMoments, FEW_SAMPLES, Moments};

@@ -1,12 +1,12 @@
 //! Invariants along paths, beside their conformal law exp(−p∫γ)F(y₀).
 
-use analysis::{DEVIATIONS, results::Evidence, worse};
+use analysis::worse;
 use mc::Trajectory;
 use schemes::Scheme;
 use stats::Moments;
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::Conditions;
+use crate::{Conditions, evidence::DEVIATIONS, results::Evidence};
 
 /// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500
 /// steps. A step leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all;

@@ -1,26 +1,22 @@
 //! What an experiment is, what it is given and what it returns.
 
-use analysis::{
-    Mode, Progress, Settings,
-    results::{Claim, Kind, Panel},
-};
-use mc::{
-    Kept, Ladder, Measured, Setup, Trajectory,
-    parts::{GROUP_PATHS, Job},
-    trajectory,
-};
+use mc::{Ladder, Measured, Setup, Statistic, Trajectory, parts::GROUP_PATHS, trajectory};
 use noise::{StreamKey, Truncation};
+use plot::Progress;
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
 
-use crate::{Method, streams};
+use crate::{
+    Method,
+    results::{Claim, Kind, Panel},
+    settings::{Mode, Settings},
+    streams,
+};
 
 /// What an experiment is given.
 pub struct Conditions<'a> {
     /// Seed, mode and number of paths.
     pub settings: Settings,
-    /// What is done with long ladders: computed here, in parts, or merged.
-    pub job: &'a Job,
     /// Number of the experiment ([`streams`]), so that no two share noise.
     pub experiment: u64,
     /// The ids that are wanted of those that the experiment can make.
@@ -64,21 +60,18 @@ impl Conditions<'_> {
         valid(trajectory(&Setup::of(problem, scheme), steps, truncation(), self.key(part), path))
     }
 
-    /// The results of a ladder with `samples` paths, as a piece of work of the job: `None` if they
-    /// are not here. Two ladders of an experiment have different names.
-    pub fn run<T: Kept>(
+    /// The results of a ladder with `samples` paths.
+    pub fn run<T: Statistic>(
         &self,
-        name: &str,
         ladder: &Ladder<'_>,
         samples: u64,
         new: impl Fn() -> T + Sync,
-    ) -> Option<Measured<T>> {
-        let advance = |work| self.progress.advance(work);
-        ladder.run_in(self.job, name, samples, new, &advance)
+    ) -> Measured<T> {
+        ladder.run(samples, new, &|work| self.progress.advance(work))
     }
 
-    /// A number of paths, as often as the settings want it: in whole groups, so that the study can
-    /// be extended, or the number itself where they want nothing.
+    /// A number of paths, as often as the settings want it, in whole groups; the number itself
+    /// where they want nothing.
     pub fn paths(&self, paths: u64) -> u64 {
         self.settings.samples_times.map_or(paths, |times| {
             let groups = (times * paths as f64 / GROUP_PATHS as f64).ceil();
@@ -129,30 +122,14 @@ pub struct Experiment {
     pub ids: &'static [&'static str],
     /// Runs it.
     pub run: fn(&Conditions) -> Findings,
-    /// Whether it takes most of the time of a run: the battery repeats it at small sizes only.
-    pub takes_long: bool,
-    /// Whether it has ladders that are divided among parts. What has none is computed when parts
-    /// are merged.
-    pub in_parts: bool,
 }
 
 impl Experiment {
-    /// One that does not take long.
     pub(crate) const fn new(
         ids: &'static [&'static str],
         run: fn(&Conditions) -> Findings,
     ) -> Self {
-        Self { ids, run, takes_long: false, in_parts: false }
-    }
-
-    /// The same as one that takes long.
-    pub(crate) const fn long(self) -> Self {
-        Self { takes_long: true, ..self }
-    }
-
-    /// The same as one with ladders that are divided among parts.
-    pub(crate) const fn in_parts(self) -> Self {
-        Self { in_parts: true, ..self }
+        Self { ids, run }
     }
 }
 

@@ -1,7 +1,7 @@
 //! **The statements and figures of the paper as experiments that can fail.**
 //!
 //! [`reproduce()`] runs the [`EXPERIMENTS`] that make the 14 panels, the measurements behind the
-//! [`STATEMENTS`] and the [`SUPPLEMENTS`], and returns [`analysis::results::Results`]: curves with
+//! [`STATEMENTS`] and the [`SUPPLEMENTS`], and returns [`results::Results`]: curves with
 //! standard errors, fitted orders with intervals, and a verdict for every statement: holds, refuted
 //! or undecided.
 //!
@@ -15,9 +15,12 @@
 //! | [`Compiled`], [`compiled()`], [`PaperSystem`] | schemes on systems, compiled once |
 //! | [`TwoSpins`] | a system in six dimensions |
 //! | [`streams`] | which noise belongs to which experiment |
+//! | [`results`] | the `results.json` contract: measurements as data, verdicts in words |
+//! | [`page`] | the report of a run |
+//! | [`Settings`], [`Mode`] | how much to compute |
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
+//! | [`rounding`] | what rounding can do to a conformal law |
 //! | [`command`] | what the command lines of all programs share |
-//! | [`expectation_claims`] | E[φ(y(T))] on random points, against its value |
 //! | [`weak_observables`] | the test functions of the weak panels |
 //!
 //! The programs of this package are `reproduce`, `work-precision`, `hard-cases` and `bench`; what
@@ -25,16 +28,24 @@
 
 pub mod command;
 pub mod conformal_law;
+mod evidence;
 mod experiment;
 pub mod kernels;
 mod method;
+pub mod page;
 mod panels;
 mod reproduce;
+pub mod results;
+pub mod rounding;
+mod runge_kutta;
+mod settings;
 pub mod setups;
+mod sphere;
 pub mod statements;
 pub mod streams;
 mod supplements;
 mod two_spins;
+mod verdict;
 
 pub use experiment::{
     Conditions, Experiment, Findings, TRUNCATED, TRUNCATION_ORDER, set_up, truncation,
@@ -44,6 +55,7 @@ pub use kernels::{Compiled, PaperSystem, compiled};
 pub use method::Method;
 pub use panels::{EXPERIMENTS, weak_observables};
 pub use reproduce::{UnknownId, check_ids, ids, reproduce};
+pub use settings::{Mode, Settings};
 pub use statements::STATEMENTS;
-pub use supplements::{SUPPLEMENTS, expectation_claims};
+pub use supplements::SUPPLEMENTS;
 pub use two_spins::TwoSpins;

@@ -2,14 +2,15 @@
 
 use std::{collections::BTreeMap, time::Instant};
 
-use analysis::{
-    Progress, Settings,
-    results::{Provenance, Results, SCHEMA},
-};
-use mc::parts::Job;
+use plot::Progress;
 use thiserror::Error;
 
-use crate::{Conditions, EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS, streams};
+use crate::{
+    Conditions, EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS,
+    results::{Provenance, Results, SCHEMA},
+    settings::Settings,
+    streams,
+};
 
 /// A panel or statement that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -46,9 +47,6 @@ pub fn check_ids(wanted: &[String]) -> Result<(), UnknownId> {
 /// current rayon pool. The schemes in `further` are series of the panels that they are for, beside
 /// those of the paper, whose numbers do not depend on them.
 ///
-/// `job` says what is done with the long ladders. If it gives no results, they are incomplete, and
-/// [`Job::finish`] says why.
-///
 /// Of the provenance, the seed, the mode, the threads and the timings by id are filled in; the rest
 /// is left to the caller.
 ///
@@ -58,7 +56,6 @@ pub fn reproduce(
     settings: Settings,
     only: &[String],
     further: &[Method],
-    job: &Job,
     progress: &dyn Progress,
 ) -> Result<Results, UnknownId> {
     check_ids(only)?;
@@ -73,13 +70,12 @@ pub fn reproduce(
         for (experiment, member) in (first..).zip(family) {
             let mut wanted = member.ids.to_vec();
             wanted.retain(|id| only.is_empty() || only.iter().any(|name| name == id));
-            let here = member.in_parts || job.gives_results();
-            if wanted.is_empty() || !here {
+            if wanted.is_empty() {
                 continue;
             }
             let (names, start) = (wanted.join(", "), Instant::now());
             let wanted = &wanted;
-            let conditions = Conditions { settings, job, experiment, wanted, further, progress };
+            let conditions = Conditions { settings, experiment, wanted, further, progress };
             progress.begin(&names, 0);
             let found = (member.run)(&conditions);
             progress.end();

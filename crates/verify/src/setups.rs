@@ -1,6 +1,5 @@
 //! The problems on which schemes are compared, and the schemes for each.
 
-use analysis::rigid_body_expectations;
 use anyhow::Result;
 use mc::Observable;
 use real::elementary::{cos, sin};
@@ -13,34 +12,7 @@ use systems::{
     },
 };
 
-use crate::{PaperSystem, TwoSpins, compiled, in_words};
-
-/// What a scheme is.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Kind {
-    /// The conformal exponential integrator.
-    Sexp,
-    /// The same with Lévy areas.
-    SexpLevy,
-    /// A scheme that keeps Casimirs without iteration.
-    WithoutIteration,
-    /// Another implicit scheme.
-    OtherImplicit,
-    /// Heun's method.
-    Heun,
-    /// Euler and Maruyama's method.
-    EulerMaruyama,
-}
-
-impl Kind {
-    /// Whether the scheme keeps Casimirs on their conformal law.
-    pub fn conformal(self) -> bool {
-        matches!(self, Self::Sexp | Self::SexpLevy | Self::WithoutIteration)
-    }
-}
-
-/// E φ(y(T)) of test functions on a problem, without sampling.
-pub type Expectations<S, G, const D: usize> = fn(&Problem<S, G, D>, &[Observable<D>]) -> Vec<f64>;
+use crate::{PaperSystem, TwoSpins, compiled};
 
 /// A test function with its name.
 pub(crate) type TestFunction<const D: usize> = (&'static str, fn([f64; D]) -> f64);
@@ -51,37 +23,19 @@ pub struct Setup<S, G, const D: usize, const M: usize> {
     pub id: &'static str,
     /// System, damping, start and final time.
     pub problem: Problem<S, G, D>,
-    /// `sexp`, `sexp-levy` where noises do not commute, `sexp-li`, `split` and `nv` where flows are
-    /// known, `midpoint`, `heun` and `em`.
-    pub schemes: Vec<(Kind, Box<dyn Scheme<S, D, M>>)>,
-    /// What it is called on a figure; empty where only times are measured, and so are the next two.
-    pub title: &'static str,
-    /// The system and its parameters in words.
-    pub system: &'static str,
-    /// Test functions of the final state.
+    /// `sexp`, those with Lévy areas where noises do not commute, `sexp-li`, `split` and `nv` where
+    /// flows are known, `midpoint`, `heun` and `em`.
+    pub schemes: Schemes<S, D, M>,
+    /// Test functions of the final state; none where only times are measured.
     pub observables: Vec<Observable<D>>,
-    /// The expectations of test functions, where they are known.
-    pub expectations: Option<Expectations<S, G, D>>,
 }
 
-impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
-    fn new(
-        id: &'static str,
-        problem: Problem<S, G, D>,
-        schemes: Vec<(Kind, Box<dyn Scheme<S, D, M>>)>,
-    ) -> Self {
-        let observables = Vec::new();
-        Self { id, problem, schemes, title: "", system: "", observables, expectations: None }
-    }
+type Schemes<S, const D: usize, const M: usize> = Vec<Box<dyn Scheme<S, D, M>>>;
 
-    fn described(
-        self,
-        title: &'static str,
-        system: &'static str,
-        observables: [TestFunction<D>; 2],
-    ) -> Self {
-        let observables = observables.map(|(name, function)| Observable { name, function }).into();
-        Self { title, system, observables, ..self }
+impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
+    fn of(self, functions: [TestFunction<D>; 2]) -> Self {
+        let observable = |(name, function)| Observable { name, function };
+        Self { observables: functions.map(observable).into(), ..self }
     }
 }
 
@@ -103,16 +57,10 @@ fn setup<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
     problem: Problem<S, G, D>,
 ) -> Setup<S, G, D, M> {
     let linearly_implicit = valid(SexpLi::new(problem.system(), problem.y0()));
-    let mut schemes =
-        vec![(Kind::Sexp, compiled(Sexp)), (Kind::WithoutIteration, compiled(linearly_implicit))];
-    let by_parts = S::by_parts().into_iter().flatten();
-    schemes.extend(by_parts.map(|scheme| (Kind::WithoutIteration, scheme)));
-    schemes.extend([
-        (Kind::OtherImplicit, compiled(Midpoint)),
-        (Kind::Heun, Box::new(Heun) as Box<dyn Scheme<S, D, M>>),
-        (Kind::EulerMaruyama, compiled(EulerMaruyama)),
-    ]);
-    Setup::new(id, problem, schemes)
+    let mut schemes: Schemes<S, D, M> = vec![compiled(Sexp), compiled(linearly_implicit)];
+    schemes.extend(S::by_parts().into_iter().flatten());
+    schemes.extend([compiled(Midpoint), Box::new(Heun), compiled(EulerMaruyama)]);
+    Setup { id, problem, schemes, observables: Vec::new() }
 }
 
 /// Test functions of a body.
@@ -128,48 +76,21 @@ pub const PAPER: [&str; 6] =
 /// # Errors
 /// The first of the visitor's.
 pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
-    visitor.visit(setup("pendulum", pendulum()).described(
-        "Pendulum",
-        in_words::PENDULUM,
-        [("y1^2", |y| y[0] * y[0]), ("cos y2", |y| cos(y[1]))],
-    ))?;
-    // Spherical harmonics up to degree 96: to round-off for this body.
-    let mut one_noise = setup("rigid-body-1", rigid_body_one_noise()).described(
-        "Rigid body, one noise",
-        in_words::BODY_1,
-        BODY,
-    );
-    one_noise.expectations = Some(|problem, phi| rigid_body_expectations(problem, 96, phi));
-    visitor.visit(one_noise)?;
-    let problem = rigid_body_three_noises(1.0);
-    let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-    let mut three_noises = setup("rigid-body-3", problem).described(
-        "Rigid body, three noises",
-        in_words::BODY_3,
-        BODY,
-    );
-    three_noises.schemes.insert(1, (Kind::SexpLevy, levy));
-    let linearly_implicit =
-        SexpLi::with_areas(three_noises.problem.system(), three_noises.problem.y0());
-    let linearly_implicit = compiled(valid(linearly_implicit));
-    three_noises.schemes.insert(2, (Kind::WithoutIteration, linearly_implicit));
-    three_noises.expectations = Some(|problem, phi| rigid_body_expectations(problem, 96, phi));
-    visitor.visit(three_noises)?;
-    visitor.visit(setup("lotka-volterra", lotka_volterra_1_1()).described(
-        "Lotka–Volterra",
-        in_words::VOLTERRA,
-        [("y2", |y| y[1]), ("cos y3", |y| cos(y[2]))],
-    ))?;
-    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0)).described(
-        "Maxwell–Bloch",
-        "Maxwell–Bloch",
-        [("y1", |y| y[0]), ("y2^2", |y| y[1] * y[1])],
-    ))?;
-    visitor.visit(setup("poisson3", poisson3_strong()).described(
-        "Three-dimensional Poisson system",
-        in_words::POISSON,
-        [("y1", |y| y[0]), ("sin y2", |y| sin(y[1]))],
-    ))
+    let functions: [TestFunction<2>; 2] = [("y1^2", |y| y[0] * y[0]), ("cos y2", |y| cos(y[1]))];
+    visitor.visit(setup("pendulum", pendulum()).of(functions))?;
+    visitor.visit(setup("rigid-body-1", rigid_body_one_noise()).of(BODY))?;
+    let mut body = setup("rigid-body-3", rigid_body_three_noises(1.0)).of(BODY);
+    let (system, y0) = (body.problem.system(), body.problem.y0());
+    let areas =
+        [compiled(SexpLevy::new(system, y0)), compiled(valid(SexpLi::with_areas(system, y0)))];
+    body.schemes.splice(1..1, areas);
+    visitor.visit(body)?;
+    let functions: [TestFunction<3>; 2] = [("y2", |y| y[1]), ("cos y3", |y| cos(y[2]))];
+    visitor.visit(setup("lotka-volterra", lotka_volterra_1_1()).of(functions))?;
+    let functions: [TestFunction<3>; 2] = [("y1", |y| y[0]), ("y2^2", |y| y[1] * y[1])];
+    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0)).of(functions))?;
+    let functions: [TestFunction<3>; 2] = [("y1", |y| y[0]), ("sin y2", |y| sin(y[1]))];
+    visitor.visit(setup("poisson3", poisson3_strong()).of(functions))
 }
 
 /// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
@@ -189,13 +110,13 @@ pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
     let problem = spin_pair(valid(Constant::new(0.1)));
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let linearly_implicit = valid(SexpLi::new(problem.system(), problem.y0()));
-    let schemes: Vec<(Kind, Box<dyn Scheme<TwoSpins, 6, 3>>)> = vec![
-        (Kind::Sexp, compiled(Sexp)),
-        (Kind::SexpLevy, levy),
-        (Kind::WithoutIteration, Box::new(linearly_implicit)),
-        (Kind::OtherImplicit, Box::new(Midpoint)),
-        (Kind::Heun, Box::new(Heun)),
-        (Kind::EulerMaruyama, Box::new(EulerMaruyama)),
+    let schemes: Schemes<TwoSpins, 6, 3> = vec![
+        compiled(Sexp),
+        levy,
+        Box::new(linearly_implicit),
+        Box::new(Midpoint),
+        Box::new(Heun),
+        Box::new(EulerMaruyama),
     ];
-    visitor.visit(Setup::new("spin-chain", problem, schemes))
+    visitor.visit(Setup { id: "spin-chain", problem, schemes, observables: Vec::new() })
 }

@@ -19,8 +19,6 @@ pub const STATEMENTS: u64 = 1000;
 pub const SUPPLEMENTS: u64 = 2000;
 /// Twins, times [`PARTS`].
 pub const TWINS: u64 = 3000;
-/// The expectations of the battery, times [`PARTS`].
-pub const EXPECTATIONS: u64 = 4000;
 
 /// Cases of work–precision, [`WORK_PRECISION_PARTS`] numbers each.
 pub const WORK_PRECISION: u64 = 1 << 32;
@@ -34,12 +32,6 @@ pub const GROWTH: u64 = HARD_CASES + (1 << 16);
 pub const ENERGY: u64 = GROWTH + (1 << 15);
 /// Entries of the library, one number each; expectations need numbers below 2⁴⁰.
 pub const LIBRARY: u64 = 1 << 34;
-/// What expectations cost, one number each, below 2⁴⁰ too.
-pub const EXPECTATION_COST: u64 = 1 << 35;
-/// The bias of schemes, a number for each number of steps.
-pub const EXPECTATION_BIAS: u64 = EXPECTATION_COST + (1 << 16);
-/// The weak order of schemes, 32 numbers for each problem.
-pub const EXPECTATION_ORDER: u64 = EXPECTATION_BIAS + (1 << 16);
 /// Coverage: case number n takes the numbers from n times this on.
 pub const COVERAGE: u64 = 1 << 40;
 
@@ -58,19 +50,9 @@ mod tests {
 
     #[test]
     fn ranges_are_disjoint() {
-        let families = [PANELS, STATEMENTS, SUPPLEMENTS, TWINS, EXPECTATIONS, EXPECTATIONS + 1];
+        let families = [PANELS, STATEMENTS, SUPPLEMENTS, TWINS, TWINS + 100];
         let ends = families.map(|first| first * PARTS).into_iter();
-        let further = [
-            WORK_PRECISION,
-            HARD_CASES,
-            GROWTH,
-            ENERGY,
-            LIBRARY,
-            EXPECTATION_COST,
-            EXPECTATION_BIAS,
-            EXPECTATION_ORDER,
-            COVERAGE,
-        ];
+        let further = [WORK_PRECISION, HARD_CASES, GROWTH, ENERGY, LIBRARY, COVERAGE];
         let starts: Vec<u64> = ends.chain(further).collect();
         // Fewer experiments in each family than there are numbers.
         assert!(starts.windows(2).all(|pair| pair[0] + 16 <= pair[1]), "{starts:?}");

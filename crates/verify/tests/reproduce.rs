@@ -52,7 +52,22 @@ fn results_are_the_same_bits_however_they_are_computed() {
     }
 }
 
-/// The arguments of some panels.
+#[test]
+fn paths_are_multiplied_in_whole_groups() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = |times: &str| {
+        reproduce(dir.path(), &["--only", "poisson3-strong", "--samples-times", times])
+    };
+    assert!(run("1.3").status.success());
+    let panel = results(dir.path())["panels"][0].clone();
+    // 512·1.3 = 665.6 paths are six groups of 128.
+    assert_eq!(panel["samples"], 768);
+    assert!(panel["setup"].as_str().unwrap().contains("1.3 times the quick mode's paths"));
+    let refused = run("0.5");
+    let message = String::from_utf8_lossy(&refused.stderr);
+    assert!(!refused.status.success() && message.contains("from 1"), "{message}");
+}
+
 #[test]
 fn an_unknown_panel_is_refused_with_the_list_of_known_ones() {
     let dir = tempfile::tempdir().unwrap();

@@ -55,7 +55,7 @@
 //! | [`Comparison`], [`Verdicts`], [`Candidate`], [`Outcome`], [`Keeps`], [`Choice`] | what it says |
 //! | [`Grid`], [`Strong`], [`Weak`], [`Series`] | errors at given step sizes |
 //! | [`path_times`], [`Repetitions`], [`Time`] | processor times |
-//! | [`cost_at`], [`crossing`], [`Curve`] | what an error costs between the points |
+//! | [`cost_at`], [`Curve`] | what an error costs between the points |
 
 mod candidates;
 mod cost;
@@ -75,7 +75,7 @@ use mc::Problem;
 use serde::{Deserialize, Serialize};
 
 pub use candidates::Candidates;
-pub use cost::{Crossing, Curve, cost_at, crossing};
+pub use cost::{Curve, cost_at};
 pub use grid::{Grid, Sampled, Series, Timed};
 pub use recommend::{Candidate, Choice, Keeps, Measured, Outcome};
 pub use settings::{CompareError, CompareSettings, EXPERIMENTS, Expectations};

@@ -36,8 +36,6 @@ mod within;
 use mc::{LadderError, Observe, parts::Stop};
 use stats::{Point, Rate};
 
-use crate::results::Evidence;
-
 pub(crate) use consistency::Consistency;
 pub(crate) use errors::squared_distance;
 pub(crate) use steps::Subject;
@@ -80,17 +78,6 @@ impl Order {
             Decision::Order { order, .. } => Some(order),
             _ => None,
         }
-    }
-
-    /// The measurement as evidence for this order.
-    pub fn evidence(self, order: f64) -> Evidence {
-        let wrong_limit = match self.limit {
-            Limit::Differs { distance: wrong, .. } | Limit::Inconsistent { defect: wrong } => {
-                Some(wrong)
-            }
-            _ => None,
-        };
-        Evidence::Order { order, one_sided: false, rate: self.rate, wrong_limit }
     }
 }
 

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::{CompareSettings, Progress},
-    report::{Bars, comparison_csv, figure::comparison, files},
+    analysis::CompareSettings,
+    plot::{Bars, Progress, comparison_csv, figure::comparison, files},
 };
 
 use super::{folder, open, print, print_json, threads};

@@ -9,13 +9,12 @@ use std::{
 };
 
 use casimir::{
-    analysis::Progress,
     mc::{
         self, Observe,
         expect::{ExpectError, Expectation, SoFar},
         parts::{Job, JobError, Share, remove},
     },
-    report::Bars,
+    plot::{Bars, Progress},
 };
 
 use super::{

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use casimir::report::files;
+use casimir::plot::files;
 
 use crate::failure::{Done, Failure};
 

@@ -3,12 +3,8 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::{
-        self, Progress, ReferenceSolution, StepSizes,
-        results::{Kind, Series},
-        strong_order, weak_order,
-    },
-    report::{Bars, figure::convergence, files},
+    analysis::{self, ReferenceSolution, StepSizes, strong_order, weak_order},
+    plot::{Bars, Kind, Progress, Series, figure::convergence, files},
 };
 use serde_json::{Value, json};
 

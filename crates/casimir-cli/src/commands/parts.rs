@@ -8,10 +8,7 @@ use std::{
 
 use casimir::{
     mc::parts::{Job, JobError, Plan as Planned, Share, Stop, merged_paths},
-    report::{
-        cluster::{JOB, Script},
-        files,
-    },
+    plot::files,
 };
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +16,10 @@ use super::{Settled, expect, folder, open, print, program, run, stop, threads};
 use crate::{
     arguments::{Extend, Merge, Part, Plan},
     failure::{Done, Failure},
-    output,
+    output::{
+        self,
+        cluster::{JOB, Script},
+    },
     scene::{Changes, Scene, SchemeAndSeed},
 };
 

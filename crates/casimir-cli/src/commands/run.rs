@@ -3,13 +3,13 @@
 use std::{path::Path, time::Instant};
 
 use casimir::{
-    analysis::{Progress, StepCheck, checked_paths, step_check},
+    analysis::{StepCheck, checked_paths, step_check},
     mc::{
         Observe, Simulation, Study, StudySettings, TimeSeries,
         parts::{Job, JobError, Share, Stop, remove},
         study::StudyResult,
     },
-    report::Bars,
+    plot::{Bars, Progress},
 };
 
 use super::{

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use casimir::{
     mc::expect::{Estimate, Level, Unresolved, Warning},
-    report::files,
+    plot::files,
 };
 use serde_json::{Value, json};
 

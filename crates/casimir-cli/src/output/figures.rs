@@ -1,9 +1,12 @@
 //! The figures of a run.
 
 use casimir::{
-    analysis::results::{Point, Series},
     mc::TimeSeries,
-    report::figure::{Trace, bands, evolution, histogram, lines},
+    plot::{
+        Series,
+        figure::{Trace, bands, evolution, histogram, lines},
+    },
+    stats::Point,
 };
 
 use crate::{

@@ -1,5 +1,6 @@
 //! What results are written as: a page, figures, tables and arrays.
 
+pub mod cluster;
 mod expectation;
 mod figures;
 mod npz;
@@ -11,7 +12,7 @@ use std::path::Path;
 use casimir::{
     analysis::StepCheck,
     mc::{study::StudyResult, write_csv},
-    report::files,
+    plot::files,
 };
 use serde_json::{Value, json};
 

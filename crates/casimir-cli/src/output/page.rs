@@ -1,6 +1,6 @@
 //! The report of a run.
 
-use casimir::report::Document;
+use casimir::plot::Document;
 
 use super::{AT_END, digits, figures::Section, rows_at_end, steps::step_lines};
 use crate::{commands::Results, scene::Scene};

@@ -1,6 +1,5 @@
 //! Invariants along one path of each scheme, beside their conformal law.
 
-use analysis::results::{Claim, Evidence, Kind, Panel, Series};
 use stats::Point;
 use systems::{Damping, Invariant, InvariantKind, Problem};
 
@@ -8,6 +7,7 @@ use super::curves::{Curve, curves};
 use crate::{
     Conditions, Findings, Method, PaperSystem, TRUNCATED, Words,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
+    results::{Claim, Evidence, Kind, Panel, Series},
 };
 
 /// A relative defect above this is visible in a figure: Euler–Maruyama is expected there.

@@ -28,8 +28,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
             proven: true,
         }
         .compare(conditions, &paper::pendulum())
-    })
-    .in_parts(),
+    }),
     Experiment::new(&["rigid-body-casimir"], |conditions| {
         InvariantPanel {
             words: Words {
@@ -54,8 +53,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
             proven: true,
         }
         .compare_with_areas(conditions, &paper::rigid_body_three_noises(1.0))
-    })
-    .in_parts(),
+    }),
     Experiment::new(&["rigid-body-strong-1"], |conditions| {
         StrongPanel {
             words: Words {
@@ -68,11 +66,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
             proven: true,
         }
         .compare(conditions, &paper::rigid_body_one_noise())
-    })
-    .in_parts(),
-    Experiment::new(WEAK_IDS, |conditions| weak::measure(WEAK_PANELS, conditions))
-        .long()
-        .in_parts(),
+    }),
+    Experiment::new(WEAK_IDS, |conditions| weak::measure(WEAK_PANELS, conditions)),
     Experiment::new(&["rigid-body-energy"], |conditions| {
         InvariantPanel {
             words: Words {
@@ -112,8 +107,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         proven: false,
         }
         .compare(conditions, &paper::lotka_volterra_1_1())
-    })
-    .in_parts(),
+    }),
     Experiment::new(&["maxwell-bloch-casimir"], |conditions| {
         InvariantPanel {
             words: Words {
@@ -153,8 +147,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
             proven: true,
         }
         .compare(conditions, &paper::poisson3_strong())
-    })
-    .in_parts(),
+    }),
 ];
 
 const WEAK_IDS: &[&str] =

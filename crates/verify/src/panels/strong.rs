@@ -2,11 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use analysis::{
-    Exact,
-    results::{Claim, Clipped, Evidence, Kind, Panel, Series},
-    wrong_limit,
-};
+use analysis::{Exact, wrong_limit};
 use mc::{Ladder, Measured, Reference, Run, StrongErrors, WorstTimes, bind};
 use noise::Truncation;
 use schemes::{SexpLevy, SexpLi};
@@ -15,8 +11,9 @@ use systems::{Damping, PoissonSystem, Problem, paper::valid};
 
 use super::curves::{Curve, curves};
 use crate::{
-    Compiled, Conditions, Findings, Method, PaperSystem, TRUNCATED, Words, compiled, streams,
-    truncation,
+    Compiled, Conditions, Findings, Method, PaperSystem, TRUNCATED, Words, compiled,
+    results::{Claim, Clipped, Evidence, Kind, Panel, Series},
+    streams, truncation,
 };
 
 /// Coarsest step size 2⁻⁵.
@@ -97,7 +94,6 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
 
     /// A panel with a claim for each curve. Its series are the errors at the final time of each
     /// curve, then, unless the solution is exact, those at the worst time of the common grid.
-    /// Nothing where the job gives no results.
     pub fn measure(&self, conditions: &Conditions) -> Findings {
         let Self { problem, curves, .. } = *self;
         let grid = Grid { samples: conditions.paths(self.grid.samples), ..self.grid };
@@ -134,12 +130,9 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             let errors = StrongErrors::new(reference, &series, ladder.coarse_steps());
             if times.is_empty() { errors } else { errors.and_at(&times) }
         };
-        let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
-        let name = format!("{}/{}", conditions.id(), names.join("+"));
         conditions.progress.begin(conditions.id(), ladder.steps_per_path() * grid.samples);
-        let measured = conditions.run(&name, &ladder, grid.samples, statistic);
+        let measured = conditions.run(&ladder, grid.samples, statistic);
         conditions.progress.end();
-        let Some(measured) = measured else { return Findings::default() };
 
         let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
         let more = conditions.times_in_words();
@@ -203,9 +196,8 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     }
 
     /// For each curve the time of the common grid at which the error of its coarsest step is
-    /// largest, from the difference between that step and a quarter of it on paths of their own:
-    /// every part of a study finds the same times, and they do not depend on the errors that are
-    /// measured there.
+    /// largest, from the difference between that step and a quarter of it on paths of their own,
+    /// so that the times do not depend on the errors that are measured there.
     fn worst_times(&self, conditions: &Conditions) -> Vec<u64> {
         let runs = |curve: &'a Curve<S, D, M>| {
             [2, 0].map(|level| Run::new(bind(self.problem, curve.scheme.as_ref()), level))

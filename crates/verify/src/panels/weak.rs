@@ -38,10 +38,7 @@
 #[cfg(test)]
 mod tests;
 
-use analysis::{
-    FinalMoments,
-    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
-};
+use analysis::FinalMoments;
 use mc::{Ladder, Observable, Run, View, bind};
 use schemes::Sexp;
 use stats::{CrossMoments, Expansion, weak_errors};
@@ -55,7 +52,9 @@ use super::{
     strong::{describe_failures, power_of_half},
 };
 use crate::{
-    Conditions, Findings, Method, TRUNCATED, Words, compiled, in_words, setups::TestFunction,
+    Conditions, Findings, Method, TRUNCATED, Words, compiled, in_words,
+    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
+    setups::TestFunction,
     truncation,
 };
 
@@ -115,11 +114,7 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
     let mut findings = Findings { panels: drawn.collect(), claims: Vec::new() };
     let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
     for curve in &curves {
-        let Some((moments, failures)) =
-            differences(conditions, &grid, &problem, &observables, curve)
-        else {
-            continue;
-        };
+        let (moments, failures) = differences(conditions, &grid, &problem, &observables, curve);
         let mut series = observables.iter().enumerate().map(|(f, observable)| {
             let (points, rate) = weak_errors(&taus, &moments, f, Expansion::EveryPower);
             let (scheme, quantity) = (curve.name.into(), observable.name.into());
@@ -161,15 +156,14 @@ fn reference(grid: &[DifferenceSamples], last: u32) -> String {
 }
 
 /// Moments of antithetic differences between neighbouring step sizes, coarsest first, and the paths
-/// that failed; each difference is a part of the experiment, and a piece of work. `None` where the
-/// job gives no results.
+/// that failed; each difference is a part of the experiment.
 fn differences(
     conditions: &Conditions,
     grid: &[DifferenceSamples],
     problem: &Problem<RigidBody<3>, Cosine, 3>,
     observables: &[Observable<3>],
     curve: &Curve<RigidBody<3>, 3, 3>,
-) -> Option<(Vec<CrossMoments>, Vec<String>)> {
+) -> (Vec<CrossMoments>, Vec<String>) {
     let scheme = curve.scheme.as_ref();
     let ladder = |(difference, part): (&DifferenceSamples, u64)| {
         let runs = vec![
@@ -181,11 +175,10 @@ fn differences(
         let key = conditions.key(part);
         let ladder =
             Ladder::new(&mc::Problem::of(problem), finest_steps, 1, truncation(), key, runs);
-        let name = format!("rigid-body-weak/{}/2^{}", curve.name, difference.tau.log2());
-        (name, difference.samples, valid(ladder))
+        (difference.samples, valid(ladder))
     };
     let ladders: Vec<_> = grid.iter().zip(0..).map(ladder).collect();
-    let work = ladders.iter().map(|(_, samples, ladder)| samples * ladder.steps_per_path()).sum();
+    let work = ladders.iter().map(|(samples, ladder)| samples * ladder.steps_per_path()).sum();
     conditions.progress.begin(&conditions.wanted.join(", "), work);
     let values = |view: &View<'_>, p: usize, differences: &mut [f64]| {
         for (difference, observable) in differences.iter_mut().zip(observables) {
@@ -194,13 +187,12 @@ fn differences(
         }
     };
     let (mut moments, mut failures) = (Vec::new(), Vec::new());
-    // All of them are begun, also where a part has no results.
-    for (name, samples, ladder) in &ladders {
+    for (samples, ladder) in &ladders {
         let new = || FinalMoments::new(ladder.coarse_steps(), observables.len(), &values);
-        let Some(measured) = conditions.run(name, ladder, *samples, new) else { continue };
+        let measured = conditions.run(ladder, *samples, new);
         failures.extend(describe_failures(&measured));
         moments.push(measured.statistic.moments);
     }
     conditions.progress.end();
-    (moments.len() == ladders.len()).then_some((moments, failures))
+    (moments, failures)
 }

@@ -9,10 +9,6 @@
 //! path, Σ|dₙ₊₁ − dₙ|. The defect at the end would be a sum of contributions of both signs, and its
 //! leading term may cancel; the variation is Σ|cₙ|·h⁴(1 + O(h)), whose leading term cannot.
 
-use analysis::{
-    results::{Bounded, Claim, Evidence},
-    runge_kutta::runge_kutta,
-};
 use mc::Trajectory;
 use noise::WienerPath;
 use systems::{
@@ -23,7 +19,12 @@ use systems::{
     },
 };
 
-use crate::{Conditions, Findings, conformal_law::along};
+use crate::{
+    Conditions, Findings,
+    conformal_law::along,
+    results::{Bounded, Claim, Evidence},
+    runge_kutta::runge_kutta,
+};
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
     [

@@ -11,10 +11,6 @@
 //! expansion is the same. R(W) and R(−W) are averaged: all terms of odd degree in W cancel, among
 //! them those of size τ^{3/2}, so that a mean of size τ² can be seen.
 
-use analysis::{
-    results::{Claim, Evidence},
-    runge_kutta::runge_kutta,
-};
 use noise::{Noise, Truncation, WienerPath};
 use schemes::{Scheme, Sexp, SexpLi, Split, Step};
 use stats::{CrossMoments, Moments, fit_independent};
@@ -24,7 +20,12 @@ use systems::{
     unit_noise, vector_field, vector_field_derivative,
 };
 
-use crate::{Conditions, Findings, truncation};
+use crate::{
+    Conditions, Findings,
+    results::{Claim, Evidence},
+    runge_kutta::runge_kutta,
+    truncation,
+};
 
 /// A point of the rigid body.
 pub type Vector = [f64; 3];

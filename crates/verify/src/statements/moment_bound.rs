@@ -1,17 +1,17 @@
 //! `moment-bound`: ‖y_n‖ ≤ (F(y₀)/m(F))^{1/p} e^{∫|γ|} almost surely when m(F) = min over the unit
 //! sphere of F > 0 (Bréhier, Cohen and Komori 2025, §3).
 
-use analysis::{
-    results::{Bounded, Claim, Evidence},
-    worse,
-};
+use analysis::worse;
 use schemes::{Scheme, Sexp};
 use systems::{
     Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody,
     paper::{INERTIA, rigid_body_energy, rigid_body_start, rigid_body_three_noises, valid},
 };
 
-use crate::{Conditions, Findings, compiled};
+use crate::{
+    Conditions, Findings, compiled,
+    results::{Bounded, Claim, Evidence},
+};
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
     let (casimir, energy) = (rigid_body_three_noises(10.0), rigid_body_energy(10.0));

@@ -7,10 +7,7 @@
 //! random pairs of points with increments up to the truncation bound are mapped, and the iteration
 //! is started from both.
 
-use analysis::{
-    results::{Bounded, Claim, Evidence},
-    worse,
-};
+use analysis::worse;
 use mc::squared_distance;
 use noise::WienerPath;
 use real::elementary::ln;
@@ -19,7 +16,11 @@ use systems::{
     paper::{pendulum, poisson3_strong, valid},
 };
 
-use crate::{Conditions, Findings, TRUNCATION_ORDER, truncation};
+use crate::{
+    Conditions, Findings, TRUNCATION_ORDER,
+    results::{Bounded, Claim, Evidence},
+    truncation,
+};
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
     vec![

@@ -6,16 +6,16 @@
 //! e^{−As − s²/2} ds: sums of positive terms, where the textbook forms in Q(A) cancel. φ(A) =
 //! τᵏ/√(2π).
 
-use analysis::{
-    results::{Bounded, Claim, Evidence, Verdict},
-    worse,
-};
+use analysis::worse;
 use dgrad::Rule;
 use noise::{Truncation, WienerPath};
 use stats::Moments;
 use systems::paper::valid;
 
-use crate::{Conditions, Findings, TRUNCATION_ORDER};
+use crate::{
+    Conditions, Findings, TRUNCATION_ORDER,
+    results::{Bounded, Claim, Evidence, Verdict},
+};
 
 /// Orders k and exponents j of τ = 2^−j at which the closed forms are evaluated.
 const ORDERS: std::ops::RangeInclusive<u32> = 1..=6;

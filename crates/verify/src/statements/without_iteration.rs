@@ -7,11 +7,7 @@
 //! `no-noise`: for ordinary differential equations the order is two, since the damping stands
 //! symmetrically about the step.
 
-use analysis::{
-    OtherNoise,
-    results::{Bounded, Claim, Evidence},
-    worse,
-};
+use analysis::{OtherNoise, worse};
 use mc::{Setup, squared_distance, trajectory};
 use noise::{BlockNoise, Noise, Truncation};
 use schemes::{Scheme, Step};
@@ -24,6 +20,7 @@ use crate::{
     Conditions, Findings, Method, PaperSystem,
     conformal_law::{ROUND_OFF, along, largest_defect},
     panels::curves::{Curve, without_iteration},
+    results::{Bounded, Claim, Evidence},
     truncation,
 };
 

@@ -1,22 +1,19 @@
 //! E[φ(y(T))] of the rigid body with three noises by `mc::Expect` on Sobol points and on random
 //! points, against the Kolmogorov equation, and what an accuracy costs.
 
-use analysis::{
-    Progress,
-    results::{Claim, Evidence, Kind, Panel, Series},
-    rigid_body_expectations,
-};
 use mc::{
     Expect, Observable, Observe, Setup,
     expect::{Estimate, Expectation},
-    parts::Job,
 };
 use schemes::Sexp;
 use stats::{CONFIDENCE, Point, two_sided};
 use systems::paper::{rigid_body_three_noises, valid};
 
 use crate::{
-    Conditions, Findings, Method, Words, compiled, in_words, panels::weak_observables, streams,
+    Conditions, Findings, Method, Words, compiled, in_words,
+    panels::weak_observables,
+    results::{Claim, Evidence, Kind, Panel, Series},
+    sphere::rigid_body_expectations,
     truncation,
 };
 
@@ -24,11 +21,6 @@ use crate::{
 /// 8e-13 away.
 fn degree(conditions: &Conditions) -> usize {
     conditions.choose(96, 64)
-}
-
-/// Computes here what takes seconds and is no work for parts; it stops when the others do.
-fn here(conditions: &Conditions) -> Job {
-    Job::here().stopped_by(conditions.job.stop())
 }
 
 /// Points and scheme of an expectation.
@@ -40,28 +32,26 @@ enum Way {
     Chosen,
 }
 
-/// Expectations with the noise of part number `part`, as a piece of work of a job.
+/// Expectations with the noise of part number `part`.
 fn expectation(
     way: Way,
     conditions: &Conditions,
-    job: &Job,
     part: u64,
     observables: &[Observable<3>],
     accuracy: f64,
-) -> Option<Expectation> {
+) -> Expectation {
     let (problem, sexp) = (rigid_body_three_noises(1.0), compiled(Sexp));
-    let (name, expect) = match way {
+    let expect = match way {
         Way::Random => {
             let setup = Setup::of(&problem, sexp.as_ref());
             let expect = Expect::with_scheme(setup).with_random_points();
-            ("expectations", expect.with_truncation(truncation()).with_max_cost(1 << 40))
+            expect.with_truncation(truncation()).with_max_cost(1 << 40)
         }
-        Way::Chosen => ("chosen", Expect::by_parts(&problem)),
+        Way::Chosen => Expect::by_parts(&problem),
     };
     let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
     let advance = |work| conditions.progress.advance(work);
-    let expect = expect.with_key(conditions.key(part));
-    valid(expect.run_in(job, &format!("{name}/{part}"), &observables, accuracy, &advance))
+    valid(expect.with_key(conditions.key(part)).run(&observables, accuracy, &advance))
 }
 
 /// E[φ] of `estimate` against its value by the Kolmogorov equation. Where the interval has Student's
@@ -79,42 +69,19 @@ fn claim(estimate: &Estimate, of: &Expectation, exact: f64, statement: String) -
     Claim::new("expectation", statement, measured).proven(false)
 }
 
-/// The claims that the weak panels' twelve expectations agree with the Kolmogorov equation.
-fn twelve(conditions: &Conditions, measured: Option<Expectation>, method: Method) -> Vec<Claim> {
-    let Some(measured) = measured else { return Vec::new() };
+/// The weak panels' twelve expectations, E of y_j, y_j², cos y_j and sin y_j at T = 1, by
+/// `mc::Expect` against the Kolmogorov equation.
+pub fn measure(conditions: &Conditions) -> Findings {
+    let (accuracy, observables) = (conditions.choose(2e-5, 2e-4), weak_observables());
+    let measured = expectation(Way::Chosen, conditions, 0, &observables, accuracy);
     let problem = rigid_body_three_noises(1.0);
-    let exact = rigid_body_expectations(&problem, degree(conditions), &weak_observables());
+    let exact = rigid_body_expectations(&problem, degree(conditions), &observables);
     let claims = measured.estimates.iter().zip(exact).map(|(estimate, exact)| {
         let name = &estimate.name;
         let statement = format!("E[{name}] of the rigid body with three noises at T = 1");
-        claim(estimate, &measured, exact, statement).about("", method.id())
+        claim(estimate, &measured, exact, statement).about("", Method::Nv.id())
     });
-    claims.collect()
-}
-
-/// The twelve expectations of the weak panels, E of y_j, y_j², cos y_j and sin y_j at T = 1, each
-/// to the half-width `accuracy` of its 95 % interval by `sexp` on random points, against the
-/// Kolmogorov equation. The cost grows like accuracy⁻²: 2e-4 takes seconds, 2e-5 minutes. They are a piece of work of `job`, and
-/// there are none where it gives no results.
-pub fn expectation_claims(
-    settings: analysis::Settings,
-    accuracy: f64,
-    job: &Job,
-    progress: &dyn Progress,
-) -> Vec<Claim> {
-    let (experiment, wanted, further) = (streams::EXPECTATIONS, &[], &[]);
-    let conditions = Conditions { settings, job, experiment, wanted, further, progress };
-    let observables = weak_observables();
-    let measured = expectation(Way::Random, &conditions, job, 0, &observables, accuracy);
-    twelve(&conditions, measured, Method::Sexp)
-}
-
-/// Twelve expectations by `mc::Expect`, to the accuracy of the mode.
-pub fn measure(conditions: &Conditions) -> Findings {
-    let accuracy = conditions.choose(2e-5, 2e-4);
-    let (job, observables) = (here(conditions), weak_observables());
-    let measured = expectation(Way::Chosen, conditions, &job, 0, &observables, accuracy);
-    twelve(conditions, measured, Method::Nv).into()
+    claims.collect::<Vec<_>>().into()
 }
 
 const COS_Y3: [Observable<3>; 1] =
@@ -131,7 +98,6 @@ const COST: Words = Words {
 /// Path-steps for E[cos y₃] at several accuracies, on random points and by `mc::Expect`.
 pub fn cost(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
-    let job = here(conditions);
     let accuracies = conditions.choose([1e-3, 3e-4, 1e-4, 3e-5], [2e-3, 1e-3, 5e-4, 2e-4]);
     let exact = rigid_body_expectations(&problem, degree(conditions), &COS_Y3)[0];
     let (mut series, mut claims) = (Vec::new(), Vec::new());
@@ -141,9 +107,7 @@ pub fn cost(conditions: &Conditions) -> Findings {
     for (name, method, first, way) in ways {
         let mut points = Vec::new();
         for (n, accuracy) in (0..).zip(accuracies) {
-            let part = first + 2 * n;
-            let found = expectation(way, conditions, &job, part, &COS_Y3, accuracy);
-            let Some(result) = found else { return Findings::default() };
+            let result = expectation(way, conditions, first + 2 * n, &COS_Y3, accuracy);
             points.push(Point::Cost { accuracy, path_steps: result.cost });
             let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
             let claim = claim(&result.estimates[0], &result, exact, statement);

@@ -1,9 +1,6 @@
 //! `spin-pair-levy`: `sexp-levy` beyond three dimensions and over long paths.
 
-use analysis::{
-    results::{Claim, Evidence},
-    worse,
-};
+use analysis::worse;
 use schemes::{Sexp, SexpLevy};
 use systems::{
     Damping, Problem,
@@ -17,6 +14,7 @@ use crate::{
         curves::Curve,
         strong::{Grid, StrongRuns},
     },
+    results::{Claim, Evidence},
     setups::spin_pair,
 };
 
@@ -32,9 +30,6 @@ pub fn measure(conditions: &Conditions) -> Findings {
     let curves = [Curve::new(Method::Sexp, compiled(Sexp)), Curve::new(Method::SexpLevy, levy)];
     let grid = conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 });
     let mut findings = StrongRuns::new(WORDS, &problem, grid, &curves).measure(conditions);
-    if !conditions.job.gives_results() {
-        return findings;
-    }
     findings.claims.extend([
         obeys_law(conditions, conditions.id(), &problem),
         obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)),

@@ -9,10 +9,7 @@
 
 use std::ops::RangeInclusive;
 
-use analysis::{
-    FinalMoments,
-    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
-};
+use analysis::FinalMoments;
 use mc::{Ladder, NextNoise, Observable, Run, View, bind};
 use noise::{QuasiWiener, StreamKey};
 use real::WIDTH;
@@ -26,6 +23,7 @@ use systems::{
 use crate::{
     Conditions, Findings, Method, Words, in_words,
     panels::strong::{describe_failures, power_of_half},
+    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
     truncation,
 };
 

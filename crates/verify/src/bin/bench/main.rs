@@ -10,13 +10,14 @@ mod table;
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
-use analysis::results::Provenance;
 use anyhow::{Result, ensure};
 use clap::Parser;
+use plot::{files, provenance};
 use real::{Level, limit_to};
-use report::{files, provenance};
-use results::{Report, Workload};
 use verify::command;
+use verify::results::Provenance;
+
+use results::{Report, Workload};
 
 /// Measures what a path-step costs: every scheme on every system, threads, memory, growth.
 #[derive(Parser)]

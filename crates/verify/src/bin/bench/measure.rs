@@ -6,9 +6,9 @@ use analysis::{FinalMoments, Spread, Stopwatch};
 use anyhow::{Context, Result};
 use mc::{Ladder, Run, View, bind};
 use noise::StreamKey;
+use plot::provenance::peak_memory_mb;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use real::Level;
-use report::provenance::peak_memory_mb;
 use schemes::Sexp;
 use systems::{Damping, PoissonSystem, Problem, paper::rigid_body_three_noises};
 use verify::{
@@ -111,7 +111,7 @@ impl Visit for Schemes {
         let Setup { id, problem, schemes, .. } = setup;
         let problem = problem.until(steps as f64 * TAU)?;
         let ns = 1e9 / (paths * steps) as f64;
-        for (_, scheme) in &schemes {
+        for scheme in &schemes {
             eprintln!("{} on {}", scheme.id(), id);
             let ladder = ladder(&problem, 0, vec![Run::new(bind(&problem, scheme.as_ref()), 0)])?;
             let (wall, thread, failed) = repeat::<D>(&self.one, &ladder, self.workload);

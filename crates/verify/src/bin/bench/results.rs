@@ -1,7 +1,8 @@
 //! What `cargo xtask bench --json` writes.
 
-use analysis::{Spread, results::Provenance};
+use analysis::Spread;
 use serde::Serialize;
+use verify::results::Provenance;
 
 /// Raised whenever a reader of an older version would misread a newer one.
 pub const SCHEMA: u32 = 1;

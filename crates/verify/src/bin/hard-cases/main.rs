@@ -2,122 +2,138 @@
 //!
 //! `cargo xtask stability`. Each case runs all schemes on inputs that break numerical codes:
 //! damping factors that underflow, rates that are infinite, noise past the contraction bound,
-//! states of 10¹⁵⁰, ten million steps, a million periods. A guarantee is a derived bound; a row reports whether it
-//! holds, whether a scheme fails where theory predicts failure, or that the guarantee is refuted.
-//! The fuzzer feeds arbitrary bit patterns to constructors, functions and steps.
+//! states of 10¹⁵⁰. A guarantee is a derived bound; a row reports whether it holds, whether a scheme
+//! fails where theory predicts failure, or that the guarantee is refuted. What each case is and what
+//! exact mathematics says of it stands at its function in `cases`.
+//!
+//! *To rounding* means [`verify::rounding`]. Increments are truncated with k = 4 unless said
+//! otherwise. A path that cannot go on ends with a typed error, never with NaN. Long runs and
+//! arbitrary inputs are the tests in `tests/hard_cases`.
 
-mod case;
 mod cases;
-mod energy;
-mod figures;
-mod fuzz;
-mod growth;
-mod page;
 mod paths;
-mod results;
-mod rounding;
 mod row;
 mod schemes;
 
-use std::{collections::BTreeMap, path::PathBuf, process::ExitCode, time::Instant};
+use std::process::ExitCode;
 
-use analysis::results::Provenance;
+use analysis::number;
 use anyhow::Result;
 use clap::{Parser, builder::PossibleValuesParser};
-use mc::parts::{Job, Share, remove};
-use report::{Page, files, provenance};
-use verify::command::{self, Study};
+use comfy_table::{Table, presets::ASCII_MARKDOWN};
+use noise::StreamKey;
+use verify::{command, streams};
 
-use results::{SCHEMA, Stability};
+use cases::CASES;
+use row::{Row, Verdict};
 
-/// Hard cases, ten million steps and arbitrary inputs: what is guaranteed and what happens.
+/// Every scheme on hard inputs: what is guaranteed and what happens.
 #[derive(Parser)]
 #[command(bin_name = "cargo xtask stability", version)]
 struct Arguments {
-    /// Fewer paths, steps and inputs: seconds instead of minutes.
+    /// Fewer paths: seconds instead of a minute.
     #[arg(long)]
     quick: bool,
-    /// Run only this case, or `growth`, `energy` or `fuzz`; may be given several times.
-    #[arg(long, value_name = "ID", value_parser = PossibleValuesParser::new(parts()))]
+    /// Run only this case; may be given several times.
+    #[arg(long, value_name = "ID")]
+    #[arg(value_parser = PossibleValuesParser::new(CASES.iter().map(|case| case.id)))]
     only: Vec<String>,
-    /// Inputs of the cheapest fuzzed targets, fewer for the others; by default about a minute's
-    /// worth, with --quick a second's.
-    #[arg(long, value_name = "N")]
-    inputs: Option<u64>,
     /// Master seed, 0 to 2^64 − 1; the same seed gives the same bits.
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
-    /// Folder for stability.json, the page and its figures; created if it does not exist.
-    #[arg(long, value_name = "DIR", default_value = "target/stability")]
-    out: PathBuf,
-    /// Write the page here, too, with its figures in the folder `figures` beside it.
-    #[arg(long, value_name = "FILE")]
-    page: Option<PathBuf>,
 }
 
-const GROWTH: &str = "growth";
-const ENERGY: &str = "energy";
-const FUZZ: &str = "fuzz";
-
-/// What can be run alone.
-fn parts() -> impl Iterator<Item = &'static str> {
-    cases::CASES.iter().map(|case| case.id).chain([GROWTH, ENERGY, FUZZ])
+/// A family of hard inputs.
+struct Case {
+    /// Identifier.
+    id: &'static str,
+    /// What the measured figure is.
+    quantity: &'static str,
+    /// What is guaranteed, and why.
+    guarantee: &'static str,
+    /// What the settings vary.
+    varied: &'static str,
+    /// Runs all schemes in all settings.
+    rows: fn(&Context) -> Rows,
 }
 
-impl Arguments {
+/// All schemes in all settings of a case.
+type Rows = Result<Vec<Row>>;
+
+/// What a case needs to run.
+struct Context {
+    key: StreamKey,
+    quick: bool,
+}
+
+impl Context {
     /// `full`, or `quick` where seconds count.
     fn many(&self, full: u64, quick: u64) -> u64 {
         if self.quick { quick } else { full }
     }
+}
 
-    /// Whether a case or a part is asked for; it is then announced.
-    fn wants(&self, id: &str) -> bool {
-        let wanted = self.only.is_empty() || self.only.iter().any(|name| name == id);
-        if wanted {
-            eprintln!("{id}");
-        }
-        wanted
-    }
+/// The rows of every setting.
+fn each<T>(settings: impl IntoIterator<Item = T>, rows: impl FnMut(T) -> Rows) -> Rows {
+    Ok(settings.into_iter().map(rows).collect::<Result<Vec<_>>>()?.concat())
 }
 
 fn main() -> ExitCode {
     command::exit_code(run(&Arguments::parse()))
 }
 
-/// Runs everything, and writes JSON, figures and page. Fails when a guarantee is refuted.
+/// Runs the cases that are asked for, and prints a table of each. Fails when a guarantee is refuted.
 fn run(arguments: &Arguments) -> Result<ExitCode> {
-    files::prepare(&arguments.out)?;
-    if let Some(page) = &arguments.page {
-        files::prepare_file(page)?;
+    let mut all = Vec::new();
+    for (case, experiment) in CASES.iter().zip(streams::HARD_CASES..) {
+        if arguments.only.is_empty() || arguments.only.iter().any(|id| id == case.id) {
+            let key = StreamKey { seed: arguments.seed, experiment };
+            let rows = (case.rows)(&Context { key, quick: arguments.quick })?;
+            let Case { id, guarantee, quantity, .. } = case;
+            println!("{id}\nguaranteed: {guarantee}\nshown: {quantity}\n{}\n", table(case, &rows));
+            all.extend(rows);
+        }
     }
-    let start = Instant::now();
-    // The long runs are most of it, and have checkpoints.
-    let study = Study::new("stability", Vec::new(), BTreeMap::new(), &arguments.out)?;
-    let job = Job::part(&arguments.out, Share::WHOLE, study.program())?;
-    if job.resumes() {
-        eprintln!("going on from a checkpoint in {}", arguments.out.display());
+    use Verdict::{FailsAsItMust, Holds, Observed, Refuted};
+    let count = |one| all.iter().filter(|row| row.verdict == one).count();
+    let [hold, fail, observed, refuted] = [Holds, FailsAsItMust, Observed, Refuted].map(count);
+    println!("{hold} hold, {fail} fail as they must, {observed} observed, {refuted} refuted");
+    Ok(if refuted == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Settings down, schemes across.
+fn table(case: &Case, rows: &[Row]) -> Table {
+    let mut schemes: Vec<&str> = Vec::new();
+    for row in rows {
+        if !schemes.contains(&row.scheme) {
+            schemes.push(row.scheme);
+        }
     }
-    let growth = if arguments.wants(GROWTH) { growth::run(arguments, &job)? } else { Vec::new() };
-    job.finish()?;
-    let cases = cases::run(arguments)?;
-    let energy = if arguments.wants(ENERGY) { energy::run(arguments)? } else { Vec::new() };
-    let fuzz = if arguments.wants(FUZZ) { fuzz::run(arguments) } else { Vec::new() };
-    let mode = if arguments.quick { "quick" } else { "full" };
-    let provenance = provenance::complete(
-        Provenance::of_run(arguments.seed, mode),
-        "cargo xtask stability",
-        start,
-    );
-    let results = Stability { schema: SCHEMA, provenance, cases, growth, energy, fuzz };
-    files::write_json(&arguments.out.join("stability.json"), &results)?;
-    remove(&arguments.out, Share::WHOLE)?;
-    let page = page::page(&results);
-    for file in [&arguments.out.join("stability.md")].into_iter().chain(&arguments.page) {
-        page.write(file)?;
+    let mut table = Table::new();
+    let head = [case.varied, "exact", "bound"].into_iter().chain(schemes.iter().copied());
+    table.load_style(ASCII_MARKDOWN).set_header(head);
+    for rows in rows.chunk_by(|a, b| a.setting == b.setting) {
+        let mut exact: Vec<String> = rows.iter().filter_map(|row| row.exact.map(number)).collect();
+        exact.dedup();
+        let holding = rows.iter().filter(|row| row.verdict == Verdict::Holds);
+        let bound = holding.filter_map(|row| row.bound).reduce(f64::max).map(number);
+        let start = [rows[0].setting.clone(), exact.join("; "), bound.unwrap_or_default()];
+        let row = |scheme: &&str| rows.iter().find(|row| row.scheme == *scheme);
+        let cells = schemes.iter().map(|scheme| row(scheme).map(cell).unwrap_or_default());
+        table.add_row(start.into_iter().chain(cells));
     }
-    let mut summary = Page::new("Stability");
-    page::summary(&mut summary, &results);
-    print!("{}", summary.text());
-    println!("{:.0} s; page in {}", results.provenance.wall_s, arguments.out.display());
-    Ok(if results.refuted() == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    table
+}
+
+/// The figure of a row or why there is none, and what became of the guarantee.
+fn cell(row: &Row) -> String {
+    let figure = row.measured.map(number);
+    let words: Vec<String> = figure.into_iter().chain(row.error.clone()).collect();
+    let mark = match row.verdict {
+        Verdict::Holds => "✓",
+        Verdict::FailsAsItMust => "✗",
+        Verdict::Observed => "",
+        Verdict::Refuted => "REFUTED",
+    };
+    format!("{} {mark}", words.join("; ")).trim().into()
 }

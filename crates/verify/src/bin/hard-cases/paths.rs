@@ -7,15 +7,14 @@ use anyhow::Result;
 use mc::{Ladder, NextNoise, Run, Statistic, View, bind};
 use noise::{StreamKey, Truncation};
 use real::WIDTH;
-use report::distinct;
 use systems::{
     Damping, Flows, InvariantKind, PoissonSystem, Problem, RigidBody,
     paper::rigid_body_three_noises,
 };
+use verify::rounding::{law_bound, residual_share};
 
 use crate::{
-    case::Context,
-    rounding::{law_bound, residual_share},
+    Context, Rows,
     row::Row,
     schemes::{Family, Tested, by_parts, schemes},
 };
@@ -142,13 +141,11 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     pub fn rows(
         &self,
         setting: impl Display,
-        x: Option<f64>,
         complete: impl Fn(Row, &Tested<S, D, M>, &[Path<D>]) -> Result<Row>,
-    ) -> Result<Vec<Row>> {
+    ) -> Rows {
         let row = |scheme: &Tested<S, D, M>| {
             let paths = self.run(scheme)?;
-            let row = Row::new(&setting, x, scheme.name, stops(&paths));
-            complete(Row { newton: scheme.newton, ..row }, scheme, &paths)
+            complete(Row::new(&setting, scheme.name, stops(&paths)), scheme, &paths)
         };
         self.schemes().iter().map(row).collect()
     }
@@ -159,11 +156,10 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     pub fn law_rows(
         &self,
         setting: impl Display,
-        x: Option<f64>,
         law: &Law,
         must_exceed: impl Fn(Family) -> Option<f64>,
-    ) -> Result<Vec<Row>> {
-        self.rows(setting, x, |row, scheme, paths| {
+    ) -> Rows {
+        self.rows(setting, |row, scheme, paths| {
             let Distance { worst, excess, bound } = self.distance(paths, law, scheme);
             let early = row.error.is_some() && law.to_the_end.contains(&scheme.family);
             let kept = excess <= 1.0 && !early;
@@ -226,10 +222,9 @@ impl<S: Flows<D, M>, G: Damping, const D: usize, const M: usize> Experiment<S, G
 fn stops<const D: usize>(paths: &[Path<D>]) -> Option<String> {
     let stops: Vec<_> = paths.iter().filter_map(|path| path.stop).collect();
     let (cause, step) = stops.last()?;
-    let causes = distinct(stops.iter().map(|stop| stop.0)).join(", ");
     Some(match paths.len() {
         1 => format!("{cause} in step {step}"),
-        all => format!("{} of {all} paths stop: {causes}", stops.len()),
+        all => format!("{} of {all} paths stop: {cause}", stops.len()),
     })
 }
 

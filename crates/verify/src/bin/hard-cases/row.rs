@@ -2,11 +2,8 @@
 
 use std::fmt::Display;
 
-use serde::Serialize;
-
 /// What became of a guarantee.
-#[derive(Clone, Copy, Default, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Default, PartialEq)]
 pub enum Verdict {
     /// The stated bound was kept.
     Holds,
@@ -20,44 +17,29 @@ pub enum Verdict {
 }
 
 /// One scheme in one setting of a case.
-#[derive(Clone, Default, Serialize)]
+#[derive(Clone, Default)]
 pub struct Row {
     /// What is set, in words.
     pub setting: String,
-    /// As a number, where it is one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub x: Option<f64>,
     /// `sexp`, `sexp-newton`, `sexp-levy`, `sexp-li`, `split`, `nv`, `midpoint`, `heun`, `em`; or the
     /// discrete gradient that is tested.
     pub scheme: &'static str,
     /// The measured figure; none where it is not finite.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<f64>,
     /// The exact value of the figure, where there is one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<f64>,
     /// The bound that is guaranteed, or that a scheme that must fail has to break.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bound: Option<f64>,
     /// The typed error that ended the run, if one did.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
     /// What became of the guarantee.
     pub verdict: Verdict,
-    /// Whether Newton's method came first: not drawn, since it looks like the fixed point.
-    #[serde(skip)]
-    pub newton: bool,
 }
 
 impl Row {
     /// A row without a figure, of which nothing is guaranteed.
-    pub fn new(
-        setting: impl Display,
-        x: Option<f64>,
-        scheme: &'static str,
-        error: Option<String>,
-    ) -> Self {
-        Self { setting: setting.to_string(), x, scheme, error, ..Self::default() }
+    pub fn new(setting: impl Display, scheme: &'static str, error: Option<String>) -> Self {
+        Self { setting: setting.to_string(), scheme, error, ..Self::default() }
     }
 
     /// With a figure, which must be a number unless there is an error.

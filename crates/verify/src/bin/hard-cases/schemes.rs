@@ -7,8 +7,7 @@ use schemes::{
     EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, WithSolver,
 };
 use systems::{Flows, InvariantKind, PoissonSystem};
-
-use crate::rounding::{LINEARLY_IMPLICIT, rotations};
+use verify::rounding::{LINEARLY_IMPLICIT, rotations};
 
 /// Where a scheme reads γ, and what it keeps.
 #[derive(Clone, Copy, PartialEq)]

@@ -1,25 +1,18 @@
 //! `cargo xtask reproduce`: runs the experiments of the paper, prints a verdict for every statement
 //! and writes a report with figures, tables and `results.json`.
 
-mod wording;
-
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
-use analysis::{
-    Mode, Progress, Settings, Silent,
-    results::{Claim, Results},
-};
 use anyhow::Result;
 use clap::{Parser, builder::PossibleValuesParser};
-use mc::parts::{Job, limit_threads};
+use mc::parts::limit_threads;
+use plot::{Bars, files, provenance};
 use real::{Level, limit_to};
-use report::{Bars, Outcome, files, provenance, terminal};
 use verify::{
-    Method,
-    command::{self, Parts, Study},
+    Method, Mode, Settings, command,
+    page::{self, Outcome, terminal},
+    results::{Claim, Results},
 };
-
-use wording::WORDING;
 
 /// Runs the paper's experiments, prints the verdicts and writes the report.
 #[derive(Parser)]
@@ -41,8 +34,7 @@ struct Arguments {
     /// and any vectors.
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
-    /// Multiply the numbers of paths by X, in whole groups of 128, so that parts can be extended by
-    /// running them again with a larger X. With 1 or more.
+    /// Multiply the numbers of paths by X, in whole groups of 128. With 1 or more.
     #[arg(long, value_name = "X", value_parser = times)]
     samples_times: Option<f64>,
     /// Worker threads; all processors unless given.
@@ -54,21 +46,6 @@ struct Arguments {
     /// Use no wider vector instructions than these; the results are the same, only slower.
     #[arg(long, value_parser = command::simd, value_name = "LEVEL")]
     simd: Option<Level>,
-    #[command(flatten)]
-    parts: Parts,
-}
-
-impl Arguments {
-    /// Those that decide what is computed.
-    fn study(&self) -> Result<Study> {
-        let quick = self.quick.then(|| "--quick".to_owned());
-        let only = self.only.iter().flat_map(|id| ["--only".to_owned(), id.clone()]);
-        let with = ["--with".to_owned(), self.with.join(",")];
-        let seed = ["--seed".to_owned(), self.seed.to_string()];
-        let arguments = quick.into_iter().chain(only).chain(with).chain(seed).collect();
-        let times = self.samples_times.map(|times| ("--samples-times".to_owned(), times));
-        Study::new("reproduce", arguments, times.into_iter().collect(), &self.out)
-    }
 }
 
 /// A factor for numbers of paths.
@@ -103,22 +80,12 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mut further = Method::FURTHER.to_vec();
     further.retain(|method| arguments.with.iter().any(|name| name == method.id()));
 
-    let reproduce = |job: &Job, progress: &dyn Progress| {
-        verify::reproduce(settings, &arguments.only, &further, job, progress)
-    };
-    let list = |job: &Job| drop(reproduce(job, &Silent));
-    let running = arguments.parts.begin(arguments.study()?, &arguments.out, list)?;
-    let start = Instant::now();
-    let bars = Bars::default();
-    let mut results = reproduce(&running.job, &bars)?;
+    let (start, bars) = (Instant::now(), Bars::default());
+    let mut results = verify::reproduce(settings, &arguments.only, &further, &bars)?;
     bars.finish();
-    if let Some(code) = running.end()? {
-        return Ok(code);
-    }
     results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);
     files::write_json(&arguments.out.join("results.json"), &results)?;
-    report::write_report(&results, &WORDING, &arguments.out)?;
-    arguments.parts.forget(&arguments.out)?;
+    page::write_report(&results, &arguments.out)?;
     print_summary(&results, arguments);
     Ok(if results.claims.iter().any(fails) { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

@@ -6,8 +6,7 @@
 
 use real::{Real, VectorFunction, jacobian};
 use systems::{PoissonSystem, RigidBody};
-
-use crate::rounding::length;
+use verify::rounding::length;
 
 const STEPS: u32 = 2048;
 const ITERATIONS: u32 = 4;

@@ -1,21 +1,22 @@
 //! Damping that is stiff, negative, discontinuous or infinite at a time.
 
 use systems::{Constant, Damping};
+use verify::rounding::{law_bound, length};
 
 use crate::{
-    case::{Case, Context, Rows, SQUARED_LENGTH, each},
+    Case, Context, Rows, each,
     paths::{CASIMIR, Law, body},
-    rounding::{law_bound, length},
     row::Row,
     schemes::Family,
 };
 
 /// γτ from 0.1 to 10⁴: exact damping against rational functions of γτ.
+///
+/// Rigid body with three noises, constant γ, 16 steps of τ = 1/16.
+///
+/// A step multiplies |y| by e^(−γτ) on every path.
 pub const STIFF: Case = Case {
     id: "stiff-damping",
-    title: "Stiff damping",
-    setup: "Rigid body with three noises, constant γ, 16 steps of τ = 1/16.",
-    mathematics: "A step multiplies |y| by e^(−γτ) on every path.",
     quantity: "factor of |y| in a step, geometric mean while |y| is a normal number",
     guarantee: "`sexp` has the factor e^(−x), x = γτ, to rounding, underflow included; so have \
                 `sexp-li` and `split`. For large x `midpoint` must hardly damp, `em` and `heun` must grow.",
@@ -36,42 +37,37 @@ fn stiff(context: &Context) -> Rows {
     let (steps, tau) = (16, 1.0 / 16.0);
     each([0.1, 0.5, 1.0, 2.0, 4.0, 10.0, 100.0, 1e3, 1e4], |x: f64| {
         let exact = if (-x).exp() > NORMAL { (-x).exp() } else { 0.0 };
-        body(context, Constant::new(x / tau)?, (steps, tau))?.rows(
-            x,
-            Some(x),
-            |row, scheme, paths| {
-                let lengths = paths[0].states[1..].iter().map(|y| length(*y));
-                let normal: Vec<f64> = lengths.take_while(|length| *length > NORMAL).collect();
-                let factor = match normal.last() {
-                    Some(last) => last.powf(1.0 / normal.len() as f64),
-                    // The first step underflows, or there is none.
-                    None => f64::from(u8::from(row.error.is_some())),
-                };
-                let off = if exact == 0.0 { factor } else { (factor / exact - 1.0).abs() };
-                let to_rounding = row.error.is_none()
-                    && off <= scheme.rounding * law_bound(steps, x * steps as f64);
-                let row = Row { exact: Some(exact), ..row.with_figure(factor) };
-                Ok(match scheme.family {
-                    Family::Conformal | Family::WithoutIteration => {
-                        row.guaranteed(to_rounding, None)
-                    }
-                    Family::Midpoint if x >= MIDPOINT_FAILS => row.must_exceed(2.0 * exact),
-                    Family::Explicit if x >= EXPLICIT_FAILS => row.must_exceed(1.0),
-                    _ => row,
-                })
-            },
-        )
+        body(context, Constant::new(x / tau)?, (steps, tau))?.rows(x, |row, scheme, paths| {
+            let lengths = paths[0].states[1..].iter().map(|y| length(*y));
+            let normal: Vec<f64> = lengths.take_while(|length| *length > NORMAL).collect();
+            let factor = match normal.last() {
+                Some(last) => last.powf(1.0 / normal.len() as f64),
+                // The first step underflows, or there is none.
+                None => f64::from(u8::from(row.error.is_some())),
+            };
+            let off = if exact == 0.0 { factor } else { (factor / exact - 1.0).abs() };
+            let to_rounding =
+                row.error.is_none() && off <= scheme.rounding * law_bound(steps, x * steps as f64);
+            let row = Row { exact: Some(exact), ..row.with_figure(factor) };
+            Ok(match scheme.family {
+                Family::Conformal | Family::WithoutIteration => row.guaranteed(to_rounding, None),
+                Family::Midpoint if x >= MIDPOINT_FAILS => row.must_exceed(2.0 * exact),
+                Family::Explicit if x >= EXPLICIT_FAILS => row.must_exceed(1.0),
+                _ => row,
+            })
+        })
     })
 }
 
 /// Negative γ: the state grows until it overflows.
+///
+/// Rigid body with three noises, constant γ < 0, up to 64 steps of τ = 1/64.
+///
+/// |y(t)|² = e^(2|γ|t)|y₀|² overflows in finite time. Long before, a step is large for a body that
+/// turns so fast.
 pub const ANTI: Case = Case {
     id: "anti-damping",
-    title: "Anti-damping",
-    setup: "Rigid body with three noises, constant γ < 0, up to 64 steps of τ = 1/64.",
-    mathematics: "|y(t)|² = e^(2|γ|t)|y₀|² overflows in finite time. Long before, a step is \
-                  large for a body that turns so fast.",
-    quantity: SQUARED_LENGTH,
+    quantity: super::SQUARED_LENGTH,
     guarantee: "`sexp`, `sexp-li` and `split` are on the law to rounding, or end with a typed \
                 error. Newton's stopping test keeps the law to 2⁻³⁰ a step only.",
     varied: "γτ",
@@ -88,19 +84,19 @@ fn anti(context: &Context) -> Rows {
     each([-0.01, -0.1, -1.0, -10.0, -100.0, -1e4], |x| {
         // From −0.1 on a step of the other schemes is off the law by more than this.
         let must_exceed = (x <= -0.1).then_some(1e-6);
-        body(context, Constant::new(x / tau)?, (64, tau))?
-            .law_rows(x, Some(x), &law, |_| must_exceed)
+        body(context, Constant::new(x / tau)?, (64, tau))?.law_rows(x, &law, |_| must_exceed)
     })
 }
 
 /// γ that jumps, and γ that is infinite at a time but integrable.
+///
+/// Rigid body with three noises, 64 steps of τ = 1/64. γ is 4 and −3 alternately, or ½|t −
+/// s|^(−½), infinite at s.
+///
+/// |y(t)|² = e^(−2∫γ)|y₀|² whenever γ is integrable.
 pub const ROUGH: Case = Case {
     id: "rough-damping",
-    title: "Rough damping",
-    setup: "Rigid body with three noises, 64 steps of τ = 1/64. γ is 4 and −3 alternately, or \
-            ½|t − s|^(−½), infinite at s.",
-    mathematics: "|y(t)|² = e^(−2∫γ)|y₀|² whenever γ is integrable.",
-    quantity: SQUARED_LENGTH,
+    quantity: super::SQUARED_LENGTH,
     guarantee: "`sexp`, `sexp-li` and `split` read only ∫γ and are on the law to rounding. A scheme that evaluates γ \
                 where it is infinite must stop: `em` and `heun` at the ends of a step, \
                 `midpoint` in its middle.",
@@ -179,6 +175,6 @@ fn rough(context: &Context) -> Rows {
     let law = Law { to_the_end, ..CASIMIR };
     each(SETTINGS, |(name, damping, fails)| {
         let must_exceed = |family| (Some(family) == fails).then_some(f64::INFINITY);
-        body(context, damping, (64, ROUGH_TAU))?.law_rows(name, None, &law, must_exceed)
+        body(context, damping, (64, ROUGH_TAU))?.law_rows(name, &law, must_exceed)
     })
 }

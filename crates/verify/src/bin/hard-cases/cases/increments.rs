@@ -3,11 +3,11 @@
 use noise::{Noise, StepNoise, Truncation};
 use real::WIDTH;
 use systems::paper::half_cosine;
+use verify::rounding::length;
 
 use crate::{
-    case::{Case, Context, Rows, SQUARED_LENGTH, each},
+    Case, Context, Rows, each,
     paths::{CASIMIR, Experiment, Law, body},
-    rounding::length,
     row::Row,
     schemes::Family,
 };
@@ -19,14 +19,15 @@ const SOLVABLE: &str = "`sexp` in all forms is on the law to rounding, or ends w
 const LAW: Law = Law { to_the_end: &[Family::WithoutIteration], ..CASIMIR };
 
 /// The largest normals that the generator can give, in all directions.
+///
+/// Rigid body with three noises, γ = ½cos 2t, 64 steps; truncated with k = 4 or not. Every
+/// increment is ±√τ·√(106 ln 2) = ±8.57√τ, the largest the generator gives, in all combinations of
+/// signs; areas ±ΔW².
+///
+/// Such increments are possible: the law holds on every path.
 pub const EXTREME: Case = Case {
     id: "extreme-normals",
-    title: "Extreme normals",
-    setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps; truncated with k = 4 or not. \
-            Every increment is ±√τ·√(106 ln 2) = ±8.57√τ, the largest the generator gives, in \
-            all combinations of signs; areas ±ΔW².",
-    mathematics: "Such increments are possible: the law holds on every path.",
-    quantity: SQUARED_LENGTH,
+    quantity: super::SQUARED_LENGTH,
     guarantee: SOLVABLE,
     varied: "τ",
     rows: extreme,
@@ -47,7 +48,7 @@ fn extreme(context: &Context) -> Rows {
             })
         });
         let setting = format!("1/{:.0}{words}", 1.0 / tau);
-        Experiment { truncation, ..experiment }.law_rows(setting, None, &LAW, |_| None)
+        Experiment { truncation, ..experiment }.law_rows(setting, &LAW, |_| None)
     })
 }
 
@@ -61,32 +62,34 @@ fn signed(signs: u32, size: f64, noise: &mut StepNoise) {
 }
 
 /// Steps up to 0.9, where truncation is still defined.
+///
+/// Several paths of the rigid body with three noises, γ = ½cos 2t, 64 steps.
+///
+/// The scheme keeps the law for every τ at which its equation has a solution.
 pub const BIG_STEPS: Case = Case {
     id: "big-steps",
-    title: "Big steps",
-    setup: "Several paths of the rigid body with three noises, γ = ½cos 2t, 64 steps.",
-    mathematics: "The scheme keeps the law for every τ at which its equation has a solution.",
-    quantity: SQUARED_LENGTH,
+    quantity: super::SQUARED_LENGTH,
     guarantee: SOLVABLE,
     varied: "τ",
     rows: big_steps,
 };
 
 fn big_steps(context: &Context) -> Rows {
-    let paths = context.arguments.many(32, 4);
+    let paths = context.many(32, 4);
     each([0.1, 0.3, 0.5, 0.7, 0.9], |tau| {
         let experiment = body(context, half_cosine(), (64, tau))?;
-        Experiment { paths, ..experiment }.law_rows(tau, Some(tau), &LAW, |_| None)
+        Experiment { paths, ..experiment }.law_rows(tau, &LAW, |_| None)
     })
 }
 
 /// Without noise: ordinary differential equations, and the deterministic orders.
+///
+/// Rigid body, γ = ½cos 2t, T = 1, all increments zero. `em` keeps its Itô correction.
+///
+/// For ordinary equations `sexp`, `midpoint` and `heun` are of order two, Euler's method of order
+/// one.
 pub const NO_NOISE: Case = Case {
     id: "no-noise",
-    title: "No noise",
-    setup: "Rigid body, γ = ½cos 2t, T = 1, all increments zero. `em` keeps its Itô correction.",
-    mathematics: "For ordinary equations `sexp`, `midpoint` and `heun` are of order two, Euler's \
-                  method of order one.",
     quantity: "order, from the results with N, 2N and 4N steps",
     guarantee: "Two, and one for `em`, up to 16τ.",
     varied: "τ",
@@ -103,7 +106,7 @@ fn no_noise(context: &Context) -> Rows {
     };
     each([64, 128, 256, 512], |steps| {
         let finer = [silent(2 * steps)?, silent(4 * steps)?];
-        silent(steps)?.rows(format!("1/{steps}"), Some(1.0 / steps as f64), |row, scheme, paths| {
+        silent(steps)?.rows(format!("1/{steps}"), |row, scheme, paths| {
             let end = |n: usize| anyhow::Ok(finer[n].run(scheme)?[0].end());
             let (one, two, four) = (paths[0].end(), end(0)?, end(1)?);
             let difference = |a: [f64; 3], b: [f64; 3]| length([0, 1, 2].map(|i| a[i] - b[i]));

@@ -5,24 +5,25 @@ use nonlin::Outcome;
 use real::elementary::{cos, sin};
 use schemes::{Scheme, Step};
 use systems::{Constant, PoissonSystem, RigidBody};
+use verify::rounding::{law_bound, residual_share};
 
 use super::branch::{agree, follow};
 use crate::{
-    case::{Case, Context, Rows, each},
+    Case, Context, Rows, each,
     paths::body,
-    rounding::{law_bound, residual_share},
     row::Row,
     schemes::{Family, Tested},
 };
 
+///
+/// Rigid body with three noises, γ = 0, one step of τ = 0.1 from random states with |y| = 1;
+/// Gaussian increments, not truncated, no areas. An independent solver follows the branch of the
+/// flow in 2048 steps and detects turning points.
+///
+/// While the map contracts there is one solution. Beyond, the flow's is on the branch from the old
+/// state at zero increments, if that does not turn back.
 pub const CASE: Case = Case {
     id: "large-noise",
-    title: "Large noise",
-    setup: "Rigid body with three noises, γ = 0, one step of τ = 0.1 from random states with |y| \
-            = 1; Gaussian increments, not truncated, no areas. An independent solver follows the \
-            branch of the flow in 2048 steps and detects turning points.",
-    mathematics: "While the map contracts there is one solution. Beyond, the flow's is on the \
-                  branch from the old state at zero increments, if that does not turn back.",
     quantity: "share of the steps whose solution is not on that branch",
     guarantee: "Inside the contraction bound (size 0.1) `sexp` solves every step on that branch. \
                 Beyond, it keeps |y|² to rounding or fails; the branch is not guaranteed. `sexp-li` \
@@ -39,7 +40,7 @@ const CONTRACTS: f64 = SIZES[0];
 const TAU: f64 = 0.1;
 
 fn rows(context: &Context) -> Rows {
-    let samples = context.arguments.many(400, 40);
+    let samples = context.many(400, 40);
     let experiment = body(context, Constant::new(0.0)?, (1, TAU))?;
     let system = experiment.problem.system();
     let step = Step::new(experiment.problem.damping(), 0, TAU)?;
@@ -73,7 +74,7 @@ fn rows(context: &Context) -> Rows {
             }
             let error = (unsolved > 0)
                 .then(|| format!("{unsolved} of {samples} not solved, {missed} of them solvable"));
-            let row = Row::new(size, Some(size), scheme.name, error);
+            let row = Row::new(size, scheme.name, error);
             let kept = excess <= 1.0 && (size > CONTRACTS || other == 0 && unsolved == 0);
             let share = other as f64 / samples as f64;
             match scheme.family {

@@ -8,17 +8,12 @@ mod large_noise;
 mod near_singular;
 mod states;
 
-use anyhow::Result;
-use noise::StreamKey;
-use verify::streams;
+use crate::Case;
 
-use crate::{
-    Arguments,
-    case::{Case, Context},
-    results::CaseResult,
-};
+/// The quantity of most cases.
+const SQUARED_LENGTH: &str = "largest relative distance of |y|² from its law, before a path ends";
 
-/// All families, in the order of the page and of their streams.
+/// All families, in the order of the tables and of their streams.
 pub static CASES: [Case; 14] = [
     damping::STIFF,
     damping::ANTI,
@@ -35,16 +30,3 @@ pub static CASES: [Case; 14] = [
     increments::NO_NOISE,
     near_singular::CASE,
 ];
-
-/// Runs the cases that are asked for.
-pub fn run(arguments: &Arguments) -> Result<Vec<CaseResult>> {
-    CASES
-        .iter()
-        .zip(streams::HARD_CASES..)
-        .filter(|(case, _)| arguments.wants(case.id))
-        .map(|(case, experiment)| {
-            let key = StreamKey { seed: arguments.seed, experiment };
-            Ok(CaseResult { case, rows: (case.rows)(&Context { key, arguments })? })
-        })
-        .collect()
-}

@@ -5,19 +5,17 @@ use nonlin::Outcome;
 use real::Real;
 use schemes::{Scheme, SexpLi, Step};
 use systems::{Constant, Invariant, PoissonSystem};
+use verify::rounding::length;
 
-use crate::{
-    case::{Case, Context, Rows, each},
-    rounding::length,
-    row::Row,
-};
+use crate::{Case, Context, Rows, each, row::Row};
 
+///
+/// B(y)v = K(y × v), K = diag(1, 1, −1), H₁ = y₁, one step of `sexp-li` with ΔW = 2(1 − δ): (y₂,
+/// y₃) are boosted, and I − ½A has the determinant 1 − ¼ΔW².
+///
+/// |z| grows like 1/δ with y₁² + y₂² − y₃² kept. At δ = 0 there is no solution.
 pub const CASE: Case = Case {
     id: "near-singular",
-    title: "Nearly singular linear equation",
-    setup: "B(y)v = K(y × v), K = diag(1, 1, −1), H₁ = y₁, one step of `sexp-li` with ΔW = 2(1 − \
-            δ): (y₂, y₃) are boosted, and I − ½A has the determinant 1 − ¼ΔW².",
-    mathematics: "|z| grows like 1/δ with y₁² + y₂² − y₃² kept. At δ = 0 there is no solution.",
     quantity: "change of y₁² + y₂² − y₃², relative to (|y| + |z|)²",
     guarantee: "32ε whatever the condition, or a typed error.",
     varied: "δ",
@@ -59,7 +57,7 @@ fn rows(_: &Context) -> Rows {
         let noise = Noise::increments([2.0 * (1.0 - delta)]);
         let solution = scheme.step(&Hyperbolic, &step, &noise, START);
         let failed = matches!(solution.outcome, Outcome::Failed { .. });
-        let row = Row::new(delta, None, "sexp-li", failed.then(|| "no solution".into()));
+        let row = Row::new(delta, "sexp-li", failed.then(|| "no solution".into()));
         if failed {
             return Ok(vec![row.guaranteed(true, None)]);
         }

@@ -5,20 +5,21 @@ use systems::{
     Constant, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, RigidBody,
     paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, sine},
 };
+use verify::rounding::law_bound;
 
 use crate::{
-    case::{Case, Context, Rows, each},
+    Case, Context, Rows, each,
     paths::{CASIMIR, Experiment, Law},
-    rounding::law_bound,
 };
 
 /// States from 10⁻¹⁵⁰ to 10¹⁵⁰.
+///
+/// Rigid body with three noises, γ = ½cos 2t, 64 steps of τ = 1/64, no areas. State and moments of
+/// inertia are multiplied by a power of two.
+///
+/// The solution scales with them, in floating point bit by bit.
 pub const SCALES: Case = Case {
     id: "scales",
-    title: "Tiny and huge states",
-    setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps of τ = 1/64, no areas. State and \
-            moments of inertia are multiplied by a power of two.",
-    mathematics: "The solution scales with them, in floating point bit by bit.",
     quantity: "largest difference from the solution of scale one, relative to |y₀|",
     guarantee: "No scheme or stopping test depends on the scale, up to one sweep.",
     varied: "scale",
@@ -45,7 +46,7 @@ fn scales(context: &Context) -> Rows {
         let scale = 2f64.powi(exponent);
         let decimal = f64::from(exponent) * std::f64::consts::LOG10_2;
         let setting = format!("2^{exponent} ≈ 1e{decimal:+.0}");
-        scaled(scale)?.rows(setting, Some(exponent.into()), |row, scheme, paths| {
+        scaled(scale)?.rows(setting, |row, scheme, paths| {
             let (a, b) = (plain.run(scheme)?[0].end(), paths[0].end());
             let difference = (0..3).map(|i| (b[i] / scale - a[i]).abs()).fold(0.0, f64::max);
             Ok(row.with_figure(difference).at_most(law_bound(steps, 1.0)))
@@ -54,11 +55,12 @@ fn scales(context: &Context) -> Rows {
 }
 
 /// y₀ = 0 and other points where nothing moves.
+///
+/// 128 steps of τ = 1/16.
+///
+/// Where B∇Hₘ = 0 for all m and γy = 0 the solution stays.
 pub const EQUILIBRIA: Case = Case {
     id: "equilibria",
-    title: "Zero and equilibria",
-    setup: "128 steps of τ = 1/16.",
-    mathematics: "Where B∇Hₘ = 0 for all m and γy = 0 the solution stays.",
     quantity: "largest distance of a component from y₀",
     guarantee: "Every scheme stays exactly. The upright pendulum starts an ulp from its \
                 equilibrium and leaves it like εe^t.",
@@ -94,7 +96,7 @@ fn stay<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     bound: f64,
 ) -> Rows {
     let experiment = Experiment::new(context, system, y0, REST)?;
-    experiment.rows(setting, None, |row, _, paths| {
+    experiment.rows(setting, |row, _, paths| {
         let states = paths[0].states.iter();
         let components = states.flat_map(|y| (0..D).map(|i| (y[i] - y0[i]).abs()));
         Ok(row.with_figure(components.fold(0.0, f64::max)).at_most(bound))
@@ -102,12 +104,13 @@ fn stay<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
 }
 
 /// Next to the coordinate planes, where the structure has its poles.
+///
+/// Several paths of Lotka–Volterra, a = −1, b = −2, γ = sin t, up to t = 2.
+///
+/// The solution stays positive. The Casimir 2y₁ + y₂ + y₃ follows e^(−∫γ). B has poles where y₁ =
+/// 0 or y₂ = 0.
 pub const LOTKA_VOLTERRA: Case = Case {
     id: "lotka-volterra",
-    title: "Lotka–Volterra next to its coordinate planes",
-    setup: "Several paths of Lotka–Volterra, a = −1, b = −2, γ = sin t, up to t = 2.",
-    mathematics: "The solution stays positive. The Casimir 2y₁ + y₂ + y₃ follows e^(−∫γ). B has \
-                  poles where y₁ = 0 or y₂ = 0.",
     quantity: "largest relative distance of the Casimir from its law, before a path ends",
     guarantee: "`sexp` and `sexp-li` are positive and on the law to rounding, or end with a typed \
                 error. No scheme is positive by construction.",
@@ -120,7 +123,7 @@ pub const LOTKA_VOLTERRA: Case = Case {
 const LINEAR: Law = Law { invariants: &[1], weight: 2.0, ..CASIMIR };
 
 fn lotka_volterra(context: &Context) -> Rows {
-    let paths = context.arguments.many(64, 8);
+    let paths = context.many(64, 8);
     let starts = [
         ("y₁ = 1e-12", [1e-12, 0.4, 0.6]),
         ("y₂ = 1e-12", [0.2, 1e-12, 0.6]),
@@ -133,7 +136,7 @@ fn lotka_volterra(context: &Context) -> Rows {
         let steps = (2 * per_unit, 1.0 / per_unit as f64);
         let experiment = Experiment::new(context, (system, sine()), y0, steps)?;
         let setting = format!("{name}, τ = 1/{per_unit}");
-        Experiment { paths, ..experiment }.law_rows(setting, None, &LINEAR, |_| None)
+        Experiment { paths, ..experiment }.law_rows(setting, &LINEAR, |_| None)
     })
 }
 

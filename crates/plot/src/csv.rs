@@ -1,0 +1,90 @@
+//! Comma-separated values (RFC 4180): a comparison of schemes, and fields of any table.
+//!
+//! Every number is written with the shortest digits that read back as the same `f64`; what is not
+//! finite appears as `inf`, `-inf` or `NaN`.
+
+use analysis::compare::{Comparison, Time};
+
+/// The errors and times of a comparison of schemes as comma-separated values: one row per point,
+/// with a header row.
+///
+/// | column | meaning |
+/// |---|---|
+/// | `quantity`, `scheme` | `y(T)`, or `E[φ]`; identifier |
+/// | `steps`, `tau` | steps of a path, step size |
+/// | `error`, `se` | root-mean-square error, or signed bias; its standard error |
+/// | `lo`, `hi` | ends of the interval of its size, the error of the reference included |
+/// | `resolved` | whether a strong error is four times that of the reference |
+/// | `min_s`, `median_s` | processor time of a path, empty where none was measured |
+pub fn comparison_csv(comparison: &Comparison) -> String {
+    let mut table = "quantity,scheme,steps,tau,error,se,lo,hi,resolved,min_s,median_s\n".to_owned();
+    let end = |end: Option<f64>| end.map_or(String::new(), |end| format!("{end:e}"));
+    let time = |time: Option<Time>| {
+        let [min, median] = [time.map(|time| time.min_s), time.map(|time| time.median_s)].map(end);
+        format!("{min},{median}")
+    };
+    for series in &comparison.strong.series {
+        for point in &series.points {
+            let (lo, hi) = (end(point.lo), end(point.hi));
+            table += &format!(
+                "y(T),{},{},{:e},{:e},{:e},{lo},{hi},{},{}\n",
+                field(&series.scheme),
+                point.steps,
+                point.tau,
+                point.error,
+                point.se,
+                point.resolved,
+                time(point.time)
+            );
+        }
+    }
+    for observable in comparison.weak.iter().flat_map(|weak| &weak.observables) {
+        for series in &observable.series {
+            for point in &series.points {
+                table += &format!(
+                    "{},{},{},{:e},{:e},{:e},{:e},{:e},,{}\n",
+                    field(&format!("E[{}]", observable.name)),
+                    field(&series.scheme),
+                    point.steps,
+                    point.tau,
+                    point.bias,
+                    point.se,
+                    point.lo,
+                    point.hi,
+                    time(point.time)
+                );
+            }
+        }
+    }
+    table
+}
+
+/// Quotes a field when it holds a separator, a quote or a line break.
+pub fn field(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comparison_has_a_row_for_every_point() {
+        assert_eq!(
+            comparison_csv(&crate::figure::small_comparison()),
+            "quantity,scheme,steps,tau,error,se,lo,hi,resolved,min_s,median_s\n\
+             y(T),heun,8,1.25e-1,6.25e-2,1e-2,3.125e-2,1.25e-1,true,1e-6,2e-6\n\
+             y(T),heun,16,6.25e-2,3.125e-2,1e-2,1.5625e-2,6.25e-2,false,,\n\
+             E[y1],heun,8,1.25e-1,-2.5e-1,1e-2,1.25e-1,5e-1,,,\n"
+        );
+    }
+
+    #[test]
+    fn separators_are_quoted() {
+        assert_eq!(field("a,\"b\""), "\"a,\"\"b\"\"\"");
+    }
+}

@@ -1,0 +1,161 @@
+//! Colours, markers and weights of curves: fixed for the known schemes, distinct for every other.
+//!
+//! Two methods may give the same numbers to the eye. One of such a pair is drawn wide with open
+//! markers underneath, the other thin and dashed with small markers on top, so that each shows
+//! through the other.
+
+use Layer::{Over, Plain, Under};
+
+use super::stroke::{Color, Position, Stroke};
+
+/// Corners of a marker of radius one, none of a circle. The areas are about that of the circle, so
+/// that no curve looks more important than another.
+pub type Marker = &'static [Position];
+
+pub const CIRCLE: Marker = &[];
+const SQUARE: Marker = &[(-0.89, -0.89), (0.89, -0.89), (0.89, 0.89), (-0.89, 0.89)];
+const DIAMOND: Marker = &[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)];
+const TRIANGLE: Marker = &[(0.0, -1.4), (1.25, 0.85), (-1.25, 0.85)];
+const WEDGE: Marker = &[(0.0, 1.4), (1.25, -0.85), (-1.25, -0.85)];
+const STAR: Marker = &[
+    (0.0, -1.5),
+    (0.45, -0.45),
+    (1.5, 0.0),
+    (0.45, 0.45),
+    (0.0, 1.5),
+    (-0.45, 0.45),
+    (-1.5, 0.0),
+    (-0.45, -0.45),
+];
+
+/// Where a curve lies in a stack of curves that may coincide; ordered from below.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Layer {
+    /// Wide pale line, large open markers.
+    Under,
+    /// Nothing special.
+    Plain,
+    /// Thin dashed line, small markers.
+    Over,
+}
+
+/// Appearance of a curve.
+#[derive(Clone, Copy, PartialEq)]
+pub struct Look {
+    /// Colour of the line and the marker.
+    pub color: Color,
+    /// Shape of the marker.
+    pub marker: Marker,
+    /// Whether it is made to be seen below or above another curve.
+    pub layer: Layer,
+}
+
+const fn look(color: Color, marker: Marker, layer: Layer) -> Look {
+    Look { color, marker, layer }
+}
+
+impl Look {
+    /// The line of the curve, where that of a plain curve has the width `width`.
+    pub fn line(self, width: f64) -> Stroke {
+        let plain = Stroke::new(self.color, width);
+        match self.layer {
+            // Pale, so that dashes of a colour as dark as its own stand out on it.
+            Under => Stroke { width: 2.3 * width, ..plain.faded(0.5) },
+            Plain => plain,
+            Over => plain.dashed(),
+        }
+    }
+
+    /// The radius of its markers, where that of a plain curve is `radius`.
+    pub fn radius(self, radius: f64) -> f64 {
+        match self.layer {
+            Under => 1.35 * radius,
+            Plain => radius,
+            Over => 0.8 * radius,
+        }
+    }
+
+    /// Whether the paper shows inside of its markers.
+    pub fn hollow(self) -> bool {
+        self.layer == Under
+    }
+}
+
+// The palette of Okabe and Ito, which readers with any colour vision can tell apart.
+pub const BLUE: Color = "#0072B2";
+pub const VERMILLION: Color = "#D55E00";
+const GREEN: Color = "#009E73";
+const PURPLE: Color = "#CC79A7";
+const ORANGE: Color = "#E69F00";
+const SKY: Color = "#56B4E9";
+const BLACK: Color = "#000000";
+
+/// Schemes that look the same on every figure.
+const SCHEMES: [(&str, Look); 7] = [
+    ("sexp", look(BLUE, CIRCLE, Under)),
+    ("em", look(VERMILLION, SQUARE, Plain)),
+    ("midpoint", look(GREEN, DIAMOND, Over)),
+    ("sexp-levy", SPARE[0]),
+    ("heun", SPARE[1]),
+    ("sexp-li", SPARE[2]),
+    ("split", SPARE[3]),
+];
+
+/// Looks of all other schemes, in the order of their appearance.
+const SPARE: [Look; 4] = [
+    look(PURPLE, TRIANGLE, Plain),
+    look(ORANGE, WEDGE, Plain),
+    look(SKY, CIRCLE, Under),
+    look(BLACK, STAR, Over),
+];
+
+/// Looks of quantities.
+const QUANTITIES: [Look; 5] = [
+    look(BLACK, CIRCLE, Plain),
+    look(ORANGE, SQUARE, Plain),
+    look(PURPLE, TRIANGLE, Plain),
+    look(SKY, DIAMOND, Plain),
+    look(GREEN, WEDGE, Plain),
+];
+
+/// One look for each of the different schemes in `names`: an unknown one takes the first look that
+/// no scheme has yet.
+pub fn of_schemes(names: &[&str]) -> Vec<Look> {
+    let known = |name: &&str| SCHEMES.iter().find(|(id, _)| id == name).map(|(_, look)| *look);
+    let taken: Vec<Look> = names.iter().filter_map(known).collect();
+    let free = SPARE.into_iter().filter(|look| !taken.contains(look));
+    let mut unknown = free.chain(SPARE.into_iter().cycle());
+    names.iter().filter_map(|name| known(name).or_else(|| unknown.next())).collect()
+}
+
+/// Looks for the quantities in `names`, the same again where there are more than looks.
+pub fn of_quantities(names: &[&str]) -> Vec<Look> {
+    QUANTITIES.into_iter().cycle().take(names.len()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_scheme_gets_a_look_of_its_own() {
+        let looks = of_schemes(&["sexp", "other", "em", "sexp-levy"]);
+        for (i, a) in looks.iter().enumerate() {
+            for b in &looks[..i] {
+                assert!(a.color != b.color && a.marker != b.marker);
+            }
+        }
+    }
+
+    #[test]
+    fn methods_that_may_coincide_show_through_each_other() {
+        for pair in
+            [of_schemes(&["sexp", "midpoint"]), of_schemes(&["a", "b", "c", "d"]).split_off(2)]
+        {
+            let (below, above) = (pair[0], pair[1]);
+            assert!(below.layer < above.layer && below.hollow() && !above.hollow());
+            assert!(below.radius(1.0) > above.radius(1.0));
+            assert!(below.line(1.0).width > above.line(1.0).width && above.line(1.0).dashed);
+        }
+    }
+}

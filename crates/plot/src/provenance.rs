@@ -1,0 +1,127 @@
+//! Where a run comes from, and what it took.
+
+use std::{collections::BTreeMap, fs, process::Command, time::Instant};
+
+use real::Level;
+use serde::{Deserialize, Serialize};
+
+/// Where a run comes from and how long it took.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Commit of the workspace, with `-dirty` appended when the tree differs from it.
+    pub git: String,
+    /// Compiler version.
+    pub rustc: String,
+    /// Processor name.
+    pub cpu: String,
+    /// Instruction set the kernels ran on: `avx512`, `avx2` or `baseline`.
+    pub simd: String,
+    /// Worker threads.
+    pub threads: usize,
+    /// Master seed.
+    pub seed: u64,
+    /// `paper` or `quick`.
+    pub mode: String,
+    /// How often the mode's numbers of paths there are, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub samples_times: Option<f64>,
+    /// The command line.
+    pub command: String,
+    /// Wall time of the whole run in seconds.
+    pub wall_s: f64,
+    /// Wall time of each panel and each statement in seconds, by id.
+    pub wall_s_by_id: BTreeMap<String, f64>,
+}
+
+impl Provenance {
+    /// Seed, mode and threads of a run on the current rayon pool; the rest is empty.
+    pub fn of_run(seed: u64, mode: &str) -> Self {
+        let threads = rayon::current_num_threads();
+        Self { seed, mode: mode.into(), threads, ..Self::default() }
+    }
+}
+
+/// What is written for a fact that nobody tells.
+const UNKNOWN: &str = "unknown";
+
+/// Completes the provenance of a run that began at `start`: commit, compiler, processor,
+/// instruction set, command and wall time. What else it holds stays.
+///
+/// `program` is what a user types in front of the arguments.
+pub fn complete(known: Provenance, program: &str, start: Instant) -> Provenance {
+    Provenance {
+        git: first_line("git", &["describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]),
+        rustc: first_line("rustc", &["--version"]),
+        cpu: fact("/proc/cpuinfo", "model name").unwrap_or(std::env::consts::ARCH.into()),
+        simd: Level::current().name().into(),
+        command: command_line(program, std::env::args().skip(1)),
+        wall_s: start.elapsed().as_secs_f64(),
+        ..known
+    }
+}
+
+/// The command as a user types it, without the files and folders to write to.
+fn command_line(program: &str, arguments: impl Iterator<Item = String>) -> String {
+    let mut words = vec![program.into()];
+    let mut skip = false;
+    for word in arguments {
+        let target = ["--out", "--json"].contains(&word.split('=').next().unwrap_or(""));
+        if !(skip || target) {
+            words.push(word.clone());
+        }
+        skip = target && !word.contains('=');
+    }
+    words.join(" ")
+}
+
+/// First line that a command prints, or `unknown`.
+fn first_line(program: &str, arguments: &[&str]) -> String {
+    match Command::new(program).args(arguments).output() {
+        Ok(output) if output.status.success() => {
+            String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or(UNKNOWN).into()
+        }
+        _ => UNKNOWN.into(),
+    }
+}
+
+/// What follows the first `key:` in a file of the system.
+fn fact(file: &str, key: &str) -> Option<String> {
+    let text = fs::read_to_string(file).ok()?;
+    let line = text.lines().find(|line| line.starts_with(key))?;
+    Some(line.split_once(':')?.1.trim().into())
+}
+
+/// Largest resident memory of this process so far in MB; none where the system does not tell.
+pub fn peak_memory_mb() -> Option<f64> {
+    let peak = fact("/proc/self/status", "VmHWM")?;
+    Some(peak.strip_suffix("kB")?.trim().parse::<f64>().ok()? / 1024.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_does_not_say_where_it_writes() {
+        let words = "verify --quick --out a --json=b --seed 2".split(' ').map(str::to_owned);
+        assert_eq!(command_line("cargo xtask", words), "cargo xtask verify --quick --seed 2");
+    }
+
+    #[test]
+    fn a_run_knows_its_seed_its_mode_and_its_threads() {
+        let run = Provenance::of_run(7, "quick");
+        assert_eq!((run.seed, run.mode.as_str()), (7, "quick"));
+        assert_eq!(run.threads, rayon::current_num_threads());
+    }
+
+    #[test]
+    fn every_fact_is_found() {
+        let start = Instant::now();
+        let found = complete(Provenance { seed: 7, ..Provenance::default() }, "program", start);
+        assert_eq!(found.seed, 7);
+        for text in [found.git, found.rustc, found.cpu, found.simd, found.command] {
+            assert!(!text.is_empty());
+        }
+        assert!(peak_memory_mb().is_none_or(|mb| mb > 0.0));
+    }
+}

@@ -1,0 +1,75 @@
+//! Errors against step sizes, invariants in time, costs: what a curve of a figure is, as data.
+
+use std::hash::Hash;
+
+use serde::{Deserialize, Serialize};
+use stats::{Point, Rate};
+
+/// What curves show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Root-mean-square error against the step size.
+    #[default]
+    Strong,
+    /// Signed weak error against the step size.
+    Weak,
+    /// An invariant along one path, with its conformal law.
+    Invariant,
+    /// Path-steps against the accuracy of an expectation.
+    Cost,
+}
+
+/// One curve.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Series {
+    /// The scheme.
+    pub scheme: String,
+    /// What is measured: `y(T)`, `sup y` (strong; at the common coarse time where the coarsest
+    /// step's error is largest, found on other paths), `y1`, `y2^2`, `cos y3` (weak), `C`, `H`
+    /// (invariant).
+    pub quantity: String,
+    /// The points, in the order of decreasing step size, or of time.
+    pub points: Vec<Point>,
+    /// Fitted order, for strong and weak panels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate: Option<Rate>,
+    /// Largest relative defect of the conformal law along the path, for invariant panels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_relative_defect: Option<f64>,
+}
+
+/// Two-sided 95 % quantile of the normal distribution.
+pub const QUANTILE: f64 = 1.96;
+
+/// The quantity that a strong or invariant figure shows: the error at the final time, or else the
+/// first quantity.
+pub fn main_quantity(series: &[Series]) -> &str {
+    const FINAL_TIME: &str = "y(T)";
+    let mut quantities = series.iter().map(|s| s.quantity.as_str());
+    let first = quantities.clone().next().unwrap_or("");
+    quantities.find(|q| *q == FINAL_TIME).unwrap_or(first)
+}
+
+/// |value − exact| / |exact|, and zero where the two agree.
+pub fn relative_defect(value: f64, exact: f64) -> f64 {
+    if value == exact { 0.0 } else { ((value - exact) / exact).abs() }
+}
+
+/// The different entries in the order of their first appearance.
+pub(crate) fn distinct<T: Eq + Hash + Clone>(entries: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut seen = std::collections::HashSet::new();
+    entries.into_iter().filter(|entry| seen.insert(entry.clone())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agreement_has_no_defect_even_at_zero() {
+        assert_eq!(relative_defect(0.0, 0.0), 0.0);
+        assert_eq!(relative_defect(1.5, -1.0), 2.5);
+        assert_eq!(relative_defect(1.0, 0.0), f64::INFINITY);
+    }
+}

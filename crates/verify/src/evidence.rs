@@ -1,0 +1,480 @@
+//! What was measured about a statement, as data: the verdict and the sentence follow from it.
+
+use std::fmt;
+
+use analysis::{Limit, Order};
+use serde::{Deserialize, Serialize};
+use stats::Rate;
+
+use crate::verdict::{Verdict, bound_verdict, order_verdict};
+
+/// Standard errors beyond which a measured mean contradicts its known value: the two-sided normal
+/// quantile of a false alarm once in 1e5 runs.
+pub const DEVIATIONS: f64 = 4.42;
+
+/// A measurement with the limit that it is held against.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+// A run has some hundred of them; most are fitted orders, the largest.
+#[allow(clippy::large_enum_variant)]
+pub enum Evidence {
+    /// A fitted order of convergence.
+    Order {
+        /// The order that the statement names.
+        order: f64,
+        /// Whether the statement is a bound Cτ^order, which a higher order obeys, too.
+        one_sided: bool,
+        /// The fit; none when no order can be named.
+        rate: Option<Rate>,
+        /// How far the limit is from the right one; present where the scheme converges to something
+        /// else, whatever the order of its differences.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        wrong_limit: Option<f64>,
+    },
+    /// The largest relative defect |F(yₙ)/(e^{−p∫γ}F(y₀)) − 1| of a conformal law.
+    Defect {
+        /// The invariant F by its symbol, or several in words.
+        invariant: String,
+        /// Number of paths.
+        paths: u64,
+        /// Steps of each.
+        steps: u64,
+        /// The defect.
+        largest: f64,
+        /// What it is compared with.
+        tolerance: f64,
+        /// Whether the statement is that the law holds; otherwise that it does not.
+        obeys: bool,
+    },
+    /// A scheme that leaves a conformal law and returns to it as the step shrinks: the order in τ
+    /// of the largest relative defect along a path, from two step sizes.
+    Approach {
+        /// The invariant by its symbol.
+        invariant: String,
+        /// The largest relative defect on the path of the panel.
+        largest: f64,
+        /// Paths at each step size.
+        paths: u64,
+        /// How many times smaller the second step size is.
+        refinement: u64,
+        /// Geometric mean over the paths of the largest defect at the first step size.
+        coarse: f64,
+        /// The same at the second step size.
+        fine: f64,
+        /// ln(coarse/fine)/ln(refinement).
+        order: f64,
+        /// [`DEVIATIONS`] standard errors of it.
+        half_width: f64,
+        /// What the order must exceed.
+        least: f64,
+    },
+    /// A sampled mean against its known value.
+    Deviation {
+        /// What it is a mean of, for example `E[cos y3]`.
+        quantity: String,
+        /// The mean.
+        value: f64,
+        /// Its standard error.
+        standard_error: f64,
+        /// A bound of its bias, 0 for an unbiased estimate.
+        bias: f64,
+        /// The known value.
+        expected: f64,
+        /// What it took, in path-steps, where that was counted.
+        path_steps: Option<u64>,
+        /// Why the standard error or the bound of the bias may be too small.
+        warnings: Vec<String>,
+    },
+    /// Extremes that must respect bounds.
+    Bounds {
+        /// What was measured; all must be within their bounds.
+        quantities: Vec<Bounded>,
+        /// Paths that failed, which say nothing about the rest.
+        failed: u64,
+    },
+    /// There is nothing to compare.
+    Undecided {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// A number with the bounds that it must respect; without any it is only reported.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bounded {
+    /// What it is, in words.
+    pub quantity: String,
+    /// Its value.
+    pub value: f64,
+    /// The least that is allowed.
+    pub at_least: Option<f64>,
+    /// The most that is allowed.
+    pub at_most: Option<f64>,
+}
+
+impl Bounded {
+    /// A value that must be at most `at_most`.
+    pub fn at_most(quantity: impl Into<String>, value: f64, at_most: f64) -> Self {
+        Self { at_most: Some(at_most), ..Self::reported(quantity, value) }
+    }
+
+    /// A value that must be at least `at_least`.
+    pub fn at_least(quantity: impl Into<String>, value: f64, at_least: f64) -> Self {
+        Self { at_least: Some(at_least), ..Self::reported(quantity, value) }
+    }
+
+    /// A value that is reported and held against nothing.
+    pub fn reported(quantity: impl Into<String>, value: f64) -> Self {
+        Self { quantity: quantity.into(), value, at_least: None, at_most: None }
+    }
+
+    /// Whether the value respects its bounds. A comparison with NaN is false.
+    fn holds(&self) -> bool {
+        self.at_least.is_none_or(|least| self.value >= least)
+            && self.at_most.is_none_or(|most| self.value <= most)
+    }
+}
+
+impl Evidence {
+    /// A fitted order that must be `order`, of a scheme whose limit is right.
+    pub fn order(order: f64, rate: Option<Rate>) -> Self {
+        Self::Order { order, one_sided: false, rate, wrong_limit: None }
+    }
+
+    /// A measured order as evidence for this one; what converges to something else refutes it.
+    pub fn of_order(measured: Order, order: f64) -> Self {
+        let wrong_limit = match measured.limit {
+            Limit::Differs { distance: wrong, .. } | Limit::Inconsistent { defect: wrong } => {
+                Some(wrong)
+            }
+            _ => None,
+        };
+        Self::Order { order, one_sided: false, rate: measured.rate, wrong_limit }
+    }
+
+    /// The same for an order that must be at least `order`.
+    pub fn order_bound(order: f64, rate: Option<Rate>) -> Self {
+        Self::Order { order, one_sided: true, rate, wrong_limit: None }
+    }
+
+    /// Extremes of paths of which none failed.
+    pub fn bounds(quantities: Vec<Bounded>) -> Self {
+        Self::Bounds { quantities, failed: 0 }
+    }
+
+    /// The verdict that the measurement gives. A NaN refutes, except where a path failed.
+    ///
+    /// Orders: [`order_verdict`], or [`bound_verdict`] where `one_sided`; a wrong limit refutes. A
+    /// deviation refutes beyond [`DEVIATIONS`] standard errors and the bias. Bounds that hold on
+    /// some paths while others failed are undecided.
+    pub fn verdict(&self) -> Verdict {
+        let decided = |holds| if holds { Verdict::Holds } else { Verdict::Refuted };
+        match self {
+            Self::Order { wrong_limit: Some(_), .. } => Verdict::Refuted,
+            Self::Order { order, one_sided: true, rate, .. } => {
+                bound_verdict(rate.as_ref(), *order)
+            }
+            Self::Order { order, rate, .. } => order_verdict(rate.as_ref(), *order),
+            Self::Defect { largest, tolerance, obeys: true, .. } => decided(largest <= tolerance),
+            Self::Defect { largest, tolerance, .. } => decided(largest > tolerance),
+            // False for NaN.
+            Self::Approach { order, half_width, least, .. }
+                if (order - least).abs() > *half_width =>
+            {
+                decided(order > least)
+            }
+            Self::Approach { .. } | Self::Undecided { .. } => Verdict::Undecided,
+            Self::Deviation { value, standard_error, bias, expected, .. } => {
+                decided((value - expected).abs() <= DEVIATIONS * standard_error + bias)
+            }
+            Self::Bounds { quantities, failed } => match quantities.iter().all(Bounded::holds) {
+                true if *failed > 0 => Verdict::Undecided,
+                holds => decided(holds),
+            },
+        }
+    }
+}
+
+/// The only place that words a measurement.
+impl fmt::Display for Evidence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Order { wrong_limit: Some(distance), rate, .. } => {
+                write!(f, "the scheme converges to something else, {distance:.1e} away")?;
+                let slope =
+                    |rate: &Rate| write!(f, "; its differences fall with {:.2}", rate.estimate);
+                rate.iter().try_for_each(slope)
+            }
+            Self::Order { rate: None, .. } => f.write_str(
+                "no order can be named: the errors are within their noise, or there are too \
+                     few paths",
+            ),
+            Self::Order { rate: Some(rate), .. } => {
+                let Rate { estimate, lo, hi, confidence, method, warning, .. } = rate;
+                let percent = 100.0 * confidence;
+                write!(
+                    f,
+                    "order {estimate:.3}, {percent:.0} % interval [{lo:.3}, {hi:.3}]; {method}"
+                )?;
+                warning.iter().try_for_each(|warning| write!(f, "; warning: {warning}"))
+            }
+            Self::Defect { invariant, paths, steps, largest, tolerance, obeys } => {
+                let path = if *paths == 1 { "path" } else { "paths" };
+                let limit = if *obeys { "at most" } else { "expected above" };
+                write!(
+                    f,
+                    "largest relative defect of {invariant} over {paths} {path} of {steps} steps: \
+                     {largest:.1e}, {limit} {tolerance:.1e}"
+                )
+            }
+            Self::Approach {
+                invariant,
+                largest,
+                paths,
+                refinement,
+                coarse,
+                fine,
+                order,
+                half_width,
+                ..
+            } => write!(
+                f,
+                "largest relative defect of {invariant} on the path: {largest:.1e}; geometric mean \
+                 over {paths} paths {coarse:.1e} at τ and {fine:.1e} at τ/{refinement}, order \
+                 {order:.2} ± {half_width:.2}"
+            ),
+            Self::Deviation {
+                quantity,
+                value,
+                standard_error,
+                bias,
+                expected,
+                path_steps,
+                warnings,
+            } => {
+                // Two more digits than the standard error has zeros.
+                let digits = (2.0 - standard_error.log10().floor()).clamp(2.0, 15.0) as usize;
+                let deviations = (value - expected) / standard_error;
+                write!(f, "{quantity} = {value:.digits$} ± {standard_error:.1e} (standard error")?;
+                if *bias > 0.0 {
+                    write!(f, ", bias at most {bias:.1e}")?;
+                }
+                write!(f, ") against {expected:.digits$}: {deviations:+.1} standard errors")?;
+                path_steps.iter().try_for_each(|steps| write!(f, "; {steps} path-steps"))?;
+                warnings.iter().try_for_each(|warning| write!(f, "; warning: {warning}"))
+            }
+            Self::Bounds { quantities, failed } => {
+                for (n, bounded) in quantities.iter().enumerate() {
+                    let separator = if n == 0 { "" } else { "; " };
+                    write!(f, "{separator}{}: {}", bounded.quantity, short(bounded.value))?;
+                    for (word, bound) in [("least", bounded.at_least), ("most", bounded.at_most)] {
+                        bound.iter().try_for_each(|&x| write!(f, ", at {word} {}", short(x)))?;
+                    }
+                }
+                if *failed > 0 {
+                    write!(f, "; {failed} paths failed")?;
+                }
+                Ok(())
+            }
+            Self::Undecided { reason } => f.write_str(reason),
+        }
+    }
+}
+
+/// Four decimals where they show the number, else an exponent.
+fn short(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".into(),
+        0.01..1e4 => format!("{x:.4}"),
+        _ => format!("{x:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn defect(largest: f64, obeys: bool) -> Evidence {
+        let invariant = "C".to_owned();
+        Evidence::Defect { invariant, paths: 1, steps: 100, largest, tolerance: 1e-13, obeys }
+    }
+
+    fn bounds(value: f64, failed: u64) -> Evidence {
+        let quantities = vec![
+            Bounded::at_most("norm over its bound", value, 1.0),
+            Bounded::reported("exponent", 2.5),
+        ];
+        Evidence::Bounds { quantities, failed }
+    }
+
+    fn deviation(value: f64) -> Evidence {
+        let (path_steps, warnings) = (Some(100), vec!["few".to_owned()]);
+        let (standard_error, bias, expected) = (0.001, 0.001, 0.5);
+        let quantity = "E[y1]".to_owned();
+        Evidence::Deviation {
+            quantity,
+            value,
+            standard_error,
+            bias,
+            expected,
+            path_steps,
+            warnings,
+        }
+    }
+
+    #[test]
+    fn verdicts_follow_from_numbers_and_nan_refutes() {
+        use Verdict::{Holds, Refuted, Undecided};
+        assert_eq!([1e-14, 1e-12].map(|d| defect(d, true).verdict()), [Holds, Refuted]);
+        assert_eq!([1e-14, 1e-12].map(|d| defect(d, false).verdict()), [Refuted, Holds]);
+        assert_eq!([true, false].map(|o| defect(f64::NAN, o).verdict()), [Refuted; 2]);
+        // The tolerance itself is allowed, and is not above it.
+        assert_eq!([true, false].map(|o| defect(1e-13, o).verdict()), [Holds, Refuted]);
+        assert_eq!([0.9, 1.1, f64::NAN].map(|v| bounds(v, 0).verdict()), [Holds, Refuted, Refuted]);
+        assert_eq!([0.9, 1.1].map(|v| bounds(v, 2).verdict()), [Undecided, Refuted]);
+        assert_eq!(
+            [0.505, 0.506, f64::NAN].map(|v| deviation(v).verdict()),
+            [Holds, Refuted, Refuted]
+        );
+    }
+
+    #[test]
+    fn sentences_hold_the_numbers_and_json_the_same() {
+        let sentences = [
+            (
+                defect(2.7e-15, true),
+                "largest relative defect of C over 1 path of 100 steps: 2.7e-15, at most 1.0e-13",
+            ),
+            (
+                bounds(0.9, 2),
+                "norm over its bound: 0.9000, at most 1.0000; exponent: 2.5000; 2 paths failed",
+            ),
+            (
+                deviation(0.505),
+                "E[y1] = 0.50500 ± 1.0e-3 (standard error, bias at most 1.0e-3) against 0.50000: \
+                 +5.0 standard errors; 100 path-steps; warning: few",
+            ),
+        ];
+        for (evidence, sentence) in sentences {
+            assert_eq!(evidence.to_string(), sentence);
+            let json = serde_json::to_string(&evidence).unwrap();
+            assert_eq!(serde_json::from_str::<Evidence>(&json).unwrap(), evidence);
+        }
+        assert!(serde_json::to_string(&defect(1.0, true)).unwrap().contains(r#""kind":"defect""#));
+    }
+
+    fn rate(estimate: f64, lo: f64, hi: f64) -> Rate {
+        let method = "a fit".to_owned();
+        Rate { estimate, lo, hi, confidence: 0.999, method, ..Rate::default() }
+    }
+
+    #[test]
+    fn orders_are_held_to_one_side_or_both_and_a_wrong_limit_refutes() {
+        use Verdict::{Holds, Refuted, Undecided};
+        let both = |rate: Option<Rate>, order: f64| {
+            [Evidence::order(order, rate.clone()), Evidence::order_bound(order, rate)]
+                .map(|evidence| evidence.verdict())
+        };
+        assert_eq!(both(Some(rate(1.0, 0.9, 1.1)), 1.0), [Holds, Holds]);
+        assert_eq!(both(Some(rate(1.0, 0.9, 1.1)), 0.5), [Refuted, Holds]);
+        assert_eq!(both(Some(rate(1.0, 0.9, 1.1)), 1.5), [Refuted, Refuted]);
+        assert_eq!(both(None, 1.0), [Undecided, Undecided]);
+        let wrong = |rate: Option<Rate>| Evidence::Order {
+            order: 1.0,
+            one_sided: false,
+            rate,
+            wrong_limit: Some(0.25),
+        };
+        assert_eq!(wrong(Some(rate(1.0, 0.9, 1.1))).verdict(), Refuted);
+        let away = "the scheme converges to something else, 2.5e-1 away";
+        assert_eq!(wrong(None).to_string(), away);
+        let slope = "; its differences fall with 1.00";
+        assert_eq!(wrong(Some(rate(1.0, 0.9, 1.1))).to_string(), format!("{away}{slope}"));
+        let warned = Rate { warning: Some("few paths".into()), ..rate(1.0, 0.9, 1.1) };
+        assert_eq!(
+            Evidence::order(1.0, Some(warned)).to_string(),
+            "order 1.000, 100 % interval [0.900, 1.100]; a fit; warning: few paths"
+        );
+        assert!(Evidence::order(1.0, None).to_string().starts_with("no order can be named"));
+    }
+
+    #[test]
+    fn an_approach_is_decided_outside_its_half_width() {
+        use Verdict::{Holds, Refuted, Undecided};
+        let approach = |order: f64| Evidence::Approach {
+            invariant: "H".into(),
+            largest: 0.25,
+            paths: 100,
+            refinement: 16,
+            coarse: 0.01,
+            fine: 0.001,
+            order,
+            half_width: 0.25,
+            least: 1.0,
+        };
+        let orders = [1.26, 1.25, 0.75, 0.74, f64::NAN];
+        let verdicts = orders.map(|order| approach(order).verdict());
+        assert_eq!(verdicts, [Holds, Undecided, Undecided, Refuted, Undecided]);
+        assert_eq!(
+            approach(1.5).to_string(),
+            "largest relative defect of H on the path: 2.5e-1; geometric mean over 100 paths \
+             1.0e-2 at τ and 1.0e-3 at τ/16, order 1.50 ± 0.25"
+        );
+        let undecided = Evidence::Undecided { reason: "no time".into() };
+        assert_eq!((undecided.verdict(), undecided.to_string()), (Undecided, "no time".into()));
+    }
+
+    #[test]
+    fn limits_belong_to_what_they_limit() {
+        use Verdict::{Holds, Refuted};
+        let bounded = |value: f64| {
+            let least = Bounded::at_least("gain", value, 2.0);
+            Evidence::Bounds { quantities: vec![least], failed: 0 }
+        };
+        assert_eq!([1.9, 2.0, 2.1].map(|x| bounded(x).verdict()), [Refuted, Holds, Holds]);
+        let at_most =
+            Evidence::Bounds { quantities: vec![Bounded::at_most("norm", 2.0, 2.0)], failed: 0 };
+        assert_eq!(at_most.verdict(), Holds);
+        assert_eq!(bounded(1.9).to_string(), "gain: 1.9000, at least 2.0000");
+        // Numbers of four digits in sight are written out.
+        let sizes = [0.0, 0.01, 0.0099, 9999.0, 1e4, -0.5, -1e-5].map(short);
+        let words = ["0", "0.0100", "9.9e-3", "9999.0000", "1.0e4", "-0.5000", "-1.0e-5"];
+        assert_eq!(sizes, words);
+    }
+
+    #[test]
+    fn a_deviation_without_a_bias_names_none() {
+        let Evidence::Deviation { quantity, warnings, .. } = deviation(0.5) else {
+            panic!("a deviation")
+        };
+        let evidence = |standard_error: f64, value: f64| Evidence::Deviation {
+            quantity: quantity.clone(),
+            value,
+            standard_error,
+            bias: 0.0,
+            expected: 0.5,
+            path_steps: None,
+            warnings: warnings[..0].to_vec(),
+        };
+        assert_eq!(
+            evidence(0.02, 0.47).to_string(),
+            "E[y1] = 0.4700 ± 2.0e-2 (standard error) against 0.5000: -1.5 standard errors"
+        );
+        assert!(evidence(30.0, 0.5).to_string().starts_with("E[y1] = 0.50 ± 3.0e1"));
+        // 4.42 standard errors are the limit.
+        let verdicts = [4.41, 4.43].map(|k| evidence(0.02, 0.5 - 0.02 * k).verdict());
+        assert_eq!(verdicts, [Verdict::Holds, Verdict::Refuted]);
+        let many = Evidence::Defect {
+            invariant: "C".into(),
+            paths: 2,
+            steps: 3,
+            largest: 1.0,
+            tolerance: 0.5,
+            obeys: false,
+        };
+        assert_eq!(
+            many.to_string(),
+            "largest relative defect of C over 2 paths of 3 steps: 1.0e0, expected above 5.0e-1"
+        );
+    }
+}

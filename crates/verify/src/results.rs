@@ -1,0 +1,162 @@
+//! The `results.json` contract: what a reproduction run says, as data.
+//!
+//! The guide (`docs/guide.md`, "Results as data") documents it for other languages.
+//! All timings live in [`Provenance`], so that everything else is bit-identical for the same seed
+//! on any number of threads and any instruction set.
+
+use serde::{Deserialize, Serialize};
+
+pub use plot::{Kind, Provenance, Series};
+pub use stats::{Point, Rate, StraightLine};
+
+pub use crate::evidence::{Bounded, DEVIATIONS, Evidence};
+pub use crate::verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};
+
+/// Version of the contract. 2: claims have [`Claim::measured`], and the sentences of
+/// [`Claim::evidence`] are worded anew.
+pub const SCHEMA: u32 = 2;
+
+/// A whole run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Results {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Where, when and how; the only part that may differ between two runs with the same seed.
+    pub provenance: Provenance,
+    /// The panels, in the order of the paper.
+    pub panels: Vec<Panel>,
+    /// Figures that are not in the paper, for example the effect of the truncation order.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub supplements: Vec<Panel>,
+    /// The statements of the paper, each with a verdict.
+    pub claims: Vec<Claim>,
+}
+
+/// One figure of the paper.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Panel {
+    /// Identifier, for example `pendulum-strong`.
+    pub id: String,
+    /// What is plotted.
+    pub kind: Kind,
+    /// Title in words.
+    pub title: String,
+    /// System, damping, initial value, final time, steps: the set-up in one line of plain text.
+    pub setup: String,
+    /// What the paper says this figure shows.
+    pub paper: String,
+    /// Number of sample paths; of a weak panel those of the coarsest difference.
+    pub samples: u64,
+    /// The reference solution, in words.
+    pub reference: String,
+    /// Paths left out because a step had no solution or its state was not finite: for each, path,
+    /// seed, experiment, scheme, step size, step, time and reason in words.
+    pub failures: Vec<String>,
+    /// The curves.
+    pub series: Vec<Series>,
+    /// Where increments were clipped: how many, and what share they have in the errors. Empty where
+    /// none was.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub clipped: Vec<Clipped>,
+    /// Of a weak panel, the sample paths of each difference between neighbouring step sizes,
+    /// coarsest first.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub differences: Vec<DifferenceSamples>,
+}
+
+/// The sample paths of one difference of a weak panel.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DifferenceSamples {
+    /// The coarser step size; the finer one is half of it.
+    pub tau: f64,
+    /// Number of sample paths.
+    pub samples: u64,
+}
+
+/// Clipped increments of one curve at one step size.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Clipped {
+    /// Scheme id, as that of the curve.
+    pub scheme: String,
+    /// Step size.
+    pub tau: f64,
+    /// How many increments of this size were clipped, over all paths.
+    pub increments: u64,
+    /// Share of the paths with clipped increments in the mean-square error at the final time.
+    pub share: f64,
+}
+
+/// A statement, what was measured about it, and the verdict.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Claim {
+    /// Identifier, for example `strong-one`.
+    pub id: String,
+    /// The panel it was measured on; empty when it was measured on its own.
+    pub panel: String,
+    /// The scheme it is about; empty when it is about none.
+    pub scheme: String,
+    /// The statement in words.
+    pub statement: String,
+    /// [`Evidence::verdict`] of what was measured.
+    pub verdict: Verdict,
+    /// The measurement as a sentence.
+    pub evidence: String,
+    /// The measurement as data.
+    pub measured: Evidence,
+    /// Whether the paper proves it: a refuted proven claim fails the run.
+    pub proven: bool,
+    /// The documented reason why a refutation is expected (a misprint in the statement), or empty.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    pub erratum: String,
+}
+
+impl Claim {
+    /// A statement that the paper proves, about no panel and no scheme; the verdict and the
+    /// sentence follow from the measurement.
+    pub fn new(id: &str, statement: impl Into<String>, measured: Evidence) -> Self {
+        Self {
+            id: id.into(),
+            panel: String::new(),
+            scheme: String::new(),
+            statement: statement.into(),
+            verdict: measured.verdict(),
+            evidence: measured.to_string(),
+            measured,
+            proven: true,
+            erratum: String::new(),
+        }
+    }
+
+    /// The claim as one about a panel and a scheme, either of which may be empty.
+    #[must_use]
+    pub fn about(self, panel: &str, scheme: &str) -> Self {
+        Self { panel: panel.into(), scheme: scheme.into(), ..self }
+    }
+
+    /// The claim as one that the paper proves, or does not.
+    #[must_use]
+    pub fn proven(self, proven: bool) -> Self {
+        Self { proven, ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_claim_follows_its_measurement() {
+        let at_most = |value: f64| {
+            let quantities = vec![crate::evidence::Bounded::at_most("norm", value, 1.0)];
+            Claim::new("id", "statement", Evidence::Bounds { quantities, failed: 0 })
+        };
+        let (good, bad) = (at_most(0.5), at_most(2.0));
+        assert_eq!((good.verdict, bad.verdict), (Verdict::Holds, Verdict::Refuted));
+        assert_eq!(good.evidence, good.measured.to_string());
+        assert!(good.proven && bad.proven);
+        let about = bad.about("figure-1", "sexp").proven(false);
+        assert_eq!((about.panel.as_str(), about.scheme.as_str()), ("figure-1", "sexp"));
+        assert_eq!((about.id.as_str(), about.statement.as_str()), ("id", "statement"));
+        assert!(!about.proven && about.verdict == Verdict::Refuted);
+    }
+}

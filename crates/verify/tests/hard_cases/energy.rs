@@ -1,0 +1,335 @@
+//! What becomes of the energy over a million periods.
+//!
+//! State (q, p), H₀ = ½|p|² + V(q), H₁ = σq₁, γ = 0. The trace formula (Chen, Cohen, D'Ambrosio
+//! and Lang 2020) gives E[H₀(t)] = E[H₀(0)] + ½σ²t for every V. So d = H₀(y_n) − H₀(y₀) − ½σ²t + Σ
+//! σΔW p̂ has mean zero for the solution: p̂ is p in the middle of a step as far as it is known at its
+//! start, so the sum is of mean zero for every scheme, and takes most of the variance away.
+//!
+//! V is ½q², −cos q, −(|q|² + ¼)^(−½) in the plane, that of Hénon and Heiles below its escape energy,
+//! and Σ exp(qᵢ − qᵢ₊₁) around a ring of three; the noise is so weak that paths stay bound. `sexp`,
+//! `midpoint`, and `split` and `nv` by exact flows are bounded; the explicit methods must drift or
+//! fail: `heun`, `em`, `sexp-li` for constant B, `nv` by stages.
+
+use std::f64::consts::TAU;
+
+use anyhow::Result;
+use noise::{StepNoise, StreamKey, WienerRows};
+use nonlin::BlockStatus;
+use rayon::prelude::*;
+use real::{Block, Real, WIDTH};
+use schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLi, Split, Step};
+use stats::Moments;
+use systems::{Constant, Flows, ImplicitStep, PoissonSystem};
+use verify::streams;
+
+use crate::{
+    SEED,
+    bits::Bits,
+    growth::{Row, Values, bootstrap},
+};
+
+const PERIODS: u64 = 1_000_000;
+const QUICK_PERIODS: u64 = 5000;
+const PATHS: usize = 2 * WIDTH;
+/// The steps of a window, between n/2 and n for dyadic fractions n of all steps, of which so many
+/// are looked at, or one more.
+const SAMPLES: u64 = 61;
+const WINDOWS: u32 = 14;
+/// A drift is the change of d from a window to the one of 16 times the time. Beyond this share of
+/// what the noise adds meanwhile, and four standard errors, it is one.
+const EARLIER: usize = 4;
+const ALLOWED: f64 = 0.2;
+const STANDARD_ERRORS: f64 = 4.0;
+/// And |d| is at most this: no energy here is far from one.
+const NEAR: f64 = 0.05;
+/// V and a discrete gradient of V; only the first halves of arguments and of gradients count.
+trait Potential<const D: usize>: Copy + Send + Sync + 'static {
+    fn value<R: Real>(q: [R; D]) -> R;
+    /// From m − d to m + d; the gradient in m for d = 0.
+    fn mean<R: Real>(m: [R; D], d: [R; D]) -> [R; D];
+}
+
+/// ½|p|² + V(q) with the noise σq₁.
+#[derive(Clone, Copy)]
+struct Canonical<V>(V, f64);
+
+impl<V> Canonical<V> {
+    /// ∇̄h from m − d to m + d.
+    #[inline(always)]
+    fn mean<R: Real, const D: usize>(&self, m: [R; D], d: [R; D], dt: f64, dw: f64) -> [R; D]
+    where
+        V: Potential<D>,
+    {
+        let mut mean = V::mean(m, d);
+        for i in 0..D {
+            mean[i] = if i < D / 2 { mean[i] } else { m[i] } * dt;
+        }
+        mean[0] = mean[0] + self.1 * dw;
+        mean
+    }
+}
+
+impl<V: Potential<D>, const D: usize> PoissonSystem<D, 1> for Canonical<V> {
+    fn name(&self) -> &'static str {
+        "canonical"
+    }
+
+    #[inline(always)]
+    fn structure<R: Real>(&self, _: [R; D], v: [R; D]) -> [R; D] {
+        let mut field = v;
+        for i in 0..D / 2 {
+            (field[i], field[i + D / 2]) = (v[i + D / 2], -v[i]);
+        }
+        field
+    }
+
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; 1]) -> R {
+        let kinetic = (D / 2..D).fold(R::zero(), |sum, i| sum + y[i] * y[i] * 0.5);
+        (kinetic + V::value(y)) * dt + y[0] * (self.1 * dw[0])
+    }
+
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; 1]) -> [R; D] {
+        self.mean(y, [R::zero(); D], dt, dw[0])
+    }
+
+    #[inline(always)]
+    fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; 1]) -> [R; D] {
+        let (mut m, mut d) = (a, b);
+        for i in 0..D {
+            (m[i], d[i]) = ((a[i] + b[i]) * 0.5, (b[i] - a[i]) * 0.5);
+        }
+        self.mean(m, d, dt, dw[0])
+    }
+
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
+}
+
+/// ½|p|², then V with the noise.
+impl<V: Potential<D>, const D: usize> Flows<D, 1> for Canonical<V> {
+    const PARTS: usize = 2;
+    const NOISE_PARTS: [Option<usize>; 1] = [Some(1)];
+
+    #[inline(always)]
+    fn flow(&self, part: usize, mut y: [f64; D], dt: f64, dw: [f64; 1]) -> [f64; D] {
+        let slope = self.gradient(y, dt, dw);
+        for i in 0..D / 2 {
+            match part {
+                0 => y[i] += dt * y[i + D / 2],
+                _ => y[i + D / 2] -= slope[i],
+            }
+        }
+        y
+    }
+
+    #[inline(always)]
+    fn precise_flow(&self, part: usize, y: [f64; D], dt: f64, dw: [f64; 1]) -> [f64; D] {
+        self.flow(part, y, dt, dw)
+    }
+}
+
+macro_rules! potentials {
+    ($($name:ident $d:literal $q:ident: $value:expr, $m:ident $c:ident: $mean:expr;)+) => {$(
+        #[derive(Clone, Copy)]
+        struct $name;
+        impl Potential<$d> for $name {
+            #[inline(always)]
+            fn value<R: Real>($q: [R; $d]) -> R {
+                $value
+            }
+            #[inline(always)]
+            fn mean<R: Real>($m: [R; $d], $c: [R; $d]) -> [R; $d] {
+                $mean
+            }
+        }
+    )+};
+}
+
+potentials! {
+    Spring 2 q: q[0] * q[0] * 0.5, m _d: m;
+    Sine 2 q: -q[0].cos(), m d: [m[0].sin() * d[0].sinc(), m[1]];
+    // LaBudde and Greenspan (1976): V(b) − V(a) is the mean slope times b − a, in closed form.
+    Kepler 4 q: -root(q).recip(), m d: {
+        let a = root([m[0] - d[0], m[1] - d[1]]);
+        let b = root([m[0] + d[0], m[1] + d[1]]);
+        let factor = (a * b * (a + b) * 0.5).recip();
+        [m[0] * factor, m[1] * factor, m[2], m[3]]
+    };
+    // The mean of qr over a segment is that in the middle and a third of that of the halves.
+    HenonHeiles 4 q:
+        (q[0] * q[0] + q[1] * q[1]) * 0.5 + (q[0] * q[0] - q[1] * q[1] * (1.0 / 3.0)) * q[1],
+        m d: {
+            let mean = |i: usize, k: usize| m[i] * m[k] + d[i] * d[k] * (1.0 / 3.0);
+            [m[0] + mean(0, 1) * 2.0, m[1] + mean(0, 0) - mean(1, 1), m[2], m[3]]
+        };
+    // The mean of eˣ is that in the middle times sinh(d)/d, to rounding for |d| < ½.
+    Toda 6 q: {
+        let [a, b, c] = bonds(q);
+        a.exp() + b.exp() + c.exp()
+    }, m d: {
+        let (mut mean, half) = (bonds(m), bonds(d));
+        for i in 0..3 {
+            let series = [156.0, 110.0, 72.0, 42.0, 20.0, 6.0];
+            let x = half[i] * half[i];
+            let sinhc = series.iter().fold(R::one(), |sum, c| sum * x * (1.0 / c) + 1.0);
+            mean[i] = mean[i].exp() * sinhc;
+        }
+        let [a, b, c] = mean;
+        [a - c, b - a, c - b, m[3], m[4], m[5]]
+    };
+}
+
+/// (|q|² + ¼)^½.
+#[inline(always)]
+fn root<R: Real, const D: usize>(q: [R; D]) -> R {
+    (q[0] * q[0] + q[1] * q[1] + 0.25).sqrt()
+}
+
+#[inline(always)]
+fn bonds<R: Real>(q: [R; 6]) -> [R; 3] {
+    [q[0] - q[1], q[1] - q[2], q[2] - q[0]]
+}
+
+#[test]
+fn energies_stay_near_the_truth() -> Result<()> {
+    all(QUICK_PERIODS)
+}
+
+#[test]
+#[ignore = "a million periods: many minutes"]
+fn energies_stay_near_the_truth_over_a_million_periods() -> Result<()> {
+    all(PERIODS)
+}
+
+/// All systems, with a period and the number of steps in it, a start, and what the noise adds to
+/// E[H₀] in all steps.
+fn all(periods: u64) -> Result<()> {
+    let near_circle = [1.0, 0.0, 0.0, 0.85];
+    let bound = [0.2, 0.1, 0.1, 0.25];
+    let apart = [0.5, 0.0, -0.5, 0.0, 0.5, -0.5];
+    energies(periods, "oscillator", Canonical(Spring, 0.1), TAU, 12, [1.0, 0.0])?;
+    energies(periods, "pendulum", Canonical(Sine, 0.05), 6.7, 12, [1.0, 0.0])?;
+    energies(periods, "Kepler", Canonical(Kepler, 0.005), 7.43, 12, near_circle)?;
+    energies(periods, "Hénon–Heiles", Canonical(HenonHeiles, 0.002), TAU, 12, bound)?;
+    energies(periods, "Toda chain", Canonical(Toda, 0.05), 3.6276, 8, apart)?;
+    Ok(())
+}
+
+type Schemes<S, const D: usize> = [(&'static str, Box<dyn Scheme<S, D, 1>>); 8];
+/// So many of them, the first, stay near the truth.
+const NEAR_IT: usize = 4;
+
+fn energies<V: Potential<D>, const D: usize>(
+    periods: u64,
+    name: &'static str,
+    Canonical(potential, added): Canonical<V>,
+    period: f64,
+    per_period: u64,
+    y0: [f64; D],
+) -> Result<()> {
+    let steps = periods * per_period;
+    let tau = period / per_period as f64;
+    let rate = added / (steps as f64 * tau);
+    let system = Canonical(potential, (2.0 * rate).sqrt());
+    let schemes: Schemes<_, D> = [
+        ("sexp", Box::new(Sexp)),
+        ("midpoint", Box::new(Midpoint)),
+        ("split", Box::new(Split)),
+        ("nv", Box::new(Nv::of_parts())),
+        ("nv, stages", Box::new(Nv::new(&system, y0)?)),
+        ("sexp-li", Box::new(SexpLi::new(&system, y0)?)),
+        ("heun", Box::new(Heun)),
+        ("em", Box::new(EulerMaruyama)),
+    ];
+    let experiment = streams::ENERGY + u64::from(name.as_bytes()[0]);
+    let key = StreamKey { seed: SEED, experiment };
+    let blocks: Vec<Vec<Vec<Row>>> = (0..PATHS / WIDTH)
+        .into_par_iter()
+        .map(|block| march(&system, &schemes, key, (steps, tau), (rate, y0, block * WIDTH)))
+        .collect::<Result<_>>()?;
+    for (n, (scheme, _)) in schemes.iter().enumerate() {
+        let mut rows = blocks[0][n].clone();
+        for block in &blocks[1..] {
+            rows.iter_mut().zip(&block[n]).for_each(|(row, more)| row.1.extend(&more.1));
+        }
+        let [early, .., last] = &rows[rows.len() - 1 - EARLIER..] else { unreachable!() };
+        let grown = rate * tau * 0.75 * (last.0 - early.0) as f64;
+        let mut change = Moments::default();
+        last.1.iter().zip(&early.1).for_each(|(last, early)| change.add((last - early) / grown));
+        let mean = |d: Values<'_>| d.sum::<f64>() / PATHS as f64;
+        let (end, drift) = (mean(&mut last.1.iter().copied()), change.mean());
+        let error = change.standard_error();
+        let failed = last.1.iter().filter(|d| !d.is_finite()).count();
+        let drifts = drift.abs() > ALLOWED + STANDARD_ERRORS * error || end.abs() > NEAR;
+        let outcome = if failed > 0 { "fails" } else { ["bounded", "drifts"][usize::from(drifts)] };
+        let bits = &mut Bits::new(SEED, experiment, n as u64);
+        let (a, lo, hi) = bootstrap(&rows, bits, |d| mean(d).abs());
+        let words = format!(
+            "{name:12} {scheme:10} d {end:+.1e} drift {drift:+.2e} ± {error:.0e} exponent {a:.2} \
+             [{lo:.2}, {hi:.2}] failed {failed}: {outcome}"
+        );
+        println!("{words}");
+        // The explicit methods are the twins.
+        assert_eq!(n < NEAR_IT, outcome == "bounded", "{words}");
+    }
+    Ok(())
+}
+
+/// The means of d over windows for every scheme, of a block of paths.
+fn march<V: Potential<D>, const D: usize>(
+    system: &Canonical<V>,
+    schemes: &Schemes<Canonical<V>, D>,
+    key: StreamKey,
+    (steps, tau): (u64, f64),
+    (rate, y0, first): (f64, [f64; D], usize),
+) -> Result<Vec<Vec<Row>>> {
+    let start = Block::splat(y0);
+    let step = Step::new(&Constant::new(0.0)?, 0, tau)?;
+    let mut noise = WienerRows::new(key, first as u64);
+    let mut drawn = StepNoise::zero(1);
+    // State, the sum of mean zero, p before, windows, whether a path has not failed.
+    let new = |_| (start, [0.0; WIDTH], start.0[D / 2], Vec::<Row>::new(), true);
+    let mut runs: Vec<_> = schemes.iter().map(new).collect();
+    let (mut before, mut status) = ([0.0; WIDTH], BlockStatus::explicit());
+    let energy = |y| system.energy::<f64>(y, 1.0, [0.0]);
+    let (mut window, mut end) = (WINDOWS, 0);
+    for n in 1..=steps {
+        noise.increments(tau.sqrt(), &mut drawn.increments);
+        let kick = drawn.increments[0].map(|dw| system.1 * dw);
+        while n > end {
+            window -= 1;
+            end = steps >> window;
+        }
+        let stride = (end / 2 / SAMPLES) | 1;
+        let count = (end - end / 2).div_ceil(stride) as f64;
+        for ((_, scheme), (y, sum, last, rows, alive)) in schemes.iter().zip(&mut runs) {
+            if *alive {
+                let p = y.0[D / 2];
+                for i in 0..WIDTH {
+                    sum[i] += kick[i] * (p[i] + 0.5 * (p[i] - last[i] + before[i]));
+                }
+                *last = p;
+                scheme.step_block(system, &step, &(&drawn).into(), y, &mut status);
+                for p in status.failed.paths() {
+                    sum[p] = f64::NAN;
+                    y.set_path(p, y0);
+                }
+            }
+            if n <= end / 2 || !(end - n).is_multiple_of(stride) {
+                continue;
+            }
+            if rows.last().is_none_or(|row| row.0 != end) {
+                rows.push((end, vec![0.0; WIDTH]));
+            }
+            let grown = energy(y0) + rate * tau * n as f64;
+            let d = &mut rows.last_mut().expect("a window").1;
+            for p in 0..WIDTH {
+                d[p] += (energy(y.path(p)) - grown + sum[p]) / count;
+            }
+            *alive = d.iter().any(|d| d.is_finite());
+        }
+        before = kick;
+    }
+    Ok(runs.into_iter().map(|run| run.3).collect())
+}

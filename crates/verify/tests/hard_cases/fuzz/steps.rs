@@ -1,0 +1,182 @@
+//! Problems and steps of every system with every scheme.
+
+use anyhow::{Context, Result, ensure};
+use noise::{BlockNoise, Noise, StepNoise};
+use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
+use real::{Block, WIDTH};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver};
+use systems::{
+    Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
+    Problem, RealExponents, RigidBody, RigidBodyEnergy, SystemError,
+};
+use verify::{PaperSystem, TwoSpins, compiled};
+
+use super::{Bits, Fed, Refused, accepted};
+
+/// The continuation halves its step in s down to 2⁻¹⁴ and doubles it after each success: at most
+/// 2·2¹⁴ attempts, each with at most 20 Newton iterations.
+const MOST_ITERATIONS: u64 = 2 * (1 << 14) * 20;
+
+/// What is done with a system.
+pub enum Job {
+    /// It becomes a problem.
+    Problem,
+    /// Any scheme makes a step.
+    Step,
+}
+
+/// Any system; one parameter in `wild` is any number.
+pub fn any_system(bits: &mut Bits, job: Job, wild: u64) -> Fed {
+    let p @ [a, b, c, d, e, f] = [(); 6].map(|()| bits.positive(wild));
+    match bits.below(10) {
+        0 => with_system(bits, job, Pendulum::new(a), &p[..1]),
+        1 => with_system(bits, job, RigidBody::three_noises([a, b, c], [d, e, f]), &p),
+        2 => with_system(bits, job, RigidBody::one_noise([a, b, c], d), &p[..4]),
+        3 => with_system(bits, job, RigidBodyEnergy::new([a, b, c], d), &p[..4]),
+        4 => with_system(bits, job, LotkaVolterra::<RealExponents>::new(-a, -b, c), &p[..3]),
+        5 => with_system(bits, job, LotkaVolterra::<IntegerExponents<2, 2>>::integer(a), &p[..1]),
+        6 => with_system(bits, job, Poisson3::new(a), &p[..1]),
+        7 => with_system(bits, job, Ok(MaxwellBloch), &[]),
+        _ => with_system(bits, job, TwoSpins::new(a, b, c), &p[..3]),
+    }
+}
+
+fn with_system<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize>(
+    bits: &mut Bits,
+    job: Job,
+    system: Result<S, SystemError>,
+    parameters: &[f64],
+) -> Fed {
+    let system = accepted(system)?;
+    ensure!(parameters.iter().all(|p| p.is_finite()), "accepted {parameters:?}");
+    match job {
+        Job::Problem => {
+            let (y0, t_end) = (bits.state::<D>(), bits.positive(2));
+            let damping = accepted(Constant::new(bits.number()))?;
+            let problem = accepted(Problem::new::<M>(system, damping, y0, t_end))?;
+            let finite = y0.iter().chain([&t_end]).all(|number| number.is_finite());
+            let sound = finite && t_end > 0.0 && problem.system().check_domain(y0).is_ok();
+            ensure!(sound, "accepted {y0:?}, T = {t_end:e}");
+            Ok(0)
+        }
+        Job::Step => {
+            let schemes = steps(&system);
+            let (scheme, advance) = &schemes[bits.below(schemes.len() as u64) as usize];
+            let step = any_step(bits)?;
+            let (noise, y) = (noise::<M>(bits), bits.state::<D>());
+            let solution = advance(&system, &step, &noise, y);
+            let iterations = sound(&solution).with_context(|| {
+                let system = system.name();
+                format!("{scheme} of {system} from {y:?} with {noise:?}, {step:?}")
+            })?;
+            iterations.context(Refused)
+        }
+    }
+}
+
+/// A step of a single path: no kernel for blocks has to be compiled for all these systems.
+type Advance<S, const D: usize, const M: usize> =
+    dyn Fn(&S, &Step, &Noise<M>, [f64; D]) -> Solution<D>;
+
+/// The schemes for a system with their names.
+fn steps<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+) -> Vec<(&'static str, Box<Advance<S, D, M>>)> {
+    fn boxed<S, const D: usize, const M: usize>(
+        scheme: impl Scheme<S, D, M> + 'static,
+    ) -> (&'static str, Box<Advance<S, D, M>>) {
+        (scheme.id(), Box::new(move |system, step, noise, y| scheme.step(system, step, noise, y)))
+    }
+    let sexp = |method| boxed(WithSolver { formula: Sexp, solver: Solver::new(method) });
+    let mut all = vec![sexp(Method::FixedPoint), sexp(Method::Newton)];
+    if M > 1 {
+        all.push(boxed(SexpLevy::new(system, [1.0; D])));
+    }
+    all.extend(SexpLi::new(system, [1.0; D]).ok().map(boxed));
+    all.extend([boxed(Midpoint), boxed(Heun), boxed(EulerMaruyama)]);
+    all
+}
+
+fn any_step(bits: &mut Bits) -> Result<Step> {
+    let rate = if bits.one_in(4) { bits.number() } else { bits.ordinary() };
+    let damping = accepted(Constant::new(rate))?;
+    let tau = bits.positive(8);
+    accepted(Step::new(&damping, bits.below(1 << 20), tau))
+}
+
+fn noise<const M: usize>(bits: &mut Bits) -> Noise<M> {
+    let mut noise = Noise::increments(bits.state());
+    for i in 0..M {
+        for j in 0..i {
+            let area = if bits.one_in(8) { bits.number() } else { bits.ordinary() };
+            (noise.areas[i][j], noise.areas[j][i]) = (area, -area);
+        }
+    }
+    noise
+}
+
+/// The iterations of a sound solution; none where it failed.
+fn sound<const D: usize>(solution: &Solution<D>) -> Result<Option<u64>> {
+    let (Outcome::Fast { iterations } | Outcome::Robust { iterations, .. }) = solution.outcome
+    else {
+        return Ok(None);
+    };
+    let iterations = u64::from(iterations);
+    let finite = solution.z.iter().all(|z| z.is_finite());
+    ensure!(finite && iterations <= MOST_ITERATIONS, "{solution:?}");
+    Ok(Some(iterations))
+}
+
+/// A block of two systems whose kernels are compiled anyway.
+pub fn block(bits: &mut Bits) -> Fed {
+    let [a, b, c, d, e, f] = [(); 6].map(|()| bits.positive(8));
+    if bits.one_in(2) {
+        block_step(bits, &accepted(Pendulum::new(a))?)
+    } else {
+        block_step(bits, &accepted(RigidBody::three_noises([a, b, c], [d, e, f]))?)
+    }
+}
+
+/// A step of 32 different paths, some ordinary and some not.
+fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
+    bits: &mut Bits,
+    system: &S,
+) -> Fed {
+    let step = any_step(bits)?;
+    let with_solver = |solver| Box::new(WithSolver { formula: Sexp, solver });
+    let scheme: Box<dyn Scheme<S, D, M>> = match bits.below(10) {
+        0 => with_solver(Solver::new(Method::FixedPoint)),
+        1 => with_solver(Solver::new(Method::Newton)),
+        2 => with_solver(Solver::default().settled()),
+        3 => Box::new(SexpLevy::new(system, [1.0; D])),
+        4 => compiled(Midpoint),
+        5 => Box::new(Heun),
+        6 => compiled(SexpLi::new(system, [1.0; D])?),
+        7 | 8 => {
+            let [split, nv] = S::by_parts().context("flows are known")?;
+            if bits.one_in(2) { split } else { nv }
+        }
+        _ => compiled(EulerMaruyama),
+    };
+    let (mut noises, mut start) = (StepNoise::with_areas(M), Block::zero());
+    for p in 0..WIDTH {
+        let noise = noise::<M>(bits);
+        noises.set_path(p, &noise);
+        start.set_path(p, bits.state::<D>());
+    }
+    let noises = BlockNoise::from(&noises);
+    let (mut y, mut status) = (start, BlockStatus::explicit());
+    scheme.step_block(system, &step, &noises, &mut y, &mut status);
+    let mut most = 0;
+    for p in 0..WIDTH {
+        let alone = scheme.step(system, &step, &noises.path(p), start.path(p));
+        let place = || format!("{} of {}, path {p}", scheme.id(), system.name());
+        most = most.max(sound(&alone).with_context(place)?.unwrap_or(0));
+        // Of a path that failed only the failure is promised.
+        let (failed, together) = (status.failed.contains(p), y.path(p));
+        let same = failed || together.map(f64::to_bits) == alone.z.map(f64::to_bits);
+        let agree = same && failed != alone.outcome.converged();
+        ensure!(agree, "{}: block {together:?}, alone {alone:?}", place());
+    }
+    Ok(most)
+}

@@ -1,0 +1,168 @@
+//! How often the intervals of `stats` cover the truth, measured on data whose law is known.
+//!
+//! Every data set is drawn from a law with a known order, mean-square error or weak error. An
+//! interval is computed as for any experiment, and it is counted whether the truth lies inside.
+//! Warnings are counted likewise: where a few paths carry an error, or a model does not fit, they
+//! have to be raised, elsewhere not. Beside the intervals in use stand some that ignore something
+//! (the covariance between levels, the error of a reference, heavy tails) and have to miscover, or
+//! the measurement could not tell.
+//!
+//! With 2000 data sets the share covered by a calibrated interval has the standard error 0.49 %; 2
+//! % are 4.1 of them, which a calibrated interval misses with probability 4·10⁻⁵, and two dozen of
+//! them together with less than 10⁻³. A warning has to be raised on at least 98 % of the data sets,
+//! or on at most 2 %: one that fails in 1 % of them misses that with probability 4·10⁻⁵, too.
+
+mod motion;
+mod synthetic;
+
+use noise::StreamKey;
+use rayon::prelude::*;
+use stats::{Bend, CONFIDENCE, CrossMoments, LogMeanSquares, Point, Rate, normal_covers};
+use verify::streams;
+
+/// Data sets of each case.
+const REPLICATIONS: u64 = 2000;
+/// The largest deviation from the nominal share.
+const TOLERANCE: f64 = 0.02;
+
+#[test]
+#[ignore = "statistical: half a minute"]
+fn intervals_cover_as_often_as_they_say() {
+    let mut tally = Tally { rows: Vec::new(), case: 0 };
+    synthetic::rows(&mut tally);
+    tally.case = MOTION;
+    motion::rows(&mut tally);
+    let rows = tally.rows;
+    for row in &rows {
+        println!("{:70} {:60} {:.4} {:?}", row.case, row.interval, row.share(), row.expected);
+    }
+    let wrong: Vec<_> = rows.iter().filter(|row| !row.as_expected()).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    use Expected::{Calibrated, Covers, Miscovers, Raised, Silent};
+    for kind in [Calibrated, Covers, Miscovers, Raised, Silent] {
+        assert!(rows.iter().any(|row| row.expected == kind), "nothing is {kind:?}");
+    }
+}
+
+/// How often one kind of interval covered the truth, or one kind of warning was raised.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Coverage {
+    /// The data.
+    case: &'static str,
+    /// The interval, with what it is an interval for; or the warning.
+    interval: &'static str,
+    /// Data sets whose interval contains the truth, or that are warned about; one without an
+    /// interval does not count.
+    covered: usize,
+    /// What is required of it.
+    expected: Expected,
+}
+
+/// What is required of an interval or of a warning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Expected {
+    /// The interval covers as often as it says.
+    Calibrated,
+    /// The interval covers at least as often as it says: it leaves open which model is right.
+    Covers,
+    /// The interval must not cover as often as it says: it ignores something.
+    Miscovers,
+    /// The warning is raised on nearly every data set.
+    Raised,
+    /// The warning is raised on nearly none.
+    Silent,
+    /// Nothing: the figure is stated for comparison. Either the interval is not in use, or what
+    /// spoils it is absent from most data sets, so that neither an interval nor a warning can know
+    /// of it.
+    Stated,
+}
+
+impl Expected {
+    /// The nominal share: 0.95 of an interval, 1 or 0 of a warning.
+    fn nominal(self) -> f64 {
+        match self {
+            Self::Raised => 1.0,
+            Self::Silent => 0.0,
+            Self::Calibrated | Self::Covers | Self::Miscovers | Self::Stated => CONFIDENCE,
+        }
+    }
+}
+
+impl Coverage {
+    /// Share of the data sets that are covered, or warned about.
+    fn share(&self) -> f64 {
+        self.covered as f64 / REPLICATIONS as f64
+    }
+
+    fn as_expected(&self) -> bool {
+        let above = self.share() - self.expected.nominal();
+        match self.expected {
+            Expected::Calibrated | Expected::Raised | Expected::Silent => above.abs() <= TOLERANCE,
+            Expected::Covers => above >= -TOLERANCE,
+            Expected::Miscovers => above.abs() > TOLERANCE,
+            Expected::Stated => true,
+        }
+    }
+}
+
+/// Number of the first case of geometric Brownian motion, so that no two cases share noise.
+const MOTION: u64 = 100;
+
+/// An interval or a warning, what is required of it, and whether it covers the truth or is raised
+/// on one data set.
+type Check = (&'static str, Expected, bool);
+
+/// Counts, case by case.
+struct Tally {
+    rows: Vec<Coverage>,
+    case: u64,
+}
+
+impl Tally {
+    /// One case: `checks` draws a data set and checks its intervals, always the same ones.
+    fn add(&mut self, case: &'static str, checks: impl Fn(StreamKey) -> Vec<Check> + Sync) {
+        self.case += 1;
+        let first = self.case * streams::COVERAGE;
+        let key = |replication| StreamKey { seed: 1, experiment: first + replication };
+        let sets: Vec<Vec<Check>> =
+            (0..REPLICATIONS).into_par_iter().map(|number| checks(key(number))).collect();
+        for (n, &(interval, expected, _)) in sets[0].iter().enumerate() {
+            let covered = sets.iter().filter(|checks| checks[n].2).count();
+            self.rows.push(Coverage { case, interval, covered, expected });
+        }
+    }
+}
+
+/// The intervals of a rate.
+fn rate_checks(rate: Option<&Rate>, order: f64, expected: Expected) -> Vec<Check> {
+    vec![
+        ("rate", expected, rate.is_some_and(|rate| rate.covers(order))),
+        ("rate, bootstrap-t", expected, rate.is_some_and(|rate| rate.bootstrap_covers(order))),
+    ]
+}
+
+/// Whether there is a rate with a warning.
+fn warns(rate: Option<&Rate>) -> bool {
+    rate.is_some_and(|rate| rate.warning.is_some())
+}
+
+/// Whether the interval of a point covers the truth, whether value ± 1.96 se does, and whether the
+/// point has a warning.
+fn point_checks(point: Option<&Point>, truth: f64) -> [bool; 3] {
+    point.map_or([false; 3], |p| [p.covers(truth), p.normal_covers(truth), p.warns()])
+}
+
+/// Whether a normal interval that ignores something covers the order: heavy tails, terms of the
+/// model, and with `independent` the covariance between levels.
+fn naive(
+    taus: &[f64],
+    squares: &CrossMoments,
+    bend: Option<Bend>,
+    independent: bool,
+    order: f64,
+) -> bool {
+    LogMeanSquares::new(taus, squares, (0..taus.len()).collect())
+        .map(|levels| if independent { levels.independent() } else { levels })
+        .and_then(|levels| levels.fit(bend))
+        .is_some_and(|estimate| normal_covers(estimate.rate.estimate, estimate.se, order))
+}

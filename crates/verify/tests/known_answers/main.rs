@@ -1,0 +1,112 @@
+//! How often the answers of this workspace are true: problems with exactly known answers, asked with
+//! many seeds; the statements of the paper for several seeds; the coverage of intervals.
+//!
+//! The tests take minutes and are ignored: `cargo xtask verify` runs them and prints the tables.
+
+mod coverage;
+mod library;
+
+use plot::Silent;
+use verify::page::Outcome;
+use verify::{Method, reproduce};
+use verify::{Mode, Settings};
+
+use library::{Entry, Question, ask, entries};
+
+/// Probability of a failure of a test if everything is as it should be.
+const CHANCE: f64 = 1e-3;
+
+/// No problem is answered falsely more often than it may be.
+#[test]
+#[ignore = "statistical: minutes"]
+fn stated_answers_are_true() {
+    const SEEDS: u64 = 20;
+    let rows = ask(&entries(), SEEDS);
+    println!(
+        "{:22} {:17} {:64} {:>6} {:>5} {:>9} {:>8}  undecided because",
+        "question", "kind", "problem", "stated", "false", "undecided", "cost"
+    );
+    for row in &rows {
+        let total = &row.total;
+        println!(
+            "{:22} {:17} {:64} {:6} {:5} {:9} {:8.1e}  {}",
+            row.question.words(),
+            row.kind,
+            row.name,
+            total.stated,
+            total.missed,
+            total.asked - total.stated,
+            total.cost as f64 / total.asked as f64,
+            total.reason
+        );
+    }
+    let chance = CHANCE / rows.len() as f64;
+    let wrong = rows.iter().filter(|row| row.total.refuted(row.question.tolerated(), chance));
+    let wrong: Vec<_> = wrong.collect();
+    assert!(wrong.is_empty(), "answered falsely too often: {wrong:#?}");
+    // Most answers are of use.
+    let sum = |count: fn(&library::Total) -> u64| rows.iter().map(|r| count(&r.total)).sum::<u64>();
+    assert!(2 * sum(|total| total.stated) > sum(|total| total.asked));
+}
+
+/// Smooth functions, kinks, jumps and unbounded functions, with and without damping. Not those of
+/// W(1), which `sexp-li` has without an error: fine and coarse paths agree to the bit, and the part
+/// of an interval for events that were missed makes it up to four times as wide.
+fn covered(entry: &Entry) -> bool {
+    let names = [
+        "p, ω = 2, σ = ½, midpoint",
+        "p < −0.3, Kubo, ω = σ = 1, T = 2",
+        "|p − ½|, Ornstein–Uhlenbeck",
+        "(∫W)²",
+        "|∫W|^½",
+        "p²",
+        "y₁ of a damped top, c = 0.7",
+    ];
+    entry.question == Question::Chosen && names.contains(&&*entry.name)
+}
+
+/// The share of misses of an entry is below 7 % with an error of 1e-3 over all, and the intervals
+/// are at most twice as wide as errors of this size need: the root mean square of 100 errors is
+/// known to a tenth, and widths of 1.82 at most were measured with 1000.
+#[test]
+#[ignore = "statistical: a minute"]
+fn chosen_intervals_cover_and_are_not_too_wide() {
+    const SEEDS: u64 = 100;
+    let entries: Vec<Entry> = entries().into_iter().filter(covered).collect();
+    assert_eq!(entries.len(), 7);
+    let rows = ask(&entries, SEEDS);
+    for row in &rows {
+        let width = row.total.relative_width();
+        println!("{}: {:?}, width {width:.2}", row.name, row.total);
+        assert!(!row.total.refuted(0.07, CHANCE / rows.len() as f64), "{row:?}");
+        assert_eq!(row.total.stated, SEEDS, "{row:?}");
+        assert!((0.8..2.0).contains(&width), "{width}: {row:?}");
+    }
+}
+
+#[test]
+fn answers_are_functions_of_the_seed() {
+    let some = || -> Vec<Entry> { entries().into_iter().filter(|e| e.kind == "damping").collect() };
+    let all = ask(&some(), 2);
+    let last: Vec<Entry> = some().into_iter().skip(all.len() - 1).collect();
+    assert_eq!(ask(&last, 2)[0], all[all.len() - 1]);
+}
+
+/// An order is refuted by chance with a probability of at most 0.05 % (a 99.9 % interval misses on
+/// one side), any other check of at most 1e-5. Of so many verdicts more than four are refuted with a
+/// probability below 1e-3 (Poisson of mean 0.75).
+#[test]
+#[ignore = "statistical: minutes"]
+fn statements_hold_for_other_seeds() {
+    let mut alarms = Vec::new();
+    for seed in 2..=11 {
+        let settings = Settings::new(seed, Mode::Quick);
+        let claims = reproduce(settings, &[], &Method::FURTHER, &Silent).unwrap().claims;
+        println!("seed {seed}: {}", verify::page::terminal::counts(&claims));
+        alarms.extend(claims.into_iter().filter(|c| Outcome::of(c) == Outcome::Refuted));
+    }
+    for claim in &alarms {
+        println!("{} on {}: {}", claim.id, claim.panel, claim.evidence);
+    }
+    assert!(alarms.len() <= 4, "{} false alarms", alarms.len());
+}

@@ -1,0 +1,119 @@
+//! Twins of the conformal laws and of the bounds that follow from them.
+
+use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp};
+use systems::{
+    Damping, PoissonSystem, Problem, RigidBody,
+    paper::{lotka_volterra_2_2, rigid_body_three_noises, valid},
+};
+use verify::results::{Claim, Evidence};
+use verify::{
+    Conditions,
+    conformal_law::{ROUND_OFF, along, approach, largest_defect},
+    statements::{exact_conformal, moment_bound},
+};
+
+use super::wrong_systems::WrongSystem;
+
+/// The problem with a wrong system.
+fn wrong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
+    problem: Problem<S, G, 3>,
+    last: f64,
+) -> Problem<WrongSystem<S>, G, 3> {
+    let (right, damping, y0, t_end) = problem.into_parts();
+    valid(Problem::new(WrongSystem { right, last }, damping, y0, t_end))
+}
+
+/// Steps of τ = 0.1 on [0, 10], as in the invariant panels.
+const STEPS: u64 = 100;
+
+/// The claim of the invariant panels about one scheme, first invariant of the system.
+fn obeys_law<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
+    conditions: &Conditions,
+    id: &str,
+    problem: &Problem<S, G, 3>,
+    scheme: &dyn Scheme<S, 3, M>,
+) -> Claim {
+    let path = conditions.path(0, problem, scheme, STEPS, 0);
+    let measured = Evidence::Defect {
+        invariant: problem.system().invariants()[0].name.into(),
+        paths: 1,
+        steps: STEPS,
+        largest: largest_defect(&along(problem, 0, &path)),
+        tolerance: ROUND_OFF,
+        obeys: true,
+    };
+    Claim::new(id, "the conformal law holds at every step", measured)
+}
+
+/// [`obeys_law`] of the Casimir of the rigid body.
+pub fn casimir(conditions: &Conditions, scheme: &dyn Scheme<RigidBody<3>, 3, 3>) -> Claim {
+    obeys_law(conditions, "conformal-casimir", &rigid_body_three_noises(10.0), scheme)
+}
+
+pub fn sign_in_exact_flow(conditions: &Conditions) -> Claim {
+    let problem = wrong::<_, _, 3>(rigid_body_three_noises(1.0), -1.0);
+    exact_conformal::law(conditions, 0, &problem).swap_remove(0)
+}
+
+pub fn sign_in_structure(conditions: &Conditions) -> Claim {
+    let problem = wrong::<_, _, 3>(rigid_body_three_noises(10.0), -1.0);
+    obeys_law::<_, _, 3>(conditions, "conformal-casimir", &problem, &Sexp)
+}
+
+/// `sexp` with e^{−∫γ} over the first half for both halves: with δ that factor, the equation of
+/// z = y_{n+1} is z = δ(ẑ + B((ẑ + w)/2)∇̄h(ẑ, w)), ẑ = δy_n, w = z/δ.
+struct FirstHalfTwice;
+
+impl Implicit for FirstHalfTwice {
+    const ID: &'static str = "sexp, first half twice";
+
+    #[inline(always)]
+    fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
+        let decay = h.step().first_decay;
+        let start = start * decay;
+        (start + h.averaged_field(start, z * (1.0 / decay))) * decay
+    }
+}
+
+pub fn damping_of_the_wrong_half(conditions: &Conditions) -> Claim {
+    casimir(conditions, &FirstHalfTwice)
+}
+
+/// `sexp` with B at the beginning of the step, z = ẑ + B(ẑ)∇̄h(ẑ, z): the noise is multiplied by
+/// an old state, as in the Itô form.
+struct OldStructure;
+
+impl Implicit for OldStructure {
+    const ID: &'static str = "sexp, old structure";
+    const EXACT_DAMPING: bool = true;
+
+    #[inline(always)]
+    fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
+        start + h.structure(start, h.averaged_gradient(start, z))
+    }
+}
+
+pub fn old_structure(conditions: &Conditions) -> Claim {
+    casimir(conditions, &OldStructure)
+}
+
+pub fn old_structure_at_small_steps(conditions: &Conditions) -> Claim {
+    // Up to T = 1: the Casimir of the wrong method drifts away.
+    let problem = rigid_body_three_noises(1.0);
+    let (steps, wrong): (_, &dyn Scheme<_, 3, 3>) = (STEPS / 10, &OldStructure);
+    let path = conditions.path(0, &problem, wrong, steps, 0);
+    let largest = largest_defect(&along(&problem, 0, &path));
+    let measured = approach(conditions, &problem, wrong, 0, steps, largest);
+    let statement = "the Casimir returns to the conformal law as τ → 0";
+    Claim::new("conformal-casimir", statement, measured)
+}
+
+pub fn midpoint_quadrature(conditions: &Conditions) -> Claim {
+    let problem = wrong::<_, _, 1>(lotka_volterra_2_2(10.0), 1.0);
+    obeys_law::<_, _, 1>(conditions, "energy-balance", &problem, &Sexp)
+}
+
+pub fn unbounded_scheme(conditions: &Conditions) -> Claim {
+    let problem = moment_bound::undamped();
+    moment_bound::bound::<_, _, 3>(conditions, 0, &problem, &EulerMaruyama, 0, 0.5)
+}

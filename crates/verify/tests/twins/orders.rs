@@ -1,0 +1,148 @@
+//! Twins of the convergence orders.
+
+use analysis::{Order, OtherNoise, ReferenceSolution, StepSizes, strong_order, weak_order};
+use mc::{Observable, Setup, bind};
+use noise::{BlockNoise, Noise, StreamKey, WienerPath};
+use real::WIDTH;
+use schemes::{EulerMaruyama, Explicit, Increment, Scheme, Sexp, SexpLevy, Step};
+use systems::{
+    Damping, PoissonSystem, Problem,
+    paper::{rigid_body_one_noise, rigid_body_three_noises, valid},
+};
+use verify::results::{Claim, Evidence};
+use verify::{Conditions, truncation};
+
+/// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
+/// every seed.
+fn step_sizes(conditions: &Conditions) -> StepSizes {
+    let sizes = StepSizes::new(32, truncation(), conditions.key(0));
+    StepSizes { levels: 8, refinement: 2, samples: 512, ..sizes }
+}
+
+pub fn strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    conditions: &Conditions,
+    id: &str,
+    problem: &Problem<S, G, D>,
+    scheme: &dyn Scheme<S, D, M>,
+    order: f64,
+) -> Claim {
+    // Areas cost more normals the finer the steps: 2⁻⁴ … 2⁻¹¹ and a reference at 2⁻¹³ will do.
+    let coarsest_steps = if scheme.reads_areas() { 16 } else { 32 };
+    let sizes = StepSizes { coarsest_steps, ..step_sizes(conditions) };
+    let measured = valid(strong_order(
+        &Setup::of(problem, scheme),
+        &sizes,
+        &ReferenceSolution::independent(problem),
+    ));
+    order_claim(id, &format!("strong order {order}"), measured, order)
+}
+
+fn order_claim(id: &str, statement: &str, measured: Order, order: f64) -> Claim {
+    Claim::new(id, statement, Evidence::of_order(measured, order))
+}
+
+/// Euler–Maruyama with the Itô correction taken `factor` times.
+struct Miscorrected {
+    factor: f64,
+}
+
+impl Explicit for Miscorrected {
+    const ID: &'static str = "em, wrong correction";
+
+    #[inline(always)]
+    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
+        let step = h.step();
+        let drift = h.ito_correction(y) * self.factor - y * step.rate_at_start;
+        y + (h.field(y) + drift * step.tau)
+    }
+}
+
+pub fn strong_with_correction(conditions: &Conditions, factor: f64) -> Claim {
+    let problem = rigid_body_three_noises(1.0);
+    strong::<_, _, 3, 3>(conditions, "strong-half", &problem, &Miscorrected { factor }, 0.5)
+}
+
+pub fn weak_with_correction(conditions: &Conditions, factor: f64) -> Claim {
+    let observable = Observable { name: "y3", function: |y: [f64; 3]| y[2] };
+    let sizes = StepSizes { levels: 6, samples: 2048, ..step_sizes(conditions) };
+    let problem = rigid_body_three_noises(1.0);
+    let wrong = Miscorrected { factor };
+    let sexp = ReferenceSolution::Scheme(bind(&problem, &Sexp));
+    let measured = valid(weak_order(&Setup::of(&problem, &wrong), &observable, &sizes, &sexp));
+    order_claim("weak-one", "weak order 1 for φ = y3", measured, 1.0)
+}
+
+/// The strong order of `sexp` on the wrong noise, three of them.
+fn half(
+    conditions: &Conditions,
+    noise: impl Fn(&Step, &BlockNoise<3>, usize) -> Noise<3> + Send + Sync,
+) -> Claim {
+    let wrong = OtherNoise { scheme: &Sexp, noise };
+    strong(conditions, "strong-half", &rigid_body_three_noises(1.0), &wrong, 0.5)
+}
+
+pub fn shared_stream(conditions: &Conditions) -> Claim {
+    half(conditions, |_, noise, p| {
+        let [first, _, third] = noise.increments_of(p);
+        Noise::increments([first, first, third])
+    })
+}
+
+/// `sexp` on the increments of the neighbouring path: the right law, drawn afresh.
+pub fn fresh_increments(conditions: &Conditions) -> Claim {
+    half(conditions, |_, noise, p| noise.path((p + 1) % WIDTH))
+}
+
+pub fn explicit(conditions: &Conditions) -> Claim {
+    strong::<_, _, 3, 1>(conditions, "strong-one", &rigid_body_one_noise(), &EulerMaruyama, 1.0)
+}
+
+pub fn truncated_too_early(conditions: &Conditions) -> Claim {
+    let noise = |step: &Step, noise: &BlockNoise<1>, p: usize| {
+        let bound = 0.5 * step.tau.sqrt();
+        Noise::increments(noise.increments_of(p).map(|dw| dw.clamp(-bound, bound)))
+    };
+    let wrong = OtherNoise { scheme: &Sexp, noise };
+    strong(conditions, "strong-one", &rigid_body_one_noise(), &wrong, 1.0)
+}
+
+/// The strong order of `sexp-levy` on the right increments and the wrong areas.
+fn with_areas(
+    conditions: &Conditions,
+    areas: impl Fn(&Step, &Noise<3>) -> [[f64; 3]; 3] + Send + Sync,
+) -> Claim {
+    let problem = rigid_body_three_noises(1.0);
+    let noise = |step: &Step, noise: &BlockNoise<3>, p: usize| {
+        let right = noise.path(p);
+        Noise { areas: areas(step, &right), ..right }
+    };
+    let wrong = OtherNoise { scheme: &SexpLevy::new(problem.system(), problem.y0()), noise };
+    strong(conditions, "strong-one-levy", &problem, &wrong, 1.0)
+}
+
+pub fn areas_of_the_wrong_sign(conditions: &Conditions) -> Claim {
+    with_areas(conditions, |_, noise| noise.areas.map(|row| row.map(|area| -area)))
+}
+
+pub fn without_areas(conditions: &Conditions) -> Claim {
+    with_areas(conditions, |_, _| [[0.0; 3]; 3])
+}
+
+/// Normal areas with the right variance given the increments, (τ² + τ(ΔWₘ² + ΔW_l²))/12, drawn for
+/// each step of each step size by itself: the stream is keyed by the bits of the increments, so
+/// that the twin is reproducible.
+pub fn fresh_areas(conditions: &Conditions) -> Claim {
+    with_areas(conditions, |step, noise| {
+        let [a, b, c] = noise.increments.map(f64::to_bits);
+        let key = StreamKey { seed: a ^ b.rotate_left(21), experiment: c ^ step.tau.to_bits() };
+        let mut normals = WienerPath::<3>::new(key, 0);
+        let mut areas = [[0.0; 3]; 3];
+        for (m, l) in [(0, 1), (0, 2), (1, 2)] {
+            let squares = noise.increments[m].powi(2) + noise.increments[l].powi(2);
+            let deviation = (step.tau * (step.tau + squares) / 12.0).sqrt();
+            areas[m][l] = deviation * normals.normal();
+            areas[l][m] = -areas[m][l];
+        }
+        areas
+    })
+}
