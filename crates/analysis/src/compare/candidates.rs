@@ -51,7 +51,7 @@ impl<'a> Candidates<'a> {
     /// [`Heun`] and [`EulerMaruyama`]. The reference is [`SexpLevy`]. Strong errors are related to
     /// those of [`Heun`] on the same paths ([`StrongPoint::ratio`](super::StrongPoint::ratio)).
     ///
-    /// If the system names no invariant, the linear and quadratic Casimirs that [`inspect()`] finds
+    /// If the system names no invariant, the linear and quadratic Casimirs that [`Facts`](crate::facts::Facts) have
     /// are measured.
     pub fn all<S: PoissonSystem<D, M> + 'static, G, const D: usize, const M: usize>(
         problem: &'a Problem<S, G, D>,

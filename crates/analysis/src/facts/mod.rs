@@ -1,7 +1,7 @@
 //! What a run has to know of a system, found in milliseconds: [`Facts`], and the rule for the default
 //! scheme, [`Kept`].
 //!
-//! Here is what [`inspect`](crate::inspect) is made of, too: a system at many states, identities
+//! Here is what `inspect` is made of, too: a system at many states, identities
 //! with three answers, and the search for Casimirs. The bits of all this are the same on every
 //! machine.
 
@@ -30,7 +30,7 @@ pub use scheme::{Kept, long_times};
 /// What a run has to know of a problem: which laws it obeys.
 ///
 /// Identities are tested at 32 random points around the initial value: what is found holds to 10⁻⁹
-/// of its terms there. The bits are the same on every machine. [`inspect`](crate::inspect) tests more,
+/// of its terms there. The bits are the same on every machine. `inspect` tests more,
 /// and more sharply.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {

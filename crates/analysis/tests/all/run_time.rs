@@ -214,7 +214,7 @@ fn an_exact_solution_serves_texts_too() {
     let tau = compiled.t_end() / sizes.reference_steps() as f64;
     let time_change = RandomTime::new(compiled.damping(), 1.0, 0.5, tau);
     let solution = |s: f64| solution(&compiled, s);
-    let exact = ReferenceSolution::Exact(Exact::new(&time_change, &solution));
+    let exact = ReferenceSolution::Exact(Exact::new(&time_change, solution));
     let one = strong_order(&Setup::of(&compiled, &Heun), &sizes, &exact);
     let setup = Setup::at_run_time(&texts, &Heun).unwrap();
     let other = strong_order(&setup, &sizes, &exact).unwrap();

@@ -49,7 +49,7 @@ fn compare<S: PaperSystem<3, 1>, G: Damping>(
     let curves = curves(conditions, problem);
     let time = random_time(problem, grid.finest_steps(problem.t_end()));
     let solution = |s: f64| solution(problem, s);
-    let exact = Some(Exact::new(&time, &solution));
+    let exact = Some(Exact::new(&time, solution));
     let words = Words { title, system, paper: "Not in the paper." };
     let runs = StrongRuns::new(words, problem, grid, &curves);
     let mut findings = StrongRuns { exact, ..runs }.measure(conditions);
@@ -76,7 +76,7 @@ fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
     let steps = sizes.coarsest_steps << (sizes.levels - 1);
     let time = random_time(problem, steps);
     let solution = |s: f64| solution(problem, s);
-    let exact = || Exact::new(&time, &solution);
+    let exact = || Exact::new(&time, solution);
     let sexp = compiled(Sexp);
     let claims = observables.map(|observable| {
         let (name, reference) = (observable.name, &ReferenceSolution::Exact(exact()));
