@@ -145,11 +145,12 @@ pub struct LevelValue {
 #[non_exhaustive]
 pub enum Warning {
     /// A few samples decide, so that nobody can tell how φ varies: fewer than thirty carry its
-    /// variance, and events larger than all that were seen may be missing; or none does, since φ is
-    /// the same to the bit on all of them. Blocks [`Judged::variance`].
+    /// variance, or the largest are too frequent for one (Hill's estimate of the exponent of their
+    /// tail is below two), and events larger than all that were seen may be missing; or none does,
+    /// since φ is the same to the bit on all of them. Blocks [`Judged::variance`].
     #[error(
-        "{observable}: {effective:.0} of {samples} samples carry the variance on level {level}, \
-         thirty are needed: rare events decide, or the noise is too weak for these steps"
+        "{observable}: {effective:.0} of {samples} samples carry the variance on level {level}: a \
+         few large ones decide, or the noise is too weak for these steps"
     )]
     FewSamples {
         /// Name of φ.

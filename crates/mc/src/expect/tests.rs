@@ -359,21 +359,6 @@ fn paths_are_heavy_below_thirty_that_carry_the_variance() {
 }
 
 #[test]
-fn powers_without_a_variance_are_heavy() {
-    // u^{−1/α} at the middles of n intervals, and their negatives.
-    for (alpha, n) in [(1.0, 4000), (1.0, 1_000_000), (1.5, 100_000), (5.0, 4000)] {
-        let mut values = Values::default();
-        for i in 0..n {
-            let u: f64 = (f64::from(i) + 0.5) / f64::from(n);
-            let x = u.powf(-1.0 / alpha);
-            values.fine.add(100.0 + x);
-            values.fine.add(100.0 - x);
-        }
-        assert_eq!(values.is_heavy(), alpha < 2.0, "{alpha} {n}");
-    }
-}
-
-#[test]
 fn neighbours_are_compared_in_standard_errors() {
     // Fine values 0 and 2 below, coarse values 3 and 5 above, eight of each.
     let below = level(1, 8, pairs(&[0.0, 2.0].repeat(4), &[0.0; 8]));
