@@ -12,22 +12,22 @@
 //! - 16 by the tolerance 2ε|z| of the solver: F(z) − F(ẑ) = (z − z_k)·B∇h is at most 4u|z|·2|z|,
 //!   and F is ½|z|².
 //!
-//! Together 50u = 25ε; [`PER_STEP`] is the power of two above it. Γ itself is known to a relative ε
-//! in every step, and so is the exponent of the law that is compared with: [`PER_DAMPING`]·ε·Σ|∫γ|.
-//! Evaluating F and the quotient at the end: [`AT_END`]·ε. All of these are worst cases, as if
+//! Together 50u = 25ε; `PER_STEP` is the power of two above it. Γ itself is known to a relative ε
+//! in every step, and so is the exponent of the law that is compared with: `PER_DAMPING`·ε·Σ|∫γ|.
+//! Evaluating F and the quotient at the end: `AT_END`·ε. All of these are worst cases, as if
 //! every rounding of every step went the same way.
 //!
 //! A rotation by Cayley's map, z = y + f·w with w = y × s + (y × s) × s and f = 2/(1 + |s|²), adds
 //! at most 55u whatever s is: 20 by f, which is off by 5u, since |z|² changes by 2z·w δf and z·w f
 //! ≤ 2|y|²; twice 17½ by w and the sum, since |s|f ≤ 1 and |s|²f ≤ 2. With the damping a step of
-//! `sexp-li` adds 67u, [`LINEARLY_IMPLICIT`] times [`PER_STEP`]. About an axis it is 26u, also with
+//! `sexp-li` adds 67u, [`LINEARLY_IMPLICIT`] times `PER_STEP`. About an axis it is 26u, also with
 //! the tangent that `nv` takes for s: see [`rotations`].
 //!
 //! A step that the robust solver takes adds its residual: see [`residual_share`].
 
 /// Units of ε that a step adds at most.
 pub const PER_STEP: f64 = 32.0;
-/// What a step of `sexp-li` adds at most, in units of [`PER_STEP`]: 34ε.
+/// What a step of `sexp-li` adds at most, in units of `PER_STEP`: 34ε.
 pub const LINEARLY_IMPLICIT: f64 = 2.0;
 /// The same for a step of so many rotations about axes, as those of `split` and `nv`: (13n + 6)ε.
 pub const fn rotations(number: usize) -> f64 {

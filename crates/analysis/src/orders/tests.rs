@@ -358,7 +358,7 @@ fn moved(offset: f64, seed: u64) -> Limit {
     let tau = 1.0 / sizes.reference_steps() as f64;
     let time_change = RandomTime::new(problem.damping(), 1.0, 1.0, tau);
     let solution = |s: f64| [s.cos() + offset, s.sin()];
-    let exact = Exact::new(&time_change, &solution);
+    let exact = Exact::new(&time_change, solution);
     let (setup, exact) = (Setup::of(&problem, &EulerMaruyama), ReferenceSolution::Exact(exact));
     limit(Subject::from(&setup), &sizes, &[], &exact, Measure::Strong).unwrap()
 }
@@ -397,7 +397,7 @@ fn means_against_the_exact_solution_need_no_tail() {
     let tau = 1.0 / sizes.reference_steps() as f64;
     let time_change = RandomTime::new(problem.damping(), 1.0, 1.0, tau);
     let solution = |s: f64| [s.cos(), s.sin()];
-    let exact = Exact::new(&time_change, &solution);
+    let exact = Exact::new(&time_change, solution);
     let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
     // E cos(1 + W) = e^{−½} cos 1, and E cos² = ½(1 + e^{−2} cos 2).
     let truth = (-0.5f64).exp() * 1f64.cos();
