@@ -1,7 +1,7 @@
 //! A charged particle in a trap, across a magnetic field that is not uniform, in an electric field
 //! that fluctuates: the program of `docs/guide.md`.
 
-use casimir::mc::{Setup, Simulation, StateFunction, write_json};
+use casimir::mc::write_json;
 use casimir::prelude::*;
 
 /// A charged particle in the plane, y = (x, y, u, v): a harmonic trap, a magnetic field b₀ + b₁x

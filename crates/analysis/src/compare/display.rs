@@ -208,7 +208,7 @@ impl fmt::Display for Comparison {
         let sampled = &strong.sampled;
         writeln!(f, "{system}: D = {dimension}, M = {noises}, T = {t_end}")?;
         let reference = &sampled.reference;
-        if sampled.samples == 0 && sampled.failed > 0 {
+        if sampled.failed > 0 && sampled.failed >= sampled.samples {
             writeln!(f, "all {} paths failed, so that no error was measured", sampled.failed)?;
         } else if strong.reference_error.is_finite() {
             let error = number(strong.reference_error);

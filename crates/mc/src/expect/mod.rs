@@ -201,6 +201,8 @@ fn by_parts<'a, S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
 
 /// How often the coarsest level takes twice as many steps where paths fail.
 const REFINEMENTS: u32 = 8;
+/// The final time up to which the coarsest steps are chosen to be below one; beyond, they are refused.
+const LONGEST: f64 = 4_194_304.0;
 
 impl<'a> Expect<'a> {
     /// Expectations with one scheme, which is given with its problem and has weak order one unless
@@ -415,7 +417,7 @@ impl<'a> Candidate<'a> {
     /// The least number of steps on the coarsest level: truncation is for steps below one.
     fn least_steps(&self) -> u64 {
         match self.setup.scheme.clips_increments() {
-            true => 2 * (self.setup.problem.t_end.ceil() as u64).next_power_of_two(),
+            true => 2 * (self.setup.problem.t_end.ceil().min(LONGEST) as u64).next_power_of_two(),
             false => 1,
         }
     }

@@ -4,7 +4,7 @@
 //! the parts that others computed. The program itself stays as it is:
 //!
 //! ```
-//! use mc::{Kept, Ladder, Run, Statistic, View, parts::{Job, Program, Share}};
+//! use mc::{Kept, Ladder, Run, Statistic, View, bind, parts::{Job, Program, Share}};
 //! # use noise::{StreamKey, Truncation};
 //! # use schemes::Sexp;
 //! # use systems::{Constant, Pendulum, Problem};
@@ -27,7 +27,9 @@
 //!     fn sums(&self) -> &Self { self }
 //!     fn sums_mut(&mut self) -> &mut Self { self }
 //! }
-//! let ladder = Ladder::new(&problem, 64, 6, Truncation::new(4)?, key, vec![Run::new(&Sexp, 0)])?;
+//! let runs = vec![Run::new(bind(&problem, &Sexp), 0)];
+//! let on = mc::Problem::of(&problem);
+//! let ladder = Ladder::new(&on, 64, 6, Truncation::new(4)?, key, runs)?;
 //! let study = |job: Job| {
 //!     let measured = ladder.run_in(&job, "momentum", 4096, Momentum::default, &|_| ());
 //!     let mean = measured.map(|measured| measured.statistic.sum / 4096.0);

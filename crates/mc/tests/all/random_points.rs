@@ -372,14 +372,14 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
 
 #[test]
 fn levels_that_do_not_telescope_are_noticed() {
+    // What never agrees would go on to the limit.
+    const MOST: u64 = 60_000_000;
     let problem = body();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let of = |scheme: &dyn Scheme<RigidBody<3>, 3, 3>| {
-        let expect = random(scheme, &problem, 8).with_max_cost(MOST);
-        pool.install(|| run(expect, &COS_Y3, 3e-4).unwrap())
+        let expect = || random(scheme, &problem, 8).with_max_cost(MOST);
+        pool.install(|| run(expect(), &COS_Y3, 3e-4).unwrap())
     };
-    // What never agrees would go on to the limit.
-    const MOST: u64 = 60_000_000;
     let wrong = of(&Remembering);
     assert!(wrong.warnings.iter().any(is_telescope), "{:?}", wrong.warnings);
     assert!(!wrong.estimates[0].judged.bias);
