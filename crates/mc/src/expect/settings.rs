@@ -60,7 +60,8 @@ impl Settings {
         let &Self { key, replicates, coarsest_steps, max_level, .. } = self;
         // Fourth powers of the accuracy must be numbers.
         let fourth = (1e-70..1e70).contains(&accuracy);
-        let positive = weak_order > 0.0 && weak_order.is_finite();
+        // Beyond, 1/(2^p − 1) is no weight.
+        let order = (1.0 / 16.0..=16.0).contains(&weak_order);
         let within = |x: u64, from: u64, to: u64| (from..=to).contains(&x);
         let experiment = key.experiment >> LEVEL_BIT == 0;
         let requirements = [
@@ -72,7 +73,7 @@ impl Settings {
                 "from 1 to 2^24",
                 coarsest_steps as f64,
             ),
-            (positive, "weak order", "positive and finite", weak_order),
+            (order, "weak order", "from 1/16 to 16", weak_order),
             (within(max_level as u64, 3, 24), "finest level", "from 3 to 24", max_level as f64),
             (
                 within(replicates, 16, 1 << 20),
