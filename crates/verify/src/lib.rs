@@ -64,6 +64,8 @@ pub use orders::{
 pub use other_noise::OtherNoise;
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;
-pub use step_check::{Halved, STIFF, StepCheck, StepError, StepErrors, checked_paths, step_check};
+pub use step_check::{
+    Halved, STIFF, StepCheck, StepError, StepErrors, TURN, checked_paths, step_check,
+};
 pub use stopwatch::{Spread, Stopwatch};
 pub use verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};

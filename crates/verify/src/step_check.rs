@@ -25,6 +25,10 @@ pub struct StepCheck {
     /// |∫γ| over the last step. Above [`STIFF`] the damping outruns the step, at τ/2 as at τ, so
     /// that the two may agree on what is wrong.
     pub damping: f64,
+    /// By how much the fastest motion turns in a step, in radians. Above [`TURN`] it is not resolved
+    /// at τ/2 either: a rotation by nearly ±π looks like none, and a mode that is too slow takes
+    /// too little energy from the noise, both at τ as at τ/2.
+    pub turn: f64,
     /// The step errors of each observable.
     pub observables: Vec<StepErrors>,
 }
@@ -72,6 +76,10 @@ pub enum StepError {
 /// From this ∫γ of a step on, noise and forces within the step are damped by less than a third of
 /// what they should, or by more than three times.
 pub const STIFF: f64 = 2.0;
+/// From this turn of a step on, half a step turns by more than a right angle.
+pub const TURN: f64 = std::f64::consts::PI;
+/// More failed paths than this part of all: those that are left are not what the equation does.
+const MOST_FAILED: f64 = 0.1;
 /// Standard errors that a difference exceeds by chance with probability 0.003, 0.005 at 32 paths.
 const SEEN: f64 = 3.0;
 /// Standard errors that a difference which was not seen may hide.
@@ -92,13 +100,19 @@ const MOST_BLOCKS: u64 = 1024;
 const CHECK_STREAM: u64 = 1 << 46;
 
 impl StepCheck {
+    /// Whether steps of half the size would show what is wrong.
+    pub fn resolves(&self) -> bool {
+        let all = (self.failed + self.paths) as f64;
+        self.damping <= STIFF && self.turn <= TURN && self.failed as f64 <= MOST_FAILED * all
+    }
+
     /// What is known of a step error where the half-width of the sampling error is `sampling`, and
     /// the deviation of the values is `spread`.
     pub fn step_error(&self, halved: Halved, sampling: f64, spread: f64) -> StepError {
         let Halved { difference, standard_error, rounding, .. } = halved;
         let (size, noise) = (difference.abs(), standard_error.max(rounding));
         let hidden = OF_ERROR * (size + HIDDEN * noise);
-        if self.damping > STIFF {
+        if !self.resolves() {
             StepError::CannotTell
         } else if size > SEEN * noise && OF_ERROR * size > WORTH * sampling {
             StepError::About(OF_ERROR * size)
@@ -122,7 +136,8 @@ pub fn checked_paths(run: u64, noises: usize) -> u64 {
 }
 
 /// Checks the steps of a run, as a piece of work of a job with the name "steps"; `None` if the
-/// results are not here.
+/// results are not here. `fastest` is the rate of the fastest motion, see
+/// [`fastest`](crate::inspect::fastest).
 ///
 /// # Errors
 /// [`LadderError`] if the scheme cannot be run on twice as many steps.
@@ -130,7 +145,7 @@ pub fn step_check<N: StepNoise>(
     setup: &Setup<'_, N>,
     observables: &[&dyn Observe],
     steps: u64,
-    paths: u64,
+    (paths, fastest): (u64, f64),
     (truncation, key): (Truncation, StreamKey),
     job: &Job,
 ) -> Result<Option<StepCheck>, LadderError> {
@@ -164,6 +179,7 @@ pub fn step_check<N: StepNoise>(
     let last = end - end / steps as f64;
     Ok(Some(StepCheck {
         damping: setup.problem.damping.integral(last, end).abs(),
+        turn: fastest * end / steps as f64,
         paths: moments.count(),
         failed: measured.failed,
         observables: observables.iter().enumerate().map(of).collect(),

@@ -15,7 +15,7 @@ use casimir::{
     },
     verify::{
         Comparison, DynCandidates, DynCompareSettings, compare_of,
-        inspect::{Facts, Form},
+        inspect::{Facts, Form, fastest},
         inspect_formula_problem,
     },
 };
@@ -71,6 +71,10 @@ impl Model<NoiseRows> for Formulas {
             laws: facts.casimirs.iter().enumerate().map(form).chain(energy).collect(),
             mistake: facts.mistake.clone(),
         }
+    }
+
+    fn fastest(&self) -> f64 {
+        fastest(self.problem.system(), self.problem.y0())
     }
 
     fn constant_structure(&self) -> bool {

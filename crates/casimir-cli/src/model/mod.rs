@@ -46,6 +46,12 @@ pub trait Model<N>: Send + Sync {
         Known::default()
     }
 
+    /// The rate of the fastest motion at the initial value, in radians per time; zero if it is not
+    /// known.
+    fn fastest(&self) -> f64 {
+        0.0
+    }
+
     /// Whether B does not depend on y.
     fn constant_structure(&self) -> bool {
         false

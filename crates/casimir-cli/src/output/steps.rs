@@ -2,7 +2,7 @@
 
 use casimir::{
     mc::study::StudyResult,
-    verify::{STIFF, StepCheck, StepError, StepErrors},
+    verify::{STIFF, StepCheck, StepError, StepErrors, TURN},
 };
 
 use super::digits;
@@ -80,6 +80,14 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
             digits(Some((steps as f64 * check.damping).ceil()))
         ));
     }
+    if check.turn > TURN {
+        lines.push(format!(
+            "the fastest motion turns by {} radians in a step, which is not resolved: take more than \
+             {} steps",
+            rough(check.turn),
+            digits(Some((steps as f64 * check.turn).ceil()))
+        ));
+    }
     if !worst.is_empty() {
         let what = if study.is_some() { "no digit" } else { "no digit along a path" };
         lines.push(format!(
@@ -91,7 +99,7 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
         let along = if study.is_some() { "" } else { " along a path" };
         lines.push(format!("step error{along} of {}; by {at_half}", seen.join(", of ")));
     }
-    if !hidden.is_empty() && check.damping <= STIFF {
+    if !hidden.is_empty() && check.damping <= STIFF && check.turn <= TURN {
         lines.push(format!(
             "cannot tell the step error of {}: {at_half} see none, and would miss one as large as the \
              deviation",

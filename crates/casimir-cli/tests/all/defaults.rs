@@ -107,6 +107,44 @@ fn stiff_damping_neither_explodes_nor_passes_unseen() {
     }
 }
 
+/// A mode that turns by many radians in a step takes too little energy from the noise, and a fast
+/// rotation looks like none, both at τ as at τ/2. E[H₀] = ½ + ½(0.5² + 0.5²)T by the trace formula.
+#[test]
+fn motions_that_steps_do_not_resolve_are_named() {
+    let stiff = |steps: u32| {
+        format!(
+            "[system]\nstate = [\"q1\", \"p1\", \"q2\", \"p2\"]\n\
+             B = [[\"1\",\"0\",\"0\"],[\"0\",\"0\"],[\"1\"]]\n\
+             H0 = \"(p1^2+q1^2)/2+(p2^2+1e6*q2^2)/2\"\nH = [\"0.5*q1\",\"0.5*q2\"]\n\
+             [run]\ninitial = [1,0,0,0]\nuntil = 10\nsteps = {steps}\npaths = 200\n\
+             [observe]\nenergy = \"H0\"\n"
+        )
+    };
+    let alias = plane(
+        "0.5e8*(q^2+p^2)",
+        "0.3*(q^2+p^2)/2",
+        "0",
+        "initial = [1, 0]\nuntil = 10\nsteps = 100\npaths = 200",
+    );
+    for (scene, turn) in [(stiff(500), "20"), (alias, "1.000e7")] {
+        let folder = with_scene(&scene);
+        let printed = succeeds(folder.path(), &["run", "scene.toml"]);
+        let named = format!("warning: the fastest motion turns by {turn} radians in a step");
+        assert!(printed.starts_with(&named), "{printed}");
+        let found = json(folder.path(), &[]);
+        for (name, point) in found["at_end"].as_object().unwrap() {
+            let decided = &point["step_error"]["mean"]["decided"];
+            assert_eq!(decided, "cannot-tell", "{name}: {found:#}");
+        }
+    }
+    let folder = with_scene(&stiff(40_000));
+    let printed = succeeds(folder.path(), &["run", "scene.toml"]);
+    assert!(!printed.contains("radians"), "{printed}");
+    let found = json(folder.path(), &[]);
+    let (mean, error, _) = mean(&found, "energy");
+    assert!((mean - 3.0).abs() < 4.0 * error, "{mean} ± {error}");
+}
+
 /// Where increments are clipped at 2.35 deviations P(W > 3) is zero; it is 1.35e-3.
 #[test]
 fn nothing_is_clipped_at_long_steps() {

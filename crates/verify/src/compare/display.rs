@@ -34,7 +34,9 @@ impl Comparison {
             .map_or(String::new(), |stopped| format!(" within {} s", number(stopped.budget_s)));
         let mut words = format!("No scheme reaches {}{budget}", verdicts.goal());
         let measured = |n: &Candidate| match n.outcome {
-            Outcome::NotReached { steps, error, needs, .. } => Some((steps, error, needs)),
+            Outcome::NotReached { steps, error, needs, .. } if error.is_finite() => {
+                Some((steps, error, needs))
+            }
             _ => None,
         };
         let all = || candidates.iter().filter_map(|n| Some((&n.scheme, measured(n)?)));
@@ -162,6 +164,9 @@ impl Verdicts {
                 let cost = cheapest.map_or_else(dash, |ratio| number(ratio.0));
                 (format!("{:.0}", steps.ceil()), error, number(measured.step_ns), cost)
             }
+            Outcome::NotReached { error, .. } if error.is_nan() => {
+                (dash(), "not measured: all paths failed".into(), dash(), dash())
+            }
             Outcome::NotReached { steps, error, at_least_s, resolved, needs } => {
                 let about = if *resolved { "" } else { "about " };
                 let step_s = at_least_s / *steps as f64;
@@ -203,7 +208,9 @@ impl fmt::Display for Comparison {
         let sampled = &strong.sampled;
         writeln!(f, "{system}: D = {dimension}, M = {noises}, T = {t_end}")?;
         let reference = &sampled.reference;
-        if strong.reference_error.is_finite() {
+        if sampled.failed > 0 && sampled.failed >= sampled.samples {
+            writeln!(f, "all {} paths failed, so that no error was measured", sampled.failed)?;
+        } else if strong.reference_error.is_finite() {
             let error = number(strong.reference_error);
             let paths = sampled.samples;
             writeln!(f, "{paths} paths against {reference}, whose error is at most {error}")?;

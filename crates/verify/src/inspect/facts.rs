@@ -1,13 +1,13 @@
 //! What a run has to know of a system, found in milliseconds.
 
-use real::{Row, WIDTH};
+use real::{Row, WIDTH, elementary};
 use systems::{
     Linearity,
     run_time::{Problem, System, Weights},
 };
 
 use super::{
-    algebra::{Matrix, axis, dot, echelon, norm, singular_vectors},
+    algebra::{Matrix, axis, dot, echelon, norm, singular_vectors, times, transposed},
     casimirs::{UNKNOWNS, formula, places, readable, symmetric},
     damping::DampingIntegral,
     finding::Status,
@@ -104,6 +104,49 @@ impl Facts {
         let (casimirs, energy) = (!self.casimirs.is_empty(), self.energy_law().is_some());
         Kept { casimirs, energy, areas: false }
     }
+}
+
+/// Components up to which [`fastest`] looks at the matrix of the derivative.
+const MOST_COMPONENTS: usize = 64;
+/// Squarings of that matrix: ρ is found to the factor 1 ± 64·ln κ/2²⁰, κ its condition.
+const SQUARINGS: i32 = 20;
+
+/// The rate of the fastest motion about y₀ without noise, in radians or e-foldings per time: the
+/// spectral radius ρ of f′(y₀) with f = B∇H₀, by Gelfand's formula ρ = lim ‖f′ᵏ‖^{1/k}. Zero with
+/// more than 64 components.
+pub fn fastest(system: &dyn System, y0: &[f64]) -> f64 {
+    let d = y0.len();
+    if d > MOST_COMPONENTS || d == 0 {
+        return 0.0;
+    }
+    let rows = |y: &[f64]| y.iter().map(|&y| [y; WIDTH]).collect::<Vec<Row>>();
+    let (y, noise) = (rows(y0), vec![[0.0; WIDTH]; system.noises()]);
+    let h = Weights { dt: 1.0, dw: &noise };
+    let (mut scratch, zero) = (vec![[0.0; WIDTH]; system.scratch_rows()], rows(&vec![0.0; d]));
+    let mut slope = zero.clone();
+    system.gradient(0..d, &y, h, &mut slope, &mut scratch);
+    // The columns (∂B·u)∇H₀ + B∇²H₀u of f′.
+    let mut column = |j: usize| -> Vec<f64> {
+        let u = rows(&axis(d, j));
+        let [mut turned, mut curved, mut moved] = [0; 3].map(|_| zero.clone());
+        system.structure_along(0..d, &y, &u, &slope, &mut turned, &mut scratch);
+        system.hessian(0..d, &y, &u, h, &mut curved, &mut scratch);
+        system.structure(0..d, &y, &curved, &mut moved, &mut scratch);
+        turned.iter().zip(&moved).map(|(a, b)| a[0] + b[0]).collect()
+    };
+    let mut power: Matrix = transposed(&(0..d).map(&mut column).collect());
+    let mut log_radius = 0.0;
+    for n in 0..=SQUARINGS {
+        let size = power.iter().map(|row| norm(row)).fold(0.0, f64::max);
+        if size == 0.0 || !size.is_finite() {
+            return 0.0;
+        }
+        log_radius += elementary::ln(size) * f64::powi(0.5, n);
+        power.iter_mut().flatten().for_each(|x| *x /= size);
+        let columns = transposed(&power);
+        power = power.iter().map(|row| times(&columns, row)).collect();
+    }
+    elementary::exp(log_radius)
 }
 
 /// 32 points, and the columns of B there.

@@ -76,7 +76,7 @@ pub use advice::{Override, WithoutIteration};
 pub use casimirs::{Casimirs, FoundCasimir};
 pub use damping::DampingIntegral;
 pub use error::InspectError;
-pub use facts::{Facts, Form};
+pub use facts::{Facts, Form, fastest};
 pub use finding::{Finding, Status};
 pub use function::{Kind, Minimum, Shape};
 pub use hamiltonian::Hamiltonians;
