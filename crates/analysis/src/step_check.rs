@@ -145,7 +145,8 @@ pub fn step_check(
     setup: &Setup<'_>,
     observables: &[&dyn Observe],
     steps: u64,
-    (paths, fastest): (u64, f64),
+    paths: u64,
+    fastest: f64,
     (truncation, key): (Truncation, StreamKey),
     job: &Job,
 ) -> Result<Option<StepCheck>, LadderError> {

@@ -101,7 +101,7 @@ const SQUARINGS: u32 = 20;
 
 /// The rate of the fastest motion about y₀ without noise, in radians or e-foldings per time: the
 /// spectral radius ρ of f′(y₀) with f = B∇H₀, by Gelfand's formula ρ = lim ‖f′ᵏ‖^{1/k}. Zero with
-/// more than 64 components.
+/// more than 64 components, and where f′(y₀) is not finite.
 pub fn fastest(system: &dyn System, y0: &[f64]) -> f64 {
     let d = y0.len();
     if d > MOST_COMPONENTS || d == 0 {

@@ -173,8 +173,8 @@ impl<'a> Ready<'a> {
         let observables: Vec<&dyn Observe> =
             observables.iter().map(|observable: &Observable| observable as _).collect();
         let noise = (settings.truncation, settings.key);
-        let much = (paths, self.model.fastest());
-        let check = step_check(&setup, &observables, settings.steps, much, noise, job);
+        let (steps, fastest) = (settings.steps, self.model.fastest());
+        let check = step_check(&setup, &observables, steps, paths, fastest, noise, job);
         Ok(check.map_err(|error| settings.steps_error(source, error))?)
     }
 
