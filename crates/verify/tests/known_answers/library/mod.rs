@@ -132,8 +132,6 @@ pub struct Entry {
     pub truth: Option<f64>,
     /// Its place in the library, which says which noise it has.
     number: u64,
-    /// Whether an answer takes seconds: it is asked with every fourth seed.
-    slow: bool,
     ask: Ask,
     /// The same expectation with everything chosen.
     chosen: Option<Ask>,
@@ -148,7 +146,7 @@ impl Entry {
         ask: impl Fn(StreamKey) -> Answer + Send + Sync + 'static,
     ) -> Self {
         let (name, ask) = (name.into(), Box::new(ask));
-        Self { kind, name, question, truth, number: 0, slow: false, ask, chosen: None }
+        Self { kind, name, question, truth, number: 0, ask, chosen: None }
     }
 }
 
@@ -158,7 +156,7 @@ impl Entry {
         let Self { kind, truth, .. } = *self;
         let (name, question) = (self.name.clone(), Question::Chosen);
         let ask = self.chosen.take()?;
-        Some(Self { kind, name, question, truth, number: 0, slow: false, ask, chosen: None })
+        Some(Self { kind, name, question, truth, number: 0, ask, chosen: None })
     }
 }
 
@@ -181,11 +179,15 @@ pub fn entries() -> Vec<Entry> {
     entries
 }
 
-/// Asks these entries with the seeds 1 … `seeds`. An entry has the same streams in any selection.
-pub fn ask(entries: &[Entry], seeds: u64) -> Vec<Row> {
+/// Asks these entries with the seeds 1 … `seeds`, or with fewer where answers have taken `most`
+/// path-steps. An entry has the same streams in any selection.
+pub fn ask(entries: &[Entry], seeds: u64, most: u64) -> Vec<Row> {
     let row = |entry: &Entry| {
         let mut total = Total::default();
-        for seed in (1..=seeds).filter(|seed| !entry.slow || seed % 4 == 1) {
+        for seed in 1..=seeds {
+            if total.cost > most {
+                break;
+            }
             let key = StreamKey { seed, experiment: streams::LIBRARY + entry.number };
             total.add(entry.truth, (entry.ask)(key));
         }
@@ -223,8 +225,9 @@ pub struct Total {
     pub reason: String,
     /// Sum of the half-widths of the stated intervals.
     half_widths: f64,
-    /// Sum of the squares of the distances of their middles from the truth.
-    squares: f64,
+    /// Sums of the squares and of the fourth powers of the distances of their middles from the
+    /// truth.
+    powers: [f64; 2],
 }
 
 impl Total {
@@ -234,7 +237,9 @@ impl Total {
         self.missed += u64::from(stated.misses(truth));
         if let (&Stated::Interval(lo, hi), Some(truth)) = (&stated, truth) {
             self.half_widths += 0.5 * (hi - lo);
-            self.squares += (0.5 * (lo + hi) - truth).powi(2);
+            let square = (0.5 * (lo + hi) - truth).powi(2);
+            self.powers[0] += square;
+            self.powers[1] += square * square;
         }
         match stated {
             Stated::Undecided(reason) => self.reason = reason,
@@ -242,11 +247,20 @@ impl Total {
         }
     }
 
-    /// The mean half-width over 1.96 times the root mean square of the errors: one for intervals of
-    /// normal errors without bias.
-    pub fn relative_width(&self) -> f64 {
+    /// The mean half-width over 1.96 times the root mean square of the errors, one for intervals of
+    /// normal errors without bias; and its relative standard error, half of that of the mean square.
+    pub fn relative_width(&self) -> (f64, f64) {
         let n = self.stated as f64;
-        self.half_widths / n / (1.96 * (self.squares / n).sqrt())
+        let [square, fourth] = self.powers.map(|sum| sum / n);
+        let width = self.half_widths / n / (1.96 * square.sqrt());
+        (width, 0.5 * ((fourth / (square * square) - 1.0) / n).sqrt())
+    }
+
+    /// Whether more than `tolerated` of the answers are undecided, as [`refuted`](Self::refuted).
+    pub fn too_often_undecided(&self, tolerated: f64, chance: f64) -> bool {
+        let undecided =
+            Self { stated: self.asked, missed: self.asked - self.stated, ..Self::default() };
+        undecided.refuted(tolerated, chance)
     }
 
     /// Whether the share of false answers is above `tolerated`: with that share, so many among the

@@ -78,7 +78,6 @@ where
     X: Scheme<S, D, M> + 'static,
 {
     let name = format!("{}: {name}", scheme.id());
-    let slow = scheme.reads_areas();
     let sizes = |key| StepSizes::new(16, truncation(), key);
     let measure = move |sizes: &StepSizes| {
         strong_order(
@@ -87,7 +86,7 @@ where
             &ReferenceSolution::independent(&problem),
         )
     };
-    Entry { slow, ..order_entry(kind, name, Question::StrongOrder, truth, sizes, measure) }
+    order_entry(kind, name, Question::StrongOrder, truth, sizes, measure)
 }
 
 fn weak<S, X, const D: usize, const M: usize>(
