@@ -1,61 +1,120 @@
-//! The report of a run: a page with summary, statements, panels, supplements and provenance, in one
-//! file that needs no network and no script; a figure and a table of numbers for each panel.
+//! The report of a run: a page with verdicts, figures, measured orders and provenance, in one file
+//! that needs no network and no script; a figure and a table of numbers for each panel.
 
-mod card;
 mod csv;
 mod group;
-mod markup;
-mod measured;
-mod number;
 mod outcome;
+mod panel;
 mod prose;
-mod provenance;
-mod statements;
-mod summary;
-pub mod terminal;
-mod wording;
 
 use std::{io::Result, path::Path};
 
 use plot::{
-    Document, Kind,
+    Document, Kind, escape,
     figure::{convergence, evolution},
     files,
 };
 
-use crate::results::{Panel, Results};
+use crate::results::{Claim, Panel, Results};
+use group::Group;
+use prose::prose;
 
-pub use outcome::Outcome;
+pub use outcome::{Outcome, counts, verdicts};
+
+/// Ids of schemes and what they stand for.
+const SCHEMES: [(&str, &str); 7] = [
+    ("sexp", "stochastic conformal exponential integrator, the method of the paper"),
+    ("em", "Euler–Maruyama on the Itô form"),
+    ("midpoint", "stochastic midpoint, damping included"),
+    ("sexp-levy", "sexp with Lévy areas, not in the paper"),
+    ("sexp-li", "sexp by a linear equation, not in the paper"),
+    ("split", "exact flows in turn, not in the paper"),
+    ("nv", "flows in turn, of weak order two, not in the paper"),
+];
 
 /// The page for `results`; `figures` are the drawings of its panels and then of its supplements, in
 /// the same order.
 fn page(results: &Results, figures: &[String]) -> String {
+    let (proven, observed): (Vec<Group>, Vec<Group>) =
+        Group::all(&results.claims).into_iter().partition(|group| group.first().proven);
+    let title = "Structure-preserving simulation of damped stochastic Poisson systems";
+    let mut page = Document::new("Casimir · reproduction report", title);
+    let summary = [("proven statements", &proven), ("statements without a proof", &observed)]
+        .map(|(what, groups)| group::summary(what, groups))
+        .concat();
+    page.head(&format!(
+        "<p class=\"summary\">{summary}A statement is undecided, never passed, where an interval \
+         is too wide.</p>\n"
+    ));
+    page.head(&group::misprints(&results.claims));
+
+    page.section("Statements");
+    for (what, groups) in [("What the paper proves", &proven), ("What is observed", &observed)] {
+        let head = ["Verdict", what, "Scheme", "What was measured"];
+        page.markup(&table(head, groups.iter().map(Group::row)));
+    }
+    let head = ["Verdict", "Statement", "Panel", "Scheme", "Evidence"];
+    let checks = table(head, results.claims.iter().map(check));
+    page.markup(&format!("<details><summary>All checks</summary>{checks}</details>"));
     let mut figures = figures.iter();
-    let mut cards = |panels: &[Panel], comment: &str| {
-        let card =
-            |(panel, figure): (_, &String)| card::card(panel, figure, &results.claims, comment);
-        let cards: String = panels.iter().zip(figures.by_ref()).map(card).collect();
-        if cards.is_empty() { cards } else { format!("<div class=\"grid\">{cards}</div>") }
-    };
-    let statements = statements::statements(&results.claims, &results.panels);
-    let panels = cards(&results.panels, "What the paper says");
-    let supplements = cards(&results.supplements, "What it adds to the paper");
-    let mut page = Document::new(wording::KICKER, wording::TITLE);
-    let schemes = wording::SCHEMES.iter().map(|(id, name)| markup::entry(&markup::code(id), name));
-    let schemes: String = schemes.collect();
-    page.head(&format!("{}<dl class=\"schemes\">{schemes}</dl>\n", summary::summary(results)));
-    for (title, content) in [
-        ("Statements", statements),
-        ("Panels", panels),
-        ("Not in the paper", supplements),
-        ("Provenance", provenance::provenance(&results.provenance)),
-    ] {
-        if !content.is_empty() {
+    for (title, panels) in [("Panels", &results.panels), ("Not in the paper", &results.supplements)]
+    {
+        if !panels.is_empty() {
             page.section(title);
-            page.markup(&content);
+            let cards = panels.iter().zip(figures.by_ref());
+            let cards = cards.map(|(panel, figure)| panel::card(panel, figure, &results.claims));
+            page.markup(&format!("<div class=\"grid\">{}</div>\n", cards.collect::<String>()));
         }
     }
+    page.section("Schemes");
+    page.facts(SCHEMES);
+    page.section("Provenance");
+    let from = &results.provenance;
+    page.facts([
+        ("Commit", &from.git),
+        ("Compiler", &from.rustc),
+        ("Processor", &from.cpu),
+        ("Instruction set", &from.simd),
+        ("Threads", &from.threads.to_string()),
+        ("Seed", &from.seed.to_string()),
+        ("Mode", &from.mode),
+        ("Command", &from.command),
+        ("Wall time", &format!("{:.1} s", from.wall_s)),
+    ]);
+    page.note(
+        "The same seed gives the same bits on any number of threads and any instruction set. The \
+         whole run is in results.json.",
+    );
     page.html()
+}
+
+/// One claim as a row of a table.
+fn check(claim: &Claim) -> Vec<String> {
+    let words = prose(&claim.statement);
+    let (panel, scheme) = (code(&claim.panel), code(&claim.scheme));
+    vec![outcome::badge(Outcome::of(claim)), words, panel, scheme, prose(&claim.evidence)]
+}
+
+/// An identifier.
+fn code(id: &str) -> String {
+    if id.is_empty() { String::new() } else { format!("<code>{}</code>", escape(id)) }
+}
+
+/// A table of markup, which scrolls where it is too wide; nothing without rows.
+fn table<'a>(
+    head: impl IntoIterator<Item = &'a str>,
+    rows: impl Iterator<Item = Vec<String>>,
+) -> String {
+    let row = |cells: Vec<String>| format!("<tr><td>{}</td></tr>\n", cells.join("</td><td>"));
+    let rows: String = rows.map(row).collect();
+    if rows.is_empty() {
+        return rows;
+    }
+    let head: String = head.into_iter().map(|name| format!("<th>{name}</th>")).collect();
+    format!(
+        "<div class=\"wide\"><table class=\"numbers\"><thead><tr>{head}</tr></thead>\n\
+         <tbody>{rows}</tbody></table></div>\n"
+    )
 }
 
 /// Writes the report of a run into a folder.
@@ -78,9 +137,8 @@ pub fn write_report(results: &Results, folder: &Path) -> Result<()> {
     let panels = results.panels.iter().chain(&results.supplements);
     let drawings: Vec<String> = panels.clone().map(panel_figure).collect();
     for (panel, drawing) in panels.zip(&drawings) {
-        let stem = file_stem(&panel.id);
-        files::write(&figures.join(format!("{stem}.svg")), drawing)?;
-        files::write(&data.join(format!("{stem}.csv")), csv::csv(panel))?;
+        files::write(&figures.join(format!("{}.svg", panel.id)), drawing)?;
+        files::write(&data.join(format!("{}.csv", panel.id)), csv::csv(panel))?;
     }
     files::write(&folder.join("index.html"), page(results, &drawings))
 }
@@ -93,135 +151,5 @@ fn panel_figure(panel: &Panel) -> String {
     }
 }
 
-/// The name of a panel's files: its id, without what could leave the folder.
-pub fn file_stem(id: &str) -> String {
-    id.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
-}
-
 #[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use plot::Series;
-
-    use super::*;
-    use crate::results::{Claim, Evidence, Point, Provenance, SCHEMA, Verdict};
-
-    /// A claim for tests.
-    pub fn claim(id: &str, scheme: &str, proven: bool, verdict: Verdict, erratum: &str) -> Claim {
-        let evidence = Evidence::Undecided { reason: "as it should be".into() };
-        Claim {
-            scheme: scheme.into(),
-            verdict,
-            proven,
-            erratum: erratum.into(),
-            ..Claim::new(id, format!("{scheme} has {id}"), evidence)
-        }
-    }
-
-    #[test]
-    fn an_unknown_statement_speaks_for_itself() {
-        let proven = "The exact flow obeys the conformal law of homogeneous Casimirs and energies.";
-        for (id, scheme, proven, words) in [
-            ("exact-conformal", "sexp", true, proven),
-            ("exact-conformal", "em", false, "em has exact-conformal"),
-            ("new", "sexp", true, "sexp has new"),
-        ] {
-            let claim = claim(id, scheme, proven, Verdict::Holds, "");
-            assert_eq!(wording::statement(&claim), words);
-        }
-    }
-
-    fn panel(id: &str, kind: Kind, points: Vec<Point>) -> Panel {
-        let series = |scheme: &str| Series {
-            scheme: scheme.into(),
-            quantity: "a<b".into(),
-            points: points.clone(),
-            rate: None,
-            max_relative_defect: None,
-        };
-        Panel {
-            id: id.into(),
-            kind,
-            title: "A & B".into(),
-            setup: String::new(),
-            paper: String::new(),
-            samples: 1,
-            reference: String::new(),
-            failures: Vec::new(),
-            clipped: Vec::new(),
-            differences: Vec::new(),
-            series: vec![series("sexp"), series("other")],
-        }
-    }
-
-    /// Data no figure likes: none, a single point, zeros, what is not finite, and the ends of the
-    /// range of `f64`.
-    fn awkward() -> Vec<Panel> {
-        let error = Point::normal;
-        let value = |t, value, exact| Point::Value { t, value, exact };
-        let errors = [
-            vec![],
-            vec![error(0.1, 1e-3, 0.0)],
-            vec![error(0.1, 0.0, 0.0), error(0.05, 0.0, 0.0)],
-            vec![error(0.1, f64::MAX, f64::MAX), error(0.05, -5e-324, f64::NAN)],
-            vec![Point::Error {
-                tau: 0.1,
-                value: 1.0,
-                se: 0.1,
-                lo: Some(-1.0),
-                hi: Some(f64::NAN),
-                warning: Some("<w>".into()),
-            }],
-            vec![error(0.1, f64::NAN, 1.0), error(0.0, 1.0, 0.0), error(-1.0, 1.0, f64::INFINITY)],
-            vec![value(0.0, 1.0, 1.0), error(0.1, 5e3, 1e4)],
-        ];
-        let values = [
-            vec![],
-            vec![value(0.0, 1.0, 1.0)],
-            vec![value(0.0, 0.0, 0.0), value(2.0, 1.0, 0.0), value(1.0, 0.0, 0.0)],
-            vec![value(0.0, f64::MAX, -f64::MAX), value(1.0, f64::NAN, 1.0)],
-            vec![value(f64::NAN, 1.0, 1.0), value(1.0, f64::INFINITY, f64::NEG_INFINITY)],
-        ];
-        let mut panels = Vec::new();
-        for (n, points) in errors.into_iter().enumerate() {
-            panels.push(panel(&format!("strong-{n}"), Kind::Strong, points.clone()));
-            panels.push(panel(&format!("weak-{n}"), Kind::Weak, points));
-        }
-        for (n, points) in values.into_iter().enumerate() {
-            panels.push(panel(&format!("invariant-{n}"), Kind::Invariant, points));
-        }
-        panels
-    }
-
-    #[test]
-    fn awkward_data_still_make_a_report() -> Result<()> {
-        let dir = tempfile::tempdir()?;
-        let results = Results {
-            schema: SCHEMA,
-            provenance: Provenance::default(),
-            panels: awkward(),
-            supplements: Vec::new(),
-            claims: Vec::new(),
-        };
-        write_report(&results, dir.path())?;
-        // A second run replaces the first.
-        write_report(&results, dir.path())?;
-        let page = fs::read_to_string(dir.path().join("index.html"))?;
-        for panel in &results.panels {
-            let figure = fs::read_to_string(dir.path().join(format!("figures/{}.svg", panel.id)))?;
-            assert!(figure.starts_with("<svg") && figure.trim_end().ends_with("</svg>"));
-            assert!(page.contains(&figure), "{} is not on the page", panel.id);
-            assert!(dir.path().join(format!("data/{}.csv", panel.id)).is_file());
-        }
-        assert!(!page.contains("a<b") && page.contains("a&lt;b"));
-        assert!(!page.contains("<script") && !page.contains("src="));
-        Ok(())
-    }
-
-    #[test]
-    fn file_names_stay_in_their_folder() {
-        assert_eq!(file_stem("rigid-body-weak-y2"), "rigid-body-weak-y2");
-        assert_eq!(file_stem("../x/y"), "___x_y");
-    }
-}
+mod tests;

@@ -10,7 +10,7 @@ use plot::{Bars, files, provenance};
 use real::{Level, limit_to};
 use verify::{
     Method, Mode, Settings, command,
-    page::{self, Outcome, terminal},
+    page::{self, Outcome},
     results::{Claim, Results},
 };
 
@@ -96,7 +96,7 @@ fn fails(claim: &Claim) -> bool {
 }
 
 fn print_summary(results: &Results, arguments: &Arguments) {
-    println!("{}", terminal::verdicts(&results.claims));
+    println!("{}", page::verdicts(&results.claims));
     let provenance = &results.provenance;
     for (id, seconds) in &provenance.wall_s_by_id {
         println!("{seconds:8.2} s  {id}");
@@ -109,7 +109,7 @@ fn print_summary(results: &Results, arguments: &Arguments) {
         provenance.simd,
         memory.unwrap_or_default()
     );
-    println!("{}", terminal::counts(&results.claims));
+    println!("{}", page::counts(&results.claims));
     for claim in results.claims.iter().filter(|claim| fails(claim)) {
         println!("REFUTED: {} on {}: {}", claim.id, claim.panel, claim.evidence);
     }
