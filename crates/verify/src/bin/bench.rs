@@ -26,7 +26,7 @@ use systems::{Damping, PoissonSystem, Problem, paper::rigid_body_three_noises};
 use verify::{
     command, compiled,
     results::Provenance,
-    setups::{Setup, Visit, visit_others, visit_paper},
+    setups::{Setup, Visit, visit_paper},
     streams, truncation,
 };
 
@@ -120,7 +120,6 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     );
     let mut measured = Measured { workload, rows: Vec::new() };
     visit_paper(&mut measured)?;
-    visit_others(&mut measured)?;
     for (of, workload) in sizes(workload) {
         let problem = rigid_body_three_noises(workload.steps as f64 * TAU);
         measured.rows.push(measure(of, &problem, compiled(Sexp).as_ref(), workload)?);

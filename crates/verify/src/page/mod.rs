@@ -2,22 +2,18 @@
 //! that needs no network and no script; a figure and a table of numbers for each panel.
 
 mod csv;
-mod group;
 mod outcome;
-mod panel;
-mod prose;
 
 use std::{io::Result, path::Path};
 
 use plot::{
-    Document, Kind, escape,
+    Document, Kind,
     figure::{convergence, evolution},
     files,
+    series::relative_defect,
 };
 
-use crate::results::{Claim, Panel, Results};
-use group::Group;
-use prose::prose;
+use crate::results::{Claim, Clipped, Evidence, Panel, Point, Results, Series};
 
 pub use outcome::{Outcome, counts, verdicts};
 
@@ -31,91 +27,6 @@ const SCHEMES: [(&str, &str); 7] = [
     ("split", "exact flows in turn, not in the paper"),
     ("nv", "flows in turn, of weak order two, not in the paper"),
 ];
-
-/// The page for `results`; `figures` are the drawings of its panels and then of its supplements, in
-/// the same order.
-fn page(results: &Results, figures: &[String]) -> String {
-    let (proven, observed): (Vec<Group>, Vec<Group>) =
-        Group::all(&results.claims).into_iter().partition(|group| group.first().proven);
-    let title = "Structure-preserving simulation of damped stochastic Poisson systems";
-    let mut page = Document::new("Casimir · reproduction report", title);
-    let summary = [("proven statements", &proven), ("statements without a proof", &observed)]
-        .map(|(what, groups)| group::summary(what, groups))
-        .concat();
-    page.head(&format!(
-        "<p class=\"summary\">{summary}A statement is undecided, never passed, where an interval \
-         is too wide.</p>\n"
-    ));
-    page.head(&group::misprints(&results.claims));
-
-    page.section("Statements");
-    for (what, groups) in [("What the paper proves", &proven), ("What is observed", &observed)] {
-        let head = ["Verdict", what, "Scheme", "What was measured"];
-        page.markup(&table(head, groups.iter().map(Group::row)));
-    }
-    let head = ["Verdict", "Statement", "Panel", "Scheme", "Evidence"];
-    let checks = table(head, results.claims.iter().map(check));
-    page.markup(&format!("<details><summary>All checks</summary>{checks}</details>"));
-    let mut figures = figures.iter();
-    for (title, panels) in [("Panels", &results.panels), ("Not in the paper", &results.supplements)]
-    {
-        if !panels.is_empty() {
-            page.section(title);
-            let cards = panels.iter().zip(figures.by_ref());
-            let cards = cards.map(|(panel, figure)| panel::card(panel, figure, &results.claims));
-            page.markup(&format!("<div class=\"grid\">{}</div>\n", cards.collect::<String>()));
-        }
-    }
-    page.section("Schemes");
-    page.facts(SCHEMES);
-    page.section("Provenance");
-    let from = &results.provenance;
-    page.facts([
-        ("Commit", &from.git),
-        ("Compiler", &from.rustc),
-        ("Processor", &from.cpu),
-        ("Instruction set", &from.simd),
-        ("Threads", &from.threads.to_string()),
-        ("Seed", &from.seed.to_string()),
-        ("Mode", &from.mode),
-        ("Command", &from.command),
-        ("Wall time", &format!("{:.1} s", from.wall_s)),
-    ]);
-    page.note(
-        "The same seed gives the same bits on any number of threads and any instruction set. The \
-         whole run is in results.json.",
-    );
-    page.html()
-}
-
-/// One claim as a row of a table.
-fn check(claim: &Claim) -> Vec<String> {
-    let words = prose(&claim.statement);
-    let (panel, scheme) = (code(&claim.panel), code(&claim.scheme));
-    vec![outcome::badge(Outcome::of(claim)), words, panel, scheme, prose(&claim.evidence)]
-}
-
-/// An identifier.
-fn code(id: &str) -> String {
-    if id.is_empty() { String::new() } else { format!("<code>{}</code>", escape(id)) }
-}
-
-/// A table of markup, which scrolls where it is too wide; nothing without rows.
-fn table<'a>(
-    head: impl IntoIterator<Item = &'a str>,
-    rows: impl Iterator<Item = Vec<String>>,
-) -> String {
-    let row = |cells: Vec<String>| format!("<tr><td>{}</td></tr>\n", cells.join("</td><td>"));
-    let rows: String = rows.map(row).collect();
-    if rows.is_empty() {
-        return rows;
-    }
-    let head: String = head.into_iter().map(|name| format!("<th>{name}</th>")).collect();
-    format!(
-        "<div class=\"wide\"><table class=\"numbers\"><thead><tr>{head}</tr></thead>\n\
-         <tbody>{rows}</tbody></table></div>\n"
-    )
-}
 
 /// Writes the report of a run into a folder.
 ///
@@ -134,21 +45,229 @@ pub fn write_report(results: &Results, folder: &Path) -> Result<()> {
     let (figures, data) = (folder.join("figures"), folder.join("data"));
     files::prepare(&figures)?;
     files::prepare(&data)?;
-    let panels = results.panels.iter().chain(&results.supplements);
-    let drawings: Vec<String> = panels.clone().map(panel_figure).collect();
-    for (panel, drawing) in panels.zip(&drawings) {
-        files::write(&figures.join(format!("{}.svg", panel.id)), drawing)?;
+    for panel in results.panels.iter().chain(&results.supplements) {
+        files::write(&figures.join(format!("{}.svg", panel.id)), figure(panel))?;
         files::write(&data.join(format!("{}.csv", panel.id)), csv::csv(panel))?;
     }
-    files::write(&folder.join("index.html"), page(results, &drawings))
+    files::write(&folder.join("index.html"), page(results))
 }
 
 /// The figure of a panel as an SVG document.
-fn panel_figure(panel: &Panel) -> String {
+fn figure(panel: &Panel) -> String {
     match panel.kind {
         Kind::Invariant => evolution(&panel.title, &panel.series),
         kind => convergence(&panel.title, kind, &panel.series).svg(),
     }
+}
+
+fn page(results: &Results) -> String {
+    let title = "Structure-preserving simulation of damped stochastic Poisson systems";
+    let mut page = Document::new("Casimir · reproduction report", title);
+    let groups = groups(&results.claims);
+    let kinds = [("What the paper proves", true), ("What is observed, without a proof", false)]
+        .map(|(what, proven)| (what, groups.iter().filter(move |group| group[0].proven == proven)));
+    page.section("Summary");
+    for (what, groups) in kinds.clone() {
+        page.paragraph(&format!("{what}: {}.", summary(groups)));
+    }
+    page.paragraph("A statement is undecided, never passed, where an interval is too wide.");
+    for claim in results.claims.iter().filter(|claim| Outcome::of(claim) == Outcome::Misprint) {
+        let Claim { id, erratum, statement, .. } = claim;
+        page.warning(&format!(
+            "Misprint in the paper ({id}): {erratum} The statement as printed is refuted: \
+             {statement}."
+        ));
+    }
+    for (what, groups) in kinds {
+        page.section(what);
+        let head =
+            ["Verdict", "Checks that hold", "Statement", "Id", "Scheme", "What was measured"];
+        page.table(head, groups.map(|group| row(group)));
+    }
+    for panel in results.panels.iter().chain(&results.supplements) {
+        show(&mut page, panel, &results.claims);
+    }
+    page.section("All checks");
+    let checks = results.claims.iter().map(|claim| {
+        let Claim { id, panel, scheme, statement, evidence, .. } = claim;
+        [Outcome::of(claim).word(), id, panel, scheme, statement, evidence]
+    });
+    page.table(["Verdict", "Id", "Panel", "Scheme", "Statement", "Evidence"], checks);
+    page.section("Schemes and provenance");
+    page.facts(SCHEMES);
+    let from = &results.provenance;
+    page.facts([
+        ("Commit", &from.git),
+        ("Compiler", &from.rustc),
+        ("Processor", &from.cpu),
+        ("Instruction set", &from.simd),
+        ("Threads", &from.threads.to_string()),
+        ("Seed", &from.seed.to_string()),
+        ("Mode", &from.mode),
+        ("Command", &from.command),
+        ("Wall time", &format!("{:.1} s", from.wall_s)),
+    ]);
+    page.note(
+        "The same seed gives the same bits on any number of threads and any instruction set. The \
+         whole run is in results.json, the numbers of each figure in data/, the figures in figures/.",
+    );
+    page.html()
+}
+
+/// Claims about one statement: proven ones by statement, others by statement and scheme.
+type Group<'a> = Vec<&'a Claim>;
+
+/// The groups in the order in which the statements first appear.
+fn groups(claims: &[Claim]) -> Vec<Group<'_>> {
+    let key = |claim: &Claim| {
+        let scheme = if claim.proven { String::new() } else { claim.scheme.clone() };
+        (claim.id.clone(), claim.proven, scheme)
+    };
+    let mut groups: Vec<Group> = Vec::new();
+    for claim in claims {
+        match groups.iter_mut().find(|group| key(group[0]) == key(claim)) {
+            Some(group) => group.push(claim),
+            None => groups.push(vec![claim]),
+        }
+    }
+    groups
+}
+
+/// The claim that decides: refuted if one is, else undecided if one is; a misprint counts only
+/// where nothing else is left.
+fn worst<'a>(group: &Group<'a>) -> &'a Claim {
+    group.iter().min_by_key(|claim| Outcome::of(claim)).expect("a group has claims")
+}
+
+/// How many groups hold, and the others by name.
+fn summary<'a>(groups: impl Iterator<Item = &'a Group<'a>>) -> String {
+    let (mut hold, mut all, mut others) = (0, 0, String::new());
+    for group in groups {
+        all += 1;
+        match Outcome::of(worst(group)) {
+            Outcome::Holds => hold += 1,
+            other => others += &format!("; {}: {} {}", other.word(), group[0].id, group[0].scheme),
+        }
+    }
+    format!("{hold} of {all} statements hold{others}")
+}
+
+/// A group as a row: the worst verdict, and between what orders or defects lie, or an example.
+fn row(group: &Group) -> [String; 6] {
+    let (claim, worst) = (group[0], worst(group));
+    let number = |claim: &&Claim| match &claim.measured {
+        Evidence::Order { rate, .. } => Some(("order", rate.as_ref()?.estimate)),
+        Evidence::Defect { largest, .. } | Evidence::Approach { largest, .. } => {
+            Some(("largest relative defect", *largest))
+        }
+        _ => None,
+    };
+    let numbers: Option<Vec<_>> = group.iter().map(number).collect();
+    let measured = numbers.filter(|numbers| numbers.len() > 1).map(|mut numbers| {
+        numbers.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let ((name, least), most) = (numbers[0], numbers[numbers.len() - 1].1);
+        match name {
+            "order" => format!("{name} {least:.3} … {most:.3}"),
+            _ => format!("{name} {least:.1e} … {most:.1e}"),
+        }
+    });
+    let scheme = if claim.proven { String::new() } else { claim.scheme.clone() };
+    [
+        Outcome::of(worst).word().into(),
+        format!("{} of {}", Outcome::Holds.count(group.iter().copied()), group.len()),
+        claim.statement.clone(),
+        claim.id.clone(),
+        scheme,
+        measured.unwrap_or_else(|| worst.evidence.clone()),
+    ]
+}
+
+/// A section with a figure, what the paper says of it, and what was measured.
+fn show(page: &mut Document, panel: &Panel, claims: &[Claim]) {
+    page.section(&panel.title);
+    page.figures([(figure(panel), caption(panel.kind).into())]);
+    let (head, row): (&[&str], fn(&Series) -> Vec<String>) = match panel.kind {
+        Kind::Strong | Kind::Weak => {
+            (&["order", "95 % interval", "error at the finest step"], order)
+        }
+        Kind::Invariant => (&["largest relative defect"], defect),
+        Kind::Cost => (&["smallest half-width", "path-steps"], cost),
+    };
+    let named = |series: &Series| {
+        let mut cells = vec![series.scheme.clone(), series.quantity.clone()];
+        cells.extend(row(series));
+        cells
+    };
+    page.table([&["scheme", "quantity"], head].concat(), panel.series.iter().map(named));
+    let mine: Vec<Claim> = claims.iter().filter(|claim| claim.panel == panel.id).cloned().collect();
+    page.facts([
+        ("Panel", panel.id.clone()),
+        ("Verdicts", if mine.is_empty() { String::new() } else { counts(&mine) }),
+        ("What the paper says", panel.paper.clone()),
+        ("Set-up", panel.setup.clone()),
+        ("Sample paths", panel.samples.to_string()),
+        ("Reference", panel.reference.clone()),
+        ("Clipped increments", panel.clipped.iter().map(clipped).collect()),
+        ("Paths left out", panel.failures.join("; ")),
+    ]);
+}
+
+/// How to read the figure.
+fn caption(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Strong => {
+            "Root-mean-square error with 95 % error bars; dashed, in grey: reference slopes. In the \
+             legend: fitted order ± half the width of its 95 % interval."
+        }
+        Kind::Weak => {
+            "Size of the weak error, filled where it is positive and hollow where negative, with \
+             95 % error bars; a bar without a lower cap reaches zero. In grey: reference slope."
+        }
+        Kind::Cost => "Path-steps, pilots included, for an interval of the given half-width.",
+        Kind::Invariant => {
+            "Above: the invariant along the path and, thin and black, its conformal law. Below: \
+             relative defect of the law; a defect of zero is drawn at the mark 0."
+        }
+    }
+}
+
+fn order(series: &Series) -> Vec<String> {
+    let (order, interval) = series.rate.as_ref().map_or(("—".into(), String::new()), |rate| {
+        (format!("{:.2}", rate.estimate), format!("[{:.2}, {:.2}]", rate.lo, rate.hi))
+    });
+    let finest = series.points.last().map_or(String::new(), |point| match point {
+        Point::Error { tau, value, se, .. } => {
+            format!("{value:.1e} ± {se:.0e} at τ = 2^{}", tau.log2())
+        }
+        _ => String::new(),
+    });
+    vec![order, interval, finest]
+}
+
+fn defect(series: &Series) -> Vec<String> {
+    let defects = series.points.iter().filter_map(|point| match *point {
+        Point::Value { value, exact, .. } => Some(relative_defect(value, exact)),
+        _ => None,
+    });
+    // A defect that is not a number must not hide behind smaller ones, as it would with `f64::max`.
+    let largest = series.max_relative_defect.or_else(|| defects.max_by(f64::total_cmp));
+    vec![largest.map_or("—".into(), |defect| format!("{defect:.1e}"))]
+}
+
+fn cost(series: &Series) -> Vec<String> {
+    series.points.last().map_or(Vec::new(), |point| match point {
+        Point::Cost { accuracy, path_steps } => vec![accuracy.to_string(), path_steps.to_string()],
+        _ => Vec::new(),
+    })
+}
+
+/// Where clipped increments matter.
+fn clipped(Clipped { scheme, tau, increments, share }: &Clipped) -> String {
+    format!(
+        "{scheme} at τ = 2^{}: {increments}, {:.0} % of the mean-square error. ",
+        tau.log2(),
+        100.0 * share
+    )
 }
 
 #[cfg(test)]

@@ -23,9 +23,6 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// All but [`Holds`](Self::Holds).
-    pub(crate) const BLEMISHES: [Self; 3] = [Self::Refuted, Self::Undecided, Self::Misprint];
-
     /// The outcome of one claim.
     pub fn of(claim: &Claim) -> Self {
         match claim.verdict {
@@ -50,11 +47,6 @@ impl Outcome {
     pub fn count<'a>(self, claims: impl IntoIterator<Item = &'a Claim>) -> usize {
         claims.into_iter().filter(|claim| Self::of(claim) == self).count()
     }
-}
-
-/// A coloured badge of the page.
-pub fn badge(outcome: Outcome) -> String {
-    format!("<span class=\"badge {0}\">{0}</span>", outcome.word())
 }
 
 /// A table for the terminal with a row for each claim: what, on which panel, by which scheme,

@@ -1,16 +1,13 @@
 //! Hamiltonians that are stiff or vary sharply, states at rest or next to poles of the structure,
 //! and a linear equation that is singular or nearly so.
 
-use analysis::worse;
-use anyhow::Result;
-use dgrad::{GradientField, averaged_with_error};
 use noise::Noise;
 use nonlin::Outcome;
 use real::Real;
 use schemes::{Scheme, SexpLi, Step};
 use systems::{
-    Constant, HamiltonianIncrement, IntegerExponents, Invariant, LotkaVolterra, Pendulum, Poisson3,
-    PoissonSystem, RealExponents, RigidBody, RigidBodyEnergy,
+    Constant, IntegerExponents, Invariant, LotkaVolterra, Pendulum, PoissonSystem, RigidBody,
+    RigidBodyEnergy,
     paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, sine},
 };
 use verify::rounding::length;
@@ -53,47 +50,6 @@ fn stay<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let components = states.flat_map(|y| (0..D).map(|i| (y[i] - y0[i]).abs()));
         Ok(row.with_figure(components.fold(0.0, f64::max)).at_most(bound))
     })
-}
-
-/// Discrete gradients ∇̄h(a, b) at a = b and next to it, bᵢ = aᵢ(1 ± distance): smooth, with
-/// ∇̄h(a, a) = ∇h(a), while (H(b) − H(a))/(b − a) cancels.
-pub fn near_equal(_: &Context) -> Rows {
-    let integer = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)?;
-    let real = LotkaVolterra::<RealExponents>::new(-1.0, -1.5, 1.0)?;
-    // Each of at most 49 terms of either sum is rounded a few times, but the errors of a sum of
-    // positive weights that add up to one do not exceed those of its largest terms: 8ε for the terms
-    // and 24·½ε twice for the sums. At a distance of a tenth the 12 nodes of real powers leave
-    // (0.1)²⁴ of a function whose derivatives grow like n!.
-    let bound = 32.0 * f64::EPSILON;
-    each([0.0, f64::EPSILON, 1e-12, 1e-8, 1e-4, 1e-2, 1e-1], |distance| {
-        let ulp = distance == f64::EPSILON;
-        let setting = if ulp { "one ulp".into() } else { distance.to_string() };
-        let row = |name, error| Row::new(&setting, name, None).with_figure(error).at_most(bound);
-        Ok(vec![
-            row("sine", error(&Pendulum::new(1.0)?, [0.3, 1.2], distance)?),
-            row("cosine", error(&Poisson3::new(1.0)?, [1.0, 2.0, 3.0], distance)?),
-            row("polynomial", error(&integer, [0.2, 0.4, 0.6], distance)?),
-            row("real powers", error(&real, [0.2, 0.4, 0.6], distance)?),
-        ])
-    })
-}
-
-/// The largest error of a component of ∇̄h(a, b), relative to |∇h|, against a rule with 2·24 + 1
-/// nodes; NaN if a component is.
-fn error<S: PoissonSystem<D, 1>, const D: usize>(
-    system: &S,
-    a: [f64; D],
-    distance: f64,
-) -> Result<f64> {
-    let mut b = a;
-    for i in 0..D {
-        b[i] += a[i] * distance * if i % 2 == 0 { 1.0 } else { -1.0 };
-    }
-    let field = HamiltonianIncrement { system, dt: 0.75, dw: [0.5] };
-    let (exact, _) = averaged_with_error(&field, a, b, 24)?;
-    let mean = system.averaged_gradient(a, b, 0.75, [0.5]);
-    let size = length(field.gradient(a));
-    Ok((0..D).map(|i| (mean[i] - exact[i]).abs() / size).fold(0.0, worse))
 }
 
 /// The rigid body with a rippled energy, H = ½(y₁²/2 + y₂² + 3y₃²/2) + sin(κy₁)/κ as drift and as

@@ -43,8 +43,6 @@ impl Family {
 pub struct Tested<S, const D: usize, const M: usize> {
     pub name: &'static str,
     pub family: Family,
-    /// The order for ordinary differential equations.
-    pub order: f64,
     /// What a step rounds, in units of that of `sexp`, see `rounding`.
     pub rounding: f64,
     /// A step of a single path: no kernel for blocks has to be compiled for the systems of hard
@@ -63,7 +61,6 @@ impl<S, const D: usize, const M: usize> Tested<S, D, M> {
         Self {
             name: scheme.id(),
             family,
-            order: 2.0,
             rounding,
             newton: false,
             reads_areas: scheme.reads_areas(),
@@ -93,7 +90,7 @@ fn schemes<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     }
     all.push(Tested::new(Middle, 1.0, Midpoint));
     all.push(Tested::new(Explicit, 1.0, Heun));
-    all.push(Tested { order: 1.0, ..Tested::new(Explicit, 1.0, EulerMaruyama) });
+    all.push(Tested::new(Explicit, 1.0, EulerMaruyama));
     all
 }
 
