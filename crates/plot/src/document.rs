@@ -17,7 +17,6 @@ const STYLE: &str = include_str!("style.css");
 pub struct Document {
     kicker: String,
     title: String,
-    head: String,
     navigation: String,
     body: String,
     sections: usize,
@@ -43,16 +42,6 @@ impl Document {
         if self.sections > 0 {
             self.body += "</section>\n";
         }
-    }
-
-    /// Adds markup below the title, as it is.
-    pub fn head(&mut self, markup: &str) {
-        self.head += markup;
-    }
-
-    /// Adds markup to the section, as it is.
-    pub fn markup(&mut self, markup: &str) {
-        self.body += markup;
     }
 
     /// Adds a paragraph.
@@ -126,7 +115,7 @@ impl Document {
     /// The page.
     pub fn html(mut self) -> String {
         self.end_section();
-        let Self { kicker, title, head, navigation, body, .. } = self;
+        let Self { kicker, title, navigation, body, .. } = self;
         format!(
             r#"<!DOCTYPE html>
 <html lang="en">
@@ -141,7 +130,7 @@ impl Document {
 <body>
 <header class="top"><p class="kicker">{kicker}</p>
 <h1>{title}</h1>
-{head}<nav>{navigation}</nav></header>
+<nav>{navigation}</nav></header>
 <main>
 {body}</main>
 </body>
