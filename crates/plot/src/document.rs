@@ -2,6 +2,8 @@
 
 use crate::escape;
 
+/// Cells of a table with more bytes than this are broken into lines.
+const LONG: usize = 60;
 const STYLE: &str = include_str!("style.css");
 
 /// A page that opens without a network and without scripts.
@@ -92,8 +94,13 @@ impl Document {
         }
         self.body += "</tr></thead><tbody>";
         for row in rows {
-            let cells = row.into_iter().map(|cell| format!("<td>{}</td>", escape(cell.as_ref())));
-            self.body += &format!("<tr>{}</tr>\n", cells.collect::<String>());
+            self.body += "<tr>";
+            for cell in row {
+                let cell = escape(cell.as_ref());
+                let class = if cell.len() > LONG { " class=\"long\"" } else { "" };
+                self.body += &format!("<td{class}>{cell}</td>");
+            }
+            self.body += "</tr>\n";
         }
         self.body += "</tbody></table></div></div>\n";
     }

@@ -13,7 +13,7 @@ use plot::{
     series::relative_defect,
 };
 
-use crate::results::{Claim, Clipped, Evidence, Panel, Point, Results, Series};
+use crate::results::{Claim, Clipped, Panel, Point, Results, Series};
 
 pub use outcome::{Outcome, counts, verdicts};
 
@@ -152,25 +152,9 @@ fn summary<'a>(groups: impl Iterator<Item = &'a Group<'a>>) -> String {
     format!("{hold} of {all} statements hold{others}")
 }
 
-/// A group as a row: the worst verdict, and between what orders or defects lie, or an example.
+/// A group as a row, with the evidence that decides.
 fn row(group: &Group) -> [String; 6] {
     let (claim, worst) = (group[0], worst(group));
-    let number = |claim: &&Claim| match &claim.measured {
-        Evidence::Order { rate, .. } => Some(("order", rate.as_ref()?.estimate)),
-        Evidence::Defect { largest, .. } | Evidence::Approach { largest, .. } => {
-            Some(("largest relative defect", *largest))
-        }
-        _ => None,
-    };
-    let numbers: Option<Vec<_>> = group.iter().map(number).collect();
-    let measured = numbers.filter(|numbers| numbers.len() > 1).map(|mut numbers| {
-        numbers.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let ((name, least), most) = (numbers[0], numbers[numbers.len() - 1].1);
-        match name {
-            "order" => format!("{name} {least:.3} … {most:.3}"),
-            _ => format!("{name} {least:.1e} … {most:.1e}"),
-        }
-    });
     let scheme = if claim.proven { String::new() } else { claim.scheme.clone() };
     [
         Outcome::of(worst).word().into(),
@@ -178,7 +162,7 @@ fn row(group: &Group) -> [String; 6] {
         claim.statement.clone(),
         claim.id.clone(),
         scheme,
-        measured.unwrap_or_else(|| worst.evidence.clone()),
+        worst.evidence.clone(),
     ]
 }
 
