@@ -2,6 +2,8 @@
 
 use crate::escape;
 
+/// Cells of a table with more bytes than this are broken into lines.
+const LONG: usize = 60;
 const STYLE: &str = include_str!("style.css");
 
 /// A page that opens without a network and without scripts.
@@ -17,7 +19,6 @@ const STYLE: &str = include_str!("style.css");
 pub struct Document {
     kicker: String,
     title: String,
-    head: String,
     navigation: String,
     body: String,
     sections: usize,
@@ -43,16 +44,6 @@ impl Document {
         if self.sections > 0 {
             self.body += "</section>\n";
         }
-    }
-
-    /// Adds markup below the title, as it is.
-    pub fn head(&mut self, markup: &str) {
-        self.head += markup;
-    }
-
-    /// Adds markup to the section, as it is.
-    pub fn markup(&mut self, markup: &str) {
-        self.body += markup;
     }
 
     /// Adds a paragraph.
@@ -103,8 +94,13 @@ impl Document {
         }
         self.body += "</tr></thead><tbody>";
         for row in rows {
-            let cells = row.into_iter().map(|cell| format!("<td>{}</td>", escape(cell.as_ref())));
-            self.body += &format!("<tr>{}</tr>\n", cells.collect::<String>());
+            self.body += "<tr>";
+            for cell in row {
+                let cell = escape(cell.as_ref());
+                let class = if cell.len() > LONG { " class=\"long\"" } else { "" };
+                self.body += &format!("<td{class}>{cell}</td>");
+            }
+            self.body += "</tr>\n";
         }
         self.body += "</tbody></table></div></div>\n";
     }
@@ -126,7 +122,7 @@ impl Document {
     /// The page.
     pub fn html(mut self) -> String {
         self.end_section();
-        let Self { kicker, title, head, navigation, body, .. } = self;
+        let Self { kicker, title, navigation, body, .. } = self;
         format!(
             r#"<!DOCTYPE html>
 <html lang="en">
@@ -141,7 +137,7 @@ impl Document {
 <body>
 <header class="top"><p class="kicker">{kicker}</p>
 <h1>{title}</h1>
-{head}<nav>{navigation}</nav></header>
+<nav>{navigation}</nav></header>
 <main>
 {body}</main>
 </body>

@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`reproduce()`] | run everything, or a selection |
 //! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`] | panels, statements, other figures |
-//! | [`ids`], [`check_ids`] | what there is to run |
+//! | [`ids`] | what there is to run |
 //! | [`Experiment`], [`Conditions`], [`Findings`] | what an experiment is, is given and returns |
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
 //! | [`Compiled`], [`compiled()`], [`PaperSystem`] | schemes on systems, compiled once |
@@ -54,7 +54,7 @@ use experiment::{Words, in_words};
 pub use kernels::{Compiled, PaperSystem, compiled};
 pub use method::Method;
 pub use panels::{EXPERIMENTS, weak_observables};
-pub use reproduce::{UnknownId, check_ids, ids, reproduce};
+pub use reproduce::{ids, reproduce};
 pub use settings::{Mode, Settings};
 pub use statements::STATEMENTS;
 pub use supplements::SUPPLEMENTS;

@@ -5,10 +5,10 @@ use mc::Observable;
 use real::elementary::{cos, sin};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi};
 use systems::{
-    Constant, Damping, PoissonSystem, Problem,
+    Damping, PoissonSystem, Problem,
     paper::{
-        lotka_volterra_1_1, lotka_volterra_2_2, maxwell_bloch, pendulum, poisson3_strong,
-        rigid_body_energy, rigid_body_one_noise, rigid_body_three_noises, valid,
+        lotka_volterra_1_1, maxwell_bloch, pendulum, poisson3_strong, rigid_body_one_noise,
+        rigid_body_three_noises, valid,
     },
 };
 
@@ -26,18 +26,11 @@ pub struct Setup<S, G, const D: usize, const M: usize> {
     /// `sexp`, those with Lévy areas where noises do not commute, `sexp-li`, `split` and `nv` where
     /// flows are known, `midpoint`, `heun` and `em`.
     pub schemes: Schemes<S, D, M>,
-    /// Test functions of the final state; none where only times are measured.
+    /// Test functions of the final state.
     pub observables: Vec<Observable<D>>,
 }
 
 type Schemes<S, const D: usize, const M: usize> = Vec<Box<dyn Scheme<S, D, M>>>;
-
-impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
-    fn of(self, functions: [TestFunction<D>; 2]) -> Self {
-        let observable = |(name, function)| Observable { name, function };
-        Self { observables: functions.map(observable).into(), ..self }
-    }
-}
 
 /// Something to do with every problem.
 pub trait Visit {
@@ -55,12 +48,14 @@ pub trait Visit {
 fn setup<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
     id: &'static str,
     problem: Problem<S, G, D>,
+    functions: [TestFunction<D>; 2],
 ) -> Setup<S, G, D, M> {
     let linearly_implicit = valid(SexpLi::new(problem.system(), problem.y0()));
     let mut schemes: Schemes<S, D, M> = vec![compiled(Sexp), compiled(linearly_implicit)];
     schemes.extend(S::by_parts().into_iter().flatten());
     schemes.extend([compiled(Midpoint), Box::new(Heun), compiled(EulerMaruyama)]);
-    Setup { id, problem, schemes, observables: Vec::new() }
+    let observables = functions.map(|(name, function)| Observable { name, function }).into();
+    Setup { id, problem, schemes, observables }
 }
 
 /// Test functions of a body.
@@ -77,46 +72,24 @@ pub const PAPER: [&str; 6] =
 /// The first of the visitor's.
 pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
     let functions: [TestFunction<2>; 2] = [("y1^2", |y| y[0] * y[0]), ("cos y2", |y| cos(y[1]))];
-    visitor.visit(setup("pendulum", pendulum()).of(functions))?;
-    visitor.visit(setup("rigid-body-1", rigid_body_one_noise()).of(BODY))?;
-    let mut body = setup("rigid-body-3", rigid_body_three_noises(1.0)).of(BODY);
+    visitor.visit(setup("pendulum", pendulum(), functions))?;
+    visitor.visit(setup("rigid-body-1", rigid_body_one_noise(), BODY))?;
+    let mut body = setup("rigid-body-3", rigid_body_three_noises(1.0), BODY);
     let (system, y0) = (body.problem.system(), body.problem.y0());
     let areas =
         [compiled(SexpLevy::new(system, y0)), compiled(valid(SexpLi::with_areas(system, y0)))];
     body.schemes.splice(1..1, areas);
     visitor.visit(body)?;
     let functions: [TestFunction<3>; 2] = [("y2", |y| y[1]), ("cos y3", |y| cos(y[2]))];
-    visitor.visit(setup("lotka-volterra", lotka_volterra_1_1()).of(functions))?;
+    visitor.visit(setup("lotka-volterra", lotka_volterra_1_1(), functions))?;
     let functions: [TestFunction<3>; 2] = [("y1", |y| y[0]), ("y2^2", |y| y[1] * y[1])];
-    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0)).of(functions))?;
+    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0), functions))?;
     let functions: [TestFunction<3>; 2] = [("y1", |y| y[0]), ("sin y2", |y| sin(y[1]))];
-    visitor.visit(setup("poisson3", poisson3_strong()).of(functions))
+    visitor.visit(setup("poisson3", poisson3_strong(), functions))
 }
 
 /// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
 pub(crate) fn spin_pair<G: Damping>(damping: G) -> Problem<TwoSpins, G, 6> {
     let spins = valid(TwoSpins::new(1.0, 0.5, 0.8));
     valid(Problem::new(spins, damping, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
-}
-
-/// Visits three more on [0, 1], of which only times are measured: the rigid body with noise H₀,
-/// Lotka–Volterra with H = y₁²y₂²y₃, and two spins in a fluctuating field.
-///
-/// # Errors
-/// The first of the visitor's.
-pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
-    visitor.visit(setup("rigid-body-energy", rigid_body_energy(1.0)))?;
-    visitor.visit(setup("lotka-volterra-2", lotka_volterra_2_2(1.0)))?;
-    let problem = spin_pair(valid(Constant::new(0.1)));
-    let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-    let linearly_implicit = valid(SexpLi::new(problem.system(), problem.y0()));
-    let schemes: Schemes<TwoSpins, 6, 3> = vec![
-        compiled(Sexp),
-        levy,
-        Box::new(linearly_implicit),
-        Box::new(Midpoint),
-        Box::new(Heun),
-        Box::new(EulerMaruyama),
-    ];
-    visitor.visit(Setup { id: "spin-chain", problem, schemes, observables: Vec::new() })
 }

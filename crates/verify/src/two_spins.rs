@@ -51,27 +51,9 @@ impl PoissonSystem<6, 3> for TwoSpins {
         "spin-chain"
     }
 
-    fn parameters(&self) -> String {
-        format!("J = {}, K = {}, σ = {}", self.exchange, self.anisotropy, self.field)
-    }
-
     #[inline(always)]
     fn structure<R: Real>(&self, y: [R; 6], v: [R; 6]) -> [R; 6] {
         on_each(y, v, cross)
-    }
-
-    /// Rodrigues' rotation by the half angle ½v: s + 2(s × u + (s × u) × u)/(1 + |u|²), u = ½v.
-    #[inline(always)]
-    fn cayley<R: Real>(&self, y: [R; 6], v: [R; 6]) -> [R; 6] {
-        on_each(y, v, |s, v| {
-            let u = [v[0] * 0.5, v[1] * 0.5, v[2] * 0.5];
-            let once = cross(s, u);
-            let twice = cross(once, u);
-            let square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-            let factor = R::constant(2.0) / (R::one() + square);
-            let z = |i: usize| s[i] + (once[i] + twice[i]) * factor;
-            [z(0), z(1), z(2)]
-        })
     }
 
     #[inline(always)]

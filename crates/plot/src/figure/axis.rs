@@ -57,6 +57,11 @@ impl Range {
         Self { lo: self.lo - pad, hi: self.hi + pad }
     }
 
+    /// Padded if it is a single value.
+    pub fn or_padded(self) -> Self {
+        if self.lo < self.hi { self } else { self.padded(0.1) }
+    }
+
     /// Widened until it holds two powers of ten, because one labelled tick does not define a scale.
     pub fn with_two_decades(self) -> Self {
         let (lo, hi) = (self.lo.log10(), self.hi.log10());

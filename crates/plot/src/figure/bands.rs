@@ -3,19 +3,15 @@
 use mc::study::{Series, Summary};
 
 use super::{
-    axis::{Axis, Range, Scale},
-    canvas::{Canvas, INK},
-    chart::{BELOW, RIGHT},
-    frame::Frame,
-    legend::{Sample, legend},
+    axis::Range,
+    canvas::INK,
+    legend::Sample,
     look::BLUE,
-    stroke::{Color, Position, Stroke},
-    ticks::Ticks,
+    plain::{Plain, UNIT},
+    stroke::{Color, Stroke},
 };
 use crate::label::Label;
 
-const WIDTH: f64 = 340.0;
-const LEFT: f64 = 52.0;
 const HEIGHT: f64 = 190.0;
 
 /// Opacity of one band; bands inside of others are darker.
@@ -30,8 +26,6 @@ pub fn mean_line() -> Stroke {
 pub fn median_line() -> Stroke {
     Stroke::new(COLOR, 1.6)
 }
-
-const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
 
 /// The figure of an observable in time as an SVG document: a band between each two quantiles of
 /// levels p and 1 − p, the median and the mean. A band is interrupted where a quantile lies outside
@@ -49,43 +43,30 @@ pub fn bands(title: &str, series: &Series) -> String {
     let median_entry = median.map(|_| (Sample::Line(median_line()), Label::words("median")));
     let mean_entry = (Sample::Line(mean_line()), Label::words("mean"));
     let entries = areas.chain(median_entry).chain([mean_entry]);
-    let mut canvas = Canvas::default();
-    let top = legend(&mut canvas, entries, LEFT, WIDTH - LEFT - RIGHT);
-    let bottom = top + HEIGHT;
-
     let quantile = |k: usize| move |point: &Summary| point.quantiles.get(k)?.value;
     let shown = |point: &Summary| {
         let quantiles: Vec<_> = point.quantiles.iter().filter_map(|q| q.value).collect();
         quantiles.into_iter().chain(point.mean)
     };
-    let times = Range::of(points.iter().map(|point| point.time), UNIT);
-    let times = if times.lo < times.hi { times } else { times.padded(0.1) };
+    let times = Range::of(points.iter().map(|point| point.time), UNIT).or_padded();
     let values = Range::of(points.iter().flat_map(shown), UNIT).padded(0.06);
-    let axis = |range, start, end| Axis { scale: Scale::Linear, range, start, end };
-    let frame = Frame { x: axis(times, LEFT, WIDTH - RIGHT), y: axis(values, bottom, top) };
-    let x = (&Ticks::decimal(times, 6), Some("time t"));
-    frame.draw(&mut canvas, x, (&Ticks::decimal(values, 5), Some(&*series.observable)));
+    let mut plain = Plain::new(entries, HEIGHT, (times, "time t"), (values, &series.observable));
     for (low, high) in pairs {
         for run in runs(points, |point| quantile(low)(point).zip(quantile(high)(point))) {
-            let lower = run.iter().map(|&(t, (low, _))| frame.place(t, low));
-            let upper = run.iter().rev().map(|&(t, (_, high))| frame.place(t, high));
-            canvas.area(&lower.chain(upper).collect::<Vec<_>>(), COLOR, OPACITY);
+            let lower = run.iter().map(|&(t, (low, _))| (t, low));
+            let upper = run.iter().rev().map(|&(t, (_, high))| (t, high));
+            let corners = plain.places(lower.chain(upper));
+            plain.canvas.area(&corners, COLOR, OPACITY);
         }
     }
     let mut line = |value: &dyn Fn(&Summary) -> Option<f64>, stroke: Stroke| {
-        for run in runs(points, value) {
-            let places: Vec<Position> = run.iter().map(|&(t, x)| frame.place(t, x)).collect();
-            frame.polyline(&mut canvas, &places, stroke);
-        }
+        runs(points, value).into_iter().for_each(|run| plain.line(run, stroke));
     };
     if let Some(median) = median {
         line(&quantile(median), median_line());
     }
     line(&|point| point.mean, mean_line());
-    if points.iter().all(|point| point.mean.is_none()) {
-        frame.say(&mut canvas, "no data");
-    }
-    canvas.page((WIDTH, bottom + BELOW), title)
+    plain.page(title, points.iter().all(|point| point.mean.is_none()))
 }
 
 /// Pairs of quantiles with levels p and 1 − p, from the outside to the inside.
@@ -118,79 +99,4 @@ fn percent(level: f64) -> f64 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use mc::study::{Grid, Histogram, Place, Quantile};
-
-    use super::*;
-
-    /// A summary at `time` with quantiles of these levels and values, and a few counts.
-    pub fn summary(time: f64, quantiles: &[(f64, Option<f64>)], counts: &[u64]) -> Summary {
-        let quantile = |&(level, value): &(f64, Option<f64>)| {
-            let place = if value.is_some() { Place::Inside } else { Place::AboveGrid };
-            Quantile { level, value, lo: value, hi: value, place }
-        };
-        let grid = Grid { lo: -1.0, width: 0.5, bins: counts.len() as u32 };
-        Summary {
-            step: 1,
-            time,
-            count: counts.iter().sum(),
-            not_finite: 0,
-            mean: Some(0.25),
-            mean_interval: None,
-            interval_note: None,
-            variance: None,
-            deviation: None,
-            effective: None,
-            least: None,
-            largest: None,
-            quantiles: quantiles.iter().map(quantile).collect(),
-            histogram: Some(Histogram { grid, below: 0, counts: counts.to_vec(), above: 0 }),
-        }
-    }
-
-    fn series(points: Vec<Summary>) -> Series {
-        Series { observable: "a<b".into(), points }
-    }
-
-    #[test]
-    fn a_band_is_between_opposite_quantiles_and_ends_outside_of_the_grid() {
-        let levels = |high: Option<f64>| {
-            [
-                (0.05, Some(-1.0)),
-                (0.25, Some(-0.5)),
-                (0.5, Some(0.0)),
-                (0.75, Some(0.5)),
-                (0.95, high),
-            ]
-        };
-        let at = |t: f64, high| summary(t, &levels(high), &[1, 2]);
-        let all = (0..6).map(|t| at(f64::from(t), Some(1.0))).collect::<Vec<_>>();
-        assert_eq!(pairs(&all), [(0, 4), (1, 3)]);
-        let svg = bands("A & B", &series(all.clone()));
-        let areas = |svg: &str| svg.matches("<polygon").count();
-        // Two in the legend.
-        assert_eq!(areas(&svg), 4);
-        for words in ["5–95 %", "25–75 %", "median", "mean", "a&lt;b", "A &amp; B"] {
-            assert!(svg.contains(words), "{words}");
-        }
-        let mut gap = all;
-        gap[2] = at(2.0, None);
-        assert_eq!(areas(&bands("", &series(gap))), 5);
-    }
-
-    #[test]
-    fn awkward_studies_still_make_a_figure() {
-        let none = Summary { mean: None, ..summary(0.0, &[(0.3, None)], &[]) };
-        for points in [
-            vec![],
-            vec![none.clone()],
-            vec![summary(0.0, &[], &[])],
-            vec![summary(0.0, &[(0.29, Some(1.0)), (0.71, Some(1.0))], &[1]), none],
-        ] {
-            let svg = bands("", &series(points));
-            assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
-            assert!(!svg.contains("NaN"));
-        }
-        assert_eq!((percent(0.29), percent(0.05), percent(0.975)), (29.0, 5.0, 97.5));
-    }
-}
+pub(super) mod tests;

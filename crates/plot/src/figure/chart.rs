@@ -46,10 +46,8 @@ pub struct Curve {
 pub enum Style {
     /// Schemes, in plain words; known schemes have fixed colours.
     Schemes,
-    /// Quantities in the notation of [`Label`].
-    Quantities,
-    /// Quantities whose sign matters: markers are hollow where values are negative, and curves are
-    /// set side by side, since their intervals are long.
+    /// Quantities in the notation of [`Label`] whose sign matters: markers are hollow where values
+    /// are negative, and curves are set side by side, since their intervals are long.
     Signed,
 }
 
@@ -62,8 +60,6 @@ pub struct Line {
     pub constant: f64,
     /// The slope in logarithmic coordinates.
     pub power: f64,
-    /// Whether the vertical axis covers it over the range of the data; otherwise it is cut off.
-    pub covered: bool,
 }
 
 /// One plot of a figure.
@@ -166,11 +162,11 @@ impl Figure {
     pub fn svg(&self) -> String {
         let curves = || self.plots.iter().flat_map(|plot| &plot.curves);
         let names = distinct(curves().map(|curve| curve.name.as_str()));
-        let (schemes, signed) = (self.style == Style::Schemes, self.style == Style::Signed);
-        let looks = if schemes { look::of_schemes(&names) } else { look::of_quantities(&names) };
+        let signed = self.style == Style::Signed;
+        let looks = if signed { look::of_quantities(&names) } else { look::of_schemes(&names) };
         let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
         let entry = |name: &&str| {
-            let label = if schemes { Label::words(name) } else { Label::new(name) };
+            let label = if signed { Label::new(name) } else { Label::words(name) };
             let note = curves().find(|curve| curve.name == *name).map_or("", |curve| &curve.note);
             let tail = if note.is_empty() { String::new() } else { format!(": {note}") };
             (Sample::Curve(looks[name]), Label { tail, ..label })
@@ -216,8 +212,7 @@ impl Figure {
         });
         let lines = self.plots.iter().flat_map(|plot| {
             let x = plot.measured(Range { lo: 1.0, hi: 1.0 });
-            let lines = plot.lines.iter().filter(|line| line.covered);
-            lines.flat_map(move |line| [line.at(x.lo), line.at(x.hi)])
+            plot.lines.iter().flat_map(move |line| [line.at(x.lo), line.at(x.hi)])
         });
         Range::of_positive(values.chain(lines), Range { lo: 1e-4, hi: 1.0 })
             .times(1.4)
@@ -303,10 +298,11 @@ mod tests {
             vec![point(0.0, 0.0), point(f64::NAN, 1.0), point(1.0, f64::INFINITY)],
             vec![point(1.0, f64::MAX), point(1e-300, 1e-300), point(1e9, -1.0)],
         ];
-        let line = Line { name: "n".into(), constant: 1e-300, power: 1.0, covered: false };
-        for (points, style) in awkward.into_iter().flat_map(|points| {
-            [Style::Schemes, Style::Quantities, Style::Signed].map(|style| (points.clone(), style))
-        }) {
+        let line = Line { name: "n".into(), constant: 1e-300, power: 1.0 };
+        for (points, style) in awkward
+            .into_iter()
+            .flat_map(|points| [Style::Schemes, Style::Signed].map(|style| (points.clone(), style)))
+        {
             let plot = Plot {
                 x_title: "time".into(),
                 spacing: Spacing::Decades,

@@ -133,7 +133,7 @@ fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
             0 => ratios.reduce(f64::min)? / CLEARANCE,
             _ => ratios.reduce(f64::max)? * CLEARANCE,
         };
-        Some(Line { name: name.into(), constant, power, covered: true })
+        Some(Line { name: name.into(), constant, power })
     };
     shown.enumerate().filter_map(line).collect()
 }

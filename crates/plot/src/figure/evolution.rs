@@ -10,6 +10,7 @@ use super::{
     frame::Frame,
     legend::{Sample, legend},
     look,
+    plain::{LEFT, UNIT, WIDTH},
     stroke::Stroke,
     ticks::Ticks,
 };
@@ -23,13 +24,9 @@ use crate::{
 /// number that is not zero.
 const FLOOR: f64 = 1e-17;
 
-const WIDTH: f64 = 340.0;
-const LEFT: f64 = 52.0;
 const VALUE_HEIGHT: f64 = 112.0;
 const DEFECT_HEIGHT: f64 = 132.0;
 const BETWEEN: f64 = 10.0;
-
-const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
 
 /// Values that differ by less than this part of them are drawn as one.
 const ROUNDING: f64 = 1e-9;
@@ -66,8 +63,7 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let defect_top = value_top + VALUE_HEIGHT + BETWEEN;
     let bottom = defect_top + DEFECT_HEIGHT;
 
-    let times = Range::of(curves.iter().flatten().map(|p| p.time), UNIT);
-    let times = if times.lo < times.hi { times } else { times.padded(0.1) };
+    let times = Range::of(curves.iter().flatten().map(|p| p.time), UNIT).or_padded();
     let x = Axis { scale: Scale::Linear, range: times, start: LEFT, end: WIDTH - RIGHT };
     let stacked = |scale, range, start, end| Frame { x, y: Axis { scale, range, start, end } };
     let values = value_range(&curves);

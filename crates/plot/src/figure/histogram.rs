@@ -3,19 +3,14 @@
 use mc::study::{Histogram, Summary};
 
 use super::{
-    axis::{Axis, Range, Scale},
+    axis::Range,
     bands::{COLOR, mean_line, median_line},
-    canvas::Canvas,
-    chart::{BELOW, RIGHT},
-    frame::Frame,
-    legend::{Sample, legend},
-    stroke::{Position, Stroke},
-    ticks::Ticks,
+    legend::Sample,
+    plain::{Plain, UNIT},
+    stroke::Stroke,
 };
 use crate::label::Label;
 
-const WIDTH: f64 = 340.0;
-const LEFT: f64 = 52.0;
 const HEIGHT: f64 = 170.0;
 
 /// Bars are joined, two and two, until there are no more than this.
@@ -27,17 +22,10 @@ pub fn histogram(title: &str, observable: &str, summary: &Summary) -> String {
     let median = summary.quantiles.iter().find(|q| q.level == 0.5).and_then(|q| q.value);
     let lines = [("median", median, median_line()), ("mean", summary.mean, mean_line())];
     let entries = lines.iter().map(|(name, _, stroke)| (Sample::Line(*stroke), Label::words(name)));
-    let mut canvas = Canvas::default();
-    let top = legend(&mut canvas, entries, LEFT, WIDTH - LEFT - RIGHT);
-    let bottom = top + HEIGHT;
-
     let bars = summary.histogram.as_ref().map_or(Vec::new(), |histogram| bars(histogram, summary));
-    let unit = Range { lo: 0.0, hi: 1.0 };
-    let values = Range::of(bars.iter().flat_map(|&(lo, hi, _)| [lo, hi]), unit).padded(0.04);
-    let highest = Range::of(bars.iter().map(|&(_, _, density)| density), unit).hi;
+    let values = Range::of(bars.iter().flat_map(|&(lo, hi, _)| [lo, hi]), UNIT).padded(0.04);
+    let highest = Range::of(bars.iter().map(|&(_, _, density)| density), UNIT).hi;
     let densities = Range { lo: 0.0, hi: 1.06 * if highest > 0.0 { highest } else { 1.0 } };
-    let axis = |range, start, end| Axis { scale: Scale::Linear, range, start, end };
-    let frame = Frame { x: axis(values, LEFT, WIDTH - RIGHT), y: axis(densities, bottom, top) };
     let mut x_title = format!("{observable} at t = {}", summary.time);
     if let Some(histogram) = &summary.histogram {
         let outside = histogram.below + histogram.above;
@@ -45,23 +33,21 @@ pub fn histogram(title: &str, observable: &str, summary: &Summary) -> String {
             x_title += &format!(", {outside} of {} outside", summary.count);
         }
     }
-    let x = (&Ticks::decimal(values, 6), Some(&*x_title));
-    frame.draw(&mut canvas, x, (&Ticks::decimal(densities, 5), Some("density")));
+    let mut plain = Plain::new(entries, HEIGHT, (values, &x_title), (densities, "density"));
     let corners = bars.iter().flat_map(|&(lo, hi, density)| [(lo, density), (hi, density)]);
     let ends = [bars.first().map(|bar| (bar.0, 0.0)), bars.last().map(|bar| (bar.1, 0.0))];
     let outline = ends[0].into_iter().chain(corners).chain(ends[1]);
-    let outline: Vec<Position> = outline.map(|(x, y)| frame.place(x, y)).collect();
-    if outline.is_empty() {
-        frame.say(&mut canvas, "no data");
-    } else {
-        canvas.area(&outline, COLOR, 0.25);
-        frame.polyline(&mut canvas, &outline, Stroke::new(COLOR, 0.9));
+    let outline: Vec<_> = outline.collect();
+    if !bars.is_empty() {
+        let corners = plain.places(outline.iter().copied());
+        plain.canvas.area(&corners, COLOR, 0.25);
+        plain.line(outline, Stroke::new(COLOR, 0.9));
         for (_, value, stroke) in lines {
-            let ends = value.map(|x| [0.0, densities.hi].map(|y| frame.place(x, y)));
-            frame.polyline(&mut canvas, ends.as_ref().map_or(&[], |ends| &ends[..]), stroke);
+            let ends = value.map(|x| [0.0, densities.hi].map(|y| (x, y)));
+            plain.line(ends.into_iter().flatten(), stroke);
         }
     }
-    canvas.page((WIDTH, bottom + BELOW), title)
+    plain.page(title, bars.is_empty())
 }
 
 /// Ends and density of each bar, from the first to the last with a count.

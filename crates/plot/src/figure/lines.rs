@@ -1,24 +1,17 @@
 //! Curves in plain coordinates: components of a path in time, phase portraits.
 
 use super::{
-    axis::{Axis, Range, Scale},
-    canvas::Canvas,
-    chart::{BELOW, RIGHT},
-    frame::Frame,
-    legend::{Sample, legend},
+    axis::Range,
+    legend::Sample,
     look,
-    stroke::{Position, Stroke},
-    ticks::Ticks,
+    plain::{Plain, UNIT},
+    stroke::Stroke,
 };
 use crate::label::Label;
 
-const WIDTH: f64 = 340.0;
-const LEFT: f64 = 52.0;
 const HEIGHT: f64 = 190.0;
 /// Radius of the marker at the first point of a curve.
 const START: f64 = 2.8;
-
-const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
 
 /// A curve with its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,34 +28,22 @@ pub fn lines(title: &str, x_title: &str, y_title: &str, traces: &[Trace]) -> Str
     let looks = look::of_quantities(&traces.iter().map(|trace| &*trace.name).collect::<Vec<_>>());
     let names = traces.iter().map(|trace| Label::words(&trace.name));
     let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
-    let mut canvas = Canvas::default();
     let several = usize::from(traces.len() > 1) * traces.len();
-    let top = legend(&mut canvas, entries.take(several), LEFT, WIDTH - LEFT - RIGHT);
-    let bottom = top + HEIGHT;
     let points = || traces.iter().flat_map(|trace| &trace.points);
     let x = Range::of(points().map(|point| point.0), UNIT);
     // Times fill the width.
     let of_time = traces.iter().all(|trace| trace.points.is_sorted_by(|a, b| a.0 <= b.0));
     let x = if x.lo < x.hi && of_time { x } else { x.padded(0.04) };
     let y = Range::of(points().map(|point| point.1), UNIT).padded(0.06);
-    let axis = |range, start, end| Axis { scale: Scale::Linear, range, start, end };
-    let frame = Frame { x: axis(x, LEFT, WIDTH - RIGHT), y: axis(y, bottom, top) };
-    frame.draw(
-        &mut canvas,
-        (&Ticks::decimal(x, 6), Some(x_title)),
-        (&Ticks::decimal(y, 5), Some(y_title)),
-    );
+    let mut plain = Plain::new(entries.take(several), HEIGHT, (x, x_title), (y, y_title));
     for (trace, look) in traces.iter().zip(looks) {
-        let places: Vec<Position> = trace.points.iter().map(|&(x, y)| frame.place(x, y)).collect();
-        frame.polyline(&mut canvas, &places, Stroke::new(look.color, 1.1));
-        if let Some(&at) = places.first().filter(|at| frame.holds(**at)) {
-            canvas.marker(at, look, START, false);
+        plain.line(trace.points.iter().copied(), Stroke::new(look.color, 1.1));
+        let first = plain.places(trace.points.first().copied());
+        for at in first.into_iter().filter(|at| plain.frame.holds(*at)) {
+            plain.canvas.marker(at, look, START, false);
         }
     }
-    if points().next().is_none() {
-        frame.say(&mut canvas, "no data");
-    }
-    canvas.page((WIDTH, bottom + BELOW), title)
+    plain.page(title, points().next().is_none())
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ mod histogram;
 mod legend;
 mod lines;
 mod look;
+mod plain;
 mod scripts;
 mod stroke;
 mod ticks;

@@ -1,19 +1,8 @@
-//! The report of a run: a page with summary, statements, panels, supplements and provenance, in one
-//! file that needs no network and no script; a figure and a table of numbers for each panel.
+//! The report of a run: a page with verdicts, figures, measured orders and provenance, in one file
+//! that needs no network and no script; a figure and a table of numbers for each panel.
 
-mod card;
 mod csv;
-mod group;
-mod markup;
-mod measured;
-mod number;
 mod outcome;
-mod prose;
-mod provenance;
-mod statements;
-mod summary;
-pub mod terminal;
-mod wording;
 
 use std::{io::Result, path::Path};
 
@@ -21,42 +10,23 @@ use plot::{
     Document, Kind,
     figure::{convergence, evolution},
     files,
+    series::relative_defect,
 };
 
-use crate::results::{Panel, Results};
+use crate::results::{Claim, Clipped, Panel, Point, Results, Series};
 
-pub use outcome::Outcome;
+pub use outcome::{Outcome, counts, verdicts};
 
-/// The page for `results`; `figures` are the drawings of its panels and then of its supplements, in
-/// the same order.
-fn page(results: &Results, figures: &[String]) -> String {
-    let mut figures = figures.iter();
-    let mut cards = |panels: &[Panel], comment: &str| {
-        let card =
-            |(panel, figure): (_, &String)| card::card(panel, figure, &results.claims, comment);
-        let cards: String = panels.iter().zip(figures.by_ref()).map(card).collect();
-        if cards.is_empty() { cards } else { format!("<div class=\"grid\">{cards}</div>") }
-    };
-    let statements = statements::statements(&results.claims, &results.panels);
-    let panels = cards(&results.panels, "What the paper says");
-    let supplements = cards(&results.supplements, "What it adds to the paper");
-    let mut page = Document::new(wording::KICKER, wording::TITLE);
-    let schemes = wording::SCHEMES.iter().map(|(id, name)| markup::entry(&markup::code(id), name));
-    let schemes: String = schemes.collect();
-    page.head(&format!("{}<dl class=\"schemes\">{schemes}</dl>\n", summary::summary(results)));
-    for (title, content) in [
-        ("Statements", statements),
-        ("Panels", panels),
-        ("Not in the paper", supplements),
-        ("Provenance", provenance::provenance(&results.provenance)),
-    ] {
-        if !content.is_empty() {
-            page.section(title);
-            page.markup(&content);
-        }
-    }
-    page.html()
-}
+/// Ids of schemes and what they stand for.
+const SCHEMES: [(&str, &str); 7] = [
+    ("sexp", "stochastic conformal exponential integrator, the method of the paper"),
+    ("em", "Euler–Maruyama on the Itô form"),
+    ("midpoint", "stochastic midpoint, damping included"),
+    ("sexp-levy", "sexp with Lévy areas, not in the paper"),
+    ("sexp-li", "sexp by a linear equation, not in the paper"),
+    ("split", "exact flows in turn, not in the paper"),
+    ("nv", "flows in turn, of weak order two, not in the paper"),
+];
 
 /// Writes the report of a run into a folder.
 ///
@@ -75,153 +45,214 @@ pub fn write_report(results: &Results, folder: &Path) -> Result<()> {
     let (figures, data) = (folder.join("figures"), folder.join("data"));
     files::prepare(&figures)?;
     files::prepare(&data)?;
-    let panels = results.panels.iter().chain(&results.supplements);
-    let drawings: Vec<String> = panels.clone().map(panel_figure).collect();
-    for (panel, drawing) in panels.zip(&drawings) {
-        let stem = file_stem(&panel.id);
-        files::write(&figures.join(format!("{stem}.svg")), drawing)?;
-        files::write(&data.join(format!("{stem}.csv")), csv::csv(panel))?;
+    for panel in results.panels.iter().chain(&results.supplements) {
+        files::write(&figures.join(format!("{}.svg", panel.id)), figure(panel))?;
+        files::write(&data.join(format!("{}.csv", panel.id)), csv::csv(panel))?;
     }
-    files::write(&folder.join("index.html"), page(results, &drawings))
+    files::write(&folder.join("index.html"), page(results))
 }
 
 /// The figure of a panel as an SVG document.
-fn panel_figure(panel: &Panel) -> String {
+fn figure(panel: &Panel) -> String {
     match panel.kind {
         Kind::Invariant => evolution(&panel.title, &panel.series),
         kind => convergence(&panel.title, kind, &panel.series).svg(),
     }
 }
 
-/// The name of a panel's files: its id, without what could leave the folder.
-pub fn file_stem(id: &str) -> String {
-    id.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
+fn page(results: &Results) -> String {
+    let title = "Structure-preserving simulation of damped stochastic Poisson systems";
+    let mut page = Document::new("Casimir · reproduction report", title);
+    let groups = groups(&results.claims);
+    let kinds = [("What the paper proves", true), ("What is observed, without a proof", false)]
+        .map(|(what, proven)| (what, groups.iter().filter(move |group| group[0].proven == proven)));
+    page.section("Summary");
+    for (what, groups) in kinds.clone() {
+        page.paragraph(&format!("{what}: {}.", summary(groups)));
+    }
+    page.paragraph("A statement is undecided, never passed, where an interval is too wide.");
+    for claim in results.claims.iter().filter(|claim| Outcome::of(claim) == Outcome::Misprint) {
+        let Claim { id, erratum, statement, .. } = claim;
+        page.warning(&format!(
+            "Misprint in the paper ({id}): {erratum} The statement as printed is refuted: \
+             {statement}."
+        ));
+    }
+    for (what, groups) in kinds {
+        page.section(what);
+        let head =
+            ["Verdict", "Checks that hold", "Statement", "Id", "Scheme", "What was measured"];
+        page.table(head, groups.map(|group| row(group)));
+    }
+    for panel in results.panels.iter().chain(&results.supplements) {
+        show(&mut page, panel, &results.claims);
+    }
+    page.section("All checks");
+    let checks = results.claims.iter().map(|claim| {
+        let Claim { id, panel, scheme, statement, evidence, .. } = claim;
+        [Outcome::of(claim).word(), id, panel, scheme, statement, evidence]
+    });
+    page.table(["Verdict", "Id", "Panel", "Scheme", "Statement", "Evidence"], checks);
+    page.section("Schemes and provenance");
+    page.facts(SCHEMES);
+    let from = &results.provenance;
+    page.facts([
+        ("Commit", &from.git),
+        ("Compiler", &from.rustc),
+        ("Processor", &from.cpu),
+        ("Instruction set", &from.simd),
+        ("Threads", &from.threads.to_string()),
+        ("Seed", &from.seed.to_string()),
+        ("Mode", &from.mode),
+        ("Command", &from.command),
+        ("Wall time", &format!("{:.1} s", from.wall_s)),
+    ]);
+    page.note(
+        "The same seed gives the same bits on any number of threads and any instruction set. The \
+         whole run is in results.json, the numbers of each figure in data/, the figures in figures/.",
+    );
+    page.html()
+}
+
+/// Claims about one statement: proven ones by statement, others by statement and scheme.
+type Group<'a> = Vec<&'a Claim>;
+
+/// The groups in the order in which the statements first appear.
+fn groups(claims: &[Claim]) -> Vec<Group<'_>> {
+    let key = |claim: &Claim| {
+        let scheme = if claim.proven { String::new() } else { claim.scheme.clone() };
+        (claim.id.clone(), claim.proven, scheme)
+    };
+    let mut groups: Vec<Group> = Vec::new();
+    for claim in claims {
+        match groups.iter_mut().find(|group| key(group[0]) == key(claim)) {
+            Some(group) => group.push(claim),
+            None => groups.push(vec![claim]),
+        }
+    }
+    groups
+}
+
+/// The claim that decides: refuted if one is, else undecided if one is; a misprint counts only
+/// where nothing else is left.
+fn worst<'a>(group: &Group<'a>) -> &'a Claim {
+    group.iter().min_by_key(|claim| Outcome::of(claim)).expect("a group has claims")
+}
+
+/// How many groups hold, and the others by name.
+fn summary<'a>(groups: impl Iterator<Item = &'a Group<'a>>) -> String {
+    let (mut hold, mut all, mut others) = (0, 0, String::new());
+    for group in groups {
+        all += 1;
+        match Outcome::of(worst(group)) {
+            Outcome::Holds => hold += 1,
+            other => others += &format!("; {}: {} {}", other.word(), group[0].id, group[0].scheme),
+        }
+    }
+    format!("{hold} of {all} statements hold{others}")
+}
+
+/// A group as a row, with the evidence that decides.
+fn row(group: &Group) -> [String; 6] {
+    let (claim, worst) = (group[0], worst(group));
+    let scheme = if claim.proven { String::new() } else { claim.scheme.clone() };
+    [
+        Outcome::of(worst).word().into(),
+        format!("{} of {}", Outcome::Holds.count(group.iter().copied()), group.len()),
+        claim.statement.clone(),
+        claim.id.clone(),
+        scheme,
+        worst.evidence.clone(),
+    ]
+}
+
+/// A section with a figure, what the paper says of it, and what was measured.
+fn show(page: &mut Document, panel: &Panel, claims: &[Claim]) {
+    page.section(&panel.title);
+    page.figures([(figure(panel), caption(panel.kind).into())]);
+    let (head, row): (&[&str], fn(&Series) -> Vec<String>) = match panel.kind {
+        Kind::Strong | Kind::Weak => {
+            (&["order", "95 % interval", "error at the finest step"], order)
+        }
+        Kind::Invariant => (&["largest relative defect"], defect),
+        Kind::Cost => (&["smallest half-width", "path-steps"], cost),
+    };
+    let named = |series: &Series| {
+        let mut cells = vec![series.scheme.clone(), series.quantity.clone()];
+        cells.extend(row(series));
+        cells
+    };
+    page.table([&["scheme", "quantity"], head].concat(), panel.series.iter().map(named));
+    let mine: Vec<Claim> = claims.iter().filter(|claim| claim.panel == panel.id).cloned().collect();
+    page.facts([
+        ("Panel", panel.id.clone()),
+        ("Verdicts", if mine.is_empty() { String::new() } else { counts(&mine) }),
+        ("What the paper says", panel.paper.clone()),
+        ("Set-up", panel.setup.clone()),
+        ("Sample paths", panel.samples.to_string()),
+        ("Reference", panel.reference.clone()),
+        ("Clipped increments", panel.clipped.iter().map(clipped).collect()),
+        ("Paths left out", panel.failures.join("; ")),
+    ]);
+}
+
+/// How to read the figure.
+fn caption(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Strong => {
+            "Root-mean-square error with 95 % error bars; dashed, in grey: reference slopes. In the \
+             legend: fitted order ± half the width of its 95 % interval."
+        }
+        Kind::Weak => {
+            "Size of the weak error, filled where it is positive and hollow where negative, with \
+             95 % error bars; a bar without a lower cap reaches zero. In grey: reference slope."
+        }
+        Kind::Cost => "Path-steps, pilots included, for an interval of the given half-width.",
+        Kind::Invariant => {
+            "Above: the invariant along the path and, thin and black, its conformal law. Below: \
+             relative defect of the law; a defect of zero is drawn at the mark 0."
+        }
+    }
+}
+
+fn order(series: &Series) -> Vec<String> {
+    let (order, interval) = series.rate.as_ref().map_or(("—".into(), String::new()), |rate| {
+        (format!("{:.2}", rate.estimate), format!("[{:.2}, {:.2}]", rate.lo, rate.hi))
+    });
+    let finest = series.points.last().map_or(String::new(), |point| match point {
+        Point::Error { tau, value, se, .. } => {
+            format!("{value:.1e} ± {se:.0e} at τ = 2^{}", tau.log2())
+        }
+        _ => String::new(),
+    });
+    vec![order, interval, finest]
+}
+
+fn defect(series: &Series) -> Vec<String> {
+    let defects = series.points.iter().filter_map(|point| match *point {
+        Point::Value { value, exact, .. } => Some(relative_defect(value, exact)),
+        _ => None,
+    });
+    // A defect that is not a number must not hide behind smaller ones, as it would with `f64::max`.
+    let largest = series.max_relative_defect.or_else(|| defects.max_by(f64::total_cmp));
+    vec![largest.map_or("—".into(), |defect| format!("{defect:.1e}"))]
+}
+
+fn cost(series: &Series) -> Vec<String> {
+    series.points.last().map_or(Vec::new(), |point| match point {
+        Point::Cost { accuracy, path_steps } => vec![accuracy.to_string(), path_steps.to_string()],
+        _ => Vec::new(),
+    })
+}
+
+/// Where clipped increments matter.
+fn clipped(Clipped { scheme, tau, increments, share }: &Clipped) -> String {
+    format!(
+        "{scheme} at τ = 2^{}: {increments}, {:.0} % of the mean-square error. ",
+        tau.log2(),
+        100.0 * share
+    )
 }
 
 #[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use plot::Series;
-
-    use super::*;
-    use crate::results::{Claim, Evidence, Point, Provenance, SCHEMA, Verdict};
-
-    /// A claim for tests.
-    pub fn claim(id: &str, scheme: &str, proven: bool, verdict: Verdict, erratum: &str) -> Claim {
-        let evidence = Evidence::Undecided { reason: "as it should be".into() };
-        Claim {
-            scheme: scheme.into(),
-            verdict,
-            proven,
-            erratum: erratum.into(),
-            ..Claim::new(id, format!("{scheme} has {id}"), evidence)
-        }
-    }
-
-    #[test]
-    fn an_unknown_statement_speaks_for_itself() {
-        let proven = "The exact flow obeys the conformal law of homogeneous Casimirs and energies.";
-        for (id, scheme, proven, words) in [
-            ("exact-conformal", "sexp", true, proven),
-            ("exact-conformal", "em", false, "em has exact-conformal"),
-            ("new", "sexp", true, "sexp has new"),
-        ] {
-            let claim = claim(id, scheme, proven, Verdict::Holds, "");
-            assert_eq!(wording::statement(&claim), words);
-        }
-    }
-
-    fn panel(id: &str, kind: Kind, points: Vec<Point>) -> Panel {
-        let series = |scheme: &str| Series {
-            scheme: scheme.into(),
-            quantity: "a<b".into(),
-            points: points.clone(),
-            rate: None,
-            max_relative_defect: None,
-        };
-        Panel {
-            id: id.into(),
-            kind,
-            title: "A & B".into(),
-            setup: String::new(),
-            paper: String::new(),
-            samples: 1,
-            reference: String::new(),
-            failures: Vec::new(),
-            clipped: Vec::new(),
-            differences: Vec::new(),
-            series: vec![series("sexp"), series("other")],
-        }
-    }
-
-    /// Data no figure likes: none, a single point, zeros, what is not finite, and the ends of the
-    /// range of `f64`.
-    fn awkward() -> Vec<Panel> {
-        let error = Point::normal;
-        let value = |t, value, exact| Point::Value { t, value, exact };
-        let errors = [
-            vec![],
-            vec![error(0.1, 1e-3, 0.0)],
-            vec![error(0.1, 0.0, 0.0), error(0.05, 0.0, 0.0)],
-            vec![error(0.1, f64::MAX, f64::MAX), error(0.05, -5e-324, f64::NAN)],
-            vec![Point::Error {
-                tau: 0.1,
-                value: 1.0,
-                se: 0.1,
-                lo: Some(-1.0),
-                hi: Some(f64::NAN),
-                warning: Some("<w>".into()),
-            }],
-            vec![error(0.1, f64::NAN, 1.0), error(0.0, 1.0, 0.0), error(-1.0, 1.0, f64::INFINITY)],
-            vec![value(0.0, 1.0, 1.0), error(0.1, 5e3, 1e4)],
-        ];
-        let values = [
-            vec![],
-            vec![value(0.0, 1.0, 1.0)],
-            vec![value(0.0, 0.0, 0.0), value(2.0, 1.0, 0.0), value(1.0, 0.0, 0.0)],
-            vec![value(0.0, f64::MAX, -f64::MAX), value(1.0, f64::NAN, 1.0)],
-            vec![value(f64::NAN, 1.0, 1.0), value(1.0, f64::INFINITY, f64::NEG_INFINITY)],
-        ];
-        let mut panels = Vec::new();
-        for (n, points) in errors.into_iter().enumerate() {
-            panels.push(panel(&format!("strong-{n}"), Kind::Strong, points.clone()));
-            panels.push(panel(&format!("weak-{n}"), Kind::Weak, points));
-        }
-        for (n, points) in values.into_iter().enumerate() {
-            panels.push(panel(&format!("invariant-{n}"), Kind::Invariant, points));
-        }
-        panels
-    }
-
-    #[test]
-    fn awkward_data_still_make_a_report() -> Result<()> {
-        let dir = tempfile::tempdir()?;
-        let results = Results {
-            schema: SCHEMA,
-            provenance: Provenance::default(),
-            panels: awkward(),
-            supplements: Vec::new(),
-            claims: Vec::new(),
-        };
-        write_report(&results, dir.path())?;
-        // A second run replaces the first.
-        write_report(&results, dir.path())?;
-        let page = fs::read_to_string(dir.path().join("index.html"))?;
-        for panel in &results.panels {
-            let figure = fs::read_to_string(dir.path().join(format!("figures/{}.svg", panel.id)))?;
-            assert!(figure.starts_with("<svg") && figure.trim_end().ends_with("</svg>"));
-            assert!(page.contains(&figure), "{} is not on the page", panel.id);
-            assert!(dir.path().join(format!("data/{}.csv", panel.id)).is_file());
-        }
-        assert!(!page.contains("a<b") && page.contains("a&lt;b"));
-        assert!(!page.contains("<script") && !page.contains("src="));
-        Ok(())
-    }
-
-    #[test]
-    fn file_names_stay_in_their_folder() {
-        assert_eq!(file_stem("rigid-body-weak-y2"), "rigid-body-weak-y2");
-        assert_eq!(file_stem("../x/y"), "___x_y");
-    }
-}
+mod tests;

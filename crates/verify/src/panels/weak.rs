@@ -40,6 +40,7 @@ mod tests;
 
 use analysis::FinalMoments;
 use mc::{Ladder, Observable, Run, View, bind};
+use noise::StreamKey;
 use schemes::Sexp;
 use stats::{CrossMoments, Expansion, weak_errors};
 use systems::{
@@ -164,35 +165,50 @@ fn differences(
     observables: &[Observable<3>],
     curve: &Curve<RigidBody<3>, 3, 3>,
 ) -> (Vec<CrossMoments>, Vec<String>) {
-    let scheme = curve.scheme.as_ref();
-    let ladder = |(difference, part): (&DifferenceSamples, u64)| {
-        let runs = vec![
-            Run::new(bind(problem, scheme), 1),
-            Run::new(bind(problem, scheme), 0),
-            Run::swapped(bind(problem, scheme), 0),
-        ];
-        let finest_steps = (2.0 * problem.t_end() / difference.tau).round() as u64;
-        let key = conditions.key(part);
-        let ladder =
-            Ladder::new(&mc::Problem::of(problem), finest_steps, 1, truncation(), key, runs);
-        (difference.samples, valid(ladder))
-    };
-    let ladders: Vec<_> = grid.iter().zip(0..).map(ladder).collect();
-    let work = ladders.iter().map(|(samples, ladder)| samples * ladder.steps_per_path()).sum();
-    conditions.progress.begin(&conditions.wanted.join(", "), work);
-    let values = |view: &View<'_>, p: usize, differences: &mut [f64]| {
-        for (difference, observable) in differences.iter_mut().zip(observables) {
-            let phi = |run: usize| (observable.function)(view.path(run, p));
-            *difference = phi(0) - 0.5 * (phi(1) + phi(2));
-        }
-    };
+    let bound = || bind(problem, curve.scheme.as_ref());
     let (mut moments, mut failures) = (Vec::new(), Vec::new());
-    for (samples, ladder) in &ladders {
-        let new = || FinalMoments::new(ladder.coarse_steps(), observables.len(), &values);
-        let measured = conditions.run(ladder, *samples, new);
-        failures.extend(describe_failures(&measured));
-        moments.push(measured.statistic.moments);
+    for (part, DifferenceSamples { tau, samples }) in (0..).zip(grid) {
+        let runs = vec![Run::new(bound(), 1), Run::new(bound(), 0), Run::swapped(bound(), 0)];
+        let ladder = difference_ladder(problem, *tau, conditions.key(part), runs);
+        let id = conditions.wanted.join(", ");
+        conditions.progress.begin(&id, samples * ladder.steps_per_path());
+        let difference = |phi: &dyn Fn(usize) -> f64| phi(0) - 0.5 * (phi(1) + phi(2));
+        let advance = |work| conditions.progress.advance(work);
+        let (found, failed) = moments_of(&ladder, *samples, observables, difference, &advance);
+        moments.push(found);
+        failures.extend(failed);
     }
     conditions.progress.end();
     (moments, failures)
+}
+
+/// Runs at the steps `tau` (level 1) and half of it (level 0).
+pub fn difference_ladder<'a>(
+    problem: &'a Problem<RigidBody<3>, Cosine, 3>,
+    tau: f64,
+    key: StreamKey,
+    runs: Vec<Run<'a>>,
+) -> Ladder<'a> {
+    let finest_steps = (2.0 * problem.t_end() / tau).round() as u64;
+    valid(Ladder::new(&mc::Problem::of(problem), finest_steps, 1, truncation(), key, runs))
+}
+
+/// Moments of a combination of φ of the runs at the final time, for every φ, and the paths that
+/// failed.
+pub fn moments_of(
+    ladder: &Ladder<'_>,
+    samples: u64,
+    observables: &[Observable<3>],
+    combination: impl Fn(&dyn Fn(usize) -> f64) -> f64 + Sync,
+    advance: &(dyn Fn(u64) + Sync),
+) -> (CrossMoments, Vec<String>) {
+    let values = |view: &View<'_>, p: usize, values: &mut [f64]| {
+        for (value, observable) in values.iter_mut().zip(observables) {
+            *value = combination(&|run| (observable.function)(view.path(run, p)));
+        }
+    };
+    let new = || FinalMoments::new(ladder.coarse_steps(), observables.len(), &values);
+    let measured = ladder.run(samples, new, advance);
+    let failures = describe_failures(&measured);
+    (measured.statistic.moments, failures)
 }

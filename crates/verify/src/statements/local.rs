@@ -12,7 +12,7 @@
 //! them those of size τ^{3/2}, so that a mean of size τ² can be seen.
 
 use noise::{Noise, Truncation, WienerPath};
-use schemes::{Scheme, Sexp, SexpLi, Split, Step};
+use schemes::{Scheme, SexpLi, Step};
 use stats::{CrossMoments, Moments, fit_independent};
 use systems::{
     Cosine, Damping, Problem, RigidBody,
@@ -42,29 +42,17 @@ pub(super) fn measure_exact(conditions: &Conditions) -> Findings {
     remainder_claims(conditions, "local-exact", "the exact flow", exact_remainder).into()
 }
 
-pub(super) fn measure_sexp(conditions: &Conditions) -> Findings {
-    of_scheme(conditions, "local-sexp", &Sexp)
-}
-
 pub(super) fn measure_sexp_li(conditions: &Conditions) -> Findings {
     let problem = problem();
     let scheme = valid(SexpLi::new(problem.system(), problem.y0()));
-    unproven(of_scheme(conditions, "local-sexp-li", &scheme))
+    of_scheme(conditions, &scheme, false)
 }
 
-pub(super) fn measure_split(conditions: &Conditions) -> Findings {
-    unproven(of_scheme(conditions, "local-split", &Split))
-}
-
-fn unproven(findings: Findings) -> Findings {
-    let claims = findings.claims.into_iter().map(|claim| claim.proven(false));
-    claims.collect::<Vec<_>>().into()
-}
-
-/// Both claims about the remainder of a scheme.
-fn of_scheme(conditions: &Conditions, id: &str, scheme: &BodyScheme) -> Findings {
+/// Both claims about the remainder of a scheme, which the paper proves or does not.
+pub(super) fn of_scheme(conditions: &Conditions, scheme: &BodyScheme, proven: bool) -> Findings {
     let remainder = |tau: f64, pieces: &_| scheme_remainder(scheme, tau, pieces);
-    remainder_claims(conditions, id, scheme.id(), remainder).into()
+    let claims = remainder_claims(conditions, conditions.id(), scheme.id(), remainder);
+    claims.into_iter().map(|claim| claim.proven(proven)).collect::<Vec<_>>().into()
 }
 
 /// Both claims about a remainder.
@@ -201,6 +189,8 @@ fn dot(a: Vector, b: Vector) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use schemes::Sexp;
+
     use super::*;
 
     #[test]

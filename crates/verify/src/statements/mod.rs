@@ -8,6 +8,8 @@ pub mod solvability;
 pub mod truncation;
 pub mod without_iteration;
 
+use schemes::{Sexp, Split};
+
 use crate::Experiment;
 
 /// In the order of the paper, then the others.
@@ -17,9 +19,9 @@ pub const STATEMENTS: &[Experiment] = &[
     Experiment::new(&["exact-conformal"], exact_conformal::measure),
     Experiment::new(&["moment-bound"], moment_bound::measure),
     Experiment::new(&["local-exact"], local::measure_exact),
-    Experiment::new(&["local-sexp"], local::measure_sexp),
+    Experiment::new(&["local-sexp"], |conditions| local::of_scheme(conditions, &Sexp, true)),
     Experiment::new(&["local-sexp-li"], local::measure_sexp_li),
-    Experiment::new(&["local-split"], local::measure_split),
+    Experiment::new(&["local-split"], |conditions| local::of_scheme(conditions, &Split, false)),
     Experiment::new(&["any-increment"], without_iteration::any_increment),
     Experiment::new(&["no-noise"], without_iteration::no_noise),
 ];

@@ -9,8 +9,7 @@
 
 use std::ops::RangeInclusive;
 
-use analysis::FinalMoments;
-use mc::{Ladder, NextNoise, Observable, Run, View, bind};
+use mc::{NextNoise, Observable, Run, bind};
 use noise::{QuasiWiener, StreamKey};
 use real::WIDTH;
 use schemes::{Nv, Scheme, Sweep};
@@ -22,9 +21,11 @@ use systems::{
 
 use crate::{
     Conditions, Findings, Method, Words, in_words,
-    panels::strong::{describe_failures, power_of_half},
+    panels::{
+        strong::power_of_half,
+        weak::{difference_ladder, moments_of},
+    },
     results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
-    truncation,
 };
 
 const WORDS: Words = Words {
@@ -98,13 +99,7 @@ fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<Stri
         Box::new(Nv::of_parts().with_sweep(sweep))
     };
     let [forward, backward] = [Sweep::Forward, Sweep::Backward].map(sweep);
-    let finest_steps = (2.0 * problem.t_end() / tau).round() as u64;
-    let values = |view: &View<'_>, p: usize, differences: &mut [f64]| {
-        for (difference, observable) in differences.iter_mut().zip(&OBSERVABLES) {
-            let phi = |run: usize| (observable.function)(view.path(run, p));
-            *difference = 0.5 * (phi(0) + phi(1) - (phi(2) + phi(3)));
-        }
-    };
+    let steps = (2.0 * problem.t_end() / tau).round() as u64;
     let (mut moments, mut failures) = (CrossMoments::new(OBSERVABLES.len()), Vec::new());
     for scramble in 0..SCRAMBLES {
         let runs = vec![
@@ -113,14 +108,13 @@ fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<Stri
             Run::new(bind(&problem, forward.as_ref()), 0),
             Run::swapped(bind(&problem, backward.as_ref()), 0),
         ];
-        let wiener = valid(QuasiWiener::new(key, scramble, finest_steps, 3, problem.t_end()));
-        let ladder =
-            Ladder::new(&mc::Problem::of(&problem), finest_steps, 1, truncation(), key, runs);
-        let ladder = valid(valid(ladder).with_noise(move |path| increments(&wiener, path)));
-        let new = || FinalMoments::new(ladder.coarse_steps(), OBSERVABLES.len(), &values);
-        let measured = ladder.run(points, new, &|_| ());
-        failures.extend(describe_failures(&measured));
-        moments.add(&measured.statistic.moments.means());
+        let wiener = valid(QuasiWiener::new(key, scramble, steps, 3, problem.t_end()));
+        let ladder = difference_ladder(&problem, tau, key, runs);
+        let ladder = valid(ladder.with_noise(move |path| increments(&wiener, path)));
+        let difference = |phi: &dyn Fn(usize) -> f64| 0.5 * (phi(0) + phi(1) - (phi(2) + phi(3)));
+        let (found, failed) = moments_of(&ladder, points, &OBSERVABLES, difference, &|_| ());
+        failures.extend(failed);
+        moments.add(&found.means());
     }
     (moments, failures)
 }

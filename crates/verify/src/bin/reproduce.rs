@@ -9,8 +9,8 @@ use mc::parts::limit_threads;
 use plot::{Bars, files, provenance};
 use real::{Level, limit_to};
 use verify::{
-    Method, Mode, Settings, command,
-    page::{self, Outcome, terminal},
+    EXPERIMENTS, Method, Mode, STATEMENTS, SUPPLEMENTS, Settings, command,
+    page::{self, Outcome},
     results::{Claim, Results},
 };
 
@@ -23,7 +23,7 @@ struct Arguments {
     #[arg(long)]
     quick: bool,
     /// Run only this panel or statement; may be given several times.
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", value_parser = PossibleValuesParser::new(all_ids()))]
     only: Vec<String>,
     /// Schemes that are not in the paper and are further series of its panels, separated by commas,
     /// or none.
@@ -56,6 +56,11 @@ fn times(text: &str) -> Result<f64, String> {
     }
 }
 
+/// What `--only` may name.
+fn all_ids() -> impl Iterator<Item = &'static str> {
+    [EXPERIMENTS, STATEMENTS, SUPPLEMENTS].into_iter().flat_map(verify::ids)
+}
+
 /// What `--with` may name.
 fn further() -> impl Iterator<Item = &'static str> {
     ["none"].into_iter().chain(Method::FURTHER.map(Method::id))
@@ -71,7 +76,6 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(level) = arguments.simd {
         limit_to(level);
     }
-    verify::check_ids(&arguments.only)?;
     files::prepare(&arguments.out)?;
     arguments.threads.map_or(Ok(()), |threads| limit_threads(threads.into()))?;
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
@@ -81,7 +85,8 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     further.retain(|method| arguments.with.iter().any(|name| name == method.id()));
 
     let (start, bars) = (Instant::now(), Bars::default());
-    let mut results = verify::reproduce(settings, &arguments.only, &further, &bars)?;
+    let only: Vec<&str> = arguments.only.iter().map(String::as_str).collect();
+    let mut results = verify::reproduce(settings, &only, &further, &bars);
     bars.finish();
     results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);
     files::write_json(&arguments.out.join("results.json"), &results)?;
@@ -96,7 +101,7 @@ fn fails(claim: &Claim) -> bool {
 }
 
 fn print_summary(results: &Results, arguments: &Arguments) {
-    println!("{}", terminal::verdicts(&results.claims));
+    println!("{}", page::verdicts(&results.claims));
     let provenance = &results.provenance;
     for (id, seconds) in &provenance.wall_s_by_id {
         println!("{seconds:8.2} s  {id}");
@@ -109,7 +114,7 @@ fn print_summary(results: &Results, arguments: &Arguments) {
         provenance.simd,
         memory.unwrap_or_default()
     );
-    println!("{}", terminal::counts(&results.claims));
+    println!("{}", page::counts(&results.claims));
     for claim in results.claims.iter().filter(|claim| fails(claim)) {
         println!("REFUTED: {} on {}: {}", claim.id, claim.panel, claim.evidence);
     }
