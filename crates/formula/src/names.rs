@@ -55,12 +55,13 @@ pub enum NameError {
     },
 }
 
-/// Functions of two numbers.
-pub(crate) const PAIRS: [&str; 2] = ["min", "max"];
-
 /// The names of all functions.
 pub(crate) fn functions() -> impl Iterator<Item = String> {
-    Unary::NAMED.iter().map(Unary::to_string).chain(PAIRS.map(String::from))
+    Unary::NAMED.iter().map(Unary::to_string).chain(["min", "max"].map(String::from))
+}
+
+pub(crate) fn is_function(name: &str) -> bool {
+    functions().any(|function| function == name)
 }
 
 impl Names {
@@ -110,7 +111,7 @@ impl Names {
         if !crate::parse::is_name(name) {
             return Err(NameError::NotAName { name: given });
         }
-        if name == "pi" || functions().any(|function| function == name) {
+        if name == "pi" || is_function(name) {
             return Err(NameError::Reserved { name: given });
         }
         if self.meanings.contains_key(name) {

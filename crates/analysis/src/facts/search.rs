@@ -59,7 +59,7 @@ pub fn casimirs(
         let mut twos = Matrix::new();
         if unknowns > UNKNOWNS {
             all.quadratic = false;
-        } else if probe.system.description().linearity != Linearity::Constant && rank > 0 {
+        } else if probe.description().linearity != Linearity::Constant && rank > 0 {
             let enough = |states: &[AtPoints]| {
                 states.iter().map(|state| state.0.len()).sum::<usize>() * rank >= SURPLUS * unknowns
             };

@@ -34,8 +34,7 @@ impl FoundCasimir {
     fn new(form: Form, sight: &mut Sight<'_>, matrices: &[Matrix]) -> Self {
         let mut casimir = Finding::fitted();
         let at = sight.states.iter().zip(matrices);
-        let terms = at.map(|(y, b)| products(b, &form.gradient(y))).collect();
-        sight.record(&mut casimir, terms, 0.0);
+        sight.record(&mut casimir, at.map(|(y, b)| products(b, &form.gradient(y))));
         let search = |sight: &mut Sight<'_>| {
             let values = |_: &mut Probe<'_>, y: &[Vec<f64>]| {
                 y.iter().map(|y| form.value(y)).collect::<Vec<_>>()
@@ -157,8 +156,7 @@ impl LogarithmicCasimir {
                 products(&b.iter().map(of).collect::<Matrix>(), &gradient)
             };
             let mut casimir = Finding::fitted();
-            let here = sight.states.iter().zip(matrices).map(terms).collect();
-            sight.record(&mut casimir, here, 0.0);
+            sight.record(&mut casimir, sight.states.iter().zip(matrices).map(terms));
             for at in others.iter().zip(&other_matrices) {
                 casimir.record(at.0, &[terms(at)], 0.0);
             }

@@ -214,7 +214,7 @@ fn ball(y0: &[f64]) -> Region {
 }
 
 fn check_finite(sight: &mut Sight<'_>) -> Result<(), InspectError> {
-    let weights = vec![1.0; sight.probe.system.description().noises + 1];
+    let weights = vec![1.0; sight.probe.noises() + 1];
     let probe = &mut sight.probe;
     for states in [&sight.points.for_suprema, &sight.points.for_identities] {
         let gradient = probe.gradient(states, &weights);

@@ -32,7 +32,7 @@ impl Noises {
             silent: Finding::strict(),
             on_paths: [Finding::strict(), Finding::strict()],
         };
-        let noises = sight.probe.system.description().noises;
+        let noises = sight.probe.noises();
         if noises == 0 {
             return found;
         }
@@ -101,17 +101,14 @@ impl Noises {
             let size = norm(a) + norm(b);
             a.iter().zip(b).map(|(a, b)| (a - b, size)).collect()
         };
-        let none = vec![0.0; probe.dimension()];
-        let silent = fields[0]
-            .iter()
-            .zip(&slopes[0])
-            .map(|(f, v)| terms(f, &none).into_iter().map(|(x, _)| (x, norm(v))).collect());
-        sight.record(&mut self.silent, silent.collect(), 0.0);
-        let own = own.iter().map(|x| x.iter().map(|x| (*x, x.abs())).collect()).collect();
-        sight.record(&mut self.no_correction, own, 0.0);
+        let sized = |f: &Vec<f64>, size: &dyn Fn(f64) -> f64| {
+            f.iter().map(|x| (*x, size(*x))).collect::<Vec<Term>>()
+        };
+        let silent = fields[0].iter().zip(&slopes[0]).map(|(f, v)| sized(f, &|_| norm(v)));
+        sight.record(&mut self.silent, silent);
+        sight.record(&mut self.no_correction, own.iter().map(|x| sized(x, &f64::abs)));
         if weights[0].len() > 2 {
-            let terms = one.iter().zip(&other).map(|(a, b)| terms(a, b)).collect();
-            sight.record(&mut self.commute, terms, 0.0);
+            sight.record(&mut self.commute, one.iter().zip(&other).map(|(a, b)| terms(a, b)));
         }
     }
 }
