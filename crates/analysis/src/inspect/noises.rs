@@ -55,23 +55,22 @@ impl Noises {
                 for m in 0..noises {
                     // The size of a derivative of fields that are not nearly constant.
                     let typical = length(l + 1) * length(m + 1) / extent;
-                    let product = of(&|fields| fields[l].along(&fields[m]));
-                    let commutator = of(&|fields| {
-                        let (one, other) =
-                            (fields[l].along(&fields[m]), fields[m].along(&fields[l]));
-                        one.iter().zip(other).map(|(a, b)| (a.0 - b.0, a.1 + b.1)).collect()
-                    });
-                    let mut findings = vec![&mut found.no_correction];
-                    let [commute, correction] = &mut found.on_paths;
-                    if sight.points.on_path(n) {
-                        findings.push(correction);
-                    }
-                    findings.into_iter().for_each(|f| f.record(at, &product, typical));
-                    if m < l {
-                        found.commute.record(at, &commutator, typical);
+                    let record = |[all, on_paths]: [&mut Finding; 2], terms: Vec<Vec<Term>>| {
+                        all.record(at, &terms, typical);
                         if sight.points.on_path(n) {
-                            commute.record(at, &commutator, typical);
+                            on_paths.record(at, &terms, typical);
                         }
+                    };
+                    let [commute, correction] = &mut found.on_paths;
+                    let product = of(&|fields| fields[l].along(&fields[m]));
+                    record([&mut found.no_correction, correction], product);
+                    if m < l {
+                        let commutator = of(&|fields| {
+                            let one = fields[l].along(&fields[m]);
+                            let other = fields[m].along(&fields[l]);
+                            one.iter().zip(other).map(|(a, b)| (a.0 - b.0, a.1 + b.1)).collect()
+                        });
+                        record([&mut found.commute, commute], commutator);
                     }
                 }
             }
