@@ -369,7 +369,8 @@ impl Casimirs {
             _ => "",
         };
         writeln!(f, "  Casimirs of B, {sought}, coefficients to six digits:{none}")?;
-        for FoundCasimir { formula, degree, minimum, casimir, .. } in found.iter().take(LISTED) {
+        for FoundCasimir { formula, form, minimum, casimir } in found.iter().take(LISTED) {
+            let degree = form.degree;
             writeln!(f, "    {formula}; degree {degree}, m = {minimum}; B∇C = 0 {casimir}")?;
         }
         if found.len() > LISTED {
