@@ -23,7 +23,11 @@ impl Graph {
         }
         for id in self.ids().rev().skip_while(|id| id.index() >= varies.len()) {
             if let Some(weight) = adjoints[id.index()] {
-                for (operand, part) in self.parts(id, weight, &varies) {
+                let operands = self.node(id).operands().enumerate();
+                let varying = operands.filter(|(_, operand)| varies[operand.index()]);
+                let part = |(k, operand)| Some((operand, self.part(id, k, weight)?));
+                let parts: Vec<(Id, Id)> = varying.filter_map(part).collect();
+                for (operand, part) in parts {
                     self.accumulate(&mut adjoints, &varies, operand, part);
                 }
             }
@@ -57,79 +61,54 @@ impl Graph {
         varies
     }
 
-    /// weight·∂f/∂a for every operand a of f that varies.
-    fn parts(&mut self, f: Id, weight: Id, varies: &[bool]) -> Vec<(Id, Id)> {
-        let mut parts = Vec::new();
-        let mut push = |graph: &mut Self, a: Id, part: &dyn Fn(&mut Self) -> Id| {
-            if varies[a.index()] {
-                parts.push((a, part(graph)));
+    /// weight·∂f/∂a for operand number k of f.
+    fn part(&mut self, f: Id, k: usize, weight: Id) -> Option<Id> {
+        let is_first = k == 0;
+        Some(match self.node(f) {
+            Node::Constant(_) | Node::Input(_) => return None,
+            Node::Unary(Unary::Neg, _) => self.neg(weight),
+            Node::Unary(Unary::Abs, a) => {
+                let (zero, other) = (self.constant(0.0), self.neg(weight));
+                self.where_less(a, zero, other, weight)
             }
-        };
-        match self.node(f) {
-            Node::Constant(_) | Node::Input(_) => {}
-            Node::Unary(Unary::Neg, a) => push(self, a, &|g| g.neg(weight)),
-            Node::Unary(Unary::Abs, a) => push(self, a, &|g| {
-                let (zero, other) = (g.constant(0.0), g.neg(weight));
-                g.where_less(a, zero, other, weight)
-            }),
-            Node::Unary(Unary::Sqrt, a) => push(self, a, &|g| {
-                let twice = g.scale(f, 2.0);
-                g.div(weight, twice)
-            }),
-            Node::Unary(Unary::Ln, a) => push(self, a, &|g| g.div(weight, a)),
-            Node::Unary(function, a) => push(self, a, &|g| {
-                let slope = g.slope(function, f, a);
-                g.mul(weight, slope)
-            }),
-            Node::Binary(Binary::Add, a, b) => {
-                push(self, a, &|_| weight);
-                push(self, b, &|_| weight);
+            Node::Unary(Unary::Sqrt, _) => {
+                let twice = self.scale(f, 2.0);
+                self.div(weight, twice)
             }
-            Node::Binary(Binary::Sub, a, b) => {
-                push(self, a, &|_| weight);
-                push(self, b, &|g| g.neg(weight));
+            Node::Unary(Unary::Ln, a) => self.div(weight, a),
+            Node::Unary(function, a) => {
+                let slope = self.slope(function, f, a);
+                self.mul(weight, slope)
             }
-            Node::Binary(Binary::Mul, a, b) => {
-                push(self, a, &|g| g.mul(weight, b));
-                push(self, b, &|g| g.mul(weight, a));
+            Node::Binary(Binary::Add, ..) => weight,
+            Node::Binary(Binary::Sub, ..) if is_first => weight,
+            Node::Binary(Binary::Sub, ..) => self.neg(weight),
+            Node::Binary(Binary::Mul, a, b) => self.mul(weight, if is_first { b } else { a }),
+            Node::Binary(Binary::Div, _, b) => {
+                let part = self.div(weight, b);
+                if is_first {
+                    return Some(part);
+                }
+                let part = self.mul(part, f);
+                self.neg(part)
             }
-            Node::Binary(Binary::Div, a, b) => {
-                push(self, a, &|g| g.div(weight, b));
-                push(self, b, &|g| {
-                    let part = g.div(weight, b);
-                    let part = g.mul(part, f);
-                    g.neg(part)
-                });
+            Node::Binary(Binary::Min, a, b) => self.piece(a, b, weight, is_first),
+            Node::Binary(Binary::Max, a, b) => self.piece(b, a, weight, is_first),
+            Node::Power(a, n) => {
+                let power = self.power_of_size(a, n - 1);
+                let weight = self.scale(weight, f64::from(n));
+                self.mul(weight, power)
             }
-            Node::Binary(Binary::Min, a, b) => {
-                push(self, a, &|g| g.weight_where_less(a, b, weight));
-                push(self, b, &|g| g.weight_where_not_less(a, b, weight));
-            }
-            Node::Binary(Binary::Max, a, b) => {
-                push(self, a, &|g| g.weight_where_less(b, a, weight));
-                push(self, b, &|g| g.weight_where_not_less(b, a, weight));
-            }
-            Node::Power(a, n) => push(self, a, &|g| {
-                let power = g.power_of_size(a, n - 1);
-                let weight = g.scale(weight, f64::from(n));
-                g.mul(weight, power)
-            }),
-            Node::Where([x, y, a, b]) => {
-                push(self, a, &|g| g.weight_where_less(x, y, weight));
-                push(self, b, &|g| g.weight_where_not_less(x, y, weight));
-            }
-        }
-        parts
+            Node::Where([x, y, ..]) if k >= 2 => self.piece(x, y, weight, k == 2),
+            Node::Where(_) => return None,
+        })
     }
 
-    fn weight_where_less(&mut self, x: Id, y: Id, weight: Id) -> Id {
+    /// The weight where x < y, or where not, and else zero.
+    fn piece(&mut self, x: Id, y: Id, weight: Id, is_less: bool) -> Id {
         let zero = self.constant(0.0);
-        self.where_less(x, y, weight, zero)
-    }
-
-    fn weight_where_not_less(&mut self, x: Id, y: Id, weight: Id) -> Id {
-        let zero = self.constant(0.0);
-        self.where_less(x, y, zero, weight)
+        let (a, b) = if is_less { (weight, zero) } else { (zero, weight) };
+        self.where_less(x, y, a, b)
     }
 
     /// The derivative of f = function(a), for smooth functions other than √, ln and −.
@@ -208,39 +187,23 @@ impl Graph {
         let of = |id: Id| tangents[id.index()];
         let tangent = match self.node(f) {
             Node::Constant(_) | Node::Input(_) => return None,
-            Node::Unary(Unary::Neg, a) => self.neg(of(a)?),
-            Node::Unary(Unary::Abs, a) => {
-                let (rate, zero) = (of(a)?, self.constant(0.0));
-                let other = self.neg(rate);
-                self.where_less(a, zero, other, rate)
-            }
-            Node::Unary(Unary::Sqrt, a) => {
-                let (rate, twice) = (of(a)?, self.scale(f, 2.0));
-                self.div(rate, twice)
-            }
-            Node::Unary(Unary::Ln, a) => self.div(of(a)?, a),
-            Node::Unary(function, a) => {
+            Node::Unary(_, a) => {
                 let rate = of(a)?;
-                let slope = self.slope(function, f, a);
-                self.mul(slope, rate)
+                self.part(f, 0, rate)?
             }
-            Node::Binary(Binary::Add, a, b) => match (of(a), of(b)) {
-                (Some(a), Some(b)) => self.add(a, b),
-                (a, b) => a.or(b)?,
-            },
+            Node::Binary(Binary::Add | Binary::Mul, a, b) => {
+                let parts = [a, b].map(of);
+                let mut part = |k: usize| parts[k].and_then(|rate| self.part(f, k, rate));
+                match (part(0), part(1)) {
+                    (Some(left), Some(right)) => self.add(left, right),
+                    (left, right) => left.or(right)?,
+                }
+            }
             Node::Binary(Binary::Sub, a, b) => match (of(a), of(b)) {
                 (Some(a), Some(b)) => self.sub(a, b),
                 (Some(a), None) => a,
                 (None, b) => self.neg(b?),
             },
-            Node::Binary(Binary::Mul, a, b) => {
-                let left = of(a).map(|rate| self.mul(rate, b));
-                let right = of(b).map(|rate| self.mul(a, rate));
-                match (left, right) {
-                    (Some(left), Some(right)) => self.add(left, right),
-                    (left, right) => left.or(right)?,
-                }
-            }
             Node::Binary(Binary::Div, a, b) => {
                 let lower = of(b).map(|rate| self.mul(f, rate));
                 let upper = match (of(a), lower) {

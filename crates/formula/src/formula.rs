@@ -4,7 +4,7 @@ use std::slice::{from_mut, from_ref};
 
 use real::{Row, WIDTH};
 
-use crate::{DomainError, FormulaError, Graph, Id, Names, Tape, domain::explain, parse};
+use crate::{FormulaError, Graph, Id, Names, Tape, domain::explain, parse};
 
 /// A formula in named variables.
 ///
@@ -17,7 +17,7 @@ use crate::{DomainError, FormulaError, Graph, Id, Names, Tape, domain::explain, 
 /// assert_eq!(h.value(&[2.0, 1.0]), 2.0);
 /// assert_eq!((h.degree(&[0]), h.degree(&[1])), (Some(2), None));
 /// let reason = h.explain(&[2.0, -0.3]).unwrap();
-/// assert_eq!((reason.operation.as_str(), reason.column), ("ln of -0.3", 12));
+/// assert_eq!((reason.message.as_str(), reason.column), ("ln of -0.3 is NaN", 12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -140,7 +140,7 @@ impl Formula {
     /// # Panics
     /// Unless the point has a number for each variable.
     #[must_use]
-    pub fn explain(&self, point: &[f64]) -> Option<DomainError> {
+    pub fn explain(&self, point: &[f64]) -> Option<FormulaError> {
         assert_eq!(point.len(), self.variables.len(), "numbers of a point");
         explain(&self.graph, self.root, &self.text, &self.variables, point)
     }

@@ -1,11 +1,18 @@
 //! Functions of numbers that `real` does not have, without branches.
 
-use real::{Real, elementary};
+use real::Real;
+
+/// |x|.
+#[inline(always)]
+pub fn abs<R: Real>(x: R) -> R {
+    // The sum makes −0 to 0.
+    R::where_less(x, R::zero(), -x, x + 0.0)
+}
 
 /// tan x = sin x/cos x.
 #[inline(always)]
-pub fn tan(x: f64) -> f64 {
-    let (sin, cos) = elementary::sin_cos(x);
+pub fn tan<R: Real>(x: R) -> R {
+    let (sin, cos) = x.sin_cos();
     sin / cos
 }
 
@@ -21,62 +28,58 @@ const SINH_SERIES: [f64; 10] = {
     coefficients
 };
 
-/// sinh x for |x| ≤ 1.
+/// sinh and cosh of x with |x| = `size`; or ±`size`, with the sign of x.
 #[inline(always)]
-fn short_sinh(x: f64) -> f64 {
+fn sinh_cosh<R: Real>(x: R, size: R) -> (R, R) {
     let square = x * x;
-    let mut sum = SINH_SERIES[9];
+    let mut sum = R::constant(SINH_SERIES[9]);
     let mut k = 9;
     while k > 1 {
         k -= 1;
         sum = sum * square + SINH_SERIES[k];
     }
-    x + x * (square * sum)
+    let short = x + x * (square * sum);
+    let (up, down) = (size.exp(), size.exp().recip());
+    let long = (up - down) * 0.5;
+    let long = R::where_less(x, R::zero(), -long, long);
+    (R::where_less(size, R::one(), short, long), (up + down) * 0.5)
 }
 
 /// sinh x: a series for |x| < 1, else ½(eˣ − e⁻ˣ). Infinite for |x| > 709.78.
 #[inline(always)]
-pub fn sinh(x: f64) -> f64 {
-    let size = x.abs();
-    let exp = elementary::exp(size);
-    let long = ((exp - 1.0 / exp) * 0.5).copysign(x);
-    if size < 1.0 { short_sinh(x) } else { long }
+pub fn sinh<R: Real>(x: R) -> R {
+    sinh_cosh(x, abs(x)).0
 }
 
 /// cosh x = ½(eˣ + e⁻ˣ). Infinite for |x| > 709.78.
 #[inline(always)]
-pub fn cosh(x: f64) -> f64 {
-    let exp = elementary::exp(x.abs());
-    (exp + 1.0 / exp) * 0.5
+pub fn cosh<R: Real>(x: R) -> R {
+    sinh_cosh(x, abs(x)).1
 }
 
 /// tanh x = sinh x/cosh x. It is ±1 from |x| = 20 on, where 1 − |tanh x| < 2⁻⁵³.
 #[inline(always)]
-pub fn tanh(x: f64) -> f64 {
-    let size = x.abs();
-    let size = if size > 20.0 { 20.0 } else { size };
-    let exp = elementary::exp(size);
-    let (sinh, cosh) = ((exp - 1.0 / exp) * 0.5, (exp + 1.0 / exp) * 0.5);
-    let sinh = if size < 1.0 { short_sinh(size) } else { sinh };
-    (sinh / cosh).copysign(x)
+pub fn tanh<R: Real>(x: R) -> R {
+    let (size, most) = (abs(x), R::constant(20.0));
+    let (sinh, cosh) = sinh_cosh(x, R::where_less(most, size, most, size));
+    sinh / cosh
 }
 
 /// The smaller number; NaN if either is.
 #[inline(always)]
-pub fn min(a: f64, b: f64) -> f64 {
-    let smaller = if a < b { a } else { b };
-    if a.is_nan() { a } else { smaller }
+pub fn min<R: Real>(a: R, b: R) -> R {
+    unless_nan(a, R::where_less(a, b, a, b))
 }
 
 /// The larger number; NaN if either is.
 #[inline(always)]
-pub fn max(a: f64, b: f64) -> f64 {
-    let larger = if b < a { a } else { b };
-    if a.is_nan() { a } else { larger }
+pub fn max<R: Real>(a: R, b: R) -> R {
+    unless_nan(a, R::where_less(b, a, a, b))
 }
 
-/// `a` where x < y, else `b`.
+/// `b`, or `a` if that is NaN.
 #[inline(always)]
-pub fn where_less(x: f64, y: f64, a: f64, b: f64) -> f64 {
-    f64::where_less(x, y, a, b)
+fn unless_nan<R: Real>(a: R, b: R) -> R {
+    let not_below = R::where_less(R::zero(), a, b, a);
+    R::where_less(a, R::constant(f64::INFINITY), b, not_below)
 }

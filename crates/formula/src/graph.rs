@@ -6,7 +6,7 @@ use std::{
     ops::Range,
 };
 
-use real::elementary;
+use real::Real;
 
 use crate::functions;
 
@@ -72,41 +72,28 @@ impl Unary {
         Self::Sinc,
     ];
 
-    /// The value at x, with the functions of `real` that a tape uses.
-    pub(crate) fn value(self, x: f64) -> f64 {
+    /// The value at x, with the functions that a tape uses.
+    pub(crate) fn value<R: Real>(self, x: R) -> R {
         match self {
             Self::Neg => -x,
-            Self::Abs => x.abs(),
+            Self::Abs => functions::abs(x),
             Self::Sqrt => x.sqrt(),
-            Self::Exp => elementary::exp(x),
-            Self::Ln => elementary::ln(x),
-            Self::Sin => elementary::sin(x),
-            Self::Cos => elementary::cos(x),
+            Self::Exp => x.exp(),
+            Self::Ln => x.ln(),
+            Self::Sin => x.sin(),
+            Self::Cos => x.cos(),
             Self::Tan => functions::tan(x),
             Self::Sinh => functions::sinh(x),
             Self::Cosh => functions::cosh(x),
             Self::Tanh => functions::tanh(x),
-            Self::Sinc => elementary::sinc(x),
+            Self::Sinc => x.sinc(),
         }
     }
 }
 
 impl Display for Unary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Neg => "-",
-            Self::Abs => "abs",
-            Self::Sqrt => "sqrt",
-            Self::Exp => "exp",
-            Self::Ln => "ln",
-            Self::Sin => "sin",
-            Self::Cos => "cos",
-            Self::Tan => "tan",
-            Self::Sinh => "sinh",
-            Self::Cosh => "cosh",
-            Self::Tanh => "tanh",
-            Self::Sinc => "sinc",
-        })
+        f.write_str(&format!("{self:?}").to_lowercase())
     }
 }
 
@@ -129,7 +116,7 @@ pub enum Binary {
 
 impl Binary {
     /// The value at (a, b).
-    pub(crate) fn value(self, a: f64, b: f64) -> f64 {
+    pub(crate) fn value<R: Real>(self, a: R, b: R) -> R {
         match self {
             Self::Add => a + b,
             Self::Sub => a - b,
@@ -152,7 +139,7 @@ pub enum Node {
     Unary(Unary, Id),
     /// A function of two expressions.
     Binary(Binary, Id, Id),
-    /// xⁿ with n ≥ 2, by repeated squaring as [`elementary::powi`].
+    /// xⁿ with n ≥ 2, by repeated squaring as [`real::elementary::powi`].
     Power(Id, u32),
     /// The third where the first is less than the second, else the fourth.
     Where([Id; 4]),
@@ -182,30 +169,17 @@ impl Node {
     }
 
     /// The value, from those of the inputs and of earlier expressions.
-    pub(crate) fn value(self, inputs: &[f64], values: &[f64]) -> f64 {
+    pub(crate) fn value<R: Real>(self, inputs: &[R], values: &[R]) -> R {
         let of = |id: Id| values[id.index()];
         match self {
-            Self::Constant(bits) => f64::from_bits(bits),
+            Self::Constant(bits) => R::constant(f64::from_bits(bits)),
             Self::Input(k) => inputs[k as usize],
             Self::Unary(function, a) => function.value(of(a)),
             Self::Binary(function, a, b) => function.value(of(a), of(b)),
-            Self::Power(a, n) => powu(of(a), n),
-            Self::Where([x, y, a, b]) => functions::where_less(of(x), of(y), of(a), of(b)),
+            Self::Power(a, n) => of(a).powi(n as i32),
+            Self::Where([x, y, a, b]) => R::where_less(of(x), of(y), of(a), of(b)),
         }
     }
-}
-
-/// xⁿ with the bits of [`elementary::powi`], for any n.
-fn powu(x: f64, n: u32) -> f64 {
-    let (mut power, mut square, mut rest) = (1.0, x, n);
-    while rest != 0 {
-        if rest & 1 == 1 {
-            power *= square;
-        }
-        square *= square;
-        rest >>= 1;
-    }
-    power
 }
 
 /// Expressions in some inputs, numbered from zero.
@@ -222,13 +196,11 @@ fn powu(x: f64, n: u32) -> f64 {
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    places: Vec<Option<TextPlace>>,
+    /// The bytes of a text where an expression was made first.
+    places: Vec<Option<Range<usize>>>,
     ids: HashMap<Node, Id>,
-    place: Option<TextPlace>,
+    place: Option<Range<usize>>,
 }
-
-/// A range of bytes of a text.
-pub(crate) type TextPlace = (u32, u32);
 
 impl Graph {
     /// A graph without expressions.
@@ -244,15 +216,8 @@ impl Graph {
     }
 
     /// The number of expressions.
-    #[must_use]
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.nodes.len()
-    }
-
-    /// Whether there is no expression.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
     }
 
     pub(crate) fn ids(&self) -> impl DoubleEndedIterator<Item = Id> + use<> {
@@ -261,19 +226,19 @@ impl Graph {
 
     /// Expressions made from now on have this place in the text.
     pub(crate) fn set_place(&mut self, place: Range<usize>) {
-        self.place = Some((place.start as u32, place.end as u32));
+        self.place = Some(place);
     }
 
     /// The place where an expression was made first.
     pub(crate) fn place(&self, id: Id) -> Option<Range<usize>> {
-        self.places[id.index()].map(|(start, end)| start as usize..end as usize)
+        self.places[id.index()].clone()
     }
 
     /// The expression as it stands, without any identity.
     pub(crate) fn intern(&mut self, node: Node) -> Id {
         *self.ids.entry(node).or_insert_with(|| {
             self.nodes.push(node);
-            self.places.push(self.place);
+            self.places.push(self.place.clone());
             Id(self.nodes.len() as u32 - 1)
         })
     }
@@ -418,36 +383,21 @@ impl Graph {
             _ if a == b => return self.power(a, 2),
             _ => {}
         }
-        match (self.negated(a), self.negated(b)) {
-            (Some(x), Some(y)) => self.mul(x, y),
-            (Some(x), None) => {
-                let product = self.mul(x, b);
-                self.neg(product)
-            }
-            (None, Some(y)) => {
-                let product = self.mul(a, y);
-                self.neg(product)
-            }
-            (None, None) => self.commutative(Binary::Mul, a, b),
+        match self.unsigned(a, b, Self::mul) {
+            Some(product) => product,
+            None => self.commutative(Binary::Mul, a, b),
         }
     }
 
     /// c·a.
     pub fn scale(&mut self, a: Id, c: f64) -> Id {
-        if let Some(x) = self.as_constant(a) {
-            return self.constant(x * c);
-        }
-        if c == 0.0 {
-            return self.constant(0.0);
-        }
-        if c == 1.0 {
-            return a;
-        }
-        if let Some(x) = self.negated(a) {
-            return self.scale(x, -c);
-        }
-        if c == -1.0 {
-            return self.neg(a);
+        match (self.as_constant(a), self.negated(a)) {
+            (Some(x), _) => return self.constant(x * c),
+            _ if c == 0.0 => return self.constant(0.0),
+            _ if c == 1.0 => return a,
+            (_, Some(x)) => return self.scale(x, -c),
+            _ if c == -1.0 => return self.neg(a),
+            _ => {}
         }
         if let Some((x, inner)) = self.scaled(a)
             && (is_power_of_two(c) || is_power_of_two(inner))
@@ -474,21 +424,20 @@ impl Graph {
             }
             _ => {}
         }
-        match (self.negated(a), self.negated(b)) {
-            (Some(x), Some(y)) => self.div(x, y),
-            (Some(x), None) => {
-                let quotient = self.div(x, b);
-                self.neg(quotient)
-            }
-            (None, Some(y)) => {
-                let quotient = self.div(a, y);
-                self.neg(quotient)
-            }
-            (None, None) => self.intern(Node::Binary(Binary::Div, a, b)),
+        match self.unsigned(a, b, Self::div) {
+            Some(quotient) => quotient,
+            None => self.intern(Node::Binary(Binary::Div, a, b)),
         }
     }
 
-    /// aⁿ by repeated squaring, with the bits of [`elementary::powi`].
+    /// The product or quotient of operands of which one is −x, without that sign.
+    fn unsigned(&mut self, a: Id, b: Id, f: fn(&mut Self, Id, Id) -> Id) -> Option<Id> {
+        let (x, y) = (self.negated(a), self.negated(b));
+        let unsigned = x.or(y).map(|_| f(self, x.unwrap_or(a), y.unwrap_or(b)))?;
+        Some(if x.is_some() == y.is_some() { unsigned } else { self.neg(unsigned) })
+    }
+
+    /// aⁿ by repeated squaring, with the bits of [`real::elementary::powi`].
     pub fn power(&mut self, a: Id, n: i32) -> Id {
         if n < 0 {
             let (one, power) = (self.constant(1.0), self.power_of_size(a, n.unsigned_abs()));
@@ -501,7 +450,7 @@ impl Graph {
         match (n, self.as_constant(a), self.negated(a)) {
             (0, _, _) => self.constant(1.0),
             (1, _, _) => a,
-            (_, Some(x), _) => self.constant(powu(x, n)),
+            (_, Some(x), _) => self.constant(Real::powi(x, n as i32)),
             (_, _, Some(x)) => {
                 let power = self.power_of_size(x, n);
                 if n % 2 == 1 { self.neg(power) } else { power }
@@ -513,13 +462,8 @@ impl Graph {
     /// `a` where x < y, else `b`.
     pub fn where_less(&mut self, x: Id, y: Id, a: Id, b: Id) -> Id {
         match (self.as_constant(x), self.as_constant(y)) {
-            (Some(x), Some(y)) => {
-                if x < y {
-                    a
-                } else {
-                    b
-                }
-            }
+            (Some(x), Some(y)) if x < y => a,
+            (Some(_), Some(_)) => b,
             _ if a == b => a,
             _ => self.intern(Node::Where([x, y, a, b])),
         }
@@ -550,28 +494,21 @@ impl Graph {
 
     /// The expressions `roots` of another graph, with input k of it being `inputs[k]` of this one.
     pub fn import(&mut self, other: &Self, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
-        let needed = other.needed(roots);
-        let mut copies = vec![None; other.len()];
-        self.place = None;
-        for id in other.ids().filter(|id| needed[id.index()]) {
-            let copy = match other.node(id) {
-                Node::Input(k) => inputs[k as usize],
-                node => self.make(node, |operand| {
-                    copies[operand.index()].unwrap_or_else(|| unreachable!("operands come first"))
-                }),
-            };
-            copies[id.index()] = Some(copy);
-        }
-        roots.iter().filter_map(|root| copies[root.index()]).collect()
+        self.copy(Some(other), roots, inputs)
     }
 
     /// The expressions `roots` with `inputs[k]` in the place of input k.
     pub(crate) fn substitute(&mut self, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
-        let needed = self.needed(roots);
+        self.copy(None, roots, inputs)
+    }
+
+    /// Expressions of another graph, or of this one.
+    fn copy(&mut self, other: Option<&Self>, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
+        let needed = other.unwrap_or(self).needed(roots);
         let mut copies = vec![Id::FIRST; needed.len()];
         self.place = None;
-        for (index, id) in self.ids().enumerate().filter(|(index, _)| needed[*index]) {
-            copies[index] = match self.node(id) {
+        for index in (0..needed.len()).filter(|&index| needed[index]) {
+            copies[index] = match other.unwrap_or(self).nodes[index] {
                 Node::Input(k) => inputs[k as usize],
                 node => self.make(node, |operand| copies[operand.index()]),
             };
@@ -593,10 +530,10 @@ impl Graph {
         needed
     }
 
-    /// The values of all expressions that come before the largest of `roots`, and of these.
-    pub(crate) fn values(&self, roots: &[Id], inputs: &[f64]) -> Vec<f64> {
+    /// The values of `roots` and of what they are made of, on numbers of any type.
+    pub(crate) fn values<R: Real>(&self, roots: &[Id], inputs: &[R]) -> Vec<R> {
         let needed = self.needed(roots);
-        let mut values = vec![0.0; self.len()];
+        let mut values = vec![R::zero(); self.len()];
         for id in self.ids().filter(|id| needed[id.index()]) {
             values[id.index()] = self.node(id).value(inputs, &values);
         }

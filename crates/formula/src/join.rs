@@ -139,9 +139,9 @@ impl Join<'_> {
             Node::Input(_) => return None,
             Node::Unary(Unary::Neg, a) => match self.term(a) {
                 Term::Product(a, b) => Joined::new(Operation::NegMul, [a, b], &[]),
-                _ => Joined::new(Operation::Neg, [a], &[]),
+                _ => Joined::new(Operation::Of(Unary::Neg), [a], &[]),
             },
-            Node::Unary(function, a) => Joined::new(unary(function), [a], &[]),
+            Node::Unary(function, a) => Joined::new(Operation::Of(function), [a], &[]),
             Node::Binary(Binary::Add, a, b) => self.long_sum(a, b),
             Node::Binary(Binary::Sub, a, b) => self.difference(a, b),
             Node::Binary(Binary::Mul, a, b) => self.product(a, b),
@@ -183,10 +183,16 @@ impl Join<'_> {
     }
 
     fn sum(&self, a: Id, b: Id) -> Joined {
+        self.sum_of((a, self.term(a)), (b, self.term(b)))
+    }
+
+    fn sum_of(&self, (a, left): (Id, Term), (b, right): (Id, Term)) -> Joined {
         use Operation::*;
         // a + b = b + a to the bit.
-        let (a, b) = if self.number(a).is_some() { (b, a) } else { (a, b) };
-        match (self.term(a), self.term(b)) {
+        if let Term::Number(_) = left {
+            return self.sum_of((b, right), (a, left));
+        }
+        match (left, right) {
             (Term::Product(a, b), Term::Product(c, d)) => Joined::new(MulAddMul, [a, b, c, d], &[]),
             (Term::Product(a, b), Term::Number(k)) => Joined::new(MulAddNumber, [a, b], &[k]),
             (Term::Product(x, y), _) => Joined::new(MulAdd, [x, y, b], &[]),
@@ -208,15 +214,10 @@ impl Join<'_> {
             (Term::Product(a, b), Term::Number(k)) => Joined::new(MulAddNumber, [a, b], &[-k]),
             (Term::Product(x, y), _) => Joined::new(MulSub, [x, y, b], &[]),
             (_, Term::Product(x, y)) => Joined::new(SubMul, [x, y, a], &[]),
-            (Term::Scaled(a, k), Term::Scaled(b, l)) => {
-                Joined::new(ScaleAddScale, [a, b], &[k, -l])
-            }
-            (Term::Number(l), Term::Scaled(a, k)) => Joined::new(ScaleAddNumber, [a], &[-k, l]),
-            (Term::Scaled(a, k), Term::Number(l)) => Joined::new(ScaleAddNumber, [a], &[k, -l]),
+            (term, Term::Scaled(x, k)) => self.sum_of((a, term), (b, Term::Scaled(x, -k))),
+            (term, Term::Number(k)) => self.sum_of((a, term), (b, Term::Number(-k))),
             (Term::Scaled(x, k), _) => Joined::new(ScaleSub, [x, b], &[k]),
-            (_, Term::Scaled(x, k)) => Joined::new(ScaleAdd, [x, a], &[-k]),
             (Term::Number(k), _) => Joined::new(NumberSub, [b], &[k]),
-            (_, Term::Number(k)) => Joined::new(AddNumber, [a], &[-k]),
             _ => Joined::new(Sub, [a, b], &[]),
         }
     }
@@ -249,22 +250,5 @@ impl Join<'_> {
     /// Whether neither term of a sum is a number or would become part of the sum.
     fn are_plain(&self, x: Id, y: Id) -> bool {
         [x, y].into_iter().all(|term| matches!(self.term(term), Term::Other))
-    }
-}
-
-fn unary(function: Unary) -> Operation {
-    match function {
-        Unary::Neg => Operation::Neg,
-        Unary::Abs => Operation::Abs,
-        Unary::Sqrt => Operation::Sqrt,
-        Unary::Exp => Operation::Exp,
-        Unary::Ln => Operation::Ln,
-        Unary::Sin => Operation::Sin,
-        Unary::Cos => Operation::Cos,
-        Unary::Tan => Operation::Tan,
-        Unary::Sinh => Operation::Sinh,
-        Unary::Cosh => Operation::Cosh,
-        Unary::Tanh => Operation::Tanh,
-        Unary::Sinc => Operation::Sinc,
     }
 }

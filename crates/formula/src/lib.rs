@@ -49,7 +49,7 @@
 //! | [`Graph`], [`parse()`] | expressions of several formulas, derivatives from graph to graph |
 //! | [`Tape`] | what evaluates them |
 //! | [`Definition`], [`FormulaSystem`] | a Poisson system from texts, for `systems::run_time` |
-//! | [`FormulaError`], [`DomainError`] | what is wrong, with line, column and carets |
+//! | [`FormulaError`] | what is wrong, with line, column and carets |
 //! | [`Excerpt`], [`line_column`] | the same for other texts |
 
 mod closed_integral;
@@ -64,7 +64,6 @@ mod graph;
 mod instruction;
 mod join;
 mod names;
-mod numbers;
 mod parse;
 mod shape;
 mod system;
@@ -74,8 +73,7 @@ mod uniform;
 mod words;
 
 pub use damping::{DampingError, FormulaDamping};
-pub use domain::DomainError;
-pub use error::{Excerpt, FormulaError, FormulaErrorKind, line_column};
+pub use error::{Excerpt, FormulaError, line_column};
 pub use formula::Formula;
 pub use graph::{Binary, Graph, Id, Node, Unary};
 pub use names::{NameError, Names};

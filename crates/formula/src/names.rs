@@ -23,44 +23,18 @@ pub struct Names {
     meanings: HashMap<String, Meaning>,
 }
 
-/// A name that cannot be given.
+/// A name that cannot be given, or a parameter that is not finite: what is wrong with it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum NameError {
-    /// It has other characters than a name.
-    #[error("`{name}` is no name: a name is a letter, then letters, digits and _")]
-    NotAName {
-        /// The name.
-        name: String,
-    },
-    /// It is that of a function or of pi.
-    #[error("`{name}` is the name of a function or a constant: choose another")]
-    Reserved {
-        /// The name.
-        name: String,
-    },
-    /// It was given before.
-    #[error("`{name}` is given twice")]
-    Twice {
-        /// The name.
-        name: String,
-    },
-    /// The value of a parameter is NaN or infinite.
-    #[error("the parameter `{name}` must be finite, got {value}")]
-    NotFinite {
-        /// Its name.
-        name: String,
-        /// Its value.
-        value: f64,
-    },
-}
-
-/// Functions of two numbers.
-pub(crate) const PAIRS: [&str; 2] = ["min", "max"];
+#[error("{0}")]
+pub struct NameError(pub String);
 
 /// The names of all functions.
 pub(crate) fn functions() -> impl Iterator<Item = String> {
-    Unary::NAMED.iter().map(Unary::to_string).chain(PAIRS.map(String::from))
+    Unary::NAMED.iter().map(Unary::to_string).chain(["min", "max"].map(String::from))
+}
+
+pub(crate) fn is_function(name: &str) -> bool {
+    functions().any(|function| function == name)
 }
 
 impl Names {
@@ -100,24 +74,23 @@ impl Names {
     /// [`NameError`].
     pub fn parameter(&mut self, name: &str, value: f64) -> Result<(), NameError> {
         if !value.is_finite() {
-            return Err(NameError::NotFinite { name: name.to_owned(), value });
+            return Err(NameError(format!("the parameter `{name}` must be finite, got {value}")));
         }
         self.insert(name, Meaning::Value(value))
     }
 
     fn insert(&mut self, name: &str, meaning: Meaning) -> Result<(), NameError> {
-        let given = name.to_owned();
-        if !crate::parse::is_name(name) {
-            return Err(NameError::NotAName { name: given });
-        }
-        if name == "pi" || functions().any(|function| function == name) {
-            return Err(NameError::Reserved { name: given });
-        }
-        if self.meanings.contains_key(name) {
-            return Err(NameError::Twice { name: given });
-        }
-        self.meanings.insert(given, meaning);
-        Ok(())
+        let wrong = if !crate::parse::is_name(name) {
+            "is no name: a name is a letter, then letters, digits and _"
+        } else if name == "pi" || is_function(name) {
+            "is the name of a function or a constant: choose another"
+        } else if self.meanings.contains_key(name) {
+            "is given twice"
+        } else {
+            self.meanings.insert(name.to_owned(), meaning);
+            return Ok(());
+        };
+        Err(NameError(format!("`{name}` {wrong}")))
     }
 
     /// The names of the variables, input 0 first.

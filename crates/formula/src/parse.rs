@@ -10,7 +10,8 @@ use pest::{
 };
 
 use crate::{
-    FormulaError, FormulaErrorKind, Id, Names,
+    FormulaError, Id, Names,
+    error::short,
     graph::{Binary, Graph, Unary},
     names::{self, Meaning},
 };
@@ -50,12 +51,14 @@ pub(crate) fn is_name(text: &str) -> bool {
 /// # Errors
 /// [`FormulaError`] with the place in the text and what would be right.
 pub fn parse(text: &str, names: &Names, graph: &mut Graph) -> Result<Id, FormulaError> {
-    if text.len() > MAX_BYTES {
-        let kind = FormulaErrorKind::TooLong { bytes: text.len() };
-        return Err(FormulaError::new(kind, text, 0..0));
+    let bytes = text.len();
+    if bytes > MAX_BYTES {
+        let message = format!("the formula has {bytes} bytes, and at most {MAX_BYTES} are allowed");
+        return Err(FormulaError::new(message, text, 0..0));
     }
     if text.trim().is_empty() {
-        return Err(FormulaError::new(FormulaErrorKind::Empty, text, 0..0));
+        let message = "the formula is empty: write a number or an expression";
+        return Err(FormulaError::new(message, text, 0..0));
     }
     brackets(text)?;
     match Grammar::parse(Rule::formula, text) {
@@ -77,16 +80,24 @@ pub fn parse(text: &str, names: &Names, graph: &mut Graph) -> Result<Id, Formula
 fn brackets(text: &str) -> Result<(), FormulaError> {
     let mut open = Vec::new();
     for (at, c) in text.char_indices() {
-        let error = |kind, at| Err(FormulaError::new(kind, text, at..at + 1));
-        match c {
-            '(' if open.len() == MAX_DEPTH => return error(FormulaErrorKind::TooDeep, at),
-            '(' => open.push(at),
-            ')' if open.pop().is_none() => return error(FormulaErrorKind::NotOpened, at),
-            _ => {}
-        }
+        let message = match c {
+            '(' if open.len() == MAX_DEPTH => too_deep(),
+            ')' if open.pop().is_none() => {
+                "this bracket was not opened: remove it or write `(` before it".into()
+            }
+            '(' => {
+                open.push(at);
+                continue;
+            }
+            _ => continue,
+        };
+        return Err(FormulaError::new(message, text, at..at + 1));
     }
     match open.last() {
-        Some(&at) => Err(FormulaError::new(FormulaErrorKind::NotClosed, text, at..at + 1)),
+        Some(&at) => {
+            let message = "this bracket is not closed: `)` is missing";
+            Err(FormulaError::new(message, text, at..at + 1))
+        }
         None => Ok(()),
     }
 }
@@ -136,56 +147,53 @@ fn syntax_error(text: &str, at: usize) -> FormulaError {
     let rest = text[at..].trim_start();
     let at = text.len() - rest.len();
     let before = text[..at].trim_end();
-    let error = |kind, span: Range<usize>| FormulaError::new(kind, text, span);
     let Some(token) = first_token(rest) else {
-        return error(FormulaErrorKind::MissingOperand { before: None }, at..at);
+        return FormulaError::new(format!("{MISSING} at the end"), text, at..at);
     };
-    let span = at..at + token.len();
+    let mut span = at..at + token.len();
     let found = token.chars().next().unwrap_or_default();
     let starts_operand = |c: char| is_word(c) || c == '(';
-    let ends_operand = |c: char| is_word(c) || c == ')';
-    let after_operand = before.chars().next_back().is_some_and(ends_operand);
-    if !(starts_operand(found) || "+-*/^,)".contains(found)) {
-        let kind = FormulaErrorKind::UnexpectedCharacter { found, instead: instead_of(found) };
-        return error(kind, span);
-    }
-    if found == '*' && before.ends_with('*') {
-        return error(FormulaErrorKind::UnknownOperator { write: "^ for a power" }, span);
-    }
-    if after_operand && starts_operand(found) {
+    let after_operand = before.chars().next_back().is_some_and(|c| is_word(c) || c == ')');
+    let is_strange = !(starts_operand(found) || "+-*/^,)".contains(found));
+    let message = if found == '*' && before.ends_with('*') {
+        "unknown operator: write ^ for a power".into()
+    } else if after_operand && starts_operand(found) && !is_strange {
         let last = last_token(before).unwrap_or_default();
-        return missing_operator(text, before.len() - last.len(), last, token, span);
-    }
-    if after_operand && found == ',' {
-        return error(FormulaErrorKind::Comma, span);
-    }
-    if found == '.' {
-        let kind = FormulaErrorKind::UnexpectedCharacter { found, instead: None };
-        return error(kind, span);
-    }
-    error(FormulaErrorKind::MissingOperand { before: Some(token.to_owned()) }, span)
+        if names::is_function(last) {
+            span = before.len() - last.len()..before.len();
+            no_arguments(last)
+        } else {
+            let shown = |word: &str| match word {
+                "(" | ")" => "(…)".to_owned(),
+                _ if word.chars().count() > 20 => "…".to_owned(),
+                _ => word.to_owned(),
+            };
+            format!("an operator is missing: write {}*{}", shown(last), shown(token))
+        }
+    } else if after_operand && found == ',' {
+        "a comma stands only between arguments of min and max; decimals have a point".into()
+    } else if is_strange || found == '.' {
+        let hint = instead_of(found).map_or(String::new(), |write| format!(": write `{write}`"));
+        format!("unexpected character `{}`{hint}", found.escape_debug())
+    } else {
+        format!("{MISSING} before `{}`", short(token))
+    };
+    FormulaError::new(message, text, span)
 }
 
-/// The error of `last` before `token` without an operator; a function without brackets, or a
-/// product.
-fn missing_operator(
-    text: &str,
-    start: usize,
-    last: &str,
-    token: &str,
-    span: Range<usize>,
-) -> FormulaError {
-    if names::functions().any(|function| function == last) {
-        let kind = FormulaErrorKind::NoArguments { function: last.to_owned() };
-        return FormulaError::new(kind, text, start..start + last.len());
-    }
-    let shown = |word: &str, other: &'static str| match word {
-        "(" | ")" => other.to_owned(),
-        _ if word.chars().count() > 20 => "…".to_owned(),
-        _ => word.to_owned(),
-    };
-    let write = format!("{}*{}", shown(last, "(…)"), shown(token, "(…)"));
-    FormulaError::new(FormulaErrorKind::MissingOperator { write }, text, span)
+const MISSING: &str = "a number, a name or a bracket is missing";
+
+fn too_deep() -> String {
+    format!("brackets, signs and powers are nested deeper than {MAX_DEPTH}")
+}
+
+fn no_arguments(function: &str) -> String {
+    format!("`{function}` is a function: write {function}(…)")
+}
+
+fn unknown(what: &str, name: &str, nearest: Option<String>) -> String {
+    let hint = nearest.map_or(String::new(), |nearest| format!("; the nearest is `{nearest}`"));
+    format!("unknown {what} `{}`{hint}", short(name))
 }
 
 struct Builder<'a> {
@@ -202,8 +210,8 @@ fn place(pair: &Pair<'_, Rule>) -> Range<usize> {
 }
 
 impl Builder<'_> {
-    fn error<T>(&self, kind: FormulaErrorKind, span: Range<usize>) -> Result<T, FormulaError> {
-        Err(FormulaError::new(kind, self.text, span))
+    fn error<T>(&self, message: String, span: Range<usize>) -> Result<T, FormulaError> {
+        Err(FormulaError::new(message, self.text, span))
     }
 
     /// The expression of operands and operators in an expression nested in `depth` others.
@@ -236,7 +244,7 @@ impl Builder<'_> {
             }
             longest = longest.max(chain);
             if depth + longest > MAX_DEPTH {
-                return self.error(FormulaErrorKind::TooDeep, place(&pair));
+                return self.error(too_deep(), place(&pair));
             }
         }
         Ok(longest)
@@ -264,18 +272,14 @@ impl Builder<'_> {
         match self.names.meaning(name) {
             Some(Meaning::Variable(k)) => self.finish(span, |graph| graph.input(k)),
             Some(Meaning::Value(value)) => self.finish(span, |graph| graph.constant(value)),
+            None if names::is_function(name) => self.error(no_arguments(name), span),
             None => {
-                let name = name.to_owned();
-                let kind = if names::functions().any(|function| function == name) {
-                    FormulaErrorKind::NoArguments { function: name }
-                } else {
-                    let nearest = match name.as_str() {
-                        "e" => Some("exp(1)".to_owned()),
-                        _ => self.names.nearest(&name),
-                    };
-                    FormulaErrorKind::UnknownName { name, nearest }
+                let nearest = match name {
+                    "e" => Some("exp(1)".to_owned()),
+                    _ => self.names.nearest(name),
                 };
-                self.error(kind, span)
+                let error = FormulaError::new(unknown("name", name, nearest), self.text, span);
+                Err(FormulaError { unknown_name: Some(name.to_owned()), ..error })
             }
         }
     }
@@ -290,44 +294,41 @@ impl Builder<'_> {
         let name = inner.next().unwrap_or_else(|| unreachable!("a call has a name"));
         let (function, at) = (name.as_str(), place(&name));
         let unary = Unary::NAMED.into_iter().find(|unary| unary.to_string() == function);
-        let binary = match function {
-            "min" => Some(Binary::Min),
-            "max" => Some(Binary::Max),
-            _ => None,
-        };
-        let expected = match (unary, binary) {
+        let expected = match (unary, function) {
             (Some(_), _) => 1,
-            (_, Some(_)) => 2,
+            (_, "min" | "max") => 2,
             _ => return self.error(self.unknown_function(function), at),
         };
         let found = inner.clone().count();
         if found != expected {
-            let function = function.to_owned();
-            return self
-                .error(FormulaErrorKind::WrongArguments { function, expected, found }, span);
+            let s = if expected == 1 { "" } else { "s" };
+            let message = format!("`{function}` takes {expected} argument{s}, got {found}");
+            return self.error(message, span);
         }
         let mut arguments = Vec::new();
         for argument in inner {
             arguments.push(self.expression(argument.into_inner(), depth)?.0);
         }
-        self.finish(span, |graph| match (unary, binary) {
-            (Some(unary), _) => graph.unary(unary, arguments[0]),
-            (_, Some(binary)) => graph.binary(binary, arguments[0], arguments[1]),
-            _ => unreachable!("a function has arguments"),
+        self.finish(span, |graph| match unary {
+            Some(unary) => graph.unary(unary, arguments[0]),
+            None => {
+                let binary = if function == "min" { Binary::Min } else { Binary::Max };
+                graph.binary(binary, arguments[0], arguments[1])
+            }
         })
     }
 
-    fn unknown_function(&self, name: &str) -> FormulaErrorKind {
-        let name = name.to_owned();
-        if self.names.meaning(&name).is_some() {
-            return FormulaErrorKind::NotAFunction { name };
+    fn unknown_function(&self, name: &str) -> String {
+        if self.names.meaning(name).is_some() {
+            let name = short(name);
+            return format!("`{name}` is no function: write {name}*(…) for a product");
         }
-        let nearest = match name.as_str() {
+        let nearest = match name {
             "log" => Some("ln".to_owned()),
             "pow" => Some("x^p".to_owned()),
-            _ => names::nearest(&name, names::functions()),
+            _ => names::nearest(name, names::functions()),
         };
-        FormulaErrorKind::UnknownFunction { name, nearest }
+        unknown("function", name, nearest)
     }
 
     fn signed(&mut self, minus: bool, id: Id, span: Range<usize>) -> Result<Placed, FormulaError> {
@@ -341,7 +342,7 @@ impl Builder<'_> {
         (b, right): Placed,
     ) -> Result<Placed, FormulaError> {
         if rule == Rule::divide && self.graph.is_zero(b) {
-            return self.error(FormulaErrorKind::DivisionByZero, right);
+            return self.error("division by zero".into(), right);
         }
         self.finish(left.start..right.end, |graph| match rule {
             Rule::add => graph.add(a, b),
@@ -363,7 +364,7 @@ impl Builder<'_> {
         let id = make(self.graph);
         match self.graph.as_constant(id) {
             Some(value) if !value.is_finite() => {
-                self.error(FormulaErrorKind::NotFinite { value }, span)
+                self.error(format!("this is not a finite number but {value}"), span)
             }
             _ => Ok((id, span)),
         }

@@ -106,7 +106,7 @@ impl Tape {
     pub fn evaluate(&self, inputs: &[&[Row]], out: &mut [Row], scratch: &mut [Row]) {
         self.check(inputs, out.len(), scratch.len());
         let (code, numbers) = (&self.code, self.numbers.values());
-        dispatch(Evaluation(&mut Parts { code, numbers, inputs, out, scratch }));
+        dispatch(&mut Evaluation { code, numbers, inputs, out, scratch });
     }
 
     /// The results at one point, with the bits of [`evaluate`](Self::evaluate).
@@ -130,10 +130,8 @@ impl Tape {
     }
 }
 
-/// By reference: a kernel that is a value is copied into its function.
-struct Evaluation<'a, 'b>(&'a mut Parts<'b>);
-
-struct Parts<'a> {
+/// A kernel by reference: one that is a value is copied into its function.
+struct Evaluation<'a> {
     code: &'a [Instruction],
     numbers: &'a [f64],
     inputs: &'a [&'a [Row]],
@@ -141,10 +139,10 @@ struct Parts<'a> {
     scratch: &'a mut [Row],
 }
 
-impl Kernel for Evaluation<'_, '_> {
+impl Kernel for &mut Evaluation<'_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        run(self.0.code, self.0.numbers, self.0.inputs, self.0.out, self.0.scratch);
+        run(self.code, self.numbers, self.inputs, self.out, self.scratch);
     }
 }

@@ -37,6 +37,12 @@ impl Degree {
         Self(n)
     }
 
+    /// The degree, if a polynomial is shown.
+    #[must_use]
+    pub fn get(self) -> Option<u32> {
+        (self != Self::NONE).then_some(self.0)
+    }
+
     /// That of a function of something of this degree.
     #[inline(always)]
     #[must_use]

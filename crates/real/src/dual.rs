@@ -149,10 +149,8 @@ impl<R: Real, V: Variation> Div for DualNumber<R, V> {
     fn div(self, b: Self) -> Self {
         let quotient = self.value / b.value;
         let other = quotient * b.slope;
-        let one = R::select(self.varies.varies(), self.slope, -other);
-        let numerator =
-            R::select(self.varies.varies() & b.varies.varies(), self.slope - other, one);
-        Self { value: quotient, slope: numerator / b.value, varies: self.varies.or(b.varies) }
+        let numerator = self.and(b, quotient, self.slope - other, self.slope, -other);
+        Self { slope: numerator.slope / b.value, ..numerator }
     }
 }
 

@@ -1,9 +1,11 @@
 //! Linear and quadratic forms, and sums of terms as text.
 
-use super::algebra::{dot, largest};
+use serde::Serialize;
+
+use super::algebra::{Matrix, dot, largest};
 
 /// βᵀy, or ½yᵀQy.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Form {
     /// 1 or 2.
     pub degree: u32,
@@ -12,6 +14,12 @@ pub struct Form {
 }
 
 impl Form {
+    /// The rows of Q.
+    pub(crate) fn matrix(&self) -> Matrix {
+        let d = self.coefficients.len().isqrt();
+        self.coefficients.chunks(d).map(<[f64]>::to_vec).collect()
+    }
+
     /// The formula in y1, y2, …, coefficients to six digits.
     pub fn formula(&self) -> String {
         let c = &self.coefficients;

@@ -58,8 +58,8 @@ impl Facts {
             probe.gradient(&y, &weights).concat()
         };
         let drift = slopes(&mut probe, 0);
-        let proportional = (1..=problem.system().description().noises)
-            .all(|m| multiple(&drift, &slopes(&mut probe, m)).is_some());
+        let proportional =
+            (1..=probe.noises()).all(|m| multiple(&drift, &slopes(&mut probe, m)).is_some());
         let weights = probe.weights(0);
         let energy = probe.energy(&y, &weights);
         // Euler's identity y·∇H₀ = pH₀.

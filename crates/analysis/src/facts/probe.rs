@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use real::{Row, WIDTH};
-use systems::run_time::{Lanes, Op, System, Weights, derived};
+use systems::run_time::{Description, Lanes, Op, System, Weights, derived};
 
 use super::algebra::{Matrix, axis, transposed};
 
@@ -23,8 +23,22 @@ impl<'a> Probe<'a> {
         Self { system, scratch: vec![[0.0; WIDTH]; system.description().scratch_rows()] }
     }
 
+    pub fn description(&self) -> &'a Description {
+        self.system.description()
+    }
+
     pub fn dimension(&self) -> usize {
-        self.system.description().dimension
+        self.description().dimension
+    }
+
+    pub fn noises(&self) -> usize {
+        self.description().noises
+    }
+
+    /// Whether a state is one tile.
+    pub fn is_one_tile(&self) -> bool {
+        let layout = self.description().layout;
+        layout.tile_rows >= layout.rows
     }
 
     pub fn in_domain(&self, y: &[f64]) -> bool {
@@ -33,12 +47,12 @@ impl<'a> Probe<'a> {
 
     /// The weights with h = H₀ (0) or h = Hₘ.
     pub fn weights(&self, m: usize) -> Vec<f64> {
-        axis(self.system.description().noises + 1, m)
+        axis(self.noises() + 1, m)
     }
 
     /// States that are in the same rows.
     fn together(&self) -> usize {
-        match self.system.description().layout.lanes {
+        match self.description().layout.lanes {
             Lanes::Paths => WIDTH,
             Lanes::Components => 1,
         }
@@ -46,10 +60,10 @@ impl<'a> Probe<'a> {
 
     /// States in rows; places that are left over have the last one.
     fn rows(&self, states: &[Vec<f64>]) -> Vec<Row> {
-        let mut rows = vec![[0.0; WIDTH]; self.system.description().layout.rows];
+        let mut rows = vec![[0.0; WIDTH]; self.description().layout.rows];
         for lane in 0..self.together() {
             for (component, &x) in states[lane.min(states.len() - 1)].iter().enumerate() {
-                let (row, place) = self.system.description().layout.place(component);
+                let (row, place) = self.description().layout.place(component);
                 rows[row][place + lane] = x;
             }
         }
@@ -57,7 +71,7 @@ impl<'a> Probe<'a> {
     }
 
     fn noise(&self, dw: &[f64]) -> Vec<Row> {
-        match self.system.description().layout.local_noise {
+        match self.description().layout.local_noise {
             true => self.rows(&[dw.to_vec()]),
             false => dw.iter().map(|&dw| [dw; WIDTH]).collect(),
         }
@@ -82,28 +96,35 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// A vector at each point, computed tile by tile.
-    fn vectors(
-        &mut self,
-        arguments: &[&[Vec<f64>]],
-        compute: impl Fn(&dyn System, Range<usize>, &[Vec<Row>], &mut [Row], &mut [Row]),
-    ) -> Batch {
+    /// An operation at each point, computed tile by tile; or by the quadrature of the system.
+    fn evaluate(&mut self, op: Op<&[Vec<f64>]>, weights: &[f64], by_quadrature: bool) -> Batch {
+        let (dt, dw) =
+            weights.split_first().map_or((0.0, Vec::new()), |(dt, dw)| (*dt, self.noise(dw)));
+        let h = Weights { dt, dw: &dw, areas: &[] };
         let mut all = Batch::new();
-        self.chunks(arguments, |this, rows, chunk| {
-            let system = this.system;
-            let layout = system.description().layout;
+        self.chunks(&op.arguments().collect::<Vec<_>>(), |this, rows, chunk| {
+            let layout = this.description().layout;
             let (count, tile_rows) = (layout.rows, layout.tile_rows);
             let mut out = vec![[0.0; WIDTH]; count];
             for first in (0..count).step_by(tile_rows.max(1)) {
                 let tile = first..(first + tile_rows).min(count);
-                compute(system, tile.clone(), rows, &mut out[tile], &mut this.scratch);
+                let mut rows = rows.iter().map(|rows| match op.is_local() {
+                    true => &rows[tile.clone()],
+                    false => &rows[..],
+                });
+                let op = op.map(|_| rows.next().unwrap_or_default());
+                let (out, scratch) = (&mut out[tile.clone()], &mut this.scratch);
+                match by_quadrature {
+                    true => derived(this.system, op, h, out, scratch),
+                    false => this.system.apply(op, tile, h, out, scratch),
+                }
             }
             for lane in 0..chunk.len() {
                 let at = |component| {
                     let (row, place) = layout.place(component);
                     out[row][place + lane]
                 };
-                all.push((0..system.description().dimension).map(at).collect());
+                all.push((0..this.dimension()).map(at).collect());
             }
         });
         all
@@ -119,7 +140,7 @@ impl<'a> Probe<'a> {
         self.chunks(&[y], |this, rows, chunk| {
             let mut out = [0.0; WIDTH];
             compute(this.system, &rows[0], &mut out, &mut this.scratch);
-            match this.system.description().layout.lanes {
+            match this.description().layout.lanes {
                 Lanes::Paths => all.extend(&out[..chunk.len()]),
                 Lanes::Components => all.push(out.iter().sum()),
             }
@@ -129,53 +150,30 @@ impl<'a> Probe<'a> {
 
     /// B(y)v.
     pub fn structure(&mut self, y: &[Vec<f64>], v: &[Vec<f64>]) -> Batch {
-        self.vectors(&[y, v], |system, tile, rows, out, scratch| {
-            let [y, v] = [0, 1].map(|n| &rows[n][tile.clone()]);
-            system.apply(Op::Structure { y, v }, tile, Weights::NONE, out, scratch);
-        })
+        self.evaluate(Op::Structure { y, v }, &[], false)
     }
 
     /// (∂B(y)·u)v.
     pub fn structure_along(&mut self, y: &[Vec<f64>], u: &[Vec<f64>], v: &[Vec<f64>]) -> Batch {
-        self.vectors(&[y, u, v], |system, tile, rows, out, scratch| {
-            let [y, u, v] = [0, 1, 2].map(|n| &rows[n][tile.clone()]);
-            system.apply(Op::StructureAlong { y, u, v }, tile, Weights::NONE, out, scratch);
-        })
+        self.evaluate(Op::StructureAlong { y, u, v }, &[], false)
     }
 
     /// ∇h(y).
     pub fn gradient(&mut self, y: &[Vec<f64>], weights: &[f64]) -> Batch {
-        let h = Weights { dt: weights[0], dw: &self.noise(&weights[1..]), areas: &[] };
-        self.vectors(&[y], |system, tile, rows, out, scratch| {
-            system.apply(Op::Gradient { y: &rows[0] }, tile, h, out, scratch);
-        })
+        self.evaluate(Op::Gradient { y }, weights, false)
     }
 
     /// ∇²h(y)u.
     pub fn hessian(&mut self, y: &[Vec<f64>], u: &[Vec<f64>], weights: &[f64]) -> Batch {
-        let h = Weights { dt: weights[0], dw: &self.noise(&weights[1..]), areas: &[] };
-        self.vectors(&[y, u], |system, tile, rows, out, scratch| {
-            system.apply(Op::Hessian { y: &rows[0], u: &rows[1] }, tile, h, out, scratch);
-        })
+        self.evaluate(Op::Hessian { y, u }, weights, false)
     }
 
     /// ∇̄h(a, b), B((a+b)/2)∇̄h(a, b), and ∇̄h by the quadrature of the system, of systems with one
     /// tile.
     pub fn averages(&mut self, a: &[Vec<f64>], b: &[Vec<f64>], weights: &[f64]) -> [Batch; 3] {
-        let h = Weights { dt: weights[0], dw: &self.noise(&weights[1..]), areas: &[] };
-        let gradient = self.vectors(&[a, b], |system, tile, rows, out, scratch| {
-            let op = Op::AveragedGradient { a: &rows[0][..], b: &rows[1][..] };
-            system.apply(op, tile, h, out, scratch);
-        });
-        let field = self.vectors(&[a, b], |system, tile, rows, out, scratch| {
-            let op = Op::AveragedField { a: &rows[0][..], b: &rows[1][..] };
-            system.apply(op, tile, h, out, scratch);
-        });
-        let quadrature = self.vectors(&[a, b], |system, _, rows, out, scratch| {
-            let op = Op::AveragedGradient { a: &rows[0][..], b: &rows[1][..] };
-            derived(system, op, h, out, scratch);
-        });
-        [gradient, field, quadrature]
+        let gradient = Op::AveragedGradient { a, b };
+        let all = [(gradient, false), (Op::AveragedField { a, b }, false), (gradient, true)];
+        all.map(|(op, by_quadrature)| self.evaluate(op, weights, by_quadrature))
     }
 
     /// h(y).
@@ -191,44 +189,34 @@ impl<'a> Probe<'a> {
 
     /// B at each point, by rows.
     pub fn matrix(&mut self, y: &[Vec<f64>]) -> Vec<Matrix> {
+        self.matrices(|probe, v| probe.structure(y, v))
+    }
+
+    /// The matrix at each point whose column j is a function of the unit vector eⱼ.
+    fn matrices(&mut self, column: impl Fn(&mut Self, &[Vec<f64>]) -> Batch) -> Vec<Matrix> {
         let d = self.dimension();
-        by_points((0..d).map(|j| self.structure(y, &[axis(d, j)])).collect())
+        let columns: Vec<_> = (0..d).map(|j| column(self, &[axis(d, j)])).collect();
+        let at = |n: usize| transposed(&columns.iter().map(|column| column[n].clone()).collect());
+        (0..columns.first().map_or(0, Vec::len)).map(at).collect()
     }
 
     /// The system at each point.
     pub fn locals(&mut self, y: &[Vec<f64>]) -> Vec<Local> {
         let d = self.dimension();
-        let mut slopes: Vec<_> = (0..d)
-            .map(|k| {
-                let column = |j| self.structure_along(y, &[axis(d, k)], &[axis(d, j)]);
-                by_points((0..d).map(column).collect()).into_iter()
-            })
-            .collect();
-        let hamiltonians = 0..=self.system.description().noises;
-        let mut gradients: Vec<_> =
-            hamiltonians.clone().map(|m| self.gradient(y, &self.weights(m)).into_iter()).collect();
-        let mut hessians: Vec<_> = hamiltonians
-            .map(|m| {
-                let weights = self.weights(m);
-                let column = |j| self.hessian(y, &[axis(d, j)], &weights);
-                by_points((0..d).map(column).collect()).into_iter()
-            })
-            .collect();
-        let local = |b: Matrix| Local {
+        let slope = |k| self.matrices(|probe, v| probe.structure_along(y, &[axis(d, k)], v));
+        let slopes: Vec<_> = (0..d).map(slope).collect();
+        let weights: Vec<_> = (0..=self.noises()).map(|m| self.weights(m)).collect();
+        let gradients: Vec<_> = weights.iter().map(|h| self.gradient(y, h)).collect();
+        let hessian = |h: &Vec<f64>| self.matrices(|probe, u| probe.hessian(y, u, h));
+        let hessians: Vec<_> = weights.iter().map(hessian).collect();
+        let local = |(n, b): (usize, Matrix)| Local {
             b,
-            slopes: slopes.iter_mut().filter_map(Iterator::next).collect(),
-            gradients: gradients.iter_mut().filter_map(Iterator::next).collect(),
-            hessians: hessians.iter_mut().filter_map(Iterator::next).collect(),
+            slopes: slopes.iter().map(|at| at[n].clone()).collect(),
+            gradients: gradients.iter().map(|at| at[n].clone()).collect(),
+            hessians: hessians.iter().map(|at| at[n].clone()).collect(),
         };
-        self.matrix(y).into_iter().map(local).collect()
+        self.matrix(y).into_iter().enumerate().map(local).collect()
     }
-}
-
-/// The matrix at each point from its columns at all points.
-fn by_points(columns: Vec<Batch>) -> Vec<Matrix> {
-    let points = columns.first().map_or(0, Vec::len);
-    let at = |n: usize| transposed(&columns.iter().map(|column| column[n].clone()).collect());
-    (0..points).map(at).collect()
 }
 
 /// A system at a point.

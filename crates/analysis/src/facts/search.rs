@@ -3,7 +3,7 @@
 use systems::Linearity;
 
 use super::{
-    algebra::{Matrix, axis, dot, largest, norm, null_space},
+    algebra::{Matrix, axis, dot, largest, moved, norm, null_space},
     form::{Form, places, readable},
     probe::{Batch, Probe},
 };
@@ -33,6 +33,10 @@ pub struct Candidates {
 /// Points, and B there.
 type AtPoints = (Batch, Vec<Matrix>);
 
+fn all_points(states: &[AtPoints]) -> impl Iterator<Item = (&Vec<f64>, &Matrix)> {
+    states.iter().flat_map(|(y, matrices)| y.iter().zip(matrices))
+}
+
 /// Solves B(y)∇C(y) = 0 for the coefficients of C in each part of the state that B does not join
 /// with others. `points` gives more points with each call, if it has any.
 pub fn casimirs(
@@ -53,13 +57,14 @@ pub fn casimirs(
     let mut all = Candidates { forms: Vec::new(), complete: true, quadratic: true };
     for part in parts(probe, &states[0]) {
         let size = part.len();
-        let (ones, least) = null_space(equations(1, &part, &states[..1]), size, ZERO);
+        let (ones, least) =
+            null_space(equations(&part, all_points(&states[..1]), |b, _| b.to_vec()), size, ZERO);
         all.complete &= least > CLEAR;
         let (unknowns, rank) = (size * (size + 1) / 2, size - ones.len());
         let mut twos = Matrix::new();
         if unknowns > UNKNOWNS {
             all.quadratic = false;
-        } else if probe.system.description().linearity != Linearity::Constant && rank > 0 {
+        } else if probe.description().linearity != Linearity::Constant && rank > 0 {
             let enough = |states: &[AtPoints]| {
                 states.iter().map(|state| state.0.len()).sum::<usize>() * rank >= SURPLUS * unknowns
             };
@@ -69,7 +74,11 @@ pub fn casimirs(
                     break;
                 }
             }
-            let (found, least) = null_space(equations(2, &part, &states), unknowns, ZERO);
+            let (found, least) = null_space(
+                equations(&part, all_points(&states), |b, y| quadratic_row(&part, b, y)),
+                unknowns,
+                ZERO,
+            );
             all.complete &= least > CLEAR;
             twos = beyond(found, products(&ones, size));
         }
@@ -115,26 +124,19 @@ fn parts(probe: &mut Probe<'_>, (y, matrices): &AtPoints) -> Vec<Vec<usize>> {
     (0..d).map(part).filter(|part| !part.is_empty()).collect()
 }
 
-/// bᵀ∇C(y) = 0 for every row b of B(y) on a part, at all points, as rows of length one.
-fn equations(degree: u32, part: &[usize], states: &[AtPoints]) -> Matrix {
+/// bᵀ∇C(y) = 0 for every row b of B(y) on a part, at all points, as rows of length one: `row` is the
+/// equation from b and y.
+pub fn equations<'a>(
+    part: &[usize],
+    points: impl Iterator<Item = (&'a Vec<f64>, &'a Matrix)>,
+    row: impl Fn(&[f64], &[f64]) -> Vec<f64>,
+) -> Matrix {
     let mut rows = Matrix::new();
-    let points = states.iter().flat_map(|(y, matrices)| y.iter().zip(matrices));
     for (y, b) in points {
         let noise = NOISE * largest(b.iter().flatten());
-        for &i in part {
-            let b: Vec<f64> = part.iter().map(|&j| b[i][j]).collect();
-            if norm(&b) <= noise {
-                continue;
-            }
-            let row: Vec<f64> = match degree {
-                1 => b,
-                _ => places(part.len())
-                    .map(|(k, l)| match k == l {
-                        true => b[k] * y[part[k]],
-                        false => b[k] * y[part[l]] + b[l] * y[part[k]],
-                    })
-                    .collect(),
-            };
+        for b in b {
+            let b: Vec<f64> = part.iter().map(|&j| b[j]).collect();
+            let row = if norm(&b) > noise { row(&b, y) } else { continue };
             let length = norm(&row);
             if length > 0.0 {
                 rows.push(row.into_iter().map(|x| x / length).collect());
@@ -142,6 +144,15 @@ fn equations(degree: u32, part: &[usize], states: &[AtPoints]) -> Matrix {
         }
     }
     rows
+}
+
+/// The equation for the coefficients of a quadratic Casimir.
+fn quadratic_row(part: &[usize], b: &[f64], y: &[f64]) -> Vec<f64> {
+    let entry = |(k, l): (usize, usize)| match k == l {
+        true => b[k] * y[part[k]],
+        false => b[k] * y[part[l]] + b[l] * y[part[k]],
+    };
+    places(part.len()).map(entry).collect()
 }
 
 /// The products of linear forms, as quadratic ones.
@@ -160,7 +171,7 @@ fn beyond(span: Matrix, known: Matrix) -> Matrix {
         for _ in 0..2 {
             for b in &basis {
                 let share = dot(&rest, b);
-                rest.iter_mut().zip(b).for_each(|(x, b)| *x -= share * b);
+                rest = moved(&rest, -share, b);
             }
         }
         let length = norm(&rest);

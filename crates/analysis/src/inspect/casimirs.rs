@@ -4,12 +4,12 @@ use real::WIDTH;
 use serde::Serialize;
 
 use super::{
-    algebra::{Matrix, dot, largest, norm, null_space},
+    algebra::{Matrix, dot, moved, norm, null_space},
     finding::{CLUSTER, Finding, products},
     form::{Form, readable, sum_of_terms},
     points::Points,
     probe::Probe,
-    search::{Candidates, UNKNOWNS, ZERO, casimirs},
+    search::{Candidates, UNKNOWNS, ZERO, casimirs, equations},
     shape::Minimum,
     sight::Sight,
     spectrum::smallest_eigenvalue,
@@ -20,10 +20,9 @@ use super::{
 pub struct FoundCasimir {
     /// The formula with the coefficients of this system, to six digits.
     pub formula: String,
-    /// 1 for βᵀy, 2 for ½yᵀQy.
-    pub degree: u32,
-    /// β, or the rows of Q one after the other.
-    pub coefficients: Vec<f64>,
+    /// C.
+    #[serde(flatten)]
+    pub form: Form,
     /// B∇C = 0, with these coefficients.
     pub casimir: Finding,
     /// m(C).
@@ -34,8 +33,7 @@ impl FoundCasimir {
     fn new(form: Form, sight: &mut Sight<'_>, matrices: &[Matrix]) -> Self {
         let mut casimir = Finding::fitted();
         let at = sight.states.iter().zip(matrices);
-        let terms = at.map(|(y, b)| products(b, &form.gradient(y))).collect();
-        sight.record(&mut casimir, terms, 0.0);
+        sight.record(&mut casimir, at.map(|(y, b)| products(b, &form.gradient(y))));
         let search = |sight: &mut Sight<'_>| {
             let values = |_: &mut Probe<'_>, y: &[Vec<f64>]| {
                 y.iter().map(|y| form.value(y)).collect::<Vec<_>>()
@@ -44,19 +42,13 @@ impl FoundCasimir {
         };
         let everywhere = match form.degree {
             1 => Minimum::of_linear(&form.coefficients),
-            _ => Minimum::of_form(&square(&form.coefficients)),
+            _ => Minimum::of_form(&form.matrix()),
         };
         let minimum = match everywhere.positive.holds() || sight.points.everywhere {
             true => everywhere,
             false => search(sight),
         };
-        let (formula, Form { degree, coefficients }) = (form.formula(), form);
-        Self { formula, degree, coefficients, casimir, minimum }
-    }
-
-    /// C.
-    pub fn form(&self) -> Form {
-        Form { degree: self.degree, coefficients: self.coefficients.clone() }
+        Self { formula: form.formula(), form, casimir, minimum }
     }
 }
 
@@ -131,18 +123,10 @@ impl LogarithmicCasimir {
         if moving.is_empty() || d > UNKNOWNS {
             return Vec::new();
         }
-        let mut equations = Matrix::new();
-        for (y, b) in sight.states.iter().zip(matrices).step_by(CLUSTER) {
-            let slopes = slopes(y, &moving);
-            let noise = 32.0 * f64::EPSILON * largest(b.iter().flatten()) * largest(&slopes);
-            for row in b {
-                let row: Vec<f64> = moving.iter().zip(&slopes).map(|(&j, s)| row[j] * s).collect();
-                let length = norm(&row);
-                if length > noise {
-                    equations.push(row.into_iter().map(|x| x / length).collect());
-                }
-            }
-        }
+        let points = sight.states.iter().zip(matrices).step_by(CLUSTER);
+        let equations = equations(&moving, points, |b, y| {
+            slopes(y, &moving).iter().zip(b).map(|(s, b)| s * b).collect()
+        });
         let (solutions, _) = null_space(equations, moving.len(), ZERO);
         // The coefficients were fitted to the points for identities.
         let points: &Points = sight.points;
@@ -157,8 +141,7 @@ impl LogarithmicCasimir {
                 products(&b.iter().map(of).collect::<Matrix>(), &gradient)
             };
             let mut casimir = Finding::fitted();
-            let here = sight.states.iter().zip(matrices).map(terms).collect();
-            sight.record(&mut casimir, here, 0.0);
+            sight.record(&mut casimir, sight.states.iter().zip(matrices).map(terms));
             for at in others.iter().zip(&other_matrices) {
                 casimir.record(at.0, &[terms(at)], 0.0);
             }
@@ -184,28 +167,24 @@ fn slopes(y: &[f64], moving: &[usize]) -> Vec<f64> {
 /// The projection of the identity onto the span of the quadratic forms, if it is positive definite.
 /// It averages over all symmetries of the span; of Casimirs ½|sᵢ|² of parts sᵢ of y it is the sum.
 fn definite(found: &[FoundCasimir]) -> Option<Form> {
-    let quadratic: Vec<_> = found.iter().filter(|c| c.degree == 2).collect();
-    let d = quadratic.first()?.coefficients.len().isqrt();
+    let mut quadratic = found.iter().map(|c| &c.form).filter(|form| form.degree == 2).peekable();
+    let d = quadratic.peek()?.coefficients.len().isqrt();
     // An orthonormal basis by Gram and Schmidt.
     let mut basis = Matrix::new();
     let mut projection = vec![0.0; d * d];
-    for casimir in quadratic {
-        let mut q = casimir.coefficients.clone();
+    for form in quadratic {
+        let mut q = form.coefficients.clone();
         for known in &basis {
-            let share = dot(&q, known);
-            q.iter_mut().zip(known).for_each(|(x, y)| *x -= share * y);
+            q = moved(&q, -dot(&q, known), known);
         }
         let length = norm(&q);
         q.iter_mut().for_each(|x| *x /= length);
         let trace: f64 = (0..d).map(|i| q[i * d + i]).sum();
-        projection.iter_mut().zip(&q).for_each(|(x, y)| *x += trace * y);
+        projection = moved(&projection, trace, &q);
         basis.push(q);
     }
-    let smallest = smallest_eigenvalue(&square(&projection));
-    (smallest > 1e-12).then(|| Form { degree: 2, coefficients: readable(projection, ZERO) })
-}
-
-/// The square matrix with these rows one after the other.
-fn square(coefficients: &[f64]) -> Matrix {
-    coefficients.chunks(coefficients.len().isqrt()).map(<[f64]>::to_vec).collect()
+    let projection = Form { degree: 2, coefficients: projection };
+    let is_definite = smallest_eigenvalue(&projection.matrix()) > 1e-12;
+    let coefficients = readable(projection.coefficients, ZERO);
+    is_definite.then_some(Form { degree: 2, coefficients })
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     algebra::{dot, moved, norm},
-    finding::{Finding, Term, differences},
+    finding::{Finding, Term},
     probe::Batch,
     random::{Purpose, Random},
     shape::Shape,
@@ -48,7 +48,7 @@ const SINGLY: usize = 8;
 
 impl Hamiltonians {
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
-        let noises = sight.probe.system.description().noises;
+        let noises = sight.probe.noises();
         let few = noises <= SINGLY;
         let mut random = Random::new(Purpose::Weights);
         let weights = sight.weights(&mut random);
@@ -64,8 +64,8 @@ impl Hamiltonians {
         let [a, b, sum] = energies.map(|weights| sight.probe.energy(&sight.states, &weights));
         let linear =
             |n: usize| vec![(sum[n] - a[n] - b[n], sum[n].abs() + a[n].abs() + b[n].abs())];
-        sight.record(&mut found.linear, (0..a.len()).map(linear).collect(), 0.0);
-        if !sight.probe.system.description().is_transverse {
+        sight.record(&mut found.linear, (0..a.len()).map(linear));
+        if !sight.probe.description().is_transverse {
             let gradient = sight.derivative(
                 |probe, y| probe.energy(y, &weights).into_iter().map(|h| vec![h]).collect(),
                 |probe, y, step| {
@@ -79,9 +79,7 @@ impl Hamiltonians {
             |probe, y| probe.gradient(y, &weights),
             |probe, y, step| probe.hessian(y, step, &weights),
         );
-        if sight.probe.system.description().layout.tile_rows
-            >= sight.probe.system.description().layout.rows
-        {
+        if sight.probe.is_one_tile() {
             let singly = (0..found.shapes.len()).map(|m| sight.probe.weights(m));
             for weights in singly.chain([weights]).collect::<Vec<_>>() {
                 found.check_averages(sight, &weights);
@@ -91,14 +89,11 @@ impl Hamiltonians {
     }
 
     fn check_averages(&mut self, sight: &mut Sight<'_>, weights: &[f64]) {
-        let compare = |a: &Batch, b: &Batch| -> Vec<Vec<Term>> {
-            a.iter().zip(b).map(|(a, b)| differences(a, b)).collect()
-        };
         let (states, steps) = (sight.states.clone(), sight.segments());
+        let ends = sight.moved(1.0, &steps);
         let probe = &mut sight.probe;
         let [alone, _, _] = probe.averages(&states, &states, weights);
         let slope = probe.gradient(&states, weights);
-        let ends: Batch = states.iter().zip(&steps).map(|(y, step)| moved(y, 1.0, step)).collect();
         let middle = |(a, b): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
             a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
         };
@@ -116,21 +111,19 @@ impl Hamiltonians {
         let changes: Vec<Term> = (0..states.len()).map(change).collect();
         for (n, (defect, _)) in changes.iter().enumerate() {
             let relative = defect.abs() / (norm(&mean[n]) * norm(&steps[n]));
-            if relative > self.quadrature_error {
-                self.quadrature_error = relative;
-            }
+            self.quadrature_error = self.quadrature_error.max(relative);
         }
-        sight.record(&mut self.averaged_gradient, compare(&alone, &slope), 0.0);
-        sight.record(&mut self.averaged_field, compare(&field, &expected), 0.0);
-        let changes = changes.into_iter().map(|term| vec![term]).collect();
-        sight.record(&mut self.discrete_gradient, changes, 0.0);
+        sight.compare(&mut self.averaged_gradient, &alone, &slope);
+        sight.compare(&mut self.averaged_field, &field, &expected);
+        let changes = changes.into_iter().map(|term| vec![term]);
+        sight.record(&mut self.discrete_gradient, changes);
     }
 }
 
 /// c of H₁ = cH₀, up to a constant in H₁, for one noise, 0 for none; and whether Hₘ = cₘH₀ for
 /// every m.
 fn noise_size(sight: &mut Sight<'_>, random: &mut Random, few: bool) -> (Option<f64>, Finding) {
-    let noises = sight.probe.system.description().noises;
+    let noises = sight.probe.noises();
     let weights: Vec<Vec<f64>> = match few {
         true => (1..=noises).map(|m| sight.probe.weights(m)).collect(),
         false => (0..2).map(|_| sight.weights(random)).collect(),
@@ -141,12 +134,8 @@ fn noise_size(sight: &mut Sight<'_>, random: &mut Random, few: bool) -> (Option<
     for weights in weights {
         let noise = sight.probe.gradient(&sight.states, &weights);
         let c = dot(&drift[0], &noise[0]) / dot(&drift[0], &drift[0]);
-        let terms = |(drift, noise): (&Vec<f64>, &Vec<f64>)| {
-            let scaled: Vec<f64> = drift.iter().map(|x| c * x).collect();
-            differences(&scaled, noise)
-        };
-        let terms = drift.iter().zip(&noise).map(terms).collect();
-        sight.record(&mut proportional, terms, 0.0);
+        let scale = |drift: &Vec<f64>| drift.iter().map(|x| c * x).collect();
+        sight.compare(&mut proportional, &drift.iter().map(scale).collect(), &noise);
         size = size.map(|_| c);
     }
     (size.filter(|c| c.is_finite() && proportional.holds()), proportional)

@@ -40,7 +40,7 @@ const ROUNDING: f64 = 1e-14;
 
 impl ClaimedInvariant {
     pub(super) fn all(sight: &mut Sight<'_>) -> Vec<Self> {
-        let claims = sight.probe.system.description().invariants.clone();
+        let claims = sight.probe.description().invariants.clone();
         (0..claims.len()).map(|index| Self::of(sight, index, claims[index])).collect()
     }
 
@@ -52,8 +52,7 @@ impl ClaimedInvariant {
         let (columns, flows): (Vec<Batch>, Vec<Vec<f64>>) = match sight.locals.len() {
             0 => (vec![sight.vectors(&mut random)], vec![sight.weights(&mut random)]),
             _ => {
-                let (d, noises) =
-                    (sight.probe.dimension(), sight.probe.system.description().noises);
+                let (d, noises) = (sight.probe.dimension(), sight.probe.noises());
                 let weights = (0..=noises.min(NOISES)).map(|m| sight.probe.weights(m));
                 ((0..d).map(|j| vec![axis(d, j)]).collect(), weights.collect())
             }
@@ -66,7 +65,7 @@ impl ClaimedInvariant {
             };
             let all: Vec<Vec<Term>> = vectors.iter().map(along).collect();
             let at = |n: usize| all.iter().map(|terms| terms[n]).collect();
-            sight.record(finding, (0..states.len()).map(at).collect(), 0.0);
+            sight.record(finding, (0..states.len()).map(at));
         }
         let mut invariant = Self {
             name: claim.name,

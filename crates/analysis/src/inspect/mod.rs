@@ -76,7 +76,7 @@ pub use noises::Noises;
 pub use pilot::Pilot;
 pub use points::Region;
 pub use problem::{Bound, ProblemFindings};
-pub use recommendation::{Purpose, Recommendation};
+pub use recommendation::Recommendation;
 pub use report::{Inspection, Schemes};
 pub use shape::{Kind, Minimum, Shape};
 pub use solvability::Solvability;
@@ -123,9 +123,9 @@ impl<'a> InspectSettings<'a> {
 
 /// Inspects a system at random points of its domain.
 ///
-/// A system of up to 64 components is looked at component by component, one of more along random
-/// directions near its initial value: there a small defect in one of many components may be below
-/// the rounding of a sum. If something bounds all paths, the contraction constant is that of the
+/// A system of up to 24 components is looked at component by component, one of more along random
+/// directions: there a small defect in one of many components may be below the rounding of a sum.
+/// One of more than 64 components is looked at near its initial value only. If something bounds all paths, the contraction constant is that of the
 /// ball in which they stay.
 ///
 /// # Errors
@@ -214,7 +214,7 @@ fn ball(y0: &[f64]) -> Region {
 }
 
 fn check_finite(sight: &mut Sight<'_>) -> Result<(), InspectError> {
-    let weights = vec![1.0; sight.probe.system.description().noises + 1];
+    let weights = vec![1.0; sight.probe.noises() + 1];
     let probe = &mut sight.probe;
     for states in [&sight.points.for_suprema, &sight.points.for_identities] {
         let gradient = probe.gradient(states, &weights);

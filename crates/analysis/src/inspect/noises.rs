@@ -32,7 +32,7 @@ impl Noises {
             silent: Finding::strict(),
             on_paths: [Finding::strict(), Finding::strict()],
         };
-        let noises = sight.probe.system.description().noises;
+        let noises = sight.probe.noises();
         if noises == 0 {
             return found;
         }
@@ -55,23 +55,22 @@ impl Noises {
                 for m in 0..noises {
                     // The size of a derivative of fields that are not nearly constant.
                     let typical = length(l + 1) * length(m + 1) / extent;
-                    let product = of(&|fields| fields[l].along(&fields[m]));
-                    let commutator = of(&|fields| {
-                        let (one, other) =
-                            (fields[l].along(&fields[m]), fields[m].along(&fields[l]));
-                        one.iter().zip(other).map(|(a, b)| (a.0 - b.0, a.1 + b.1)).collect()
-                    });
-                    let mut findings = vec![&mut found.no_correction];
-                    let [commute, correction] = &mut found.on_paths;
-                    if sight.points.on_path(n) {
-                        findings.push(correction);
-                    }
-                    findings.into_iter().for_each(|f| f.record(at, &product, typical));
-                    if m < l {
-                        found.commute.record(at, &commutator, typical);
+                    let record = |[all, on_paths]: [&mut Finding; 2], terms: Vec<Vec<Term>>| {
+                        all.record(at, &terms, typical);
                         if sight.points.on_path(n) {
-                            commute.record(at, &commutator, typical);
+                            on_paths.record(at, &terms, typical);
                         }
+                    };
+                    let [commute, correction] = &mut found.on_paths;
+                    let product = of(&|fields| fields[l].along(&fields[m]));
+                    record([&mut found.no_correction, correction], product);
+                    if m < l {
+                        let commutator = of(&|fields| {
+                            let one = fields[l].along(&fields[m]);
+                            let other = fields[m].along(&fields[l]);
+                            one.iter().zip(other).map(|(a, b)| (a.0 - b.0, a.1 + b.1)).collect()
+                        });
+                        record([&mut found.commute, commute], commutator);
                     }
                 }
             }
@@ -101,17 +100,14 @@ impl Noises {
             let size = norm(a) + norm(b);
             a.iter().zip(b).map(|(a, b)| (a - b, size)).collect()
         };
-        let none = vec![0.0; probe.dimension()];
-        let silent = fields[0]
-            .iter()
-            .zip(&slopes[0])
-            .map(|(f, v)| terms(f, &none).into_iter().map(|(x, _)| (x, norm(v))).collect());
-        sight.record(&mut self.silent, silent.collect(), 0.0);
-        let own = own.iter().map(|x| x.iter().map(|x| (*x, x.abs())).collect()).collect();
-        sight.record(&mut self.no_correction, own, 0.0);
+        let sized = |f: &Vec<f64>, size: &dyn Fn(f64) -> f64| {
+            f.iter().map(|x| (*x, size(*x))).collect::<Vec<Term>>()
+        };
+        let silent = fields[0].iter().zip(&slopes[0]).map(|(f, v)| sized(f, &|_| norm(v)));
+        sight.record(&mut self.silent, silent);
+        sight.record(&mut self.no_correction, own.iter().map(|x| sized(x, &f64::abs)));
         if weights[0].len() > 2 {
-            let terms = one.iter().zip(&other).map(|(a, b)| terms(a, b)).collect();
-            sight.record(&mut self.commute, terms, 0.0);
+            sight.record(&mut self.commute, one.iter().zip(&other).map(|(a, b)| terms(a, b)));
         }
     }
 }

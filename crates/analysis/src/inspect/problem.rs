@@ -10,7 +10,7 @@ use super::{
     shape::Minimum,
     structure::Structure,
 };
-use crate::facts::DampingIntegral;
+use crate::facts::{DampingIntegral, Form};
 
 /// A function F with a conformal law and m(F) > 0, which bounds exact and numerical paths:
 /// ‖y(t)‖ ≤ (F(y₀)/m(F))^{1/p} e^{−∫γ}.
@@ -24,7 +24,7 @@ pub struct Bound {
     pub minimum: Minimum,
     /// F, if it is a Casimir; else it is H₀.
     #[serde(skip)]
-    casimir: Option<FoundCasimir>,
+    casimir: Option<Form>,
 }
 
 impl Bound {
@@ -40,9 +40,9 @@ impl Bound {
         }
         let casimir = |found: &FoundCasimir| Self {
             function: found.formula.clone(),
-            degree: f64::from(found.degree),
+            degree: f64::from(found.form.degree),
             minimum: found.minimum,
-            casimir: Some(found.clone()),
+            casimir: Some(found.form.clone()),
         };
         let shape = &hamiltonians.shapes[0];
         let energy = shape.degree.zip(shape.minimum);
@@ -61,13 +61,9 @@ impl Bound {
 
     /// (F(y)/m(F))^{1/p}: the bound of undamped paths from y.
     fn radius(&self, probe: &mut Probe<'_>, y: &[f64]) -> f64 {
-        let mut energy = || {
-            let weights = probe.weights(0);
-            probe.energy(&[y.to_vec()], &weights)[0]
-        };
         let value = match &self.casimir {
-            Some(casimir) => casimir.form().value(y),
-            None => energy(),
+            Some(casimir) => casimir.value(y),
+            None => probe.energy(&[y.to_vec()], &probe.weights(0))[0],
         };
         (value / (self.minimum.value - self.minimum.error)).powf(1.0 / self.degree)
     }

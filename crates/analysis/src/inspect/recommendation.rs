@@ -6,37 +6,12 @@ use systems::Linearity;
 use super::{finding::Status, report::Inspection};
 use crate::facts::Kept;
 
-/// What a scheme is wanted for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Purpose {
-    /// Paths: strong order, and everything kept that can be.
-    Paths,
-    /// Paths that are too short for the energy to drift.
-    ShortPaths,
-    /// Expectations.
-    Expectations,
-    /// Steps with large increments.
-    LargeNoise,
-}
-
-impl Purpose {
-    /// In words.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Paths => "for paths",
-            Self::ShortPaths => "for short paths",
-            Self::Expectations => "for expectations",
-            Self::LargeNoise => "for large noise",
-        }
-    }
-}
-
 /// A scheme to take.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Recommendation {
-    /// What for.
-    pub purpose: Purpose,
+    /// What for: `paths`; `short-paths`, too short for the energy to drift; `expectations`; or
+    /// `large-noise`, steps with large increments.
+    pub purpose: &'static str,
     /// Its identifier.
     pub scheme: &'static str,
     /// Why.
@@ -56,8 +31,8 @@ pub fn recommendations(report: &Inspection, damped: bool) -> Vec<Recommendation>
     let linear = schemes.sexp_li_refused.is_none();
     let areas = !noise.commute.holds() && schemes.draws_areas;
     let mut found = Vec::new();
-    let mut take = |purpose, scheme, because: String| {
-        found.push(Recommendation { purpose, scheme, because });
+    let mut take = |purpose, scheme, because: &str| {
+        found.push(Recommendation { purpose, scheme, because: because.into() });
     };
     let (scheme, mut because) = Kept { casimirs: casimirs_kept, energy, areas }.scheme();
     if !hamiltonians.discrete_gradient.holds() {
@@ -66,26 +41,26 @@ pub fn recommendations(report: &Inspection, damped: bool) -> Vec<Recommendation>
     if casimirs.as_ref().is_some_and(|casimirs| !casimirs.logarithmic.is_empty()) {
         because += "; split alone keeps the Casimir with logarithms";
     }
-    take(Purpose::Paths, scheme, because);
+    take("paths", scheme, &because);
     let implicit = linear && schemes.structure == Linearity::Affine;
     let without_iteration = if areas { "sexp-li-levy" } else { "sexp-li" };
     if casimirs_kept && implicit {
         let because = "it keeps the Casimirs at about the price of heun, and the energy drifts";
-        take(Purpose::ShortPaths, without_iteration, because.into());
+        take("short-paths", without_iteration, because);
     }
     let random = !noise.silent.holds();
     if random && linear {
         let because = "mc::expect extrapolates weak order 1; with flows of parts take nv";
         // Without iteration a step is explicit where B is constant.
         let scheme = if implicit { "sexp-li" } else { "sexp" };
-        take(Purpose::Expectations, scheme, because.into());
+        take("expectations", scheme, because);
     } else if random && areas {
-        take(Purpose::Expectations, "sexp", "weak order 1 takes no areas".into());
+        take("expectations", "sexp", "weak order 1 takes no areas");
     }
     // With a constant B the scheme is explicit, and large steps grow.
     if sound && implicit && !schemes.truncates && random {
         let because = "every step has a solution, so no increment is truncated";
-        take(Purpose::LargeNoise, without_iteration, because.into());
+        take("large-noise", without_iteration, because);
     }
     found
 }

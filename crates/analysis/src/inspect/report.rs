@@ -108,19 +108,15 @@ impl Schemes {
 }
 
 /// `constant`, `affine` or `other`.
-fn word(structure: Linearity) -> &'static str {
-    match structure {
-        Linearity::Constant => "constant",
-        Linearity::Affine => "affine",
-        Linearity::Other => "other",
-    }
+fn word(structure: Linearity) -> String {
+    format!("{structure:?}").to_lowercase()
 }
 
 fn as_word<S: Serializer>(
     structure: &Linearity,
     serializer: S,
 ) -> std::result::Result<S::Ok, S::Error> {
-    serializer.serialize_str(word(*structure))
+    serializer.serialize_str(&word(*structure))
 }
 
 /// Least relative error of `averaged_gradient` that is a mistake and not that of a quadrature: the
@@ -149,22 +145,17 @@ impl Inspection {
                 "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))",
             ),
         ];
-        match &h.gradient {
-            // What follows from a wrong gradient is the same mistake.
-            Some(gradient) if gradient.fails() => {
-                checks.push(check(gradient, "gradient is not the gradient of energy"));
-            }
-            gradient => {
-                let what = "gradient is not the gradient of energy";
-                checks.extend(gradient.iter().map(|finding| check(finding, what)));
-                let what = "averaged_gradient(y, y) is not the gradient at y";
-                checks.push(check(&h.averaged_gradient, what));
-                // The error of a quadrature is no mistake.
-                let poor = h.own_average && h.quadrature_error > POOR_QUADRATURE;
-                if !h.discrete_gradient.fails() || poor {
-                    let what = "averaged_gradient(a, b)·(b − a) is not the change of energy";
-                    checks.push(check(&h.discrete_gradient, what));
-                }
+        let gradient = h.gradient.iter();
+        checks.extend(gradient.map(|g| check(g, "gradient is not the gradient of energy")));
+        // What follows from a wrong gradient is the same mistake.
+        if !h.gradient.as_ref().is_some_and(Finding::fails) {
+            let what = "averaged_gradient(y, y) is not the gradient at y";
+            checks.push(check(&h.averaged_gradient, what));
+            // The error of a quadrature is no mistake.
+            let poor = h.own_average && h.quadrature_error > POOR_QUADRATURE;
+            if !h.discrete_gradient.fails() || poor {
+                let what = "averaged_gradient(a, b)·(b − a) is not the change of energy";
+                checks.push(check(&h.discrete_gradient, what));
             }
         }
         let own = self.own_methods.iter();
@@ -225,19 +216,20 @@ impl Display for Inspection {
         }
         if let Some(problem) = &self.problem {
             row(f, "damping", format!("{}; {}", problem.damping, problem.integral))?;
-            match (problem.radius, &self.bound) {
+            let text = match (problem.radius, &self.bound) {
                 (Some(radius), Some(Bound { minimum, .. })) => {
                     let inside =
                         if minimum.in_domain_only { " while they are in the domain" } else { "" };
-                    let found = match minimum.searched {
-                        true => " if that bound, found by search, holds",
-                        false => "",
+                    let found = if minimum.searched {
+                        " if that bound, found by search, holds"
+                    } else {
+                        ""
                     };
-                    let radius = length(radius);
-                    row(f, "paths", format!("stay within ‖y‖ ≤ {radius}{inside}{found}"))?;
+                    format!("stay within ‖y‖ ≤ {}{inside}{found}", length(radius))
                 }
-                _ => row(f, "paths", "no bound was found")?,
-            }
+                _ => "no bound was found".into(),
+            };
+            row(f, "paths", text)?;
         }
         self.write_theory(f)?;
         let list = |lines: &[String]| lines.join("\n  - ");
@@ -332,12 +324,9 @@ impl Inspection {
             writeln!(f, "  {order}: {schemes}")?;
         }
         let constant = self.schemes.structure == Linearity::Constant;
-        let over = self
-            .orders
-            .iter()
-            .map(|order| (order.scheme, long_times(order.scheme, constant).to_owned()));
+        let over = |scheme| (scheme, long_times(scheme, constant).to_owned());
         writeln!(f, "Over long times")?;
-        for (words, schemes) in grouped(over) {
+        for (words, schemes) in grouped(self.orders.iter().map(|order| over(order.scheme))) {
             writeln!(f, "  {schemes}: {words}")?;
         }
         self.write_advice(f)
@@ -351,16 +340,15 @@ impl Inspection {
         match sexp_li_refused {
             Some(reason) => writeln!(f, "{reason}")?,
             None => {
-                let solved = if *truncates {
-                    "a step may have no solution, so increments are truncated"
-                } else {
-                    "every step has a solution"
+                let solved = match truncates {
+                    true => "a step may have no solution, so increments are truncated",
+                    false => "every step has a solution",
                 };
                 writeln!(f, "sexp-li applies: B is {} in y, {solved}", word(*structure))?;
             }
         }
         for Recommendation { purpose, scheme, because } in &self.recommended {
-            writeln!(f, "Take {scheme} {}: {because}", purpose.name())?;
+            writeln!(f, "Take {scheme} for {}: {because}", purpose.replace('-', " "))?;
         }
         if self.schemes.split_refused.is_none() {
             writeln!(f, "split applies: the flows of parts are known")?;
@@ -381,7 +369,8 @@ impl Casimirs {
             _ => "",
         };
         writeln!(f, "  Casimirs of B, {sought}, coefficients to six digits:{none}")?;
-        for FoundCasimir { formula, degree, minimum, casimir, .. } in found.iter().take(LISTED) {
+        for FoundCasimir { formula, form, minimum, casimir } in found.iter().take(LISTED) {
+            let degree = form.degree;
             writeln!(f, "    {formula}; degree {degree}, m = {minimum}; B∇C = 0 {casimir}")?;
         }
         if found.len() > LISTED {

@@ -4,7 +4,7 @@ use dgrad::Rule;
 
 use super::{
     algebra::{largest, moved},
-    finding::{CLUSTER, Finding, Term},
+    finding::{CLUSTER, Finding, Term, differences},
     points::Points,
     probe::{Batch, Local, Probe},
     random::Random,
@@ -36,9 +36,7 @@ const SEGMENT: f64 = 0.1;
 impl<'a> Sight<'a> {
     pub fn new(mut probe: Probe<'a>, points: &'a Points) -> Self {
         let states = points.clusters(&probe);
-        let small = probe.dimension() <= MATRICES
-            && probe.system.description().layout.tile_rows
-                >= probe.system.description().layout.rows;
+        let small = probe.dimension() <= MATRICES && probe.is_one_tile();
         let locals = if small { probe.locals(&states) } else { Vec::new() };
         Self { probe, points, states, locals }
     }
@@ -52,19 +50,25 @@ impl<'a> Sight<'a> {
 
     /// Random weights of all Hamiltonians.
     pub fn weights(&self, random: &mut Random) -> Vec<f64> {
-        (0..=self.probe.system.description().noises).map(|_| random.uniform()).collect()
+        (0..=self.probe.noises()).map(|_| random.uniform()).collect()
     }
 
     /// Records an identity whose terms are given at each state.
-    pub fn record(&self, finding: &mut Finding, terms: Vec<Vec<Term>>, wide: f64) {
+    pub fn record(&self, finding: &mut Finding, terms: impl IntoIterator<Item = Vec<Term>>) {
+        let terms: Vec<_> = terms.into_iter().collect();
         for (at, cluster) in self.points.for_identities.iter().zip(terms.chunks(CLUSTER)) {
-            finding.record(at, cluster, wide);
+            finding.record(at, cluster, 0.0);
         }
     }
 
-    /// The same for what is computed from the matrices at each state.
-    pub fn examine(&self, finding: &mut Finding, terms: impl Fn(&Local) -> Vec<Term>) {
-        self.record(finding, self.locals.iter().map(terms).collect(), 0.0);
+    /// Records a = b at each state.
+    pub fn compare(&self, finding: &mut Finding, a: &Batch, b: &Batch) {
+        self.record(finding, a.iter().zip(b).map(|(a, b)| differences(a, b)));
+    }
+
+    /// The ends of steps from each state.
+    pub fn moved(&self, share: f64, steps: &Batch) -> Batch {
+        self.states.iter().zip(steps).map(|(y, step)| moved(y, share, step)).collect()
     }
 
     /// From each state towards the next point, as long as it is in the domain.
@@ -96,15 +100,13 @@ impl<'a> Sight<'a> {
         let (mut steps, mut open) = (self.segments(), vec![true; self.points.for_identities.len()]);
         let start = value(&mut self.probe, &self.states);
         for _ in 0..SHORTER {
-            let ends: Batch =
-                self.states.iter().zip(&steps).map(|(y, step)| moved(y, 1.0, step)).collect();
+            let ends = self.moved(1.0, &steps);
             let end = value(&mut self.probe, &ends);
             let [fine, coarse] = NODES.map(|nodes| {
                 let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
                 let mut sums = vec![vec![(0.0, 0.0); start[0].len()]; start.len()];
                 for (&node, &weight) in rule.nodes().iter().zip(rule.weights()) {
-                    let at: Batch =
-                        self.states.iter().zip(&steps).map(|(y, s)| moved(y, node, s)).collect();
+                    let at = self.moved(node, &steps);
                     for (sum, slope) in sums.iter_mut().zip(slope(&mut self.probe, &at, &steps)) {
                         for (sum, slope) in sum.iter_mut().zip(slope) {
                             *sum = (sum.0 + weight * slope, sum.1 + weight * slope.abs());

@@ -34,7 +34,7 @@ pub struct Solvability {
 
 impl Solvability {
     pub(super) fn of(probe: &mut Probe<'_>, points: &Points) -> Self {
-        let none = vec![0.0; probe.system.description().noises + 1];
+        let none = vec![0.0; probe.noises() + 1];
         let mut found = Self {
             region: points.region.clone(),
             points: points.for_suprema.len(),

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::{
     algebra::{dot, moved},
     finding::{Finding, Status, Term, differences},
+    probe::Local,
     random::{Purpose, Random},
     sight::Sight,
 };
@@ -40,22 +41,20 @@ impl Structure {
             };
             (0..u[n].len()).map(term).collect()
         };
-        sight.record(&mut found.linear, (0..u.len()).map(linear).collect(), 0.0);
+        sight.record(&mut found.linear, (0..u.len()).map(linear));
         // Bᵢⱼ + Bⱼᵢ = 0, or vᵀB(y)v = 0.
         if sight.locals.is_empty() {
-            let terms = |(v, bv): (&Vec<f64>, &Vec<f64>)| vec![product(v, bv)];
-            let terms = v.iter().zip(&turned_v).map(terms).collect();
-            sight.record(&mut found.skew, terms, 0.0);
+            let terms = v.iter().zip(&turned_v).map(|(v, bv)| vec![product(v, bv)]);
+            sight.record(&mut found.skew, terms);
         } else {
-            sight.examine(&mut found.skew, |local| {
-                let b = &local.b;
+            let terms = |Local { b, .. }: &Local| {
                 let places = (0..b.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
                 places.map(|(i, j)| (b[i][j] + b[j][i], b[i][j].abs() + b[j][i].abs())).collect()
-            });
+            };
+            sight.record(&mut found.skew, sight.locals.iter().map(terms));
         }
         let fixed = sight.probe.structure(&sight.states, &v[..1]);
-        let constant = fixed.iter().map(|bv| differences(bv, &fixed[0])).collect();
-        sight.record(&mut found.constant, constant, 0.0);
+        sight.record(&mut found.constant, fixed.iter().map(|bv| differences(bv, &fixed[0])));
         // The Jacobi identity for three covectors.
         let covectors = [u, v.clone(), sight.vectors(&mut random)];
         let turned = covectors.each_ref().map(|v| sight.probe.structure(&sight.states, v));
@@ -68,7 +67,7 @@ impl Structure {
                 *total = (total.0 + term.0, total.1 + term.1);
             }
         }
-        sight.record(&mut found.jacobi, jacobi.into_iter().map(|term| vec![term]).collect(), 0.0);
+        sight.record(&mut found.jacobi, jacobi.into_iter().map(|term| vec![term]));
         let v = &v[..1];
         found.derivative = sight.derivative(
             |probe, y| probe.structure(y, v),

@@ -52,21 +52,21 @@ pub struct ExpectedOrder {
 /// symmetric or Runge–Kutta methods of order two.
 pub fn orders(noises: &Noises, areas: bool) -> Vec<ExpectedOrder> {
     type Order = (f64, f64, Status);
-    let expected = |(scheme, (strong, weak, known))| ExpectedOrder { scheme, strong, weak, known };
-    let listed = |without_areas: Order, with_areas: Order, em: Order| {
+    let listed = |plain: Order, with_areas: Order, em: Order| {
         let all = [
-            ("sexp", Some(without_areas)),
-            ("sexp-levy", areas.then_some(with_areas)),
-            ("sexp-li", Some(without_areas)),
-            ("sexp-li-levy", areas.then_some(with_areas)),
-            ("split", Some(without_areas)),
-            ("nv", Some((without_areas.0, 2.0, without_areas.2))),
-            ("midpoint", Some(without_areas)),
-            ("heun", Some(without_areas)),
-            ("em", Some(em)),
+            ("sexp", plain),
+            ("sexp-levy", with_areas),
+            ("sexp-li", plain),
+            ("sexp-li-levy", with_areas),
+            ("split", plain),
+            ("nv", (plain.0, 2.0, plain.2)),
+            ("midpoint", plain),
+            ("heun", plain),
+            ("em", em),
         ];
-        let listed = all.into_iter().filter_map(|(scheme, order)| Some((scheme, order?)));
-        listed.map(expected).collect()
+        let listed = all.into_iter().filter(|(scheme, _)| areas || !scheme.ends_with("-levy"));
+        let order = |(scheme, (strong, weak, known))| ExpectedOrder { scheme, strong, weak, known };
+        listed.map(order).collect()
     };
     let of = |strong, weak| (strong, weak, Status::Holds);
     if noises.silent.holds() {

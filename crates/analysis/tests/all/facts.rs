@@ -18,7 +18,6 @@ fn system(state: &[&str], structure: &[&[&str]], energies: &[&str], y0: &[f64]) 
         structure: structure.iter().map(|row| words(row)).collect(),
         energy: energies[0].into(),
         noises: words(&energies[1..]),
-        observables: Vec::new(),
     };
     FormulaSystem::new(&definition, y0).unwrap()
 }
@@ -88,7 +87,6 @@ fn chain(spins: usize) -> (FormulaSystem, Vec<f64>) {
         structure,
         energy,
         noises,
-        observables: Vec::new(),
     };
     let y0 = [0.6, 0.0, 0.8].repeat(spins);
     (FormulaSystem::new(&definition, &y0).unwrap(), y0)

@@ -398,7 +398,8 @@ fn casimirs<const D: usize>(
     let found = &report.casimirs.as_ref().unwrap().found;
     if !matches!(system.defect, Defect::Skew | Defect::Jacobi) {
         if report.casimirs.as_ref().unwrap().complete {
-            let number = [1, 2].map(|degree| found.iter().filter(|c| c.degree == degree).count());
+            let number =
+                [1, 2].map(|degree| found.iter().filter(|c| c.form.degree == degree).count());
             counts.truth("number of Casimirs", number == system.casimirs(), context);
         } else {
             counts.untold += 1;
@@ -408,13 +409,13 @@ fn casimirs<const D: usize>(
     for casimir in found {
         for n in 0..20 {
             let y: [f64; D] = std::array::from_fn(|i| ((n * D + i) as f64 * 1.7).sin());
-            let q = |i: usize| match casimir.degree {
-                1 => casimir.coefficients[i],
-                _ => (0..D).map(|j| casimir.coefficients[i * D + j] * y[j]).sum(),
+            let q = |i: usize| match casimir.form.degree {
+                1 => casimir.form.coefficients[i],
+                _ => (0..D).map(|j| casimir.form.coefficients[i * D + j] * y[j]).sum(),
             };
             let field = system.structure(y, std::array::from_fn(q));
             let largest = field.iter().fold(0.0, |m, x| f64::max(m, x.abs()));
-            let size = casimir.coefficients.iter().fold(0.0, |m, x| f64::max(m, x.abs()));
+            let size = casimir.form.coefficients.iter().fold(0.0, |m, x| f64::max(m, x.abs()));
             counts.truth("a Casimir", largest <= 1e-12 * size, context);
         }
     }

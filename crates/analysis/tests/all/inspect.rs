@@ -166,9 +166,9 @@ fn the_misprinted_casimir_is_found_and_the_true_one_named() {
 
     // ab y₁ + y₂ − a y₃, up to a factor.
     let casimir = &report.casimirs.as_ref().unwrap().found[0];
-    assert_eq!(casimir.degree, 1);
-    let factor = casimir.coefficients[1];
-    for (found, exact) in casimir.coefficients.iter().zip([A * B, 1.0, -A]) {
+    assert_eq!(casimir.form.degree, 1);
+    let factor = casimir.form.coefficients[1];
+    for (found, exact) in casimir.form.coefficients.iter().zip([A * B, 1.0, -A]) {
         assert!((found / factor - exact).abs() < 1e-9, "{}", casimir.formula);
     }
     assert!(casimir.minimum.positive.holds() && casimir.minimum.in_domain_only);

@@ -96,7 +96,7 @@ fn casimirs_that_were_found_are_measured_on_texts() {
     let system = formula::FormulaSystem::new(&definition, &compiled.y0()).unwrap();
     let found = super::inspect_formulas(&system, &compiled.y0()).unwrap().casimirs.unwrap().found;
     assert_eq!(found.len(), 1);
-    let found = found.iter().map(|casimir| casimir.form()).collect();
+    let found = found.iter().map(|casimir| casimir.form.clone()).collect();
     let scheme = |scheme| Setup::at_run_time(&texts, scheme).unwrap().scheme;
     let all = Candidates::against(scheme(&Sexp)).and(scheme(&Sexp)).and(scheme(&Heun));
     let all = all.with_casimirs(found);

@@ -135,7 +135,6 @@ pub fn build(
         structure: rows.iter().map(|row| row.get_ref().iter().map(words).collect()).collect(),
         energy: words(energy),
         noises: noises.map_or(Vec::new(), |noises| noises.iter().map(words).collect()),
-        observables: Vec::new(),
     };
     let y0 = &settings.initial;
     let system = FormulaSystem::new(&definition, y0)
@@ -168,14 +167,6 @@ fn misdefined(
     match &error {
         DefinitionError::Formula { which, error: inner } => match formula(which) {
             Some(formula) => source.formula_error(formula, inner),
-            None => source.error_of_all(error),
-        },
-        DefinitionError::NotFinite { which, error: inner } => match formula(which) {
-            Some(formula) => {
-                let place = source.place_in(formula, &inner.span);
-                let (operation, value) = (&inner.operation, inner.value);
-                source.error(place, format!("{operation} is {value} at the initial value"))
-            }
             None => source.error_of_all(error),
         },
         DefinitionError::DerivativeNotFinite { which, .. } => match formula(which) {
@@ -215,6 +206,5 @@ fn formula_of<'a>(
         }
         Which::Energy => table.energy.as_ref(),
         Which::Noise(m) => table.noises.as_ref()?.get_ref().get(m - 1),
-        Which::Observable(_) => None,
     }
 }

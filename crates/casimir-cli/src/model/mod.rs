@@ -150,7 +150,7 @@ fn damping(
     for t in [0.0, settings.until] {
         if let Some(error) = formula.explain(&[t]) {
             let place = source.place_in(rate, &error.span);
-            let message = format!("{} is {} at t = {t}", error.operation, error.value);
+            let message = format!("{} at t = {t}", error.message);
             return Err(source.error(place, message));
         }
     }

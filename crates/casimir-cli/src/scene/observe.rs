@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use casimir::{
-    formula::{DomainError, Formula, FormulaErrorKind, Names},
+    formula::{Formula, Names},
     mc::Observe,
     real::{PathMask, Row},
 };
@@ -73,8 +73,8 @@ pub fn quantity(
         return Ok(energy.clone());
     }
     let formula = Formula::parse(&text.get_ref().0, names);
-    let formula = formula.map_err(|error| match &error.kind {
-        FormulaErrorKind::UnknownName { name, .. } if name == "H0" => {
+    let formula = formula.map_err(|error| match error.unknown_name.as_deref() {
+        Some("H0") => {
             let message = "`H0` stands alone in an observable: write its formula here";
             source.error(source.place_in(text, &error.span), message)
         }
@@ -82,9 +82,8 @@ pub fn quantity(
     })?;
     match formula.explain(y0) {
         Some(error) => {
-            let DomainError { operation, value, span, .. } = error;
-            let message = format!("{operation} is {value} at the initial value");
-            Err(source.error(source.place_in(text, &span), message))
+            let message = format!("{} at the initial value", error.message);
+            Err(source.error(source.place_in(text, &error.span), message))
         }
         None => Ok(Quantity::Formula(Arc::new(formula))),
     }

@@ -5,7 +5,7 @@ use std::{
     ops::Range,
 };
 
-use casimir::formula::{Excerpt, FormulaError, FormulaErrorKind, line_column};
+use casimir::formula::{Excerpt, FormulaError, line_column};
 use toml::Spanned;
 
 use super::values::Text;
@@ -49,11 +49,11 @@ impl Source {
     /// Something wrong with a formula, at its place in the file.
     pub fn formula_error(&self, formula: &Spanned<Text>, error: &FormulaError) -> SceneError {
         let place = self.place_in(formula, &error.span);
-        match &error.kind {
-            FormulaErrorKind::UnknownName { name, .. } if name == "t" => {
+        match error.unknown_name.as_deref() {
+            Some("t") => {
                 self.error(place, "unknown name `t`: time is known in the rate of damping only")
             }
-            kind => self.error(place, kind),
+            _ => self.error(place, &error.message),
         }
     }
 

@@ -21,7 +21,6 @@ fn definition(
         structure: structure.iter().map(|row| words(row)).collect(),
         energy: energy.to_owned(),
         noises: words(noises),
-        observables: Vec::new(),
     }
 }
 

@@ -14,15 +14,6 @@ use crate::{
     terms::{Weighted, terms},
 };
 
-/// Two states and the weights of a Hamiltonian increment, as inputs of a graph.
-pub struct Segment<'a> {
-    /// The numbers of the components of y as inputs of the graph.
-    pub y: &'a [usize],
-    /// The ends.
-    pub a: &'a [Id],
-    pub b: &'a [Id],
-}
-
 /// (a+b)/2 + distance·(b − a), in the order of operations of `systems::run_time`.
 pub fn point(graph: &mut Graph, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {
     let component = |(&a, &b): (&Id, &Id)| {
@@ -33,19 +24,21 @@ pub fn point(graph: &mut Graph, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {
     a.iter().zip(b).map(component).collect()
 }
 
-/// ∇̄h(a, b) for h = Σ weight·Hamiltonian.
-pub fn averaged_gradient(graph: &mut Graph, h: &[Weighted], segment: &Segment<'_>) -> Vec<Id> {
-    let mut mean = vec![graph.constant(0.0); segment.y.len()];
+/// ∇̄h(a, b) for h = Σ weight·Hamiltonian, in y, the first inputs.
+pub fn averaged_gradient(graph: &mut Graph, h: &[Weighted], a: &[Id], b: &[Id]) -> Vec<Id> {
+    let y: Vec<usize> = (0..a.len()).collect();
+    let mut mean = vec![graph.constant(0.0); y.len()];
     // Terms by the number of their nodes.
     let mut groups: Vec<Vec<Weighted>> = vec![Vec::new(); MOST_NODES + 1];
     let terms = terms(graph, h);
-    let degrees = graph.degrees(segment.y);
+    let all: Vec<Id> = graph.ids().collect();
+    let degrees = graph.degrees(&all, &y);
     for (term, weight) in terms {
         let part = match graph.node(term) {
             Node::Unary(function @ (Unary::Sin | Unary::Cos), angle)
                 if degrees[angle.index()] == Some(1) =>
             {
-                averaged_wave(graph, function, angle, weight, segment)
+                averaged_wave(graph, function, (angle, weight), a, b)
             }
             _ => {
                 let nodes = match degrees[term.index()] {
@@ -60,8 +53,8 @@ pub fn averaged_gradient(graph: &mut Graph, h: &[Weighted], segment: &Segment<'_
         add(graph, &mut mean, &part);
     }
     for (nodes, group) in groups.iter().enumerate().filter(|(_, group)| !group.is_empty()) {
-        let gradient = graph.reverse(group, segment.y);
-        let part = by_quadrature(graph, &gradient, nodes, segment);
+        let gradient = graph.reverse(group, &y);
+        let part = by_quadrature(graph, &gradient, nodes, a, b);
         add(graph, &mut mean, &part);
     }
     mean
@@ -78,21 +71,21 @@ fn add(graph: &mut Graph, sum: &mut [Id], part: &[Id]) {
 fn averaged_wave(
     graph: &mut Graph,
     function: Unary,
-    angle: Id,
-    weight: Id,
-    segment: &Segment<'_>,
+    (angle, weight): Weighted,
+    a: &[Id],
+    b: &[Id],
 ) -> Vec<Id> {
     let one = graph.constant(1.0);
-    let slopes = graph.reverse(&[(angle, one)], segment.y);
+    let slopes = graph.reverse(&[(angle, one)], &(0..a.len()).collect::<Vec<_>>());
     let mut half = graph.constant(0.0);
-    for ((&a, &b), &slope) in segment.a.iter().zip(segment.b).zip(&slopes) {
+    for ((&a, &b), &slope) in a.iter().zip(b).zip(&slopes) {
         let difference = graph.sub(b, a);
         let distance = graph.scale(difference, 0.5);
         let part = graph.mul(distance, slope);
         half = graph.add(half, part);
     }
-    let middle = point(graph, segment.a, segment.b, 0.0);
-    let angle = at(graph, &[angle], &middle, segment.y)[0];
+    let middle = point(graph, a, b, 0.0);
+    let angle = at(graph, &[angle], &middle)[0];
     let mean = match function {
         Unary::Sin => graph.unary(Unary::Cos, angle),
         _ => {
@@ -107,24 +100,16 @@ fn averaged_wave(
 }
 
 /// Expressions at another state y.
-fn at(graph: &mut Graph, roots: &[Id], state: &[Id], y: &[usize]) -> Vec<Id> {
-    let mut inputs: Vec<Id> = (0..graph.inputs()).map(|k| graph.input(k)).collect();
-    for (&k, &component) in y.iter().zip(state) {
-        inputs[k] = component;
-    }
-    graph.substitute(roots, &inputs)
+fn at(graph: &mut Graph, roots: &[Id], state: &[Id]) -> Vec<Id> {
+    let rest: Vec<Id> = (state.len()..graph.inputs()).map(|k| graph.input(k)).collect();
+    graph.substitute(roots, &[state, &rest].concat())
 }
 
-fn by_quadrature(
-    graph: &mut Graph,
-    gradient: &[Id],
-    nodes: usize,
-    segment: &Segment<'_>,
-) -> Vec<Id> {
+fn by_quadrature(graph: &mut Graph, gradient: &[Id], nodes: usize, a: &[Id], b: &[Id]) -> Vec<Id> {
     let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
     let at_distance = |graph: &mut Graph, distance: f64| {
-        let point = point(graph, segment.a, segment.b, distance);
-        at(graph, gradient, &point, segment.y)
+        let point = point(graph, a, b, distance);
+        at(graph, gradient, &point)
     };
     if nodes == 1 {
         return at_distance(graph, 0.0);

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display};
 
-use crate::{DomainError, Formula, FormulaError, NameError, Names};
+use crate::{Formula, FormulaError, NameError, Names};
 
 /// The texts of a Poisson system dy = B∇H₀ dt + Σₘ B∇Hₘ ∘ dWₘ.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,8 +19,6 @@ pub struct Definition {
     pub energy: String,
     /// H₁, …, one for each noise.
     pub noises: Vec<String>,
-    /// Names and formulas of functions of y that are of interest.
-    pub observables: Vec<(String, String)>,
 }
 
 /// One of the formulas of a [`Definition`].
@@ -32,8 +30,6 @@ pub enum Which {
     Energy,
     /// Hₘ for m = 1, ….
     Noise(usize),
-    /// The observable of this name.
-    Observable(String),
 }
 
 impl Display for Which {
@@ -42,7 +38,6 @@ impl Display for Which {
             Self::Structure(row, column) => write!(f, "B, row {row}, column {column}"),
             Self::Energy => f.write_str("H0"),
             Self::Noise(m) => write!(f, "H, noise {m}"),
-            Self::Observable(name) => write!(f, "the observable {name}"),
         }
     }
 }
@@ -85,7 +80,7 @@ pub enum DefinitionError {
         /// The lengths of the rows.
         rows: Vec<usize>,
     },
-    /// A text is not a formula.
+    /// A text is not a formula, or one without a finite value at the initial value.
     #[error("{which}: {error}")]
     Formula {
         /// Which one.
@@ -110,14 +105,6 @@ pub enum DefinitionError {
         /// The point.
         point: Vec<f64>,
     },
-    /// A formula has no finite value at the initial value.
-    #[error("{which} has no finite value at the initial value: {error}")]
-    NotFinite {
-        /// Which one.
-        which: Which,
-        /// The first operation that is not finite.
-        error: Box<DomainError>,
-    },
     /// A formula has no finite derivative at the initial value.
     #[error("the derivative of {which} by {variable} is {value} at the initial value")]
     DerivativeNotFinite {
@@ -137,37 +124,30 @@ pub(super) struct Formulas {
     pub structure: Vec<Vec<Formula>>,
     pub energy: Formula,
     pub noises: Vec<Formula>,
-    pub observables: Vec<(String, Formula)>,
 }
 
 impl Formulas {
     pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
         let names = names(definition, y0)?;
         let parsed = |which: Which, text: &str| -> Result<Formula, DefinitionError> {
-            let formula = match Formula::parse(text, &names) {
-                Ok(formula) => formula,
-                Err(error) => return Err(DefinitionError::Formula { which, error: error.into() }),
-            };
-            match formula.explain(y0) {
-                Some(error) => Err(DefinitionError::NotFinite { which, error: error.into() }),
-                None => Ok(formula),
-            }
+            let formula = Formula::parse(text, &names).and_then(|formula| {
+                let reason = formula.explain(y0);
+                let at_y0 = |message| format!("{message} at the initial value");
+                let wrong = |e: FormulaError| FormulaError { message: at_y0(e.message), ..e };
+                reason.map_or(Ok(formula), |error| Err(wrong(error)))
+            });
+            formula.map_err(|error| DefinitionError::Formula { which, error: error.into() })
         };
-        let structure = structure(&definition.structure, y0, parsed)?;
-        let energy = parsed(Which::Energy, &definition.energy)?;
-        has_gradient(&Which::Energy, &energy, y0)?;
-        let mut noises = Vec::new();
-        for (m, text) in definition.noises.iter().enumerate() {
-            let which = Which::Noise(m + 1);
-            let noise = parsed(which.clone(), text)?;
-            has_gradient(&which, &noise, y0)?;
-            noises.push(noise);
-        }
-        let mut observables = Vec::new();
-        for (name, text) in &definition.observables {
-            observables.push((name.clone(), parsed(Which::Observable(name.clone()), text)?));
-        }
-        Ok(Self { structure, energy, noises, observables, names })
+        let hamiltonian = |which: Which, text| -> Result<Formula, DefinitionError> {
+            let formula = parsed(which.clone(), text)?;
+            has_gradient(which, &formula, y0)?;
+            Ok(formula)
+        };
+        let structure = structure(&definition.structure, y0, &parsed)?;
+        let energy = hamiltonian(Which::Energy, &definition.energy)?;
+        let noises = definition.noises.iter().enumerate();
+        let noises = noises.map(|(m, text)| hamiltonian(Which::Noise(m + 1), text));
+        Ok(Self { structure, energy, noises: noises.collect::<Result<_, _>>()?, names })
     }
 }
 
@@ -192,13 +172,13 @@ fn names(definition: &Definition, y0: &[f64]) -> Result<Names, DefinitionError> 
 }
 
 /// Checks that all derivatives of a formula are finite.
-fn has_gradient(which: &Which, formula: &Formula, y0: &[f64]) -> Result<(), DefinitionError> {
+fn has_gradient(which: Which, formula: &Formula, y0: &[f64]) -> Result<(), DefinitionError> {
     let all: Vec<usize> = (0..y0.len()).collect();
     let mut gradient = vec![0.0; y0.len()];
     formula.gradient(&all).evaluate_one(&[y0], &mut gradient);
     match gradient.iter().position(|slope| !slope.is_finite()) {
         Some(i) => Err(DefinitionError::DerivativeNotFinite {
-            which: which.clone(),
+            which,
             variable: formula.variables()[i].clone(),
             value: gradient[i],
         }),
@@ -222,21 +202,16 @@ fn structure(
     let mut entries = Vec::new();
     for (i, texts) in texts.iter().enumerate() {
         let first = if is_full { 0 } else { i + 1 };
-        let mut row = Vec::new();
-        for (k, text) in texts.iter().enumerate() {
-            row.push(parsed(Which::Structure(i + 1, first + k + 1), text)?);
-        }
-        entries.push(row);
+        let entry =
+            |(k, text): (usize, &String)| parsed(Which::Structure(i + 1, first + k + 1), text);
+        entries.push(texts.iter().enumerate().map(entry).collect::<Result<Vec<_>, _>>()?);
     }
-    if is_upper {
+    if is_full {
+        super::skew::check(&entries, y0)?;
+        entries.iter_mut().enumerate().for_each(|(i, row)| drop(row.drain(..=i)));
+    } else {
         // The last row has no entry above the diagonal.
         entries.push(Vec::new());
-        return Ok(entries);
     }
-    super::skew::check(&entries, y0)?;
-    Ok(entries
-        .into_iter()
-        .enumerate()
-        .map(|(i, row)| row.into_iter().skip(i + 1).collect())
-        .collect())
+    Ok(entries)
 }

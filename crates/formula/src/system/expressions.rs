@@ -2,13 +2,8 @@
 
 use std::{ops::Range, slice::from_ref};
 
-use super::{
-    average::{self, Segment},
-    cayley,
-    definition::Formulas,
-    skew::points,
-};
-use real::{Bounded, Real};
+use super::{average, cayley, definition::Formulas, skew::points};
+use real::Bounded;
 use systems::run_time::Op;
 
 use crate::{
@@ -17,7 +12,7 @@ use crate::{
     words::{self, Binding},
 };
 
-/// What a system is asked for, in the inputs y, u, v, dt and dw, in this order.
+/// What a system is asked for, in the inputs y, u, v, dt, dw and areas, in this order.
 #[derive(Clone)]
 pub struct Expressions {
     pub graph: Graph,
@@ -25,25 +20,15 @@ pub struct Expressions {
     noises: usize,
     /// H₀, H₁, …
     hamiltonians: Vec<Id>,
-    observables: Vec<Id>,
     /// B(y)v.
     field: Vec<Id>,
-    /// (∂B·u)v.
-    field_along: Vec<Id>,
     /// h.
     energy: Id,
-    /// ∇h.
-    gradient: Vec<Id>,
-    /// ∇²h·u.
-    hessian: Vec<Id>,
-    /// ∇̄h(y, u).
-    averaged_gradient: Vec<Id>,
-    /// ½Σₘ fₘ′fₘ with fₘ = B∇Hₘ.
-    ito_correction: Vec<Id>,
-    /// Σ_{m<l} A_ml ∇{Hₘ, H_l}; none for more than [`MOST_NOISES`].
-    area_gradient: Option<Vec<Id>>,
-    /// The solution z of z = y + B((y+z)/2)v; none if B is not affine, or the dimension too large.
-    cayley: Option<Vec<Id>>,
+    /// The operations that have expressions, with the groups of inputs (y, u, v) that are their
+    /// arguments. ∇̄h(a, b) is that of a = y and b = u. None is the linearly implicit step if B is
+    /// not affine, or the dimension too large, and the gradient of areas for more than
+    /// [`MOST_NOISES`].
+    operations: Vec<(Op<usize>, Vec<Id>)>,
 }
 
 /// From this dimension on the elimination has more instructions than a tape should.
@@ -67,41 +52,37 @@ impl Expressions {
             |formula: &Formula| graph.import(formula.graph(), &[formula.root()], &y)[0];
         let hamiltonians: Vec<Id> =
             std::iter::once(&formulas.energy).chain(&formulas.noises).map(&mut import).collect();
-        let observables = formulas.observables.iter().map(|(_, f)| import(f)).collect();
         let entries: Vec<Vec<Id>> =
             formulas.structure.iter().map(|row| row.iter().map(&mut import).collect()).collect();
         let energy = graph.constant(0.0);
-        let (field, none) = (Vec::new(), Vec::new);
-        let mut new = Self {
-            graph,
-            dimension,
-            noises,
-            hamiltonians,
-            observables,
-            field,
-            field_along: none(),
-            energy,
-            gradient: none(),
-            hessian: none(),
-            averaged_gradient: none(),
-            ito_correction: none(),
-            area_gradient: None,
-            cayley: None,
-        };
-        let v = new.inputs(new.v());
-        new.field = new.times(&entries, &v);
-        new.field_along = new.along(&new.field.clone());
+        let (field, operations) = (Vec::new(), Vec::new());
+        let mut new = Self { graph, dimension, noises, hamiltonians, field, energy, operations };
+        let (y, u, v, a, b) = (0, 1, 2, 0, 1);
+        let vector = new.inputs(new.v());
+        new.field = new.times(&entries, &vector);
+        let field = new.field.clone();
+        let field_along = new.along(&field);
         let weights = new.inputs(new.dt().start..new.dw().end);
         new.energy = new.weighted(&weights);
-        new.gradient = new.gradient_of(&weights);
-        new.hessian = new.along(&new.gradient.clone());
-        new.averaged_gradient = new.averaged(&weights);
-        new.ito_correction = new.corrected();
-        new.area_gradient = (noises <= MOST_NOISES).then(|| new.bracketed());
+        let gradient = new.gradient_of(&weights);
+        let hessian = new.along(&gradient);
+        new.operations = vec![
+            (Op::Structure { y, v }, field),
+            (Op::StructureAlong { y, u, v }, field_along),
+            (Op::Gradient { y }, gradient),
+            (Op::Hessian { y, u }, hessian),
+            (Op::AveragedGradient { a, b }, new.averaged(&weights)),
+            (Op::ItoCorrection { y }, new.corrected()),
+        ];
+        if noises <= MOST_NOISES {
+            let gradient = new.bracketed();
+            new.operations.push((Op::AreaGradient { y }, gradient));
+        }
         if new.structure_degree().is_some_and(|degree| degree <= 1)
             && dimension <= LARGEST_ELIMINATION
         {
-            new.cayley = Some(new.solved());
+            let solution = new.solved();
+            new.operations.push((Op::Cayley { y, v }, solution));
         }
         new
     }
@@ -143,20 +124,6 @@ impl Expressions {
         range.map(|k| self.graph.input(k)).collect()
     }
 
-    /// B(y)v on numbers of any type.
-    pub fn field_on<R: Real>(&self, y: &[R], v: &[R]) -> Vec<R> {
-        let rest = vec![R::zero(); self.areas().end - self.dt().start];
-        let inputs = [y, y, v, &rest].concat();
-        self.graph.evaluate(&self.field, &inputs)
-    }
-
-    /// h(y) on numbers of any type.
-    pub fn energy_on<R: Real>(&self, y: &[R], weights: &[f64]) -> R {
-        let weights: Vec<R> = weights.iter().map(|&weight| R::constant(weight)).collect();
-        let inputs = [y, y, y, &weights].concat();
-        self.graph.evaluate(&[self.energy], &inputs)[0]
-    }
-
     /// B·v, with bⱼᵢ = −bᵢⱼ below the diagonal.
     fn times(&mut self, entries: &[Vec<Id>], v: &[Id]) -> Vec<Id> {
         let graph = &mut self.graph;
@@ -178,14 +145,9 @@ impl Expressions {
 
     /// Whether B or a Hamiltonian has a logarithm, a root or a quotient.
     pub fn have_domain(&self) -> bool {
-        let needed = self.graph.needed(&[&self.hamiltonians[..], &self.field].concat());
-        let is_partial = |id: &Id| {
-            matches!(
-                self.graph.node(*id),
-                Node::Unary(Unary::Ln | Unary::Sqrt, _) | Node::Binary(Binary::Div, ..)
-            )
-        };
-        self.graph.ids().filter(|id| needed[id.index()]).any(|id| is_partial(&id))
+        self.graph.uses(&[&self.hamiltonians[..], &self.field].concat(), |node| {
+            matches!(node, Node::Unary(Unary::Ln | Unary::Sqrt, _) | Node::Binary(Binary::Div, ..))
+        })
     }
 
     /// H₀ + H₁ + … and the components of B(y)(1, 2, …), a sum that is finite where all are.
@@ -194,7 +156,7 @@ impl Expressions {
         let mut sum = self.weighted(&ones);
         // No two entries cancel, as they would if all numbers were one.
         let v: Vec<Id> = self.y().map(|k| self.graph.constant(1.0 + k as f64)).collect();
-        for component in self.field_at(None, Some(&v)) {
+        for component in self.field_at(self.v(), &v) {
             sum = self.graph.add(sum, component);
         }
         Tape::new(&self.graph, &[sum], &[self.y()])
@@ -212,9 +174,8 @@ impl Expressions {
 
     fn largest_degree(&self, roots: &[Id]) -> Option<u32> {
         let y: Vec<usize> = self.y().collect();
-        let degrees: Option<Vec<u32>> =
-            roots.iter().map(|&root| self.graph.degree(root, &y)).collect();
-        degrees.map(|degrees| degrees.into_iter().max().unwrap_or(0))
+        let degrees = self.graph.degrees(roots, &y);
+        roots.iter().map(|root| degrees[root.index()]).try_fold(0, |most, d| Some(d?.max(most)))
     }
 
     /// The derivatives along u.
@@ -234,22 +195,21 @@ impl Expressions {
         sum
     }
 
+    /// H₀ with its weight, H₁, ….
+    fn with_weights(&self, weights: &[Id]) -> Vec<(Id, Id)> {
+        self.hamiltonians.iter().copied().zip(weights.iter().copied()).collect()
+    }
+
     /// ∇(H₀w₀ + H₁w₁ + …).
     fn gradient_of(&mut self, weights: &[Id]) -> Vec<Id> {
-        let weighted: Vec<(Id, Id)> =
-            self.hamiltonians.iter().copied().zip(weights.iter().copied()).collect();
-        let y: Vec<usize> = self.y().collect();
-        self.graph.reverse(&weighted, &y)
+        self.graph.reverse(&self.with_weights(weights), &self.y().collect::<Vec<_>>())
     }
 
     /// ∇̄h(y, u).
     fn averaged(&mut self, weights: &[Id]) -> Vec<Id> {
         let (a, b) = (self.inputs(self.y()), self.inputs(self.u()));
-        let weighted: Vec<(Id, Id)> =
-            self.hamiltonians.iter().copied().zip(weights.iter().copied()).collect();
-        let y: Vec<usize> = self.y().collect();
-        let segment = Segment { y: &y, a: &a, b: &b };
-        average::averaged_gradient(&mut self.graph, &weighted, &segment)
+        let weighted = self.with_weights(weights);
+        average::averaged_gradient(&mut self.graph, &weighted, &a, &b)
     }
 
     /// ½Σₘ fₘ′fₘ.
@@ -285,7 +245,7 @@ impl Expressions {
     /// rounding error at points around `y0`, and the formulas are not made of pieces, as in
     /// [`systems::jacobi_holds`]. False if there are too many noises or expressions.
     pub fn jacobi_holds(mut self, y0: &[f64]) -> bool {
-        if self.area_gradient.is_none() {
+        if self.noises > MOST_NOISES {
             return false;
         }
         let fields: Vec<(Vec<Id>, Vec<Id>)> = (1..=self.noises).map(|m| self.field_of(m)).collect();
@@ -295,7 +255,7 @@ impl Expressions {
             for (_, g) in &fields[m + 1..] {
                 let bracket = self.graph.dot(slope, g);
                 let v = self.graph.reverse(&[(bracket, one)], &y);
-                let turned = self.field_at(None, Some(&v));
+                let turned = self.field_at(self.v(), &v);
                 let [moved, other] = [(g, f), (f, g)].map(|(of, along)| {
                     let direction: Vec<_> = y.iter().copied().zip(along.iter().copied()).collect();
                     self.graph.forward(of, &direction)
@@ -314,10 +274,11 @@ impl Expressions {
             let mut inputs = vec![Bounded::exact(0.0); self.areas().end];
             inputs.iter_mut().zip(&point).for_each(|(y, &x)| *y = Bounded::variable(x));
             let (values, is_piecewise) =
-                Bounded::piecewise(|| self.graph.evaluate(&defects, &inputs));
+                Bounded::piecewise(|| self.graph.values(&defects, &inputs));
             // Outside of the domain there is no number.
-            if values.iter().all(|defect| defect.value.is_finite() && defect.error.is_finite()) {
-                if is_piecewise || values.iter().any(|defect| defect.value.abs() > defect.error) {
+            let defects: Vec<_> = defects.iter().map(|id| values[id.index()]).collect();
+            if defects.iter().all(|defect| defect.value.is_finite() && defect.error.is_finite()) {
+                if is_piecewise || defects.iter().any(|d| d.value.abs() > d.error) {
                     return false;
                 }
                 shown += 1;
@@ -331,7 +292,7 @@ impl Expressions {
         let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
         unit[m] = self.graph.constant(1.0);
         let gradient = self.gradient_of(&unit);
-        let field = self.field_at(None, Some(&gradient));
+        let field = self.field_at(self.v(), &gradient);
         (gradient, field)
     }
 
@@ -346,12 +307,9 @@ impl Expressions {
                     continue;
                 }
                 let minus = words::negated(&mut self.graph, field[i]);
-                let sign = match (minus, terms.is_empty()) {
-                    (Some(_), true) => "-",
-                    (None, true) => "",
-                    (Some(_), false) => " - ",
-                    (None, false) => " + ",
-                };
+                let sign = [" + ", " - "][usize::from(minus.is_some())];
+                let sign =
+                    if terms.is_empty() { sign.trim().trim_start_matches('+') } else { sign };
                 let factor = minus.unwrap_or(field[i]);
                 let text = match self.graph.as_constant(factor) == Some(1.0) {
                     true => String::new(),
@@ -369,16 +327,10 @@ impl Expressions {
         state.iter().enumerate().map(equation).collect()
     }
 
-    /// B(y)v for other expressions y and v.
-    fn field_at(&mut self, y: Option<&[Id]>, v: Option<&[Id]>) -> Vec<Id> {
+    /// B(y)v for other expressions y or v, the inputs `at`.
+    fn field_at(&mut self, at: Range<usize>, state: &[Id]) -> Vec<Id> {
         let mut inputs = self.inputs(0..self.v().end);
-        let (at_y, at_v) = (self.y(), self.v());
-        if let Some(y) = y {
-            inputs[at_y].copy_from_slice(y);
-        }
-        if let Some(v) = v {
-            inputs[at_v].copy_from_slice(v);
-        }
+        inputs[at].copy_from_slice(state);
         self.graph.substitute(&self.field, &inputs)
     }
 
@@ -392,61 +344,34 @@ impl Expressions {
     /// y + ½(B(y)v + B(0)v).
     fn right_side(&mut self) -> Vec<Id> {
         let zero = vec![self.graph.constant(0.0); self.dimension];
-        let constant = self.field_at(Some(&zero), None);
+        let constant = self.field_at(self.y(), &zero);
         let y = self.inputs(self.y());
         cayley::right_side(&mut self.graph, &y, &self.field, &constant)
     }
 
     /// The expressions of an operation, and the groups of inputs (y, u, v) that its arguments are;
     /// none if it follows from others, or has no expression.
-    pub fn of<P>(&self, op: &Op<P>) -> Option<(Op<usize>, &[Id])> {
-        let (y, u, v, a, b) = (0, 1, 2, 0, 1);
-        Some(match op {
-            Op::Structure { .. } => (Op::Structure { y, v }, &self.field),
-            Op::StructureAlong { .. } => (Op::StructureAlong { y, u, v }, &self.field_along),
-            Op::Gradient { .. } => (Op::Gradient { y }, &self.gradient),
-            Op::Hessian { .. } => (Op::Hessian { y, u }, &self.hessian),
-            Op::AveragedGradient { .. } => (Op::AveragedGradient { a, b }, &self.averaged_gradient),
-            Op::Cayley { .. } => (Op::Cayley { y, v }, self.cayley.as_ref()?),
-            Op::ItoCorrection { .. } => (Op::ItoCorrection { y }, &self.ito_correction),
-            Op::AreaGradient { .. } => (Op::AreaGradient { y }, self.area_gradient.as_ref()?),
-            Op::AveragedHessian { .. } | Op::AveragedField { .. } => return None,
-        })
+    pub fn of<P: Clone>(&self, op: &Op<P>) -> Option<&(Op<usize>, Vec<Id>)> {
+        let op = op.clone().map(|_| ());
+        self.operations.iter().find(|(known, _)| known.map(|_| ()) == op)
     }
 
     /// The operations that have expressions, each with a tape from its arguments, and from dt and dw
     /// or the areas if it reads them.
     pub fn op_tapes(&self) -> Vec<(Op<()>, Tape)> {
-        let (y, u, v, a, b) = ((), (), (), (), ());
-        let all = [
-            Op::Structure { y, v },
-            Op::StructureAlong { y, u, v },
-            Op::Gradient { y },
-            Op::Hessian { y, u },
-            Op::AveragedGradient { a, b },
-            Op::Cayley { y, v },
-            Op::ItoCorrection { y },
-            Op::AreaGradient { y },
-        ];
-        let tape = |op: Op<()>| {
-            let (groups, roots) = self.of(&op)?;
-            let weights = groups.reads_weights().then(|| [self.dt(), self.dw()]);
+        let tape = |(op, roots): &(Op<usize>, Vec<Id>)| {
+            let weights = op.reads_weights().then(|| [self.dt(), self.dw()]);
             let areas = matches!(op, Op::AreaGradient { .. }).then(|| self.areas());
-            let states = groups.arguments().map(|k| k * self.dimension..(k + 1) * self.dimension);
+            let states = op.arguments().map(|k| k * self.dimension..(k + 1) * self.dimension);
             let inputs: Vec<_> = states.chain(weights.into_iter().flatten()).chain(areas).collect();
-            Some((op, Tape::new(&self.graph, roots, &inputs)))
+            (op.map(|_| ()), Tape::new(&self.graph, roots, &inputs))
         };
-        all.into_iter().filter_map(tape).collect()
+        self.operations.iter().map(tape).collect()
     }
 
     /// h from y, dt and dw.
     pub fn energy_tape(&self) -> Tape {
         Tape::new(&self.graph, &[self.energy], &[self.y(), self.dt(), self.dw()])
-    }
-
-    /// The observables from y.
-    pub fn observables_tape(&self) -> Tape {
-        Tape::new(&self.graph, &self.observables, from_ref(&self.y()))
     }
 
     /// The entries of I − ½A(v) from v, row by row.

@@ -11,7 +11,7 @@ mod skew;
 use std::ops::Range;
 
 use dgrad::{Rule, nodes_for_degree};
-use real::{Real, Row, WIDTH, dispatch};
+use real::{Row, WIDTH, dispatch};
 use systems::{
     Linearity, SystemError,
     run_time::{Description, Op, Program, Recorded, System, Weights, derived},
@@ -50,7 +50,6 @@ const MOST_NODES: usize = 16;
 ///     structure: vec![words(&["-y3", "y2"]), words(&["-y1"])],
 ///     energy: "(y1^2/2 + y2^2 + 2*y3^2)/2".into(),
 ///     noises: words(&["c*y1^2/2"]),
-///     observables: vec![],
 /// };
 /// let body = FormulaSystem::new(&definition, &[0.6, 0.0, 0.8])?;
 /// assert!(body.description().is_quadratic() && body.description().always_solvable);
@@ -69,7 +68,6 @@ pub struct FormulaSystem {
     checked: Vec<Formula>,
     tapes: Vec<(Op<()>, Tape)>,
     energy: Tape,
-    observables: Tape,
     guard: Option<Tape>,
     /// The matrix and the right-hand side of the linearly implicit step, for dimensions whose
     /// elimination is too long for a tape.
@@ -131,7 +129,6 @@ impl FormulaSystem {
             description,
             tapes,
             energy: expressions.energy_tape(),
-            observables: expressions.observables_tape(),
             guard: has_guard.then(|| expressions.guard_tape()),
             elimination,
             expressions,
@@ -148,7 +145,7 @@ impl FormulaSystem {
 
     fn largest_scratch(&self) -> usize {
         let tapes = self.tapes.iter().map(|(_, tape)| tape);
-        let tapes = tapes.chain([&self.energy, &self.observables]).chain(&self.guard);
+        let tapes = tapes.chain([&self.energy]).chain(&self.guard);
         let elimination = self.elimination.iter().map(|[matrix, right]| {
             matrix.outputs() + matrix.scratch_rows().max(right.scratch_rows())
         });
@@ -176,40 +173,11 @@ impl FormulaSystem {
         &self.names
     }
 
-    /// B(y)v on numbers of any type, see [`evaluate`](crate::Graph::evaluate).
-    #[must_use]
-    pub fn structure_of<R: Real>(&self, y: &[R], v: &[R]) -> Vec<R> {
-        self.expressions.field_on(y, v)
-    }
-
-    /// h(y) with the weights dt, dw₁, … on numbers of any type, see
-    /// [`evaluate`](crate::Graph::evaluate).
-    #[must_use]
-    pub fn energy_of<R: Real>(&self, y: &[R], weights: &[f64]) -> R {
-        self.expressions.energy_on(y, weights)
-    }
-
-    /// The observables at y, in their order, one row each. `scratch` has at least
-    /// [`scratch_rows`](Description::scratch_rows) rows.
-    pub fn observe(&self, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
-        self.observables.evaluate(&[y], out, scratch);
-    }
-
     /// The equation dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ as it was understood, a line for each
     /// component, with the values of the parameters: `dp = -q dt + 0.5 ∘ dW1`.
     #[must_use]
     pub fn equations(&self, damped: bool) -> Vec<String> {
         self.expressions.clone().equations(&self.definition.state, damped)
-    }
-
-    /// The number of instructions for B(y)v, h, ∇h, ∇²h·u, in this order.
-    #[must_use]
-    pub fn instructions(&self) -> [usize; 4] {
-        let (y, u, v) = ((), (), ());
-        let [field, gradient, hessian] =
-            [Op::Structure { y, v }, Op::Gradient { y }, Op::Hessian { y, u }];
-        [self.tape(field), &self.energy, self.tape(gradient), self.tape(hessian)]
-            .map(Tape::instructions)
     }
 }
 

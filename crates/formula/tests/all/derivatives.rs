@@ -1,7 +1,7 @@
 //! Values, gradients and Hessian products of random expressions against dual numbers of another
 //! project. The tolerance is a bound of the round-off of each expression, by `real::Bounded`.
 
-use formula::{Formula, FormulaErrorKind, Names};
+use formula::{Formula, Names};
 use num_dual::{Dual64, HyperDual64};
 use real::{Bounded, Dual};
 
@@ -61,9 +61,8 @@ pub fn check(expression: &Expression, random: &mut Random, seen: &mut Seen) {
     let formula = match Formula::parse(&text, &names) {
         Ok(formula) => formula,
         Err(error) => {
-            use FormulaErrorKind::{DivisionByZero, NotFinite};
-            let constant = matches!(error.kind, NotFinite { .. } | DivisionByZero);
-            assert!(constant, "{text}: {error}");
+            let constant = ["this is not a finite number", "division by zero"];
+            assert!(constant.iter().any(|what| error.message.starts_with(what)), "{text}: {error}");
             seen.skipped += 1;
             return;
         }

@@ -203,7 +203,6 @@ fn harmonic() -> Definition {
         structure: vec![words(&["0", "-c*q"]), words(&["c*q", "0"])],
         energy: "(p^2 + q^2)/2".into(),
         noises: words(&["q"]),
-        observables: vec![("r".into(), "sqrt(p^2 + q^2)".into()), ("one".into(), "1".into())],
     }
 }
 
@@ -214,24 +213,17 @@ fn error(change: impl FnOnce(&mut Definition)) -> DefinitionError {
 }
 
 #[test]
-fn observables_and_descriptions_are_kept() {
+fn descriptions_are_kept() {
     let system = FormulaSystem::new(&harmonic(), &[3.0, 4.0]).unwrap();
-    assert_eq!(
-        (&*system.description().name, &*system.description().parameters),
-        ("harmonic", "c = 2")
-    );
-    let y = Rows::splat(&[3.0, 4.0]).unwrap();
-    let (mut out, mut scratch) =
-        (Rows::zero(2).unwrap(), Rows::zero(system.description().scratch_rows()).unwrap());
-    system.observe(&y, &mut out, &mut scratch);
-    assert_eq!((out[0][31], out[1][0]), (5.0, 1.0));
+    let description = system.description();
+    assert_eq!((&*description.name, &*description.parameters), ("harmonic", "c = 2"));
 }
 
 #[test]
 fn wrong_definitions_are_named() {
     let shown = |change: fn(&mut Definition)| error(change).to_string();
     type Change = fn(&mut Definition);
-    let table: [(Change, &str); 12] = [
+    let table: [(Change, &str); 11] = [
         (|d| d.state[1] = "p".into(), "`p` is given twice"),
         (|d| d.parameters[0].1 = f64::INFINITY, "the parameter `c` must be finite, got inf"),
         (|d| d.state.truncate(1), "the initial value must have 1 components, got 2"),
@@ -255,7 +247,7 @@ fn wrong_definitions_are_named() {
         ),
         (
             |d| d.energy = "ln(p - q)".into(),
-            "H0 has no finite value at the initial value: line 1, column 1: ln of -1 is NaN\n  \
+            "H0: line 1, column 1: ln of -1 is NaN at the initial value\n  \
              ln(p - q)\n  ^^^^^^^^^",
         ),
         (
@@ -267,14 +259,9 @@ fn wrong_definitions_are_named() {
             "H, noise 1: line 1, column 1: unknown name `qq`; the nearest is `q`\n  qq\n  ^^",
         ),
         (
-            |d| d.observables[0].1 = "".into(),
-            "the observable r: line 1, column 1: the formula is empty: write a number or an \
-             expression\n  \n  ^",
-        ),
-        (
             |d| d.structure[0][1] = "1/(p - 3)".into(),
-            "B, row 1, column 2 has no finite value at the initial value: line 1, column 1: the \
-             quotient of 1 and 0 is inf\n  1/(p - 3)\n  ^^^^^^^^^",
+            "B, row 1, column 2: line 1, column 1: the quotient of 1 and 0 is inf at the initial \
+             value\n  1/(p - 3)\n  ^^^^^^^^^",
         ),
     ];
     for (change, message) in table {
@@ -345,7 +332,6 @@ fn jacobi_is_shown_or_not() {
         structure: structure.map(words).to_vec(),
         energy: "x^2/2 + y^2 + z".into(),
         noises: words(noises),
-        observables: vec![],
     };
     let holds = |structure, noises| {
         let system = FormulaSystem::new(&definition(structure, noises), &[0.6, 0.7, 0.8]).unwrap();
