@@ -1,6 +1,6 @@
 //! Schemes on a dyadic ladder of steps.
 
-use std::ops::Range;
+use std::{ops::Range, sync::OnceLock};
 
 use noise::{StreamKey, Truncation};
 use real::{PathMask, Row};
@@ -13,7 +13,7 @@ use crate::{
     noise_source::Drawn,
     observable::{components, path},
     parallel::grow,
-    parts::{Fingerprint, Hash, Job, Stop, Work, bytes, of_problem, probe_states},
+    parts::{Hash, Job, Stop, Work, bytes, of_problem, probe_states},
     tree::{MergeTree, Node},
 };
 
@@ -301,25 +301,11 @@ impl<'a> Ladder<'a> {
         new: impl Fn() -> T + Sync,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Measured<T> {
-        self.run_from(0, samples, new, progress)
+        self.run_until(&Stop::default(), 0, samples, new, progress)
     }
 
-    /// The same for `samples` paths from path number `first` on.
-    ///
-    /// # Panics
-    /// As [`run`](Self::run).
-    pub fn run_from<T: Statistic>(
-        &self,
-        first: u64,
-        samples: u64,
-        new: impl Fn() -> T + Sync,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Measured<T> {
-        self.run_until(&Stop::default(), first, samples, new, progress)
-    }
-
-    /// The same with paths that end where `stop` asks for the end: the sums are then those of some
-    /// paths.
+    /// Advances `samples` paths from path number `first` on, like [`run`](Self::run). They end where
+    /// `stop` asks for the end: the sums are then those of some paths.
     ///
     /// # Panics
     /// As [`run`](Self::run).
@@ -340,7 +326,7 @@ impl<'a> Ladder<'a> {
         self.measured(tree.finish(), &new)
     }
 
-    /// The same as [`run`](Self::run), as a piece of work of a job: whole, in parts or merged.
+    /// Does the same as [`run`](Self::run) as a piece of work of a job: whole, in parts or merged.
     /// `None` if the results are not here, because this job computes a part, or parts are missing,
     /// or an error was met; [`Job::finish`] says which. The bits are those of `run`.
     ///
@@ -371,47 +357,16 @@ impl<'a> Ladder<'a> {
         job: &Job,
         pieces: &[Piece],
         round: Option<u64>,
-        new: &(impl Fn() -> T + Sync),
+        new: &(dyn Fn() -> T + Sync),
         progress: &(dyn Fn(u64) + Sync),
     ) -> Option<Vec<Nodes<T>>> {
-        let unpack = |bytes: &[u8]| {
-            let (sums, tally) = postcard::from_bytes(bytes)?;
-            let mut statistic = new();
-            *statistic.sums_mut() = sums;
-            Ok((statistic, tally))
+        let (study, stop) = (&OnceLock::new(), job.stop());
+        let work = |piece: &Piece| {
+            let &Piece { ref name, paths, ref groups } = piece;
+            let (name, groups) = (name.clone(), groups.clone());
+            Work { name, round, paths, groups, ladder: self, study, new, progress, stop }
         };
-        let pack =
-            |(statistic, tally): &(T, Tally)| Ok(postcard::to_stdvec(&(statistic.sums(), tally))?);
-        let fingerprint = || self.fingerprint(new);
-        let empty = || (new(), self.driver.tally());
-        let skipped = |groups| progress(groups * GROUP_PATHS * self.steps_per_path());
-        let compute = |piece: &Piece| {
-            let paths = piece.paths;
-            move |group| {
-                let (statistic, tally) = self.group(0, paths, group, new, progress, job.stop());
-                tally.ok().map(|tally| (statistic, tally))
-            }
-        };
-        let computes: Vec<_> = pieces.iter().map(compute).collect();
-        let mut works = Vec::new();
-        for (Piece { name, paths, groups }, compute) in pieces.iter().zip(&computes) {
-            works.push(Work {
-                name,
-                round,
-                fingerprint: &fingerprint,
-                key: self.driver.key,
-                paths: *paths,
-                groups: groups.clone(),
-                steps: self.steps_per_path(),
-                pack: &pack,
-                unpack: &unpack,
-                merge: &merge,
-                empty: &empty,
-                compute,
-                skipped: &skipped,
-            });
-        }
-        job.collect_all(&works)
+        job.collect(&pieces.iter().map(work).collect::<Vec<_>>())
     }
 
     /// Adds the nodes of more groups to those before, and gives the sum of all.
@@ -419,7 +374,7 @@ impl<'a> Ladder<'a> {
         &self,
         nodes: &mut Nodes<T>,
         more: Nodes<T>,
-        new: &impl Fn() -> T,
+        new: &dyn Fn() -> T,
     ) -> Measured<T> {
         let mut tree = MergeTree::new(merge);
         nodes.drain(..).chain(more).for_each(|node| tree.push(node));
@@ -429,12 +384,12 @@ impl<'a> Ladder<'a> {
 
     /// The statistic of one group of `samples` paths from path number `first` on; `Err` with the
     /// counts if `stop` cut it short.
-    fn group<T: Statistic>(
+    pub(crate) fn group<T: Statistic>(
         &self,
         first: u64,
         samples: u64,
         group: u64,
-        new: &impl Fn() -> T,
+        new: &dyn Fn() -> T,
         progress: &(dyn Fn(u64) + Sync),
         stop: &Stop,
     ) -> (T, Result<Tally, Tally>) {
@@ -448,8 +403,13 @@ impl<'a> Ladder<'a> {
         (statistic, tally)
     }
 
-    fn measured<T>(&self, sum: Option<(T, Tally)>, new: &impl Fn() -> T) -> Measured<T> {
-        let (statistic, tally) = sum.unwrap_or_else(|| (new(), self.driver.tally()));
+    /// The sums of no path.
+    pub(crate) fn nothing<T>(&self, new: &dyn Fn() -> T) -> (T, Tally) {
+        (new(), self.driver.tally())
+    }
+
+    fn measured<T>(&self, sum: Option<(T, Tally)>, new: &dyn Fn() -> T) -> Measured<T> {
+        let (statistic, tally) = sum.unwrap_or_else(|| self.nothing(new));
         let failures = tally.failures.iter().map(|failed| self.failure(failed)).collect();
         Measured { statistic, failed: tally.failed, failures, clipped: tally.clipped }
     }
@@ -460,8 +420,8 @@ impl<'a> Ladder<'a> {
         PathFailure { path, key, scheme, swapped, tau, step, cause }
     }
 
-    /// What this ladder and a statistic are, by what they give at fixed points.
-    fn fingerprint<T: Kept>(&self, new: &impl Fn() -> T) -> Fingerprint {
+    /// What tells this ladder and a statistic from others, by names: what they give at fixed points.
+    pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> Vec<(String, String)> {
         let Driver { finest_steps, levels, damping, ref y0, ref runs, ref batches, .. } =
             self.driver;
         let hash = Hash::default().with_number(finest_steps).with_number(levels as u64);
@@ -515,16 +475,20 @@ impl<'a> Ladder<'a> {
             }
             observed = observed.with(&bytes(statistic.sums()));
         }
-        Fingerprint {
-            system: self.system.clone(),
-            schemes: schemes.finish(),
-            observed: observed.finish(),
-        }
+        let StreamKey { seed, experiment } = self.driver.key;
+        let pairs = [
+            ("the seed", seed.to_string()),
+            ("the experiment", experiment.to_string()),
+            ("the system with hash", self.system.clone()),
+            ("schemes with hash", schemes.finish()),
+            ("observables with hash", observed.finish()),
+        ];
+        pairs.map(|(name, value)| (name.to_owned(), value)).into()
     }
 }
 
 /// Merges statistics and tallies.
-fn merge<T: Statistic>(sum: &mut (T, Tally), later: (T, Tally)) {
+pub(crate) fn merge<T: Statistic>(sum: &mut (T, Tally), later: (T, Tally)) {
     sum.0.merge(later.0);
     sum.1.merge(later.1);
 }

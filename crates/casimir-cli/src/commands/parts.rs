@@ -141,8 +141,7 @@ pub fn plan(arguments: &Plan) -> Done {
     let absolute = fs::canonicalize(out)?;
     let program = env::current_exe()?;
     let cpus = arguments.cpus.max(1);
-    let part_seconds =
-        planned.parts(parts, cpus).iter().map(|part| part.seconds).fold(0.0, f64::max);
+    let part_seconds = planned.seconds(parts, cpus);
     let text = |path: &Path| path.display().to_string();
     let [program, absolute] = [text(&program), text(&absolute)];
     let script = Script {
@@ -165,12 +164,13 @@ pub fn plan(arguments: &Plan) -> Done {
 fn planned_text(planned: &Planned, parts: u64, part_seconds: f64) -> String {
     let mut text = String::new();
     for work in &planned.works {
-        text += &format!("{}: {} paths of {} steps\n", work.name, work.items, work.steps);
+        text += &format!("{}: {} paths of {} steps\n", work.name, work.paths, work.steps);
     }
+    let path_steps = planned.path_steps() as f64;
+    let nanoseconds = 1e9 * planned.seconds(1, 1) / path_steps;
     text += &format!(
-        "{:.3e} path-steps, {:.1} ns each on one thread; {parts} parts of about {part_seconds:.0} s\n",
-        planned.path_steps() as f64,
-        planned.nanoseconds(),
+        "{path_steps:.3e} path-steps, {nanoseconds:.1} ns each on one thread; {parts} parts of about \
+         {part_seconds:.0} s\n"
     );
     text
 }

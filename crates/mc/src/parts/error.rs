@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-use super::{arguments::USAGE, share::array};
+use super::{Share, arguments::USAGE, share::array};
 
 /// Why a job did not come to its end. Nothing that was in its folder is lost by any of these.
 #[derive(Debug, thiserror::Error)]
@@ -40,7 +40,7 @@ pub enum JobError {
     /// A file is not what was written.
     #[error(
         "{} is damaged: {found}. Delete the file of a part and run that part again; without \
-         merged.json begin anew in another folder",
+         merged.bin begin anew in another folder",
         path.display()
     )]
     Damaged {
@@ -52,9 +52,6 @@ pub enum JobError {
     /// A file was replaced while it was merged.
     #[error("{} was replaced while it was merged: wait until its part has ended", .0.display())]
     Replaced(PathBuf),
-    /// Two pieces of work were begun at the same time.
-    #[error("{0} was begun inside another piece of work; a job has one at a time")]
-    Nested(String),
     /// A file belongs to another study.
     #[error(
         "{} is of another study: {work} has {what} {found}, here it is {here}. Take another \
@@ -67,7 +64,7 @@ pub enum JobError {
         /// The piece of work that differs.
         work: String,
         /// What differs.
-        what: &'static str,
+        what: String,
         /// As the file has it.
         found: String,
         /// As this program has it.
@@ -75,8 +72,8 @@ pub enum JobError {
     },
     /// Two files have the same groups of paths.
     #[error(
-        "{} and {} both have paths {from} to {to} of {work}: they are parts of different numbers \
-         of parts. Delete those of one number", first.display(), second.display()
+        "{} and {} both have paths of {work}: they are parts of different numbers of parts. Delete \
+         those of one number", first.display(), second.display()
     )]
     Overlap {
         /// A file.
@@ -85,10 +82,6 @@ pub enum JobError {
         second: PathBuf,
         /// The piece of work.
         work: String,
-        /// The first path of both.
-        from: u64,
-        /// The last path of both.
-        to: u64,
     },
     /// Another process has the same part.
     #[error(
@@ -96,8 +89,8 @@ pub enum JobError {
         folder.display()
     )]
     Busy {
-        /// "part 3 of 64".
-        part: String,
+        /// The part.
+        part: Share,
         /// The folder.
         folder: PathBuf,
         /// The other process.

@@ -1,27 +1,14 @@
 //! What a study is, as hashes of numbers that its formulas give.
-
-use std::fmt::Write;
+//!
+//! Names do not tell studies apart: a changed constant in a formula has the same name. So B(y)v,
+//! h(y), γ, a step of every scheme and every statistic are evaluated at fixed points, and the bits
+//! are hashed.
 
 use real::{Row, WIDTH};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::Problem;
-
-/// Hashes of a study, one for each of the things that may differ between two studies of one name.
-///
-/// Names do not tell studies apart: a changed constant in a formula has the same name. So B(y)v,
-/// h(y), γ, a step of every scheme and every statistic are evaluated at fixed points, and the bits
-/// are hashed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Fingerprint {
-    /// B, h, γ, y₀ and T.
-    pub system: String,
-    /// Schemes, step sizes and truncation.
-    pub schemes: String,
-    /// What is observed.
-    pub observed: String,
-}
 
 /// A hash of numbers and texts.
 #[derive(Clone, Default)]
@@ -49,7 +36,7 @@ impl Hash {
 
     /// The first 16 bytes in hexadecimal.
     pub fn finish(self) -> String {
-        hexadecimal(&self.0.finalize()[..16])
+        self.0.finalize()[..16].iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }
 
@@ -57,19 +44,6 @@ impl Hash {
 /// computing.
 pub fn bytes(value: &impl Serialize) -> Vec<u8> {
     postcard::to_stdvec(value).unwrap_or_default()
-}
-
-/// The SHA-256 of bytes in hexadecimal.
-pub fn checksum(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::new(), |mut text, byte| {
-        // Writing into a string does not fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
 }
 
 /// Points at which formulas are evaluated.

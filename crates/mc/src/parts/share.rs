@@ -50,7 +50,7 @@ impl Share {
     /// The name of its file: the numbers have as many digits as the largest, so that names sort.
     pub fn file_name(self) -> String {
         let digits = self.of.to_string().len();
-        format!("part-{:0digits$}-of-{}.json", self.number, self.of)
+        format!("part-{:0digits$}-of-{}.bin", self.number, self.of)
     }
 }
 
@@ -110,6 +110,6 @@ mod tests {
         let in_order = names.clone();
         names.sort();
         assert_eq!(names, in_order);
-        assert_eq!(names[2], "part-003-of-120.json");
+        assert_eq!(names[2], "part-003-of-120.bin");
     }
 }
