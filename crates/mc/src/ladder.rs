@@ -13,7 +13,7 @@ use crate::{
     noise_source::Drawn,
     observable::{components, path},
     parallel::grow,
-    parts::{Hash, Job, Stop, Work, bytes, of_problem, probe_states},
+    parts::{Job, Stop, Work, hash, of_problem, probe_states, same_nan},
     tree::{MergeTree, Node},
 };
 
@@ -108,10 +108,9 @@ pub trait Kept: Statistic {
     /// The sums so far, to be replaced.
     fn sums_mut(&mut self) -> &mut Self::Sums;
 
-    /// What it is beside its sums, such as times and bins, as bytes that tell it from another
-    /// statistic.
-    fn fixed(&self) -> Vec<u8> {
-        Vec::new()
+    /// What tells it from another statistic beside its sums, such as times and bins: a hash, or text.
+    fn fixed(&self) -> String {
+        String::new()
     }
 
     /// Some of the times up to `last` at which it adds something, by which it is told from another
@@ -424,20 +423,15 @@ impl<'a> Ladder<'a> {
     pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> Vec<(String, String)> {
         let Driver { finest_steps, levels, damping, ref y0, ref runs, ref batches, .. } =
             self.driver;
-        let hash = Hash::default().with_number(finest_steps).with_number(levels as u64);
-        let mut schemes = batches.iter().fold(hash, |hash, batch| {
-            let Bounds { increment, area } = batch.bounds;
-            hash.with_number(batch.due_level() as u64).with_reals([increment, area])
-        });
         // The first noise of the first block, drawn or given, with areas where they are read.
         let mut noise = self.driver.no_noise();
         (self.driver.noise.block(0))(&mut noise);
-        schemes = schemes.with_reals(noise.increments.as_flattened().iter().copied());
+        let mut numbers = noise.increments.as_flattened().to_vec();
         let mut random_time = probe_states(&[1.0], 0)[0];
         if let Some(time_change) = self.driver.time_change {
             let normals = probe_states(&[1.0], 1)[0];
             time_change.advance(0, &noise.increments, &normals, &mut random_time);
-            schemes = schemes.with_reals(random_time);
+            numbers.extend(random_time);
         }
         let (mut states, mut statuses) = (Vec::new(), Vec::new());
         for (n, run) in runs.iter().enumerate() {
@@ -446,42 +440,39 @@ impl<'a> Ladder<'a> {
             if let Ok(step) = Step::new(damping, 0, self.driver.tau(run.level)) {
                 y.step(&step, &noise, &mut status);
             }
-            let place = 2 * run.level as u64 + u64::from(run.swapped);
-            let of_run = Hash::with(schemes, run.scheme.id().as_bytes()).with_number(place);
-            schemes = of_run.with_reals(y.state().as_flattened().iter().copied());
+            numbers.extend(y.state().as_flattened());
             states.push(y);
             statuses.push(status);
         }
-        let clipped = vec![PathMask::NONE; runs.len()];
-        let mut observed = Hash::default().with(&new().fixed());
+        let bounds = batches.iter().map(|batch| {
+            (batch.due_level(), batch.bounds.increment.to_bits(), batch.bounds.area.to_bits())
+        });
+        let schemes = runs.iter().map(|run| (run.scheme.id(), run.level, run.swapped));
+        let schemes = hash(&(
+            (finest_steps, levels, bounds.collect::<Vec<_>>()),
+            schemes.collect::<Vec<_>>(),
+            same_nan(&numbers).collect::<Vec<_>>(),
+        ));
+        let (clipped, random_time) = (&vec![PathMask::NONE; runs.len()][..], &random_time);
+        let (states, statuses, first_path) = (&states, &statuses[..], 0);
         // One path at a time: a sum over many would hide small differences.
-        for p in 0..PROBES {
-            let mut statistic = new();
-            let mut live = PathMask::NONE;
+        let observed = (0..PROBES).map(|p| {
+            let (mut statistic, mut live) = (new(), PathMask::NONE);
             live.insert(p);
             for time in statistic.some_times(self.coarse_steps()) {
-                let (states, statuses) = (&states, &statuses[..]);
-                let (clipped, random_time) = (&clipped[..], &random_time);
-                let first_path = 0;
-                statistic.observe(&View {
-                    time,
-                    first_path,
-                    states,
-                    statuses,
-                    clipped,
-                    random_time,
-                    live,
-                });
+                let view = View { time, first_path, states, statuses, clipped, random_time, live };
+                statistic.observe(&view);
             }
-            observed = observed.with(&bytes(statistic.sums()));
-        }
+            hash(statistic.sums())
+        });
+        let observed = hash(&(new().fixed(), observed.collect::<Vec<_>>()));
         let StreamKey { seed, experiment } = self.driver.key;
         let pairs = [
             ("the seed", seed.to_string()),
             ("the experiment", experiment.to_string()),
             ("the system with hash", self.system.clone()),
-            ("schemes with hash", schemes.finish()),
-            ("observables with hash", observed.finish()),
+            ("schemes with hash", schemes),
+            ("observables with hash", observed),
         ];
         pairs.map(|(name, value)| (name.to_owned(), value)).into()
     }

@@ -79,5 +79,5 @@ pub use plan::{Plan, Planned};
 pub use share::Share;
 pub use stop::Stop;
 
-pub(crate) use fingerprint::{Hash, bytes, of_problem, probe_states};
+pub(crate) use fingerprint::{hash, of_problem, probe_states, same_nan};
 pub(crate) use work::Work;

@@ -17,6 +17,9 @@ impl<const M: usize> FromStr for Recording<M> {
     /// the header, a byte-order mark and empty lines at the end.
     fn from_str(text: &str) -> Result<Self, RecordingError> {
         let text = text.trim_start_matches(['\u{feff}', ' ', '#']).trim_end();
+        if text.is_empty() {
+            return Self::new(f64::NAN, Vec::new());
+        }
         let mut lines = text.lines().map(|line| line.split(',').map(str::trim).collect::<Vec<_>>());
         let found = lines.next().unwrap_or_default();
         let with_areas = found.len() > M + 1;

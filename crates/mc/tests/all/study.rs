@@ -9,6 +9,7 @@ use mc::{
     parts::{Job, Program, Share},
     study,
     study::Place,
+    write_json,
 };
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
@@ -182,7 +183,7 @@ fn threads_change_no_bit_of_a_study() {
         });
         assert_eq!(done.into_inner(), 6 * 3000);
         let mut json = Vec::new();
-        result.write_json(&mut json).unwrap();
+        write_json(&result, &mut json).unwrap();
         json
     };
     let one = json(1);
@@ -337,7 +338,7 @@ fn a_table_has_a_row_for_each_quantity() {
     assert!(lines.iter().any(|line| line.starts_with("0.25,\"p, again\",above grid,")));
 
     let mut json = Vec::new();
-    result.write_json(&mut json).unwrap();
+    write_json(&result, &mut json).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
     assert_eq!(json["record"]["system"], "additive");
     assert_eq!(json["record"]["truncation"], serde_json::Value::Null);
