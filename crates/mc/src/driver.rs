@@ -408,7 +408,7 @@ impl<'a> Marcher<'a> {
 }
 
 /// Whether all numbers are finite, in the least time: it is asked for once in each coarsest step.
-struct AreFinite<'a>(&'a [Row]);
+pub(crate) struct AreFinite<'a>(pub(crate) &'a [Row]);
 
 impl Kernel for AreFinite<'_> {
     type Output = bool;

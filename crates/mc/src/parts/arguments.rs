@@ -4,7 +4,7 @@ use std::{path::PathBuf, str::FromStr, time::Duration};
 
 use super::{Job, JobError, Program, Share, Stop};
 
-pub const USAGE: &str = "[--out DIR [--part K --parts N]] or --merge DIR, and [--threads N] and \
+const USAGE: &str = "[--out DIR [--part K --parts N]] or --merge DIR, and [--threads N] and \
     [--checkpoint-every SECONDS]";
 
 impl Job {
@@ -39,7 +39,7 @@ impl Job {
         take(arguments, "--threads")?.map_or(Ok(()), limit_threads)?;
         let every = take(arguments, "--checkpoint-every")?.map(Duration::try_from_secs_f64);
         let every = every.transpose();
-        let every = every.map_err(|_| JobError::Argument("--checkpoint-every".into()))?;
+        let every = every.map_err(|_| not_understood("--checkpoint-every"))?;
         let job = match (out, merge, part, parts) {
             (None, None, None, None) => Self::here(),
             (None, Some(folder), None, None) => Self::merge(PathBuf::as_path(&folder), program)?,
@@ -47,29 +47,34 @@ impl Job {
             (Some(folder), None, Some(part), Some(parts)) => {
                 Self::part(&folder, Share::new(part, parts)?, program)?
             }
-            _ => return Err(JobError::Argument("this combination of arguments".into())),
+            _ => return Err(not_understood("this combination of arguments")),
         };
         Ok(every.into_iter().fold(job, Self::with_checkpoints_every))
     }
+}
+
+fn not_understood(what: &str) -> JobError {
+    JobError::Argument(format!("cannot understand {what}; arguments are {USAGE}"))
 }
 
 /// Takes an argument and its value.
 fn take<T: FromStr>(arguments: &mut Vec<String>, name: &str) -> Result<Option<T>, JobError> {
     let Some(at) = arguments.iter().position(|argument| argument == name) else { return Ok(None) };
     if at + 1 == arguments.len() {
-        return Err(JobError::Argument(format!("{name} without a value")));
+        return Err(not_understood(&format!("{name} without a value")));
     }
     arguments.remove(at);
     let value = arguments.remove(at);
-    value.parse().map(Some).map_err(|_| JobError::Argument(format!("{name} {value}")))
+    value.parse().map(Some).map_err(|_| not_understood(&format!("{name} {value}")))
 }
 
 /// Limits the threads of everything that is computed from now on in this process.
 ///
 /// # Errors
-/// [`JobError::Threads`] for no thread, or if work has begun already.
+/// [`JobError::Argument`] for no thread, or if work has begun already.
 pub fn limit_threads(threads: u64) -> Result<(), JobError> {
-    let refused = |why: String| JobError::Threads { threads, why };
+    let refused =
+        |why: String| JobError::Argument(format!("cannot compute with {threads} threads: {why}"));
     if threads == 0 {
         return Err(refused("at least one is needed".into()));
     }

@@ -6,6 +6,7 @@
 use std::{
     borrow::Cow,
     collections::BTreeMap,
+    fmt::Display,
     fs, io,
     io::{Read, Seek},
     ops::Range,
@@ -85,7 +86,11 @@ impl Entry<'_> {
             (Ok(_), Ok(_)) => "they come back as others".into(),
             (Err(error), _) | (_, Err(error)) => error.to_string(),
         };
-        Err(JobError::NotKept { work: work.name.clone(), found: why })
+        Err(JobError::Refused(format!(
+            "the sums of {} cannot be written and read back: {why}. Derive Serialize and \
+             Deserialize for them without skipping or flattening fields",
+            work.name
+        )))
     }
 
     /// The nodes, which must be the tree's nodes of the groups that are done.
@@ -180,7 +185,10 @@ impl Place {
         };
         read().map_err(file_error("read", &self.path))?;
         if Sha256::digest(&nodes)[..] != self.sum[..] {
-            return Err(JobError::Replaced(self.path.clone()));
+            let file = self.path.display();
+            return Err(JobError::Refused(format!(
+                "{file} was replaced while it was merged: wait until its part has ended"
+            )));
         }
         Entry { header: self.header.clone(), nodes: nodes.into() }.nodes(&self.path, work)
     }
@@ -212,15 +220,22 @@ pub fn foreign(
     path: &Path,
     work: &str,
     what: &str,
-    found: impl ToString,
-    here: impl ToString,
+    found: impl Display,
+    here: impl Display,
 ) -> JobError {
-    let (path, work, what) = (path.to_owned(), work.to_owned(), what.to_owned());
-    JobError::Foreign { path, work, what, found: found.to_string(), here: here.to_string() }
+    JobError::Refused(format!(
+        "{} is of another study: {work} has {what} {found}, here it is {here}. Take another folder, \
+         or the arguments with which that study was begun",
+        path.display()
+    ))
 }
 
-fn damaged(path: &Path, found: impl ToString) -> JobError {
-    JobError::Damaged { path: path.to_owned(), found: found.to_string() }
+fn damaged(path: &Path, found: impl Display) -> JobError {
+    JobError::Refused(format!(
+        "{} is damaged: {found}. Delete the file of a part and run that part again; without \
+         merged.bin begin anew in another folder",
+        path.display()
+    ))
 }
 
 pub fn file_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> JobError {

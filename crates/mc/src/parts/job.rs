@@ -187,7 +187,9 @@ impl Job {
         let again = works.iter().find(|work| !names.insert(work.name.clone()));
         let small = works.iter().all(|work| work.round.is_some_and(|cost| cost <= self.alone));
         let found: Result<Vec<_>, _> = match mode {
-            _ if let Some(work) = again => Err(JobError::SameName(work.name.clone())),
+            _ if let Some(Work { name, .. }) = again => Err(JobError::Refused(format!(
+                "the name {name:?} is given to two pieces of work; names tell them apart in files"
+            ))),
             Mode::Here => here(works, incomplete),
             _ if small => here(works, false),
             Mode::Part(part) => {

@@ -83,7 +83,8 @@ impl Merging {
             }
         }
         if parts.is_empty() && known.0.works.is_empty() {
-            return Err(JobError::NoParts(folder.to_owned()));
+            let folder = folder.display();
+            return Err(JobError::Refused(format!("there are no parts in {folder}")));
         }
         Ok(Self { works, parts, known, missing: BTreeSet::new(), next_round: None })
     }
@@ -158,8 +159,13 @@ impl Merging {
                 continue;
             }
             if header.groups.start < next {
-                let (first, second) = (before.path.clone(), path.clone());
-                return Err(JobError::Overlap { first, second, work: work.name.clone() });
+                return Err(JobError::Refused(format!(
+                    "{} and {} both have paths of {}: they are parts of different numbers of parts. \
+                     Delete those of one number",
+                    before.path.display(),
+                    path.display(),
+                    work.name
+                )));
             }
             all &= header.groups.start == next && header.is_complete();
             (before, next) = (place, header.groups.end);

@@ -54,7 +54,11 @@ impl Part {
     pub fn open(folder: &Path, share: Share, program: &Program) -> Result<Self, JobError> {
         let (path, lock) = (folder.join(share.file_name()), lock_of(folder, share));
         let lock = atomic::Lock::take(&lock).map_err(file_error("write", &lock))?;
-        let busy = |holder| JobError::Busy { part: share, folder: folder.to_owned(), holder };
+        let busy = |holder| {
+            let folder = folder.display();
+            let wait = "wait for its end, or stop it";
+            JobError::Refused(format!("{share} in {folder} is being computed by {holder}; {wait}"))
+        };
         let lock = lock.map_err(busy)?;
         if lock.is_sole {
             atomic::tidy(&path);

@@ -20,12 +20,14 @@ impl Share {
     /// Part `number` of `of`.
     ///
     /// # Errors
-    /// [`JobError::Share`] unless 1 ≤ `number` ≤ `of`.
+    /// [`JobError::Argument`] unless 1 ≤ `number` ≤ `of`.
     pub fn new(number: u64, of: u64) -> Result<Self, JobError> {
         if (1..=of).contains(&number) {
             Ok(Self { number, of })
         } else {
-            Err(JobError::Share { number, of })
+            Err(JobError::Argument(format!(
+                "there is no part {number} of {of}: parts are numbered from 1 to their number"
+            )))
         }
     }
 
