@@ -63,9 +63,7 @@ impl From<serde_json::Error> for Failure {
 impl From<JobError> for Failure {
     fn from(error: JobError) -> Self {
         match error {
-            JobError::Share { .. } | JobError::Argument(_) | JobError::Threads { .. } => {
-                Self::Usage(error.to_string())
-            }
+            JobError::Argument(words) => Self::Usage(words),
             other => Self::Run(other.into()),
         }
     }

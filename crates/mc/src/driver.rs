@@ -1,4 +1,23 @@
-//! The loop over time: groups of blocks advance on a dyadic ladder of steps.
+//! The time loop: coupled simulation of several schemes on a dyadic hierarchy of step sizes.
+//!
+//! **Unknowns.** A *run* is a scheme at a level l, with steps of 2^l finest steps. All runs of a
+//! driver see the same Wiener path: the increments ΔW of the finest step are drawn (or given), a
+//! step of level l takes their sum, added as a balanced binary tree ([`DyadicLadder`]), and Lévy
+//! areas are joined by Chen's relation ([`AreaLadder`]). A *swapped* run is the antithetic path of
+//! Giles and Szpruch (2014): it exchanges the two halves of each step of the level above, and
+//! therefore advances by two steps at the end of that step.
+//!
+//! **Truncation.** Each run's increment is clipped to ±bound after summation (Milstein, Repin and
+//! Tretyakov 2002), never before, so that all levels share one untruncated path. Runs with the same
+//! level, order of halves and bounds form a *batch*, whose noise is clipped once.
+//!
+//! **Failures.** A path on which a step finds no solution, or whose state is NaN or infinite at the
+//! end of a coarsest step, is recorded with scheme, step and reason and is no longer live, in any
+//! run: statistics at that time and later exclude it, so that differences of runs stay paired.
+//!
+//! **Bits.** A *block* is 32 paths in vector lanes, a *group* four blocks that advance together and
+//! share ∫γ of each step. Streams belong to paths, groups are merged on a fixed tree: the result
+//! depends neither on threads nor on instruction sets.
 //!
 //! The states of a run are a trait object here, so the loop is compiled once and not for each
 //! system, dimension and number of noises.
@@ -389,7 +408,7 @@ impl<'a> Marcher<'a> {
 }
 
 /// Whether all numbers are finite, in the least time: it is asked for once in each coarsest step.
-struct AreFinite<'a>(&'a [Row]);
+pub(crate) struct AreFinite<'a>(pub(crate) &'a [Row]);
 
 impl Kernel for AreFinite<'_> {
     type Output = bool;

@@ -1,6 +1,6 @@
 //! Schemes on a dyadic ladder of steps.
 
-use std::ops::Range;
+use std::{ops::Range, sync::OnceLock};
 
 use noise::{StreamKey, Truncation};
 use real::{PathMask, Row};
@@ -13,7 +13,7 @@ use crate::{
     noise_source::Drawn,
     observable::{components, path},
     parallel::grow,
-    parts::{Fingerprint, Hash, Job, Stop, Work, bytes, of_problem, probe_states},
+    parts::{Job, Stop, Work, hash, of_problem, probe_states, same_nan},
     tree::{MergeTree, Node},
 };
 
@@ -108,10 +108,9 @@ pub trait Kept: Statistic {
     /// The sums so far, to be replaced.
     fn sums_mut(&mut self) -> &mut Self::Sums;
 
-    /// What it is beside its sums, such as times and bins, as bytes that tell it from another
-    /// statistic.
-    fn fixed(&self) -> Vec<u8> {
-        Vec::new()
+    /// What tells it from another statistic beside its sums, such as times and bins: a hash, or text.
+    fn fixed(&self) -> String {
+        String::new()
     }
 
     /// Some of the times up to `last` at which it adds something, by which it is told from another
@@ -301,25 +300,11 @@ impl<'a> Ladder<'a> {
         new: impl Fn() -> T + Sync,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Measured<T> {
-        self.run_from(0, samples, new, progress)
+        self.run_until(&Stop::default(), 0, samples, new, progress)
     }
 
-    /// The same for `samples` paths from path number `first` on.
-    ///
-    /// # Panics
-    /// As [`run`](Self::run).
-    pub fn run_from<T: Statistic>(
-        &self,
-        first: u64,
-        samples: u64,
-        new: impl Fn() -> T + Sync,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Measured<T> {
-        self.run_until(&Stop::default(), first, samples, new, progress)
-    }
-
-    /// The same with paths that end where `stop` asks for the end: the sums are then those of some
-    /// paths.
+    /// Advances `samples` paths from path number `first` on, like [`run`](Self::run). They end where
+    /// `stop` asks for the end: the sums are then those of some paths.
     ///
     /// # Panics
     /// As [`run`](Self::run).
@@ -340,7 +325,7 @@ impl<'a> Ladder<'a> {
         self.measured(tree.finish(), &new)
     }
 
-    /// The same as [`run`](Self::run), as a piece of work of a job: whole, in parts or merged.
+    /// Does the same as [`run`](Self::run) as a piece of work of a job: whole, in parts or merged.
     /// `None` if the results are not here, because this job computes a part, or parts are missing,
     /// or an error was met; [`Job::finish`] says which. The bits are those of `run`.
     ///
@@ -371,47 +356,16 @@ impl<'a> Ladder<'a> {
         job: &Job,
         pieces: &[Piece],
         round: Option<u64>,
-        new: &(impl Fn() -> T + Sync),
+        new: &(dyn Fn() -> T + Sync),
         progress: &(dyn Fn(u64) + Sync),
     ) -> Option<Vec<Nodes<T>>> {
-        let unpack = |bytes: &[u8]| {
-            let (sums, tally) = postcard::from_bytes(bytes)?;
-            let mut statistic = new();
-            *statistic.sums_mut() = sums;
-            Ok((statistic, tally))
+        let (study, stop) = (&OnceLock::new(), job.stop());
+        let work = |piece: &Piece| {
+            let &Piece { ref name, paths, ref groups } = piece;
+            let (name, groups) = (name.clone(), groups.clone());
+            Work { name, round, paths, groups, ladder: self, study, new, progress, stop }
         };
-        let pack =
-            |(statistic, tally): &(T, Tally)| Ok(postcard::to_stdvec(&(statistic.sums(), tally))?);
-        let fingerprint = || self.fingerprint(new);
-        let empty = || (new(), self.driver.tally());
-        let skipped = |groups| progress(groups * GROUP_PATHS * self.steps_per_path());
-        let compute = |piece: &Piece| {
-            let paths = piece.paths;
-            move |group| {
-                let (statistic, tally) = self.group(0, paths, group, new, progress, job.stop());
-                tally.ok().map(|tally| (statistic, tally))
-            }
-        };
-        let computes: Vec<_> = pieces.iter().map(compute).collect();
-        let mut works = Vec::new();
-        for (Piece { name, paths, groups }, compute) in pieces.iter().zip(&computes) {
-            works.push(Work {
-                name,
-                round,
-                fingerprint: &fingerprint,
-                key: self.driver.key,
-                paths: *paths,
-                groups: groups.clone(),
-                steps: self.steps_per_path(),
-                pack: &pack,
-                unpack: &unpack,
-                merge: &merge,
-                empty: &empty,
-                compute,
-                skipped: &skipped,
-            });
-        }
-        job.collect_all(&works)
+        job.collect(&pieces.iter().map(work).collect::<Vec<_>>())
     }
 
     /// Adds the nodes of more groups to those before, and gives the sum of all.
@@ -419,7 +373,7 @@ impl<'a> Ladder<'a> {
         &self,
         nodes: &mut Nodes<T>,
         more: Nodes<T>,
-        new: &impl Fn() -> T,
+        new: &dyn Fn() -> T,
     ) -> Measured<T> {
         let mut tree = MergeTree::new(merge);
         nodes.drain(..).chain(more).for_each(|node| tree.push(node));
@@ -429,12 +383,12 @@ impl<'a> Ladder<'a> {
 
     /// The statistic of one group of `samples` paths from path number `first` on; `Err` with the
     /// counts if `stop` cut it short.
-    fn group<T: Statistic>(
+    pub(crate) fn group<T: Statistic>(
         &self,
         first: u64,
         samples: u64,
         group: u64,
-        new: &impl Fn() -> T,
+        new: &dyn Fn() -> T,
         progress: &(dyn Fn(u64) + Sync),
         stop: &Stop,
     ) -> (T, Result<Tally, Tally>) {
@@ -448,8 +402,13 @@ impl<'a> Ladder<'a> {
         (statistic, tally)
     }
 
-    fn measured<T>(&self, sum: Option<(T, Tally)>, new: &impl Fn() -> T) -> Measured<T> {
-        let (statistic, tally) = sum.unwrap_or_else(|| (new(), self.driver.tally()));
+    /// The sums of no path.
+    pub(crate) fn nothing<T>(&self, new: &dyn Fn() -> T) -> (T, Tally) {
+        (new(), self.driver.tally())
+    }
+
+    fn measured<T>(&self, sum: Option<(T, Tally)>, new: &dyn Fn() -> T) -> Measured<T> {
+        let (statistic, tally) = sum.unwrap_or_else(|| self.nothing(new));
         let failures = tally.failures.iter().map(|failed| self.failure(failed)).collect();
         Measured { statistic, failed: tally.failed, failures, clipped: tally.clipped }
     }
@@ -460,24 +419,19 @@ impl<'a> Ladder<'a> {
         PathFailure { path, key, scheme, swapped, tau, step, cause }
     }
 
-    /// What this ladder and a statistic are, by what they give at fixed points.
-    fn fingerprint<T: Kept>(&self, new: &impl Fn() -> T) -> Fingerprint {
+    /// What tells this ladder and a statistic from others, by names: what they give at fixed points.
+    pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> Vec<(String, String)> {
         let Driver { finest_steps, levels, damping, ref y0, ref runs, ref batches, .. } =
             self.driver;
-        let hash = Hash::default().with_number(finest_steps).with_number(levels as u64);
-        let mut schemes = batches.iter().fold(hash, |hash, batch| {
-            let Bounds { increment, area } = batch.bounds;
-            hash.with_number(batch.due_level() as u64).with_reals([increment, area])
-        });
         // The first noise of the first block, drawn or given, with areas where they are read.
         let mut noise = self.driver.no_noise();
         (self.driver.noise.block(0))(&mut noise);
-        schemes = schemes.with_reals(noise.increments.as_flattened().iter().copied());
+        let mut numbers = noise.increments.as_flattened().to_vec();
         let mut random_time = probe_states(&[1.0], 0)[0];
         if let Some(time_change) = self.driver.time_change {
             let normals = probe_states(&[1.0], 1)[0];
             time_change.advance(0, &noise.increments, &normals, &mut random_time);
-            schemes = schemes.with_reals(random_time);
+            numbers.extend(random_time);
         }
         let (mut states, mut statuses) = (Vec::new(), Vec::new());
         for (n, run) in runs.iter().enumerate() {
@@ -486,45 +440,46 @@ impl<'a> Ladder<'a> {
             if let Ok(step) = Step::new(damping, 0, self.driver.tau(run.level)) {
                 y.step(&step, &noise, &mut status);
             }
-            let place = 2 * run.level as u64 + u64::from(run.swapped);
-            let of_run = Hash::with(schemes, run.scheme.id().as_bytes()).with_number(place);
-            schemes = of_run.with_reals(y.state().as_flattened().iter().copied());
+            numbers.extend(y.state().as_flattened());
             states.push(y);
             statuses.push(status);
         }
-        let clipped = vec![PathMask::NONE; runs.len()];
-        let mut observed = Hash::default().with(&new().fixed());
+        let bounds = batches.iter().map(|batch| {
+            (batch.due_level(), batch.bounds.increment.to_bits(), batch.bounds.area.to_bits())
+        });
+        let schemes = runs.iter().map(|run| (run.scheme.id(), run.level, run.swapped));
+        let schemes = hash(&(
+            (finest_steps, levels, bounds.collect::<Vec<_>>()),
+            schemes.collect::<Vec<_>>(),
+            same_nan(&numbers).collect::<Vec<_>>(),
+        ));
+        let (clipped, random_time) = (&vec![PathMask::NONE; runs.len()][..], &random_time);
+        let (states, statuses, first_path) = (&states, &statuses[..], 0);
         // One path at a time: a sum over many would hide small differences.
-        for p in 0..PROBES {
-            let mut statistic = new();
-            let mut live = PathMask::NONE;
+        let observed = (0..PROBES).map(|p| {
+            let (mut statistic, mut live) = (new(), PathMask::NONE);
             live.insert(p);
             for time in statistic.some_times(self.coarse_steps()) {
-                let (states, statuses) = (&states, &statuses[..]);
-                let (clipped, random_time) = (&clipped[..], &random_time);
-                let first_path = 0;
-                statistic.observe(&View {
-                    time,
-                    first_path,
-                    states,
-                    statuses,
-                    clipped,
-                    random_time,
-                    live,
-                });
+                let view = View { time, first_path, states, statuses, clipped, random_time, live };
+                statistic.observe(&view);
             }
-            observed = observed.with(&bytes(statistic.sums()));
-        }
-        Fingerprint {
-            system: self.system.clone(),
-            schemes: schemes.finish(),
-            observed: observed.finish(),
-        }
+            hash(statistic.sums())
+        });
+        let observed = hash(&(new().fixed(), observed.collect::<Vec<_>>()));
+        let StreamKey { seed, experiment } = self.driver.key;
+        let pairs = [
+            ("the seed", seed.to_string()),
+            ("the experiment", experiment.to_string()),
+            ("the system with hash", self.system.clone()),
+            ("schemes with hash", schemes),
+            ("observables with hash", observed),
+        ];
+        pairs.map(|(name, value)| (name.to_owned(), value)).into()
     }
 }
 
 /// Merges statistics and tallies.
-fn merge<T: Statistic>(sum: &mut (T, Tally), later: (T, Tally)) {
+pub(crate) fn merge<T: Statistic>(sum: &mut (T, Tally), later: (T, Tally)) {
     sum.0.merge(later.0);
     sum.1.merge(later.1);
 }

@@ -3,7 +3,7 @@
 use noise::{NoiseError, StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::BlockStatus;
 use rayon::prelude::*;
-use real::{OutOfMemory, Row, Rows, WIDTH};
+use real::{OutOfMemory, Row, Rows, WIDTH, dispatch};
 use schemes::{
     Step, StepError, Stepper,
     run_time::{Scheme, SchemeError},
@@ -13,7 +13,7 @@ use systems::{
     run_time::{Description, Lanes, Problem, System},
 };
 
-use crate::{Cause, PathFailure};
+use crate::{Cause, PathFailure, driver::AreFinite};
 
 /// One path of a system whose rows hold one path, such as a lattice of a million spins. A step uses
 /// all threads of the current rayon pool, and its bits do not depend on their number. Memory is a
@@ -217,15 +217,7 @@ impl<'a> LargePath<'a> {
     }
 }
 
-/// Whether all numbers are finite: 0·x is NaN otherwise, and so is a sum of it.
+/// Whether all numbers are finite.
 fn is_finite(state: &[Row]) -> bool {
-    state.par_chunks(1024).all(|rows| {
-        let mut sums = [0.0; WIDTH];
-        for row in rows {
-            for p in 0..WIDTH {
-                sums[p] += 0.0 * row[p];
-            }
-        }
-        sums.iter().all(|sum| *sum == 0.0)
-    })
+    state.par_chunks(1024).all(|rows| dispatch(AreFinite(rows)))
 }

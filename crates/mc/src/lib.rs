@@ -33,7 +33,7 @@
 //! | [`WorstTimes`] | when an error is largest |
 //! | [`TimeChange`] | a random time along each path, for exact references |
 //! | [`NoiseSource`] | noise given by the user |
-//! | [`SeenDamping`] | whether step sizes resolve the damping |
+//! | [`DampingResolution`] | whether step sizes resolve the damping |
 //! | [`trajectory`] | the states of one path |
 //! | [`Simulation`], [`TimeSeries`] | tables of states, observables and invariants |
 //! | [`write_csv`], [`write_json`] | tables as files |
@@ -49,6 +49,7 @@
 //! [`bind`] take what the compiler knows, [`Problem::at_run_time`] and [`Setup::at_run_time`]
 //! systems known at run time, such as formulas.
 
+mod damping_resolution;
 mod driver;
 mod error;
 pub mod expect;
@@ -61,7 +62,6 @@ mod parallel;
 pub mod parts;
 mod recording;
 mod run_time;
-mod seen_damping;
 mod setup;
 mod simulation;
 mod strong;
@@ -69,6 +69,7 @@ pub mod study;
 mod trajectory;
 mod tree;
 
+pub use damping_resolution::DampingResolution;
 pub use error::LadderError;
 pub use expect::{Expect, expect};
 pub use failure::{Cause, PathFailure};
@@ -77,11 +78,10 @@ pub use large_path::{LargePath, LargePathError};
 pub use noise_source::{NextNoise, NoiseSource};
 pub use observable::{Observable, Observe, RowFunction, StateFunction};
 pub use recording::{Recording, RecordingError};
-pub use seen_damping::SeenDamping;
 pub use setup::{ConformalLaw, Formulas, Problem, Run, Setup, bind, bind_owned};
 pub use simulation::{
     Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,
 };
-pub use strong::{Reference, Squares, StrongErrors, StrongSums, WorstTimes, squared_distance};
+pub use strong::{Reference, Squares, StrongErrors, WorstTimes, squared_distance};
 pub use study::{Study, StudyError, StudyResult, StudySettings, Times, study};
 pub use trajectory::{Trajectory, trajectory};

@@ -1,10 +1,9 @@
 //! Mean-square errors.
 
 use real::Row;
-use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, Moments};
 
-use crate::{Kept, Statistic, View, parts::bytes};
+use crate::{Statistic, View};
 
 /// Mean squares for the runs of several series at the final time, and at one more time for each
 /// series if it is wanted, with the covariances between the runs of a series: of the errors |y −
@@ -20,12 +19,6 @@ pub struct StrongErrors<'a> {
     /// One more time for each series, or none.
     times: Vec<u64>,
     last_time: u64,
-    sums: StrongSums,
-}
-
-/// The sums of [`StrongErrors`].
-#[derive(Clone, Serialize, Deserialize)]
-pub struct StrongSums {
     at_end: Vec<Squares>,
     at_time: Vec<Squares>,
     /// For each run of each series, the squares at the final time on paths with clipped increments,
@@ -34,7 +27,7 @@ pub struct StrongSums {
 }
 
 /// Moments of the squares of one series at one time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Squares {
     /// |y − y_ref|² of each run.
     pub errors: CrossMoments,
@@ -80,7 +73,9 @@ impl<'a> StrongErrors<'a> {
             series: series.to_vec(),
             times: Vec::new(),
             last_time: coarse_steps,
-            sums: StrongSums { at_end, at_time: Vec::new(), clipped },
+            at_end,
+            at_time: Vec::new(),
+            clipped,
         }
     }
 
@@ -93,13 +88,13 @@ impl<'a> StrongErrors<'a> {
         assert_eq!(times.len(), self.series.len(), "each series has a time of its own");
         assert!(matches!(self.reference, Reference::Run(_)), "only a run is known at all times");
         self.times = times.to_vec();
-        self.sums.at_time = self.series.iter().map(|runs| Squares::new(runs.len())).collect();
+        self.at_time = self.series.iter().map(|runs| Squares::new(runs.len())).collect();
         self
     }
 
     /// The squares at T for the runs of series s.
     pub fn at_end(&self, s: usize) -> &Squares {
-        &self.sums.at_end[s]
+        &self.at_end[s]
     }
 
     /// The squares for the runs of series s at the time that [`and_at`](Self::and_at) was given.
@@ -107,14 +102,14 @@ impl<'a> StrongErrors<'a> {
     /// # Panics
     /// If it was given none.
     pub fn at_time(&self, s: usize) -> &Squares {
-        &self.sums.at_time[s]
+        &self.at_time[s]
     }
 
     /// The fraction of the mean-square error at T of run r of series s that is due to paths with
     /// clipped increments.
     pub fn clipped_share(&self, s: usize, r: usize) -> f64 {
         let mean = self.at_end(s).errors.mean(r);
-        if mean > 0.0 { self.sums.clipped[s][r].mean() / mean } else { 0.0 }
+        if mean > 0.0 { self.clipped[s][r].mean() / mean } else { 0.0 }
     }
 }
 
@@ -144,13 +139,13 @@ impl Statistic for StrongErrors<'_> {
                     .map(|pair| squared_difference(view.state(pair[0]), view.state(pair[1]), p))
                     .collect();
                 if at_time {
-                    self.sums.at_time[s].add(&squares, &differences);
+                    self.at_time[s].add(&squares, &differences);
                 }
                 if at_end {
-                    self.sums.at_end[s].add(&squares, &differences);
+                    self.at_end[s].add(&squares, &differences);
                     for (r, &run) in runs.iter().enumerate() {
                         let clipped = if view.clipped[run].contains(p) { squares[r] } else { 0.0 };
-                        self.sums.clipped[s][r].add(clipped);
+                        self.clipped[s][r].add(clipped);
                     }
                 }
             }
@@ -158,31 +153,10 @@ impl Statistic for StrongErrors<'_> {
     }
 
     fn merge(&mut self, later: Self) {
-        let (sums, later) = (&mut self.sums, later.sums);
         let clipped = later.clipped.into_iter().flatten();
-        sums.clipped.iter_mut().flatten().zip(clipped).for_each(|(sum, more)| sum.merge(more));
-        sums.at_end.iter_mut().zip(&later.at_end).for_each(|(sum, more)| sum.merge(more));
-        sums.at_time.iter_mut().zip(&later.at_time).for_each(|(sum, more)| sum.merge(more));
-    }
-}
-
-impl Kept for StrongErrors<'_> {
-    type Sums = StrongSums;
-
-    fn sums(&self) -> &StrongSums {
-        &self.sums
-    }
-
-    fn sums_mut(&mut self) -> &mut StrongSums {
-        &mut self.sums
-    }
-
-    fn fixed(&self) -> Vec<u8> {
-        bytes(&self.times)
-    }
-
-    fn some_times(&self, last: u64) -> Vec<u64> {
-        self.times.iter().copied().chain([last]).collect()
+        self.clipped.iter_mut().flatten().zip(clipped).for_each(|(sum, more)| sum.merge(more));
+        self.at_end.iter_mut().zip(&later.at_end).for_each(|(sum, more)| sum.merge(more));
+        self.at_time.iter_mut().zip(&later.at_time).for_each(|(sum, more)| sum.merge(more));
     }
 }
 

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use noise::{StreamKey, Truncation};
 
-use crate::{Ladder, LadderError, PathFailure, Run, Setup, Statistic, View};
+use crate::{Ladder, LadderError, PathFailure, Run, Setup, Statistic, View, parts::Stop};
 
 /// The states y_n of one path at t_n = nτ, n = 0 … N. If a step fails, the states before it.
 #[derive(Clone, Debug)]
@@ -50,7 +50,8 @@ pub fn trajectory(
     let ladder = Ladder::new(problem, steps, 0, truncation, key, runs)?;
     let state = |view: &View<'_>, p: usize| view.state(0).iter().map(|row| row[p]).collect();
     let states = |view: &View<'_>| view.live.paths().map(|p| (p, state(view, p))).collect();
-    let measured = ladder.run_from(path, 1, || PathRecords::new(&states), &|_| ());
+    let measured =
+        ladder.run_until(&Stop::default(), path, 1, || PathRecords::new(&states), &|_| ());
     let mut states: Vec<Vec<f64>> = vec![problem.y0.clone()];
     states.extend(measured.statistic.of_path.into_values().flatten());
     let times = (0..states.len()).map(|n| n as f64 * ladder.tau(0)).collect();

@@ -44,7 +44,7 @@ pub enum Decision {
     },
     /// The differences between step sizes are rounding errors: the scheme keeps the function.
     Kept,
-    /// The finest step does not resolve the damping ([`SeenDamping`](mc::SeenDamping)).
+    /// The finest step does not resolve the damping ([`DampingResolution`](mc::DampingResolution)).
     Damping {
         /// How far its sums over the steps are from ∫γ.
         defect: f64,

@@ -1,6 +1,6 @@
 //! Step sizes, paths and noise of a measurement.
 
-use mc::{LadderError, SeenDamping, Setup};
+use mc::{DampingResolution, LadderError, Setup};
 use noise::{StreamKey, Truncation};
 
 /// Step sizes, paths and noise of a measurement of an order.
@@ -75,7 +75,7 @@ impl StepSizes {
 
     /// What the sums of the damping over the finest steps lack, if these do not resolve it.
     pub(super) fn damping(&self, setup: &Setup<'_>) -> Option<f64> {
-        SeenDamping::new(setup, self.coarsest_steps).unresolved(self.sizes() - 1)
+        DampingResolution::new(setup, self.coarsest_steps).unresolved(self.sizes() - 1)
     }
 
     /// Refuses sizes without a step or a step size, or with too many.

@@ -24,7 +24,6 @@ use super::{
 use crate::{
     arguments::Expect,
     failure::{Done, Failure},
-    model::Model,
     output,
     scene::{AUTO, Changes, Scene},
 };
@@ -49,19 +48,16 @@ pub fn expect(arguments: &Expect) -> Done {
     scene.accuracy = arguments.accuracy.or(scene.accuracy);
     let stop = stop();
     let folder = arguments.output.out.as_ref();
-    let (results, finished) = {
-        let model = &*scene.model;
-        let ready = Ready::new(&scene, model, None)?;
-        let job = match folder {
-            Some(folder) => {
-                folder::prepare(folder)?;
-                Job::part(folder, Share::WHOLE, program())?
-            }
-            None => Job::here(),
-        };
-        let job = stoppable(job, &stop);
-        (ready.compute(&job)?, job.finish())
+    let ready = Ready::new(&scene, None)?;
+    let job = match folder {
+        Some(folder) => {
+            folder::prepare(folder)?;
+            Job::part(folder, Share::WHOLE, program())?
+        }
+        None => Job::here(),
     };
+    let job = stoppable(job, &stop);
+    let (results, finished) = (ready.compute(&job)?, job.finish());
     match finished {
         Err(JobError::Stopped) => {
             if let Some(results) = results {
@@ -87,10 +83,10 @@ pub fn expect(arguments: &Expect) -> Done {
 }
 
 /// The scheme, which stays `auto` where points, levels and order are chosen too.
-pub fn settle(scene: &Scene, model: &dyn Model) -> Done<Settled> {
-    warn(model);
-    let is_chosen = scene.settings.scheme == AUTO && model.expect().is_some();
-    Ok(if is_chosen { (AUTO.into(), None) } else { scheme(scene, model) })
+pub fn settle(scene: &Scene) -> Settled {
+    warn(&*scene.model);
+    let is_chosen = scene.settings.scheme == AUTO && scene.model.expect().is_some();
+    if is_chosen { (AUTO.into(), None) } else { scheme(scene, &*scene.model) }
 }
 
 /// Expectations that were checked.
@@ -103,7 +99,7 @@ pub struct Ready<'a> {
 
 impl<'a> Ready<'a> {
     /// Chooses the way, and checks that there is something to expect.
-    pub fn new(scene: &'a Scene, model: &'a dyn Model, settled: Option<&Settled>) -> Done<Self> {
+    pub fn new(scene: &'a Scene, settled: Option<&Settled>) -> Done<Self> {
         let (false, Some(accuracy)) = (scene.expected.is_empty(), scene.accuracy) else {
             let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
             let message = format!(
@@ -111,8 +107,8 @@ impl<'a> Ready<'a> {
             );
             return Err(scene.source.error_of_all(message).into());
         };
-        let settings = &scene.settings;
-        let (scheme, because) = settled.cloned().map_or_else(|| settle(scene, model), Ok)?;
+        let (settings, model) = (&scene.settings, &scene.model);
+        let (scheme, because) = settled.cloned().unwrap_or_else(|| settle(scene));
         let chosen = if scheme == AUTO { model.expect() } else { None };
         let (expect, because, steps) = match chosen {
             Some(chosen) => (chosen, None, settings.coarsest_steps),
@@ -120,8 +116,8 @@ impl<'a> Ready<'a> {
                 let setup = model.setup(&scheme);
                 let setup = setup.map_err(|error| settings.scheme_error(&scene.source, error))?;
                 let given = mc::Expect::with_scheme(setup).with_truncation(settings.truncation);
-                let steps = settings.coarsest_steps;
-                (given, because, steps.or_else(|| Some(coarsest_steps(settings.until))))
+                let steps = settings.coarsest_steps.unwrap_or(coarsest_steps(settings.until));
+                (given, because, Some(steps))
             }
         };
         let mut expect = expect.with_key(settings.key).with_watch(hear);

@@ -1,7 +1,6 @@
 //! The commands, each in a file of its own.
 
 mod compare;
-mod exact_quantiles;
 mod expect;
 mod folder;
 mod inspect;

@@ -7,7 +7,7 @@ use std::{
 };
 
 use casimir::{
-    mc::parts::{Job, JobError, Plan as Planned, Share, Stop, merged_paths},
+    mc::parts::{Job, JobError, Share, Stop, merged_paths},
     plot::files,
 };
 use serde::{Deserialize, Serialize};
@@ -42,8 +42,6 @@ struct Divided {
 }
 
 const PLAN: &str = "plan.json";
-/// Its name at first, which is also that of results.
-const OLD_PLAN: &str = "study.json";
 const SCENE: &str = "scene.toml";
 /// How long each piece of work is measured for a plan.
 const MEASURED: Duration = Duration::from_millis(300);
@@ -57,8 +55,7 @@ struct Folder {
 
 impl Folder {
     fn open(folder: &Path) -> Done<Self> {
-        let file = Some(folder.join(PLAN)).filter(|file| file.exists());
-        let file = file.unwrap_or_else(|| folder.join(OLD_PLAN));
+        let file = folder.join(PLAN);
         let wrong = |error: &dyn std::fmt::Display| {
             let file = file.display();
             Failure::Usage(format!(
@@ -82,19 +79,13 @@ impl Folder {
     /// Does with a job what the folder is for; the results if there are some here.
     fn compute(&self, job: &Job, stop: &Stop) -> Done<Option<Found>> {
         let (scene, settled) = (&self.scene, self.divided.settled.as_ref());
-        {
-            let model = &*scene.model;
-            match self.divided.expect {
-                true => {
-                    let ready = expect::Ready::new(scene, model, settled)?;
-                    Ok(ready.compute(job)?.map(Found::Expected))
-                }
-                false => {
-                    let found = run::Ready::new(scene, model, settled)?.compute(job, stop)?;
-                    Ok(found.map(|results| Found::Run(Box::new(results))))
-                }
+        Ok(match self.divided.expect {
+            true => expect::Ready::new(scene, settled)?.compute(job)?.map(Found::Expected),
+            false => {
+                let found = run::Ready::new(scene, settled)?.compute(job, stop)?;
+                found.map(|results| Found::Run(Box::new(results)))
             }
-        }
+        })
     }
 }
 
@@ -113,18 +104,15 @@ pub fn plan(arguments: &Plan) -> Done {
     }
     Share::new(1, arguments.parts)?;
     let out = &arguments.out;
-    if out.join(PLAN).exists() || Folder::open(out).is_ok() {
+    if out.join(PLAN).exists() {
         let out = out.display();
         let message =
             format!("{out} has parts already: take another folder, or casimir extend {out}");
         return Err(Failure::Usage(message));
     }
-    let settled = {
-        let model = &*scene.model;
-        match arguments.expect {
-            true => expect::settle(&scene, model)?,
-            false => super::scheme(&scene, model),
-        }
+    let settled = match arguments.expect {
+        true => expect::settle(&scene),
+        false => super::scheme(&scene, &*scene.model),
     };
     folder::prepare(out)?;
     files::write(&out.join(SCENE), &scene.source.text)?;
@@ -138,41 +126,29 @@ pub fn plan(arguments: &Plan) -> Done {
     folder.compute(&job, &Stop::default())?;
     let planned = job.plan()?;
     folder.write()?;
-    let absolute = fs::canonicalize(out)?;
-    let program = env::current_exe()?;
-    let cpus = arguments.cpus.max(1);
-    let part_seconds =
-        planned.parts(parts, cpus).iter().map(|part| part.seconds).fold(0.0, f64::max);
-    let text = |path: &Path| path.display().to_string();
-    let [program, absolute] = [text(&program), text(&absolute)];
+    let (cpus, folder) = (arguments.cpus.max(1), fs::canonicalize(out)?);
+    let part_seconds = planned.seconds(parts, cpus);
     let script = Script {
-        name: "casimir",
-        written_by: "casimir plan",
         parts,
-        program: &program,
-        arguments: &["part".to_owned(), absolute.clone()],
-        folder: &absolute,
-        directory: &absolute,
+        program: &env::current_exe()?,
+        folder: &folder,
         // Twice as long as measured, and a minute to start.
         minutes: 1 + (2.0 * part_seconds / 60.0).ceil() as u64,
         cpus,
         options: &arguments.sbatch,
     };
     files::write(&out.join(JOB), script.slurm())?;
-    print(&format!("{}{}", planned_text(&planned, parts, part_seconds), script.lines()))
-}
-
-fn planned_text(planned: &Planned, parts: u64, part_seconds: f64) -> String {
-    let mut text = String::new();
-    for work in &planned.works {
-        text += &format!("{}: {} paths of {} steps\n", work.name, work.items, work.steps);
-    }
-    text += &format!(
-        "{:.3e} path-steps, {:.1} ns each on one thread; {parts} parts of about {part_seconds:.0} s\n",
-        planned.path_steps() as f64,
-        planned.nanoseconds(),
-    );
-    text
+    let works = planned.works.iter();
+    let works =
+        works.map(|work| format!("{}: {} paths of {} steps\n", work.name, work.paths, work.steps));
+    let path_steps = planned.path_steps() as f64;
+    let nanoseconds = 1e9 * planned.seconds(1, 1) / path_steps;
+    print(&format!(
+        "{}{path_steps:.3e} path-steps, {nanoseconds:.1} ns each on one thread; {parts} parts of about \
+         {part_seconds:.0} s\n{}",
+        works.collect::<String>(),
+        script.lines()
+    ))
 }
 
 /// Computes one part.
@@ -205,10 +181,6 @@ pub fn merge(arguments: &Merge) -> Done {
     let found = folder.compute(&job, &stop)?;
     job.finish()?;
     let (scene, out) = (&folder.scene, &folder.folder);
-    if found.is_some() {
-        // Results may take the place of an old plan.
-        folder.write()?;
-    }
     match found {
         Some(Found::Run(results)) => {
             output::write(scene, &results, out, &arguments.write)?;

@@ -1,11 +1,11 @@
 //! `casimir run`: paths and their statistics.
 
-use std::{path::Path, time::Instant};
+use std::{fmt::Display, path::Path, time::Instant};
 
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
     mc::{
-        Observe, Simulation, Study, StudySettings, TimeSeries,
+        Observe, Setup, Simulation, Study, StudySettings, TimeSeries,
         parts::{Job, JobError, Share, Stop, remove},
         study::StudyResult,
     },
@@ -13,15 +13,14 @@ use casimir::{
 };
 
 use super::{
-    Settled, exact_quantiles, folder, open, print, print_json, program, scheme, stop, stoppable,
-    threads, warn,
+    Settled, folder, open, print, print_json, program, scheme, stop, stoppable, threads, warn,
 };
 use crate::{
     arguments::{Format, Run},
     failure::{Done, Failure},
-    model::{Known, Model},
+    model::Known,
     output,
-    scene::{Observable, Scene},
+    scene::Scene,
 };
 
 /// What a run found.
@@ -50,32 +49,26 @@ pub fn run(arguments: &Run) -> Done {
     check_size(&scene, &arguments.write, arguments.large)?;
     let stop = stop();
     // The scene is checked before the folder is made.
-    let (results, stopped) = {
-        let model = &*scene.model;
-        let ready = Ready::new(&scene, model, None)?;
-        folder::prepare(&folder)?;
-        let job = match scene.settings.is_study() {
-            true => Job::part(&folder, Share::WHOLE, program())?,
-            false => Job::here(),
-        };
-        if job.resumes() {
-            let file = folder.join(Share::WHOLE.file_name());
-            eprintln!("going on from a checkpoint; to begin anew, delete {}", file.display());
-        }
-        let job = stoppable(job, &stop);
-        let results = ready.compute(&job, &stop)?;
-        let stopped = match job.finish() {
-            Err(JobError::Stopped) => true,
-            finished => {
-                finished?;
-                stop.is_asked()
-            }
-        };
-        (results, stopped)
+    let ready = Ready::new(&scene, None)?;
+    folder::prepare(&folder)?;
+    let job = match scene.settings.is_study() {
+        true => Job::part(&folder, Share::WHOLE, program())?,
+        false => Job::here(),
     };
-    let none =
-        |results: &Results| results.study.as_ref().is_some_and(|study| study.record.paths == 0);
-    if stopped && results.as_ref().is_some_and(none) {
+    if job.resumes() {
+        let file = folder.join(Share::WHOLE.file_name());
+        eprintln!("going on from a checkpoint; to begin anew, delete {}", file.display());
+    }
+    let job = stoppable(job, &stop);
+    let results = ready.compute(&job, &stop)?;
+    let stopped = match job.finish() {
+        Err(JobError::Stopped) => true,
+        finished => {
+            finished?;
+            stop.is_asked()
+        }
+    };
+    if stopped && results.as_ref().is_some_and(|results| results.paths() == 0) {
         return Err(Failure::Stopped("before the first path: nothing was computed".into()));
     }
     if let Some(results) = &results {
@@ -99,142 +92,105 @@ pub fn run(arguments: &Run) -> Done {
 }
 
 impl Results {
+    /// Number of paths.
+    pub fn paths(&self) -> u64 {
+        self.study.as_ref().map_or(self.tables.len() as u64, |study| study.record.paths)
+    }
+
     /// The first failure, if no path came to its end.
     fn all_failed(self) -> Option<String> {
-        match self.study {
-            Some(study) => {
-                let all = study.losses.failed >= study.record.paths;
-                all.then(|| study.losses.failures.into_iter().next()).flatten()
-            }
-            None => {
-                let failed: Option<Vec<String>> =
-                    self.tables.into_iter().map(|table| table.halted).collect();
-                failed.and_then(|failed| failed.into_iter().next())
-            }
-        }
+        let failures = match self.study {
+            Some(study) if study.losses.failed < study.record.paths => return None,
+            Some(study) => study.losses.failures,
+            None => self.tables.into_iter().map(|table| table.halted).collect::<Option<_>>()?,
+        };
+        failures.into_iter().next()
+    }
+
+    /// What a reader must know of single paths, of the steps and of the statistics.
+    pub fn warnings(&self, scene: &Scene) -> Vec<String> {
+        let Self { tables, study, check, .. } = self;
+        let steps = check.iter().flat_map(|check| output::step_lines(check, study.as_ref(), scene));
+        let warnings = study.iter().flat_map(|study| study.warnings.clone());
+        let halted = tables.iter().enumerate().filter_map(|(path, table)| {
+            table.halted.as_ref().map(|halted| format!("path {path}: {halted}"))
+        });
+        steps.chain(warnings).chain(halted).collect()
     }
 }
 
 /// A run that was checked.
 pub struct Ready<'a> {
     scene: &'a Scene,
-    model: &'a dyn Model,
     scheme: String,
+    setup: Setup<'a>,
     because: Option<String>,
 }
 
 impl<'a> Ready<'a> {
     /// Chooses the scheme unless it is settled, and checks that it can be run.
-    pub fn new(scene: &'a Scene, model: &'a dyn Model, settled: Option<&Settled>) -> Done<Self> {
-        let (scheme, because) = settled.cloned().unwrap_or_else(|| self::scheme(scene, model));
+    pub fn new(scene: &'a Scene, settled: Option<&Settled>) -> Done<Self> {
+        let (scheme, because) = settled.cloned().unwrap_or_else(|| scheme(scene, &*scene.model));
         let (source, settings) = (&scene.source, &scene.settings);
-        let setup = model.setup(&scheme);
+        let setup = scene.model.setup(&scheme);
         let setup = setup.map_err(|error| settings.scheme_error(source, error))?;
         settings.check_steps(source, &setup)?;
-        Ok(Self { scene, model, scheme, because })
+        Ok(Self { scene, scheme, setup, because })
     }
 
     /// Computes tables and statistics; none if another part has them.
     pub fn compute(self, job: &Job, stop: &Stop) -> Done<Option<Results>> {
         let start = Instant::now();
-        let settings = &self.scene.settings;
+        let Self { scene, scheme, setup, because } = self;
+        let Scene { source, components, observables, settings, model, .. } = scene;
+        let (steps, truncation, key) = (settings.steps, settings.truncation, settings.key);
+        let wrong = |error: &dyn Display| settings.steps_error(source, error);
         let is_study = settings.is_study();
-        let study = if is_study { self.study(job)? } else { None };
-        let check = self.check(job)?;
+        let mut study = None;
+        if is_study {
+            let wanted = StudySettings::new(steps, settings.times, settings.paths, truncation, key);
+            let of_all = Study::new(&setup, observables, &wanted).map_err(|error| wrong(&error))?;
+            let bars = Bars::default();
+            bars.begin("paths", settings.paths * steps);
+            study = of_all.run_in(job, "study", &|work| bars.advance(work));
+            bars.finish();
+        }
+        let checked = checked_paths(settings.paths, setup.problem.noises);
+        let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
+        let check =
+            step_check(&setup, &phi, steps, checked, model.fastest(), (truncation, key), job);
+        let check = check.map_err(|error| wrong(&error))?;
         if is_study && study.is_none() {
             return Ok(None);
         }
-        let known = warn(self.model);
-        let mut study = study;
-        let exact = study.as_mut().filter(|study| study.record.paths == settings.paths);
-        let exact = exact.filter(|_| exact_quantiles::are_affordable(self.scene));
-        let all = if exact.is_some() { settings.paths } else { settings.tables };
-        let mut tables = self.tables(all, stop)?;
-        if let Some(study) = exact.filter(|_| !stop.is_asked()) {
-            exact_quantiles::replace(study, &tables);
-        }
-        tables.truncate(settings.tables as usize);
-        let Self { scheme, because, .. } = self;
-        let seconds = start.elapsed().as_secs_f64();
-        Ok(Some(Results { scheme, because, known, tables, study, check, seconds }))
-    }
-
-    fn setup(&self) -> Done<casimir::mc::Setup<'_>> {
-        let Self { scene, model, scheme, .. } = self;
-        let setup = model.setup(scheme);
-        Ok(setup.map_err(|error| scene.settings.scheme_error(&scene.source, error))?)
-    }
-
-    /// The step errors of what is shown, as a piece of work of a job.
-    fn check(&self, job: &Job) -> Done<Option<StepCheck>> {
-        let Scene { source, observables, settings, .. } = self.scene;
-        let setup = self.setup()?;
-        let paths = checked_paths(settings.paths, setup.problem.noises);
-        let observables: Vec<&dyn Observe> =
-            observables.iter().map(|observable: &Observable| observable as _).collect();
-        let noise = (settings.truncation, settings.key);
-        let (steps, fastest) = (settings.steps, self.model.fastest());
-        let check = step_check(&setup, &observables, steps, paths, fastest, noise, job);
-        Ok(check.map_err(|error| settings.steps_error(source, error))?)
-    }
-
-    /// The tables of the first paths.
-    fn tables(&self, paths: u64, stop: &Stop) -> Done<Vec<TimeSeries>> {
-        let Scene { source, components, observables, settings, .. } = self.scene;
-        let setup = self.model.with_laws(self.setup()?);
-        let mut simulation = Simulation::new(setup, settings.truncation)
-            .every(settings.steps / settings.times)
+        let mut simulation = Simulation::new(model.with_laws(setup), truncation)
+            .every(steps / settings.times)
             .with_components(components.clone())
             .stopped_by(stop);
         for observable in observables.iter().filter(|observable| !observable.is_component()) {
             simulation = simulation.observing(observable.clone());
         }
-        let tables = simulation.paths(settings.steps, settings.key, 0..paths);
-        Ok(tables.map_err(|error| settings.steps_error(source, error))?)
-    }
-
-    /// Statistics of all paths, as a piece of work of a job.
-    fn study(&self, job: &Job) -> Done<Option<StudyResult>> {
-        let Scene { source, observables, settings, .. } = self.scene;
-        let (setup, steps) = (self.setup()?, settings.steps);
-        let (truncation, key) = (settings.truncation, settings.key);
-        let study_settings =
-            StudySettings::new(steps, settings.times, settings.paths, truncation, key);
-        let observables: Vec<&dyn Observe> =
-            observables.iter().map(|observable: &Observable| observable as _).collect();
-        let study = Study::new(&setup, &observables, &study_settings);
-        let study = study.map_err(|error| settings.steps_error(source, error))?;
-        let bars = Bars::default();
-        bars.begin("paths", settings.paths * steps);
-        let result = study.run_in(job, "study", &|work| bars.advance(work));
-        bars.finish();
-        Ok(result)
+        let tables = simulation.paths(steps, key, 0..settings.tables);
+        let tables = tables.map_err(|error| wrong(&error))?;
+        let (known, seconds) = (warn(&**model), start.elapsed().as_secs_f64());
+        Ok(Some(Results { scheme, because, known, tables, study, check, seconds }))
     }
 }
 
 /// Refuses to write gigabytes by mistake.
 fn check_size(scene: &Scene, formats: &[Format], allowed: bool) -> Done {
-    const GIGABYTE: f64 = 1e9;
-    let settings = &scene.settings;
-    let columns = scene.columns();
-    let numbers = settings.tables as f64 * (settings.times + 1) as f64 * columns as f64;
-    let bytes = |format: &Format| match format {
-        Format::Npz => 8.0,
-        // A number in shortest form.
-        Format::Csv | Format::Json => 20.0,
-    };
-    let written: f64 = formats.iter().map(bytes).sum::<f64>() * numbers;
-    let held = 8.0 * numbers;
-    if written.max(held) > GIGABYTE && !allowed {
-        let message = format!(
-            "{} tables of {} times and {columns} columns take {:.1} GB of memory and {:.1} GB of \
-             files: take fewer `tables` or `times`, or say --large",
-            settings.tables,
-            settings.times,
-            held / GIGABYTE,
-            written / GIGABYTE,
-        );
-        return Err(Failure::Usage(message));
+    let (settings, columns) = (&scene.settings, scene.columns());
+    let (tables, times) = (settings.tables, settings.times);
+    let gigabytes = 1e-9 * tables as f64 * (times + 1) as f64 * columns as f64;
+    // A number in a text takes 20 bytes.
+    let bytes = |format: &Format| if *format == Format::Npz { 8.0 } else { 20.0 };
+    let written = gigabytes * formats.iter().map(bytes).sum::<f64>();
+    let held = 8.0 * gigabytes;
+    if written.max(held) > 1.0 && !allowed {
+        return Err(Failure::Usage(format!(
+            "{tables} tables of {times} times and {columns} columns take {held:.1} GB of memory and \
+             {written:.1} GB of files: take fewer `tables` or `times`, or say --large"
+        )));
     }
     Ok(())
 }
@@ -244,12 +200,10 @@ pub fn report(scene: &Scene, results: &Results, folder: &Path, json: bool) -> Do
     if json {
         return print_json(&output::summary(scene, results, folder)?);
     }
-    let mut text = String::new();
-    let Results { scheme, because, tables, study, check, seconds, .. } = results;
-    let lines = check.iter().flat_map(|check| output::step_lines(check, study.as_ref(), scene));
-    lines.for_each(|line| text += &format!("warning: {line}\n"));
-    let paths = study.as_ref().map_or(tables.len() as u64, |study| study.record.paths);
-    let steps = scene.settings.steps;
+    let Results { scheme, because, study, check, seconds, .. } = results;
+    let mut text: String =
+        results.warnings(scene).iter().map(|warning| format!("warning: {warning}\n")).collect();
+    let (paths, steps) = (results.paths(), scene.settings.steps);
     let word = if paths == 1 { "path" } else { "paths" };
     text += &format!("{paths} {word}, {steps} steps of {scheme}, {seconds:.2} s\n");
     if let Some(because) = because {
@@ -257,12 +211,6 @@ pub fn report(scene: &Scene, results: &Results, folder: &Path, json: bool) -> Do
     }
     if let Some(study) = study {
         text += &output::table_at_end(study, check.as_ref());
-        study.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
-    }
-    for (path, table) in tables.iter().enumerate() {
-        if let Some(halted) = &table.halted {
-            text += &format!("warning: path {path}: {halted}\n");
-        }
     }
     text += &format!("report: {}\n", folder.join(folder::REPORT).display());
     print(&text)

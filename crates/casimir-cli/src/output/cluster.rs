@@ -3,23 +3,14 @@
 
 use std::path::Path;
 
-/// A program that computes one part of many.
-#[derive(Clone, Debug, Default)]
+/// How `casimir part` computes one part of many.
 pub struct Script<'a> {
-    /// What the job is called.
-    pub name: &'a str,
-    /// The command that writes the script.
-    pub written_by: &'a str,
     /// Number of parts.
     pub parts: u64,
-    /// The program, as an absolute path: it is built already.
-    pub program: &'a str,
-    /// Its arguments but `--part` and `--threads`.
-    pub arguments: &'a [String],
+    /// This program.
+    pub program: &'a Path,
     /// The folder of the parts, as an absolute path.
-    pub folder: &'a str,
-    /// Where the program runs.
-    pub directory: &'a str,
+    pub folder: &'a Path,
     /// Most minutes that a part takes.
     pub minutes: u64,
     /// Processors of a part, which are its threads.
@@ -35,18 +26,15 @@ impl Script<'_> {
     /// preemption. The program writes a checkpoint, and goes on from it when the job is requeued or
     /// submitted again.
     pub fn slurm(&self) -> String {
-        let Self { name, written_by, parts, program, arguments, folder, directory, .. } = *self;
-        let Self { minutes, cpus, .. } = *self;
-        let options: String =
-            self.options.iter().map(|option| format!("#SBATCH {option}\n")).collect();
-        let words: String = arguments.iter().map(|word| format!(" {}", quoted(word))).collect();
-        let [program, directory] = [program, directory].map(quoted);
-        let log = Path::new(folder).join("part-%a.log");
+        let Self { parts, minutes, cpus, .. } = self;
+        let options = self.options.iter().map(|option| format!("#SBATCH {option}\n"));
+        let (options, log) =
+            (options.collect::<String>(), quoted(&self.folder.join("part-%a.log")));
+        let [program, folder] = [self.program, self.folder].map(quoted);
         format!(
             "#!/bin/bash\n\
-             # Written by `{written_by}`. `sbatch {script}` computes all parts, `bash {script} \
-             K` part K.\n\
-             #SBATCH --job-name={name}\n\
+             # Written by `casimir plan`. `sbatch {JOB}` computes all parts, `bash {JOB} K` part K.\n\
+             #SBATCH --job-name=casimir\n\
              #SBATCH --array=1-{parts}\n\
              #SBATCH --time={minutes}\n\
              #SBATCH --cpus-per-task={cpus}\n\
@@ -56,31 +44,20 @@ impl Script<'_> {
              #SBATCH --output={log}\n\
              {options}\
              part=${{SLURM_ARRAY_TASK_ID:-${{HQ_TASK_ID:-$1}}}}\n\
-             cd {directory} || exit 2\n\
-             exec {program}{words} --part \"$part\" \\\n    \
-             --threads \"${{SLURM_CPUS_PER_TASK:-{cpus}}}\"\n",
-            script = JOB,
-            log = quoted(&log.display().to_string()),
+             cd {folder} || exit 2\n\
+             exec {program} part {folder} --part \"$part\" \\\n    \
+             --threads \"${{SLURM_CPUS_PER_TASK:-{cpus}}}\"\n"
         )
     }
 
     /// How the parts are computed with and without schedulers, in lines to copy.
     pub fn lines(&self) -> String {
-        let Self { parts, cpus, .. } = *self;
-        let script = quoted(&Path::new(self.folder).join(JOB).display().to_string());
-        let done = Path::new(self.folder).join("done-{part}").display().to_string();
+        let (parts, cpus, script) = (self.parts, self.cpus, quoted(&self.folder.join(JOB)));
         format!(
             "Slurm:\n  sbatch {script}\n\
-             a shell:\n  for part in $(seq {parts}); do bash {script} $part; done\n\
-             xargs or GNU parallel, 8 at a time:\n  \
-             seq {parts} | xargs -P 8 -n 1 bash {script}\n  \
-             parallel -j 8 bash {script} ::: $(seq {parts})\n\
+             a shell, 8 at a time:\n  seq {parts} | xargs -P 8 -n 1 bash {script}\n\
              HyperQueue:\n  hq submit --array 1-{parts} --cpus {cpus} -- bash {script}\n\
-             Snakemake:\n  \
-             rule all:\n      input: expand({done:?}, part=range(1, {end}))\n  \
-             rule part:\n      output: touch({done:?})\n      threads: {cpus}\n      \
-             shell: \"bash {script} {{wildcards.part}}\"\n",
-            end = parts + 1,
+             any other scheduler: bash {script} K for each K from 1 to {parts}\n"
         )
     }
 }
@@ -88,11 +65,12 @@ impl Script<'_> {
 /// The file of the script in the folder of the parts.
 pub const JOB: &str = "job.sh";
 
-/// A word for the shell.
-fn quoted(word: &str) -> String {
+/// A path as a word for the shell.
+fn quoted(path: &Path) -> String {
+    let word = path.display().to_string();
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_owned();
+    if word.chars().all(plain) {
+        return word;
     }
     format!("'{}'", word.replace('\'', r"'\''"))
 }
@@ -101,24 +79,21 @@ fn quoted(word: &str) -> String {
 mod tests {
     use super::*;
 
-    fn script() -> Script<'static> {
+    fn script(options: &[String]) -> Script<'_> {
         Script {
-            name: "reproduce",
             parts: 64,
-            program: "/opt/casimir/reproduce",
-            folder: "/scratch/my run",
-            directory: "/home/me",
+            program: Path::new("/opt/casimir/it's"),
+            folder: Path::new("/scratch/my run"),
             minutes: 30,
             cpus: 2,
-            ..Script::default()
+            options,
         }
     }
 
     #[test]
     fn a_script_has_what_the_scheduler_needs() {
-        let arguments = ["--seed", "it's", "--parts", "64"].map(str::to_owned);
         let options = ["--account=physics".to_owned()];
-        let text = Script { arguments: &arguments, options: &options, ..script() }.slurm();
+        let text = script(&options).slurm();
         assert!(text.starts_with("#!/bin/bash\n"));
         for line in [
             "#SBATCH --array=1-64",
@@ -126,11 +101,11 @@ mod tests {
             "#SBATCH --cpus-per-task=2",
             "#SBATCH --account=physics",
             "#SBATCH --output='/scratch/my run/part-%a.log'",
-            "cd /home/me || exit 2",
+            "cd '/scratch/my run' || exit 2",
         ] {
             assert!(text.lines().any(|found| found == line), "{line} in\n{text}");
         }
-        let exec = r"exec /opt/casimir/reproduce --seed 'it'\''s' --parts 64 --part";
+        let exec = r"exec '/opt/casimir/it'\''s' part '/scratch/my run' --part";
         assert!(text.contains(exec), "{text}");
         // Options come before the first command.
         let last = text.rfind("#SBATCH").unwrap();
@@ -139,17 +114,9 @@ mod tests {
 
     #[test]
     fn there_are_lines_for_everybody() {
-        let lines = script().lines();
-        for line in ["sbatch '/scratch/my run/job.sh'", "seq 64 |", "hq submit", "range(1, 65)"] {
+        let lines = script(&[]).lines();
+        for line in ["sbatch '/scratch/my run/job.sh'", "seq 64 |", "hq submit", "from 1 to 64"] {
             assert!(lines.contains(line), "{lines}");
         }
-    }
-
-    #[test]
-    fn words_are_quoted_where_they_must() {
-        assert_eq!(
-            ["a-b_c/1.5", "", "a b", "$x"].map(quoted),
-            ["a-b_c/1.5", "''", "'a b'", "'$x'"]
-        );
     }
 }

@@ -38,33 +38,28 @@ pub fn write(scene: &Scene, results: &Results, folder: &Path, formats: &[Format]
     Ok(files::write(&folder.join("index.html"), page::page(scene, results, &figures))?)
 }
 
-fn write_as(format: Format, results: &Results, folder: &Path) -> Done {
-    let Results { tables, study, .. } = results;
+fn write_as(format: Format, Results { tables, study, .. }: &Results, folder: &Path) -> Done {
+    let file = |name: &str| folder.join(name);
     let mut text = Vec::new();
     match format {
         Format::Csv => {
             write_csv(tables, &mut text)?;
-            files::write(&folder.join("paths.csv"), &text)?;
+            files::write(&file("paths.csv"), &text)?;
             if let Some(study) = study {
                 text.clear();
                 study.write_csv(&mut text)?;
-                files::write(&folder.join("study.csv"), &text)?;
+                files::write(&file("study.csv"), &text)?;
             }
         }
         Format::Json => {
-            casimir::mc::write_json(tables, &mut text)?;
-            files::write(&folder.join("paths.json"), &text)?;
+            files::write(&file("paths.json"), serde_json::to_string(tables)? + "\n")?;
             if let Some(study) = study {
-                text.clear();
-                study.write_json(&mut text)?;
-                files::write(&folder.join("study.json"), &text)?;
+                files::write(&file("study.json"), serde_json::to_string(study)? + "\n")?;
             }
         }
         Format::Npz => {
-            npz::paths(&folder.join("paths.npz"), tables)?;
-            if let Some(study) = study {
-                npz::study(&folder.join("study.npz"), study)?;
-            }
+            npz::paths(&file("paths.npz"), tables)?;
+            study.iter().try_for_each(|study| npz::study(&file("study.npz"), study))?;
         }
     }
     Ok(())
@@ -159,7 +154,7 @@ pub fn summary(scene: &Scene, results: &Results, folder: &Path) -> serde_json::R
         "scheme": scheme,
         "because": because,
         "steps": scene.settings.steps,
-        "paths": study.as_ref().map_or(tables.len() as u64, |study| study.record.paths),
+        "paths": results.paths(),
         "seed": scene.settings.key.seed,
         "at_end": study.as_ref().map(last).transpose()?,
         "step_check": check,

@@ -6,7 +6,10 @@ use std::{
     path::Path,
 };
 
-use casimir::mc::{TimeSeries, study::StudyResult};
+use casimir::mc::{
+    TimeSeries,
+    study::{Series, StudyResult, Summary},
+};
 use npyz::{WriteOptions, WriterBuilder, npz::file_name_from_array_name};
 use zip::{DateTime, ZipWriter, write::SimpleFileOptions};
 
@@ -62,20 +65,20 @@ pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
     array(&mut out, "t", &[count], times)?;
     array(&mut out, "quantile levels", &[shape[1]], levels)?;
     let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    for series in &result.series {
-        let name = &series.observable;
-        let points = &series.points;
-        let mut column = |what: &str, values: Vec<f64>| {
-            array(&mut out, &format!("{name} {what}"), &[count], values)
-        };
-        column("mean", points.iter().map(|point| known(point.mean)).collect())?;
-        let interval = |point: &casimir::mc::study::Summary| point.mean_interval.unzip();
-        column("lo", points.iter().map(|point| known(interval(point).0)).collect())?;
-        column("hi", points.iter().map(|point| known(interval(point).1)).collect())?;
-        column("deviation", points.iter().map(|point| known(point.deviation)).collect())?;
-        let quantiles =
-            points.iter().flat_map(|point| point.quantiles.iter().map(|q| known(q.value)));
-        array(&mut out, &format!("{name} quantiles"), &shape, quantiles.collect())?;
+    let columns: [(&str, fn(&Summary) -> Option<f64>); 4] = [
+        ("mean", |point| point.mean),
+        ("lo", |point| point.mean_interval.map(|(lo, _)| lo)),
+        ("hi", |point| point.mean_interval.map(|(_, hi)| hi)),
+        ("deviation", |point| point.deviation),
+    ];
+    for Series { observable, points } in &result.series {
+        for (what, of) in columns {
+            let values = points.iter().map(|point| known(of(point)));
+            array(&mut out, &format!("{observable} {what}"), &[count], values.collect())?;
+        }
+        let quantiles = points.iter().flat_map(|point| &point.quantiles);
+        let quantiles = quantiles.map(|quantile| known(quantile.value));
+        array(&mut out, &format!("{observable} quantiles"), &shape, quantiles.collect())?;
     }
     out.finish()?;
     Ok(())

@@ -2,15 +2,15 @@
 
 use casimir::plot::Document;
 
-use super::{AT_END, digits, figures::Section, rows_at_end, steps::step_lines};
+use super::{AT_END, digits, figures::Section, rows_at_end};
 use crate::{commands::Results, scene::Scene};
 
 /// The page with all figures.
 pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
     let Results { scheme, because, known, tables, study, check, seconds } = results;
+    let paths = results.paths();
     let settings = &scene.settings;
     let mut page = Document::new("casimir run", &scene.title);
-    let paths = study.as_ref().map_or(tables.len() as u64, |study| study.record.paths);
     let first = tables.first();
     page.section("What was computed");
     let reason = because.as_ref().map_or(String::new(), |because| format!(": {because}"));
@@ -27,14 +27,8 @@ pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
         ("computing", format!("{seconds:.2} s of wall time")),
         ("program", format!("casimir {}", env!("CARGO_PKG_VERSION"))),
     ]);
-    let warnings = study.iter().flat_map(|study| study.warnings.clone());
-    let halted = tables.iter().enumerate().filter_map(|(path, table)| {
-        table.halted.as_ref().map(|halted| format!("path {path} ended early: {halted}"))
-    });
-    let steps = check.iter().flat_map(|check| step_lines(check, study.as_ref(), scene));
-    for warning in known.mistake.iter().cloned().chain(steps).chain(warnings).chain(halted) {
-        page.warning(&warning);
-    }
+    let warnings = results.warnings(scene);
+    known.mistake.iter().chain(&warnings).for_each(|warning| page.warning(warning));
     for (title, figures) in figures {
         page.section(title);
         if let (Some(study), "At the end") = (study, *title) {

@@ -40,44 +40,22 @@ pub fn step_cell(errors: Option<[StepError; 2]>) -> String {
 /// A step error of this part of a value leaves no digit of it.
 const NO_DIGIT: f64 = 0.5;
 
-/// The step errors that a reader must know of, the worst first.
+/// The step errors that a reader must know of, the worst first; why they cannot be known, if half the
+/// step does not show them.
 pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene) -> Vec<String> {
-    let (mut worst, mut seen, mut hidden) = (Vec::new(), Vec::new(), Vec::new());
-    for errors in &check.observables {
-        let StepErrors { observable, mean, deviation, along_paths } = errors;
-        let Some(study) = study else {
-            // Of single paths the difference itself is shown.
-            let size = mean.value.hypot(deviation.value);
-            let along = 2.0 * along_paths;
-            match along <= 0.01 * size {
-                true => {}
-                false if along <= NO_DIGIT * size => seen.push(share(observable, along, size)),
-                false => worst.push(observable.clone()),
-            }
-            continue;
-        };
-        let Some(found) = step_errors(check, study, observable) else { continue };
-        let spread = deviation.value.abs();
-        let sizes = [mean.value.abs().max(spread), spread];
-        for ((error, size), what) in found.into_iter().zip(sizes).zip(["", "the deviation of "]) {
-            let name = format!("{what}{observable}");
-            match error {
-                StepError::About(error) if error > NO_DIGIT * size => worst.push(name),
-                StepError::About(error) => seen.push(share(&name, error, size)),
-                StepError::CannotTell => hidden.push(name),
-                StepError::Fine(_) | StepError::Below(_) => {}
-            }
-        }
-    }
     let steps = scene.settings.steps;
+    let more = |times: f64| digits(Some((steps as f64 * times).ceil()));
+    let (half, all) =
+        (format!("{} paths with half the step", check.paths), check.failed + check.paths);
+    let failed = (check.failed > 0)
+        .then(|| format!("{} of {all} paths of the check of the steps failed", check.failed));
     let mut lines = Vec::new();
-    let at_half = format!("{} paths with half the step", check.paths);
     if check.damping > STIFF {
         lines.push(format!(
             "the damping of a step is exp(-{}): what happens within a step is not resolved, take \
              more than {} steps",
             digits(Some(check.damping)),
-            digits(Some((steps as f64 * check.damping).ceil()))
+            more(check.damping)
         ));
     }
     if check.turn > TURN {
@@ -85,40 +63,63 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
             "the fastest motion turns by {} radians in a step, which is not resolved: take more than \
              {} steps",
             rough(check.turn),
-            digits(Some((steps as f64 * check.turn).ceil()))
+            more(check.turn)
         ));
     }
+    if !check.resolves() {
+        lines.extend(failed);
+        return lines;
+    }
+    let (mut worst, mut seen, mut hidden) = (Vec::new(), Vec::new(), Vec::new());
+    for errors in &check.observables {
+        let StepErrors { observable, mean, deviation, along_paths } = errors;
+        let mut note = |name: String, error: f64, size: f64| {
+            if error <= NO_DIGIT * size {
+                let percent = rough(100.0 * error / size);
+                seen.push(format!("{name} about {} ({percent} %)", rough(error)));
+            } else {
+                worst.push(name);
+            }
+        };
+        let Some(study) = study else {
+            // Of single paths the difference itself is shown.
+            let (size, along) = (mean.value.hypot(deviation.value), 2.0 * along_paths);
+            match along <= 0.01 * size {
+                true => {}
+                false => note(observable.clone(), along, size),
+            }
+            continue;
+        };
+        let Some(found) = step_errors(check, study, observable) else { continue };
+        let spread = deviation.value.abs();
+        let sizes = [mean.value.abs().max(spread), spread];
+        for ((error, size), what) in found.into_iter().zip(sizes).zip(["", "the deviation of "]) {
+            match error {
+                StepError::About(error) => note(format!("{what}{observable}"), error, size),
+                StepError::CannotTell => hidden.push(format!("{what}{observable}")),
+                StepError::Fine(_) | StepError::Below(_) => {}
+            }
+        }
+    }
+    let along = if study.is_some() { "" } else { " along a path" };
     if !worst.is_empty() {
-        let what = if study.is_some() { "no digit" } else { "no digit along a path" };
+        let worst = worst.join(", ");
         lines.push(format!(
-            "{what} of {} is right: {steps} steps are too few, by {at_half}",
-            worst.join(", ")
+            "no digit{along} of {worst} is right: {steps} steps are too few, by {half}"
         ));
     }
     if !seen.is_empty() {
-        let along = if study.is_some() { "" } else { " along a path" };
-        lines.push(format!("step error{along} of {}; by {at_half}", seen.join(", of ")));
+        lines.push(format!("step error{along} of {}; by {half}", seen.join(", of ")));
     }
-    if !hidden.is_empty() && check.damping <= STIFF && check.turn <= TURN {
+    if !hidden.is_empty() {
         lines.push(format!(
-            "cannot tell the step error of {}: {at_half} see none, and would miss one as large as the \
+            "cannot tell the step error of {}: {half} see none, and would miss one as large as the \
              deviation",
             hidden.join(", ")
         ));
     }
-    if check.failed > 0 {
-        lines.push(format!(
-            "{} of {} paths of the check of the steps failed",
-            check.failed,
-            check.failed + check.paths
-        ));
-    }
+    lines.extend(failed);
     lines
-}
-
-/// `q about 0.02 (3 %)`.
-fn share(name: &str, error: f64, size: f64) -> String {
-    format!("{name} about {} ({} %)", rough(error), rough(100.0 * error / size))
 }
 
 /// To two digits.

@@ -103,12 +103,6 @@ fn a_folder_of_parts_may_have_any_results() {
     let folder = with_scene(BODY);
     let path = folder.path();
     succeeds(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"]);
-    // As plan.json was called at first.
-    let (plan, old) = (path.join("big/plan.json"), path.join("big/study.json"));
-    let mut divided: serde_json::Value = serde_json::from_slice(&fs::read(&plan).unwrap()).unwrap();
-    divided.as_object_mut().unwrap().remove("settled");
-    fs::write(&old, divided.to_string()).unwrap();
-    fs::remove_file(&plan).unwrap();
     let parts = || {
         for number in ["1", "2"] {
             succeeds(path, &["part", "big", "--part", number]);
@@ -126,7 +120,7 @@ fn a_folder_of_parts_may_have_any_results() {
             };
         }
     }
-    assert!(fs::read_to_string(&old).unwrap().contains("series"));
+    assert!(fs::read_to_string(path.join("big/study.json")).unwrap().contains("series"));
     let taken = run(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"]);
     assert_eq!(taken.status.code(), Some(2));
     succeeds(path, &["extend", "big", "--paths", "300"]);

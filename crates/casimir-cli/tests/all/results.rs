@@ -221,7 +221,7 @@ steps = 64
 }
 
 #[test]
-fn quantiles_of_few_paths_are_order_statistics() {
+fn quantiles_of_few_paths_are_near_order_statistics() {
     let folder = with_scene(&OSCILLATOR.replace("paths = 4", "paths = 301\ntables = 301"));
     succeeds(folder.path(), &["run", "scene.toml", "--write", "json"]);
     let read = |file: &str| -> serde_json::Value {
@@ -240,10 +240,13 @@ fn quantiles_of_few_paths_are_order_statistics() {
         values.sort_by(f64::total_cmp);
         let point = study["series"][k]["points"].as_array().unwrap().last().unwrap();
         // Rank 151 of 301 is the median, rank 16 the first of 5 %.
-        assert_eq!(number(&point["quantiles"][2]["value"]), values[150]);
-        assert_eq!(number(&point["quantiles"][0]["value"]), values[15]);
-        let (lo, hi) = (&point["quantiles"][2]["lo"], &point["quantiles"][2]["hi"]);
-        assert!(number(lo) < values[150] && values[150] < number(hi));
+        let width = number(&point["histogram"]["grid"]["width"]);
+        for (n, rank) in [(2, 150), (0, 15)] {
+            let [value, lo, hi] =
+                ["value", "lo", "hi"].map(|key| number(&point["quantiles"][n][key]));
+            assert!((value - values[rank]).abs() <= width, "{name}: {value} {}", values[rank]);
+            assert!(lo < values[rank] && values[rank] < hi);
+        }
     }
 }
 

@@ -20,8 +20,8 @@ use super::{
     settings::Settings,
 };
 use crate::{
-    Ladder, LadderError, NextNoise, NoiseSource, Observe, Run, SeenDamping, driver::GROUP_PATHS,
-    ladder::Piece, observable::value, parts::Job,
+    DampingResolution, Ladder, LadderError, NextNoise, NoiseSource, Observe, Run,
+    driver::GROUP_PATHS, ladder::Piece, observable::value, parts::Job,
 };
 
 /// The most levels of a path without noise: 2²² steps take seconds.
@@ -151,7 +151,7 @@ impl Candidate<'_> {
             draw: &draw,
             scheme: self.setup.scheme.id(),
             t_end: problem.t_end,
-            damping: SeenDamping::new(&self.setup, settings.coarsest_steps),
+            damping: DampingResolution::new(&self.setup, settings.coarsest_steps),
             names: observables.iter().map(|phi| phi.name().to_owned()).collect(),
             accuracy,
             settings,

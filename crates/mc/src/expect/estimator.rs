@@ -15,7 +15,7 @@ use super::{
     settings::{Orders, Settings, SoFar},
     sum::{BIAS_LEVELS, Sum, Term},
 };
-use crate::{SeenDamping, driver::GROUP_PATHS};
+use crate::{DampingResolution, driver::GROUP_PATHS};
 
 /// The highest level of the pilot.
 const PILOT_LEVEL: usize = BIAS_LEVELS;
@@ -65,7 +65,7 @@ pub struct Estimator<'a> {
     /// The identifier of the scheme.
     pub scheme: &'static str,
     pub t_end: f64,
-    pub damping: SeenDamping<'a>,
+    pub damping: DampingResolution<'a>,
     /// Names of the test functions.
     pub names: Vec<String>,
     pub accuracy: f64,

@@ -14,7 +14,7 @@ use super::{
     level::{Samples, Values},
     report::{Unresolved, Warning},
 };
-use crate::{SeenDamping, View};
+use crate::{DampingResolution, View};
 
 /// The largest quotient that counts as resolved, on the last level: a rotation differs by half a
 /// radian to one, and the fine path is wrong by a third of that (phases have order two). The same
@@ -208,7 +208,7 @@ pub const LARGEST_EXPONENT: f64 = 1.0;
 /// damping, and every test function of these names. Nothing is known of fewer than three levels.
 pub fn unresolved(
     differences: &[Samples],
-    damping: &SeenDamping<'_>,
+    damping: &DampingResolution<'_>,
     names: &[String],
     accuracy: f64,
 ) -> Vec<Warning> {

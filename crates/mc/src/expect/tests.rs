@@ -13,7 +13,7 @@ use super::{
     resolution::{Motion, coupled, share, unresolved},
     sum::{Term, UNSEEN},
 };
-use crate::{Observable, Observe, SeenDamping, Setup, Statistic, View};
+use crate::{DampingResolution, Observable, Observe, Setup, Statistic, View};
 
 fn close(found: f64, exact: f64) -> bool {
     (found - exact).abs() <= 1e-12 * exact.abs()
@@ -251,7 +251,12 @@ fn quotients(of: [f64; 3]) -> Vec<Samples> {
 fn found(levels: &[Samples], accuracy: f64) -> Vec<Warning> {
     let undamped = Constant::new(0.0).unwrap();
     let problem = Problem::new(Pendulum::new(1.0).unwrap(), undamped, [0.2, 1.0], 2.0).unwrap();
-    unresolved(levels, &SeenDamping::new(&Setup::of(&problem, &Heun), 4), &["phi".into()], accuracy)
+    unresolved(
+        levels,
+        &DampingResolution::new(&Setup::of(&problem, &Heun), 4),
+        &["phi".into()],
+        accuracy,
+    )
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::{path::PathBuf, str::FromStr, time::Duration};
 
 use super::{Job, JobError, Program, Share, Stop};
 
-pub const USAGE: &str = "[--out DIR [--part K --parts N]] or --merge DIR, and [--threads N] and \
+const USAGE: &str = "[--out DIR [--part K --parts N]] or --merge DIR, and [--threads N] and \
     [--checkpoint-every SECONDS]";
 
 impl Job {
@@ -34,50 +34,47 @@ impl Job {
     }
 
     fn of(program: Program, arguments: &mut Vec<String>) -> Result<Self, JobError> {
-        let out = take(arguments, "--out")?.map(PathBuf::from);
-        let merge = take(arguments, "--merge")?.map(PathBuf::from);
-        let (part, parts) = (parsed(arguments, "--part")?, parsed(arguments, "--parts")?);
-        if let Some(threads) = parsed(arguments, "--threads")? {
-            limit_threads(threads)?;
-        }
-        let every: Option<f64> = parsed(arguments, "--checkpoint-every")?;
-        let every = every.map(Duration::try_from_secs_f64).transpose();
-        let every = every.map_err(|_| JobError::Argument("--checkpoint-every".into()))?;
+        let (out, merge) = (take::<PathBuf>(arguments, "--out")?, take(arguments, "--merge")?);
+        let (part, parts) = (take(arguments, "--part")?, take(arguments, "--parts")?);
+        take(arguments, "--threads")?.map_or(Ok(()), limit_threads)?;
+        let every = take(arguments, "--checkpoint-every")?.map(Duration::try_from_secs_f64);
+        let every = every.transpose();
+        let every = every.map_err(|_| not_understood("--checkpoint-every"))?;
         let job = match (out, merge, part, parts) {
             (None, None, None, None) => Self::here(),
-            (None, Some(folder), None, None) => Self::merge(&folder, program)?,
+            (None, Some(folder), None, None) => Self::merge(PathBuf::as_path(&folder), program)?,
             (Some(folder), None, None, None) => Self::part(&folder, Share::WHOLE, program)?,
             (Some(folder), None, Some(part), Some(parts)) => {
                 Self::part(&folder, Share::new(part, parts)?, program)?
             }
-            _ => return Err(JobError::Argument("this combination of arguments".into())),
+            _ => return Err(not_understood("this combination of arguments")),
         };
         Ok(every.into_iter().fold(job, Self::with_checkpoints_every))
     }
 }
 
-/// Takes an argument and its value.
-fn take(arguments: &mut Vec<String>, name: &str) -> Result<Option<String>, JobError> {
-    let Some(at) = arguments.iter().position(|argument| argument == name) else { return Ok(None) };
-    if at + 1 == arguments.len() {
-        return Err(JobError::Argument(format!("{name} without a value")));
-    }
-    arguments.remove(at);
-    Ok(Some(arguments.remove(at)))
+fn not_understood(what: &str) -> JobError {
+    JobError::Argument(format!("cannot understand {what}; arguments are {USAGE}"))
 }
 
-fn parsed<T: FromStr>(arguments: &mut Vec<String>, name: &str) -> Result<Option<T>, JobError> {
-    let value = take(arguments, name)?;
-    let wrong = |value: &str| JobError::Argument(format!("{name} {value}"));
-    value.map(|value| value.parse().map_err(|_| wrong(&value))).transpose()
+/// Takes an argument and its value.
+fn take<T: FromStr>(arguments: &mut Vec<String>, name: &str) -> Result<Option<T>, JobError> {
+    let Some(at) = arguments.iter().position(|argument| argument == name) else { return Ok(None) };
+    if at + 1 == arguments.len() {
+        return Err(not_understood(&format!("{name} without a value")));
+    }
+    arguments.remove(at);
+    let value = arguments.remove(at);
+    value.parse().map(Some).map_err(|_| not_understood(&format!("{name} {value}")))
 }
 
 /// Limits the threads of everything that is computed from now on in this process.
 ///
 /// # Errors
-/// [`JobError::Threads`] for no thread, or if work has begun already.
+/// [`JobError::Argument`] for no thread, or if work has begun already.
 pub fn limit_threads(threads: u64) -> Result<(), JobError> {
-    let refused = |why: String| JobError::Threads { threads, why };
+    let refused =
+        |why: String| JobError::Argument(format!("cannot compute with {threads} threads: {why}"));
     if threads == 0 {
         return Err(refused("at least one is needed".into()));
     }
@@ -103,7 +100,7 @@ mod tests {
         assert_eq!(job("1e6 --fast").unwrap(), ["1e6", "--fast"]);
         let part = format!("1e6 --part 2 --out {folder} --parts 3");
         assert_eq!(job(&part).unwrap(), ["1e6"]);
-        assert!(std::path::Path::new(folder).join("part-2-of-3.json").exists());
+        assert!(std::path::Path::new(folder).join("part-2-of-3.bin").exists());
         for (line, told) in [
             ("--part 2 --parts 3".to_owned(), "this combination"),
             (format!("--out {folder} --part 2"), "this combination"),

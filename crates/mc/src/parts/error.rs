@@ -2,31 +2,16 @@
 
 use std::{io, path::PathBuf};
 
-use super::{arguments::USAGE, share::array};
+use super::share::array;
 
 /// Why a job did not come to its end. Nothing that was in its folder is lost by any of these.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum JobError {
-    /// There is no such part.
-    #[error("there is no part {number} of {of}: parts are numbered from 1 to their number")]
-    Share {
-        /// The given number.
-        number: u64,
-        /// The given number of parts.
-        of: u64,
-    },
-    /// An argument of a command line that is not understood.
-    #[error("cannot understand {0}; arguments are {USAGE}")]
+    /// A part, an argument of a command line or a number of threads that cannot be. The text says
+    /// which are possible.
+    #[error("{0}")]
     Argument(String),
-    /// The number of threads cannot be set.
-    #[error("cannot compute with {threads} threads: {why}")]
-    Threads {
-        /// The given number.
-        threads: u64,
-        /// The reason.
-        why: String,
-    },
     /// A file or folder cannot be read or written.
     #[error("cannot {action} {}: {source}", path.display())]
     File {
@@ -37,75 +22,11 @@ pub enum JobError {
         /// The cause.
         source: io::Error,
     },
-    /// A file is not what was written.
-    #[error(
-        "{} is damaged: {found}. Delete the file of a part and run that part again; without \
-         merged.json begin anew in another folder",
-        path.display()
-    )]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        found: String,
-    },
-    /// A file was replaced while it was merged.
-    #[error("{} was replaced while it was merged: wait until its part has ended", .0.display())]
-    Replaced(PathBuf),
-    /// Two pieces of work were begun at the same time.
-    #[error("{0} was begun inside another piece of work; a job has one at a time")]
-    Nested(String),
-    /// A file belongs to another study.
-    #[error(
-        "{} is of another study: {work} has {what} {found}, here it is {here}. Take another \
-         folder, or the arguments with which that study was begun",
-        path.display()
-    )]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-        /// The piece of work that differs.
-        work: String,
-        /// What differs.
-        what: &'static str,
-        /// As the file has it.
-        found: String,
-        /// As this program has it.
-        here: String,
-    },
-    /// Two files have the same groups of paths.
-    #[error(
-        "{} and {} both have paths {from} to {to} of {work}: they are parts of different numbers \
-         of parts. Delete those of one number", first.display(), second.display()
-    )]
-    Overlap {
-        /// A file.
-        first: PathBuf,
-        /// Another.
-        second: PathBuf,
-        /// The piece of work.
-        work: String,
-        /// The first path of both.
-        from: u64,
-        /// The last path of both.
-        to: u64,
-    },
-    /// Another process has the same part.
-    #[error(
-        "{part} in {} is being computed by {holder}; wait for its end, or stop it",
-        folder.display()
-    )]
-    Busy {
-        /// "part 3 of 64".
-        part: String,
-        /// The folder.
-        folder: PathBuf,
-        /// The other process.
-        holder: String,
-    },
-    /// A folder has no parts.
-    #[error("there are no parts in {}", .0.display())]
-    NoParts(PathBuf),
+    /// What is in the folder cannot be used: a file is damaged, belongs to another study or is being
+    /// computed by another process; or sums cannot be written and read back. The text names file
+    /// and work, and says what to do.
+    #[error("{0}")]
+    Refused(String),
     /// Parts are missing or have not come to their end.
     #[error("missing or incomplete: run these parts again: --array={}", array(parts))]
     Missing {
@@ -117,20 +38,6 @@ pub enum JobError {
     NextRound {
         /// The piece of work.
         work: String,
-    },
-    /// Two pieces of work have the same name.
-    #[error("the name {0:?} is given to two pieces of work; names tell them apart in files")]
-    SameName(String),
-    /// A statistic does not come back from a file as it was.
-    #[error(
-        "the sums of {work} cannot be written and read back: {found}. Derive Serialize and \
-         Deserialize for them without skipping or flattening fields"
-    )]
-    NotKept {
-        /// The piece of work.
-        work: String,
-        /// What happened.
-        found: String,
     },
     /// The computation was stopped. A checkpoint is written if the job has a folder.
     #[error("stopped; where there is a folder, the same command goes on from the checkpoint")]

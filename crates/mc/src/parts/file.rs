@@ -1,25 +1,31 @@
 //! The file of a part, of a checkpoint and of what was merged: one format for all three.
+//!
+//! A SHA-256, and in postcard what it is of: the version of the format, the program, the part, and
+//! the works by their names. Every number comes back to the bit.
 
 use std::{
+    borrow::Cow,
     collections::BTreeMap,
+    fmt::Display,
     fs, io,
+    io::{Read, Seek},
     ops::Range,
     path::{Path, PathBuf},
 };
 
-use base64::{Engine, engine::general_purpose::STANDARD_NO_PAD};
 use serde::{Deserialize, Serialize};
-use serde_json::value::RawValue;
+use sha2::{Digest, Sha256};
 
 use super::{
-    Fingerprint, JobError, Share, atomic,
-    fingerprint::checksum,
-    job::{Packing, Work},
+    JobError, Share, atomic,
+    work::{Sum, Work},
 };
-use crate::{driver::GROUP_PATHS, tree::Node};
+use crate::{Kept, driver::GROUP_PATHS, ladder::Nodes, tree::Node};
 
 /// The version of the format.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
+/// Bytes of a SHA-256.
+const SUM: usize = 32;
 
 /// The program that made a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,10 +39,8 @@ pub struct Program {
 /// What a file says of a piece of work beside its sums.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Header {
-    #[serde(flatten)]
-    pub fingerprint: Fingerprint,
-    pub seed: u64,
-    pub experiment: u64,
+    /// What tells the study from others: names and values.
+    pub study: Vec<(String, String)>,
     /// Paths of the whole.
     pub paths: u64,
     /// The groups of paths that this file is to have.
@@ -57,235 +61,181 @@ impl Header {
     }
 }
 
-/// A piece of work in a file.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Entry {
-    #[serde(flatten)]
+/// A piece of work in a file: its nodes as bytes.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Entry<'a> {
     pub header: Header,
-    pub nodes: Vec<Packed>,
+    #[serde(borrow)]
+    nodes: Cow<'a, [u8]>,
 }
 
-/// A node of the tree with its sums: little-endian bytes in base 64, so that every number comes
-/// back to the bit, NaN and infinities too, which JSON cannot write.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Packed {
-    first: u64,
-    level: u32,
-    sums: String,
-}
-
-impl Entry {
-    /// Packs the nodes of a piece of work.
-    pub fn new<T>(header: Header, nodes: &[Node<T>], work: &Work<'_, T>) -> Result<Self, JobError> {
-        let pack = |node: &Node<T>| {
-            let bytes = (work.pack)(&node.sum)?;
-            // What cannot be read back must be known before hours of computing depend on it.
-            let again = (work.unpack)(&bytes).and_then(|sum| (work.pack)(&sum))?;
-            let sums = STANDARD_NO_PAD.encode(&bytes);
-            let packed = Packed { first: node.first, level: node.level, sums };
-            Ok((bytes == again).then_some(packed))
+impl Entry<'_> {
+    /// Packs the nodes of a piece of work. What cannot be read back must be known before hours of
+    /// computing depend on it.
+    pub fn new<T: Kept>(
+        header: Header,
+        nodes: &[Node<Sum<T>>],
+        work: &Work<'_, T>,
+    ) -> Result<Self, JobError> {
+        let packed = work.pack(nodes);
+        let again = packed.clone().and_then(|bytes| work.pack(&work.unpack(&bytes)?));
+        let why = match (packed, again) {
+            (Ok(bytes), Ok(again)) if bytes == again => {
+                return Ok(Self { header, nodes: Cow::Owned(bytes) });
+            }
+            (Ok(_), Ok(_)) => "they come back as others".into(),
+            (Err(error), _) | (_, Err(error)) => error.to_string(),
         };
-        let packed: Packing<Option<Vec<Packed>>> = nodes.iter().map(pack).collect();
-        match packed {
-            Ok(Some(nodes)) => Ok(Self { header, nodes }),
-            Ok(None) => Err(not_kept(work, "they come back as others")),
-            Err(error) => Err(not_kept(work, error)),
-        }
+        Err(JobError::Refused(format!(
+            "the sums of {} cannot be written and read back: {why}. Derive Serialize and \
+             Deserialize for them without skipping or flattening fields",
+            work.name
+        )))
     }
 
     /// The nodes, which must be the tree's nodes of the groups that are done.
-    pub fn nodes<T>(&self, path: &Path, work: &Work<'_, T>) -> Result<Vec<Node<T>>, JobError> {
+    pub fn nodes<T: Kept>(&self, path: &Path, work: &Work<'_, T>) -> Result<Nodes<T>, JobError> {
+        let nodes = work.unpack(&self.nodes).map_err(|error| damaged(path, error))?;
         let mut next = self.header.groups.start;
-        let unpack = |packed: &Packed| {
-            let bytes = STANDARD_NO_PAD.decode(&packed.sums).map_err(|e| damaged(path, e))?;
-            let sum = (work.unpack)(&bytes).map_err(|error| damaged(path, error))?;
-            let node = Node { first: packed.first, level: packed.level, sum };
-            if node.first != next || packed.level > 63 {
-                return Err(damaged(path, format!("{} has groups twice or not at all", work.name)));
-            }
-            next = node.end();
-            Ok(node)
-        };
-        let nodes: Vec<_> = self.nodes.iter().map(unpack).collect::<Result<_, _>>()?;
-        if next == self.header.done { Ok(nodes) } else { Err(damaged(path, "groups are missing")) }
+        let follows = nodes.iter().all(|node| {
+            let follows = node.first == next && node.level < 64;
+            next = if follows { node.end() } else { next };
+            follows
+        });
+        if follows && next == self.header.done {
+            Ok(nodes)
+        } else {
+            Err(damaged(path, format!("{} has groups twice or not at all", work.name)))
+        }
     }
 }
 
-fn not_kept<T>(work: &Work<'_, T>, found: impl ToString) -> JobError {
-    JobError::NotKept { work: work.name.to_owned(), found: found.to_string() }
-}
-
-/// Bytes that a node with these sums takes in a file.
-pub fn packed_bytes<T>(sum: &T, work: &Work<'_, T>) -> Result<u64, JobError> {
-    let bytes = (work.pack)(sum).map_err(|error| not_kept(work, error))?;
-    let packed = Packed { first: 0, level: 0, sums: STANDARD_NO_PAD.encode(bytes) };
-    let written = serde_json::to_vec(&packed).map_err(|error| not_kept(work, error))?;
-    Ok(written.len() as u64)
-}
-
-#[derive(Serialize, Deserialize)]
-struct Content<W> {
-    schema: u32,
-    program: Program,
-    /// None of what was merged.
-    part: Option<Share>,
-    works: W,
-}
-
-/// Works that are not read yet.
-type Raw<'a> = BTreeMap<String, &'a RawValue>;
-
-#[derive(Serialize)]
-struct Sealed<'a> {
-    sha256: String,
-    content: &'a RawValue,
-}
-
-#[derive(Deserialize)]
-struct Opened<'a> {
-    sha256: String,
-    #[serde(borrow)]
-    content: &'a RawValue,
-}
+type Works<'a> = BTreeMap<String, Entry<'a>>;
 
 /// A file whose pieces of work are in memory.
 pub struct PartFile {
     pub path: PathBuf,
-    pub part: Option<Share>,
+    /// None of what was merged.
+    part: Option<Share>,
     program: Program,
-    pub works: BTreeMap<String, Entry>,
+    pub works: Works<'static>,
 }
 
 impl PartFile {
-    /// A file without works, not written yet.
-    fn new(path: PathBuf, program: &Program, part: Option<Share>) -> Self {
-        Self { path, part, program: program.clone(), works: BTreeMap::new() }
-    }
-
     /// The file at `path`, or one without works if there is none.
     pub fn open(path: PathBuf, program: &Program, part: Option<Share>) -> Result<Self, JobError> {
-        let mut file = Self::new(path, program, part);
-        let path = &file.path;
-        let Some(bytes) = read(path)? else { return Ok(file) };
-        let content = content(path, &bytes)?;
-        check_program(path, &content.program, program)?;
-        let entry = |(name, raw): (String, &RawValue)| match serde_json::from_str(raw.get()) {
-            Ok(entry) => Ok((name, entry)),
-            Err(error) => Err(damaged(path, error)),
+        let works = match fs::read(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => BTreeMap::new(),
+            Err(error) => return Err(file_error("read", &path)(error)),
+            Ok(bytes) => {
+                let owned = |(name, Entry { header, nodes })| {
+                    (name, Entry { header, nodes: Cow::Owned(Cow::into_owned(nodes)) })
+                };
+                content(&path, &bytes, program)?.1.into_iter().map(owned).collect()
+            }
         };
-        file.works = content.works.into_iter().map(entry).collect::<Result<_, _>>()?;
-        Ok(file)
+        Ok(Self { path, part, program: program.clone(), works })
     }
 
     /// Replaces the file in one step.
     pub fn write(&self) -> Result<(), JobError> {
         let Self { path, part, program, works } = self;
-        let content = Content { schema: SCHEMA, program: program.clone(), part: *part, works };
-        let bytes = || -> serde_json::Result<Vec<u8>> {
-            let content = serde_json::value::to_raw_value(&content)?;
-            let sha256 = checksum(content.get().as_bytes());
-            serde_json::to_vec(&Sealed { sha256, content: &content })
-        };
-        let bytes = bytes().map_err(io::Error::from);
-        bytes.and_then(|bytes| atomic::replace(path, &bytes)).map_err(file_error("write", path))
+        let content = postcard::to_stdvec(&(SCHEMA, program, part, works));
+        let written = content.map_err(io::Error::other).and_then(|content| {
+            let sum = Sha256::digest(&content);
+            atomic::replace(path, &[&sum[..], &content].concat())
+        });
+        written.map_err(file_error("write", path))
     }
 }
 
 /// Where a piece of work is in a file that is not kept in memory.
-#[derive(Clone, Debug)]
 pub struct Place {
     pub path: PathBuf,
+    pub part: Share,
     pub header: Header,
     bytes: Range<usize>,
-}
-
-/// What a file has, found in one reading that checks its sum.
-pub struct Index {
-    pub part: Share,
-    pub works: BTreeMap<String, Place>,
-}
-
-impl Index {
-    pub fn read(path: &Path, program: &Program) -> Result<Self, JobError> {
-        let bytes = fs::read(path).map_err(file_error("read", path))?;
-        let content = content(path, &bytes)?;
-        check_program(path, &content.program, program)?;
-        let part = content.part.ok_or_else(|| damaged(path, "it names no part"))?;
-        let place = |(name, raw): (String, &RawValue)| {
-            let header = serde_json::from_str(raw.get()).map_err(|error| damaged(path, error))?;
-            let start = raw.get().as_ptr() as usize - bytes.as_ptr() as usize;
-            let bytes = start..start + raw.get().len();
-            Ok((name, Place { path: path.to_owned(), header, bytes }))
-        };
-        let works = content.works.into_iter().map(place).collect::<Result<_, JobError>>()?;
-        Ok(Self { part, works })
-    }
+    sum: Vec<u8>,
 }
 
 impl Place {
-    /// The piece of work, read from the file.
-    pub fn entry(&self) -> Result<Entry, JobError> {
-        use io::{Read, Seek};
-        let mut bytes = vec![0; self.bytes.len()];
-        let read = |bytes: &mut [u8]| -> io::Result<()> {
+    /// The part of a file, and where its works are.
+    pub fn all(
+        path: &Path,
+        program: &Program,
+    ) -> Result<(Share, BTreeMap<String, Self>), JobError> {
+        let bytes = fs::read(path).map_err(file_error("read", path))?;
+        let (part, works) = content(path, &bytes, program)?;
+        let part = part.ok_or_else(|| damaged(path, "it names no part"))?;
+        let place = |(name, Entry { header, nodes }): (String, Entry<'_>)| {
+            let start = nodes.as_ptr() as usize - bytes.as_ptr() as usize;
+            let (bytes, sum) = (start..start + nodes.len(), Sha256::digest(&nodes).to_vec());
+            (name, Self { path: path.to_owned(), part, header, bytes, sum })
+        };
+        Ok((part, works.into_iter().map(place).collect()))
+    }
+
+    /// The nodes, read from the file.
+    pub fn nodes<T: Kept>(&self, work: &Work<'_, T>) -> Result<Nodes<T>, JobError> {
+        let mut nodes = vec![0; self.bytes.len()];
+        let mut read = || -> io::Result<()> {
             let mut file = fs::File::open(&self.path)?;
             file.seek(io::SeekFrom::Start(self.bytes.start as u64))?;
-            file.read_exact(bytes)
+            file.read_exact(&mut nodes)
         };
-        read(&mut bytes).map_err(file_error("read", &self.path))?;
-        let entry: Entry = serde_json::from_slice(&bytes).map_err(|_| self.changed())?;
-        if entry.header == self.header { Ok(entry) } else { Err(self.changed()) }
-    }
-
-    fn changed(&self) -> JobError {
-        JobError::Replaced(self.path.clone())
-    }
-}
-
-/// The bytes of a file, if there is one.
-fn read(path: &Path) -> Result<Option<Vec<u8>>, JobError> {
-    match fs::read(path) {
-        Ok(bytes) => Ok(Some(bytes)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(file_error("read", path)(error)),
+        read().map_err(file_error("read", &self.path))?;
+        if Sha256::digest(&nodes)[..] != self.sum[..] {
+            let file = self.path.display();
+            return Err(JobError::Refused(format!(
+                "{file} was replaced while it was merged: wait until its part has ended"
+            )));
+        }
+        Entry { header: self.header.clone(), nodes: nodes.into() }.nodes(&self.path, work)
     }
 }
 
-/// The content of a file whose checksum is right.
-fn content<'a>(path: &Path, bytes: &'a [u8]) -> Result<Content<Raw<'a>>, JobError> {
-    let opened: Opened<'a> = serde_json::from_slice(bytes).map_err(|error| damaged(path, error))?;
-    if checksum(opened.content.get().as_bytes()) != opened.sha256 {
-        return Err(damaged(path, "its checksum is wrong"));
-    }
-    let content: Content<Raw<'a>> =
-        serde_json::from_str(opened.content.get()).map_err(|error| damaged(path, error))?;
-    match content.schema {
-        SCHEMA => Ok(content),
-        other => Err(foreign(path, "the file", "format", other, SCHEMA)),
-    }
-}
-
-fn check_program(path: &Path, found: &Program, here: &Program) -> Result<(), JobError> {
-    match (found.name == here.name, found.version == here.version) {
-        (true, true) => Ok(()),
-        (true, false) => Err(foreign(path, "it", "version", &found.version, &here.version)),
-        (false, _) => Err(foreign(path, "it", "program", &found.name, &here.name)),
+/// The part and the works of a file of this program whose checksum is right.
+fn content<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+    program: &Program,
+) -> Result<(Option<Share>, Works<'a>), JobError> {
+    let content = bytes.split_at_checked(SUM);
+    let content = content.filter(|(sum, content)| Sha256::digest(content)[..] == **sum);
+    let (_, content) = content.ok_or_else(|| damaged(path, "its checksum is wrong"))?;
+    let made_by = postcard::take_from_bytes::<(u32, Program)>(content);
+    let ((schema, found), rest) = made_by.map_err(|error| damaged(path, error))?;
+    let pairs = [
+        ("format", schema.to_string(), SCHEMA.to_string()),
+        ("program", found.name, program.name.clone()),
+        ("version", found.version, program.version.clone()),
+    ];
+    match pairs.into_iter().find(|(_, found, here)| found != here) {
+        Some((what, found, here)) => Err(foreign(path, "it", what, found, here)),
+        None => postcard::from_bytes(rest).map_err(|error| damaged(path, error)),
     }
 }
 
 pub fn foreign(
     path: &Path,
     work: &str,
-    what: &'static str,
-    found: impl ToString,
-    here: impl ToString,
+    what: &str,
+    found: impl Display,
+    here: impl Display,
 ) -> JobError {
-    let (path, work) = (path.to_owned(), work.to_owned());
-    JobError::Foreign { path, work, what, found: found.to_string(), here: here.to_string() }
+    JobError::Refused(format!(
+        "{} is of another study: {work} has {what} {found}, here it is {here}. Take another folder, \
+         or the arguments with which that study was begun",
+        path.display()
+    ))
 }
 
-pub fn damaged(path: &Path, found: impl ToString) -> JobError {
-    JobError::Damaged { path: path.to_owned(), found: found.to_string() }
+fn damaged(path: &Path, found: impl Display) -> JobError {
+    JobError::Refused(format!(
+        "{} is damaged: {found}. Delete the file of a part and run that part again; without \
+         merged.bin begin anew in another folder",
+        path.display()
+    ))
 }
 
 pub fn file_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> JobError {

@@ -1,75 +1,25 @@
 //! What a study is, as hashes of numbers that its formulas give.
-
-use std::fmt::Write;
+//!
+//! Names do not tell studies apart: a changed constant in a formula has the same name. So B(y)v,
+//! h(y), γ, a step of every scheme and every statistic are evaluated at fixed points, and the bits
+//! are hashed.
 
 use real::{Row, WIDTH};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::Problem;
 
-/// Hashes of a study, one for each of the things that may differ between two studies of one name.
-///
-/// Names do not tell studies apart: a changed constant in a formula has the same name. So B(y)v,
-/// h(y), γ, a step of every scheme and every statistic are evaluated at fixed points, and the bits
-/// are hashed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Fingerprint {
-    /// B, h, γ, y₀ and T.
-    pub system: String,
-    /// Schemes, step sizes and truncation.
-    pub schemes: String,
-    /// What is observed.
-    pub observed: String,
+/// The first 16 bytes of the SHA-256 of a value, in hexadecimal. What cannot be written is told when
+/// sums are tried before the computing.
+pub fn hash(value: &impl Serialize) -> String {
+    let sum = Sha256::digest(postcard::to_stdvec(value).unwrap_or_default());
+    sum[..16].iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// A hash of numbers and texts.
-#[derive(Clone, Default)]
-pub struct Hash(Sha256);
-
-impl Hash {
-    #[must_use]
-    pub fn with(mut self, bytes: &[u8]) -> Self {
-        self.0.update((bytes.len() as u64).to_le_bytes());
-        self.0.update(bytes);
-        self
-    }
-
-    #[must_use]
-    pub fn with_number(self, number: u64) -> Self {
-        self.with(&number.to_le_bytes())
-    }
-
-    /// The bits of real numbers. A NaN has many; any is as good as another.
-    #[must_use]
-    pub fn with_reals(self, numbers: impl IntoIterator<Item = f64>) -> Self {
-        let bits = |x: f64| if x.is_nan() { u64::MAX } else { x.to_bits() };
-        numbers.into_iter().fold(self, |hash, x| hash.with_number(bits(x)))
-    }
-
-    /// The first 16 bytes in hexadecimal.
-    pub fn finish(self) -> String {
-        hexadecimal(&self.0.finalize()[..16])
-    }
-}
-
-/// A value as bytes for a hash. What cannot be written is told when sums are tried before the
-/// computing.
-pub fn bytes(value: &impl Serialize) -> Vec<u8> {
-    postcard::to_stdvec(value).unwrap_or_default()
-}
-
-/// The SHA-256 of bytes in hexadecimal.
-pub fn checksum(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::new(), |mut text, byte| {
-        // Writing into a string does not fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+/// Numbers in which every NaN is the same: it has many forms, and any is as good as another.
+pub fn same_nan(numbers: &[f64]) -> impl Iterator<Item = f64> {
+    numbers.iter().map(|x| if x.is_nan() { f64::NAN } else { *x })
 }
 
 /// Points at which formulas are evaluated.
@@ -103,17 +53,16 @@ pub fn probe_states(y0: &[f64], n: usize) -> Vec<Row> {
 /// B(y)v, h, γ, y₀ and T of a problem.
 pub fn of_problem(problem: &Problem<'_>) -> String {
     let Problem { ref y0, t_end, damping, noises, ref formulas, .. } = *problem;
-    let mut hash = Hash::default().with_number(y0.len() as u64).with_number(noises as u64);
-    hash = hash.with_reals(y0.iter().copied()).with_reals([t_end]);
+    let mut numbers = Vec::new();
     for n in 0..POINTS {
         let (y, v) = (near(y0, n), near(&vec![1.0; y0.len()], POINTS + n));
         let dw: Vec<f64> = (0..noises).map(|m| fixed(3 * n + m)).collect();
-        let energy = formulas.energy(&y, fixed(n), &dw);
-        hash = hash.with_reals(formulas.structure(&y, &v)).with_reals([energy]);
+        numbers.extend(formulas.structure(&y, &v));
+        numbers.push(formulas.energy(&y, fixed(n), &dw));
     }
     for n in 0..TIMES {
         let (from, to) = (t_end * f64::from(n) / 16.0, t_end * f64::from(n + 1) / 16.0);
-        hash = hash.with_reals([damping.rate(from), damping.integral(from, to)]);
+        numbers.extend([damping.rate(from), damping.integral(from, to)]);
     }
-    hash.finish()
+    hash(&(y0, noises, t_end, same_nan(&numbers).collect::<Vec<_>>()))
 }

@@ -51,33 +51,33 @@
 //!
 //! | file in the folder | content |
 //! |---|---|
-//! | `part-03-of-64.json` | the nodes of a part; while it runs, its checkpoint |
-//! | `merged.json` | the nodes of all works that were merged; later rounds and extensions use it |
+//! | `part-03-of-64.bin` | the nodes of a part; while it runs, its checkpoint |
+//! | `merged.bin` | the nodes of all works that were merged; later rounds and extensions use it |
 
 mod arguments;
 mod atomic;
-mod balance;
-mod compute;
 mod error;
 mod file;
 mod fingerprint;
 mod job;
 mod merging;
+mod part;
 mod plan;
 mod share;
 mod stop;
+mod work;
 
 pub use crate::driver::GROUP_PATHS;
 pub use arguments::limit_threads;
 pub use atomic::{folder, replace};
-pub use compute::remove;
 pub use error::JobError;
 pub use file::Program;
-pub use job::{Job, Outcome};
+pub use job::Job;
 pub use merging::merged_paths;
-pub use plan::{Plan, Planned, PlannedPart};
+pub use part::remove;
+pub use plan::{Plan, Planned};
 pub use share::Share;
 pub use stop::Stop;
 
-pub(crate) use fingerprint::{Fingerprint, Hash, bytes, of_problem, probe_states};
-pub(crate) use job::Work;
+pub(crate) use fingerprint::{hash, of_problem, probe_states, same_nan};
+pub(crate) use work::Work;

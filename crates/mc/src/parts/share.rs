@@ -20,12 +20,14 @@ impl Share {
     /// Part `number` of `of`.
     ///
     /// # Errors
-    /// [`JobError::Share`] unless 1 ≤ `number` ≤ `of`.
+    /// [`JobError::Argument`] unless 1 ≤ `number` ≤ `of`.
     pub fn new(number: u64, of: u64) -> Result<Self, JobError> {
         if (1..=of).contains(&number) {
             Ok(Self { number, of })
         } else {
-            Err(JobError::Share { number, of })
+            Err(JobError::Argument(format!(
+                "there is no part {number} of {of}: parts are numbered from 1 to their number"
+            )))
         }
     }
 
@@ -50,7 +52,7 @@ impl Share {
     /// The name of its file: the numbers have as many digits as the largest, so that names sort.
     pub fn file_name(self) -> String {
         let digits = self.of.to_string().len();
-        format!("part-{:0digits$}-of-{}.json", self.number, self.of)
+        format!("part-{:0digits$}-of-{}.bin", self.number, self.of)
     }
 }
 
@@ -110,6 +112,6 @@ mod tests {
         let in_order = names.clone();
         names.sort();
         assert_eq!(names, in_order);
-        assert_eq!(names[2], "part-003-of-120.json");
+        assert_eq!(names[2], "part-003-of-120.bin");
     }
 }

@@ -2,22 +2,12 @@
 
 use std::{fmt, str::FromStr};
 
-use super::{Recording, TIME_AGREEMENT, area_name, error::RecordingError, pairs};
+use super::{Recording, RecordingError, TIME_AGREEMENT, area_name, pairs, step_size, wrong};
 
 /// `tau`, `dW1` … `dWM`, and with areas `A12`, `A13` … in the order of rows.
 fn header(noises: usize, with_areas: bool) -> Vec<String> {
-    let areas = pairs(noises).filter(|_| with_areas);
-    let increments = (1..=noises).map(|m| format!("dW{m}"));
-    let areas = areas.map(|pair| area_name(pair, noises));
-    ["tau".into()].into_iter().chain(increments).chain(areas).collect()
-}
-
-fn entries(line: &str) -> Vec<&str> {
-    line.split(',').map(str::trim).collect()
-}
-
-fn check_columns(line: usize, found: usize, expected: usize) -> Result<(), RecordingError> {
-    if found == expected { Ok(()) } else { Err(RecordingError::Columns { line, found, expected }) }
+    let areas = pairs(noises).filter(|_| with_areas).map(|pair| area_name(pair, noises));
+    ["tau".into()].into_iter().chain((1..=noises).map(|m| format!("dW{m}"))).chain(areas).collect()
 }
 
 impl<const M: usize> FromStr for Recording<M> {
@@ -26,44 +16,39 @@ impl<const M: usize> FromStr for Recording<M> {
     /// Reads the table that [`Recording`] describes. Ignores blanks around numbers, a `#` before
     /// the header, a byte-order mark and empty lines at the end.
     fn from_str(text: &str) -> Result<Self, RecordingError> {
-        let text = text.trim_start_matches('\u{feff}').trim_end();
-        let mut lines = text.lines();
-        let first = lines.next().unwrap_or_default().trim().trim_start_matches('#');
-        if first.is_empty() {
-            return Err(RecordingError::Empty);
+        let text = text.trim_start_matches(['\u{feff}', ' ', '#']).trim_end();
+        if text.is_empty() {
+            return Self::new(f64::NAN, Vec::new());
         }
-        let found = entries(first);
+        let mut lines = text.lines().map(|line| line.split(',').map(str::trim).collect::<Vec<_>>());
+        let found = lines.next().unwrap_or_default();
         let with_areas = found.len() > M + 1;
         let names = header(M, with_areas);
-        for (column, (found, expected)) in (1..).zip(found.iter().zip(&names)) {
-            if found != expected {
-                let (found, expected) = (found.to_string(), expected.clone());
-                return Err(RecordingError::Header { column, found, expected });
-            }
+        if let Some(column) = (0..found.len().min(names.len())).find(|&k| found[k] != names[k]) {
+            let what = format!("the header must say {}, got {:?}", names[column], found[column]);
+            return Err(wrong(1, column + 1, what));
         }
-        check_columns(1, found.len(), names.len())?;
-
-        let mut first = None;
-        let (mut increments, mut areas) = (Vec::new(), Vec::new());
-        for (line, text) in (2..).zip(lines) {
-            let entries = entries(text);
-            check_columns(line, entries.len(), names.len())?;
-            let mut numbers: Vec<f64> = Vec::new();
-            for (text, column) in entries.iter().zip(&names) {
-                let wrong = |_| RecordingError::NotANumber {
-                    line,
-                    column: column.clone(),
-                    text: text.to_string(),
-                };
-                numbers.push(text.parse().map_err(wrong)?);
+        let (mut first, mut increments, mut areas) = (None, Vec::new(), Vec::new());
+        for (line, entries) in (1..).zip([found].into_iter().chain(lines)) {
+            if entries.len() != names.len() {
+                let (expected, found) = (names.len(), entries.len());
+                let text = format!("line {line}: expected {expected} columns, got {found}");
+                return Err(RecordingError(text));
             }
-            let tau = numbers[0];
+            if line == 1 {
+                continue;
+            }
+            let number = |(text, name): (&&str, &String)| {
+                text.parse()
+                    .map_err(|_| wrong(line, name, format!("expected a number, got {text:?}")))
+            };
+            let numbers: Vec<f64> =
+                entries.iter().zip(&names).map(number).collect::<Result<_, _>>()?;
+            let tau = step_size(line, numbers[0])?;
             let first = *first.get_or_insert(tau);
-            if !(tau > 0.0 && tau.is_finite()) {
-                return Err(RecordingError::StepSize { line, tau });
-            }
             if (tau - first).abs() > TIME_AGREEMENT * first {
-                return Err(RecordingError::UnequalSteps { line, tau, first });
+                let what = format!("all steps must have the size of the first, {first}, got {tau}");
+                return Err(wrong(line, "tau", what));
             }
             increments.push(std::array::from_fn(|m| numbers[1 + m]));
             let mut area = [[0.0; M]; M];

@@ -2,7 +2,8 @@
 //! program by ours.
 
 mod csv;
-mod error;
+
+use std::fmt::Display;
 
 use noise::{Noise, StepNoise, StreamKey};
 use real::WIDTH;
@@ -11,8 +12,6 @@ use crate::{
     LadderError,
     noise_source::{Drawn, NextNoise, NoiseSource},
 };
-
-pub use error::RecordingError;
 
 /// The noise of one path: for each step of one size τ the M increments ΔW and, if known, the Lévy
 /// areas.
@@ -45,6 +44,28 @@ pub struct Recording<const M: usize> {
 /// differences of times.
 const TIME_AGREEMENT: f64 = 1e-9;
 
+/// Why noise is not a recording, with line and column of the table, counted from 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct RecordingError(String);
+
+fn wrong(line: usize, column: impl Display, what: impl Display) -> RecordingError {
+    RecordingError(format!("line {line}, column {column}: {what}"))
+}
+
+fn step_size(line: usize, tau: f64) -> Result<f64, RecordingError> {
+    if tau > 0.0 && tau.is_finite() {
+        Ok(tau)
+    } else {
+        Err(wrong(line, "tau", format!("a step size must be positive and finite, got {tau}")))
+    }
+}
+
+fn finite(line: usize, column: String, value: f64) -> Result<(), RecordingError> {
+    let what = || format!("an increment must be finite, got {value}");
+    if value.is_finite() { Ok(()) } else { Err(wrong(line, column, what())) }
+}
+
 /// `A12` for (0, 1); `A3_12` where numbers may have two digits.
 fn area_name((m, l): (usize, usize), noises: usize) -> String {
     let separator = if noises < 10 { "" } else { "_" };
@@ -65,18 +86,13 @@ impl<const M: usize> Recording<M> {
     /// first.
     pub fn new(tau: f64, increments: Vec<[f64; M]>) -> Result<Self, RecordingError> {
         if increments.is_empty() {
-            return Err(RecordingError::Empty);
+            return Err(RecordingError("a recording must have at least one step, got none".into()));
         }
-        if !(tau > 0.0 && tau.is_finite()) {
-            return Err(RecordingError::StepSize { line: 2, tau });
-        }
+        step_size(2, tau)?;
         for (line, dw) in (2..).zip(&increments) {
-            for (m, &value) in (1..).zip(dw) {
-                if !value.is_finite() {
-                    let column = format!("dW{m}");
-                    return Err(RecordingError::NotFinite { line, column, value });
-                }
-            }
+            dw.iter()
+                .enumerate()
+                .try_for_each(|(m, &w)| finite(line, format!("dW{}", m + 1), w))?;
         }
         Ok(Self { tau, increments, areas: None })
     }
@@ -85,22 +101,18 @@ impl<const M: usize> Recording<M> {
     /// diagonal are used, the others follow.
     ///
     /// # Errors
-    /// [`RecordingError::AreaRows`] unless there is one matrix for each step,
-    /// [`RecordingError::NotFinite`].
+    /// [`RecordingError`] unless there is one matrix of finite numbers for each step.
     pub fn with_areas(mut self, mut areas: Vec<[[f64; M]; M]>) -> Result<Self, RecordingError> {
         let (found, expected) = (areas.len(), self.increments.len());
         if found != expected {
-            return Err(RecordingError::AreaRows { found, expected });
+            let text = "there must be one matrix of areas for each of";
+            return Err(RecordingError(format!("{text} {expected} steps, got {found}")));
         }
         for (line, area) in (2..).zip(&mut areas) {
             (0..M).for_each(|m| area[m][m] = 0.0);
             for (m, l) in pairs(M) {
-                let value = area[m][l];
-                if !value.is_finite() {
-                    let column = area_name((m, l), M);
-                    return Err(RecordingError::NotFinite { line, column, value });
-                }
-                area[l][m] = -value;
+                finite(line, area_name((m, l), M), area[m][l])?;
+                area[l][m] = -area[m][l];
             }
         }
         self.areas = Some(areas);

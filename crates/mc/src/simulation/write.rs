@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use serde::Serialize;
+
 use super::{NoiseOrigin, TimeSeries};
 
 /// Writes the tables of all paths as one CSV table with the columns `scheme`, `path` and those of
@@ -39,13 +41,14 @@ pub fn write_csv(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()> 
     Ok(())
 }
 
-/// Writes all paths as a JSON array of objects with the fields of [`TimeSeries`]. Numbers are
+/// Writes tables or the result of a study as JSON, with the fields of [`TimeSeries`] or
+/// [`StudyResult`](crate::StudyResult). What is not known or not finite is `null`. Numbers are
 /// written in the shortest form that is read back to the same bits.
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write_json(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()> {
-    serde_json::to_writer(&mut *out, series)?;
+pub fn write_json(value: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
+    serde_json::to_writer(&mut *out, value)?;
     writeln!(out)
 }
 

@@ -9,69 +9,53 @@ use serde::{Deserialize, Serialize};
 /// They have two bytes until one may need more: what a group of paths sums up fits into the cache.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(into = "Vec<u64>", from = "Vec<u64>")]
-pub enum Counts {
-    /// While no count can exceed 65535.
-    Narrow(Vec<u16>),
+pub struct Counts {
+    /// While no count can exceed 65535; empty otherwise.
+    narrow: Vec<u16>,
     /// Otherwise.
-    Wide(Vec<u64>),
+    wide: Vec<u64>,
 }
 
 impl Counts {
     pub fn new(length: usize) -> Self {
-        Self::Narrow(vec![0; length])
+        Self { narrow: vec![0; length], wide: Vec::new() }
     }
 
     /// Adds one to the count number `first` + `places[p]` of each path p. `most` is what none of
     /// these counts exceeds afterwards.
     pub fn add(&mut self, first: usize, places: &[u32; WIDTH], paths: PathMask, most: u64) {
         self.reserve(most);
-        match self {
-            Self::Narrow(counts) => count(&mut counts[first..], places, paths, |count| *count += 1),
-            Self::Wide(counts) => count(&mut counts[first..], places, paths, |count| *count += 1),
+        match self.wide.is_empty() {
+            true => count(&mut self.narrow[first..], places, paths, |count| *count += 1),
+            false => count(&mut self.wide[first..], places, paths, |count| *count += 1),
         }
     }
 
     /// Adds all counts of `later`. `most` is what no count exceeds afterwards.
     pub fn merge(&mut self, later: &Self, most: u64) {
-        self.reserve(if matches!(later, Self::Wide(_)) { u64::MAX } else { most });
-        match (self, later) {
-            (Self::Narrow(sums), Self::Narrow(more)) => {
-                sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
-            }
-            (Self::Wide(sums), Self::Narrow(more)) => {
-                sums.iter_mut().zip(more).for_each(|(sum, &more)| *sum += u64::from(more));
-            }
-            (Self::Wide(sums), Self::Wide(more)) => {
-                sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
-            }
-            (Self::Narrow(_), Self::Wide(_)) => unreachable!("widened above"),
-        }
+        self.reserve(if later.wide.is_empty() { most } else { u64::MAX });
+        // One of the two is empty.
+        self.narrow.iter_mut().zip(&later.narrow).for_each(|(sum, more)| *sum += more);
+        self.wide.iter_mut().zip(later.iter()).for_each(|(sum, more)| *sum += more);
     }
 
     fn reserve(&mut self, most: u64) {
-        if most > u64::from(u16::MAX) && matches!(self, Self::Narrow(_)) {
-            *self = self.widened();
+        if most > u64::from(u16::MAX) && self.wide.is_empty() {
+            self.wide = self.iter().collect();
+            self.narrow.clear();
         }
     }
 
-    fn widened(&self) -> Self {
-        Self::Wide(self.range(0, self.len()))
-    }
-
-    pub fn len(&self) -> usize {
-        match self {
-            Self::Narrow(counts) => counts.len(),
-            Self::Wide(counts) => counts.len(),
-        }
+    fn iter(&self) -> impl Iterator<Item = u64> {
+        self.narrow.iter().map(|&count| u64::from(count)).chain(self.wide.iter().copied())
     }
 
     /// The counts from `start` on.
     pub fn range(&self, start: usize, length: usize) -> Vec<u64> {
-        match self {
-            Self::Narrow(counts) => {
-                counts[start..start + length].iter().map(|&count| u64::from(count)).collect()
-            }
-            Self::Wide(counts) => counts[start..start + length].to_vec(),
+        let cells = start..start + length;
+        match self.wide.is_empty() {
+            true => self.narrow[cells].iter().map(|&count| u64::from(count)).collect(),
+            false => self.wide[cells].to_vec(),
         }
     }
 }
@@ -87,19 +71,19 @@ fn count<T>(counts: &mut [T], places: &[u32; WIDTH], paths: PathMask, add: impl 
 
 impl From<Counts> for Vec<u64> {
     fn from(counts: Counts) -> Self {
-        counts.range(0, counts.len())
+        counts.iter().collect()
     }
 }
 
 impl From<Vec<u64>> for Counts {
-    fn from(counts: Vec<u64>) -> Self {
-        Self::Wide(counts)
+    fn from(wide: Vec<u64>) -> Self {
+        Self { narrow: Vec::new(), wide }
     }
 }
 
 impl PartialEq for Counts {
     fn eq(&self, other: &Self) -> bool {
-        self.range(0, self.len()) == other.range(0, other.len())
+        self.iter().eq(other.iter())
     }
 }
 
@@ -115,7 +99,7 @@ mod tests {
         for most in 1..=65_535 {
             counts.add(0, &places, one, most);
         }
-        assert!(matches!(counts, Counts::Narrow(_)) && counts == full());
+        assert!(counts.wide.is_empty() && counts == full());
         counts.add(0, &places, PathMask::ALL, 65_567);
         assert_eq!(counts, Counts::from(vec![65_567, 0]));
 
@@ -128,6 +112,6 @@ mod tests {
         }
         let mut twice = narrow.clone();
         twice.merge(&narrow, 2);
-        assert!(matches!(twice, Counts::Narrow(_)) && twice.range(0, 2) == [0, 2]);
+        assert!(twice.wide.is_empty() && twice.range(0, 2) == [0, 2]);
     }
 }

@@ -49,7 +49,7 @@
 mod counts;
 mod error;
 mod grid;
-mod plan;
+mod record;
 mod result;
 mod settings;
 mod summary;
@@ -63,7 +63,7 @@ use sums::StudyStatistic;
 
 pub use error::StudyError;
 pub use grid::Grid;
-pub use plan::{Record, StudyPlan};
+pub use record::Record;
 pub use result::{Losses, Series, StudyResult};
 pub use settings::{StudySettings, Times};
 pub use summary::{Histogram, Place, Quantile, Summary};
@@ -75,7 +75,9 @@ pub use summary::{Histogram, Place, Quantile, Summary};
 pub struct Study<'a> {
     ladder: Ladder<'a>,
     observables: Vec<&'a dyn Observe>,
-    plan: StudyPlan,
+    record: Record,
+    /// The bins of every observable at every time, time by time.
+    grids: Vec<Grid>,
 }
 
 impl<'a> Study<'a> {
@@ -102,16 +104,11 @@ impl<'a> Study<'a> {
         let grids =
             cells.map(|cell| Grid::covering(seen.moments(cell).range(), settings.bins)).collect();
         let ladder = ladder(settings.key)?;
-        Ok(Self { ladder, observables, plan: StudyPlan { record, grids } })
-    }
-
-    /// What is computed, and the bins.
-    pub fn plan(&self) -> &StudyPlan {
-        &self.plan
+        Ok(Self { ladder, observables, record, grids })
     }
 
     fn statistic(&self) -> StudyStatistic<'_> {
-        StudyStatistic::new(&self.observables, &self.plan.record.times, &self.plan.grids)
+        StudyStatistic::new(&self.observables, &self.record.times, &self.grids)
     }
 
     /// Simulates all paths in parallel on the current rayon pool. The bits do not depend on the
@@ -121,7 +118,7 @@ impl<'a> Study<'a> {
     /// # Panics
     /// As [`Ladder::run`].
     pub fn run(&self, progress: &(dyn Fn(u64) + Sync)) -> StudyResult {
-        self.result(&self.ladder.run(self.plan.record.paths, || self.statistic(), progress))
+        self.result(&self.ladder.run(self.record.paths, || self.statistic(), progress))
     }
 
     /// The same as a piece of work of a job with the name `name`: whole, in parts or merged, with
@@ -137,12 +134,12 @@ impl<'a> Study<'a> {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Option<StudyResult> {
         let new = || self.statistic();
-        let measured = self.ladder.run_in(job, name, self.plan.record.paths, new, progress);
+        let measured = self.ladder.run_in(job, name, self.record.paths, new, progress);
         measured.map(|measured| self.result(&measured))
     }
 
     fn result(&self, measured: &Measured<StudyStatistic<'_>>) -> StudyResult {
-        StudyResult::new(&self.plan, &measured.statistic.sums, Losses::of(measured))
+        StudyResult::new(&self.record, &self.grids, measured)
     }
 }
 

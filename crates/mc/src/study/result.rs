@@ -1,10 +1,10 @@
 //! The result of a study.
 
 use super::{
-    StudyPlan,
-    plan::Record,
+    Grid,
+    record::Record,
     summary::{CROWDED, Histogram, Place, Ranks, Summary, TOO_FEW},
-    sums::Sums,
+    sums::StudyStatistic,
 };
 use crate::Measured;
 use serde::{Deserialize, Serialize};
@@ -43,21 +43,19 @@ pub struct Losses {
     pub clipped: u64,
 }
 
-impl Losses {
-    /// Those of a ladder with one run.
-    pub(super) fn of<T>(measured: &Measured<T>) -> Self {
-        Self {
+impl StudyResult {
+    /// The result of sums over all paths of a record, or those that were done when it was stopped.
+    pub(super) fn new(
+        record: &Record,
+        grids: &[Grid],
+        measured: &Measured<StudyStatistic<'_>>,
+    ) -> Self {
+        let sums = &measured.statistic.sums;
+        let losses = Losses {
             failed: measured.failed,
             failures: measured.failures.iter().map(ToString::to_string).collect(),
             clipped: measured.clipped.iter().sum(),
-        }
-    }
-}
-
-impl StudyResult {
-    /// The result of sums over all paths of a plan, or those that were done when it was stopped.
-    pub(super) fn new(plan: &StudyPlan, sums: &Sums, losses: Losses) -> Self {
-        let StudyPlan { record, grids } = plan;
+        };
         let last = record.times.len().saturating_sub(1) * record.observables.len();
         let done = sums.moments(last).count() + sums.not_finite(last) + losses.failed;
         let planned = record.paths;

@@ -86,31 +86,37 @@ impl StudySettings {
     /// The steps at whose ends observables are evaluated.
     pub(super) fn time_steps(&self) -> Result<Vec<u64>, StudyError> {
         let steps = self.steps;
-        match &self.times {
-            Times::Even(0) => Err(StudyError::NoTime),
-            Times::Even(times) if steps.is_multiple_of(*times) => {
-                Ok((1..=*times).map(|n| n * (steps / times)).collect())
+        let wrong = |text: String| Err(StudyError::Setting(text));
+        let at: Vec<u64> = match &self.times {
+            Times::Even(times) if *times == 0 || steps.is_multiple_of(*times) => {
+                (1..=*times).map(|n| n * (steps / times)).collect()
             }
             Times::Even(times) => {
                 let divides = |n: &u64| steps.is_multiple_of(*n);
                 let below = (1..=(*times).min(steps)).rev().find(divides).unwrap_or(1);
                 let above = (*times..=steps).find(divides).unwrap_or(below);
                 let nearest = if times - below <= above.abs_diff(*times) { below } else { above };
-                Err(StudyError::EvenTimes { times: *times, steps, nearest })
+                return wrong(format!(
+                    "{steps} steps cannot be divided into {times} equal parts; the nearest possible \
+                     number is {nearest}, or list the steps"
+                ));
             }
-            Times::AtSteps(at) => {
-                let mut before = 0;
-                for &step in at {
-                    if step == 0 || step > steps {
-                        return Err(StudyError::Time { step, steps });
-                    }
-                    if step <= before {
-                        return Err(StudyError::TimeOrder { step, before });
-                    }
-                    before = step;
-                }
-                if at.is_empty() { Err(StudyError::NoTime) } else { Ok(at.clone()) }
+            Times::AtSteps(at) => at.clone(),
+        };
+        if at.is_empty() {
+            return wrong("a study needs at least one time after t = 0, got none".into());
+        }
+        if let Some(step) = at.iter().find(|step| !(1..=steps).contains(*step)) {
+            return wrong(format!(
+                "a time must be the number of a step from 1 to {steps}, got {step}; t = 0 is always \
+                 in the result"
+            ));
+        }
+        match at.windows(2).find(|pair| pair[1] <= pair[0]) {
+            Some(&[before, step]) => {
+                wrong(format!("the times must increase, got step {step} after step {before}"))
             }
+            _ => Ok(at),
         }
     }
 
@@ -132,20 +138,21 @@ impl StudySettings {
             let inside = level > 0.0 && level < 1.0;
             requirements.push((inside, "level of a quantile", "between 0 and 1", level));
         }
+        let wrong = |text: String| Err(StudyError::Setting(text));
         if let Some((_, name, allowed, value)) = requirements.into_iter().find(|(met, ..)| !met) {
-            return Err(StudyError::Setting { name, allowed, value });
+            return wrong(format!("the {name} must be {allowed}, got {value}"));
         }
         if observables.is_empty() {
-            return Err(StudyError::NoObservable);
+            return wrong("a study needs at least one observable, got none".into());
         }
         for (n, name) in observables.iter().map(|observable| observable.name()).enumerate() {
             if observables[..n].iter().any(|before| before.name() == name) {
-                return Err(StudyError::Observable { name: name.into() });
+                return wrong(format!("two observables have the name {name:?}; rename one"));
             }
         }
-        for (n, &level) in self.quantiles.iter().enumerate() {
-            if self.quantiles[..n].contains(&level) {
-                return Err(StudyError::QuantileTwice { level });
+        for (n, level) in self.quantiles.iter().enumerate() {
+            if self.quantiles[..n].contains(level) {
+                return wrong(format!("the quantile of level {level} is asked for twice"));
             }
         }
         Ok(())

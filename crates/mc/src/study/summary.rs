@@ -58,7 +58,7 @@ pub struct Quantile {
     /// The level, between 0 and 1.
     pub level: f64,
     /// The estimate, interpolated inside of its bin; the smallest or the largest value where so
-    /// many are equal to it. `None` outside of the grid and in a crowded bin.
+    /// many are equal to it, and the smallest where all are equal but for rounding errors. `None` outside of the grid and in a crowded bin.
     pub value: Option<f64>,
     /// Lower end of the 95 % interval; `None` if there are too few values to know one.
     ///
@@ -156,7 +156,17 @@ impl Summary {
             _ => TOO_FEW.into(),
         };
         let ends = sums.ends(cell);
-        let quantile = |&ranks| histogram.quantile(ranks, range, ends);
+        let quantile = |&(level, (l, u)): &(f64, (u64, u64))| match equal && count > 0 {
+            // All of them, but for rounding errors.
+            true => Quantile {
+                level,
+                value: least,
+                lo: least.filter(|_| l > 0),
+                hi: largest.filter(|_| u <= count),
+                place: Place::Inside,
+            },
+            false => histogram.quantile((level, (l, u)), range, ends),
+        };
         let quantiles = ranks.of(count).iter().map(quantile);
         Self {
             step,

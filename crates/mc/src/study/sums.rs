@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use stats::CentralMoments;
 
 use super::{counts::Counts, grid::Grid};
-use crate::{Kept, Observe, Statistic, View, parts::bytes};
+use crate::{Kept, Observe, Statistic, View, parts::hash};
 
 /// The sums of a study: moments and counts of every observable at every time. Counts are the same
 /// whatever the order of merging; moments are the same to rounding errors, and to the last bit if
@@ -167,8 +167,8 @@ impl Kept for StudyStatistic<'_> {
         &mut self.sums
     }
 
-    fn fixed(&self) -> Vec<u8> {
-        bytes(&(self.times, self.grids))
+    fn fixed(&self) -> String {
+        hash(&(self.times, self.grids))
     }
 
     fn some_times(&self, _: u64) -> Vec<u64> {

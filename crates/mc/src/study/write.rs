@@ -23,7 +23,7 @@ impl StudyResult {
     /// | `q0.05` … | quantile with interval; a note says why there is no value |
     /// | `below grid`, `above grid` | number of values outside of the bins |
     ///
-    /// Histograms and the record are in [`write_json`](Self::write_json).
+    /// Histograms and the record are in [`write_json`](crate::write_json).
     ///
     /// # Errors
     /// Those of the writer.
@@ -39,16 +39,6 @@ impl StudyResult {
             }
         }
         Ok(())
-    }
-
-    /// Writes the result as JSON, with the fields of [`StudyResult`]. What is not known is `null`.
-    /// Numbers are written in the shortest form that is read back to the same bits.
-    ///
-    /// # Errors
-    /// Those of the writer.
-    pub fn write_json(&self, out: &mut impl Write) -> io::Result<()> {
-        serde_json::to_writer(&mut *out, self)?;
-        writeln!(out)
     }
 }
 

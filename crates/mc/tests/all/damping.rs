@@ -2,7 +2,7 @@
 //! them.
 
 use mc::{
-    Expect, Observable, SeenDamping, Setup,
+    DampingResolution, Expect, Observable, Setup,
     expect::{Expectation, Unresolved, Warning},
 };
 use noise::StreamKey;
@@ -115,13 +115,13 @@ fn a_small_defect_matters_to_a_function_that_multiplies_it() {
 fn smooth_dampings_and_jumps_are_resolved_by_few_steps() {
     let resolved = |damping: &dyn Damping| {
         let problem = problem(damping);
-        let seen = SeenDamping::new(&Setup::of(&problem, &Heun), 8);
+        let seen = DampingResolution::new(&Setup::of(&problem, &Heun), 8);
         (2..8).all(|level| seen.unresolved(level).is_none())
     };
     assert!(resolved(&Constant::new(30.0).unwrap()));
     // What is left of many steps is round-off.
     let constant = problem(Constant::new(0.7).unwrap());
-    let seen = SeenDamping::new(&Setup::of(&constant, &Heun), 512);
+    let seen = DampingResolution::new(&Setup::of(&constant, &Heun), 512);
     assert_eq!((6..12).find(|&level| seen.unresolved(level).is_some()), None);
     assert!(resolved(&Cosine::new(3.0, 7.0).unwrap()));
     for at in [0.3, 1.0 / 3.0, 0.5, 0.7, 0.501] {

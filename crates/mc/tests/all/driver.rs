@@ -3,7 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use mc::{Ladder, LadderError, NextNoise, NoiseSource, Recording, Run, Statistic, View, bind};
+use mc::{
+    Ladder, LadderError, NextNoise, NoiseSource, Recording, Run, Statistic, View, bind, parts::Stop,
+};
 use noise::{Noise, NoiseError, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::Outcome;
 use real::Real;
@@ -169,7 +171,7 @@ fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
             .unwrap()
     };
     let keep = || Keep::<3>::new(8, 4);
-    let drawn = ladder().run_from(4, 1, keep, &|_| ()).statistic.runs;
+    let drawn = ladder().run_until(&Stop::default(), 4, 1, keep, &|_| ()).statistic.runs;
     let of_recording = |path| {
         let recording = Recording::<3>::draw(KEY, path, 32, 1.0, true).unwrap();
         ladder().with_noise(&recording).unwrap().run(1, keep, &|_| ()).statistic.runs

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use mc::{
     Expect, Formulas, Ladder, Observable, Observe, Recording, Run, Setup, Simulation,
     StateFunction, Statistic, Study, StudySettings, View, bind,
-    parts::{Job, Program, Share},
+    parts::{Job, Program, Share, Stop},
     study,
 };
 use noise::{StepNoise, Truncation};
@@ -119,7 +119,7 @@ fn a_number_of_noises_known_at_run_time_has_the_increments_and_areas_of_paths() 
     let runs = vec![Run::new(Arc::clone(&sums), 0), Run::new(sums, 1)];
     let ladder = Ladder::new(&problem, 2, 1, Truncation::none(), KEY, runs).unwrap();
     for path in [0, 41] {
-        let bits = ladder.run_from(path, 1, Bits::default, &|_| ()).statistic.0;
+        let bits = ladder.run_until(&Stop::default(), path, 1, Bits::default, &|_| ()).statistic.0;
         let fine = Recording::<3>::draw(KEY, path, 2, 1.0, true).unwrap();
         let coarse = fine.coarsened(2).unwrap();
         let mut expected = Vec::new();

@@ -10,7 +10,7 @@ use std::{
 use mc::{
     Expect, Kept, Ladder, Measured, Observable, Run, Setup, Statistic, View, bind,
     expect::Expectation,
-    parts::{Job, JobError, Outcome, Program, Share, Stop, merged_paths, remove},
+    parts::{Job, JobError, Program, Share, Stop, merged_paths, remove},
 };
 use noise::{StreamKey, Truncation};
 use schemes::{EulerMaruyama, Heun, Scheme};
@@ -92,17 +92,13 @@ impl Study {
         Job::part(folder, Share::new(number, of)?, self.program())
     }
 
-    fn run(self, job: Job) -> Result<(Outcome, Option<Sums>), JobError> {
+    fn run(self, job: Job) -> Result<Option<Sums>, JobError> {
         self.run_with(job, &|_| ())
     }
 
-    fn run_with(
-        self,
-        job: Job,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<(Outcome, Option<Sums>), JobError> {
+    fn run_with(self, job: Job, progress: &(dyn Fn(u64) + Sync)) -> Result<Option<Sums>, JobError> {
         let sums = self.run_in(&job, progress);
-        job.finish().map(|outcome| (outcome, sums))
+        job.finish().map(|()| sums)
     }
 
     fn run_in(self, job: &Job, progress: &(dyn Fn(u64) + Sync)) -> Option<Sums> {
@@ -135,21 +131,17 @@ impl Study {
     }
 
     fn here(self) -> Sums {
-        self.run(Job::here()).unwrap().1.unwrap()
+        self.run(Job::here()).unwrap().unwrap()
     }
 
     fn merged(self, folder: &Path) -> Result<Sums, JobError> {
-        let (outcome, sums) = self.run(Job::merge(folder, self.program())?)?;
-        assert_eq!(outcome, Outcome::Complete);
-        Ok(sums.unwrap())
+        Ok(self.run(Job::merge(folder, self.program())?)?.unwrap())
     }
 
     /// Runs parts, in this order.
     fn run_parts(self, folder: &Path, numbers: impl IntoIterator<Item = u64>, of: u64) {
         for number in numbers {
-            let (outcome, sums) = self.run(self.part(folder, number, of).unwrap()).unwrap();
-            assert_eq!(outcome, Outcome::Part(Share::new(number, of).unwrap()));
-            assert_eq!(sums, None);
+            assert_eq!(self.run(self.part(folder, number, of).unwrap()).unwrap(), None);
         }
     }
 }
@@ -169,7 +161,7 @@ fn any_number_of_parts_in_any_order_on_any_threads_gives_the_same_bits() {
             // Another order: multiples of a number without a common factor.
             let number = n * 11 % of + 1;
             let part = STUDY.part(folder.path(), number, of).unwrap();
-            let (_, sums) = pools[n as usize % 2].install(|| STUDY.run(part)).unwrap();
+            let sums = pools[n as usize % 2].install(|| STUDY.run(part)).unwrap();
             assert_eq!(sums.is_some(), of == 1);
         }
         assert_eq!(STUDY.merged(folder.path()).unwrap(), whole, "{of}");
@@ -199,7 +191,7 @@ fn a_part_that_was_stopped_goes_on_where_it_was() {
             });
             steps += done.load(Ordering::Relaxed);
             match result {
-                Ok((outcome, _)) => break assert!(matches!(outcome, Outcome::Part(_))),
+                Ok(sums) => break assert_eq!(sums, None),
                 Err(error) => assert!(matches!(error, JobError::Stopped), "{error}"),
             }
             stops += 1;
@@ -214,12 +206,12 @@ fn a_run_with_checkpoints_gives_its_result_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let whole = || STUDY.part(folder.path(), 1, 1).unwrap();
     let job = whole().with_checkpoints_every(Duration::ZERO);
-    assert_eq!(STUDY.run(job).unwrap(), (Outcome::Complete, Some(STUDY.here())));
+    assert_eq!(STUDY.run(job).unwrap(), Some(STUDY.here()));
     // And again without computing.
     let computed = AtomicU64::new(0);
     let count = |work| _ = computed.fetch_add(work, Ordering::Relaxed);
     let found = STUDY.run_with(whole(), &count);
-    assert_eq!(found.unwrap().1, Some(STUDY.here()));
+    assert_eq!(found.unwrap(), Some(STUDY.here()));
     // One report: all of it was done before.
     assert_eq!(computed.into_inner(), STUDY.paths.div_ceil(128) * 128 * 8);
 }
@@ -253,7 +245,7 @@ fn an_extended_study_has_the_bits_of_one_planned_so() {
     let computed = AtomicU64::new(0);
     let late = STUDY.part(folder.path(), 2, 3).unwrap();
     let count = |work| _ = computed.fetch_add(work, Ordering::Relaxed);
-    assert_eq!(STUDY.run_with(late, &count).unwrap().1, Some(STUDY.here()));
+    assert_eq!(STUDY.run_with(late, &count).unwrap(), Some(STUDY.here()));
     assert_eq!(computed.into_inner(), STUDY.paths.div_ceil(128) * 128 * 8);
 }
 
@@ -307,32 +299,6 @@ fn any_number_of_paths_can_be_extended() {
     }
 }
 
-/// Folders in which a last group that is not full was merged with those before it, as 007651e did:
-/// no node with that group is used. Here such a node has the sums of a full group.
-#[test]
-fn a_folder_whose_last_group_is_not_apart_can_be_extended() {
-    for (full, paths) in [(128, 1), (1024, 1000), (3072, 3000)] {
-        let folder = tempfile::tempdir().unwrap();
-        let old = Study { paths: full, ..STUDY };
-        old.run_parts(folder.path(), 1..=3, 3);
-        old.merged(folder.path()).unwrap();
-        for entry in fs::read_dir(folder.path()).unwrap() {
-            let file = entry.unwrap().path();
-            if !file.file_name().unwrap().to_string_lossy().starts_with('.') {
-                let mut value: serde_json::Value =
-                    serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
-                value["content"]["works"]["sum"]["paths"] = paths.into();
-                let content = value["content"].to_string();
-                let sum = <sha2::Sha256 as sha2::Digest>::digest(content.as_bytes());
-                let sum: String = sum.iter().map(|byte| format!("{byte:02x}")).collect();
-                fs::write(&file, format!(r#"{{"sha256":"{sum}","content":{content}}}"#)).unwrap();
-            }
-        }
-        STUDY.run_parts(folder.path(), 1..=3, 3);
-        assert_eq!(STUDY.merged(folder.path()).unwrap(), STUDY.here(), "{paths}");
-    }
-}
-
 #[test]
 fn parts_of_another_study_are_refused_by_name() {
     let changes: [(Study, &str); 6] = [
@@ -348,12 +314,12 @@ fn parts_of_another_study_are_refused_by_name() {
         STUDY.run_parts(folder.path(), [1], 2);
         other.run_parts(folder.path(), [2], 2);
         let refused = message(STUDY.merged(folder.path()));
-        assert!(refused.contains(why) && refused.contains("part-2-of-2.json"), "{refused}");
+        assert!(refused.contains(why) && refused.contains("part-2-of-2.bin"), "{refused}");
         // Nor does a part go on from it, or write over it.
-        let before = fs::read(folder.path().join("part-2-of-2.json")).unwrap();
+        let before = fs::read(folder.path().join("part-2-of-2.bin")).unwrap();
         let refused = message(STUDY.part(folder.path(), 2, 2).and_then(|job| STUDY.run(job)));
         assert!(refused.contains(why), "{refused}");
-        assert_eq!(fs::read(folder.path().join("part-2-of-2.json")).unwrap(), before);
+        assert_eq!(fs::read(folder.path().join("part-2-of-2.bin")).unwrap(), before);
     }
 }
 
@@ -366,8 +332,8 @@ fn parts_of_two_numbers_of_parts_are_refused() {
     assert!(refused.contains("a number of parts"), "{refused}");
     let folder = tempfile::tempdir().unwrap();
     STUDY.run_parts(folder.path(), 1..=2, 2);
-    let copy = folder.path().join("part-2-of-2-copy.json");
-    fs::copy(folder.path().join("part-2-of-2.json"), copy).unwrap();
+    let copy = folder.path().join("part-2-of-2-copy.bin");
+    fs::copy(folder.path().join("part-2-of-2.bin"), copy).unwrap();
     let refused = message(STUDY.merged(folder.path()));
     assert!(refused.contains("both have paths") && refused.contains("copy"), "{refused}");
 }
@@ -384,6 +350,7 @@ fn files_of_a_larger_array_that_never_began_do_not_count() {
 }
 
 #[test]
+#[should_panic(expected = "inner was begun inside another")]
 fn work_inside_other_work_is_an_error_and_not_a_deadlock() {
     let job = Job::here();
     let problem = pendulum(1.0);
@@ -393,14 +360,13 @@ fn work_inside_other_work_is_an_error_and_not_a_deadlock() {
         Ladder::new(&mc::Problem::of(&problem), 8, 3, Truncation::none(), key, runs).unwrap();
     let inner = |_| drop(ladder.run_in(&job, "inner", 1, || Sum::new(1.0), &|_| ()));
     ladder.run_in(&job, "outer", 1, || Sum::new(1.0), &inner).unwrap();
-    assert!(message(job.finish()).contains("inner was begun inside another"));
 }
 
 #[test]
 fn damaged_files_are_named() {
     let folder = tempfile::tempdir().unwrap();
     STUDY.run_parts(folder.path(), 1..=2, 2);
-    let file = folder.path().join("part-2-of-2.json");
+    let file = folder.path().join("part-2-of-2.bin");
     let good = fs::read(&file).unwrap();
     let middle = good.len() / 2;
     let mut flipped = good.clone();
@@ -409,7 +375,7 @@ fn damaged_files_are_named() {
     for bad in [flipped, cut, Vec::new(), b"{}".to_vec()] {
         fs::write(&file, &bad).unwrap();
         let refused = message(STUDY.merged(folder.path()));
-        assert!(refused.contains("part-2-of-2.json is damaged"), "{refused}");
+        assert!(refused.contains("part-2-of-2.bin is damaged"), "{refused}");
         assert!(message(STUDY.part(folder.path(), 2, 2)).contains("damaged"));
         assert_eq!(fs::read(&file).unwrap(), bad);
     }
@@ -444,7 +410,7 @@ fn folders_that_are_none_are_refused_at_once() {
 #[test]
 fn temporary_files_of_a_killed_process_are_removed() {
     let folder = tempfile::tempdir().unwrap();
-    let left = folder.path().join(".part-1-of-2.json.x1Yz");
+    let left = folder.path().join(".part-1-of-2.bin.x1Yz");
     fs::write(&left, "half of a checkp").unwrap();
     STUDY.run_parts(folder.path(), [1], 2);
     assert!(!left.exists());
@@ -579,113 +545,38 @@ fn sobol_points_in_parts_take_rounds_and_have_the_same_bits() {
 }
 
 #[test]
-fn tasks_are_gathered_in_their_order() {
-    let square = |n: u64| Some((n, 1.0 / (n as f64 + 1.0), format!("{n}²")));
-    let run = |job: Job, of: &str, count: u64| {
-        let found = job.tasks("squares", of, count, square);
-        job.finish().map(|outcome| (outcome, found))
-    };
-    let whole: Vec<_> = (0..41).filter_map(square).collect();
-    assert_eq!(run(Job::here(), "", 41).unwrap().1, Some(whole.clone()));
+fn a_run_that_is_stopped_between_two_works_keeps_the_first() {
     let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    for number in [3, 1, 2] {
-        assert_eq!(run(STUDY.part(folder, number, 3).unwrap(), "", 30).unwrap().1, None);
-    }
-    let merged = |of, count| run(Job::merge(folder, STUDY.program()).unwrap(), of, count);
-    assert_eq!(merged("", 30).unwrap().1.unwrap(), whole[..30]);
-    assert!(message(merged("cubes", 30)).contains("squares has observables with hash"));
-    // More of them, in one part.
-    let found = run(STUDY.part(folder, 1, 1).unwrap(), "", 41).unwrap();
-    assert_eq!(found, (Outcome::Complete, Some(whole)));
-}
-
-#[test]
-fn results_are_asked_for_where_there_are_some() {
-    let folder = tempfile::tempdir().unwrap();
-    assert!(Job::here().gives_results() && !Job::pilot(Duration::ZERO).gives_results());
-    let whole = STUDY.part(folder.path(), 1, 1).unwrap();
-    assert!(whole.gives_results() && !whole.resumes());
-    let part = STUDY.part(folder.path(), 1, 2).unwrap();
-    assert!(!part.gives_results());
-    drop((whole, part));
-    // Who is stopped between two works keeps the first.
+    let whole = || STUDY.part(folder.path(), 1, 1).unwrap();
     let stop = Stop::default();
-    let job = STUDY.part(folder.path(), 1, 1).unwrap().stopped_by(&stop);
-    assert!(job.tasks("numbers", "", 9, Some).is_some());
+    let job = whole().stopped_by(&stop);
+    assert!(!job.resumes() && STUDY.run_as(&job, "first", 8, &|_| ()).is_some());
     stop.now();
-    assert!(!job.gives_results());
+    assert_eq!(STUDY.run_as(&job, "second", 8, &|_| ()), None);
     assert!(matches!(job.finish(), Err(JobError::Stopped)));
-    let job = STUDY.part(folder.path(), 1, 1).unwrap();
+    let job = whole();
     assert!(job.resumes());
-    let not_again = |_| -> Option<u64> { panic!("it was done before") };
-    assert_eq!(job.tasks("numbers", "", 9, not_again), Some((0..9).collect()));
+    let reports = AtomicU64::new(0);
+    let count = |_| _ = reports.fetch_add(1, Ordering::Relaxed);
+    assert_eq!(STUDY.run_as(&job, "first", 8, &count), Some(STUDY.here()));
+    assert_eq!(reports.into_inner(), 1);
     drop(job);
     remove(folder.path(), Share::WHOLE).unwrap();
     remove(folder.path(), Share::WHOLE).unwrap();
-    assert!(!STUDY.part(folder.path(), 1, 1).unwrap().resumes());
+    assert!(!whole().resumes());
 }
 
 #[test]
-fn a_plan_says_what_each_part_has() {
+fn a_plan_says_how_long_parts_take() {
     let job = Job::pilot(Duration::from_millis(10));
-    assert_eq!(job.tasks("numbers", "", 10, Some), None);
-    STUDY.run_in(&job, &|_| ());
+    assert_eq!(STUDY.run_in(&job, &|_| ()), None);
     let plan = job.plan().unwrap();
-    let [numbers, sum] = &plan.works[..] else { panic!("{plan:?}") };
-    assert_eq!((numbers.items, numbers.steps, numbers.groups), (10, 0, 10));
-    assert_eq!((sum.items, sum.steps, sum.groups), (STUDY.paths, 8, STUDY.paths.div_ceil(128)));
-    assert!(sum.seconds > 0.0 && sum.bytes > 0 && plan.nanoseconds() > 0.0);
-    assert_eq!(plan.path_steps(), STUDY.paths * 8);
+    let [sum] = &plan.works[..] else { panic!("{plan:?}") };
+    assert_eq!((sum.paths, sum.steps, sum.groups), (STUDY.paths, 8, STUDY.paths.div_ceil(128)));
+    assert!(sum.seconds > 0.0 && plan.path_steps() == STUDY.paths * 8);
     for of in [1, 7, 64] {
-        let (one, two) = (plan.parts(of, 1), plan.parts(of, 2));
-        assert!(one.iter().zip(&two).all(|(one, two)| one.seconds > two.seconds));
-        let steps: u64 = one.iter().map(|part| part.path_steps).sum();
-        assert_eq!(steps, plan.path_steps());
-        let most = one.iter().map(|part| part.path_steps).max().unwrap();
-        assert!(most * of >= steps && (most - 1024) * of <= steps, "{most}");
-    }
-}
-
-#[test]
-fn balanced_parts_are_merged_and_extended() {
-    // Works of few long groups beside one of many short ones.
-    let run = |job: &Job, paths: u64| {
-        let few = |name, groups: u64| {
-            let study = Study { paths: groups * 128, ..STUDY };
-            study.run_as(job, name, 1 << 10, &|_| ())
-        };
-        let sums = [few("few", 3), few("fewer", 2)];
-        (sums, Study { paths, ..STUDY }.run_as(job, "many", 8, &|_| ()))
-    };
-    let plan = |paths: u64| {
-        let job = Job::pilot(Duration::ZERO);
-        run(&job, paths);
-        job.plan().unwrap()
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    // Five groups of 1024 steps and 700 of 8, which fill up all parts to the same.
-    let parts = plan(700 * 128).parts(8, 1);
-    let most = parts.iter().map(|part| part.path_steps).max().unwrap();
-    let mean = parts.iter().map(|part| part.path_steps).sum::<u64>() / 8;
-    assert!(most <= mean + 8 * 128, "{parts:?}");
-    for paths in [700 * 128, 1400 * 128] {
-        let plan = plan(paths);
-        for number in [5, 1, 2, 8, 7, 3, 6] {
-            let job = STUDY.part(folder, number, 8).unwrap().balanced(&plan);
-            run(&job, paths);
-            job.finish().unwrap();
-        }
-        let merge = || {
-            let job = Job::merge(folder, STUDY.program()).unwrap().balanced(&plan);
-            let found = run(&job, paths);
-            job.finish().map(|_| found)
-        };
-        assert!(message(merge()).ends_with("--array=4"));
-        let job = STUDY.part(folder, 4, 8).unwrap().balanced(&plan);
-        run(&job, paths);
-        job.finish().unwrap();
-        assert_eq!(merge().unwrap(), run(&Job::here(), paths));
+        let [one, two] = [1, 2].map(|threads| plan.seconds(of, threads) / sum.seconds);
+        let groups = sum.groups.div_ceil(of);
+        assert_eq!([one.round() as u64, two.round() as u64], [groups, groups.div_ceil(2)]);
     }
 }

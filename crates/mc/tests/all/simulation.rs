@@ -210,10 +210,8 @@ fn bad_tables_are_refused_by_line_and_column() {
         message("tau,dW1,dW2,A12\n0.1,1,1,NaN\n"),
         "line 2, column A12: an increment must be finite, got NaN"
     );
-    assert!(matches!(
-        "tau,dW1\nNaN,1\n".parse::<Recording<1>>(),
-        Err(RecordingError::StepSize { line: 2, .. })
-    ));
+    let error = "tau,dW1\nNaN,1\n".parse::<Recording<1>>().unwrap_err().to_string();
+    assert!(error.starts_with("line 2, column tau: a step size"), "{error}");
 
     // What other programs write: a comment sign, blanks, carriage returns, empty lines at the end.
     let read: Recording<2> = "\u{feff}# tau, dW1, dW2\r\n1e-1, 1, -2\r\n\r\n".parse().unwrap();
@@ -222,20 +220,15 @@ fn bad_tables_are_refused_by_line_and_column() {
 
 #[test]
 fn bad_recordings_and_simulations_are_refused() {
-    assert_eq!(Recording::<1>::new(0.1, vec![]), Err(RecordingError::Empty));
-    assert_eq!(
-        Recording::<1>::new(-0.1, vec![[1.0]]),
-        Err(RecordingError::StepSize { line: 2, tau: -0.1 })
-    );
-    assert!(matches!(
-        Recording::<1>::new(0.1, vec![[f64::NAN]]),
-        Err(RecordingError::NotFinite { line: 2, .. })
-    ));
+    let message = |found: Result<Recording<1>, RecordingError>| found.unwrap_err().to_string();
+    assert!(message(Recording::new(0.1, vec![])).contains("at least one step"));
+    let negative = message(Recording::new(-0.1, vec![[1.0]]));
+    assert_eq!(negative, "line 2, column tau: a step size must be positive and finite, got -0.1");
+    let not_finite = message(Recording::new(0.1, vec![[f64::NAN]]));
+    assert_eq!(not_finite, "line 2, column dW1: an increment must be finite, got NaN");
     let one = Recording::<2>::new(0.1, vec![[1.0, 2.0]]).unwrap();
-    assert_eq!(
-        one.clone().with_areas(vec![]),
-        Err(RecordingError::AreaRows { found: 0, expected: 1 })
-    );
+    let none = one.clone().with_areas(vec![]).unwrap_err().to_string();
+    assert_eq!(none, "there must be one matrix of areas for each of 1 steps, got 0");
     assert!(one.with_areas(vec![[[0.0, f64::NAN], [0.0; 2]]]).is_err());
     assert!(Recording::<2>::draw(KEY, 0, 0, 1.0, false).is_err());
     assert!(Recording::<2>::draw(KEY, 0, 4, f64::NAN, false).is_err());

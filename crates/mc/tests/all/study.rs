@@ -9,6 +9,7 @@ use mc::{
     parts::{Job, Program, Share},
     study,
     study::Place,
+    write_json,
 };
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
@@ -182,7 +183,7 @@ fn threads_change_no_bit_of_a_study() {
         });
         assert_eq!(done.into_inner(), 6 * 3000);
         let mut json = Vec::new();
-        result.write_json(&mut json).unwrap();
+        write_json(&result, &mut json).unwrap();
         json
     };
     let one = json(1);
@@ -337,7 +338,7 @@ fn a_table_has_a_row_for_each_quantity() {
     assert!(lines.iter().any(|line| line.starts_with("0.25,\"p, again\",above grid,")));
 
     let mut json = Vec::new();
-    result.write_json(&mut json).unwrap();
+    write_json(&result, &mut json).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
     assert_eq!(json["record"]["system"], "additive");
     assert_eq!(json["record"]["truncation"], serde_json::Value::Null);
@@ -353,16 +354,14 @@ fn impossible_studies_are_refused() {
     };
     let message = |settings| refuse(settings, &[P]).to_string();
     let with = |times: Times| message(StudySettings { times, ..good() });
-    assert_eq!(refuse(good(), &[]), StudyError::NoObservable);
-    assert_eq!(refuse(good(), &[P, ROOT, P]), StudyError::Observable { name: "p".into() });
-    let nearest = |times| {
-        let settings = StudySettings { times: Times::Even(times), ..good() };
-        match refuse(settings, &[P]) {
-            StudyError::EvenTimes { steps: 12, nearest, .. } => nearest,
-            other => panic!("{other}"),
-        }
-    };
-    assert_eq!([5, 7, 10, 11, 24].map(nearest), [4, 6, 12, 12, 12]);
+    let none = refuse(good(), &[]).to_string();
+    assert_eq!(none, "a study needs at least one observable, got none");
+    let same = refuse(good(), &[P, ROOT, P]).to_string();
+    assert_eq!(same, "two observables have the name \"p\"; rename one");
+    for (times, nearest) in [(5, 4), (7, 6), (10, 12), (11, 12), (24, 12)] {
+        let told = with(Times::Even(times));
+        assert!(told.contains(&format!("possible number is {nearest}, or")), "{told}");
+    }
     assert_eq!(
         with(Times::Even(9)),
         "12 steps cannot be divided into 9 equal parts; the nearest possible number is 6, or list \
@@ -389,7 +388,7 @@ fn impossible_studies_are_refused() {
         assert!(text.ends_with(&format!("between 0 and 1, got {level}")), "{text}");
     }
     let twice = StudySettings { quantiles: vec![0.5, 0.1, 0.5], ..good() };
-    assert_eq!(refuse(twice, &[P]), StudyError::QuantileTwice { level: 0.5 });
+    assert_eq!(message(twice), "the quantile of level 0.5 is asked for twice");
     let key = StreamKey { seed: 0, experiment: 1 << 40 };
     assert!(message(StudySettings { key, ..good() }).contains("below 2^40"));
     let steps = StudySettings { steps: 0, ..good() };

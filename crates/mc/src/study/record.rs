@@ -1,8 +1,8 @@
-//! What a study computes, before any path is simulated.
+//! Everything that the result of a study depends on.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Grid, StudyError, StudySettings};
+use super::{StudyError, StudySettings};
 use crate::{Observe, Setup, observable::value};
 
 /// Everything that the result of a study depends on. Systems and damping are described by
@@ -83,13 +83,4 @@ impl Record {
     pub(super) fn time(&self, step: u64) -> f64 {
         step as f64 * (self.t_end / self.steps as f64)
     }
-}
-
-/// A study that is ready to be run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StudyPlan {
-    /// What is computed.
-    pub record: Record,
-    /// The bins of every observable at every time, time by time.
-    pub grids: Vec<Grid>,
 }

@@ -30,7 +30,7 @@ const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
 const LARGEST: f64 = 0.5;
 
 /// The damping of a problem as the steps of a scheme see it.
-pub struct SeenDamping<'a> {
+pub struct DampingResolution<'a> {
     damping: &'a dyn Damping,
     /// Whether the scheme reads rates.
     reads_rates: bool,
@@ -45,7 +45,7 @@ pub struct SeenDamping<'a> {
     known: RefCell<Vec<(usize, f64)>>,
 }
 
-impl<'a> SeenDamping<'a> {
+impl<'a> DampingResolution<'a> {
     /// For `coarsest_steps` steps on [0, T] or halvings of them.
     pub fn new(setup: &Setup<'a>, coarsest_steps: u64) -> Self {
         let Problem { damping, t_end, .. } = setup.problem;

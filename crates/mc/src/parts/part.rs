@@ -2,20 +2,19 @@
 
 use std::{
     fs, io,
-    ops::Range,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
 use super::{
-    JobError, Outcome, Plan, Program, Share, atomic,
-    balance::Shares,
+    JobError, Program, Share, atomic,
     file::{Entry, Header, PartFile, file_error, foreign},
-    job::Work,
-    merging::{Known, MERGED},
+    merging::Known,
+    work::{Sum, Work},
 };
 use crate::{
-    parallel::grow,
+    Kept,
+    ladder::Nodes,
     tree::{MergeTree, Node},
 };
 
@@ -41,23 +40,24 @@ pub fn remove(folder: &Path, share: Share) -> Result<(), JobError> {
 }
 
 /// A part with its file.
-pub struct Computing {
+pub struct Part {
     share: Share,
     file: PartFile,
-    resumes: bool,
+    /// Whether its file has work from before.
+    pub resumes: bool,
     written: Instant,
     known: Known,
-    shares: Shares,
     _lock: atomic::Lock,
 }
 
-impl Computing {
+impl Part {
     pub fn open(folder: &Path, share: Share, program: &Program) -> Result<Self, JobError> {
         let (path, lock) = (folder.join(share.file_name()), lock_of(folder, share));
         let lock = atomic::Lock::take(&lock).map_err(file_error("write", &lock))?;
         let busy = |holder| {
-            let (part, folder) = (share.to_string(), folder.to_owned());
-            JobError::Busy { part, folder, holder }
+            let folder = folder.display();
+            let wait = "wait for its end, or stop it";
+            JobError::Refused(format!("{share} in {folder} is being computed by {holder}; {wait}"))
         };
         let lock = lock.map_err(busy)?;
         if lock.is_sole {
@@ -66,62 +66,41 @@ impl Computing {
         let file = PartFile::open(path, program, Some(share))?;
         // A folder that cannot be written is found now and not after hours.
         file.write()?;
-        let known = Known(PartFile::open(folder.join(MERGED), program, None)?);
-        let resumes = !file.works.is_empty();
-        Ok(Self {
-            share,
-            file,
-            resumes,
-            written: Instant::now(),
-            known,
-            shares: Shares::default(),
-            _lock: lock,
-        })
+        let (known, resumes) = (Known::open(folder, program)?, !file.works.is_empty());
+        Ok(Self { share, file, resumes, written: Instant::now(), known, _lock: lock })
     }
 
-    /// Divides these works so that parts have as much to do as each other.
-    pub fn balance(&mut self, plan: &Plan) {
-        self.shares = Shares::new(self.known.left(plan), self.share.of());
-    }
-
-    /// Whether its file has work from before.
-    pub fn resumes(&self) -> bool {
-        self.resumes
-    }
-
-    pub fn is_whole(&self) -> bool {
-        self.share == Share::WHOLE
-    }
-
-    pub fn finish(self) -> Result<Outcome, JobError> {
-        match (self.file.write(), self.is_whole()) {
+    pub fn finish(self) -> Result<(), JobError> {
+        match self.file.write() {
             // The results are with the program already.
-            (Err(error), true) => eprintln!("warning: no checkpoint: {error}"),
-            (written, _) => written?,
+            Err(error) if self.share == Share::WHOLE => {
+                eprintln!("warning: no checkpoint: {error}");
+                Ok(())
+            }
+            written => written,
         }
-        Ok(if self.is_whole() { Outcome::Complete } else { Outcome::Part(self.share) })
     }
 
     /// The nodes of all groups if they were merged before, or if this part is the whole; those that
     /// are done if it is stopped and `incomplete`.
-    pub fn collect<T: Send>(
+    pub fn collect<T: Kept>(
         &mut self,
         work: &Work<'_, T>,
         interval: Duration,
         incomplete: bool,
-    ) -> Result<Option<Vec<Node<T>>>, JobError> {
-        let known = self.known.nodes(work)?;
-        let first = known.last().map_or(work.groups.start, Node::end);
-        let mut header =
-            work.header(self.shares.range(work.name, self.share, &(first..work.groups.end)));
+    ) -> Result<Option<Nodes<T>>, JobError> {
+        let is_whole = self.share == Share::WHOLE;
+        let mut nodes = self.known.nodes(work)?;
+        let first = nodes.last().map_or(work.groups.start, Node::end);
+        let mut header = work.header(self.share.range(&(first..work.groups.end)));
         let mut tree = work.tree();
         header.done = self.resume(work, first, &header, &mut tree)?;
-        (work.skipped)(first - work.groups.start + header.done - header.groups.start);
-        let rest = header.done..header.groups.end;
+        work.skip(first - work.groups.start + header.done - header.groups.start);
         // What cannot be read back is known before the computing.
-        Entry::new(header.clone(), &[Node::leaf(header.done, (work.empty)())], work)?;
+        Entry::new(header.clone(), &[work.empty()], work)?;
         let mut kept = Ok(());
-        let done = grow(&mut tree, rest, work.compute, &mut |nodes, done| {
+        let rest = header.done..header.groups.end;
+        header.done = work.grow(&mut tree, rest, &mut |nodes, done| {
             if self.written.elapsed() >= interval && kept.is_ok() {
                 kept = self.record(work, Header { done, ..header.clone() }, nodes);
                 // A full disk may have room again when the next checkpoint is due.
@@ -132,56 +111,52 @@ impl Computing {
             kept.is_ok()
         });
         kept?;
-        let complete = done == header.groups.end;
-        self.record(work, Header { done, ..header }, tree.nodes())?;
-        if !complete {
+        let stopped = !header.is_complete();
+        self.record(work, header, tree.nodes())?;
+        if stopped {
             self.write()?;
-            if !(incomplete && self.is_whole()) {
+            if !(incomplete && is_whole) {
                 return Err(JobError::Stopped);
             }
         }
-        Ok((self.is_whole() || first == work.groups.end).then(|| {
-            let mut nodes = known;
-            nodes.extend(tree.into_nodes());
-            nodes
-        }))
+        nodes.extend(tree.into_nodes());
+        Ok((is_whole || first == work.groups.end).then_some(nodes))
     }
 
     /// Takes up what a checkpoint has of these groups, where those before `known` are merged.
     /// Returns the first group that it has not.
-    fn resume<T, F: Fn(&mut T, T)>(
+    fn resume<T: Kept, F: Fn(&mut Sum<T>, Sum<T>)>(
         &self,
         work: &Work<'_, T>,
         known: u64,
         header: &Header,
-        tree: &mut MergeTree<T, F>,
+        tree: &mut MergeTree<Sum<T>, F>,
     ) -> Result<u64, JobError> {
         let (path, groups) = (&self.file.path, &header.groups);
-        let Some(entry) = self.file.works.get(work.name) else { return Ok(groups.start) };
+        let Some(entry) = self.file.works.get(&work.name) else { return Ok(groups.start) };
         let found = &entry.header;
         work.check(path, found)?;
         if found.groups == *groups && found.paths == work.paths {
             entry.nodes(path, work)?.into_iter().for_each(|node| tree.push(node));
-            return Ok(found.done);
+            Ok(found.done)
+        } else if self.known.has(work, found, known) {
+            Ok(groups.start)
+        } else if found.paths != work.paths {
+            Err(work.other_paths(path, found))
+        } else {
+            let [found, here] = [&found.groups, groups].map(|groups| format!("{groups:?}"));
+            Err(foreign(path, &work.name, "the groups", found, here))
         }
-        if self.known.has(work, found, known) {
-            return Ok(groups.start);
-        }
-        if found.paths != work.paths {
-            return Err(foreign(path, work.name, "a number of paths", found.paths, work.paths));
-        }
-        let words = |groups: &Range<u64>| format!("{} to {}", groups.start, groups.end);
-        Err(foreign(path, work.name, "the groups", words(&found.groups), words(groups)))
     }
 
     /// Puts nodes into the file, in memory.
-    fn record<T>(
+    fn record<T: Kept>(
         &mut self,
         work: &Work<'_, T>,
         header: Header,
-        nodes: &[Node<T>],
+        nodes: &[Node<Sum<T>>],
     ) -> Result<(), JobError> {
-        self.file.works.insert(work.name.to_owned(), Entry::new(header, nodes, work)?);
+        self.file.works.insert(work.name.clone(), Entry::new(header, nodes, work)?);
         Ok(())
     }
 
