@@ -3,7 +3,7 @@
 //! Every number is written with the shortest digits that read back as the same `f64`; what is not
 //! finite appears as `inf`, `-inf` or `NaN`.
 
-use analysis::compare::{Comparison, Time};
+use analysis::compare::Comparison;
 
 /// The errors and times of a comparison of schemes as comma-separated values: one row per point,
 /// with a header row.
@@ -18,40 +18,25 @@ use analysis::compare::{Comparison, Time};
 /// | `min_s`, `median_s` | processor time of a path, empty where none was measured |
 pub fn comparison_csv(comparison: &Comparison) -> String {
     let mut table = "quantity,scheme,steps,tau,error,se,lo,hi,resolved,min_s,median_s\n".to_owned();
-    let end = |end: Option<f64>| end.map_or(String::new(), |end| format!("{end:e}"));
-    let time = |time: Option<Time>| {
-        let [min, median] = [time.map(|time| time.min_s), time.map(|time| time.median_s)].map(end);
-        format!("{min},{median}")
-    };
-    for series in &comparison.strong.series {
-        for point in &series.points {
-            let (lo, hi) = (end(point.lo), end(point.hi));
-            table += &format!(
-                "y(T),{},{},{:e},{:e},{:e},{lo},{hi},{},{}\n",
-                field(&series.scheme),
-                point.steps,
-                point.tau,
-                point.error,
-                point.se,
-                point.resolved,
-                time(point.time)
-            );
-        }
-    }
-    for observable in comparison.weak.iter().flat_map(|weak| &weak.observables) {
-        for series in &observable.series {
-            for point in &series.points {
+    for answer in comparison.answers() {
+        for candidate in &answer.candidates {
+            for point in &candidate.points {
+                let times = point.time.map(|time| [time.best, time.median]);
+                let [best, median] = times.map_or([const { String::new() }; 2], |times| {
+                    times.map(|time| format!("{time:e}"))
+                });
+                let resolved =
+                    point.deviation.map_or(point.resolved.to_string(), |_| String::new());
                 table += &format!(
-                    "{},{},{},{:e},{:e},{:e},{:e},{:e},,{}\n",
-                    field(&format!("E[{}]", observable.name)),
-                    field(&series.scheme),
+                    "{},{},{},{:e},{:e},{:e},{:e},{:e},{resolved},{best},{median}\n",
+                    field(&answer.quantity),
+                    field(&candidate.scheme),
                     point.steps,
-                    point.tau,
-                    point.bias,
+                    comparison.t_end / point.steps as f64,
+                    point.error,
                     point.se,
                     point.lo,
                     point.hi,
-                    time(point.time)
                 );
             }
         }

@@ -15,15 +15,12 @@
 //! percentile interval leans to the other one. Draws are functions of the number of the resample
 //! alone, so the interval is reproducible.
 
-use std::sync::OnceLock;
-
 use rand_xoshiro::{
     SplitMix64,
     rand_core::{Rng, SeedableRng},
 };
-use real::{Kernel, dispatch};
 
-use crate::moments::{BATCHES, CrossMoments};
+use crate::moments::CrossMoments;
 
 /// Resamples; with 399 the quantiles of 2½ % and 97½ % are the 10th smallest and the 10th largest.
 const RESAMPLES: usize = 399;
@@ -38,117 +35,53 @@ const LEAST_BATCHES: usize = 32;
 /// `levels` are the components that the weights `gain` belong to.
 pub fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(f64, f64)> {
     let counts: Vec<f64> = squares.batches().map(|(count, _)| count as f64).collect();
-    let batches = counts.len();
+    let (batches, total) = (counts.len(), gain.iter().sum::<f64>());
     if batches < LEAST_BATCHES {
         return None;
     }
     // Scaled by their means, so that logarithms of means are differences to the estimate.
-    let values: Vec<Vec<f64>> = levels
-        .iter()
-        .map(|&l| squares.batches().map(|(_, sums)| sums[l] / squares.mean(l)).collect())
-        .collect();
-    // With all the batches, which is nearly always, the draws are looked up: drawing takes twice as
-    // long as the rest.
-    static ALL: OnceLock<Vec<u16>> = OnceLock::new();
-    let few;
-    let draws = if batches == BATCHES {
-        ALL.get_or_init(|| draws(BATCHES))
-    } else {
-        few = draws(batches);
-        &few
+    let values = levels.iter().map(|&l| {
+        squares.batches().map(|(_, sums)| sums[l] / squares.mean(l)).collect::<Vec<f64>>()
+    });
+    let values: Vec<_> = values.collect();
+    let statistic = |resample: usize| {
+        let times = draw(resample as u64, batches);
+        let count = dot(&times, &counts);
+        let mut influences: Vec<f64> = counts.iter().map(|count| -total * count).collect();
+        let mut theta = 0.0;
+        for (value, g) in values.iter().zip(gain) {
+            let mean = dot(&times, value) / count;
+            let weight = g / mean;
+            influences.iter_mut().zip(value).for_each(|(u, x)| *u += weight * x);
+            theta += g * mean.ln();
+        }
+        influences.iter_mut().for_each(|u| *u *= *u);
+        theta / (dot(&times, &influences).sqrt() / count)
     };
-    let mut influences = vec![0.0; batches];
-    let mut means = vec![0.0; levels.len()];
-    let mut statistics: Vec<f64> = draws
-        .chunks_exact(batches)
-        .map(|times| {
-            let times: Vec<f64> = times.iter().map(|&times| f64::from(times)).collect();
-            let se = dispatch(Resample {
-                times: &times,
-                counts: &counts,
-                values: &values,
-                gain,
-                means: &mut means,
-                influences: &mut influences,
-            });
-            means.iter().zip(gain).map(|(mean, g)| g * mean.ln()).sum::<f64>() / se
-        })
-        .collect();
+    let mut statistics: Vec<f64> = (0..RESAMPLES).map(statistic).collect();
     statistics.sort_by(f64::total_cmp);
     let (low, high) = (statistics[RANK - 1], statistics[RESAMPLES - RANK]);
     (low.is_finite() && high.is_finite()).then_some((high, -low))
 }
 
-/// The means m*_l of one resample, and se*.
-struct Resample<'a> {
-    /// How often each batch was drawn.
-    times: &'a [f64],
-    counts: &'a [f64],
-    values: &'a [Vec<f64>],
-    gain: &'a [f64],
-    means: &'a mut [f64],
-    /// Room for u_b.
-    influences: &'a mut [f64],
-}
-
-impl Kernel for Resample<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        let Self { times, counts, values, gain, means, influences } = self;
-        let count = dot(times, counts);
-        let total: f64 = gain.iter().sum();
-        for (influence, count) in influences.iter_mut().zip(counts) {
-            *influence = -total * count;
-        }
-        for ((value, &g), mean) in values.iter().zip(gain).zip(means) {
-            *mean = dot(times, value) / count;
-            let weight = g / *mean;
-            for (influence, x) in influences.iter_mut().zip(value) {
-                *influence += weight * x;
-            }
-        }
-        for influence in influences.iter_mut() {
-            *influence *= *influence;
-        }
-        dot(times, influences).sqrt() / count
-    }
-}
-
 /// a·b in eight partial sums, which vectorise.
-#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
-    let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
-    let mut rest = 0.0;
-    for (a, b) in a_chunks.remainder().iter().zip(b_chunks.remainder()) {
-        rest += a * b;
+    for (a, b) in a.chunks(8).zip(b.chunks(8)) {
+        sums.iter_mut().zip(a.iter().zip(b)).for_each(|(sum, (a, b))| *sum += a * b);
     }
-    for (a, b) in a_chunks.zip(b_chunks) {
-        for i in 0..8 {
-            sums[i] += a[i] * b[i];
-        }
-    }
-    let mut sum = 0.0;
-    for partial in sums {
-        sum += partial;
-    }
-    sum + rest
+    sums.iter().sum()
 }
 
-/// How often each of so many batches is drawn, resample by resample.
+/// How often each of so many batches is drawn in a resample.
 ///
 /// The numbers are those of SplitMix64 (Steele, Lea and Flood 2014) started at the number of the
 /// resample times 2³²; the upper half of a word times the number of batches, over 2³², is uniform
 /// up to 2⁻²⁴.
-fn draws(batches: usize) -> Vec<u16> {
-    let mut times = vec![0; RESAMPLES * batches];
-    for (resample, times) in (0u64..).zip(times.chunks_exact_mut(batches)) {
-        let mut words = SplitMix64::seed_from_u64(resample << 32);
-        for _ in 0..batches {
-            times[(((words.next_u64() >> 32) * batches as u64) >> 32) as usize] += 1;
-        }
+fn draw(resample: u64, batches: usize) -> Vec<f64> {
+    let (mut words, mut times) = (SplitMix64::seed_from_u64(resample << 32), vec![0.0; batches]);
+    for _ in 0..batches {
+        times[(((words.next_u64() >> 32) * batches as u64) >> 32) as usize] += 1.0;
     }
     times
 }
@@ -176,13 +109,17 @@ pub fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain: &[f64]
 mod tests {
     use super::*;
 
+    use crate::moments::BATCHES;
+
+    fn draws(batches: usize) -> Vec<Vec<f64>> {
+        (0..RESAMPLES as u64).map(|resample| draw(resample, batches)).collect()
+    }
+
     #[test]
     fn every_resample_has_as_many_batches_as_there_are() {
         for batches in [32, 100, BATCHES] {
-            let draws = draws(batches);
-            assert_eq!(draws.len(), RESAMPLES * batches);
-            for times in draws.chunks(batches) {
-                assert_eq!(times.iter().map(|&times| usize::from(times)).sum::<usize>(), batches);
+            for times in draws(batches) {
+                assert_eq!((times.len(), times.iter().sum::<f64>()), (batches, batches as f64));
             }
         }
     }
@@ -193,11 +130,10 @@ mod tests {
         // are exceeded by one of 256 batches with probability 1.5e-4.
         let draws = draws(BATCHES);
         for batch in 0..BATCHES {
-            let times: u32 = draws.iter().skip(batch).step_by(BATCHES).map(|&n| u32::from(n)).sum();
-            assert!(times.abs_diff(399) < 100, "{batch}: {times}");
+            let times: f64 = draws.iter().map(|times| times[batch]).sum();
+            assert!((times - 399.0).abs() < 100.0, "{batch}: {times}");
         }
-        let resamples: std::collections::HashSet<_> = draws.chunks(BATCHES).collect();
-        assert_eq!(resamples.len(), RESAMPLES);
+        assert!((1..RESAMPLES).all(|n| !draws[..n].contains(&draws[n])));
     }
 
     #[test]
@@ -230,9 +166,9 @@ mod tests {
         };
         let estimate = theta(&|l| squares.mean(l));
         let draws = draws(batches.len());
-        let statistic = |times: &[u16]| {
+        let statistic = |times: &Vec<f64>| {
             let over = |f: &dyn Fn(u64, &[f64]) -> f64| -> f64 {
-                batches.iter().zip(times).map(|(&(n, x), &times)| f64::from(times) * f(n, x)).sum()
+                batches.iter().zip(times).map(|(&(n, x), times)| times * f(n, x)).sum()
             };
             let count = over(&|n, _| n as f64);
             let mean = |l: usize| over(&|_, x| x[l]) / count;
@@ -242,7 +178,7 @@ mod tests {
             let se = over(&|n, x| influence(n, x).powi(2)).sqrt() / count;
             (theta(&mean) - estimate) / se
         };
-        let mut statistics: Vec<f64> = draws.chunks(batches.len()).map(statistic).collect();
+        let mut statistics: Vec<f64> = draws.iter().map(statistic).collect();
         statistics.sort_by(f64::total_cmp);
         // 2½ % of 399 are below the tenth, and as many above the tenth from above.
         (statistics[389], -statistics[9])

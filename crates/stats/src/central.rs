@@ -170,39 +170,33 @@ struct OfBlock<'a> {
 /// Lanes of a sum.
 const LANES: usize = 8;
 
+/// All values of a block by an operation, in a fixed order.
+#[inline(always)]
+fn reduce(x: &[f64; WIDTH], op: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut lanes = [0.0; LANES];
+    for p in 0..LANES {
+        lanes[p] = op(op(x[p], x[p + LANES]), op(x[p + 2 * LANES], x[p + 3 * LANES]));
+    }
+    let [a, b, c, d, e, f, g, h] = lanes;
+    op(op(op(a, e), op(c, g)), op(op(b, f), op(d, h)))
+}
+
 /// Σ xₚ.
 #[inline(always)]
 fn sum(x: &[f64; WIDTH]) -> f64 {
-    let mut lanes = [0.0; LANES];
-    for p in 0..LANES {
-        lanes[p] = (x[p] + x[p + LANES]) + (x[p + 2 * LANES] + x[p + 3 * LANES]);
-    }
-    let [a, b, c, d, e, f, g, h] = lanes;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
+    reduce(x, |a, b| a + b)
 }
 
+/// The least of numbers that are not NaN.
 #[inline(always)]
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
+fn least(x: &[f64; WIDTH]) -> f64 {
+    reduce(x, |a, b| if a < b { a } else { b })
 }
 
 /// The larger one; NaN if `a` is.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a < b { b } else { a }
-}
-
-/// The least of numbers that are not NaN.
-#[inline(always)]
-fn least(x: &[f64; WIDTH]) -> f64 {
-    let mut lanes = [0.0; LANES];
-    for p in 0..LANES {
-        let (first, second) = (smaller(x[p], x[p + LANES]), smaller(x[p + 16], x[p + 24]));
-        lanes[p] = smaller(first, second);
-    }
-    let [a, b, c, d, e, f, g, h] = lanes;
-    let (first, second) = (smaller(smaller(a, e), smaller(c, g)), smaller(b, f));
-    smaller(first, smaller(second, smaller(d, h)))
 }
 
 impl Kernel for OfBlock<'_> {

@@ -25,22 +25,17 @@
 //! | [`TimeAverage`] | averages of a correlated series, in memory that does not grow |
 //! | [`quantile_ranks`] | order statistics that enclose a quantile |
 //! | [`fit_strong`] | strong orders, from squared differences that share paths |
-//! | [`fit_weak`], [`weak_errors`] | weak orders, from signed errors or differences with a covariance |
+//! | [`fit_weak`], [`weak_errors`] | weak orders, from signed errors or differences with a covariance ([`diagonal`]) |
 //! | [`lower_share`] | how much a term of lower order may hide |
-//! | [`fit_independent`] | orders of positive errors measured independently |
 //! | [`root_mean_squares`], [`root_mean_square_interval`] | root-mean-square errors with intervals |
-//! | [`Rate`], [`Model`], [`Against`], [`StraightLine`], [`Point`] | a fit and a measured error as data |
+//! | [`Rate`], [`Against`], [`Expansion`], [`Point`] | a fit and a measured error as data |
 //! | [`LogMeanSquares`], [`Bend`], [`Estimate`] | the fit of [`fit_strong`] with other terms or levels |
-//! | [`normal_covers`], [`Rate::covers`], [`Point::covers`] | whether an interval covers the truth |
 //!
-//! Of this workspace the crate uses only `real`, whose dispatch runs the bootstrap's kernel on the
+//! Of this workspace the crate uses only `real`, whose dispatch runs the moments of a block on the
 //! widest vectors of the processor.
 
 mod bootstrap;
 mod central;
-mod coverage;
-mod describe;
-mod independent;
 mod least_squares;
 mod mean_squares;
 mod moments;
@@ -54,14 +49,13 @@ mod time_average;
 mod weak;
 
 pub use central::{CentralMoments, ROUND_OFF};
-pub use coverage::normal_covers;
-pub use independent::fit_independent;
+pub use least_squares::diagonal;
 pub use mean_squares::{Bend, Estimate, LogMeanSquares};
 pub use moments::{BATCHES, CrossMoments, FEW_SAMPLES, Moments};
 pub use point::Point;
 pub use quantile::{CONFIDENCE, two_sided};
 pub use quantile_ranks::quantile_ranks;
-pub use rate::{Against, Expansion, Model, Rate, StraightLine};
+pub use rate::{Against, Expansion, Rate};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};
 pub use strong::fit_strong;
 pub use time_average::{FEWEST_SAMPLES, StationaryMean, TimeAverage, TimeAverageError};

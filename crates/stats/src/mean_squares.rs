@@ -18,7 +18,7 @@ use crate::{
     least_squares::{Fit, Weighting, dot, matrix},
     moments::CrossMoments,
     quantile::{CONFIDENCE, hotelling_p_value, two_sided},
-    rate::{Model, Rate},
+    rate::Rate,
 };
 
 /// Correlation between neighbouring levels in the working weights.
@@ -121,7 +121,6 @@ impl<'a> LogMeanSquares<'a> {
             hi: order + half_width,
             confidence: CONFIDENCE,
             student_degrees,
-            model: Model::MeanSquares,
             chi_square,
             degrees,
             p_value: hotelling_p_value(chi_square, degrees, self.squares.count()),
@@ -249,7 +248,7 @@ mod tests {
         for width in [rate.hi - rate.estimate, rate.estimate - rate.lo] {
             assert!((width / half_width - 1.0).abs() < 1e-9, "{rate:?}");
         }
-        assert_eq!((rate.confidence, rate.model), (0.95, Model::MeanSquares));
+        assert_eq!(rate.confidence, 0.95);
     }
 
     #[test]

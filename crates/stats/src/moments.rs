@@ -172,6 +172,13 @@ impl CrossMoments {
         Self { count: self.count, sum: apply(&self.sum), products, batches }
     }
 
+    /// The moments of some components.
+    #[must_use]
+    pub fn part(&self, components: std::ops::Range<usize>) -> Self {
+        let unit = |k| (0..self.length()).map(|l| f64::from(u8::from(k == l))).collect();
+        self.combined(&components.map(unit).collect::<Vec<_>>())
+    }
+
     /// Effective number of samples of component i, (Σx)²/Σx² (Kish, *Survey Sampling*, 1965): how
     /// many equal samples would carry the sum of a positive quantity as evenly. All of them for a
     /// constant, a third for squares of centred normals, about one when a single sample dominates.

@@ -16,13 +16,10 @@ pub enum Point {
         se: f64,
         /// Lower end of a 95 % interval that allows for skewed errors, of strong points; elsewhere
         /// `value` ± 1.96 `se` is one.
-        #[serde(skip_serializing_if = "Option::is_none")]
         lo: Option<f64>,
         /// Its upper end.
-        #[serde(skip_serializing_if = "Option::is_none")]
         hi: Option<f64>,
-        /// Why no interval can be trusted here; absent where one can.
-        #[serde(skip_serializing_if = "Option::is_none")]
+        /// Why no interval can be trusted here; none where one can.
         warning: Option<String>,
     },
     /// What an accuracy costs.
@@ -47,5 +44,34 @@ impl Point {
     /// An error whose estimate is normal: `value` ± 1.96 `se` is its 95 % interval.
     pub fn normal(tau: f64, value: f64, se: f64) -> Self {
         Self::Error { tau, value, se, lo: None, hi: None, warning: None }
+    }
+
+    /// Whether the interval of a measured error contains the true one: [`lo`, `hi`] where there is
+    /// one, else `value` ± 1.96 `se`.
+    pub fn covers(&self, truth: f64) -> bool {
+        let Self::Error { value, se, lo, hi, .. } = *self else { return false };
+        let (lo, hi) = lo.zip(hi).unwrap_or((value - 1.96 * se, value + 1.96 * se));
+        lo <= truth && truth <= hi
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_covers_by_its_interval_or_by_its_standard_error() {
+        let normal = Point::normal(0.1, 2.0, 0.5);
+        // 2 ± 0.98.
+        for (truth, covered) in [(1.0, false), (1.03, true), (2.97, true), (3.0, false)] {
+            assert_eq!(normal.covers(truth), covered);
+        }
+        let (lo, hi) = (Some(1.5), Some(4.0));
+        let skewed = Point::Error { tau: 0.1, value: 2.0, se: 0.5, lo, hi, warning: None };
+        for (truth, covered) in [(1.4, false), (1.5, true), (3.0, true), (4.0, true), (4.1, false)]
+        {
+            assert_eq!(skewed.covers(truth), covered, "{truth}");
+        }
+        assert!(!Point::Cost { accuracy: 2.0, path_steps: 2 }.covers(2.0));
     }
 }

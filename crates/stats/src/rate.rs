@@ -6,6 +6,7 @@ use crate::{moments::FEW_SAMPLES, quantile::two_sided};
 
 /// A fitted order of convergence with a confidence interval.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Rate {
     /// The order p.
     pub estimate: f64,
@@ -15,81 +16,40 @@ pub struct Rate {
     pub hi: f64,
     /// Confidence of the interval, for example 0.95.
     pub confidence: f64,
-    /// Degrees of freedom of Student's quantile behind the interval; absent where it is the normal
+    /// Degrees of freedom of Student's quantile behind the interval; none where it is the normal
     /// one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub student_degrees: Option<f64>,
     /// The fit in words, made from the other fields.
     pub method: String,
-    /// What was fitted.
-    #[serde(default)]
-    pub model: Model,
     /// χ² of the residuals.
-    #[serde(default)]
     pub chi_square: f64,
     /// Its degrees of freedom.
-    #[serde(default)]
     pub degrees: usize,
     /// Lower end of a bootstrap interval over whole paths, of the same confidence.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bootstrap_lo: Option<f64>,
     /// Its upper end.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bootstrap_hi: Option<f64>,
-    /// A straight line through the same points.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub straight: Option<StraightLine>,
-    /// Coefficient b of the next order of the error over its standard error; absent where it was
+    /// Coefficient b of the next order of the error over its standard error; none where it was
     /// not fitted.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub curvature_t: Option<f64>,
     /// The smallest effective number of paths, (Σx)²/Σx² (Kish), among the step sizes measured.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_paths: Option<f64>,
     /// Step sizes that were left out of the fit because a few paths dominate their error.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub left_out: Vec<f64>,
     /// The coarsest step sizes, left out because the model does not fit with them.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub coarse: Vec<f64>,
-    /// The probability of residuals as large as these if the model is right; absent without
+    /// The probability of residuals as large as these if the model is right; none without
     /// degrees of freedom.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub p_value: Option<f64>,
-    /// Why the interval is not known to cover the order; absent where it is. With a `p_value` below
+    /// Why the interval is not known to cover the order; none where it is. With a `p_value` below
     /// 1e-5 no verdict is given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
 }
 
-/// What a fit of an order takes for the law of the errors.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Model {
-    /// Mean squares m that share paths: ln m = a + 2p ln τ + ln(1 + bτ), with b where
-    /// [`Rate::curvature_t`] is present.
-    #[default]
-    MeanSquares,
-    /// Independent positive errors: ln e = a + p ln τ + bτ + cτ².
-    Logarithms,
-    /// Signed errors: e(τ) = Aτᵖ + Bτ^{p+1} + …, with this many terms, or with every second power.
-    Powers {
-        /// What the errors are measured against.
-        against: Against,
-        /// Number of terms.
-        terms: u32,
-        /// Which powers follow the first.
-        #[serde(default, skip_serializing_if = "Expansion::has_every_power")]
-        expansion: Expansion,
-    },
-}
-
 /// The powers of τ in a weak error.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expansion {
     /// All from one on.
-    #[default]
     EveryPower,
     /// Two, four and so on: of means over a scheme and its adjoint.
     EvenPowers,
@@ -103,16 +63,10 @@ impl Expansion {
             Self::EvenPowers => 2.0,
         }
     }
-
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-    fn has_every_power(&self) -> bool {
-        *self == Self::EveryPower
-    }
 }
 
 /// What a signed error is measured against.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Against {
     /// The exact solution: e(τ).
     Exact,
@@ -121,26 +75,6 @@ pub enum Against {
     /// differences: they tell how fast a scheme converges, and not whether to the right limit.
     HalfStep,
 }
-
-/// A straight line through the points of a log–log plot, and whether the points lie on one.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct StraightLine {
-    /// Its slope, as an order.
-    pub estimate: f64,
-    /// Lower end of the slope's interval, which is right only if the points lie on a line.
-    pub lo: f64,
-    /// Upper end.
-    pub hi: f64,
-    /// χ² of the points about the line.
-    pub chi_square: f64,
-    /// Its degrees of freedom.
-    pub degrees: u32,
-    /// Whether χ² is beyond the 99 % quantile of Hotelling's T²: the points lie on no line.
-    pub refuted: bool,
-}
-
-/// Confidence at which a straight line is refuted.
-pub const STRAIGHT_CONFIDENCE: f64 = 0.99;
 
 /// Below this probability of its residuals a model is rejected.
 ///
@@ -151,6 +85,11 @@ pub const STRAIGHT_CONFIDENCE: f64 = 0.99;
 const REJECTED: f64 = 1e-5;
 
 impl Rate {
+    /// Whether the interval contains the order.
+    pub fn covers(&self, order: f64) -> bool {
+        self.lo <= order && order <= self.hi
+    }
+
     /// Whether the residuals reject the model. The interval then has no known coverage.
     pub fn misfits(&self) -> bool {
         self.p_value.is_some_and(|p| p.is_nan() || p < REJECTED)
@@ -169,6 +108,41 @@ impl Rate {
         let widening = quantile(confidence) / quantile(self.confidence);
         let reach = |end: f64| self.estimate + widening * (end - self.estimate);
         (reach(self.lo), reach(self.hi))
+    }
+
+    /// With [`method`](Self::method), after the law that was fitted, and [`warning`](Self::warning)
+    /// made from the other fields: the one place that words a fit.
+    pub(crate) fn described(mut self, law: &str) -> Self {
+        let (chi_square, degrees) = (self.chi_square, self.degrees);
+        let mut parts =
+            vec![format!("{law}, χ² = {chi_square:.1} with {degrees} degrees of freedom")];
+        if let Some((low, high)) = self.bootstrap_lo.zip(self.bootstrap_hi) {
+            parts.push(format!("bootstrap over paths [{low:.3}, {high:.3}]"));
+        }
+        let few = format!("fewer than {FEW_SAMPLES} effective paths carry the error");
+        let not_asymptotic = "the model does not fit with them";
+        for (taus, reason) in [(&self.left_out, &few[..]), (&self.coarse, not_asymptotic)] {
+            if !taus.is_empty() {
+                let taus: Vec<String> = taus.iter().map(|tau| format!("{tau:.3e}")).collect();
+                parts.push(format!("left out, since {reason}: τ = {}", taus.join(", ")));
+            }
+        }
+        let mut warnings = Vec::new();
+        if self.misfits() {
+            warnings.push(format!(
+                "the model does not fit: residuals so large have the probability {:.0e}, no order \
+                 can be read off",
+                self.p_value.unwrap_or(0.0)
+            ));
+        }
+        if self.rests_on_few_paths() {
+            let wider = format!("{few}: the interval is the wider of both at each end");
+            parts.push(wider.clone());
+            warnings.push(wider);
+        }
+        self.method = parts.join("; ");
+        self.warning = (!warnings.is_empty()).then(|| warnings.join("; "));
+        self
     }
 }
 
@@ -208,5 +182,57 @@ mod tests {
             let (lo, hi) = rate.interval(0.95);
             assert!((lo - 0.8).abs() < 1e-15 && (hi - 1.1).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn intervals_contain_their_ends_and_nothing_beyond() {
+        let rate = Rate { lo: 0.5, hi: 1.0, ..Rate::default() };
+        let covered = [0.4, 0.5, 0.7, 1.0, 1.1].map(|order| rate.covers(order));
+        assert_eq!(covered, [false, true, true, true, false]);
+    }
+
+    fn words(rate: Rate) -> String {
+        rate.described("a line").method
+    }
+
+    #[test]
+    fn what_was_left_out_is_listed_with_the_reason() {
+        let plain = words(Rate { chi_square: 1.26, degrees: 3, ..Rate::default() });
+        assert_eq!(plain, "a line, χ² = 1.3 with 3 degrees of freedom");
+        assert!(!plain.contains("left out") && !plain.contains("wider"), "{plain}");
+        let few = words(Rate {
+            left_out: vec![0.5, 0.25],
+            effective_paths: Some(3.0),
+            ..Rate::default()
+        });
+        let reason = "fewer than 30 effective paths carry the error";
+        assert!(few.ends_with(&format!("; left out, since {reason}: τ = 5.000e-1, 2.500e-1")));
+        let coarse = words(Rate { coarse: vec![0.5], ..Rate::default() });
+        assert!(
+            coarse.ends_with("; left out, since the model does not fit with them: τ = 5.000e-1")
+        );
+        let bootstrap =
+            Rate { bootstrap_lo: Some(0.25), bootstrap_hi: Some(0.5), ..Rate::default() };
+        assert!(words(bootstrap).ends_with("; bootstrap over paths [0.250, 0.500]"));
+    }
+
+    #[test]
+    fn a_misfit_and_few_paths_are_warnings() {
+        let of = |p_value, effective_paths| {
+            Rate { p_value, effective_paths, ..Rate::default() }.described("")
+        };
+        assert_eq!(of(Some(0.3), Some(30.0)).warning, None);
+        let misfit = of(Some(2e-6), Some(100.0)).warning.unwrap();
+        assert_eq!(
+            misfit,
+            "the model does not fit: residuals so large have the probability 2e-6, no order can be \
+             read off"
+        );
+        let few = of(None, Some(29.0));
+        let wider = "fewer than 30 effective paths carry the error: the interval is the wider of \
+                     both at each end";
+        assert_eq!(few.warning.as_deref(), Some(wider));
+        assert!(few.method.ends_with(&format!("; {wider}")));
+        assert_eq!(of(Some(2e-6), Some(29.0)).warning, Some(format!("{misfit}; {wider}")));
     }
 }

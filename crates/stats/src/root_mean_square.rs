@@ -1,6 +1,10 @@
 //! Root-mean-square errors with intervals.
 
-use crate::{bootstrap, describe::few_paths, moments::CrossMoments, point::Point};
+use crate::{
+    bootstrap,
+    moments::{CrossMoments, FEW_SAMPLES},
+    point::Point,
+};
 
 /// √m at every step size, where m is the mean of the squared errors: with a standard error by the
 /// delta method, se(√m) = se(m)/(2√m), a bootstrap-t interval, and a warning where a few paths
@@ -11,7 +15,12 @@ pub fn root_mean_squares(taus: &[f64], squares: &CrossMoments) -> Vec<Point> {
         let se_of_square = squares.covariance_of_means(l, l).sqrt();
         let se = if value > 0.0 { se_of_square / (2.0 * value) } else { 0.0 };
         let (lo, hi) = root_mean_square_interval(squares, l).unzip();
-        let warning = few_paths(squares.effective_samples(l));
+        let effective = squares.effective_samples(l);
+        let warning = (effective < FEW_SAMPLES).then(|| {
+            format!(
+                "only {effective:.0} effective paths carry the error; the interval may be too narrow"
+            )
+        });
         let finite = value.is_finite() && se.is_finite();
         finite.then_some(Point::Error { tau, value, se, lo, hi, warning })
     };
@@ -59,7 +68,8 @@ mod tests {
         assert!((hi.unwrap() / end(above) - 1.0).abs() < 1e-12);
         assert_eq!(root_mean_square_interval(&squares(), 0), lo.zip(*hi));
         let zero_is_known = matches!(zero, Point::Error { value: 0.0, se: 0.0, lo: None, .. });
-        assert!(zero_is_known && carried.warns(), "{points:?}");
+        let warned = matches!(carried, Point::Error { warning: Some(_), .. });
+        assert!(zero_is_known && warned, "{points:?}");
     }
 
     #[test]

@@ -8,10 +8,9 @@
 //! **Coarse steps.** While χ² rejects the model, the coarsest level is left out, down to four.
 
 use crate::{
-    describe::describe,
     mean_squares::{Bend, LogMeanSquares},
     moments::{CrossMoments, FEW_SAMPLES},
-    rate::{Rate, STRAIGHT_CONFIDENCE, StraightLine},
+    rate::Rate,
 };
 
 /// Fewer levels than this make no fit from which others have been left out.
@@ -25,7 +24,7 @@ const LEAST_LEVELS: usize = 4;
 /// Fits ln m = a + 2p ln τ + ln(1 + bτ) to the mean squares m with fixed weights
 /// ([`LogMeanSquares`]), and gives p with an interval by the delta method from the estimated
 /// covariance of the ln m, which share paths; beside it a bootstrap-t interval over whole paths
-/// (Efron and Tibshirani 1993), and the straight line with a test whether the points lie on one.
+/// (Efron and Tibshirani 1993).
 ///
 /// The term b is fitted from five levels on, two more than there are parameters, and with four
 /// where χ² rejects the straight line. The next order may also enter as (1 + bτ)² or 1 + bτ²: the
@@ -66,7 +65,6 @@ pub fn fit_strong(taus: &[f64], squares: &CrossMoments) -> Option<Rate> {
     let mut rate = Rate {
         bootstrap_lo: bootstrap.map(|(low, _)| low),
         bootstrap_hi: bootstrap.map(|(_, high)| high),
-        straight: curved.then(|| straight(&logarithms)).flatten(),
         effective_paths: Some(effective.fold(f64::INFINITY, f64::min)),
         left_out: left_out.iter().map(|&l| taus[l]).collect(),
         coarse,
@@ -81,14 +79,8 @@ pub fn fit_strong(taus: &[f64], squares: &CrossMoments) -> Option<Rate> {
     if let Some((low, high)) = bootstrap.filter(|_| rate.rests_on_few_paths()) {
         (rate.lo, rate.hi) = (rate.lo.min(low), rate.hi.max(high));
     }
-    Some(describe(rate))
-}
-
-/// The straight line through the points.
-fn straight(logarithms: &LogMeanSquares<'_>) -> Option<StraightLine> {
-    let Rate { estimate, lo, hi, chi_square, degrees, p_value, .. } = logarithms.fit(None)?.rate;
-    let refuted = p_value.is_some_and(|p| p < 1.0 - STRAIGHT_CONFIDENCE);
-    Some(StraightLine { estimate, lo, hi, chi_square, degrees: degrees as u32, refuted })
+    let bend = if curved { " + ln(1 + bτ)" } else { "" };
+    Some(rate.described(&format!("least squares, ln mean square = a + 2p ln τ{bend}")))
 }
 
 #[cfg(test)]
@@ -119,11 +111,11 @@ mod tests {
             let (taus, squares) = squares(64, levels, 0.1, factor);
             let rate = fit_strong(&taus, &squares).unwrap();
             assert!(rate.covers(1.0), "{rate:?}");
-            (rate.degrees, rate.curvature_t.is_some(), rate.straight.is_some())
+            (rate.degrees, rate.curvature_t.is_some())
         };
-        assert_eq!(degrees(5, |_| 1.0), (2, true, true));
-        assert_eq!(degrees(4, |_| 1.0), (2, false, false));
-        assert_eq!(degrees(4, |tau| 1.0 + 40.0 * tau), (1, true, true));
+        assert_eq!(degrees(5, |_| 1.0), (2, true));
+        assert_eq!(degrees(4, |_| 1.0), (2, false));
+        assert_eq!(degrees(4, |tau| 1.0 + 40.0 * tau), (1, true));
     }
 
     #[test]
@@ -179,14 +171,6 @@ mod tests {
         // All paths carry an error that scatters by 0.4 alike, but for the factor 1 + 0.4².
         let effective = rate.effective_paths.unwrap();
         assert!((effective - 256.0 / 1.16).abs() < 1e-9, "{effective}");
-        let line = logarithms.fit(None).unwrap().rate;
-        let straight = rate.straight.unwrap();
-        assert_eq!(
-            (straight.estimate, straight.lo, straight.hi),
-            (line.estimate, line.lo, line.hi)
-        );
-        assert_eq!((straight.chi_square, straight.degrees), (line.chi_square, 4));
-        assert_eq!(straight.refuted, line.p_value.unwrap() < 0.01);
     }
 
     #[test]

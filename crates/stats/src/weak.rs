@@ -3,19 +3,18 @@
 use std::ops::RangeInclusive;
 
 use crate::{
-    describe::describe,
     least_squares::{Weighting, diagonal},
     moments::CrossMoments,
     point::Point,
     quantile::{CONFIDENCE, chi_square_p_value, two_sided},
-    rate::{Against, Expansion, Model, Rate},
+    rate::{Against, Expansion, Rate},
 };
 
 /// Orders among which the weak order is looked for: 0 to 4, on a grid of 1/500.
 const ORDERS: RangeInclusive<u32> = 0..=4 * GRID;
 const GRID: u32 = 500;
 /// Errors that are nowhere this many standard errors away from zero are inside the noise.
-pub const NOISE: f64 = 4.0;
+const NOISE: f64 = 4.0;
 
 /// The weak order from signed errors at several step sizes with their covariance, coarsest first.
 ///
@@ -27,20 +26,12 @@ pub const NOISE: f64 = 4.0;
 /// it would pass off a small remainder as the leading term. If χ² rejects the model, the rate
 /// carries a warning ([`Rate::misfits`]).
 ///
+/// In even powers (`expansion`) an order below one is no candidate: the power two above it would be
+/// taken for the leading one.
+///
 /// `None` if no error stands out of the noise, if there are fewer than four levels, or if the
 /// covariance is singular.
 pub fn fit_weak(
-    taus: &[f64],
-    errors: &[f64],
-    covariance: &[Vec<f64>],
-    against: Against,
-) -> Option<Rate> {
-    fit_expansion(taus, errors, covariance, against, Expansion::EveryPower)
-}
-
-/// The same with the powers of an expansion. In even powers an order below one is no candidate: the
-/// power two above it would be taken for the leading one.
-fn fit_expansion(
     taus: &[f64],
     errors: &[f64],
     covariance: &[Vec<f64>],
@@ -62,8 +53,7 @@ fn fit_expansion(
     };
     for p in ORDERS.filter(|i| *i >= lowest).map(|i| f64::from(i) / f64::from(GRID)) {
         let powers = (0..terms).map(|term| p + expansion.step() * f64::from(term));
-        let column = |q| taus.iter().map(|&tau| against.power(tau, coarsest, q)).collect();
-        let design: Vec<Vec<f64>> = powers.clone().map(column).collect();
+        let design = against.design(taus, powers.clone());
         // With p = 0 against another step there is nothing to fit: a constant has no difference.
         let Some(fit) = weighting.fit(&design, errors) else {
             continue;
@@ -83,17 +73,24 @@ fn fit_expansion(
     let mut inside = profile.iter().filter(|(_, chi)| *chi <= allowed).map(|(p, _)| *p);
     let lo = inside.next()?;
     let degrees = levels - terms as usize - 1;
-    Some(describe(Rate {
+    let rate = Rate {
         estimate,
         lo,
         hi: inside.next_back().unwrap_or(lo),
         confidence: CONFIDENCE,
-        model: Model::Powers { against, terms, expansion },
         chi_square: least,
         degrees,
         p_value: chi_square_p_value(least, degrees),
         ..Rate::default()
-    }))
+    };
+    let what = match against {
+        Against::Exact => "error",
+        Against::HalfStep => "differences e(τ) − e(τ/2) of an error",
+    };
+    let next = (1..terms).map(|k| format!(" + cτ^(p+{})", f64::from(k) * expansion.step()));
+    let powers = next.collect::<String>();
+    let law = format!("profile of generalised least squares, {what} = aτ^p{powers}");
+    Some(rate.described(&law))
 }
 
 /// How much of the error at the finest step terms of order below `order` may be, at most: the upper
@@ -113,10 +110,8 @@ pub fn lower_share(
     if powers().count() > taus.len() {
         return None;
     }
-    let column = |q| taus.iter().map(|&tau| against.power(tau, coarsest, q)).collect();
-    let design: Vec<Vec<f64>> = powers().map(column).collect();
     let weighting = Weighting::new(covariance)?;
-    let fit = weighting.fit(&design, errors)?;
+    let fit = weighting.fit(&against.design(taus, powers()), errors)?;
     let quantile = two_sided(CONFIDENCE, None);
     let term = |(c, q): (usize, f64)| {
         let largest = fit.parameters[c].abs() + quantile * fit.covariance(c)[c].sqrt();
@@ -127,6 +122,12 @@ pub fn lower_share(
 }
 
 impl Against {
+    /// The columns of these powers at all step sizes.
+    fn design(self, taus: &[f64], powers: impl Iterator<Item = f64>) -> Vec<Vec<f64>> {
+        let column = |q| taus.iter().map(|&tau| self.power(tau, taus[0], q)).collect();
+        powers.map(column).collect()
+    }
+
     /// What τ^q contributes to the error measured at step τ, with all steps in units of `unit`.
     fn power(self, tau: f64, unit: f64, q: f64) -> f64 {
         let e = |tau: f64| (tau / unit).powf(q);
@@ -160,7 +161,7 @@ pub fn weak_errors(
         let variance = variances[l..finest].iter().sum::<f64>() + last * last * variances[finest];
         Point::normal(taus[l], error, variance.sqrt())
     };
-    let rate = fit_expansion(taus, &means, &diagonal(&variances), Against::HalfStep, expansion);
+    let rate = fit_weak(taus, &means, &diagonal(&variances), Against::HalfStep, expansion);
     ((0..taus.len()).map(point).collect(), rate)
 }
 
@@ -188,22 +189,35 @@ mod tests {
                 };
                 let errors: Vec<f64> = taus.iter().map(|&tau| error(tau)).collect();
                 let variances: Vec<f64> = errors.iter().map(|e| (1e-4 * e).powi(2)).collect();
-                let rate = fit_weak(&taus, &errors, &diagonal(&variances), against).unwrap();
+                let rate =
+                    fit_weak(&taus, &errors, &diagonal(&variances), against, Expansion::EveryPower)
+                        .unwrap();
                 assert_eq!(rate.estimate, p, "{rate:?}");
                 assert!(rate.chi_square < 1e-9 && rate.lo <= p && p <= rate.hi, "{rate:?}");
                 assert_eq!((rate.degrees, rate.confidence), (levels - terms as usize - 1, 0.95));
-                let expansion = Expansion::EveryPower;
-                assert_eq!(rate.model, Model::Powers { against, terms, expansion });
+                let third = rate.method.contains("error = aτ^p + cτ^(p+1) + cτ^(p+2), χ²");
+                assert_eq!(third, terms == 3, "{}", rate.method);
+                assert_eq!(rate.method.contains("differences"), against == Against::HalfStep);
                 assert_eq!(rate.p_value.is_some(), rate.degrees > 0);
                 assert!(rate.p_value.is_none_or(|p| p > 0.999) && rate.warning.is_none());
                 // Signs do not matter.
                 let negative: Vec<f64> = errors.iter().map(|e| -e).collect();
-                let same = fit_weak(&taus, &negative, &diagonal(&variances), against).unwrap();
+                let same = fit_weak(
+                    &taus,
+                    &negative,
+                    &diagonal(&variances),
+                    against,
+                    Expansion::EveryPower,
+                )
+                .unwrap();
                 assert_eq!((same.estimate, same.lo, same.hi), (rate.estimate, rate.lo, rate.hi));
             }
         }
         let three = taus(3);
-        assert!(fit_weak(&three, &three, &diagonal(&[1e-8; 3]), Against::Exact).is_none());
+        assert!(
+            fit_weak(&three, &three, &diagonal(&[1e-8; 3]), Against::Exact, Expansion::EveryPower)
+                .is_none()
+        );
     }
 
     #[test]
@@ -212,7 +226,7 @@ mod tests {
         let fit = |deviations: f64| {
             let mut variances = vec![1.0; 5];
             variances[2] = (taus[2] / deviations).powi(2);
-            fit_weak(&taus, &taus, &diagonal(&variances), Against::Exact)
+            fit_weak(&taus, &taus, &diagonal(&variances), Against::Exact, Expansion::EveryPower)
         };
         assert!(fit(3.99).is_none() && fit(4.01).is_some());
     }
@@ -222,7 +236,9 @@ mod tests {
         // 2τ − 3τ² at two step sizes more than parameters: as −3τ² + 2τ it would be of order two.
         let taus = [0.8, 0.4, 0.2, 0.1];
         let errors = taus.map(|tau| 2.0 * tau - 3.0 * tau * tau);
-        let rate = fit_weak(&taus, &errors, &diagonal(&[1e-10; 4]), Against::Exact).unwrap();
+        let rate =
+            fit_weak(&taus, &errors, &diagonal(&[1e-10; 4]), Against::Exact, Expansion::EveryPower)
+                .unwrap();
         assert!(rate.lo > 0.95 && rate.hi < 1.05, "{rate:?}");
     }
 
@@ -292,8 +308,6 @@ mod tests {
         }
         let rate = rate.unwrap();
         assert_eq!((points.len(), rate.estimate), (4, 1.0));
-        let (against, expansion) = (Against::HalfStep, Expansion::EveryPower);
-        assert_eq!(rate.model, Model::Powers { against, terms: 2, expansion });
     }
 
     #[test]
@@ -305,7 +319,7 @@ mod tests {
         let variances: Vec<f64> = errors.iter().map(|e| (1e-3 * e).powi(2)).collect();
         let fit = |expansion| {
             let variances = diagonal(&variances);
-            fit_expansion(&taus, &errors, &variances, Against::HalfStep, expansion).unwrap()
+            fit_weak(&taus, &errors, &variances, Against::HalfStep, expansion).unwrap()
         };
         let even = fit(Expansion::EvenPowers);
         assert!(even.estimate == 2.0 && even.lo > 1.98 && even.hi < 2.02, "{even:?}");
@@ -317,7 +331,7 @@ mod tests {
         let errors: Vec<f64> = taus.iter().map(|&tau| e(tau) - e(0.5 * tau)).collect();
         let variances = diagonal(&errors.iter().map(|e| (0.03 * e).powi(2)).collect::<Vec<_>>());
         let (against, even) = (Against::HalfStep, Expansion::EvenPowers);
-        let one = fit_expansion(&taus, &errors, &variances, against, even).unwrap();
+        let one = fit_weak(&taus, &errors, &variances, against, even).unwrap();
         assert!(one.hi < 1.5, "{one:?}");
     }
 }

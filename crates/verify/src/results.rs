@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 pub use plot::{Kind, Provenance, Series};
-pub use stats::{Point, Rate, StraightLine};
+pub use stats::{Point, Rate};
 
 pub use crate::evidence::{Bounded, DEVIATIONS, Evidence};
 pub use crate::verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};

@@ -21,15 +21,13 @@ pub struct Candidates<'a> {
     pub(super) reference: Arc<dyn Method + 'a>,
     /// Casimirs that the system does not name.
     pub(super) casimirs: Vec<Form>,
-    /// The scheme that errors are related to, by number.
-    pub(super) base: Option<usize>,
 }
 
 impl<'a> Candidates<'a> {
     /// No scheme yet, and this reference. It should have strong order one:
     /// [`SexpLevy`], or [`Sexp`] where noises commute.
     pub fn against(reference: Arc<dyn Method + 'a>) -> Self {
-        Self { schemes: Vec::new(), reference, casimirs: Vec::new(), base: None }
+        Self { schemes: Vec::new(), reference, casimirs: Vec::new() }
     }
 
     /// With this scheme, too.
@@ -48,8 +46,7 @@ impl<'a> Candidates<'a> {
 
     /// All schemes for `problem`: [`Sexp`] and, if it is for the system, [`SexpLi`], both with Lévy
     /// areas as well if the noises do not commute; [`Nv`] if it is for the system; [`Midpoint`],
-    /// [`Heun`] and [`EulerMaruyama`]. The reference is [`SexpLevy`]. Strong errors are related to
-    /// those of [`Heun`] on the same paths ([`StrongPoint::ratio`](super::StrongPoint::ratio)).
+    /// [`Heun`] and [`EulerMaruyama`]. The reference is [`SexpLevy`].
     ///
     /// If the system names no invariant, the linear and quadratic Casimirs that [`Facts`](crate::facts::Facts) have
     /// are measured.
@@ -92,7 +89,6 @@ impl<'a> Candidates<'a> {
             all = all.and(on(scheme));
         }
         all = all.and(on(Box::new(Midpoint)));
-        all.base = Some(all.schemes.len());
         all = all.and(on(Box::new(Heun))).and(on(Box::new(EulerMaruyama)));
         match system.invariants()[..] {
             [] => all.with_casimirs(casimirs_around(&Compiled::new(system, y0), &y0)),
@@ -101,8 +97,7 @@ impl<'a> Candidates<'a> {
     }
 
     /// All schemes for a system known at run time: [`Sexp`] and, if it is for the system,
-    /// [`SexpLi`] and [`Nv`]; [`Midpoint`], [`Heun`] and [`EulerMaruyama`]. Strong errors are
-    /// related to those of [`Heun`].
+    /// [`SexpLi`] and [`Nv`]; [`Midpoint`], [`Heun`] and [`EulerMaruyama`].
     ///
     /// The reference is [`Sexp`]. Where noises do not commute it is of strong order ½, as all of
     /// these schemes are, and needs many steps for an error that is small beside theirs.
@@ -121,7 +116,6 @@ impl<'a> Candidates<'a> {
             all = all.and(Setup::owning(problem, Box::new(nv))?.scheme);
         }
         all = all.and(scheme(&Midpoint)?);
-        all.base = Some(all.schemes.len());
         Ok(all.and(scheme(&Heun)?).and(scheme(&EulerMaruyama)?))
     }
 }

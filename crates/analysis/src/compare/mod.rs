@@ -38,11 +38,12 @@
 //!
 //! **Step sizes.** A pilot of 64 paths shows from which step size on no path of a scheme fails. Then
 //! all schemes run at T/2ᵏ on 256 paths, with finer and finer steps, until every scheme has an error
-//! below the wanted one, or has [`reach`](CompareSettings::reach) times the steps of the scheme that
-//! needs fewest, or the budget is spent. Errors are the same bits for the same seed, unless the
-//! budget stops them; the result says whether it did ([`Comparison::stopped`]). An error that was
-//! not reached is not priced; the steps that it needs are extrapolated and marked. Where paths at τ
-//! and τ/2 part ([`Strong::parts`]), no strong error is predicted.
+//! below the wanted one, or has 64 times the steps of the scheme that needs fewest, or the budget is
+//! spent. Expectations that are wanted, too, come from the same paths, 4096 and more. Errors are the
+//! same bits for the same seed, unless the budget stops them; the result says whether it did
+//! ([`Comparison::stopped`]). An error that was not reached is not priced; the steps that it needs
+//! are extrapolated and marked. Where paths at τ and τ/2 part ([`Sampled::parts`]), no strong error
+//! is predicted.
 //!
 //! **Budget.** Pilots, errors and times each get a part of it, and end when it is over.
 //!
@@ -52,36 +53,29 @@
 //! | item | job |
 //! |---|---|
 //! | [`compare`], [`Candidates`], [`CompareSettings`], [`Expectations`] | the call |
-//! | [`Comparison`], [`Verdicts`], [`Candidate`], [`Outcome`], [`Keeps`], [`Choice`] | what it says |
-//! | [`Grid`], [`Strong`], [`Weak`], [`Series`] | errors at given step sizes |
-//! | [`path_times`], [`Repetitions`], [`Time`] | processor times |
-//! | [`cost_at`], [`Curve`] | what an error costs between the points |
+//! | [`Comparison`], [`Answer`], [`Sampled`], [`Choice`] | what it says |
+//! | [`Candidate`], [`Outcome`], [`Keeps`], [`ErrorPoint`] | of each scheme |
+//! | [`path_times`] | processor times |
 
 mod candidates;
-mod cost;
 mod display;
-mod grid;
+mod errors;
 mod laws;
 mod own_areas;
 mod pilot;
-mod recommend;
 mod search;
 mod settings;
-mod strong;
 mod time;
-mod weak;
+mod verdict;
 
 use mc::Problem;
 use serde::{Deserialize, Serialize};
 
 pub use candidates::Candidates;
-pub use cost::{Curve, cost_at};
-pub use grid::{Grid, Sampled, Series, Timed};
-pub use recommend::{Candidate, Choice, Keeps, Measured, Outcome};
+pub use errors::{ErrorPoint, Sampled};
 pub use settings::{CompareError, CompareSettings, EXPERIMENTS, Expectations};
-pub use strong::{Ratio, Strong, StrongPoint};
-pub use time::{Repetitions, Time, path_times};
-pub use weak::{Cost, Weak, WeakObservable, WeakPoint};
+pub use time::path_times;
+pub use verdict::{Candidate, Choice, Keeps, Outcome};
 
 /// Errors and costs of several schemes, and which to take.
 ///
@@ -97,19 +91,13 @@ pub struct Comparison {
     /// The final time.
     pub t_end: f64,
     /// Whether there is damping.
-    #[serde(default)]
     pub damped: bool,
-    /// The invariants whose defects the points have: those that the system names, or the Casimirs
-    /// that were found.
-    pub invariants: Vec<String>,
-    /// Strong errors.
-    pub strong: Strong,
+    /// The paths behind all errors, and the reference.
+    pub sampled: Sampled,
     /// Which scheme for the wanted strong error.
-    pub for_error: Verdicts,
-    /// Weak errors, where expectations are wanted.
-    pub weak: Option<Weak>,
+    pub for_error: Answer,
     /// Which scheme for each expectation.
-    pub for_expectations: Vec<Verdicts>,
+    pub for_expectations: Vec<Answer>,
     /// What the budget cut short.
     pub stopped: Option<Stopped>,
     /// What the times are, in words.
@@ -120,11 +108,15 @@ pub struct Comparison {
 
 /// How the schemes fare at one wanted error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Verdicts {
+pub struct Answer {
     /// What the error is of: `y(T)`, path by path, or `E[φ]`.
     pub quantity: String,
     /// The wanted error.
     pub wanted: f64,
+    /// A bound of the error of the reference, with 95 %. It is in every interval.
+    pub reference_error: f64,
+    /// Of an expectation: that of the reference, and its standard error.
+    pub mean: Option<[f64; 2]>,
     /// The schemes in the order of the candidates.
     pub candidates: Vec<Candidate>,
     /// Which to take.
@@ -147,7 +139,7 @@ impl Comparison {
     }
 }
 
-impl Verdicts {
+impl Answer {
     /// The scheme to take, if one reaches the error.
     pub fn recommended(&self) -> Option<&str> {
         match self.choice {
@@ -159,7 +151,7 @@ impl Verdicts {
     /// How many times the cost of candidate `other` that of candidate `one` is, with its interval;
     /// no upper end where there is none. `None` unless both reach the error.
     pub fn ratio(&self, one: usize, other: usize) -> Option<(f64, f64, Option<f64>)> {
-        recommend::ratio(&self.candidates, one, other)
+        verdict::ratio(&self.candidates, one, other)
     }
 }
 

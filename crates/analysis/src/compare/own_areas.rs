@@ -19,15 +19,11 @@ use schemes::{Method, Step, Stepper};
 /// The method that areas are drawn with.
 const METHOD: AreaMethod = AreaMethod::MrongowiusRoessler;
 
-/// Terms behind an area of a step, for strong order one; `None` if they are too many.
-pub fn terms(tau: f64, noises: usize) -> Option<usize> {
-    METHOD.terms_for(strong_order_one_error(tau), tau, noises).ok()
-}
-
-/// δ(τ).
+/// δ(τ), with the terms of the series that strong order one asks for, unless they are too many.
 fn size(tau: f64, noises: usize) -> f64 {
     let asked = strong_order_one_error(tau);
-    terms(tau, noises).map_or(asked, |terms| METHOD.rms_error(tau, terms, noises))
+    let terms = METHOD.terms_for(asked, tau, noises);
+    terms.map_or(asked, |terms| METHOD.rms_error(tau, terms, noises))
 }
 
 /// The scheme as users have it: with Lévy areas as it would draw them, if it reads areas.

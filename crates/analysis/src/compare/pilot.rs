@@ -3,11 +3,10 @@
 use std::sync::{Arc, mpsc};
 use std::{thread, time::Duration};
 
-use mc::{Ladder, LadderError, Problem, Run, View, parts::Stop};
-use noise::{StreamKey, Truncation};
+use mc::{Ladder, LadderError, Run, View, parts::Stop};
 use schemes::Method;
 
-use super::{Outcome, own_areas::as_drawn};
+use super::{Outcome, own_areas::as_drawn, search::Search};
 use crate::{
     FinalMoments, StepSizes, Stopwatch,
     orders::{Consistency, Subject, single_steps},
@@ -31,30 +30,29 @@ pub struct Known {
 }
 
 impl Known {
-    /// Runs the scheme at step sizes from T/`base` on until no path fails, and checks single steps.
-    pub fn new(
-        scheme: &Arc<dyn Method + '_>,
-        problem: &Problem<'_>,
-        truncation: Truncation,
-        key: StreamKey,
-        base: u64,
+    /// Runs the scheme with finer and finer steps until no path fails, and checks single steps.
+    pub fn new<'a>(
+        scheme: &Arc<dyn Method + 'a>,
+        search: &Search<'a>,
         stop: &Stop,
     ) -> Result<Self, LadderError> {
+        let (problem, truncation) = (search.problem, search.settings.truncation);
         let (mut excluded, mut seconds) = (Outcome::NotMeasured, 0.0);
         for first in 0..=FINEST {
-            let steps = base << first;
+            let steps = search.base << first;
             let runs = vec![Run::new(as_drawn(scheme), 0)];
-            let ladder = Ladder::new(problem, steps, 0, truncation, key, runs)?;
-            let nothing = |_: &View<'_>, _: usize, _: &mut [f64]| ();
-            let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
+            let ladder = Ladder::new(problem, steps, 0, truncation, search.key(1), runs)?;
+            let nothing = |_: &View<'_>, _: &mut [_]| ();
+            let new = || FinalMoments::of_rows(ladder.coarse_steps(), 0, &nothing);
             let watch = Stopwatch::start();
             let failures = ladder.run_until(stop, 0, PATHS, new, &|_| ()).failures;
             seconds = watch.wall_s() / (PATHS * steps) as f64;
             if let Some(failure) = failures.first() {
                 excluded = Outcome::Fails(failure.to_string());
             } else if !stop.is_asked() {
-                let sizes = StepSizes { levels: 1, ..StepSizes::new(steps, truncation, key) };
+                let sizes = StepSizes::new(steps, truncation, search.key(1));
                 let subject = Subject { problem, scheme };
+                let sizes = StepSizes { levels: 1, ..sizes };
                 let excluded = match single_steps(subject, &sizes, stop)? {
                     Consistency::Inconsistent(defect) => Some(Outcome::Inconsistent(defect)),
                     _ => None,

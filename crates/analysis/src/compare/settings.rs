@@ -12,10 +12,9 @@ pub struct CompareSettings<'a> {
     pub expectations: Option<Expectations<'a>>,
     /// Seconds of wall time. When they are spent, what was found so far is the answer.
     pub budget_s: f64,
-    /// Paths behind strong errors, 32 at least.
+    /// Paths behind errors, 32 at least; more where expectations need them, and 32 where there is
+    /// no time.
     pub samples: u64,
-    /// A scheme gets at most so many times the steps of the scheme that needs fewest.
-    pub reach: u64,
     /// How increments are truncated.
     pub truncation: Truncation,
     /// Which noise. Comparisons use the experiments from this one on, [`EXPERIMENTS`] of them.
@@ -32,7 +31,7 @@ pub struct Expectations<'a> {
 }
 
 /// Numbers of experiments that a comparison takes.
-pub const EXPERIMENTS: u64 = 4;
+pub const EXPERIMENTS: u64 = 3;
 /// Paths without which there are no intervals.
 pub(super) const LEAST_SAMPLES: u64 = 32;
 
@@ -54,16 +53,9 @@ pub enum CompareError {
         /// The given value.
         value: f64,
     },
-    /// A number that is too small.
-    #[error("the {what} must be at least {least}, got {value}")]
-    TooFew {
-        /// Which.
-        what: &'static str,
-        /// The least.
-        least: u64,
-        /// The given value.
-        value: u64,
-    },
+    /// Too few paths for an interval.
+    #[error("the number of paths must be at least {LEAST_SAMPLES}, got {0}")]
+    FewPaths(u64),
     /// The reference fails on pilot paths at every step size.
     #[error(
         "{scheme} fails on pilot paths with {steps} steps, too: {failure}; take a shorter final \
@@ -89,36 +81,28 @@ pub enum CompareError {
 }
 
 impl CompareSettings<'_> {
-    /// A strong error, on this noise: 256 paths, no expectations, a minute, 64 times the fewest
-    /// steps.
+    /// A strong error, on this noise: 256 paths, no expectations, a minute.
     pub fn new(error: f64, truncation: Truncation, key: StreamKey) -> Self {
-        let (expectations, budget_s, samples, reach) = (None, 60.0, 256, 64);
-        Self { error, expectations, budget_s, samples, reach, truncation, key }
+        Self { error, expectations: None, budget_s: 60.0, samples: 256, truncation, key }
     }
 
     /// Refuses what cannot be done.
     pub(super) fn check(&self, schemes: usize) -> Result<(), CompareError> {
-        if schemes == 0 {
-            return Err(CompareError::NoScheme);
-        }
-        let accuracy =
-            self.expectations.as_ref().map(|wanted| ("wanted accuracy", wanted.accuracy));
-        for (what, value) in
-            [("wanted error", self.error), ("budget", self.budget_s)].into_iter().chain(accuracy)
-        {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(CompareError::NotPositive { what, value });
+        let accuracy = self.expectations.map_or(1.0, |wanted| wanted.accuracy);
+        let numbers = [
+            ("wanted error", self.error),
+            ("budget", self.budget_s),
+            ("wanted accuracy", accuracy),
+        ];
+        let wrong = numbers.into_iter().find(|(_, value)| !(*value > 0.0 && value.is_finite()));
+        match wrong {
+            _ if schemes == 0 => Err(CompareError::NoScheme),
+            Some((what, value)) => Err(CompareError::NotPositive { what, value }),
+            None if self.samples < LEAST_SAMPLES => Err(CompareError::FewPaths(self.samples)),
+            None if self.expectations.is_some_and(|wanted| wanted.observables.is_empty()) => {
+                Err(CompareError::NoObservable)
             }
-        }
-        let few = [("number of paths", LEAST_SAMPLES, self.samples), ("reach", 1, self.reach)];
-        for (what, least, value) in few {
-            if value < least {
-                return Err(CompareError::TooFew { what, least, value });
-            }
-        }
-        match &self.expectations {
-            Some(wanted) if wanted.observables.is_empty() => Err(CompareError::NoObservable),
-            _ => Ok(()),
+            None => Ok(()),
         }
     }
 }

@@ -17,8 +17,8 @@ use schemes::Step;
 
 use super::{
     StepSizes,
+    runs::Visit,
     steps::{Steps, Subject},
-    visits::Visit,
 };
 
 /// What single steps show as τ → 0.

@@ -43,12 +43,7 @@ pub fn record_length(sizes: usize, levels: usize) -> usize {
 
 /// The squares of successive differences in a record.
 pub fn differences(record: &CrossMoments, sizes: usize, levels: usize) -> CrossMoments {
-    let unit = |k: usize| {
-        let mut row = vec![0.0; record.length()];
-        row[2 * levels + k] = 1.0;
-        row
-    };
-    record.combined(&(0..sizes - 1).map(unit).collect::<Vec<_>>())
+    record.part(2 * levels..2 * levels + sizes - 1)
 }
 
 /// Root-mean-square errors against the limit at the first step sizes, for errors of these orders,

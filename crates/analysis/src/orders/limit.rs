@@ -17,9 +17,8 @@ use super::{
     difference,
     errors::squared_distance,
     evaluate,
-    runs::measure,
+    runs::{Visit, measure},
     steps::Subject,
-    visits::Visit,
 };
 
 /// Whether a scheme converges to the solution, the limit of another scheme, or the exact solution.
@@ -84,31 +83,34 @@ pub fn limit(
     reference: &ReferenceSolution<'_>,
     what: Measure<'_>,
 ) -> Result<Limit, LadderError> {
-    let compare = |other: Other<'_>| match what {
-        Measure::Strong => {
-            let sizes = StepSizes { samples: sizes.samples.min(STRONG_PATHS), ..*sizes };
-            compare_strong(subject, &sizes, other)
-        }
-        Measure::Weak(_) => compare_weak(subject, sizes, other, what),
+    // With the exact solution or another scheme; `None` if paths fail that would not fail with the
+    // scheme alone, or if the schemes are the same one.
+    let compare = |exact: Option<&Exact<'_>>, other: Option<&Arc<dyn Method + '_>>| {
+        let samples = match what {
+            Measure::Strong => sizes.samples.min(STRONG_PATHS),
+            Measure::Weak(_) => sizes.samples,
+        };
+        let moments = moments(subject, &StepSizes { samples, ..*sizes }, exact, other, what)?;
+        let with = other.map_or("exact solution", |other| other.id());
+        Ok::<_, LadderError>(moments.and_then(|moments| match what {
+            Measure::Strong => strong_limit(&moments, with),
+            Measure::Weak(_) => weak_limit(&moments, with, other.is_some()),
+        }))
     };
     match reference {
         ReferenceSolution::Exact(exact) => {
-            Ok(compare(Other::Exact(exact))?.unwrap_or(Limit::Unchecked))
+            Ok(compare(Some(exact), None)?.unwrap_or(Limit::Unchecked))
         }
         ReferenceSolution::Scheme(other) => {
-            Ok(compare(Other::Scheme(other))?.unwrap_or(Limit::Unchecked))
+            Ok(compare(None, Some(other))?.unwrap_or(Limit::Unchecked))
         }
         ReferenceSolution::Independent(others) => {
             let mut paths = Limit::Unchecked;
             for other in others {
+                paths = compare(None, Some(other))?.unwrap_or(paths);
                 // One scheme may need finer steps than the other.
-                match compare(Other::Scheme(other))? {
-                    Some(unclear @ Limit::Unclear { .. }) => paths = unclear,
-                    Some(limit) => {
-                        paths = limit;
-                        break;
-                    }
-                    None => {}
+                if !matches!(paths, Limit::Unclear { .. } | Limit::Unchecked) {
+                    break;
                 }
             }
             let law = matches!(what, Measure::Weak(_));
@@ -134,40 +136,20 @@ fn combine(steps: Consistency, paths: Limit) -> Limit {
     }
 }
 
-/// What a scheme is compared with.
-enum Other<'a> {
-    Scheme(&'a Arc<dyn Method + 'a>),
-    Exact(&'a Exact<'a>),
-}
-
-impl Other<'_> {
-    fn name(&self) -> &'static str {
-        match self {
-            Self::Scheme(scheme) => scheme.id(),
-            Self::Exact(_) => "exact solution",
-        }
-    }
-}
-
 /// Moments of the [`distances`] of the states of the scheme and of the other one at the levels 0, 1
 /// and [`SPAN`]; `None` if paths fail that would not fail with the scheme alone.
 fn moments<'a>(
     subject: Subject<'a>,
     sizes: &StepSizes,
-    other: &Other<'a>,
+    exact: Option<&Exact<'a>>,
+    other: Option<&Arc<dyn Method + 'a>>,
     what: Measure<'_>,
 ) -> Result<Option<CrossMoments>, LadderError> {
     let on_levels = |scheme: &Arc<dyn Method + 'a>| {
         [0, 1, SPAN].map(|level| Run::new(Arc::clone(scheme), level))
     };
-    let mut runs = Vec::from(on_levels(subject.scheme));
-    let exact = match *other {
-        Other::Exact(exact) => Some(exact),
-        Other::Scheme(other) => {
-            runs.extend(on_levels(other));
-            None
-        }
-    };
+    let runs: Vec<Run<'_>> =
+        [subject.scheme].into_iter().chain(other).flat_map(on_levels).collect();
     let of_view = |view: &View<'_>, numbers: &mut [Row]| {
         let state = |run: usize| view.state(run);
         let solution = exact.map(|exact| exact.rows(view, subject.problem.y0.len()));
@@ -201,18 +183,8 @@ fn distances(what: Measure<'_>, y: [&[Row]; 3], z: [&[Row]; 3], live: PathMask) 
     }
 }
 
-/// The distance of the limits, (E|y − z|²)^½, from the mean squares X at two step sizes that are
-/// 2^[`SPAN`] apart.
-fn compare_strong(
-    subject: Subject<'_>,
-    sizes: &StepSizes,
-    other: Other<'_>,
-) -> Result<Option<Limit>, LadderError> {
-    let moments = moments(subject, sizes, &other, Measure::Strong)?;
-    Ok(moments.and_then(|moments| strong_limit(&moments, other.name())))
-}
-
-/// That from the means of [`distances`]; `None` if the schemes are the same one.
+/// The distance of the limits, (E|y − z|²)^½, from the means of [`distances`], mean squares at two
+/// step sizes that are 2^[`SPAN`] apart; `None` if the schemes are the same one.
 fn strong_limit(moments: &CrossMoments, with: &'static str) -> Option<Limit> {
     let [near, own, others] = [1, 2, 3].map(|i| moments.mean(i));
     if near <= SAME * SAME * own {
@@ -260,20 +232,9 @@ pub fn wrong_limit(errors: &CrossMoments, differences: &CrossMoments) -> Option<
         .then_some(near.sqrt())
 }
 
-/// The distance of the limits, |E[φ(y) − φ(z)]|, from the finest step. Either error is at most its
-/// last difference, as for order one, or half of the one before.
-fn compare_weak(
-    subject: Subject<'_>,
-    sizes: &StepSizes,
-    other: Other<'_>,
-    what: Measure<'_>,
-) -> Result<Option<Limit>, LadderError> {
-    let moments = moments(subject, sizes, &other, what)?;
-    let scheme = matches!(other, Other::Scheme(_));
-    Ok(moments.and_then(|moments| weak_limit(&moments, other.name(), scheme)))
-}
-
-/// That from the means of [`distances`]; `None` if the schemes are the same one, where they may be.
+/// The distance of the limits, |E[φ(y) − φ(z)]|, from the means of [`distances`] at the finest step.
+/// Either error is at most its last difference, as for order one, or half of the one before. `None`
+/// if the schemes are the same one, where they may be.
 fn weak_limit(moments: &CrossMoments, with: &'static str, may_be_same: bool) -> Option<Limit> {
     let half_width = |i: usize| half_width(moments, i);
     let [near, own, others, coarse] = [0, 1, 2, 3].map(|i| moments.mean(i).abs());

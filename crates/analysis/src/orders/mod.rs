@@ -22,15 +22,13 @@ mod decision;
 mod errors;
 mod limit;
 mod one_step;
+mod order;
 mod reference;
 mod runs;
 mod step_sizes;
 mod steps;
-mod strong;
 #[cfg(test)]
 mod tests;
-mod visits;
-mod weak;
 mod within;
 
 use mc::{LadderError, Observe, parts::Stop};
@@ -38,17 +36,16 @@ use stats::{Point, Rate};
 
 pub(crate) use consistency::Consistency;
 pub(crate) use errors::squared_distance;
+pub(crate) use order::{difference, evaluate};
 pub(crate) use steps::Subject;
-pub(crate) use weak::{difference, evaluate};
 
 pub use decision::Decision;
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
+pub use order::{strong_order, weak_order};
 pub use reference::{Exact, ReferenceSolution};
 pub use runs::exact_mean;
 pub use step_sizes::StepSizes;
-pub use strong::strong_order;
-pub use weak::weak_order;
 
 /// The order of one scheme, with what it rests on.
 ///
@@ -95,6 +92,6 @@ pub(crate) fn single_steps(
     sizes: &StepSizes,
     stop: &Stop,
 ) -> Result<Consistency, LadderError> {
-    let visits = visits::visits_of(subject, sizes, consistency::VISITS as u64, stop)?;
+    let visits = runs::visits_of(subject, sizes, consistency::VISITS as u64, stop)?;
     Ok(consistency::consistency(subject, sizes, &visits, false, stop))
 }

@@ -16,8 +16,8 @@ use real::WIDTH;
 
 use super::{
     StepSizes,
+    runs::Visit,
     steps::{OneAndTwo, Steps, Subject},
-    visits::Visit,
 };
 
 /// The order of the error of one step, a multiple of ½: E|δ|² ∝ τ^{2q}.

@@ -8,7 +8,7 @@ use nonlin::BlockStatus;
 use real::{PathMask, Row, WIDTH};
 use schemes::{Method, Step, Stepper};
 
-use super::visits::Visit;
+use super::runs::Visit;
 
 /// A scheme on the system of a problem.
 #[derive(Clone, Copy)]

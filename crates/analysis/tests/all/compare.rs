@@ -2,8 +2,8 @@
 
 use analysis::OtherNoise;
 use analysis::compare::{
-    Candidates, Choice, CompareError, CompareSettings, Comparison, Expectations, Outcome, Series,
-    StrongPoint, compare,
+    Candidates, Choice, CompareError, CompareSettings, Comparison, ErrorPoint, Expectations,
+    Outcome, compare,
 };
 use mc::{Observable, bind};
 use noise::{BlockNoise, Noise, StreamKey, Truncation};
@@ -79,50 +79,18 @@ fn intervals_contain_the_strong_errors_that_are_known() {
             compare(&mc::Problem::of(&problem), &candidates, &settings(0.02, seed)).unwrap();
         assert!(comparison.recommended().is_some(), "{comparison}");
         let exact_error = [cayley, cayley, heun, em];
-        for (series, a) in comparison.strong.series.iter().zip(exact_error) {
+        for (one, a) in comparison.for_error.candidates.iter().zip(exact_error) {
             // Truncated increments are those of coarse steps.
-            for point in series.points.iter().filter(|point| point.resolved && point.steps >= 16) {
+            for point in one.points.iter().filter(|point| point.resolved && point.steps >= 16) {
                 let exact = exact(point.steps, a);
                 points += 1;
-                if !(point.lo.unwrap() <= exact && exact <= point.hi.unwrap()) {
-                    misses.push(format!("{} {exact} {point:?}", series.scheme));
+                if !(point.lo <= exact && exact <= point.hi) {
+                    misses.push(format!("{} {exact} {point:?}", one.scheme));
                 }
             }
         }
     }
     assert!(points > 40 && 10 * misses.len() <= points, "{points} {misses:?}");
-}
-
-#[test]
-fn ratios_to_heun_contain_those_that_are_known() {
-    let problem = kubo(OMEGA, SIGMA);
-    let (mut points, mut misses, mut shorter) = (0, Vec::new(), 0);
-    for seed in 1..=4 {
-        let found =
-            compare(&mc::Problem::of(&problem), &Candidates::all(&problem), &settings(0.02, seed))
-                .unwrap();
-        let [sexp, _, _, midpoint, base, em_series] = &found.strong.series[..] else {
-            panic!("{found}")
-        };
-        assert!(base.points.iter().all(|point| point.ratio.is_none()), "{base:?}");
-        for (series, a) in
-            [(sexp, cayley as fn(f64, f64) -> Complex), (midpoint, cayley), (em_series, em)]
-        {
-            for point in series.points.iter().filter(|point| point.steps >= 16) {
-                let Some(ratio) = point.ratio else { continue };
-                let known = exact(point.steps, a) / exact(point.steps, heun);
-                points += 1;
-                if !(ratio.lo <= known && known <= ratio.hi) {
-                    misses.push(format!("{} {known} {point:?}", series.scheme));
-                }
-                let alone = point.hi.unwrap() / point.lo.unwrap();
-                shorter += usize::from(ratio.hi / ratio.lo < alone);
-            }
-        }
-    }
-    assert!(points > 12 && 10 * misses.len() <= points, "{points} {misses:?}");
-    // Shared chance cancels: most are narrower than the interval of one of the two errors.
-    assert!(2 * shorter > points, "{shorter} of {points}");
 }
 
 #[test]
@@ -144,12 +112,12 @@ fn all_schemes_are_compared_and_expectations_are_priced() {
     let expectation = &comparison.for_expectations[0];
     assert!(expectation.recommended().is_some_and(|scheme| names.contains(&scheme)), "{text}");
     // E y₁(1) = cos ω e^{−σ²/2}.
-    let observable = &comparison.weak.as_ref().unwrap().observables[0];
     let exact = OMEGA.cos() * (-0.5 * SIGMA * SIGMA).exp();
-    let error = (observable.reference_mean - exact).abs();
-    assert!(error < 4.0 * observable.reference_se + observable.reference_error, "{observable:?}");
+    let [mean, se] = expectation.mean.unwrap();
+    let error = (mean - exact).abs();
+    assert!(error < 4.0 * se + expectation.reference_error, "{expectation:?}");
     // With four steps `nv` has the least bias by far.
-    let coarse = |s: usize| &observable.series[s].points[0];
+    let coarse = |s: usize| &expectation.candidates[s].points[0];
     let nv = coarse(2);
     for (other, name) in names.iter().enumerate().filter(|(_, name)| **name != "nv") {
         assert_eq!((nv.steps, coarse(other).steps), (4, 4));
@@ -195,17 +163,16 @@ fn weak_order_two_is_compared_with_and_without_flows_of_parts() {
             found.for_error.candidates.iter().map(|one| one.scheme.as_str()).collect();
         assert_eq!(names, [&areas, split, &others].concat());
         let nv = names.iter().position(|name| *name == "nv").unwrap();
-        assert_eq!(found.for_error.candidates[nv].keeps(), Some(true), "{found}");
+        assert!(found.for_error.candidates[nv].keeps.casimirs, "{found}");
         let verdicts = &found.for_expectations[0];
         assert!(matches!(verdicts.candidates[nv].outcome, Outcome::Reached { .. }), "{found}");
     }
 }
 
 /// Everything but times.
-fn errors(comparison: &Comparison) -> Vec<Series<StrongPoint>> {
-    let mut series = comparison.strong.series.clone();
-    series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.time = None);
-    series
+fn errors(comparison: &Comparison) -> Vec<ErrorPoint> {
+    let points = comparison.for_error.candidates.iter().flat_map(|one| one.points.clone());
+    points.map(|point| ErrorPoint { time: None, ..point }).collect()
 }
 
 #[test]
@@ -244,7 +211,7 @@ fn a_wrong_coefficient_is_not_recommended_and_a_wrong_reference_is_named() {
     assert!(matches!(third.outcome, Outcome::Reached { .. }), "{comparison}");
     assert_eq!(comparison.recommended(), Some("sexp"));
     // No path of the others is lost to the scheme that fails.
-    assert_eq!(comparison.strong.sampled.failed, 0);
+    assert_eq!(comparison.sampled.failed, 0);
 
     let candidates = Candidates::against(bind(&problem, &wrong)).and(bind(&problem, &Sexp));
     let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings(0.02, 1)).unwrap();
@@ -288,8 +255,6 @@ fn bad_requests_are_refused_and_the_value_is_named() {
     assert_eq!(message, "the budget must be positive and finite, got -2");
     let message = refused(&CompareSettings { samples: 31, ..right });
     assert_eq!(message, "the number of paths must be at least 32, got 31");
-    let message = refused(&CompareSettings { reach: 0, ..right });
-    assert_eq!(message, "the reach must be at least 1, got 0");
     let none = Expectations { observables: &[], accuracy: 0.1 };
     let message = refused(&CompareSettings { expectations: Some(none), ..right });
     assert!(message.contains("at least one test function"), "{message}");

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use analysis::compare::{
-    Candidates, Choice, CompareError, CompareSettings, Comparison, Expectations, Keeps, Outcome,
-    compare,
+    Candidates, Choice, CompareError, CompareSettings, Comparison, ErrorPoint, Expectations, Keeps,
+    Outcome, compare,
 };
 use formula::{Definition, FormulaSystem};
 use mc::{Observable, RowFunction, Setup};
@@ -31,24 +31,22 @@ fn near(a: f64, b: f64, part: f64) -> bool {
 /// Errors of the same schemes with the same steps agree to round-off.
 fn check_same(one: &Comparison, other: &Comparison) {
     assert_eq!((one.dimension, one.noises), (other.dimension, other.noises));
-    let (a, b) = (&one.strong, &other.strong);
+    let (a, b) = (&one.for_error, &other.for_error);
     assert!(near(a.reference_error, b.reference_error, 1e-6), "{one}\n{other}");
-    assert_eq!(a.series.len(), b.series.len());
-    for (a, b) in a.series.iter().zip(&b.series) {
+    assert_eq!(a.candidates.len(), b.candidates.len());
+    for (a, b) in a.candidates.iter().zip(&b.candidates) {
         assert_eq!((&a.scheme, a.points.len()), (&b.scheme, b.points.len()), "{one}\n{other}");
         for (a, b) in a.points.iter().zip(&b.points) {
             assert_eq!((a.steps, a.resolved), (b.steps, b.resolved));
             assert!(near(a.error, b.error, 1e-8) && near(a.se, b.se, 1e-6), "{a:?} {b:?}");
         }
     }
-    let all = one.weak.iter().flat_map(|weak| &weak.observables);
-    let others = other.weak.iter().flat_map(|weak| &weak.observables);
     assert_eq!(one.for_expectations.len(), other.for_expectations.len());
-    for (a, b) in all.zip(others) {
-        assert!(near(a.reference_mean, b.reference_mean, 1e-9), "{a:?} {b:?}");
-        for (a, b) in a.series.iter().zip(&b.series) {
+    for (a, b) in one.for_expectations.iter().zip(&other.for_expectations) {
+        assert!(near(a.mean.unwrap()[0], b.mean.unwrap()[0], 1e-9), "{a:?} {b:?}");
+        for (a, b) in a.candidates.iter().zip(&b.candidates) {
             for (a, b) in a.points.iter().zip(&b.points) {
-                assert!((a.bias - b.bias).abs() < 1e-10 && near(a.se, b.se, 1e-6), "{a:?} {b:?}");
+                assert!((a.error - b.error).abs() < 1e-10 && near(a.se, b.se, 1e-6), "{a:?} {b:?}");
             }
         }
     }
@@ -81,12 +79,10 @@ fn errors_on_texts_are_those_on_compiled_systems() {
     let Choice::Take { scheme, .. } = other.for_error.choice else { panic!("{other}") };
     let reached = &other.for_error.candidates[scheme].outcome;
     assert!(matches!(reached, Outcome::Reached { .. }), "{other}");
-    let series = &other.strong.series[scheme];
-    assert!(series.points.iter().any(|point| point.resolved && point.hi.unwrap() <= 0.01));
+    let taken = &other.for_error.candidates[scheme];
+    assert!(taken.points.iter().any(|point| point.resolved && point.hi <= 0.01));
     assert!(other.for_expectations[0].recommended().is_some(), "{other}");
     assert!(other.to_string().contains("texts: D = 2, M = 1"), "{other}");
-    // Errors relative to Heun.
-    assert!(other.strong.series[0].points.iter().any(|point| point.ratio.is_some()), "{other}");
 }
 
 #[test]
@@ -102,11 +98,10 @@ fn casimirs_that_were_found_are_measured_on_texts() {
     let all = all.with_casimirs(found);
     let problem = mc::Problem::at_run_time(&texts);
     let comparison = compare(&problem, &all, &settings(0.02)).unwrap();
-    assert_eq!(comparison.invariants.len(), 1);
-    let [sexp, heun] = &comparison.strong.series[..] else { panic!("{comparison}") };
+    let [sexp, heun] = &comparison.for_error.candidates[..] else { panic!("{comparison}") };
     // The law of |y|² holds to round-off for `sexp`, and to the error of the scheme for `heun`.
-    assert!(sexp.points.iter().all(|point| point.defects[0] < 1e-12), "{sexp:?}");
-    assert!(heun.points.iter().all(|point| point.defects[0] > 1e-6), "{heun:?}");
+    assert!(sexp.points.iter().all(|point| point.defect.unwrap() < 1e-12), "{sexp:?}");
+    assert!(heun.points.iter().all(|point| point.defect.unwrap() > 1e-6), "{heun:?}");
 }
 
 #[test]
@@ -156,7 +151,7 @@ fn paths_that_part_are_said_to_part() {
     let pendulum = texts("q p", &["1"], "p^2/2-cos(q)", &["0.1*q"]);
     let found = of_texts((&pendulum, &[2.0, 0.0], 500.0), 0.1, 4.0);
     assert_eq!(found.for_error.choice, Choice::NoneReaches);
-    assert!(found.strong.parts(), "{found}");
+    assert!(found.sampled.parts(), "{found}");
     let text = found.to_string();
     for words in ["paths part", "casimir expect", "about "] {
         assert!(text.contains(words), "{words} is not in\n{text}");
@@ -164,7 +159,7 @@ fn paths_that_part_are_said_to_part() {
     assert!(!text.contains("inf") && !text.contains("> 0"), "{text}");
     // The twin: in a short time they do not part.
     let found = of_texts((&pendulum, &[2.0, 0.0], 1.0), 0.01, 20.0);
-    assert!(!found.strong.parts() && found.recommended().is_some(), "{found}");
+    assert!(!found.sampled.parts() && found.recommended().is_some(), "{found}");
 }
 
 #[test]
@@ -196,9 +191,8 @@ fn what_was_not_reached_is_extrapolated_and_marked() {
     let text = found.to_string();
     // Heun has order one here, so that steps times error stay.
     let heun = found.for_error.candidates.iter().find(|one| one.scheme == "heun").unwrap();
-    let Outcome::NotReached { steps, error, needs, resolved, .. } = heun.outcome else {
-        panic!("{text}")
-    };
+    let Outcome::NotReached { needs, .. } = heun.outcome else { panic!("{text}") };
+    let &ErrorPoint { steps, error, resolved, .. } = heun.point().unwrap();
     let predicted = steps as f64 * error / 1e-8;
     assert!(resolved && error > 1e-8, "{text}");
     let needs = needs.expect("extrapolated");

@@ -1,6 +1,6 @@
 //! Figures of error against cost.
 
-use analysis::compare::{Comparison, Series, StrongPoint};
+use analysis::compare::{Candidate, Comparison, ErrorPoint};
 
 use super::{Curve, Figure, Measured, Plot, Spacing, Style};
 
@@ -11,20 +11,20 @@ fn plot(x_title: String, spacing: Spacing, curves: impl Iterator<Item = Curve>) 
 /// The strong errors of a comparison with their intervals against the time and against the steps of
 /// a path, as an SVG document. Points that the reference does not resolve are left out.
 pub fn comparison(comparison: &Comparison) -> String {
-    let curves = |cost: fn(&StrongPoint) -> Option<(f64, f64)>| {
-        let measured = move |point: &StrongPoint| {
+    let curves = |cost: fn(&ErrorPoint) -> Option<(f64, f64)>| {
+        let measured = move |point: &ErrorPoint| {
             let (x, x_hi) = cost(point)?;
-            Some(Measured { x, x_hi, y: point.error, interval: point.lo.zip(point.hi) })
+            Some(Measured { x, x_hi, y: point.error, interval: Some((point.lo, point.hi)) })
         };
-        let curve = move |series: &Series<StrongPoint>| {
-            let resolved = series.points.iter().filter(|point| point.resolved);
-            Curve::new(&series.scheme, resolved.filter_map(measured))
+        let curve = move |candidate: &Candidate| {
+            let resolved = candidate.points.iter().filter(|point| point.resolved);
+            Curve::new(&candidate.scheme, resolved.filter_map(measured))
         };
-        comparison.strong.series.iter().map(curve)
+        comparison.for_error.candidates.iter().map(curve)
     };
     let by_time = curves(|point| {
         let time = point.time?;
-        Some((1e6 * time.min_s, 1e6 * time.median_s))
+        Some((1e6 * time.best, 1e6 * time.median))
     });
     let by_steps = curves(|point| Some((point.steps as f64, point.steps as f64)));
     let plots = vec![

@@ -4,12 +4,12 @@ use analysis::FinalMoments;
 use mc::{Ladder, Run, View, bind};
 use noise::{StreamKey, Truncation};
 use schemes::EulerMaruyama;
-use stats::{CrossMoments, Expansion, normal_covers, weak_errors};
+use stats::{CrossMoments, Expansion, weak_errors};
 use systems::paper::valid;
 
 use super::{
     Expected::{Calibrated, Miscovers, Silent},
-    Tally, point_checks, warns,
+    Tally, normal_covers, point_checks, warns,
 };
 use crate::library::system::{Growth, UNDAMPED, problem};
 

@@ -1,0 +1,277 @@
+//! Errors of schemes at several step sizes on the same noise, against a reference.
+
+use std::{ops::Range, sync::Arc};
+
+use mc::{Ladder, LadderError, Observe, Run, View, parts::Stop};
+use real::Row;
+use schemes::Method;
+use serde::{Deserialize, Serialize};
+use stats::{CrossMoments, root_mean_square_interval};
+
+use super::{
+    laws::{Value, defects},
+    own_areas::as_drawn,
+    search::Search,
+};
+use crate::{
+    FinalMoments, Spread,
+    orders::{difference, evaluate, squared_distance},
+};
+
+/// The error of one scheme at one step size.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ErrorPoint {
+    /// Steps of a path.
+    pub steps: u64,
+    /// (E|y_N − y_ref|²)^½, or the bias E φ(y_N) − E φ(y_ref).
+    pub error: f64,
+    /// Its standard error.
+    pub se: f64,
+    /// Lower end of the 95 % interval of the size of the error, less the error of the reference.
+    pub lo: f64,
+    /// Upper end, with the error of the reference added.
+    pub hi: f64,
+    /// Whether the error of the reference is at most a quarter of a strong error. Other points are
+    /// not used. Of a bias: yes.
+    pub resolved: bool,
+    /// Standard deviation of φ(y_N), of a bias.
+    pub deviation: Option<f64>,
+    /// (E max_C|C(y_N)/(e^{−p∫γ}C(y₀)) − 1|²)^½ over the Casimirs C; none if no Casimir is known.
+    pub defect: Option<f64>,
+    /// Seconds of processor time of a path, where they were measured.
+    pub time: Option<Spread>,
+}
+
+/// The paths behind all errors, and what these are measured against.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sampled {
+    /// Paths.
+    pub samples: u64,
+    /// Paths that were left out because some scheme at some step size had no solution.
+    pub failed: u64,
+    /// The first few of them.
+    pub failures: Vec<String>,
+    /// The reference.
+    pub reference: String,
+    /// Its steps.
+    pub steps: u64,
+    /// (E|y_τ − y_{2τ}|²)^½ of the reference at its finest two step sizes.
+    pub last_difference: f64,
+    /// (E|y(T) − y′(T)|²)^½ of two independent paths of the reference.
+    pub spread: f64,
+}
+
+impl Sampled {
+    /// Whether paths of the reference part: at its finest two step sizes they are as far apart as
+    /// independent ones, nearly.
+    pub fn parts(&self) -> bool {
+        const PARTED: f64 = 0.25;
+        self.last_difference > PARTED * self.spread
+    }
+}
+
+/// The errors of all schemes in one quantity.
+#[derive(Clone, Debug)]
+pub struct Errors {
+    /// A bound of the error of the reference, with 95 %. It is in every interval.
+    pub of_reference: f64,
+    /// E φ of the reference and its standard error.
+    pub mean: Option<[f64; 2]>,
+    /// The points of each scheme, coarsest first.
+    pub points: Vec<Vec<ErrorPoint>>,
+}
+
+/// Which step sizes, on how many paths. Step sizes are numbered by the base 2 logarithm of their
+/// steps over those of the longest step.
+#[derive(Clone, PartialEq)]
+pub struct Plan {
+    /// The step sizes of each scheme. A scheme whose paths fail has none: a path that fails is in
+    /// no error of any scheme.
+    pub sizes: Vec<Range<u32>>,
+    /// The finest step size of the reference.
+    pub reference: u32,
+    /// Paths.
+    pub samples: u64,
+}
+
+/// Step sizes of the reference: with the next two, its own error is estimated.
+const REFERENCES: usize = 3;
+/// The part of a strong error that the error of the reference may be.
+const RESOLVED: f64 = 0.25;
+/// Two-sided 95 % quantile of the normal distribution.
+const QUANTILE: f64 = 1.96;
+
+impl<'a> Search<'a> {
+    /// Errors in y(T), then in each expectation.
+    ///
+    /// Strong errors are distances to the reference on the same noise, whose own error is estimated
+    /// from its differences. A bias is the mean difference to the reference extrapolated in the
+    /// step size, 2φ(y_τ) − φ(y_{2τ}); its difference to the extrapolation at twice the step bounds
+    /// its bias. A scheme that reads Lévy areas gets them with the error of its own step.
+    pub fn measure(&self, plan: &Plan, stop: &Stop) -> Result<(Sampled, Vec<Errors>), LadderError> {
+        let Self { problem, candidates, settings, base, .. } = *self;
+        let finest = plan.sizes.iter().map(|sizes| sizes.end.saturating_sub(1));
+        let finest = finest.fold(plan.reference, u32::max);
+        let run = |scheme: &Arc<dyn Method + 'a>, size: u32| {
+            Run::new(Arc::clone(scheme), (finest - size) as usize)
+        };
+        let references = (plan.reference + 1 - REFERENCES as u32..=plan.reference).rev();
+        let mut runs: Vec<Run<'_>> =
+            references.map(|size| run(&candidates.reference, size)).collect();
+        for (scheme, sizes) in candidates.schemes.iter().zip(&plan.sizes) {
+            runs.extend(sizes.clone().map(|size| run(&as_drawn(scheme), size)));
+        }
+        let points = runs.len() - REFERENCES;
+        let top = runs.iter().map(|run| run.level).max().unwrap_or(0);
+        let casimirs = defects(problem, &candidates.casimirs);
+        let observables = settings.expectations.map_or(&[][..], |wanted| wanted.observables);
+        let (strong, weak) = (REFERENCES + 2 * points, 2 + 2 * points);
+        let values = |view: &View<'_>, values: &mut [Row]| {
+            let (squares, means) = values.split_at_mut(strong);
+            strong_values(view, &casimirs, squares);
+            for (phi, means) in observables.iter().zip(means.chunks_exact_mut(weak)) {
+                weak_values(view, *phi, means);
+            }
+        };
+        let key = self.key(0);
+        let ladder = Ladder::new(problem, base << finest, top, settings.truncation, key, runs)?;
+        let length = strong + weak * observables.len();
+        let new = || FinalMoments::of_rows(ladder.coarse_steps(), length, &values);
+        let measured = ladder.run_until(stop, 0, plan.samples, new, &|_| ());
+        let moments = measured.statistic.moments;
+
+        let rms = |index: usize| moments.mean(index).sqrt();
+        let defect = |n: usize| (!casimirs.is_empty()).then(|| rms(REFERENCES + 2 * n + 1));
+        let all = |of_reference, mean, point: &dyn Fn(usize) -> ErrorPoint| {
+            let mut number = 0..points;
+            let of_size = |(size, n)| ErrorPoint { steps: base << size, ..point(n) };
+            let of_scheme = |sizes: &Range<u32>| {
+                sizes.clone().zip(&mut number).map(of_size).collect::<Vec<_>>()
+            };
+            Errors { of_reference, mean, points: plan.sizes.iter().map(of_scheme).collect() }
+        };
+        let of_reference = left(rms(1), root_mean_square(&moments, 0));
+        let mut errors = vec![all(of_reference, None, &|n| {
+            let [lo, error, hi] = root_mean_square(&moments, REFERENCES + 2 * n);
+            let variance = moments.covariance_of_means(REFERENCES + 2 * n, REFERENCES + 2 * n);
+            ErrorPoint {
+                steps: 0,
+                error,
+                se: if error > 0.0 { variance.max(0.0).sqrt() / (2.0 * error) } else { 0.0 },
+                lo: (lo - of_reference).max(0.0),
+                hi: hi + of_reference,
+                resolved: of_reference <= RESOLVED * error,
+                deviation: None,
+                defect: defect(n),
+                time: None,
+            }
+        })];
+        let se = |index: usize| moments.covariance_of_means(index, index).max(0.0).sqrt();
+        for first in (0..observables.len()).map(|phi| strong + weak * phi) {
+            let bound = |index: usize| moments.mean(index).abs() + QUANTILE * se(index);
+            let of_reference = bound(first + 1);
+            let mean = Some([moments.mean(first), se(first)]);
+            errors.push(all(of_reference, mean, &|n| {
+                let value = first + 2 + 2 * n;
+                let (error, se_of_error) = (moments.mean(value + 1), se(value + 1));
+                let half_width = QUANTILE * se_of_error + of_reference;
+                ErrorPoint {
+                    steps: 0,
+                    error,
+                    se: se_of_error,
+                    lo: (error.abs() - half_width).max(0.0),
+                    hi: error.abs() + half_width,
+                    resolved: true,
+                    deviation: Some(se(value) * (moments.count() as f64).sqrt()),
+                    defect: defect(n),
+                    time: None,
+                }
+            }));
+        }
+        let sampled = Sampled {
+            samples: plan.samples,
+            failed: measured.failed,
+            failures: measured.failures.iter().map(ToString::to_string).collect(),
+            reference: candidates.reference.id().to_owned(),
+            steps: base << plan.reference,
+            last_difference: rms(0),
+            spread: rms(2),
+        };
+        Ok((sampled, errors))
+    }
+}
+
+/// The squared differences of the reference from itself with half and a quarter of the steps, and
+/// of neighbouring paths; of every point the squared error, and the largest squared defect.
+fn strong_values(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
+    let distance = |a: usize, b: usize| squared_distance(view.state(a), view.state(b), view.live);
+    (values[0], values[1]) = (distance(0, 1), distance(1, 2));
+    let (mut other, reference) = (view.live.paths().last().unwrap_or(0), view.state(0));
+    for p in view.live.paths() {
+        values[2][p] = reference.iter().map(|row| (row[p] - row[other]).powi(2)).sum();
+        other = p;
+    }
+    for (run, pair) in (REFERENCES..).zip(values[REFERENCES..].chunks_exact_mut(2)) {
+        pair[0] = distance(run, 0);
+        for p in view.live.paths().filter(|_| !casimirs.is_empty()) {
+            let y: Vec<f64> = view.state(run).iter().map(|row| row[p]).collect();
+            let squares = casimirs.iter().map(|defect| defect(&y).powi(2));
+            pair[1][p] = squares.fold(0.0, |most, square| crate::worse(square, most));
+        }
+    }
+}
+
+/// φ of the reference, extrapolated, and its difference to that at twice the step; of every point φ
+/// and its difference to the reference.
+fn weak_values(view: &View<'_>, phi: &dyn Observe, values: &mut [Row]) {
+    let phi = |run: usize| evaluate(phi, view.state(run), view.live);
+    // An error Cτ + O(τ²) of the expectation is C·2τ + O(τ²) at twice the step.
+    let extrapolated = |run: usize| difference(&phi(run).map(|phi| 2.0 * phi), &phi(run + 1));
+    let reference = extrapolated(0);
+    (values[0], values[1]) = (reference, difference(&reference, &extrapolated(1)));
+    for (run, pair) in (REFERENCES..).zip(values[2..].chunks_exact_mut(2)) {
+        pair[0] = phi(run);
+        pair[1] = difference(&pair[0], &reference);
+    }
+}
+
+/// The root of a mean square between the ends of its interval: a bootstrap-t interval of 95 %, or a
+/// normal one with fewer than 32 paths.
+fn root_mean_square(squares: &CrossMoments, index: usize) -> [f64; 3] {
+    let value = squares.mean(index).sqrt();
+    let variance = squares.covariance_of_means(index, index).max(0.0);
+    let reach = if value > 0.0 { QUANTILE * variance.sqrt() / (2.0 * value) } else { 0.0 };
+    let normal = ((value - reach).max(0.0), value + reach);
+    let (lo, hi) = root_mean_square_interval(squares, index).unwrap_or(normal);
+    [lo, value, hi]
+}
+
+/// A bound of the error at the finest of three step sizes from the root-mean-square differences of
+/// successive ones, d₁ = |y_{4τ} − y_{2τ}| and d₀ = |y_{2τ} − y_τ|: Σ of those that would follow,
+/// d₀/(2^p − 1) with p = log₂(d₁/d₀), at most 1 and at least ½, for the upper end of d₀. Infinite
+/// if they do not fall.
+fn left(before: f64, [_, last, most]: [f64; 3]) -> f64 {
+    const FALLS: f64 = 0.25;
+    let p = (before / last).log2();
+    match last {
+        0.0 => 0.0,
+        _ if p >= FALLS => most.max(last) / (p.clamp(0.5, 1.0).exp2() - 1.0),
+        _ => f64::INFINITY,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_follows_a_difference_is_bounded_where_differences_fall() {
+        let of = |before: f64, last: f64| left(before, [last, last, last]);
+        // Order one leaves the last difference, order ½ 1/(√2 − 1) of it, and no order is trusted
+        // beyond one.
+        assert_eq!((of(2.0, 1.0), of(8.0, 1.0), of(1.0, 0.0)), (1.0, 1.0, 0.0));
+        assert!((of(2f64.sqrt(), 1.0) - (1.0 + 2f64.sqrt())).abs() < 1e-12);
+        assert!(of(1.1, 1.0).is_infinite() && of(1.0, f64::NAN).is_infinite());
+        assert_eq!(left(2.0, [0.5, 1.0, 1.5]), 1.5);
+    }
+}

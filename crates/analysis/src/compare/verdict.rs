@@ -1,0 +1,359 @@
+//! Which scheme to take, from errors and times.
+
+use serde::{Deserialize, Serialize};
+
+use super::errors::ErrorPoint;
+use crate::Spread;
+
+/// How a scheme fares at the wanted error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// Its identifier.
+    pub scheme: String,
+    /// Its errors, coarsest step size first.
+    pub points: Vec<ErrorPoint>,
+    /// Whether it reaches the error, and at which price.
+    pub outcome: Outcome,
+    /// What it keeps over long times.
+    pub keeps: Keeps,
+}
+
+/// What a scheme keeps over long times; a scheme that keeps more is larger.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Keeps {
+    /// The laws of all known Casimirs to rounding, as measured.
+    pub casimirs: bool,
+    /// The energy of H₀ without noise and damping.
+    pub energy: bool,
+    /// The damping is exact; without damping, the scheme is no explicit one, whose energies grow
+    /// exponentially.
+    pub conformal: bool,
+}
+
+/// Whether a scheme reaches the wanted error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// It does.
+    Reached {
+        /// Steps of a path for the wanted error, between those measured; at most these, if the
+        /// coarsest do.
+        steps: f64,
+        /// Seconds of processor time: of a path for a strong error, of an estimate for an
+        /// expectation.
+        cost_s: f64,
+        /// Ends of its interval, from those of errors and times.
+        cost_lo: f64,
+        /// Upper end; none where the errors do not reach far enough.
+        cost_hi: Option<f64>,
+    },
+    /// It does not with the steps that were measured.
+    NotReached {
+        /// Seconds of processor time that the wanted error costs at least.
+        at_least_s: f64,
+        /// Steps that the wanted strong error needs, extrapolated from the last errors; none
+        /// where these do not fall.
+        needs: Option<f64>,
+    },
+    /// The budget was too short for a first error.
+    NotMeasured,
+    /// Single steps miss the coefficients of the equation as τ → 0 by this part: the scheme
+    /// converges to something else.
+    Inconsistent(f64),
+    /// Paths fail at all step sizes; the first failure.
+    Fails(String),
+}
+
+/// A scheme to take, or why there is none.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Choice {
+    /// This one of the candidates.
+    Take {
+        /// Its number.
+        scheme: usize,
+        /// Number of the cheapest one. Another one is taken if it keeps more and does not cost
+        /// significantly more.
+        cheapest: usize,
+    },
+    /// No scheme reaches the error.
+    NoneReaches,
+    /// Single steps of the reference miss the coefficients of the equation by this part: its errors
+    /// are not the errors.
+    WrongReference(f64),
+}
+
+/// A Casimir with a smaller relative defect is kept: rounding is all that is left.
+const KEPT: f64 = 1e-10;
+/// A scheme that keeps more is taken unless it costs more than this factor, with 95 %.
+const WORTH: f64 = 1.1;
+/// Errors that fall with less than this exponent of the step size are not extrapolated.
+const FALLS: f64 = 0.3;
+
+impl Candidate {
+    /// A scheme by its errors, unless something excludes it.
+    pub(super) fn new(
+        scheme: &str,
+        points: Vec<ErrorPoint>,
+        wanted: f64,
+        excluded: Option<Outcome>,
+        damped: bool,
+    ) -> Self {
+        let outcome = excluded.unwrap_or_else(|| outcome(&points, wanted));
+        let keeps = Keeps::default();
+        let mut candidate = Self { scheme: scheme.to_owned(), points, outcome, keeps };
+        let defect = candidate.point().and_then(|point| point.defect);
+        let casimirs = defect.is_some_and(|defect| defect <= KEPT);
+        let (energy, conformal) = match scheme {
+            "sexp" | "sexp-levy" => (true, true),
+            "split" | "nv" => (false, true),
+            "sexp-li" | "sexp-li-levy" => (false, damped || casimirs),
+            "midpoint" => (false, !damped),
+            _ => (false, false),
+        };
+        candidate.keeps = Keeps { casimirs, energy, conformal };
+        candidate
+    }
+
+    /// The measured error beside the wanted one, or the last one.
+    pub fn point(&self) -> Option<&ErrorPoint> {
+        let mut resolved = self.points.iter().filter(|point| point.resolved);
+        match self.outcome {
+            Outcome::Reached { steps, .. } => resolved.find(|point| point.steps as f64 >= steps),
+            // Without a resolved point, the distance from a reference that is wrong as well.
+            _ => resolved.next_back().or(self.points.last()),
+        }
+    }
+
+    /// Seconds, if the error is reached.
+    pub fn cost_s(&self) -> Option<f64> {
+        match self.outcome {
+            Outcome::Reached { cost_s, .. } => Some(cost_s),
+            _ => None,
+        }
+    }
+}
+
+fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
+    let resolved: Vec<&ErrorPoint> = points.iter().filter(|point| point.resolved).collect();
+    let Some(last) = resolved.last().copied().or(points.last()) else {
+        return Outcome::NotMeasured;
+    };
+    // Of a bias the upper end counts: it is a part of the error of an estimate.
+    let size = |point: &ErrorPoint| point.deviation.map_or(point.error, |_| point.hi);
+    let least = cost(points, wanted, |point| point.lo, |time| time.best).map(|least| least.1);
+    if let Some((steps, cost_s)) = cost(points, wanted, size, |time| time.best) {
+        return Outcome::Reached {
+            steps,
+            cost_s,
+            cost_lo: least.map_or(0.0, |least| least.min(cost_s)),
+            cost_hi: cost(points, wanted, |point| point.hi, |time| time.median).map(|most| most.1),
+        };
+    }
+    // Over up to three halvings: errors of one step size are known to a tenth or so.
+    let halvings = resolved.len().saturating_sub(1).min(3);
+    let before = resolved.iter().rev().nth(halvings).filter(|_| halvings > 0);
+    let needs = before.filter(|before| before.deviation.is_none()).and_then(|before| {
+        let p = (before.error / last.error).log2() / halvings as f64;
+        let factor = (last.error / wanted).powf(1.0 / p.clamp(0.5, 1.0));
+        (p >= FALLS).then_some(last.steps as f64 * factor.max(1.0))
+    });
+    let of_last = last.time.map_or(0.0, |time| time.best);
+    Outcome::NotReached { at_least_s: least.unwrap_or(of_last), needs }
+}
+
+/// Steps and seconds of the wanted error.
+///
+/// A strong error is that of a path: the coarsest steps if all are below it, or between the two
+/// neighbouring points, the more expensive ones if the curve passes it more than once, linear in
+/// the logarithms; nothing is extrapolated. Expectations take variance/(wanted² − bias²) paths, one
+/// at least, at the step size for which that is cheapest.
+fn cost(
+    points: &[ErrorPoint],
+    wanted: f64,
+    size: impl Fn(&ErrorPoint) -> f64,
+    seconds: impl Fn(Spread) -> f64,
+) -> Option<(f64, f64)> {
+    let usable = points.iter().filter(|point| point.resolved);
+    let usable: Vec<[f64; 3]> = usable
+        .filter_map(|point| {
+            let (error, seconds) = (size(point), seconds(point.time?));
+            let paths = match point.deviation {
+                Some(_) if error >= wanted => return None,
+                Some(deviation) => deviation * deviation / (wanted * wanted - error * error),
+                None => 1.0,
+            };
+            Some([error, point.steps as f64, paths.max(1.0) * seconds])
+        })
+        .collect();
+    let &[_, steps, seconds] = usable.first()?;
+    if points[0].deviation.is_some() {
+        let cheapest = usable.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
+        return Some((cheapest[1], cheapest[2]));
+    }
+    if usable.iter().all(|[error, ..]| *error <= wanted) {
+        return Some((steps, seconds));
+    }
+    // Errors of zero have no logarithm.
+    let usable: Vec<_> =
+        usable.into_iter().filter(|[error, _, cost]| error.min(*cost) > 0.0).collect();
+    let mut pairs = usable.windows(2).rev();
+    let pair = pairs.find(|pair| pair[1][0] <= wanted && wanted <= pair[0][0])?;
+    let (a, b) = (pair[0], pair[1]);
+    let share = if a[0] == b[0] { 1.0 } else { (wanted / a[0]).ln() / (b[0] / a[0]).ln() };
+    let between = |k: usize| a[k] * (b[k] / a[k]).powf(share);
+    Some((between(1), between(2)))
+}
+
+/// How many times the cost of candidate `other` that of candidate `one` is, with its interval; no
+/// upper end where there is none. `None` unless both reach the error.
+pub(super) fn ratio(
+    candidates: &[Candidate],
+    one: usize,
+    other: usize,
+) -> Option<(f64, f64, Option<f64>)> {
+    let ends = |n: usize| match candidates.get(n)?.outcome {
+        Outcome::Reached { cost_s, cost_lo, cost_hi, .. } => Some((cost_s, cost_lo, cost_hi)),
+        _ => None,
+    };
+    let ((a, a_lo, a_hi), (b, b_lo, b_hi)) = (ends(one)?, ends(other)?);
+    let hi = a_hi.filter(|_| b_lo > 0.0).map(|hi| hi / b_lo);
+    Some((a / b, b_hi.map_or(0.0, |hi| a_lo / hi), hi))
+}
+
+/// The candidate that keeps most among those that do not cost significantly more than the cheapest.
+pub(super) fn choose(candidates: &[Candidate]) -> Choice {
+    let costs = candidates.iter().enumerate().filter_map(|(n, one)| Some((n, one.cost_s()?)));
+    let mut costs: Vec<(usize, f64)> = costs.collect();
+    costs.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let Some(&(cheapest, _)) = costs.first() else { return Choice::NoneReaches };
+    // Without an interval the value decides.
+    let near = |n: usize| match ratio(candidates, n, cheapest) {
+        Some((ratio, lo, _)) => WORTH >= if lo > 0.0 { lo } else { ratio },
+        None => false,
+    };
+    let near = costs.iter().map(|&(n, _)| n).filter(|&n| n == cheapest || near(n));
+    // Of several the last is taken, so the cheapest come last.
+    let most = near.rev().max_by_key(|&n| candidates[n].keeps);
+    Choice::Take { scheme: most.unwrap_or(cheapest), cheapest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(steps: u64, error: f64) -> ErrorPoint {
+        let time = steps as f64;
+        ErrorPoint {
+            steps,
+            error,
+            se: 0.0,
+            lo: 0.5 * error.abs(),
+            hi: error.abs(),
+            resolved: true,
+            deviation: None,
+            defect: None,
+            time: Some(Spread { best: time, median: time, worst: time }),
+        }
+    }
+
+    /// A scheme with this cost, to this factor either way.
+    fn candidate(scheme: &str, cost_s: f64, width: f64, defect: Option<f64>) -> Candidate {
+        let (cost_lo, cost_hi) = (cost_s / width, Some(cost_s * width));
+        let outcome = Outcome::Reached { steps: 8.0, cost_s, cost_lo, cost_hi };
+        let points = vec![ErrorPoint { defect, ..point(8, 1e-3) }];
+        Candidate::new(scheme, points, 1e-3, Some(outcome), true)
+    }
+
+    #[test]
+    fn a_scheme_that_keeps_more_is_taken_unless_it_costs_significantly_more() {
+        let (kept, lost) = (Some(1e-14), Some(1e-3));
+        let take = |scheme, cheapest| Choice::Take { scheme, cheapest };
+        // The body of six dimensions: 1.16 [0.62, 2.21], and `sexp` dearer by far.
+        let width = 1.9f64.sqrt();
+        let mut body = vec![
+            candidate("heun", 1.0, width, lost),
+            candidate("sexp-li", 1.16, width, kept),
+            candidate("sexp", 3.0, width, kept),
+        ];
+        assert_eq!(choose(&body), take(1, 0));
+        // With wider intervals the energy is kept as well.
+        body[2] = candidate("sexp", 2.0, width, kept);
+        assert_eq!(choose(&body), take(2, 0));
+        // 1.11 times the cost with 95 %, and 1.09 times.
+        let near =
+            |ratio: f64| [candidate("heun", 1.0, 1.0, lost), candidate("sexp", ratio, 1.0, kept)];
+        assert_eq!([choose(&near(1.11)), choose(&near(1.09))], [take(0, 0), take(1, 0)]);
+        // Casimirs first, then the energy, then the damping; of equals the cheapest.
+        let order =
+            ["em", "midpoint", "nv", "sexp"].map(|scheme| candidate(scheme, 1.0, 2.0, None));
+        assert_eq!(
+            (choose(&order), choose(&order[..3]), choose(&order[..2])),
+            (take(3, 0), take(2, 0), take(0, 0),)
+        );
+        let casimirs = [candidate("sexp", 1.0, 2.0, lost), candidate("sexp-li", 1.2, 2.0, kept)];
+        assert_eq!(choose(&casimirs), take(1, 0));
+        let outcome = Outcome::Inconsistent(0.5);
+        let wrong = Candidate { outcome, ..candidate("sexp", 1.0, 1.0, kept) };
+        assert_eq!(choose(&[wrong.clone(), candidate("heun", 2.0, 1.0, lost)]), take(1, 1));
+        assert_eq!(choose(&[wrong]), Choice::NoneReaches);
+    }
+
+    /// Steps and seconds of an error, where a step takes a second.
+    fn of(points: &[ErrorPoint], wanted: f64) -> Option<(f64, f64)> {
+        cost(points, wanted, |point| point.error, |time| time.best)
+    }
+
+    #[test]
+    fn a_coarsest_step_that_does_is_enough() {
+        let points = [point(1, 0.1), point(2, 0.05)];
+        assert_eq!(of(&points, 0.2), Some((1.0, 1.0)));
+        assert_eq!(of(&points, 0.05), Some((2.0, 2.0)));
+        assert_eq!((of(&points, 0.01), of(&[], 0.01)), (None, None));
+    }
+
+    #[test]
+    fn power_laws_are_interpolated_exactly() {
+        for (order, scale) in [(0.5, 3.0), (1.0, 0.2)] {
+            let curve: Vec<_> =
+                (0..7).map(|k| point(1 << k, scale * 0.5f64.powf(order * f64::from(k)))).collect();
+            for share in [0.0, 0.3, 2.7, 6.0] {
+                let (steps, seconds) = of(&curve, scale * 0.5f64.powf(order * share)).unwrap();
+                assert!((steps / share.exp2() - 1.0).abs() < 1e-12, "{order} {share}");
+                assert_eq!(steps, seconds);
+            }
+            assert_eq!(of(&curve, 0.5 * curve[6].error), None);
+        }
+    }
+
+    #[test]
+    fn a_curve_that_turns_is_read_on_its_dear_side() {
+        // The coarsest step happens to be accurate; the error has to stay below the wanted one from
+        // there on.
+        assert_eq!(of(&[point(1, 0.01), point(2, 0.1), point(4, 0.01)], 0.01), Some((4.0, 4.0)));
+        // Of two points with one error the later is taken, and none without a time or an error.
+        assert_eq!(of(&[point(1, 0.2), point(2, 0.1), point(4, 0.1)], 0.1), Some((4.0, 4.0)));
+        let untimed = ErrorPoint { time: None, ..point(1, 0.1) };
+        assert_eq!(of(&[untimed, point(2, 0.01)], 0.05), Some((2.0, 2.0)));
+        assert_eq!(of(&[point(1, 0.0), point(2, 0.01)], 0.005), None);
+    }
+
+    #[test]
+    fn an_estimate_takes_the_step_that_is_cheapest_for_it() {
+        let bias = |steps, error| ErrorPoint { deviation: Some(1.0), ..point(steps, error) };
+        let points = [bias(1, -0.05), bias(2, 0.025), bias(4, 0.0125)];
+        let at = |wanted: f64| match outcome(&points, wanted) {
+            Outcome::Reached { steps, cost_s, cost_lo, .. } => Some((steps, cost_s, cost_lo)),
+            _ => None,
+        };
+        let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+        // 1/(0.01 − 0.0025) paths of one step; with two steps 2/(0.01 − 0.000625) would be more.
+        let (steps, cost, _) = at(0.1).expect("reached");
+        assert!(steps == 1.0 && close(cost, 1.0 / 0.0075), "{steps} {cost}");
+        // Its bias is out of reach for the coarsest, and expensive for the next. With half the bias
+        // two steps do, for 2/(0.001 − 0.0125²).
+        let (steps, _, least) = at(1e-3f64.sqrt()).expect("reached");
+        assert!(steps == 4.0 && close(least, 2.0 / (1e-3 - 0.0125 * 0.0125)), "{least}");
+        assert_eq!(at(0.01), None);
+    }
+}
