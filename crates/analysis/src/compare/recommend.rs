@@ -1,5 +1,6 @@
 //! Which scheme to take, from errors and times.
 
+use schemes::{BuiltIn, Energy, Explicitness, Properties};
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -40,14 +41,16 @@ impl Keeps {
     /// By the identifier of the scheme and the measured Casimirs.
     pub(super) fn of(candidate: &Candidate, damped: bool) -> Self {
         let casimirs = candidate.keeps() == Some(true);
-        let (energy, conformal) = match &candidate.scheme[..] {
-            "sexp" | "sexp-levy" => (true, true),
-            "split" | "nv" => (false, true),
-            "sexp-li" | "sexp-li-levy" => (false, damped || casimirs),
-            "midpoint" => (false, !damped),
-            _ => (false, false),
+        let Some(scheme) = BuiltIn::named(&candidate.scheme) else {
+            return Self { casimirs, ..Self::default() };
         };
-        Self { casimirs, energy, conformal }
+        let Properties { explicit, exact_damping, energy, .. } = scheme.properties();
+        let conformal = match explicit {
+            Explicitness::Always => false,
+            Explicitness::WhereConstant => damped || casimirs,
+            Explicitness::No => exact_damping || !damped,
+        };
+        Self { casimirs, energy: energy == Energy::Kept, conformal }
     }
 }
 

@@ -42,6 +42,8 @@ pub struct Expressions {
     ito_correction: Vec<Id>,
     /// Σ_{m<l} A_ml ∇{Hₘ, H_l}; none for more than [`MOST_NOISES`].
     area_gradient: Option<Vec<Id>>,
+    /// Its derivative along u.
+    area_hessian: Option<Vec<Id>>,
     /// The solution z of z = y + B((y+z)/2)v; none if B is not affine, or the dimension too large.
     cayley: Option<Vec<Id>>,
 }
@@ -86,6 +88,7 @@ impl Expressions {
             averaged_gradient: none(),
             ito_correction: none(),
             area_gradient: None,
+            area_hessian: None,
             cayley: None,
         };
         let v = new.inputs(new.v());
@@ -98,6 +101,8 @@ impl Expressions {
         new.averaged_gradient = new.averaged(&weights);
         new.ito_correction = new.corrected();
         new.area_gradient = (noises <= MOST_NOISES).then(|| new.bracketed());
+        let gradient = new.area_gradient.clone().filter(|_| noises > 1);
+        new.area_hessian = gradient.map(|gradient| new.along(&gradient));
         if new.structure_degree().is_some_and(|degree| degree <= 1)
             && dimension <= LARGEST_ELIMINATION
         {
@@ -281,16 +286,16 @@ impl Expressions {
         self.graph.reverse(&brackets, &y)
     }
 
-    /// Whether \[fₘ, f_l\] = −B∇{Hₘ, H_l} for all noises: each component is zero within its own
-    /// rounding error at points around `y0`, and the formulas are not made of pieces, as in
-    /// [`systems::jacobi_holds`]. False if there are too many noises or expressions.
-    pub fn jacobi_holds(mut self, y0: &[f64]) -> bool {
-        if self.area_gradient.is_none() {
-            return false;
+    /// Whether \[fₘ, f_l\] = 0 for all noises, and whether it is −B∇{Hₘ, H_l}: each component is
+    /// zero within its own rounding error at points around `y0`, and the formulas are not made of
+    /// pieces, as in [`systems::jacobi_holds`]. False if there are too many noises or expressions.
+    pub fn commutators(mut self, y0: &[f64]) -> [bool; 2] {
+        if self.noises < 2 || self.area_gradient.is_none() {
+            return [self.noises < 2; 2];
         }
         let fields: Vec<(Vec<Id>, Vec<Id>)> = (1..=self.noises).map(|m| self.field_of(m)).collect();
         let (y, one) = (self.y().collect::<Vec<_>>(), self.graph.constant(1.0));
-        let mut defects = Vec::new();
+        let (mut commutators, mut defects) = (Vec::new(), Vec::new());
         for (m, (slope, f)) in fields.iter().enumerate() {
             for (_, g) in &fields[m + 1..] {
                 let bracket = self.graph.dot(slope, g);
@@ -302,19 +307,25 @@ impl Expressions {
                 });
                 for i in 0..self.dimension {
                     let commutator = self.graph.sub(moved[i], other[i]);
+                    commutators.push(commutator);
                     defects.push(self.graph.add(commutator, turned[i]));
                 }
                 if self.graph.len() > MOST_EXPRESSIONS {
-                    return false;
+                    return [false; 2];
                 }
             }
         }
+        [commutators, defects].map(|expressions| self.vanish(&expressions, y0))
+    }
+
+    /// Whether expressions of y are zero within their rounding errors around `y0`.
+    fn vanish(&self, expressions: &[Id], y0: &[f64]) -> bool {
         let mut shown = 0;
         for point in points(y0) {
             let mut inputs = vec![Bounded::exact(0.0); self.areas().end];
             inputs.iter_mut().zip(&point).for_each(|(y, &x)| *y = Bounded::variable(x));
             let (values, is_piecewise) =
-                Bounded::piecewise(|| self.graph.evaluate(&defects, &inputs));
+                Bounded::piecewise(|| self.graph.evaluate(expressions, &inputs));
             // Outside of the domain there is no number.
             if values.iter().all(|defect| defect.value.is_finite() && defect.error.is_finite()) {
                 if is_piecewise || values.iter().any(|defect| defect.value.abs() > defect.error) {
@@ -410,6 +421,7 @@ impl Expressions {
             Op::Cayley { .. } => (Op::Cayley { y, v }, self.cayley.as_ref()?),
             Op::ItoCorrection { .. } => (Op::ItoCorrection { y }, &self.ito_correction),
             Op::AreaGradient { .. } => (Op::AreaGradient { y }, self.area_gradient.as_ref()?),
+            Op::AreaHessian { .. } => (Op::AreaHessian { y, u }, self.area_hessian.as_ref()?),
             Op::AveragedHessian { .. } | Op::AveragedField { .. } => return None,
         })
     }
@@ -427,11 +439,12 @@ impl Expressions {
             Op::Cayley { y, v },
             Op::ItoCorrection { y },
             Op::AreaGradient { y },
+            Op::AreaHessian { y, u },
         ];
         let tape = |op: Op<()>| {
             let (groups, roots) = self.of(&op)?;
             let weights = groups.reads_weights().then(|| [self.dt(), self.dw()]);
-            let areas = matches!(op, Op::AreaGradient { .. }).then(|| self.areas());
+            let areas = groups.reads_areas().then(|| self.areas());
             let states = groups.arguments().map(|k| k * self.dimension..(k + 1) * self.dimension);
             let inputs: Vec<_> = states.chain(weights.into_iter().flatten()).chain(areas).collect();
             Some((op, Tape::new(&self.graph, roots, &inputs)))
