@@ -3,12 +3,11 @@
 mod arguments;
 mod commands;
 mod failure;
-mod model;
 mod output;
-mod scene;
 
 use std::process::ExitCode;
 
+use casimir_cli::{model, scene};
 use clap::Parser;
 
 use arguments::{Arguments, Command};

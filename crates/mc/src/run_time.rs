@@ -110,8 +110,7 @@ where
     }
 
     fn reads_areas(&self) -> bool {
-        // Schemes that do have no stepper.
-        false
+        self.system.description().noises > 1 && self.scheme.borrow().reads_areas()
     }
 
     fn clips_increments(&self) -> bool {

@@ -4,12 +4,12 @@
 //! A [`Scheme`] advances one path or a block of 32 paths by one step, with the same bits. [`Sexp`]
 //! preserves the conformal law of linear and quadratic Casimirs exactly, and with one noise that of
 //! homogeneous Hamiltonians. [`EulerMaruyama`], [`Heun`] and [`Midpoint`] do not. To define a
-//! scheme, implement [`Explicit`] or [`Implicit`].
+//! scheme, implement [`Explicit`], [`Implicit`] or [`Composition`].
 //!
 //! The way through the crate: a formula ([`Explicit`] or [`Implicit`], written against
 //! [`Increment`]) → `kernel` (compiled systems: one path, or blocks of 32) or [`run_time`] (the
-//! formula is recorded and run on rows). [`Split`] and [`Nv`] are compositions of flows. [`Step`]
-//! has time and damping.
+//! formula is recorded and run on rows). [`Split`] and [`Nv`] are each a
+//! [`Composition`] of flows. [`Step`] has time and damping. [`BuiltIn`] is the registry of schemes.
 //!
 //! ```
 //! use noise::Noise;
@@ -42,7 +42,10 @@
 //!
 //! A [`Method`] is a scheme on a system, of any dimension and with any number of noises.
 
+mod built_in;
+mod composition;
 mod em;
+mod error;
 mod formula;
 mod heun;
 mod increment;
@@ -50,7 +53,6 @@ mod kernel;
 mod method;
 mod midpoint;
 mod nv;
-mod poisson_flow;
 pub mod run_time;
 mod scheme;
 mod sexp;
@@ -60,17 +62,20 @@ mod split;
 mod step;
 mod with_solver;
 
+pub use built_in::{BuiltIn, Energy, Explicitness, Properties, StrongOrder};
+pub use composition::{Composed, Composition, Paths, Times};
 pub use em::EulerMaruyama;
+pub use error::SchemeError;
 pub use formula::{Explicit, Implicit};
 pub use heun::Heun;
 pub use increment::{Increment, Vector};
 pub use method::{Method, Stepper};
 pub use midpoint::Midpoint;
-pub use nv::{Nv, PartFlows, StageFlows, Sweep};
+pub use nv::{Nv, Sweep};
 pub use scheme::Scheme;
 pub use sexp::Sexp;
 pub use sexp_levy::SexpLevy;
-pub use sexp_li::{SexpLi, SexpLiError};
+pub use sexp_li::SexpLi;
 pub use split::Split;
 pub use step::{Step, StepError};
 pub use with_solver::WithSolver;

@@ -3,9 +3,12 @@
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Solution};
 use real::Block;
-use systems::{PoissonSystem, noises_commute};
+use systems::{
+    PoissonSystem, noises_commute,
+    run_time::{self, Description},
+};
 
-use crate::{Implicit, Increment, Scheme, Sexp, Step};
+use crate::{Implicit, Increment, Scheme, SchemeError, Sexp, Step};
 
 /// The stochastic conformal exponential integrator with Lévy areas, `sexp-levy`: an extension of
 /// [`Sexp`] (Bréhier, Cohen and Komori 2025) with strong order 1 for any number of noises.
@@ -39,6 +42,19 @@ impl SexpLevy {
         Self { commuting: noises_commute(system, y0) }
     }
 
+    /// The scheme for a system known at run time, which says whether its noises commute.
+    ///
+    /// # Errors
+    /// [`SchemeError::Jacobi`] if they do not, unless the system
+    /// [shows the identity](run_time::Description::jacobi_holds).
+    pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SchemeError> {
+        let Description { name, noises_commute, jacobi_holds, .. } = system.description();
+        match noises_commute | jacobi_holds {
+            true => Ok(Self { commuting: *noises_commute }),
+            false => Err(SchemeError::Jacobi { scheme: WithAreas::ID, system: name.clone() }),
+        }
+    }
+
     /// Whether the noises commute, so that the scheme reads no areas.
     pub fn commuting(&self) -> bool {
         self.commuting
@@ -46,7 +62,7 @@ impl SexpLevy {
 }
 
 /// The formula for noises that do not commute.
-struct WithAreas;
+pub(crate) struct WithAreas;
 
 impl Implicit for WithAreas {
     const ID: &'static str = "sexp-levy";

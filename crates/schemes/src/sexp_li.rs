@@ -8,7 +8,7 @@ use systems::{
     linearity, noises_commute, run_time,
 };
 
-use crate::{Explicit, Increment, Scheme, Step};
+use crate::{Explicit, Increment, Scheme, SchemeError, Step};
 
 /// The linearly implicit conformal exponential integrator, `sexp-li`: the conformal laws of
 /// [`Sexp`](crate::Sexp) for Casimirs, at the price of an explicit scheme.
@@ -41,56 +41,17 @@ pub struct SexpLi {
     pub(crate) clips: bool,
 }
 
-/// A system that [`SexpLi`], or [`Nv`](crate::Nv) without flows of its own, is not for.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SexpLiError {
-    /// The structure matrix is neither constant nor affine, and Casimirs need not be linear.
-    #[error(
-        "{scheme} needs a structure matrix that is constant or affine in y, or a system whose \
-         Casimirs are all linear; B of `{system}` is {found}; sexp is for any B"
-    )]
-    Structure {
-        /// The scheme.
-        scheme: &'static str,
-        /// The name of the system.
-        system: String,
-        /// What was found.
-        found: &'static str,
-    },
-    /// Every component has a noise of its own.
-    #[error(
-        "{scheme} follows the flow of each noise in turn, and `{system}` has a noise for every \
-         component: take sexp-li"
-    )]
-    LocalNoise {
-        /// The scheme.
-        scheme: &'static str,
-        /// The name of the system.
-        system: String,
-    },
-    /// Areas enter by Jacobi's identity, which was not found to hold.
-    #[error(
-        "sexp-li with areas needs Jacobi's identity [f_m, f_l] = -B grad {{H_m, H_l}}, which \
-         `{system}` was not found to have; take sexp-levy"
-    )]
-    Jacobi {
-        /// The name of the system.
-        system: String,
-    },
-}
-
 impl SexpLi {
     /// The scheme for `system`. How B depends on y is found by [`systems::linearity`] at `y0`, and
     /// whether every step has a solution by [`systems::always_solvable`].
     ///
     /// # Errors
-    /// [`SexpLiError::Structure`] if B is neither constant nor affine, unless the system names its
+    /// [`SchemeError::Structure`] if B is neither constant nor affine, unless the system names its
     /// Casimirs and all of them are linear.
     pub fn new<S, const D: usize, const M: usize>(
         system: &S,
         y0: [f64; D],
-    ) -> Result<Self, SexpLiError>
+    ) -> Result<Self, SchemeError>
     where
         S: PoissonSystem<D, M>,
     {
@@ -104,23 +65,24 @@ impl SexpLi {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SexpLiError> {
+    pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SchemeError> {
         let system = system.description();
         Self::suited(&system.name, system.linearity, system.always_solvable, &system.invariants)
     }
 
-    /// The scheme with Lévy areas for a system known at run time. With one noise it is that of
-    /// [`at_run_time`](Self::at_run_time).
+    /// The scheme with Lévy areas for a system known at run time. If the noises
+    /// commute it is that of [`at_run_time`](Self::at_run_time).
     ///
     /// # Errors
-    /// As [`at_run_time`](Self::at_run_time), and [`SexpLiError::Jacobi`] unless the system
+    /// As [`at_run_time`](Self::at_run_time), and [`SchemeError::Jacobi`] unless the system
     /// [shows the identity](run_time::Description::jacobi_holds).
-    pub fn at_run_time_with_areas(system: &dyn run_time::System) -> Result<Self, SexpLiError> {
+    pub fn at_run_time_with_areas(system: &dyn run_time::System) -> Result<Self, SchemeError> {
         let scheme = Self::at_run_time(system)?;
         let description = system.description();
-        let areas = description.noises > 1;
+        let areas = !description.noises_commute;
         if areas && !description.jacobi_holds {
-            return Err(SexpLiError::Jacobi { system: description.name.clone() });
+            let system = description.name.clone();
+            return Err(SchemeError::Jacobi { scheme: "sexp-li-levy", system });
         }
         Ok(Self { areas, ..scheme })
     }
@@ -138,13 +100,13 @@ impl SexpLi {
         linearity: Linearity,
         solvable: bool,
         invariants: &[Invariant],
-    ) -> Result<Self, SexpLiError> {
+    ) -> Result<Self, SchemeError> {
         let scheme = |implicit, clips| Ok(Self { implicit, areas: false, clips });
         match linearity {
             Linearity::Constant => scheme(false, false),
             Linearity::Affine => scheme(true, !solvable),
             Linearity::Other => {
-                has_linear_casimirs("sexp-li", name, invariants)?;
+                has_linear_casimirs(name, invariants)?;
                 scheme(false, true)
             }
         }
@@ -155,30 +117,28 @@ impl SexpLi {
     /// [`new`](Self::new).
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`SexpLiError::Jacobi`] unless [`systems::jacobi_holds`].
+    /// As [`new`](Self::new), and [`SchemeError::Jacobi`] unless [`systems::jacobi_holds`].
     pub fn with_areas<S, const D: usize, const M: usize>(
         system: &S,
         y0: [f64; D],
-    ) -> Result<Self, SexpLiError>
+    ) -> Result<Self, SchemeError>
     where
         S: PoissonSystem<D, M>,
     {
         let scheme = Self::new(system, y0)?;
         let areas = !noises_commute(system, y0);
         if areas && !jacobi_holds(system, y0) {
-            return Err(SexpLiError::Jacobi { system: system.name().into() });
+            let system = system.name().into();
+            return Err(SchemeError::Jacobi { scheme: "sexp-li-levy", system });
         }
         Ok(Self { areas, ..scheme })
     }
 }
 
 /// Checks that a system names Casimirs, and that all are linear.
-pub(crate) fn has_linear_casimirs(
-    scheme: &'static str,
-    name: &str,
-    invariants: &[Invariant],
-) -> Result<(), SexpLiError> {
-    let refused = |found| Err(SexpLiError::Structure { scheme, system: name.into(), found });
+fn has_linear_casimirs(name: &str, invariants: &[Invariant]) -> Result<(), SchemeError> {
+    let refused =
+        |found| Err(SchemeError::Structure { scheme: "sexp-li", system: name.into(), found });
     let mut casimirs = invariants.iter().filter(|f| f.kind == InvariantKind::Casimir).peekable();
     if casimirs.peek().is_none() {
         return refused("neither, and the system names no Casimir");

@@ -1,11 +1,8 @@
 //! Exact flows in turn.
 
-use noise::{BlockNoise, Noise};
-use nonlin::{BlockStatus, Outcome, Solution};
-use real::{Block, Kernel, WIDTH, dispatch};
 use systems::Flows;
 
-use crate::{Scheme, Step};
+use crate::{Composition, Paths, Step, Times};
 
 /// Splitting into exact flows, `split` (Bréhier, Cohen and Jahnke 2023), with exact damping.
 ///
@@ -23,121 +20,13 @@ use crate::{Scheme, Step};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Split;
 
-/// A state that is moved by flows: one path, or rows of numbers.
-pub(crate) trait SplitState {
-    /// Multiplies the state by a number.
-    fn scale(&mut self, factor: f64);
-    /// The flow of a part over the step, or over half of it.
-    fn flow(&mut self, part: usize, half: bool);
-}
-
-/// The composition of the flows of `parts` ≥ 1 parts.
-#[inline(always)]
-pub(crate) fn compose(parts: usize, step: &Step, state: &mut impl SplitState) {
-    state.scale(step.first_decay);
-    for part in 0..parts - 1 {
-        state.flow(part, true);
-    }
-    state.flow(parts - 1, false);
-    for part in (0..parts - 1).rev() {
-        state.flow(part, true);
-    }
-    state.scale(step.second_decay);
-}
-
-/// One path of a compiled system.
-struct Path<'a, S, const D: usize, const M: usize> {
-    system: &'a S,
-    tau: f64,
-    increments: [f64; M],
-    y: [f64; D],
-}
-
-impl<S: Flows<D, M>, const D: usize, const M: usize> SplitState for Path<'_, S, D, M> {
-    #[inline(always)]
-    fn scale(&mut self, factor: f64) {
-        for i in 0..D {
-            self.y[i] *= factor;
-        }
-    }
+impl<S: Flows<D, M>, const D: usize, const M: usize> Composition<S, D, M> for Split {
+    const ID: &'static str = "split";
 
     #[inline(always)]
-    fn flow(&mut self, part: usize, half: bool) {
-        let (mut dt, mut dw) = (self.tau, self.increments);
-        if half {
-            dt *= 0.5;
-            for m in 0..M {
-                dw[m] *= 0.5;
-            }
-        }
-        self.y = self.system.flow(part, self.y, dt, dw);
-    }
-}
-
-/// One step of one path.
-#[inline(always)]
-fn advance<S: Flows<D, M>, const D: usize, const M: usize>(
-    system: &S,
-    step: &Step,
-    increments: [f64; M],
-    y: [f64; D],
-) -> [f64; D] {
-    let mut path = Path { system, tau: step.tau, increments, y };
-    compose(S::PARTS, step, &mut path);
-    path.y
-}
-
-struct SplitKernel<'a, S, const D: usize, const M: usize> {
-    system: &'a S,
-    step: Step,
-    noise: BlockNoise<'a, M>,
-    y: &'a mut Block<D>,
-    status: &'a mut BlockStatus,
-}
-
-impl<S: Flows<D, M>, const D: usize, const M: usize> Kernel for SplitKernel<'_, S, D, M> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { system, step, noise, y, status } = self;
-        let (start, mut next) = (*y, *y);
-        for p in 0..WIDTH {
-            let increments = noise.increments_of(p);
-            next.set_path(p, advance(system, &step, increments, start.path(p)));
-        }
-        *y = next;
-        *status = BlockStatus::explicit();
-        status.fail_where_not_finite(&y.0);
-    }
-}
-
-impl<S: Flows<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for Split {
-    fn id(&self) -> &'static str {
-        "split"
-    }
-
-    fn reads_areas(&self) -> bool {
-        false
-    }
-
-    fn clips_increments(&self) -> bool {
-        false
-    }
-
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        dispatch(SplitKernel { system, step: *step, noise: *noise, y, status });
-    }
-
-    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        let z = advance(system, step, noise.increments, y);
-        Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked()
+    fn compose<const N: usize>(&self, step: &Step, paths: &mut Paths<'_, S, D, M, N>) {
+        paths.scale(step.first_decay);
+        paths.symmetric(Times::step(step));
+        paths.scale(step.second_decay);
     }
 }

@@ -69,21 +69,6 @@ impl Step {
         })
     }
 
-    /// A step of length `tau`, which may be zero or negative, without damping.
-    #[inline(always)]
-    pub(crate) fn without_damping(tau: f64) -> Self {
-        Self {
-            t: 0.0,
-            tau,
-            first_decay: 1.0,
-            second_decay: 1.0,
-            rate_at_start: 0.0,
-            rate_at_middle: 0.0,
-            rate_at_end: 0.0,
-            damping_integral: 0.0,
-        }
-    }
-
     /// The number n of the step.
     pub fn number(&self) -> u64 {
         (self.t / self.tau).round() as u64

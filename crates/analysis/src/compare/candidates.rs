@@ -3,10 +3,7 @@
 use std::sync::Arc;
 
 use mc::{Setup, bind_owned};
-use schemes::{
-    EulerMaruyama, Heun, Method, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split,
-    run_time::{self, SchemeError},
-};
+use schemes::{BuiltIn, Method, Scheme, SchemeError};
 use systems::{
     Flows, PoissonSystem, Problem,
     run_time::{Compiled, Problem as RunTimeProblem},
@@ -25,7 +22,7 @@ pub struct Candidates<'a> {
 
 impl<'a> Candidates<'a> {
     /// No scheme yet, and this reference. It should have strong order one:
-    /// [`SexpLevy`], or [`Sexp`] where noises commute.
+    /// [`SexpLevy`](schemes::SexpLevy), or [`Sexp`](schemes::Sexp) where noises commute.
     pub fn against(reference: Arc<dyn Method + 'a>) -> Self {
         Self { schemes: Vec::new(), reference, casimirs: Vec::new() }
     }
@@ -44,78 +41,69 @@ impl<'a> Candidates<'a> {
         Self { casimirs, ..self }
     }
 
-    /// All schemes for `problem`: [`Sexp`] and, if it is for the system, [`SexpLi`], both with Lévy
-    /// areas as well if the noises do not commute; [`Nv`] if it is for the system; [`Midpoint`],
-    /// [`Heun`] and [`EulerMaruyama`]. The reference is [`SexpLevy`].
+    /// All [built-in schemes](BuiltIn) for `problem` but those of flows; with Lévy areas only if the
+    /// noises do not commute. The reference is [`SexpLevy`](schemes::SexpLevy).
     ///
-    /// If the system names no invariant, the linear and quadratic Casimirs that [`Facts`](crate::facts::Facts) have
-    /// are measured.
+    /// If the system names no invariant, the linear and quadratic Casimirs that
+    /// [`Facts`](crate::facts::Facts) have are measured.
     pub fn all<S: PoissonSystem<D, M> + 'static, G, const D: usize, const M: usize>(
         problem: &'a Problem<S, G, D>,
     ) -> Self {
-        let nv = Nv::new(problem.system(), problem.y0()).ok();
-        Self::with_flows(problem, nv.map(|nv| Box::new(nv) as _), None)
+        Self::compiled(problem, BuiltIn::compiled)
     }
 
-    /// The same for a system of parts with flows: [`Nv`] by these, and [`Split`].
+    /// The same for a system of parts with flows: also [`Nv`](schemes::Nv) and
+    /// [`Split`](schemes::Split).
     pub fn by_parts<S: Flows<D, M> + 'static, G, const D: usize, const M: usize>(
         problem: &'a Problem<S, G, D>,
     ) -> Self {
-        Self::with_flows(problem, Some(Box::new(Nv::of_parts())), Some(Box::new(Split)))
+        Self::compiled(problem, BuiltIn::by_parts)
     }
 
-    /// All schemes but those of flows, and these.
-    fn with_flows<S: PoissonSystem<D, M> + 'static, G, const D: usize, const M: usize>(
+    /// The built-in schemes that `scheme` makes for the system.
+    ///
+    /// # Panics
+    /// If it does not make [`Sexp`](schemes::Sexp).
+    pub fn compiled<S: PoissonSystem<D, M> + 'static, G, const D: usize, const M: usize>(
         problem: &'a Problem<S, G, D>,
-        nv: Option<Box<dyn Scheme<S, D, M>>>,
-        split: Option<Box<dyn Scheme<S, D, M>>>,
+        scheme: impl Fn(BuiltIn, &S, [f64; D]) -> Result<Box<dyn Scheme<S, D, M>>, SchemeError>,
     ) -> Self {
         let (system, y0) = (problem.system(), problem.y0());
-        let levy = SexpLevy::new(system, y0);
-        let on = |scheme: Box<dyn Scheme<S, D, M>>| bind_owned(problem, scheme);
-        let mut all = Self::against(on(Box::new(levy))).and(on(Box::new(Sexp)));
-        if !levy.commuting() {
-            all = all.and(on(Box::new(levy)));
-        }
-        if let Ok(scheme) = SexpLi::new(system, y0) {
-            all = all.and(on(Box::new(scheme)));
-        }
-        if !levy.commuting()
-            && let Ok(scheme) = SexpLi::with_areas(system, y0)
-        {
-            all = all.and(on(Box::new(scheme)));
-        }
-        for scheme in split.into_iter().chain(nv) {
-            all = all.and(on(scheme));
-        }
-        all = all.and(on(Box::new(Midpoint)));
-        all = all.and(on(Box::new(Heun))).and(on(Box::new(EulerMaruyama)));
+        let bind = |id| scheme(id, system, y0).map(|scheme| bind_owned(problem, scheme));
+        let all = Self::built_in(bind).unwrap_or_else(|error| unreachable!("{error}"));
         match system.invariants()[..] {
             [] => all.with_casimirs(casimirs_around(&Compiled::new(system, y0), &y0)),
             _ => all,
         }
     }
 
-    /// All schemes for a system known at run time: [`Sexp`] and, if it is for the system,
-    /// [`SexpLi`] and [`Nv`]; [`Midpoint`], [`Heun`] and [`EulerMaruyama`].
+    /// All [built-in schemes](BuiltIn) for a system known at run time; with Lévy areas only if the
+    /// noises do not commute and Jacobi's identity was shown.
     ///
-    /// The reference is [`Sexp`]. Where noises do not commute it is of strong order ½, as all of
-    /// these schemes are, and needs many steps for an error that is small beside theirs.
+    /// The reference is [`SexpLevy`](schemes::SexpLevy); without the identity it is
+    /// [`Sexp`](schemes::Sexp), which is of strong order ½ as all other schemes are, and needs many
+    /// steps for an error that is small beside theirs.
     ///
     /// # Errors
     /// Those of [`Setup::at_run_time`].
     pub fn at_run_time(problem: &'a RunTimeProblem) -> Result<Self, SchemeError> {
-        let scheme = |scheme: &'a dyn run_time::Scheme| {
-            Setup::at_run_time(problem, scheme).map(|setup| setup.scheme)
-        };
-        let mut all = Self::against(scheme(&Sexp)?).and(scheme(&Sexp)?);
-        if let Ok(linear) = SexpLi::at_run_time(problem.system()) {
-            all = all.and(Setup::owning(problem, Box::new(linear))?.scheme);
+        Self::built_in(|id| Ok(Setup::owning(problem, id.at_run_time(problem.system())?)?.scheme))
+    }
+
+    /// The schemes that are for the system.
+    fn built_in(
+        bind: impl Fn(BuiltIn) -> Result<Arc<dyn Method + 'a>, SchemeError>,
+    ) -> Result<Self, SchemeError> {
+        let mut all = Self::against(bind(BuiltIn::SexpLevy).or_else(|_| bind(BuiltIn::Sexp))?);
+        for id in BuiltIn::ALL {
+            match bind(id) {
+                // The same without areas is there already.
+                Ok(scheme) if id.is_for_areas() && !scheme.reads_areas() => {}
+                Ok(scheme) => all = all.and(scheme),
+                Err(error @ SchemeError::Memory(_)) => return Err(error),
+                Err(_) => {}
+            }
         }
-        if let Ok(nv) = Nv::at_run_time(problem.system()) {
-            all = all.and(Setup::owning(problem, Box::new(nv))?.scheme);
-        }
-        all = all.and(scheme(&Midpoint)?);
-        Ok(all.and(scheme(&Heun)?).and(scheme(&EulerMaruyama)?))
+        Ok(all)
     }
 }

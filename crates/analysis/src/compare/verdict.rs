@@ -1,5 +1,6 @@
 //! Which scheme to take, from errors and times.
 
+use schemes::{BuiltIn, Energy, Explicitness, Properties};
 use serde::{Deserialize, Serialize};
 
 use super::errors::ErrorPoint;
@@ -104,14 +105,16 @@ impl Candidate {
         let mut candidate = Self { scheme: scheme.to_owned(), points, outcome, keeps };
         let defect = candidate.point().and_then(|point| point.defect);
         let casimirs = defect.is_some_and(|defect| defect <= KEPT);
-        let (energy, conformal) = match scheme {
-            "sexp" | "sexp-levy" => (true, true),
-            "split" | "nv" => (false, true),
-            "sexp-li" | "sexp-li-levy" => (false, damped || casimirs),
-            "midpoint" => (false, !damped),
-            _ => (false, false),
-        };
-        candidate.keeps = Keeps { casimirs, energy, conformal };
+        candidate.keeps = Keeps { casimirs, ..Keeps::default() };
+        if let Some(scheme) = BuiltIn::named(scheme) {
+            let Properties { explicit, exact_damping, energy, .. } = scheme.properties();
+            candidate.keeps.energy = energy == Energy::Kept;
+            candidate.keeps.conformal = match explicit {
+                Explicitness::Always => false,
+                Explicitness::WhereConstant => damped || casimirs,
+                Explicitness::No => exact_damping || !damped,
+            };
+        }
         candidate
     }
 

@@ -25,7 +25,7 @@ use search::{ZERO, casimirs};
 pub use damping::DampingIntegral;
 pub use finding::{Finding, Status};
 pub use form::Form;
-pub use scheme::{Kept, long_times};
+pub use scheme::Kept;
 
 /// What a run has to know of a problem: which laws it obeys.
 ///

@@ -1,14 +1,7 @@
-//! Which scheme to take, for what: one rule for `inspect`, `run` and `recommend`.
+//! Which scheme to take, for what: one rule for `inspect`, `run` and `recommend`. What each scheme
+//! does is in [`schemes::BuiltIn`].
 //!
-//! | scheme | damping | Casimirs of degree 1, 2 | energy over long times |
-//! |---|---|---|---|
-//! | `sexp`, `sexp-levy` | exact | kept | kept but for the noise |
-//! | `split`, `nv` | exact | kept, of any degree where flows are exact | stays near |
-//! | `sexp-li`, `sexp-li-levy` | exact | kept; explicit where B is constant | drifts |
-//! | `midpoint` | of order 2 | kept without damping | stays near without damping |
-//! | `heun`, `em` | of order 2, 1 | lost | drifts, or explodes |
-//!
-//! So paths are for `sexp`, with Lévy areas where noises do not commute and areas are drawn; for
+//! Paths are for `sexp`, with Lévy areas where noises do not commute and areas are drawn; for
 //! `split` where a step of `sexp` is dear and flows are known, as on a lattice. `heun` and `em` are
 //! for those who name them.
 
@@ -37,21 +30,5 @@ impl Kept {
             true => ("sexp-levy", format!("{kept}; Lévy areas give strong order 1")),
             false => ("sexp", kept.into()),
         }
-    }
-}
-
-/// What a scheme does over long times. `constant`: B does not depend on y.
-pub fn long_times(scheme: &str, constant: bool) -> &'static str {
-    match scheme {
-        "sexp" | "sexp-levy" => "exact damping; Casimirs and, but for the noise, the energy kept",
-        "sexp-li" | "sexp-li-levy" if constant => {
-            "exact damping; explicit, since B is constant: the energy drifts"
-        }
-        "sexp-li" | "sexp-li-levy" => "exact damping; Casimirs kept; the energy drifts",
-        "split" | "nv" => {
-            "exact damping; Casimirs kept; the energy stays near where flows are exact"
-        }
-        "midpoint" => "without damping Casimirs are kept, and the energy stays near",
-        _ => "nothing is kept: the energy drifts, or explodes",
     }
 }

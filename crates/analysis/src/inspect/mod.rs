@@ -114,10 +114,12 @@ impl<'a> InspectSettings<'a> {
         Self { y0: Some(problem.y0().to_vec()), damping, areas: true }
     }
 
-    /// The settings for a problem known at run time; no areas are drawn for its system.
+    /// The settings for a problem known at run time; areas are drawn if they enter by Jacobi's
+    /// identity.
     pub fn at_run_time(problem: &'a run_time::Problem) -> Self {
         let damping = Some((problem.damping(), problem.t_end()));
-        Self { y0: Some(problem.y0().to_vec()), damping, areas: false }
+        let areas = problem.system().description().jacobi_holds;
+        Self { y0: Some(problem.y0().to_vec()), damping, areas }
     }
 }
 
@@ -170,10 +172,8 @@ pub fn inspect(
     };
     let reached = reached.as_ref().unwrap_or(&points);
     let schemes = Schemes::of(system, *areas);
-    let mut orders = theory::orders(&noise, schemes.draws_areas);
-    if problem.as_ref().is_some_and(|problem| !problem.integral.finite) {
-        theory::without_rates(&mut orders);
-    }
+    let finite_rates = problem.as_ref().is_none_or(|problem| problem.integral.finite);
+    let orders = theory::orders(&noise, schemes.draws_areas, finite_rates);
     let damped = problem.as_ref().is_none_or(|problem| !problem.integral.none);
     let mut report = Inspection {
         system: match few {

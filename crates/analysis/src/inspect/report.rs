@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use schemes::{Nv, SexpLi, run_time::Scheme};
+use schemes::{BuiltIn, SexpLi, run_time::Scheme};
 use serde::{Serialize, Serializer};
 use systems::{Linearity, run_time::System};
 
@@ -21,7 +21,6 @@ use super::{
     structure::Structure,
     theory::{Applies, ExpectedOrder, Theorem},
 };
-use crate::facts::long_times;
 
 /// The report on a system: its properties, what theory says of it, and its mistakes.
 ///
@@ -85,8 +84,6 @@ pub struct Schemes {
     pub sexp_li_refused: Option<String>,
     /// Whether it truncates increments, since a step may have no solution.
     pub truncates: bool,
-    /// Why `nv` refuses the system, unless it is given flows of its parts.
-    pub nv_refused: Option<String>,
     /// Why `split` refuses the system.
     pub split_refused: Option<String>,
     /// Whether Lévy areas are drawn for the system.
@@ -100,7 +97,6 @@ impl Schemes {
             structure: system.description().linearity,
             truncates: scheme.as_ref().is_ok_and(Scheme::clips_increments),
             sexp_li_refused: scheme.err().map(|refused| refused.to_string()),
-            nv_refused: Nv::at_run_time(system).err().map(|refused| refused.to_string()),
             split_refused: system.description().parts.clone().err(),
             draws_areas,
         }
@@ -324,9 +320,10 @@ impl Inspection {
             writeln!(f, "  {order}: {schemes}")?;
         }
         let constant = self.schemes.structure == Linearity::Constant;
-        let over = |scheme| (scheme, long_times(scheme, constant).to_owned());
+        let named = self.orders.iter().filter_map(|order| BuiltIn::named(order.scheme));
+        let over = named.map(|scheme| (scheme.id(), scheme.long_times(constant).to_owned()));
         writeln!(f, "Over long times")?;
-        for (words, schemes) in grouped(self.orders.iter().map(|order| over(order.scheme))) {
+        for (words, schemes) in grouped(over) {
             writeln!(f, "  {schemes}: {words}")?;
         }
         self.write_advice(f)

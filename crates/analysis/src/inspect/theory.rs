@@ -1,5 +1,6 @@
 //! Which statements of the paper apply, and the orders that theory predicts.
 
+use schemes::{BuiltIn, Properties, StrongOrder};
 use serde::Serialize;
 
 use super::{
@@ -46,53 +47,33 @@ pub struct ExpectedOrder {
     pub known: Status,
 }
 
-/// Orders of the schemes of this workspace for smooth B and H, of those with Lévy areas if `areas`
-/// are drawn. Strong order one takes Lévy areas where noises do not commute, and the terms
-/// ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero. Without noise all but `em` are
-/// symmetric or Runge–Kutta methods of order two.
-pub fn orders(noises: &Noises, areas: bool) -> Vec<ExpectedOrder> {
-    type Order = (f64, f64, Status);
-    let listed = |plain: Order, with_areas: Order, em: Order| {
-        let all = [
-            ("sexp", plain),
-            ("sexp-levy", with_areas),
-            ("sexp-li", plain),
-            ("sexp-li-levy", with_areas),
-            ("split", plain),
-            ("nv", (plain.0, 2.0, plain.2)),
-            ("midpoint", plain),
-            ("heun", plain),
-            ("em", em),
-        ];
-        let listed = all.into_iter().filter(|(scheme, _)| areas || !scheme.ends_with("-levy"));
-        let order = |(scheme, (strong, weak, known))| ExpectedOrder { scheme, strong, weak, known };
-        listed.map(order).collect()
-    };
-    let of = |strong, weak| (strong, weak, Status::Holds);
-    if noises.silent.holds() {
-        return listed(of(2.0, 2.0), of(2.0, 2.0), of(1.0, 1.0));
-    }
+/// Orders of the [built-in schemes](BuiltIn) for smooth B and H, of those with Lévy areas if `areas`
+/// are drawn, of those that read rates of the damping if these are finite. Strong order one takes
+/// Lévy areas where noises do not commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out,
+/// where they are not zero.
+pub fn orders(noises: &Noises, areas: bool, finite_rates: bool) -> Vec<ExpectedOrder> {
     // A counterexample shows that the order is ½, unless paths stay where there is none.
     let one_if = |finding: &Finding, on_paths: &Finding| match finding.status {
-        Status::Fails if on_paths.points > 0 && !on_paths.fails() => (0.5, 1.0, Status::Unknown),
-        Status::Fails => of(0.5, 1.0),
-        Status::Unknown => (0.5, 1.0, Status::Unknown),
-        Status::Holds => of(1.0, 1.0),
+        Status::Fails if on_paths.points > 0 && !on_paths.fails() => (0.5, Status::Unknown),
+        Status::Fails => (0.5, Status::Holds),
+        Status::Unknown => (0.5, Status::Unknown),
+        Status::Holds => (1.0, Status::Holds),
     };
     let [commute, no_correction] = &noises.on_paths;
-    listed(
-        one_if(&noises.commute, commute),
-        of(1.0, 1.0),
-        one_if(&noises.no_correction, no_correction),
-    )
-}
-
-/// The schemes that read rates of the damping; the others take its integral.
-const READ_RATES: [&str; 3] = ["midpoint", "heun", "em"];
-
-/// The order of a scheme that reads rates of the damping is not known where these are not finite.
-pub fn without_rates(orders: &mut Vec<ExpectedOrder>) {
-    orders.retain(|order| !READ_RATES.contains(&order.scheme));
+    let expected = |scheme: BuiltIn| {
+        let Properties { id, strong, weak, without_noise, exact_damping, .. } = scheme.properties();
+        if (scheme.is_for_areas() && !areas) || !(exact_damping || finite_rates) {
+            return None;
+        }
+        let ((strong, known), weak) = match strong {
+            _ if noises.silent.holds() => ((without_noise, Status::Holds), without_noise),
+            StrongOrder::Areas => ((1.0, Status::Holds), weak),
+            StrongOrder::Commuting => (one_if(&noises.commute, commute), weak),
+            StrongOrder::Additive => (one_if(&noises.no_correction, no_correction), weak),
+        };
+        Some(ExpectedOrder { scheme: id, strong, weak, known })
+    };
+    BuiltIn::ALL.into_iter().filter_map(expected).collect()
 }
 
 /// The statements of the paper for a system with these properties, with damping or without.

@@ -724,7 +724,6 @@ fn lattices_are_inspected_along_directions() {
         assert_eq!(report.hamiltonians.gradient.is_some(), damping == 0.0);
         let schemes = &report.schemes;
         assert!(schemes.sexp_li_refused.is_none() && schemes.split_refused.is_some());
-        assert!(schemes.nv_refused.is_some(), "each component has a noise: {report}");
         assert!(report.to_string().contains("D = 9000, M = 9000"), "{report}");
     }
     // On 32 paths, and formulas.
@@ -732,8 +731,7 @@ fn lattices_are_inspected_along_directions() {
     assert!(sound(&large(&ring, &y0[..12]).unwrap()));
     let one_field = Couplings { local: false, ..couplings };
     let ring = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), one_field).unwrap();
-    let report = large(&ring, &y0[..12]).unwrap();
-    assert!(report.schemes.nv_refused.is_none(), "{report}");
+    assert!(sound(&large(&ring, &y0[..12]).unwrap()));
     // Too many components for matrices: spins on 32 paths, each with its length.
     let ring = SpinLattice::on_paths(Shape::periodic(&[24]).unwrap(), one_field).unwrap();
     let report = large(&ring, &y0[..72]).unwrap();

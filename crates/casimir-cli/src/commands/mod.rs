@@ -12,8 +12,8 @@ mod run;
 use std::{fs, io::Write, path::Path, sync::mpsc::RecvTimeoutError, time::Duration};
 
 use casimir::{
-    analysis::facts::long_times,
     mc::parts::{Job, Program, Stop, limit_threads},
+    schemes::BuiltIn,
 };
 use clap::CommandFactory;
 
@@ -49,13 +49,9 @@ fn scheme(scene: &Scene, model: &dyn Model) -> Settled {
         return (auto.into(), Some(because));
     }
     let constant = model.constant_structure();
-    let explicit = match named.as_str() {
-        "heun" | "em" => true,
-        "sexp-li" | "sexp-li-levy" => constant,
-        _ => false,
-    };
-    let loses = format!("{}; auto takes {auto}", long_times(named, constant));
-    (named.clone(), explicit.then_some(loses))
+    let explicit = BuiltIn::named(named).filter(|scheme| scheme.is_explicit(constant));
+    let loses = |scheme: BuiltIn| format!("{}; auto takes {auto}", scheme.long_times(constant));
+    (named.clone(), explicit.map(loses))
 }
 
 /// A scheme, and why it was chosen if that was left to the program: what `plan` settles, so that

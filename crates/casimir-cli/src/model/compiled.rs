@@ -1,104 +1,67 @@
 //! A system of the project, on its tuned kernels.
 
-use std::{error::Error, sync::Arc};
+use std::sync::Arc;
 
 use casimir::{
     analysis::{
-        Candidates, CompareSettings, Comparison, compare,
+        Candidates,
         facts::{Kept, fastest},
         inspect,
         inspect::{InspectError, InspectSettings, Inspection},
     },
-    mc::{self, Expect, Setup},
-    schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split},
+    mc::{self, Expect, bind_owned},
+    schemes::{BuiltIn, Method, Scheme, SchemeError},
     systems::{
-        Damping, Flows, InvariantKind, Linearity, PoissonSystem, Problem, linearity, run_time,
+        Damping, Flows, InvariantKind, Linearity, PoissonSystem, Problem, linearity,
+        noises_commute, run_time,
     },
 };
 
 use super::Model;
 
-/// A scheme, or why it is not for the system.
-type Suited<S, const D: usize, const M: usize> = Result<Box<dyn Scheme<S, D, M>>, String>;
+type Compiles<S, const D: usize, const M: usize> =
+    fn(BuiltIn, &S, [f64; D]) -> Result<Box<dyn Scheme<S, D, M>>, SchemeError>;
 
-type Schemes<S, const D: usize, const M: usize> = Vec<(&'static str, Suited<S, D, M>)>;
-
-/// Expectations of a problem, by the flows of its parts or without them.
-type Expected<S, const D: usize, const M: usize> =
-    for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Expect<'a>;
-
-/// A problem with the schemes that are compiled for it.
+/// A problem whose schemes are compiled for it.
 pub struct Compiled<S, const D: usize, const M: usize> {
     problem: Problem<S, Arc<dyn Damping>, D>,
-    schemes: Schemes<S, D, M>,
-    names: Vec<&'static str>,
-    /// The schemes of a comparison.
-    candidates: Compared<S, D, M>,
-    expect: Expected<S, D, M>,
+    scheme: Compiles<S, D, M>,
+    expect: for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Expect<'a>,
 }
 
-type Compared<S, const D: usize, const M: usize> =
-    for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Candidates<'a>;
-
 impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<S, D, M> {
-    /// The problem of a system without flows of its own, and its schemes.
+    /// The problem of a system without flows of its own.
     pub fn new(problem: Problem<S, Arc<dyn Damping>, D>) -> Self {
-        let nv = Nv::new(problem.system(), problem.y0());
-        let nv = nv.map(|nv| Box::new(nv) as _).map_err(|error| error.to_string());
-        Self::with(problem, nv, |p| Candidates::all(p), |p| Expect::new(p))
+        Self { problem, scheme: BuiltIn::compiled, expect: |problem| Expect::new(problem) }
     }
 
-    /// The problem of a system with flows, and its schemes.
+    /// The problem of a system with flows.
     pub fn by_parts(problem: Problem<S, Arc<dyn Damping>, D>) -> Self
     where
         S: Flows<D, M>,
     {
-        let nv = Ok(Box::new(Nv::of_parts()) as _);
-        let mut all = Self::with(problem, nv, |p| Candidates::by_parts(p), |p| Expect::by_parts(p));
-        all.schemes.push(("split", Ok(Box::new(Split))));
-        all.names.push("split");
-        all
-    }
-
-    fn with(
-        problem: Problem<S, Arc<dyn Damping>, D>,
-        nv: Suited<S, D, M>,
-        candidates: Compared<S, D, M>,
-        expect: Expected<S, D, M>,
-    ) -> Self {
-        let (system, y0) = (problem.system(), problem.y0());
-        let mut schemes: Schemes<S, D, M> = vec![
-            ("sexp", Ok(Box::new(Sexp))),
-            ("nv", nv),
-            ("midpoint", Ok(Box::new(Midpoint))),
-            ("heun", Ok(Box::new(Heun))),
-            ("em", Ok(Box::new(EulerMaruyama))),
-        ];
-        let boxed = |scheme| -> Box<dyn Scheme<S, D, M>> { Box::new(scheme) };
-        let words = |error: casimir::schemes::SexpLiError| error.to_string();
-        schemes.push(("sexp-li", SexpLi::new(system, y0).map(boxed).map_err(words)));
-        // The areas of one noise are zero.
-        if M > 1 {
-            schemes.push(("sexp-levy", Ok(Box::new(SexpLevy::new(system, y0)))));
-            let scheme = SexpLi::with_areas(system, y0);
-            schemes.push(("sexp-li-levy", scheme.map(boxed).map_err(words)));
-        }
-        let names = schemes.iter().map(|(name, _)| *name).collect();
-        Self { problem, schemes, names, candidates, expect }
+        Self { problem, scheme: BuiltIn::by_parts, expect: |problem| Expect::by_parts(problem) }
     }
 }
 
 impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model for Compiled<S, D, M> {
-    fn setup(&self, scheme: &str) -> Result<Setup<'_>, String> {
-        let found = self.schemes.iter().find(|(name, _)| *name == scheme);
-        let (_, scheme) = found.ok_or_else(|| super::unknown_scheme(scheme, &self.names))?;
-        Ok(Setup::of(&self.problem, &**scheme.as_ref()?))
+    fn problem(&self) -> mc::Problem<'_> {
+        mc::Problem::of(&self.problem)
+    }
+
+    fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
+        let scheme = (self.scheme)(scheme, self.problem.system(), self.problem.y0())?;
+        Ok(bind_owned(&self.problem, scheme))
+    }
+
+    fn candidates(&self) -> Result<Candidates<'_>, SchemeError> {
+        Ok(Candidates::compiled(&self.problem, self.scheme))
     }
 
     fn recommended(&self) -> (&'static str, String) {
         let (system, y0) = (self.problem.system(), self.problem.y0());
         let has = |kind| system.invariants().iter().any(|law| law.kind == kind);
-        let areas = M > 1 && !SexpLevy::new(system, y0).commuting();
+        let areas = !noises_commute(system, y0);
         Kept { casimirs: has(InvariantKind::Casimir), energy: has(InvariantKind::Energy), areas }
             .scheme()
     }
@@ -114,11 +77,6 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model for
 
     fn expect(&self) -> Option<Expect<'_>> {
         Some((self.expect)(&self.problem))
-    }
-
-    fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
-        let candidates = (self.candidates)(&self.problem);
-        Ok(compare(&mc::Problem::of(&self.problem), &candidates, settings)?)
     }
 
     fn findings(&self) -> Result<Inspection, InspectError> {

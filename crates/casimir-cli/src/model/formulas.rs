@@ -1,19 +1,17 @@
 //! A system from formulas.
 
-use std::{
-    error::Error,
-    sync::{Arc, OnceLock},
-};
+use std::sync::{Arc, OnceLock};
 
 use casimir::{
     analysis::{
-        Candidates, CompareSettings, Comparison, compare,
+        Candidates,
         facts::{Facts, Form, fastest},
         inspect,
         inspect::{InspectError, InspectSettings, Inspection},
     },
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
     mc::{self, Expect, Setup},
+    schemes::{BuiltIn, Method, SchemeError},
     systems::{
         Damping, Linearity,
         run_time::{Problem, System},
@@ -24,7 +22,6 @@ use toml::Spanned;
 use super::{
     Built, Known, Model,
     laws::{laws, with_laws},
-    row_schemes::RowSchemes,
 };
 use crate::scene::{
     Constants, Parameter, Quantity, Read, SceneError, SceneFile, Settings, Source, SystemTable,
@@ -34,7 +31,6 @@ use crate::scene::{
 struct Formulas {
     system: Arc<FormulaSystem>,
     problem: Problem,
-    schemes: RowSchemes,
     facts: OnceLock<Facts>,
 }
 
@@ -46,9 +42,18 @@ impl Formulas {
 }
 
 impl Model for Formulas {
-    fn setup(&self, scheme: &str) -> Result<Setup<'_>, String> {
-        let scheme = self.schemes.get(scheme)?;
-        Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())
+    fn problem(&self) -> mc::Problem<'_> {
+        mc::Problem::at_run_time(&self.problem)
+    }
+
+    fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
+        let scheme = scheme.at_run_time(self.problem.system())?;
+        Ok(Setup::owning(&self.problem, scheme)?.scheme)
+    }
+
+    fn candidates(&self) -> Result<Candidates<'_>, SchemeError> {
+        let candidates = Candidates::at_run_time(&self.problem)?;
+        Ok(candidates.with_casimirs(self.facts().casimirs.clone()))
     }
 
     fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
@@ -83,12 +88,6 @@ impl Model for Formulas {
 
     fn expect(&self) -> Option<Expect<'_>> {
         Expect::at_run_time(&self.problem).ok()
-    }
-
-    fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
-        let candidates = Candidates::at_run_time(&self.problem)?;
-        let candidates = candidates.with_casimirs(self.facts().casimirs.clone());
-        Ok(compare(&mc::Problem::at_run_time(&self.problem), &candidates, settings)?)
     }
 
     fn findings(&self) -> Result<Inspection, InspectError> {
@@ -141,12 +140,12 @@ pub fn build(
         .map_err(|error| misdefined(source, table, settings, &definition, error))?;
     let h0 = Formula::parse(&definition.energy, system.names());
     let h0 = h0.map_err(|error| source.formula_error(energy, &error))?;
-    let (schemes, names) = (RowSchemes::new(&system), system.names().clone());
+    let names = system.names().clone();
     let system = Arc::new(system);
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
         .map_err(|error| settings.initial_error(source, error))?;
     Ok(Built {
-        model: Box::new(Formulas { system, problem, schemes, facts: OnceLock::new() }),
+        model: Box::new(Formulas { system, problem, facts: OnceLock::new() }),
         components: definition.state,
         names,
         energy: Quantity::Formula(Arc::new(h0)),

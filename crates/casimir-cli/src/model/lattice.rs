@@ -1,16 +1,16 @@
 //! Spins on a lattice.
 
-use std::{error::Error, sync::Arc};
+use std::sync::Arc;
 
 use casimir::{
     analysis::{
-        Candidates, CompareSettings, Comparison, compare, inspect,
+        Candidates, inspect,
         inspect::{InspectError, InspectSettings, Inspection},
     },
     formula::Names,
     mc::{self, Expect, Setup},
     real::Row,
-    schemes::Split,
+    schemes::{BuiltIn, Method, SchemeError},
     systems::{
         Damping,
         lattice::{Couplings, Shape, SpinLattice, noise_at_temperature},
@@ -18,7 +18,7 @@ use casimir::{
     },
 };
 
-use super::{Built, Model, row_schemes::RowSchemes};
+use super::{Built, Model};
 use crate::scene::{Observable, Parameters, Quantity, Read, Settings, Source, SystemTable};
 
 /// The parameters of a lattice.
@@ -36,13 +36,20 @@ pub const PARAMETERS: [&str; 9] = [
 
 struct Lattice {
     problem: Problem,
-    schemes: RowSchemes,
 }
 
 impl Model for Lattice {
-    fn setup(&self, scheme: &str) -> Result<Setup<'_>, String> {
-        let scheme = self.schemes.get(scheme)?;
-        Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())
+    fn problem(&self) -> mc::Problem<'_> {
+        mc::Problem::at_run_time(&self.problem)
+    }
+
+    fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
+        let scheme = scheme.at_run_time(self.problem.system())?;
+        Ok(Setup::owning(&self.problem, scheme)?.scheme)
+    }
+
+    fn candidates(&self) -> Result<Candidates<'_>, SchemeError> {
+        Candidates::at_run_time(&self.problem)
     }
 
     fn recommended(&self) -> (&'static str, String) {
@@ -65,11 +72,6 @@ impl Model for Lattice {
     /// None: a point has as many dimensions as spins, steps and noises together.
     fn expect(&self) -> Option<Expect<'_>> {
         None
-    }
-
-    fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
-        let candidates = Candidates::at_run_time(&self.problem)?;
-        Ok(compare(&mc::Problem::at_run_time(&self.problem), &candidates, settings)?)
     }
 
     fn findings(&self) -> Result<Inspection, InspectError> {
@@ -133,8 +135,6 @@ pub fn build(
         [x, y, z] => [x, y, z].repeat(sites),
         ref all => all.to_vec(),
     };
-    let mut schemes = RowSchemes::new(&lattice);
-    schemes.add("split", Ok(Box::new(Split)));
     let components: Vec<String> =
         (1..=sites).flat_map(|site| ["x", "y", "z"].map(|axis| format!("s{site}{axis}"))).collect();
     let names = Names::with_variables(&components);
@@ -158,13 +158,7 @@ pub fn build(
     };
     let mut quantities: Vec<Observable> = (0..3).map(mean).collect();
     quantities.push(Observable::new("energy", energy.clone()));
-    Ok(Built {
-        model: Box::new(Lattice { problem, schemes }),
-        components,
-        names,
-        energy,
-        quantities,
-    })
+    Ok(Built { model: Box::new(Lattice { problem }), components, names, energy, quantities })
 }
 
 /// H₀ of 32 paths.

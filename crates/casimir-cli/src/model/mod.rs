@@ -6,17 +6,17 @@ mod formulas;
 mod lattice;
 mod laws;
 mod project;
-mod row_schemes;
 
 use std::{error::Error, sync::Arc};
 
 use casimir::{
     analysis::{
-        CompareSettings, Comparison,
+        Candidates, CompareSettings, Comparison, compare,
         inspect::{InspectError, Inspection},
     },
     formula::{FormulaDamping, Names},
-    mc::{Expect, Setup},
+    mc::{Expect, Problem, Setup},
+    schemes::{BuiltIn, Method, SchemeError},
     systems::{Constant, Damping},
 };
 
@@ -26,11 +26,31 @@ pub use project::PROJECT;
 
 /// A system with its damping and initial value.
 pub trait Model: Send + Sync {
-    /// The problem and a scheme for it.
+    /// The problem.
+    fn problem(&self) -> Problem<'_>;
+
+    /// A scheme for it.
     ///
     /// # Errors
     /// Why the scheme is not for the system.
-    fn setup(&self, scheme: &str) -> Result<Setup<'_>, String>;
+    fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError>;
+
+    /// All schemes for it, and the reference for their errors.
+    ///
+    /// # Errors
+    /// Those of [`scheme`](Self::scheme).
+    fn candidates(&self) -> Result<Candidates<'_>, SchemeError>;
+
+    /// The problem and a scheme for it by its name.
+    ///
+    /// # Errors
+    /// Why the scheme is not for the system.
+    fn setup(&self, scheme: &str) -> Result<Setup<'_>, String> {
+        let known = || unknown_scheme(scheme);
+        let scheme = self.scheme(BuiltIn::named(scheme).ok_or_else(known)?);
+        let scheme = scheme.map_err(|error| error.to_string())?;
+        Ok(Setup { problem: self.problem(), scheme })
+    }
 
     /// The same with the laws that were found as columns of tables.
     fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
@@ -64,7 +84,9 @@ pub trait Model: Send + Sync {
     ///
     /// # Errors
     /// Those of [`compare`](casimir::analysis::compare).
-    fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>>;
+    fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
+        Ok(compare(&self.problem(), &self.candidates()?, settings)?)
+    }
 
     /// What the system is.
     ///
@@ -164,9 +186,10 @@ pub fn nearest(name: &str, known: &[&str]) -> String {
     nearest.map_or(String::new(), |(_, known)| format!("; the nearest is `{known}`"))
 }
 
-fn unknown_scheme(name: &str, known: &[&str]) -> String {
-    let hint = nearest(name, known);
-    format!("no scheme `{name}` for this system; there are auto, {}{hint}", known.join(", "))
+fn unknown_scheme(name: &str) -> String {
+    let known = BuiltIn::ALL.map(BuiltIn::id);
+    let hint = nearest(name, &known);
+    format!("no scheme `{name}`; there are auto, {}{hint}", known.join(", "))
 }
 
 /// A text in which `y1`, `y2`, … are the names of the components.

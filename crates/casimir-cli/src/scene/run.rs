@@ -24,6 +24,7 @@ pub struct Changes {
     /// Number of steps, instead of that of the scene
     #[arg(long, value_name = "N", value_parser = count)]
     pub steps: Option<u64>,
+    /// Scheme and seed.
     #[command(flatten)]
     pub scheme: SchemeAndSeed,
 }

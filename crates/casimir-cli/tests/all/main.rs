@@ -1,5 +1,6 @@
 //! The program as a user calls it.
 
+mod areas;
 mod broken;
 mod common;
 mod cost;

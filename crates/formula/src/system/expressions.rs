@@ -26,8 +26,7 @@ pub struct Expressions {
     energy: Id,
     /// The operations that have expressions, with the groups of inputs (y, u, v) that are their
     /// arguments. ∇̄h(a, b) is that of a = y and b = u. None is the linearly implicit step if B is
-    /// not affine, or the dimension too large, and the gradient of areas for more than
-    /// [`MOST_NOISES`].
+    /// not affine, or the dimension too large, and those of areas for more than [`MOST_NOISES`].
     operations: Vec<(Op<usize>, Vec<Id>)>,
 }
 
@@ -76,6 +75,10 @@ impl Expressions {
         ];
         if noises <= MOST_NOISES {
             let gradient = new.bracketed();
+            if noises > 1 {
+                let hessian = new.along(&gradient);
+                new.operations.push((Op::AreaHessian { y, u }, hessian));
+            }
             new.operations.push((Op::AreaGradient { y }, gradient));
         }
         if new.structure_degree().is_some_and(|degree| degree <= 1)
@@ -241,16 +244,16 @@ impl Expressions {
         self.graph.reverse(&brackets, &y)
     }
 
-    /// Whether \[fₘ, f_l\] = −B∇{Hₘ, H_l} for all noises: each component is zero within its own
-    /// rounding error at points around `y0`, and the formulas are not made of pieces, as in
-    /// [`systems::jacobi_holds`]. False if there are too many noises or expressions.
-    pub fn jacobi_holds(mut self, y0: &[f64]) -> bool {
-        if self.noises > MOST_NOISES {
-            return false;
+    /// Whether \[fₘ, f_l\] = 0 for all noises, and whether it is −B∇{Hₘ, H_l}: each component is
+    /// zero within its own rounding error at points around `y0`, and the formulas are not made of
+    /// pieces, as in [`systems::jacobi_holds`]. False if there are too many noises or expressions.
+    pub fn commutators(mut self, y0: &[f64]) -> [bool; 2] {
+        if !(2..=MOST_NOISES).contains(&self.noises) {
+            return [self.noises < 2; 2];
         }
         let fields: Vec<(Vec<Id>, Vec<Id>)> = (1..=self.noises).map(|m| self.field_of(m)).collect();
         let (y, one) = (self.y().collect::<Vec<_>>(), self.graph.constant(1.0));
-        let mut defects = Vec::new();
+        let (mut commutators, mut defects) = (Vec::new(), Vec::new());
         for (m, (slope, f)) in fields.iter().enumerate() {
             for (_, g) in &fields[m + 1..] {
                 let bracket = self.graph.dot(slope, g);
@@ -262,21 +265,27 @@ impl Expressions {
                 });
                 for i in 0..self.dimension {
                     let commutator = self.graph.sub(moved[i], other[i]);
+                    commutators.push(commutator);
                     defects.push(self.graph.add(commutator, turned[i]));
                 }
                 if self.graph.len() > MOST_EXPRESSIONS {
-                    return false;
+                    return [false; 2];
                 }
             }
         }
+        [commutators, defects].map(|expressions| self.vanish(&expressions, y0))
+    }
+
+    /// Whether expressions of y are zero within their rounding errors around `y0`.
+    fn vanish(&self, expressions: &[Id], y0: &[f64]) -> bool {
         let mut shown = 0;
         for point in points(y0) {
             let mut inputs = vec![Bounded::exact(0.0); self.areas().end];
             inputs.iter_mut().zip(&point).for_each(|(y, &x)| *y = Bounded::variable(x));
             let (values, is_piecewise) =
-                Bounded::piecewise(|| self.graph.values(&defects, &inputs));
+                Bounded::piecewise(|| self.graph.values(expressions, &inputs));
             // Outside of the domain there is no number.
-            let defects: Vec<_> = defects.iter().map(|id| values[id.index()]).collect();
+            let defects: Vec<_> = expressions.iter().map(|id| values[id.index()]).collect();
             if defects.iter().all(|defect| defect.value.is_finite() && defect.error.is_finite()) {
                 if is_piecewise || defects.iter().any(|d| d.value.abs() > d.error) {
                     return false;
@@ -361,7 +370,7 @@ impl Expressions {
     pub fn op_tapes(&self) -> Vec<(Op<()>, Tape)> {
         let tape = |(op, roots): &(Op<usize>, Vec<Id>)| {
             let weights = op.reads_weights().then(|| [self.dt(), self.dw()]);
-            let areas = matches!(op, Op::AreaGradient { .. }).then(|| self.areas());
+            let areas = op.reads_areas().then(|| self.areas());
             let states = op.arguments().map(|k| k * self.dimension..(k + 1) * self.dimension);
             let inputs: Vec<_> = states.chain(weights.into_iter().flatten()).chain(areas).collect();
             (op.map(|_| ()), Tape::new(&self.graph, roots, &inputs))

@@ -116,12 +116,14 @@ impl FormulaSystem {
             definition.parameters.iter().map(|(name, value)| format!("{name} = {value}"));
         let (dimension, noises) = (definition.state.len(), definition.noises.len());
         let has_guard = expressions.have_domain();
+        let [noises_commute, jacobi_holds] = expressions.clone().commutators(y0);
         let description = Description {
             parameters: parameters.collect::<Vec<_>>().join(", "),
             linearity,
             always_solvable,
             has_guard,
-            jacobi_holds: expressions.clone().jacobi_holds(y0),
+            jacobi_holds,
+            noises_commute,
             ..Description::new(&definition.name, dimension, noises, rule)
         };
         let mut system = Self {
@@ -213,7 +215,7 @@ impl System for FormulaSystem {
         let (dt, scratch) = with_dt(h.dt, scratch);
         let mut inputs = [&[][..]; 5];
         let weights = op.reads_weights().then_some([dt, h.dw]).into_iter().flatten();
-        let areas = matches!(op, Op::AreaGradient { .. }).then_some(h.areas);
+        let areas = op.reads_areas().then_some(h.areas);
         let given = op.arguments().chain(weights).chain(areas);
         let count = inputs.iter_mut().zip(given).map(|(input, rows)| *input = rows).count();
         self.tape(op).evaluate(&inputs[..count], out, scratch);

@@ -89,7 +89,7 @@ impl SchemeTape {
             }
         }
         let states = (0..inputs).map(|k| k * system.dimension()..(k + 1) * system.dimension());
-        let is_area = |node: &Recorded| matches!(node, Recorded::Of(Op::AreaGradient { .. }));
+        let is_area = |node: &Recorded| matches!(node, Recorded::Of(op) if op.reads_areas());
         let reads_areas = nodes.iter().any(is_area);
         let groups: Vec<_> =
             states.chain(once(noise..areas)).chain(reads_areas.then_some(areas..end)).collect();

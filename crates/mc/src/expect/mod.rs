@@ -124,8 +124,7 @@ pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 ///
 /// **Scheme.** By [`by_parts`](Self::by_parts) `nv` of weak order two ([`Nv`]), with the mean of φ
 /// over both orders of the noises, which has an expansion in even powers of τ. Without flows of
-/// parts `sexp-li` of weak order one ([`SexpLi`]): a step of `nv` by stages costs ten times as much
-/// and more, and extrapolation makes up for the order. Where neither applies to the system, or its
+/// parts `sexp-li` of weak order one ([`SexpLi`]): extrapolation makes up for the order. Where neither applies to the system, or its
 /// paths fail, `sexp`; at run time also where B is constant, since `sexp-li` is explicit there and
 /// its energy drifts. Any other by [`with_scheme`](Self::with_scheme).
 ///

@@ -105,6 +105,7 @@ impl List {
                 let along_a = of_a.map(|u| self.op(Op::AveragedHessian { a: b, b: a, u }));
                 self.sum_of_known(along_a, along_b)
             }
+            Op::AreaGradient { y: (y, along) } => along.map(|u| self.op(Op::AreaHessian { y, u })),
             _ => return Err(SchemeError::Derivative),
         };
         Ok((value, slope))

@@ -57,4 +57,5 @@ mod scheme;
 mod sweep;
 mod without_iteration;
 
-pub use scheme::{Scheme, SchemeError};
+pub use crate::SchemeError;
+pub use scheme::Scheme;

@@ -1,16 +1,20 @@
 //! Schemes for systems known at run time.
 
-use real::OutOfMemory;
-use systems::run_time::System;
+use systems::run_time::{Description, Lanes, System};
 
 use super::{explicit::ExplicitStepper, implicit::ImplicitStepper};
-use crate::{Implicit, SexpLiError, Stepper};
+use crate::{Implicit, SchemeError, Stepper};
 
 /// A one-step method for systems whose dimension is known at run time. Every formula is one, with
 /// the same formula as for compiled systems; see [`Explicit`](crate::Explicit) and [`Implicit`].
 pub trait Scheme: Send + Sync {
     /// Identifier in results, for example `sexp`.
     fn id(&self) -> &'static str;
+
+    /// Whether the scheme reads the Lévy areas of a step if there are several noises.
+    fn reads_areas(&self) -> bool {
+        false
+    }
 
     /// Whether the driver truncates increments for this scheme.
     fn clips_increments(&self) -> bool;
@@ -22,68 +26,14 @@ pub trait Scheme: Send + Sync {
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError>;
 }
 
-/// A scheme that cannot be used for a system known at run time.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SchemeError {
-    /// Lévy areas are drawn for compiled systems only.
-    #[error(
-        "{scheme} reads Lévy areas, which are drawn for compiled systems only; `{system}` has \
-         {noises} noises and is known at run time: take sexp or sexp-li, of strong order 1/2"
-    )]
-    Areas {
-        /// The scheme.
-        scheme: &'static str,
-        /// The system.
-        system: String,
-        /// The number of its noises.
-        noises: usize,
-    },
-    /// The system has no parts with flows.
-    #[error("split needs a sum of parts with flows, which `{system}` has not: {reason}")]
-    Parts {
-        /// The system.
-        system: String,
-        /// Why it has none.
-        reason: String,
-    },
-    /// The scheme is not for the system.
-    #[error(transparent)]
-    System(#[from] SexpLiError),
-    /// Averages of ∇h are computed tile by tile for quadratic h only.
-    #[error(
-        "∇̄h of `{system}`, whose h is not quadratic, cannot be computed in tiles: take midpoint, \
-         or one tile"
-    )]
-    Average {
-        /// The system.
-        system: String,
-    },
-    /// Newton's method, which solves where fixed-point iteration does not, needs a derivative that
-    /// is not known.
-    #[error(
-        "an implicit formula cannot have `cayley` or `ito_correction` of z, whose derivatives \
-         along z are not known: take them of ẑ"
-    )]
-    Derivative,
-    /// Rows of the system hold one path.
-    #[error(
-        "rows of `{system}` hold one path, and not 32: take `mc::LargePath`, or the layout of the \
-         system for many paths"
-    )]
-    OnePath {
-        /// The system.
-        system: String,
-    },
-    /// There is no memory for the states.
-    #[error(transparent)]
-    Memory(#[from] OutOfMemory),
-}
-
-impl SchemeError {
-    pub(super) fn areas(scheme: &'static str, system: &dyn System) -> Self {
-        let description = system.description();
-        Self::Areas { scheme, system: description.name.clone(), noises: description.noises }
+/// Checks that a system has what a scheme with Lévy areas needs.
+fn check_areas(scheme: &'static str, system: &dyn System) -> Result<(), SchemeError> {
+    let Description { name, noises, jacobi_holds, layout, .. } = system.description();
+    match (layout.lanes, jacobi_holds) {
+        _ if *noises < 2 => Ok(()),
+        (Lanes::Components, _) => Err(SchemeError::Areas { scheme }),
+        (Lanes::Paths, false) => Err(SchemeError::Jacobi { scheme, system: name.clone() }),
+        (Lanes::Paths, true) => Ok(()),
     }
 }
 
@@ -92,13 +42,17 @@ impl<F: Implicit> Scheme for F {
         F::ID
     }
 
+    fn reads_areas(&self) -> bool {
+        F::READS_AREAS
+    }
+
     fn clips_increments(&self) -> bool {
         F::CLIPS_INCREMENTS
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        if F::READS_AREAS && system.description().noises > 1 {
-            return Err(SchemeError::areas(F::ID, system));
+        if F::READS_AREAS {
+            check_areas(F::ID, system)?;
         }
         if F::EXPLICIT {
             return Ok(Box::new(ExplicitStepper::new(self, system)?));

@@ -1,14 +1,14 @@
-//! `sexp-li`, `split` and `nv` on systems known at run time.
+//! Schemes that are not one formula on systems known at run time: `sexp-li`, `sexp-levy`, `split`.
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{OutOfMemory, Row, Rows, WIDTH};
+use real::{OutOfMemory, Row, Rows};
 use systems::run_time::{Description, Lanes, System, Weights};
 
-use super::{Scheme, SchemeError, explicit::ExplicitStepper};
+use super::{Scheme, SchemeError};
 use crate::{
-    Implicit, Nv, SexpLi, Split, StageFlows, Step, Stepper, Sweep, nv, poisson_flow::PoissonFlow,
-    sexp_li::LinearlyImplicit, split,
+    Implicit, Sexp, SexpLevy, SexpLi, Split, Step, Stepper, sexp_levy::WithAreas,
+    sexp_li::LinearlyImplicit,
 };
 
 impl Scheme for SexpLi {
@@ -16,19 +16,42 @@ impl Scheme for SexpLi {
         self.name()
     }
 
+    fn reads_areas(&self) -> bool {
+        self.areas
+    }
+
     fn clips_increments(&self) -> bool {
         self.clips
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        if self.areas {
-            return Err(SchemeError::areas(self.name(), system));
+        match (self.implicit, self.areas) {
+            (true, true) => LinearlyImplicit::<true, true>.stepper(system),
+            (true, false) => LinearlyImplicit::<true, false>.stepper(system),
+            (false, true) => LinearlyImplicit::<false, true>.stepper(system),
+            (false, false) => LinearlyImplicit::<false, false>.stepper(system),
         }
-        Ok(if self.implicit {
-            Box::new(ExplicitStepper::new(&LinearlyImplicit::<true, false>, system)?)
-        } else {
-            Box::new(ExplicitStepper::new(&LinearlyImplicit::<false, false>, system)?)
-        })
+    }
+}
+
+impl Scheme for SexpLevy {
+    fn id(&self) -> &'static str {
+        WithAreas::ID
+    }
+
+    fn reads_areas(&self) -> bool {
+        !self.commuting()
+    }
+
+    fn clips_increments(&self) -> bool {
+        true
+    }
+
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+        match self.commuting() {
+            true => Sexp.stepper(system),
+            false => WithAreas.stepper(system),
+        }
     }
 }
 
@@ -43,8 +66,11 @@ impl Scheme for Split {
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
         let Description { name, parts, .. } = system.description();
-        let parts =
-            parts.clone().map_err(|reason| SchemeError::Parts { system: name.clone(), reason })?;
+        let parts = parts.clone().map_err(|reason| SchemeError::Parts {
+            scheme: "split",
+            system: name.clone(),
+            reason,
+        })?;
         Ok(Box::new(SplitStepper::new(system, parts)?))
     }
 }
@@ -71,28 +97,6 @@ impl<'a> SplitStepper<'a> {
     }
 }
 
-/// A step of the state.
-struct Moving<'s, 'a> {
-    stepper: &'s mut SplitStepper<'a>,
-    tau: f64,
-    dw: &'s [Row],
-}
-
-impl split::SplitState for Moving<'_, '_> {
-    fn scale(&mut self, factor: f64) {
-        self.stepper.state.iter_mut().flatten().for_each(|y| *y *= factor);
-    }
-
-    fn flow(&mut self, part: usize, half: bool) {
-        let SplitStepper { system, state, half_dw, scratch, .. } = &mut *self.stepper;
-        let h = match half {
-            true => Weights { dt: 0.5 * self.tau, dw: half_dw, areas: &[] },
-            false => Weights { dt: self.tau, dw: self.dw, areas: &[] },
-        };
-        system.flow(part, state, h, scratch);
-    }
-}
-
 impl Stepper for SplitStepper<'_> {
     fn state(&self) -> &[Row] {
         &self.state
@@ -104,102 +108,19 @@ impl Stepper for SplitStepper<'_> {
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         *status = BlockStatus::explicit();
-        let dw = &noise.increments[..];
-        let halves = self.half_dw.iter_mut().flatten().zip(dw.iter().flatten());
+        let Self { system, parts, state, half_dw, scratch } = self;
+        let halves = half_dw.iter_mut().flatten().zip(noise.increments.iter().flatten());
         halves.for_each(|(half, dw)| *half = 0.5 * dw);
-        let parts = self.parts;
-        split::compose(parts, step, &mut Moving { stepper: self, tau: step.tau, dw });
+        let whole = Weights { dt: step.tau, dw: &noise.increments, areas: &[] };
+        let half = Weights { dt: 0.5 * step.tau, dw: half_dw, areas: &[] };
+        state.iter_mut().flatten().for_each(|y| *y *= step.first_decay);
+        let last = *parts - 1;
+        for part in (0..=last).chain((0..last).rev()) {
+            system.flow(part, state, if part < last { half } else { whole }, scratch);
+        }
+        state.iter_mut().flatten().for_each(|y| *y *= step.second_decay);
         if self.system.description().layout.lanes == Lanes::Paths {
             status.fail_where_not_finite(&self.state);
         }
-    }
-}
-
-impl Scheme for Nv<StageFlows> {
-    fn id(&self) -> &'static str {
-        nv::ID
-    }
-
-    fn clips_increments(&self) -> bool {
-        false
-    }
-
-    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        nv::refuse_local_noise(system)?;
-        Ok(match self.is_affine() {
-            true => Box::new(NvStepper::new(self.sweep(), &PoissonFlow::<true>, system)?),
-            false => Box::new(NvStepper::new(self.sweep(), &PoissonFlow::<false>, system)?),
-        })
-    }
-}
-
-/// Flows of the Hamiltonians one by one.
-struct NvStepper<'a, F> {
-    sweep: Sweep,
-    flow: ExplicitStepper<'a, F>,
-    noises: usize,
-    /// The increment of one noise, zero for all others.
-    single: StepNoise,
-}
-
-impl<'a, F: Implicit> NvStepper<'a, F> {
-    fn new(sweep: Sweep, flow: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
-        let flow = ExplicitStepper::new(flow, system)?;
-        let Description { noises, layout, .. } = system.description();
-        let single = Rows::zero(layout.noise_rows)?.into();
-        Ok(Self { sweep, flow, noises: *noises, single })
-    }
-}
-
-/// A step by flows of the Hamiltonians.
-struct Flowing<'s, 'a, F> {
-    stepper: &'s mut NvStepper<'a, F>,
-    half_tau: f64,
-    dw: &'s [Row],
-    status: &'s mut BlockStatus,
-}
-
-impl<F: Implicit> Flowing<'_, '_, F> {
-    /// The flow of H₀dt and of the single noise. A path that fails stays failed: its state is not
-    /// finite.
-    fn flow(&mut self, dt: f64) {
-        let NvStepper { flow, single, .. } = &mut *self.stepper;
-        flow.step(&Step::without_damping(dt), single, self.status);
-    }
-}
-
-impl<F: Implicit> nv::FlowState for Flowing<'_, '_, F> {
-    fn scale(&mut self, factor: f64) {
-        self.stepper.flow.state_mut().iter_mut().flatten().for_each(|y| *y *= factor);
-    }
-
-    fn drift(&mut self) {
-        self.flow(self.half_tau);
-    }
-
-    fn noises(&mut self, backward: bool) {
-        let noises = self.stepper.noises;
-        for k in 0..noises {
-            let m = if backward { noises - 1 - k } else { k };
-            self.stepper.single.increments[m] = self.dw[m];
-            self.flow(0.0);
-            self.stepper.single.increments[m] = [0.0; WIDTH];
-        }
-    }
-}
-
-impl<F: Implicit> Stepper for NvStepper<'_, F> {
-    fn state(&self) -> &[Row] {
-        self.flow.state()
-    }
-
-    fn state_mut(&mut self) -> &mut [Row] {
-        self.flow.state_mut()
-    }
-
-    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
-        let backward = self.noises > 1 && self.sweep.is_backward(step);
-        let (half_tau, dw) = (0.5 * step.tau, &noise.increments[..]);
-        nv::compose(backward, step, &mut Flowing { stepper: self, half_tau, dw, status });
     }
 }

@@ -145,7 +145,6 @@ fn a_block_is_its_paths_at_every_level() {
         side_by_side.compare(&SexpLevy::new(&Rotations, y0), &Rotations, y0);
         side_by_side.compare(&Split, &body, y0);
         side_by_side.compare(&Nv::of_parts(), &body, y0);
-        side_by_side.compare(&Nv::new(&body, y0).unwrap(), &body, y0);
         side_by_side.compare(&EulerWithAreas, &body, y0);
         seen.push(side_by_side.ways);
     }

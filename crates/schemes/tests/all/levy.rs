@@ -8,7 +8,7 @@ use crate::common::{
 use noise::{Noise, Truncation};
 use nonlin::Outcome;
 use real::Real;
-use schemes::{Scheme, Sexp, SexpLevy, SexpLi, SexpLiError, Step};
+use schemes::{Scheme, SchemeError, Sexp, SexpLevy, SexpLi, Step};
 use systems::{Constant, InvariantKind, PoissonSystem, jacobi_holds};
 
 /// Areas spread over all that truncation with k = 4 lets through.
@@ -259,6 +259,9 @@ fn areas_without_jacobis_identity_are_refused() {
     let y0 = [0.3, 0.4, 0.5];
     assert!(!jacobi_holds(&NoJacobi, y0) && jacobi_holds(&Rotations, y0));
     let refused = SexpLi::with_areas(&NoJacobi, y0);
-    assert_eq!(refused, Err(SexpLiError::Jacobi { system: "no-jacobi".into() }));
+    assert_eq!(
+        refused,
+        Err(SchemeError::Jacobi { scheme: "sexp-li-levy", system: "no-jacobi".into() })
+    );
     assert!(SexpLi::new(&NoJacobi, y0).is_ok());
 }

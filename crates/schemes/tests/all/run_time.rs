@@ -5,8 +5,8 @@ use noise::{BlockNoise, StepNoise, StreamKey, WienerRows};
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, Rows, WIDTH};
 use schemes::{
-    EulerMaruyama, Heun, Implicit, Midpoint, Nv, Scheme, Sexp, SexpLi, Split, Step, WithSolver,
-    run_time,
+    BuiltIn, EulerMaruyama, Heun, Implicit, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split, Step,
+    WithSolver, run_time,
 };
 use systems::{
     Cosine, Flows, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
@@ -33,13 +33,17 @@ where
     let mut y = Block::splat(y0);
     paths.state_mut().copy_from_slice(&y.0);
     let mut wiener = WienerRows::new(StreamKey { seed: 3, experiment: 1 }, 0);
-    let mut noise = StepNoise::zero(M);
+    let (mut noise, mut numbers) = (StepNoise::with_areas(M), Numbers(8));
     let (mut status, mut other) = (BlockStatus::explicit(), BlockStatus::explicit());
     let damping = Cosine::new(0.5, 2.0).unwrap();
     let mut largest = 0.0f64;
     for n in 0..STEPS {
         wiener.increments(tau.sqrt(), &mut noise.increments);
         noise.increments.iter_mut().flatten().for_each(|dw| *dw = dw.clamp(-0.4, 0.4));
+        for m in 0..M {
+            let rows = &mut noise.areas[m * M + m + 1..(m + 1) * M];
+            rows.iter_mut().flatten().for_each(|area| *area = 0.3 * tau * numbers.next());
+        }
         let step = Step::new(&damping, n, tau).unwrap();
         scheme.step_block(system, &step, &(&noise).into(), &mut y, &mut status);
         paths.step(&step, &noise, &mut other);
@@ -67,13 +71,16 @@ where
     let sexp_li = SexpLi::new(&system, y0).unwrap();
     assert_eq!(difference(&system, &sexp_li, &adapter, y0, tau), 0.0, "{name}");
     assert_eq!(SexpLi::at_run_time(&adapter).as_ref(), Ok(&sexp_li));
-    let nv = Nv::new(&system, y0).unwrap();
-    assert_eq!(difference(&system, &nv, &adapter, y0, tau), 0.0, "{name}");
-    assert_eq!(Nv::at_run_time(&adapter).as_ref(), Ok(&nv));
+    let with_areas = SexpLi::with_areas(&system, y0).unwrap();
+    assert_eq!(difference(&system, &with_areas, &adapter, y0, tau), 0.0, "{name}");
+    assert_eq!(SexpLi::at_run_time_with_areas(&adapter).as_ref(), Ok(&with_areas));
     // Residuals are at most 2ε of the size in each step, and errors of some forty steps add up.
     let allowed = 8.0 * STEPS as f64 * f64::EPSILON;
     assert!(difference(&system, &Sexp, &adapter, y0, tau) <= allowed, "{name}");
     assert!(difference(&system, &Midpoint, &adapter, y0, tau) <= allowed, "{name}");
+    // Commutators in closed form, and by Jacobi's identity.
+    let levy = SexpLevy::new(&system, y0);
+    assert!(difference(&system, &levy, &adapter, y0, tau) <= allowed, "{name}");
 }
 
 #[test]
@@ -187,7 +194,7 @@ fn schemes_that_cannot_run_say_why() {
     let error = |scheme: &dyn run_time::Scheme| {
         scheme.stepper(&adapter).map(|_| ()).unwrap_err().to_string()
     };
-    let levy = SexpLi::with_areas(&body(), [0.6, 0.0, 0.8]).unwrap();
-    assert!(error(&levy).contains("3 noises"), "{}", error(&levy));
+    let nv = BuiltIn::Nv.at_run_time(&adapter).map(|_| ()).unwrap_err().to_string();
+    assert!(nv.starts_with("nv needs a sum of parts with flows"), "{nv}");
     assert!(error(&Split).contains("flows were not given"), "{}", error(&Split));
 }

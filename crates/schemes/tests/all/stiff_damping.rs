@@ -144,9 +144,6 @@ impl Visit for Table {
         if let Ok(scheme) = SexpLi::new(system, y0) {
             self.row(&scheme, system, y0);
         }
-        if let Ok(scheme) = Nv::new(system, y0) {
-            self.row(&scheme, system, y0);
-        }
         let levy = SexpLevy::new(system, y0);
         if Scheme::<S, D, M>::reads_areas(&levy) {
             self.row(&levy, system, y0);
@@ -227,9 +224,9 @@ fn damping_that_acts_alone_is_exact() {
     ];
     let y0 = [0.7, -1.3];
     let levy = SexpLevy::new(&Alone, y0);
-    let (li, stages) = (SexpLi::new(&Alone, y0).unwrap(), Nv::new(&Alone, y0).unwrap());
+    let li = SexpLi::new(&Alone, y0).unwrap();
     let parts = Nv::of_parts();
-    let schemes: [&dyn Scheme<Alone, 2, 1>; 6] = [&Sexp, &levy, &li, &Split, &parts, &stages];
+    let schemes: [&dyn Scheme<Alone, 2, 1>; 5] = [&Sexp, &levy, &li, &Split, &parts];
     let largest = |scheme: &dyn Scheme<Alone, 2, 1>, damping: &dyn Damping| {
         let (mut y, mut worst) = (y0, 0.0f64);
         for n in 0..64 {

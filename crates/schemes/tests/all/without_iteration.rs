@@ -7,7 +7,7 @@ use crate::common::{
 };
 use noise::Noise;
 use real::Real;
-use schemes::{Explicit, Increment, Scheme, SexpLi, SexpLiError, Split, Step};
+use schemes::{Explicit, Increment, Scheme, SchemeError, SexpLi, Split, Step};
 use systems::{
     Constant, Flows, Form, Invariant, InvariantKind, MaxwellBloch, Pendulum, Poisson3,
     PoissonSystem, RigidBody, RigidBodyEnergy,
@@ -269,7 +269,7 @@ fn the_kind_of_a_system_is_found() {
     assert!(SexpLi::new(&Squared(Some(Form::Linear)), [1.0; 3]).is_ok());
     for form in [None, Some(Form::Quadratic)] {
         let refused = SexpLi::new(&Squared(form), [1.0; 3]);
-        let Err(SexpLiError::Structure { .. }) = refused else { panic!("{refused:?}") };
+        let Err(SchemeError::Structure { .. }) = refused else { panic!("{refused:?}") };
         assert!(refused.unwrap_err().to_string().contains("sexp is for any B"));
     }
 }

@@ -102,6 +102,7 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
                     .map(|(row, weight)| h.areas[row].map(|area| area * weight));
                 on_each!(|group, rows| v)
             }
+            Op::AreaHessian { .. } => on_each!(|group, rows| [[0.0; WIDTH]; 3]),
             Op::AveragedGradient { .. } | Op::AveragedHessian { .. } | Op::AveragedField { .. } => {
                 unreachable!("averages are derived")
             }

@@ -9,7 +9,7 @@ use super::{Description, Op, System, Weights, derived};
 use crate::{
     Flows, HamiltonianIncrement, PoissonSystem, SystemError, always_solvable, area_gradient,
     field::{unit_noise, vector_field, vector_field_derivative},
-    is_quadratic, ito_correction, linearity,
+    is_quadratic, ito_correction, jacobi_holds, linearity, noises_commute,
 };
 
 /// Nodes of the rule for derivatives of the averaged gradient. The gradient itself is that of the
@@ -38,6 +38,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
             always_solvable: always_solvable(&system, y0),
             parts: Err("its flows were not given".into()),
             invariants: system.invariants(),
+            jacobi_holds: jacobi_holds(&system, y0),
+            noises_commute: noises_commute(&system, y0),
             ..Description::new(system.name(), D, M, rule)
         };
         Self { system, description, flow: |_, _, y, _, _| y }
@@ -104,6 +106,10 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<
             Op::AreaGradient { y } => {
                 on_each!(p => area_gradient(s, path(y, p), skew(areas, p)));
             }
+            Op::AreaHessian { y, u } => on_each!(p => {
+                let gradient = AreaGradient::<_, M> { system: s, areas: skew(areas, p) };
+                directional(&gradient, path(y, p), path(u, p)).1
+            }),
             Op::AveragedHessian { .. } => unreachable!("it is derived"),
         }
         *out = rows;
@@ -161,6 +167,21 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D
     #[inline(always)]
     fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
         self.0.gradient(y)
+    }
+}
+
+/// Σ A_ml ∇{Hₘ, H_l} as a function of y.
+struct AreaGradient<'a, S, const M: usize> {
+    system: &'a S,
+    areas: [[f64; M]; M],
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
+    for AreaGradient<'_, S, M>
+{
+    #[inline(always)]
+    fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
+        area_gradient(self.system, y, self.areas)
     }
 }
 

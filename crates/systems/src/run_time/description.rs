@@ -119,6 +119,9 @@ pub struct Description {
     /// Whether the system has [`Op::AreaGradient`](super::Op::AreaGradient), and −B times it was
     /// shown to be Σ_{m<l} A_ml \[fₘ, f_l\], as Jacobi's identity for B implies.
     pub jacobi_holds: bool,
+    /// Whether the noises were shown to commute, see [`noises_commute`](crate::noises_commute), so
+    /// that no areas are needed.
+    pub noises_commute: bool,
     /// Whether paths may leave the domain of the system where their steps are still finite, as
     /// behind the pole of a logarithm. Then [`guard`](super::System::guard) is asked after every
     /// step.
@@ -146,6 +149,7 @@ impl Description {
             parts: Err("it names no parts".into()),
             invariants: Vec::new(),
             jacobi_holds: false,
+            noises_commute: noises < 2,
             has_guard: false,
             own_scratch_rows: 0,
         }

@@ -33,6 +33,8 @@ pub enum Op<P> {
     ItoCorrection { y: P },
     /// Σ_{m<l} A_ml ∇{Hₘ, H_l}(y) with the Lévy areas A of the step and {F, G} = ∇FᵀB∇G.
     AreaGradient { y: P },
+    /// The derivative of [`AreaGradient`](Self::AreaGradient) along u.
+    AreaHessian { y: P, u: P },
 }
 
 impl<P> Op<P> {
@@ -50,6 +52,7 @@ impl<P> Op<P> {
             Self::Cayley { y, v } => Op::Cayley { y: f(y), v: f(v) },
             Self::ItoCorrection { y } => Op::ItoCorrection { y: f(y) },
             Self::AreaGradient { y } => Op::AreaGradient { y: f(y) },
+            Self::AreaHessian { y, u } => Op::AreaHessian { y: f(y), u: f(u) },
         }
     }
 
@@ -83,7 +86,13 @@ impl<P> Op<P> {
     /// Whether the result depends on the weights of h.
     #[inline(always)]
     pub fn reads_weights(&self) -> bool {
-        !self.is_local() && !matches!(self, Self::ItoCorrection { .. } | Self::AreaGradient { .. })
+        !self.is_local() && !self.reads_areas() && !matches!(self, Self::ItoCorrection { .. })
+    }
+
+    /// Whether the result depends on the Lévy areas.
+    #[inline(always)]
+    pub fn reads_areas(&self) -> bool {
+        matches!(self, Self::AreaGradient { .. } | Self::AreaHessian { .. })
     }
 }
 

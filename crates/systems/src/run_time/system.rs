@@ -14,8 +14,8 @@ pub struct Weights<'a> {
     pub dt: f64,
     /// The weights of H₁, …: as many rows as [`Layout::noise_rows`](super::Layout::noise_rows).
     pub dw: &'a [Row],
-    /// The Lévy areas of M noises, read by [`Op::AreaGradient`] alone: A_ml for m < l in row
-    /// mM + l of M² rows. Empty where no operation reads them.
+    /// The Lévy areas of M noises, read where [`Op::reads_areas`]: A_ml for m < l in row mM + l of
+    /// M² rows. Empty where no operation reads them.
     pub areas: &'a [Row],
 }
 

@@ -1,0 +1,52 @@
+//! Lévy areas for systems from text: strong order one where noises do not commute.
+
+use serde_json::Value;
+
+use crate::common::{succeeds, with_scene};
+
+/// A spin in two random fields, one of them with a term that is not linear.
+const TWO_NOISES: &str = r#"[system]
+state = ["x", "y", "z"]
+B = [["-z", "y"], ["-x"]]
+H0 = "x^2/2 + y^2 + 3*z^2/4"
+H = ["x", "y^2/2 + z"]
+[damping]
+rate = "0.2"
+[run]
+initial = [0.6, 0.0, 0.8]
+until = 1.0
+steps = 64
+"#;
+
+/// The interval of the measured strong order of a scheme.
+fn strong_order(scheme: &str) -> [f64; 2] {
+    let folder = with_scene(&format!("{TWO_NOISES}scheme = \"{scheme}\"\n"));
+    let text = succeeds(folder.path(), &["order", "scene.toml", "--json"]);
+    let json: Value = serde_json::from_str(&text).expect("JSON");
+    let rate = &json["strong"]["rate"];
+    ["lo", "hi"].map(|end| rate[end].as_f64().unwrap_or_else(|| panic!("{scheme}: {text}")))
+}
+
+#[test]
+fn two_noises_that_do_not_commute_have_strong_order_one_with_areas() {
+    let contains = |[lo, hi]: [f64; 2], order: f64| lo <= order && order <= hi && hi - lo < 0.2;
+    for scheme in ["sexp-li-levy", "sexp-levy"] {
+        let found = strong_order(scheme);
+        assert!(contains(found, 1.0), "{scheme}: {found:?}");
+    }
+    // The twin without areas.
+    let found = strong_order("sexp-li");
+    assert!(contains(found, 0.5), "{found:?}");
+}
+
+#[test]
+fn a_comparison_takes_areas_and_a_reference_with_areas() {
+    let folder = with_scene(TWO_NOISES);
+    let arguments = ["compare", "scene.toml", "--error", "0.01", "--budget", "20", "--json"];
+    let json: Value = serde_json::from_str(&succeeds(folder.path(), &arguments)).expect("JSON");
+    let text = json.to_string();
+    assert_eq!(json["strong"]["reference"], "sexp-levy", "{text}");
+    for scheme in ["\"sexp-levy\"", "\"sexp-li-levy\"", "\"sexp-li\"", "\"heun\""] {
+        assert!(text.contains(scheme), "{scheme}: {text}");
+    }
+}

@@ -1,0 +1,256 @@
+//! The registry of the built-in schemes: names, orders, what they keep, and how they are made.
+
+use BuiltIn::{EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split};
+use systems::{Flows, PoissonSystem, run_time::System};
+
+use crate::{Scheme, SchemeError, run_time};
+
+/// A scheme of this crate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuiltIn {
+    /// [`Sexp`](crate::Sexp).
+    Sexp,
+    /// [`SexpLevy`](crate::SexpLevy).
+    SexpLevy,
+    /// [`SexpLi`](crate::SexpLi).
+    SexpLi,
+    /// [`SexpLi::with_areas`](crate::SexpLi::with_areas).
+    SexpLiLevy,
+    /// [`Split`](crate::Split).
+    Split,
+    /// [`Nv`](crate::Nv).
+    Nv,
+    /// [`Midpoint`](crate::Midpoint).
+    Midpoint,
+    /// [`Heun`](crate::Heun).
+    Heun,
+    /// [`EulerMaruyama`](crate::EulerMaruyama).
+    EulerMaruyama,
+}
+
+/// What is known of a scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Properties {
+    /// Its name.
+    pub id: &'static str,
+    /// What its strong order depends on.
+    pub strong: StrongOrder,
+    /// Its weak order.
+    pub weak: f64,
+    /// Its order without noise.
+    pub without_noise: f64,
+    /// Whether its step is explicit.
+    pub explicit: Explicitness,
+    /// Whether the damping is exact. Other schemes read the rate γ(t), and not its integral.
+    pub exact_damping: bool,
+    /// What becomes of the energy H₀ over long times, without noise and damping.
+    pub energy: Energy,
+    /// What it does over long times, in words.
+    pub long_times: &'static str,
+}
+
+/// What strong order one depends on; otherwise it is ½.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StrongOrder {
+    /// The noises commute.
+    Commuting,
+    /// Nothing: the scheme reads Lévy areas.
+    Areas,
+    /// The terms ½ΔWₘΔW_l fₘ′f_l are zero.
+    Additive,
+}
+
+/// Whether a step is explicit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Explicitness {
+    /// It solves an equation, or is a composition of flows.
+    No,
+    /// Where B does not depend on y.
+    WhereConstant,
+    /// It is, and nothing is kept.
+    Always,
+}
+
+/// What becomes of an energy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Energy {
+    /// It is kept.
+    Kept,
+    /// It stays near its value.
+    Near,
+    /// It drifts.
+    Drifts,
+}
+
+impl BuiltIn {
+    /// All of them. `heun` is the one that others are compared with.
+    pub const ALL: [Self; 9] =
+        [Sexp, SexpLevy, SexpLi, SexpLiLevy, Split, Nv, Midpoint, Heun, EulerMaruyama];
+
+    /// The scheme of this name.
+    #[must_use]
+    pub fn named(id: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|scheme| scheme.id() == id)
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        self.properties().id
+    }
+
+    /// What is known of it.
+    #[must_use]
+    pub fn properties(self) -> Properties {
+        let sexp = Properties {
+            id: "sexp",
+            strong: StrongOrder::Commuting,
+            weak: 1.0,
+            without_noise: 2.0,
+            explicit: Explicitness::No,
+            exact_damping: true,
+            energy: Energy::Kept,
+            long_times: "exact damping; Casimirs and, but for the noise, the energy kept",
+        };
+        let linear = Properties {
+            id: "sexp-li",
+            explicit: Explicitness::WhereConstant,
+            energy: Energy::Drifts,
+            long_times: "exact damping; Casimirs kept; the energy drifts",
+            ..sexp
+        };
+        let flows = Properties {
+            id: "split",
+            energy: Energy::Near,
+            long_times: "exact damping; Casimirs kept; the energy stays near where flows are exact",
+            ..sexp
+        };
+        let explicit = Properties {
+            id: "heun",
+            explicit: Explicitness::Always,
+            exact_damping: false,
+            energy: Energy::Drifts,
+            long_times: "nothing is kept: the energy drifts, or explodes",
+            ..sexp
+        };
+        let with_areas = StrongOrder::Areas;
+        match self {
+            Sexp => sexp,
+            SexpLevy => Properties { id: "sexp-levy", strong: with_areas, ..sexp },
+            SexpLi => linear,
+            SexpLiLevy => Properties { id: "sexp-li-levy", strong: with_areas, ..linear },
+            Split => flows,
+            Nv => Properties { id: "nv", weak: 2.0, ..flows },
+            Midpoint => Properties {
+                id: "midpoint",
+                exact_damping: false,
+                energy: Energy::Near,
+                long_times: "without damping Casimirs are kept, and the energy stays near",
+                ..sexp
+            },
+            Heun => explicit,
+            EulerMaruyama => Properties {
+                id: "em",
+                strong: StrongOrder::Additive,
+                without_noise: 1.0,
+                ..explicit
+            },
+        }
+    }
+
+    /// Whether it reads Lévy areas where noises do not commute.
+    #[must_use]
+    pub fn is_for_areas(self) -> bool {
+        self.properties().strong == StrongOrder::Areas
+    }
+
+    /// What it does over long times. `constant`: B does not depend on y.
+    #[must_use]
+    pub fn long_times(self, constant: bool) -> &'static str {
+        match self.properties() {
+            Properties { explicit: Explicitness::WhereConstant, .. } if constant => {
+                "exact damping; explicit, since B is constant: the energy drifts"
+            }
+            properties => properties.long_times,
+        }
+    }
+
+    /// Whether a step is explicit, so that energies drift or explode. `constant`: B does not depend
+    /// on y.
+    #[must_use]
+    pub fn is_explicit(self, constant: bool) -> bool {
+        match self.properties().explicit {
+            Explicitness::Always => true,
+            Explicitness::WhereConstant => constant,
+            Explicitness::No => false,
+        }
+    }
+
+    /// The scheme for a compiled system without flows.
+    ///
+    /// # Errors
+    /// [`SchemeError`] if it is not for the system.
+    pub fn compiled<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        self,
+        system: &S,
+        y0: [f64; D],
+    ) -> Result<Box<dyn Scheme<S, D, M>>, SchemeError> {
+        Ok(match self {
+            Sexp => Box::new(crate::Sexp),
+            SexpLevy => Box::new(crate::SexpLevy::new(system, y0)),
+            SexpLi => Box::new(crate::SexpLi::new(system, y0)?),
+            SexpLiLevy => Box::new(crate::SexpLi::with_areas(system, y0)?),
+            Midpoint => Box::new(crate::Midpoint),
+            Heun => Box::new(crate::Heun),
+            EulerMaruyama => Box::new(crate::EulerMaruyama),
+            Split | Nv => return Err(self.without_flows(system.name(), "its flows are not known")),
+        })
+    }
+
+    /// The scheme for a compiled system of parts with flows.
+    ///
+    /// # Errors
+    /// [`SchemeError`] if it is not for the system.
+    pub fn by_parts<S: Flows<D, M>, const D: usize, const M: usize>(
+        self,
+        system: &S,
+        y0: [f64; D],
+    ) -> Result<Box<dyn Scheme<S, D, M>>, SchemeError> {
+        match self {
+            Split => Ok(Box::new(crate::Split)),
+            Nv => Ok(Box::new(crate::Nv::of_parts())),
+            _ => self.compiled(system, y0),
+        }
+    }
+
+    /// The scheme for a system known at run time.
+    ///
+    /// # Errors
+    /// [`SchemeError`] if it is not for the system.
+    pub fn at_run_time(
+        self,
+        system: &dyn System,
+    ) -> Result<Box<dyn run_time::Scheme>, SchemeError> {
+        let description = system.description();
+        Ok(match (self, &description.parts) {
+            (Sexp, _) => Box::new(crate::Sexp),
+            (SexpLevy, _) => Box::new(crate::SexpLevy::at_run_time(system)?),
+            (SexpLi, _) => Box::new(crate::SexpLi::at_run_time(system)?),
+            (SexpLiLevy, _) => Box::new(crate::SexpLi::at_run_time_with_areas(system)?),
+            (Midpoint, _) => Box::new(crate::Midpoint),
+            (Heun, _) => Box::new(crate::Heun),
+            (EulerMaruyama, _) => Box::new(crate::EulerMaruyama),
+            (Split, Ok(_)) => Box::new(crate::Split),
+            (Split | Nv, Err(reason)) => return Err(self.without_flows(&description.name, reason)),
+            (Nv, Ok(_)) => {
+                let reason = "the flow of each Hamiltonian is known of compiled systems only";
+                return Err(self.without_flows(&description.name, reason));
+            }
+        })
+    }
+
+    fn without_flows(self, system: &str, reason: &str) -> SchemeError {
+        let reason = reason.to_owned();
+        SchemeError::Parts { scheme: self.id(), system: system.into(), reason }
+    }
+}

@@ -1,0 +1,268 @@
+//! Compositions of flows.
+
+use noise::{BlockNoise, Noise};
+use nonlin::{BlockStatus, Outcome, Solution};
+use real::{Block, Kernel, WIDTH, dispatch, unrolled};
+use systems::Flows;
+
+use crate::{Nv, Scheme, Split, Step};
+
+/// A scheme that moves paths by flows and numbers, one after the other.
+///
+/// ```
+/// use noise::Noise;
+/// use schemes::{Composed, Composition, Paths, Scheme, Step, Times};
+/// use systems::{Constant, Flows, Pendulum};
+///
+/// /// Each flow once, and the whole damping before.
+/// struct LieTrotter;
+/// impl<S: Flows<D, M>, const D: usize, const M: usize> Composition<S, D, M> for LieTrotter {
+///     const ID: &'static str = "lie-trotter";
+///     #[inline(always)]
+///     fn compose<const N: usize>(&self, step: &Step, paths: &mut Paths<'_, S, D, M, N>) {
+///         paths.scale(step.first_decay * step.second_decay);
+///         (0..S::PARTS).for_each(|part| paths.flow(part, Times::step(step)));
+///     }
+/// }
+/// let step = Step::new(&Constant::new(0.2)?, 0, 0.01)?;
+/// let pendulum = Pendulum::new(1.0)?;
+/// let next =
+///     Composed(LieTrotter).step(&pendulum, &step, &Noise::increments([0.05]), [0.2, 1.0]);
+/// assert!(next.outcome.converged());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Composition<S, const D: usize, const M: usize>: Send + Sync {
+    /// Identifier in results.
+    const ID: &'static str;
+
+    /// Advances N paths by one step. Mark it `#[inline(always)]` and avoid closures: only inlined
+    /// code is vectorised.
+    fn compose<const N: usize>(&self, step: &Step, paths: &mut Paths<'_, S, D, M, N>);
+}
+
+/// A [`Composition`] as a [`Scheme`]. No increment is truncated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Composed<C>(pub C);
+
+/// The states of N paths that are moved: 32 or one.
+pub struct Paths<'a, S, const D: usize, const M: usize, const N: usize> {
+    system: &'a S,
+    increments: [[f64; N]; M],
+    y: [[f64; N]; D],
+}
+
+/// The times of a flow: of H₀, and of the noises.
+#[derive(Clone, Copy, Debug)]
+pub struct Times {
+    dt: f64,
+    noises: Noises,
+    share: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Noises {
+    None,
+    One(usize),
+    All,
+}
+
+impl Times {
+    /// τ and all increments.
+    #[inline(always)]
+    pub fn step(step: &Step) -> Self {
+        Self { dt: step.tau, noises: Noises::All, share: 1.0 }
+    }
+
+    /// A time without noise.
+    #[inline(always)]
+    pub fn drift(dt: f64) -> Self {
+        Self { dt, noises: Noises::None, share: 1.0 }
+    }
+
+    /// The increment of noise `m` without time.
+    #[inline(always)]
+    pub fn noise(m: usize) -> Self {
+        Self { dt: 0.0, noises: Noises::One(m), share: 1.0 }
+    }
+
+    /// A share of these times.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(self, share: f64) -> Self {
+        Self { dt: share * self.dt, share: share * self.share, ..self }
+    }
+}
+
+impl<S, const D: usize, const M: usize, const N: usize> Paths<'_, S, D, M, N> {
+    /// Multiplies the states by a number.
+    #[inline(always)]
+    pub fn scale(&mut self, factor: f64) {
+        for i in 0..D {
+            for p in 0..N {
+                self.y[i][p] *= factor;
+            }
+        }
+    }
+}
+
+impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S, D, M, N> {
+    /// The flow of a part.
+    #[inline(always)]
+    pub fn flow(&mut self, part: usize, times: Times) {
+        self.part::<false>(part, times);
+    }
+
+    /// The precise flow of a part, see [`Flows::precise_flow`].
+    #[inline(always)]
+    pub fn precise_flow(&mut self, part: usize, times: Times) {
+        self.part::<true>(part, times);
+    }
+
+    /// The flows of all parts: φ₀(½) ⋯ φ_{P−1}(½) φ_P(1) φ_{P−1}(½) ⋯ φ₀(½).
+    #[inline(always)]
+    pub fn symmetric(&mut self, times: Times) {
+        // Numbers of parts are constants, so that each loop over paths has one flow.
+        unrolled!(f64: part in 0..S::PARTS => {
+            self.flow(part, if part + 1 < S::PARTS { times.times(0.5) } else { times });
+        });
+        unrolled!(f64: k in 0..S::PARTS => {
+            if k > 0 {
+                self.flow(S::PARTS - 1 - k, times.times(0.5));
+            }
+        });
+    }
+
+    /// Each flow is a loop of its own, since one with all flows of a step is not vectorised.
+    #[inline(always)]
+    fn part<const PRECISE: bool>(&mut self, part: usize, times: Times) {
+        if matches!(times.noises, Noises::None) && !self.system.drifts(part) {
+            return;
+        }
+        let (start, mut next) = (self.y, self.y);
+        for p in 0..N {
+            let mut y = [0.0; D];
+            for i in 0..D {
+                y[i] = start[i][p];
+            }
+            let mut dw = [0.0; M];
+            match times.noises {
+                Noises::None => {}
+                Noises::One(m) => dw[m] = times.share * self.increments[m][p],
+                Noises::All => {
+                    for m in 0..M {
+                        dw[m] = times.share * self.increments[m][p];
+                    }
+                }
+            }
+            let z = if PRECISE {
+                self.system.precise_flow(part, y, times.dt, dw)
+            } else {
+                self.system.flow(part, y, times.dt, dw)
+            };
+            for i in 0..D {
+                next[i][p] = z[i];
+            }
+        }
+        self.y = next;
+    }
+}
+
+struct ComposedKernel<'a, C, S, const D: usize, const M: usize> {
+    composition: &'a C,
+    system: &'a S,
+    step: Step,
+    noise: BlockNoise<'a, M>,
+    y: &'a mut Block<D>,
+    status: &'a mut BlockStatus,
+}
+
+impl<C: Composition<S, D, M>, S, const D: usize, const M: usize> Kernel
+    for ComposedKernel<'_, C, S, D, M>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { composition, system, step, noise, y, status } = self;
+        let increments = *noise.increments;
+        let mut paths: Paths<'_, S, D, M, WIDTH> = Paths { system, increments, y: y.0 };
+        composition.compose(&step, &mut paths);
+        y.0 = paths.y;
+        *status = BlockStatus::explicit();
+        status.fail_where_not_finite(&y.0);
+    }
+}
+
+impl<C, S, const D: usize, const M: usize> Scheme<S, D, M> for Composed<C>
+where
+    C: Composition<S, D, M>,
+{
+    fn id(&self) -> &'static str {
+        C::ID
+    }
+
+    fn reads_areas(&self) -> bool {
+        false
+    }
+
+    fn clips_increments(&self) -> bool {
+        false
+    }
+
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        noise: &BlockNoise<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
+        let composition = &self.0;
+        dispatch(ComposedKernel { composition, system, step: *step, noise: *noise, y, status });
+    }
+
+    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
+        let (increments, y) = (noise.increments.map(|dw| [dw]), y.map(|y| [y]));
+        let mut paths: Paths<'_, S, D, M, 1> = Paths { system, increments, y };
+        self.0.compose(step, &mut paths);
+        let z = paths.y.map(|[y]| y);
+        Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked()
+    }
+}
+
+/// A composition of this crate is a scheme by itself.
+macro_rules! composed {
+    ($composition:ty) => {
+        impl<S: Flows<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for $composition {
+            fn id(&self) -> &'static str {
+                <Self as Composition<S, D, M>>::ID
+            }
+
+            fn reads_areas(&self) -> bool {
+                false
+            }
+
+            fn clips_increments(&self) -> bool {
+                false
+            }
+
+            fn step_block(
+                &self,
+                system: &S,
+                step: &Step,
+                noise: &BlockNoise<M>,
+                y: &mut Block<D>,
+                status: &mut BlockStatus,
+            ) {
+                Composed(*self).step_block(system, step, noise, y, status);
+            }
+
+            fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
+                Composed(*self).step(system, step, noise, y)
+            }
+        }
+    };
+}
+
+composed!(Split);
+composed!(Nv);
