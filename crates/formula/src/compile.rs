@@ -10,51 +10,43 @@ use crate::{
     uniform::{Collector, Numbers, ONE, uniform},
 };
 
-/// Instructions with their numbers and the rows of scratch that they need.
-pub struct Code {
-    pub code: Vec<Instruction>,
-    pub numbers: Numbers,
-    pub scratch: usize,
-}
-
-/// The instructions for `outputs`. Input k is at `inputs[k]`, unless it is one of the
+/// The instructions for `outputs`, their numbers, and the rows of scratch that they need. Input k is at `inputs[k]`, unless it is one of the
 /// `uniform_inputs`, which are the same at all points.
 pub fn compile(
     graph: &Graph,
     outputs: &[Id],
     inputs: &[Option<Place>],
     uniform_inputs: Range<usize>,
-) -> Code {
+) -> (Vec<Instruction>, Numbers, usize) {
     let (graph, outputs) = lowered(graph, outputs);
     let uniform = uniform(&graph, &uniform_inputs);
     let steps = joined(&graph, &outputs, &uniform);
-    let taken: Vec<Id> = steps.iter().flatten().flat_map(Joined::numbers).map(|k| k.id).collect();
+    let taken = steps.iter().flatten().flat_map(|step| step.numbers).flatten();
+    let taken: Vec<Id> = taken.map(|number| number.id).collect();
     let numbers = Collector::new(&graph, uniform_inputs, &taken);
     let mut rows = RowAllocator::new(&graph, &outputs, &steps, inputs, &uniform, numbers);
     for (index, id) in graph.ids().enumerate() {
-        if let Some(step) = steps[index] {
+        if let Some(step) = &steps[index] {
             rows.emit(id, step);
         }
     }
     rows.copy_repeated_outputs(&outputs);
-    Code { code: rows.code, numbers: rows.numbers.finish(), scratch: rows.count as usize }
+    (rows.code, rows.numbers.finish(), rows.count as usize)
 }
 
 /// The same expressions with powers written out as products.
 fn lowered(graph: &Graph, outputs: &[Id]) -> (Graph, Vec<Id>) {
     let needed = graph.needed(outputs);
     let mut lower = Graph::new();
-    let mut copies: Vec<Option<Id>> = vec![None; graph.len()];
+    let mut copies = vec![Id::FIRST; graph.len()];
     for id in graph.ids().filter(|id| needed[id.index()]) {
-        let of = |id: Id| copies[id.index()].unwrap_or_else(|| unreachable!("operands come first"));
-        let copy = match graph.node(id) {
+        let of = |id: Id| copies[id.index()];
+        copies[id.index()] = match graph.node(id) {
             Node::Power(a, n) => product(&mut lower, of(a), n),
             node => lower.intern(node.with_operands(of)),
         };
-        copies[id.index()] = Some(copy);
     }
-    let outputs = outputs.iter().filter_map(|output| copies[output.index()]).collect();
-    (lower, outputs)
+    (lower, outputs.iter().map(|output| copies[output.index()]).collect())
 }
 
 /// xⁿ for n ≥ 2, the products of [`real::elementary::powi`] in their order.
@@ -105,7 +97,7 @@ impl RowAllocator {
         }
         let mut last_use = vec![0; graph.len()];
         for (index, step) in steps.iter().enumerate() {
-            step.iter().flat_map(Joined::operands).for_each(|x| last_use[x.index()] = index);
+            step.iter().flat_map(|step| &step.operands).for_each(|x| last_use[x.index()] = index);
         }
         let home = |id: Id| match graph.node(id) {
             Node::Input(k) if !uniform[id.index()] => {
@@ -122,9 +114,9 @@ impl RowAllocator {
         self.homes[id.index()].unwrap_or_else(|| unreachable!("operands come first"))
     }
 
-    fn emit(&mut self, id: Id, step: Joined) {
+    fn emit(&mut self, id: Id, step: &Joined) {
         let mut from = [Place::default(); MOST_ROWS];
-        for (k, &operand) in step.operands().iter().enumerate() {
+        for (k, &operand) in step.operands.iter().enumerate() {
             from[k] = self.home(operand);
             // A row that is not used after this instruction may be written by it.
             let is_last = self.last_use[operand.index()] == id.index();

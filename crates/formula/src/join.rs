@@ -3,33 +3,23 @@
 use crate::{
     Id,
     graph::{Binary, Graph, Node, Unary},
-    instruction::{MOST_ROWS, Operation},
+    instruction::Operation,
     uniform::Number,
 };
 
 /// An operation with the expressions that are its operands.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Joined {
     pub operation: Operation,
-    operands: [Id; MOST_ROWS],
-    count: usize,
+    pub operands: Vec<Id>,
     /// A number that is not there is one.
     pub numbers: [Option<Number>; 2],
 }
 
 impl Joined {
     fn new<const N: usize>(operation: Operation, operands: [Id; N], numbers: &[Number]) -> Self {
-        let (rows, none) = ([Id::FIRST; MOST_ROWS], [None; 2]);
-        let mut step = Self { operation, operands: rows, count: N, numbers: none };
-        step.operands[..N].copy_from_slice(&operands);
-        for (place, &number) in step.numbers.iter_mut().zip(numbers) {
-            *place = Some(number);
-        }
-        step
-    }
-
-    pub fn operands(&self) -> &[Id] {
-        &self.operands[..self.count]
+        let numbers = [0, 1].map(|k| numbers.get(k).copied());
+        Self { operation, operands: operands.to_vec(), numbers }
     }
 
     /// The same times a number, if the operation has such a factor.
@@ -43,10 +33,6 @@ impl Joined {
         };
         self.numbers[factor] = Some(k);
         Some(self)
-    }
-
-    pub fn numbers(&self) -> impl Iterator<Item = Number> + use<> {
-        self.numbers.into_iter().flatten()
     }
 }
 
@@ -62,10 +48,10 @@ pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Joi
     outputs.iter().for_each(|output| wanted[output.index()] = true);
     let mut steps = vec![None; graph.len()];
     let join = Join { graph, uses, uniform };
-    for id in graph.ids().rev().filter(|id| id.index() < graph.len()) {
+    for id in graph.ids().rev() {
         if wanted[id.index()] {
             let step = join.step(id);
-            step.iter().flat_map(Joined::operands).for_each(|x| wanted[x.index()] = true);
+            step.iter().flat_map(|step| &step.operands).for_each(|x| wanted[x.index()] = true);
             steps[id.index()] = step;
         }
     }
@@ -172,12 +158,19 @@ impl Join<'_> {
             (_, Some((x, y))) => self.difference(x, y),
             _ => return None,
         };
-        let [p, q, r, s, ..] = inner.operands;
-        Some(match (inner.operation, self.term(b)) {
-            (MulAddMul, Term::Product(x, y)) => Joined::new(Dot, [p, q, r, s, x, y], &[]),
-            (MulAddMul, Term::Other) => Joined::new(MulAddMulAdd, [p, q, r, s, b], &[]),
-            (MulSubMul, Term::Other) => Joined::new(MulSubMulAdd, [p, q, r, s, b], &[]),
-            (MulAdd, Term::Product(x, y)) => Joined::new(MulAddAddMul, [p, q, r, x, y], &[]),
+        Some(match (inner.operation, &inner.operands[..], self.term(b)) {
+            (MulAddMul, &[p, q, r, s], Term::Product(x, y)) => {
+                Joined::new(Dot, [p, q, r, s, x, y], &[])
+            }
+            (MulAddMul, &[p, q, r, s], Term::Other) => {
+                Joined::new(MulAddMulAdd, [p, q, r, s, b], &[])
+            }
+            (MulSubMul, &[p, q, r, s], Term::Other) => {
+                Joined::new(MulSubMulAdd, [p, q, r, s, b], &[])
+            }
+            (MulAdd, &[p, q, r], Term::Product(x, y)) => {
+                Joined::new(MulAddAddMul, [p, q, r, x, y], &[])
+            }
             _ => return None,
         })
     }

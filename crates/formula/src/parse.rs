@@ -224,7 +224,8 @@ impl Builder<'_> {
             .map_prefix(|sign, operand| {
                 let (id, span) = operand?;
                 let span = sign.as_span().start()..span.end;
-                this.borrow_mut().signed(sign.as_rule() == Rule::negative, id, span)
+                let is_minus = sign.as_rule() == Rule::negative;
+                this.borrow_mut().finish(span, |graph| if is_minus { graph.neg(id) } else { id })
             })
             .map_infix(|left, operator, right| {
                 let (left, right) = (left?, right?);
@@ -329,10 +330,6 @@ impl Builder<'_> {
             _ => names::nearest(name, names::functions()),
         };
         unknown("function", name, nearest)
-    }
-
-    fn signed(&mut self, minus: bool, id: Id, span: Range<usize>) -> Result<Placed, FormulaError> {
-        self.finish(span, |graph| if minus { graph.neg(id) } else { id })
     }
 
     fn combined(

@@ -6,7 +6,7 @@ use real::{Kernel, Row, dispatch};
 
 use crate::{
     Id,
-    compile::{Code, compile},
+    compile::compile,
     graph::Graph,
     instruction::{Instruction, Place, run},
     uniform::Numbers,
@@ -70,7 +70,7 @@ impl Tape {
                 inputs[input] = Some(Place { bank: bank as u32, row: row as u32 });
             }
         }
-        let Code { code, numbers, scratch } = compile(graph, outputs, &inputs, numbers);
+        let (code, numbers, scratch) = compile(graph, outputs, &inputs, numbers);
         let inputs = groups.iter().map(ExactSizeIterator::len).collect();
         Self { code, numbers, inputs, outputs: outputs.len(), scratch }
     }

@@ -8,7 +8,6 @@ use super::{
     finding::{CLUSTER, Finding, products},
     form::{Form, readable, sum_of_terms},
     points::Points,
-    probe::Probe,
     search::{Candidates, UNKNOWNS, ZERO, casimirs, equations},
     shape::Minimum,
     sight::Sight,
@@ -34,19 +33,15 @@ impl FoundCasimir {
         let mut casimir = Finding::fitted();
         let at = sight.states.iter().zip(matrices);
         sight.record(&mut casimir, at.map(|(y, b)| products(b, &form.gradient(y))));
-        let search = |sight: &mut Sight<'_>| {
-            let values = |_: &mut Probe<'_>, y: &[Vec<f64>]| {
-                y.iter().map(|y| form.value(y)).collect::<Vec<_>>()
-            };
-            Minimum::by_search(&mut sight.probe, sight.points, &values)
-        };
         let everywhere = match form.degree {
             1 => Minimum::of_linear(&form.coefficients),
             _ => Minimum::of_form(&form.matrix()),
         };
         let minimum = match everywhere.positive.holds() || sight.points.everywhere {
             true => everywhere,
-            false => search(sight),
+            false => Minimum::by_search(&mut sight.probe, sight.points, &|_, y| {
+                y.iter().map(|y| form.value(y)).collect()
+            }),
         };
         Self { formula: form.formula(), form, casimir, minimum }
     }

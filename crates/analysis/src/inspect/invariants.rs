@@ -126,17 +126,14 @@ impl ClaimedInvariant {
                 "is not homogeneous and hence has no conformal law: {name}(cy) = cᵖ{name}(y) ({})",
                 shape.homogeneous
             )),
-            Some(degree) if (degree - claimed_degree).abs() > 0.0 => mistakes.push(format!(
+            Some(degree) if degree != *claimed_degree => mistakes.push(format!(
                 "is claimed to have degree {claimed_degree} and has degree {degree}"
             )),
             Some(_)
                 if claimed != shape.kind && shape.constant_hessian.status != Status::Unknown =>
             {
-                mistakes.push(format!(
-                    "is claimed as {} and is {}",
-                    claimed.name(),
-                    shape.kind.name()
-                ));
+                let (claimed, found) = (claimed.name(), shape.kind.name());
+                mistakes.push(format!("is claimed as {claimed} and is {found}"));
             }
             _ => {}
         }
@@ -162,14 +159,12 @@ fn slopes(probe: &mut Probe<'_>, y: &Batch, along: &[Vec<f64>], f: Values<'_>) -
         let at = |k: i32| -> Batch {
             (0..y.len()).map(|n| moved(&y[n], f64::from(k) * length(n), direction(n))).collect()
         };
-        let sides: Vec<[(Batch, Vec<f64>); 2]> = (1..=4)
-            .map(|k| {
-                [k, -k].map(at).map(|states| {
-                    let values = f(probe, &states);
-                    (states, values)
-                })
-            })
-            .collect();
+        let mut side = |k: i32| {
+            let states = at(k);
+            let values = f(probe, &states);
+            (states, values)
+        };
+        let sides = [1, 2, 3, 4].map(|k| [k, -k].map(&mut side));
         for n in 0..y.len() {
             let mut inside = sides.iter().flatten().map(|(states, _)| &states[n]);
             if !inside.all(|y| probe.in_domain(y)) {

@@ -262,24 +262,12 @@ impl Inspection {
                 _ => row(f, &format!("H{m}"), shape)?,
             }
         }
-        let gradient = &h.discrete_gradient;
-        let exact = match gradient.status {
-            Status::Fails => {
-                format!("NOT exact: relative error {:.1e} in h(b) − h(a)", h.quadrature_error)
-            }
-            Status::Unknown => format!("exact? {gradient}"),
-            Status::Holds => format!("exact ({gradient})"),
-        };
+        let not_exact = format!("NOT exact: relative error {:.1e}", h.quadrature_error);
         // The combining macron takes a character, but no width.
-        row(f, "∇̄h ", format!(" {exact}"))?;
+        row(f, "∇̄h ", format!(" {}", h.discrete_gradient.words("exact", &not_exact)))?;
         if self.noises > 1 {
-            let commute = &self.noise.commute;
-            let text = match commute.status {
-                Status::Fails => "do not commute: strong order 1 needs Lévy areas",
-                Status::Unknown => "commute?",
-                Status::Holds => "commute: strong order 1 needs no Lévy areas",
-            };
-            row(f, "noises", format!("{text}{LINE}({commute})"))?;
+            let (yes, no) = ("commute", "do not commute: strong order 1 needs Lévy areas");
+            row(f, "noises", self.noise.commute.words(yes, no))?;
         }
         let claims = self.invariants.iter().map(|invariant| {
             let ClaimedInvariant { name, formula, shape, .. } = invariant;
@@ -408,6 +396,17 @@ impl Solvability {
     }
 }
 
+impl Finding {
+    /// `yes` if it holds, `yes?` if that cannot be told, else `no`; with the finding.
+    fn words(&self, yes: &str, no: &str) -> String {
+        match self.status {
+            Status::Fails => format!("{no} ({self})"),
+            Status::Unknown => format!("{yes}? ({self})"),
+            Status::Holds => format!("{yes} ({self})"),
+        }
+    }
+}
+
 impl Display for Finding {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let Self { status, defect, at, .. } = self;
@@ -415,24 +414,19 @@ impl Display for Finding {
             _ if self.points == 0 => f.write_str("not looked at"),
             Status::Holds if *defect == 0.0 => f.write_str("exactly"),
             Status::Holds => write!(f, "to {defect:.0e} of its terms"),
-            Status::Unknown => write!(f, "cannot tell: {defect:.0e} of its terms at {}", Point(at)),
-            Status::Fails => write!(f, "off by {defect:.1e} of its terms at {}", Point(at)),
+            Status::Unknown => write!(f, "cannot tell: {defect:.0e} of its terms at {}", point(at)),
+            Status::Fails => write!(f, "off by {defect:.1e} of its terms at {}", point(at)),
         }
     }
 }
 
 /// A point, of which the first components are printed.
-struct Point<'a>(&'a [f64]);
-
-impl Display for Point<'_> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self.0 {
-            [first @ .., _] if first.len() >= 8 => {
-                let first = first.iter().take(3).map(|x| format!("{x:.3}")).collect::<Vec<_>>();
-                write!(f, "[{}, …]", first.join(", "))
-            }
-            all => write!(f, "{all:.3?}"),
+fn point(at: &[f64]) -> String {
+    match at {
+        [_, _, _, _, _, _, _, _, _, ..] => {
+            format!("[{:.3}, {:.3}, {:.3}, …]", at[0], at[1], at[2])
         }
+        all => format!("{all:.3?}"),
     }
 }
 
@@ -465,17 +459,12 @@ impl Display for Structure {
         if linear.fails() {
             return write!(f, "structure(y, v) is NOT linear in v, see below");
         }
-        let is = |finding: &Finding, yes, no| match finding.status {
-            Status::Fails => format!("{no} ({finding})"),
-            Status::Unknown => format!("{yes}? ({finding})"),
-            Status::Holds => format!("{yes} ({finding})"),
-        };
-        let skew = is(skew, "skew-symmetric", "NOT skew-symmetric, see below");
+        let skew = skew.words("skew-symmetric", "NOT skew-symmetric, see below");
         let constant = match constant.status {
             Status::Fails => "depends on y".into(),
-            _ => is(constant, "constant", ""),
+            _ => constant.words("constant", ""),
         };
-        let jacobi = is(jacobi, "Jacobi identity", "no Jacobi identity, not needed");
+        let jacobi = jacobi.words("Jacobi identity", "no Jacobi identity, not needed");
         write!(f, "{skew}{LINE}{constant}; {jacobi}")
     }
 }

@@ -552,8 +552,10 @@ fn a_report_reads_like_this() {
         "  H2       quadratic, degree 2 (exactly), m = 0 to 1e-15",
         "  H3       quadratic, degree 2 (exactly), m = 0 to 9e-16",
         "  ∇̄h       exact (to 9e-16 of its terms)",
-        "  noises   do not commute: strong order 1 needs Lévy areas",
-        "           (off by 1.0e0 of its terms at [0.600, 0.000, 0.800])",
+        concat!(
+            "  noises   do not commute: strong order 1 needs Lévy areas (off by 1.0e0 of its ",
+            "terms at [0.600, 0.000, 0.800])"
+        ),
         concat!(
             "  C        ½(y₁² + y₂² + y₃²): Casimir (holds); quadratic, degree 2 (exactly), m = ",
             "5.0000e-1 > 0"

@@ -143,7 +143,7 @@ impl Formulas {
             has_gradient(which, &formula, y0)?;
             Ok(formula)
         };
-        let structure = structure(&definition.structure, y0, &parsed)?;
+        let structure = structure(&definition.structure, y0, parsed)?;
         let energy = hamiltonian(Which::Energy, &definition.energy)?;
         let noises = definition.noises.iter().enumerate();
         let noises = noises.map(|(m, text)| hamiltonian(Which::Noise(m + 1), text));
