@@ -198,25 +198,25 @@ fn measure<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     })
 }
 
-/// More threads up to all processors, then each of samples, steps and levels growing.
+/// More threads up to all processors, then more samples, steps and levels.
 fn sizes(workload: Workload) -> Vec<(&'static str, Workload)> {
-    let Workload { paths, steps, .. } = workload;
     let processors = available_parallelism().map_or(1, usize::from);
     let fewer = successors(Some(1), |threads| Some(2 * threads)).take_while(|&n| n < processors);
     let threads =
         fewer.chain([processors]).map(|threads| ("threads", Workload { threads, ..workload }));
-    let parts = [256, 64, 16, 4, 1];
-    let samples = parts.map(|part| Workload { paths: paths.div_ceil(part), ..workload });
-    let paths = paths.div_ceil(16);
-    let longer =
-        parts.map(|part| Workload { paths, steps: (4 * steps).div_ceil(part), ..workload });
+    let few = Workload { paths: workload.paths.div_ceil(16), ..workload };
+    let more_steps = Workload { steps: 4 * few.steps, ..few };
     // The coarsest step must be smaller than one, or truncation is not defined.
-    let levels = (0..=steps.trailing_zeros().min(6) as usize).step_by(2);
-    threads
-        .chain(samples.map(|workload| ("samples", workload)))
-        .chain(longer.map(|workload| ("steps", workload)))
-        .chain(levels.map(|levels| ("levels", Workload { levels, ..workload })))
-        .collect()
+    let more_levels = Workload { levels: few.steps.trailing_zeros().min(6) as usize, ..few };
+    let growing = [
+        ("samples", few),
+        ("samples", workload),
+        ("steps", few),
+        ("steps", more_steps),
+        ("levels", few),
+        ("levels", more_levels),
+    ];
+    threads.chain(growing).collect()
 }
 
 fn table(rows: &[Row]) -> comfy_table::Table {

@@ -6,14 +6,72 @@ use real::{Block, WIDTH};
 use schemes::{Scheme, Step};
 use systems::Flows;
 
-/// A scheme with a wrong damping or wrong clipping.
-pub struct Altered<S> {
-    /// The right scheme.
-    pub scheme: S,
-    /// The step that it gets for the right one.
-    pub step: fn(Step) -> Step,
+/// A scheme given by its step of a single path, which reads no areas.
+pub struct Pathwise<F> {
+    pub advance: F,
     /// Whether the driver clips its increments.
     pub clips: bool,
+}
+
+impl<F, S, const D: usize, const M: usize> Scheme<S, D, M> for Pathwise<F>
+where
+    F: Fn(&S, &Step, &Noise<M>, [f64; D]) -> Solution<D> + Send + Sync,
+{
+    fn id(&self) -> &'static str {
+        "altered"
+    }
+
+    fn reads_areas(&self) -> bool {
+        false
+    }
+
+    fn clips_increments(&self) -> bool {
+        self.clips
+    }
+
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        noise: &BlockNoise<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
+        *status = BlockStatus::explicit();
+        for p in 0..WIDTH {
+            let solution = self.step(system, step, &noise.path(p), y.path(p));
+            y.set_path(p, solution.z);
+            status.set(p, solution.outcome);
+        }
+    }
+
+    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
+        (self.advance)(system, step, noise, y)
+    }
+}
+
+/// A scheme that gets another step than the right one.
+pub fn altered<S, const D: usize, const M: usize>(
+    scheme: impl Scheme<S, D, M>,
+    other: fn(Step) -> Step,
+) -> Pathwise<impl Fn(&S, &Step, &Noise<M>, [f64; D]) -> Solution<D> + Send + Sync> {
+    let advance = move |system: &S, step: &Step, noise: &Noise<M>, y| {
+        scheme.step(system, &other(*step), noise, y)
+    };
+    Pathwise { advance, clips: false }
+}
+
+/// `split` without the way back: each flow once, for the whole step.
+pub fn in_a_row<S: Flows<D, M>, const D: usize, const M: usize>()
+-> Pathwise<impl Fn(&S, &Step, &Noise<M>, [f64; D]) -> Solution<D> + Send + Sync> {
+    let advance = |system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]| {
+        let start = y.map(|component| component * step.first_decay);
+        let flow = |y, part| system.flow(part, y, step.tau, noise.increments);
+        let end: [f64; D] = (0..S::PARTS).fold(start, flow);
+        let z = end.map(|component| component * step.second_decay);
+        Solution { z, outcome: Outcome::Fast { iterations: 1 } }
+    };
+    Pathwise { advance, clips: false }
 }
 
 /// With all of the damping before the rest of the step.
@@ -34,73 +92,4 @@ pub fn damped_by_first_half(step: Step) -> Step {
 fn damped(mut step: Step, decays: [f64; 2]) -> Step {
     [step.first_decay, step.second_decay] = decays;
     step
-}
-
-impl<C: Scheme<S, D, M>, S, const D: usize, const M: usize> Scheme<S, D, M> for Altered<C> {
-    fn id(&self) -> &'static str {
-        self.scheme.id()
-    }
-
-    fn reads_areas(&self) -> bool {
-        self.scheme.reads_areas()
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.clips
-    }
-
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        self.scheme.step_block(system, &(self.step)(*step), noise, y, status);
-    }
-
-    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        self.scheme.step(system, &(self.step)(*step), noise, y)
-    }
-}
-
-/// `split` without the way back: each flow once, for the whole step.
-pub struct InARow;
-
-impl<S: Flows<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for InARow {
-    fn id(&self) -> &'static str {
-        "split, in a row"
-    }
-
-    fn reads_areas(&self) -> bool {
-        false
-    }
-
-    fn clips_increments(&self) -> bool {
-        false
-    }
-
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        for p in 0..WIDTH {
-            let path = Noise::increments(noise.increments_of(p));
-            y.set_path(p, self.step(system, step, &path, y.path(p)).z);
-        }
-        *status = BlockStatus::explicit();
-    }
-
-    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        let start = y.map(|component| component * step.first_decay);
-        let flow = |y, part| system.flow(part, y, step.tau, noise.increments);
-        let end: [f64; D] = (0..S::PARTS).fold(start, flow);
-        let z = end.map(|component| component * step.second_decay);
-        Solution { z, outcome: Outcome::Fast { iterations: 1 } }
-    }
 }

@@ -17,7 +17,7 @@ use verify::{
 };
 
 use super::{
-    altered::{Altered, InARow, damped_after, damped_before, damped_by_first_half},
+    altered::{Pathwise, altered, damped_after, damped_before, damped_by_first_half, in_a_row},
     conformal::casimir,
     orders::strong,
 };
@@ -70,7 +70,7 @@ pub fn local_shifted(conditions: &Conditions, shift: f64) -> Claim {
 }
 
 pub fn local_in_a_row(conditions: &Conditions) -> Claim {
-    local(conditions, "local-split", &InARow)
+    local(conditions, "local-split", &in_a_row())
 }
 
 pub fn strong_shifted(conditions: &Conditions) -> Claim {
@@ -79,11 +79,11 @@ pub fn strong_shifted(conditions: &Conditions) -> Claim {
 }
 
 pub fn pendulum_in_a_row(conditions: &Conditions) -> Claim {
-    strong(conditions, "strong-one", &pendulum(), &InARow, 1.0)
+    strong(conditions, "strong-one", &pendulum(), &in_a_row(), 1.0)
 }
 
 pub fn poisson_in_a_row(conditions: &Conditions) -> Claim {
-    strong(conditions, "strong-one", &poisson3_strong(), &InARow, 1.0)
+    strong(conditions, "strong-one", &poisson3_strong(), &in_a_row(), 1.0)
 }
 
 pub fn sign_in_cayley(conditions: &Conditions) -> Claim {
@@ -92,25 +92,22 @@ pub fn sign_in_cayley(conditions: &Conditions) -> Claim {
 
 pub fn first_half_twice(conditions: &Conditions) -> Claim {
     let scheme = right(&rigid_body_three_noises(1.0));
-    casimir(conditions, &Altered { scheme, step: damped_by_first_half, clips: false })
+    casimir(conditions, &altered(scheme, damped_by_first_half))
 }
 
 pub fn first_half_twice_split(conditions: &Conditions) -> Claim {
-    casimir(conditions, &Altered { scheme: Split, step: damped_by_first_half, clips: false })
-}
-
-/// A scheme with clipped increments.
-fn clipped<C>(scheme: C) -> Altered<C> {
-    Altered { scheme, step: |step| step, clips: true }
+    casimir(conditions, &altered(Split, damped_by_first_half))
 }
 
 pub fn clipped_body(conditions: &Conditions) -> Claim {
-    let scheme = clipped(right(&rigid_body_three_noises(1.0)));
+    let right = altered(right(&rigid_body_three_noises(1.0)), |step| step);
+    let scheme = Pathwise { clips: true, ..right };
     keeps_casimir::<_, _, 3, 3>(conditions, 0, rigid_body_three_noises, &scheme)
 }
 
 pub fn clipped_light(conditions: &Conditions) -> Claim {
-    keeps_casimir::<_, _, 3, 1>(conditions, 0, maxwell_bloch, &clipped(Split))
+    let scheme = Pathwise { clips: true, ..altered(Split, |step| step) };
+    keeps_casimir::<_, _, 3, 1>(conditions, 0, maxwell_bloch, &scheme)
 }
 
 pub fn sign_in_cayley_with_large_noise(conditions: &Conditions) -> Claim {
@@ -121,19 +118,18 @@ pub fn order_in_a_row<S: Flows<D, M>, G: Damping, const D: usize, const M: usize
     conditions: &Conditions,
     problem: &Problem<S, G, D>,
 ) -> Claim {
-    order_two(conditions, problem, &InARow)
+    order_two(conditions, problem, &in_a_row())
 }
 
 /// `sexp-li` with all of the damping before the rest.
 pub fn order_damped_before(conditions: &Conditions) -> Claim {
     let problem = rigid_body_three_noises(1.0);
-    let scheme = right(&problem);
-    let wrong = Altered { scheme, step: damped_before, clips: false };
+    let wrong = altered(right(&problem), damped_before);
     order_two::<_, _, 3, 3>(conditions, &problem, &wrong)
 }
 
 /// `split` with all of the damping after the rest.
 pub fn order_damped_after(conditions: &Conditions) -> Claim {
-    let wrong = Altered { scheme: Split, step: damped_after, clips: false };
+    let wrong = altered(Split, damped_after);
     order_two::<_, _, 2, 1>(conditions, &pendulum(), &wrong)
 }
