@@ -11,23 +11,20 @@
 
 use std::sync::Arc;
 
-use noise::{AreaMethod, StepNoise, StreamKey, WienerPath, strong_order_one_error};
+use noise::{StepNoise, StreamKey, WienerPath, area_error, area_terms, strong_order_one_error};
 use nonlin::BlockStatus;
 use real::{Row, WIDTH};
 use schemes::{Method, Step, Stepper};
 
-/// The method that areas are drawn with.
-const METHOD: AreaMethod = AreaMethod::MrongowiusRoessler;
-
 /// Terms behind an area of a step, for strong order one; `None` if they are too many.
 pub fn terms(tau: f64, noises: usize) -> Option<usize> {
-    METHOD.terms_for(strong_order_one_error(tau), tau, noises).ok()
+    area_terms(strong_order_one_error(tau), tau, noises).ok()
 }
 
 /// δ(τ).
 fn size(tau: f64, noises: usize) -> f64 {
     let asked = strong_order_one_error(tau);
-    terms(tau, noises).map_or(asked, |terms| METHOD.rms_error(tau, terms, noises))
+    terms(tau, noises).map_or(asked, |terms| area_error(tau, terms, noises))
 }
 
 /// The scheme as users have it: with Lévy areas as it would draw them, if it reads areas.
