@@ -1,6 +1,6 @@
 //! Sources of the noise of the finest steps.
 
-use noise::{AreaMethod, AreaSampler, StepNoise, StreamKey, WienerRows, strong_order_one_error};
+use noise::{AreaSampler, StepNoise, StreamKey, WienerRows, area_terms, strong_order_one_error};
 
 use crate::LadderError;
 
@@ -42,8 +42,8 @@ impl<F: Fn(u64) -> NextNoise<'static> + Sync> NoiseSource for F {
 pub(crate) struct Drawn {
     key: StreamKey,
     tau: f64,
-    /// The number of noises that have areas, and how these are drawn.
-    areas: Option<(usize, AreaMethod, usize)>,
+    /// The number of noises that have areas, and of the terms of these.
+    areas: Option<(usize, usize)>,
 }
 
 impl Drawn {
@@ -54,10 +54,9 @@ impl Drawn {
         tau: f64,
         area_noises: Option<usize>,
     ) -> Result<Self, LadderError> {
-        let method = AreaMethod::MrongowiusRoessler;
         let areas = area_noises.map(|noises| {
-            let terms = method.terms_for(strong_order_one_error(tau), tau, noises)?;
-            Ok::<_, LadderError>((noises, method, terms))
+            let terms = area_terms(strong_order_one_error(tau), tau, noises)?;
+            Ok::<_, LadderError>((noises, terms))
         });
         Ok(Self { key, tau, areas: areas.transpose()? })
     }
@@ -66,9 +65,9 @@ impl Drawn {
 impl NoiseSource for Drawn {
     fn block(&self, first_path: u64) -> NextNoise<'_> {
         let mut increments = WienerRows::new(self.key, first_path);
-        let mut areas = self.areas.map(|(noises, method, terms)| {
-            AreaSampler::new(self.key, first_path, noises, method, terms)
-        });
+        let areas = self.areas;
+        let mut areas =
+            areas.map(|(noises, terms)| AreaSampler::new(self.key, first_path, noises, terms));
         Box::new(move |noise| {
             increments.increments(self.tau.sqrt(), &mut noise.increments);
             if let Some(areas) = &mut areas {

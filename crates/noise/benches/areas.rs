@@ -1,19 +1,18 @@
 //! What a Lévy area costs.
 //!
-//! Measured: [`AreaSampler::areas`] with [`AreaMethod::MrongowiusRoessler`], and the other methods
-//! at the error of eleven of its terms for three noises (strong order one at a step of 2⁻¹²), 64
-//! steps of 32 paths, and the same steps of [`AreaPath`] for a single path. The increments are drawn
+//! Measured: [`AreaSampler::areas`] with the terms of strong order one at a step of 2⁻¹², 64 steps of
+//! 32 paths, and the same steps of [`AreaPath`] for a single path. The increments are drawn
 //! beforehand.
 //!
 //! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second:
-//! **ns per path-step = 1000 / (Melem/s)**; divided by [`AreaMethod::normals`] it is ns per normal,
-//! to be compared with `increments`.
+//! **ns per path-step = 1000 / (Melem/s)**; divided by 2nm + m(m + 1)/2 for n terms and m noises it
+//! is ns per normal, to be compared with `increments`.
 
 use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use noise::{AreaMethod, AreaPath, AreaSampler, StreamKey, WienerBlock};
+use noise::{AreaPath, AreaSampler, StreamKey, WienerBlock};
 use real::{Block, WIDTH};
 
 const STEPS: usize = 64;
@@ -29,12 +28,12 @@ fn increment<const M: usize>() -> Block<M> {
     dw
 }
 
-fn areas<const M: usize>(group: &mut Group<'_>, noises: &str, method: AreaMethod, terms: usize) {
-    let name = format!("{noises}/{method:?} {terms}");
+fn areas<const M: usize>(group: &mut Group<'_>, noises: &str, terms: usize) {
+    let name = format!("{noises}/{terms}");
     let dw = increment::<M>();
     group.throughput(Throughput::Elements((WIDTH * STEPS) as u64));
     group.bench_function(format!("{name}/block"), |bencher| {
-        let mut sampler = AreaSampler::new(KEY, 0, M, method, terms);
+        let mut sampler = AreaSampler::new(KEY, 0, M, terms);
         let mut areas = vec![[0.0; WIDTH]; M * M];
         bencher.iter(|| {
             for _ in 0..STEPS {
@@ -43,17 +42,15 @@ fn areas<const M: usize>(group: &mut Group<'_>, noises: &str, method: AreaMethod
             }
         });
     });
-    if method == AreaMethod::MrongowiusRoessler {
-        group.throughput(Throughput::Elements(STEPS as u64));
-        group.bench_function(format!("{name}/path"), |bencher| {
-            let mut sampler = AreaPath::<M>::new(KEY, 0, method, terms);
-            bencher.iter(|| {
-                for _ in 0..STEPS {
-                    black_box(sampler.areas(STEP, black_box(dw.path(0))));
-                }
-            });
+    group.throughput(Throughput::Elements(STEPS as u64));
+    group.bench_function(format!("{name}/path"), |bencher| {
+        let mut sampler = AreaPath::<M>::new(KEY, 0, terms);
+        bencher.iter(|| {
+            for _ in 0..STEPS {
+                black_box(sampler.areas(STEP, black_box(dw.path(0))));
+            }
         });
-    }
+    });
 }
 
 fn bench(criterion: &mut Criterion) {
@@ -62,12 +59,9 @@ fn bench(criterion: &mut Criterion) {
         .sample_size(20)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    areas::<3>(&mut group, "three noises", AreaMethod::MrongowiusRoessler, 11);
-    areas::<3>(&mut group, "three noises", AreaMethod::Wiktorsson, 23);
-    areas::<3>(&mut group, "three noises", AreaMethod::Milstein, 208);
-    areas::<3>(&mut group, "three noises", AreaMethod::Fourier, 623);
-    areas::<2>(&mut group, "two noises", AreaMethod::MrongowiusRoessler, 9);
-    areas::<6>(&mut group, "six noises", AreaMethod::MrongowiusRoessler, 15);
+    areas::<3>(&mut group, "three noises", 11);
+    areas::<2>(&mut group, "two noises", 9);
+    areas::<6>(&mut group, "six noises", 15);
     group.finish();
 }
 

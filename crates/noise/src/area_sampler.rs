@@ -6,7 +6,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use real::{Kernel, Row, Rows, dispatch};
 
 use crate::{
-    StreamKey, area_method::AreaMethod, box_muller::fill_pair, step::zero_rows,
+    StreamKey, area_terms::trigamma_after, box_muller::fill_pair, step::zero_rows,
     stream::BlockStreams,
 };
 
@@ -23,6 +23,24 @@ impl StreamKey {
 
 /// Sampler of the Lévy areas of Wiener processes on 32 consecutive paths, given the increments.
 ///
+/// For an increment W = √h w over a step h the method of Mrongowius and Rößler (2022, *On the
+/// approximation and simulation of iterated stochastic integrals*; comparison by Kastner and Rößler
+/// 2023) begins with n terms of the Fourier series of the Brownian bridge,
+///
+/// W(t) = Wt/h + Σ_r [a_r (cos(2πrt/h) − 1) + b_r sin(2πrt/h)].
+///
+/// For each noise, a_r = √(h/2)/(πr) X_r and b_r = √(h/2)/(πr) Y_r with independent standard
+/// normals X_r and Y_r. The constants −a_r make W(0) = 0. In A_ij = ½∫(W_i dW_j − W_j dW_i) one has
+/// ∫ t sin(2πrt/h) dt = −h²/(2πr) over a step, and all other products are orthogonal. This gives
+///
+/// A_ij = (h/2π) Σ_{r≥1} (1/r)[X_r^i (Y_r^j − √2 w_j) − X_r^j (Y_r^i − √2 w_i)].
+///
+/// With a² = 2ψ₁(n+1) = 2Σ_{r>n} r⁻², where ψ₁ is the trigamma function, the terms r > n that
+/// contain w sum up to (h/2π)·a(w_iΨ_j − w_jΨ_i) *exactly*, with a standard normal Ψ for each noise.
+/// The others are normal given X, with a covariance that tends to a² times the identity: they are
+/// replaced by (h/2π)·a g_ij with a standard normal for each pair. [`area_error`](crate::area_error)
+/// bounds the error.
+///
 /// A path consumes its normals term by term and noise by noise, each (X, Y) one Box–Muller pair.
 /// The normals of the tail follow: first Ψ, then g_12, g_13, …, g_23, …. If their number is odd,
 /// the second normal of the last pair is dropped, so the streams are the only state between steps.
@@ -31,22 +49,22 @@ impl StreamKey {
 /// A method of strong order one needs areas with an error of at most h^{3/2} in each step:
 ///
 /// ```
-/// use noise::{AreaMethod, AreaPath, AreaSampler, StepNoise, StreamKey, WienerRows};
-/// use noise::{stratonovich, strong_order_one_error};
+/// use noise::{AreaPath, AreaSampler, StepNoise, StreamKey, WienerRows};
+/// use noise::{area_terms, stratonovich, strong_order_one_error};
 ///
 /// let key = StreamKey { seed: 1, experiment: 7 };
 /// let tau: f64 = 1.0 / 4096.0;
-/// let (method, terms) = AreaMethod::cheapest(strong_order_one_error(tau), tau, 3)?;
-/// assert_eq!((method, terms), (AreaMethod::MrongowiusRoessler, 11));
+/// let terms = area_terms(strong_order_one_error(tau), tau, 3)?;
+/// assert_eq!(terms, 11);
 ///
 /// let mut wiener = WienerRows::new(key, 0);
-/// let mut sampler = AreaSampler::new(key, 0, 3, method, terms);
+/// let mut sampler = AreaSampler::new(key, 0, 3, terms);
 /// let mut noise = StepNoise::with_areas(3);
 /// wiener.increments(tau.sqrt(), &mut noise.increments);
 /// sampler.areas(tau, &noise.increments, &mut noise.areas);
 ///
 /// // Path 17 alone has the same areas; J_ij + J_ji = W_i W_j.
-/// let mut path = AreaPath::<3>::new(key, 17, method, terms);
+/// let mut path = AreaPath::<3>::new(key, 17, terms);
 /// let drawn = noise.path::<3>(17);
 /// let (w, a) = (drawn.increments, path.areas(tau, drawn.increments));
 /// assert_eq!(a, drawn.areas);
@@ -62,36 +80,29 @@ pub struct AreaSampler {
     scratch: Rows,
 }
 
-/// The method, n, and the amplitude of its tail.
+/// n, and the amplitude a of the tail.
 #[derive(Clone, Copy, Debug)]
 struct Series {
-    method: AreaMethod,
     terms: usize,
     tail_amplitude: f64,
 }
 
 impl Series {
-    fn new(method: AreaMethod, terms: usize) -> Self {
-        Self { method, terms, tail_amplitude: AreaMethod::tail_amplitude(terms) }
+    fn new(terms: usize) -> Self {
+        Self { terms, tail_amplitude: (2.0 * trigamma_after(terms)).sqrt() }
     }
 }
 
 impl AreaSampler {
-    /// The sampler of `noises` noises on the paths `first_path` .. `first_path + 32`, by `method`
-    /// with `terms` terms of the series. [`AreaMethod::cheapest`] chooses both.
+    /// The sampler of `noises` noises on the paths `first_path` .. `first_path + 32`, with
+    /// `terms` terms of the series, see [`area_terms`](crate::area_terms).
     ///
     /// # Panics
     /// If there is no memory for it.
-    pub fn new(
-        key: StreamKey,
-        first_path: u64,
-        noises: usize,
-        method: AreaMethod,
-        terms: usize,
-    ) -> Self {
+    pub fn new(key: StreamKey, first_path: u64, noises: usize, terms: usize) -> Self {
         Self {
             streams: BlockStreams::new(key.of_areas(), first_path),
-            series: Series::new(method, terms),
+            series: Series::new(terms),
             noises,
             scratch: zero_rows(scratch_rows(noises)),
         }
@@ -122,12 +133,9 @@ pub struct AreaPath<const M: usize> {
 }
 
 impl<const M: usize> AreaPath<M> {
-    /// The sampler of path `path`, by `method` with `terms` terms of the series.
-    pub fn new(key: StreamKey, path: u64, method: AreaMethod, terms: usize) -> Self {
-        Self {
-            words: key.of_areas().state(path).map(|word| [word]),
-            series: Series::new(method, terms),
-        }
+    /// The sampler of path `path` with `terms` terms of the series.
+    pub fn new(key: StreamKey, path: u64, terms: usize) -> Self {
+        Self { words: key.of_areas().state(path).map(|word| [word]), series: Series::new(terms) }
     }
 
     /// The skew matrix of areas over the next step of size `step` > 0, given its *untruncated*
@@ -170,27 +178,20 @@ struct Draw<'a, const L: usize> {
 /// The rows that a step of so many noises needs: five times a row for each noise, and the normals
 /// of the tail. M² places suffice for M(M+1)/2 normals and the one that is dropped.
 fn scratch_rows(noises: usize) -> usize {
-    noises * (noises + 5)
+    noises * (noises + 4)
 }
 
 impl<const L: usize> Kernel for Draw<'_, L> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self {
-            words,
-            series: Series { method, terms, tail_amplitude },
-            step,
-            dw,
-            areas,
-            scratch,
-        } = self;
+        let Self { words, series: Series { terms, tail_amplitude }, step, dw, areas, scratch } =
+            self;
         let noises = dw.len();
         let (w, scratch) = scratch.split_at_mut(noises);
         let (shift, scratch) = scratch.split_at_mut(noises);
         let (x, scratch) = scratch.split_at_mut(noises);
-        let (z, scratch) = scratch.split_at_mut(noises);
-        let (gw, tail) = scratch.split_at_mut(noises);
+        let (z, tail) = scratch.split_at_mut(noises);
         let per_root = 1.0 / step.sqrt();
         // w = W/√h, and √2 w.
         for i in 0..noises {
@@ -209,24 +210,11 @@ impl<const L: usize> Kernel for Draw<'_, L> {
             }
             add_wedges(areas, x, z);
         }
-        draw_tail(
-            words,
-            &mut tail[..method.tail_normals(noises).next_multiple_of(2)],
-            tail_amplitude,
-        );
-        match method {
-            AreaMethod::Fourier => {}
-            AreaMethod::Milstein => add_wedges(areas, w, tail),
-            AreaMethod::Wiktorsson => {
-                add_pairs(areas, noises, tail);
-                add_given_w(areas, w, tail, gw, shift);
-            }
-            AreaMethod::MrongowiusRoessler => {
-                // The first M places of the tail are aΨ.
-                add_wedges(areas, w, tail);
-                add_pairs(areas, noises, &tail[noises..]);
-            }
-        }
+        // Ψ, then g; an odd number of normals is made even.
+        let normals = noises * (noises + 1) / 2;
+        draw_tail(words, &mut tail[..normals.next_multiple_of(2)], tail_amplitude);
+        add_wedges(areas, w, tail);
+        add_pairs(areas, noises, &tail[noises..]);
         let scale = step / TAU;
         for i in 0..noises {
             for j in i + 1..noises {
@@ -278,41 +266,6 @@ fn add_pairs<const L: usize>(areas: &mut [[f64; L]], noises: usize, tail: &[[f64
             place += 1;
         }
     }
-}
-
-/// A += [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²)); the entries i < j of the skew G are the first places of
-/// the tail. `norm` has a row at least.
-#[inline(always)]
-fn add_given_w<const L: usize>(
-    areas: &mut [[f64; L]],
-    w: &[[f64; L]],
-    tail: &[[f64; L]],
-    gw: &mut [[f64; L]],
-    norm: &mut [[f64; L]],
-) {
-    let (noises, norm) = (w.len(), &mut norm[0]);
-    gw.fill([0.0; L]);
-    *norm = [0.0; L];
-    let mut place = 0;
-    for i in 0..noises {
-        for p in 0..L {
-            norm[p] += w[i][p] * w[i][p];
-        }
-        for j in i + 1..noises {
-            let g = &tail[place];
-            for p in 0..L {
-                gw[i][p] += g[p] * w[j][p];
-                gw[j][p] -= g[p] * w[i][p];
-            }
-            place += 1;
-        }
-    }
-    for row in gw.iter_mut() {
-        for p in 0..L {
-            row[p] /= 1.0 + (1.0 + norm[p]).sqrt();
-        }
-    }
-    add_wedges(areas, gw, w);
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub enum NoiseError {
         step: f64,
     },
     /// The requested error needs more terms than
-    /// [`AreaMethod::MAX_TERMS`](crate::AreaMethod::MAX_TERMS).
+    /// [`AreaMethod::MAX_TERMS`](crate::MOST_AREA_TERMS).
     TooManyTerms {
         /// The required number of terms, before rounding up.
         terms: f64,
@@ -86,7 +86,7 @@ impl fmt::Display for NoiseError {
                 write!(f, "Levy areas need a step size that is positive and finite, got {step}")
             }
             Self::TooManyTerms { terms } => {
-                let most = crate::AreaMethod::MAX_TERMS;
+                let most = crate::MOST_AREA_TERMS;
                 write!(
                     f,
                     "the error asked of the areas needs {terms:.3e} terms a step, more than {most}"

@@ -9,7 +9,7 @@
 //!
 //! The way through the crate: key → `stream` (words) → `box_muller` (normals) → `wiener`
 //! (increments) → `ladder` (sums over steps) → `truncation`; increments → `area_sampler` (Lévy areas
-//! by an `area_method`) → `area` (joined over steps). `sobol` points → `inverse_normal` →
+//! by as many terms as `area_terms` says) → `area` (joined over steps). `sobol` points → `inverse_normal` →
 //! `quasi_wiener` (increments by a Brownian bridge). `step` has the noise of one step.
 //!
 //! ```
@@ -43,14 +43,14 @@
 //! | [`ScrambledSobol`], [`inverse_normal`] | the points, and the normal of a word |
 //! | [`Truncation`], [`clip`] | truncated increments ΔŴ |
 //! | [`DyadicLadder`], [`AreaLadder`] | increments and areas of all coarser steps |
-//! | [`AreaMethod`] | approximations of the Lévy areas: errors and costs |
+//! | [`area_terms`], [`area_error`] | terms of the series of an area, and its error |
 //! | [`AreaSampler`], [`AreaPath`] | Lévy areas given the increments, of 32 paths, of one path |
 //! | [`join`], [`clip_areas`] | Chen's relation, truncated areas |
 //! | [`stratonovich`], [`ito`] | iterated integrals of one path |
 
 mod area;
-mod area_method;
 mod area_sampler;
+mod area_terms;
 mod box_muller;
 mod error;
 mod inverse_normal;
@@ -64,8 +64,8 @@ mod truncation;
 mod wiener;
 
 pub use area::{AreaLadder, clip_areas, join};
-pub use area_method::{AreaMethod, strong_order_one_error};
 pub use area_sampler::{AREA_STREAM, AreaPath, AreaSampler};
+pub use area_terms::{MOST_AREA_TERMS, area_error, area_terms, strong_order_one_error};
 pub use error::NoiseError;
 pub use inverse_normal::inverse_normal;
 pub use iterated::{ito, stratonovich};

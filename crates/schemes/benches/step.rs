@@ -23,8 +23,8 @@ use std::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use noise::{
-    AreaMethod, AreaPath, AreaSampler, Noise, StepNoise, StreamKey, Truncation, WienerPath,
-    WienerRows, clip, clip_areas, strong_order_one_error,
+    AreaPath, AreaSampler, Noise, StepNoise, StreamKey, Truncation, WienerPath, WienerRows, clip,
+    clip_areas, strong_order_one_error,
 };
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, WIDTH};
@@ -38,10 +38,9 @@ const STEPS: u64 = 256;
 const TAU: f64 = 1.0 / STEPS as f64;
 const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };
 
-/// How areas are drawn, and how many terms strong order one asks for.
-const METHOD: AreaMethod = AreaMethod::MrongowiusRoessler;
+/// How many terms of areas strong order one asks for.
 fn terms<const M: usize>() -> usize {
-    METHOD.terms_for(strong_order_one_error(TAU), TAU, M).expect("a handful of terms")
+    noise::area_terms(strong_order_one_error(TAU), TAU, M).expect("a handful of terms")
 }
 
 /// A system with what it takes to run it: damping tabulated for every step, and y₀.
@@ -86,7 +85,7 @@ impl<S, const D: usize> Run<S, D> {
                 let mut wiener = WienerRows::new(KEY, first_path);
                 let mut sampler = scheme
                     .reads_areas()
-                    .then(|| AreaSampler::new(KEY, first_path, M, METHOD, terms::<M>()));
+                    .then(|| AreaSampler::new(KEY, first_path, M, terms::<M>()));
                 let mut y = Block::splat(self.y0);
                 for step in &self.steps {
                     wiener.increments(TAU.sqrt(), &mut drawn.increments);
@@ -130,9 +129,8 @@ impl<S, const D: usize> Run<S, D> {
             let mut path = 0;
             bencher.iter(|| {
                 let mut wiener = WienerPath::<M>::new(KEY, path);
-                let mut sampler = scheme
-                    .reads_areas()
-                    .then(|| AreaPath::<M>::new(KEY, path, METHOD, terms::<M>()));
+                let mut sampler =
+                    scheme.reads_areas().then(|| AreaPath::<M>::new(KEY, path, terms::<M>()));
                 let mut areas = [[0.0; M]; M];
                 let mut y = self.y0;
                 for step in &self.steps {

@@ -11,19 +11,16 @@
 
 use std::sync::Arc;
 
-use noise::{AreaMethod, StepNoise, StreamKey, WienerPath, strong_order_one_error};
+use noise::{StepNoise, StreamKey, WienerPath, area_error, area_terms, strong_order_one_error};
 use nonlin::BlockStatus;
 use real::{Row, WIDTH};
 use schemes::{Method, Step, Stepper};
 
-/// The method that areas are drawn with.
-const METHOD: AreaMethod = AreaMethod::MrongowiusRoessler;
-
 /// δ(τ), with the terms of the series that strong order one asks for, unless they are too many.
 fn size(tau: f64, noises: usize) -> f64 {
     let asked = strong_order_one_error(tau);
-    let terms = METHOD.terms_for(asked, tau, noises);
-    terms.map_or(asked, |terms| METHOD.rms_error(tau, terms, noises))
+    let terms = area_terms(asked, tau, noises);
+    terms.map_or(asked, |terms| area_error(tau, terms, noises))
 }
 
 /// The scheme as users have it: with Lévy areas as it would draw them, if it reads areas.

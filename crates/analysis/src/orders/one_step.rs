@@ -11,7 +11,7 @@
 //! these test functions is r. Means are those of a cubature of degree five (Stroud, *Approximate
 //! Calculation of Multiple Integrals*, 1971), exact for the terms up to τ^{5/2}.
 
-use noise::{AreaMethod, AreaSampler, StepNoise, StreamKey, WienerRows};
+use noise::{AreaSampler, StepNoise, StreamKey, WienerRows};
 use real::WIDTH;
 
 use super::{
@@ -249,8 +249,7 @@ fn two_steps(
     areas: bool,
 ) -> [StepNoise; 2] {
     let mut wiener = WienerRows::new(key, first_path);
-    let method = AreaMethod::MrongowiusRoessler;
-    let mut areas = areas.then(|| AreaSampler::new(key, first_path, noises, method, 1));
+    let mut areas = areas.then(|| AreaSampler::new(key, first_path, noises, 1));
     // Brownian motion times a factor is Brownian motion of another time.
     let time = tau * factor * factor;
     [(); 2].map(|()| {

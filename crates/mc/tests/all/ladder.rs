@@ -8,8 +8,7 @@ use mc::{
     trajectory,
 };
 use noise::{
-    AreaMethod, AreaPath, Noise, NoiseError, StreamKey, Truncation, WienerPath,
-    strong_order_one_error,
+    AreaPath, Noise, NoiseError, StreamKey, Truncation, WienerPath, strong_order_one_error,
 };
 use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
@@ -81,9 +80,8 @@ fn by_hand(
 ) -> [f64; 3] {
     let fine_tau = problem.t_end() / steps as f64;
     let mut wiener = WienerPath::<3>::new(KEY, path);
-    let method = AreaMethod::MrongowiusRoessler;
-    let terms = method.terms_for(strong_order_one_error(fine_tau), fine_tau, 3).unwrap();
-    let mut area_noise = AreaPath::<3>::new(KEY, path, method, terms);
+    let terms = noise::area_terms(strong_order_one_error(fine_tau), fine_tau, 3).unwrap();
+    let mut area_noise = AreaPath::<3>::new(KEY, path, terms);
     let draw = |_| {
         let increments = wiener.increments(fine_tau.sqrt());
         Noise { increments, areas: area_noise.areas(fine_tau, increments) }

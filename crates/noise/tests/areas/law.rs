@@ -26,7 +26,7 @@
 
 use std::f64::consts::PI;
 
-use noise::AreaMethod;
+use crate::written_out::AreaMethod;
 
 /// The law of areas of which `terms` are drawn (`None`: all of them), and which tails are added.
 #[derive(Clone, Copy, Debug)]
@@ -39,10 +39,10 @@ pub struct Law {
 impl Law {
     pub const EXACT: Self = Self { terms: None, noise_tail: false, pair_tail: false };
 
-    /// That of a method; Wiktorsson's tail has the covariance of Mrongowius and Rößler's.
+    /// That of a method.
     pub fn of(method: AreaMethod, terms: usize) -> Self {
         let noise_tail = method != AreaMethod::Fourier;
-        let pair_tail = matches!(method, AreaMethod::Wiktorsson | AreaMethod::MrongowiusRoessler);
+        let pair_tail = method == AreaMethod::MrongowiusRoessler;
         Self { terms: Some(terms), noise_tail, pair_tail }
     }
 

@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use noise::{AreaMethod, AreaPath, WienerPath, ito, stratonovich};
+use noise::{WienerPath, ito, stratonovich};
 
 use crate::key;
 use crate::written_out::{Coefficients, normals};
@@ -38,7 +38,7 @@ fn integral<const M: usize>(path: &[[f64; M]], i: usize, j: usize) -> f64 {
     path.windows(2).map(|at| 0.5 * (at[0][i] + at[1][i]) * (at[1][j] - at[0][j])).sum()
 }
 
-/// The polygon of the path that is cut after n terms has the area and the integrals of the sampler,
+/// The polygon of the path that is cut after n terms has the area and the integrals of the series,
 /// sign included.
 ///
 /// On the grid, the products of different frequencies still add up to zero, and the coupling of a
@@ -52,8 +52,12 @@ fn areas_are_those_of_the_path_with_their_sign() {
     for number in 0..64 {
         let key = key(400);
         let dw = WienerPath::<3>::new(key, number).increments(f64::sqrt(step));
-        let areas = AreaPath::<3>::new(key, number, AreaMethod::Fourier, TERMS).areas(step, dw);
         let coefficients = Coefficients::<3>::draw(&mut normals(key, number), TERMS);
+        // The series of the sampler, with which it agrees to rounding.
+        let upper = coefficients.series(dw.map(|w| w / step.sqrt()), 0, TERMS);
+        let areas = std::array::from_fn(|i| {
+            std::array::from_fn(|j| (upper[i][j] - upper[j][i]) * step / TAU)
+        });
         let path = path(&coefficients, TERMS, step, dw);
         let (j, i) = (stratonovich(dw, areas), ito(dw, areas, step));
         for a in 0..3 {

@@ -3,10 +3,21 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use noise::{AREA_STREAM, AreaMethod, StreamKey, WienerPath};
+use noise::{AREA_STREAM, StreamKey, WienerPath};
 use real::{Block, WIDTH};
 
 use crate::AreaBlock;
+
+/// Which tails follow the terms of the series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AreaMethod {
+    /// None.
+    Fourier,
+    /// The exact one of the terms with w.
+    Milstein,
+    /// The same, and a normal for each pair: what is drawn.
+    MrongowiusRoessler,
+}
 
 /// The normals that the areas of a path are made of.
 pub fn normals(key: StreamKey, path: u64) -> WienerPath<1> {
@@ -60,41 +71,6 @@ pub fn amplitude(n: usize) -> f64 {
     (2.0 * (PI * PI / 6.0 - drawn)).sqrt()
 }
 
-/// a(w_iΨ_j − w_jΨ_i) for i < j.
-pub fn noise_tail<const M: usize>(a: f64, w: [f64; M], psi: [f64; M]) -> [[f64; M]; M] {
-    let mut tail = [[0.0; M]; M];
-    for i in 0..M {
-        for j in i + 1..M {
-            tail[i][j] = a * (w[i] * psi[j] - w[j] * psi[i]);
-        }
-    }
-    tail
-}
-
-/// G + [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²)) for i < j, with the entries a g_ij, i < j, of the skew G.
-pub fn pair_tail<const M: usize>(a: f64, w: [f64; M], g: [[f64; M]; M]) -> [[f64; M]; M] {
-    let entry = |i: usize, j: usize| a * (g[i][j] * f64::from(i < j) - g[j][i] * f64::from(j < i));
-    let gw: [f64; M] = std::array::from_fn(|i| (0..M).map(|j| entry(i, j) * w[j]).sum());
-    let root = 1.0 + (1.0 + w.iter().map(|w| w * w).sum::<f64>()).sqrt();
-    let mut tail = [[0.0; M]; M];
-    for i in 0..M {
-        for j in i + 1..M {
-            tail[i][j] = entry(i, j) + (gw[i] * w[j] - w[i] * gw[j]) / root;
-        }
-    }
-    tail
-}
-
-/// The sum of two arrays of entries i < j.
-pub fn add<const M: usize>(mut a: [[f64; M]; M], b: [[f64; M]; M]) -> [[f64; M]; M] {
-    for i in 0..M {
-        for j in 0..M {
-            a[i][j] += b[i][j];
-        }
-    }
-    a
-}
-
 /// Ways to get a formula wrong.
 #[derive(Clone, Copy)]
 pub struct Knobs {
@@ -143,30 +119,29 @@ impl WrittenOut {
         let a = amplitude((*terms + knobs.shift) - 1);
         let mut draw = || normals.normal();
         let mut psi = [0.0; M];
-        if matches!(method, AreaMethod::Milstein | AreaMethod::MrongowiusRoessler) {
+        if *method != AreaMethod::Fourier {
             psi = psi.map(|_| draw());
         }
         let mut g = [[0.0; M]; M];
-        if matches!(method, AreaMethod::Wiktorsson | AreaMethod::MrongowiusRoessler) {
+        if *method == AreaMethod::MrongowiusRoessler {
             for i in 0..M {
                 for j in i + 1..M {
                     g[i][j] = draw();
                 }
             }
         }
+        let normals = match method {
+            AreaMethod::Fourier => 0,
+            AreaMethod::Milstein => M,
+            AreaMethod::MrongowiusRoessler => M * (M + 1) / 2,
+        };
         // The twin of the last of an odd number is dropped.
-        if method.normals(0, M) % 2 == 1 {
+        if normals % 2 == 1 {
             draw();
         }
-        match method {
-            AreaMethod::Fourier => {}
-            AreaMethod::Wiktorsson => sum = add(sum, pair_tail(a, w, g)),
-            AreaMethod::Milstein | AreaMethod::MrongowiusRoessler => {
-                for i in 0..M {
-                    for j in i + 1..M {
-                        sum[i][j] += a * (w[i] * psi[j] - knobs.tail * w[j] * psi[i]) + a * g[i][j];
-                    }
-                }
+        for i in 0..M {
+            for j in i + 1..M {
+                sum[i][j] += a * (w[i] * psi[j] - knobs.tail * w[j] * psi[i]) + a * g[i][j];
             }
         }
         sum

@@ -11,9 +11,7 @@
 //! above what they are.
 
 use crate::common::{Spins, Visit, body, exact_systems};
-use noise::{
-    AreaMethod, AreaPath, Noise, StreamKey, Truncation, WienerPath, strong_order_one_error,
-};
+use noise::{AreaPath, Noise, StreamKey, Truncation, WienerPath, strong_order_one_error};
 use nonlin::{Outcome, Solver};
 use real::WIDTH;
 use schemes::{Midpoint, Scheme, Sexp, SexpLevy, Step};
@@ -111,8 +109,7 @@ fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     let tau = 2f64.powi(-exponent);
     let truncation = Truncation::new(4).unwrap();
     let (bound, area_bound) = (truncation.bound(tau).unwrap(), truncation.area_bound(tau).unwrap());
-    let method = AreaMethod::MrongowiusRoessler;
-    let terms = method.terms_for(strong_order_one_error(tau), tau, M).unwrap();
+    let terms = noise::area_terms(strong_order_one_error(tau), tau, M).unwrap();
     let damping = Cosine::new(0.5, 2.0).unwrap();
     let steps: Vec<Step> = (0..STEPS).map(|n| Step::new(&damping, n, tau).unwrap()).collect();
     let mut count = Count::default();
@@ -120,7 +117,7 @@ fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let mut slowest = vec![0; steps.len()];
         for path in block * WIDTH as u64..(block + 1) * WIDTH as u64 {
             let mut noise = WienerPath::<M>::new(KEY, path);
-            let mut sampler = AreaPath::<M>::new(KEY, path, method, terms);
+            let mut sampler = AreaPath::<M>::new(KEY, path, terms);
             let mut y = y0;
             for (step, slowest) in steps.iter().zip(&mut slowest) {
                 let dw = noise.increments(tau.sqrt());

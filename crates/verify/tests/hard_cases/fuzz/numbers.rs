@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail, ensure};
 use dgrad::{MAX_NODES, Rule, mean_cosine, mean_sine};
-use noise::{AreaMethod, Truncation};
+use noise::{MOST_AREA_TERMS, Truncation, area_error, area_terms};
 use real::elementary;
 use schemes::Step;
 use systems::{Constant, Cosine, Damping, DampingFunction, Linear, Sine};
@@ -82,15 +82,13 @@ pub fn steps(bits: &mut Bits) -> Fed {
 }
 
 pub fn areas(bits: &mut Bits) -> Fed {
-    let method = AreaMethod::ALL[bits.below(4) as usize];
     let wild = if bits.one_in(2) { 1 } else { 8 };
     let (error, step, noises) = (bits.positive(wild), bits.positive(wild), bits.below(9) as usize);
-    answer(AreaMethod::cheapest(error, step, noises))?;
-    let terms = accepted(method.terms_for(error, step, noises))?;
-    let bound = method.rms_error(step, terms, noises);
+    let terms = accepted(area_terms(error, step, noises))?;
+    let bound = area_error(step, terms, noises);
     ensure!(
-        terms <= AreaMethod::MAX_TERMS && bound <= error * (1.0 + 1e-9),
-        "{method:?}, {noises} noises, step {step:e}: {terms} terms for {error:e}: {bound:e}"
+        terms <= MOST_AREA_TERMS && bound <= error * (1.0 + 1e-9),
+        "{noises} noises, step {step:e}: {terms} terms for {error:e}: {bound:e}"
     );
     Ok(0)
 }
