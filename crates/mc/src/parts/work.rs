@@ -34,6 +34,8 @@ pub struct Work<'a, T> {
 
 /// The sums of one group.
 pub type Sum<T> = (T, Tally);
+/// Sees the nodes and the next group, and says whether to go on.
+type After<'a, T> = dyn FnMut(&[Node<Sum<T>>], u64) -> bool + 'a;
 
 impl<T: Kept> Work<'_, T> {
     /// Adds the sums of groups to a tree. `after` sees the nodes and the next group now and then,
@@ -42,7 +44,7 @@ impl<T: Kept> Work<'_, T> {
         &self,
         tree: &mut MergeTree<Sum<T>, F>,
         groups: Range<u64>,
-        after: &mut dyn FnMut(&[Node<Sum<T>>], u64) -> bool,
+        after: &mut After<'_, T>,
     ) -> u64 {
         let compute = |group| {
             let (statistic, tally) =
