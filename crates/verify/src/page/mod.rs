@@ -166,11 +166,14 @@ fn row(group: &Group) -> [String; 6] {
     ]
 }
 
+/// What a series measured, as the cells of a row.
+type Row = fn(&Series) -> Vec<String>;
+
 /// A section with a figure, what the paper says of it, and what was measured.
 fn show(page: &mut Document, panel: &Panel, claims: &[Claim]) {
     page.section(&panel.title);
     page.figures([(figure(panel), caption(panel.kind).into())]);
-    let (head, row): (&[&str], fn(&Series) -> Vec<String>) = match panel.kind {
+    let (head, row): (&[&str], Row) = match panel.kind {
         Kind::Strong | Kind::Weak => {
             (&["order", "95 % interval", "error at the finest step"], order)
         }

@@ -213,7 +213,7 @@ pub fn extreme_normals(context: &Context) -> Rows {
         let largest = (106.0 * std::f64::consts::LN_2 * tau).sqrt();
         let size = largest.min(truncation.bound(tau)?);
         let noise = move |n: u64| {
-            let sign = |m: u32| if (n + 1) / 3 >> m & 1 == 1 { -1.0 } else { 1.0 };
+            let sign = |m: u32| if ((n + 1) / 3) >> m & 1 == 1 { -1.0 } else { 1.0 };
             let increments = [0, 1, 2].map(|m| sign(m) * size);
             let [a, b, c] = increments.map(|dw| dw * size);
             Noise { increments, areas: [[0.0, a, b], [-a, 0.0, c], [-b, -c, 0.0]] }
