@@ -88,8 +88,9 @@ impl StudySettings {
         let steps = self.steps;
         let wrong = |text: String| Err(StudyError::Setting(text));
         let at: Vec<u64> = match &self.times {
-            Times::Even(times) if *times == 0 || steps.is_multiple_of(*times) => {
-                (1..=*times).map(|n| n * (steps / times)).collect()
+            Times::Even(0) => Vec::new(),
+            Times::Even(times) if steps.is_multiple_of(*times) => {
+                return Ok((1..=*times).map(|n| n * (steps / times)).collect());
             }
             Times::Even(times) => {
                 let divides = |n: &u64| steps.is_multiple_of(*n);
