@@ -169,13 +169,12 @@ impl Answer {
                 cost = cheapest.and_then(|cheapest| self.ratio(n, cheapest)).map(interval);
             }
             Outcome::NotReached { needs, .. } => {
-                if let Some(ErrorPoint { error: distance, steps, .. }) =
-                    point.filter(|point| !point.resolved && point.error.is_finite())
-                {
-                    error = format!("about {} in {steps}", number(*distance));
+                let finite = point.filter(|point| point.error.is_finite());
+                if let Some(point) = finite.filter(|point| !point.resolved) {
+                    error = format!("about {} in {}", number(point.error), point.steps);
                 }
                 let beyond = |point: &ErrorPoint| format!("> {}", point.steps);
-                steps = needs.map(extrapolated).or(point.map(beyond));
+                steps = needs.map(extrapolated).or(finite.map(beyond));
                 let least = cheapest.and_then(|cheapest| self.candidates[cheapest].cost_s());
                 let needed = needs.zip(step_s).zip(least);
                 cost = needed.map(|((needs, step_s), least)| extrapolated(needs * step_s / least));
