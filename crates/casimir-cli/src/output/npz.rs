@@ -53,6 +53,9 @@ pub fn paths(file: &Path, tables: &[TimeSeries]) -> io::Result<()> {
     Ok(())
 }
 
+/// A statistic of a summary, if it is known.
+type Statistic = fn(&Summary) -> Option<f64>;
+
 /// Statistics: `t`, `quantile levels`, and for each observable `<name> mean`, `<name> lo` and
 /// `<name> hi` (the 95 % interval of the mean), `<name> deviation` and `<name> quantiles`, an array
 /// [time, level]. What is not known is NaN.
@@ -65,7 +68,7 @@ pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
     array(&mut out, "t", &[count], times)?;
     array(&mut out, "quantile levels", &[shape[1]], levels)?;
     let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    let columns: [(&str, fn(&Summary) -> Option<f64>); 4] = [
+    let columns: [(&str, Statistic); 4] = [
         ("mean", |point| point.mean),
         ("lo", |point| point.mean_interval.map(|(lo, _)| lo)),
         ("hi", |point| point.mean_interval.map(|(_, hi)| hi)),

@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use anyhow::Result;
 use noise::{
-    AreaMethod, AreaPath, Noise, StreamKey, Truncation, WienerPath, strong_order_one_error,
+    AreaPath, Noise, StreamKey, Truncation, WienerPath, area_terms, strong_order_one_error,
 };
 use nonlin::{Method, Outcome, Solution, Solver};
 use schemes::{
@@ -176,10 +176,9 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
 
     fn path(&self, scheme: &Tested<S, D, M>, number: u64) -> Result<Path<D>> {
         let (system, tau) = (self.problem.system(), self.tau());
-        let method = AreaMethod::MrongowiusRoessler;
         let areas = self.areas && scheme.reads_areas;
-        let terms = if areas { method.terms_for(strong_order_one_error(tau), tau, M)? } else { 1 };
-        let mut areas = areas.then(|| AreaPath::new(self.key, number, method, terms));
+        let terms = if areas { area_terms(strong_order_one_error(tau), tau, M)? } else { 1 };
+        let mut areas = areas.then(|| AreaPath::new(self.key, number, terms));
         let mut increments = WienerPath::new(self.key, number);
         let clips = if scheme.clips_increments { self.truncation } else { Truncation::none() };
         let (bound, area_bound) = (clips.bound(tau)?, clips.area_bound(tau)?);
