@@ -104,7 +104,7 @@ fn all_schemes_are_compared_and_expectations_are_priced() {
     let names: Vec<&str> =
         comparison.for_error.candidates.iter().map(|one| one.scheme.as_str()).collect();
     // One noise commutes, and B is constant.
-    assert_eq!(names, ["sexp", "sexp-li", "nv", "midpoint", "heun", "em"]);
+    assert_eq!(names, ["sexp", "sexp-li", "midpoint", "heun", "em"]);
     let text = comparison.to_string();
     for words in ["in y(T)", "in E[y1]", "scheme", "Take ", "kubo: D = 2, M = 1"] {
         assert!(text.contains(words), "{words} is not in\n{text}");
@@ -116,13 +116,6 @@ fn all_schemes_are_compared_and_expectations_are_priced() {
     let [mean, se] = expectation.mean.unwrap();
     let error = (mean - exact).abs();
     assert!(error < 4.0 * se + expectation.reference_error, "{expectation:?}");
-    // With four steps `nv` has the least bias by far.
-    let coarse = |s: usize| &expectation.candidates[s].points[0];
-    let nv = coarse(2);
-    for (other, name) in names.iter().enumerate().filter(|(_, name)| **name != "nv") {
-        assert_eq!((nv.steps, coarse(other).steps), (4, 4));
-        assert!(nv.hi < coarse(other).lo, "{name}: {nv:?} {:?}", coarse(other));
-    }
     // Every candidate is priced against the cheapest, and the one taken keeps no less.
     let Choice::Take { scheme, cheapest } = comparison.for_error.choice else { panic!("{text}") };
     let keeps = |n: usize| comparison.for_error.candidates[n].keeps;
@@ -141,9 +134,9 @@ fn all_schemes_are_compared_and_expectations_are_priced() {
     assert_eq!(read, comparison);
 }
 
-/// `nv` is a candidate by flows of parts and without, and keeps the Casimir.
+/// `nv` is a candidate by flows of parts, and keeps the Casimir.
 #[test]
-fn weak_order_two_is_compared_with_and_without_flows_of_parts() {
+fn weak_order_two_is_compared_with_flows_of_parts() {
     let problem = rigid_body_three_noises(1.0);
     let cos = Observable { name: "cos y3", function: |y: [f64; 3]| y[2].cos() };
     let wanted = Expectations { observables: &[&cos], accuracy: 5e-3 };
@@ -156,13 +149,13 @@ fn weak_order_two_is_compared_with_and_without_flows_of_parts() {
     let all = Candidates::all(&problem);
     let parts = Candidates::by_parts(&problem);
     let areas = ["sexp", "sexp-levy", "sexp-li", "sexp-li-levy"];
-    let others = ["nv", "midpoint", "heun", "em"];
-    for (candidates, split) in [(all, &[][..]), (parts, &["split"])] {
+    let others = ["midpoint", "heun", "em"];
+    for (candidates, flows) in [(all, &[][..]), (parts, &["split", "nv"])] {
         let found = compare(&mc::Problem::of(&problem), &candidates, &settings).unwrap();
         let names: Vec<&str> =
             found.for_error.candidates.iter().map(|one| one.scheme.as_str()).collect();
-        assert_eq!(names, [&areas, split, &others].concat());
-        let nv = names.iter().position(|name| *name == "nv").unwrap();
+        assert_eq!(names, [&areas, flows, &others].concat());
+        let Some(nv) = names.iter().position(|name| *name == "nv") else { continue };
         assert!(found.for_error.candidates[nv].keeps.casimirs, "{found}");
         let verdicts = &found.for_expectations[0];
         assert!(matches!(verdicts.candidates[nv].outcome, Outcome::Reached { .. }), "{found}");

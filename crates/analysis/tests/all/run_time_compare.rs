@@ -73,7 +73,7 @@ fn errors_on_texts_are_those_on_compiled_systems() {
     let other = compare(&mc::Problem::at_run_time(&texts), &all, &other).unwrap();
 
     let names: Vec<_> = other.for_error.candidates.iter().map(|one| &one.scheme[..]).collect();
-    assert_eq!(names, ["sexp", "sexp-li", "nv", "midpoint", "heun", "em"]);
+    assert_eq!(names, ["sexp", "sexp-li", "midpoint", "heun", "em"]);
     check_same(&one, &other);
     // The recommended scheme reaches the error with its whole interval.
     let Choice::Take { scheme, .. } = other.for_error.choice else { panic!("{other}") };
