@@ -83,7 +83,7 @@ pub trait Model: Send + Sync {
     /// Errors against cost of all schemes.
     ///
     /// # Errors
-    /// Those of [`compare`](casimir::analysis::compare).
+    /// Those of [`compare`](compare()).
     fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
         Ok(compare(&self.problem(), &self.candidates()?, settings)?)
     }
@@ -91,7 +91,7 @@ pub trait Model: Send + Sync {
     /// What the system is.
     ///
     /// # Errors
-    /// Those of [`casimir::analysis::inspect`].
+    /// Those of [`inspect`](casimir::analysis::inspect()).
     fn findings(&self) -> Result<Inspection, InspectError>;
 }
 
