@@ -284,7 +284,7 @@ impl Estimator<'_> {
         let (last, of_last) = (&differences[from..], &self.levels[1 + from..]);
         let seen = (rates::alpha(of_last, last, k), rates::beta(of_last, k));
         let orders = if self.noisy { self.orders } else { seen_orders(last, self.orders) };
-        let mut extrapolation = extrapolation(last, differences.len() - first, orders, seen);
+        let mut extrapolation = extrapolation(last, orders, seen);
         if !self.noisy {
             // Rounding errors of n steps.
             let steps = self.settings.steps(self.levels.len() - 1) as f64;
@@ -299,13 +299,13 @@ impl Estimator<'_> {
     }
 
     /// The level to begin with, for which an accuracy costs least: Σ√(VC) is least (Giles 2008),
-    /// for all test functions together.
+    /// for all test functions together. Two differences are above it, which extrapolation needs.
     fn first_level(&self) -> usize {
         let root = |first: usize, k: usize| {
             let terms = self.sum_from(first, k).terms;
             terms.iter().map(|term| (term.variance * term.cost).sqrt()).sum::<f64>()
         };
-        let mut totals = vec![0.0; self.levels.len() - 1];
+        let mut totals = vec![0.0; self.levels.len() - 2];
         for k in 0..self.names.len() {
             let roots: Vec<f64> = (0..totals.len()).map(|first| root(first, k)).collect();
             let least = roots.iter().copied().fold(f64::INFINITY, f64::min);

@@ -5,10 +5,10 @@
 //! the expansion is q, S_L = R_L + c′(R_L − R_{L−1}) with c′ = 1/(2^q − 1) has none of order q.
 //!
 //! What is left of S_L is at most c′|R_L − R_{L−1}| if the error of R_l falls by order q − 1 + ε or
-//! more, ε = log₂(1 + 2^{−q}), and what is left of R_L if it falls by q or more. So the bound on S_L
-//! does not rest on the power that S_L removes. c′2^{−q}|R_{L−1} − R_{L−2}| is a second bound, and
-//! the larger one is taken: one alone may be small by chance. S_L is taken where both its
-//! differences are in the sum over levels, else R_L.
+//! more, ε = log₂(1 + 2^{−q}): the bound does not rest on the power that S_L removes. (What is left of
+//! R_L is within it only if the error falls by q or more, and the next power may make that less.)
+//! c′2^{−q}|R_{L−1} − R_{L−2}| is a second bound, and the larger one is taken: one alone may be small
+//! by chance.
 //!
 //! Where the differences are seen to fall by less than order p, all of them or one to the next,
 //! there is no such expansion yet. c then has the least observed order, and the whole extrapolated
@@ -71,12 +71,11 @@ pub struct Extrapolation {
     pub standard_error: f64,
 }
 
-/// By the last three differences or fewer, the last one last, of which the last `summed` are terms
-/// of the sum, for a scheme with these orders, where differences fall by the order `alpha`, and
-/// their variances by `beta`.
+/// By the last three differences or fewer, the last one last, of which the last two are terms of the
+/// sum, for a scheme with these orders, where differences fall by the order `alpha`, and their
+/// variances by `beta`.
 pub fn extrapolation(
     differences: &[Term],
-    summed: usize,
     orders: Orders,
     (alpha, beta): (Option<Rate>, Option<Rate>),
 ) -> Extrapolation {
@@ -110,8 +109,7 @@ pub fn extrapolation(
         [.., before, last] => change(last, before),
         _ => (f64::INFINITY, 0.0),
     };
-    let twice = expands && summed >= 2;
-    let weights = if twice { [-next * c, c + next * (1.0 + c)] } else { [0.0, c] };
+    let weights = if expands { [-next * c, c + next * (1.0 + c)] } else { [0.0, c] };
     Extrapolation { order, weights, size, standard_error }
 }
 
@@ -150,20 +148,20 @@ mod tests {
                 for q in [next - 0.6, next, next + 1.0, 2.0 * next] {
                     let (terms, last) =
                         differences(|tau| a * tau.powf(weak) + b * tau.powf(q.max(weak)));
-                    let once = extrapolation(&terms, 1, orders, (None, None));
-                    let twice = extrapolation(&terms, 3, orders, (None, None));
-                    let (one, two) = (left(&terms, last, &once), left(&terms, last, &twice));
-                    assert_eq!(once.size, twice.size);
-                    // R_L needs the order q, S_L one less.
-                    assert!(two.abs() <= twice.size * (1.0 + 1e-9), "{weak} {next} {q}: {two}");
+                    let found = extrapolation(&terms, orders, (None, None));
+                    let two = left(&terms, last, &found);
+                    assert!(two.abs() <= found.size * (1.0 + 1e-9), "{weak} {next} {q}: {two}");
                     // There is no expansion yet.
-                    if twice.order < weak {
+                    if found.order < weak {
                         continue;
                     }
-                    let held = one.abs() <= once.size * (1.0 + 1e-9);
+                    // R_L needs the order q, S_L one less.
+                    let c = 1.0 / (weak.exp2() - 1.0);
+                    let one = last + c * terms[2].mean;
+                    let held = one.abs() <= found.size * (1.0 + 1e-9);
                     assert!(held == (q >= next), "{weak} {next} {q}: {one}");
                     if q == next {
-                        assert!(two.abs() < 1e-14 && one.abs() > 0.99 * once.size);
+                        assert!(two.abs() < 1e-14 && one.abs() > 0.99 * found.size);
                     }
                 }
             }
@@ -175,14 +173,14 @@ mod tests {
         let (terms, _) = differences(|tau| tau.powf(1.2));
         let slow = Rate { value: 1.0, lower: 0.9, upper: 1.1 };
         let orders = Orders { weak: 2.0, next: 3.0 };
-        let found = extrapolation(&terms, 3, orders, (Some(slow), None));
+        let found = extrapolation(&terms, orders, (Some(slow), None));
         let (weight, last) = (1.0 / (1.1f64.exp2() - 1.0), terms[2].mean.abs());
         assert!((found.order - 1.1).abs() < 1e-15 && (found.weights[1] - weight).abs() < 1e-14);
         assert!((found.size - weight * last).abs() < 1e-14 && found.weights[0] == 0.0);
         // The upper end of an observed order counts.
         let (terms, _) = differences(|tau| tau.powf(1.8));
         let near = Rate { value: 1.7, lower: 1.5, upper: 1.9 };
-        assert_eq!(extrapolation(&terms, 3, orders, (Some(near), None)).order, 2.0);
+        assert_eq!(extrapolation(&terms, orders, (Some(near), None)).order, 2.0);
     }
 
     #[test]
@@ -191,23 +189,23 @@ mod tests {
         let term = |mean: f64| Term { mean, ..Term::default() };
         let terms = [0.0303, 0.0179, 0.00518].map(term);
         let orders = Orders { weak: 2.0, next: 4.0 };
-        let found = extrapolation(&terms, 3, orders, (None, None));
+        let found = extrapolation(&terms, orders, (None, None));
         assert!((found.order - (0.0303f64 / 0.0179).log2()).abs() < 1e-12, "{}", found.order);
         assert!(found.size > 0.00518 && found.weights[0] == 0.0, "{}", found.size);
         // Of a rough φ the largest counts.
         let beta = Rate { value: 1.0, lower: 0.9, upper: 1.1 };
-        let rough = extrapolation(&terms, 3, orders, (None, Some(beta)));
+        let rough = extrapolation(&terms, orders, (None, Some(beta)));
         assert!(rough.size > 0.0303 && rough.weights[0] == 0.0, "{}", rough.size);
         // Differences of noise say nothing.
         let noisy = terms.map(|term| Term { variance: 1.0, ..term });
-        assert_eq!(extrapolation(&noisy, 3, orders, (None, None)).order, 2.0);
+        assert_eq!(extrapolation(&noisy, orders, (None, None)).order, 2.0);
     }
 
     #[test]
     fn one_difference_bounds_nothing() {
         let (terms, _) = differences(|tau| tau);
         let orders = Orders { weak: 1.0, next: 2.0 };
-        assert_eq!(extrapolation(&terms[..1], 1, orders, (None, None)).size, f64::INFINITY);
-        assert!(extrapolation(&terms[..2], 1, orders, (None, None)).size < 1e-15);
+        assert_eq!(extrapolation(&terms[..1], orders, (None, None)).size, f64::INFINITY);
+        assert!(extrapolation(&terms[..2], orders, (None, None)).size < 1e-15);
     }
 }
