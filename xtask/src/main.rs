@@ -1,4 +1,5 @@
-//! The command line of the workspace: `cargo xtask CHORE ARGUMENTS…` is an alias of a cargo command.
+//! The command line of the workspace: `cargo xtask CHORE ARGUMENTS…` is an alias of a cargo
+//! command.
 
 use std::{
     env,

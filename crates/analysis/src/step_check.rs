@@ -25,9 +25,9 @@ pub struct StepCheck {
     /// |∫γ| over the last step. Above [`STIFF`] the damping outruns the step, at τ/2 as at τ, so
     /// that the two may agree on what is wrong.
     pub damping: f64,
-    /// By how much the fastest motion turns in a step, in radians. Above [`TURN`] it is not resolved
-    /// at τ/2 either: an average rotation by nearly ±π looks like none, and a mode that is too slow
-    /// takes too little energy from the noise, both at τ as at τ/2.
+    /// By how much the fastest motion turns in a step, in radians. Above [`TURN`] it is not
+    /// resolved at τ/2 either: an average rotation by nearly ±π looks like none, and a mode that is
+    /// too slow takes too little energy from the noise, both at τ as at τ/2.
     pub turn: f64,
     /// The step errors of each observable.
     pub observables: Vec<StepErrors>,

@@ -1,7 +1,7 @@
 //! **Scenes: damped stochastic Poisson systems from a text file, for programs.**
 //!
-//! [`Scene::new`](scene::Scene::new) reads a scene and checks it; its [`Model`](model::Model) is the
-//! problem with every scheme for it. The program `casimir` is made of these.
+//! [`Scene::new`](scene::Scene::new) reads a scene and checks it; its [`Model`](model::Model) is
+//! the problem with every scheme for it. The program `casimir` is made of these.
 //!
 //! ```
 //! use casimir::mc::Simulation;

@@ -29,8 +29,8 @@
 //! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`study`](mc::study()),
 //!   [`Ladder`](mc::Ladder) and [`Expect`](mc::Expect).
 //! - [`analysis`]: [`inspect`](analysis::inspect()), [`strong_order`](analysis::strong_order),
-//!   [`weak_order`](analysis::weak_order), and [`compare`](analysis::compare()), which says which scheme
-//!   is cheapest for an error.
+//!   [`weak_order`](analysis::weak_order), and [`compare`](analysis::compare()), which says which
+//!   scheme is cheapest for an error.
 //! - [`formula`]: systems, dampings and observables from text; [`systems::run_time`] and
 //!   [`schemes::run_time`] for any system whose dimension is known at run time.
 //! - [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`]: increments and Lévy areas, discrete

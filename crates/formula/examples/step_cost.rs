@@ -1,8 +1,8 @@
 //! What a step costs on formulas, on two compiled formulas and on tuned systems, side by side.
 //!
-//! `cargo run --release -p casimir-formula --features measuring --example step_cost [LEVEL]` prints ns per step of one
-//! path without drawing noise, the least of many runs, and multiples: a formula over two compiled
-//! formulas, and over the tuned kernel.
+//! `cargo run --release -p casimir-formula --features measuring --example step_cost [LEVEL]` prints
+//! ns per step of one path without drawing noise, the least of many runs, and multiples: a formula
+//! over two compiled formulas, and over the tuned kernel.
 
 mod paper;
 

@@ -10,8 +10,8 @@ use crate::{
     uniform::{Collector, Numbers, ONE, uniform},
 };
 
-/// The instructions for `outputs`, their numbers, and the rows of scratch that they need. Input k is at `inputs[k]`, unless it is one of the
-/// `uniform_inputs`, which are the same at all points.
+/// The instructions for `outputs`, their numbers, and the rows of scratch that they need. Input k
+/// is at `inputs[k]`, unless it is one of the `uniform_inputs`, which are the same at all points.
 pub fn compile(
     graph: &Graph,
     outputs: &[Id],

@@ -19,10 +19,10 @@ const TOLERANCE: f64 = 1e-14;
 /// The damping rate γ(t) as a formula in t, in 1/time.
 ///
 /// The integral is exact to round-off for polynomials in t up to degree 31, and for sums of lines
-/// and sines, cosines and exponentials of lines, which also take the least time. Otherwise it is that of
-/// 16 Gauss–Legendre nodes, on intervals that are halved until both halves together agree with it
-/// to round-off: 30 times at most, which resolves jumps to 10⁻⁹ of the interval, and 4096 intervals
-/// at most.
+/// and sines, cosines and exponentials of lines, which also take the least time. Otherwise it is
+/// that of 16 Gauss–Legendre nodes, on intervals that are halved until both halves together agree
+/// with it to round-off: 30 times at most, which resolves jumps to 10⁻⁹ of the interval, and 4096
+/// intervals at most.
 ///
 /// ```
 /// use formula::FormulaDamping;

@@ -1,9 +1,10 @@
 //! What a step of a spin lattice costs.
 //!
-//! `cargo run --release -p casimir-mc --features measuring --example lattice_cost [LEVEL]` prints ns per spin and step
-//! of cubic lattices with local noise, for several numbers of spins, schemes and threads: the least
-//! of the runs of some seconds. The last column is the time of one thread over that of two. Then
-//! follow steps of `sexp` on a chain of 100 spins, the larger ones without contraction.
+//! `cargo run --release -p casimir-mc --features measuring --example lattice_cost [LEVEL]` prints
+//! ns per spin and step of cubic lattices with local noise, for several numbers of spins, schemes
+//! and threads: the least of the runs of some seconds. The last column is the time of one thread
+//! over that of two. Then follow steps of `sexp` on a chain of 100 spins, the larger ones without
+//! contraction.
 
 use std::{sync::Arc, time::Instant};
 

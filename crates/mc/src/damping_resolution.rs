@@ -67,9 +67,10 @@ impl<'a> DampingResolution<'a> {
         Self { damping, reads_rates, t_end, coarsest_steps, exact, sizes, size, known }
     }
 
-    /// The largest ∫|γ| that each of three steps in a row has, nearly, for the coarsest steps halved
-    /// `halvings` times. Above one, steps forget what noise and forces do in their first halves. A
-    /// pulse within a step or two is none of this: it concerns a part of the time that vanishes.
+    /// The largest ∫|γ| that each of three steps in a row has, nearly, for the coarsest steps
+    /// halved `halvings` times. Above one, steps forget what noise and forces do in their first
+    /// halves. A pulse within a step or two is none of this: it concerns a part of the time that
+    /// vanishes.
     pub fn lasting_exponent(&self, halvings: usize) -> f64 {
         let steps = self.coarsest_steps as f64 * (1u64 << halvings) as f64;
         let parts = self.sizes.len() as f64 / steps;

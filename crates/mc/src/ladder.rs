@@ -108,7 +108,8 @@ pub trait Kept: Statistic {
     /// The sums so far, to be replaced.
     fn sums_mut(&mut self) -> &mut Self::Sums;
 
-    /// What tells it from another statistic beside its sums, such as times and bins: a hash, or text.
+    /// What tells it from another statistic beside its sums, such as times and bins: a hash, or
+    /// text.
     fn fixed(&self) -> String {
         String::new()
     }
@@ -303,8 +304,8 @@ impl<'a> Ladder<'a> {
         self.run_until(&Stop::default(), 0, samples, new, progress)
     }
 
-    /// Advances `samples` paths from path number `first` on, like [`run`](Self::run). They end where
-    /// `stop` asks for the end: the sums are then those of some paths.
+    /// Advances `samples` paths from path number `first` on, like [`run`](Self::run). They end
+    /// where `stop` asks for the end: the sums are then those of some paths.
     ///
     /// # Panics
     /// As [`run`](Self::run).
@@ -419,7 +420,8 @@ impl<'a> Ladder<'a> {
         PathFailure { path, key, scheme, swapped, tau, step, cause }
     }
 
-    /// What tells this ladder and a statistic from others, by names: what they give at fixed points.
+    /// What tells this ladder and a statistic from others, by names: what they give at fixed
+    /// points.
     pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> Vec<(String, String)> {
         let Driver { finest_steps, levels, damping, ref y0, ref runs, ref batches, .. } =
             self.driver;

@@ -22,9 +22,9 @@ const SHORT_S: f64 = 0.05;
 /// A wave grows by no more than this factor.
 const GROWTH: u64 = 16;
 
-/// Adds the results for some items to a tree, in waves of tasks on the current rayon pool. `compute`
-/// gives `None` when it is stopped. `after` sees the tree and the next item after each wave, and
-/// says whether to go on. Returns the first item without result.
+/// Adds the results for some items to a tree, in waves of tasks on the current rayon pool.
+/// `compute` gives `None` when it is stopped. `after` sees the tree and the next item after each
+/// wave, and says whether to go on. Returns the first item without result.
 ///
 /// A task is a run of items, which it merges. The first wave has one item for each thread, so that
 /// little is lost when slow ones are interrupted.

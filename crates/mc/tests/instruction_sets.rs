@@ -1,7 +1,7 @@
 //! A whole expectation has the same bits on every instruction set and any number of threads.
 //!
-//! Alone in its program, since the instruction set is that of the whole process. Release builds have
-//! all sets, others one.
+//! Alone in its program, since the instruction set is that of the whole process. Release builds
+//! have all sets, others one.
 
 use std::sync::Arc;
 

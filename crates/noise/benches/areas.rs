@@ -1,7 +1,7 @@
 //! What a Lévy area costs.
 //!
-//! Measured: [`AreaSampler::areas`] with the terms of strong order one at a step of 2⁻¹², 64 steps of
-//! 32 paths, and the same steps of [`AreaPath`] for a single path. The increments are drawn
+//! Measured: [`AreaSampler::areas`] with the terms of strong order one at a step of 2⁻¹², 64 steps
+//! of 32 paths, and the same steps of [`AreaPath`] for a single path. The increments are drawn
 //! beforehand.
 //!
 //! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second:

@@ -36,10 +36,10 @@ impl StreamKey {
 /// A_ij = (h/2π) Σ_{r≥1} (1/r)[X_r^i (Y_r^j − √2 w_j) − X_r^j (Y_r^i − √2 w_i)].
 ///
 /// With a² = 2ψ₁(n+1) = 2Σ_{r>n} r⁻², where ψ₁ is the trigamma function, the terms r > n that
-/// contain w sum up to (h/2π)·a(w_iΨ_j − w_jΨ_i) *exactly*, with a standard normal Ψ for each noise.
-/// The others are normal given X, with a covariance that tends to a² times the identity: they are
-/// replaced by (h/2π)·a g_ij with a standard normal for each pair. [`area_error`](crate::area_error)
-/// bounds the error.
+/// contain w sum up to (h/2π)·a(w_iΨ_j − w_jΨ_i) *exactly*, with a standard normal Ψ for each
+/// noise. The others are normal given X, with a covariance that tends to a² times the identity:
+/// they are replaced by (h/2π)·a g_ij with a standard normal for each pair.
+/// [`area_error`](crate::area_error) bounds the error.
 ///
 /// A path consumes its normals term by term and noise by noise, each (X, Y) one Box–Muller pair.
 /// The normals of the tail follow: first Ψ, then g_12, g_13, …, g_23, …. If their number is odd,

@@ -8,9 +8,10 @@
 //! study, so that noise is drawn once and not stored.
 //!
 //! The way through the crate: key → `stream` (words) → `box_muller` (normals) → `wiener`
-//! (increments) → `ladder` (sums over steps) → `truncation`; increments → `area_sampler` (Lévy areas
-//! by as many terms as `area_terms` says) → `area` (joined over steps). `sobol` points → `inverse_normal` →
-//! `quasi_wiener` (increments by a Brownian bridge). `step` has the noise of one step.
+//! (increments) → `ladder` (sums over steps) → `truncation`; increments → `area_sampler` (Lévy
+//! areas by as many terms as `area_terms` says) → `area` (joined over steps). `sobol` points →
+//! `inverse_normal` → `quasi_wiener` (increments by a Brownian bridge). `step` has the noise of one
+//! step.
 //!
 //! ```
 //! use noise::{StreamKey, Truncation, WienerBlock, WienerPath};

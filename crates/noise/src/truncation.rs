@@ -52,8 +52,8 @@ impl Truncation {
     /// The largest |ΔŴ| at step `tau`: √τ·√(2k|log τ|). Infinite for [`Truncation::none`].
     ///
     /// # Errors
-    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1, or 0 < τ < ∞ for a wide truncation.
-    /// For τ ≥ 1 the threshold A is zero or increases with τ.
+    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1, or 0 < τ < ∞ for a wide
+    /// truncation. For τ ≥ 1 the threshold A is zero or increases with τ.
     pub fn bound(self, tau: f64) -> Result<f64, NoiseError> {
         match self.order {
             None => Ok(f64::INFINITY),

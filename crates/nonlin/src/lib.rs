@@ -5,8 +5,8 @@
 //! and freezes converged paths. Paths on which the fast method fails are solved by Newton's method
 //! with continuation. [`Solver::solve`] solves the equation of one path, with the same bits.
 //!
-//! The way through the crate: `equation` → `solver` → `block` or `single` → `sweep` (one pass of the
-//! fast method) → `robust` (where it fails, with `elimination`). [`criteria`] say when to stop.
+//! The way through the crate: `equation` → `solver` → `block` or `single` → `sweep` (one pass of
+//! the fast method) → `robust` (where it fails, with `elimination`). [`criteria`] say when to stop.
 //!
 //! ```
 //! use nonlin::{FixedPoint, Solver};

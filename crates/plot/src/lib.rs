@@ -1,7 +1,7 @@
 //! **Figures and pages of numerical experiments, for anybody's program.**
 //!
-//! [`figure`] draws any curves as SVG, [`Document`] makes an HTML page of one file, [`files`] writes
-//! whole files or none, [`Bars`] shows progress.
+//! [`figure`] draws any curves as SVG, [`Document`] makes an HTML page of one file, [`files`]
+//! writes whole files or none, [`Bars`] shows progress.
 //!
 //! The figures are written as SVG without a library such as plotters: it rounds coordinates to
 //! integers, dashes one by one, and has no indices and exponents in the font of a text. A page of

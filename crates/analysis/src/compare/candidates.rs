@@ -41,8 +41,8 @@ impl<'a> Candidates<'a> {
         Self { casimirs, ..self }
     }
 
-    /// All [built-in schemes](BuiltIn) for `problem` but those of flows; with Lévy areas only if the
-    /// noises do not commute. The reference is [`SexpLevy`](schemes::SexpLevy).
+    /// All [built-in schemes](BuiltIn) for `problem` but those of flows; with Lévy areas only if
+    /// the noises do not commute. The reference is [`SexpLevy`](schemes::SexpLevy).
     ///
     /// If the system names no invariant, the linear and quadratic Casimirs that
     /// [`Facts`](crate::facts::Facts) have are measured.

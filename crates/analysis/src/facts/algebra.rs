@@ -38,8 +38,8 @@ pub fn times(matrix: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
 }
 
 /// A basis of the x with Ax = 0, in which each vector has a 1 where all others have a 0, and the
-/// smallest pivot. Pivots below `zero` are none. By Gauss–Jordan elimination with complete pivoting,
-/// whose bits are the same on every machine.
+/// smallest pivot. Pivots below `zero` are none. By Gauss–Jordan elimination with complete
+/// pivoting, whose bits are the same on every machine.
 pub fn null_space(mut rows: Matrix, unknowns: usize, zero: f64) -> (Matrix, f64) {
     let mut pivots: Vec<usize> = Vec::new();
     let mut least = f64::INFINITY;

@@ -49,8 +49,8 @@ pub struct DampingIntegral {
 /// Parts of [0, T], a power of two.
 const PARTS: u32 = 1024;
 /// Relative tolerance: far above the error of a closed form or a quadrature, far below that of a
-/// wrong formula. Of an average part it is a billionth of the whole, and more than an antiderivative
-/// rounds.
+/// wrong formula. Of an average part it is a billionth of the whole, and more than an
+/// antiderivative rounds.
 const AGREEMENT: f64 = 1e-6;
 /// Where in a part the two pieces meet.
 const UNEVEN: f64 = 0.381_966_011_250_105;

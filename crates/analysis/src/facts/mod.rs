@@ -1,5 +1,5 @@
-//! What a run has to know of a system, found in milliseconds: [`Facts`], and the rule for the default
-//! scheme, [`Kept`].
+//! What a run has to know of a system, found in milliseconds: [`Facts`], and the rule for the
+//! default scheme, [`Kept`].
 //!
 //! Here is what `inspect` is made of, too: a system at many states, identities
 //! with three answers, and the search for Casimirs. The bits of all this are the same on every

@@ -124,8 +124,8 @@ fn parts(probe: &mut Probe<'_>, (y, matrices): &AtPoints) -> Vec<Vec<usize>> {
     (0..d).map(part).filter(|part| !part.is_empty()).collect()
 }
 
-/// bᵀ∇C(y) = 0 for every row b of B(y) on a part, at all points, as rows of length one: `row` is the
-/// equation from b and y.
+/// bᵀ∇C(y) = 0 for every row b of B(y) on a part, at all points, as rows of length one: `row` is
+/// the equation from b and y.
 pub fn equations<'a>(
     part: &[usize],
     points: impl Iterator<Item = (&'a Vec<f64>, &'a Matrix)>,

@@ -91,8 +91,8 @@ const SMALL: usize = 64;
 /// Where and with what a system is inspected.
 #[derive(Clone)]
 pub struct InspectSettings<'a> {
-    /// The initial value: random points have ‖y‖ ≤ 2‖y₀‖, and others are around it. Without one they
-    /// have |yᵢ| ≤ 2.
+    /// The initial value: random points have ‖y‖ ≤ 2‖y₀‖, and others are around it. Without one
+    /// they have |yᵢ| ≤ 2.
     pub y0: Option<Vec<f64>>,
     /// The damping and the final time: pilot paths show where the system goes.
     pub damping: Option<(&'a dyn Damping, f64)>,
@@ -127,13 +127,13 @@ impl<'a> InspectSettings<'a> {
 ///
 /// A system of up to 24 components is looked at component by component, one of more along random
 /// directions: there a small defect in one of many components may be below the rounding of a sum.
-/// One of more than 64 components is looked at near its initial value only. If something bounds all paths, the contraction constant is that of the
-/// ball in which they stay.
+/// One of more than 64 components is looked at near its initial value only. If something bounds all
+/// paths, the contraction constant is that of the ball in which they stay.
 ///
 /// # Errors
 /// [`InspectError::NoComponents`]; [`InspectError::NoPoints`] if too little of the region is in the
-/// domain, or if a large system has no initial value; [`InspectError::NotFinite`] if B or the energy
-/// is NaN or infinite at a point of the domain.
+/// domain, or if a large system has no initial value; [`InspectError::NotFinite`] if B or the
+/// energy is NaN or infinite at a point of the domain.
 pub fn inspect(
     system: &dyn System,
     settings: &InspectSettings<'_>,

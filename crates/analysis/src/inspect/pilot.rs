@@ -42,8 +42,8 @@ impl Implicit for ConformalMidpoint {
     }
 }
 
-/// Simulates a few paths, and keeps some of their states: paths that a step has no solution on, or that leave the
-/// domain, end.
+/// Simulates a few paths, and keeps some of their states: paths that a step has no solution on, or
+/// that leave the domain, end.
 pub fn pilot_paths(
     system: &dyn run_time::System,
     damping: &dyn Damping,

@@ -1,5 +1,5 @@
-//! The shape of a scalar function, from its values: linear, quadratic or homogeneous, its degree and
-//! its minimum on the unit sphere.
+//! The shape of a scalar function, from its values: linear, quadratic or homogeneous, its degree
+//! and its minimum on the unit sphere.
 
 use serde::Serialize;
 

@@ -47,10 +47,10 @@ pub struct ExpectedOrder {
     pub known: Status,
 }
 
-/// Orders of the [built-in schemes](BuiltIn) for smooth B and H, of those with Lévy areas if `areas`
-/// are drawn, of those that read rates of the damping if these are finite. Strong order one takes
-/// Lévy areas where noises do not commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out,
-/// where they are not zero.
+/// Orders of the [built-in schemes](BuiltIn) for smooth B and H, of those with Lévy areas if
+/// `areas` are drawn, of those that read rates of the damping if these are finite. Strong order one
+/// takes Lévy areas where noises do not commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves
+/// out, where they are not zero.
 pub fn orders(noises: &Noises, areas: bool, finite_rates: bool) -> Vec<ExpectedOrder> {
     // A counterexample shows that the order is ½, unless paths stay where there is none.
     let one_if = |finding: &Finding, on_paths: &Finding| match finding.status {

@@ -232,9 +232,9 @@ pub fn wrong_limit(errors: &CrossMoments, differences: &CrossMoments) -> Option<
         .then_some(near.sqrt())
 }
 
-/// The distance of the limits, |E[φ(y) − φ(z)]|, from the means of [`distances`] at the finest step.
-/// Either error is at most its last difference, as for order one, or half of the one before. `None`
-/// if the schemes are the same one, where they may be.
+/// The distance of the limits, |E[φ(y) − φ(z)]|, from the means of [`distances`] at the finest
+/// step. Either error is at most its last difference, as for order one, or half of the one before.
+/// `None` if the schemes are the same one, where they may be.
 fn weak_limit(moments: &CrossMoments, with: &'static str, may_be_same: bool) -> Option<Limit> {
     let half_width = |i: usize| half_width(moments, i);
     let [near, own, others, coarse] = [0, 1, 2, 3].map(|i| moments.mean(i).abs());

@@ -1,5 +1,5 @@
-//! Runs of a scheme at several step sizes, moments of what is made of their final states, and states
-//! that paths visit.
+//! Runs of a scheme at several step sizes, moments of what is made of their final states, and
+//! states that paths visit.
 
 use std::sync::Arc;
 

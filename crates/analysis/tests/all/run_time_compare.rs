@@ -1,4 +1,5 @@
-//! `compare` on systems from texts: the errors of the compiled systems, with wrong schemes as twins.
+//! `compare` on systems from texts: the errors of the compiled systems, with wrong schemes as
+//! twins.
 
 use std::sync::Arc;
 

@@ -40,8 +40,8 @@ pub fn step_cell(errors: Option<[StepError; 2]>) -> String {
 /// A step error of this part of a value leaves no digit of it.
 const NO_DIGIT: f64 = 0.5;
 
-/// The step errors that a reader must know of, the worst first; why they cannot be known, if half the
-/// step does not show them.
+/// The step errors that a reader must know of, the worst first; why they cannot be known, if half
+/// the step does not show them.
 pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene) -> Vec<String> {
     let steps = scene.settings.steps;
     let more = |times: f64| digits(Some((steps as f64 * times).ceil()));

@@ -81,8 +81,9 @@ pub struct RunTable {
     /// Number of steps on [0, T].
     #[schemars(with = "Count")]
     pub steps: Spanned<Count>,
-    /// The scheme: `auto` (one that damps exactly and keeps Casimirs and energy), `sexp`, `sexp-li`,
-    /// `split`, `sexp-levy`, `sexp-li-levy`, `nv`, `midpoint`, `heun` or `em`. Default: `auto`.
+    /// The scheme: `auto` (one that damps exactly and keeps Casimirs and energy), `sexp`,
+    /// `sexp-li`, `split`, `sexp-levy`, `sexp-li-levy`, `nv`, `midpoint`, `heun` or `em`. Default:
+    /// `auto`.
     #[schemars(with = "Option<String>")]
     pub scheme: Option<Spanned<String>>,
     /// Number of paths. From 100 on means, quantiles and histograms are computed, below that tables

@@ -2,11 +2,11 @@
 //! settings: is what `run` states true?
 //!
 //! An answer is a mean or a deviation at T. It is *wrong* if the truth lies outside its 95 %
-//! interval, widened by a step error that was seen. Deviations have no interval of their own: theirs
-//! is 1.96·½s√((κ − 1)/paths) with the known deviation s and kurtosis κ. It is *grossly wrong* if the
-//! truth is six standard errors outside, and outside of the bound that is stated where no step error
-//! was seen, too. "Cannot tell" and "too few values for an interval" are no answers, and few of them
-//! are allowed.
+//! interval, widened by a step error that was seen. Deviations have no interval of their own:
+//! theirs is 1.96·½s√((κ − 1)/paths) with the known deviation s and kurtosis κ. It is *grossly
+//! wrong* if the truth is six standard errors outside, and outside of the bound that is stated
+//! where no step error was seen, too. "Cannot tell" and "too few values for an interval" are no
+//! answers, and few of them are allowed.
 
 use std::fmt;
 

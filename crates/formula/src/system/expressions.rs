@@ -365,8 +365,8 @@ impl Expressions {
         self.operations.iter().find(|(known, _)| known.map(|_| ()) == op)
     }
 
-    /// The operations that have expressions, each with a tape from its arguments, and from dt and dw
-    /// or the areas if it reads them.
+    /// The operations that have expressions, each with a tape from its arguments, and from dt and
+    /// dw or the areas if it reads them.
     pub fn op_tapes(&self) -> Vec<(Op<()>, Tape)> {
         let tape = |(op, roots): &(Op<usize>, Vec<Id>)| {
             let weights = op.reads_weights().then(|| [self.dt(), self.dw()]);

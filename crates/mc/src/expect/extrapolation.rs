@@ -1,14 +1,14 @@
 //! The limit τ → 0 from several levels, and a bound on what is left.
 //!
-//! With E_l = E[φ(y_l)], d_l = E_l − E_{l−1} and the weak order p, R_l = E_l + c·d_l with
-//! c = 1/(2^p − 1) has no error of order p (Richardson; Talay and Tubaro 1990). If the next order of
+//! With E_l = E[φ(y_l)], d_l = E_l − E_{l−1} and the weak order p, R_l = E_l + c·d_l with c =
+//! 1/(2^p − 1) has no error of order p (Richardson; Talay and Tubaro 1990). If the next order of
 //! the expansion is q, S_L = R_L + c′(R_L − R_{L−1}) with c′ = 1/(2^q − 1) has none of order q.
 //!
 //! What is left of S_L is at most c′|R_L − R_{L−1}| if the error of R_l falls by order q − 1 + ε or
-//! more, ε = log₂(1 + 2^{−q}): the bound does not rest on the power that S_L removes. (What is left of
-//! R_L is within it only if the error falls by q or more, and the next power may make that less.)
-//! c′2^{−q}|R_{L−1} − R_{L−2}| is a second bound, and the larger one is taken: one alone may be small
-//! by chance.
+//! more, ε = log₂(1 + 2^{−q}): the bound does not rest on the power that S_L removes. (What is left
+//! of R_L is within it only if the error falls by q or more, and the next power may make that
+//! less.) c′2^{−q}|R_{L−1} − R_{L−2}| is a second bound, and the larger one is taken: one alone may
+//! be small by chance.
 //!
 //! Where the differences are seen to fall by less than order p, all of them or one to the next,
 //! there is no such expansion yet. c then has the least observed order, and the whole extrapolated
@@ -37,8 +37,9 @@ const SMOOTH: f64 = 1.25;
 /// A slope this near to a whole number is that order.
 const WHOLE: f64 = 0.2;
 
-/// The orders that differences without errors of sampling show, the last one last, if they are whole
-/// numbers: the first by d_{L−1}/d_L and d_{L−2}/d_{L−1}, the second by those of R; else `given`.
+/// The orders that differences without errors of sampling show, the last one last, if they are
+/// whole numbers: the first by d_{L−1}/d_L and d_{L−2}/d_{L−1}, the second by those of R; else
+/// `given`.
 pub fn seen_orders(differences: &[Term], given: Orders) -> Orders {
     let order = |before: f64, last: f64| elementary::ln((before / last).max(0.0)) / LN_2;
     let whole =
@@ -71,8 +72,8 @@ pub struct Extrapolation {
     pub standard_error: f64,
 }
 
-/// By the last three differences or fewer, the last one last, of which the last two are terms of the
-/// sum, for a scheme with these orders, where differences fall by the order `alpha`, and their
+/// By the last three differences or fewer, the last one last, of which the last two are terms of
+/// the sum, for a scheme with these orders, where differences fall by the order `alpha`, and their
 /// variances by `beta`.
 pub fn extrapolation(
     differences: &[Term],

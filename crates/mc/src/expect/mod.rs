@@ -5,10 +5,10 @@
 //! many (Giles, *Oper. Res.* 56, 2008). The sum is extrapolated to τ → 0.
 //!
 //! **Points.** Each term is a mean over points of its own, in independent replicates, 32 unless set.
-//! A replicate is a scramble of Sobol points with a Brownian bridge (Owen 1995): a path of few steps
-//! is an integral over few normals, which they integrate with an error far below that of random
-//! points, if φ is smooth. Where a scheme reads Lévy areas, which Sobol points do not give, where
-//! steps and noises are very many, or on request, a replicate is a family of random streams.
+//! A replicate is a scramble of Sobol points with a Brownian bridge (Owen 1995): a path of few
+//! steps is an integral over few normals, which they integrate with an error far below that of
+//! random points, if φ is smooth. Where a scheme reads Lévy areas, which Sobol points do not give,
+//! where steps and noises are very many, or on request, a replicate is a family of random streams.
 //! Nothing else depends on which points there are.
 //!
 //! **Accuracy.** The half-width of the 95 % interval of each test function: Student's quantile over
@@ -32,12 +32,12 @@
 //!   single paths of a φ of more than two values, or where the largest of them fall like a power
 //!   that has no variance (Hill's estimate), larger events may be missing, and nobody can tell.
 //!   If φ is the same to the bit on every path of a level that decides, nothing is known of R.
-//! - *Bias.* Three differences bound it; the observed order must not lie below ½ or half of the weak
-//!   order; coarse and fine means of neighbouring levels must agree.
-//! - *Resolution.* Each component of fine and coarse states must agree to half of its motion in root
-//!   mean square over all coarse times, better than on the levels below, φ to 0.7 of its motion at
-//!   eight of them, and φ must vary on both in the same way. The damping that the scheme reads,
-//!   summed over the steps, must agree with ∫γ by quadrature, or converge to it
+//! - *Bias.* Three differences bound it; the observed order must not lie below ½ or half of the
+//!   weak order; coarse and fine means of neighbouring levels must agree.
+//! - *Resolution.* Each component of fine and coarse states must agree to half of its motion in
+//!   root mean square over all coarse times, better than on the levels below, φ to 0.7 of its
+//!   motion at eight of them, and φ must vary on both in the same way. The damping that the scheme
+//!   reads, summed over the steps, must agree with ∫γ by quadrature, or converge to it
 //!   ([`DampingResolution`](crate::DampingResolution)).
 //!
 //! **What is assumed.** A scheme that converges to the solution with the weak order assumed, and an
@@ -124,9 +124,10 @@ pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 ///
 /// **Scheme.** By [`by_parts`](Self::by_parts) `nv` of weak order two ([`Nv`]), with the mean of φ
 /// over both orders of the noises, which has an expansion in even powers of τ. Without flows of
-/// parts `sexp-li` of weak order one ([`SexpLi`]): extrapolation makes up for the order. Where neither applies to the system, or its
-/// paths fail, `sexp`; at run time also where B is constant, since `sexp-li` is explicit there and
-/// its energy drifts. Any other by [`with_scheme`](Self::with_scheme).
+/// parts `sexp-li` of weak order one ([`SexpLi`]): extrapolation makes up for the order. Where
+/// neither applies to the system, or its paths fail, `sexp`; at run time also where B is constant,
+/// since `sexp-li` is explicit there and its energy drifts. Any other by
+/// [`with_scheme`](Self::with_scheme).
 ///
 /// **Limits.** It ends early where the accuracy would take more path-steps than are allowed even
 /// if errors fell as N^{−3/2} ([`Limit::OutOfReach`]).
@@ -200,7 +201,8 @@ fn by_parts<'a, S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
 
 /// How often the coarsest level takes twice as many steps where paths fail.
 const REFINEMENTS: u32 = 8;
-/// The final time up to which the coarsest steps are chosen to be below one; beyond, they are refused.
+/// The final time up to which the coarsest steps are chosen to be below one; beyond, they are
+/// refused.
 const LONGEST: f64 = 4_194_304.0;
 
 impl<'a> Expect<'a> {
@@ -292,7 +294,8 @@ impl<'a> Expect<'a> {
     }
 
     /// Begins with so many steps on the coarsest level, from 1 to 2²⁴; one unless set. Schemes that
-    /// truncate increments take steps below one. A level that does not help is left out in any case.
+    /// truncate increments take steps below one. A level that does not help is left out in any
+    /// case.
     #[must_use]
     pub fn with_coarsest_steps(self, coarsest_steps: u64) -> Self {
         Self { settings: Settings { coarsest_steps, ..self.settings }, ..self }

@@ -22,8 +22,8 @@ use crate::{DampingResolution, View};
 const RESOLVED: f64 = 0.5;
 /// What a level gains at least: strong order ½ gives 1/√2.
 const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// A motion that falls by this or more from level to level, twice, is an error of the scheme: a true
-/// one has a limit.
+/// A motion that falls by this or more from level to level, twice, is an error of the scheme: a
+/// true one has a limit.
 const VANISHES: f64 = 0.75;
 /// The largest part of the largest component that such a motion has.
 const ERROR: f64 = 0.1;

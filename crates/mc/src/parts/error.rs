@@ -22,9 +22,9 @@ pub enum JobError {
         /// The cause.
         source: io::Error,
     },
-    /// What is in the folder cannot be used: a file is damaged, belongs to another study or is being
-    /// computed by another process; or sums cannot be written and read back. The text names file
-    /// and work, and says what to do.
+    /// What is in the folder cannot be used: a file is damaged, belongs to another study or is
+    /// being computed by another process; or sums cannot be written and read back. The text names
+    /// file and work, and says what to do.
     #[error("{0}")]
     Refused(String),
     /// Parts are missing or have not come to their end.

@@ -10,8 +10,8 @@ use sha2::{Digest, Sha256};
 
 use crate::Problem;
 
-/// The first 16 bytes of the SHA-256 of a value, in hexadecimal. What cannot be written is told when
-/// sums are tried before the computing.
+/// The first 16 bytes of the SHA-256 of a value, in hexadecimal. What cannot be written is told
+/// when sums are tried before the computing.
 pub fn hash(value: &impl Serialize) -> String {
     let sum = Sha256::digest(postcard::to_stdvec(value).unwrap_or_default());
     sum[..16].iter().map(|byte| format!("{byte:02x}")).collect()

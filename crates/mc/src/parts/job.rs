@@ -101,8 +101,8 @@ impl Job {
         self
     }
 
-    /// A study or ladder that is stopped gives the result of the paths that are done, not of part of
-    /// several; an expectation the estimates of the rounds before. [`finish`](Self::finish) says
+    /// A study or ladder that is stopped gives the result of the paths that are done, not of part
+    /// of several; an expectation the estimates of the rounds before. [`finish`](Self::finish) says
     /// [`JobError::Stopped`] all the same.
     pub fn giving_what_is_done(mut self) -> Self {
         self.incomplete = true;
@@ -171,8 +171,8 @@ impl Job {
         &self.stop
     }
 
-    /// The nodes of all groups of some pieces of work, none of which depends on another, if they are
-    /// known here: computed, or merged. They are all rounds or none.
+    /// The nodes of all groups of some pieces of work, none of which depends on another, if they
+    /// are known here: computed, or merged. They are all rounds or none.
     pub(crate) fn collect<T: Kept>(&self, works: &[Work<'_, T>]) -> Option<Vec<Nodes<T>>> {
         // Waiting would be for ever: this thread may be at work on the other one.
         let state = self.state.try_lock();

@@ -30,7 +30,8 @@ pub struct Summary {
     pub not_finite: u64,
     /// The mean; `None` without values.
     pub mean: Option<f64>,
-    /// Its 95 % interval by [`CentralMoments::mean_interval`](stats::CentralMoments::mean_interval).
+    /// Its 95 % interval by
+    /// [`CentralMoments::mean_interval`](stats::CentralMoments::mean_interval).
     pub mean_interval: Option<(f64, f64)>,
     /// Why there is none: too few values carry the mean, or all are equal but for rounding errors.
     /// Then the note says on how few paths others are, with 95 % confidence: n equal values leave
@@ -58,7 +59,8 @@ pub struct Quantile {
     /// The level, between 0 and 1.
     pub level: f64,
     /// The estimate, interpolated inside of its bin; the smallest or the largest value where so
-    /// many are equal to it, and the smallest where all are equal but for rounding errors. `None` outside of the grid and in a crowded bin.
+    /// many are equal to it, and the smallest where all are equal but for rounding errors. `None`
+    /// outside of the grid and in a crowded bin.
     pub value: Option<f64>,
     /// Lower end of the 95 % interval; `None` if there are too few values to know one.
     ///

@@ -3,9 +3,9 @@
 //! A formula is the same for compiled systems and for these. The way of a step:
 //!
 //! [`Implicit`](crate::Implicit) formula → `record` (a list of operations) → `plan` (stages and
-//! memory), or a [`Program`](systems::run_time::Program) of the system → `machine` (runs it on rows,
-//! tile by tile) → `explicit`, or `implicit` with `sweep` (fixed-point iteration) and, where that
-//! does not converge, `krylov` (Newton's method with continuation) with `derivative`.
+//! memory), or a [`Program`](systems::run_time::Program) of the system → `machine` (runs it on
+//! rows, tile by tile) → `explicit`, or `implicit` with `sweep` (fixed-point iteration) and, where
+//! that does not converge, `krylov` (Newton's method with continuation) with `derivative`.
 //!
 //! **Stages.** Operations are computed tile by tile, each tile in memory of its own that fits a
 //! cache. ∇h on a tile reads all of its argument, which therefore has to be complete: operations
@@ -19,9 +19,9 @@
 //! and stage s of slab k comes right after stage s − 1 of slab k + 1. A result that takes the place
 //! of another one does so on slabs that no earlier stage has yet to read: those are ahead.
 //!
-//! A [`Stepper`](crate::Stepper) holds the state of 32 paths, or of one large path, whose tiles are computed in
-//! parallel; the bits do not depend on the number of threads. Memory is a few states, and nothing
-//! is allocated in a step unless a formula stores more than four results at a time.
+//! A [`Stepper`](crate::Stepper) holds the state of 32 paths, or of one large path, whose tiles are
+//! computed in parallel; the bits do not depend on the number of threads. Memory is a few states,
+//! and nothing is allocated in a step unless a formula stores more than four results at a time.
 //!
 //! ```
 //! use noise::StepNoise;

@@ -160,7 +160,8 @@ fn exact_slopes_over_a_hundred_thousand_steps() {
         let close = |slope: f64, expected: f64, error: f64| {
             assert!((slope / expected - 1.0).abs() < error, "{tau_omega}: {slope} {expected}");
         };
-        // What the solver leaves of M counts 10⁵ times: Newton's method, which solves linear equations.
+        // What the solver leaves of M counts 10⁵ times: Newton's method, which solves linear
+        // equations.
         let solver = Solver::new(Method::Newton);
         let sexp = WithSolver { formula: Sexp, solver };
         let midpoint = WithSolver { formula: Midpoint, solver };
@@ -178,9 +179,9 @@ fn exact_slopes_over_a_hundred_thousand_steps() {
     }
 }
 
-/// The slope of E[H₀] over 10⁵ steps of paths, and its standard error. The change of the energy in a
-/// step is averaged over ±ΔW, of which the path takes +ΔW, and ½σ²(ΔW² − τ) is subtracted: both leave
-/// its mean as it is, and take most of the variance away.
+/// The slope of E[H₀] over 10⁵ steps of paths, and its standard error. The change of the energy in
+/// a step is averaged over ±ΔW, of which the path takes +ΔW, and ½σ²(ΔW² − τ) is subtracted: both
+/// leave its mean as it is, and take most of the variance away.
 fn sampled(oscillator: &Oscillator, advance: Advance<'_>, y0: [f64; 2], paths: u64) -> [f64; 2] {
     let key = StreamKey { seed: 1, experiment: 33 };
     let slopes: Vec<f64> = (0..paths)
@@ -206,8 +207,8 @@ fn sampled(oscillator: &Oscillator, advance: Advance<'_>, y0: [f64; 2], paths: u
 }
 
 const PATHS: u64 = 8;
-/// Two-sided, of Student's distribution with 7 degrees of freedom: 10⁻⁵ for each of nine slopes, and
-/// no more for Heun's, of sixteen times as many paths.
+/// Two-sided, of Student's distribution with 7 degrees of freedom: 10⁻⁵ for each of nine slopes,
+/// and no more for Heun's, of sixteen times as many paths.
 const QUANTILE: f64 = 11.3;
 
 #[test]

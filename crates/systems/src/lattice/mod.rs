@@ -202,8 +202,8 @@ impl SpinLattice {
         self.couplings
     }
 
-    /// max ||sᵢ|/length − 1|: the largest relative error if every spin should have this `length`. On
-    /// 32 paths it is that of all of them.
+    /// max ||sᵢ|/length − 1|: the largest relative error if every spin should have this `length`.
+    /// On 32 paths it is that of all of them.
     #[must_use]
     pub fn length_defect(&self, y: &[Row], length: f64) -> f64 {
         let defect = |square: f64| (square.sqrt() / length - 1.0).abs();

@@ -51,8 +51,8 @@ impl Layout {
         }
     }
 
-    /// Rows of one path in tiles of `tile_rows` rows, with noise m in row m. Each tile has the first
-    /// components of its sites, then the second ones, and so on.
+    /// Rows of one path in tiles of `tile_rows` rows, with noise m in row m. Each tile has the
+    /// first components of its sites, then the second ones, and so on.
     #[must_use]
     pub fn one_path(dimension: usize, noises: usize, site: usize, tile_rows: usize) -> Self {
         let rows = site * (dimension / site).div_ceil(WIDTH);

@@ -1,6 +1,6 @@
 //! `cargo xtask work-precision`: which scheme is cheapest on each of the paper's problems, by
-//! [`analysis::compare()`]. Errors are the same bits for the same seed, unless the budget ends them;
-//! times are what they are.
+//! [`analysis::compare()`]. Errors are the same bits for the same seed, unless the budget ends
+//! them; times are what they are.
 
 use std::process::ExitCode;
 

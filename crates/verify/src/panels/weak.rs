@@ -13,8 +13,8 @@
 //! # Which estimator
 //!
 //! Work for a given standard error is variance times cost. For the rigid body, with the cost
-//! counted in path-steps and the median taken over the twelve test functions (`cargo test -p casimir-verify
-//! antithetic -- --nocapture`):
+//! counted in path-steps and the median taken over the twelve test functions (`cargo test -p
+//! casimir-verify antithetic -- --nocapture`):
 //!
 //! | τ | independent paths | plain difference | antithetic difference | its variance / τ² |
 //! |---|---|---|---|---|

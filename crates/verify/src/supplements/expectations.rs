@@ -57,8 +57,8 @@ fn expectation(
     valid(expect.with_key(conditions.key(part)).run(&observables, accuracy, &advance))
 }
 
-/// E[φ] of `estimate` against its value by the Kolmogorov equation. Where the interval has Student's
-/// quantile the standard error is that of a normal law with the same interval.
+/// E[φ] of `estimate` against its value by the Kolmogorov equation. Where the interval has
+/// Student's quantile the standard error is that of a normal law with the same interval.
 fn claim(estimate: &Estimate, of: &Expectation, exact: f64, statement: String) -> Claim {
     let measured = Evidence::Deviation {
         quantity: format!("E[{}]", estimate.name),

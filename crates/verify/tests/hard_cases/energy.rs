@@ -1,14 +1,14 @@
 //! What becomes of the energy over a million periods.
 //!
-//! State (q, p), H₀ = ½|p|² + V(q), H₁ = σq₁, γ = 0. The trace formula (Chen, Cohen, D'Ambrosio
-//! and Lang 2020) gives E[H₀(t)] = E[H₀(0)] + ½σ²t for every V. So d = H₀(y_n) − H₀(y₀) − ½σ²t + Σ
-//! σΔW p̂ has mean zero for the solution: p̂ is p in the middle of a step as far as it is known at its
+//! State (q, p), H₀ = ½|p|² + V(q), H₁ = σq₁, γ = 0. The trace formula (Chen, Cohen, D'Ambrosio and
+//! Lang 2020) gives E[H₀(t)] = E[H₀(0)] + ½σ²t for every V. So d = H₀(y_n) − H₀(y₀) − ½σ²t + Σ σΔW
+//! p̂ has mean zero for the solution: p̂ is p in the middle of a step as far as it is known at its
 //! start, so the sum is of mean zero for every scheme, and takes most of the variance away.
 //!
-//! V is ½q², −cos q, −(|q|² + ¼)^(−½) in the plane, that of Hénon and Heiles below its escape energy,
-//! and Σ exp(qᵢ − qᵢ₊₁) around a ring of three; the noise is so weak that paths stay bound. `sexp`,
-//! `midpoint`, and `split` and `nv` by exact flows are bounded; the explicit methods must drift or
-//! fail: `heun`, `em`, `sexp-li` for constant B.
+//! V is ½q², −cos q, −(|q|² + ¼)^(−½) in the plane, that of Hénon and Heiles below its escape
+//! energy, and Σ exp(qᵢ − qᵢ₊₁) around a ring of three; the noise is so weak that paths stay bound.
+//! `sexp`, `midpoint`, and `split` and `nv` by exact flows are bounded; the explicit methods must
+//! drift or fail: `heun`, `em`, `sexp-li` for constant B.
 
 use std::f64::consts::TAU;
 

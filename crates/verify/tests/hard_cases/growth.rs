@@ -6,11 +6,11 @@
 //! percentile interval of the bootstrap over whole paths, which are independent of each other as
 //! points of one path are not.
 //!
-//! With a settled solver the root mean square stays below 32ε√n, a walk of a step's worst roundings.
-//! The default solver leaves a residual of up to 2ε in the same direction in every step, a drift;
-//! one more sweep, `Solver::settled()`, removes it. `sexp-li`, `split` and `nv` solve nothing by
-//! iteration and have no such option: 2, 2.2 and 3.8 times that bound, and an exponent whose
-//! interval lies below 0.55.
+//! With a settled solver the root mean square stays below 32ε√n, a walk of a step's worst
+//! roundings. The default solver leaves a residual of up to 2ε in the same direction in every step,
+//! a drift; one more sweep, `Solver::settled()`, removes it. `sexp-li`, `split` and `nv` solve
+//! nothing by iteration and have no such option: 2, 2.2 and 3.8 times that bound, and an exponent
+//! whose interval lies below 0.55.
 
 use anyhow::{Context, Result};
 use mc::{Ladder, Run, Statistic, View, bind};

@@ -1,5 +1,5 @@
-//! How often the answers of this workspace are true: problems with exactly known answers, asked with
-//! many seeds; the statements of the paper for several seeds; the coverage of intervals.
+//! How often the answers of this workspace are true: problems with exactly known answers, asked
+//! with many seeds; the statements of the paper for several seeds; the coverage of intervals.
 //!
 //! The tests take minutes and are ignored: `cargo xtask verify` runs them and prints the tables.
 
@@ -99,8 +99,8 @@ fn answers_are_functions_of_the_seed() {
 }
 
 /// An order is refuted by chance with a probability of at most 0.05 % (a 99.9 % interval misses on
-/// one side), any other check of at most 1e-5. Of so many verdicts more than four are refuted with a
-/// probability below 1e-3 (Poisson of mean 0.75).
+/// one side), any other check of at most 1e-5. Of so many verdicts more than four are refuted with
+/// a probability below 1e-3 (Poisson of mean 0.75).
 #[test]
 #[ignore = "statistical: minutes"]
 fn statements_hold_for_other_seeds() {

@@ -150,7 +150,8 @@ pub fn rough_damping(context: &Context) -> Rows {
 const CONTRACTS: f64 = 0.1;
 
 /// Increments past the contraction bound, not truncated, γ = 0: one step of τ = 0.1 from random
-/// states with |y| = 1. While the map contracts there is one solution; beyond, there may be several.
+/// states with |y| = 1. While the map contracts there is one solution; beyond, there may be
+/// several.
 pub fn large_noise(context: &Context) -> Rows {
     let (samples, tau) = (if context.quick { 40 } else { 400 }, 0.1);
     let experiment = body(context, Constant::new(0.0)?, (1, tau))?;
@@ -158,8 +159,8 @@ pub fn large_noise(context: &Context) -> Rows {
     let step = Step::new(experiment.problem.damping(), 0, tau)?;
     each([CONTRACTS, 0.3, 1.0, 3.0, 10.0, 100.0], |size| {
         let rows = experiment.schemes.iter().map(|scheme| {
-            // Steps that were not solved; the largest quotient of the distance from |y|² and what is
-            // allowed.
+            // Steps that were not solved; the largest quotient of the distance from |y|² and what
+            // is allowed.
             let (mut unsolved, mut excess) = (0, 0.0_f64);
             for number in 0..samples {
                 // The same normals at every size.
@@ -235,8 +236,8 @@ pub fn big_steps(context: &Context) -> Rows {
 }
 
 /// States from 10⁻¹⁵⁰ to 10¹⁵⁰, γ = ½cos 2t, 64 steps of τ = 1/64, no areas. State and moments of
-/// inertia are multiplied by a power of two; the solution scales with them, in floating point bit by
-/// bit.
+/// inertia are multiplied by a power of two; the solution scales with them, in floating point bit
+/// by bit.
 pub fn scales(context: &Context) -> Rows {
     let steps = 64;
     let scaled = |scale: f64| {

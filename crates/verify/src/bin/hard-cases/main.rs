@@ -2,9 +2,9 @@
 //!
 //! `cargo xtask stability`. Each case runs all schemes on inputs that break numerical codes:
 //! damping factors that underflow, rates that are infinite, noise past the contraction bound,
-//! states of 10¹⁵⁰. A guarantee is a derived bound; a row reports whether it holds, whether a scheme
-//! fails where theory predicts failure, or that the guarantee is refuted. What each case is and what
-//! exact mathematics says of it stands at its function.
+//! states of 10¹⁵⁰. A guarantee is a derived bound; a row reports whether it holds, whether a
+//! scheme fails where theory predicts failure, or that the guarantee is refuted. What each case is
+//! and what exact mathematics says of it stands at its function.
 //!
 //! *To rounding* means [`verify::rounding`]. Increments are truncated with k = 4 unless said
 //! otherwise. A path that cannot go on ends with a typed error, never with NaN. Long runs and
@@ -250,7 +250,8 @@ fn main() -> ExitCode {
     command::exit_code(run(&Arguments::parse()))
 }
 
-/// Runs the cases that are asked for, and prints a table of each. Fails when a guarantee is refuted.
+/// Runs the cases that are asked for, and prints a table of each. Fails when a guarantee is
+/// refuted.
 fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mut all = Vec::new();
     for (case, experiment) in CASES.iter().zip(streams::HARD_CASES..) {

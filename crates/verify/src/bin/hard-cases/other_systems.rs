@@ -95,8 +95,8 @@ fn quadrature_error(kappa: f64, d: f64) -> f64 {
     (constant * (kappa * d).abs().powi(16)).min(2.0)
 }
 
-/// A Hamiltonian that varies faster than the nodes of the quadrature resolve, γ = 0, 64 steps of τ =
-/// 1/16: |y|² and H are constant. Any discrete gradient keeps |y|², only an exact one H.
+/// A Hamiltonian that varies faster than the nodes of the quadrature resolve, γ = 0, 64 steps of τ
+/// = 1/16: |y|² and H are constant. Any discrete gradient keeps |y|², only an exact one H.
 pub fn sharp_hamiltonian(context: &Context) -> Rows {
     each([1.0, 10.0, 100.0, 1e3, 1e4], |kappa| {
         let system = Rippled { body: RigidBodyEnergy::new(INERTIA, 1.0)?, kappa };
@@ -125,8 +125,8 @@ pub fn sharp_hamiltonian(context: &Context) -> Rows {
 /// in it is at most three times that in ½|y|².
 const LAWS: Law = Law { invariants: &[0, 1], weight: 3.0, ..CASIMIR };
 
-/// Frequencies ω far above 1/τ: the body with noise H₀ and moments of inertia (2, 1, 2/3)/ω, γ = ½cos
-/// 2t, 256 steps of τ = 1/64. |y|² and H₀ decay as e^(−2∫γ) for every ω; the phase is not
+/// Frequencies ω far above 1/τ: the body with noise H₀ and moments of inertia (2, 1, 2/3)/ω, γ =
+/// ½cos 2t, 256 steps of τ = 1/64. |y|² and H₀ decay as e^(−2∫γ) for every ω; the phase is not
 /// guaranteed. From ω = 1000 on ωτ is above 6, and explicit schemes multiply the fast components by
 /// about as much in every step.
 pub fn stiff_hamiltonian(context: &Context) -> Rows {
@@ -185,8 +185,8 @@ impl PoissonSystem<3, 1> for Hyperbolic {
     }
 }
 
-/// One step of `sexp-li` with ΔW = 2(1 − δ): (y₂, y₃) are boosted, and I − ½A has the determinant 1 −
-/// ¼ΔW². |z| grows like 1/δ with y₁² + y₂² − y₃² kept; at δ = 0 there is no solution.
+/// One step of `sexp-li` with ΔW = 2(1 − δ): (y₂, y₃) are boosted, and I − ½A has the determinant 1
+/// − ¼ΔW². |z| grows like 1/δ with y₁² + y₂² − y₃² kept; at δ = 0 there is no solution.
 pub fn near_singular(_: &Context) -> Rows {
     let start = [0.3, 0.8, 0.1];
     let scheme = SexpLi::new(&Hyperbolic, start)?;
@@ -202,8 +202,8 @@ pub fn near_singular(_: &Context) -> Rows {
         let value = |y| PoissonSystem::<3, 1>::invariant(&Hyperbolic, 0, y);
         let size = length(start) + length(solution.z);
         let change: f64 = value(solution.z) - value(start);
-        // The rounding of the determinant scales the change of the state: C changes by a multiple of
-        // its own value. Otherwise products of the adjugate, z and C are rounded: fewer than 64
+        // The rounding of the determinant scales the change of the state: C changes by a multiple
+        // of its own value. Otherwise products of the adjugate, z and C are rounded: fewer than 64
         // halves of ε, each times at most (|y| + |z|)².
         let bound = 32.0 * f64::EPSILON;
         Ok(vec![row.with_figure(change.abs() / (size * size)).at_most(bound)])

@@ -233,8 +233,8 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     }
 
     /// The distance from a law for every scheme. The conformal schemes keep it, those without
-    /// iteration that of its Casimirs; `must_exceed` is the distance that a scheme has to exceed, if
-    /// theory predicts that it fails.
+    /// iteration that of its Casimirs; `must_exceed` is the distance that a scheme has to exceed,
+    /// if theory predicts that it fails.
     pub fn law_rows(
         &self,
         setting: impl Display,

@@ -248,7 +248,8 @@ impl Total {
     }
 
     /// The mean half-width over 1.96 times the root mean square of the errors, one for intervals of
-    /// normal errors without bias; and its relative standard error, half of that of the mean square.
+    /// normal errors without bias; and its relative standard error, half of that of the mean
+    /// square.
     pub fn relative_width(&self) -> (f64, f64) {
         let n = self.stated as f64;
         let [square, fourth] = self.powers.map(|sum| sum / n);
