@@ -68,7 +68,14 @@ impl Sums {
             block = CentralMoments::of_block(&scaled, finite);
         }
         let ends = block.range().map_or([0; 2], |(least, largest)| {
-            [least, largest].map(|end| finite.paths().filter(|&p| scaled[p] == end).count() as u64)
+            // Where others are beyond, they do not count.
+            let (low, high) = self.moments[cell].range().unwrap_or((least, largest));
+            let count = |end: f64| match finite {
+                PathMask::ALL => scaled.iter().map(|&x| u64::from(x == end)).sum(),
+                _ => finite.paths().filter(|&p| scaled[p] == end).count() as u64,
+            };
+            [(least, least <= low), (largest, largest >= high)]
+                .map(|(end, counts)| if counts { count(end) } else { 0 })
         });
         self.merge_cell(cell, &block, ends);
         let Some(grid) = grid else { return };
