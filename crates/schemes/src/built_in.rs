@@ -28,7 +28,7 @@ pub enum BuiltIn {
     EulerMaruyama,
 }
 
-/// What is known of a scheme.
+/// Name, orders and long-time behaviour of a scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Properties {
     /// Its name.
@@ -63,11 +63,11 @@ pub enum StrongOrder {
 /// Whether a step is explicit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Explicitness {
-    /// It solves an equation, or is a composition of flows.
+    /// Nowhere: a step solves an equation, or composes flows.
     No,
-    /// Where B does not depend on y.
+    /// Where B is constant.
     WhereConstant,
-    /// It is, and nothing is kept.
+    /// For every system; nothing is kept.
     Always,
 }
 
@@ -83,7 +83,7 @@ pub enum Energy {
 }
 
 impl BuiltIn {
-    /// All of them. `heun` is the one that others are compared with.
+    /// All of them.
     pub const ALL: [Self; 9] =
         [Sexp, SexpLevy, SexpLi, SexpLiLevy, Split, Nv, Midpoint, Heun, EulerMaruyama];
 

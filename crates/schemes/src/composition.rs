@@ -193,49 +193,14 @@ impl<C: Composition<S, D, M>, S, const D: usize, const M: usize> Kernel
     }
 }
 
-impl<C, S, const D: usize, const M: usize> Scheme<S, D, M> for Composed<C>
-where
-    C: Composition<S, D, M>,
-{
-    fn id(&self) -> &'static str {
-        C::ID
-    }
-
-    fn reads_areas(&self) -> bool {
-        false
-    }
-
-    fn clips_increments(&self) -> bool {
-        false
-    }
-
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        let composition = &self.0;
-        dispatch(ComposedKernel { composition, system, step: *step, noise: *noise, y, status });
-    }
-
-    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        let (increments, y) = (noise.increments.map(|dw| [dw]), y.map(|y| [y]));
-        let mut paths: Paths<'_, S, D, M, 1> = Paths { system, increments, y };
-        self.0.compose(step, &mut paths);
-        let z = paths.y.map(|[y]| y);
-        Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked()
-    }
-}
-
-/// A composition of this crate is a scheme by itself.
+/// The scheme of a composition: [`Composed`], and the compositions of this crate by themselves.
 macro_rules! composed {
-    ($composition:ty) => {
-        impl<S: Flows<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for $composition {
+    ([$($c:ident)?] $scheme:ty, $inner:ty, $this:ident => $composition:expr) => {
+        impl<$($c: Composition<S, D, M>,)? S: Flows<D, M>, const D: usize, const M: usize>
+            Scheme<S, D, M> for $scheme
+        {
             fn id(&self) -> &'static str {
-                <Self as Composition<S, D, M>>::ID
+                <$inner as Composition<S, D, M>>::ID
             }
 
             fn reads_areas(&self) -> bool {
@@ -254,15 +219,23 @@ macro_rules! composed {
                 y: &mut Block<D>,
                 status: &mut BlockStatus,
             ) {
-                Composed(*self).step_block(system, step, noise, y, status);
+                let $this = self;
+                let (composition, step, noise) = ($composition, *step, *noise);
+                dispatch(ComposedKernel { composition, system, step, noise, y, status });
             }
 
             fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-                Composed(*self).step(system, step, noise, y)
+                let $this = self;
+                let (increments, y) = (noise.increments.map(|dw| [dw]), y.map(|y| [y]));
+                let mut paths: Paths<'_, S, D, M, 1> = Paths { system, increments, y };
+                $composition.compose(step, &mut paths);
+                let z = paths.y.map(|[y]| y);
+                Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked()
             }
         }
     };
 }
 
-composed!(Split);
-composed!(Nv);
+composed!([C] Composed<C>, C, this => &this.0);
+composed!([] Split, Split, this => this);
+composed!([] Nv, Nv, this => this);

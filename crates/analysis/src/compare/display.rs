@@ -94,10 +94,7 @@ impl Comparison {
         let same: Vec<&str> = same.map(|(n, _)| &candidates[n].scheme[..]).collect();
         if !same.is_empty() {
             let cheapest = &candidates[cheapest].scheme;
-            words += &format!(
-                "; the errors do not tell the costs of {cheapest} and {} apart",
-                same.join(", ")
-            );
+            words += &format!("; equal in cost within the errors: {cheapest}, {}", same.join(", "));
         }
         // The cheapest of those that keep more cost significantly more.
         let more = (0..candidates.len()).filter(|&n| candidates[n].keeps > *keeps);
