@@ -9,16 +9,13 @@
 //! | [`strong_order`], [`weak_order`] | the order of any scheme, in one measurement or a budget |
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
-//! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
+//! | [`Exact`] | an exact solution on sampled paths |
 //! | `inspect`, [`facts::Facts`] | what a system is, and which statements apply |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
-//! | [`OtherNoise`] | a scheme on other noise than the driver's |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`], [`worse`] | moments of final states; times; digits |
-//! | [`exact`] | exact solutions of systems with one noise |
 //! | [`step_check()`], [`StepCheck`], [`StepError`] | whether the steps of a run are short enough |
 
 pub mod compare;
-pub mod exact;
 #[cfg_attr(not(feature = "inspect"), allow(dead_code, reason = "for `inspect`"))]
 pub mod facts;
 mod final_moments;
@@ -26,20 +23,18 @@ mod final_moments;
 pub mod inspect;
 mod number;
 mod orders;
-mod other_noise;
 mod step_check;
 mod stopwatch;
 
 pub use compare::{Candidates, CompareSettings, Comparison, compare};
-pub use final_moments::{FinalMoments, FinalRows, FinalValues};
+pub use final_moments::{FinalMoments, FinalRows};
 #[cfg(feature = "inspect")]
 pub use inspect::{InspectSettings, inspect};
 pub use number::{number, worse};
 pub use orders::{
-    Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, exact_mean, strong_order,
-    weak_order, wrong_limit,
+    Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, strong_order, weak_order,
+    wrong_limit,
 };
-pub use other_noise::OtherNoise;
 pub use step_check::{
     Halved, STIFF, StepCheck, StepError, StepErrors, TURN, checked_paths, step_check,
 };

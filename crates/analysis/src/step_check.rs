@@ -172,7 +172,7 @@ pub fn step_check(
             }
         }
     };
-    let new = || FinalMoments::of_rows(steps, 3 * observables.len(), &numbers);
+    let new = || FinalMoments::new(steps, 3 * observables.len(), &numbers);
     let Some(measured) = ladder.run_in(job, "steps", paths, new, &|_| ()) else { return Ok(None) };
     let moments = &measured.statistic.moments;
     let of = |(k, phi): (usize, &&dyn Observe)| errors(phi.name(), centers[k], moments, 3 * k);

@@ -14,6 +14,7 @@
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
 //! | [`Compiled`], [`compiled()`], [`PaperSystem`] | schemes on systems, compiled once |
 //! | [`TwoSpins`] | a system in six dimensions |
+//! | [`OtherNoise`] | a scheme on other noise than the driver's |
 //! | [`streams`] | which noise belongs to which experiment |
 //! | [`results`] | the `results.json` contract: measurements as data, verdicts in words |
 //! | [`page`] | the report of a run |
@@ -29,9 +30,11 @@
 pub mod command;
 pub mod conformal_law;
 mod evidence;
+mod exact;
 mod experiment;
 pub mod kernels;
 mod method;
+mod other_noise;
 pub mod page;
 mod panels;
 mod reproduce;
@@ -53,6 +56,7 @@ pub use experiment::{
 use experiment::{Words, in_words};
 pub use kernels::{Compiled, PaperSystem, compiled};
 pub use method::Method;
+pub use other_noise::OtherNoise;
 pub use panels::{EXPERIMENTS, weak_observables};
 pub use reproduce::{ids, reproduce};
 pub use settings::{Mode, Settings};

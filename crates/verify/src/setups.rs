@@ -1,8 +1,6 @@
 //! The problems on which schemes are compared, and the schemes for each.
 
 use anyhow::Result;
-use mc::Observable;
-use real::elementary::{cos, sin};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi};
 use systems::{
     Damping, PoissonSystem, Problem,
@@ -14,10 +12,7 @@ use systems::{
 
 use crate::{PaperSystem, TwoSpins, compiled};
 
-/// A test function with its name.
-pub(crate) type TestFunction<const D: usize> = (&'static str, fn([f64; D]) -> f64);
-
-/// A problem with its name, its schemes, and what is measured on it.
+/// A problem with its name and its schemes.
 pub struct Setup<S, G, const D: usize, const M: usize> {
     /// Identifier, for example `rigid-body-3`.
     pub id: &'static str,
@@ -26,8 +21,6 @@ pub struct Setup<S, G, const D: usize, const M: usize> {
     /// `sexp`, those with Lévy areas where noises do not commute, `sexp-li`, `split` and `nv` where
     /// flows are known, `midpoint`, `heun` and `em`.
     pub schemes: Schemes<S, D, M>,
-    /// Test functions of the final state.
-    pub observables: Vec<Observable<D>>,
 }
 
 type Schemes<S, const D: usize, const M: usize> = Vec<Box<dyn Scheme<S, D, M>>>;
@@ -48,18 +41,13 @@ pub trait Visit {
 fn setup<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
     id: &'static str,
     problem: Problem<S, G, D>,
-    functions: [TestFunction<D>; 2],
 ) -> Setup<S, G, D, M> {
     let linearly_implicit = valid(SexpLi::new(problem.system(), problem.y0()));
     let mut schemes: Schemes<S, D, M> = vec![compiled(Sexp), compiled(linearly_implicit)];
     schemes.extend(S::by_parts().into_iter().flatten());
     schemes.extend([compiled(Midpoint), Box::new(Heun), compiled(EulerMaruyama)]);
-    let observables = functions.map(|(name, function)| Observable { name, function }).into();
-    Setup { id, problem, schemes, observables }
+    Setup { id, problem, schemes }
 }
-
-/// Test functions of a body.
-const BODY: [TestFunction<3>; 2] = [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))];
 
 /// Identifiers of [`visit_paper`], in its order.
 pub const PAPER: [&str; 6] =
@@ -71,21 +59,17 @@ pub const PAPER: [&str; 6] =
 /// # Errors
 /// The first of the visitor's.
 pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
-    let functions: [TestFunction<2>; 2] = [("y1^2", |y| y[0] * y[0]), ("cos y2", |y| cos(y[1]))];
-    visitor.visit(setup("pendulum", pendulum(), functions))?;
-    visitor.visit(setup("rigid-body-1", rigid_body_one_noise(), BODY))?;
-    let mut body = setup("rigid-body-3", rigid_body_three_noises(1.0), BODY);
+    visitor.visit(setup("pendulum", pendulum()))?;
+    visitor.visit(setup("rigid-body-1", rigid_body_one_noise()))?;
+    let mut body = setup("rigid-body-3", rigid_body_three_noises(1.0));
     let (system, y0) = (body.problem.system(), body.problem.y0());
     let areas =
         [compiled(SexpLevy::new(system, y0)), compiled(valid(SexpLi::with_areas(system, y0)))];
     body.schemes.splice(1..1, areas);
     visitor.visit(body)?;
-    let functions: [TestFunction<3>; 2] = [("y2", |y| y[1]), ("cos y3", |y| cos(y[2]))];
-    visitor.visit(setup("lotka-volterra", lotka_volterra_1_1(), functions))?;
-    let functions: [TestFunction<3>; 2] = [("y1", |y| y[0]), ("y2^2", |y| y[1] * y[1])];
-    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0), functions))?;
-    let functions: [TestFunction<3>; 2] = [("y1", |y| y[0]), ("sin y2", |y| sin(y[1]))];
-    visitor.visit(setup("poisson3", poisson3_strong(), functions))
+    visitor.visit(setup("lotka-volterra", lotka_volterra_1_1()))?;
+    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0)))?;
+    visitor.visit(setup("poisson3", poisson3_strong()))
 }
 
 /// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.

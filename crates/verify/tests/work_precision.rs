@@ -24,7 +24,6 @@ fn every_scheme_is_compared_on_the_problems_that_are_asked_for() {
             assert!(problem.lines().any(row), "{scheme} in\n{problem}");
         }
     }
-    assert!(pendulum.contains("y1^2") && body.contains("cos y3"), "{text}");
 }
 
 #[test]

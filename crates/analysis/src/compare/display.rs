@@ -1,25 +1,24 @@
-//! A comparison in words: a table and sentences for each question.
+//! A comparison in words: a table and sentences.
 
 use std::fmt;
 
-use super::{Answer, Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Stopped};
+use super::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Stopped};
 use crate::number;
 
 /// The head of the table.
 const HEAD: [&str; 6] = ["scheme", "steps", "error, 95 %", "ns a step", "cost", "Casimirs"];
 
 impl Comparison {
-    /// The answers, that for the strong error first.
-    pub fn answers(&self) -> impl Iterator<Item = &Answer> {
-        [&self.for_error].into_iter().chain(&self.for_expectations)
+    /// `an error of 1.0e-3 in y(T)`.
+    fn goal(&self) -> String {
+        format!("an error of {} in y(T)", number(self.wanted))
     }
 
-    /// Sentences for a question: the scheme to take, what it keeps and what it costs, or why there
-    /// is none.
-    fn sentences(&self, answer: &Answer) -> String {
-        match answer.choice {
-            Choice::Take { scheme, cheapest } => self.taken(answer, scheme, cheapest),
-            Choice::NoneReaches => self.out_of_reach(answer),
+    /// Sentences: the scheme to take, what it keeps and what it costs, or why there is none.
+    fn sentences(&self) -> String {
+        match self.choice {
+            Choice::Take { scheme, cheapest } => self.taken(scheme, cheapest),
+            Choice::NoneReaches => self.out_of_reach(),
             Choice::WrongReference(defect) => format!(
                 "No scheme is recommended: the reference, {}, converges to something else; its \
                  steps miss the coefficients of the equation by {}.",
@@ -30,23 +29,21 @@ impl Comparison {
     }
 
     /// Why no scheme reaches the error, and what is left to do.
-    fn out_of_reach(&self, answer: &Answer) -> String {
-        let Self { sampled, t_end, stopped, .. } = self;
+    fn out_of_reach(&self) -> String {
+        let Self { sampled, t_end, stopped, candidates, .. } = self;
         let budget = stopped.map_or(String::new(), |s| format!(" within {} s", number(s.budget_s)));
-        let none = format!("No scheme reaches {}{budget}", answer.goal());
+        let none = format!("No scheme reaches {}{budget}", self.goal());
         // The scheme that keeps most, and the fewest steps of several.
-        let needs = answer.candidates.iter().filter_map(|n| match n.outcome {
-            Outcome::NotReached { needs, .. } => Some((n, needs?)),
+        let tried = candidates.iter().filter_map(|one| match one.outcome {
+            Outcome::NotReached { needs, .. } => Some((one, needs)),
             _ => None,
         });
+        let needs = tried.clone().filter_map(|(one, needs)| Some((one, needs?)));
         let most = needs.max_by(|(a, x), (b, y)| a.keeps.cmp(&b.keeps).then(y.total_cmp(x)));
-        let measured = answer.candidates.iter().filter_map(|n| match n.outcome {
-            Outcome::NotReached { .. } => Some((n, n.point()?)),
-            _ => None,
-        });
+        let measured = tried.filter_map(|(one, _)| Some((one, one.point()?)));
         let measured = measured.filter(|(_, point)| point.error.is_finite());
-        let least = measured.min_by(|a, b| a.1.error.abs().total_cmp(&b.1.error.abs()));
-        if answer.mean.is_none() && sampled.parts() && answer.wanted < sampled.last_difference {
+        let least = measured.min_by(|a, b| a.1.error.total_cmp(&b.1.error));
+        if sampled.parts() && self.wanted < sampled.last_difference {
             format!(
                 "{none}: paths part. {} ends {} from itself with half as many steps; two \
                  independent paths end {} apart. How many steps would do cannot be told.\nSingle \
@@ -62,7 +59,7 @@ impl Comparison {
                 number(needs)
             )
         } else if let Some((Candidate { scheme, .. }, point)) = least {
-            let (error, steps) = (number(point.error.abs()), point.steps);
+            let (error, steps) = (number(point.error), point.steps);
             format!("{none}. The least is {error} by {scheme} in {steps} steps.")
         } else {
             format!("{none}: nothing was measured; take a longer budget or a shorter final time.")
@@ -70,45 +67,45 @@ impl Comparison {
     }
 
     /// Why this scheme is taken, and what the others cost.
-    fn taken(&self, answer: &Answer, scheme: usize, cheapest: usize) -> String {
-        let candidates = &answer.candidates;
-        let Candidate { scheme: name, keeps, .. } = &candidates[scheme];
-        let mut words = format!("Take {name} for {}: it ", answer.goal());
-        let kept = self.lacks(keeps, &Keeps::default());
-        let ratio = |n, of| answer.ratio(n, of).map_or(String::new(), interval);
+    fn taken(&self, scheme: usize, cheapest: usize) -> String {
+        let candidates = &self.candidates;
+        let (taken, least) = (&candidates[scheme], &candidates[cheapest]);
+        let mut words = format!("Take {} for {}: it ", taken.scheme, self.goal());
+        let kept = self.lacks(&taken.keeps, &Keeps::default());
+        let ratio = |one: &Candidate, other| one.ratio(other).map_or(String::new(), interval);
         words += &if scheme != cheapest {
-            let Candidate { scheme: other, keeps: less, .. } = &candidates[cheapest];
             format!(
-                "keeps {kept}, and costs {} times {other}, the cheapest, which loses {}",
-                ratio(scheme, cheapest),
-                self.lacks(keeps, less)
+                "keeps {kept}, and costs {} times {}, the cheapest, which loses {}",
+                ratio(taken, least),
+                least.scheme,
+                self.lacks(&taken.keeps, &least.keeps)
             )
         } else if kept.is_empty() {
             "is the cheapest, and keeps nothing over long times".to_owned()
         } else {
             format!("is the cheapest, and keeps {kept}")
         };
-        let others = (0..candidates.len()).filter(|&n| n != scheme && n != cheapest);
-        let ratios = others.filter_map(|n| Some((n, answer.ratio(n, cheapest)?)));
-        let same = ratios.filter(|(_, (_, lo, _))| *lo <= 1.0);
-        let same: Vec<&str> = same.map(|(n, _)| &candidates[n].scheme[..]).collect();
+        let others = candidates.iter().enumerate().filter(|(n, one)| {
+            let lo = one.ratio(least).map(|(_, lo, _)| lo);
+            *n != scheme && *n != cheapest && lo.is_some_and(|lo| lo <= 1.0)
+        });
+        let same: Vec<&str> = others.map(|(_, one)| &one.scheme[..]).collect();
         if !same.is_empty() {
-            let cheapest = &candidates[cheapest].scheme;
-            words += &format!("; equal in cost within the errors: {cheapest}, {}", same.join(", "));
+            let same = same.join(", ");
+            words += &format!("; equal in cost within the errors: {}, {same}", least.scheme);
         }
         // The cheapest of those that keep more cost significantly more.
-        let more = (0..candidates.len()).filter(|&n| candidates[n].keeps > *keeps);
-        let more = more.filter_map(|n| Some((n, answer.ratio(n, scheme)?.0)));
-        if let Some((n, _)) = more.min_by(|a, b| a.1.total_cmp(&b.1)) {
-            let Candidate { scheme: other, keeps: more, .. } = &candidates[n];
+        let more = candidates.iter().filter(|one| one.keeps > taken.keeps);
+        let more = more.filter_map(|one| Some((one, one.ratio(taken)?.0)));
+        if let Some((more, _)) = more.min_by(|a, b| a.1.total_cmp(&b.1)) {
             words += &format!(
-                ".\nGiven up: {}. {other} keeps that and costs {} times as much; take it for long \
-                 times",
-                self.lacks(more, keeps),
-                ratio(n, scheme)
+                ".\nGiven up: {}. {} keeps that and costs {} times as much; take it for long times",
+                self.lacks(&more.keeps, &taken.keeps),
+                more.scheme,
+                ratio(more, taken)
             );
         }
-        let cost = candidates[scheme].cost_s().unwrap_or(f64::INFINITY);
+        let cost = taken.cost_s().unwrap_or(f64::INFINITY);
         for Candidate { scheme, outcome, points, .. } in candidates {
             if let (Outcome::NotReached { at_least_s, .. }, Some(last)) = (outcome, points.last())
                 && *at_least_s < cost
@@ -134,36 +131,26 @@ impl Comparison {
     }
 }
 
-impl Answer {
-    /// `an error of 1.0e-3 in y(T)`.
-    fn goal(&self) -> String {
-        format!("an error of {} in {}", number(self.wanted), self.quantity)
-    }
-
-    /// The cells of a row.
-    fn row(&self, n: usize) -> [String; 6] {
-        let candidate = &self.candidates[n];
+impl Candidate {
+    /// The cells of a row; costs are multiples of that of the cheapest.
+    fn row(&self, cheapest: Option<&Self>) -> [String; 6] {
         let dash = || "–".to_owned();
-        let (point, extrapolated) = (candidate.point(), |x: f64| format!("≈ {}", number(x)));
-        let cheapest = match self.choice {
-            Choice::Take { cheapest, .. } => Some(cheapest),
-            _ => None,
-        };
+        let (point, extrapolated) = (self.point(), |x: f64| format!("≈ {}", number(x)));
         let seconds = |point: &ErrorPoint| Some(point.time?.best / point.steps as f64);
         let step_s = point.and_then(seconds);
         let mut error = match point {
             Some(point) if point.error.is_nan() => "not measured: all paths failed".into(),
             Some(ErrorPoint { steps, error, lo, hi, .. }) => {
                 let ends = [*lo, *hi].map(number).join(", ");
-                format!("{} [{ends}] in {steps}", number(error.abs()))
+                format!("{} [{ends}] in {steps}", number(*error))
             }
             None => String::new(),
         };
         let (mut steps, mut cost) = (None, None);
-        match &candidate.outcome {
+        match &self.outcome {
             Outcome::Reached { steps: needed, .. } => {
                 steps = Some(format!("{:.0}", needed.ceil()));
-                cost = cheapest.and_then(|cheapest| self.ratio(n, cheapest)).map(interval);
+                cost = cheapest.and_then(|cheapest| self.ratio(cheapest)).map(interval);
             }
             Outcome::NotReached { needs, .. } => {
                 let finite = point.filter(|point| point.error.is_finite());
@@ -172,7 +159,7 @@ impl Answer {
                 }
                 let beyond = |point: &ErrorPoint| format!("> {}", point.steps);
                 steps = needs.map(extrapolated).or(finite.map(beyond));
-                let least = cheapest.and_then(|cheapest| self.candidates[cheapest].cost_s());
+                let least = cheapest.and_then(Self::cost_s);
                 let needed = needs.zip(step_s).zip(least);
                 cost = needed.map(|((needs, step_s), least)| extrapolated(needs * step_s / least));
             }
@@ -183,13 +170,13 @@ impl Answer {
             Outcome::Fails(failure) => error = format!("fails: {failure}"),
         }
         let casimirs = match point.and_then(|point| point.defect) {
-            Some(defect) if candidate.keeps.casimirs => format!("kept, {}", number(defect)),
+            Some(defect) if self.keeps.casimirs => format!("kept, {}", number(defect)),
             Some(defect) => format!("off by {}", number(defect)),
             None => String::new(),
         };
         let nanoseconds = step_s.map(|step_s| number(1e9 * step_s));
         let [steps, ns, cost] = [steps, nanoseconds, cost].map(|cell| cell.unwrap_or_else(dash));
-        [candidate.scheme.clone(), steps, error, ns, cost, casimirs]
+        [self.scheme.clone(), steps, error, ns, cost, casimirs]
     }
 }
 
@@ -206,7 +193,7 @@ impl fmt::Display for Comparison {
         if failed > 0 && failed >= paths {
             writeln!(f, "all {failed} paths failed, so that no error was measured")?;
         } else if paths > 0 {
-            let error = match self.for_error.reference_error {
+            let error = match self.reference_error {
                 error if error.is_finite() => format!("is at most {}", number(error)),
                 _ => "does not fall yet".into(),
             };
@@ -227,24 +214,25 @@ impl fmt::Display for Comparison {
                 "schemes had up to {steps} steps; more would exceed the budget of {budget} s"
             )?;
         }
-        for answer in self.answers() {
-            writeln!(f, "\n{}", answer.goal())?;
-            let rows = (0..answer.candidates.len()).map(|n| answer.row(n));
-            let rows: Vec<_> = [HEAD.map(str::to_owned)].into_iter().chain(rows).collect();
-            let width = |c: usize| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0);
-            let widths: [usize; 6] = std::array::from_fn(width);
-            for row in &rows {
-                let cells = row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}"));
-                writeln!(f, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end())?;
-            }
-            if rows.iter().any(|row| row[1].starts_with('≈')) {
-                writeln!(f, "  ≈ extrapolated from the measured errors")?;
-            }
-            if rows.iter().any(|row| row[2].starts_with("about")) {
-                writeln!(f, "  about: the distance from a reference that is not exact enough")?;
-            }
+        writeln!(f, "\n{}", self.goal())?;
+        let cheapest = match self.choice {
+            Choice::Take { cheapest, .. } => Some(&self.candidates[cheapest]),
+            _ => None,
+        };
+        let rows = self.candidates.iter().map(|one| one.row(cheapest));
+        let rows: Vec<_> = [HEAD.map(str::to_owned)].into_iter().chain(rows).collect();
+        let width = |c: usize| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0);
+        let widths: [usize; 6] = std::array::from_fn(width);
+        for row in &rows {
+            let cells = row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}"));
+            writeln!(f, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end())?;
         }
-        let sentences: Vec<String> = self.answers().map(|answer| self.sentences(answer)).collect();
-        write!(f, "\n{}", sentences.join("\n"))
+        if rows.iter().any(|row| row[1].starts_with('≈')) {
+            writeln!(f, "  ≈ extrapolated from the measured errors")?;
+        }
+        if rows.iter().any(|row| row[2].starts_with("about")) {
+            writeln!(f, "  about: the distance from a reference that is not exact enough")?;
+        }
+        write!(f, "\n{}", self.sentences())
     }
 }

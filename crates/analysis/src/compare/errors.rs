@@ -2,7 +2,7 @@
 
 use std::{ops::Range, sync::Arc};
 
-use mc::{Ladder, LadderError, Observe, Run, View, parts::Stop};
+use mc::{Ladder, LadderError, Run, View, parts::Stop};
 use real::Row;
 use schemes::Method;
 use serde::{Deserialize, Serialize};
@@ -13,29 +13,23 @@ use super::{
     own_areas::as_drawn,
     search::Search,
 };
-use crate::{
-    FinalMoments, Spread,
-    orders::{difference, evaluate, squared_distance},
-};
+use crate::{FinalMoments, Spread, orders::squared_distance};
 
 /// The error of one scheme at one step size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorPoint {
     /// Steps of a path.
     pub steps: u64,
-    /// (E|y_N − y_ref|²)^½, or the bias E φ(y_N) − E φ(y_ref).
+    /// (E|y_N − y_ref|²)^½.
     pub error: f64,
     /// Its standard error.
     pub se: f64,
-    /// Lower end of the 95 % interval of the size of the error, less the error of the reference.
+    /// Lower end of its 95 % interval, less the error of the reference.
     pub lo: f64,
     /// Upper end, with the error of the reference added.
     pub hi: f64,
-    /// Whether the error of the reference is at most a quarter of a strong error. Other points are
-    /// not used. Of a bias: yes.
+    /// Whether the error of the reference is at most a quarter of it. Other points are not used.
     pub resolved: bool,
-    /// Standard deviation of φ(y_N), of a bias.
-    pub deviation: Option<f64>,
     /// (E max_C|C(y_N)/(e^{−p∫γ}C(y₀)) − 1|²)^½ over the Casimirs C; none if no Casimir is known.
     pub defect: Option<f64>,
     /// Seconds of processor time of a path, where they were measured.
@@ -70,13 +64,11 @@ impl Sampled {
     }
 }
 
-/// The errors of all schemes in one quantity.
+/// The errors of all schemes.
 #[derive(Clone, Debug)]
 pub struct Errors {
     /// A bound of the error of the reference, with 95 %. It is in every interval.
     pub of_reference: f64,
-    /// E φ of the reference and its standard error.
-    pub mean: Option<[f64; 2]>,
     /// The points of each scheme, coarsest first.
     pub points: Vec<Vec<ErrorPoint>>,
 }
@@ -96,19 +88,15 @@ pub struct Plan {
 
 /// Step sizes of the reference: with the next two, its own error is estimated.
 const REFERENCES: usize = 3;
-/// The part of a strong error that the error of the reference may be.
+/// The part of an error that the error of the reference may be.
 const RESOLVED: f64 = 0.25;
 /// Two-sided 95 % quantile of the normal distribution.
 const QUANTILE: f64 = 1.96;
 
 impl<'a> Search<'a> {
-    /// Errors in y(T), then in each expectation.
-    ///
-    /// Strong errors are distances to the reference on the same noise, whose own error is estimated
-    /// from its differences. A bias is the mean difference to the reference extrapolated in the
-    /// step size, 2φ(y_τ) − φ(y_{2τ}); its difference to the extrapolation at twice the step bounds
-    /// its bias. A scheme that reads Lévy areas gets them with the error of its own step.
-    pub fn measure(&self, plan: &Plan, stop: &Stop) -> Result<(Sampled, Vec<Errors>), LadderError> {
+    /// Distances to the reference on the same noise, whose own error is estimated from its
+    /// differences. A scheme that reads Lévy areas gets them with the error of its own step.
+    pub fn measure(&self, plan: &Plan, stop: &Stop) -> Result<(Sampled, Errors), LadderError> {
         let Self { problem, candidates, settings, base, .. } = *self;
         let finest = plan.sizes.iter().map(|sizes| sizes.end.saturating_sub(1));
         let finest = finest.fold(plan.reference, u32::max);
@@ -121,73 +109,37 @@ impl<'a> Search<'a> {
         for (scheme, sizes) in candidates.schemes.iter().zip(&plan.sizes) {
             runs.extend(sizes.clone().map(|size| run(&as_drawn(scheme), size)));
         }
-        let points = runs.len() - REFERENCES;
+        let length = 2 * runs.len() - REFERENCES;
         let top = runs.iter().map(|run| run.level).max().unwrap_or(0);
         let casimirs = defects(problem, &candidates.casimirs);
-        let observables = settings.expectations.map_or(&[][..], |wanted| wanted.observables);
-        let (strong, weak) = (REFERENCES + 2 * points, 2 + 2 * points);
-        let values = |view: &View<'_>, values: &mut [Row]| {
-            let (squares, means) = values.split_at_mut(strong);
-            strong_values(view, &casimirs, squares);
-            for (phi, means) in observables.iter().zip(means.chunks_exact_mut(weak)) {
-                weak_values(view, *phi, means);
-            }
-        };
+        let values = |view: &View<'_>, values: &mut [Row]| squares(view, &casimirs, values);
         let key = self.key(0);
         let ladder = Ladder::new(problem, base << finest, top, settings.truncation, key, runs)?;
-        let length = strong + weak * observables.len();
-        let new = || FinalMoments::of_rows(ladder.coarse_steps(), length, &values);
+        let new = || FinalMoments::new(ladder.coarse_steps(), length, &values);
         let measured = ladder.run_until(stop, 0, plan.samples, new, &|_| ());
         let moments = measured.statistic.moments;
 
         let rms = |index: usize| moments.mean(index).sqrt();
-        let defect = |n: usize| (!casimirs.is_empty()).then(|| rms(REFERENCES + 2 * n + 1));
-        let all = |of_reference, mean, point: &dyn Fn(usize) -> ErrorPoint| {
-            let mut number = 0..points;
-            let of_size = |(size, n)| ErrorPoint { steps: base << size, ..point(n) };
-            let of_scheme = |sizes: &Range<u32>| {
-                sizes.clone().zip(&mut number).map(of_size).collect::<Vec<_>>()
-            };
-            Errors { of_reference, mean, points: plan.sizes.iter().map(of_scheme).collect() }
-        };
-        let of_reference = left(rms(1), root_mean_square(&moments, 0));
-        let mut errors = vec![all(of_reference, None, &|n| {
-            let [lo, error, hi] = root_mean_square(&moments, REFERENCES + 2 * n);
-            let variance = moments.covariance_of_means(REFERENCES + 2 * n, REFERENCES + 2 * n);
+        let (_, last) = root_mean_square(&moments, 0);
+        let of_reference = left(rms(1), last);
+        let mut squares = (REFERENCES..length).step_by(2);
+        let mut of_size = |(size, square): (u32, usize)| {
+            let (se, [lo, error, hi]) = root_mean_square(&moments, square);
             ErrorPoint {
-                steps: 0,
+                steps: base << size,
                 error,
-                se: if error > 0.0 { variance.max(0.0).sqrt() / (2.0 * error) } else { 0.0 },
+                se,
                 lo: (lo - of_reference).max(0.0),
                 hi: hi + of_reference,
                 resolved: of_reference <= RESOLVED * error,
-                deviation: None,
-                defect: defect(n),
+                defect: (!casimirs.is_empty()).then(|| rms(square + 1)),
                 time: None,
             }
-        })];
-        let se = |index: usize| moments.covariance_of_means(index, index).max(0.0).sqrt();
-        for first in (0..observables.len()).map(|phi| strong + weak * phi) {
-            let bound = |index: usize| moments.mean(index).abs() + QUANTILE * se(index);
-            let of_reference = bound(first + 1);
-            let mean = Some([moments.mean(first), se(first)]);
-            errors.push(all(of_reference, mean, &|n| {
-                let value = first + 2 + 2 * n;
-                let (error, se_of_error) = (moments.mean(value + 1), se(value + 1));
-                let half_width = QUANTILE * se_of_error + of_reference;
-                ErrorPoint {
-                    steps: 0,
-                    error,
-                    se: se_of_error,
-                    lo: (error.abs() - half_width).max(0.0),
-                    hi: error.abs() + half_width,
-                    resolved: true,
-                    deviation: Some(se(value) * (moments.count() as f64).sqrt()),
-                    defect: defect(n),
-                    time: None,
-                }
-            }));
-        }
+        };
+        let of_scheme = |sizes: &Range<u32>| {
+            sizes.clone().zip(&mut squares).map(&mut of_size).collect::<Vec<_>>()
+        };
+        let points = plan.sizes.iter().map(of_scheme).collect();
         let sampled = Sampled {
             samples: plan.samples,
             failed: measured.failed,
@@ -197,13 +149,13 @@ impl<'a> Search<'a> {
             last_difference: rms(0),
             spread: rms(2),
         };
-        Ok((sampled, errors))
+        Ok((sampled, Errors { of_reference, points }))
     }
 }
 
 /// The squared differences of the reference from itself with half and a quarter of the steps, and
 /// of neighbouring paths; of every point the squared error, and the largest squared defect.
-fn strong_values(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
+fn squares(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
     let distance = |a: usize, b: usize| squared_distance(view.state(a), view.state(b), view.live);
     (values[0], values[1]) = (distance(0, 1), distance(1, 2));
     let (mut other, reference) = (view.live.paths().last().unwrap_or(0), view.state(0));
@@ -221,29 +173,16 @@ fn strong_values(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
     }
 }
 
-/// φ of the reference, extrapolated, and its difference to that at twice the step; of every point φ
-/// and its difference to the reference.
-fn weak_values(view: &View<'_>, phi: &dyn Observe, values: &mut [Row]) {
-    let phi = |run: usize| evaluate(phi, view.state(run), view.live);
-    // An error Cτ + O(τ²) of the expectation is C·2τ + O(τ²) at twice the step.
-    let extrapolated = |run: usize| difference(&phi(run).map(|phi| 2.0 * phi), &phi(run + 1));
-    let reference = extrapolated(0);
-    (values[0], values[1]) = (reference, difference(&reference, &extrapolated(1)));
-    for (run, pair) in (REFERENCES..).zip(values[2..].chunks_exact_mut(2)) {
-        pair[0] = phi(run);
-        pair[1] = difference(&pair[0], &reference);
-    }
-}
-
-/// The root of a mean square between the ends of its interval: a bootstrap-t interval of 95 %, or a
-/// normal one with fewer than 32 paths.
-fn root_mean_square(squares: &CrossMoments, index: usize) -> [f64; 3] {
+/// The root of a mean square: its standard error, and the value between the ends of its interval, a
+/// bootstrap-t interval of 95 %, or a normal one with fewer than 32 paths.
+fn root_mean_square(squares: &CrossMoments, index: usize) -> (f64, [f64; 3]) {
     let value = squares.mean(index).sqrt();
-    let variance = squares.covariance_of_means(index, index).max(0.0);
-    let reach = if value > 0.0 { QUANTILE * variance.sqrt() / (2.0 * value) } else { 0.0 };
+    let deviation = squares.covariance_of_means(index, index).max(0.0).sqrt();
+    let [se, reach] =
+        [1.0, QUANTILE].map(|k| if value > 0.0 { k * deviation / (2.0 * value) } else { 0.0 });
     let normal = ((value - reach).max(0.0), value + reach);
     let (lo, hi) = root_mean_square_interval(squares, index).unwrap_or(normal);
-    [lo, value, hi]
+    (se, [lo, value, hi])
 }
 
 /// A bound of the error at the finest of three step sizes from the root-mean-square differences of

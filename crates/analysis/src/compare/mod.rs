@@ -39,8 +39,7 @@
 //! **Step sizes.** A pilot of 64 paths shows from which step size on no path of a scheme fails. Then
 //! all schemes run at T/2ᵏ on 256 paths, with finer and finer steps, until every scheme has an
 //! error below the wanted one, or has 64 times the steps of the scheme that needs fewest, or the
-//! budget is spent. Expectations that are wanted, too, come from the same paths, 4096 and more.
-//! Errors are the same bits for the same seed, unless the budget stops them; the result says
+//! budget is spent. Errors are the same bits for the same seed, unless the budget stops them; the result says
 //! whether it did ([`Comparison::stopped`]). An error that was not reached is not priced; the steps
 //! that it needs are extrapolated and marked. Where paths at τ and τ/2 part ([`Sampled::parts`]),
 //! no strong error is predicted.
@@ -52,10 +51,9 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`compare`], [`Candidates`], [`CompareSettings`], [`Expectations`] | the call |
-//! | [`Comparison`], [`Answer`], [`Sampled`], [`Choice`] | what it says |
+//! | [`compare`], [`Candidates`], [`CompareSettings`] | the call |
+//! | [`Comparison`], [`Sampled`], [`Choice`] | what it says |
 //! | [`Candidate`], [`Outcome`], [`Keeps`], [`ErrorPoint`] | of each scheme |
-//! | [`path_times`] | processor times |
 
 mod candidates;
 mod display;
@@ -73,13 +71,12 @@ use serde::{Deserialize, Serialize};
 
 pub use candidates::Candidates;
 pub use errors::{ErrorPoint, Sampled};
-pub use settings::{CompareError, CompareSettings, EXPERIMENTS, Expectations};
-pub use time::path_times;
+pub use settings::{CompareError, CompareSettings};
 pub use verdict::{Candidate, Choice, Keeps, Outcome};
 
 /// Errors and costs of several schemes, and which to take.
 ///
-/// [`Display`](std::fmt::Display) prints a table and a sentence for each question.
+/// [`Display`](std::fmt::Display) prints a table and a sentence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// The name of the system.
@@ -92,35 +89,22 @@ pub struct Comparison {
     pub t_end: f64,
     /// Whether there is damping.
     pub damped: bool,
+    /// The wanted error of y(T), path by path.
+    pub wanted: f64,
     /// The paths behind all errors, and the reference.
     pub sampled: Sampled,
-    /// Which scheme for the wanted strong error.
-    pub for_error: Answer,
-    /// Which scheme for each expectation.
-    pub for_expectations: Vec<Answer>,
+    /// A bound of the error of the reference, with 95 %. It is in every interval.
+    pub reference_error: f64,
+    /// The schemes in the order of the candidates.
+    pub candidates: Vec<Candidate>,
+    /// Which to take.
+    pub choice: Choice,
     /// What the budget cut short.
     pub stopped: Option<Stopped>,
     /// What the times are, in words.
     pub clock: String,
     /// Seconds of wall time that the comparison took.
     pub wall_s: f64,
-}
-
-/// How the schemes fare at one wanted error.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Answer {
-    /// What the error is of: `y(T)`, path by path, or `E[φ]`.
-    pub quantity: String,
-    /// The wanted error.
-    pub wanted: f64,
-    /// A bound of the error of the reference, with 95 %. It is in every interval.
-    pub reference_error: f64,
-    /// Of an expectation: that of the reference, and its standard error.
-    pub mean: Option<[f64; 2]>,
-    /// The schemes in the order of the candidates.
-    pub candidates: Vec<Candidate>,
-    /// Which to take.
-    pub choice: Choice,
 }
 
 /// What the budget cut short.
@@ -133,25 +117,12 @@ pub struct Stopped {
 }
 
 impl Comparison {
-    /// The scheme for the wanted strong error, if one reaches it.
-    pub fn recommended(&self) -> Option<&str> {
-        self.for_error.recommended()
-    }
-}
-
-impl Answer {
     /// The scheme to take, if one reaches the error.
     pub fn recommended(&self) -> Option<&str> {
         match self.choice {
             Choice::Take { scheme, .. } => Some(&self.candidates[scheme].scheme),
             _ => None,
         }
-    }
-
-    /// How many times the cost of candidate `other` that of candidate `one` is, with its interval;
-    /// no upper end where there is none. `None` unless both reach the error.
-    pub fn ratio(&self, one: usize, other: usize) -> Option<(f64, f64, Option<f64>)> {
-        verdict::ratio(&self.candidates, one, other)
     }
 }
 
@@ -166,7 +137,7 @@ impl Answer {
 pub fn compare(
     problem: &Problem<'_>,
     candidates: &Candidates<'_>,
-    settings: &CompareSettings<'_>,
+    settings: &CompareSettings,
 ) -> Result<Comparison, CompareError> {
     search::Search::new(problem, candidates, settings)?.run()
 }

@@ -1,7 +1,11 @@
 //! What is known of a scheme before errors are measured.
 
-use std::sync::{Arc, mpsc};
-use std::{thread, time::Duration};
+use std::{
+    ops::Range,
+    sync::{Arc, mpsc},
+    thread,
+    time::Duration,
+};
 
 use mc::{Ladder, LadderError, Run, View, parts::Stop};
 use schemes::Method;
@@ -43,7 +47,7 @@ impl Known {
             let runs = vec![Run::new(as_drawn(scheme), 0)];
             let ladder = Ladder::new(problem, steps, 0, truncation, search.key(1), runs)?;
             let nothing = |_: &View<'_>, _: &mut [_]| ();
-            let new = || FinalMoments::of_rows(ladder.coarse_steps(), 0, &nothing);
+            let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
             let watch = Stopwatch::start();
             let failures = ladder.run_until(stop, 0, PATHS, new, &|_| ()).failures;
             seconds = watch.wall_s() / (PATHS * steps) as f64;
@@ -51,9 +55,8 @@ impl Known {
                 excluded = Outcome::Fails(failure.to_string());
             } else if !stop.is_asked() {
                 let sizes = StepSizes::new(steps, truncation, search.key(1));
-                let subject = Subject { problem, scheme };
                 let sizes = StepSizes { levels: 1, ..sizes };
-                let excluded = match single_steps(subject, &sizes, stop)? {
+                let excluded = match single_steps(Subject { problem, scheme }, &sizes, stop)? {
                     Consistency::Inconsistent(defect) => Some(Outcome::Inconsistent(defect)),
                     _ => None,
                 };
@@ -69,6 +72,11 @@ impl Known {
     /// Whether it has errors.
     pub fn runs(&self) -> bool {
         matches!(self.excluded, None | Some(Outcome::Inconsistent(_)))
+    }
+
+    /// The coarsest step size and so many halvings, if it has errors.
+    pub fn sizes(&self, halvings: u32) -> Range<u32> {
+        if self.runs() { self.first..self.first + halvings + 1 } else { 0..0 }
     }
 }
 

@@ -1,39 +1,27 @@
 //! What is asked of a comparison.
 
-use mc::{LadderError, Observe};
+use mc::LadderError;
 use noise::{StreamKey, Truncation};
 
 /// What is wanted of a comparison, and what it may cost.
-#[derive(Clone, Copy)]
-pub struct CompareSettings<'a> {
+#[derive(Clone, Copy, Debug)]
+pub struct CompareSettings {
     /// The wanted strong error, (E|y_N − y(T)|²)^½.
     pub error: f64,
-    /// Expectations that are wanted, too.
-    pub expectations: Option<Expectations<'a>>,
     /// Seconds of wall time. When they are spent, what was found so far is the answer.
     pub budget_s: f64,
-    /// Paths behind errors, 32 at least; more where expectations need them, and 32 where there is
-    /// no time.
+    /// Paths behind errors, 32 at least; 32 where there is no time.
     pub samples: u64,
     /// How increments are truncated.
     pub truncation: Truncation,
-    /// Which noise. Comparisons use the experiments from this one on, [`EXPERIMENTS`] of them.
+    /// Which noise. Comparisons use this experiment and the next two.
     pub key: StreamKey,
 }
 
-/// Expectations E φ(y(T)) to be estimated by plain Monte Carlo.
-#[derive(Clone, Copy)]
-pub struct Expectations<'a> {
-    /// The functions φ.
-    pub observables: &'a [&'a dyn Observe],
-    /// The wanted root-mean-square error of an estimate, bias and sampling together.
-    pub accuracy: f64,
-}
-
-/// Numbers of experiments that a comparison takes.
-pub const EXPERIMENTS: u64 = 3;
 /// Paths without which there are no intervals.
 pub(super) const LEAST_SAMPLES: u64 = 32;
+/// From this final time on, steps below ½ are too many.
+const LATEST: f64 = 1e9;
 
 /// A comparison that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -42,20 +30,16 @@ pub enum CompareError {
     /// There is no scheme to compare.
     #[error("a comparison needs at least one scheme, got none: `Candidates::all` has them all")]
     NoScheme,
-    /// There is nothing whose expectation is wanted.
-    #[error("expectations need at least one test function, got none: leave `expectations` out")]
-    NoObservable,
-    /// A number that must be positive and finite.
-    #[error("the {what} must be positive and finite, got {value}")]
-    NotPositive {
+    /// A setting that is out of range.
+    #[error("the {what} must be {range}, got {value}")]
+    OutOfRange {
         /// Which.
         what: &'static str,
+        /// What it must be.
+        range: &'static str,
         /// The given value.
         value: f64,
     },
-    /// Too few paths for an interval.
-    #[error("the number of paths must be at least {LEAST_SAMPLES}, got {0}")]
-    FewPaths(u64),
     /// The reference fails on pilot paths at every step size.
     #[error(
         "{scheme} fails on pilot paths with {steps} steps, too: {failure}; take a shorter final \
@@ -69,39 +53,30 @@ pub enum CompareError {
         /// The first failure.
         failure: String,
     },
-    /// Steps below ½ are too many.
-    #[error("a final time of {t_end} needs too many steps; take one below 1e9")]
-    FinalTime {
-        /// The final time of the problem.
-        t_end: f64,
-    },
     /// A ladder of steps that is refused.
     #[error(transparent)]
     Ladder(#[from] LadderError),
 }
 
-impl CompareSettings<'_> {
-    /// A strong error, on this noise: 256 paths, no expectations, a minute.
+impl CompareSettings {
+    /// An error, on this noise: 256 paths, a minute.
     pub fn new(error: f64, truncation: Truncation, key: StreamKey) -> Self {
-        Self { error, expectations: None, budget_s: 60.0, samples: 256, truncation, key }
+        Self { error, budget_s: 60.0, samples: 256, truncation, key }
     }
 
     /// Refuses what cannot be done.
-    pub(super) fn check(&self, schemes: usize) -> Result<(), CompareError> {
-        let accuracy = self.expectations.map_or(1.0, |wanted| wanted.accuracy);
-        let numbers = [
-            ("wanted error", self.error),
-            ("budget", self.budget_s),
-            ("wanted accuracy", accuracy),
+    pub(super) fn check(&self, schemes: usize, t_end: f64) -> Result<(), CompareError> {
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let (samples, least) = (self.samples as f64, LEAST_SAMPLES as f64);
+        let checks = [
+            ("wanted error", "positive and finite", self.error, positive(self.error)),
+            ("budget", "positive and finite", self.budget_s, positive(self.budget_s)),
+            ("number of paths", "at least 32", samples, samples >= least),
+            ("final time", "below 1e9, for fewer steps", t_end, t_end < LATEST),
         ];
-        let wrong = numbers.into_iter().find(|(_, value)| !(*value > 0.0 && value.is_finite()));
-        match wrong {
+        match checks.into_iter().find(|(.., holds)| !holds) {
             _ if schemes == 0 => Err(CompareError::NoScheme),
-            Some((what, value)) => Err(CompareError::NotPositive { what, value }),
-            None if self.samples < LEAST_SAMPLES => Err(CompareError::FewPaths(self.samples)),
-            None if self.expectations.is_some_and(|wanted| wanted.observables.is_empty()) => {
-                Err(CompareError::NoObservable)
-            }
+            Some((what, range, value, _)) => Err(CompareError::OutOfRange { what, range, value }),
             None => Ok(()),
         }
     }

@@ -14,20 +14,12 @@ pub const PATHS: u64 = 128;
 /// Steps that a repetition takes at least, over all its paths.
 pub const PATH_STEPS: u64 = 1 << 14;
 
-/// The processor time of a path of every scheme at its numbers of steps on [0, T], in seconds on
-/// one thread: `times[s]` are those of scheme s with `steps[s]` steps, each with its number of
-/// steps.
+/// The processor time of a path of every scheme at its numbers of steps on [0, T], fewest first, in
+/// seconds on one thread; those of few steps alone where `stop` ends it before.
 ///
 /// Every repetition times every scheme at each of its numbers of steps once, so that a disturbance
-/// hits all of them; fewer steps come first, and there are none where `stop` ends it before. In
-/// dimensions whose steps need a thread with a larger stack ([`Ladder::runs_on_pool`]) times are
-/// wall times.
-///
-/// # Errors
-/// [`LadderError`] when the steps or the truncation are refused.
-///
-/// # Panics
-/// When no thread can be started.
+/// hits all of them. In dimensions whose steps need a thread with a larger stack
+/// ([`Ladder::runs_on_pool`]) times are wall times.
 pub fn path_times<'a>(
     schemes: &[Arc<dyn Method + 'a>],
     problem: &Problem<'a>,
@@ -35,7 +27,7 @@ pub fn path_times<'a>(
     (truncation, key): (Truncation, StreamKey),
     repetitions: usize,
     stop: &Stop,
-) -> Result<Vec<Vec<(u64, Spread)>>, LadderError> {
+) -> Result<Vec<Vec<Spread>>, LadderError> {
     let mut ladders = Vec::new();
     for (s, (scheme, steps)) in schemes.iter().zip(steps).enumerate() {
         for &steps in steps {
@@ -55,7 +47,7 @@ pub fn path_times<'a>(
             for ((steps, _, ladder), seconds) in ladders.iter().zip(&mut measured) {
                 let paths = PATH_STEPS.div_ceil(PATHS * steps).max(1) * PATHS;
                 let watch = Stopwatch::start();
-                let new = || FinalMoments::of_rows(ladder.coarse_steps(), 0, &nothing);
+                let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
                 black_box(ladder.run_until(stop, 0, paths, new, &|_| ()));
                 if stop.is_asked() {
                     return;
@@ -66,10 +58,8 @@ pub fn path_times<'a>(
         }
     });
     let mut times = vec![Vec::new(); steps.len()];
-    for ((steps, s, _), seconds) in ladders.into_iter().zip(measured) {
-        if !seconds.is_empty() {
-            times[s].push((steps, Spread::of(seconds)));
-        }
+    for ((_, s, _), seconds) in ladders.into_iter().zip(measured).filter(|(_, s)| !s.is_empty()) {
+        times[s].push(Spread::of(seconds));
     }
     Ok(times)
 }
@@ -88,14 +78,14 @@ mod tests {
         let schemes = [mc::bind(&problem, &Sexp), mc::bind(&problem, &Heun)];
         let (problem, stop) = (mc::Problem::of(&problem), Stop::default());
         let watch = Stopwatch::start();
-        let times = path_times(&schemes, &problem, &[vec![16, 8], vec![256]], noise, 3, &stop)?;
+        let times = path_times(&schemes, &problem, &[vec![8, 16], vec![256]], noise, 3, &stop)?;
         // Three repetitions of so many paths took no longer than all of it.
+        assert_eq!(times.iter().map(Vec::len).collect::<Vec<_>>(), [2, 1]);
         let times = || times.iter().flatten();
-        assert_eq!(times().map(|(steps, _)| *steps).collect::<Vec<_>>(), [8, 16, 256]);
         let shortest: f64 =
-            times().zip([2048.0, 1024.0, 128.0]).map(|(t, n)| 3.0 * n * t.1.best).sum();
+            times().zip([2048.0, 1024.0, 128.0]).map(|(time, n)| 3.0 * n * time.best).sum();
         assert!(shortest <= watch.wall_s(), "{shortest}");
-        for (_, time) in times() {
+        for time in times() {
             assert!(0.0 <= time.best && time.best <= time.median, "{time:?}");
             assert!(time.median <= time.worst, "{time:?}");
         }

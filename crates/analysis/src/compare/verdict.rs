@@ -40,8 +40,7 @@ pub enum Outcome {
         /// Steps of a path for the wanted error, between those measured; at most these, if the
         /// coarsest do.
         steps: f64,
-        /// Seconds of processor time: of a path for a strong error, of an estimate for an
-        /// expectation.
+        /// Seconds of processor time of a path.
         cost_s: f64,
         /// Ends of its interval, from those of errors and times.
         cost_lo: f64,
@@ -52,7 +51,7 @@ pub enum Outcome {
     NotReached {
         /// Seconds of processor time that the wanted error costs at least.
         at_least_s: f64,
-        /// Steps that the wanted strong error needs, extrapolated from the last errors; none
+        /// Steps that the wanted error needs, extrapolated from the last errors; none
         /// where these do not fall.
         needs: Option<f64>,
     },
@@ -130,10 +129,23 @@ impl Candidate {
 
     /// Seconds, if the error is reached.
     pub fn cost_s(&self) -> Option<f64> {
+        Some(self.cost()?.0)
+    }
+
+    /// Seconds between the ends of the interval.
+    fn cost(&self) -> Option<(f64, f64, Option<f64>)> {
         match self.outcome {
-            Outcome::Reached { cost_s, .. } => Some(cost_s),
+            Outcome::Reached { cost_s, cost_lo, cost_hi, .. } => Some((cost_s, cost_lo, cost_hi)),
             _ => None,
         }
+    }
+
+    /// How many times the cost of `other` that of this scheme is, with its interval; no upper end
+    /// where there is none. `None` unless both reach the error.
+    pub fn ratio(&self, other: &Self) -> Option<(f64, f64, Option<f64>)> {
+        let ((a, a_lo, a_hi), (b, b_lo, b_hi)) = (self.cost()?, other.cost()?);
+        let hi = a_hi.filter(|_| b_lo > 0.0).map(|hi| hi / b_lo);
+        Some((a / b, b_hi.map_or(0.0, |hi| a_lo / hi), hi))
     }
 }
 
@@ -142,10 +154,8 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     let Some(last) = resolved.last().copied().or(points.last()) else {
         return Outcome::NotMeasured;
     };
-    // Of a bias the upper end counts: it is a part of the error of an estimate.
-    let size = |point: &ErrorPoint| point.deviation.map_or(point.error, |_| point.hi);
     let least = cost(points, wanted, |point| point.lo, |time| time.best).map(|least| least.1);
-    if let Some((steps, cost_s)) = cost(points, wanted, size, |time| time.best) {
+    if let Some((steps, cost_s)) = cost(points, wanted, |point| point.error, |time| time.best) {
         return Outcome::Reached {
             steps,
             cost_s,
@@ -156,7 +166,7 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     // Over up to three halvings: errors of one step size are known to a tenth or so.
     let halvings = resolved.len().saturating_sub(1).min(3);
     let before = resolved.iter().rev().nth(halvings).filter(|_| halvings > 0);
-    let needs = before.filter(|before| before.deviation.is_none()).and_then(|before| {
+    let needs = before.and_then(|before| {
         let p = (before.error / last.error).log2() / halvings as f64;
         let factor = (last.error / wanted).powf(1.0 / p.clamp(0.5, 1.0));
         (p >= FALLS).then_some(last.steps as f64 * factor.max(1.0))
@@ -165,12 +175,9 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     Outcome::NotReached { at_least_s: least.unwrap_or(of_last), needs }
 }
 
-/// Steps and seconds of the wanted error.
-///
-/// A strong error is that of a path: the coarsest steps if all are below it, or between the two
-/// neighbouring points, the more expensive ones if the curve passes it more than once, linear in
-/// the logarithms; nothing is extrapolated. Expectations take variance/(wanted² − bias²) paths, one
-/// at least, at the step size for which that is cheapest.
+/// Steps and seconds of the wanted error: those of the coarsest steps if all are below it, or
+/// between the two neighbouring points, the more expensive ones if the curve passes it more than
+/// once, linear in the logarithms. Nothing is extrapolated.
 fn cost(
     points: &[ErrorPoint],
     wanted: f64,
@@ -178,50 +185,21 @@ fn cost(
     seconds: impl Fn(Spread) -> f64,
 ) -> Option<(f64, f64)> {
     let usable = points.iter().filter(|point| point.resolved);
-    let usable: Vec<[f64; 3]> = usable
-        .filter_map(|point| {
-            let (error, seconds) = (size(point), seconds(point.time?));
-            let paths = match point.deviation {
-                Some(_) if error >= wanted => return None,
-                Some(deviation) => deviation * deviation / (wanted * wanted - error * error),
-                None => 1.0,
-            };
-            Some([error, point.steps as f64, paths.max(1.0) * seconds])
-        })
-        .collect();
+    let usable =
+        usable.filter_map(|point| Some([size(point), point.steps as f64, seconds(point.time?)]));
+    let mut usable: Vec<[f64; 3]> = usable.collect();
     let &[_, steps, seconds] = usable.first()?;
-    if points[0].deviation.is_some() {
-        let cheapest = usable.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
-        return Some((cheapest[1], cheapest[2]));
-    }
     if usable.iter().all(|[error, ..]| *error <= wanted) {
         return Some((steps, seconds));
     }
     // Errors of zero have no logarithm.
-    let usable: Vec<_> =
-        usable.into_iter().filter(|[error, _, cost]| error.min(*cost) > 0.0).collect();
+    usable.retain(|[error, _, cost]| error.min(*cost) > 0.0);
     let mut pairs = usable.windows(2).rev();
     let pair = pairs.find(|pair| pair[1][0] <= wanted && wanted <= pair[0][0])?;
     let (a, b) = (pair[0], pair[1]);
     let share = if a[0] == b[0] { 1.0 } else { (wanted / a[0]).ln() / (b[0] / a[0]).ln() };
     let between = |k: usize| a[k] * (b[k] / a[k]).powf(share);
     Some((between(1), between(2)))
-}
-
-/// How many times the cost of candidate `other` that of candidate `one` is, with its interval; no
-/// upper end where there is none. `None` unless both reach the error.
-pub(super) fn ratio(
-    candidates: &[Candidate],
-    one: usize,
-    other: usize,
-) -> Option<(f64, f64, Option<f64>)> {
-    let ends = |n: usize| match candidates.get(n)?.outcome {
-        Outcome::Reached { cost_s, cost_lo, cost_hi, .. } => Some((cost_s, cost_lo, cost_hi)),
-        _ => None,
-    };
-    let ((a, a_lo, a_hi), (b, b_lo, b_hi)) = (ends(one)?, ends(other)?);
-    let hi = a_hi.filter(|_| b_lo > 0.0).map(|hi| hi / b_lo);
-    Some((a / b, b_hi.map_or(0.0, |hi| a_lo / hi), hi))
 }
 
 /// The candidate that keeps most among those that do not cost significantly more than the cheapest.
@@ -231,7 +209,7 @@ pub(super) fn choose(candidates: &[Candidate]) -> Choice {
     costs.sort_by(|a, b| a.1.total_cmp(&b.1));
     let Some(&(cheapest, _)) = costs.first() else { return Choice::NoneReaches };
     // Without an interval the value decides.
-    let near = |n: usize| match ratio(candidates, n, cheapest) {
+    let near = |n: usize| match candidates[n].ratio(&candidates[cheapest]) {
         Some((ratio, lo, _)) => WORTH >= if lo > 0.0 { lo } else { ratio },
         None => false,
     };
@@ -254,7 +232,6 @@ mod tests {
             lo: 0.5 * error.abs(),
             hi: error.abs(),
             resolved: true,
-            deviation: None,
             defect: None,
             time: Some(Spread { best: time, median: time, worst: time }),
         }
@@ -339,24 +316,5 @@ mod tests {
         let untimed = ErrorPoint { time: None, ..point(1, 0.1) };
         assert_eq!(of(&[untimed, point(2, 0.01)], 0.05), Some((2.0, 2.0)));
         assert_eq!(of(&[point(1, 0.0), point(2, 0.01)], 0.005), None);
-    }
-
-    #[test]
-    fn an_estimate_takes_the_step_that_is_cheapest_for_it() {
-        let bias = |steps, error| ErrorPoint { deviation: Some(1.0), ..point(steps, error) };
-        let points = [bias(1, -0.05), bias(2, 0.025), bias(4, 0.0125)];
-        let at = |wanted: f64| match outcome(&points, wanted) {
-            Outcome::Reached { steps, cost_s, cost_lo, .. } => Some((steps, cost_s, cost_lo)),
-            _ => None,
-        };
-        let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
-        // 1/(0.01 − 0.0025) paths of one step; with two steps 2/(0.01 − 0.000625) would be more.
-        let (steps, cost, _) = at(0.1).expect("reached");
-        assert!(steps == 1.0 && close(cost, 1.0 / 0.0075), "{steps} {cost}");
-        // Its bias is out of reach for the coarsest, and expensive for the next. With half the bias
-        // two steps do, for 2/(0.001 − 0.0125²).
-        let (steps, _, least) = at(1e-3f64.sqrt()).expect("reached");
-        assert!(steps == 4.0 && close(least, 2.0 / (1e-3 - 0.0125 * 0.0125)), "{least}");
-        assert_eq!(at(0.01), None);
     }
 }

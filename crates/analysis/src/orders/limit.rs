@@ -101,9 +101,6 @@ pub fn limit(
         ReferenceSolution::Exact(exact) => {
             Ok(compare(Some(exact), None)?.unwrap_or(Limit::Unchecked))
         }
-        ReferenceSolution::Scheme(other) => {
-            Ok(compare(None, Some(other))?.unwrap_or(Limit::Unchecked))
-        }
         ReferenceSolution::Independent(others) => {
             let mut paths = Limit::Unchecked;
             for other in others {

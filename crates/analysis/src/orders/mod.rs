@@ -44,7 +44,6 @@ pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
 pub use order::{strong_order, weak_order};
 pub use reference::{Exact, ReferenceSolution};
-pub use runs::exact_mean;
 pub use step_sizes::StepSizes;
 
 /// The order of one scheme, with what it rests on.

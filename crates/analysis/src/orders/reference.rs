@@ -12,8 +12,6 @@ pub enum ReferenceSolution<'a> {
     /// The coefficients of the equation, in single steps as τ → 0, and the paths of the first of
     /// these schemes that does not fail and is not the scheme itself.
     Independent(Vec<Arc<dyn Method + 'a>>),
-    /// This scheme.
-    Scheme(Arc<dyn Method + 'a>),
     /// The exact solution. Errors of points are measured against it.
     Exact(Exact<'a>),
 }

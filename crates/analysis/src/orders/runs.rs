@@ -3,12 +3,11 @@
 
 use std::sync::Arc;
 
-use mc::{Ladder, LadderError, Observe, Problem, Run, Statistic, TimeChange, View, parts::Stop};
-use real::Row;
+use mc::{Ladder, LadderError, Problem, Run, Statistic, TimeChange, View, parts::Stop};
 use schemes::Method;
 use stats::CrossMoments;
 
-use super::{Decision, Exact, Limit, Order, StepSizes, evaluate, steps::Subject};
+use super::{Decision, Limit, Order, StepSizes, steps::Subject};
 use crate::{FinalMoments, FinalRows};
 
 /// The scheme at every step size, coarsest first.
@@ -41,7 +40,7 @@ pub fn measure<'a>(
     if let Some(time_change) = time_change {
         ladder = ladder.with_time_change(time_change);
     }
-    let none = || FinalMoments::of_rows(ladder.coarse_steps(), length, values);
+    let none = || FinalMoments::new(ladder.coarse_steps(), length, values);
     let measured = ladder.run(sizes.samples, none, &|_| ());
     let t = measured.failures.first().map_or(problem.t_end, |first| first.step as f64 * first.tau);
     Ok((measured.statistic.moments, Failed { paths: measured.failed, t }))
@@ -60,24 +59,6 @@ pub fn failing(subject: Subject<'_>, sizes: &StepSizes) -> Result<Option<Order>,
     let (points, rate, one_step, limit) = (Vec::new(), None, None, Limit::Unchecked);
     let order = Order { points, rate, one_step, limit, decision, failed: paths };
     Ok((paths > 0 && 2 * paths >= few.samples).then_some(order))
-}
-
-/// Mean of φ over exact solutions on sampled paths, with its standard error.
-///
-/// # Errors
-/// As [`strong_order`](super::strong_order).
-pub fn exact_mean(
-    problem: &Problem<'_>,
-    observable: &dyn Observe,
-    sizes: &StepSizes,
-    exact: &Exact<'_>,
-) -> Result<(f64, f64), LadderError> {
-    let values = |view: &View<'_>, values: &mut [Row]| {
-        values[0] = evaluate(observable, &exact.rows(view, problem.y0.len()), view.live);
-    };
-    let time_change = Some(exact.time_change);
-    let (values, _) = measure(problem, sizes, Vec::new(), time_change, 1, &values)?;
-    Ok((values.mean(0), values.covariance_of_means(0, 0).sqrt()))
 }
 
 /// A state of a path.

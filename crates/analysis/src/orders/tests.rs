@@ -1,22 +1,17 @@
 //! The arithmetic of orders, and what is decided, on numbers that are made up.
 
-use mc::{Observable, Setup};
 use noise::{BlockNoise, Noise, StreamKey, Truncation};
 use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, PathMask, Real, WIDTH};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Step};
+use schemes::{Scheme, Step};
 use stats::{CrossMoments, Point, Rate};
-use systems::{Constant, PoissonSystem, Problem, paper::valid};
+use systems::PoissonSystem;
 
 use super::{
-    Decision, Exact, Limit, Measure, OneStep, Order, ReferenceSolution, StepSizes, Subject,
-    decision,
+    Decision, Limit, OneStep, Order, StepSizes, decision,
     errors::{differences, record, record_length, strong_points},
-    exact_mean,
-    limit::limit,
-    weak_order, wrong_limit,
+    wrong_limit,
 };
-use crate::exact::RandomTime;
 
 const AGREES: Limit = Limit::Agrees { with: "heun", distance: 1e-3 };
 
@@ -332,99 +327,5 @@ impl Scheme<Anything, 2, 1> for Single {
     fn step(&self, _: &Anything, step: &Step, noise: &Noise<1>, y: [f64; 2]) -> Solution<2> {
         let z = (self.0)(step.t, step.tau, noise.increments[0], y);
         Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked()
-    }
-}
-
-/// A plane that turns by dt + dW.
-struct Plane;
-
-impl PoissonSystem<2, 1> for Plane {
-    fn name(&self) -> &'static str {
-        "plane"
-    }
-    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
-        [-v[1], v[0]]
-    }
-    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
-        (y[0] * y[0] + y[1] * y[1]) * (0.5 * (dt + dw[0]))
-    }
-}
-
-/// Euler–Maruyama against the solution moved by `offset`: that is the distance of the limits.
-fn moved(offset: f64, seed: u64) -> Limit {
-    let problem = valid(Problem::new(Plane, valid(Constant::new(0.0)), [1.0, 0.0], 1.0));
-    let key = StreamKey { seed, experiment: 1 };
-    let sizes = StepSizes { samples: 256, ..StepSizes::new(8, valid(Truncation::new(4)), key) };
-    let tau = 1.0 / sizes.reference_steps() as f64;
-    let time_change = RandomTime::new(problem.damping(), 1.0, 1.0, tau);
-    let solution = |s: f64| [s.cos() + offset, s.sin()];
-    let exact = Exact::new(&time_change, solution);
-    let (setup, exact) = (Setup::of(&problem, &EulerMaruyama), ReferenceSolution::Exact(exact));
-    limit(Subject::from(&setup), &sizes, &[], &exact, Measure::Strong).unwrap()
-}
-
-#[test]
-fn a_limit_is_told_from_another_by_what_the_steps_leave_of_the_distance() {
-    // Errors of 0.04 or so at the finest step. An offset of 0.02 is not told from none, and the
-    // distance named is a bound of 97½ %: in 40 measurements, fewer than 35 times with a
-    // probability of 1e-3.
-    let mut covered = 0;
-    for seed in 0..40 {
-        match moved(0.02, seed) {
-            Limit::Agrees { distance, with } | Limit::Unclear { distance, with } => {
-                assert!(distance < 0.08 && with == "exact solution", "{seed}: {distance}");
-                covered += usize::from(distance >= 0.02);
-            }
-            other => panic!("{seed}: {other:?}"),
-        }
-    }
-    assert!(covered >= 35, "{covered} of 40");
-    for seed in 0..4 {
-        // 0.6 is beyond 4.84 of the last differences, and 0.12 is not.
-        let far = moved(0.6, seed);
-        let Limit::Differs { distance, .. } = far else { panic!("{far:?}") };
-        assert!((distance - 0.6).abs() < 0.06, "{distance}");
-        let between = moved(0.12, seed);
-        assert!(matches!(between, Limit::Unclear { .. }), "{between:?}");
-    }
-}
-
-#[test]
-fn means_against_the_exact_solution_need_no_tail() {
-    let problem = valid(Problem::new(Plane, valid(Constant::new(0.0)), [1.0, 0.0], 1.0));
-    let key = StreamKey { seed: 3, experiment: 1 };
-    let sizes = StepSizes { samples: 4000, ..StepSizes::new(4, valid(Truncation::new(4)), key) };
-    let tau = 1.0 / sizes.reference_steps() as f64;
-    let time_change = RandomTime::new(problem.damping(), 1.0, 1.0, tau);
-    let solution = |s: f64| [s.cos(), s.sin()];
-    let exact = Exact::new(&time_change, solution);
-    let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
-    // E cos(1 + W) = e^{−½} cos 1, and E cos² = ½(1 + e^{−2} cos 2).
-    let truth = (-0.5f64).exp() * 1f64.cos();
-    let variance = 0.5 * (1.0 + (-2f64).exp() * 2f64.cos()) - truth * truth;
-    let (mean, se) = exact_mean(&mc::Problem::of(&problem), &q, &sizes, &exact).unwrap();
-    assert!((se / (variance / 4000.0).sqrt() - 1.0).abs() < 0.1, "{se}");
-    assert!((mean - truth).abs() < 5.0 * se, "{mean} {truth} {se}");
-    // The midpoint rule turns by 2 atan(a/2) for the increment a of time and noise: its errors at
-    // the five step sizes have the means E cos(Σ 2 atan(a/2)) − truth, of order one.
-    let reference = ReferenceSolution::Exact(exact);
-    let order = weak_order(&Setup::of(&problem, &Midpoint), &q, &sizes, &reference).unwrap();
-    assert_eq!(order.points.len(), 5);
-    for (point, steps) in order.points.iter().zip([4.0, 8.0, 16.0, 32.0, 64.0f64]) {
-        let Point::Error { tau, value, se, lo, hi, .. } = *point else { panic!("{point:?}") };
-        assert_eq!(tau, 1.0 / steps);
-        // E e^{iθ} over a step by the trapezoidal rule, which is exact for normals.
-        let (mut re, mut im, mut mass) = (0.0, 0.0, 0.0);
-        for n in -600..=600 {
-            let x = f64::from(n) * 0.01;
-            let weight = (-0.5 * x * x).exp();
-            let angle = 2.0 * (0.5 * (tau + tau.sqrt() * x)).atan();
-            (re, im, mass) = (re + weight * angle.cos(), im + weight * angle.sin(), mass + weight);
-        }
-        let (size, angle) = ((re / mass).hypot(im / mass), im.atan2(re));
-        let error = size.powf(steps) * (steps * angle).cos() - truth;
-        assert!((value - error).abs() < 5.0 * se && se < 0.01, "{steps}: {value} {error} {se}");
-        let (lo, hi) = (lo.unwrap(), hi.unwrap());
-        assert!((value - lo - 1.96 * se).abs() < 1e-12 && (hi - value - 1.96 * se).abs() < 1e-12);
     }
 }

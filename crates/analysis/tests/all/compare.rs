@@ -1,24 +1,49 @@
-//! `compare` on Kubo's oscillator, whose strong errors are known, with wrong schemes as twins.
+//! `compare` on Kubo's oscillator, whose strong errors are known, and on others, with wrong schemes
+//! as twins.
 
-use analysis::OtherNoise;
 use analysis::compare::{
-    Candidates, Choice, CompareError, CompareSettings, Comparison, ErrorPoint, Expectations,
-    Outcome, compare,
+    Candidates, Choice, CompareError, CompareSettings, Comparison, ErrorPoint, Outcome, compare,
 };
-use mc::{Observable, bind};
-use noise::{BlockNoise, Noise, StreamKey, Truncation};
-use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, Step};
-use systems::paper::rigid_body_three_noises;
+use formula::Definition;
+use mc::Setup;
+use noise::{StreamKey, Truncation};
+use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, run_time::Scheme};
+use systems::{paper::rigid_body_three_noises, run_time::Problem};
 
-use crate::orders::kubo;
+use crate::{SPIN, kubo, orders::Wrong, problem, pushed, texts};
 
 const OMEGA: f64 = 1.0;
 const SIGMA: f64 = 0.7;
 
-fn settings(error: f64, seed: u64) -> CompareSettings<'static> {
+fn settings(error: f64, seed: u64) -> CompareSettings {
     let key = StreamKey { seed, experiment: 11 };
-    let settings = CompareSettings::new(error, Truncation::new(4).unwrap(), key);
-    CompareSettings { samples: 256, ..settings }
+    CompareSettings::new(error, Truncation::new(4).unwrap(), key)
+}
+
+/// These schemes against a reference, with its comparison.
+fn try_compared(
+    problem: &Problem,
+    reference: &dyn Scheme,
+    schemes: &[&dyn Scheme],
+    settings: &CompareSettings,
+) -> Result<Comparison, CompareError> {
+    let scheme = |scheme| Setup::at_run_time(problem, scheme).unwrap().scheme;
+    let none = Candidates::against(scheme(reference));
+    let all = schemes.iter().fold(none, |all, one| all.and(scheme(*one)));
+    compare(&mc::Problem::at_run_time(problem), &all, settings)
+}
+
+fn compared(
+    problem: &Problem,
+    reference: &dyn Scheme,
+    schemes: &[&dyn Scheme],
+    settings: &CompareSettings,
+) -> Comparison {
+    try_compared(problem, reference, schemes, settings).unwrap()
+}
+
+fn names(comparison: &Comparison) -> Vec<&str> {
+    comparison.candidates.iter().map(|one| &one.scheme[..]).collect()
 }
 
 /// A complex number.
@@ -68,18 +93,12 @@ fn cayley(theta: f64, _: f64) -> Complex {
 #[test]
 fn intervals_contain_the_strong_errors_that_are_known() {
     let problem = kubo(OMEGA, SIGMA);
-    let candidates = Candidates::against(bind(&problem, &Sexp))
-        .and(bind(&problem, &Sexp))
-        .and(bind(&problem, &Midpoint))
-        .and(bind(&problem, &Heun))
-        .and(bind(&problem, &EulerMaruyama));
+    let schemes: [&dyn Scheme; 4] = [&Sexp, &Midpoint, &Heun, &EulerMaruyama];
     let (mut points, mut misses) = (0, Vec::new());
     for seed in 1..=6 {
-        let comparison =
-            compare(&mc::Problem::of(&problem), &candidates, &settings(0.02, seed)).unwrap();
+        let comparison = compared(&problem, &Sexp, &schemes, &settings(0.02, seed));
         assert!(comparison.recommended().is_some(), "{comparison}");
-        let exact_error = [cayley, cayley, heun, em];
-        for (one, a) in comparison.for_error.candidates.iter().zip(exact_error) {
+        for (one, a) in comparison.candidates.iter().zip([cayley, cayley, heun, em]) {
             // Truncated increments are those of coarse steps.
             for point in one.points.iter().filter(|point| point.resolved && point.steps >= 16) {
                 let exact = exact(point.steps, a);
@@ -94,174 +113,199 @@ fn intervals_contain_the_strong_errors_that_are_known() {
 }
 
 #[test]
-fn all_schemes_are_compared_and_expectations_are_priced() {
+fn all_schemes_are_compared_and_the_choice_is_in_words() {
     let problem = kubo(OMEGA, SIGMA);
-    let y1 = Observable { name: "y1", function: |y: [f64; 2]| y[0] };
-    let wanted = Expectations { observables: &[&y1], accuracy: 0.02 };
-    let settings = CompareSettings { expectations: Some(wanted), ..settings(0.02, 1) };
-    let comparison =
-        compare(&mc::Problem::of(&problem), &Candidates::all(&problem), &settings).unwrap();
-    let names: Vec<&str> =
-        comparison.for_error.candidates.iter().map(|one| one.scheme.as_str()).collect();
+    let all = Candidates::at_run_time(&problem).unwrap();
+    let of =
+        |seed| compare(&mc::Problem::at_run_time(&problem), &all, &settings(0.02, seed)).unwrap();
+    let comparison = of(1);
     // One noise commutes, and B is constant.
-    assert_eq!(names, ["sexp", "sexp-li", "midpoint", "heun", "em"]);
+    assert_eq!(names(&comparison), ["sexp", "sexp-li", "midpoint", "heun", "em"]);
     let text = comparison.to_string();
-    for words in ["in y(T)", "in E[y1]", "scheme", "Take ", "kubo: D = 2, M = 1"] {
+    for words in ["in y(T)", "scheme", "Take ", "texts: D = 2, M = 1"] {
         assert!(text.contains(words), "{words} is not in\n{text}");
     }
-    let expectation = &comparison.for_expectations[0];
-    assert!(expectation.recommended().is_some_and(|scheme| names.contains(&scheme)), "{text}");
-    // E y₁(1) = cos ω e^{−σ²/2}.
-    let exact = OMEGA.cos() * (-0.5 * SIGMA * SIGMA).exp();
-    let [mean, se] = expectation.mean.unwrap();
-    let error = (mean - exact).abs();
-    assert!(error < 4.0 * se + expectation.reference_error, "{expectation:?}");
     // Every candidate is priced against the cheapest, and the one taken keeps no less.
-    let Choice::Take { scheme, cheapest } = comparison.for_error.choice else { panic!("{text}") };
-    let keeps = |n: usize| comparison.for_error.candidates[n].keeps;
-    assert!(keeps(scheme) >= keeps(cheapest), "{text}");
-    let ratio = comparison.for_error.ratio(scheme, cheapest);
-    assert!(ratio.is_some_and(|(ratio, lo, _)| ratio >= 1.0 && lo <= 1.1), "{text}");
-    assert!(
-        comparison
-            .for_error
-            .ratio(0, cheapest)
-            .is_some_and(|(ratio, lo, _)| lo <= ratio && ratio >= 1.0)
-    );
-
+    let Choice::Take { scheme, cheapest } = comparison.choice else { panic!("{text}") };
+    let (taken, least) = (&comparison.candidates[scheme], &comparison.candidates[cheapest]);
+    assert!(taken.keeps >= least.keeps, "{text}");
+    assert!(matches!(taken.outcome, Outcome::Reached { .. }), "{text}");
+    assert!(taken.points.iter().any(|point| point.resolved && point.hi <= 0.02), "{text}");
+    let (ratio, lo, _) = taken.ratio(least).unwrap();
+    assert!(ratio >= 1.0 && lo <= 1.1, "{text}");
+    let (ratio, lo, _) = comparison.candidates[0].ratio(least).unwrap();
+    assert!(ratio >= 1.0 && lo <= ratio, "{text}");
+    // Errors are the same bits, and follow the seed.
+    let errors = |comparison: &Comparison| -> Vec<ErrorPoint> {
+        let points = comparison.candidates.iter().flat_map(|one| one.points.clone());
+        points.map(|point| ErrorPoint { time: None, ..point }).collect()
+    };
+    assert_eq!(errors(&comparison), errors(&of(1)));
+    assert_ne!(errors(&comparison), errors(&of(2)));
     let read: Comparison =
         serde_json::from_str(&serde_json::to_string(&comparison).unwrap()).unwrap();
     assert_eq!(read, comparison);
 }
 
-/// `nv` is a candidate by flows of parts, and keeps the Casimir.
 #[test]
-fn weak_order_two_is_compared_with_flows_of_parts() {
+fn flows_of_parts_and_their_casimirs_are_compared() {
     let problem = rigid_body_three_noises(1.0);
-    let cos = Observable { name: "cos y3", function: |y: [f64; 3]| y[2].cos() };
-    let wanted = Expectations { observables: &[&cos], accuracy: 5e-3 };
-    let key = StreamKey { seed: 1, experiment: 19 };
-    let settings = CompareSettings {
-        samples: 128,
-        expectations: Some(wanted),
-        ..CompareSettings::new(0.1, Truncation::new(4).unwrap(), key)
-    };
-    let all = Candidates::all(&problem);
-    let parts = Candidates::by_parts(&problem);
-    let areas = ["sexp", "sexp-levy", "sexp-li", "sexp-li-levy"];
-    let others = ["midpoint", "heun", "em"];
-    for (candidates, flows) in [(all, &[][..]), (parts, &["split", "nv"])] {
-        let found = compare(&mc::Problem::of(&problem), &candidates, &settings).unwrap();
-        let names: Vec<&str> =
-            found.for_error.candidates.iter().map(|one| one.scheme.as_str()).collect();
-        assert_eq!(names, [&areas, flows, &others].concat());
-        let Some(nv) = names.iter().position(|name| *name == "nv") else { continue };
-        assert!(found.for_error.candidates[nv].keeps.casimirs, "{found}");
-        let verdicts = &found.for_expectations[0];
-        assert!(matches!(verdicts.candidates[nv].outcome, Outcome::Reached { .. }), "{found}");
+    let settings = CompareSettings { samples: 128, ..settings(0.1, 1) };
+    let all = Candidates::by_parts(&problem);
+    let found = compare(&mc::Problem::of(&problem), &all, &settings).unwrap();
+    let expected =
+        ["sexp", "sexp-levy", "sexp-li", "sexp-li-levy", "split", "nv", "midpoint", "heun", "em"];
+    assert_eq!(names(&found), expected);
+    for one in &found.candidates {
+        let keeps = !["midpoint", "heun", "em"].contains(&&one.scheme[..]);
+        assert_eq!(one.keeps.casimirs, keeps, "{found}");
     }
 }
 
-/// Everything but times.
-fn errors(comparison: &Comparison) -> Vec<ErrorPoint> {
-    let points = comparison.for_error.candidates.iter().flat_map(|one| one.points.clone());
-    points.map(|point| ErrorPoint { time: None, ..point }).collect()
+#[test]
+fn casimirs_that_were_found_are_measured() {
+    let y0 = [0.5, 0.6, 0.62];
+    let definition = texts("x y z", &SPIN, "x^2/4 + y^2/2 + z^2", &["x^2/2"]);
+    let found = crate::inspect_around(&crate::system(&definition, &y0), &y0).unwrap();
+    let found = found.casimirs.unwrap().found;
+    assert_eq!(found.len(), 1);
+    let problem = problem(&definition, 0.2, &y0, 1.0);
+    let scheme = |scheme| Setup::at_run_time(&problem, scheme).unwrap().scheme;
+    let all = Candidates::against(scheme(&Sexp)).and(scheme(&Sexp)).and(scheme(&Heun));
+    let all = all.with_casimirs(found.iter().map(|casimir| casimir.form.clone()).collect());
+    let comparison = compare(&mc::Problem::at_run_time(&problem), &all, &settings(0.02, 1));
+    let comparison = comparison.unwrap();
+    let [sexp, heun] = &comparison.candidates[..] else { panic!("{comparison}") };
+    // The law of |y|² holds to round-off for `sexp`, and to the error of the scheme for `heun`.
+    assert!(sexp.points.iter().all(|point| point.defect.unwrap() < 1e-12), "{sexp:?}");
+    assert!(heun.points.iter().all(|point| point.defect.unwrap() > 1e-6), "{heun:?}");
 }
 
 #[test]
-fn errors_are_the_same_bits_and_follow_the_seed() {
+fn a_wrong_scheme_is_not_recommended_and_a_wrong_reference_is_named() {
     let problem = kubo(OMEGA, SIGMA);
-    let candidates = Candidates::against(bind(&problem, &Sexp))
-        .and(bind(&problem, &Heun))
-        .and(bind(&problem, &EulerMaruyama));
-    let of = |seed| {
-        errors(&compare(&mc::Problem::of(&problem), &candidates, &settings(0.05, seed)).unwrap())
-    };
-    assert_eq!(of(1), of(1));
-    assert_ne!(of(1), of(2));
-}
-
-/// Noise that is larger by a factor.
-fn amplified(factor: f64) -> impl Fn(&Step, &BlockNoise<1>, usize) -> Noise<1> + Send + Sync {
-    move |_, noise, p| Noise::increments(noise.path(p).increments.map(|dw| factor * dw))
-}
-
-#[test]
-fn a_wrong_coefficient_is_not_recommended_and_a_wrong_reference_is_named() {
-    let problem = kubo(OMEGA, SIGMA);
-    // Heun's method with noise that is a tenth of a percent too strong: its strong error is below
-    // the wanted one, and it converges to something else.
-    let wrong = OtherNoise { scheme: &Heun, noise: amplified(1.001) };
-    let failing = OtherNoise { scheme: &Heun, noise: amplified(f64::NAN) };
-    let candidates = Candidates::against(bind(&problem, &Sexp))
-        .and(bind(&problem, &wrong))
-        .and(bind(&problem, &failing))
-        .and(bind(&problem, &Sexp));
-    let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings(0.02, 1)).unwrap();
-    let [first, second, third] = &comparison.for_error.candidates[..] else { panic!() };
+    // Half of the Itô correction: it converges to something else.
+    let wrong = Wrong { correction: 0.5, damping: 1.0 };
+    let failing = Wrong { correction: f64::NAN, damping: 1.0 };
+    let li = SexpLi::at_run_time(problem.system()).unwrap();
+    let settings = settings(0.02, 1);
+    let comparison = compared(&problem, &Midpoint, &[&wrong, &failing, &li], &settings);
+    let [first, second, third] = &comparison.candidates[..] else { panic!() };
     assert!(matches!(first.outcome, Outcome::Inconsistent(_)), "{comparison}");
     assert!(matches!(second.outcome, Outcome::Fails(_)), "{comparison}");
     assert!(matches!(third.outcome, Outcome::Reached { .. }), "{comparison}");
-    assert_eq!(comparison.recommended(), Some("sexp"));
+    assert_eq!(comparison.recommended(), Some("sexp-li"));
     // No path of the others is lost to the scheme that fails.
     assert_eq!(comparison.sampled.failed, 0);
 
-    let candidates = Candidates::against(bind(&problem, &wrong)).and(bind(&problem, &Sexp));
-    let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings(0.02, 1)).unwrap();
-    assert!(matches!(comparison.for_error.choice, Choice::WrongReference(_)), "{comparison}");
+    let comparison = compared(&problem, &wrong, &[&Sexp], &settings);
+    assert!(matches!(comparison.choice, Choice::WrongReference(_)), "{comparison}");
     assert!(comparison.recommended().is_none());
     assert!(comparison.to_string().contains("converges to something else"), "{comparison}");
-
-    let candidates = Candidates::against(bind(&problem, &failing)).and(bind(&problem, &Sexp));
-    let refused = compare(&mc::Problem::of(&problem), &candidates, &settings(0.02, 1)).unwrap_err();
+    let refused = try_compared(&problem, &failing, &[&Sexp], &settings).unwrap_err();
     assert!(matches!(refused, CompareError::Reference { .. }), "{refused}");
 }
 
+/// All schemes, in a budget of seconds.
+fn in_budget(problem: &Problem, error: f64, budget_s: f64) -> Comparison {
+    let all = Candidates::at_run_time(problem).unwrap();
+    let settings = CompareSettings { budget_s, samples: 128, ..settings(error, 1) };
+    let found = compare(&mc::Problem::at_run_time(problem), &all, &settings).unwrap();
+    // A fifth and a second beside the budget.
+    assert!(found.wall_s <= 1.2 * budget_s + 1.0, "{} s\n{found}", found.wall_s);
+    found
+}
+
 #[test]
-fn an_error_out_of_reach_is_said_to_be() {
-    let problem = kubo(OMEGA, SIGMA);
-    let candidates = Candidates::against(bind(&problem, &Sexp))
-        .and(bind(&problem, &Heun))
-        .and(bind(&problem, &EulerMaruyama));
-    let settings = CompareSettings { budget_s: 0.5, ..settings(1e-12, 1) };
-    let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings).unwrap();
-    assert_eq!(comparison.for_error.choice, Choice::NoneReaches);
-    assert!(comparison.stopped.is_some_and(|stopped| stopped.budget_s == 0.5));
-    let text = comparison.to_string();
-    assert!(text.contains("No scheme reaches an error of 1.0e-12 in y(T) within 0.50 s"), "{text}");
+fn paths_that_part_are_said_to_part() {
+    let found = in_budget(&pushed(500.0), 0.1, 4.0);
+    assert_eq!(found.choice, Choice::NoneReaches);
+    assert!(found.sampled.parts(), "{found}");
+    let text = found.to_string();
+    for words in ["paths part", "casimir expect", "about "] {
+        assert!(text.contains(words), "{words} is not in\n{text}");
+    }
+    assert!(!text.contains("inf") && !text.contains("> 0"), "{text}");
+    // The twin: in a short time they do not part.
+    let found = in_budget(&pushed(1.0), 0.01, 20.0);
+    assert!(!found.sampled.parts() && found.recommended().is_some(), "{found}");
+}
+
+/// Six oscillators in a ring, each with a noise.
+fn ring() -> Definition {
+    let (n, names) = (6, |name: &str| (0..6).map(|i| format!("{name}{i} ")).collect::<String>());
+    let row =
+        |i: usize| (i + 1..2 * n).map(|j| if j == i + n { "1 " } else { "0 " }).collect::<String>();
+    let rows: Vec<String> = (0..2 * n - 1).map(row).collect();
+    let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+    let energy = (0..n).fold(String::from("0"), |sum, i| {
+        format!("{sum}+p{i}^2/2+q{i}^2/2+(q{i}-q{})^2/2+0.1*(q{i}-q0)^4", (i + 1) % n)
+    });
+    let noises: Vec<String> = (0..n).map(|i| format!("0.1*q{i}")).collect();
+    let noises: Vec<&str> = noises.iter().map(String::as_str).collect();
+    texts(&format!("{}{}", names("q"), names("p")), &rows, &energy, &noises)
+}
+
+#[test]
+fn a_budget_is_kept_on_a_heavy_system() {
+    let y0 = [0.5, 0.0, -0.2, 0.1, 0.3, 0.0, 0.0, 0.1, 0.0, 0.2, 0.0, 0.0];
+    let found = in_budget(&problem(&ring(), 0.0, &y0, 50.0), 1e-6, 2.0);
+    assert_eq!(found.choice, Choice::NoneReaches);
+    assert!(found.stopped.is_some_and(|stopped| stopped.budget_s == 2.0), "{found}");
+    let text = found.to_string();
+    assert!(text.contains("exceed the budget of 2.00 s") && !text.contains("inf"), "{text}");
+    assert!(text.contains("No scheme reaches an error of 1.0e-6 in y(T) within 2.00 s"), "{text}");
+}
+
+#[test]
+fn what_was_not_reached_is_extrapolated_and_marked() {
+    let found = in_budget(&pushed(1.0), 1e-8, 1.0);
+    assert_eq!(found.choice, Choice::NoneReaches);
+    let text = found.to_string();
+    // Heun has order one here, so that steps times error stay.
+    let heun = found.candidates.iter().find(|one| one.scheme == "heun").unwrap();
+    let Outcome::NotReached { needs, .. } = heun.outcome else { panic!("{text}") };
+    let &ErrorPoint { steps, error, resolved, .. } = heun.point().unwrap();
+    let predicted = steps as f64 * error / 1e-8;
+    assert!(resolved && error > 1e-8, "{text}");
+    let needs = needs.expect("extrapolated");
+    assert!((0.9 * predicted..5.0 * predicted).contains(&needs), "{needs} {predicted}\n{text}");
+    assert!(text.contains("≈") && text.contains("extrapolated, not measured"), "{text}");
+}
+
+#[test]
+fn a_scheme_that_keeps_more_is_taken_and_the_words_say_so() {
+    let pendulum = texts("p q", &["-1"], "p^2/2 - cos(q)", &["0.5*(p^2/2 - cos(q))"]);
+    let pendulum = problem(&pendulum, 0.3, &[0.2, 1.0], 1.0);
+    let found = compared(&pendulum, &Sexp, &[&Heun, &Sexp], &settings(0.01, 1));
+    let Choice::Take { scheme: taken, cheapest } = found.choice else { panic!("{found}") };
+    let [heun, sexp] = &found.candidates[..] else { panic!("{found}") };
+    assert!(!heun.keeps.conformal && sexp.keeps.conformal && sexp.keeps > heun.keeps);
+    let (_, lo, _) = sexp.ratio(heun).unwrap();
+    let text = found.to_string();
+    // The rule, and that what is lost is said either way.
+    assert_eq!(taken == 1, cheapest == 1 || lo <= 1.1, "{text}");
+    let words =
+        if taken == 1 { "keeps the energy of H₀, the exact damping" } else { "Given up: " };
+    assert!(text.contains(words), "{text}");
 }
 
 #[test]
 fn bad_requests_are_refused_and_the_value_is_named() {
-    let problem = kubo(OMEGA, SIGMA);
-    let right = settings(0.01, 1);
-    let refused = |settings: &CompareSettings<'_>| {
-        let candidates = Candidates::against(bind(&problem, &Sexp)).and(bind(&problem, &Heun));
-        compare(&mc::Problem::of(&problem), &candidates, settings).unwrap_err().to_string()
+    let (problem, right) = (kubo(OMEGA, SIGMA), settings(0.01, 1));
+    let refused = |settings: CompareSettings| {
+        try_compared(&problem, &Sexp, &[&Heun], &settings).unwrap_err().to_string()
     };
     for error in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
-        let message = refused(&CompareSettings { error, ..right });
         let words = format!("the wanted error must be positive and finite, got {error}");
-        assert_eq!(message, words);
+        assert_eq!(refused(CompareSettings { error, ..right }), words);
     }
-    let message = refused(&CompareSettings { budget_s: -2.0, ..right });
+    let message = refused(CompareSettings { budget_s: -2.0, ..right });
     assert_eq!(message, "the budget must be positive and finite, got -2");
-    let message = refused(&CompareSettings { samples: 31, ..right });
+    let message = refused(CompareSettings { samples: 31, ..right });
     assert_eq!(message, "the number of paths must be at least 32, got 31");
-    let none = Expectations { observables: &[], accuracy: 0.1 };
-    let message = refused(&CompareSettings { expectations: Some(none), ..right });
-    assert!(message.contains("at least one test function"), "{message}");
-    let none = Candidates::against(bind(&problem, &Sexp));
-    assert_eq!(
-        compare(&mc::Problem::of(&problem), &none, &right).unwrap_err(),
-        CompareError::NoScheme
-    );
-    let long = kubo(OMEGA, SIGMA).until(1e300).unwrap();
-    let refused = compare(
-        &mc::Problem::of(&long),
-        &Candidates::against(bind(&problem, &Sexp)).and(bind(&problem, &Heun)),
-        &right,
-    )
-    .unwrap_err();
-    assert_eq!(refused, CompareError::FinalTime { t_end: 1e300 });
+    let none = try_compared(&problem, &Sexp, &[], &right).unwrap_err();
+    assert_eq!(none, CompareError::NoScheme);
+    let refused = try_compared(&pushed(1e300), &Sexp, &[&Heun], &right).unwrap_err().to_string();
+    assert!(refused.starts_with("the final time must be below 1e9"), "{refused}");
 }

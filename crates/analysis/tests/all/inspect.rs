@@ -8,7 +8,9 @@ use systems::{
     RigidBodyEnergy, Sine, SystemError,
 };
 
-use super::{inspect_alone as inspect, inspect_formulas, inspect_problem};
+use super::{
+    casimirs, inspect_alone as inspect, inspect_around, inspect_problem, system as formulas, texts,
+};
 
 const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
 
@@ -20,21 +22,13 @@ fn row(
     report: &Inspection,
     dimension: usize,
     noises: usize,
-    casimirs: &[&str],
+    expected: &[&str],
     energy: Option<f64>,
 ) {
     assert!(report.mistakes.is_empty(), "{report}");
     assert!(report.structure.skew.holds() && report.structure.jacobi.holds(), "{report}");
     assert_eq!((report.dimension, report.noises), (dimension, noises), "{report}");
-    let found: Vec<&str> = report
-        .casimirs
-        .as_ref()
-        .unwrap()
-        .found
-        .iter()
-        .map(|casimir| casimir.formula.as_str())
-        .collect();
-    assert_eq!(found, casimirs, "{report}");
+    assert_eq!(casimirs(report), expected, "{report}");
     let hamiltonians = &report.hamiltonians;
     assert_eq!(hamiltonians.noise_size.and(hamiltonians.shapes[0].degree), energy, "{report}");
     assert!(hamiltonians.discrete_gradient.holds(), "{report}");
@@ -429,17 +423,10 @@ impl PoissonSystem<6, 3> for TwoBodies {
 fn casimirs_of_parts_are_summed_to_a_bound() {
     let report = inspect(&TwoBodies).unwrap();
     assert!(report.mistakes.is_empty() && !report.noise.commute.holds(), "{report}");
-    assert_eq!(report.casimirs.as_ref().unwrap().found.len(), 2);
-    assert!(
-        report
-            .casimirs
-            .as_ref()
-            .unwrap()
-            .found
-            .iter()
-            .all(|casimir| !casimir.minimum.positive.holds())
-    );
-    let sum = report.casimirs.as_ref().unwrap().definite.as_ref().unwrap();
+    let all = report.casimirs.as_ref().unwrap();
+    let definite = all.found.iter().filter(|casimir| casimir.minimum.positive.holds());
+    assert_eq!((all.found.len(), definite.count()), (2, 0));
+    let sum = all.definite.as_ref().unwrap();
     assert!(
         (sum.minimum.value - 0.5).abs() < 1e-12
             && report.applies("strong-half") == Some(Applies::Yes),
@@ -633,80 +620,50 @@ fn a_report_reads_like_this() {
 /// A system from texts is found to be what the compiled one is.
 #[test]
 fn formulas_are_inspected_like_compiled_systems() {
-    let words = |text: &str| text.split_whitespace().map(String::from).collect::<Vec<_>>();
-    let definition = formula::Definition {
-        name: "body".into(),
-        state: words("y1 y2 y3"),
-        structure: ["-y3 y2", "-y1"].map(words).into(),
-        energy: "(y1^2/2 + y2^2 + 1.5*y3^2)/2".into(),
-        noises: words("y1^2/2 y2^2/4 y3^2/6"),
-        ..formula::Definition::default()
-    };
-    let y0 = [0.45, 0.0, 0.89];
-    let texts = formula::FormulaSystem::new(&definition, &y0).unwrap();
-    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
-    let damping = systems::Cosine::new(0.5, 2.0).unwrap();
+    let noises = ["y1^2/2", "y2^2/4", "y3^2/6"];
+    let energy = "(y1^2/2 + y2^2 + 1.5*y3^2)/2";
+    let (y0, damping) = ([0.45, 0.0, 0.89], systems::Cosine::new(0.5, 2.0).unwrap());
+    let body = formulas(&texts("y1 y2 y3", &["-y3 y2", "-y1"], energy, &noises), &y0);
     let settings =
         InspectSettings { y0: Some(y0.to_vec()), damping: Some((&damping, 1.0)), areas: false };
-    let ours = analysis::inspect(&texts, &settings).unwrap();
-    let problem = systems::Problem::new(body, damping, y0, 1.0).unwrap();
-    let theirs = inspect_problem(&problem).unwrap();
+    let ours = analysis::inspect(&body, &settings).unwrap();
+    let body = RigidBody::three_noises(INERTIA, [1.0, 2.0, 3.0]).unwrap();
+    let theirs = inspect_problem(&Problem::new(body, damping, y0, 1.0).unwrap()).unwrap();
     assert!(ours.mistakes.is_empty(), "{ours}");
-    assert_eq!(ours.structure.skew.status, theirs.structure.skew.status);
-    assert_eq!(ours.structure.jacobi.status, theirs.structure.jacobi.status);
-    assert_eq!(ours.noise.commute.status, theirs.noise.commute.status);
-    let found = |report: &analysis::inspect::Inspection| -> Vec<String> {
-        report
-            .casimirs
-            .as_ref()
-            .unwrap()
-            .found
-            .iter()
-            .map(|casimir| casimir.formula.clone())
-            .collect()
+    let same = |report: &Inspection| {
+        let (b, noise) = (&report.structure, &report.noise);
+        (b.skew.status, b.jacobi.status, noise.commute.status, report.pilot.unwrap().states)
     };
-    assert_eq!(found(&ours), found(&theirs));
-    // Lévy areas are drawn for compiled systems only.
+    assert_eq!((same(&ours), casimirs(&ours)), (same(&theirs), casimirs(&theirs)));
+    // No Lévy areas are drawn here for the formulas.
     let areas = |order: &&analysis::inspect::ExpectedOrder| order.scheme.ends_with("-levy");
     assert_eq!(theirs.orders.iter().filter(areas).count(), 2);
     assert!(ours.orders.iter().eq(theirs.orders.iter().filter(|order| !areas(order))));
     let recommended = ours.recommended.iter().map(|recommended| recommended.scheme);
     assert_eq!(recommended.collect::<Vec<_>>(), ["sexp", "sexp-li", "sexp-li", "sexp-li"]);
-    assert_eq!(ours.pilot.unwrap().states, theirs.pilot.unwrap().states);
-    let radius = |report: &analysis::inspect::Inspection| {
-        report.problem.as_ref().and_then(|problem| problem.radius).unwrap()
-    };
+    let radius = |report: &Inspection| report.problem.as_ref().and_then(|p| p.radius).unwrap();
     assert!((radius(&ours) / radius(&theirs) - 1.0).abs() < 1e-12);
     assert!(ours.schemes.sexp_li_refused.is_none());
 
     // Two populations: Σ cᵢ ln yᵢ, and a domain that has to be found.
-    let populations = formula::Definition {
-        name: "populations".into(),
-        state: words("x y z"),
-        structure: ["x*y -x*z", "y*z"].map(words).into(),
-        energy: "x + y + z - ln(x) - ln(y)".into(),
-        noises: words("0.1*x"),
-        ..formula::Definition::default()
-    };
-    let texts = formula::FormulaSystem::new(&populations, &[1.0, 0.5, 0.7]).unwrap();
-    let report = inspect_formulas(&texts, &[1.0, 0.5, 0.7]).unwrap();
+    let y0 = [1.0, 0.5, 0.7];
+    let energy = "x + y + z - ln(x) - ln(y)";
+    let populations = formulas(&texts("x y z", &["x*y -x*z", "y*z"], energy, &["0.1*x"]), &y0);
+    let report = inspect_around(&populations, &y0).unwrap();
     assert!(report.mistakes.is_empty() && !report.defined_everywhere, "{report}");
     assert_eq!(report.casimirs.as_ref().unwrap().logarithmic.len(), 1, "{report}");
     // Affine structure only: it has products.
     assert!(report.schemes.sexp_li_refused.is_some());
+    // A quadrature that is not exact is no mistake of formulas.
+    let steep = formulas(&texts("x y", &["1"], "exp(6*x^2) + y^2", &[]), &[1.0, 0.5]);
+    let report = inspect_around(&steep, &[1.0, 0.5]).unwrap();
+    assert!(report.mistakes.is_empty() && report.hamiltonians.quadrature_error > 0.0, "{report}");
 }
 
-/// Large systems are inspected along directions, and what is wrong is seen.
+/// Large systems are inspected along directions.
 #[test]
 fn lattices_are_inspected_along_directions() {
-    use systems::{
-        lattice::{Couplings, Shape, SpinLattice},
-        run_time::System,
-    };
-    let large = |system: &dyn System, y0: &[f64]| {
-        let y0 = Some(y0.to_vec());
-        analysis::inspect(system, &InspectSettings { y0, damping: None, areas: false })
-    };
+    use systems::lattice::{Couplings, Shape, SpinLattice};
     let sound = |report: &Inspection| report.mistakes.is_empty() && report.undecided.is_empty();
     let couplings = Couplings {
         exchange: 1.0,
@@ -721,62 +678,20 @@ fn lattices_are_inspected_along_directions() {
     for damping in [0.0, 0.2] {
         let couplings = Couplings { damping, ..couplings };
         let lattice = SpinLattice::one_path(shape.clone(), couplings).unwrap();
-        let report = large(&lattice, &y0).unwrap();
+        let report = inspect_around(&lattice, &y0).unwrap();
         assert!(sound(&report), "{report}");
         assert_eq!(report.hamiltonians.gradient.is_some(), damping == 0.0);
         let schemes = &report.schemes;
         assert!(schemes.sexp_li_refused.is_none() && schemes.split_refused.is_some());
         assert!(report.to_string().contains("D = 9000, M = 9000"), "{report}");
     }
-    // On 32 paths, and formulas.
-    let ring = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), couplings).unwrap();
-    assert!(sound(&large(&ring, &y0[..12]).unwrap()));
+    // On 32 paths; of 24 spins, with too many components for matrices, each with its length.
     let one_field = Couplings { local: false, ..couplings };
-    let ring = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), one_field).unwrap();
-    assert!(sound(&large(&ring, &y0[..12]).unwrap()));
-    // Too many components for matrices: spins on 32 paths, each with its length.
-    let ring = SpinLattice::on_paths(Shape::periodic(&[24]).unwrap(), one_field).unwrap();
-    let report = large(&ring, &y0[..72]).unwrap();
-    assert!(sound(&report) && report.casimirs.as_ref().unwrap().found.len() == 24, "{report}");
-    assert!(report.noise.commute.fails() && report.to_string().contains("and 12 more"), "{report}");
-    // A quadrature that is not exact is no mistake of formulas.
-    let words = |text: &str| text.split_whitespace().map(String::from).collect::<Vec<_>>();
-    let definition = formula::Definition {
-        name: "steep".into(),
-        state: words("x y"),
-        structure: vec![words("1")],
-        energy: "exp(6*x^2) + y^2".into(),
-        ..formula::Definition::default()
-    };
-    let steep = formula::FormulaSystem::new(&definition, &[1.0, 0.5]).unwrap();
-    let report = inspect_formulas(&steep, &[1.0, 0.5]).unwrap();
-    assert!(report.mistakes.is_empty() && report.hamiltonians.quadrature_error > 0.0, "{report}");
-    // A body whose B is not skew, and one with a wrong Casimir, given as compiled systems.
-    struct Wrong {
-        skew: bool,
-    }
-    impl PoissonSystem<3, 1> for Wrong {
-        fn name(&self) -> &'static str {
-            "wrong"
-        }
-        fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
-            let first = if self.skew { y[1] * v[2] - y[2] * v[1] } else { y[1] * v[2] };
-            [first, y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
-        }
-        fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
-            y[0] * y[1] * dt + y[2] * dw[0]
-        }
-        fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-            [y[1] * dt, y[0] * dt * if self.skew { 1.01 } else { 1.0 }, R::constant(dw[0])]
-        }
-    }
-    for (skew, what) in
-        [(false, "B(y) is not skew"), (true, "gradient is not the gradient of energy")]
-    {
-        let y0 = [0.5, -0.3, 0.8];
-        let system = systems::run_time::Compiled::new(Wrong { skew }, y0);
-        let report = large(&system, &y0).unwrap();
-        assert_eq!(report.mistakes.len(), 1, "{report}");
-        assert!(report.mistakes[0].contains(what), "{report}");
+    for (spins, couplings) in [(4, couplings), (4, one_field), (24, one_field)] {
+        let ring = SpinLattice::on_paths(Shape::periodic(&[spins]).unwrap(), couplings).unwrap();
+        let report = inspect_around(&ring, &y0[..3 * spins]).unwrap();
+        assert!(sound(&report) && casimirs(&report).len() == spins, "{report}");
+        let (text, large) = (report.to_string(), spins == 24);
+        assert!(!large || report.noise.commute.fails() && text.contains("and 12 more"), "{text}");
     }
 }

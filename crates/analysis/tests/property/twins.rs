@@ -3,19 +3,18 @@
 use dgrad::midpoint;
 use noise::Noise;
 use nonlin::{Method, Solver};
+use proptest::strategy::Strategy;
 use real::Real;
 use schemes::{EulerMaruyama, Scheme, Sexp, Step, WithSolver};
 use systems::PoissonSystem;
 
-use crate::damping::{Rate, any_rate, changing_rate};
+use crate::damping::{Rate, changing_rate};
 use crate::law::{Conserved, SexpMap, Transition, solver_leaves};
 use crate::random::{
     Increments, OneNoise, Several, one_noise, several, share, state, visible_noise,
 };
-use crate::rounding::{Bounded, dot};
-use crate::structure::{
-    Casimir, Matrix, any_structure, symmetric_matrix, with_casimir, with_quadratic_casimir,
-};
+use crate::rounding::dot;
+use crate::structure::{Casimir, Matrix, any_structure, symmetric_matrix, with_quadratic_casimir};
 
 const CASES: u32 = 300;
 /// A defect is visible when it is this many times the tolerance.
@@ -84,7 +83,7 @@ fn breaks<S: PoissonSystem<D, M>, C: Scheme<S, D, M>, const D: usize, const M: u
     verdict.defect > VISIBLE * verdict.allowed
 }
 
-fn by_newton() -> WithSolver<Sexp> {
+fn sexp() -> WithSolver<Sexp> {
     WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) }
 }
 
@@ -95,134 +94,103 @@ fn rejected(what: &str, mistaken: f64, correct: f64) {
     assert_eq!(correct, 0.0, "{what}");
 }
 
+/// A system, a symmetric matrix, a damping, the noise of a step and where it begins.
+struct Draw<S, const M: usize> {
+    system: S,
+    extra: Matrix<4>,
+    rate: Rate,
+    tau: f64,
+    dw: [f64; M],
+    y0: [f64; 4],
+}
+
+impl<S, const M: usize> Draw<S, M> {
+    fn step(&self) -> (Step, Rate) {
+        (step(self.rate, self.tau), self.rate)
+    }
+
+    /// The matrix times a factor.
+    fn extra(&self, factor: f64) -> Matrix<4> {
+        self.extra.map(|row| row.map(|x| factor * x))
+    }
+}
+
+/// The share of draws that are broken.
+fn broken<S: std::fmt::Debug, const M: usize>(
+    systems: impl Strategy<Value = S>,
+    is_broken: impl Fn(&Draw<S, M>) -> bool,
+) -> f64 {
+    let draws = (systems, symmetric_matrix(), changing_rate(), visible_noise(), state());
+    let check = |(system, extra, rate, noise, y0): (S, _, _, Increments<M, 1>, _)| {
+        is_broken(&Draw { system, extra, rate, tau: noise.tau, dw: noise.dw[0], y0 })
+    };
+    share(CASES, draws, check)
+}
+
+type WithCasimir = Several<4, 2>;
+
+fn casimir(system: &WithCasimir) -> Casimir<4> {
+    system.structure.base.casimir().unwrap()
+}
+
+fn casimirs(is_broken: impl Fn(&Draw<WithCasimir, 2>) -> bool) -> f64 {
+    broken(several(with_quadratic_casimir()), is_broken)
+}
+
+type WithEnergy = OneNoise<4>;
+
+fn energies(
+    degrees: std::ops::RangeInclusive<usize>,
+    is_broken: impl Fn(&Draw<WithEnergy, 1>) -> bool,
+) -> f64 {
+    broken(one_noise(any_structure(), degrees), is_broken)
+}
+
 #[test]
 fn a_symmetric_part_of_the_structure_is_noticed() {
-    let draws = || (any_structure::<4>(), symmetric_matrix::<4>(), state(), state());
-    let skew = |spoil: f64| {
-        share(CASES, draws(), |(structure, extra, y, v)| {
-            let [y, v] = [y, v].map(|x| x.map(Bounded::exact));
-            let image = structure.apply(y, v);
-            let spoilt = std::array::from_fn(|i| {
-                image[i] + dot(extra[i].map(|x| Bounded::exact(spoil * x)), v)
-            });
-            let form = dot(v, spoilt);
-            form.value.abs() > VISIBLE * form.error
+    let of = |factor: f64| {
+        casimirs(|draw| {
+            let twin = Twin { extra: draw.extra(factor), ..Twin::correct(&draw.system) };
+            breaks(&sexp(), &twin, &casimir(&draw.system), draw.step(), draw.dw, draw.y0)
         })
     };
-    rejected("skewness", skew(1e-3), skew(0.0));
-
-    let draws =
-        || (several(with_casimir()), symmetric_matrix(), any_rate(), visible_noise(), state());
-    let casimir = |spoil: f64| {
-        share(
-            CASES,
-            draws(),
-            |(system, extra, rate, noise, y0): (
-                Several<3, 2>,
-                Matrix<3>,
-                _,
-                Increments<2, 1>,
-                _,
-            )| {
-                let extra = extra.map(|row| row.map(|x| spoil * x));
-                let twin = Twin { extra, ..Twin::correct(&system) };
-                let function = system.structure.base.casimir().unwrap();
-                breaks(
-                    &by_newton(),
-                    &twin,
-                    &function,
-                    (step(rate, noise.tau), rate),
-                    noise.dw[0],
-                    y0,
-                )
-            },
-        )
+    rejected("symmetric part, Casimir", of(1e-3), of(0.0));
+    let of = |factor: f64| {
+        energies(1..=4, |draw| {
+            let twin = Twin { extra: draw.extra(factor), ..Twin::correct(&draw.system) };
+            let energy = &draw.system.hamiltonian;
+            breaks(&sexp(), &twin, energy, draw.step(), draw.dw, draw.y0)
+        })
     };
-    rejected("symmetric part, Casimir", casimir(1e-3), casimir(0.0));
-
-    let draws = || {
-        (
-            one_noise(any_structure(), 1..=4),
-            symmetric_matrix(),
-            any_rate(),
-            visible_noise(),
-            state(),
-        )
-    };
-    let energy = |spoil: f64| {
-        share(
-            CASES,
-            draws(),
-            |(system, extra, rate, noise, y0): (OneNoise<4>, Matrix<4>, _, Increments<1, 1>, _)| {
-                let extra = extra.map(|row| row.map(|x| spoil * x));
-                let twin = Twin { extra, ..Twin::correct(&system) };
-                breaks(
-                    &by_newton(),
-                    &twin,
-                    &system.hamiltonian,
-                    (step(rate, noise.tau), rate),
-                    noise.dw[0],
-                    y0,
-                )
-            },
-        )
-    };
-    rejected("symmetric part, energy", energy(1e-3), energy(0.0));
+    rejected("symmetric part, energy", of(1e-3), of(0.0));
 }
 
 #[test]
-fn the_gradient_at_the_middle_is_noticed_from_degree_three_on() {
-    let draws =
-        |degrees| (one_noise(any_structure(), degrees), any_rate(), visible_noise(), state());
-    let energy = |degrees, one_node| {
-        share(
-            CASES,
-            draws(degrees),
-            |(system, rate, noise, y0): (OneNoise<3>, _, Increments<1, 1>, _)| {
-                let twin = Twin { one_node, ..Twin::correct(&system) };
-                breaks(
-                    &by_newton(),
-                    &twin,
-                    &system.hamiltonian,
-                    (step(rate, noise.tau), rate),
-                    noise.dw[0],
-                    y0,
-                )
-            },
-        )
+fn the_gradient_at_the_middle_is_noticed_by_energies_from_degree_three_on() {
+    let of = |degrees, one_node| {
+        energies(degrees, |draw| {
+            let twin = Twin { one_node, ..Twin::correct(&draw.system) };
+            let energy = &draw.system.hamiltonian;
+            breaks(&sexp(), &twin, energy, draw.step(), draw.dw, draw.y0)
+        })
     };
-    rejected("gradient at the middle", energy(3..=4, true), energy(3..=4, false));
-    assert_eq!(
-        energy(1..=2, true),
-        0.0,
-        "the average of a linear gradient is its value at the middle"
-    );
-}
-
-#[test]
-fn a_casimir_does_not_notice_the_gradient_at_the_middle() {
-    let draws = (several(with_casimir()), any_rate(), visible_noise(), state());
-    let broken = share(
-        CASES,
-        draws,
-        |(system, rate, noise, y0): (Several<4, 2>, _, Increments<2, 1>, _)| {
-            let twin = Twin { one_node: true, ..Twin::correct(&system) };
-            let function = system.structure.base.casimir().unwrap();
-            breaks(&by_newton(), &twin, &function, (step(rate, noise.tau), rate), noise.dw[0], y0)
-        },
-    );
+    rejected("gradient at the middle", of(3..=4, true), of(3..=4, false));
+    // The average of a linear gradient is its value at the middle, and a Casimir does not notice.
+    assert_eq!(of(1..=2, true), 0.0);
+    let broken = casimirs(|draw| {
+        let twin = Twin { one_node: true, ..Twin::correct(&draw.system) };
+        breaks(&sexp(), &twin, &casimir(&draw.system), draw.step(), draw.dw, draw.y0)
+    });
     assert_eq!(broken, 0.0);
 }
 
 #[test]
 fn damping_over_a_wrong_interval_is_noticed() {
-    let draws = || (several(with_casimir()), changing_rate(), visible_noise(), state());
-    type Draw = (Several<4, 2>, Rate, Increments<2, 1>, [f64; 4]);
     let with = |mistake: fn(Step, Rate) -> Step| {
-        share(CASES, draws(), |(system, rate, noise, y0): Draw| {
-            let step = mistake(step(rate, noise.tau), rate);
-            let function = system.structure.base.casimir().unwrap();
-            breaks(&by_newton(), &system, &function, (step, rate), noise.dw[0], y0)
+        casimirs(|draw| {
+            let (step, rate) = draw.step();
+            let step = (mistake(step, rate), rate);
+            breaks(&sexp(), &draw.system, &casimir(&draw.system), step, draw.dw, draw.y0)
         })
     };
     let first_half_twice = with(|mut step, _| {
@@ -240,49 +208,27 @@ fn damping_over_a_wrong_interval_is_noticed() {
 }
 
 #[test]
-fn a_perturbed_casimir_matrix_is_noticed() {
-    let draws = || {
-        (
-            several(with_quadratic_casimir()),
-            symmetric_matrix(),
-            any_rate(),
-            visible_noise(),
-            state(),
-        )
-    };
-    type Draw = (Several<4, 2>, Matrix<4>, Rate, Increments<2, 1>, [f64; 4]);
+fn a_perturbed_casimir_and_a_scheme_that_keeps_none_are_noticed() {
     let with = |size: f64| {
-        share(CASES, draws(), |(system, extra, rate, noise, y0): Draw| {
-            let Some(Casimir::Quadratic(mut q)) = system.structure.base.casimir() else {
+        casimirs(|draw| {
+            let Casimir::Quadratic(mut q) = casimir(&draw.system) else {
                 panic!("a quadratic Casimir was asked for")
             };
-            for i in 0..4 {
-                for j in 0..4 {
-                    q[i][j] += size * extra[i][j];
-                }
+            for (row, extra) in q.iter_mut().zip(draw.extra(size)) {
+                row.iter_mut().zip(extra).for_each(|(q, extra)| *q += extra);
             }
-            breaks(
-                &by_newton(),
-                &system,
-                &Casimir::Quadratic(q),
-                (step(rate, noise.tau), rate),
-                noise.dw[0],
-                y0,
-            )
+            let claim = Casimir::Quadratic(q);
+            breaks(&sexp(), &draw.system, &claim, draw.step(), draw.dw, draw.y0)
         })
     };
     rejected("perturbed Casimir", with(1e-3), with(0.0));
-}
-
-#[test]
-fn euler_maruyama_keeps_no_quadratic_casimir_even_undamped() {
+    // Even without damping.
     const UNDAMPED: Rate = Rate::Constant(0.0);
-    type Draw = (Several<4, 2>, Increments<2, 1>, [f64; 4]);
-    let draws = || (several(with_quadratic_casimir()), visible_noise(), state());
-    fn broken<C: Scheme<Several<4, 2>, 4, 2>>(scheme: &C, (system, noise, y0): Draw) -> bool {
-        let function = system.structure.base.casimir().unwrap();
-        breaks(scheme, &system, &function, (step(UNDAMPED, noise.tau), UNDAMPED), noise.dw[0], y0)
+    fn undamped<C: Scheme<WithCasimir, 4, 2>>(scheme: &C) -> f64 {
+        casimirs(|draw| {
+            let step = (step(UNDAMPED, draw.tau), UNDAMPED);
+            breaks(scheme, &draw.system, &casimir(&draw.system), step, draw.dw, draw.y0)
+        })
     }
-    let em = share(CASES, draws(), |draw| broken(&EulerMaruyama, draw));
-    rejected("Euler–Maruyama", em, share(CASES, draws(), |draw| broken(&by_newton(), draw)));
+    rejected("Euler–Maruyama", undamped(&EulerMaruyama), undamped(&sexp()));
 }

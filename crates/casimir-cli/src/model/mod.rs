@@ -84,7 +84,7 @@ pub trait Model: Send + Sync {
     ///
     /// # Errors
     /// Those of [`compare`](compare()).
-    fn compare(&self, settings: &CompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
+    fn compare(&self, settings: &CompareSettings) -> Result<Comparison, Box<dyn Error>> {
         Ok(compare(&self.problem(), &self.candidates()?, settings)?)
     }
 

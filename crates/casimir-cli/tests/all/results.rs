@@ -195,7 +195,7 @@ fn nv_is_a_scheme_like_the_others() {
     succeeds(path, &["compare", "scene.toml", "--error", "0.05", "--budget", "20"]);
     let json = fs::read_to_string(path.join("scene-compare/compare.json")).unwrap();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
-    let candidates = json["for_error"]["candidates"].as_array().unwrap();
+    let candidates = json["candidates"].as_array().unwrap();
     let nv = candidates.iter().find(|one| one["scheme"] == "nv").expect("a candidate");
     assert!(nv["outcome"]["reached"].is_object(), "{nv}");
     // Flows of the Hamiltonians are not known.

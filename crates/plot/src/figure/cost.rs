@@ -20,7 +20,7 @@ pub fn comparison(comparison: &Comparison) -> String {
             let resolved = candidate.points.iter().filter(|point| point.resolved);
             Curve::new(&candidate.scheme, resolved.filter_map(measured))
         };
-        comparison.for_error.candidates.iter().map(curve)
+        comparison.candidates.iter().map(curve)
     };
     let by_time = curves(|point| {
         let time = point.time?;

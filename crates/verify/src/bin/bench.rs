@@ -167,9 +167,7 @@ fn measure<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     eprintln!("{of}, {}", scheme.id());
     let runs = (0..=levels).map(|level| Run::new(bind(problem, scheme), level)).collect();
     let ladder = Ladder::new(&mc::Problem::of(problem), steps, levels, truncation(), KEY, runs)?;
-    let state = |view: &View<'_>, p: usize, values: &mut [f64]| {
-        values.copy_from_slice(&view.path::<D>(0, p));
-    };
+    let state = |view: &View<'_>, rows: &mut [real::Row]| rows.copy_from_slice(view.state(0));
     let new = || FinalMoments::new(ladder.coarse_steps(), D, &state);
     let once = || black_box(ladder.run(paths, new, &|_| ())).failed;
     // Sets the mark of the peak back to what is in use now, where the system lets us.

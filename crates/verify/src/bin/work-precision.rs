@@ -4,13 +4,10 @@
 
 use std::process::ExitCode;
 
-use analysis::{
-    Candidates, CompareSettings,
-    compare::{Expectations, compare},
-};
+use analysis::{Candidates, CompareSettings, compare};
 use anyhow::Result;
 use clap::Parser;
-use mc::{Observe, bind};
+use mc::bind;
 use noise::StreamKey;
 use systems::{Damping, PoissonSystem};
 use verify::{
@@ -27,9 +24,6 @@ struct Arguments {
     /// The wanted strong error at the final time.
     #[arg(long, value_name = "ERROR", default_value_t = 1e-3)]
     error: f64,
-    /// The wanted error of expectations.
-    #[arg(long, value_name = "ACCURACY", default_value_t = 1e-2)]
-    accuracy: f64,
     /// Seconds for each problem.
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     budget: f64,
@@ -55,10 +49,10 @@ impl Visit for Compared {
     /// Prints the comparison of all schemes for one problem.
     fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
-        Setup { id, problem, schemes, observables }: Setup<S, G, D, M>,
+        Setup { id, problem, schemes, .. }: Setup<S, G, D, M>,
     ) -> Result<()> {
         self.number += 1;
-        let Arguments { error, accuracy, budget, ref only, seed } = self.arguments;
+        let Arguments { error, budget, ref only, seed } = self.arguments;
         if !only.is_empty() && !only.iter().any(|name| name == id) {
             return Ok(());
         }
@@ -68,14 +62,10 @@ impl Visit for Compared {
         let reference = schemes.iter().find(|scheme| scheme.reads_areas()).unwrap_or(&schemes[0]);
         let candidates = Candidates::against(reference.clone());
         let candidates = schemes.iter().cloned().fold(candidates, Candidates::and);
-        let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
         let experiment = WORK_PRECISION + WORK_PRECISION_PARTS * self.number;
         let key = StreamKey { seed, experiment };
-        let settings = CompareSettings {
-            expectations: Some(Expectations { observables: &observables, accuracy }),
-            budget_s: budget,
-            ..CompareSettings::new(error, truncation(), key)
-        };
+        let settings =
+            CompareSettings { budget_s: budget, ..CompareSettings::new(error, truncation(), key) };
         let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings)?;
         println!("{id}\n{comparison}\n");
         Ok(())

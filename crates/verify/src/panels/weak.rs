@@ -41,6 +41,7 @@ mod tests;
 use analysis::FinalMoments;
 use mc::{Ladder, Observable, Run, View, bind};
 use noise::StreamKey;
+use real::Row;
 use schemes::Sexp;
 use stats::{CrossMoments, Expansion, weak_errors};
 use systems::{
@@ -55,15 +56,17 @@ use super::{
 use crate::{
     Conditions, Findings, Method, TRUNCATED, Words, compiled, in_words,
     results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
-    setups::TestFunction,
     truncation,
 };
+
+/// A test function with its name.
+type TestFunction = (&'static str, fn([f64; 3]) -> f64);
 
 /// One panel: a name and the test functions on it.
 pub struct WeakPanel {
     pub id: &'static str,
     pub title: &'static str,
-    pub functions: [TestFunction<3>; 3],
+    pub functions: [TestFunction; 3],
 }
 
 /// The test functions of panels.
@@ -202,9 +205,11 @@ pub fn moments_of(
     combination: impl Fn(&dyn Fn(usize) -> f64) -> f64 + Sync,
     advance: &(dyn Fn(u64) + Sync),
 ) -> (CrossMoments, Vec<String>) {
-    let values = |view: &View<'_>, p: usize, values: &mut [f64]| {
-        for (value, observable) in values.iter_mut().zip(observables) {
-            *value = combination(&|run| (observable.function)(view.path(run, p)));
+    let values = |view: &View<'_>, rows: &mut [Row]| {
+        for (row, observable) in rows.iter_mut().zip(observables) {
+            for p in view.live.paths() {
+                row[p] = combination(&|run| (observable.function)(view.path(run, p)));
+            }
         }
     };
     let new = || FinalMoments::new(ladder.coarse_steps(), observables.len(), &values);

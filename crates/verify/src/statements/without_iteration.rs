@@ -7,7 +7,7 @@
 //! `no-noise`: for ordinary differential equations the order is two, since the damping stands
 //! symmetrically about the step.
 
-use analysis::{OtherNoise, worse};
+use analysis::worse;
 use mc::{Setup, squared_distance, trajectory};
 use noise::{BlockNoise, Noise, Truncation};
 use schemes::{Scheme, Step};
@@ -17,7 +17,7 @@ use systems::{
 };
 
 use crate::{
-    Conditions, Findings, Method, PaperSystem,
+    Conditions, Findings, Method, OtherNoise, PaperSystem,
     conformal_law::{ROUND_OFF, along, largest_defect},
     panels::curves::{Curve, without_iteration},
     results::{Bounded, Claim, Evidence},

@@ -1,12 +1,9 @@
 //! Strong and weak errors of one-noise systems against their exact solution, beside the paper's
 //! kind of reference.
 
-use analysis::{
-    Exact, ReferenceSolution, StepSizes,
-    exact::{RandomTime, expectation, solution},
-    exact_mean, weak_order,
-};
-use mc::{Observable, Setup};
+use analysis::{Exact, FinalMoments, ReferenceSolution, StepSizes, weak_order};
+use mc::{Ladder, Observable, Setup, View};
+use real::Row;
 use schemes::Sexp;
 use systems::{
     Damping, Problem,
@@ -14,7 +11,9 @@ use systems::{
 };
 
 use crate::{
-    Conditions, Findings, Method, PaperSystem, Words, compiled, in_words,
+    Conditions, Findings, Method, PaperSystem, Words, compiled,
+    exact::{RandomTime, expectation, solution},
+    in_words,
     panels::{
         curves::curves,
         strong::{Grid, StrongRuns},
@@ -90,19 +89,21 @@ fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
 
         // Two ways to the same number, of which one uses the noise of this project and the
         // other a quadrature.
-        let sizes = StepSizes {
-            coarsest_steps: steps / 2,
-            levels: 2,
-            samples: conditions.choose(20_000, 1_000),
-            key: conditions.key(2),
-            ..sizes
+        let (on, key) = (mc::Problem::of(problem), conditions.key(2));
+        let ladder = valid(Ladder::new(&on, steps, 1, truncation(), key, Vec::new()));
+        let ladder = ladder.with_time_change(&time);
+        let values = |view: &View<'_>, rows: &mut [Row]| {
+            for p in view.live.paths() {
+                rows[0][p] = (observable.function)(solution(view.random_time[p]));
+            }
         };
-        let (value, standard_error) =
-            valid(exact_mean(&mc::Problem::of(problem), &observable, &sizes, &exact()));
+        let new = || FinalMoments::new(ladder.coarse_steps(), 1, &values);
+        let measured = ladder.run(conditions.choose(20_000, 1_000), new, &|_| ());
+        let moments = measured.statistic.moments;
         let measured = Evidence::Deviation {
             quantity: format!("E[{name}]"),
-            value,
-            standard_error,
+            value: moments.mean(0),
+            standard_error: moments.covariance_of_means(0, 0).sqrt(),
             bias: 0.0,
             expected: expectation(problem, &time, steps, observable.function),
             path_steps: None,

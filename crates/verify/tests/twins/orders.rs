@@ -1,6 +1,6 @@
 //! Twins of the convergence orders.
 
-use analysis::{Order, OtherNoise, ReferenceSolution, StepSizes, strong_order, weak_order};
+use analysis::{Order, ReferenceSolution, StepSizes, strong_order, weak_order};
 use mc::{Observable, Setup, bind};
 use noise::{BlockNoise, Noise, StreamKey, WienerPath};
 use real::WIDTH;
@@ -10,7 +10,7 @@ use systems::{
     paper::{rigid_body_one_noise, rigid_body_three_noises, valid},
 };
 use verify::results::{Claim, Evidence};
-use verify::{Conditions, truncation};
+use verify::{Conditions, OtherNoise, truncation};
 
 /// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
 /// every seed.
@@ -67,7 +67,7 @@ pub fn weak_with_correction(conditions: &Conditions, factor: f64) -> Claim {
     let sizes = StepSizes { levels: 6, samples: 2048, ..step_sizes(conditions) };
     let problem = rigid_body_three_noises(1.0);
     let wrong = Miscorrected { factor };
-    let sexp = ReferenceSolution::Scheme(bind(&problem, &Sexp));
+    let sexp = ReferenceSolution::Independent(vec![bind(&problem, &Sexp)]);
     let measured = valid(weak_order(&Setup::of(&problem, &wrong), &observable, &sizes, &sexp));
     order_claim("weak-one", "weak order 1 for φ = y3", measured, 1.0)
 }

@@ -1,9 +1,9 @@
 use analysis::Spread;
-use analysis::compare::{Answer, Choice, Keeps, Outcome, Sampled};
+use analysis::compare::{Choice, Keeps, Outcome, Sampled};
 
 use super::*;
 
-/// Two points of one scheme, of which one is not resolved, and an expectation.
+/// Two points of one scheme, of which one is not resolved.
 pub(crate) fn small() -> Comparison {
     let point = |steps: u64, resolved| ErrorPoint {
         steps,
@@ -12,29 +12,8 @@ pub(crate) fn small() -> Comparison {
         lo: 0.25 / steps as f64,
         hi: 1.0 / steps as f64,
         resolved,
-        deviation: None,
         defect: Some(1e-3),
         time: resolved.then_some(Spread { best: 1e-6, median: 2e-6, worst: 3e-6 }),
-    };
-    let bias = ErrorPoint {
-        error: -0.25,
-        lo: 0.125,
-        hi: 0.5,
-        deviation: Some(2.0),
-        time: None,
-        ..point(8, true)
-    };
-    let answer = |quantity: &str, points| {
-        let outcome = Outcome::NotReached { at_least_s: 1e-6, needs: None };
-        let keeps = Keeps::default();
-        Answer {
-            quantity: quantity.into(),
-            wanted: 1e-3,
-            reference_error: 1e-3,
-            mean: None,
-            candidates: vec![Candidate { scheme: "heun".into(), points, outcome, keeps }],
-            choice: Choice::NoneReaches,
-        }
     };
     Comparison {
         system: "a<b".into(),
@@ -42,9 +21,16 @@ pub(crate) fn small() -> Comparison {
         noises: 1,
         t_end: 1.0,
         damped: true,
+        wanted: 1e-3,
         sampled: Sampled::default(),
-        for_error: answer("y(T)", vec![point(8, true), point(16, false)]),
-        for_expectations: vec![answer("E[y1]", vec![bias])],
+        reference_error: 1e-3,
+        candidates: vec![Candidate {
+            scheme: "heun".into(),
+            points: vec![point(8, true), point(16, false)],
+            outcome: Outcome::NotReached { at_least_s: 1e-6, needs: None },
+            keeps: Keeps::default(),
+        }],
+        choice: Choice::NoneReaches,
         stopped: None,
         clock: "processor time".into(),
         wall_s: 1.0,

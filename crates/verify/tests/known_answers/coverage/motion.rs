@@ -3,6 +3,7 @@
 use analysis::FinalMoments;
 use mc::{Ladder, Run, View, bind};
 use noise::{StreamKey, Truncation};
+use real::Row;
 use schemes::EulerMaruyama;
 use stats::{CrossMoments, Expansion, weak_errors};
 use systems::paper::valid;
@@ -45,8 +46,9 @@ pub fn rows(tally: &mut Tally) {
                 own,
                 runs,
             ));
-            let values = |view: &View<'_>, p: usize, difference: &mut [f64]| {
-                difference[0] = view.state(0)[0][p] - view.state(1)[0][p];
+            let values = |view: &View<'_>, difference: &mut [Row]| {
+                let [one, other] = [0, 1].map(|run| view.state(run)[0]);
+                difference[0] = std::array::from_fn(|p| one[p] - other[p]);
             };
             let new = || FinalMoments::new(ladder.coarse_steps(), 1, &values);
             ladder.run(PATHS, new, &|_| ()).statistic.moments

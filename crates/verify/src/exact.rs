@@ -167,31 +167,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_constant_damping_gives_the_known_law() {
-        // g = e^{−γt}: E S = (1 − e^{−γT})/γ, Var S = c²(1 − e^{−2γT})/(2γ).
-        let damping = valid(Constant::new(0.7));
-        let time = RandomTime::new(&damping, 2.0, 1.5, 1.0 / 64.0);
-        let (mean, variance) = time.law(128);
-        assert!((mean - (1.0 - (-1.4f64).exp()) / 0.7).abs() < 1e-14);
-        assert!((variance - 2.25 * (1.0 - (-2.8f64).exp()) / 1.4).abs() < 1e-14);
-    }
-
-    #[test]
-    fn the_solution_obeys_the_conformal_law() {
-        let body = valid(RigidBodyEnergy::new(INERTIA, 1.0));
-        let problem =
-            valid(Problem::new(body, valid(Sine::new(1.0, 1.0)), rigid_body_start(), 1.0));
-        let law = (-2.0 * problem.damping().integral(0.0, 1.0)).exp();
-        for s in [-1.0, 0.2, 2.5] {
-            let y = solution(&problem, s);
-            for index in 0..2 {
-                let exact = law * body.invariant(index, problem.y0());
-                assert!((body.invariant(index, y) / exact - 1.0).abs() < 1e-13);
-            }
-        }
-    }
-
     /// A plane that turns: H = ½|y|².
     struct Plane;
 
