@@ -28,6 +28,11 @@ pub fn moved(a: &[f64], c: f64, b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + c * b).collect()
 }
 
+/// ca.
+pub fn scaled(c: f64, a: &[f64]) -> Vec<f64> {
+    a.iter().map(|x| c * x).collect()
+}
+
 /// max |aᵢ|; NaN if one of them is.
 pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.into_iter().map(|x| x.abs()).max_by(f64::total_cmp).unwrap_or(0.0)

@@ -109,21 +109,20 @@ impl Finding {
             let high = largest(&defects);
             let low = defects.iter().fold(f64::INFINITY, |low, x| low.min(x.abs()));
             let signs = defects.iter().all(|x| (*x < 0.0) == (defects[0] < 0.0));
-            let alike = signs && high <= ALIKE * low;
-            let (below, defect) = match self.kind {
-                Tolerance::Usual => (8.0 * FAINT, DEFECT),
-                Tolerance::Strict => (FAINT, DEFECT),
-                Tolerance::Fitted => (8.0 * FAINT, 2.0 * DEFECT),
+            let strict = self.kind == Tolerance::Strict;
+            let [rounding, defect] = match self.kind {
+                Tolerance::Fitted => [DEFECT, 2.0 * DEFECT],
+                _ => [ROUNDING, DEFECT],
             };
-            let rounding = if self.kind == Tolerance::Fitted { DEFECT } else { ROUNDING };
+            let hidden = |holds| if holds { Status::Holds } else { Status::Unknown };
             let status = if !(high.is_finite() && wide.is_finite()) {
                 Status::Unknown
             } else if high <= (rounding * own).max(f64::MIN_POSITIVE) {
                 Status::Holds
-            } else if !alike {
-                if high <= COARSE * wide { Status::Holds } else { Status::Unknown }
-            } else if low <= below * wide {
-                if self.kind == Tolerance::Strict { Status::Unknown } else { Status::Holds }
+            } else if !(signs && high <= ALIKE * low) {
+                hidden(high <= COARSE * wide)
+            } else if low <= if strict { FAINT } else { 8.0 * FAINT } * wide {
+                hidden(!strict)
             } else if low <= defect * own {
                 Status::Unknown
             } else {
@@ -161,16 +160,27 @@ impl Finding {
     }
 }
 
+/// A sum that should be zero.
+pub fn sum(addends: impl IntoIterator<Item = f64>) -> Term {
+    addends.into_iter().fold((0.0, 0.0), |(sum, size), x| (sum + x, size + x.abs()))
+}
+
+/// aᵀb = 0.
+pub fn product(a: &[f64], b: &[f64]) -> Term {
+    sum(a.iter().zip(b).map(|(a, b)| a * b))
+}
+
 /// The terms of a = b, component by component.
 pub fn differences(a: &[f64], b: &[f64]) -> Vec<Term> {
-    a.iter().zip(b).map(|(a, b)| (a - b, a.abs() + b.abs())).collect()
+    a.iter().zip(b).map(|(a, b)| sum([*a, -b])).collect()
 }
 
 /// The terms of A·v = 0, row by row.
 pub fn products(a: &[Vec<f64>], v: &[f64]) -> Vec<Term> {
-    let sum = |row: &Vec<f64>| {
-        let terms = row.iter().zip(v).map(|(a, v)| a * v);
-        terms.fold((0.0, 0.0), |(sum, size), x| (sum + x, size + x.abs()))
-    };
-    a.iter().map(sum).collect()
+    a.iter().map(|row| product(row, v)).collect()
+}
+
+/// The terms of a + cb.
+pub fn combined(a: &[Term], c: f64, b: &[Term]) -> Vec<Term> {
+    a.iter().zip(b).map(|(a, b)| (a.0 + c * b.0, a.1 + b.1)).collect()
 }

@@ -29,21 +29,12 @@ pub struct FoundCasimir {
 }
 
 impl FoundCasimir {
-    fn new(form: Form, sight: &mut Sight<'_>, matrices: &[Matrix]) -> Self {
+    fn new(form: Form, sight: &Sight<'_>, matrices: &[Matrix]) -> Self {
         let mut casimir = Finding::fitted();
         let at = sight.states.iter().zip(matrices);
         sight.record(&mut casimir, at.map(|(y, b)| products(b, &form.gradient(y))));
-        let everywhere = match form.degree {
-            1 => Minimum::of_linear(&form.coefficients),
-            _ => Minimum::of_form(&form.matrix()),
-        };
-        let minimum = match everywhere.positive.holds() || sight.points.everywhere {
-            true => everywhere,
-            false => Minimum::by_search(&mut sight.probe, sight.points, &|_, y| {
-                y.iter().map(|y| form.value(y)).collect()
-            }),
-        };
-        Self { formula: form.formula(), form, casimir, minimum }
+        let minimum = Minimum::of(&form, sight.points.are_positive());
+        Self { formula: form.formula(), minimum, form, casimir }
     }
 }
 
@@ -67,8 +58,6 @@ pub struct Casimirs {
     /// A basis of the linear ones, then one of the quadratic ones that are no products of these. A
     /// scheme that preserves these preserves their linear combinations.
     pub found: Vec<FoundCasimir>,
-    /// Functions that are almost Casimirs: their `casimir` fails or is unknown.
-    pub nearly: Vec<FoundCasimir>,
     /// Whether it is clear that there are no other linear or quadratic ones.
     pub complete: bool,
     /// A positive definite quadratic Casimir, which bounds all paths: the projection of ½‖y‖² onto
@@ -90,17 +79,15 @@ impl Casimirs {
         let Candidates { forms, complete, quadratic } = casimirs(&mut sight.probe, |_| {
             chunks.next().map(<[Vec<f64>]>::to_vec).unwrap_or_default()
         });
-        let candidates = forms.into_iter().map(|form| FoundCasimir::new(form, sight, &matrices));
-        let (found, nearly): (Vec<_>, Vec<_>) = candidates.partition(|c| c.casimir.holds());
-        let definite = definite(&found)
-            .map(|form| FoundCasimir::new(form, sight, &matrices))
-            .filter(|casimir| casimir.casimir.holds());
+        let evaluated = |form| FoundCasimir::new(form, sight, &matrices);
+        let candidates = forms.into_iter().map(evaluated);
+        let (found, others): (Vec<_>, Vec<_>) = candidates.partition(|c| c.casimir.holds());
+        let definite = definite(&found).map(evaluated).filter(|c| c.casimir.holds());
         Self {
             // The others being Casimirs, one that fails is in no combination that is one.
             complete: complete
-                && nearly.iter().filter(|c| c.casimir.fails()).count() == nearly.len().min(1),
+                && others.iter().filter(|c| c.casimir.fails()).count() == others.len().min(1),
             found,
-            nearly,
             definite,
             quadratic_sought: quadratic,
             logarithmic: LogarithmicCasimir::all(sight, &matrices),
@@ -130,10 +117,10 @@ impl LogarithmicCasimir {
         let new = |x: Vec<f64>| {
             let x = readable(x, ZERO);
             let terms = |(y, b): (&Vec<f64>, &Matrix)| {
-                let gradient =
-                    slopes(y, &moving).iter().zip(&x).map(|(s, c)| c * s).collect::<Vec<_>>();
-                let of = |row: &Vec<f64>| moving.iter().map(|&j| row[j]).collect::<Vec<_>>();
-                products(&b.iter().map(of).collect::<Matrix>(), &gradient)
+                let mut gradient = vec![0.0; d];
+                let slopes = moving.iter().zip(slopes(y, &moving)).zip(&x);
+                slopes.for_each(|((&j, slope), c)| gradient[j] = c * slope);
+                products(b, &gradient)
             };
             let mut casimir = Finding::fitted();
             sight.record(&mut casimir, sight.states.iter().zip(matrices).map(terms));

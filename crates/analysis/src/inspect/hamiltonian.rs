@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    algebra::{dot, moved, norm},
-    finding::{Finding, Term},
+    algebra::{dot, moved, norm, scaled},
+    finding::{Finding, Term, product, sum},
     probe::Batch,
     random::{Purpose, Random},
     shape::Shape,
@@ -61,19 +61,17 @@ impl Hamiltonians {
         }
         let other = sight.weights(&mut random);
         let energies = [weights.clone(), other.clone(), moved(&weights, 1.0, &other)];
-        let [a, b, sum] = energies.map(|weights| sight.probe.energy(&sight.states, &weights));
-        let linear =
-            |n: usize| vec![(sum[n] - a[n] - b[n], sum[n].abs() + a[n].abs() + b[n].abs())];
+        let [a, b, both] = energies.map(|weights| sight.probe.energy(&sight.states, &weights));
+        let linear = |n: usize| vec![sum([both[n], -a[n], -b[n]])];
         sight.record(&mut found.linear, (0..a.len()).map(linear));
         if !sight.probe.description().is_transverse {
-            let gradient = sight.derivative(
+            found.gradient = Some(sight.derivative(
                 |probe, y| probe.energy(y, &weights).into_iter().map(|h| vec![h]).collect(),
                 |probe, y, step| {
                     let slopes = probe.gradient(y, &weights);
                     slopes.iter().zip(step).map(|(slope, step)| vec![dot(slope, step)]).collect()
                 },
-            );
-            found.gradient = Some(gradient);
+            ));
         }
         found.hessian = sight.derivative(
             |probe, y| probe.gradient(y, &weights),
@@ -91,22 +89,19 @@ impl Hamiltonians {
     fn check_averages(&mut self, sight: &mut Sight<'_>, weights: &[f64]) {
         let (states, steps) = (sight.states.clone(), sight.segments());
         let ends = sight.moved(1.0, &steps);
+        let middle = |(a, b): (&Vec<f64>, &Vec<f64>)| scaled(0.5, &moved(a, 1.0, b));
+        let middles: Batch = states.iter().zip(&ends).map(middle).collect();
         let probe = &mut sight.probe;
         let [alone, _, _] = probe.averages(&states, &states, weights);
         let slope = probe.gradient(&states, weights);
-        let middle = |(a, b): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
-            a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
-        };
-        let middles: Batch = states.iter().zip(&ends).map(middle).collect();
         let [mean, field, quadrature] = probe.averages(&states, &ends, weights);
         let far = |(a, b): (&Vec<f64>, &Vec<f64>)| norm(&moved(a, -1.0, b)) > SAME * norm(b);
         self.own_average |= mean.iter().zip(&quadrature).any(far);
         let expected = probe.structure(&middles, &mean);
         let [start, end] = [&states, &ends].map(|y| probe.energy(y, weights));
         let change = |n: usize| {
-            let along: f64 = dot(&mean[n], &steps[n]);
-            let size: f64 = mean[n].iter().zip(&steps[n]).map(|(a, b)| (a * b).abs()).sum();
-            (along - (end[n] - start[n]), size + end[n].abs() + start[n].abs())
+            let (defect, size) = product(&mean[n], &steps[n]);
+            (defect - (end[n] - start[n]), size + end[n].abs() + start[n].abs())
         };
         let changes: Vec<Term> = (0..states.len()).map(change).collect();
         for (n, (defect, _)) in changes.iter().enumerate() {
@@ -115,8 +110,7 @@ impl Hamiltonians {
         }
         sight.compare(&mut self.averaged_gradient, &alone, &slope);
         sight.compare(&mut self.averaged_field, &field, &expected);
-        let changes = changes.into_iter().map(|term| vec![term]);
-        sight.record(&mut self.discrete_gradient, changes);
+        sight.record(&mut self.discrete_gradient, changes.into_iter().map(|term| vec![term]));
     }
 }
 
@@ -134,8 +128,8 @@ fn noise_size(sight: &mut Sight<'_>, random: &mut Random, few: bool) -> (Option<
     for weights in weights {
         let noise = sight.probe.gradient(&sight.states, &weights);
         let c = dot(&drift[0], &noise[0]) / dot(&drift[0], &drift[0]);
-        let scale = |drift: &Vec<f64>| drift.iter().map(|x| c * x).collect();
-        sight.compare(&mut proportional, &drift.iter().map(scale).collect(), &noise);
+        let multiple = drift.iter().map(|drift| scaled(c, drift)).collect();
+        sight.compare(&mut proportional, &multiple, &noise);
         size = size.map(|_| c);
     }
     (size.filter(|c| c.is_finite() && proportional.holds()), proportional)

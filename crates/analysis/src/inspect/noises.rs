@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    algebra::{dot, moved, norm, times},
-    finding::{CLUSTER, Finding, Term, products},
+    algebra::{moved, norm},
+    finding::{CLUSTER, Finding, Term, combined, products},
     probe::Local,
     random::{Purpose, Random},
     sight::Sight,
@@ -66,9 +66,8 @@ impl Noises {
                     record([&mut found.no_correction, correction], product);
                     if m < l {
                         let commutator = of(&|fields| {
-                            let one = fields[l].along(&fields[m]);
                             let other = fields[m].along(&fields[l]);
-                            one.iter().zip(other).map(|(a, b)| (a.0 - b.0, a.1 + b.1)).collect()
+                            combined(&fields[l].along(&fields[m]), -1.0, &other)
                         });
                         record([&mut found.commute, commute], commutator);
                     }
@@ -96,48 +95,38 @@ impl Noises {
             bent.iter().zip(&curved).map(|(a, b)| moved(a, 1.0, b)).collect::<Vec<_>>()
         };
         let (own, one, other) = (product(0, 0), product(0, 1), product(1, 0));
-        let terms = |a: &[f64], b: &[f64]| -> Vec<Term> {
-            let size = norm(a) + norm(b);
-            a.iter().zip(b).map(|(a, b)| (a - b, size)).collect()
-        };
-        let sized = |f: &Vec<f64>, size: &dyn Fn(f64) -> f64| {
-            f.iter().map(|x| (*x, size(*x))).collect::<Vec<Term>>()
+        let sized = |f: &Vec<f64>, size: &dyn Fn(f64) -> f64| -> Vec<Term> {
+            f.iter().map(|x| (*x, size(*x))).collect()
         };
         let silent = fields[0].iter().zip(&slopes[0]).map(|(f, v)| sized(f, &|_| norm(v)));
         sight.record(&mut self.silent, silent);
         sight.record(&mut self.no_correction, own.iter().map(|x| sized(x, &f64::abs)));
         if weights[0].len() > 2 {
-            sight.record(&mut self.commute, one.iter().zip(&other).map(|(a, b)| terms(a, b)));
+            let commutator = one.iter().zip(&other).map(|(a, b)| {
+                let size = norm(a) + norm(b);
+                sized(&moved(a, -1.0, b), &|_| size)
+            });
+            sight.record(&mut self.commute, commutator);
         }
     }
 }
 
-/// A noise field at a state, and its derivative, with the sizes of their terms.
+/// A noise field at a state, and the columns of its derivative.
 struct Field {
     terms: Vec<Term>,
-    /// The rows of f′, and the sizes of the terms of each entry.
-    slope: [Vec<Vec<f64>>; 2],
+    columns: Vec<Vec<Term>>,
 }
 
 /// The fields of all noises.
 fn fields(local: &Local) -> Vec<Field> {
     let Local { b, slopes, gradients, hessians, .. } = local;
-    let d = b.len();
-    let absolute = |a: &Vec<f64>| a.iter().map(|x| x.abs()).collect::<Vec<_>>();
     let field = |m: usize| {
-        let (v, curved) = (&gradients[m], &hessians[m]);
-        let size = absolute(v);
-        let [mut values, mut sizes] = [0, 1].map(|_| vec![vec![0.0; d]; d]);
-        for j in 0..d {
-            let column: Vec<f64> = curved.iter().map(|row| row[j]).collect();
-            let bent = times(&slopes[j], v);
-            let turned = products(b, &column);
-            for i in 0..d {
-                values[i][j] = bent[i] + turned[i].0;
-                sizes[i][j] = dot(&absolute(&slopes[j][i]), &size) + turned[i].1;
-            }
-        }
-        Field { terms: products(b, v), slope: [values, sizes] }
+        let column = |j: usize| {
+            let curved: Vec<f64> = hessians[m].iter().map(|row| row[j]).collect();
+            combined(&products(&slopes[j], &gradients[m]), 1.0, &products(b, &curved))
+        };
+        let columns = (0..b.len()).map(column).collect();
+        Field { terms: products(b, &gradients[m]), columns }
     };
     (1..gradients.len()).map(field).collect()
 }
@@ -145,11 +134,12 @@ fn fields(local: &Local) -> Vec<Field> {
 impl Field {
     /// f′g.
     fn along(&self, g: &Field) -> Vec<Term> {
-        let [values, sizes] = &self.slope;
-        let entry = |(value, size): (&Vec<f64>, &Vec<f64>)| {
-            let terms = g.terms.iter().zip(value.iter().zip(size));
-            terms.fold((0.0, 0.0), |(sum, total), ((x, s), (a, b))| (sum + a * x, total + b * s))
+        let entry = |i: usize| {
+            let terms = g.terms.iter().zip(&self.columns);
+            terms.fold((0.0, 0.0), |(sum, size), ((x, s), column)| {
+                (sum + column[i].0 * x, size + column[i].1 * s)
+            })
         };
-        values.iter().zip(sizes).map(entry).collect()
+        (0..g.terms.len()).map(entry).collect()
     }
 }

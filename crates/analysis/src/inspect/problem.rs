@@ -28,8 +28,7 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Prefers a bound that holds everywhere to one in the domain, an eigenvalue to a search, and a
-    /// Casimir to the energy.
+    /// Prefers a bound that holds everywhere to one in the domain, and a Casimir to the energy.
     pub(super) fn of(
         structure: &Structure,
         hamiltonians: &Hamiltonians,
@@ -53,10 +52,9 @@ impl Bound {
                 minimum,
                 casimir: None,
             });
-        let candidates = casimirs.definite.iter().chain(&casimirs.found).map(casimir).chain(energy);
-        let positive =
-            candidates.filter(|bound| bound.minimum.positive.holds() && bound.degree > 0.0);
-        positive.min_by_key(|bound| (bound.minimum.in_domain_only, bound.minimum.searched))
+        let all = casimirs.definite.iter().chain(&casimirs.found).map(casimir).chain(energy);
+        let positive = all.filter(|bound| bound.minimum.positive.holds());
+        positive.min_by_key(|bound| bound.minimum.in_domain_only)
     }
 
     /// (F(y)/m(F))^{1/p}: the bound of undamped paths from y.

@@ -170,19 +170,6 @@ impl Inspection {
         self
     }
 
-    /// (strong, weak) order that theory predicts for a scheme, by its identifier.
-    pub fn order(&self, scheme: &str) -> Option<(f64, f64)> {
-        let order = self.orders.iter().find(|order| order.scheme == scheme)?;
-        Some((order.strong, order.weak))
-    }
-
-    /// Whether a statement of the paper applies, by its identifier; `None` if it is about systems
-    /// with another number of noises.
-    pub fn applies(&self, statement: &str) -> Option<Applies> {
-        let theorem = self.theorems.iter().find(|theorem| theorem.statement == statement)?;
-        Some(theorem.applies)
-    }
-
     /// Whether B is sound and a Casimir was found, or is claimed and may be one.
     fn has_casimirs(&self) -> bool {
         let found = |c: &Casimirs| !c.found.is_empty() || !c.logarithmic.is_empty();
@@ -216,12 +203,7 @@ impl Display for Inspection {
                 (Some(radius), Some(Bound { minimum, .. })) => {
                     let inside =
                         if minimum.in_domain_only { " while they are in the domain" } else { "" };
-                    let found = if minimum.searched {
-                        " if that bound, found by search, holds"
-                    } else {
-                        ""
-                    };
-                    format!("stay within ‖y‖ ≤ {}{inside}{found}", length(radius))
+                    format!("stay within ‖y‖ ≤ {}{inside}", length(radius))
                 }
                 _ => "no bound was found".into(),
             };
@@ -346,7 +328,7 @@ impl Inspection {
 
 impl Casimirs {
     fn write(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { found, nearly, complete, definite, quadratic_sought, logarithmic } = self;
+        let Self { found, complete, definite, quadratic_sought, logarithmic } = self;
         let sought = if *quadratic_sought { "linear or quadratic" } else { "linear" };
         let none = match (found.is_empty(), complete) {
             (true, true) => " none",
@@ -360,10 +342,6 @@ impl Casimirs {
         }
         if found.len() > LISTED {
             writeln!(f, "    and {} more", found.len() - LISTED)?;
-        }
-        for FoundCasimir { formula, casimir, .. } in nearly {
-            let is = if casimir.fails() { "not" } else { "perhaps" };
-            writeln!(f, "    {is} {formula}: B∇C = 0 {casimir}")?;
         }
         for FoundCasimir { formula, minimum, .. } in definite.iter().filter(|_| found.len() > 1) {
             let formula = if found.len() > LISTED { "of all" } else { formula };
@@ -471,15 +449,12 @@ impl Display for Structure {
 
 impl Display for Minimum {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { value, error, positive, searched, in_domain_only } = *self;
+        let Self { value, error, positive, in_domain_only } = *self;
         match positive {
             Status::Unknown if value.abs() <= error => write!(f, "0 to {error:.0e}")?,
             Status::Unknown => write!(f, "{value:.1e}, sign cannot be told")?,
             Status::Fails => write!(f, "{value:.4e}")?,
-            Status::Holds => {
-                let search = if searched { " (found by search)" } else { "" };
-                write!(f, "{value:.4e} > 0{search}")?;
-            }
+            Status::Holds => write!(f, "{value:.4e} > 0")?,
         }
         f.write_str(if in_domain_only { " on the domain" } else { "" })
     }

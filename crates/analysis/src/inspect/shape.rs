@@ -1,11 +1,12 @@
-//! The shape of a scalar function, from its values: linear, quadratic or homogeneous, its degree
-//! and its minimum on the unit sphere.
+//! The shape of a scalar function, from its values: linear, quadratic or homogeneous, its degree,
+//! and the minimum of a form on the unit sphere.
 
 use serde::Serialize;
 
 use super::{
-    algebra::{Matrix, axis, largest, moved, norm},
-    finding::{CLUSTER, Finding, Status, Term},
+    algebra::{Matrix, axis, largest, moved, norm, scaled},
+    finding::{CLUSTER, Finding, Status, Term, sum},
+    form::Form,
     points::Points,
     probe::{Batch, Probe},
     sight::Sight,
@@ -55,24 +56,22 @@ pub struct Shape {
     /// F is a polynomial of degree at most two, by third differences: the averaged gradient is the
     /// gradient at the midpoint.
     pub constant_hessian: Finding,
-    /// m(F) of a homogeneous function.
+    /// m(F) of a linear or quadratic function that is defined everywhere.
     pub minimum: Option<Minimum>,
 }
 
 /// m(F) = min F over the unit sphere; if it is positive, F bounds all paths.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Minimum {
-    /// The value: −‖β‖ of a linear function, half the smallest eigenvalue of a quadratic form, else
-    /// the lowest value that a search found, which is no lower bound.
+    /// −‖β‖ of a linear function, half the smallest eigenvalue of a quadratic form; the smallest βᵢ
+    /// of a linear function on positive states.
     pub value: f64,
     /// A bound of the rounding error of `value`.
     pub error: f64,
     /// Whether m(F) > 0.
     pub positive: Status,
-    /// Whether it was found by a search.
-    pub searched: bool,
-    /// Whether the minimum is over the part of the sphere in the domain of the system only. The
-    /// bound then holds as long as a path stays there.
+    /// Whether the minimum is over positive states only, as all that were found in the domain are.
+    /// The bound then holds as long as a path stays there.
     pub in_domain_only: bool,
 }
 
@@ -91,18 +90,12 @@ impl Shape {
         let Sight { probe, points, states, locals } = sight;
         let values = f(probe, states);
         let factor = |at: &Vec<f64>| {
-            let inside =
-                |c: &&f64| probe.in_domain(&at.iter().map(|x| **c * x).collect::<Vec<_>>());
-            STRETCH.iter().find(inside).copied()
+            let inside = STRETCH.into_iter().find(|&c| probe.in_domain(&scaled(c, at)));
+            [inside.unwrap_or(1.0); CLUSTER]
         };
-        let factors: Vec<f64> = points
-            .for_identities
-            .iter()
-            .flat_map(|at| [factor(at).unwrap_or(1.0); CLUSTER])
-            .collect();
-        let scaled: Batch =
-            states.iter().zip(&factors).map(|(y, c)| y.iter().map(|x| c * x).collect()).collect();
-        let stretched = f(probe, &scaled);
+        let factors: Vec<f64> = points.for_identities.iter().flat_map(factor).collect();
+        let stretch = |(y, c): (&Vec<f64>, &f64)| scaled(*c, y);
+        let stretched = f(probe, &states.iter().zip(&factors).map(stretch).collect::<Batch>());
         let constant_hessian = third_differences(probe, points, states, f);
         let zero = values.iter().chain(&stretched).all(|x| *x == 0.0);
         let typical = largest(&values);
@@ -111,24 +104,16 @@ impl Shape {
         let best = moving.max_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs()));
         let degree = best.map_or(f64::NAN, |n| (stretched[n] / values[n]).ln() / factors[n].ln());
         let degree = if zero { 0.0 } else { short(degree) + 0.0 };
-        let mut homogeneous = match degree.fract() == 0.0 {
-            true => Finding::default(),
-            false => Finding::fitted(),
-        };
+        let mut homogeneous =
+            if degree.fract() == 0.0 { Finding::default() } else { Finding::fitted() };
         if degree.is_finite() {
-            let term = |n: usize| -> Vec<Term> {
-                let expected = factors[n].powf(degree) * values[n];
-                vec![(stretched[n] - expected, stretched[n].abs() + expected.abs())]
-            };
+            let term = |n: usize| vec![sum([stretched[n], -(factors[n].powf(degree) * values[n])])];
             let terms: Vec<_> = (0..values.len()).map(term).collect();
             for (at, cluster) in points.for_identities.iter().zip(terms.chunks(CLUSTER)) {
                 homogeneous.record(at, cluster, typical);
             }
         } else {
-            homogeneous.status = match typical.is_finite() {
-                true => Status::Fails,
-                false => Status::Unknown,
-            };
+            homogeneous.status = if typical.is_finite() { Status::Fails } else { Status::Unknown };
         }
         let kind = match homogeneous.status {
             _ if zero => Kind::Zero,
@@ -139,11 +124,12 @@ impl Shape {
             Status::Holds => Kind::Homogeneous,
         };
         let law = matches!(kind, Kind::Linear | Kind::Quadratic | Kind::Homogeneous);
-        let minimum = (law && !locals.is_empty()).then(|| match kind {
-            Kind::Linear if points.everywhere => Minimum::of_linear(&coefficients(probe, f)),
-            Kind::Quadratic if points.everywhere => Minimum::of_form(&matrix(probe, f)),
-            _ => Minimum::by_search(probe, points, f),
-        });
+        let minimum = match kind {
+            _ if locals.is_empty() || !points.everywhere => None,
+            Kind::Linear => Some(Minimum::of_linear(&coefficients(probe, f))),
+            Kind::Quadratic => Some(Minimum::of_quadratic(&matrix(probe, f))),
+            _ => None,
+        };
         Self { kind, degree: law.then_some(degree), homogeneous, constant_hessian, minimum }
     }
 }
@@ -164,24 +150,26 @@ fn third_differences(
     let all = &points.for_identities;
     let step = |n: usize| {
         let b = &all[(n + 1) % all.len()];
-        let lengths = (0..HALVINGS).map(|halvings| STEP * f64::powi(0.5, halvings));
+        let mut lengths = (0..HALVINGS).map(|halvings| STEP * f64::powi(0.5, halvings));
         let inside = |length: &f64| {
             (1..=3).all(|k| probe.in_domain(&moved(&all[n], f64::from(k) * length, b)))
         };
-        lengths.into_iter().find(inside).map(|length| b.iter().map(|x| length * x).collect())
+        lengths.find(inside).map(|length| scaled(length, b))
     };
     let steps: Vec<Option<Vec<f64>>> = (0..all.len()).map(step).collect();
     let at = |k: f64| -> Batch {
-        let step = |n: usize| steps[n / CLUSTER].as_ref();
-        let moved = |(n, y): (usize, &Vec<f64>)| step(n).map_or(y.clone(), |b| moved(y, k, b));
+        let moved = |(n, y): (usize, &Vec<f64>)| match &steps[n / CLUSTER] {
+            Some(step) => moved(y, k, step),
+            None => y.clone(),
+        };
         states.iter().enumerate().map(moved).collect()
     };
     let values = [0.0, 1.0, 2.0, 3.0].map(|k| f(probe, &at(k)));
     let mut finding = Finding::default();
     for (n, y) in all.iter().enumerate().filter(|(n, _)| steps[*n].is_some()) {
         let term = |n: usize| {
-            let terms = [values[3][n], -3.0 * values[2][n], 3.0 * values[1][n], -values[0][n]];
-            vec![(terms.iter().sum(), terms.iter().map(|x| x.abs()).sum())]
+            let [a, b, c, d] = values.each_ref().map(|values| values[n]);
+            vec![sum([d, -3.0 * c, 3.0 * b, -a])]
         };
         let cluster: Vec<Vec<Term>> = (CLUSTER * n..CLUSTER * (n + 1)).map(term).collect();
         finding.record(y, &cluster, 0.0);
@@ -205,22 +193,27 @@ fn matrix(probe: &mut Probe<'_>, f: Values<'_>) -> Matrix {
     (0..d).map(|i| (0..d).map(|j| values[i * d + j] - alone[i] - alone[j]).collect()).collect()
 }
 
-/// Shortest step of the search; the error of the minimum is of the order of its square.
-const SHORTEST: f64 = 1e-7;
-/// Starts of the search, and the most steps from each.
-const STARTS: usize = 8;
-const STEPS: usize = 400;
-
 impl Minimum {
-    /// −‖β‖.
-    pub(super) fn of_linear(beta: &[f64]) -> Self {
-        let value = -norm(beta);
-        let error = f64::EPSILON * beta.len() as f64 * value.abs();
-        Self { value, error, positive: Status::Fails, searched: false, in_domain_only: false }
+    /// On the whole sphere, or on its positive part where the domain has positive states only.
+    pub(super) fn of(form: &Form, positive_states: bool) -> Self {
+        let beta = &form.coefficients;
+        match form.degree {
+            1 if positive_states && beta.iter().all(|beta| *beta > 0.0) => {
+                let value = beta.iter().copied().fold(f64::INFINITY, f64::min);
+                Self { value, error: 0.0, positive: Status::Holds, in_domain_only: true }
+            }
+            1 => Self::of_linear(beta),
+            _ => Self::of_quadratic(&form.matrix()),
+        }
     }
 
-    /// The minimum of ½yᵀQy, by the smallest eigenvalue.
-    pub(super) fn of_form(q: &Matrix) -> Self {
+    fn of_linear(beta: &[f64]) -> Self {
+        let value = -norm(beta);
+        let error = f64::EPSILON * beta.len() as f64 * value.abs();
+        Self { value, error, positive: Status::Fails, in_domain_only: false }
+    }
+
+    fn of_quadratic(q: &Matrix) -> Self {
         let value = 0.5 * smallest_eigenvalue(q);
         // Backward stable, with a modest multiple of u‖Q‖ (Golub and Van Loan 2013, section 8.6).
         let error = 4.0 * f64::EPSILON * q.len() as f64 * norm(&q.concat());
@@ -229,51 +222,6 @@ impl Minimum {
             (_, true) => Status::Fails,
             _ => Status::Unknown,
         };
-        Self { value, error, positive, searched: false, in_domain_only: false }
-    }
-
-    /// A compass search on the sphere from the best points: steps along the axes, halved when none
-    /// helps. A negative value refutes m(F) > 0; a positive one proves nothing.
-    pub(super) fn by_search(probe: &mut Probe<'_>, points: &Points, f: Values<'_>) -> Self {
-        let unit = |y: &Vec<f64>| {
-            let length = norm(y);
-            y.iter().map(|x| x / length).collect::<Vec<_>>()
-        };
-        let mut on_sphere = |states: Batch| -> Vec<(f64, Vec<f64>)> {
-            let inside: Batch = states.iter().map(unit).filter(|y| probe.in_domain(y)).collect();
-            let values = if inside.is_empty() { Vec::new() } else { f(probe, &inside) };
-            let mut found: Vec<_> = values.into_iter().zip(inside).collect();
-            found.retain(|(value, _)| value.is_finite());
-            found.sort_by(|a, b| a.0.total_cmp(&b.0));
-            found
-        };
-        let starts = on_sphere(points.for_suprema.clone());
-        let size = largest(starts.iter().map(|(value, _)| value));
-        let mut least = f64::INFINITY;
-        for (mut lowest, mut y) in starts.into_iter().take(STARTS) {
-            let mut step = 0.5;
-            for _ in 0..STEPS {
-                let d = y.len();
-                let moves = (0..2 * d)
-                    .map(|k| moved(&y, if k < d { step } else { -step }, &axis(d, k % d)));
-                match on_sphere(moves.collect()).into_iter().next() {
-                    Some((value, found)) if value < lowest => (lowest, y) = (value, found),
-                    _ if step <= SHORTEST => break,
-                    _ => step *= 0.5,
-                }
-            }
-            least = least.min(lowest);
-        }
-        // The search ends at a distance of the order of its step from a minimum.
-        let error = SHORTEST * size;
-        let positive = if least < -f64::EPSILON * size {
-            Status::Fails
-        } else if least > error && least.is_finite() {
-            Status::Holds
-        } else {
-            Status::Unknown
-        };
-        let in_domain_only = !points.everywhere;
-        Self { value: least, error, positive, searched: true, in_domain_only }
+        Self { value, error, positive, in_domain_only: false }
     }
 }

@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::{
-    algebra::{dot, moved},
-    finding::{Finding, Status, Term, differences},
+    algebra::moved,
+    finding::{Finding, Status, combined, differences, product, sum},
+    form::places,
     probe::Local,
     random::{Purpose, Random},
     sight::Sight,
@@ -32,24 +33,18 @@ impl Structure {
         let mut random = Random::new(Purpose::Vectors);
         let [u, v] = [0, 1].map(|_| sight.vectors(&mut random));
         let both: Vec<_> = u.iter().zip(&v).map(|(u, v)| moved(u, 1.0, v)).collect();
-        let [turned_u, turned_v, turned] =
-            [&u, &v, &both].map(|v| sight.probe.structure(&sight.states, v));
+        let [bu, bv, b_both] = [&u, &v, &both].map(|v| sight.probe.structure(&sight.states, v));
         let linear = |n: usize| {
-            let term = |i: usize| {
-                let (a, b, sum) = (turned_u[n][i], turned_v[n][i], turned[n][i]);
-                (sum - a - b, sum.abs() + a.abs() + b.abs())
-            };
+            let term = |i: usize| sum([b_both[n][i], -bu[n][i], -bv[n][i]]);
             (0..u[n].len()).map(term).collect()
         };
         sight.record(&mut found.linear, (0..u.len()).map(linear));
         // Bᵢⱼ + Bⱼᵢ = 0, or vᵀB(y)v = 0.
         if sight.locals.is_empty() {
-            let terms = v.iter().zip(&turned_v).map(|(v, bv)| vec![product(v, bv)]);
-            sight.record(&mut found.skew, terms);
+            sight.record(&mut found.skew, v.iter().zip(&bv).map(|(v, bv)| vec![product(v, bv)]));
         } else {
             let terms = |Local { b, .. }: &Local| {
-                let places = (0..b.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
-                places.map(|(i, j)| (b[i][j] + b[j][i], b[i][j].abs() + b[j][i].abs())).collect()
+                places(b.len()).map(|(i, j)| sum([b[i][j], b[j][i]])).collect()
             };
             sight.record(&mut found.skew, sight.locals.iter().map(terms));
         }
@@ -62,10 +57,8 @@ impl Structure {
         for k in 0..3 {
             let (a, b, c) = (&covectors[k], &covectors[(k + 1) % 3], &turned[(k + 2) % 3]);
             let along = sight.probe.structure_along(&sight.states, c, b);
-            for (total, (a, along)) in jacobi.iter_mut().zip(a.iter().zip(&along)) {
-                let term = product(a, along);
-                *total = (total.0 + term.0, total.1 + term.1);
-            }
+            let terms: Vec<_> = a.iter().zip(&along).map(|(a, along)| product(a, along)).collect();
+            jacobi = combined(&jacobi, 1.0, &terms);
         }
         sight.record(&mut found.jacobi, jacobi.into_iter().map(|term| vec![term]));
         let v = &v[..1];
@@ -80,9 +73,4 @@ impl Structure {
     pub(super) fn sound(&self) -> Status {
         self.linear.status.min(self.skew.status)
     }
-}
-
-/// aᵀb = 0.
-fn product(a: &[f64], b: &[f64]) -> Term {
-    (dot(a, b), a.iter().zip(b).map(|(a, b)| (a * b).abs()).sum())
 }

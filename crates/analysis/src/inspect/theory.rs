@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::{
     finding::{Finding, Status},
     noises::Noises,
+    problem::Bound,
     report::Inspection,
 };
 
@@ -120,14 +121,10 @@ pub fn theorems(report: &Inspection, damped: bool) -> Vec<Theorem> {
         _ => (Conditionally, "cannot tell whether H₁ = c H₀ with a homogeneous H₀".into()),
     };
     let bounded = match bound {
-        Some(bound) => {
-            let text = format!("m({}) = {}", bound.function, bound.minimum);
-            match (bound.minimum.in_domain_only, bound.minimum.searched) {
-                (true, _) => (Conditionally, format!("{text} while paths stay there")),
-                (_, true) => (Conditionally, format!("{text}, if the search missed nothing")),
-                _ => (Yes, text),
-            }
+        Some(Bound { function, minimum, .. }) if minimum.in_domain_only => {
+            (Conditionally, format!("m({function}) = {minimum} while paths stay there"))
         }
+        Some(Bound { function, minimum, .. }) => (Yes, format!("m({function}) = {minimum}")),
         None => (No, "found no linear or quadratic Casimir or energy with m(F) > 0".into()),
     };
     let quadratic = hamiltonians.shapes.iter().all(|shape| shape.constant_hessian.holds());

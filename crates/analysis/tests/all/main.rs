@@ -12,7 +12,7 @@ mod run_time;
 
 use std::sync::Arc;
 
-use analysis::inspect::{InspectError, InspectSettings, Inspection};
+use analysis::inspect::{Applies, InspectError, InspectSettings, Inspection};
 use formula::{Definition, FormulaSystem};
 use systems::{Constant, Damping, PoissonSystem, Problem, run_time as at_run_time};
 
@@ -42,6 +42,17 @@ fn inspect_around(
 ) -> Result<Inspection, InspectError> {
     let y0 = Some(y0.to_vec());
     analysis::inspect(system, &InspectSettings { y0, damping: None, areas: false })
+}
+
+/// The strong and the weak order that theory predicts for a scheme.
+fn order(report: &Inspection, scheme: &str) -> Option<(f64, f64)> {
+    let order = report.orders.iter().find(|order| order.scheme == scheme)?;
+    Some((order.strong, order.weak))
+}
+
+/// Whether a statement of the paper applies.
+fn applies(report: &Inspection, statement: &str) -> Option<Applies> {
+    Some(report.theorems.iter().find(|theorem| theorem.statement == statement)?.applies)
 }
 
 /// The formulas of the Casimirs that were found.
