@@ -33,7 +33,7 @@
 //! let body = RigidBody::three_noises([2.0, 1.0, 0.5], [1.0, 2.0, 3.0])?;
 //! let body = inspect(&Compiled::new(body, [0.6, 0.0, 0.8]), &settings)?;
 //! assert!(!body.noise.commute.holds());
-//! assert_eq!((body.orders[0].scheme, body.orders[0].strong), ("sexp", 0.5));
+//! assert_eq!(body.order("sexp"), Some((0.5, 1.0)));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -170,6 +170,12 @@ impl Inspection {
         self
     }
 
+    /// (strong, weak) order that theory predicts for a scheme, by its identifier.
+    pub fn order(&self, scheme: &str) -> Option<(f64, f64)> {
+        let order = self.orders.iter().find(|order| order.scheme == scheme)?;
+        Some((order.strong, order.weak))
+    }
+
     /// Whether B is sound and a Casimir was found, or is claimed and may be one.
     fn has_casimirs(&self) -> bool {
         let found = |c: &Casimirs| !c.found.is_empty() || !c.logarithmic.is_empty();

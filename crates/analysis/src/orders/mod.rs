@@ -91,6 +91,6 @@ pub(crate) fn single_steps(
     sizes: &StepSizes,
     stop: &Stop,
 ) -> Result<Consistency, LadderError> {
-    let visits = runs::visits_of(subject, sizes, consistency::VISITS as u64, stop)?;
+    let visits = runs::visits(subject, sizes, consistency::VISITS as u64, stop)?;
     Ok(consistency::consistency(subject, sizes, &visits, false, stop))
 }

@@ -211,19 +211,16 @@ fn differences(
     tau: f64,
     amplifications: &[f64],
 ) -> Vec<(f64, f64)> {
-    let (noises, areas) = (steps.subject.problem.noises, steps.subject.scheme.reads_areas());
+    let subject = steps.subject;
     let mut sums = vec![(0.0, 0.0, 0.0); amplifications.len()];
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
         let first_path = block * WIDTH as u64;
-        let draw = |&factor: &f64| two_steps(key, first_path, 0.5 * tau, factor, noises, areas);
+        let draw = |&factor: &f64| two_steps(subject, key, first_path, 0.5 * tau, factor);
         let drawn: Vec<[StepNoise; 2]> = amplifications.iter().map(draw).collect();
         for (p, visit) in visits.iter().enumerate() {
             for (lane, drawn) in drawn.iter().enumerate() {
-                steps
-                    .noises
-                    .iter_mut()
-                    .zip(drawn)
-                    .for_each(|(to, from)| to.copy_path(lane, from, p));
+                let noises = steps.noises.iter_mut().zip(drawn);
+                noises.for_each(|(to, from)| to.copy_path(lane, from, p));
             }
             let Some(ends) = steps.one_and_two(visit, tau, drawn.len()) else { continue };
             let OneAndTwo { one, two, live } = ends;
@@ -241,32 +238,34 @@ fn differences(
 /// The noise of two steps τ of 32 paths, times a factor. Areas have one term of their series, since
 /// one step and two half steps share them and only their law is that of the series.
 fn two_steps(
+    Subject { problem, scheme }: Subject<'_>,
     key: StreamKey,
     first_path: u64,
     tau: f64,
     factor: f64,
-    noises: usize,
-    areas: bool,
 ) -> [StepNoise; 2] {
     let mut wiener = WienerRows::new(key, first_path);
-    let mut areas = areas.then(|| AreaSampler::new(key, first_path, noises, 1));
+    let areas = || AreaSampler::new(key, first_path, problem.noises, 1);
+    let mut areas = scheme.reads_areas().then(areas);
     // Brownian motion times a factor is Brownian motion of another time.
     let time = tau * factor * factor;
     [(); 2].map(|()| {
-        let Some(areas) = &mut areas else {
-            let mut noise = StepNoise::zero(noises);
-            wiener.increments(time.sqrt(), &mut noise.increments);
-            return noise;
-        };
-        let mut noise = StepNoise::with_areas(noises);
+        let mut noise = scheme.no_noise(problem.noises);
         wiener.increments(time.sqrt(), &mut noise.increments);
-        areas.areas(time, &noise.increments, &mut noise.areas);
+        if let Some(areas) = &mut areas {
+            areas.areas(time, &noise.increments, &mut noise.areas);
+        }
         noise
     })
 }
 
 #[cfg(test)]
 mod tests {
+    use mc::Setup;
+    use noise::Truncation;
+    use systems::{Constant, Problem, paper::valid};
+
+    use super::super::tests::{Anything, Single};
     use super::*;
 
     #[test]
@@ -290,12 +289,6 @@ mod tests {
             }
         }
     }
-
-    use mc::Setup;
-    use noise::{Noise, Truncation};
-    use systems::{Constant, Problem, paper::valid};
-
-    use super::super::tests::{Anything, Single};
 
     fn problem() -> Problem<Anything, Constant, 2> {
         valid(Problem::new(Anything, valid(Constant::new(0.0)), [1.0, 0.0], 2.0))
@@ -338,31 +331,19 @@ mod tests {
     }
 
     #[test]
-    fn step_sizes_begin_above_the_finest_and_fall_by_quarters() {
+    fn step_sizes_fall_by_quarters_and_factors_end_where_rounding_shows() {
         let mut asked = Vec::new();
         least_order(2.0, &sizes(), &mut |tau, strengths| {
-            assert_eq!(strengths, AMPLIFICATIONS);
-            asked.push(tau);
-            vec![(1.0, 1.0); strengths.len()]
-        });
-        // The reference has 4·2⁴ steps on [0, 2]; a quarter of it, and two quarters more up.
-        let finest = 2.0 / 64.0 / 4.0;
-        let expected: Vec<f64> = (-2..20).map(|n| finest * 0.25f64.powi(n)).collect();
-        assert_eq!(asked, expected);
-    }
-
-    #[test]
-    fn factors_of_the_noise_are_left_out_where_rounding_shows() {
-        let mut asked = Vec::new();
-        least_order(2.0, &sizes(), &mut |tau, strengths| {
-            asked.push(strengths.to_vec());
+            asked.push((tau, strengths.to_vec()));
             // Rounding at the first step size without a factor, never with the largest.
             let shows = |&strength: &f64| tau < 0.1 && strength < 2e4 || strength == 1.0;
             strengths.iter().map(|s| (if shows(s) { 0.0 } else { 1.0 }, 1.0)).collect()
         });
-        assert_eq!(asked[0], AMPLIFICATIONS);
-        assert_eq!(asked[1], AMPLIFICATIONS[1..]);
-        assert_eq!((asked.len(), &asked[21][..]), (22, &[65_536.0][..]));
+        // The reference has 4·2⁴ steps on [0, 2]; a quarter of it, and two quarters more up.
+        let expected = (-2..20).map(|n| 2.0 / 64.0 / 4.0 * 0.25f64.powi(n));
+        assert!(asked.iter().map(|(tau, _)| *tau).eq(expected));
+        assert_eq!((&asked[0].1[..], &asked[1].1[..]), (&AMPLIFICATIONS[..], &AMPLIFICATIONS[1..]));
+        assert_eq!(asked[21].1, [65_536.0]);
     }
 
     #[test]
@@ -428,29 +409,5 @@ mod tests {
         let visits = vec![Visit { t: 0.0, state: vec![1.0, 1.0] }; 20];
         let setup = Setup::of(&problem, &drift);
         assert_eq!(mean_order(Subject::from(&setup), &sizes(), &visits), Some(1.0));
-    }
-
-    #[test]
-    fn areas_of_two_steps_add_up_by_chens_relation() {
-        let noise = |increments: [f64; 2], area: f64| {
-            let mut noise = StepNoise::with_areas(2);
-            noise.set_path(5, &Noise { increments, areas: [[0.0, area], [-area, 0.0]] });
-            noise
-        };
-        let mut both = noise([1.0, 2.0], 0.25);
-        both.join(&noise([3.0, 5.0], 0.5));
-        // ½(1·5 − 2·3) = −½.
-        assert_eq!(both.path::<2>(5).increments, [4.0, 7.0]);
-        assert_eq!(both.path::<2>(5).areas, [[0.0, 0.25], [-0.25, 0.0]]);
-        // Brownian motion times two is that of four times the time.
-        let key = StreamKey { seed: 7, experiment: 1 };
-        let of = |tau, factor, areas| {
-            two_steps(key, 3, tau, factor, 2, areas).map(|noise| noise.path::<2>(0))
-        };
-        assert_eq!(of(0.5, 2.0, true), of(2.0, 1.0, true));
-        assert!(of(0.5, 2.0, true)[0].areas[0][1] != 0.0);
-        let without = of(2.0, 1.0, false);
-        assert_eq!(without[0].increments, of(0.5, 2.0, true)[0].increments);
-        assert_eq!(without[0].areas, [[0.0; 2]; 2]);
     }
 }

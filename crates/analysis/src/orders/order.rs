@@ -1,6 +1,6 @@
 //! Strong and weak orders.
 
-use mc::{LadderError, Observe, Setup, View};
+use mc::{LadderError, Observe, Setup, View, parts::Stop};
 use real::{PathMask, Row, WIDTH};
 use stats::{
     Against, CrossMoments, Expansion, Point, fit_strong, fit_weak, lower_share, root_mean_squares,
@@ -19,6 +19,9 @@ use super::{
 /// Relative error of a weak difference for which the model, some powers of an expansion, is not
 /// answerable.
 const MODEL_ERROR: f64 = 0.01;
+
+/// Paths whose states single steps start from.
+const VISITS: u64 = 256;
 
 /// The strong order of a scheme, with root-mean-square errors at the final time. The limit is
 /// compared with `reference`; against an exact solution the points are errors against it.
@@ -135,7 +138,7 @@ fn once(
     let (visits, limit) = match obstacle {
         Some(Decision::Failures { .. }) => (None, Limit::Unchecked),
         _ => {
-            let visits = visits(subject, sizes)?;
+            let visits = visits(subject, sizes, VISITS, &Stop::default())?;
             let limit = limit(subject, sizes, &visits, reference, what)?;
             (Some(visits), limit)
         }

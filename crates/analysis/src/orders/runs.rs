@@ -68,13 +68,8 @@ pub struct Visit {
     pub state: Vec<f64>,
 }
 
-/// States of 256 paths.
-pub fn visits(subject: Subject<'_>, sizes: &StepSizes) -> Result<Vec<Visit>, LadderError> {
-    visits_of(subject, sizes, 256, &Stop::default())
-}
-
 /// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives.
-pub fn visits_of(
+pub fn visits(
     subject: Subject<'_>,
     sizes: &StepSizes,
     paths: u64,

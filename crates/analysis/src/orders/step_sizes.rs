@@ -48,11 +48,6 @@ impl StepSizes {
         self.levels - 1 - index + self.refinement as usize
     }
 
-    /// The numbers of steps, coarsest first.
-    pub fn steps(&self) -> impl Iterator<Item = u64> {
-        (0..self.levels).map(|index| self.coarsest_steps << index)
-    }
-
     /// Number of steps of the reference.
     pub fn reference_steps(&self) -> u64 {
         self.coarsest_steps << self.level(0)

@@ -144,14 +144,20 @@ fn an_order_says_what_it_rests_on() {
     let failed = Order { failed: 3, ..plain };
     assert_eq!(failed.to_string(), format!("{text}; 3 paths failed and are left out"));
 
-    let wrong = order(Decision::WrongLimit, Limit::Differs { with: "heun", distance: 0.5 });
-    assert_eq!(wrong.order(), None);
-    let away = "its limit is 5.0e-1 from that of heun";
-    assert!(wrong.to_string().ends_with(away), "{wrong}");
-    let unclear = order(Decision::LimitUnclear, Limit::Unclear { with: "heun", distance: 0.5 });
-    assert!(unclear.to_string().ends_with("may differ from that of heun by 5.0e-1"), "{unclear}");
     let none = Order { rate: None, ..order(Decision::NoDifferences, Limit::Unchecked) };
-    assert!(none.to_string().ends_with("; no other scheme runs to compare the limit with"));
+    for (order, end) in [
+        (
+            order(Decision::WrongLimit, Limit::Differs { with: "heun", distance: 0.5 }),
+            "its limit is 5.0e-1 from that of heun",
+        ),
+        (
+            order(Decision::LimitUnclear, Limit::Unclear { with: "heun", distance: 0.5 }),
+            "may differ from that of heun by 5.0e-1",
+        ),
+        (none, "; no other scheme runs to compare the limit with"),
+    ] {
+        assert!(order.to_string().ends_with(end) && order.order().is_none(), "{order}");
+    }
     let wide = Decision::Wide { more_paths: 4.0 }.to_string();
     assert_eq!(wide, "undecided: 4 times as many paths would decide");
     let share = Decision::Hidden { share: 0.25 }.to_string();
@@ -162,7 +168,6 @@ fn an_order_says_what_it_rests_on() {
 fn step_sizes_halve_down_to_the_reference() {
     let key = StreamKey { seed: 1, experiment: 1 };
     let sizes = StepSizes { levels: 3, ..StepSizes::new(5, Truncation::none(), key) };
-    assert_eq!(sizes.steps().collect::<Vec<_>>(), [5, 10, 20]);
     assert_eq!((sizes.reference_steps(), sizes.sizes()), (80, 5));
     assert_eq!([0, 1, 2].map(|index| sizes.level(index)), [4, 3, 2]);
     assert_eq!(sizes.taus(2.0), [5.0, 10.0, 20.0, 40.0, 80.0].map(|steps| 2.0 / steps));

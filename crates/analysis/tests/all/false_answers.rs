@@ -5,7 +5,7 @@ use formula::Definition;
 use real::Real;
 use systems::{Damping, DampingFunction, PoissonSystem, Problem, SystemError};
 
-use super::{applies, constant, inspect_alone as inspect, inspect_problem, order, system, texts};
+use super::{applies, constant, inspect_alone as inspect, inspect_problem, system, texts};
 
 /// The report on texts alone.
 fn alone(definition: &Definition) -> Inspection {
@@ -38,7 +38,7 @@ fn a_stiff_block_does_not_hide_that_noises_do_not_commute() {
     let stiff = ["a + 1e7*(q^2 + p^2)/2", "b + 1e7*(q^2 + p^2)/2"];
     let report = alone(&beside("-c", stiff));
     assert_eq!(report.noise.commute.status, Status::Fails, "{report}");
-    assert_eq!(order(&report, "sexp"), Some((0.5, 1.0)));
+    assert_eq!(report.order("sexp"), Some((0.5, 1.0)));
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn pieces_and_powers_are_not_smoothed_over() {
 #[test]
 fn without_noise_orders_are_those_of_differential_equations() {
     let report = alone(&plane("(x^2 + y^2)/2 + x^4/4", &["0*y"]));
-    let orders = ["sexp", "em"].map(|scheme| order(&report, scheme));
+    let orders = ["sexp", "em"].map(|scheme| report.order(scheme));
     assert_eq!(orders, [Some((2.0, 2.0)), Some((1.0, 1.0))]);
 }
 
@@ -324,7 +324,7 @@ fn without_damping_there_is_an_energy_to_keep() {
     assert_eq!([&damped, &undamped].map(|report| report.recommended[0].scheme), ["sexp"; 2]);
     // A rate that is not finite has no order for those who read it.
     let report = with(&pendulum, &[1.0, 0.5], &Given(|t: f64| 0.5 / t.sqrt(), f64::sqrt, 1.0));
-    let orders = ["heun", "sexp"].map(|scheme| order(&report, scheme));
+    let orders = ["heun", "sexp"].map(|scheme| report.order(scheme));
     assert_eq!(orders, [None, Some((1.0, 1.0))], "{report}");
     assert_eq!(report.recommended[0].scheme, "sexp");
 }

@@ -9,7 +9,7 @@ use systems::{
 };
 
 use super::{
-    applies, casimirs, inspect_alone as inspect, inspect_around, inspect_problem, order,
+    applies, casimirs, inspect_alone as inspect, inspect_around, inspect_problem,
     system as formulas, texts,
 };
 
@@ -61,7 +61,7 @@ fn the_table_of_systems_is_reproduced() {
     assert_eq!(claimed(&three, "C"), (Kind::Quadratic, Some(2.0), true));
     assert!(!three.noise.commute.holds() && !three.structure.constant.holds());
     assert_eq!(
-        (order(&three, "sexp"), order(&three, "sexp-levy")),
+        (three.order("sexp"), three.order("sexp-levy")),
         (Some((0.5, 1.0)), Some((1.0, 1.0)))
     );
     assert_eq!(applies(&three, "strong-half"), Some(Applies::Yes));
@@ -77,7 +77,7 @@ fn the_table_of_systems_is_reproduced() {
         (applies(&one, "strong-one"), applies(&one, "energy-balance")),
         (Some(Applies::Yes), Some(Applies::No))
     );
-    assert_eq!((order(&one, "sexp"), order(&one, "em")), (Some((1.0, 1.0)), Some((0.5, 1.0))));
+    assert_eq!((one.order("sexp"), one.order("em")), (Some((1.0, 1.0)), Some((0.5, 1.0))));
 
     let energy = inspect(&RigidBodyEnergy::new(INERTIA, 0.7).unwrap()).unwrap();
     row(&energy, 3, 1, &[sphere], Some(2.0));
@@ -96,7 +96,7 @@ fn the_table_of_systems_is_reproduced() {
     assert_eq!(claimed(&maxwell, "C"), (Kind::Quadratic, Some(2.0), false));
     assert_eq!(applies(&maxwell, "moment-bound"), Some(Applies::No));
     // f₁ = (y₂, 0, 0) does not act on itself: Euler–Maruyama is Milstein's method here.
-    assert_eq!(order(&maxwell, "em"), Some((1.0, 1.0)));
+    assert_eq!(maxwell.order("em"), Some((1.0, 1.0)));
 
     let poisson = inspect(&Poisson3::new(1.0).unwrap()).unwrap();
     row(&poisson, 3, 1, &["y1 + y2 + y3"], None);

@@ -44,12 +44,6 @@ fn inspect_around(
     analysis::inspect(system, &InspectSettings { y0, damping: None, areas: false })
 }
 
-/// The strong and the weak order that theory predicts for a scheme.
-fn order(report: &Inspection, scheme: &str) -> Option<(f64, f64)> {
-    let order = report.orders.iter().find(|order| order.scheme == scheme)?;
-    Some((order.strong, order.weak))
-}
-
 /// Whether a statement of the paper applies.
 fn applies(report: &Inspection, statement: &str) -> Option<Applies> {
     Some(report.theorems.iter().find(|theorem| theorem.statement == statement)?.applies)

@@ -80,26 +80,27 @@ impl Rate {
     }
 }
 
-/// Any damping.
-pub fn any_rate() -> impl Strategy<Value = Rate> {
-    let size = -2.0..2.0f64;
-    let frequency = -3.0..3.0f64;
+/// Dampings with coefficients of these sizes.
+fn rates(
+    linear: std::ops::Range<f64>,
+    size: std::ops::Range<f64>,
+    frequency: std::ops::Range<f64>,
+) -> impl Strategy<Value = Rate> {
     prop_oneof![
-        size.clone().prop_map(Rate::Constant),
-        (-0.2..0.2f64).prop_map(Rate::Linear),
+        linear.prop_map(Rate::Linear),
         (size.clone(), frequency.clone()).prop_map(|(a, frequency)| Rate::Sine(a, frequency)),
         (size.clone(), frequency).prop_map(|(a, frequency)| Rate::Cosine(a, frequency)),
         (size.clone(), size.clone(), size).prop_map(|(a, b, c)| Rate::Function(a, b, c)),
     ]
 }
 
+/// Any damping.
+pub fn any_rate() -> impl Strategy<Value = Rate> {
+    let constant = (-2.0..2.0f64).prop_map(Rate::Constant);
+    prop_oneof![1 => constant, 4 => rates(-0.2..0.2, -2.0..2.0, -3.0..3.0)]
+}
+
 /// Any damping that changes with time by an amount worth noticing.
 pub fn changing_rate() -> impl Strategy<Value = Rate> {
-    let (size, frequency) = (0.5..2.0f64, 0.5..3.0f64);
-    prop_oneof![
-        (0.1..0.2f64).prop_map(Rate::Linear),
-        (size.clone(), frequency.clone()).prop_map(|(a, frequency)| Rate::Sine(a, frequency)),
-        (size.clone(), frequency).prop_map(|(a, frequency)| Rate::Cosine(a, frequency)),
-        (size.clone(), size.clone(), size).prop_map(|(a, b, c)| Rate::Function(a, b, c)),
-    ]
+    rates(0.1..0.2, 0.5..2.0, 0.5..3.0)
 }
