@@ -1,70 +1,56 @@
 //! Why the program does not end with success, and its exit code.
 
-use std::process::ExitCode;
+use std::{error::Error, fmt::Display, process::ExitCode};
 
-use casimir::mc::parts::JobError;
+use casimir::mc::{expect::ExpectError, parts::JobError};
 
 use crate::scene::SceneError;
 
 /// What ended the program early.
 #[derive(Debug)]
-pub enum Failure {
-    /// The scene is wrong: exit code 2.
-    Scene(Box<SceneError>),
-    /// The command line asks for what cannot be: exit code 2.
-    Usage(String),
-    /// The run failed: exit code 1.
-    Run(anyhow::Error),
-    /// It was stopped by a signal: exit code 130. The words say what is kept.
-    Stopped(String),
+pub struct Failure {
+    code: u8,
+    words: String,
 }
 
 /// The result of a command.
 pub type Done<T = ()> = Result<T, Failure>;
 
 impl Failure {
+    /// The command line asks for what cannot be.
+    pub fn usage(words: impl Display) -> Self {
+        Self { code: 2, words: format!("error: {words}") }
+    }
+
+    /// The run failed.
+    pub fn run(words: impl Display) -> Self {
+        Self { code: 1, words: format!("error: {words}") }
+    }
+
+    /// It was stopped by a signal. The words say what is kept.
+    pub fn stopped(words: impl Display) -> Self {
+        Self { code: 130, words: format!("stopped: {words}") }
+    }
+
     /// Prints it on the standard error and gives the exit code.
     pub fn report(self) -> ExitCode {
-        let (code, words) = match self {
-            Self::Scene(error) => (2, format!("error: {error}")),
-            Self::Usage(words) => (2, format!("error: {words}")),
-            Self::Run(error) => (1, format!("error: {error:#}")),
-            Self::Stopped(words) => (130, format!("stopped: {words}")),
-        };
-        eprintln!("{words}");
-        ExitCode::from(code)
+        eprintln!("{}", self.words);
+        ExitCode::from(self.code)
     }
 }
 
-impl From<SceneError> for Failure {
-    fn from(error: SceneError) -> Self {
-        Self::Scene(Box::new(error))
-    }
-}
-
-impl From<anyhow::Error> for Failure {
-    fn from(error: anyhow::Error) -> Self {
-        Self::Run(error)
-    }
-}
-
-impl From<std::io::Error> for Failure {
-    fn from(error: std::io::Error) -> Self {
-        Self::Run(error.into())
-    }
-}
-
-impl From<serde_json::Error> for Failure {
-    fn from(error: serde_json::Error) -> Self {
-        Self::Run(error.into())
-    }
-}
-
-impl From<JobError> for Failure {
-    fn from(error: JobError) -> Self {
-        match error {
-            JobError::Argument(words) => Self::Usage(words),
-            other => Self::Run(other.into()),
+/// A scene or an argument is wrong, or else the run failed.
+impl<E: Error + 'static> From<E> for Failure {
+    fn from(error: E) -> Self {
+        let any: &dyn Error = &error;
+        let argument = matches!(any.downcast_ref(), Some(JobError::Argument(_)));
+        let setting = matches!(
+            any.downcast_ref(),
+            Some(ExpectError::Setting { .. } | ExpectError::NoObservable)
+        );
+        match argument || setting || any.is::<SceneError>() {
+            true => Self::usage(error),
+            false => Self::run(error),
         }
     }
 }

@@ -20,7 +20,7 @@
 //! "#;
 //! let source = Source { name: "oscillator.toml".into(), text: text.into() };
 //! let scene = Scene::new(source, &Changes::default())?;
-//! let setup = scene.model.setup("sexp")?;
+//! let setup = scene.setup("sexp")?;
 //! let simulation = Simulation::new(setup, scene.settings.truncation);
 //! let paths = simulation.paths(scene.settings.steps, scene.settings.key, 0..2)?;
 //! assert_eq!(paths.len(), 2);

@@ -102,19 +102,6 @@ impl Formula {
         Tape::new(&graph, &gradient, from_ref(&(0..self.variables.len())))
     }
 
-    /// ∇²f·u as a tape with two groups of inputs: all variables, and u with a number for each.
-    #[must_use]
-    pub fn hessian(&self) -> Tape {
-        let count = self.variables.len();
-        let all: Vec<usize> = (0..count).collect();
-        let mut graph = self.graph.clone();
-        let one = graph.constant(1.0);
-        let gradient = graph.reverse(&[(self.root, one)], &all);
-        let direction: Vec<_> = (0..count).map(|k| (k, graph.input(count + k))).collect();
-        let product = graph.forward(&gradient, &direction);
-        Tape::new(&graph, &product, &[0..count, count..2 * count])
-    }
-
     /// A bound of the degree as a polynomial in the variables of these numbers; none if the formula
     /// does not show a polynomial.
     #[must_use]
@@ -126,12 +113,6 @@ impl Formula {
     #[must_use]
     pub fn depends_on(&self, k: usize) -> bool {
         self.graph.depends_on(self.root, k)
-    }
-
-    /// Whether the formula is made of pieces, by abs, min or max.
-    #[must_use]
-    pub fn is_piecewise(&self) -> bool {
-        self.graph.is_piecewise(self.root)
     }
 
     /// Why the formula has no finite value at a point: its first operation that is not finite. None

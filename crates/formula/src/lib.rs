@@ -1,6 +1,6 @@
 //! **Formulas from text, evaluated on 32 points at a time, with their derivatives.**
 //!
-//! A formula is parsed by a grammar (`src/formula.pest`) into a [`Graph`], in which every
+//! A formula is parsed into a [`Graph`], in which every
 //! subexpression stands once. Derivatives are further expressions of the graph: gradients by
 //! reverse accumulation, directional derivatives forward, Hessian–vector products by both. A
 //! [`Tape`] has the instructions for some expressions of a graph and runs them on rows of 32
@@ -50,7 +50,7 @@
 //! | [`Tape`] | what evaluates them |
 //! | [`Definition`], [`FormulaSystem`] | a Poisson system from texts, for `systems::run_time` |
 //! | [`FormulaError`] | what is wrong, with line, column and carets |
-//! | [`Excerpt`], [`line_column`] | the same for other texts |
+//! | [`excerpt`], [`nearest()`] | the same for other texts |
 
 mod closed_integral;
 mod compile;
@@ -72,11 +72,11 @@ mod terms;
 mod uniform;
 mod words;
 
-pub use damping::{DampingError, FormulaDamping};
-pub use error::{Excerpt, FormulaError, line_column};
+pub use damping::FormulaDamping;
+pub use error::{FormulaError, excerpt};
 pub use formula::Formula;
 pub use graph::{Binary, Graph, Id, Node, Unary};
-pub use names::{NameError, Names};
+pub use names::{NameError, Names, nearest};
 pub use parse::{MAX_BYTES, MAX_DEPTH, parse};
 pub use system::{Definition, DefinitionError, FormulaSystem, Which};
 pub use tape::Tape;

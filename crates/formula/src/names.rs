@@ -103,26 +103,26 @@ impl Names {
         self.meanings.get(name).copied()
     }
 
-    /// The known name nearest to `name`.
-    pub(crate) fn nearest(&self, name: &str) -> Option<String> {
-        nearest(name, self.meanings.keys().cloned())
+    /// The names that are known.
+    pub(crate) fn known(&self) -> impl Iterator<Item = &String> {
+        self.meanings.keys()
     }
 }
 
 /// Longer names have no nearest name.
 const LONGEST: usize = 40;
 
-/// The candidate with the fewest changed characters, at most a third of them or one; the first in
-/// the alphabet of several.
-pub(crate) fn nearest(name: &str, candidates: impl Iterator<Item = String>) -> Option<String> {
+/// "; the nearest is `…`" for messages about an unknown name: the known one with the fewest changed
+/// characters, at most a third of them or one; the first in the alphabet of several. Empty if none
+/// is near.
+pub fn nearest<S: AsRef<str>>(name: &str, known: impl IntoIterator<Item = S>) -> String {
     let length = name.chars().count();
-    if length > LONGEST {
-        return None;
-    }
-    candidates
-        .filter(|candidate| candidate.len() <= 4 * LONGEST)
-        .map(|candidate| (strsim::damerau_levenshtein(name, &candidate), candidate))
-        .filter(|(distance, _)| *distance <= (length / 3).max(1))
-        .min()
-        .map(|(_, candidate)| candidate)
+    let near = |known: S| {
+        let known = known.as_ref();
+        let short = length <= LONGEST && known.len() <= 4 * LONGEST;
+        let distance = short.then(|| strsim::damerau_levenshtein(name, known))?;
+        (distance <= (length / 3).max(1)).then(|| (distance, known.to_owned()))
+    };
+    let nearest = known.into_iter().filter_map(near).min();
+    nearest.map_or(String::new(), |(_, known)| format!("; the nearest is `{known}`"))
 }

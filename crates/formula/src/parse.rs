@@ -1,13 +1,13 @@
-//! From text to a graph, by the grammar in `formula.pest`.
+//! From text to a graph, by recursive descent.
+//!
+//! ```text
+//! expression = [sign] operand, or two expressions with an operator between them
+//! operand    = number | name | name "(" expression ("," expression)* ")" | "(" expression ")"
+//! number     = digits ["." [digits]] [exponent] | "." digits [exponent]
+//! name       = a letter or _, then letters, digits and _
+//! ```
 
-use std::{ops::Range, sync::LazyLock};
-
-use pest::{
-    Parser,
-    error::InputLocation,
-    iterators::{Pair, Pairs},
-    pratt_parser::{Assoc, Op, PrattParser},
-};
+use std::ops::Range;
 
 use crate::{
     FormulaError, Id, Names,
@@ -23,28 +23,12 @@ pub const MAX_BYTES: usize = 100_000;
 /// recursion of the parser; everything after it is a loop.
 pub const MAX_DEPTH: usize = 64;
 
-#[allow(missing_docs)]
-mod grammar {
-    #[derive(pest_derive::Parser)]
-    #[grammar = "formula.pest"]
-    pub struct Grammar;
-}
-use grammar::{Grammar, Rule};
-
-/// From the weakest to the strongest: sums, products, signs, powers. So −x² is −(x²), 2^−x is
-/// 2^(−x) and a^b^c is a^(b^c).
-static PRECEDENCES: LazyLock<PrattParser<Rule>> = LazyLock::new(|| {
-    PrattParser::new()
-        .op(Op::infix(Rule::add, Assoc::Left) | Op::infix(Rule::subtract, Assoc::Left))
-        .op(Op::infix(Rule::multiply, Assoc::Left) | Op::infix(Rule::divide, Assoc::Left))
-        .op(Op::prefix(Rule::negative) | Op::prefix(Rule::positive))
-        .op(Op::infix(Rule::power, Assoc::Right))
-});
-
-/// Whether `text` is a name.
-pub(crate) fn is_name(text: &str) -> bool {
-    Grammar::parse(Rule::name, text).is_ok_and(|pairs| pairs.as_str() == text)
-}
+/// How tightly operators bind, from the weakest to the strongest. So −x² is −(x²), 2^−x is 2^(−x)
+/// and a^b^c is a^(b^c).
+const SUM: u32 = 0;
+const PRODUCT: u32 = 1;
+const SIGN: u32 = 2;
+const POWER: u32 = 3;
 
 /// Adds the expression that the text means to a graph, with the variables as inputs.
 ///
@@ -60,70 +44,44 @@ pub fn parse(text: &str, names: &Names, graph: &mut Graph) -> Result<Id, Formula
         let message = "the formula is empty: write a number or an expression";
         return Err(FormulaError::new(message, text, 0..0));
     }
-    brackets(text)?;
-    match Grammar::parse(Rule::formula, text) {
-        Ok(mut pairs) => {
-            let mut builder = Builder { text, names, graph };
-            let expression = pairs.next().unwrap_or_else(|| unreachable!("there is a formula"));
-            builder.expression(expression.into_inner(), 0).map(|(id, _)| id)
+    let mut parser = Parser { text, names, graph, at: 0, last: "", depth: 0 };
+    parser.skip("");
+    let (id, _) = parser.expression(SUM)?;
+    match parser.token() {
+        "" => Ok(id),
+        _ => parser.unexpected(true),
+    }
+}
+
+fn is_letter(c: char) -> bool {
+    c.is_alphabetic() || c == '_'
+}
+
+/// Whether `text` is a name.
+pub(crate) fn is_name(text: &str) -> bool {
+    text.starts_with(is_letter) && first_token(text) == text
+}
+
+/// The token that starts `text`: a number, a name or one character; empty at the end.
+fn first_token(text: &str) -> &str {
+    let digits = |from: usize| text[from..].bytes().take_while(u8::is_ascii_digit).count();
+    let whole = digits(0);
+    let fraction = if text[whole..].starts_with('.') { digits(whole + 1) } else { 0 };
+    let mut end = match text.chars().next() {
+        Some(c) if is_letter(c) => {
+            let is_other = |c| !is_letter(c) && !char::is_ascii_digit(&c);
+            return &text[..text.find(is_other).unwrap_or(text.len())];
         }
-        Err(error) => {
-            let at = match error.location {
-                InputLocation::Pos(at) | InputLocation::Span((at, _)) => at,
-            };
-            Err(syntax_error(text, at))
-        }
+        _ if fraction > 0 => whole + 1 + fraction,
+        _ if whole > 0 => whole + usize::from(text[whole..].starts_with('.')),
+        c => return &text[..c.map_or(0, char::len_utf8)],
+    };
+    if text[end..].starts_with(['e', 'E']) {
+        let first = end + 1 + usize::from(text[end + 1..].starts_with(['+', '-']));
+        let exponent = digits(first);
+        end = if exponent > 0 { first + exponent } else { end };
     }
-}
-
-/// Checks that brackets are in pairs and not too deep, before the parser follows them.
-fn brackets(text: &str) -> Result<(), FormulaError> {
-    let mut open = Vec::new();
-    for (at, c) in text.char_indices() {
-        let message = match c {
-            '(' if open.len() == MAX_DEPTH => too_deep(),
-            ')' if open.pop().is_none() => {
-                "this bracket was not opened: remove it or write `(` before it".into()
-            }
-            '(' => {
-                open.push(at);
-                continue;
-            }
-            _ => continue,
-        };
-        return Err(FormulaError::new(message, text, at..at + 1));
-    }
-    match open.last() {
-        Some(&at) => {
-            let message = "this bracket is not closed: `)` is missing";
-            Err(FormulaError::new(message, text, at..at + 1))
-        }
-        None => Ok(()),
-    }
-}
-
-/// The token that starts `text`: a number, a name or one character.
-fn first_token(text: &str) -> Option<&str> {
-    let long = [Rule::number, Rule::name];
-    let long = long.iter().find_map(|&rule| Grammar::parse(rule, text).ok());
-    match long {
-        Some(pairs) => Some(pairs.as_str()),
-        None => text.chars().next().map(|c| &text[..c.len_utf8()]),
-    }
-}
-
-/// Whether a number or a name may have the character.
-fn is_word(c: char) -> bool {
-    c.is_alphabetic() || c.is_ascii_digit() || matches!(c, '_' | '.')
-}
-
-/// The number or name that ends `text`, or its last character.
-fn last_token(text: &str) -> Option<&str> {
-    let word = text.trim_end_matches(is_word);
-    if word.len() < text.len() {
-        return Some(&text[word.len()..]);
-    }
-    text.char_indices().next_back().map(|(at, _)| &text[at..])
+    &text[..end]
 }
 
 /// Characters that other languages and typesetters have.
@@ -142,130 +100,159 @@ fn instead_of(c: char) -> Option<&'static str> {
     })
 }
 
-/// The error at the byte where the grammar did not go on.
-fn syntax_error(text: &str, at: usize) -> FormulaError {
-    let rest = text[at..].trim_start();
-    let at = text.len() - rest.len();
-    let before = text[..at].trim_end();
-    let Some(token) = first_token(rest) else {
-        return FormulaError::new(format!("{MISSING} at the end"), text, at..at);
-    };
-    let mut span = at..at + token.len();
-    let found = token.chars().next().unwrap_or_default();
-    let starts_operand = |c: char| is_word(c) || c == '(';
-    let after_operand = before.chars().next_back().is_some_and(|c| is_word(c) || c == ')');
-    let is_strange = !(starts_operand(found) || "+-*/^,)".contains(found));
-    let message = if found == '*' && before.ends_with('*') {
-        "unknown operator: write ^ for a power".into()
-    } else if after_operand && starts_operand(found) && !is_strange {
-        let last = last_token(before).unwrap_or_default();
-        if names::is_function(last) {
-            span = before.len() - last.len()..before.len();
-            no_arguments(last)
-        } else {
-            let shown = |word: &str| match word {
-                "(" | ")" => "(…)".to_owned(),
-                _ if word.chars().count() > 20 => "…".to_owned(),
-                _ => word.to_owned(),
-            };
-            format!("an operator is missing: write {}*{}", shown(last), shown(token))
-        }
-    } else if after_operand && found == ',' {
-        "a comma stands only between arguments of min and max; decimals have a point".into()
-    } else if is_strange || found == '.' {
-        let hint = instead_of(found).map_or(String::new(), |write| format!(": write `{write}`"));
-        format!("unexpected character `{}`{hint}", found.escape_debug())
-    } else {
-        format!("{MISSING} before `{}`", short(token))
-    };
-    FormulaError::new(message, text, span)
-}
-
-const MISSING: &str = "a number, a name or a bracket is missing";
-
-fn too_deep() -> String {
-    format!("brackets, signs and powers are nested deeper than {MAX_DEPTH}")
-}
-
-fn no_arguments(function: &str) -> String {
-    format!("`{function}` is a function: write {function}(…)")
-}
-
-fn unknown(what: &str, name: &str, nearest: Option<String>) -> String {
-    let hint = nearest.map_or(String::new(), |nearest| format!("; the nearest is `{nearest}`"));
-    format!("unknown {what} `{}`{hint}", short(name))
-}
-
-struct Builder<'a> {
+struct Parser<'a> {
     text: &'a str,
     names: &'a Names,
     graph: &'a mut Graph,
+    /// The byte at which the next token begins.
+    at: usize,
+    /// The token before it.
+    last: &'a str,
+    /// Open brackets, signs and powers.
+    depth: usize,
 }
 
 /// An expression and its place in the text.
 type Placed = (Id, Range<usize>);
 
-fn place(pair: &Pair<'_, Rule>) -> Range<usize> {
-    pair.as_span().start()..pair.as_span().end()
-}
-
-impl Builder<'_> {
-    fn error<T>(&self, message: String, span: Range<usize>) -> Result<T, FormulaError> {
+impl<'a> Parser<'a> {
+    fn error<T>(&self, message: impl Into<String>, span: Range<usize>) -> Result<T, FormulaError> {
         Err(FormulaError::new(message, self.text, span))
     }
 
-    /// The expression of operands and operators in an expression nested in `depth` others.
-    fn expression(&mut self, pairs: Pairs<'_, Rule>, depth: usize) -> Result<Placed, FormulaError> {
-        let depth = depth + 1 + self.longest_chain(pairs.clone(), depth)?;
-        // The closures of the Pratt parser share the builder.
-        let this = std::cell::RefCell::new(self);
-        PRECEDENCES
-            .map_primary(|pair| this.borrow_mut().operand(pair, depth))
-            .map_prefix(|sign, operand| {
-                let (id, span) = operand?;
-                let span = sign.as_span().start()..span.end;
-                let is_minus = sign.as_rule() == Rule::negative;
-                this.borrow_mut().finish(span, |graph| if is_minus { graph.neg(id) } else { id })
-            })
-            .map_infix(|left, operator, right| {
-                let (left, right) = (left?, right?);
-                this.borrow_mut().combined(operator.as_rule(), left, right)
-            })
-            .parse(pairs)
+    /// The next token.
+    fn token(&self) -> &'a str {
+        first_token(&self.text[self.at..])
     }
 
-    /// The longest chain of signs and powers, in which the Pratt parser calls itself.
-    fn longest_chain(&self, pairs: Pairs<'_, Rule>, depth: usize) -> Result<usize, FormulaError> {
-        let (mut longest, mut chain) = (0, 0);
-        for pair in pairs {
-            match pair.as_rule() {
-                Rule::negative | Rule::positive | Rule::power => chain += 1,
-                Rule::add | Rule::subtract | Rule::multiply | Rule::divide => chain = 0,
-                _ => {}
+    /// The place of the next token.
+    fn place(&self) -> Range<usize> {
+        self.at..self.at + self.token().len()
+    }
+
+    /// Goes behind the next token.
+    fn skip(&mut self, token: &'a str) {
+        let rest = &self.text[self.at + token.len()..];
+        self.at = self.text.len() - rest.trim_start_matches([' ', '\t', '\r', '\n']).len();
+        self.last = token;
+    }
+
+    /// The error at a token that cannot stand here.
+    fn unexpected<T>(&self, after_operand: bool) -> Result<T, FormulaError> {
+        const MISSING: &str = "a number, a name or a bracket is missing";
+        let (token, last) = (self.token(), self.last);
+        let is_word = |c: char| is_letter(c) || c.is_ascii_digit() || c == '.';
+        let shown = |word: &str| match word {
+            "(" | ")" => "(…)".to_owned(),
+            _ if word.chars().count() > 20 => "…".to_owned(),
+            _ => word.to_owned(),
+        };
+        let message = match token.chars().next() {
+            None => format!("{MISSING} at the end"),
+            Some('*') if last == "*" => "unknown operator: write ^ for a power".into(),
+            Some(c) if after_operand && (is_word(c) || c == '(') => {
+                format!("an operator is missing: write {}*{}", shown(last), shown(token))
             }
-            longest = longest.max(chain);
-            if depth + longest > MAX_DEPTH {
-                return self.error(too_deep(), place(&pair));
+            Some(',') if after_operand => {
+                "a comma stands only between arguments of min and max; decimals have a point".into()
             }
+            Some(')') if after_operand || self.depth == 0 => {
+                "this bracket was not opened: remove it or write `(` before it".into()
+            }
+            Some(c) if is_word(c) && c != '.' || "+-*/^,)".contains(c) => {
+                format!("{MISSING} before `{}`", short(token))
+            }
+            Some(c) => {
+                let hint =
+                    instead_of(c).map_or(String::new(), |write| format!(": write `{write}`"));
+                format!("unexpected character `{}`{hint}", c.escape_debug())
+            }
+        };
+        self.error(message, self.place())
+    }
+
+    /// The expression of operators that bind at least so tightly.
+    fn expression(&mut self, least: u32) -> Result<Placed, FormulaError> {
+        let mut left = match self.token() {
+            sign @ ("-" | "+") => {
+                let start = self.at;
+                self.skip(sign);
+                let (id, span) = self.deeper(SIGN)?;
+                self.finish(start..span.end, |graph| if sign == "-" { graph.neg(id) } else { id })?
+            }
+            _ => self.operand()?,
+        };
+        loop {
+            let operator = self.token();
+            let (binding, of_right) = match operator {
+                "+" | "-" => (SUM, PRODUCT),
+                "*" | "/" => (PRODUCT, SIGN),
+                "^" => (POWER, SIGN),
+                _ => return Ok(left),
+            };
+            if binding < least {
+                return Ok(left);
+            }
+            self.skip(operator);
+            let right = match binding {
+                POWER => self.deeper(of_right)?,
+                _ => self.expression(of_right)?,
+            };
+            left = self.combined(operator, left, right)?;
         }
-        Ok(longest)
     }
 
-    fn operand(&mut self, pair: Pair<'_, Rule>, depth: usize) -> Result<Placed, FormulaError> {
-        let span = place(&pair);
-        match pair.as_rule() {
-            Rule::group => {
-                let inner = pair.into_inner().next();
-                let inner = inner.unwrap_or_else(|| unreachable!("a group is not empty"));
-                self.expression(inner.into_inner(), depth).map(|(id, _)| (id, span))
+    /// An expression in one more bracket, sign or power.
+    fn deeper(&mut self, least: u32) -> Result<Placed, FormulaError> {
+        if self.depth == MAX_DEPTH {
+            let message = format!("brackets, signs and powers are nested deeper than {MAX_DEPTH}");
+            return self.error(message, self.place());
+        }
+        self.depth += 1;
+        let inner = self.expression(least);
+        self.depth -= 1;
+        inner
+    }
+
+    fn operand(&mut self) -> Result<Placed, FormulaError> {
+        let (token, span) = (self.token(), self.place());
+        if token == "(" {
+            let (mut inner, end) = self.bracket()?;
+            return Ok((inner.remove(0), span.start..end));
+        }
+        if token.starts_with(is_letter) {
+            self.skip(token);
+            return match self.token() {
+                "(" => self.call(token, span),
+                _ => self.name(token, span),
+            };
+        }
+        match token.parse() {
+            Ok(number) => {
+                self.skip(token);
+                self.finish(span, |graph| graph.constant(number))
             }
-            Rule::number => {
-                let value = pair.as_str().parse().unwrap_or(f64::NAN);
-                self.finish(span, |graph| graph.constant(value))
+            Err(_) => self.unexpected(false),
+        }
+    }
+
+    /// The expressions in a bracket, with commas between them, and its end.
+    fn bracket(&mut self) -> Result<(Vec<Id>, usize), FormulaError> {
+        let (open, is_call) = (self.place(), self.last.starts_with(is_letter));
+        self.skip("(");
+        let mut inner = Vec::new();
+        loop {
+            inner.push(self.deeper(SUM)?.0);
+            let end = self.place().end;
+            match self.token() {
+                token @ ")" => {
+                    self.skip(token);
+                    return Ok((inner, end));
+                }
+                token @ "," if is_call => self.skip(token),
+                "" => return self.error("this bracket is not closed: `)` is missing", open),
+                _ => return self.unexpected(true),
             }
-            Rule::name => self.name(pair.as_str(), span),
-            Rule::call => self.call(pair, span, depth),
-            rule => unreachable!("{rule:?} is no operand"),
         }
     }
 
@@ -273,42 +260,35 @@ impl Builder<'_> {
         match self.names.meaning(name) {
             Some(Meaning::Variable(k)) => self.finish(span, |graph| graph.input(k)),
             Some(Meaning::Value(value)) => self.finish(span, |graph| graph.constant(value)),
-            None if names::is_function(name) => self.error(no_arguments(name), span),
+            None if names::is_function(name) => {
+                self.error(format!("`{name}` is a function: write {name}(…)"), span)
+            }
             None => {
-                let nearest = match name {
-                    "e" => Some("exp(1)".to_owned()),
-                    _ => self.names.nearest(name),
+                let hint = match name {
+                    "e" => "; the nearest is `exp(1)`".to_owned(),
+                    _ => names::nearest(name, self.names.known()),
                 };
-                let error = FormulaError::new(unknown("name", name, nearest), self.text, span);
+                let message = format!("unknown name `{}`{hint}", short(name));
+                let error = FormulaError::new(message, self.text, span);
                 Err(FormulaError { unknown_name: Some(name.to_owned()), ..error })
             }
         }
     }
 
-    fn call(
-        &mut self,
-        pair: Pair<'_, Rule>,
-        span: Range<usize>,
-        depth: usize,
-    ) -> Result<Placed, FormulaError> {
-        let mut inner = pair.into_inner();
-        let name = inner.next().unwrap_or_else(|| unreachable!("a call has a name"));
-        let (function, at) = (name.as_str(), place(&name));
+    fn call(&mut self, function: &str, at: Range<usize>) -> Result<Placed, FormulaError> {
         let unary = Unary::NAMED.into_iter().find(|unary| unary.to_string() == function);
         let expected = match (unary, function) {
             (Some(_), _) => 1,
             (_, "min" | "max") => 2,
             _ => return self.error(self.unknown_function(function), at),
         };
-        let found = inner.clone().count();
+        let (arguments, end) = self.bracket()?;
+        let span = at.start..end;
+        let found = arguments.len();
         if found != expected {
             let s = if expected == 1 { "" } else { "s" };
             let message = format!("`{function}` takes {expected} argument{s}, got {found}");
             return self.error(message, span);
-        }
-        let mut arguments = Vec::new();
-        for argument in inner {
-            arguments.push(self.expression(argument.into_inner(), depth)?.0);
         }
         self.finish(span, |graph| match unary {
             Some(unary) => graph.unary(unary, arguments[0]),
@@ -324,30 +304,29 @@ impl Builder<'_> {
             let name = short(name);
             return format!("`{name}` is no function: write {name}*(…) for a product");
         }
-        let nearest = match name {
-            "log" => Some("ln".to_owned()),
-            "pow" => Some("x^p".to_owned()),
+        let hint = match name {
+            "log" => "; the nearest is `ln`".to_owned(),
+            "pow" => "; the nearest is `x^p`".to_owned(),
             _ => names::nearest(name, names::functions()),
         };
-        unknown("function", name, nearest)
+        format!("unknown function `{}`{hint}", short(name))
     }
 
     fn combined(
         &mut self,
-        rule: Rule,
+        operator: &str,
         (a, left): Placed,
         (b, right): Placed,
     ) -> Result<Placed, FormulaError> {
-        if rule == Rule::divide && self.graph.is_zero(b) {
-            return self.error("division by zero".into(), right);
+        if operator == "/" && self.graph.is_zero(b) {
+            return self.error("division by zero", right);
         }
-        self.finish(left.start..right.end, |graph| match rule {
-            Rule::add => graph.add(a, b),
-            Rule::subtract => graph.sub(a, b),
-            Rule::multiply => graph.mul(a, b),
-            Rule::divide => graph.div(a, b),
-            Rule::power => raised(graph, a, b),
-            _ => unreachable!("{rule:?} is no operator"),
+        self.finish(left.start..right.end, |graph| match operator {
+            "+" => graph.add(a, b),
+            "-" => graph.sub(a, b),
+            "*" => graph.mul(a, b),
+            "/" => graph.div(a, b),
+            _ => raised(graph, a, b),
         })
     }
 

@@ -4,7 +4,7 @@ use real::Degree;
 
 use crate::{
     Id,
-    graph::{Binary, Graph, Node, Unary},
+    graph::{Graph, Node},
 };
 
 impl Graph {
@@ -33,18 +33,5 @@ impl Graph {
     #[must_use]
     pub fn depends_on(&self, root: Id, k: usize) -> bool {
         self.uses(&[root], |node| node == Node::Input(k as u32))
-    }
-
-    /// Whether an expression is made of pieces: it uses abs, min or max of what is not constant.
-    #[must_use]
-    pub fn is_piecewise(&self, root: Id) -> bool {
-        self.uses(&[root], |node| {
-            matches!(
-                node,
-                Node::Unary(Unary::Abs, _)
-                    | Node::Binary(Binary::Min | Binary::Max, _, _)
-                    | Node::Where(_)
-            )
-        })
     }
 }

@@ -1,13 +1,13 @@
 //! `casimir compare`: which scheme is cheapest for an error.
 
-use std::time::Instant;
+use std::{fmt::Display, time::Instant};
 
 use casimir::{
-    analysis::CompareSettings,
-    plot::{Bars, Progress, comparison_csv, figure::comparison, files},
+    analysis::{self, CompareSettings},
+    plot::{comparison_csv, figure::comparison, files},
 };
 
-use super::{folder, open, print, print_json, threads};
+use super::{folder, open, print, print_json, threads, under_bar};
 use crate::{
     arguments::Compare,
     failure::{Done, Failure},
@@ -16,14 +16,12 @@ use crate::{
 
 /// Compares all schemes on a scene.
 pub fn compare(arguments: &Compare) -> Done {
-    let error = arguments.error;
-    if !(arguments.budget > 0.0 && arguments.budget.is_finite()) {
-        let message = format!("the budget must be positive and finite, got {} s", arguments.budget);
-        return Err(Failure::Usage(message));
-    }
-    if !(error > 0.0 && error.is_finite()) {
-        let message = format!("the wanted error must be positive and finite, got {error}");
-        return Err(Failure::Usage(message));
+    let (error, budget) = (arguments.error, arguments.budget);
+    for (what, value) in [("budget in seconds", budget), ("wanted error", error)] {
+        if !(value > 0.0 && value.is_finite()) {
+            let message = format!("the {what} must be positive and finite, got {value}");
+            return Err(Failure::usage(message));
+        }
     }
     let seed = SchemeAndSeed { scheme: None, seed: arguments.seed };
     let scene = open(&arguments.scene, &Changes::from(&seed))?;
@@ -33,14 +31,15 @@ pub fn compare(arguments: &Compare) -> Done {
     let (auto, because) = scene.model.recommended();
     let spent = start.elapsed().as_secs_f64();
     let wanted = CompareSettings {
-        budget_s: (arguments.budget - spent).max(0.5 * arguments.budget),
+        budget_s: (budget - spent).max(0.5 * budget),
         ..CompareSettings::new(error, settings.truncation, settings.key)
     };
-    let bars = Bars::default();
-    bars.begin(&format!("errors and times of all schemes, {} s at most", arguments.budget), 0);
-    let found = scene.model.compare(&wanted);
-    bars.finish();
-    let found = found.map_err(|error| scene.source.error_of_all(error))?;
+    let wrong = |error: &dyn Display| scene.source.error(None, error);
+    let candidates = scene.model.candidates().map_err(|error| wrong(&error))?;
+    let what = format!("errors and times of all schemes, {budget} s at most");
+    let problem = scene.model.problem();
+    let found = under_bar(&what, 0, |_| analysis::compare(&problem, &candidates, &wanted));
+    let found = found.map_err(|error| wrong(&error))?;
     let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "compare");
     folder::prepare(&folder)?;
     files::write(&folder.join("compare.svg"), comparison(&found))?;

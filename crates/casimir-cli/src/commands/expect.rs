@@ -11,15 +11,15 @@ use std::{
 use casimir::{
     mc::{
         self, Observe,
-        expect::{ExpectError, Expectation, SoFar},
+        expect::{Expectation, SoFar},
         parts::{Job, JobError, Share, remove},
     },
-    plot::{Bars, Progress},
+    plot::Progress,
 };
 
 use super::{
-    Settled, coarsest_steps, folder, open, print, print_json, program, scheme, stop, stoppable,
-    threads, warn,
+    Settled, coarsest_steps, folder, open, print, print_json, program, scheme, stop, threads,
+    under_bar, warn,
 };
 use crate::{
     arguments::Expect,
@@ -56,7 +56,7 @@ pub fn expect(arguments: &Expect) -> Done {
         }
         None => Job::here(),
     };
-    let job = stoppable(job, &stop);
+    let job = job.stopped_by(&stop).giving_what_is_done();
     let (results, finished) = (ready.compute(&job)?, job.finish());
     match finished {
         Err(JobError::Stopped) => {
@@ -70,7 +70,7 @@ pub fn expect(arguments: &Expect) -> Done {
                 ),
                 None => "nothing is kept; with --out DIR the samples are".into(),
             };
-            return Err(Failure::Stopped(kept));
+            return Err(Failure::stopped(kept));
         }
         finished => finished?,
     };
@@ -84,9 +84,9 @@ pub fn expect(arguments: &Expect) -> Done {
 
 /// The scheme, which stays `auto` where points, levels and order are chosen too.
 pub fn settle(scene: &Scene) -> Settled {
-    warn(&*scene.model);
+    warn(scene);
     let is_chosen = scene.settings.scheme == AUTO && scene.model.expect().is_some();
-    if is_chosen { (AUTO.into(), None) } else { scheme(scene, &*scene.model) }
+    if is_chosen { (AUTO.into(), None) } else { scheme(scene) }
 }
 
 /// Expectations that were checked.
@@ -105,7 +105,7 @@ impl<'a> Ready<'a> {
             let message = format!(
                 "nothing is expected: add a table\n  [expect]\n  of = [\"{name}\"]\n  accuracy = 1e-3"
             );
-            return Err(scene.source.error_of_all(message).into());
+            return Err(scene.source.error(None, message).into());
         };
         let (settings, model) = (&scene.settings, &scene.model);
         let (scheme, because) = settled.cloned().unwrap_or_else(|| settle(scene));
@@ -113,9 +113,8 @@ impl<'a> Ready<'a> {
         let (expect, because, steps) = match chosen {
             Some(chosen) => (chosen, None, settings.coarsest_steps),
             None => {
-                let setup = model.setup(&scheme);
-                let setup = setup.map_err(|error| settings.scheme_error(&scene.source, error))?;
-                let given = mc::Expect::with_scheme(setup).with_truncation(settings.truncation);
+                let given = mc::Expect::with_scheme(scene.setup(&scheme)?);
+                let given = given.with_truncation(settings.truncation);
                 let steps = settings.coarsest_steps.unwrap_or(coarsest_steps(settings.until));
                 (given, because, Some(steps))
             }
@@ -132,27 +131,19 @@ impl<'a> Ready<'a> {
         let Self { scene, expect, because, accuracy } = self;
         let start = Instant::now();
         let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
-        let (name, bars) = ("expectation", Bars::default());
-        bars.begin("sampling until the accuracy is reached", 0);
         let (done, next) = (AtomicU64::new(0), Mutex::new(FIRST));
-        let advance = |work| {
-            bars.advance(work);
-            let done = done.fetch_add(work, Ordering::Relaxed) + work;
-            let seconds = start.elapsed().as_secs_f64();
-            if let Ok(mut next) = next.try_lock()
-                && seconds > *next
-            {
-                *next = seconds + seconds.min(MOST_SILENCE);
-                bars.note(&how_far(done as f64, seconds));
-            }
-        };
-        let found = expect.run_in(job, name, &phi, accuracy, &advance);
-        bars.finish();
-        let expectation = found.map_err(|error| match error {
-            ExpectError::Setting { .. } | ExpectError::NoObservable => {
-                Failure::Usage(error.to_string())
-            }
-            other => Failure::Run(other.into()),
+        let expectation = under_bar("sampling until the accuracy is reached", 0, |bars| {
+            expect.run_in(job, "expectation", &phi, accuracy, &|work| {
+                bars.advance(work);
+                let done = done.fetch_add(work, Ordering::Relaxed) + work;
+                let seconds = start.elapsed().as_secs_f64();
+                if let Ok(mut next) = next.try_lock()
+                    && seconds > *next
+                {
+                    *next = seconds + seconds.min(MOST_SILENCE);
+                    bars.note(&how_far(done as f64, seconds));
+                }
+            })
         })?;
         let seconds = start.elapsed().as_secs_f64();
         Ok(expectation.map(|expectation| Results { because, expectation, seconds }))

@@ -18,7 +18,7 @@ pub fn of(out: Option<&PathBuf>, scene: &Path, command: &str) -> PathBuf {
 pub fn prepare(folder: &Path) -> Done {
     if folder.exists() && !folder.is_dir() {
         let folder = folder.display();
-        return Err(Failure::Run(anyhow::anyhow!("{folder} is a file: name a folder with --out")));
+        return Err(Failure::run(format!("{folder} is a file: name a folder with --out")));
     }
     let replaces = folder.join(REPORT).exists();
     files::prepare(folder)?;

@@ -1,14 +1,15 @@
 //! `casimir inspect`: what a system is.
 
-use super::{open, print, print_json, saying};
+use super::{open, print, print_json, under_bar};
 use crate::{arguments::Inspect, failure::Done, model::with_names, scene::Changes};
 
 /// Prints the findings. The scheme of the scene is not asked for.
 pub fn inspect(arguments: &Inspect) -> Done {
     let scene = open(&arguments.scene, &Changes::default())?;
+    let model = &scene.model;
     let what = "evaluating B and the Hamiltonians at many points";
-    let (known, findings) = saying(what, || (scene.model.known(), scene.model.findings()));
-    let findings = findings.map_err(|error| scene.source.error_of_all(error))?;
+    let (known, findings) = under_bar(what, 0, |_| (model.known(), model.findings()));
+    let findings = findings.map_err(|error| scene.source.error(None, error))?;
     if arguments.json {
         return print_json(&serde_json::to_value(&findings)?);
     }

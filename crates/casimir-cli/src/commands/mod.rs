@@ -9,10 +9,11 @@ mod order;
 mod parts;
 mod run;
 
-use std::{fs, io::Write, path::Path, sync::mpsc::RecvTimeoutError, time::Duration};
+use std::{fs, io::Write, path::Path};
 
 use casimir::{
-    mc::parts::{Job, Program, Stop, limit_threads},
+    mc::parts::{Program, Stop, limit_threads},
+    plot::{Bars, Progress},
     schemes::BuiltIn,
 };
 use clap::CommandFactory;
@@ -28,7 +29,7 @@ pub use run::{Results, run};
 use crate::{
     arguments::Arguments,
     failure::{Done, Failure},
-    model::{Known, Model},
+    model::Known,
     scene::{AUTO, Changes, Scene, Source},
 };
 
@@ -36,19 +37,19 @@ use crate::{
 fn open(file: &Path, changes: &Changes) -> Done<Scene> {
     let name = file.display().to_string();
     let text = fs::read_to_string(file)
-        .map_err(|error| Failure::Usage(format!("cannot read the scene {name}: {error}")))?;
+        .map_err(|error| Failure::usage(format!("cannot read the scene {name}: {error}")))?;
     Ok(Scene::new(Source { name, text }, changes)?)
 }
 
 /// The scheme of a scene, and why it was chosen if that was left to the program, or what it loses
 /// over long times.
-fn scheme(scene: &Scene, model: &dyn Model) -> Settled {
-    let (auto, because) = model.recommended();
+fn scheme(scene: &Scene) -> Settled {
+    let (auto, because) = scene.model.recommended();
     let named = &scene.settings.scheme;
     if named == AUTO {
         return (auto.into(), Some(because));
     }
-    let constant = model.constant_structure();
+    let constant = scene.model.constant_structure();
     let explicit = BuiltIn::named(named).filter(|scheme| scheme.is_explicit(constant));
     let loses = |scheme: BuiltIn| format!("{}; auto takes {auto}", scheme.long_times(constant));
     (named.clone(), explicit.map(loses))
@@ -59,25 +60,19 @@ fn scheme(scene: &Scene, model: &dyn Model) -> Settled {
 type Settled = (String, Option<String>);
 
 /// Prints what is wrong. Whoever has a wrong system should know before its numbers.
-fn warn(model: &dyn Model) -> Known {
-    let known = model.known();
+fn warn(scene: &Scene) -> Known {
+    let known = scene.model.known();
     known.mistake.iter().for_each(|mistake| eprintln!("warning: {mistake}"));
     known
 }
 
-/// Does some work, and says after a second what it is.
-fn saying<R>(what: &str, work: impl FnOnce() -> R) -> R {
-    let (done, waiting) = std::sync::mpsc::channel::<()>();
-    std::thread::scope(|scope| {
-        scope.spawn(move || {
-            if waiting.recv_timeout(Duration::from_secs(1)) == Err(RecvTimeoutError::Timeout) {
-                eprintln!("{what} …");
-            }
-        });
-        let result = work();
-        drop(done);
-        result
-    })
+/// Does some work under a bar, of so many path-steps if that is known.
+fn under_bar<R>(what: &str, path_steps: u64, work: impl FnOnce(&Bars) -> R) -> R {
+    let bars = Bars::default();
+    bars.begin(what, path_steps);
+    let result = work(&bars);
+    bars.finish();
+    result
 }
 
 /// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from
@@ -102,10 +97,7 @@ fn stop() -> Stop {
 }
 
 fn threads(threads: Option<u64>) -> Done {
-    if let Some(threads) = threads {
-        limit_threads(threads)?;
-    }
-    Ok(())
+    Ok(threads.map_or(Ok(()), limit_threads)?)
 }
 
 /// Prints to the standard output; a reader that went away is no error.
@@ -130,9 +122,4 @@ pub fn completions(shell: clap_complete::Shell) -> Done {
     let mut text = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), "casimir", &mut text);
     print(&String::from_utf8_lossy(&text))
-}
-
-/// A job that ends early when `stop` asks for it, with what is done.
-fn stoppable(job: Job, stop: &Stop) -> Job {
-    job.stopped_by(stop).giving_what_is_done()
 }

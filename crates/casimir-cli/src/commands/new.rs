@@ -1,10 +1,12 @@
 //! `casimir new`: scenes to begin with.
 
+use casimir::formula::nearest;
+
 use super::print;
 use crate::{
     arguments::New,
     failure::{Done, Failure},
-    model::{PROJECT, nearest},
+    model::PROJECT,
 };
 
 /// The scenes of the gallery, by name.
@@ -58,9 +60,8 @@ pub fn new(arguments: &New) -> Done {
         Some((_, text)) => print(text),
         None => {
             let names: Vec<&str> = GALLERY.iter().map(|(name, _)| *name).collect();
-            let hint = nearest(name, &names);
-            let message = format!("no scene `{name}`; there are {}{hint}", names.join(", "));
-            Err(Failure::Usage(message))
+            let (hint, names) = (nearest(name, &names), names.join(", "));
+            Err(Failure::usage(format!("no scene `{name}`; there are {names}{hint}")))
         }
     }
 }

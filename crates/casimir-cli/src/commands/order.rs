@@ -4,16 +4,15 @@ use std::time::Instant;
 
 use casimir::{
     analysis::{self, ReferenceSolution, StepSizes, strong_order, weak_order},
-    plot::{Bars, Kind, Progress, Series, figure::convergence, files},
+    plot::{Kind, Series, figure::convergence, files},
 };
 use serde_json::{Value, json};
 
-use super::{coarsest_steps, folder, open, print, print_json, scheme, threads, warn};
+use super::{coarsest_steps, folder, open, print, print_json, scheme, threads, under_bar, warn};
 use crate::{
     arguments::Order,
     failure::Done,
-    model::Model,
-    scene::{Changes, Observable, Scene},
+    scene::{Changes, Scene},
 };
 
 /// The order of one quantity.
@@ -35,7 +34,7 @@ struct Results {
 pub fn order(arguments: &Order) -> Done {
     let scene = open(&arguments.scene, &Changes::from(&arguments.scheme))?;
     threads(arguments.output.threads)?;
-    let results = measure(&scene, &*scene.model, arguments.path_steps)?;
+    let results = measure(&scene, arguments.path_steps)?;
     let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "order");
     folder::prepare(&folder)?;
     let Results { scheme, because, strong, weak, seconds } = &results;
@@ -46,11 +45,14 @@ pub fn order(arguments: &Order) -> Done {
         rate: found.order.rate.clone(),
         max_relative_defect: None,
     };
-    let figure = convergence("Strong errors", Kind::Strong, &[series(strong)]);
-    files::write(&folder.join("strong.svg"), figure.svg())?;
-    let figure =
-        convergence("Weak errors", Kind::Weak, &weak.iter().map(series).collect::<Vec<_>>());
-    files::write(&folder.join("weak.svg"), figure.svg())?;
+    let weak_series = weak.iter().map(series).collect::<Vec<_>>();
+    let figures = [
+        ("strong.svg", convergence("Strong errors", Kind::Strong, &[series(strong)])),
+        ("weak.svg", convergence("Weak errors", Kind::Weak, &weak_series)),
+    ];
+    for (file, figure) in figures {
+        files::write(&folder.join(file), figure.svg())?;
+    }
     let json = json!({
         "title": scene.title, "scheme": scheme, "because": because,
         "strong": described(strong), "weak": weak.iter().map(described).collect::<Vec<_>>(),
@@ -78,37 +80,30 @@ fn described(found: &Found) -> Value {
     })
 }
 
-fn measure(scene: &Scene, model: &dyn Model, path_steps: u64) -> Done<Results> {
+fn measure(scene: &Scene, path_steps: u64) -> Done<Results> {
     let start = Instant::now();
-    warn(model);
-    let (scheme, because) = scheme(scene, model);
-    let (source, settings) = (&scene.source, &scene.settings);
-    let setup = |scheme: &str| {
-        let setup = model.setup(scheme);
-        setup.map_err(|error| settings.scheme_error(source, error))
-    };
-    let measured = setup(&scheme)?;
-    let (heun, midpoint) = (setup("heun")?.scheme, setup("midpoint")?.scheme);
+    warn(scene);
+    let (scheme, because) = scheme(scene);
+    let settings = &scene.settings;
+    let measured = scene.setup(&scheme)?;
+    let (heun, midpoint) = (scene.setup("heun")?.scheme, scene.setup("midpoint")?.scheme);
     let reference = ReferenceSolution::Independent(vec![heun, midpoint]);
-    let sizes = StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key);
-    let wrong = |error| settings.steps_error(source, error);
-    let bars = Bars::default();
-    bars.begin(&format!("strong order of {scheme}"), 0);
-    let order = strong_order(&measured, &sizes.within(path_steps), &reference).map_err(wrong)?;
-    let strong = Found { quantity: "y(T)".into(), order };
-    let mut weak = Vec::new();
-    let first = scene.observables.first().into_iter();
-    let expected: Vec<&Observable> = match scene.expected.is_empty() {
-        true => first.collect(),
-        false => scene.expected.iter().collect(),
+    let sizes = StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key)
+        .within(path_steps);
+    let found = |quantity: String, order: Result<_, _>| {
+        let order = order.map_err(|error| scene.steps_error(error));
+        Ok(Found { quantity, order: order? })
     };
-    for phi in expected {
-        bars.begin(&format!("weak order of {scheme} for E[{}]", phi.name), 0);
-        let order = weak_order(&measured, phi, &sizes.within(path_steps), &reference);
+    let strong = under_bar(&format!("strong order of {scheme}"), 0, |_| {
+        found("y(T)".into(), strong_order(&measured, &sizes, &reference))
+    })?;
+    let first = usize::from(scene.expected.is_empty());
+    let weak = scene.observables.iter().take(first).chain(&scene.expected).map(|phi| {
         let quantity = format!("E[{}]", phi.name);
-        weak.push(Found { quantity, order: order.map_err(wrong)? });
-    }
-    bars.finish();
-    let seconds = start.elapsed().as_secs_f64();
-    Ok(Results { scheme, because, strong, weak, seconds })
+        under_bar(&format!("weak order of {scheme} for {quantity}"), 0, |_| {
+            found(quantity, weak_order(&measured, phi, &sizes, &reference))
+        })
+    });
+    let weak = weak.collect::<Done<_>>()?;
+    Ok(Results { scheme, because, strong, weak, seconds: start.elapsed().as_secs_f64() })
 }

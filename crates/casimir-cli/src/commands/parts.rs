@@ -20,7 +20,7 @@ use crate::{
         self,
         cluster::{JOB, Script},
     },
-    scene::{Changes, Scene, SchemeAndSeed},
+    scene::{Changes, Scene},
 };
 
 /// What is divided into parts: `plan.json` in the folder of the parts, beside the scene.
@@ -31,10 +31,8 @@ struct Divided {
     /// Number of parts.
     parts: u64,
     /// What the command line changed.
-    paths: Option<u64>,
-    steps: Option<u64>,
-    scheme: Option<String>,
-    seed: Option<u64>,
+    #[serde(flatten)]
+    changes: Changes,
     /// The accuracy of expectations.
     accuracy: Option<f64>,
     /// The scheme that `auto` means in all parts, and why.
@@ -56,18 +54,15 @@ struct Folder {
 impl Folder {
     fn open(folder: &Path) -> Done<Self> {
         let file = folder.join(PLAN);
-        let wrong = |error: &dyn std::fmt::Display| {
+        let text = fs::read(&file).map_err(serde_json::Error::io);
+        let divided = text.and_then(|text| serde_json::from_slice::<Divided>(&text));
+        let divided = divided.map_err(|error| {
             let file = file.display();
-            Failure::Usage(format!(
+            Failure::usage(format!(
                 "{file} does not say what its parts are: {error}; see casimir plan"
             ))
-        };
-        let text = fs::read(&file).map_err(|error| wrong(&error))?;
-        let divided: Divided = serde_json::from_slice(&text).map_err(|error| wrong(&error))?;
-        let Divided { paths, steps, seed, .. } = divided;
-        let scheme = SchemeAndSeed { scheme: divided.scheme.clone(), seed };
-        let changes = Changes { paths, steps, scheme };
-        let mut scene = open(&folder.join(SCENE), &changes)?;
+        })?;
+        let mut scene = open(&folder.join(SCENE), &divided.changes)?;
         scene.accuracy = divided.accuracy.or(scene.accuracy);
         Ok(Self { folder: folder.to_owned(), divided, scene })
     }
@@ -100,7 +95,7 @@ pub fn plan(arguments: &Plan) -> Done {
     scene.accuracy = arguments.accuracy.or(scene.accuracy);
     if !arguments.expect && !scene.settings.is_study() {
         let message = "a few paths are not divided: take at least 100 `paths`, or `casimir run`";
-        return Err(Failure::Usage(message.into()));
+        return Err(Failure::usage(message));
     }
     Share::new(1, arguments.parts)?;
     let out = &arguments.out;
@@ -108,19 +103,17 @@ pub fn plan(arguments: &Plan) -> Done {
         let out = out.display();
         let message =
             format!("{out} has parts already: take another folder, or casimir extend {out}");
-        return Err(Failure::Usage(message));
+        return Err(Failure::usage(message));
     }
     let settled = match arguments.expect {
         true => expect::settle(&scene),
-        false => super::scheme(&scene, &*scene.model),
+        false => super::scheme(&scene),
     };
     folder::prepare(out)?;
     files::write(&out.join(SCENE), &scene.source.text)?;
-    let Changes { paths, steps, scheme } = arguments.changes.clone();
-    let SchemeAndSeed { scheme, seed } = scheme;
-    let (expect, parts) = (arguments.expect, arguments.parts);
-    let (accuracy, settled) = (arguments.accuracy, Some(settled));
-    let divided = Divided { expect, parts, paths, steps, scheme, seed, accuracy, settled };
+    let (expect, parts, accuracy) = (arguments.expect, arguments.parts, arguments.accuracy);
+    let (changes, settled) = (arguments.changes.clone(), Some(settled));
+    let divided = Divided { expect, parts, changes, accuracy, settled };
     let folder = Folder { folder: out.clone(), divided, scene };
     let job = Job::pilot(MEASURED);
     folder.compute(&job, &Stop::default())?;
@@ -161,7 +154,7 @@ pub fn part(arguments: &Part) -> Done {
     folder.compute(&job, &stop)?;
     match job.finish() {
         Err(JobError::Stopped) => {
-            Err(Failure::Stopped("the same command goes on from the checkpoint".into()))
+            Err(Failure::stopped("the same command goes on from the checkpoint"))
         }
         finished => {
             finished?;
@@ -198,34 +191,31 @@ pub fn merge(arguments: &Merge) -> Done {
 pub fn extend(arguments: &Extend) -> Done {
     let mut folder = Folder::open(&arguments.folder)?;
     let Divided { expect, parts, .. } = folder.divided;
+    let (paths, accuracy) = (folder.scene.settings.paths, folder.scene.accuracy);
     match (expect, arguments.paths, arguments.accuracy) {
-        (false, Some(paths), None) if paths > folder.scene.settings.paths => {
-            folder.divided.paths = Some(paths);
-        }
-        (true, None, Some(accuracy)) if folder.scene.accuracy.is_some_and(|now| accuracy < now) => {
-            folder.divided.accuracy = Some(accuracy);
+        (false, Some(more), None) if more > paths => folder.divided.changes.paths = Some(more),
+        (true, None, Some(less)) if accuracy.is_some_and(|now| less < now) => {
+            folder.divided.accuracy = Some(less);
         }
         (false, ..) => {
-            let paths = folder.scene.settings.paths;
-            return Err(Failure::Usage(format!("ask for more than {paths} paths: --paths N")));
+            return Err(Failure::usage(format!("ask for more than {paths} paths: --paths N")));
         }
         (true, ..) => {
-            let now = folder.scene.accuracy.unwrap_or(f64::NAN);
-            return Err(Failure::Usage(format!("ask for less than {now}: --accuracy E")));
+            let now = accuracy.unwrap_or(f64::NAN);
+            return Err(Failure::usage(format!("ask for less than {now}: --accuracy E")));
         }
     }
     let merged = merged_paths(&folder.folder, &program())?;
     let is_merged = match expect {
         true => !merged.is_empty(),
-        false => merged.get("study") == Some(&folder.scene.settings.paths),
+        false => merged.get("study") == Some(&paths),
     };
+    let name = arguments.folder.display();
     if !is_merged {
-        let name = arguments.folder.display();
         let message = format!("the parts are not merged yet: casimir merge {name}, then extend");
-        return Err(Failure::Usage(message));
+        return Err(Failure::usage(message));
     }
     folder.write()?;
-    let name = arguments.folder.display();
     print(&format!(
         "now compute parts 1 to {parts} again (sbatch {name}/{JOB}), and casimir merge {name}\n"
     ))

@@ -1,6 +1,6 @@
 //! `casimir run`: paths and their statistics.
 
-use std::{fmt::Display, path::Path, time::Instant};
+use std::{path::Path, time::Instant};
 
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
@@ -9,11 +9,11 @@ use casimir::{
         parts::{Job, JobError, Share, Stop, remove},
         study::StudyResult,
     },
-    plot::{Bars, Progress},
+    plot::Progress,
 };
 
 use super::{
-    Settled, folder, open, print, print_json, program, scheme, stop, stoppable, threads, warn,
+    Settled, folder, open, print, print_json, program, scheme, stop, threads, under_bar, warn,
 };
 use crate::{
     arguments::{Format, Run},
@@ -59,7 +59,7 @@ pub fn run(arguments: &Run) -> Done {
         let file = folder.join(Share::WHOLE.file_name());
         eprintln!("going on from a checkpoint; to begin anew, delete {}", file.display());
     }
-    let job = stoppable(job, &stop);
+    let job = job.stopped_by(&stop).giving_what_is_done();
     let results = ready.compute(&job, &stop)?;
     let stopped = match job.finish() {
         Err(JobError::Stopped) => true,
@@ -69,7 +69,7 @@ pub fn run(arguments: &Run) -> Done {
         }
     };
     if stopped && results.as_ref().is_some_and(|results| results.paths() == 0) {
-        return Err(Failure::Stopped("before the first path: nothing was computed".into()));
+        return Err(Failure::stopped("before the first path: nothing was computed"));
     }
     if let Some(results) = &results {
         output::write(&scene, results, &folder, &arguments.write)?;
@@ -78,13 +78,13 @@ pub fn run(arguments: &Run) -> Done {
     if stopped {
         let folder = folder.display();
         let words = format!("{folder} has what is complete; the same command goes on from there");
-        return Err(Failure::Stopped(words));
+        return Err(Failure::stopped(words));
     }
     if scene.settings.is_study() {
         remove(&folder, Share::WHOLE)?;
     }
-    match results.and_then(|results| results.all_failed()) {
-        Some(failure) => Err(Failure::Run(anyhow::anyhow!(
+    match results.and_then(Results::all_failed) {
+        Some(failure) => Err(Failure::run(format!(
             "all paths failed: take more steps, or another scheme; {failure}"
         ))),
         None => Ok(()),
@@ -130,11 +130,19 @@ pub struct Ready<'a> {
 impl<'a> Ready<'a> {
     /// Chooses the scheme unless it is settled, and checks that it can be run.
     pub fn new(scene: &'a Scene, settled: Option<&Settled>) -> Done<Self> {
-        let (scheme, because) = settled.cloned().unwrap_or_else(|| scheme(scene, &*scene.model));
-        let (source, settings) = (&scene.source, &scene.settings);
-        let setup = scene.model.setup(&scheme);
-        let setup = setup.map_err(|error| settings.scheme_error(source, error))?;
-        settings.check_steps(source, &setup)?;
+        let (scheme, because) = settled.cloned().unwrap_or_else(|| scheme(scene));
+        let (setup, settings) = (scene.setup(&scheme)?, &scene.settings);
+        if setup.scheme.clips_increments()
+            && let Err(error) = settings.truncation.bound(settings.until / settings.steps as f64)
+        {
+            let least = settings.until.floor() as u64 + 1;
+            let message = format!(
+                "{} truncates increments: {error}. Take at least {least} steps, or leave out \
+                 `truncation`",
+                setup.scheme.id()
+            );
+            return Err(scene.steps_error(message).into());
+        }
         Ok(Self { scene, scheme, setup, because })
     }
 
@@ -142,25 +150,23 @@ impl<'a> Ready<'a> {
     pub fn compute(self, job: &Job, stop: &Stop) -> Done<Option<Results>> {
         let start = Instant::now();
         let Self { scene, scheme, setup, because } = self;
-        let Scene { source, components, observables, settings, model, .. } = scene;
+        let Scene { components, observables, settings, model, .. } = scene;
         let (steps, truncation, key) = (settings.steps, settings.truncation, settings.key);
-        let wrong = |error: &dyn Display| settings.steps_error(source, error);
-        let is_study = settings.is_study();
         let mut study = None;
-        if is_study {
+        if settings.is_study() {
             let wanted = StudySettings::new(steps, settings.times, settings.paths, truncation, key);
-            let of_all = Study::new(&setup, observables, &wanted).map_err(|error| wrong(&error))?;
-            let bars = Bars::default();
-            bars.begin("paths", settings.paths * steps);
-            study = of_all.run_in(job, "study", &|work| bars.advance(work));
-            bars.finish();
+            let of_all = Study::new(&setup, observables, &wanted);
+            let of_all = of_all.map_err(|error| scene.steps_error(error))?;
+            study = under_bar("paths", settings.paths * steps, |bars| {
+                of_all.run_in(job, "study", &|work| bars.advance(work))
+            });
         }
         let checked = checked_paths(settings.paths, setup.problem.noises);
         let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
         let check =
             step_check(&setup, &phi, steps, checked, model.fastest(), (truncation, key), job);
-        let check = check.map_err(|error| wrong(&error))?;
-        if is_study && study.is_none() {
+        let check = check.map_err(|error| scene.steps_error(error))?;
+        if settings.is_study() && study.is_none() {
             return Ok(None);
         }
         let mut simulation = Simulation::new(model.with_laws(setup), truncation)
@@ -171,8 +177,8 @@ impl<'a> Ready<'a> {
             simulation = simulation.observing(observable.clone());
         }
         let tables = simulation.paths(steps, key, 0..settings.tables);
-        let tables = tables.map_err(|error| wrong(&error))?;
-        let (known, seconds) = (warn(&**model), start.elapsed().as_secs_f64());
+        let tables = tables.map_err(|error| scene.steps_error(error))?;
+        let (known, seconds) = (warn(scene), start.elapsed().as_secs_f64());
         Ok(Some(Results { scheme, because, known, tables, study, check, seconds }))
     }
 }
@@ -187,7 +193,7 @@ fn check_size(scene: &Scene, formats: &[Format], allowed: bool) -> Done {
     let written = gigabytes * formats.iter().map(bytes).sum::<f64>();
     let held = 8.0 * gigabytes;
     if written.max(held) > 1.0 && !allowed {
-        return Err(Failure::Usage(format!(
+        return Err(Failure::usage(format!(
             "{tables} tables of {times} times and {columns} columns take {held:.1} GB of memory and \
              {written:.1} GB of files: take fewer `tables` or `times`, or say --large"
         )));

@@ -5,44 +5,23 @@ use casimir::{
     mc::{ConformalLaw, Formulas, Problem},
 };
 
-/// A function F with F(y(t)) = e^{−p∫γ}F(y(0)).
-#[derive(Clone)]
-pub enum Law {
-    /// A linear or quadratic Casimir.
-    Casimir(Form),
-    /// H₀, with noises proportional to it.
-    Energy(f64),
-}
-
-/// The laws that follow from what was found.
-pub fn laws(facts: &Facts) -> Vec<Law> {
-    let casimirs = facts.casimirs.iter().cloned().map(Law::Casimir);
-    casimirs.chain(facts.energy_law().map(Law::Energy)).collect()
-}
-
-/// A problem with these laws.
-pub fn with_laws(problem: Problem<'_>, laws: Vec<Law>) -> Problem<'_> {
-    let mut casimirs = 0;
-    let law = |law: &Law| match law {
-        Law::Casimir(found) => {
-            casimirs += 1;
-            let degree = f64::from(found.degree);
-            ConformalLaw { name: format!("C{casimirs}"), degree, casimir: true }
-        }
-        Law::Energy(degree) => ConformalLaw { name: "H0".into(), degree: *degree, casimir: false },
+/// A problem with the laws that follow from what was found: Casimirs, and the energy.
+pub fn with_laws<'a>(problem: Problem<'a>, facts: &'a Facts) -> Problem<'a> {
+    let casimir = |(k, form): (usize, &Form)| {
+        let (name, degree) = (format!("C{}", k + 1), f64::from(form.degree));
+        ConformalLaw { name, degree, casimir: true }
     };
-    let columns = laws.iter().map(law).collect();
-    let formulas = Box::new(WithLaws {
-        formulas: problem.formulas,
-        laws,
-        no_noise: vec![0.0; problem.noises],
-    });
-    Problem { laws: columns, formulas, ..problem }
+    let energy = |degree| ConformalLaw { name: "H0".into(), degree, casimir: false };
+    let casimirs = facts.casimirs.iter().enumerate().map(casimir);
+    let laws = casimirs.chain(facts.energy_law().map(energy)).collect();
+    let no_noise = vec![0.0; problem.noises];
+    let formulas = WithLaws { formulas: problem.formulas, casimirs: &facts.casimirs, no_noise };
+    Problem { laws, formulas: Box::new(formulas), ..problem }
 }
 
 struct WithLaws<'a> {
     formulas: Box<dyn Formulas + 'a>,
-    laws: Vec<Law>,
+    casimirs: &'a [Form],
     no_noise: Vec<f64>,
 }
 
@@ -64,9 +43,9 @@ impl Formulas for WithLaws<'_> {
     }
 
     fn law(&self, index: usize, y: &[f64]) -> f64 {
-        match &self.laws[index] {
-            Law::Casimir(found) => found.value(y),
-            Law::Energy(_) => self.formulas.energy(y, 1.0, &self.no_noise),
+        match self.casimirs.get(index) {
+            Some(form) => form.value(y),
+            None => self.formulas.energy(y, 1.0, &self.no_noise),
         }
     }
 }

@@ -1,26 +1,27 @@
-//! A system with its damping, initial value and schemes, behind one trait for systems of the
-//! project, formulas and lattices.
+//! A system with its damping, initial value and schemes, behind one trait for compiled systems and
+//! those that are known at run time.
 
+mod at_run_time;
 mod compiled;
 mod formulas;
 mod lattice;
 mod laws;
 mod project;
 
-use std::{error::Error, sync::Arc};
+use std::sync::Arc;
 
 use casimir::{
     analysis::{
-        Candidates, CompareSettings, Comparison, compare,
+        Candidates,
         inspect::{InspectError, Inspection},
     },
-    formula::{FormulaDamping, Names},
+    formula::{Formula, FormulaDamping, Names},
     mc::{Expect, Problem, Setup},
     schemes::{BuiltIn, Method, SchemeError},
     systems::{Constant, Damping},
 };
 
-use crate::scene::{Constants, Observable, Quantity, Read, SceneFile, Settings, Source};
+use crate::scene::{Observable, Quantity, Read, Reading};
 
 pub use project::PROJECT;
 
@@ -40,17 +41,6 @@ pub trait Model: Send + Sync {
     /// # Errors
     /// Those of [`scheme`](Self::scheme).
     fn candidates(&self) -> Result<Candidates<'_>, SchemeError>;
-
-    /// The problem and a scheme for it by its name.
-    ///
-    /// # Errors
-    /// Why the scheme is not for the system.
-    fn setup(&self, scheme: &str) -> Result<Setup<'_>, String> {
-        let known = || unknown_scheme(scheme);
-        let scheme = self.scheme(BuiltIn::named(scheme).ok_or_else(known)?);
-        let scheme = scheme.map_err(|error| error.to_string())?;
-        Ok(Setup { problem: self.problem(), scheme })
-    }
 
     /// The same with the laws that were found as columns of tables.
     fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
@@ -79,14 +69,6 @@ pub trait Model: Send + Sync {
     /// Expectations for which everything is chosen; `None` if they are computed by levels of random
     /// points.
     fn expect(&self) -> Option<Expect<'_>>;
-
-    /// Errors against cost of all schemes.
-    ///
-    /// # Errors
-    /// Those of [`compare`](compare()).
-    fn compare(&self, settings: &CompareSettings) -> Result<Comparison, Box<dyn Error>> {
-        Ok(compare(&self.problem(), &self.candidates()?, settings)?)
-    }
 
     /// What the system is.
     ///
@@ -137,59 +119,35 @@ pub struct Built {
 }
 
 /// The model of a scene.
-pub fn build(
-    source: &Source,
-    file: &SceneFile,
-    constants: &Constants,
-    settings: &Settings,
-) -> Read<Built> {
-    let damping = damping(source, file, constants, settings)?;
-    match &file.system.name {
-        Some(name) => project::build(source, &file.system, name, damping, settings),
-        None => formulas::build(source, file, constants, damping, settings),
+pub fn build(reading: &Reading<'_>) -> Read<Built> {
+    let damping = damping(reading)?;
+    match &reading.file.system.name {
+        Some(name) => project::build(reading, name, damping),
+        None => formulas::build(reading, damping),
     }
 }
 
-fn damping(
-    source: &Source,
-    file: &SceneFile,
-    constants: &Constants,
-    settings: &Settings,
-) -> Read<Arc<dyn Damping>> {
-    use casimir::formula::DampingError;
-
+fn damping(reading: &Reading<'_>) -> Read<Arc<dyn Damping>> {
+    let Reading { source, file, constants, settings } = reading;
     let constant = |rate| -> Arc<dyn Damping> {
         Arc::new(Constant::new(rate).unwrap_or_else(|error| unreachable!("{error}")))
     };
     let Some(table) = &file.damping else { return Ok(constant(0.0)) };
     let rate = &table.rate;
-    let damping = FormulaDamping::new(&rate.get_ref().0, &constants.numbers);
-    let damping = damping.map_err(|error| match error {
-        DampingError::Formula(error) => source.formula_error(rate, &error),
-        other => source.error(rate.span(), other),
-    })?;
-    let formula = damping.formula();
+    let mut names = constants.names.clone();
+    names.variable("t").map_err(|error| source.error(rate.span(), error))?;
+    let formula = Formula::parse(&rate.get_ref().0, &names);
+    let formula = formula.map_err(|error| source.formula_error(rate, &error))?;
     for t in [0.0, settings.until] {
         if let Some(error) = formula.explain(&[t]) {
-            let place = source.place_in(rate, &error.span);
             let message = format!("{} at t = {t}", error.message);
-            return Err(source.error(place, message));
+            return Err(source.error_in(rate, &error, message));
         }
     }
-    Ok(if formula.depends_on(0) { Arc::new(damping) } else { constant(damping.rate(0.0)) })
-}
-
-/// "; the nearest is `…`", if a known name is near.
-pub fn nearest(name: &str, known: &[&str]) -> String {
-    let nearest = known.iter().map(|known| (strsim::damerau_levenshtein(name, known), known));
-    let nearest = nearest.filter(|(distance, _)| *distance <= 3).min();
-    nearest.map_or(String::new(), |(_, known)| format!("; the nearest is `{known}`"))
-}
-
-fn unknown_scheme(name: &str) -> String {
-    let known = BuiltIn::ALL.map(BuiltIn::id);
-    let hint = nearest(name, &known);
-    format!("no scheme `{name}`; there are auto, {}{hint}", known.join(", "))
+    Ok(match formula.depends_on(0) {
+        true => Arc::new(FormulaDamping::new(formula)),
+        false => constant(formula.value(&[0.0])),
+    })
 }
 
 /// A text in which `y1`, `y2`, … are the names of the components.

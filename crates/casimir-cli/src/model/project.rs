@@ -3,17 +3,17 @@
 use std::sync::Arc;
 
 use casimir::{
-    formula::Names,
+    formula::{Names, nearest},
     real::Row,
     systems::{
-        Damping, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, Problem,
-        RigidBody, SystemError,
+        Damping, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
+        Problem, RigidBody, SystemError,
     },
 };
 use toml::Spanned;
 
 use super::{Built, compiled::Compiled, lattice};
-use crate::scene::{Parameters, Quantity, Read, Settings, Source, SystemTable};
+use crate::scene::{Parameters, Quantity, Read, Reading};
 
 /// Name, parameters with their defaults, and what it is.
 pub const PROJECT: [(&str, &str, &str); 6] = [
@@ -35,12 +35,11 @@ pub const PROJECT: [(&str, &str, &str); 6] = [
 
 /// The model of a system of the project.
 pub fn build(
-    source: &Source,
-    table: &SystemTable,
+    reading: &Reading<'_>,
     name: &Spanned<String>,
     damping: Arc<dyn Damping>,
-    settings: &Settings,
 ) -> Read<Built> {
+    let (source, table) = (reading.source, &reading.file.system);
     let formulas = [
         table.state.as_ref().map(|key| ("state", key.span())),
         table.structure.as_ref().map(|key| ("B", key.span())),
@@ -52,28 +51,22 @@ pub fn build(
         let message = format!("`{key}` is for formulas: remove it, or `name = \"{name}\"`");
         return Err(source.error(place, message));
     }
-    let parameters = |known: &[&str]| Parameters::new(source, table, known);
-    let (damping, run) = (&damping, Run { source, settings });
+    let parameters = |known: &[&str]| Parameters::new(reading, known);
+    let run = (reading, damping);
     match name.get_ref().as_str() {
-        "pendulum" => {
-            let c = parameters(&["c"])?;
-            let system = Pendulum::new(c.number("c", 1.0)?).map_err(|e| c.error("c", e))?;
-            built(Compiled::by_parts(run.problem(system, damping)?), system)
-        }
+        "pendulum" => built(run, with_c(reading, Pendulum::new)?, Compiled::by_parts),
         "rigid-body" => {
             let p = parameters(&["inertia", "noise"])?;
             let inertia = p.three("inertia", [2.0, 1.0, 2.0 / 3.0])?;
-            match p.list("noise")?.unwrap_or(vec![1.0, 2.0, 3.0])[..] {
+            let wrong = |error: SystemError| p.error("inertia", error);
+            match p.list("noise", &[1.0, 2.0, 3.0])?[..] {
                 [noise] => {
-                    let system = RigidBody::one_noise(inertia, noise);
-                    let system = system.map_err(|e| p.error("inertia", e))?;
-                    built(Compiled::by_parts(run.problem(system, damping)?), system)
+                    let system = RigidBody::one_noise(inertia, noise).map_err(wrong)?;
+                    built(run, system, Compiled::by_parts)
                 }
                 [a, b, c] => {
-                    let system = RigidBody::three_noises(inertia, [a, b, c]);
-                    let system = system.map_err(|e| p.error("inertia", e))?;
-                    let model = Compiled::by_parts(run.problem(system, damping)?);
-                    built(model, system)
+                    let system = RigidBody::three_noises(inertia, [a, b, c]).map_err(wrong)?;
+                    built(run, system, Compiled::by_parts)
                 }
                 ref list => {
                     let message = format!("`noise` has one or three numbers, got {}", list.len());
@@ -82,74 +75,63 @@ pub fn build(
             }
         }
         "lotka-volterra" => {
-            let c = parameters(&["c"])?;
-            let system = LotkaVolterra::<casimir::systems::IntegerExponents<1, 1>>::integer(
-                c.number("c", 1.0)?,
-            );
-            let system = system.map_err(|e| c.error("c", e))?;
-            built(Compiled::new(run.problem(system, damping)?), system)
+            let system = with_c(reading, LotkaVolterra::<IntegerExponents<1, 1>>::integer)?;
+            built(run, system, Compiled::new)
         }
         "maxwell-bloch" => {
             parameters(&[])?;
-            let model = Compiled::by_parts(run.problem(MaxwellBloch, damping)?);
-            built(model, MaxwellBloch)
+            built(run, MaxwellBloch, Compiled::by_parts)
         }
-        "poisson3" => {
-            let c = parameters(&["c"])?;
-            let system = Poisson3::new(c.number("c", 1.0)?).map_err(|e| c.error("c", e))?;
-            built(Compiled::by_parts(run.problem(system, damping)?), system)
+        "poisson3" => built(run, with_c(reading, Poisson3::new)?, Compiled::by_parts),
+        "spin-lattice" => lattice::build(reading, run.1),
+        unknown => {
+            let known = PROJECT.map(|(known, ..)| known);
+            let (hint, known) = (nearest(unknown, known), known.join(", "));
+            let message = format!("unknown system `{unknown}`; there are {known}{hint}");
+            Err(source.error(name.span(), message))
         }
-        "spin-lattice" => lattice::build(source, table, damping.clone(), settings),
-        unknown => Err(source.error(name.span(), unknown_system(unknown))),
     }
 }
 
-fn unknown_system(name: &str) -> String {
-    let known = PROJECT.map(|(known, ..)| known);
-    let hint = super::nearest(name, &known);
-    format!("unknown system `{name}`; there are {}{hint}", known.join(", "))
+/// The system with the size `c` of its noise.
+fn with_c<S>(reading: &Reading<'_>, new: fn(f64) -> Result<S, SystemError>) -> Read<S> {
+    let c = Parameters::new(reading, &["c"])?;
+    new(c.number("c", 1.0)?).map_err(|error| c.error("c", error))
 }
 
 /// The model with the names y1, …, yD.
-fn built<S, const D: usize, const M: usize>(model: Compiled<S, D, M>, system: S) -> Read<Built>
+fn built<S, const D: usize, const M: usize>(
+    (reading, damping): (&Reading<'_>, Arc<dyn Damping>),
+    system: S,
+    model: fn(Problem<S, Arc<dyn Damping>, D>) -> Compiled<S, D, M>,
+) -> Read<Built>
 where
-    S: PoissonSystem<D, M> + 'static,
+    S: PoissonSystem<D, M> + Copy + 'static,
 {
-    let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
-    let names = Names::with_variables(&components);
-    let names = names.unwrap_or_else(|error| unreachable!("{error}"));
+    let initial = &reading.settings.initial;
+    let y0: [f64; D] = initial[..].try_into().map_err(|_| {
+        let components = initial.len();
+        let message = format!("the initial value must have {D} components, got {components}");
+        reading.initial_error(message)
+    })?;
+    let problem = Problem::new(system, damping, y0, reading.settings.until);
+    let problem = problem.map_err(|error| reading.initial_error(error))?;
     let energy = move |y: &[Row], values: &mut Row| {
         for (p, value) in values.iter_mut().enumerate() {
             *value = system.energy(std::array::from_fn(|i| y[i][p]), 1.0, [0.0; M]);
         }
     };
+    let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
     Ok(Built {
-        model: Box::new(model),
+        model: Box::new(model(problem)),
+        names: numbered(&components),
         components,
-        names,
         energy: Quantity::Function(Arc::new(energy)),
         quantities: Vec::new(),
     })
 }
 
-struct Run<'a> {
-    source: &'a Source,
-    settings: &'a Settings,
-}
-
-impl Run<'_> {
-    fn problem<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        &self,
-        system: S,
-        damping: &Arc<dyn Damping>,
-    ) -> Read<Problem<S, Arc<dyn Damping>, D>> {
-        let Self { source, settings } = *self;
-        let wrong = |error: &dyn std::fmt::Display| settings.initial_error(source, error);
-        let components = settings.initial.len();
-        let y0: [f64; D] = settings.initial[..].try_into().map_err(|_| {
-            wrong(&format!("the initial value must have {D} components, got {components}"))
-        })?;
-        Problem::new(system, damping.clone(), y0, settings.until)
-            .map_err(|error: SystemError| wrong(&error))
-    }
+/// Names that cannot be wrong.
+pub fn numbered(components: &[String]) -> Names {
+    Names::with_variables(components).unwrap_or_else(|error| unreachable!("{error}"))
 }

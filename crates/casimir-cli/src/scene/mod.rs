@@ -7,14 +7,20 @@ mod run;
 mod source;
 mod values;
 
-pub use file::{ExpectTable, SceneFile, SystemTable, schema};
+pub use file::{ExpectTable, SceneFile, schema};
 pub use observe::{Observable, Quantity};
-pub use read::{Constants, Parameters};
-pub use run::{AUTO, Changes, SchemeAndSeed, Settings, count};
+pub use read::{Constants, Parameters, Reading};
+pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use source::{Read, SceneError, Source};
-pub use values::{Parameter, Text};
+pub use values::{Parameter, Text, count};
 
-use casimir::formula::Names;
+use std::{fmt::Display, path::Path};
+
+use casimir::{
+    formula::{Names, nearest},
+    mc::Setup,
+    schemes::BuiltIn,
+};
 use toml::Spanned;
 
 use crate::model::{self, Model};
@@ -61,7 +67,12 @@ impl Scene {
             return Err(taken(name.get_ref(), name.span()));
         }
         let model::Built { model, components, names, energy, quantities } =
-            model::build(&source, &file, &constants, &settings)?;
+            model::build(&Reading {
+                source: &source,
+                file: &file,
+                constants: &constants,
+                settings: &settings,
+            })?;
         let words = (&names, &energy);
         let mut observables = Vec::new();
         if components.len() <= MOST_COMPONENTS {
@@ -81,7 +92,7 @@ impl Scene {
         }
         if observables.is_empty() {
             let message = "a system of so many components needs observables: add [observe]";
-            return Err(source.error_of_all(message));
+            return Err(source.error(None, message));
         }
         let (expected, accuracy) = match &file.expect {
             Some(table) => {
@@ -90,11 +101,30 @@ impl Scene {
             }
             None => (Vec::new(), None),
         };
-        let stem =
-            std::path::Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
+        let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
         let name = file.system.name.map(Spanned::into_inner);
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
         Ok(Self { source, title, components, model, settings, observables, expected, accuracy })
+    }
+
+    /// The problem and a scheme for it by its name.
+    ///
+    /// # Errors
+    /// Why the scheme is not for the system.
+    pub fn setup(&self, name: &str) -> Read<Setup<'_>> {
+        let wrong = |message| self.source.error(self.settings.scheme_place.clone(), message);
+        let Some(scheme) = BuiltIn::named(name) else {
+            let known = BuiltIn::ALL.map(BuiltIn::id);
+            let (hint, known) = (nearest(name, known), known.join(", "));
+            return Err(wrong(format!("no scheme `{name}`; there are auto, {known}{hint}")));
+        };
+        let scheme = self.model.scheme(scheme).map_err(|error| wrong(error.to_string()))?;
+        Ok(Setup { problem: self.model.problem(), scheme })
+    }
+
+    /// An error about the steps.
+    pub fn steps_error(&self, message: impl Display) -> SceneError {
+        self.source.error(self.settings.steps_place.clone(), message)
     }
 
     /// Columns of a table: the time, components and other observables.

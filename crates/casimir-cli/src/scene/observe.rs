@@ -22,9 +22,7 @@ pub type OfRows = dyn Fn(&[Row], &mut Row) + Send + Sync;
 pub enum Quantity {
     /// A component.
     Component(usize),
-    /// A formula.
-    Formula(Arc<Formula>),
-    /// A function of the system, such as its energy.
+    /// A formula, or a function of the system such as its energy.
     Function(Arc<OfRows>),
 }
 
@@ -34,6 +32,12 @@ pub struct Observable {
     /// Its name.
     pub name: String,
     quantity: Quantity,
+}
+
+impl From<Formula> for Quantity {
+    fn from(formula: Formula) -> Self {
+        Self::Function(Arc::new(move |y: &[Row], values: &mut Row| formula.values(y, values)))
+    }
 }
 
 impl Observable {
@@ -56,7 +60,6 @@ impl Observe for Observable {
     fn evaluate(&self, y: &[Row], _: PathMask, values: &mut Row) {
         match &self.quantity {
             Quantity::Component(i) => *values = y[*i],
-            Quantity::Formula(formula) => formula.values(y, values),
             Quantity::Function(function) => function(y, values),
         }
     }
@@ -73,18 +76,12 @@ pub fn quantity(
         return Ok(energy.clone());
     }
     let formula = Formula::parse(&text.get_ref().0, names);
-    let formula = formula.map_err(|error| match error.unknown_name.as_deref() {
-        Some("H0") => {
-            let message = "`H0` stands alone in an observable: write its formula here";
-            source.error(source.place_in(text, &error.span), message)
-        }
-        _ => source.formula_error(text, &error),
-    })?;
+    let formula = formula.map_err(|error| source.formula_error(text, &error))?;
     match formula.explain(y0) {
         Some(error) => {
             let message = format!("{} at the initial value", error.message);
-            Err(source.error(source.place_in(text, &error.span), message))
+            Err(source.error_in(text, &error, message))
         }
-        None => Ok(Quantity::Formula(Arc::new(formula))),
+        None => Ok(formula.into()),
     }
 }

@@ -1,53 +1,59 @@
 //! From a text to the keys of a scene, and the constants in it.
 
-use casimir::formula::{Formula, Names};
-use indexmap::IndexMap;
+use std::fmt::Display;
+
+use casimir::formula::{Formula, Names, nearest};
 use toml::Spanned;
 
 use super::{
     file::{SceneFile, SystemTable},
-    source::{Read, Source},
+    run::Settings,
+    source::{Read, SceneError, Source},
     values::{Parameter, Text},
 };
+
+/// A scene that is being read.
+pub struct Reading<'a> {
+    /// Its text.
+    pub source: &'a Source,
+    /// Its keys.
+    pub file: &'a SceneFile,
+    /// Its parameters.
+    pub constants: &'a Constants,
+    /// How it is simulated.
+    pub settings: &'a Settings,
+}
+
+impl Reading<'_> {
+    /// An error about the initial value.
+    pub fn initial_error(&self, message: impl Display) -> SceneError {
+        self.source.error(self.settings.initial_place.clone(), message)
+    }
+}
 
 /// The keys of a scene.
 pub fn parse(source: &Source) -> Read<SceneFile> {
     toml::from_str(&source.text).map_err(|error| {
         let message = error.message().replace("unknown field", "unknown key");
         let message = message.replace("missing field", "missing key");
-        match error.span() {
-            // A key that is missing somewhere has no place.
-            Some(span) if !span.is_empty() || !message.starts_with("missing key") => {
-                source.error(span, with_nearest(&message))
-            }
-            _ => source.error_of_all(message),
-        }
+        // A key that is missing somewhere has no place.
+        let place = error.span().filter(|span| !span.is_empty() || !message.starts_with("missing"));
+        // "unknown key `x`, expected one of `a`, `b`".
+        let words: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+        let hint = match words[..] {
+            [key, ref known @ ..] if message.starts_with("unknown key") => nearest(key, known),
+            _ => String::new(),
+        };
+        source.error(place, message + &hint)
     })
-}
-
-/// Adds the nearest known key to "unknown key `x`, expected one of `a`, `b`".
-fn with_nearest(message: &str) -> String {
-    let words: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    let (Some((key, known)), true) = (words.split_first(), message.starts_with("unknown key"))
-    else {
-        return message.to_owned();
-    };
-    let nearest = known
-        .iter()
-        .map(|known| (strsim::damerau_levenshtein(key, known), known))
-        .filter(|(distance, _)| *distance <= (key.chars().count() / 3).max(1))
-        .min();
-    match nearest {
-        Some((_, nearest)) => format!("{message}; the nearest is `{nearest}`"),
-        None => message.to_owned(),
-    }
 }
 
 /// Parameters with values.
 pub struct Constants {
     /// Names and values of the parameters that are numbers.
     pub numbers: Vec<(String, f64)>,
-    names: Names,
+    /// The same as names of formulas.
+    pub names: Names,
 }
 
 impl Constants {
@@ -56,8 +62,7 @@ impl Constants {
         let (mut numbers, mut names, none) = (Vec::new(), Names::new(), Names::new());
         for (key, value) in &system.parameters {
             let Parameter::One(text) = value.get_ref() else { continue };
-            let text = Spanned::new(value.span(), text.clone());
-            let value = constant(source, &text, &none)?;
+            let value = constant(source, &Spanned::new(value.span(), text.clone()), &none)?;
             let name = key.get_ref();
             if name == "t" {
                 return Err(source.error(key.span(), "`t` is the time in the rate of damping"));
@@ -86,92 +91,78 @@ fn constant(source: &Source, text: &Spanned<Text>, names: &Names) -> Read<f64> {
 }
 
 /// The parameters of a system of the project.
-pub struct Parameters<'a> {
-    source: &'a Source,
-    given: &'a IndexMap<Spanned<String>, Spanned<Parameter>>,
-}
+pub struct Parameters<'a>(&'a Reading<'a>);
 
 impl<'a> Parameters<'a> {
-    /// Those of this table, which may have these names only.
-    pub fn new(source: &'a Source, system: &'a SystemTable, known: &[&str]) -> Read<Self> {
-        let given = &system.parameters;
-        match given.keys().find(|key| !known.contains(&key.get_ref().as_str())) {
+    /// Those of a scene, which may have these names only.
+    pub fn new(reading: &'a Reading<'a>, known: &[&str]) -> Read<Self> {
+        let mut keys = reading.file.system.parameters.keys();
+        match keys.find(|key| !known.contains(&key.get_ref().as_str())) {
             Some(key) => {
                 let name = key.get_ref();
                 let message = match known {
                     [] => format!("unknown parameter `{name}`: this system has none"),
                     _ => format!("unknown parameter `{name}`; there are {}", known.join(", ")),
                 };
-                Err(source.error(key.span(), message))
+                Err(reading.source.error(key.span(), message))
             }
-            None => Ok(Self { source, given }),
+            None => Ok(Self(reading)),
         }
     }
 
-    fn get(&self, name: &str) -> Option<&'a Spanned<Parameter>> {
-        let found = self.given.iter().find(|(key, _)| key.get_ref() == name);
-        found.map(|(_, value)| value)
+    /// A parameter, if it is given.
+    pub fn get(&self, name: &str) -> Option<&'a Spanned<Parameter>> {
+        let mut given = self.0.file.system.parameters.iter();
+        given.find(|(key, _)| key.get_ref() == name).map(|(_, value)| value)
     }
 
     /// A number, or the default.
     pub fn number(&self, name: &str, default: f64) -> Read<f64> {
-        match self.get(name).map(|value| (value.get_ref(), value.span())) {
+        match self.get(name).map(Spanned::get_ref) {
             None => Ok(default),
-            Some((Parameter::One(text), span)) => self.constant(text, span),
-            Some((_, span)) => {
-                let message = format!("`{name}` is a number, such as {default}");
-                Err(self.source.error(span, message))
-            }
+            Some(Parameter::One(text)) => self.constant(name, text),
+            Some(_) => Err(self.error(name, format!("`{name}` is a number, such as {default}"))),
         }
     }
 
-    /// A list of numbers, if it is given. One number is a list of one.
-    pub fn list(&self, name: &str) -> Read<Option<Vec<f64>>> {
-        let Some(value) = self.get(name) else { return Ok(None) };
-        let texts = match value.get_ref() {
-            Parameter::One(text) => std::slice::from_ref(text),
-            Parameter::Many(texts) => texts,
-            Parameter::Switch(_) => {
-                let message = format!("`{name}` is a list of numbers, such as [1, 2, 3]");
-                return Err(self.source.error(value.span(), message));
+    /// A list of numbers, or the default. One number is a list of one.
+    pub fn list(&self, name: &str, default: &[f64]) -> Read<Vec<f64>> {
+        let texts = match self.get(name).map(Spanned::get_ref) {
+            None => return Ok(default.to_vec()),
+            Some(Parameter::One(text)) => std::slice::from_ref(text),
+            Some(Parameter::Many(texts)) => texts,
+            Some(Parameter::Switch(_)) => {
+                let message = format!("`{name}` is a list of numbers, such as {default:?}");
+                return Err(self.error(name, message));
             }
         };
-        let value = |text| self.constant(text, value.span());
-        texts.iter().map(value).collect::<Read<_>>().map(Some)
+        texts.iter().map(|text| self.constant(name, text)).collect()
     }
 
     /// Three numbers, or the default.
     pub fn three(&self, name: &str, default: [f64; 3]) -> Read<[f64; 3]> {
-        let Some(list) = self.list(name)? else { return Ok(default) };
         let wrong = |list: Vec<f64>| {
             self.error(name, format!("`{name}` has three numbers, got {}", list.len()))
         };
-        list.try_into().map_err(wrong)
+        self.list(name, &default)?.try_into().map_err(wrong)
     }
 
     /// `true` or `false`, or the default.
     pub fn switch(&self, name: &str, default: bool) -> Read<bool> {
-        match self.get(name).map(|value| (value.get_ref(), value.span())) {
+        match self.get(name).map(Spanned::get_ref) {
             None => Ok(default),
-            Some((Parameter::Switch(switch), _)) => Ok(*switch),
-            Some((_, span)) => Err(self.source.error(span, format!("`{name}` is true or false"))),
+            Some(Parameter::Switch(switch)) => Ok(*switch),
+            Some(_) => Err(self.error(name, format!("`{name}` is true or false"))),
         }
     }
 
     /// An error at a parameter.
-    pub fn error(&self, name: &str, message: impl std::fmt::Display) -> super::SceneError {
-        match self.get(name) {
-            Some(value) => self.source.error(value.span(), message),
-            None => self.source.error_of_all(message),
-        }
+    pub fn error(&self, name: &str, message: impl Display) -> SceneError {
+        self.0.source.error(self.get(name).map(Spanned::span), message)
     }
 
-    /// Whether a parameter is given.
-    pub fn has(&self, name: &str) -> bool {
-        self.get(name).is_some()
-    }
-
-    fn constant(&self, text: &Text, span: std::ops::Range<usize>) -> Read<f64> {
-        constant(self.source, &Spanned::new(span, text.clone()), &Names::new())
+    fn constant(&self, name: &str, text: &Text) -> Read<f64> {
+        let place = self.get(name).map_or(0..0, Spanned::span);
+        constant(self.0.source, &Spanned::new(place, text.clone()), &Names::new())
     }
 }

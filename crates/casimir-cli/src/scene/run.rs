@@ -1,22 +1,22 @@
 //! How a scene is simulated.
 
-use casimir::{
-    mc::Setup,
-    noise::{StreamKey, Truncation},
-};
+use std::ops::Range;
+
+use casimir::noise::{StreamKey, Truncation};
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::{
     file::RunTable,
     or,
     read::Constants,
-    source::{Read, SceneError, Source},
-    values::Count,
+    source::{Read, Source},
+    values::{Count, count},
 };
 
 /// What a command line changes in a scene.
-#[derive(Args, Clone, Debug, Default)]
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Changes {
     /// Number of paths, instead of that of the scene; 1e6 is a number
     #[arg(long, value_name = "N", value_parser = count)]
@@ -26,11 +26,12 @@ pub struct Changes {
     pub steps: Option<u64>,
     /// Scheme and seed.
     #[command(flatten)]
+    #[serde(flatten)]
     pub scheme: SchemeAndSeed,
 }
 
 /// What every command that samples may change.
-#[derive(Args, Clone, Debug, Default)]
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SchemeAndSeed {
     /// The scheme, instead of that of the scene: auto, sexp, sexp-li, heun, …
     #[arg(long, value_name = "NAME")]
@@ -44,17 +45,6 @@ impl From<&SchemeAndSeed> for Changes {
     fn from(scheme: &SchemeAndSeed) -> Self {
         Self { scheme: scheme.clone(), ..Self::default() }
     }
-}
-
-/// A whole number from a command line.
-pub fn count(text: &str) -> Result<u64, String> {
-    let wrong = || format!("`{text}` is not a whole number of at least 1, such as 1000 or 1e6");
-    if let Ok(number) = text.parse::<u64>() {
-        return if number > 0 { Ok(number) } else { Err(wrong()) };
-    }
-    let number: f64 = text.parse().map_err(|_| wrong())?;
-    let whole = number.fract() == 0.0 && (1.0..=9e15).contains(&number);
-    if whole { Ok(number as u64) } else { Err(wrong()) }
 }
 
 /// Checked settings of a run.
@@ -80,15 +70,12 @@ pub struct Settings {
     pub key: StreamKey,
     /// The truncation.
     pub truncation: Truncation,
-    places: Places,
-}
-
-/// Where the settings stand, in bytes of the text.
-#[derive(Clone, Debug)]
-struct Places {
-    initial: std::ops::Range<usize>,
-    steps: std::ops::Range<usize>,
-    scheme: Option<std::ops::Range<usize>>,
+    /// Where the initial value stands, in bytes of the text.
+    pub initial_place: Range<usize>,
+    /// Where the steps stand.
+    pub steps_place: Range<usize>,
+    /// Where the scheme stands, unless the command line says it.
+    pub scheme_place: Option<Range<usize>>,
 }
 
 /// The scheme that `inspect` recommends.
@@ -144,67 +131,25 @@ impl Settings {
             Some(_) => truncation,
         };
         let Some(truncation) = truncation else {
-            let place = run.truncation.as_ref().map_or(0..0, Spanned::span);
+            let place = run.truncation.as_ref().map(Spanned::span);
             return Err(source.error(place, format!("the order must be below 2^32, got {order}")));
         };
-        let scheme = run.scheme.as_ref().map(Spanned::get_ref).cloned();
         let SchemeAndSeed { scheme: changed, seed } = changes.scheme.clone();
-        let keeps = changed.is_none();
-        let scheme = changed.or(scheme).unwrap_or(AUTO.into());
-        let places = Places {
-            initial: run.initial.span(),
-            steps: run.steps.span(),
-            scheme: run.scheme.as_ref().filter(|_| keeps).map(Spanned::span),
-        };
-        let key = StreamKey { seed: seed.or(run.seed).unwrap_or(1), experiment: 0 };
         Ok(Self {
             initial,
             until,
             steps,
             coarsest_steps: changes.steps,
-            scheme,
             paths,
             tables,
             times,
-            key,
+            key: StreamKey { seed: seed.or(run.seed).unwrap_or(1), experiment: 0 },
             truncation,
-            places,
+            initial_place: run.initial.span(),
+            steps_place: run.steps.span(),
+            scheme_place: run.scheme.as_ref().filter(|_| changed.is_none()).map(Spanned::span),
+            scheme: changed.unwrap_or_else(|| or(run.scheme.as_ref(), AUTO.into())),
         })
-    }
-
-    /// An error about the initial value.
-    pub fn initial_error(&self, source: &Source, message: impl std::fmt::Display) -> SceneError {
-        source.error(self.places.initial.clone(), message)
-    }
-
-    /// An error about the steps.
-    pub fn steps_error(&self, source: &Source, message: impl std::fmt::Display) -> SceneError {
-        source.error(self.places.steps.clone(), message)
-    }
-
-    /// An error about the scheme.
-    pub fn scheme_error(&self, source: &Source, message: impl std::fmt::Display) -> SceneError {
-        match &self.places.scheme {
-            Some(place) => source.error(place.clone(), message),
-            None => source.error_of_all(message),
-        }
-    }
-
-    /// Checks that a scheme can take these steps.
-    pub fn check_steps(&self, source: &Source, setup: &Setup<'_>) -> Read<()> {
-        let tau = self.until / self.steps as f64;
-        if setup.scheme.clips_increments()
-            && let Err(error) = self.truncation.bound(tau)
-        {
-            let least = self.until.floor() as u64 + 1;
-            let scheme = setup.scheme.id();
-            let message = format!(
-                "{scheme} truncates increments: {error}. Take at least {least} steps, or leave out \
-                 `truncation`"
-            );
-            return Err(self.steps_error(source, message));
-        }
-        Ok(())
     }
 
     /// Whether statistics are computed.

@@ -50,19 +50,21 @@ pub fn averaged_gradient(graph: &mut Graph, h: &[Weighted], a: &[Id], b: &[Id]) 
                 continue;
             }
         };
-        add(graph, &mut mean, &part);
+        add(graph, &mut mean, &part, 1.0);
     }
     for (nodes, group) in groups.iter().enumerate().filter(|(_, group)| !group.is_empty()) {
         let gradient = graph.reverse(group, &y);
         let part = by_quadrature(graph, &gradient, nodes, a, b);
-        add(graph, &mut mean, &part);
+        add(graph, &mut mean, &part, 1.0);
     }
     mean
 }
 
-fn add(graph: &mut Graph, sum: &mut [Id], part: &[Id]) {
+/// Adds weight·part.
+pub fn add(graph: &mut Graph, sum: &mut [Id], part: &[Id], weight: f64) {
     for (sum, &part) in sum.iter_mut().zip(part) {
-        *sum = graph.add(*sum, part);
+        let weighted = graph.scale(part, weight);
+        *sum = graph.add(*sum, weighted);
     }
 }
 
@@ -77,13 +79,12 @@ fn averaged_wave(
 ) -> Vec<Id> {
     let one = graph.constant(1.0);
     let slopes = graph.reverse(&[(angle, one)], &(0..a.len()).collect::<Vec<_>>());
-    let mut half = graph.constant(0.0);
-    for ((&a, &b), &slope) in a.iter().zip(b).zip(&slopes) {
+    let distance = |(&a, &b): (&Id, &Id)| {
         let difference = graph.sub(b, a);
-        let distance = graph.scale(difference, 0.5);
-        let part = graph.mul(distance, slope);
-        half = graph.add(half, part);
-    }
+        graph.scale(difference, 0.5)
+    };
+    let distances: Vec<Id> = a.iter().zip(b).map(distance).collect();
+    let half = graph.dot(&distances, &slopes);
     let middle = point(graph, a, b, 0.0);
     let angle = at(graph, &[angle], &middle)[0];
     let mean = match function {
@@ -120,11 +121,9 @@ fn by_quadrature(graph: &mut Graph, gradient: &[Id], nodes: usize, a: &[Id], b: 
         let mut value = at_distance(graph, -distance);
         if 2 * k + 1 != nodes {
             let mirror = at_distance(graph, distance);
-            add(graph, &mut value, &mirror);
+            add(graph, &mut value, &mirror, 1.0);
         }
-        let weighted: Vec<Id> =
-            value.into_iter().map(|x| graph.scale(x, rule.weights()[k])).collect();
-        add(graph, &mut sum, &weighted);
+        add(graph, &mut sum, &value, rule.weights()[k]);
     }
     sum
 }

@@ -4,6 +4,7 @@
 //! systems. The matrix is eliminated without pivoting, in the order of [`real::Factored`]. Its
 //! zeros are known, so that nothing is computed with them.
 
+use super::MOST_EXPRESSIONS;
 use crate::{Graph, Id};
 
 /// The matrix I − ½A(v), row by row.
@@ -31,24 +32,24 @@ pub fn right_side(graph: &mut Graph, y: &[Id], field: &[Id], constant: &[Id]) ->
     right
 }
 
-/// x with A x = b.
-pub fn solve(graph: &mut Graph, a: &[Vec<Id>], b: &[Id]) -> Vec<Id> {
-    match a.len() {
+/// x with A x = b; none if it takes too many expressions.
+pub fn solve(graph: &mut Graph, a: Vec<Vec<Id>>, b: Vec<Id>) -> Option<Vec<Id>> {
+    Some(match a.len() {
         1 => vec![graph.div(b[0], a[0][0])],
         2 => {
             let determinant = graph.minor([a[0][0], a[0][1]], [a[1][0], a[1][1]]);
             let adjugate = [[a[1][1], graph.neg(a[0][1])], [graph.neg(a[1][0]), a[0][0]]];
-            times_adjugate(graph, &adjugate, b, determinant)
+            times_adjugate(graph, &adjugate, &b, determinant)
         }
         3 => {
             let columns =
                 [graph.cross(&a[1], &a[2]), graph.cross(&a[2], &a[0]), graph.cross(&a[0], &a[1])];
             let determinant = graph.dot(&a[0], &columns[0]);
             let adjugate = [0, 1, 2].map(|i| columns.map(|column| column[i]));
-            times_adjugate(graph, &adjugate, b, determinant)
+            times_adjugate(graph, &adjugate, &b, determinant)
         }
-        _ => eliminate(graph, a.to_vec(), b.to_vec()),
-    }
+        _ => return eliminate(graph, a, b),
+    })
 }
 
 /// The entries of the inverse are those of the adjugate, over the determinant.
@@ -68,11 +69,17 @@ fn times_adjugate<const N: usize>(
     x
 }
 
-fn eliminate(graph: &mut Graph, mut a: Vec<Vec<Id>>, mut x: Vec<Id>) -> Vec<Id> {
+fn eliminate(graph: &mut Graph, mut a: Vec<Vec<Id>>, mut x: Vec<Id>) -> Option<Vec<Id>> {
     let one = graph.constant(1.0);
     for k in 0..x.len() {
         a[k][k] = graph.div(one, a[k][k]);
+        if graph.len() > MOST_EXPRESSIONS {
+            return None;
+        }
         for i in k + 1..x.len() {
+            if graph.is_zero(a[i][k]) {
+                continue;
+            }
             a[i][k] = graph.mul(a[i][k], a[k][k]);
             for j in k + 1..x.len() {
                 let product = graph.mul(a[i][k], a[k][j]);
@@ -93,7 +100,7 @@ fn eliminate(graph: &mut Graph, mut a: Vec<Vec<Id>>, mut x: Vec<Id>) -> Vec<Id> 
         }
         x[k] = graph.mul(x[k], a[k][k]);
     }
-    x
+    Some(x)
 }
 
 impl Graph {

@@ -21,9 +21,15 @@ pub struct Definition {
     pub noises: Vec<String>,
 }
 
-/// One of the formulas of a [`Definition`].
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// What of a [`Definition`], or of its initial value, is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {
+    /// The names of components and parameters.
+    State,
+    /// The initial value.
+    InitialValue,
+    /// The rows of B.
+    Matrix,
     /// The entry of B in this row and column, counted from 1.
     Structure(usize, usize),
     /// H₀.
@@ -35,6 +41,9 @@ pub enum Which {
 impl Display for Which {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::State => f.write_str("the state"),
+            Self::InitialValue => f.write_str("the initial value"),
+            Self::Matrix => f.write_str("B"),
             Self::Structure(row, column) => write!(f, "B, row {row}, column {column}"),
             Self::Energy => f.write_str("H0"),
             Self::Noise(m) => write!(f, "H, noise {m}"),
@@ -44,77 +53,26 @@ impl Display for Which {
 
 /// A [`Definition`] that is no Poisson system, or has no values at its initial value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum DefinitionError {
-    /// A state or a parameter has a name that it cannot have.
-    #[error(transparent)]
-    Name(#[from] NameError),
-    /// There is no component.
-    #[error("the state has no component")]
-    NoState,
-    /// The initial value has another number of components than the state.
-    #[error("the initial value must have {dimension} components, got {components}")]
-    InitialValue {
-        /// The number of names in the state.
-        dimension: usize,
-        /// The number of components given.
-        components: usize,
-    },
-    /// A component of the initial value is NaN or infinite.
-    #[error("the initial value must be finite, got {name} = {value}")]
-    NotFiniteInitialValue {
-        /// The name of the component.
-        name: String,
-        /// Its value.
-        value: f64,
-    },
-    /// B has rows of other lengths.
-    #[error(
-        "B must have {dimension} rows of {dimension} entries, or its entries above the diagonal in \
-         rows of {} to 1; its rows have {rows:?}",
-        dimension - 1
-    )]
-    StructureSize {
-        /// The dimension D.
-        dimension: usize,
-        /// The lengths of the rows.
-        rows: Vec<usize>,
-    },
-    /// A text is not a formula, or one without a finite value at the initial value.
-    #[error("{which}: {error}")]
-    Formula {
-        /// Which one.
-        which: Which,
-        /// What is wrong with it.
-        error: Box<FormulaError>,
-    },
-    /// B is not skew-symmetric.
-    #[error(
-        "B is not skew: row {row}, column {column} is {value}, and row {column}, column {row} is \
-         {mirror}, at y = {point:?}"
-    )]
-    NotSkew {
-        /// The row of an entry, counted from 1.
-        row: usize,
-        /// Its column.
-        column: usize,
-        /// Its value at a point.
-        value: f64,
-        /// The value of its mirror image.
-        mirror: f64,
-        /// The point.
-        point: Vec<f64>,
-    },
-    /// A formula has no finite derivative at the initial value.
-    #[error("the derivative of {which} by {variable} is {value} at the initial value")]
-    DerivativeNotFinite {
-        /// Which one.
-        which: Which,
-        /// The component that it is differentiated by.
-        variable: String,
-        /// Its value.
-        value: f64,
-    },
+#[error("{message}")]
+pub struct DefinitionError {
+    /// What is wrong.
+    pub which: Which,
+    /// What is wrong with it.
+    pub message: String,
+    /// The same of a text that is not a formula, or has no finite value at the initial value.
+    pub formula: Option<Box<FormulaError>>,
+}
+
+impl DefinitionError {
+    pub(super) fn new(which: Which, message: impl Into<String>) -> Self {
+        Self { which, message: message.into(), formula: None }
+    }
+}
+
+impl From<NameError> for DefinitionError {
+    fn from(NameError(message): NameError) -> Self {
+        Self::new(Which::State, message)
+    }
 }
 
 /// The formulas of a definition, B by its entries above the diagonal.
@@ -122,13 +80,17 @@ pub(super) struct Formulas {
     pub names: Names,
     /// Row i has the entries i + 1, … of that row of B.
     pub structure: Vec<Vec<Formula>>,
-    pub energy: Formula,
-    pub noises: Vec<Formula>,
+    /// H₀, H₁, ….
+    pub hamiltonians: Vec<Formula>,
 }
 
 impl Formulas {
     pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
-        let names = names(definition, y0)?;
+        let Definition { state, parameters, structure, energy, noises, .. } = definition;
+        let mut names = Names::with_variables(state)?;
+        for (name, value) in parameters {
+            names.parameter(name, *value)?;
+        }
         let parsed = |which: Which, text: &str| -> Result<Formula, DefinitionError> {
             let formula = Formula::parse(text, &names).and_then(|formula| {
                 let reason = formula.explain(y0);
@@ -136,39 +98,37 @@ impl Formulas {
                 let wrong = |e: FormulaError| FormulaError { message: at_y0(e.message), ..e };
                 reason.map_or(Ok(formula), |error| Err(wrong(error)))
             });
-            formula.map_err(|error| DefinitionError::Formula { which, error: error.into() })
+            formula.map_err(|error| DefinitionError {
+                formula: Some(Box::new(error.clone())),
+                ..DefinitionError::new(which, format!("{which}: {error}"))
+            })
         };
-        let hamiltonian = |which: Which, text| -> Result<Formula, DefinitionError> {
-            let formula = parsed(which.clone(), text)?;
+        let hamiltonian = |(m, text): (usize, &String)| {
+            let which = if m == 0 { Which::Energy } else { Which::Noise(m) };
+            let formula = parsed(which, text)?;
             has_gradient(which, &formula, y0)?;
             Ok(formula)
         };
-        let structure = structure(&definition.structure, y0, parsed)?;
-        let energy = hamiltonian(Which::Energy, &definition.energy)?;
-        let noises = definition.noises.iter().enumerate();
-        let noises = noises.map(|(m, text)| hamiltonian(Which::Noise(m + 1), text));
-        Ok(Self { structure, energy, noises: noises.collect::<Result<_, _>>()?, names })
+        check_initial_value(state, y0)?;
+        let structure = upper(structure, y0, parsed)?;
+        let hamiltonians = std::iter::once(energy).chain(noises).enumerate().map(hamiltonian);
+        let hamiltonians = hamiltonians.collect::<Result<_, DefinitionError>>()?;
+        Ok(Self { structure, hamiltonians, names })
     }
 }
 
-fn names(definition: &Definition, y0: &[f64]) -> Result<Names, DefinitionError> {
-    let mut names = Names::with_variables(&definition.state)?;
-    for (name, value) in &definition.parameters {
-        names.parameter(name, *value)?;
-    }
-    let (dimension, components) = (definition.state.len(), y0.len());
-    if dimension == 0 {
-        return Err(DefinitionError::NoState);
-    }
-    if dimension != components {
-        return Err(DefinitionError::InitialValue { dimension, components });
-    }
-    match y0.iter().zip(&definition.state).find(|(value, _)| !value.is_finite()) {
-        Some((&value, name)) => {
-            Err(DefinitionError::NotFiniteInitialValue { name: name.clone(), value })
+fn check_initial_value(state: &[String], y0: &[f64]) -> Result<(), DefinitionError> {
+    let (dimension, components) = (state.len(), y0.len());
+    let infinite = y0.iter().zip(state).find(|(value, _)| !value.is_finite());
+    let what = match infinite {
+        _ if dimension == 0 => {
+            return Err(DefinitionError::new(Which::State, "the state has no component"));
         }
-        None => Ok(names),
-    }
+        _ if dimension != components => format!("have {dimension} components, got {components}"),
+        Some((value, name)) => format!("be finite, got {name} = {value}"),
+        None => return Ok(()),
+    };
+    Err(DefinitionError::new(Which::InitialValue, format!("the initial value must {what}")))
 }
 
 /// Checks that all derivatives of a formula are finite.
@@ -176,18 +136,18 @@ fn has_gradient(which: Which, formula: &Formula, y0: &[f64]) -> Result<(), Defin
     let all: Vec<usize> = (0..y0.len()).collect();
     let mut gradient = vec![0.0; y0.len()];
     formula.gradient(&all).evaluate_one(&[y0], &mut gradient);
-    match gradient.iter().position(|slope| !slope.is_finite()) {
-        Some(i) => Err(DefinitionError::DerivativeNotFinite {
-            which,
-            variable: formula.variables()[i].clone(),
-            value: gradient[i],
-        }),
+    match gradient.iter().zip(formula.variables()).find(|(slope, _)| !slope.is_finite()) {
+        Some((slope, variable)) => {
+            let message =
+                format!("the derivative of {which} by {variable} is {slope} at the initial value");
+            Err(DefinitionError::new(which, message))
+        }
         None => Ok(()),
     }
 }
 
 /// The entries of B above the diagonal.
-fn structure(
+fn upper(
     texts: &[Vec<String>],
     y0: &[f64],
     parsed: impl Fn(Which, &str) -> Result<Formula, DefinitionError>,
@@ -197,7 +157,12 @@ fn structure(
     let is_full = rows.len() == dimension && rows.iter().all(|&length| length == dimension);
     let is_upper = rows.iter().copied().eq((1..dimension).rev());
     if !is_full && !is_upper {
-        return Err(DefinitionError::StructureSize { dimension, rows });
+        let message = format!(
+            "B must have {dimension} rows of {dimension} entries, or its entries above the \
+             diagonal in rows of {} to 1; its rows have {rows:?}",
+            dimension - 1
+        );
+        return Err(DefinitionError::new(Which::Matrix, message));
     }
     let mut entries = Vec::new();
     for (i, texts) in texts.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use std::{ops::Range, slice::from_ref};
 
-use super::{average, cayley, definition::Formulas, skew::points};
+use super::{MOST_EXPRESSIONS, average, cayley, definition::Formulas, skew::points};
 use real::Bounded;
 use systems::run_time::Op;
 
@@ -26,31 +26,24 @@ pub struct Expressions {
     energy: Id,
     /// The operations that have expressions, with the groups of inputs (y, u, v) that are their
     /// arguments. ∇̄h(a, b) is that of a = y and b = u. None is the linearly implicit step if B is
-    /// not affine, or the dimension too large, and those of areas for more than [`MOST_NOISES`].
+    /// not affine, or elimination too long, and those of areas for more than [`MOST_NOISES`].
     operations: Vec<(Op<usize>, Vec<Id>)>,
 }
 
-/// From this dimension on the elimination has more instructions than a tape should.
-pub const LARGEST_ELIMINATION: usize = 24;
-
 /// The most noises whose Lévy areas are used.
 const MOST_NOISES: usize = 16;
-
-/// Expressions beyond which commutators are not written out.
-const MOST_EXPRESSIONS: usize = 100_000;
 
 /// The least number of points that show an identity.
 const LEAST_POINTS: usize = 3;
 
 impl Expressions {
     pub fn new(formulas: &Formulas) -> Self {
-        let (dimension, noises) = (formulas.structure.len(), formulas.noises.len());
+        let (dimension, noises) = (formulas.structure.len(), formulas.hamiltonians.len() - 1);
         let mut graph = Graph::new();
         let y: Vec<Id> = (0..dimension).map(|k| graph.input(k)).collect();
         let mut import =
             |formula: &Formula| graph.import(formula.graph(), &[formula.root()], &y)[0];
-        let hamiltonians: Vec<Id> =
-            std::iter::once(&formulas.energy).chain(&formulas.noises).map(&mut import).collect();
+        let hamiltonians: Vec<Id> = formulas.hamiltonians.iter().map(&mut import).collect();
         let entries: Vec<Vec<Id>> =
             formulas.structure.iter().map(|row| row.iter().map(&mut import).collect()).collect();
         let energy = graph.constant(0.0);
@@ -62,7 +55,7 @@ impl Expressions {
         let field = new.field.clone();
         let field_along = new.along(&field);
         let weights = new.inputs(new.dt().start..new.dw().end);
-        new.energy = new.weighted(&weights);
+        new.energy = new.graph.dot(&new.hamiltonians, &weights);
         let gradient = new.gradient_of(&weights);
         let hessian = new.along(&gradient);
         new.operations = vec![
@@ -81,10 +74,9 @@ impl Expressions {
             }
             new.operations.push((Op::AreaGradient { y }, gradient));
         }
-        if new.structure_degree().is_some_and(|degree| degree <= 1)
-            && dimension <= LARGEST_ELIMINATION
+        if let Some(0 | 1) = new.structure_degree()
+            && let Some(solution) = new.solved()
         {
-            let solution = new.solved();
             new.operations.push((Op::Cayley { y, v }, solution));
         }
         new
@@ -156,7 +148,7 @@ impl Expressions {
     /// H₀ + H₁ + … and the components of B(y)(1, 2, …), a sum that is finite where all are.
     pub fn guard_tape(&mut self) -> Tape {
         let ones = vec![self.graph.constant(1.0); self.hamiltonians.len()];
-        let mut sum = self.weighted(&ones);
+        let mut sum = self.graph.dot(&self.hamiltonians, &ones);
         // No two entries cancel, as they would if all numbers were one.
         let v: Vec<Id> = self.y().map(|k| self.graph.constant(1.0 + k as f64)).collect();
         for component in self.field_at(self.v(), &v) {
@@ -188,16 +180,6 @@ impl Expressions {
         self.graph.forward(roots, &direction)
     }
 
-    /// H₀w₀ + H₁w₁ + ….
-    fn weighted(&mut self, weights: &[Id]) -> Id {
-        let mut sum = self.graph.constant(0.0);
-        for (&h, &weight) in self.hamiltonians.iter().zip(weights) {
-            let product = self.graph.mul(h, weight);
-            sum = self.graph.add(sum, product);
-        }
-        sum
-    }
-
     /// H₀ with its weight, H₁, ….
     fn with_weights(&self, weights: &[Id]) -> Vec<(Id, Id)> {
         self.hamiltonians.iter().copied().zip(weights.iter().copied()).collect()
@@ -222,10 +204,7 @@ impl Expressions {
             let (_, field) = self.field_of(m);
             let direction: Vec<(usize, Id)> = self.y().zip(field.iter().copied()).collect();
             let derivative = self.graph.forward(&field, &direction);
-            for (sum, part) in correction.iter_mut().zip(derivative) {
-                let half = self.graph.scale(part, 0.5);
-                *sum = self.graph.add(*sum, half);
-            }
+            average::add(&mut self.graph, &mut correction, &derivative, 0.5);
         }
         correction
     }
@@ -343,19 +322,14 @@ impl Expressions {
         self.graph.substitute(&self.field, &inputs)
     }
 
-    /// The solution z of z = y + B((y+z)/2)v.
-    fn solved(&mut self) -> Vec<Id> {
-        let right = self.right_side();
-        let matrix = cayley::matrix(&mut self.graph, &self.field);
-        cayley::solve(&mut self.graph, &matrix, &right)
-    }
-
-    /// y + ½(B(y)v + B(0)v).
-    fn right_side(&mut self) -> Vec<Id> {
+    /// The solution z of z = y + B((y+z)/2)v; none if it takes too many expressions.
+    fn solved(&mut self) -> Option<Vec<Id>> {
         let zero = vec![self.graph.constant(0.0); self.dimension];
         let constant = self.field_at(self.y(), &zero);
         let y = self.inputs(self.y());
-        cayley::right_side(&mut self.graph, &y, &self.field, &constant)
+        let right = cayley::right_side(&mut self.graph, &y, &self.field, &constant);
+        let matrix = cayley::matrix(&mut self.graph, &self.field);
+        cayley::solve(&mut self.graph, matrix, right)
     }
 
     /// The expressions of an operation, and the groups of inputs (y, u, v) that its arguments are;
@@ -387,11 +361,5 @@ impl Expressions {
     pub fn cayley_matrix_tape(&mut self) -> Tape {
         let matrix = cayley::matrix(&mut self.graph, &self.field).concat();
         Tape::new(&self.graph, &matrix, from_ref(&self.v()))
-    }
-
-    /// y + ½(B(y)v + B(0)v) from y and v.
-    pub fn right_side_tape(&mut self) -> Tape {
-        let right = self.right_side();
-        Tape::new(&self.graph, &right, &[self.y(), self.v()])
     }
 }

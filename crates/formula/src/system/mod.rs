@@ -3,7 +3,6 @@
 mod average;
 mod cayley;
 mod definition;
-mod elimination;
 mod expressions;
 mod program;
 mod skew;
@@ -11,7 +10,7 @@ mod skew;
 use std::ops::Range;
 
 use dgrad::{Rule, nodes_for_degree};
-use real::{Row, WIDTH, dispatch};
+use real::{Row, WIDTH};
 use systems::{
     Linearity, SystemError,
     run_time::{Description, Op, Program, Recorded, System, Weights, derived},
@@ -22,14 +21,15 @@ pub use definition::{Definition, DefinitionError, Which};
 
 use crate::{Formula, Names, Tape};
 use definition::Formulas;
-use elimination::Eliminate;
-use expressions::{Expressions, LARGEST_ELIMINATION};
+use expressions::Expressions;
 use program::Programs;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
 /// error of n nodes is of order |b − a|²ⁿ.
 const NODES: usize = 8;
 const MOST_NODES: usize = 16;
+/// Expressions beyond which no more are written out.
+const MOST_EXPRESSIONS: usize = 100_000;
 
 /// A [`System`] from texts: B, H₀ and Hₘ as formulas in named components and parameters.
 ///
@@ -69,9 +69,6 @@ pub struct FormulaSystem {
     tapes: Vec<(Op<()>, Tape)>,
     energy: Tape,
     guard: Option<Tape>,
-    /// The matrix and the right-hand side of the linearly implicit step, for dimensions whose
-    /// elimination is too long for a tape.
-    elimination: Option<[Tape; 2]>,
     expressions: Expressions,
     programs: Programs,
 }
@@ -84,17 +81,15 @@ impl FormulaSystem {
     pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
         let formulas = Formulas::new(definition, y0)?;
         let mut expressions = Expressions::new(&formulas);
+        let has_step = expressions.of(&Op::Cayley { y: (), v: () }).is_some();
         let linearity = match expressions.structure_degree() {
-            Some(0) => Linearity::Constant,
-            Some(1) => Linearity::Affine,
+            Some(0) if has_step => Linearity::Constant,
+            Some(1) if has_step => Linearity::Affine,
             _ => Linearity::Other,
         };
-        let nodes = match expressions.energy_degree() {
-            Some(degree) => {
-                nodes_for_degree(degree.saturating_sub(1) as usize).clamp(1, MOST_NODES)
-            }
-            None => NODES,
-        };
+        let nodes = expressions.energy_degree().map_or(NODES, |degree| {
+            nodes_for_degree(degree.saturating_sub(1) as usize).clamp(1, MOST_NODES)
+        });
         let always_solvable = match linearity {
             Linearity::Other => false,
             Linearity::Constant => true,
@@ -108,9 +103,6 @@ impl FormulaSystem {
             }
         };
         let tapes = expressions.op_tapes();
-        let is_long = linearity != Linearity::Other && y0.len() > LARGEST_ELIMINATION;
-        let elimination =
-            is_long.then(|| [expressions.cayley_matrix_tape(), expressions.right_side_tape()]);
         let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
         let parameters =
             definition.parameters.iter().map(|(name, value)| format!("{name} = {value}"));
@@ -132,12 +124,12 @@ impl FormulaSystem {
             tapes,
             energy: expressions.energy_tape(),
             guard: has_guard.then(|| expressions.guard_tape()),
-            elimination,
             expressions,
             programs: Programs::default(),
             names: formulas.names,
-            checked: std::iter::once(formulas.energy)
-                .chain(formulas.noises)
+            checked: formulas
+                .hamiltonians
+                .into_iter()
                 .chain(formulas.structure.into_iter().flatten())
                 .collect(),
         };
@@ -148,11 +140,8 @@ impl FormulaSystem {
     fn largest_scratch(&self) -> usize {
         let tapes = self.tapes.iter().map(|(_, tape)| tape);
         let tapes = tapes.chain([&self.energy]).chain(&self.guard);
-        let elimination = self.elimination.iter().map(|[matrix, right]| {
-            matrix.outputs() + matrix.scratch_rows().max(right.scratch_rows())
-        });
         // One more row has dt.
-        tapes.map(|tape| tape.scratch_rows() + 1).chain(elimination).max().unwrap_or(0)
+        tapes.map(|tape| tape.scratch_rows() + 1).max().unwrap_or(0)
     }
 
     fn tape<P>(&self, op: Op<P>) -> &Tape {
@@ -161,12 +150,6 @@ impl FormulaSystem {
             Some((_, tape)) => tape,
             None => unreachable!("{} has no {op:?}", self.definition.name),
         }
-    }
-
-    /// The texts.
-    #[must_use]
-    pub fn definition(&self) -> &Definition {
-        &self.definition
     }
 
     /// The names of components and parameters, for more formulas.
@@ -205,12 +188,6 @@ impl System for FormulaSystem {
     ) {
         if let Op::AveragedHessian { .. } | Op::AveragedField { .. } = op {
             return derived(self, op, h, out, scratch);
-        }
-        if let (Op::Cayley { y, v }, Some([matrix, right])) = (op, &self.elimination) {
-            let (entries, scratch) = scratch.split_at_mut(matrix.outputs());
-            matrix.evaluate(&[v], entries, scratch);
-            right.evaluate(&[y, v], out, scratch);
-            return dispatch(Eliminate { matrix: entries, x: out });
         }
         let (dt, scratch) = with_dt(h.dt, scratch);
         let mut inputs = [&[][..]; 5];

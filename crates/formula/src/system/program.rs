@@ -9,11 +9,12 @@ use dgrad::Rule;
 use real::{Row, Rows};
 use systems::run_time::{MOST_INPUTS, Op, Program, Recorded, Weights};
 
-use super::{average::point, expressions::Expressions};
+use super::{
+    MOST_EXPRESSIONS,
+    average::{add, point},
+    expressions::Expressions,
+};
 use crate::{Graph, Id, Tape};
-
-/// Expressions of a scheme's formula beyond which it is not worth one tape.
-const MOST_EXPRESSIONS: usize = 100_000;
 
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
 #[derive(Default)]
@@ -172,12 +173,6 @@ impl SchemeBuilder<'_> {
         }
     }
 
-    /// sum + weight·value.
-    fn plus(&mut self, sum: &[Id], value: &[Id], weight: f64) -> Vec<Id> {
-        let weighted: Vec<Id> = value.iter().map(|&x| self.graph.scale(x, weight)).collect();
-        self.each(sum, &weighted, Graph::add)
-    }
-
     /// ∂∇̄h(a, b)/∂b·u.
     fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Option<Vec<Id>> {
         let mut sum = vec![self.graph.constant(0.0); self.system.dimension()];
@@ -185,7 +180,7 @@ impl SchemeBuilder<'_> {
             let (node, weight) = (self.rule.nodes()[k], self.rule.weights()[k]);
             let y = point(&mut self.graph, a, b, node - 0.5);
             let value = self.apply(Op::Hessian { y, u: u.into() })?;
-            sum = self.plus(&sum, &value, weight * node);
+            add(&mut self.graph, &mut sum, &value, weight * node);
         }
         Some(sum)
     }

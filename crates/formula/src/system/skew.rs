@@ -1,6 +1,6 @@
 //! Whether a matrix of formulas is skew-symmetric.
 
-use super::DefinitionError;
+use super::{DefinitionError, Which};
 use crate::{Formula, Graph, Id};
 
 /// Points at which two entries are compared whose formulas do not show it.
@@ -13,31 +13,30 @@ const ROUNDING: f64 = 1e-9;
 /// Checks bᵢⱼ = −bⱼᵢ: by the identities of [`Graph`], else at the initial value and points near it
 /// at which both are finite.
 pub fn check(entries: &[Vec<Formula>], y0: &[f64]) -> Result<(), DefinitionError> {
+    let mut graph = Graph::new();
+    let inputs: Vec<Id> = (0..y0.len()).map(|k| graph.input(k)).collect();
     for i in 0..entries.len() {
         for j in 0..=i {
             let (lower, upper) = (&entries[i][j], &entries[j][i]);
-            if is_negative(upper, lower, y0.len()) {
+            let [a, b] = [lower, upper]
+                .map(|entry| graph.import(entry.graph(), &[entry.root()], &inputs)[0]);
+            if graph.neg(a) == b {
                 continue;
             }
             for point in points(y0) {
                 let (value, mirror) = (upper.value(&point), lower.value(&point));
                 if (value + mirror).abs() > ROUNDING * (value.abs() + mirror.abs()) {
                     let (row, column) = (j + 1, i + 1);
-                    return Err(DefinitionError::NotSkew { row, column, value, mirror, point });
+                    let message = format!(
+                        "B is not skew: row {row}, column {column} is {value}, and row {column}, \
+                         column {row} is {mirror}, at y = {point:?}"
+                    );
+                    return Err(DefinitionError::new(Which::Structure(row, column), message));
                 }
             }
         }
     }
     Ok(())
-}
-
-/// Whether the formulas show a = −b.
-fn is_negative(a: &Formula, b: &Formula, variables: usize) -> bool {
-    let mut graph = Graph::new();
-    let inputs: Vec<Id> = (0..variables).map(|k| graph.input(k)).collect();
-    let a = graph.import(a.graph(), &[a.root()], &inputs);
-    let b = graph.import(b.graph(), &[b.root()], &inputs);
-    a[0] == graph.neg(b[0])
 }
 
 /// The initial value, and points whose components differ from it by at most half of 1 + |y|, by

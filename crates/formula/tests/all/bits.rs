@@ -3,7 +3,7 @@
 use formula::{Formula, Names};
 use real::{Level, Row, WIDTH, limit_to};
 
-use crate::expression::{Expression, Random, VARIABLES};
+use crate::expression::{Expression, Random, VARIABLES, hessian};
 
 /// The bits; all NaN are one.
 fn bits(x: f64) -> u64 {
@@ -19,7 +19,7 @@ fn a_row_is_its_points_at_every_level() {
         for n in 0..1_000 {
             let expression = Expression::random(&mut random, 1 + n % 6);
             let Ok(formula) = Formula::parse(&expression.text(), &names) else { continue };
-            let tape = formula.hessian();
+            let tape = hessian(&formula);
             let mut rows =
                 || -> [Row; 3] { [(); 3].map(|()| [(); WIDTH].map(|()| random.number())) };
             let (x, u) = (rows(), rows());

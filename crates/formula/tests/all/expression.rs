@@ -1,5 +1,6 @@
 //! Random expressions with their text and their values in any numbers, independent of the crate.
 
+use formula::{Formula, Tape};
 use num_dual::DualNum;
 use real::{Bounded, Real};
 
@@ -26,6 +27,16 @@ impl Random {
     pub fn number(&mut self) -> f64 {
         4.0 * ((self.next() >> 11) as f64 / (1_u64 << 53) as f64) - 2.0
     }
+}
+
+/// ∇²f·u, from all variables and u.
+pub fn hessian(formula: &Formula) -> Tape {
+    let (mut graph, count) = (formula.graph().clone(), formula.variables().len());
+    let one = graph.constant(1.0);
+    let gradient = graph.reverse(&[(formula.root(), one)], &Vec::from_iter(0..count));
+    let along: Vec<_> = (0..count).map(|k| (k, graph.input(count + k))).collect();
+    let product = graph.forward(&gradient, &along);
+    Tape::new(&graph, &product, &[0..count, count..2 * count])
 }
 
 #[derive(Clone, Debug)]
