@@ -126,6 +126,7 @@ mod tests {
     fn integrals_of_formulas() {
         let integral = |text: &str, a: f64, b: f64| damping(text).integral(a, b);
         for (text, a, b, exact) in [
+            ("0", 0.0, 5.0, 0.0),
             ("0.3", 0.0, 5.0, 1.5),
             ("t^3 - t", -1.0, 2.0, 3.75 - 1.5),
             ("0.2 + 0.1*sin(t)", 0.0, 40.0, 8.0 + 0.1 * (1.0 - 40f64.cos())),
@@ -135,6 +136,26 @@ mod tests {
         ] {
             let error = integral(text, a, b) - exact;
             assert!(error.abs() < 4e-15 * (1.0 + exact.abs()), "{text}: {error:e}");
+        }
+        // In closed form where each term is a line, or a wave of a line.
+        type Antiderivative = fn(f64) -> f64;
+        let cases: [(&str, Antiderivative); 4] = [
+            ("0.2 + 0.1*sin(t)", |t| 0.2 * t - 0.1 * t.cos()),
+            ("0.5*cos(2*t) - t/4", |t| 0.25 * (2.0 * t).sin() - t * t / 8.0),
+            ("3*exp(-t)", |t| -3.0 * (-t).exp()),
+            ("-(cos(1 - 3*t) + 2)/2", |t| -((3.0 * t - 1.0).sin() / 3.0 + 2.0 * t) / 2.0),
+        ];
+        for (text, antiderivative) in cases {
+            assert!(damping(text).closed.is_some());
+            for (a, b) in [(0.0, 1.0), (-2.0, 7.5), (3.0, 3.0 + 1.0 / 1024.0)] {
+                let [from, to] = [a, b].map(antiderivative);
+                let error = integral(text, a, b) - (to - from);
+                let most = 8.0 * f64::EPSILON * (from.abs() + to.abs());
+                assert!(error.abs() <= most, "{text} {a} {b}: {error:e}");
+            }
+        }
+        for text in ["t^2", "t*sin(t)", "sin(t^2)", "sin(t)^2", "abs(t)", "1/t"] {
+            assert!(damping(text).closed.is_none(), "{text}");
         }
         // Short steps add up.
         let damping = damping("0.5*cos(2*t)");

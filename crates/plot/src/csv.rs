@@ -56,7 +56,7 @@ mod tests {
     #[test]
     fn a_comparison_has_a_row_for_every_point() {
         assert_eq!(
-            comparison_csv(&crate::figure::small_comparison()),
+            comparison_csv(&crate::figure::tests::small_comparison()),
             "quantity,scheme,steps,tau,error,se,lo,hi,resolved,min_s,median_s\n\
              y(T),heun,8,1.25e-1,6.25e-2,1e-2,3.125e-2,1.25e-1,true,1e-6,2e-6\n\
              y(T),heun,16,6.25e-2,3.125e-2,1e-2,1.5625e-2,6.25e-2,false,,\n"

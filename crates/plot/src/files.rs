@@ -63,13 +63,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bare_name_is_in_the_current_folder() {
-        assert_eq!(folder(Path::new("speed.json")), Path::new("."));
-        assert_eq!(folder(Path::new("a/speed.json")), Path::new("a"));
-    }
-
-    #[test]
     fn errors_name_the_file() {
+        assert_eq!(folder(Path::new("speed.json")), Path::new("."));
         let error = write(Path::new("/nowhere/at-all"), "text").unwrap_err();
         assert!(error.to_string().starts_with("cannot write /nowhere/at-all"), "{error}");
     }

@@ -63,28 +63,20 @@ fn width(text: &str) -> f64 {
 mod tests {
     use super::*;
 
-    fn parts(notation: &str) -> (String, String, String) {
-        let label = Label::new(notation);
-        (label.base, label.index, label.exponent)
-    }
-
-    fn owned(base: &str, index: &str, exponent: &str) -> (String, String, String) {
-        (base.into(), index.into(), exponent.into())
-    }
-
     #[test]
     fn indices_follow_letters_and_exponents_follow_carets() {
-        assert_eq!(parts("y2^2"), owned("y", "2", "2"));
-        assert_eq!(parts("cos y3"), owned("cos y", "3", ""));
-        assert_eq!(parts("2^-14"), owned("2", "", "−14"));
-        assert_eq!(parts("y(T)"), owned("y(T)", "", ""));
-        assert_eq!(parts("0.25"), owned("0.25", "", ""));
-        assert_eq!(parts(""), owned("", "", ""));
-    }
-
-    #[test]
-    fn scripts_are_narrower_than_the_base() {
-        let (base, script) = (Label::new("y22"), Label::words("y22"));
-        assert!(base.width() < script.width());
+        for (notation, parts) in [
+            ("y2^2", ["y", "2", "2"]),
+            ("cos y3", ["cos y", "3", ""]),
+            ("2^-14", ["2", "", "−14"]),
+            ("y(T)", ["y(T)", "", ""]),
+            ("0.25", ["0.25", "", ""]),
+            ("", ["", "", ""]),
+        ] {
+            let label = Label::new(notation);
+            assert_eq!([label.base, label.index, label.exponent], parts, "{notation}");
+        }
+        // Scripts are narrower than the base.
+        assert!(Label::new("y22").width() < Label::words("y22").width());
     }
 }

@@ -108,17 +108,11 @@ mod tests {
     }
 
     #[test]
-    fn a_run_knows_its_seed_its_mode_and_its_threads() {
-        let run = Provenance::of_run(7, "quick");
-        assert_eq!((run.seed, run.mode.as_str()), (7, "quick"));
-        assert_eq!(run.threads, rayon::current_num_threads());
-    }
-
-    #[test]
     fn every_fact_is_found() {
-        let start = Instant::now();
-        let found = complete(Provenance { seed: 7, ..Provenance::default() }, "program", start);
-        assert_eq!(found.seed, 7);
+        let run = Provenance::of_run(7, "quick");
+        assert_eq!(run.threads, rayon::current_num_threads());
+        let found = complete(run, "program", Instant::now());
+        assert_eq!((found.seed, &*found.mode), (7, "quick"));
         for text in [found.git, found.rustc, found.cpu, found.simd, found.command] {
             assert!(!text.is_empty());
         }

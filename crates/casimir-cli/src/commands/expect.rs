@@ -12,14 +12,14 @@ use casimir::{
     mc::{
         self, Observe,
         expect::{Expectation, SoFar},
-        parts::{Job, JobError, Share, remove},
+        parts::{Job, Share, remove},
     },
     plot::Progress,
 };
 
 use super::{
-    Settled, coarsest_steps, folder, open, print, print_json, program, scheme, stop, threads,
-    under_bar, warn,
+    Settled, coarsest_steps, folder, open, print, print_json, scheme, threads, under_bar,
+    until_stopped, warn,
 };
 use crate::{
     arguments::Expect,
@@ -46,40 +46,27 @@ pub fn expect(arguments: &Expect) -> Done {
     )?;
     threads(arguments.output.threads)?;
     scene.accuracy = arguments.accuracy.or(scene.accuracy);
-    let stop = stop();
-    let folder = arguments.output.out.as_ref();
     let ready = Ready::new(&scene, None)?;
-    let job = match folder {
-        Some(folder) => {
-            folder::prepare(folder)?;
-            Job::part(folder, Share::WHOLE, program())?
-        }
-        None => Job::here(),
-    };
-    let job = job.stopped_by(&stop).giving_what_is_done();
-    let (results, finished) = (ready.compute(&job)?, job.finish());
-    match finished {
-        Err(JobError::Stopped) => {
-            if let Some(results) = results {
-                report(&scene, &results, arguments.output.json)?;
-            }
-            let kept = match folder {
-                Some(folder) => format!(
-                    "{} has a checkpoint; the same command goes on from there",
-                    folder.display()
-                ),
-                None => "nothing is kept; with --out DIR the samples are".into(),
-            };
-            return Err(Failure::stopped(kept));
-        }
-        finished => finished?,
-    };
-    let Some(results) = results else { return Ok(()) };
-    if let Some(folder) = folder {
-        output::write_expectation(&scene, &results, folder)?;
-        remove(folder, Share::WHOLE)?;
+    let folder = arguments.output.out.as_deref();
+    folder.map_or(Ok(()), folder::prepare)?;
+    let (results, stopped) = until_stopped(folder, |job, _| ready.compute(job))?;
+    if let Some(results) = &results {
+        report(&scene, results, arguments.output.json)?;
     }
-    report(&scene, &results, arguments.output.json)
+    match (stopped, folder) {
+        (true, Some(folder)) => Err(Failure::stopped(format!(
+            "{} has a checkpoint; the same command goes on from there",
+            folder.display()
+        ))),
+        (true, None) => Err(Failure::stopped("nothing is kept; with --out DIR the samples are")),
+        (false, Some(folder)) => {
+            if let Some(results) = results {
+                output::write_expectation(&scene, &results, folder)?;
+            }
+            Ok(remove(folder, Share::WHOLE)?)
+        }
+        (false, None) => Ok(()),
+    }
 }
 
 /// The scheme, which stays `auto` where points, levels and order are chosen too.

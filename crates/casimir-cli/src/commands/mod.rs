@@ -12,7 +12,7 @@ mod run;
 use std::{fs, io::Write, path::Path};
 
 use casimir::{
-    mc::parts::{Program, Stop, limit_threads},
+    mc::parts::{Job, JobError, Program, Share, Stop, limit_threads},
     plot::{Bars, Progress},
     schemes::BuiltIn,
 };
@@ -98,6 +98,32 @@ fn stop() -> Stop {
 
 fn threads(threads: Option<u64>) -> Done {
     Ok(threads.map_or(Ok(()), limit_threads)?)
+}
+
+/// Computes with a job, which has checkpoints if there is a folder, until a signal stops it; and
+/// whether one did.
+fn until_stopped<R>(
+    folder: Option<&Path>,
+    compute: impl FnOnce(&Job, &Stop) -> Done<Option<R>>,
+) -> Done<(Option<R>, bool)> {
+    let stop = stop();
+    let job = match folder {
+        Some(folder) => Job::part(folder, Share::WHOLE, program())?,
+        None => Job::here(),
+    };
+    if let (true, Some(folder)) = (job.resumes(), folder) {
+        let file = folder.join(Share::WHOLE.file_name());
+        eprintln!("going on from a checkpoint; to begin anew, delete {}", file.display());
+    }
+    let job = job.stopped_by(&stop).giving_what_is_done();
+    let results = compute(&job, &stop)?;
+    match job.finish() {
+        Err(JobError::Stopped) => Ok((results, true)),
+        finished => {
+            finished?;
+            Ok((results, stop.is_asked()))
+        }
+    }
 }
 
 /// Prints to the standard output; a reader that went away is no error.

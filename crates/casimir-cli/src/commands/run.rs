@@ -6,14 +6,14 @@ use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
     mc::{
         Observe, Setup, Simulation, Study, StudySettings, TimeSeries,
-        parts::{Job, JobError, Share, Stop, remove},
+        parts::{Job, Share, Stop, remove},
         study::StudyResult,
     },
     plot::Progress,
 };
 
 use super::{
-    Settled, folder, open, print, print_json, program, scheme, stop, threads, under_bar, warn,
+    Settled, folder, open, print, print_json, scheme, threads, under_bar, until_stopped, warn,
 };
 use crate::{
     arguments::{Format, Run},
@@ -47,27 +47,11 @@ pub fn run(arguments: &Run) -> Done {
     threads(arguments.output.threads)?;
     let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "run");
     check_size(&scene, &arguments.write, arguments.large)?;
-    let stop = stop();
     // The scene is checked before the folder is made.
     let ready = Ready::new(&scene, None)?;
     folder::prepare(&folder)?;
-    let job = match scene.settings.is_study() {
-        true => Job::part(&folder, Share::WHOLE, program())?,
-        false => Job::here(),
-    };
-    if job.resumes() {
-        let file = folder.join(Share::WHOLE.file_name());
-        eprintln!("going on from a checkpoint; to begin anew, delete {}", file.display());
-    }
-    let job = job.stopped_by(&stop).giving_what_is_done();
-    let results = ready.compute(&job, &stop)?;
-    let stopped = match job.finish() {
-        Err(JobError::Stopped) => true,
-        finished => {
-            finished?;
-            stop.is_asked()
-        }
-    };
+    let kept = scene.settings.is_study().then_some(&*folder);
+    let (results, stopped) = until_stopped(kept, |job, stop| ready.compute(job, stop))?;
     if stopped && results.as_ref().is_some_and(|results| results.paths() == 0) {
         return Err(Failure::stopped("before the first path: nothing was computed"));
     }
@@ -80,8 +64,8 @@ pub fn run(arguments: &Run) -> Done {
         let words = format!("{folder} has what is complete; the same command goes on from there");
         return Err(Failure::stopped(words));
     }
-    if scene.settings.is_study() {
-        remove(&folder, Share::WHOLE)?;
+    if let Some(folder) = kept {
+        remove(folder, Share::WHOLE)?;
     }
     match results.and_then(Results::all_failed) {
         Some(failure) => Err(Failure::run(format!(

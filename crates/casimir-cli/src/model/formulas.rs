@@ -6,10 +6,9 @@ use casimir::{
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
     systems::{Damping, run_time::Problem},
 };
-use toml::Spanned;
 
 use super::{Built, at_run_time::AtRunTime};
-use crate::scene::{Parameter, Read, Reading, SceneError, Text};
+use crate::scene::{At, Parameter, Read, Reading, SceneError, Text};
 
 /// The model of formulas.
 pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
@@ -30,23 +29,19 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
         return Err(source.error(None, message));
     };
     if let Some((key, value)) =
-        table.parameters.iter().find(|(_, value)| !matches!(value.get_ref(), Parameter::One(_)))
+        table.parameters.iter().find(|(_, value)| !matches!(***value, Parameter::One(_)))
     {
-        let message = format!("the parameter `{}` of formulas is one number", key.get_ref());
+        let message = format!("the parameter `{}` of formulas is one number", **key);
         return Err(source.error(value.span(), message));
     }
-    let words = |text: &Spanned<Text>| text.get_ref().0.clone();
+    let words = |text: &At<Text>| text.0.clone();
     let definition = Definition {
         name: file.title.clone().unwrap_or("formulas".into()),
-        state: state.get_ref().iter().map(|name| name.get_ref().clone()).collect(),
+        state: state.iter().map(|name| name.to_string()).collect(),
         parameters: constants.numbers.clone(),
-        structure: structure
-            .get_ref()
-            .iter()
-            .map(|row| row.get_ref().iter().map(words).collect())
-            .collect(),
+        structure: structure.iter().map(|row| row.iter().map(words).collect()).collect(),
         energy: words(energy),
-        noises: table.noises.iter().flat_map(Spanned::get_ref).map(words).collect(),
+        noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
     };
     let y0 = &settings.initial;
     let system = FormulaSystem::new(&definition, y0);
@@ -69,28 +64,27 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
 fn misdefined(reading: &Reading<'_>, error: &DefinitionError) -> SceneError {
     let (source, table) = (reading.source, &reading.file.system);
     let (state, structure) = (table.state.as_ref(), table.structure.as_ref());
-    let (mut formula, mut place) = (None, structure.map(Spanned::span));
+    let (mut formula, mut place) = (None, structure.map(At::span));
     match error.which {
         Which::Matrix => {}
         Which::Structure(row, column) => {
-            let rows = structure.map_or(&[][..], |rows| rows.get_ref());
+            let rows = structure.map_or(&[][..], |rows| rows);
             // All of B is given, or what stands above the diagonal.
-            let is_full = state.is_some_and(|state| rows.len() == state.get_ref().len());
+            let is_full = state.is_some_and(|state| rows.len() == state.len());
             let first = if is_full { 0 } else { row };
-            formula = rows.get(row - 1).and_then(|row| row.get_ref().get(column - 1 - first));
+            formula = rows.get(row - 1).and_then(|row| row.get(column - 1 - first));
         }
         Which::Energy => formula = table.energy.as_ref(),
         Which::Noise(m) => {
-            formula = table.noises.as_ref().and_then(|noises| noises.get_ref().get(m - 1));
+            formula = table.noises.as_ref().and_then(|noises| noises.get(m - 1));
         }
         Which::InitialValue => place = Some(reading.settings.initial_place.clone()),
         Which::State => {
             // A name in the message is in quotes.
-            let names = state.iter().flat_map(|state| state.get_ref());
-            let is_named =
-                |name: &&Spanned<String>| error.message.contains(&format!("`{}`", name.get_ref()));
+            let names = state.iter().flat_map(|state| state.iter());
+            let is_named = |name: &&At<String>| error.message.contains(&format!("`{}`", ***name));
             let name = names.filter(is_named).next_back();
-            place = name.map(Spanned::span).or(state.map(Spanned::span));
+            place = name.map(At::span).or(state.map(At::span));
         }
     }
     match (formula, &error.formula) {

@@ -136,7 +136,7 @@ fn damping(reading: &Reading<'_>) -> Read<Arc<dyn Damping>> {
     let rate = &table.rate;
     let mut names = constants.names.clone();
     names.variable("t").map_err(|error| source.error(rate.span(), error))?;
-    let formula = Formula::parse(&rate.get_ref().0, &names);
+    let formula = Formula::parse(&rate.0, &names);
     let formula = formula.map_err(|error| source.formula_error(rate, &error))?;
     for t in [0.0, settings.until] {
         if let Some(error) = formula.explain(&[t]) {

@@ -10,10 +10,9 @@ use casimir::{
         Problem, RigidBody, SystemError,
     },
 };
-use toml::Spanned;
 
 use super::{Built, compiled::Compiled, lattice};
-use crate::scene::{Parameters, Quantity, Read, Reading};
+use crate::scene::{At, Parameters, Quantity, Read, Reading};
 
 /// Name, parameters with their defaults, and what it is.
 pub const PROJECT: [(&str, &str, &str); 6] = [
@@ -34,11 +33,7 @@ pub const PROJECT: [(&str, &str, &str); 6] = [
 ];
 
 /// The model of a system of the project.
-pub fn build(
-    reading: &Reading<'_>,
-    name: &Spanned<String>,
-    damping: Arc<dyn Damping>,
-) -> Read<Built> {
+pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>) -> Read<Built> {
     let (source, table) = (reading.source, &reading.file.system);
     let formulas = [
         table.state.as_ref().map(|key| ("state", key.span())),
@@ -47,13 +42,13 @@ pub fn build(
         table.noises.as_ref().map(|key| ("H", key.span())),
     ];
     if let Some((key, place)) = formulas.into_iter().flatten().next() {
-        let name = name.get_ref();
+        let name = name.as_str();
         let message = format!("`{key}` is for formulas: remove it, or `name = \"{name}\"`");
         return Err(source.error(place, message));
     }
     let parameters = |known: &[&str]| Parameters::new(reading, known);
     let run = (reading, damping);
-    match name.get_ref().as_str() {
+    match name.as_str() {
         "pendulum" => built(run, with_c(reading, Pendulum::new)?, Compiled::by_parts),
         "rigid-body" => {
             let p = parameters(&["inertia", "noise"])?;

@@ -3,9 +3,8 @@
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::Spanned;
 
-use super::values::{Count, Parameter, Text};
+use super::values::{At, Count, Parameter, Text};
 
 /// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -21,41 +20,34 @@ pub struct SceneFile {
     pub run: RunTable,
     /// Functions of the state that are of interest, by name.
     #[serde(default)]
-    #[schemars(with = "IndexMap<String, Text>")]
-    pub observe: IndexMap<Spanned<String>, Spanned<Text>>,
+    pub observe: IndexMap<At<String>, At<Text>>,
     /// Expectations for `casimir expect`.
     pub expect: Option<ExpectTable>,
 }
 
 /// A row of a matrix.
-pub type Entries = Spanned<Vec<Spanned<Text>>>;
+pub type Entries = At<Vec<At<Text>>>;
 
 /// A system of the project by its `name`, or formulas: `state`, `B`, `H0` and `H`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SystemTable {
     /// A system of the project, see `casimir new --list`. Not together with formulas.
-    #[schemars(with = "Option<String>")]
-    pub name: Option<Spanned<String>>,
+    pub name: Option<At<String>>,
     /// Values of names in formulas, or of the parameters of a system of the project.
     #[serde(default)]
-    #[schemars(with = "IndexMap<String, Parameter>")]
-    pub parameters: IndexMap<Spanned<String>, Spanned<Parameter>>,
+    pub parameters: IndexMap<At<String>, At<Parameter>>,
     /// The names of the components of y.
-    #[schemars(with = "Option<Vec<String>>")]
-    pub state: Option<Spanned<Vec<Spanned<String>>>>,
+    pub state: Option<At<Vec<At<String>>>>,
     /// The skew-symmetric matrix B(y), row by row: all of it, or the entries above the diagonal.
     #[serde(rename = "B")]
-    #[schemars(with = "Option<Vec<Vec<Text>>>")]
-    pub structure: Option<Spanned<Vec<Entries>>>,
+    pub structure: Option<At<Vec<Entries>>>,
     /// The Hamiltonian H₀(y).
     #[serde(rename = "H0")]
-    #[schemars(with = "Option<Text>")]
-    pub energy: Option<Spanned<Text>>,
+    pub energy: Option<At<Text>>,
     /// The Hamiltonians Hₘ(y), one for each noise. Default: none.
     #[serde(rename = "H")]
-    #[schemars(with = "Option<Vec<Text>>")]
-    pub noises: Option<Spanned<Vec<Spanned<Text>>>>,
+    pub noises: Option<At<Vec<At<Text>>>>,
 }
 
 /// Linear damping −γ(t)y.
@@ -63,8 +55,7 @@ pub struct SystemTable {
 #[serde(deny_unknown_fields)]
 pub struct DampingTable {
     /// γ(t) in 1/time, a formula in t and the parameters. A negative rate excites.
-    #[schemars(with = "Text")]
-    pub rate: Spanned<Text>,
+    pub rate: At<Text>,
 }
 
 /// How the system is simulated.
@@ -73,36 +64,28 @@ pub struct DampingTable {
 pub struct RunTable {
     /// The initial value y(0): a number or a formula of the parameters for each component. For
     /// spins on a lattice three numbers may stand for all.
-    #[schemars(with = "Vec<Text>")]
-    pub initial: Spanned<Vec<Spanned<Text>>>,
+    pub initial: At<Vec<At<Text>>>,
     /// The final time T > 0; paths begin at time 0.
-    #[schemars(with = "Text")]
-    pub until: Spanned<Text>,
+    pub until: At<Text>,
     /// Number of steps on [0, T].
-    #[schemars(with = "Count")]
-    pub steps: Spanned<Count>,
+    pub steps: At<Count>,
     /// The scheme: `auto` (one that damps exactly and keeps Casimirs and energy), `sexp`,
     /// `sexp-li`, `split`, `sexp-levy`, `sexp-li-levy`, `nv`, `midpoint`, `heun` or `em`. Default:
     /// `auto`.
-    #[schemars(with = "Option<String>")]
-    pub scheme: Option<Spanned<String>>,
+    pub scheme: Option<At<String>>,
     /// Number of paths. From 100 on means, quantiles and histograms are computed, below that tables
     /// of all paths. Default: 1.
-    #[schemars(with = "Option<Count>")]
-    pub paths: Option<Spanned<Count>>,
+    pub paths: Option<At<Count>>,
     /// Number of paths of which tables are kept beside the statistics. Default: 3.
-    #[schemars(with = "Option<Count>")]
-    pub tables: Option<Spanned<Count>>,
+    pub tables: Option<At<Count>>,
     /// Number of saved times, evenly spaced; it divides the number of steps. Default: the largest
     /// number up to 200 that does.
-    #[schemars(with = "Option<Count>")]
-    pub times: Option<Spanned<Count>>,
+    pub times: Option<At<Count>>,
     /// Seed of the random numbers: the same seed gives the same bits. Default: 1.
     pub seed: Option<u64>,
     /// Order k of the truncation of increments, |ΔW| ≤ √(2kτ|ln τ|), for schemes that need one; the
     /// step τ must be below 1 then. Default: 4, and never fewer than six deviations.
-    #[schemars(with = "Option<Count>")]
-    pub truncation: Option<Spanned<Count>>,
+    pub truncation: Option<At<Count>>,
 }
 
 /// Expectations E[φ(y(T))] for `casimir expect`.
@@ -110,11 +93,9 @@ pub struct RunTable {
 #[serde(deny_unknown_fields)]
 pub struct ExpectTable {
     /// Functions φ: names of components or observables, or formulas.
-    #[schemars(with = "Vec<Text>")]
-    pub of: Spanned<Vec<Spanned<Text>>>,
+    pub of: At<Vec<At<Text>>>,
     /// Half-width of the 95 % intervals.
-    #[schemars(with = "f64")]
-    pub accuracy: Spanned<f64>,
+    pub accuracy: At<f64>,
 }
 
 /// The JSON schema of a scene file.

@@ -12,7 +12,7 @@ pub use observe::{Observable, Quantity};
 pub use read::{Constants, Parameters, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use source::{Read, SceneError, Source};
-pub use values::{Parameter, Text, count};
+pub use values::{At, Parameter, Text, count};
 
 use std::{fmt::Display, path::Path};
 
@@ -21,7 +21,6 @@ use casimir::{
     mc::Setup,
     schemes::BuiltIn,
 };
-use toml::Spanned;
 
 use crate::model::{self, Model};
 
@@ -62,9 +61,9 @@ impl Scene {
                 format!("`{name}` is a column of the tables already: choose another name");
             source.error(place, message)
         };
-        let mut state = file.system.state.iter().flat_map(|names| names.get_ref());
-        if let Some(name) = state.find(|name| is_column(name.get_ref())) {
-            return Err(taken(name.get_ref(), name.span()));
+        let mut state = file.system.state.iter().flat_map(|names| names.iter());
+        if let Some(name) = state.find(|name| is_column(name)) {
+            return Err(taken(name, name.span()));
         }
         let model::Built { model, components, names, energy, quantities } =
             model::build(&Reading {
@@ -82,13 +81,13 @@ impl Scene {
         }
         observables.extend(quantities);
         for (name, formula) in &file.observe {
-            let known = components.contains(name.get_ref())
-                || observables.iter().any(|known| known.name == *name.get_ref());
-            if known || is_column(name.get_ref()) {
-                return Err(taken(name.get_ref(), name.span()));
+            let known =
+                components.contains(name) || observables.iter().any(|known| known.name == **name);
+            if known || is_column(name) {
+                return Err(taken(name, name.span()));
             }
             let quantity = observe::quantity(&source, formula, words, &settings.initial)?;
-            observables.push(Observable::new(name.get_ref(), quantity));
+            observables.push(Observable::new(name.as_str(), quantity));
         }
         if observables.is_empty() {
             let message = "a system of so many components needs observables: add [observe]";
@@ -102,7 +101,7 @@ impl Scene {
             None => (Vec::new(), None),
         };
         let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
-        let name = file.system.name.map(Spanned::into_inner);
+        let name = file.system.name.as_deref().cloned();
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
         Ok(Self { source, title, components, model, settings, observables, expected, accuracy })
     }
@@ -151,17 +150,17 @@ fn expected(
     words: (&Names, &Quantity),
     y0: &[f64],
 ) -> Read<(Vec<Observable>, Option<f64>)> {
-    let accuracy = *table.accuracy.get_ref();
+    let accuracy = *table.accuracy;
     if !(accuracy > 0.0 && accuracy.is_finite()) {
         let message = format!("the accuracy must be positive and finite, got {accuracy}");
         return Err(source.error(table.accuracy.span(), message));
     }
-    if table.of.get_ref().is_empty() {
+    if table.of.is_empty() {
         return Err(source.error(table.of.span(), "name at least one function, such as \"y1\""));
     }
     let mut expected: Vec<Observable> = Vec::new();
-    for formula in table.of.get_ref() {
-        let text = formula.get_ref().0.as_str();
+    for formula in table.of.iter() {
+        let text = formula.0.as_str();
         let known = observables.iter().find(|known| known.name == text).cloned();
         let component = || components.iter().position(|component| component == text);
         let phi = match (known, component()) {
@@ -178,6 +177,6 @@ fn expected(
 }
 
 /// The value and the place of something that may be left out.
-pub fn or<T: Clone>(value: Option<&Spanned<T>>, otherwise: T) -> T {
-    value.map_or(otherwise, |value| value.get_ref().clone())
+pub fn or<T: Clone>(value: Option<&At<T>>, otherwise: T) -> T {
+    value.map_or(otherwise, |value| T::clone(value))
 }

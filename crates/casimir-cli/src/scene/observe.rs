@@ -7,11 +7,10 @@ use casimir::{
     mc::Observe,
     real::{PathMask, Row},
 };
-use toml::Spanned;
 
 use super::{
     source::{Read, Source},
-    values::Text,
+    values::{At, Text},
 };
 
 /// A function of the states of 32 paths; row i is component i.
@@ -68,14 +67,14 @@ impl Observe for Observable {
 /// The quantity of a formula, which must have a value at the initial value; `H0` is the energy.
 pub fn quantity(
     source: &Source,
-    text: &Spanned<Text>,
+    text: &At<Text>,
     (names, energy): (&Names, &Quantity),
     y0: &[f64],
 ) -> Read<Quantity> {
-    if text.get_ref().0.trim() == "H0" {
+    if text.0.trim() == "H0" {
         return Ok(energy.clone());
     }
-    let formula = Formula::parse(&text.get_ref().0, names);
+    let formula = Formula::parse(&text.0, names);
     let formula = formula.map_err(|error| source.formula_error(text, &error))?;
     match formula.explain(y0) {
         Some(error) => {

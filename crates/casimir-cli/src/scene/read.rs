@@ -3,13 +3,12 @@
 use std::fmt::Display;
 
 use casimir::formula::{Formula, Names, nearest};
-use toml::Spanned;
 
 use super::{
     file::{SceneFile, SystemTable},
     run::Settings,
     source::{Read, SceneError, Source},
-    values::{Parameter, Text},
+    values::{At, Parameter, Text},
 };
 
 /// A scene that is being read.
@@ -37,7 +36,8 @@ pub fn parse(source: &Source) -> Read<SceneFile> {
         let message = error.message().replace("unknown field", "unknown key");
         let message = message.replace("missing field", "missing key");
         // A key that is missing somewhere has no place.
-        let place = error.span().filter(|span| !span.is_empty() || !message.starts_with("missing"));
+        let place =
+            error.span().filter(|span| !span.is_empty() || !message.starts_with("missing key"));
         // "unknown key `x`, expected one of `a`, `b`".
         let words: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
         let hint = match words[..] {
@@ -61,27 +61,27 @@ impl Constants {
     pub fn new(source: &Source, system: &SystemTable) -> Read<Self> {
         let (mut numbers, mut names, none) = (Vec::new(), Names::new(), Names::new());
         for (key, value) in &system.parameters {
-            let Parameter::One(text) = value.get_ref() else { continue };
-            let value = constant(source, &Spanned::new(value.span(), text.clone()), &none)?;
-            let name = key.get_ref();
+            let Parameter::One(text) = &**value else { continue };
+            let value = constant(source, &At::new(value.span(), text.clone()), &none)?;
+            let name = key.as_str();
             if name == "t" {
                 return Err(source.error(key.span(), "`t` is the time in the rate of damping"));
             }
             let taken = |error| source.error(key.span(), error);
             names.parameter(name, value).map_err(taken)?;
-            numbers.push((name.clone(), value));
+            numbers.push((name.to_owned(), value));
         }
         Ok(Self { numbers, names })
     }
 
     /// The value of a formula of the parameters.
-    pub fn value(&self, source: &Source, text: &Spanned<Text>) -> Read<f64> {
+    pub fn value(&self, source: &Source, text: &At<Text>) -> Read<f64> {
         constant(source, text, &self.names)
     }
 }
 
-fn constant(source: &Source, text: &Spanned<Text>, names: &Names) -> Read<f64> {
-    let formula = Formula::parse(&text.get_ref().0, names);
+fn constant(source: &Source, text: &At<Text>, names: &Names) -> Read<f64> {
+    let formula = Formula::parse(&text.0, names);
     let formula = formula.map_err(|error| source.formula_error(text, &error))?;
     let value = formula.value(&[]);
     match value.is_finite() {
@@ -97,9 +97,9 @@ impl<'a> Parameters<'a> {
     /// Those of a scene, which may have these names only.
     pub fn new(reading: &'a Reading<'a>, known: &[&str]) -> Read<Self> {
         let mut keys = reading.file.system.parameters.keys();
-        match keys.find(|key| !known.contains(&key.get_ref().as_str())) {
+        match keys.find(|key| !known.contains(&key.as_str())) {
             Some(key) => {
-                let name = key.get_ref();
+                let name = key.as_str();
                 let message = match known {
                     [] => format!("unknown parameter `{name}`: this system has none"),
                     _ => format!("unknown parameter `{name}`; there are {}", known.join(", ")),
@@ -111,14 +111,14 @@ impl<'a> Parameters<'a> {
     }
 
     /// A parameter, if it is given.
-    pub fn get(&self, name: &str) -> Option<&'a Spanned<Parameter>> {
+    pub fn get(&self, name: &str) -> Option<&'a At<Parameter>> {
         let mut given = self.0.file.system.parameters.iter();
-        given.find(|(key, _)| key.get_ref() == name).map(|(_, value)| value)
+        given.find(|(key, _)| key.as_str() == name).map(|(_, value)| value)
     }
 
     /// A number, or the default.
     pub fn number(&self, name: &str, default: f64) -> Read<f64> {
-        match self.get(name).map(Spanned::get_ref) {
+        match self.get(name).map(|value| &**value) {
             None => Ok(default),
             Some(Parameter::One(text)) => self.constant(name, text),
             Some(_) => Err(self.error(name, format!("`{name}` is a number, such as {default}"))),
@@ -127,7 +127,7 @@ impl<'a> Parameters<'a> {
 
     /// A list of numbers, or the default. One number is a list of one.
     pub fn list(&self, name: &str, default: &[f64]) -> Read<Vec<f64>> {
-        let texts = match self.get(name).map(Spanned::get_ref) {
+        let texts = match self.get(name).map(|value| &**value) {
             None => return Ok(default.to_vec()),
             Some(Parameter::One(text)) => std::slice::from_ref(text),
             Some(Parameter::Many(texts)) => texts,
@@ -149,7 +149,7 @@ impl<'a> Parameters<'a> {
 
     /// `true` or `false`, or the default.
     pub fn switch(&self, name: &str, default: bool) -> Read<bool> {
-        match self.get(name).map(Spanned::get_ref) {
+        match self.get(name).map(|value| &**value) {
             None => Ok(default),
             Some(Parameter::Switch(switch)) => Ok(*switch),
             Some(_) => Err(self.error(name, format!("`{name}` is true or false"))),
@@ -158,11 +158,11 @@ impl<'a> Parameters<'a> {
 
     /// An error at a parameter.
     pub fn error(&self, name: &str, message: impl Display) -> SceneError {
-        self.0.source.error(self.get(name).map(Spanned::span), message)
+        self.0.source.error(self.get(name).map(At::span), message)
     }
 
     fn constant(&self, name: &str, text: &Text) -> Read<f64> {
-        let place = self.get(name).map_or(0..0, Spanned::span);
-        constant(self.0.source, &Spanned::new(place, text.clone()), &Names::new())
+        let place = self.get(name).map_or(0..0, At::span);
+        constant(self.0.source, &At::new(place, text.clone()), &Names::new())
     }
 }

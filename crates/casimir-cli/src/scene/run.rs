@@ -5,14 +5,13 @@ use std::ops::Range;
 use casimir::noise::{StreamKey, Truncation};
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use toml::Spanned;
 
 use super::{
     file::RunTable,
     or,
     read::Constants,
     source::{Read, Source},
-    values::{Count, count},
+    values::{At, Count, count},
 };
 
 /// What a command line changes in a scene.
@@ -96,23 +95,23 @@ impl Settings {
         constants: &Constants,
         changes: &Changes,
     ) -> Read<Self> {
-        let initial = run.initial.get_ref().iter().map(|text| constants.value(source, text));
+        let initial = run.initial.iter().map(|text| constants.value(source, text));
         let initial = initial.collect::<Read<Vec<f64>>>()?;
         let until = constants.value(source, &run.until)?;
         if until <= 0.0 {
             let message = format!("the final time must be positive, got {until}");
             return Err(source.error(run.until.span(), message));
         }
-        let number = |count: Option<&Spanned<Count>>, otherwise| or(count, Count(otherwise)).0;
-        let steps = changes.steps.unwrap_or(run.steps.get_ref().0);
+        let number = |count: Option<&At<Count>>, otherwise| or(count, Count(otherwise)).0;
+        let steps = changes.steps.unwrap_or(run.steps.0);
         let paths = changes.paths.unwrap_or(number(run.paths.as_ref(), 1));
         let divides = |times: &u64| steps.is_multiple_of(*times);
         let default = (1..=TIMES.min(steps)).rev().find(divides).unwrap_or(1);
         let times = match &run.times {
             // The steps were changed on the command line.
-            Some(times) if changes.steps.is_some() && !divides(&times.get_ref().0) => default,
-            Some(times) if !divides(&times.get_ref().0) => {
-                let given = times.get_ref().0;
+            Some(times) if changes.steps.is_some() && !divides(&times.0) => default,
+            Some(times) if !divides(&times.0) => {
+                let given = times.0;
                 let near = (1..=given.min(steps)).rev().find(divides).unwrap_or(1);
                 let message = format!("{given} times do not divide {steps} steps: take {near}");
                 return Err(source.error(times.span(), message));
@@ -131,7 +130,7 @@ impl Settings {
             Some(_) => truncation,
         };
         let Some(truncation) = truncation else {
-            let place = run.truncation.as_ref().map(Spanned::span);
+            let place = run.truncation.as_ref().map(At::span);
             return Err(source.error(place, format!("the order must be below 2^32, got {order}")));
         };
         let SchemeAndSeed { scheme: changed, seed } = changes.scheme.clone();
@@ -147,7 +146,7 @@ impl Settings {
             truncation,
             initial_place: run.initial.span(),
             steps_place: run.steps.span(),
-            scheme_place: run.scheme.as_ref().filter(|_| changed.is_none()).map(Spanned::span),
+            scheme_place: run.scheme.as_ref().filter(|_| changed.is_none()).map(At::span),
             scheme: changed.unwrap_or_else(|| or(run.scheme.as_ref(), AUTO.into())),
         })
     }

@@ -3,9 +3,8 @@
 use std::{fmt::Display, ops::Range};
 
 use casimir::formula::{FormulaError, excerpt};
-use toml::Spanned;
 
-use super::values::Text;
+use super::values::{At, Text};
 
 /// A file with a scene.
 #[derive(Clone, Debug)]
@@ -41,7 +40,7 @@ impl Source {
     }
 
     /// Something wrong with a formula, at its place in the file.
-    pub fn formula_error(&self, formula: &Spanned<Text>, error: &FormulaError) -> SceneError {
+    pub fn formula_error(&self, formula: &At<Text>, error: &FormulaError) -> SceneError {
         let message = match error.unknown_name.as_deref() {
             Some("t") => "unknown name `t`: time is known in the rate of damping only",
             Some("H0") => "`H0` stands alone in an observable: write its formula here",
@@ -53,11 +52,11 @@ impl Source {
     /// The same in other words. The whole formula is shown if it is written with escapes.
     pub fn error_in(
         &self,
-        formula: &Spanned<Text>,
+        formula: &At<Text>,
         error: &FormulaError,
         message: impl Display,
     ) -> SceneError {
-        let (whole, text, span) = (formula.span(), &formula.get_ref().0, &error.span);
+        let (whole, text, span) = (formula.span(), &formula.0, &error.span);
         let place = match self.text.get(whole.clone()).and_then(|written| written.find(&**text)) {
             Some(before) => {
                 let start = whole.start + before;

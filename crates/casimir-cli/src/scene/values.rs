@@ -1,20 +1,67 @@
 //! Values of a scene that may be written in several ways.
 
-use std::borrow::Cow;
+use std::{
+    borrow::Cow,
+    ops::{Deref, Range},
+};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::Deserialize;
-use toml::Value;
+use serde::{Deserialize, Deserializer, de::Error};
+use toml::{Spanned, Value};
+
+/// A value at its place in the text.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct At<T> {
+    value: T,
+    place: Range<usize>,
+}
+
+impl<T> At<T> {
+    /// A value at a place, in bytes of the text.
+    pub fn new(place: Range<usize>, value: T) -> Self {
+        Self { value, place }
+    }
+
+    /// The place.
+    pub fn span(&self) -> Range<usize> {
+        self.place.clone()
+    }
+}
+
+impl<T> Deref for At<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for At<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let spanned = Spanned::<T>::deserialize(deserializer)?;
+        Ok(Self { place: spanned.span(), value: spanned.into_inner() })
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for At<T> {
+    fn inline_schema() -> bool {
+        T::inline_schema()
+    }
+    fn schema_name() -> Cow<'static, str> {
+        T::schema_name()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        T::json_schema(generator)
+    }
+}
 
 /// A formula: a string, or a number.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "Value")]
-pub struct Text(pub String);
+pub struct Text(#[serde(deserialize_with = "text")] pub String);
 
 /// A whole number of at least 1. 1e6 is one, too.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "Value")]
-pub struct Count(pub u64);
+pub struct Count(#[serde(deserialize_with = "whole")] pub u64);
 
 /// A parameter: a number, a formula without names, or a list of them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -26,6 +73,20 @@ pub enum Parameter {
     Many(Vec<Text>),
     /// `true` or `false`.
     Switch(bool),
+}
+
+fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    let text = Text::try_from(Value::deserialize(deserializer)?);
+    text.map(|Text(text)| text).map_err(D::Error::custom)
+}
+
+fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+    let text = match Value::deserialize(deserializer)? {
+        Value::Integer(number) => number.to_string(),
+        Value::Float(number) => number.to_string(),
+        other => other.type_str().into(),
+    };
+    count(&text).map_err(D::Error::custom)
 }
 
 impl TryFrom<Value> for Text {
@@ -43,19 +104,6 @@ impl TryFrom<Value> for Text {
                 other.type_str()
             )),
         }
-    }
-}
-
-impl TryFrom<Value> for Count {
-    type Error = String;
-
-    fn try_from(value: Value) -> Result<Self, String> {
-        let text = match value {
-            Value::Integer(number) => number.to_string(),
-            Value::Float(number) => number.to_string(),
-            other => other.type_str().into(),
-        };
-        count(&text).map(Self)
     }
 }
 

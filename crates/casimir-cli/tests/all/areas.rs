@@ -1,8 +1,6 @@
 //! Lévy areas for systems from text: strong order one where noises do not commute.
 
-use serde_json::Value;
-
-use crate::common::{succeeds, with_scene};
+use crate::common::{json, with_scene};
 
 /// A spin in two random fields, one of them with a term that is not linear.
 const TWO_NOISES: &str = r#"[system]
@@ -21,10 +19,9 @@ steps = 64
 /// The interval of the measured strong order of a scheme.
 fn strong_order(scheme: &str) -> [f64; 2] {
     let folder = with_scene(&format!("{TWO_NOISES}scheme = \"{scheme}\"\n"));
-    let text = succeeds(folder.path(), &["order", "scene.toml", "--json"]);
-    let json: Value = serde_json::from_str(&text).expect("JSON");
-    let rate = &json["strong"]["rate"];
-    ["lo", "hi"].map(|end| rate[end].as_f64().unwrap_or_else(|| panic!("{scheme}: {text}")))
+    let found = json(folder.path(), &["order", "scene.toml", "--json"]);
+    let rate = &found["strong"]["rate"];
+    ["lo", "hi"].map(|end| rate[end].as_f64().unwrap_or_else(|| panic!("{scheme}: {found}")))
 }
 
 #[test]
@@ -43,7 +40,7 @@ fn two_noises_that_do_not_commute_have_strong_order_one_with_areas() {
 fn a_comparison_takes_areas_and_a_reference_with_areas() {
     let folder = with_scene(TWO_NOISES);
     let arguments = ["compare", "scene.toml", "--error", "0.01", "--budget", "20", "--json"];
-    let json: Value = serde_json::from_str(&succeeds(folder.path(), &arguments)).expect("JSON");
+    let json = json(folder.path(), &arguments);
     let text = json.to_string();
     assert_eq!(json["sampled"]["reference"], "sexp-levy");
     for scheme in ["\"sexp-levy\"", "\"sexp-li-levy\"", "\"sexp-li\"", "\"heun\""] {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{BODY, OSCILLATOR, SPINS, run, with_scene};
+use crate::common::{BODY, OSCILLATOR, SPINS, fails, run, with_scene};
 
 /// A scene, what is replaced in it by what, the place of the error, and words of the message.
 type Broken = (&'static str, &'static str, &'static str, &'static str, &'static str);
@@ -123,41 +123,27 @@ fn broken_scenes_have_a_place_and_a_way_out() {
 #[test]
 fn what_is_no_scene_is_refused() {
     let folder = with_scene("");
-    for (arguments, code, words) in [
-        (&["run", "nowhere.toml"][..], 2, "cannot read the scene nowhere.toml"),
-        (&["run", "scene.toml"], 2, "missing key `system`"),
-        (&["run"], 2, "<SCENE>"),
-        (&["rum", "scene.toml"], 2, "'run'"),
-        (&["new", "nothing"], 2, "there are empty"),
-        (&["run", "scene.toml", "--paths", "few"], 2, "not a whole number"),
-        (&["merge", "."], 2, "does not say what its parts are"),
+    for (arguments, words) in [
+        (&["run", "nowhere.toml"][..], "cannot read the scene nowhere.toml"),
+        (&["run", "scene.toml"], "missing key `system`"),
+        (&["run"], "<SCENE>"),
+        (&["rum", "scene.toml"], "'run'"),
+        (&["new", "nothing"], "there are empty"),
+        (&["run", "scene.toml", "--paths", "few"], "not a whole number"),
+        (&["merge", "."], "does not say what its parts are"),
     ] {
-        let output = run(folder.path(), arguments);
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-        assert!(message.contains(words), "{arguments:?}: {message}");
+        fails(folder.path(), arguments, 2, &[words]);
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_is_a_failure_of_the_run() {
+fn what_cannot_be_written_is_a_failure_and_gigabytes_are_not_by_mistake() {
     let folder = with_scene(OSCILLATOR);
     fs::write(folder.path().join("taken"), "").unwrap();
     for out in ["taken", "taken/inside", "/proc/here"] {
-        let output = run(folder.path(), &["run", "scene.toml", "--out", out]);
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{out}: {message}");
-        assert!(message.contains(out), "{message}");
+        fails(folder.path(), &["run", "scene.toml", "--out", out], 1, &[out]);
     }
-}
-
-#[test]
-fn gigabytes_are_not_written_by_mistake() {
-    let text = OSCILLATOR.replace("paths = 4", "paths = 1e8\ntables = 1e7");
-    let folder = with_scene(&text);
-    let output = run(folder.path(), &["run", "scene.toml", "--write", "csv"]);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.contains("GB") && message.contains("--large"), "{message}");
+    let folder = with_scene(&OSCILLATOR.replace("paths = 4", "paths = 1e8\ntables = 1e7"));
+    fails(folder.path(), &["run", "scene.toml", "--write", "csv"], 2, &["GB", "--large"]);
 }

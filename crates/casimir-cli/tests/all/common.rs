@@ -6,6 +6,8 @@ use std::{
     process::{Command, Output},
 };
 
+use serde_json::Value;
+
 /// The program in this folder.
 pub fn casimir(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_casimir"));
@@ -25,6 +27,29 @@ pub fn succeeds(folder: &Path, arguments: &[&str]) -> String {
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{arguments:?}: {errors}");
     String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// Runs it, and reads the JSON that it prints.
+#[track_caller]
+pub fn json(folder: &Path, arguments: &[&str]) -> Value {
+    serde_json::from_str(&succeeds(folder, arguments)).expect("JSON")
+}
+
+/// The JSON in a file.
+#[track_caller]
+pub fn read_json(file: impl AsRef<Path>) -> Value {
+    serde_json::from_slice(&fs::read(file).expect("a file")).expect("JSON")
+}
+
+/// Runs it; it must end with this exit code and say these words.
+#[track_caller]
+pub fn fails(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) {
+    let output = run(folder, arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    for words in words {
+        assert!(message.contains(words), "{arguments:?}, {words}: {message}");
+    }
 }
 
 /// A folder with a scene.

@@ -9,7 +9,7 @@ use std::{
 
 use serde_json::Value;
 
-use crate::common::succeeds;
+use crate::common::{json, succeeds};
 
 fn project(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file)
@@ -84,9 +84,8 @@ fn keys(schema: &Value, found: &mut BTreeSet<String>) {
 #[test]
 fn the_page_has_every_key_of_a_scene() {
     let folder = tempfile::tempdir().unwrap();
-    let schema = serde_json::from_str(&succeeds(folder.path(), &["schema"])).unwrap();
     let mut all = BTreeSet::new();
-    keys(&schema, &mut all);
+    keys(&json(folder.path(), &["schema"]), &mut all);
     assert!(all.contains("H0") && all.contains("truncation"), "{all:?}");
     let page = read("docs/scenes.md");
     for key in all {

@@ -8,7 +8,7 @@ use std::{
     time::Duration,
 };
 
-use crate::common::{BODY, OSCILLATOR, casimir, run, succeeds, with_scene};
+use crate::common::{BODY, OSCILLATOR, casimir, fails, json, read_json, succeeds, with_scene};
 
 fn csv(folder: &Path) -> String {
     fs::read_to_string(folder.join("study.csv")).unwrap()
@@ -30,9 +30,7 @@ fn parts_give_the_bits_of_the_whole() {
     assert!(job.contains("#SBATCH --array=1-3") && job.contains(" part "), "{job}");
     let part = |number: &str| succeeds(path, &["part", "big", "--part", number, "--threads", "1"]);
     part("3");
-    let output = run(path, &["merge", "big"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("1-2"), "{output:?}");
+    fails(path, &["merge", "big"], 1, &["1-2"]);
     // A part by the script, as a scheduler calls it.
     let script = Command::new("bash").arg(path.join("big/job.sh")).arg("1").status().unwrap();
     assert!(script.success());
@@ -41,7 +39,7 @@ fn parts_give_the_bits_of_the_whole() {
     assert_eq!(csv(&path.join("big")), whole("2048", "whole"));
 
     // More paths: what is there is not computed again.
-    assert_eq!(run(path, &["extend", "big", "--paths", "2000"]).status.code(), Some(2));
+    fails(path, &["extend", "big", "--paths", "2000"], 2, &["more than 2048 paths"]);
     succeeds(path, &["extend", "big", "--paths", "4096"]);
     for number in ["1", "2", "3"] {
         part(number);
@@ -56,7 +54,7 @@ fn killed_part(path: &Path, number: u64) {
     let number = number.to_string();
     let arguments = ["part", "big", "--part", &number, "--threads", "1"];
     for (signal, milliseconds) in [("-KILL", 9), ("-TERM", 31)] {
-        signalled(path, &arguments, signal, Duration::from_millis(milliseconds));
+        signalled(path, &arguments, signal, milliseconds);
     }
     succeeds(path, &arguments);
 }
@@ -75,8 +73,7 @@ fn any_number_of_paths_extends_to_the_bits_of_one_run() {
         let plan =
             |paths| ["plan", "scene.toml", "--paths", paths, "--parts", &parts, "--out", "big"];
         // A few paths are no study, and leave nothing behind.
-        let refused = run(path, &plan("1"));
-        assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+        fails(path, &plan("1"), 2, &["at least 100"]);
         assert!(!path.join("big").exists());
         for (n, &paths) in numbers.iter().enumerate() {
             match n {
@@ -84,8 +81,7 @@ fn any_number_of_paths_extends_to_the_bits_of_one_run() {
                 _ => succeeds(path, &["extend", "big", "--paths", paths]),
             };
             // Not before it is merged.
-            let again = run(path, &["extend", "big", "--paths", "1e6"]);
-            assert_eq!(again.status.code(), Some(2), "{again:?}");
+            fails(path, &["extend", "big", "--paths", "1e6"], 2, &["not merged yet"]);
             (1..=of).for_each(|number| killed_part(path, number));
             succeeds(path, &["merge", "big", "--write", "csv,json,npz"]);
             let whole = ["run", "scene.toml", "--paths", paths, "--write", "csv,json,npz"];
@@ -121,8 +117,7 @@ fn a_folder_of_parts_may_have_any_results() {
         }
     }
     assert!(fs::read_to_string(path.join("big/study.json")).unwrap().contains("series"));
-    let taken = run(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"]);
-    assert_eq!(taken.status.code(), Some(2));
+    fails(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"], 2, &["has parts"]);
     succeeds(path, &["extend", "big", "--paths", "300"]);
     parts();
     succeeds(path, &["merge", "big", "--write", "csv"]);
@@ -140,11 +135,8 @@ fn parts_take_the_scheme_that_was_settled() {
     let path = folder.path();
     succeeds(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"]);
     let plan = path.join("big/plan.json");
-    let mut divided: serde_json::Value = serde_json::from_slice(&fs::read(&plan).unwrap()).unwrap();
-    let summary = |arguments: &[&str]| -> serde_json::Value {
-        serde_json::from_str(&succeeds(path, arguments)).unwrap()
-    };
-    let run = summary(&["run", "scene.toml", "--json"]);
+    let mut divided = read_json(&plan);
+    let run = json(path, &["run", "scene.toml", "--json"]);
     assert_eq!(divided["settled"][0], run["scheme"]);
     // Another version of the program might choose another scheme.
     divided["settled"] = serde_json::json!(["em", "it was chosen then"]);
@@ -152,12 +144,12 @@ fn parts_take_the_scheme_that_was_settled() {
     for number in ["1", "2"] {
         succeeds(path, &["part", "big", "--part", number]);
     }
-    let merged = summary(&["merge", "big", "--json"]);
+    let merged = json(path, &["merge", "big", "--json"]);
     assert_eq!(
         (&merged["scheme"], &merged["because"]),
         (&"em".into(), &"it was chosen then".into())
     );
-    let em = summary(&["run", "scene.toml", "--scheme", "em", "--json"]);
+    let em = json(path, &["run", "scene.toml", "--scheme", "em", "--json"]);
     assert_eq!(merged["at_end"], em["at_end"]);
 }
 
@@ -169,33 +161,24 @@ fn expectations_in_parts_are_those_of_one_machine() {
     for part in ["1", "2"] {
         succeeds(path, &["part", "big", "--part", part]);
     }
-    let estimates = |text: &str| {
-        let json: serde_json::Value = serde_json::from_str(text).unwrap();
-        json["estimates"].clone()
-    };
-    let merged = estimates(&succeeds(path, &["merge", "big", "--json"]));
-    assert_eq!(merged, estimates(&succeeds(path, &["expect", "scene.toml", "--json"])));
+    let merged = json(path, &["merge", "big", "--json"]);
+    let whole = json(path, &["expect", "scene.toml", "--json"]);
+    assert_eq!(merged["estimates"], whole["estimates"]);
 }
 
-/// Sends a signal to the program after some time.
+/// Sends a signal to the program after some milliseconds, as Ctrl-C does.
 #[cfg(unix)]
-fn signalled(path: &Path, arguments: &[&str], signal: &str, after: Duration) -> Option<i32> {
+fn signalled(path: &Path, arguments: &[&str], signal: &str, after: u64) -> Option<i32> {
     let mut child = casimir(path)
         .args(arguments)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .expect("the program starts");
-    sleep(after);
+    sleep(Duration::from_millis(after));
     let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
     assert!(sent.is_ok());
     child.wait().expect("it ends").code()
-}
-
-/// Interrupts a run after some time, as Ctrl-C does.
-#[cfg(unix)]
-fn interrupted(path: &Path, arguments: &[&str], after: Duration) -> Option<i32> {
-    signalled(path, arguments, "-INT", after)
 }
 
 #[cfg(unix)]
@@ -208,21 +191,18 @@ fn what_is_complete_is_written_when_it_is_interrupted() {
     let mut before = 0.0;
     for moment in 0..10u64 {
         // Moments from 50 to 600 ms, in no order.
-        let code =
-            interrupted(path, &arguments, Duration::from_millis(50 + 61 * (moment * 7 % 10)));
+        let code = signalled(path, &arguments, "-INT", 50 + 61 * (moment * 7 % 10));
         match code {
             // Interrupted before signals were waited for: nothing is written, or all of the last.
             None => continue,
             Some(0) => break,
             code => assert_eq!(code, Some(130)),
         }
-        let json = match fs::read_to_string(out.join("study.json")) {
-            Ok(json) => json,
-            // Before the first path.
-            Err(_) if before == 0.0 => continue,
-            Err(error) => panic!("{error}"),
-        };
-        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        // Before the first path.
+        if before == 0.0 && !out.join("study.json").exists() {
+            continue;
+        }
+        let json = read_json(out.join("study.json"));
         let paths = json["record"]["paths"].as_f64().unwrap();
         let last = json["series"][0]["points"].as_array().unwrap().last().unwrap();
         assert_eq!(last["count"].as_f64(), Some(paths));
@@ -243,7 +223,7 @@ fn nothing_is_said_of_no_path() {
     let text = BODY.replace("= 256", "= 3e5").replace("= 64", "= 200000");
     let folder = with_scene(&text);
     let arguments = ["run", "scene.toml", "--threads", "1"];
-    let code = interrupted(folder.path(), &arguments, Duration::from_millis(500));
+    let code = signalled(folder.path(), &arguments, "-INT", 500);
     assert_eq!(code, Some(130));
     assert!(!folder.path().join("scene-run/index.html").exists());
 }
@@ -254,9 +234,8 @@ fn a_long_path_ends_where_it_is_interrupted() {
     let folder =
         with_scene(&BODY.replace("paths = 256", "paths = 1").replace("= 64", "= 40000000"));
     let arguments = ["run", "scene.toml", "--write", "json"];
-    let code = interrupted(folder.path(), &arguments, Duration::from_millis(700));
+    let code = signalled(folder.path(), &arguments, "-INT", 700);
     assert_eq!(code, Some(130));
-    let json = fs::read_to_string(folder.path().join("scene-run/paths.json")).unwrap();
-    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let json = read_json(folder.path().join("scene-run/paths.json"));
     assert!(json[0]["halted"].as_str().unwrap().starts_with("stopped after t = "));
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{BODY, OSCILLATOR, SPINS, run, succeeds, with_scene};
+use crate::common::{BODY, OSCILLATOR, SPINS, fails, json, read_json, succeeds, with_scene};
 
 #[test]
 fn few_paths_are_tables_and_many_are_statistics() {
@@ -43,23 +43,9 @@ fn results_are_the_same_bits_with_any_number_of_threads() {
     let path = folder.path();
     let csv = |threads: &str, scheme: &str| {
         let out = format!("{threads}-{scheme}");
-        succeeds(
-            path,
-            &[
-                "run",
-                "scene.toml",
-                "--paths",
-                "700",
-                "--threads",
-                threads,
-                "--scheme",
-                scheme,
-                "--write",
-                "csv",
-                "--out",
-                &out,
-            ],
-        );
+        let arguments = "run scene.toml --paths 700 --write csv --threads".split(' ');
+        let more = [threads, "--scheme", scheme, "--out", &out];
+        succeeds(path, &arguments.chain(more).collect::<Vec<_>>());
         fs::read_to_string(path.join(out).join("study.csv")).unwrap()
     };
     for scheme in ["auto", "sexp", "sexp-li-levy", "split", "nv", "midpoint", "heun", "em"] {
@@ -79,9 +65,7 @@ H = ["y1^2/2", "y2^2/4", "y3^2/6"]
 "#;
     let rest = &BODY[BODY.find("[damping]").unwrap()..];
     let value = |text: &str| -> Vec<f64> {
-        let folder = with_scene(text);
-        let text = succeeds(folder.path(), &["run", "scene.toml", "--json"]);
-        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let json = json(with_scene(text).path(), &["run", "scene.toml", "--json"]);
         ["y1", "y2", "y3"].map(|name| json["at_end"][name]["mean"].as_f64().unwrap()).into()
     };
     let (compiled, formulas) = (value(BODY), value(&format!("{formulas}{rest}")));
@@ -95,8 +79,7 @@ fn casimirs_stay_on_their_law_and_the_report_says_so() {
     for text in [BODY, SPINS] {
         let folder = with_scene(&text.replace("paths = 256", "paths = 2"));
         succeeds(folder.path(), &["run", "scene.toml", "--write", "json"]);
-        let json = fs::read_to_string(folder.path().join("scene-run/paths.json")).unwrap();
-        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let json = read_json(folder.path().join("scene-run/paths.json"));
         let columns = json[0]["columns"].as_array().unwrap();
         let defects = columns.iter().filter(|c| c["name"].as_str().unwrap().ends_with("defect"));
         let defects: Vec<f64> = defects
@@ -112,17 +95,14 @@ fn expectations_have_intervals() {
     let folder = with_scene(OSCILLATOR);
     let text = succeeds(folder.path(), &["expect", "scene.toml"]);
     assert!(text.contains("E[energy]") && text.contains("E[q]") && !text.contains("NOT"), "{text}");
-    let text = succeeds(folder.path(), &["expect", "scene.toml", "--json", "--out", "kept"]);
-    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let json = json(folder.path(), &["expect", "scene.toml", "--json", "--out", "kept"]);
     assert_eq!(json["reached"], true);
     for estimate in json["estimates"].as_array().unwrap() {
         assert!(estimate["half_width"].as_f64().unwrap() <= 0.05);
     }
     assert!(folder.path().join("kept/expectation.json").is_file());
     let none = OSCILLATOR.split("[expect]").next().unwrap();
-    let output = run(with_scene(none).path(), &["expect", "scene.toml"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("[expect]"));
+    fails(with_scene(none).path(), &["expect", "scene.toml"], 2, &["[expect]"]);
 }
 
 #[test]
@@ -130,8 +110,7 @@ fn inspect_names_casimirs() {
     let folder = with_scene(BODY);
     let text = succeeds(folder.path(), &["inspect", "scene.toml"]);
     assert!(text.contains("0.5 y1² + 0.5 y2² + 0.5 y3²"), "{text}");
-    let text = succeeds(folder.path(), &["inspect", "scene.toml", "--json"]);
-    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let json = json(folder.path(), &["inspect", "scene.toml", "--json"]);
     assert_eq!(json["dimension"], 3);
 }
 
@@ -139,17 +118,14 @@ fn inspect_names_casimirs() {
 fn replaced_results_are_told() {
     let folder = with_scene(OSCILLATOR);
     succeeds(folder.path(), &["run", "scene.toml"]);
-    let output = run(folder.path(), &["run", "scene.toml"]);
-    assert!(String::from_utf8_lossy(&output.stderr).contains("will be replaced"));
+    fails(folder.path(), &["run", "scene.toml"], 0, &["will be replaced"]);
 }
 
 #[test]
 fn helpers_for_shells_and_editors_are_printed() {
     let folder = with_scene(OSCILLATOR);
     assert!(succeeds(folder.path(), &["completions", "bash"]).contains("casimir"));
-    let schema = succeeds(folder.path(), &["schema"]);
-    let json: serde_json::Value = serde_json::from_str(&schema).unwrap();
-    assert!(json["properties"]["system"].is_object());
+    assert!(json(folder.path(), &["schema"])["properties"]["system"].is_object());
     for command in ["new", "inspect", "run", "expect", "order", "compare", "plan", "part"] {
         let help = succeeds(folder.path(), &["help", command]);
         assert!(help.contains("Example"), "{command}: {help}");
@@ -162,9 +138,7 @@ fn orders_and_comparisons_are_measured() {
     let path = folder.path();
     let text = succeeds(path, &["order", "scene.toml", "--scheme", "heun", "--path-steps", "1e7"]);
     assert!(text.contains("strong, y(T): order 1;") && text.contains("weak, E[energy]"), "{text}");
-    let json = fs::read_to_string(path.join("scene-order/order.json")).unwrap();
-    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert_eq!(json["strong"]["order"], 1.0);
+    assert_eq!(read_json(path.join("scene-order/order.json"))["strong"]["order"], 1.0);
     let text = succeeds(path, &["compare", "scene.toml", "--error", "0.05", "--budget", "20"]);
     assert!(text.contains("Take ") && text.contains("sexp-li"), "{text}");
     for file in ["scene-order/strong.svg", "scene-order/weak.svg", "scene-compare/compare.svg"] {
@@ -175,9 +149,7 @@ fn orders_and_comparisons_are_measured() {
         (["compare", "scene.toml", "--budget", "nan"], "must be positive and finite"),
         (["order", "scene.toml", "--path-steps", "0"], "at least 1"),
     ] {
-        let output = run(path, &arguments);
-        assert_eq!(output.status.code(), Some(2), "{output:?}");
-        assert!(String::from_utf8_lossy(&output.stderr).contains(words), "{output:?}");
+        fails(path, &arguments, 2, &[words]);
     }
 }
 
@@ -193,17 +165,14 @@ fn nv_is_a_scheme_like_the_others() {
     let printed = succeeds(path, &["order", "scene.toml", "--path-steps", "1e7"]);
     assert!(printed.starts_with("nv, ") && printed.contains("strong, y(T)"), "{printed}");
     succeeds(path, &["compare", "scene.toml", "--error", "0.05", "--budget", "20"]);
-    let json = fs::read_to_string(path.join("scene-compare/compare.json")).unwrap();
-    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let json = read_json(path.join("scene-compare/compare.json"));
     let candidates = json["candidates"].as_array().unwrap();
     let nv = candidates.iter().find(|one| one["scheme"] == "nv").expect("a candidate");
     assert!(nv["outcome"]["reached"].is_object(), "{nv}");
     // Flows of the Hamiltonians are not known.
     for text in [OSCILLATOR, SPINS] {
-        let output = run(with_scene(text).path(), &["run", "scene.toml", "--scheme", "nv"]);
-        assert_eq!(output.status.code(), Some(2), "{output:?}");
         let words = "nv needs a sum of parts with flows";
-        assert!(String::from_utf8_lossy(&output.stderr).contains(words), "{output:?}");
+        fails(with_scene(text).path(), &["run", "scene.toml", "--scheme", "nv"], 2, &[words]);
     }
 }
 
@@ -211,11 +180,8 @@ fn nv_is_a_scheme_like_the_others() {
 fn quantiles_of_few_paths_are_near_order_statistics() {
     let folder = with_scene(&OSCILLATOR.replace("paths = 4", "paths = 301\ntables = 301"));
     succeeds(folder.path(), &["run", "scene.toml", "--write", "json"]);
-    let read = |file: &str| -> serde_json::Value {
-        let text = fs::read_to_string(folder.path().join("scene-run").join(file)).unwrap();
-        serde_json::from_str(&text).unwrap()
-    };
-    let (tables, study) = (read("paths.json"), read("study.json"));
+    let [tables, study] = ["paths.json", "study.json"]
+        .map(|file| read_json(folder.path().join("scene-run").join(file)));
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     for (k, name) in ["q", "p", "energy"].iter().enumerate() {
         let last = |table: &serde_json::Value| {
@@ -250,10 +216,8 @@ until = 50
 steps = 100
 scheme = "heun"
 "#;
-    let output = run(with_scene(text).path(), &["run", "scene.toml"]);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.contains("all paths failed: take more steps"), "{message}");
+    let words = "all paths failed: take more steps";
+    fails(with_scene(text).path(), &["run", "scene.toml"], 1, &[words]);
     // With short steps nothing is left.
     succeeds(with_scene(&text.replace("100", "10000")).path(), &["run", "scene.toml"]);
 }

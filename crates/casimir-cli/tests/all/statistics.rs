@@ -1,10 +1,8 @@
 //! Statistics that `run` states.
 
-use std::fs;
-
 use serde_json::Value;
 
-use crate::common::{succeeds, with_scene};
+use crate::common::{read_json, succeeds, with_scene};
 
 /// W by dq = dW, with the formulas of `observe`.
 fn wiener(paths: u32, amplitude: &str, observe: &str) -> String {
@@ -31,8 +29,7 @@ scheme = "heun"
 fn at_end(scene: &str, name: &str) -> (String, Value) {
     let folder = with_scene(scene);
     let text = succeeds(folder.path(), &["run", "scene.toml", "--write", "json"]);
-    let json = fs::read_to_string(folder.path().join("scene-run/study.json")).unwrap();
-    let json: Value = serde_json::from_str(&json).unwrap();
+    let json = read_json(folder.path().join("scene-run/study.json"));
     let series = json["series"].as_array().unwrap().iter();
     let series = series.clone().find(|series| series["observable"] == name).unwrap();
     (text, series["points"].as_array().unwrap().last().unwrap().clone())

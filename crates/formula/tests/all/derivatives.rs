@@ -14,24 +14,18 @@ const UNDERFLOW: f64 = 1e-50;
 
 /// What was compared and what could not be: not finite, no bound, or next to an edge.
 #[derive(Default, Debug)]
-pub struct Seen {
-    pub values: usize,
-    pub slopes: usize,
-    pub products: usize,
-    pub skipped: usize,
+struct Seen {
+    values: usize,
+    slopes: usize,
+    products: usize,
+    skipped: usize,
     /// Ours is not finite, by an intermediate result that overflows.
-    pub overflows: usize,
+    overflows: usize,
 }
 
 impl Seen {
     /// Compares one number with its oracle; whether it could.
-    fn agrees(
-        &mut self,
-        ours: f64,
-        theirs: f64,
-        bound: Bounded,
-        what: &dyn Fn() -> String,
-    ) -> bool {
+    fn agrees(&mut self, ours: f64, theirs: f64, bound: Bounded, what: &str) -> bool {
         let tolerance = FACTOR * bound.error + UNDERFLOW;
         let loose = tolerance > 1e-3 * (1.0 + theirs.abs());
         if !theirs.is_finite() || !bound.value.is_finite() || tolerance.is_nan() || loose {
@@ -42,20 +36,13 @@ impl Seen {
             return false;
         }
         let error = (ours - theirs).abs();
-        assert!(error <= tolerance, "{}: {ours:e} for {theirs:e} ± {tolerance:e}", what());
+        assert!(error <= tolerance, "{what}: {ours:e} for {theirs:e} ± {tolerance:e}");
         true
-    }
-
-    /// Checks that nearly nothing was lost.
-    pub fn check(&self) {
-        println!("{self:?}");
-        let all = self.values + self.slopes + self.products;
-        assert!(self.overflows < all / 1000 && self.skipped < self.values, "{self:?}");
     }
 }
 
 /// Compares everything at a random point; the expression is parsed from its text.
-pub fn check(expression: &Expression, random: &mut Random, seen: &mut Seen) {
+fn check(expression: &Expression, random: &mut Random, seen: &mut Seen) {
     let text = expression.text();
     let names = Names::with_variables(&VARIABLES).unwrap();
     let formula = match Formula::parse(&text, &names) {
@@ -72,7 +59,7 @@ pub fn check(expression: &Expression, random: &mut Random, seen: &mut Seen) {
         seen.skipped += 1;
         return;
     }
-    let what = || format!("{text} at {x:?} along {u:?}");
+    let what = format!("{text} at {x:?} along {u:?}");
     let bound = expression.value(&x.map(Bounded::variable));
     if !seen.agrees(formula.value(&x), expression.oracle(&x), bound, &what) {
         seen.skipped += 1;
@@ -98,13 +85,11 @@ pub fn check(expression: &Expression, random: &mut Random, seen: &mut Seen) {
         let bound = expression.value::<Dual<Dual<Bounded>>>(&bounds);
         let theirs = expression.oracle(&duals).eps;
         let slope = bound.value.derivative();
-        let agrees = seen.agrees(gradient[i], theirs, slope, &what);
-        seen.slopes += usize::from(agrees);
+        seen.slopes += usize::from(seen.agrees(gradient[i], theirs, slope, &what));
         let hyper = [0, 1, 2].map(|k| HyperDual64::new(x[k], at(k), u[k], 0.0));
         let theirs = expression.oracle(&hyper).eps1eps2;
         let curvature = bound.derivative().derivative();
-        let agrees = seen.agrees(product[i], theirs, curvature, &what);
-        seen.products += usize::from(agrees);
+        seen.products += usize::from(seen.agrees(product[i], theirs, curvature, &what));
     }
 }
 
@@ -116,6 +101,8 @@ fn random_expressions_agree_with_dual_numbers() {
         let expression = Expression::random(&mut random, 1 + n % 5);
         check(&expression, &mut random, &mut seen);
     }
-    seen.check();
+    // Nearly nothing was lost.
+    let all = seen.values + seen.slopes + seen.products;
+    assert!(seen.overflows < all / 1000 && seen.skipped < seen.values, "{seen:?}");
     assert!(seen.values > 8_000 && seen.slopes > 20_000 && seen.products > 20_000, "{seen:?}");
 }

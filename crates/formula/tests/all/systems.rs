@@ -5,7 +5,6 @@ use real::{Row, Rows, WIDTH};
 use systems::{
     IntegerExponents, Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody,
     SystemError,
-    lattice::{Couplings, Shape, SpinLattice},
     run_time::{Compiled, Op, System, Weights},
 };
 
@@ -171,30 +170,6 @@ fn the_linearly_implicit_step_is_solved_in_every_dimension() {
     }
 }
 
-/// A lattice of two spins, with the elimination in six dimensions.
-#[test]
-fn six_dimensions_agree() {
-    let y0 = [0.6, 0.1, 0.8, 0.2, 0.8, 0.6];
-    let mut definition = bodies(2);
-    definition.name = "two spins".into();
-    definition.state = words(&["a1", "a2", "a3", "b1", "b2", "b3"]);
-    definition.structure = vec![
-        words(&["-a3", "a2", "0", "0", "0"]),
-        words(&["-a1", "0", "0", "0"]),
-        words(&["0", "0", "0"]),
-        words(&["-b3", "b2"]),
-        words(&["-b1"]),
-    ];
-    definition.energy = "-J*(a1*b1 + a2*b2 + a3*b3) - K*(a3^2 + b3^2)/2".into();
-    definition.noises = (1..=3).map(|m| format!("-sigma*(a{m} + b{m})")).collect();
-    let parameters = [("J", 1.0), ("K", 0.5), ("sigma", 0.7)];
-    definition.parameters = parameters.map(|(name, value)| (name.into(), value)).to_vec();
-    let couplings =
-        Couplings { exchange: 1.0, anisotropy: 0.5, noise: 0.7, ..Couplings::default() };
-    let lattice = SpinLattice::on_paths(Shape::open(&[2]).unwrap(), couplings).unwrap();
-    Pair::new(&definition, &y0, lattice).agree(ROUNDING);
-}
-
 fn harmonic() -> Definition {
     Definition {
         name: "harmonic".into(),
@@ -213,15 +188,7 @@ fn error(change: impl FnOnce(&mut Definition)) -> DefinitionError {
 }
 
 #[test]
-fn descriptions_are_kept() {
-    let system = FormulaSystem::new(&harmonic(), &[3.0, 4.0]).unwrap();
-    let description = system.description();
-    assert_eq!((&*description.name, &*description.parameters), ("harmonic", "c = 2"));
-}
-
-#[test]
 fn wrong_definitions_are_named() {
-    let shown = |change: fn(&mut Definition)| error(change).to_string();
     type Change = fn(&mut Definition);
     let table: [(Change, &str); 11] = [
         (|d| d.state[1] = "p".into(), "`p` is given twice"),
@@ -265,7 +232,7 @@ fn wrong_definitions_are_named() {
         ),
     ];
     for (change, message) in table {
-        assert_eq!(shown(change), message);
+        assert_eq!(error(change).to_string(), message);
     }
     let none = FormulaSystem::new(&Definition::default(), &[]).err().unwrap();
     assert_eq!((none.which, &*none.message), (Which::State, "the state has no component"));
@@ -277,19 +244,21 @@ fn wrong_definitions_are_named() {
 
 #[test]
 fn skewness_is_found_where_only_numbers_show_it() {
-    let mut definition = harmonic();
-    definition.structure = vec![words(&["0", "(p + q)^2"]), words(&["-p^2 - q*(2*p + q)", "0"])];
-    assert!(FormulaSystem::new(&definition, &[3.0, 4.0]).is_ok());
-    definition.structure[1][0] = "-p^2 - q*(2*p + q*1.0000001)".into();
-    let error = FormulaSystem::new(&definition, &[3.0, 4.0]).err().unwrap();
+    let system = |entry: &str| {
+        let structure = vec![words(&["0", "(p + q)^2"]), words(&[entry, "0"])];
+        FormulaSystem::new(&Definition { structure, ..harmonic() }, &[3.0, 4.0])
+    };
+    assert!(system("-p^2 - q*(2*p + q)").is_ok());
+    let error = system("-p^2 - q*(2*p + q*1.0000001)").err().unwrap();
     assert_eq!(error.which, Which::Structure(1, 2), "{error}");
 }
 
 #[test]
 fn a_point_outside_of_the_domain_is_named() {
-    let mut definition = harmonic();
-    definition.energy = "p^2/2 + ln(q)".into();
+    let definition = Definition { energy: "p^2/2 + ln(q)".into(), ..harmonic() };
     let system = FormulaSystem::new(&definition, &[3.0, 4.0]).unwrap();
+    let description = system.description();
+    assert_eq!((&*description.name, &*description.parameters), ("harmonic", "c = 2"));
     assert_eq!(system.check_domain(&[1.0, 1.0]), Ok(()));
     let error = system.check_domain(&[1.0, -1.0]).unwrap_err();
     assert!(matches!(error, SystemError::OutsideDomain { .. }), "{error}");

@@ -50,7 +50,8 @@ pub fn bands(title: &str, series: &Series) -> String {
     };
     let times = Range::of(points.iter().map(|point| point.time), UNIT).or_padded();
     let values = Range::of(points.iter().flat_map(shown), UNIT).padded(0.06);
-    let mut plain = Plain::new(entries, HEIGHT, (times, "time t"), (values, &series.observable));
+    let mut plain =
+        Plain::new(entries, HEIGHT, (times, Some("time t")), (values, &series.observable));
     for (low, high) in pairs {
         for run in runs(points, |point| quantile(low)(point).zip(quantile(high)(point))) {
             let lower = run.iter().map(|&(t, (low, _))| (t, low));
@@ -70,7 +71,7 @@ pub fn bands(title: &str, series: &Series) -> String {
 }
 
 /// Pairs of quantiles with levels p and 1 − p, from the outside to the inside.
-fn pairs(points: &[Summary]) -> Vec<(usize, usize)> {
+pub fn pairs(points: &[Summary]) -> Vec<(usize, usize)> {
     let Some(first) = points.first() else { return Vec::new() };
     let levels: Vec<f64> = first.quantiles.iter().map(|quantile| quantile.level).collect();
     let opposite = |k: usize| {
@@ -94,9 +95,6 @@ fn runs<T>(points: &[Summary], value: impl Fn(&Summary) -> Option<T>) -> Vec<Vec
 }
 
 /// A level in percent, without digits that are rounding errors.
-fn percent(level: f64) -> f64 {
+pub fn percent(level: f64) -> f64 {
     (1e8 * level).round() / 1e6
 }
-
-#[cfg(test)]
-pub(super) mod tests;

@@ -101,7 +101,7 @@ fn measured(point: &Point) -> Option<Measured> {
 }
 
 /// An order with the half-width of its interval, which is never rounded to zero.
-fn order(rate: &Rate) -> String {
+pub fn order(rate: &Rate) -> String {
     let estimate = format!("{:.2}", rate.estimate).replace('-', "−");
     match 0.5 * (rate.hi - rate.lo) {
         half if half.is_finite() => format!("{estimate} ± {:.2}", half.max(0.01)),
@@ -110,7 +110,7 @@ fn order(rate: &Rate) -> String {
 }
 
 /// The order between the first point and the last; NaN without two points.
-fn overall_order(points: &[(f64, f64)]) -> f64 {
+pub fn overall_order(points: &[(f64, f64)]) -> f64 {
     match points {
         [first, .., last] => (last.1 / first.1).ln() / (last.0 / first.0).ln(),
         _ => f64::NAN,
@@ -120,7 +120,7 @@ fn overall_order(points: &[(f64, f64)]) -> f64 {
 /// The lines of slope 2, 1 and 1/2 that curves need, given by their order and their points.
 ///
 /// The first line lies below all points, the others above.
-fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
+pub fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
     /// The distance of a line from the nearest point, as a factor.
     const CLEARANCE: f64 = 1.8;
     let shown = [(2.0, "slope 2"), (1.0, "slope 1"), (0.5, "slope 1/2")]
@@ -136,45 +136,4 @@ fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
         Some(Line { name: name.into(), constant, power })
     };
     shown.enumerate().filter_map(line).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn orders_are_short_and_never_certain() {
-        let rate =
-            |estimate, lo, hi| Rate { estimate, lo, hi, confidence: 0.95, ..Rate::default() };
-        assert_eq!(order(&rate(1.0015, 0.954, 1.049)), "1.00 ± 0.05");
-        assert_eq!(order(&rate(0.5, 0.499, 0.501)), "0.50 ± 0.01");
-        assert_eq!(order(&rate(-0.1, f64::NAN, 0.3)), "−0.10");
-    }
-
-    fn trend(order: f64, constant: f64) -> (f64, Vec<(f64, f64)>) {
-        let points: Vec<_> =
-            (5..13).map(|k| 2f64.powi(-k)).map(|tau| (tau, constant * tau.powf(order))).collect();
-        assert!((overall_order(&points) - order).abs() < 1e-12);
-        (order, points)
-    }
-
-    #[test]
-    fn each_order_is_drawn_once_and_clear_of_the_data() {
-        let trends = [trend(1.0, 0.1), trend(0.5, 1.0), trend(1.0, 0.3)];
-        let slopes = reference_slopes(&trends);
-        assert_eq!(slopes.len(), 2);
-        assert_eq!((slopes[0].power, slopes[1].power), (1.0, 0.5));
-        for (tau, error) in trends.iter().flat_map(|(_, points)| points) {
-            assert!(slopes[0].at(*tau) < *error && *error < slopes[1].at(*tau));
-        }
-    }
-
-    #[test]
-    fn one_order_gets_one_line_and_no_data_none() {
-        let slopes = reference_slopes(&[trend(0.5, 1.0), trend(0.5, 2.0)]);
-        assert_eq!((slopes.len(), slopes[0].power), (1, 0.5));
-        assert!(reference_slopes(&[]).is_empty());
-        let slopes = reference_slopes(&[trend(2.0, 1.0)]);
-        assert_eq!((slopes.len(), slopes[0].power, slopes[0].name.as_str()), (1, 2.0, "slope 2"));
-    }
 }

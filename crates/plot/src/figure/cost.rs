@@ -40,6 +40,3 @@ pub fn comparison(comparison: &Comparison) -> String {
     }
     .svg()
 }
-
-#[cfg(test)]
-pub(crate) mod tests;

@@ -5,12 +5,11 @@ use stats::Point;
 
 use super::{
     axis::{Axis, Range, Scale},
-    canvas::{Canvas, INK},
-    chart::{BELOW, RIGHT},
+    canvas::INK,
     frame::Frame,
-    legend::{Sample, legend},
+    legend::Sample,
     look,
-    plain::{LEFT, UNIT, WIDTH},
+    plain::{Plain, UNIT},
     stroke::Stroke,
     ticks::Ticks,
 };
@@ -58,23 +57,17 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let names = drawn.iter().map(|series| Label::words(&series.scheme));
     let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
     let entries = entries.chain([(Sample::Line(law), Label::words("conformal law"))]);
-    let mut canvas = Canvas::default();
-    let value_top = legend(&mut canvas, entries, LEFT, WIDTH - LEFT - RIGHT);
-    let defect_top = value_top + VALUE_HEIGHT + BETWEEN;
-    let bottom = defect_top + DEFECT_HEIGHT;
-
     let times = Range::of(curves.iter().flatten().map(|p| p.time), UNIT).or_padded();
-    let x = Axis { scale: Scale::Linear, range: times, start: LEFT, end: WIDTH - RIGHT };
-    let stacked = |scale, range, start, end| Frame { x, y: Axis { scale, range, start, end } };
-    let values = value_range(&curves);
-    let value = stacked(Scale::Linear, values, value_top + VALUE_HEIGHT, value_top);
-    let defects = defect_range(&curves);
-    let defect = stacked(Scale::Logarithmic, defects, bottom, defect_top);
-
-    let ticks = Ticks::decimal(times, 6);
-    value.draw(&mut canvas, (&ticks, None), (&Ticks::decimal(values, 5), Some(quantity)));
-    let y = (&defect_ticks(defects), Some("relative defect"));
-    defect.draw(&mut canvas, (&ticks, Some("time t")), y);
+    let (x, y) = ((times, None), (value_range(&curves), quantity));
+    let mut plain = Plain::new(entries, VALUE_HEIGHT, x, y);
+    let value = plain.frame;
+    let (range, end) = (defect_range(&curves), value.y.start + BETWEEN);
+    let y = Axis { scale: Scale::Logarithmic, range, start: end + DEFECT_HEIGHT, end };
+    let defect = Frame { y, ..value };
+    let x = (&Ticks::decimal(times, 6), Some("time t"));
+    defect.draw(&mut plain.canvas, x, (&defect_ticks(range), Some("relative defect")));
+    plain.frame = defect;
+    let canvas = &mut plain.canvas;
     let mut from_below: Vec<_> = curves.iter().zip(looks).enumerate().collect();
     from_below.sort_by_key(|(_, (_, look))| look.layer);
     for (n, (curve, look)) in from_below {
@@ -86,7 +79,7 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
         let stride = (curve.len() / 10).max(1);
         let first = (n * stride / 3 + stride / 6) % stride;
         for (frame, path) in [(&value, values.collect::<Vec<_>>()), (&defect, defects.collect())] {
-            frame.polyline(&mut canvas, &path, look.line(1.1));
+            frame.polyline(canvas, &path, look.line(1.1));
             for at in path.iter().skip(first).step_by(stride).filter(|at| frame.holds(**at)) {
                 canvas.marker(*at, look, look.radius(2.6), look.hollow());
             }
@@ -95,11 +88,11 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     // The law is drawn last and thin, so that it stays visible on the curves that follow it.
     let longest = curves.iter().max_by_key(|curve| curve.len()).into_iter().flatten();
     let path: Vec<_> = longest.map(|p| value.place(p.time, p.law)).collect();
-    value.polyline(&mut canvas, &path, law);
+    value.polyline(canvas, &path, law);
     if path.is_empty() {
-        value.say(&mut canvas, "no data");
+        value.say(canvas, "no data");
     }
-    canvas.page((WIDTH, bottom + BELOW), title)
+    plain.page(title, false)
 }
 
 /// Covers the law and the curves, except where a curve runs away so far that the law would become a

@@ -14,6 +14,7 @@ const TICK_SIZE: f64 = 10.0;
 const TITLE_SIZE: f64 = 10.5;
 
 /// A box with two axes.
+#[derive(Clone, Copy)]
 pub struct Frame {
     /// Horizontal axis, left to right.
     pub x: Axis,
@@ -141,37 +142,4 @@ fn write(canvas: &mut Canvas, words: &str, at: Position, align: Align) {
 
 fn middle(axis: Axis) -> f64 {
     0.5 * (axis.start + axis.end)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::axis::{Range, Scale};
-    use super::*;
-
-    fn square() -> Frame {
-        let axis = |start, end| Axis {
-            scale: Scale::Linear,
-            range: Range { lo: 0.0, hi: 1.0 },
-            start,
-            end,
-        };
-        Frame { x: axis(0.0, 10.0), y: axis(10.0, 0.0) }
-    }
-
-    #[test]
-    fn segments_are_cut_at_the_border() {
-        let frame = square();
-        assert_eq!(frame.clip((1.0, 1.0), (2.0, 2.0)), Some(((1.0, 1.0), (2.0, 2.0))));
-        assert_eq!(frame.clip((-5.0, 5.0), (15.0, 5.0)), Some(((0.0, 5.0), (10.0, 5.0))));
-        assert_eq!(frame.clip((5.0, 5.0), (5.0, 50.0)), Some(((5.0, 5.0), (5.0, 10.0))));
-        assert_eq!(frame.clip((-5.0, -1.0), (15.0, -1.0)), None);
-        assert_eq!(frame.clip((11.0, 0.0), (20.0, 9.0)), None);
-    }
-
-    #[test]
-    fn the_border_belongs_to_the_box() {
-        let frame = square();
-        assert!(frame.holds((0.0, 10.0)) && frame.holds((10.0, 0.0)));
-        assert!(!frame.holds((10.1, 5.0)));
-    }
 }

@@ -132,30 +132,3 @@ pub fn of_schemes(names: &[&str]) -> Vec<Look> {
 pub fn of_quantities(names: &[&str]) -> Vec<Look> {
     QUANTITIES.into_iter().cycle().take(names.len()).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_unknown_scheme_gets_a_look_of_its_own() {
-        let looks = of_schemes(&["sexp", "other", "em", "sexp-levy"]);
-        for (i, a) in looks.iter().enumerate() {
-            for b in &looks[..i] {
-                assert!(a.color != b.color && a.marker != b.marker);
-            }
-        }
-    }
-
-    #[test]
-    fn methods_that_may_coincide_show_through_each_other() {
-        for pair in
-            [of_schemes(&["sexp", "midpoint"]), of_schemes(&["a", "b", "c", "d"]).split_off(2)]
-        {
-            let (below, above) = (pair[0], pair[1]);
-            assert!(below.layer < above.layer && below.hollow() && !above.hollow());
-            assert!(below.radius(1.0) > above.radius(1.0));
-            assert!(below.line(1.0).width > above.line(1.0).width && above.line(1.0).dashed);
-        }
-    }
-}

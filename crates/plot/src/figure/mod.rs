@@ -26,9 +26,10 @@ pub use bands::bands;
 pub use chart::{Curve, Figure, Line, Measured, Plot, Style};
 pub use convergence::convergence;
 pub use cost::comparison;
-#[cfg(test)]
-pub(crate) use cost::tests::small as small_comparison;
 pub use evolution::evolution;
 pub use histogram::histogram;
 pub use lines::{Trace, lines};
 pub use ticks::Spacing;
+
+#[cfg(test)]
+pub(crate) mod tests;

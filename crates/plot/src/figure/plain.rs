@@ -11,31 +11,31 @@ use super::{
 };
 use crate::label::Label;
 
-pub const WIDTH: f64 = 340.0;
+const WIDTH: f64 = 340.0;
 /// Room for the labels on the left.
-pub const LEFT: f64 = 52.0;
+const LEFT: f64 = 52.0;
 /// The range of an axis without data.
 pub const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
 
-/// A page with one plot, on which curves may be drawn.
+/// A page with one plot, on which curves may be drawn; another may be set below it.
 pub struct Plain {
     pub canvas: Canvas,
     pub frame: Frame,
 }
 
 impl Plain {
-    /// Draws legend and axes; each axis has a range and a title.
+    /// Draws legend and axes; each axis has a range and a title, but for one above another plot.
     pub fn new(
         entries: impl Iterator<Item = (Sample, Label)>,
         height: f64,
-        (x, x_title): (Range, &str),
+        (x, x_title): (Range, Option<&str>),
         (y, y_title): (Range, &str),
     ) -> Self {
         let mut canvas = Canvas::default();
         let top = legend(&mut canvas, entries, LEFT, WIDTH - LEFT - RIGHT);
         let axis = |range, start, end| Axis { scale: Scale::Linear, range, start, end };
         let frame = Frame { x: axis(x, LEFT, WIDTH - RIGHT), y: axis(y, top + height, top) };
-        let x = (&Ticks::decimal(x, 6), Some(x_title));
+        let x = (&Ticks::decimal(x, 6), x_title);
         frame.draw(&mut canvas, x, (&Ticks::decimal(y, 5), Some(y_title)));
         Self { canvas, frame }
     }

@@ -29,27 +29,3 @@ pub fn markup(label: &Label) -> String {
     }
     markup
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn scripts_become_elements() {
-        assert_eq!(
-            markup(&Label::new("y2^2")),
-            "y<tspan dy=\"0.28em\" font-size=\"74%\">2</tspan>\
-             <tspan dy=\"-0.78em\" font-size=\"74%\">2</tspan>"
-        );
-        assert_eq!(markup(&Label::words("a<b")), "a&lt;b");
-    }
-
-    #[test]
-    fn what_follows_a_script_is_back_on_the_line() {
-        let tail = |notation| markup(&Label { tail: ": 1".into(), ..Label::new(notation) });
-        for (notation, shift) in [("y", "0.00"), ("y2", "-0.21"), ("y2^2", "0.37")] {
-            let end = format!("<tspan dy=\"{shift}em\" font-size=\"100%\">: 1</tspan>");
-            assert!(tail(notation).ends_with(&end), "{}", tail(notation));
-        }
-    }
-}

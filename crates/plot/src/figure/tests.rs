@@ -1,0 +1,329 @@
+use analysis::{
+    Spread,
+    compare::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Sampled},
+};
+use mc::study::{Grid, Histogram, Place, Quantile, Series, Summary};
+use stats::Rate;
+
+use super::{
+    axis::{Axis, Range, Scale},
+    bands::{pairs, percent},
+    chart::COLUMN,
+    convergence::{order, overall_order, reference_slopes},
+    frame::Frame,
+    histogram::{MOST_BARS, bars},
+    look::of_schemes,
+    scripts::markup,
+    ticks::Ticks,
+    *,
+};
+use crate::label::Label;
+
+/// Checks that a figure is whole and has these words.
+#[track_caller]
+fn is_whole(svg: &str, words: &[&str]) {
+    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{svg}");
+    assert!(!svg.contains("NaN"), "{svg}");
+    words.iter().for_each(|words| assert!(svg.contains(words), "{words}"));
+}
+
+#[test]
+fn awkward_data_still_make_a_figure() {
+    let point = |x, y| Measured { x, x_hi: 2.0 * x, y, interval: Some((0.5 * y, 2.0 * y)) };
+    for points in [
+        vec![],
+        vec![point(1.0, 0.1)],
+        vec![point(0.0, 0.0), point(f64::NAN, 1.0), point(1.0, f64::INFINITY)],
+        vec![point(1.0, f64::MAX), point(1e-300, 1e-300), point(1e9, -1.0)],
+    ] {
+        let plot = |spacing| Plot {
+            x_title: "time".into(),
+            spacing,
+            lines: vec![Line { name: "n".into(), constant: 1e-300, power: 1.0 }],
+            curves: vec![Curve::new("a stranger", points.clone())],
+        };
+        for style in [Style::Schemes, Style::Signed] {
+            let (title, y_title) = ("A & B".into(), "error".into());
+            let plots = [Spacing::Decades, Spacing::Doublings].map(plot).to_vec();
+            let figure = Figure { title, y_title, size: COLUMN, style, plots };
+            is_whole(&figure.svg(), &["A &amp; B"]);
+        }
+    }
+    let trace =
+        |name: &str, points: &[(f64, f64)]| Trace { name: name.into(), points: points.into() };
+    let gap = [(0.0, 1.0), (1.0, f64::NAN), (2.0, f64::INFINITY), (3.0, 1.0)];
+    for traces in [vec![], vec![trace("", &[])], vec![trace("", &gap)]] {
+        is_whole(&lines("", "x", "y", &traces), &[]);
+    }
+    // Names where there are several.
+    let mut traces = vec![trace("a<b", &[(0.0, 1.0), (1.0, 2.0)])];
+    let svg = lines("A & B", "time t", "y", &traces);
+    is_whole(&svg, &["A &amp; B", "time t"]);
+    assert!(!svg.contains("a&lt;b"));
+    traces.push(trace("c", &[(0.0, 0.0)]));
+    is_whole(&lines("", "t", "y", &traces), &["a&lt;b"]);
+}
+
+/// Two points of one scheme, of which one is not resolved.
+pub(crate) fn small_comparison() -> Comparison {
+    let point = |steps: u64, resolved| ErrorPoint {
+        steps,
+        error: 0.5 / steps as f64,
+        se: 0.01,
+        lo: 0.25 / steps as f64,
+        hi: 1.0 / steps as f64,
+        resolved,
+        defect: Some(1e-3),
+        time: resolved.then_some(Spread { best: 1e-6, median: 2e-6, worst: 3e-6 }),
+    };
+    Comparison {
+        system: "a<b".into(),
+        dimension: 3,
+        noises: 1,
+        t_end: 1.0,
+        damped: true,
+        wanted: 1e-3,
+        sampled: Sampled::default(),
+        reference_error: 1e-3,
+        candidates: vec![Candidate {
+            scheme: "heun".into(),
+            points: vec![point(8, true), point(16, false)],
+            outcome: Outcome::NotReached { at_least_s: 1e-6, needs: None },
+            keeps: Keeps::default(),
+        }],
+        choice: Choice::NoneReaches,
+        stopped: None,
+        clock: "processor time".into(),
+        wall_s: 1.0,
+    }
+}
+
+#[test]
+fn a_comparison_is_drawn_against_time_and_steps() {
+    let words = ["a&lt;b: strong error against cost", "processor time of a path, μs", "heun"];
+    is_whole(&comparison(&small_comparison()), &words);
+}
+
+/// A summary at `time` with quantiles of these levels and values, and a few counts.
+fn summary(time: f64, quantiles: &[(f64, Option<f64>)], counts: &[u64]) -> Summary {
+    let quantile = |&(level, value): &(f64, Option<f64>)| {
+        let place = if value.is_some() { Place::Inside } else { Place::AboveGrid };
+        Quantile { level, value, lo: value, hi: value, place }
+    };
+    let grid = Grid { lo: -1.0, width: 0.5, bins: counts.len() as u32 };
+    Summary {
+        step: 1,
+        time,
+        count: counts.iter().sum(),
+        not_finite: 0,
+        mean: Some(0.25),
+        mean_interval: None,
+        interval_note: None,
+        variance: None,
+        deviation: None,
+        effective: None,
+        least: None,
+        largest: None,
+        quantiles: quantiles.iter().map(quantile).collect(),
+        histogram: Some(Histogram { grid, below: 0, counts: counts.to_vec(), above: 0 }),
+    }
+}
+
+#[test]
+fn a_band_is_between_opposite_quantiles_and_ends_outside_of_the_grid() {
+    let levels = |high: Option<f64>| {
+        [(0.05, Some(-1.0)), (0.25, Some(-0.5)), (0.5, Some(0.0)), (0.75, Some(0.5)), (0.95, high)]
+    };
+    let at = |t: f64, high| summary(t, &levels(high), &[1, 2]);
+    let drawn = |points| bands("A & B", &Series { observable: "a<b".into(), points });
+    let mut all = (0..6).map(|t| at(f64::from(t), Some(1.0))).collect::<Vec<_>>();
+    assert_eq!(pairs(&all), [(0, 4), (1, 3)]);
+    let svg = drawn(all.clone());
+    is_whole(&svg, &["5–95 %", "25–75 %", "median", "mean", "a&lt;b", "A &amp; B"]);
+    let areas = |svg: &str| svg.matches("<polygon").count();
+    // Two in the legend.
+    assert_eq!(areas(&svg), 4);
+    all[2] = at(2.0, None);
+    assert_eq!(areas(&drawn(all)), 5);
+    let none = Summary { mean: None, ..summary(0.0, &[(0.3, None)], &[]) };
+    for points in [
+        vec![],
+        vec![none.clone()],
+        vec![summary(0.0, &[], &[])],
+        vec![summary(0.0, &[(0.29, Some(1.0)), (0.71, Some(1.0))], &[1]), none],
+    ] {
+        is_whole(&drawn(points), &[]);
+    }
+    assert_eq!((percent(0.29), percent(0.05), percent(0.975)), (29.0, 5.0, 97.5));
+}
+
+#[test]
+fn bars_hold_all_values_inside() {
+    for bins in [1, 63, 64, 65, 300, 1000] {
+        let counts: Vec<u64> = (0..bins).map(|k| u64::from(k > 2 || bins < 4) * (k % 7)).collect();
+        let summary = summary(1.0, &[(0.5, Some(0.0))], &counts);
+        let bars = bars(summary.histogram.as_ref().unwrap(), &summary);
+        assert!(bars.len() <= MOST_BARS + 1, "{bins}");
+        let all: f64 = bars.iter().map(|&(lo, hi, density)| (hi - lo) * density).sum();
+        assert!(bins == 1 || (all - 1.0).abs() < 1e-12, "{bins}: {all}");
+        assert!(bars.windows(2).all(|pair| pair[0].1 == pair[1].0));
+    }
+    let empty = summary(1.0, &[], &[0, 0]);
+    let mut outside = summary(2.0, &[(0.5, None)], &[0, 5, 0]);
+    outside.histogram.as_mut().unwrap().above = 2;
+    let initial = Summary { histogram: None, ..empty.clone() };
+    for summary in [&empty, &outside, &initial] {
+        is_whole(&histogram("A & B", "a<b", summary), &["A &amp; B", "a&lt;b"]);
+    }
+    is_whole(&histogram("", "x", &outside), &["x at t = 2, 2 of 5 outside"]);
+}
+
+#[test]
+fn orders_are_short_and_never_certain() {
+    let rate = |estimate, lo, hi| Rate { estimate, lo, hi, confidence: 0.95, ..Rate::default() };
+    assert_eq!(order(&rate(1.0015, 0.954, 1.049)), "1.00 ± 0.05");
+    assert_eq!(order(&rate(0.5, 0.499, 0.501)), "0.50 ± 0.01");
+    assert_eq!(order(&rate(-0.1, f64::NAN, 0.3)), "−0.10");
+}
+
+#[test]
+fn each_order_is_drawn_once_and_clear_of_the_data() {
+    let trend = |order: f64, constant: f64| {
+        let point = |k: i32| (2f64.powi(-k), constant * 2f64.powi(-k).powf(order));
+        let points: Vec<_> = (5..13).map(point).collect();
+        assert!((overall_order(&points) - order).abs() < 1e-12);
+        (order, points)
+    };
+    let trends = [trend(1.0, 0.1), trend(0.5, 1.0), trend(1.0, 0.3)];
+    let slopes = reference_slopes(&trends);
+    for (tau, error) in trends.iter().flat_map(|(_, points)| points) {
+        assert!(slopes[0].at(*tau) < *error && *error < slopes[1].at(*tau));
+    }
+    let powers = |trends: &[(f64, Vec<(f64, f64)>)]| {
+        reference_slopes(trends).iter().map(|line| line.power).collect::<Vec<_>>()
+    };
+    assert_eq!(powers(&trends), [1.0, 0.5]);
+    assert_eq!(powers(&[trend(0.5, 1.0), trend(0.5, 2.0)]), [0.5]);
+    assert_eq!(powers(&[trend(2.0, 1.0)]), [2.0]);
+    assert!(reference_slopes(&[]).is_empty());
+}
+
+fn axis(scale: Scale, (lo, hi): (f64, f64), start: f64, end: f64) -> Axis {
+    Axis { scale, range: Range { lo, hi }, start, end }
+}
+
+#[test]
+fn segments_are_cut_at_the_border() {
+    let linear = |start, end| axis(Scale::Linear, (0.0, 1.0), start, end);
+    let frame = Frame { x: linear(0.0, 10.0), y: linear(10.0, 0.0) };
+    for (from, to, clipped) in [
+        ((1.0, 1.0), (2.0, 2.0), Some(((1.0, 1.0), (2.0, 2.0)))),
+        ((-5.0, 5.0), (15.0, 5.0), Some(((0.0, 5.0), (10.0, 5.0)))),
+        ((5.0, 5.0), (5.0, 50.0), Some(((5.0, 5.0), (5.0, 10.0)))),
+        ((-5.0, -1.0), (15.0, -1.0), None),
+        ((11.0, 0.0), (20.0, 9.0), None),
+    ] {
+        assert_eq!(frame.clip(from, to), clipped);
+    }
+    // The border belongs to the box.
+    assert!(frame.holds((0.0, 10.0)) && frame.holds((10.0, 0.0)) && !frame.holds((10.1, 5.0)));
+}
+
+#[test]
+fn positions_and_ranges() {
+    let log = axis(Scale::Logarithmic, (1.0, 100.0), 200.0, 0.0);
+    // What is not positive sits at the floor.
+    for (value, at) in [(1.0, 200.0), (10.0, 100.0), (100.0, 0.0), (0.0, 200.0), (-3.0, 200.0)] {
+        assert!((log.position(value) - at).abs() < 1e-12, "{value}");
+    }
+    assert!(log.position(f64::NAN).is_nan());
+    assert_eq!(axis(Scale::Linear, (1.0, 100.0), 200.0, 0.0).position(50.5), 100.0);
+
+    let unit = Range { lo: 1.0, hi: 100.0 };
+    let values = [f64::NAN, 3.0, -1.0, 0.0, f64::INFINITY, 7.0];
+    assert_eq!(Range::of_positive(values, unit), Range { lo: 3.0, hi: 7.0 });
+    assert_eq!(Range::of_positive([0.0, -1.0], unit), unit);
+    assert_eq!(Range::of([], unit), unit);
+    let narrow = Range { lo: 2.0, hi: 3.0 }.with_two_decades();
+    assert!((narrow.lo - 1.0).abs() < 1e-12 && (narrow.hi - 10.0).abs() < 1e-12);
+    let wide = Range { lo: 0.5, hi: 20.0 };
+    assert_eq!(wide.with_two_decades(), wide);
+    for value in [0.0, 3.0, -1e9] {
+        let range = Range { lo: value, hi: value }.padded(0.05);
+        assert!(range.lo < value && value < range.hi);
+    }
+}
+
+fn range(lo: f64, hi: f64) -> Range {
+    Range { lo, hi }
+}
+
+#[test]
+fn powers_are_labelled_with_marks_between_and_thinned_to_a_common_stride() {
+    let values = |ticks: &Ticks| ticks.major.iter().map(|tick| tick.0).collect::<Vec<_>>();
+    let ticks = Ticks::decades(range(0.05, 20.0), 6);
+    assert_eq!(values(&ticks), [0.1, 1.0, 10.0]);
+    assert_eq!(ticks.major[0].1, Label::new("10^-1"));
+    assert_eq!(ticks.minor.len(), 5 + 8 + 8 + 1);
+    // Decades at the ends are kept.
+    assert_eq!(values(&Ticks::decades(range(1e-17, 1e-3), 20)).len(), 15);
+    assert!((3..=6).contains(&Ticks::decades(range(1e-300, 1e300), 6).major.len()));
+    let few = Ticks::decades(range(1e-17, 1.0), 6);
+    let exponents: Vec<&str> = few.major.iter().map(|(_, label)| &*label.exponent).collect();
+    assert_eq!(exponents, ["−15", "−12", "−9", "−6", "−3", "0"]);
+    let steps = range(2f64.powi(-14), 2f64.powi(-5));
+    assert_eq!(Ticks::powers(2, steps, 12).major.len(), 10);
+    let thinned = Ticks::powers(2, steps, 8);
+    assert_eq!(values(&thinned), [-14, -12, -10, -8, -6].map(|k| 2f64.powi(k)));
+    assert_eq!(thinned.minor.len(), 5);
+}
+
+#[test]
+fn decimal_steps_are_one_two_or_five_and_large_numbers_share_a_factor() {
+    for (from, most, words, factor) in [
+        (range(0.0, 10.0), 6, &["0", "2", "4", "6", "8", "10"][..], None),
+        (range(-0.03, 0.09), 4, &["0", "0.05"], None),
+        (range(0.0, 3e7), 4, &["0", "1", "2", "3"], Some("×10^7")),
+        (range(-1.2e-5, 0.0), 4, &["−1.0", "−0.5", "0"], Some("×10^-5")),
+        // Hopeless ranges have no ticks.
+        (range(1.0, 1.0), 5, &[], None),
+        (range(-f64::MAX, f64::MAX), 5, &[], None),
+        (range(1e17, 1e17 + 16.0), 5, &[], None),
+    ] {
+        let ticks = Ticks::decimal(from, most);
+        let bases: Vec<&str> = ticks.major.iter().map(|(_, label)| &*label.base).collect();
+        assert_eq!((bases, ticks.factor), (words.to_vec(), factor.map(Label::new)));
+    }
+    assert!(Ticks::decades(range(2.0, 3.0), 5).major.is_empty());
+}
+
+#[test]
+fn an_unknown_scheme_gets_a_look_of_its_own() {
+    let looks = of_schemes(&["sexp", "other", "em", "sexp-levy"]);
+    for (i, a) in looks.iter().enumerate() {
+        assert!(looks[..i].iter().all(|b| a.color != b.color && a.marker != b.marker));
+    }
+    // Methods that may coincide show through each other.
+    for pair in [of_schemes(&["sexp", "midpoint"]), of_schemes(&["a", "b", "c", "d"]).split_off(2)]
+    {
+        let (below, above) = (pair[0], pair[1]);
+        assert!(below.layer < above.layer && below.hollow() && !above.hollow());
+        assert!(below.radius(1.0) > above.radius(1.0));
+        assert!(below.line(1.0).width > above.line(1.0).width && above.line(1.0).dashed);
+    }
+}
+
+#[test]
+fn scripts_become_elements_and_what_follows_is_back_on_the_line() {
+    assert_eq!(
+        markup(&Label::new("y2^2")),
+        "y<tspan dy=\"0.28em\" font-size=\"74%\">2</tspan>\
+         <tspan dy=\"-0.78em\" font-size=\"74%\">2</tspan>"
+    );
+    assert_eq!(markup(&Label::words("a<b")), "a&lt;b");
+    for (notation, shift) in [("y", "0.00"), ("y2", "-0.21"), ("y2^2", "0.37")] {
+        let text = markup(&Label { tail: ": 1".into(), ..Label::new(notation) });
+        let end = format!("<tspan dy=\"{shift}em\" font-size=\"100%\">: 1</tspan>");
+        assert!(text.ends_with(&end), "{text}");
+    }
+}
