@@ -19,24 +19,27 @@ use casimir::{
 
 use super::Model;
 
+/// A problem with any damping.
+pub type Damped<S, const D: usize> = Problem<S, Arc<dyn Damping>, D>;
+
 type Compiles<S, const D: usize, const M: usize> =
     fn(BuiltIn, &S, [f64; D]) -> Result<Box<dyn Scheme<S, D, M>>, SchemeError>;
 
 /// A problem whose schemes are compiled for it.
 pub struct Compiled<S, const D: usize, const M: usize> {
-    problem: Problem<S, Arc<dyn Damping>, D>,
+    problem: Damped<S, D>,
     scheme: Compiles<S, D, M>,
-    expect: for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Expect<'a>,
+    expect: for<'a> fn(&'a Damped<S, D>) -> Expect<'a>,
 }
 
 impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<S, D, M> {
     /// The problem of a system without flows of its own.
-    pub fn new(problem: Problem<S, Arc<dyn Damping>, D>) -> Self {
+    pub fn new(problem: Damped<S, D>) -> Self {
         Self { problem, scheme: BuiltIn::compiled, expect: |problem| Expect::new(problem) }
     }
 
     /// The problem of a system with flows.
-    pub fn by_parts(problem: Problem<S, Arc<dyn Damping>, D>) -> Self
+    pub fn by_parts(problem: Damped<S, D>) -> Self
     where
         S: Flows<D, M>,
     {

@@ -81,9 +81,9 @@ fn misdefined(reading: &Reading<'_>, error: &DefinitionError) -> SceneError {
         Which::InitialValue => place = Some(reading.settings.initial_place.clone()),
         Which::State => {
             // A name in the message is in quotes.
-            let names = state.iter().flat_map(|state| state.iter());
+            let mut names = state.iter().flat_map(|state| state.iter());
             let is_named = |name: &&At<String>| error.message.contains(&format!("`{}`", ***name));
-            let name = names.filter(is_named).next_back();
+            let name = names.rfind(is_named);
             place = name.map(At::span).or(state.map(At::span));
         }
     }

@@ -11,7 +11,11 @@ use casimir::{
     },
 };
 
-use super::{Built, compiled::Compiled, lattice};
+use super::{
+    Built,
+    compiled::{Compiled, Damped},
+    lattice,
+};
 use crate::scene::{At, Parameters, Quantity, Read, Reading};
 
 /// Name, parameters with their defaults, and what it is.
@@ -98,7 +102,7 @@ fn with_c<S>(reading: &Reading<'_>, new: fn(f64) -> Result<S, SystemError>) -> R
 fn built<S, const D: usize, const M: usize>(
     (reading, damping): (&Reading<'_>, Arc<dyn Damping>),
     system: S,
-    model: fn(Problem<S, Arc<dyn Damping>, D>) -> Compiled<S, D, M>,
+    model: fn(Damped<S, D>) -> Compiled<S, D, M>,
 ) -> Read<Built>
 where
     S: PoissonSystem<D, M> + Copy + 'static,
