@@ -2,10 +2,10 @@
 //!
 //! **Unknowns.** A *run* is a scheme at a level l, with steps of 2^l finest steps. All runs of a
 //! driver see the same Wiener path: the increments ΔW of the finest step are drawn (or given), a
-//! step of level l takes their sum, added as a balanced binary tree ([`DyadicLadder`]), and Lévy
-//! areas are joined by Chen's relation ([`AreaLadder`]). A *swapped* run is the antithetic path of
-//! Giles and Szpruch (2014): it exchanges the two halves of each step of the level above, and
-//! therefore advances by two steps at the end of that step.
+//! step of level l takes their sum, added as a balanced binary tree ([`DyadicLadder`]), which joins
+//! Lévy areas by Chen's relation. A *swapped* run is the antithetic path of Giles and Szpruch
+//! (2014): it exchanges the two halves of each step of the level above, and therefore advances by
+//! two steps at the end of that step.
 //!
 //! **Truncation.** Each run's increment is clipped to ±bound after summation (Milstein, Repin and
 //! Tretyakov 2002), never before, so that all levels share one untruncated path. Runs with the same
@@ -24,7 +24,7 @@
 
 use std::sync::OnceLock;
 
-use noise::{AreaLadder, DyadicLadder, StepNoise, StreamKey, WienerBlock, clip, clip_areas};
+use noise::{DyadicLadder, StepNoise, StreamKey, WienerRows, clip, clip_areas};
 use nonlin::BlockStatus;
 use real::{Block, Kernel, PathMask, Row, WIDTH, dispatch};
 use schemes::{Step, Stepper};
@@ -258,9 +258,7 @@ struct Marcher<'a> {
     next_noise: NextNoise<'a>,
     /// Noise of the finest step.
     drawn: StepNoise,
-    sums: DyadicLadder,
-    /// Lévy areas of every level, if a scheme reads them.
-    areas: Option<AreaLadder>,
+    ladder: DyadicLadder,
     /// The truncated noise of the current step. It is reused, since zeroing it in every step takes
     /// as long as a tenth of a step.
     truncated: StepNoise,
@@ -270,7 +268,7 @@ struct Marcher<'a> {
     clipped: Vec<PathMask>,
     random_time: Block<1>,
     /// Normals of the time change, if there is one.
-    time_change_noise: Option<WienerBlock<1>>,
+    time_change_noise: Option<WienerRows>,
 }
 
 impl<'a> Marcher<'a> {
@@ -285,14 +283,13 @@ impl<'a> Marcher<'a> {
             live: PathMask::first(paths),
             next_noise: driver.noise.block(first_path),
             drawn: driver.no_noise(),
-            sums: DyadicLadder::new(driver.noises, driver.levels),
-            areas: driver.area_reader.map(|_| AreaLadder::new(driver.noises, driver.levels)),
+            ladder: DyadicLadder::new(driver.levels, || driver.no_noise()),
             truncated: driver.no_noise(),
             states: driver.runs.iter().map(|run| run.scheme.start(&start)).collect(),
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
             random_time: Block::zero(),
-            time_change_noise: driver.time_change.map(|_| WienerBlock::new(key, first_path)),
+            time_change_noise: driver.time_change.map(|_| WienerRows::new(key, first_path)),
         }
     }
 
@@ -308,15 +305,12 @@ impl<'a> Marcher<'a> {
         (self.next_noise)(&mut self.drawn);
         if let (Some(time_change), Some(noise)) = (driver.time_change, &mut self.time_change_noise)
         {
-            let mut normals = Block::zero();
+            let mut normals = [[0.0; WIDTH]];
             noise.increments(1.0, &mut normals);
             let (dw, [time]) = (&self.drawn.increments[..], &mut self.random_time.0);
-            time_change.advance(n - 1, dw, &normals.0[0], time);
+            time_change.advance(n - 1, dw, &normals[0], time);
         }
-        let complete = self.sums.push(&self.drawn.increments);
-        if let Some(areas) = &mut self.areas {
-            areas.push(&self.drawn.areas, &self.sums, complete);
-        }
+        let complete = self.ladder.push(&self.drawn);
         for batch in driver.batches.iter().filter(|batch| batch.due_level() <= complete) {
             let StepPair { before, now } = steps[batch.level];
             if batch.swapped {
@@ -327,7 +321,7 @@ impl<'a> Marcher<'a> {
             let as_drawn = batch.level == 0
                 && !batch.swapped
                 && batch.bounds.increment == f64::INFINITY
-                && self.areas.is_none();
+                && driver.area_reader.is_none();
             if !as_drawn {
                 self.truncate(batch, batch.swapped, tally);
             }
@@ -350,10 +344,12 @@ impl<'a> Marcher<'a> {
     /// Truncates the noise of the last step of the level of the batch, or of the step before.
     fn truncate(&mut self, batch: &Batch, one_before: bool, tally: &mut Tally) {
         let level = batch.level;
-        let increment =
-            if one_before { self.sums.first_half(level + 1) } else { self.sums.increment(level) };
-        if clip(increment, batch.bounds.increment, &mut self.truncated.increments) > 0 {
-            let (paths, count) = differing(increment, &self.truncated.increments, self.live);
+        let StepNoise { increments, areas } = match one_before {
+            true => self.ladder.first_half(level + 1),
+            false => self.ladder.whole(level),
+        };
+        if clip(increments, batch.bounds.increment, &mut self.truncated.increments) > 0 {
+            let (paths, count) = differing(increments, &self.truncated.increments, self.live);
             for &run in &batch.runs {
                 self.clipped[run] = self.clipped[run].or(paths);
             }
@@ -361,8 +357,7 @@ impl<'a> Marcher<'a> {
                 tally.clipped[level] += count;
             }
         }
-        if let Some(areas) = &self.areas {
-            let areas = if one_before { areas.first_half(level + 1) } else { areas.areas(level) };
+        if !areas.is_empty() {
             clip_areas(self.driver.noises, areas, batch.bounds.area, &mut self.truncated.areas);
         }
     }

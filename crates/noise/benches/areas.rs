@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use noise::{AreaPath, AreaSampler, StreamKey, WienerBlock};
+use noise::{AreaPath, AreaSampler, StreamKey, WienerRows};
 use real::{Block, WIDTH};
 
 const STEPS: usize = 64;
@@ -23,8 +23,8 @@ const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };
 type Group<'a> = BenchmarkGroup<'a, criterion::measurement::WallTime>;
 
 fn increment<const M: usize>() -> Block<M> {
-    let mut dw = Block::zero();
-    WienerBlock::<M>::new(KEY, 0).increments(STEP.sqrt(), &mut dw);
+    let mut dw = Block::<M>::zero();
+    WienerRows::new(KEY, 0).increments(STEP.sqrt(), &mut dw.0);
     dw
 }
 

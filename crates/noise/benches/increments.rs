@@ -1,6 +1,6 @@
 //! What a Wiener increment costs.
 //!
-//! First, ns per normal of [`WienerBlock::increments`] for one, two and three noises at each level
+//! First, ns per normal of [`WienerRows::increments`] for one, two and three noises at each level
 //! of instructions: the least of many runs of 256 steps of 32 paths.
 //!
 //! Then the same of [`WienerRows`] and of [`QuasiWiener`] for a few steps: points, scrambling,
@@ -16,7 +16,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group};
-use noise::{QuasiWiener, StreamKey, WienerBlock, WienerPath, WienerRows};
+use noise::{QuasiWiener, StreamKey, WienerPath, WienerRows};
 use real::{Block, Level, Rows, WIDTH, limit_to};
 
 const STEPS: usize = 256;
@@ -27,13 +27,13 @@ const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };
 const RUNS: usize = 2000;
 
 fn ns_per_normal<const M: usize>() -> f64 {
-    let mut noise = WienerBlock::<M>::new(KEY, 0);
-    let mut dw = Block::zero();
+    let mut noise = WienerRows::new(KEY, 0);
+    let mut dw = Block::<M>::zero();
     let mut least = Duration::MAX;
     for _ in 0..RUNS {
         let start = Instant::now();
         for _ in 0..STEPS {
-            noise.increments(black_box(0.0625), &mut dw);
+            noise.increments(black_box(0.0625), &mut dw.0);
             black_box(&dw);
         }
         least = least.min(start.elapsed());
@@ -100,11 +100,11 @@ fn increments<const M: usize>(
 ) {
     group.throughput(Throughput::Elements((WIDTH * STEPS) as u64));
     group.bench_function(format!("{name}/block"), |bencher| {
-        let mut noise = WienerBlock::<M>::new(KEY, 0);
-        let mut dw = Block::zero();
+        let mut noise = WienerRows::new(KEY, 0);
+        let mut dw = Block::<M>::zero();
         bencher.iter(|| {
             for _ in 0..STEPS {
-                noise.increments(0.0625, &mut dw);
+                noise.increments(0.0625, &mut dw.0);
                 black_box(&dw);
             }
         });

@@ -40,15 +40,11 @@ pub fn area_error(step: f64, terms: usize, noises: usize) -> f64 {
 /// ```
 ///
 /// # Errors
-/// [`NoiseError::AreaErrorNotPositive`] and [`NoiseError::StepNotPositive`] unless `error` and
-/// `step` are positive and finite; [`NoiseError::TooManyTerms`] above [`MOST_AREA_TERMS`].
+/// [`NoiseError::NotPositive`] unless `error` and `step` are positive and finite;
+/// [`NoiseError::TooManyTerms`] above [`MOST_AREA_TERMS`].
 pub fn area_terms(error: f64, step: f64, noises: usize) -> Result<usize, NoiseError> {
-    if !(error > 0.0 && error.is_finite()) {
-        return Err(NoiseError::AreaErrorNotPositive { error });
-    }
-    if !(step > 0.0 && step.is_finite()) {
-        return Err(NoiseError::StepNotPositive { step });
-    }
+    NoiseError::unless_positive("the root-mean-square error of an area", error)?;
+    NoiseError::unless_positive("the step of Lévy areas", step)?;
     if noises < 2 {
         return Ok(0);
     }

@@ -13,28 +13,17 @@ pub enum NoiseError {
     },
     /// The truncation order is k = 0, which would clip every increment to zero.
     TruncationOrderZero,
-    /// The requested error of the areas is not positive and finite.
-    AreaErrorNotPositive {
-        /// The given error.
-        error: f64,
+    /// An argument is not positive and finite.
+    NotPositive {
+        /// What it is.
+        name: &'static str,
+        /// The given value.
+        value: f64,
     },
-    /// The step of the areas is not positive and finite.
-    StepNotPositive {
-        /// The given step.
-        step: f64,
-    },
-    /// The requested error needs more terms than
-    /// [`AreaMethod::MAX_TERMS`](crate::MOST_AREA_TERMS).
+    /// The requested error needs more terms than [`MOST_AREA_TERMS`](crate::MOST_AREA_TERMS).
     TooManyTerms {
         /// The required number of terms, before rounding up.
         terms: f64,
-    },
-    /// The time interval has no steps.
-    StepsZero,
-    /// The end of the time interval is not positive and finite.
-    EndNotPositive {
-        /// The given end.
-        t_end: f64,
     },
     /// More dimensions, steps times noises, than
     /// [`QuasiWiener::MAX_DIMENSIONS`](crate::QuasiWiener::MAX_DIMENSIONS).
@@ -44,24 +33,17 @@ pub enum NoiseError {
         /// The given number of noises.
         noises: usize,
     },
-    /// The point is not one of the [`ScrambledSobol::POINTS`](crate::ScrambledSobol::POINTS) of a
-    /// scramble.
-    PointOutsideScramble {
-        /// The given point.
-        point: u64,
-    },
-    /// A block of points begins at a number that is not a multiple of 32.
-    PointNotFirstOfBlock {
-        /// The given first point.
-        first_point: u64,
-    },
-    /// There are more or fewer rows to be written than dimensions.
-    RowsNotDimensions {
-        /// The given number of rows.
-        rows: usize,
-        /// The number of dimensions.
-        dimensions: usize,
-    },
+}
+
+impl NoiseError {
+    /// Checks that an argument is positive and finite.
+    pub(crate) fn unless_positive(name: &'static str, value: f64) -> Result<(), Self> {
+        if value > 0.0 && value.is_finite() {
+            Ok(())
+        } else {
+            Err(Self::NotPositive { name, value })
+        }
+    }
 }
 
 impl fmt::Display for NoiseError {
@@ -71,43 +53,20 @@ impl fmt::Display for NoiseError {
                 write!(f, "truncated increments need a step size with 0 < tau < 1, got tau = {tau}")
             }
             Self::TruncationOrderZero => {
-                write!(
-                    f,
-                    "the truncation order k must be at least 1 (the theorems ask k >= 2), got k = 0"
-                )
+                let needs = "must be at least 1 (the theorems ask k >= 2)";
+                write!(f, "the truncation order k {needs}, got k = 0")
             }
-            Self::AreaErrorNotPositive { error } => {
-                write!(
-                    f,
-                    "the root-mean-square error of an area must be positive and finite, got {error}"
-                )
-            }
-            Self::StepNotPositive { step } => {
-                write!(f, "Levy areas need a step size that is positive and finite, got {step}")
+            Self::NotPositive { name, value } => {
+                write!(f, "{name} must be positive and finite, got {value}")
             }
             Self::TooManyTerms { terms } => {
                 let most = crate::MOST_AREA_TERMS;
-                write!(
-                    f,
-                    "the error asked of the areas needs {terms:.3e} terms a step, more than {most}"
-                )
-            }
-            Self::StepsZero => write!(f, "a time interval needs at least one step, got steps = 0"),
-            Self::EndNotPositive { t_end } => {
-                write!(f, "the end of time must be positive and finite, got {t_end}")
+                let needs = format_args!("{terms:.3e} terms a step, more than {most}");
+                write!(f, "the error asked of the areas needs {needs}")
             }
             Self::TooManyDimensions { steps, noises } => {
                 let most = crate::QuasiWiener::MAX_DIMENSIONS;
                 write!(f, "{steps} steps of {noises} noises have more than {most} dimensions")
-            }
-            Self::PointOutsideScramble { point } => {
-                write!(f, "a scramble has the points 0 to 2^32 - 1, got point {point}")
-            }
-            Self::PointNotFirstOfBlock { first_point } => {
-                write!(f, "a block of points begins at a multiple of 32, got {first_point}")
-            }
-            Self::RowsNotDimensions { rows, dimensions } => {
-                write!(f, "there are {dimensions} dimensions, got {rows} rows")
             }
         }
     }

@@ -1,91 +1,116 @@
-//! Sums of fine increments over the coarser steps of a dyadic ladder.
+//! The noise of coarser steps of a dyadic ladder, from that of the finest.
 
-use real::{Row, Rows};
+use crate::StepNoise;
 
-use crate::step::zero_rows;
-
-/// Sums of fine increments over every coarser step of a dyadic ladder. A step of level ℓ consists
-/// of 2^ℓ finest steps.
+/// The noise of every coarser step of a dyadic ladder: sums of increments, and Lévy areas by Chen's
+/// relation ([`join`](crate::join)). A step of level ℓ consists of 2^ℓ finest steps.
 ///
-/// Increments of the finest steps are pushed one at a time. When a step of a level is complete, the
-/// level holds the *untruncated* sum W(t + 2^ℓτ) − W(t) and the sum over the first half of the
-/// step. Memory: two blocks per level, independent of the number of steps.
+/// The noise of the finest steps is pushed step by step. When a step of a level is complete, the
+/// level holds its *untruncated* noise and that of its first half. Memory: twice the noise of a
+/// step per level, independent of the number of steps.
 #[derive(Debug)]
 pub struct DyadicLadder {
-    noises: usize,
-    levels: usize,
-    /// The rows of level 0, of level 1, and so on.
-    first_half: Rows,
-    sum: Rows,
+    first_half: Vec<StepNoise>,
+    whole: Vec<StepNoise>,
     pushed: u64,
 }
 
 impl DyadicLadder {
-    /// A ladder of `levels` levels above the finest, which is level 0, for so many noises.
+    /// A ladder of `levels` levels above the finest, which is level 0, for noise with as many rows
+    /// as that of `no_noise`.
+    pub fn new(levels: usize, no_noise: impl Fn() -> StepNoise) -> Self {
+        let zero = || (0..=levels).map(|_| no_noise()).collect();
+        Self { first_half: zero(), whole: zero(), pushed: 0 }
+    }
+
+    /// Adds the noise of the next finest step. Returns the highest level whose step is now
+    /// complete; all lower levels are complete as well.
     ///
     /// # Panics
-    /// If there is no memory for it.
-    pub fn new(noises: usize, levels: usize) -> Self {
-        let zero = || zero_rows(noises.saturating_mul(levels + 1));
-        Self { noises, levels, first_half: zero(), sum: zero(), pushed: 0 }
-    }
-
-    /// Adds the next finest increment, one row for each noise. Returns the highest level whose step
-    /// is now complete; all lower levels are complete as well.
+    /// Unless `noise` has the rows of the ladder.
     #[inline]
-    pub fn push(&mut self, dw: &[Row]) -> usize {
-        let noises = self.noises;
-        self.sum[..noises].copy_from_slice(dw);
+    pub fn push(&mut self, noise: &StepNoise) -> usize {
+        self.whole[0].copy_from(noise);
         self.pushed += 1;
-        for level in 1..=self.levels {
-            let first_half = &mut self.first_half[level * noises..][..noises];
-            let (lower, sum) = self.sum[(level - 1) * noises..][..2 * noises].split_at_mut(noises);
+        for level in 1..self.whole.len() {
+            let (below, whole) = self.whole.split_at_mut(level);
+            let (lower, first_half) = (&below[level - 1], &mut self.first_half[level]);
             if self.pushed >> (level - 1) & 1 == 1 {
-                first_half.copy_from_slice(lower);
+                first_half.copy_from(lower);
                 return level - 1;
             }
-            let halves = first_half.as_flattened().iter().zip(lower.as_flattened());
-            let sums = sum.as_flattened_mut().iter_mut().zip(halves);
-            sums.for_each(|(sum, (first, second))| *sum = first + second);
+            whole[0].copy_from(first_half);
+            whole[0].join(lower);
         }
-        self.levels
+        self.whole.len() - 1
     }
 
-    /// The increment over the last complete step of `level`, one row for each noise.
-    pub fn increment(&self, level: usize) -> &[Row] {
-        &self.sum[level * self.noises..][..self.noises]
+    /// The noise of the last complete step of `level`.
+    pub fn whole(&self, level: usize) -> &StepNoise {
+        &self.whole[level]
     }
 
-    /// The increment over the first half of the last complete step of `level` ≥ 1. That of the
-    /// second half is [`increment`](Self::increment) of the level below.
-    pub fn first_half(&self, level: usize) -> &[Row] {
-        &self.first_half[level * self.noises..][..self.noises]
+    /// The noise of the first half of the last complete step of `level` ≥ 1. That of the second
+    /// half is [`whole`](Self::whole) of the level below.
+    pub fn first_half(&self, level: usize) -> &StepNoise {
+        &self.first_half[level]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use real::WIDTH;
+    use crate::Noise;
+
+    /// Pieces of a path; its areas are sums of triangles.
+    fn pieces() -> Vec<[f64; 3]> {
+        let piece = |n: i32| [n * n % 7 - 3, n * 5 % 11 - 5, n * 3 % 13 - 6].map(f64::from);
+        (0..32).map(piece).collect()
+    }
+
+    /// Increments and areas ½ Σ (W_i ΔW_j − W_j ΔW_i) over some pieces, exact in floating point:
+    /// all terms are integers or halves.
+    fn noise_of(pieces: &[[f64; 3]]) -> Noise<3> {
+        let (mut at, mut areas) = ([0.0; 3], [[0.0; 3]; 3]);
+        for piece in pieces {
+            for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                areas[i][j] += 0.5 * (at[i] * piece[j] - at[j] * piece[i]);
+            }
+            at = std::array::from_fn(|m| at[m] + piece[m]);
+        }
+        Noise { increments: at, areas }
+    }
 
     #[test]
-    fn every_level_holds_the_sum_of_its_step() {
-        let mut ladder = DyadicLadder::new(1, 3);
-        // Increment number n is n + 1. Sums are differences of triangular numbers, exact in
-        // floating point.
-        let triangular = |n: u64| (n * (n + 1) / 2) as f64;
-        for n in 0..32u64 {
-            let complete = ladder.push(&[[(n + 1) as f64; WIDTH]]);
+    fn every_level_holds_the_noise_of_its_step() {
+        let pieces = pieces();
+        let mut ladder = DyadicLadder::new(3, || StepNoise::with_areas(3));
+        for (n, piece) in pieces.iter().enumerate() {
+            let mut finest = StepNoise::with_areas(3);
+            finest.set_path(5, &noise_of(&[*piece]));
+            let complete = ladder.push(&finest);
             assert_eq!(complete, ((n + 1).trailing_zeros() as usize).min(3));
             for level in 0..=complete {
-                let step = 1 << level;
-                let expected = triangular(n + 1) - triangular(n + 1 - step);
-                assert_eq!(ladder.increment(level)[0][5], expected);
+                let step = &pieces[n + 1 - (1 << level)..=n];
+                let (first, second) = step.split_at(step.len() / 2);
+                assert_eq!(ladder.whole(level).path::<3>(5), noise_of(step), "{n} {level}");
                 if level > 0 {
-                    let first = triangular(n + 1 - step / 2) - triangular(n + 1 - step);
-                    assert_eq!(ladder.first_half(level)[0][5], first);
+                    assert_eq!(ladder.first_half(level).path::<3>(5), noise_of(first));
+                    assert_eq!(ladder.whole(level - 1).path::<3>(5), noise_of(second));
                 }
             }
         }
+    }
+
+    #[test]
+    fn areas_of_the_finest_steps_are_added() {
+        let mut ladder = DyadicLadder::new(1, || StepNoise::with_areas(2));
+        for area in [2.0, -0.5] {
+            let mut finest = StepNoise::with_areas(2);
+            finest.set_path(3, &Noise { increments: [0.0; 2], areas: [[7.0, area], [7.0; 2]] });
+            ladder.push(&finest);
+        }
+        assert_eq!(ladder.whole(1).path::<2>(3).areas, [[0.0, 1.5], [-1.5, 0.0]]);
+        assert_eq!(ladder.whole(1).path::<2>(4).areas, [[0.0; 2]; 2]);
     }
 }

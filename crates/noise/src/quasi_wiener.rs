@@ -35,7 +35,7 @@ use crate::{NoiseError, ScrambledSobol, StreamKey, inverse_normal::fill_normals,
 /// let mut increments = vec![[0.0; 32]; noise.dimensions()];
 /// let mut sum = 0.0;
 /// for first_point in (0..1024).step_by(32) {
-///     noise.block(first_point, &mut increments)?;
+///     noise.block(first_point, &mut increments);
 ///     for p in 0..32 {
 ///         let end: f64 = (0..8).map(|n| increments[n * 2][p]).sum();
 ///         sum += end * end;
@@ -45,8 +45,8 @@ use crate::{NoiseError, ScrambledSobol, StreamKey, inverse_normal::fill_normals,
 /// assert!((sum / 1024.0 - 1.0).abs() < 0.005);
 ///
 /// // Point 100 alone: the same numbers.
-/// noise.block(96, &mut increments)?;
-/// let path = noise.path(100)?;
+/// noise.block(96, &mut increments);
+/// let path = noise.path(100);
 /// assert!((0..16).all(|row| path[row] == increments[row][4]));
 /// # Ok::<(), noise::NoiseError>(())
 /// ```
@@ -67,8 +67,8 @@ impl QuasiWiener {
     /// `scramble` of the key. Without noises there are no dimensions.
     ///
     /// # Errors
-    /// [`NoiseError::StepsZero`], [`NoiseError::EndNotPositive`] if `t_end` is not positive and
-    /// finite, [`NoiseError::TooManyDimensions`] above [`MAX_DIMENSIONS`](Self::MAX_DIMENSIONS).
+    /// [`NoiseError::NotPositive`] unless `steps` and `t_end` are positive and finite,
+    /// [`NoiseError::TooManyDimensions`] above [`MAX_DIMENSIONS`](Self::MAX_DIMENSIONS).
     pub fn new(
         key: StreamKey,
         scramble: u64,
@@ -76,12 +76,8 @@ impl QuasiWiener {
         noises: usize,
         t_end: f64,
     ) -> Result<Self, NoiseError> {
-        if steps == 0 {
-            return Err(NoiseError::StepsZero);
-        }
-        if !(t_end > 0.0 && t_end < f64::INFINITY) {
-            return Err(NoiseError::EndNotPositive { t_end });
-        }
+        NoiseError::unless_positive("the number of steps", steps as f64)?;
+        NoiseError::unless_positive("the end of time", t_end)?;
         let count = usize::try_from(steps).ok().and_then(|steps| steps.checked_mul(noises));
         let dimensions = if noises == 0 { Some(0) } else { count };
         let Some(dimensions) = dimensions.filter(|&count| count <= Self::MAX_DIMENSIONS) else {
@@ -113,27 +109,23 @@ impl QuasiWiener {
     /// Writes the increments of points `first_point` .. `first_point + 32`: row n·M + m is ΔW_m
     /// over step n.
     ///
-    /// # Errors
-    /// [`NoiseError::PointOutsideScramble`] for points from 2³² on,
-    /// [`NoiseError::PointNotFirstOfBlock`] if 32 does not divide `first_point`,
-    /// [`NoiseError::RowsNotDimensions`] unless there is a row for every dimension. Nothing is
-    /// written then.
+    /// # Panics
+    /// For points from 2³² on, unless 32 divides `first_point`, and unless there is a row for every
+    /// dimension. Nothing is written then.
     #[inline]
-    pub fn block(&self, first_point: u64, increments: &mut [Row]) -> Result<(), NoiseError> {
-        let points = self.sobol.block_points(first_point, increments.len())?;
+    pub fn block(&self, first_point: u64, increments: &mut [Row]) {
+        let points = self.sobol.block_points(first_point, increments.len());
         dispatch(Fill { noise: self, points, rows: increments });
-        Ok(())
     }
 
     /// The increments of one point, with the same bits: number n·M + m is ΔW_m over step n.
     ///
-    /// # Errors
-    /// [`NoiseError::PointOutsideScramble`] for points from 2³² on.
-    pub fn path(&self, point: u64) -> Result<Vec<f64>, NoiseError> {
-        let points = ScrambledSobol::single_point(point)?;
+    /// # Panics
+    /// For points from 2³² on.
+    pub fn path(&self, point: u64) -> Vec<f64> {
         let mut rows = vec![[0.0]; self.dimensions()];
-        Fill { noise: self, points, rows: &mut rows }.run();
-        Ok(rows.into_flattened())
+        Fill { noise: self, points: Points::new(point), rows: &mut rows }.run();
+        rows.into_flattened()
     }
 }
 
@@ -239,10 +231,13 @@ mod tests {
     #[test]
     fn bad_input_is_named() {
         let new = |steps, noises, t_end| QuasiWiener::new(KEY, 0, steps, noises, t_end);
-        assert_eq!(new(0, 1, 1.0).unwrap_err(), NoiseError::StepsZero);
-        for t_end in [0.0, -1.0, f64::INFINITY] {
-            assert_eq!(new(1, 1, t_end).unwrap_err(), NoiseError::EndNotPositive { t_end });
+        for (steps, t_end, got) in
+            [(0, 1.0, "steps must be positive and finite, got 0"), (1, -1.0, "got -1")]
+        {
+            let error = new(steps, 1, t_end).unwrap_err().to_string();
+            assert!(error.ends_with(got), "{error}");
         }
+        assert!(new(1, 1, 0.0).is_err() && new(1, 1, f64::INFINITY).is_err());
         assert!(new(1, 0, f64::NAN).unwrap_err().to_string().ends_with("got NaN"));
         for (steps, noises) in [(1 << 23, 3), (u64::MAX, 2), (1, usize::MAX)] {
             let error = new(steps, noises, 1.0).unwrap_err();
@@ -252,25 +247,10 @@ mod tests {
     }
 
     #[test]
-    fn points_outside_of_a_scramble_are_named() {
-        let noise = QuasiWiener::new(KEY, 0, 2, 1, 1.0).unwrap();
-        let mut rows = [[f64::NAN; WIDTH]; 2];
-        let mut block =
-            |first_point, count: usize| noise.block(first_point, &mut rows[..count]).unwrap_err();
-        let point = 1 << 32;
-        assert_eq!(block(point, 2), NoiseError::PointOutsideScramble { point });
-        assert_eq!(noise.path(point).unwrap_err(), NoiseError::PointOutsideScramble { point });
-        assert_eq!(block(33, 2), NoiseError::PointNotFirstOfBlock { first_point: 33 });
-        assert_eq!(block(32, 1), NoiseError::RowsNotDimensions { rows: 1, dimensions: 2 });
-        assert!(block(33, 2).to_string().contains("multiple of 32, got 33"));
-        assert!(rows.iter().flatten().all(|x| x.is_nan()));
-    }
-
-    #[test]
     fn without_noises_there_is_nothing_to_write() {
         let noise = QuasiWiener::new(KEY, 0, u64::MAX, 0, 1.0).unwrap();
         assert_eq!(noise.dimensions(), 0);
-        noise.block(32, &mut []).unwrap();
-        assert_eq!(noise.path(1), Ok(Vec::new()));
+        noise.block(32, &mut []);
+        assert_eq!(noise.path(1), []);
     }
 }

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use real::{Kernel, WIDTH, dispatch};
 
 use crate::{
-    NoiseError, StreamKey,
+    StreamKey,
     box_muller::open_unit,
     stream::{GOLDEN, mix},
 };
@@ -48,14 +48,13 @@ const LOW_DIGITS: usize = WIDTH.trailing_zeros() as usize;
 ///
 /// let points = ScrambledSobol::new(StreamKey { seed: 1, experiment: 7 }, 0, 2);
 /// let mut words = [[0; 32]; 2];
-/// points.block(64, &mut words)?;
-/// assert_eq!(points.point(67)?, [words[0][3], words[1][3]]);
+/// points.block(64, &mut words);
+/// assert_eq!(points.point(67), [words[0][3], words[1][3]]);
 ///
 /// // In each dimension the 32 points have one number in every interval of length 1/32.
 /// let mut cells = words[1].map(|word| (32.0 * ScrambledSobol::uniform(word)) as usize);
 /// cells.sort();
 /// assert!(cells.into_iter().eq(0..32));
-/// # Ok::<(), noise::NoiseError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct ScrambledSobol {
@@ -93,25 +92,22 @@ impl ScrambledSobol {
     /// The words of points `first_point` .. `first_point + 32`: `words[d][p]` is coordinate d of
     /// point `first_point + p`.
     ///
-    /// # Errors
-    /// [`NoiseError::PointOutsideScramble`] for points from 2³² on,
-    /// [`NoiseError::PointNotFirstOfBlock`] if 32 does not divide `first_point`,
-    /// [`NoiseError::RowsNotDimensions`] unless there is a row of words for every dimension.
-    pub fn block(&self, first_point: u64, words: &mut [[u64; WIDTH]]) -> Result<(), NoiseError> {
-        let points = self.block_points(first_point, words.len())?;
+    /// # Panics
+    /// For points from 2³² on, unless 32 divides `first_point`, and unless there is a row of words
+    /// for every dimension.
+    pub fn block(&self, first_point: u64, words: &mut [[u64; WIDTH]]) {
+        let points = self.block_points(first_point, words.len());
         dispatch(Fill { sobol: self, points, words });
-        Ok(())
     }
 
     /// The words of one point, with the same bits.
     ///
-    /// # Errors
-    /// [`NoiseError::PointOutsideScramble`] for points from 2³² on.
-    pub fn point(&self, point: u64) -> Result<Vec<u64>, NoiseError> {
-        let points = Self::single_point(point)?;
+    /// # Panics
+    /// For points from 2³² on.
+    pub fn point(&self, point: u64) -> Vec<u64> {
         let mut words = vec![[0]; self.dimensions()];
-        Fill { sobol: self, points, words: &mut words }.run();
-        Ok(words.into_flattened())
+        Fill { sobol: self, points: Points::new(point), words: &mut words }.run();
+        words.into_flattened()
     }
 
     /// The number (⌊`word` / 2¹²⌋ + ½)·2⁻⁵² of a word, which is never 0 and never 1.
@@ -121,24 +117,10 @@ impl ScrambledSobol {
     }
 
     /// The points of a block, for as many `rows` as there are dimensions.
-    pub(crate) fn block_points(
-        &self,
-        first_point: u64,
-        rows: usize,
-    ) -> Result<Points<WIDTH>, NoiseError> {
-        let dimensions = self.dimensions();
-        if rows != dimensions {
-            return Err(NoiseError::RowsNotDimensions { rows, dimensions });
-        }
-        if !first_point.is_multiple_of(WIDTH as u64) {
-            return Err(NoiseError::PointNotFirstOfBlock { first_point });
-        }
+    pub(crate) fn block_points(&self, first_point: u64, rows: usize) -> Points<WIDTH> {
+        assert_eq!(rows, self.dimensions(), "there is a row for every dimension");
+        assert!(first_point.is_multiple_of(WIDTH as u64), "blocks begin at multiples of 32");
         Points::new(first_point)
-    }
-
-    /// One point.
-    pub(crate) fn single_point(point: u64) -> Result<Points<1>, NoiseError> {
-        Points::new(point)
     }
 
     /// The Sobol numbers of the first of the points without its lowest five digits, in dimensions
@@ -198,11 +180,9 @@ pub(crate) struct Points<const L: usize> {
 }
 
 impl<const L: usize> Points<L> {
-    fn new(first: u64) -> Result<Self, NoiseError> {
-        match u32::try_from(first) {
-            Ok(first) => Ok(Self { first }),
-            Err(_) => Err(NoiseError::PointOutsideScramble { point: first }),
-        }
+    pub(crate) fn new(first: u64) -> Self {
+        let first = u32::try_from(first);
+        Self { first: first.unwrap_or_else(|_| panic!("a scramble has the points 0 to 2^32 - 1")) }
     }
 }
 

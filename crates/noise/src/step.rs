@@ -10,7 +10,7 @@ pub struct Noise<const M: usize> {
     /// ΔW_m over the step, in √time.
     pub increments: [f64; M],
     /// The skew matrix of Lévy areas A_ml = ½∫(W_m dW_l − W_l dW_m), in time; zero if none are
-    /// drawn.
+    /// drawn. The iterated Stratonovich integrals ∫∫ ∘dW_m ∘dW_l are ½ΔW_mΔW_l + A_ml.
     pub areas: [[f64; M]; M],
 }
 
@@ -67,6 +67,13 @@ impl StepNoise {
         }
     }
 
+    /// Replaces the noise of all paths by that of `other`, which has as many rows.
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) {
+        self.increments.copy_from_slice(&other.increments);
+        self.areas.copy_from_slice(&other.areas);
+    }
+
     /// Gives path `p` the noise of path `q` of `other`, which has areas if this noise has.
     pub fn copy_path(&mut self, p: usize, other: &Self, q: usize) {
         let rows = self.increments.iter_mut().zip(other.increments.iter());
@@ -76,12 +83,13 @@ impl StepNoise {
 
     /// Makes this the noise of its step and the `next` one together: sums of increments, and areas
     /// by Chen's relation, if this noise has areas.
+    #[inline]
     pub fn join(&mut self, next: &Self) {
         if !self.areas.is_empty() {
             join(&mut self.areas, &self.increments, &next.areas, &next.increments);
         }
-        let rows = self.increments.iter_mut().zip(next.increments.iter());
-        rows.for_each(|(row, next)| row.iter_mut().zip(next).for_each(|(dw, next)| *dw += next));
+        let next = next.increments.as_flattened();
+        self.increments.as_flattened_mut().iter_mut().zip(next).for_each(|(dw, next)| *dw += next);
     }
 }
 

@@ -9,28 +9,11 @@ use crate::{
     stream::{BlockStreams, next_word},
 };
 
-/// Increments of M independent Wiener processes on 32 consecutive paths.
+/// Increments of independent Wiener processes on 32 consecutive paths.
 ///
 /// Two words of a path's stream give two independent standard normals (Box and Muller 1958), of
-/// which none exceeds √(106 ln 2) ≈ 8.57. Normals are used step by step and noise by noise. With
-/// odd M every second step begins with a normal left over from the step before.
-#[derive(Clone, Debug)]
-pub struct WienerBlock<const M: usize>(WienerRows);
-
-impl<const M: usize> WienerBlock<M> {
-    /// The increments of paths `first_path` .. `first_path + 32`.
-    pub fn new(key: StreamKey, first_path: u64) -> Self {
-        Self(WienerRows::new(key, first_path))
-    }
-
-    /// Writes the next M increments, each N(0, τ), into `dw`; `sqrt_tau` = √τ.
-    #[inline]
-    pub fn increments(&mut self, sqrt_tau: f64, dw: &mut Block<M>) {
-        self.0.increments(sqrt_tau, &mut dw.0);
-    }
-}
-
-/// The same for any number of noises, with the bits of a [`WienerBlock`].
+/// which none exceeds √(106 ln 2) ≈ 8.57. Normals are used step by step and noise by noise. With an
+/// odd number of noises every second step begins with a normal left over from the step before.
 #[derive(Clone, Debug)]
 pub struct WienerRows {
     streams: BlockStreams,
@@ -93,7 +76,7 @@ impl Kernel for Fill<'_> {
 }
 
 /// Increments of M independent Wiener processes on one path, with the same bits as that path of a
-/// [`WienerBlock`].
+/// [`WienerRows`].
 #[derive(Clone, Debug)]
 pub struct WienerPath<const M: usize> {
     state: [u64; 4],

@@ -50,7 +50,7 @@ fn for_each_point(sobol: &ScrambledSobol, first: u64, count: u64, mut f: impl Fn
     let mut words = vec![[0; WIDTH]; sobol.dimensions()];
     let mut point = vec![0; sobol.dimensions()];
     for block in 0..count.div_ceil(WIDTH as u64) {
-        sobol.block(first + block * WIDTH as u64, &mut words).unwrap();
+        sobol.block(first + block * WIDTH as u64, &mut words);
         for p in 0..WIDTH.min((count - block * WIDTH as u64) as usize) {
             point.iter_mut().zip(&words).for_each(|(coordinate, row)| *coordinate = row[p]);
             f(&point);
@@ -118,7 +118,7 @@ fn the_mean_of_u_has_the_variance_of_nested_uniform_scrambling() {
                     squares[d] += (sums[d] / n).powi(2);
                 }
                 // A twin: a random shift of all points alike has the variance 1/(12n²).
-                let word = sobol.point(0).unwrap()[0] << m;
+                let word = sobol.point(0)[0] << m;
                 alike += ((ScrambledSobol::uniform(word) - 0.5) / n).powi(2);
             }
             let ratio = |sum: f64| sum / SCRAMBLES as f64 * 12.0 * n.powi(3);
@@ -184,8 +184,8 @@ fn bits_are_fair_and_independent() {
                 .map(|scramble| {
                     let sobol = ScrambledSobol::new(key, scramble, 1026);
                     let other = ScrambledSobol::new(other, scramble, 1);
-                    let [word, next] = [point, point + 1].map(|p| sobol.point(p).unwrap());
-                    let others = [other.point(point).unwrap()[0], next[1024], next[2]];
+                    let [word, next] = [point, point + 1].map(|p| sobol.point(p));
+                    let others = [other.point(point)[0], next[1024], next[2]];
                     ([0, 1, 2, 500, 1024, 1025].map(|d| word[d]), others)
                 })
                 .collect();
@@ -228,7 +228,7 @@ fn products(key: StreamKey, steps: u64, noises: usize, t_end: f64) -> Vec<Vec<f6
         let noise = QuasiWiener::new(key, scramble, steps, noises, t_end).unwrap();
         let mut sums = vec![0.0; rows * rows];
         for first_point in (0..1 << 10).step_by(WIDTH) {
-            noise.block(first_point, &mut increments).unwrap();
+            noise.block(first_point, &mut increments);
             for p in 0..WIDTH {
                 let values = values(&increments, noises, p);
                 for i in 0..rows {
@@ -286,7 +286,7 @@ fn a_smooth_functional_has_a_small_error() {
             let noise = QuasiWiener::new(key, scramble, STEPS as u64, 1, 1.0).unwrap();
             let mut sum = 0.0;
             for first_point in (0..POINTS).step_by(WIDTH) {
-                noise.block(first_point, &mut increments).unwrap();
+                noise.block(first_point, &mut increments);
                 for p in 0..WIDTH {
                     let mean = values(&increments, 1, p).iter().sum::<f64>() / STEPS as f64;
                     sum += mean.exp();
@@ -310,7 +310,7 @@ fn the_first_dimensions_are_the_last_values() {
     let noise = QuasiWiener::new(KEYS[0], 5, steps, noises, 4.0).unwrap();
     let sobol = ScrambledSobol::new(KEYS[0], 5, noise.dimensions());
     for point in [0, 1, 77, 4_294_967_295] {
-        let (path, words) = (noise.path(point).unwrap(), sobol.point(point).unwrap());
+        let (path, words) = (noise.path(point), sobol.point(point));
         for m in 0..noises {
             let end: f64 = (0..steps as usize).map(|n| path[n * noises + m]).sum();
             assert!((end - 2.0 * inverse_normal(words[m])).abs() < 1e-13);

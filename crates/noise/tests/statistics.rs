@@ -5,7 +5,7 @@
 //! whole file, all seeds together, have probability at most [`FALSE_ALARM`] under the hypothesis of
 //! perfect noise: Bonferroni over [`CHECKS`].
 
-use noise::{StreamKey, Truncation, WienerBlock, WienerPath, clip};
+use noise::{StreamKey, Truncation, WienerPath, WienerRows, clip};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use real::{Block, WIDTH};
@@ -35,10 +35,10 @@ struct Sample {
 impl Sample {
     fn draw(key: StreamKey) -> Self {
         let mut noise = [(); 2].map(|()| vec![Vec::new(); WIDTH]);
-        let mut block = WienerBlock::<2>::new(key, 0);
-        let mut dw = Block::zero();
+        let mut block = WienerRows::new(key, 0);
+        let mut dw = Block::<2>::zero();
         for _ in 0..STEPS {
-            block.increments(1.0, &mut dw);
+            block.increments(1.0, &mut dw.0);
             for m in 0..2 {
                 for p in 0..WIDTH {
                     noise[m][p].push(dw.0[m][p]);
@@ -192,12 +192,7 @@ fn increments_are_independent_normals() {
         let sample = Sample::draw(key);
         for (name, check) in OF_A_SAMPLE {
             let check = check(&sample);
-            assert!(
-                !check.rejects(),
-                "{name} of {key:?}: {} exceeds {}",
-                check.statistic,
-                check.critical
-            );
+            assert!(!check.rejects(), "{name} of {key:?}: {}", check.statistic);
         }
     }
 }
@@ -219,11 +214,7 @@ fn two_keys_are_independent() {
 fn must_reject(twin: &str, sample: &Sample, names: &[&str]) {
     for &wanted in names {
         let (_, check) = OF_A_SAMPLE.into_iter().find(|&(name, _)| name == wanted).unwrap();
-        assert!(
-            check(sample).rejects(),
-            "{wanted} does not reject {twin}: {}",
-            check(sample).statistic
-        );
+        assert!(check(sample).rejects(), "{wanted} does not reject {twin}");
     }
 }
 

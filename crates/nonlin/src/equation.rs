@@ -1,6 +1,6 @@
 //! The equation z = ψ(z).
 
-use real::{Real, VectorFunction, jacobian};
+use real::{DualNumber, Real, Variation, Varies, seeded, unrolled};
 
 use crate::Method;
 
@@ -22,7 +22,21 @@ pub trait FixedPoint<const D: usize>: Copy {
     /// ψ(z) and the Jacobian ψ′(z) by dual numbers; entry (i, j) is ∂ψᵢ/∂zⱼ.
     #[inline(always)]
     fn jacobian(&self, z: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
-        jacobian(&Map(*self), z)
+        let (mut value, mut jacobian) = ([0.0; D], [[0.0; D]; D]);
+        // Up to three columns are written out. For more, code that is written out takes long to
+        // compile.
+        if const { D <= 3 } {
+            unrolled!(f64: j in 0..D => {
+                let column = self.map(seeded::<f64, Varies, D>(z, j));
+                (value, jacobian) = with_column(column, jacobian, j);
+            });
+        } else {
+            for j in 0..D {
+                let column = self.map(seeded::<f64, Varies<2>, D>(z, j));
+                (value, jacobian) = with_column(column, jacobian, j);
+            }
+        }
+        (value, jacobian)
     }
 
     /// For [`FirstSweep::Predicted`]: a prediction of the solution and a bound of its residual
@@ -49,14 +63,19 @@ pub enum FirstSweep {
     Predicted,
 }
 
-/// ψ as a [`VectorFunction`].
-struct Map<E>(E);
-
-impl<E: FixedPoint<D>, const D: usize> VectorFunction<D, D> for Map<E> {
-    #[inline(always)]
-    fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
-        self.0.map(z)
+/// The values of ψ, and the Jacobian with column j filled in.
+#[inline(always)]
+fn with_column<V: Variation, const D: usize>(
+    column: [DualNumber<f64, V>; D],
+    mut jacobian: [[f64; D]; D],
+    j: usize,
+) -> ([f64; D], [[f64; D]; D]) {
+    let mut value = [0.0; D];
+    for i in 0..D {
+        value[i] = column[i].value;
+        jacobian[i][j] = column[i].derivative();
     }
+    (value, jacobian)
 }
 
 /// The equations of a block of paths. The solver copies them when a path needs the robust method,

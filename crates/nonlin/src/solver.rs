@@ -158,19 +158,15 @@ impl BlockStatus {
     /// `y` is component i. Call it inside a kernel.
     #[inline(always)]
     pub fn fail_where_not_finite(&mut self, y: &[Row]) {
-        // 0·y is NaN if y is infinite or NaN, else zero.
-        let mut sums = Block::<1>::zero();
+        // 0·y is NaN if y is infinite or NaN, else zero of some sign: the first bit.
+        let mut bits = 0;
         for row in y {
             for p in 0..WIDTH {
-                sums.0[0][p] += 0.0 * row[p];
+                bits |= (0.0 * row[p]).to_bits();
             }
         }
-        let mut count = 0u64;
-        for p in 0..WIDTH {
-            count = count.wrapping_add(u64::from(sums.0[0][p].is_nan()));
-        }
-        if count > 0 {
-            self.fail(&sums);
+        if bits << 1 != 0 {
+            self.fail(y);
         }
     }
 
@@ -182,9 +178,9 @@ impl BlockStatus {
 
     #[cold]
     #[inline(never)]
-    fn fail(&mut self, sums: &Block<1>) {
-        for p in (0..WIDTH).filter(|&p| sums.0[0][p].is_nan()) {
-            self.robust = self.robust.without(PathMask(1 << p));
+    fn fail(&mut self, y: &[Row]) {
+        for p in (0..WIDTH).filter(|&p| y.iter().any(|row| !row[p].is_finite())) {
+            self.robust.remove(p);
             self.failed.insert(p);
             self.pending.0[0][p] = f64::INFINITY;
         }

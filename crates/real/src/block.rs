@@ -73,6 +73,11 @@ impl PathMask {
         self.0 |= 1 << p;
     }
 
+    /// Takes path `p` out.
+    pub fn remove(&mut self, p: usize) {
+        self.0 &= !(1 << p);
+    }
+
     /// Whether no path is in the set.
     pub fn is_empty(self) -> bool {
         self.0 == 0

@@ -1,4 +1,4 @@
-//! Gradients, directional derivatives and Jacobians by dual numbers.
+//! Gradients and directional derivatives by dual numbers.
 
 use crate::{Dual, DualNumber, Real, Variation, Varies};
 
@@ -40,12 +40,6 @@ pub trait ScalarFunction<const D: usize> {
     fn value<R: Real>(&self, y: [R; D]) -> R;
 }
 
-/// A vector function ℝᴰ → ℝᴷ, generic over [`Real`].
-pub trait VectorFunction<const D: usize, const K: usize> {
-    /// f(y).
-    fn value<R: Real>(&self, y: [R; D]) -> [R; K];
-}
-
 /// ∇f(y), by D evaluations on dual numbers that depend on one component each.
 #[inline(always)]
 pub fn gradient<R: Real, F: ScalarFunction<D>, const D: usize>(f: &F, y: [R; D]) -> [R; D] {
@@ -61,69 +55,37 @@ pub fn gradient<R: Real, F: ScalarFunction<D>, const D: usize>(f: &F, y: [R; D])
 /// y as dual numbers, of which component j has derivative 1.
 #[inline(always)]
 pub fn seeded<R: Real, V: Variation, const D: usize>(y: [R; D], j: usize) -> [DualNumber<R, V>; D] {
-    let mut seeded = [DualNumber::<R, V>::fixed(R::zero()); D];
-    for i in 0..D {
-        seeded[i] = DualNumber::fixed(y[i]);
-    }
+    let mut seeded = fixed(y);
     seeded[j] = DualNumber::variable(y[j]);
     seeded
 }
 
-/// (f(y), f′(y)·v), by one evaluation on dual numbers.
+/// y as dual numbers with the derivative v: f of them has the derivative f′(y)·v.
 #[inline(always)]
-pub fn directional<R: Real, F: VectorFunction<D, K>, const D: usize, const K: usize>(
-    f: &F,
-    y: [R; D],
-    v: [R; D],
-) -> ([R; K], [R; K]) {
+pub fn along<R: Real, const D: usize>(y: [R; D], v: [R; D]) -> [Dual<R>; D] {
     let mut seeded = [Dual::<R>::fixed(R::zero()); D];
-    for j in 0..D {
-        seeded[j] = Dual::new(y[j], v[j]);
+    for i in 0..D {
+        seeded[i] = Dual::new(y[i], v[i]);
     }
-    let result = f.value(seeded);
-    let (mut value, mut slope) = ([R::zero(); K], [R::zero(); K]);
-    for i in 0..K {
-        value[i] = result[i].value;
-        slope[i] = result[i].derivative();
-    }
-    (value, slope)
+    seeded
 }
 
-/// (f(y), f′(y)) by D evaluations on dual numbers. Row i of the K × D matrix f′ is the gradient of
-/// component i.
+/// y as dual numbers that do not vary.
 #[inline(always)]
-pub fn jacobian<F: VectorFunction<D, K>, const D: usize, const K: usize>(
-    f: &F,
-    y: [f64; D],
-) -> ([f64; K], [[f64; D]; K]) {
-    let (mut value, mut jacobian) = ([0.0; K], [[0.0; D]; K]);
-    // Up to three columns are written out. For more, code that is written out takes long to
-    // compile.
-    if const { D <= 3 } {
-        unrolled!(f64: j in 0..D => {
-            (value, jacobian) = with_column::<Varies, _, D, K>(f, y, jacobian, j);
-        });
-    } else {
-        for j in 0..D {
-            (value, jacobian) = with_column::<Varies<2>, _, D, K>(f, y, jacobian, j);
-        }
+pub fn fixed<R: Real, V: Variation, const D: usize>(y: [R; D]) -> [DualNumber<R, V>; D] {
+    let mut fixed = [DualNumber::<R, V>::fixed(R::zero()); D];
+    for i in 0..D {
+        fixed[i] = DualNumber::fixed(y[i]);
     }
-    (value, jacobian)
+    fixed
 }
 
-/// f(y) and the Jacobian with column j filled in.
+/// The derivatives of dual numbers.
 #[inline(always)]
-fn with_column<V: Variation, F: VectorFunction<D, K>, const D: usize, const K: usize>(
-    f: &F,
-    y: [f64; D],
-    mut jacobian: [[f64; D]; K],
-    j: usize,
-) -> ([f64; K], [[f64; D]; K]) {
-    let result = f.value(seeded::<f64, V, D>(y, j));
-    let mut value = [0.0; K];
-    for i in 0..K {
-        value[i] = result[i].value;
-        jacobian[i][j] = result[i].derivative();
+pub fn derivatives<R: Real, V: Variation, const D: usize>(y: [DualNumber<R, V>; D]) -> [R; D] {
+    let mut derivatives = [R::zero(); D];
+    for i in 0..D {
+        derivatives[i] = y[i].derivative();
     }
-    (value, jacobian)
+    derivatives
 }

@@ -24,7 +24,7 @@
 //! | [`Partial`] | the same, aware of what does not vary |
 //! | [`Bounded`] | value and a bound of its rounding error |
 //! | [`Degree`] | the degree of a formula as a polynomial |
-//! | [`gradient`], [`directional`], [`jacobian`], [`seeded`] | derivatives by dual numbers |
+//! | [`gradient`], [`along`], [`seeded`], [`derivatives`] | derivatives by dual numbers |
 //! | [`unrolled!`] | loops that are written out |
 //! | [`Factored`] | small linear systems without branches |
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
@@ -50,9 +50,7 @@ mod rows;
 pub use block::{Block, PathMask, WIDTH};
 pub use bounded::Bounded;
 pub use degree::Degree;
-pub use derivative::{
-    ScalarFunction, VectorFunction, directional, gradient, is_written_out, jacobian, seeded,
-};
+pub use derivative::{ScalarFunction, along, derivatives, fixed, gradient, is_written_out, seeded};
 #[cfg(feature = "dispatch")]
 pub use dispatch::{Kernel, Level, dispatch, limit_to};
 pub use dual::{Dual, DualNumber, Partial, Variation, Varies};

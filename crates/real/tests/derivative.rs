@@ -1,7 +1,7 @@
-//! `gradient` and `directional` against derivatives taken by hand, first and second order.
+//! `gradient` and `along` against derivatives taken by hand, first and second order.
 
 use proptest::prelude::*;
-use real::{Dual, Real, ScalarFunction, VectorFunction, directional, gradient};
+use real::{Dual, Real, ScalarFunction, along, derivatives, gradient};
 
 /// f = x² y + eˣ sin y + √(1 + z²) + x/(2 + z²).
 struct Scalar;
@@ -21,11 +21,8 @@ fn scalar_gradient([x, y, z]: [f64; 3]) -> [f64; 3] {
 }
 
 /// f = (xy, y³, x cos z, 7): more results than arguments, one of them constant.
-struct Vector;
-impl VectorFunction<3, 4> for Vector {
-    fn value<R: Real>(&self, [x, y, z]: [R; 3]) -> [R; 4] {
-        [x * y, y.powi(3), x * z.cos(), R::constant(7.0)]
-    }
+fn vector<R: Real>([x, y, z]: [R; 3]) -> [R; 4] {
+    [x * y, y.powi(3), x * z.cos(), R::constant(7.0)]
 }
 
 /// ½|∇f|² of a vector function, to nest `gradient` inside `gradient`.
@@ -62,8 +59,9 @@ proptest! {
 
     #[test]
     fn the_direction_is_the_one_by_hand(y in [POINT, POINT, POINT], v in [POINT, POINT, POINT]) {
-        let (value, slope) = directional(&Vector, y, v);
-        prop_assert_eq!(value, Vector.value(y));
+        let duals = vector(along(y, v));
+        let (value, slope) = (duals.map(|x| x.value), derivatives(duals));
+        prop_assert_eq!(value, vector(y));
         let exact = [
             v[0] * y[1] + y[0] * v[1],
             3.0 * y[1] * y[1] * v[1],

@@ -75,6 +75,15 @@ impl Implicit for WithAreas {
     }
 }
 
+impl SexpLevy {
+    fn formula<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        self,
+        _: &'a S,
+    ) -> &'a dyn Scheme<S, D, M> {
+        if const { M > 1 } && !self.commuting { &WithAreas } else { &Sexp }
+    }
+}
+
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for SexpLevy {
     fn id(&self) -> &'static str {
         WithAreas::ID
@@ -96,18 +105,10 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        if Scheme::<S, D, M>::reads_areas(self) {
-            WithAreas.step_block(system, step, noise, y, status);
-        } else {
-            Sexp.step_block(system, step, noise, y, status);
-        }
+        self.formula(system).step_block(system, step, noise, y, status);
     }
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        if Scheme::<S, D, M>::reads_areas(self) {
-            WithAreas.step(system, step, noise, y)
-        } else {
-            Sexp.step(system, step, noise, y)
-        }
+        self.formula(system).step(system, step, noise, y)
     }
 }

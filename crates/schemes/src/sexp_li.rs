@@ -77,14 +77,9 @@ impl SexpLi {
     /// As [`at_run_time`](Self::at_run_time), and [`SchemeError::Jacobi`] unless the system
     /// [shows the identity](run_time::Description::jacobi_holds).
     pub fn at_run_time_with_areas(system: &dyn run_time::System) -> Result<Self, SchemeError> {
-        let scheme = Self::at_run_time(system)?;
-        let description = system.description();
-        let areas = !description.noises_commute;
-        if areas && !description.jacobi_holds {
-            let system = description.name.clone();
-            return Err(SchemeError::Jacobi { scheme: "sexp-li-levy", system });
-        }
-        Ok(Self { areas, ..scheme })
+        let run_time::Description { name, noises_commute, .. } = system.description();
+        let jacobi_holds = || system.description().jacobi_holds;
+        Self::at_run_time(system)?.and_areas(name, *noises_commute, jacobi_holds)
     }
 
     pub(crate) fn name(&self) -> &'static str {
@@ -125,13 +120,21 @@ impl SexpLi {
     where
         S: PoissonSystem<D, M>,
     {
-        let scheme = Self::new(system, y0)?;
-        let areas = !noises_commute(system, y0);
-        if areas && !jacobi_holds(system, y0) {
-            let system = system.name().into();
-            return Err(SchemeError::Jacobi { scheme: "sexp-li-levy", system });
+        let commute = noises_commute(system, y0);
+        let jacobi_holds = || jacobi_holds(system, y0);
+        Self::new(system, y0)?.and_areas(system.name(), commute, jacobi_holds)
+    }
+
+    fn and_areas(
+        self,
+        system: &str,
+        noises_commute: bool,
+        jacobi_holds: impl Fn() -> bool,
+    ) -> Result<Self, SchemeError> {
+        match noises_commute || jacobi_holds() {
+            true => Ok(Self { areas: !noises_commute, ..self }),
+            false => Err(SchemeError::Jacobi { scheme: "sexp-li-levy", system: system.into() }),
         }
-        Ok(Self { areas, ..scheme })
     }
 }
 
@@ -173,21 +176,24 @@ impl<const IMPLICIT: bool, const AREAS: bool> Explicit for LinearlyImplicit<IMPL
     }
 }
 
-/// Calls a method of the formula that is meant. With one noise none with areas is compiled.
-macro_rules! formula {
-    ($scheme:expr, $method:ident($($argument:expr),*)) => {
-        if const { M > 1 } && $scheme.areas {
-            match $scheme.implicit {
-                true => LinearlyImplicit::<true, true>.$method($($argument),*),
-                false => LinearlyImplicit::<false, true>.$method($($argument),*),
+impl SexpLi {
+    /// The formula that is meant. With one noise none with areas is compiled.
+    fn formula<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        self,
+        _: &'a S,
+    ) -> &'a dyn Scheme<S, D, M> {
+        if const { M > 1 } && self.areas {
+            match self.implicit {
+                true => &LinearlyImplicit::<true, true>,
+                false => &LinearlyImplicit::<false, true>,
             }
         } else {
-            match $scheme.implicit {
-                true => LinearlyImplicit::<true, false>.$method($($argument),*),
-                false => LinearlyImplicit::<false, false>.$method($($argument),*),
+            match self.implicit {
+                true => &LinearlyImplicit::<true, false>,
+                false => &LinearlyImplicit::<false, false>,
             }
         }
-    };
+    }
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for SexpLi {
@@ -211,10 +217,10 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        formula!(self, step_block(system, step, noise, y, status));
+        self.formula(system).step_block(system, step, noise, y, status);
     }
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        formula!(self, step(system, step, noise, y))
+        self.formula(system).step(system, step, noise, y)
     }
 }

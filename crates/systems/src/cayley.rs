@@ -1,6 +1,6 @@
 //! The linearly implicit step z = y + B((y+z)/2)·v for B that is affine in y.
 
-use real::{Factored, Partial, Real, seeded, unrolled};
+use real::{Factored, Partial, Real, fixed, seeded, unrolled};
 
 use crate::PoissonSystem;
 
@@ -37,13 +37,9 @@ where
     S: PoissonSystem<D, M> + ?Sized,
 {
     let zero = [R::zero(); D];
-    let mut fixed = [Partial::fixed(R::zero()); D];
-    for i in 0..D {
-        fixed[i] = Partial::fixed(v[i]);
-    }
     let mut matrix = [zero; D];
     unrolled!(R: j in 0..D => {
-        let column = system.structure(seeded(zero, j), fixed);
+        let column: [Partial<R>; D] = system.structure(seeded(zero, j), fixed(v));
         for i in 0..D {
             matrix[i][j] = column[i].derivative() * -0.5;
         }

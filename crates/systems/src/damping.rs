@@ -57,7 +57,7 @@ impl Constant {
     /// γ(t) = `rate` in 1/time. A negative rate excites the system.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`] unless the rate is finite.
+    /// [`SystemError::Parameter`] unless the rate is finite.
     pub fn new(rate: f64) -> Result<Self, SystemError> {
         Ok(Self { rate: finite("the damping rate", rate)? })
     }
@@ -85,7 +85,7 @@ impl Linear {
     /// γ(t) = `slope`·t, with the slope in 1/time².
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`] unless the slope is finite.
+    /// [`SystemError::Parameter`] unless the slope is finite.
     pub fn new(slope: f64) -> Result<Self, SystemError> {
         Ok(Self { slope: finite("the slope of the damping rate", slope)? })
     }
@@ -120,7 +120,7 @@ impl<const SINE: bool> Harmonic<SINE> {
     /// α = `amplitude` and ω = `frequency`, both in 1/time.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`] unless both are finite.
+    /// [`SystemError::Parameter`] unless both are finite.
     pub fn new(amplitude: f64, frequency: f64) -> Result<Self, SystemError> {
         let amplitude = finite("the amplitude of the damping rate", amplitude)?;
         Ok(Self { amplitude, frequency: finite("the frequency of the damping rate", frequency)? })

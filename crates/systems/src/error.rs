@@ -4,21 +4,23 @@
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SystemError {
-    /// A parameter is NaN or infinite.
-    #[error("{name} must be finite, got {value}")]
-    NonFiniteParameter {
+    /// A parameter is NaN or infinite, or not positive where it has to be.
+    #[error("{name} must be {must}, got {value}")]
+    Parameter {
         /// The name of the parameter.
         name: &'static str,
+        /// What it has to be.
+        must: &'static str,
         /// The given value.
         value: f64,
     },
-    /// A parameter is not positive and finite.
-    #[error("{name} must be positive and finite, got {value}")]
-    NonPositiveParameter {
-        /// The name of the parameter.
-        name: &'static str,
-        /// The given value.
-        value: f64,
+    /// The initial value has another number of components than the system.
+    #[error("the initial value must have {dimension} components, got {components}")]
+    Dimension {
+        /// The dimension of the system.
+        dimension: usize,
+        /// The number of components given.
+        components: usize,
     },
     /// A component of the initial value is NaN or infinite.
     #[error("the initial value must be finite, got y{component} = {value}")]
@@ -50,13 +52,24 @@ pub enum SystemError {
 }
 
 pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64, SystemError> {
-    if value.is_finite() { Ok(value) } else { Err(SystemError::NonFiniteParameter { name, value }) }
+    let refused = SystemError::Parameter { name, must: "finite", value };
+    value.is_finite().then_some(value).ok_or(refused)
 }
 
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, SystemError> {
-    if value.is_finite() && value > 0.0 {
-        Ok(value)
-    } else {
-        Err(SystemError::NonPositiveParameter { name, value })
+    let refused = SystemError::Parameter { name, must: "positive and finite", value };
+    (value.is_finite() && value > 0.0).then_some(value).ok_or(refused)
+}
+
+/// Checks an initial value, but for its domain.
+pub(crate) fn finite_state(y0: &[f64]) -> Result<(), SystemError> {
+    match y0.iter().position(|component| !component.is_finite()) {
+        Some(i) => Err(SystemError::NonFiniteState { component: i + 1, value: y0[i] }),
+        None => Ok(()),
     }
+}
+
+pub(crate) fn final_time(t_end: f64) -> Result<f64, SystemError> {
+    let refused = SystemError::FinalTime { t_end };
+    (t_end > 0.0 && t_end.is_finite()).then_some(t_end).ok_or(refused)
 }

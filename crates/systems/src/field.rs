@@ -2,14 +2,13 @@
 
 use dgrad::GradientField;
 use real::{
-    Bounded, Degree, Dual, Partial, Real, ScalarFunction, VectorFunction, directional, seeded,
-    unrolled,
+    Bounded, Degree, Partial, Real, ScalarFunction, along, derivatives, fixed, seeded, unrolled,
 };
 
 use crate::{PoissonSystem, golden};
 
 /// The Hamiltonian increment h(y) = H₀(y)dt + Σ Hₘ(y)dwₘ of a system. As a [`ScalarFunction`] it is
-/// h(y), as a [`GradientField`] ∇h(y), and as a [`VectorFunction`] the [`vector_field`] B(y)∇h(y).
+/// h(y), and as a [`GradientField`] ∇h(y).
 pub struct HamiltonianIncrement<'a, S: ?Sized, const M: usize> {
     /// The system.
     pub system: &'a S,
@@ -34,15 +33,6 @@ impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> GradientFi
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; D]) -> [R; D] {
         self.system.gradient(y, self.dt, self.dw)
-    }
-}
-
-impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> VectorFunction<D, D>
-    for HamiltonianIncrement<'_, S, M>
-{
-    #[inline(always)]
-    fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
-        vector_field(self.system, y, self.dt, self.dw)
     }
 }
 
@@ -71,7 +61,7 @@ pub fn vector_field_derivative<
     dw: [f64; M],
     v: [R; D],
 ) -> [R; D] {
-    directional(&HamiltonianIncrement { system, dt, dw }, y, v).1
+    derivatives(vector_field(system, along(y, v), dt, dw))
 }
 
 /// The unit vector eₘ, m < M: with dt = 0 and dw = eₘ, [`vector_field`] is fₘ.
@@ -120,20 +110,14 @@ pub fn area_gradient<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, c
     unrolled!(R: m in 0..M => {
         let other = system.gradient(y, 0.0, areas[m]);
         let direction = system.structure(y, other);
-        let mut seeded_y = [Dual::<R>::fixed(R::zero()); D];
-        let mut fixed = [Partial::fixed(R::zero()); D];
-        for i in 0..D {
-            seeded_y[i] = Dual::new(y[i], direction[i]);
-            fixed[i] = Partial::fixed(other[i]);
-        }
-        let along = system.gradient(seeded_y, 0.0, unit_noise(m));
+        let slope = system.gradient(along(y, direction), 0.0, unit_noise(m));
         unrolled!(R: k in 0..D => {
-            let column = system.structure(seeded(y, k), fixed);
+            let column: [Partial<R>; D] = system.structure(seeded(y, k), fixed(other));
             let mut bent = R::zero();
             for i in 0..D {
-                bent = bent + along[i].value * column[i].derivative();
+                bent = bent + slope[i].value * column[i].derivative();
             }
-            sum[k] = sum[k] + (along[k].derivative() + bent * 0.5);
+            sum[k] = sum[k] + (slope[k].derivative() + bent * 0.5);
         });
     });
     sum
@@ -171,7 +155,13 @@ pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: 
     system: &S,
     y: [f64; D],
 ) -> bool {
-    M < 2 || shown_around(system, y, commute_at)
+    shown_around(system, y, |system, y, m, l| {
+        let (f, g) = (vector_field(system, y, 0.0, unit_noise(l)), unit_noise(m));
+        let one =
+            vector_field_derivative(system, y, 0.0, unit_noise(l), vector_field(system, y, 0.0, g));
+        let other = vector_field_derivative(system, y, 0.0, g, f);
+        std::array::from_fn(|i| one[i] - other[i])
+    })
 }
 
 /// Whether \[fₘ, f_l\] = −B∇{Hₘ, H_l} for all noises, which Jacobi's identity for B implies, shown
@@ -180,37 +170,33 @@ pub fn jacobi_holds<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: us
     system: &S,
     y: [f64; D],
 ) -> bool {
-    M < 2 || shown_around(system, y, jacobi_at)
+    shown_around(system, y, |system, y, m, l| {
+        let mut areas = [[0.0; M]; M];
+        (areas[m][l], areas[l][m]) = (1.0, -1.0);
+        let field = system.structure(y, area_gradient(system, y, areas));
+        let commutators = system.commutators(y, areas);
+        std::array::from_fn(|i| commutators[i] + field[i])
+    })
 }
 
-/// Whether `identity` holds at y and at points around it.
+/// Whether the `defect` of every two noises m < l is zero at y and at points around it, and its
+/// formula is not made of pieces.
 fn shown_around<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],
-    identity: fn(&S, [f64; D]) -> bool,
+    defect: fn(&S, [Bounded; D], usize, usize) -> [Bounded; D],
 ) -> bool {
-    let points = around(system, y);
-    points.len() >= LEAST_POINTS && points.into_iter().all(|y| identity(system, y))
-}
-
-fn jacobi_at<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
-    system: &S,
-    y: [f64; D],
-) -> bool {
-    let y = y.map(Bounded::variable);
-    let zero = || {
-        (0..M).all(|l| {
-            (0..l).all(|m| {
-                let mut areas = [[0.0; M]; M];
-                (areas[m][l], areas[l][m]) = (1.0, -1.0);
-                let field = system.structure(y, area_gradient(system, y, areas));
-                let commutators = system.commutators(y, areas);
-                (0..D).all(|i| is_zero(commutators[i] + field[i]))
-            })
-        })
+    let zero_at = |y: [f64; D], m, l| {
+        let defect = || defect(system, y.map(Bounded::variable), m, l);
+        let (defect, piecewise) = Bounded::piecewise(defect);
+        !piecewise && defect.into_iter().all(is_zero)
     };
-    let (zero, piecewise) = Bounded::piecewise(zero);
-    zero && !piecewise
+    if M < 2 {
+        return true;
+    }
+    let points = around(system, y);
+    points.len() >= LEAST_POINTS
+        && points.into_iter().all(|y| (0..M).all(|l| (0..l).all(|m| zero_at(y, m, l))))
 }
 
 /// Whether x is zero within its rounding error.
@@ -240,26 +226,6 @@ fn around<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
         points.extend(inside.filter(|point| !points.contains(point)));
     }
     points
-}
-
-fn commute_at<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
-    system: &S,
-    y: [f64; D],
-) -> bool {
-    let y = y.map(Bounded::variable);
-    let zero = || {
-        (0..M).all(|l| {
-            let f = vector_field(system, y, 0.0, unit_noise(l));
-            (0..l).all(|m| {
-                let g = vector_field(system, y, 0.0, unit_noise(m));
-                let one = vector_field_derivative(system, y, 0.0, unit_noise(l), g);
-                let other = vector_field_derivative(system, y, 0.0, unit_noise(m), f);
-                (0..D).all(|i| is_zero(one[i] - other[i]))
-            })
-        })
-    };
-    let (zero, piecewise) = Bounded::piecewise(zero);
-    zero && !piecewise
 }
 
 #[cfg(test)]

@@ -91,7 +91,7 @@ impl<const P: i32, const Q: i32> LotkaVolterra<IntegerExponents<P, Q>> {
     /// unless P ≥ 1, Q ≥ 1 and P + Q ≤ 9.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`] unless c is finite.
+    /// [`SystemError::Parameter`] unless c is finite.
     pub fn integer(c: f64) -> Result<Self, SystemError> {
         const {
             assert!(
@@ -108,7 +108,7 @@ impl LotkaVolterra<RealExponents> {
     /// The system with parameters a and b, and the scale c of B.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`] unless all three are finite.
+    /// [`SystemError::Parameter`] unless all three are finite.
     pub fn new(a: f64, b: f64, c: f64) -> Result<Self, SystemError> {
         let (a, b) = (finite("a", a)?, finite("b", b)?);
         Ok(Self { a, c: finite("the scale c", c)?, exponents: RealExponents { p: a * b, q: -b } })

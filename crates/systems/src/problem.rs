@@ -1,6 +1,9 @@
 //! A system with its damping, initial value and final time.
 
-use crate::{Damping, PoissonSystem, SystemError};
+use crate::{
+    Damping, PoissonSystem, SystemError,
+    error::{final_time, finite_state},
+};
 
 /// An initial value problem for dy = (B∇H₀ − γy) dt + Σₘ B∇Hₘ ∘ dWₘ on [0, T], checked at
 /// construction.
@@ -31,11 +34,9 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
     where
         S: PoissonSystem<D, M>,
     {
-        if let Some(i) = y0.iter().position(|component| !component.is_finite()) {
-            return Err(SystemError::NonFiniteState { component: i + 1, value: y0[i] });
-        }
+        finite_state(&y0)?;
         system.check_domain(y0)?;
-        Self { system, damping, y0, t_end }.until(t_end)
+        Ok(Self { system, damping, y0, t_end: final_time(t_end)? })
     }
 
     /// The same problem on [0, `t_end`].
@@ -43,11 +44,7 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
     /// # Errors
     /// [`SystemError::FinalTime`] unless 0 < `t_end` < ∞.
     pub fn until(self, t_end: f64) -> Result<Self, SystemError> {
-        if t_end > 0.0 && t_end.is_finite() {
-            Ok(Self { t_end, ..self })
-        } else {
-            Err(SystemError::FinalTime { t_end })
-        }
+        Ok(Self { t_end: final_time(t_end)?, ..self })
     }
 }
 

@@ -20,13 +20,13 @@ impl TwoSpins {
     /// The spins with exchange J, anisotropy K and field strength σ.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`] unless all three are finite.
+    /// [`SystemError::Parameter`] unless all three are finite.
     pub fn new(exchange: f64, anisotropy: f64, field: f64) -> Result<Self, SystemError> {
         for (name, value) in
             [("the exchange J", exchange), ("the anisotropy K", anisotropy), ("the field σ", field)]
         {
             if !value.is_finite() {
-                return Err(SystemError::NonFiniteParameter { name, value });
+                return Err(SystemError::Parameter { name, must: "finite", value });
             }
         }
         Ok(Self { exchange, anisotropy, field })

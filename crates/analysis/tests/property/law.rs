@@ -14,7 +14,7 @@
 
 use dgrad::{averaged, midpoint};
 use nonlin::Method;
-use real::{Real, ScalarFunction, VectorFunction, directional};
+use real::{Real, ScalarFunction, Varies, derivatives, seeded};
 use schemes::Step;
 use systems::PoissonSystem;
 
@@ -75,6 +75,11 @@ impl<const D: usize> Conserved<D> for Polynomial<D> {
     }
 }
 
+/// A map of ℝᴰ, generic over the number.
+pub trait Map<const D: usize> {
+    fn value<R: Real>(&self, z: [R; D]) -> [R; D];
+}
+
 /// ψ of `sexp`, written once more: ẑ + B((ẑ+z)/2)∇̄h(ẑ, z).
 pub struct SexpMap<'a, S, const D: usize, const M: usize> {
     pub system: &'a S,
@@ -83,9 +88,7 @@ pub struct SexpMap<'a, S, const D: usize, const M: usize> {
     pub before: [f64; D],
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
-    for SexpMap<'_, S, D, M>
-{
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Map<D> for SexpMap<'_, S, D, M> {
     fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
         let before = self.before.map(R::constant);
         let slope = self.system.averaged_gradient(before, z, self.tau, self.dw);
@@ -97,9 +100,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D
 /// ψ of `midpoint` without damping: y + B∇h at (y+z)/2.
 pub struct MidpointMap<'a, S, const D: usize, const M: usize>(pub SexpMap<'a, S, D, M>);
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
-    for MidpointMap<'_, S, D, M>
-{
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Map<D> for MidpointMap<'_, S, D, M> {
     fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
         let SexpMap { system, tau, dw, before } = self.0;
         let before = before.map(R::constant);
@@ -114,14 +115,12 @@ pub fn norm<const D: usize>(x: [f64; D]) -> f64 {
 }
 
 /// ψ′(z), column by column.
-pub fn columns<P: VectorFunction<D, D>, const D: usize>(map: &P, z: [f64; D]) -> [[f64; D]; D] {
-    std::array::from_fn(|j| {
-        directional(map, z, std::array::from_fn(|i| f64::from(u8::from(i == j)))).1
-    })
+pub fn columns<P: Map<D>, const D: usize>(map: &P, z: [f64; D]) -> [[f64; D]; D] {
+    std::array::from_fn(|j| derivatives(map.value(seeded::<f64, Varies, D>(z, j))))
 }
 
 /// |z − ψ(z)|₁, and the bound for it that is derived above.
-pub fn residual<P: VectorFunction<D, D>, const D: usize>(
+pub fn residual<P: Map<D>, const D: usize>(
     map: &P,
     before: [f64; D],
     z: [f64; D],
@@ -169,7 +168,7 @@ impl<const D: usize> Transition<D> {
     }
 
     /// The law of F over the step by an integral that `step` had no part in.
-    pub fn judge<F: Conserved<D>, P: VectorFunction<D, D>>(
+    pub fn judge<F: Conserved<D>, P: Map<D>>(
         &self,
         function: &F,
         map: &P,

@@ -1,7 +1,7 @@
 //! The systems of the paper as formulas, in the set-ups of its panels, against compiled ones.
 
 use formula::{Definition, FormulaSystem};
-use noise::{StepNoise, StreamKey, Truncation, WienerBlock, clip};
+use noise::{StepNoise, StreamKey, Truncation, WienerRows, clip};
 use nonlin::BlockStatus;
 use real::{Block, Level, PathMask, Row, WIDTH, limit_to};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLi, Step, run_time};
@@ -21,13 +21,13 @@ fn simulate<const M: usize>(
 ) -> (Vec<Row>, PathMask) {
     let mut paths = scheme.stepper(system).unwrap();
     paths.state_mut().iter_mut().zip(y0).for_each(|(row, &y)| *row = [y; WIDTH]);
-    let mut wiener = WienerBlock::<M>::new(KEY, 0);
+    let mut wiener = WienerRows::new(KEY, 0);
     let (mut drawn, mut clipped) = (Block::<M>::zero(), Block::<M>::zero());
     let (mut status, mut failed) = (BlockStatus::explicit(), PathMask::NONE);
     let bound = Truncation::new(4).unwrap().bound(tau).unwrap();
     let mut noise = StepNoise::zero(M);
     for n in 0..steps {
-        wiener.increments(tau.sqrt(), &mut drawn);
+        wiener.increments(tau.sqrt(), &mut drawn.0);
         clip(&drawn.0, bound, &mut clipped.0);
         let used = if scheme.clips_increments() { &clipped } else { &drawn };
         used.0.iter().zip(noise.increments.iter_mut()).for_each(|(row, dw)| {
@@ -70,14 +70,14 @@ fn check<S, G, const D: usize, const M: usize>(
     for &steps in steps {
         let tau = problem.t_end() / steps as f64;
         for &(compiled, at_run_time) in &schemes {
-            let mut wiener = WienerBlock::<M>::new(KEY, 0);
+            let mut wiener = WienerRows::new(KEY, 0);
             let (mut drawn, mut noise) = (Block::<M>::zero(), StepNoise::zero(M));
             let (mut y, mut status) = (Block::splat(y0), BlockStatus::explicit());
             let mut lost = PathMask::NONE;
             let bound = Truncation::new(4).unwrap().bound(tau).unwrap();
             let bound = if compiled.clips_increments() { bound } else { f64::INFINITY };
             for n in 0..steps {
-                wiener.increments(tau.sqrt(), &mut drawn);
+                wiener.increments(tau.sqrt(), &mut drawn.0);
                 clip(&drawn.0, bound, &mut noise.increments);
                 let step = Step::new(problem.damping(), n, tau).unwrap();
                 compiled.step_block(system, &step, &(&noise).into(), &mut y, &mut status);

@@ -41,8 +41,7 @@ impl NoiseSource for Points {
         let scramble = (first_path / ScrambledSobol::POINTS) as usize;
         let wiener = &self.scrambles[scramble];
         let mut increments = vec![[0.0; WIDTH]; wiener.dimensions()];
-        let drawn = wiener.block(first_path % ScrambledSobol::POINTS, &mut increments);
-        drawn.unwrap_or_else(|error| unreachable!("the points of a block are many: {error}"));
+        wiener.block(first_path % ScrambledSobol::POINTS, &mut increments);
         let (mut next, noises) = (0, self.noises);
         Box::new(move |noise| {
             noise.increments.copy_from_slice(&increments[next..next + noises]);

@@ -8,7 +8,7 @@
 
 use std::f64::consts::TAU;
 
-use noise::{StreamKey, WienerBlock};
+use noise::{StreamKey, WienerRows};
 use real::{Block, WIDTH};
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -123,8 +123,8 @@ pub fn battery<const M: usize>(
 ) -> Result<(), Vec<String>> {
     let m = law.moments();
     let exponents = LAMBDAS.map(|lambda| law.exponents(lambda / TAU));
-    let mut noise = WienerBlock::<M>::new(key, 0);
-    let mut dw = Block::zero();
+    let mut noise = WienerRows::new(key, 0);
+    let mut dw = Block::<M>::zero();
     let mut areas = AreaBlock::zero();
     let mut before = AreaBlock::<M>::zero();
     let mut sums = Sums::default();
@@ -133,7 +133,7 @@ pub fn battery<const M: usize>(
     for n in 0..STEPS {
         match fixed {
             Some(w) => dw = Block::splat(w.map(|w| w * step.sqrt())),
-            None => noise.increments(step.sqrt(), &mut dw),
+            None => noise.increments(step.sqrt(), &mut dw.0),
         }
         sampler(step, &dw, &mut areas);
         for p in 0..WIDTH {

@@ -9,7 +9,6 @@
 //! if everything is right; `AREA_SEED` in the environment replaces the seed.
 
 mod battery;
-mod exact;
 mod law;
 mod rebuilt;
 mod truncation;
@@ -17,12 +16,11 @@ mod written_out;
 
 use std::f64::consts::{FRAC_2_PI, PI};
 
-use noise::{AreaSampler, StreamKey, WienerBlock};
+use noise::{AreaSampler, StreamKey, WienerRows};
 use real::{Block, Row, WIDTH};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::battery::{CHECKS, FALSE_ALARM, battery};
-use crate::exact::ExactArea;
 use crate::law::Law;
 use crate::written_out::{AreaMethod, Knobs, RIGHT, WrittenOut};
 
@@ -90,15 +88,6 @@ fn written<const M: usize>(
     move |step, dw, areas| written.areas(step, dw, areas)
 }
 
-fn exact(key: StreamKey) -> impl FnMut(f64, &Block<2>, &mut AreaBlock<2>) {
-    let mut paths: Vec<_> = (0..WIDTH as u64).map(|p| ExactArea::new(key, p)).collect();
-    move |step, dw, areas| {
-        for (p, path) in paths.iter_mut().enumerate() {
-            areas.0[0][1][p] = path.area(step, dw.path(p));
-        }
-    }
-}
-
 /// Two half steps, the increment split by a Brownian bridge, and `chen` of the pieces.
 fn halves<const M: usize>(
     key: StreamKey,
@@ -106,11 +95,11 @@ fn halves<const M: usize>(
     chen: fn(&AreaBlock<M>, &[Row; M], &AreaBlock<M>, &[Row; M]) -> AreaBlock<M>,
 ) -> impl FnMut(f64, &Block<M>, &mut AreaBlock<M>) {
     let mut bridge =
-        WienerBlock::<M>::new(StreamKey { experiment: key.experiment + 1_000_000, ..key }, 0);
+        WienerRows::new(StreamKey { experiment: key.experiment + 1_000_000, ..key }, 0);
     move |step, dw, areas| {
-        let mut first = Block::zero();
-        let mut second = Block::zero();
-        bridge.increments(0.5 * step.sqrt(), &mut first);
+        let mut first = Block::<M>::zero();
+        let mut second = Block::<M>::zero();
+        bridge.increments(0.5 * step.sqrt(), &mut first.0);
         for m in 0..M {
             for p in 0..WIDTH {
                 let half = 0.5 * dw.0[m][p];
@@ -143,23 +132,12 @@ fn eleven_terms_have_the_law_of_the_area() {
     assert_eq!(battery(Law::EXACT, key, STEP, Some(w), sampler::<3>(key, 24)), Ok(()));
 }
 
-#[test]
-fn the_exact_area_has_the_law_of_the_area() {
-    assert_eq!(battery(Law::EXACT, key(20), STEP, None, exact(key(20))), Ok(()));
-    for (n, w) in [[0.0, 0.0], [0.3, 0.1], [-1.0, 1.5], [4.0, 1.0]].into_iter().enumerate() {
-        let key = key(21 + n as u64);
-        assert_eq!(battery(Law::EXACT, key, STEP, Some(w), exact(key)), Ok(()), "{w:?}");
-    }
-}
-
 /// Two half steps joined by Chen's relation have the law of one whole step.
 #[test]
 fn joined_halves_have_the_law_of_the_area() {
-    let key_3 = key(30);
-    let of_three = sampler::<3>(key_3, 11);
-    assert_eq!(battery(Law::EXACT, key_3, STEP, None, halves(key_3, of_three, join)), Ok(()));
-    let key_2 = key(31);
-    assert_eq!(battery(Law::EXACT, key_2, STEP, None, halves(key_2, exact(key_2), join)), Ok(()));
+    let key = key(30);
+    let joined = halves(key, sampler::<3>(key, 11), join);
+    assert_eq!(battery(Law::EXACT, key, STEP, None, joined), Ok(()));
 }
 
 /// √n sup|Fₙ − F| of an area of two noises against F(a) = (2/π) arctan e^{πa/h}, the distribution
@@ -168,11 +146,11 @@ fn kolmogorov_smirnov(
     key: StreamKey,
     mut sampler: impl FnMut(f64, &Block<2>, &mut AreaBlock<2>),
 ) -> f64 {
-    let mut noise = WienerBlock::<2>::new(key, 0);
-    let (mut dw, mut areas) = (Block::zero(), AreaBlock::zero());
+    let mut noise = WienerRows::new(key, 0);
+    let (mut dw, mut areas) = (Block::<2>::zero(), AreaBlock::zero());
     let mut all = Vec::new();
     for _ in 0..1 << 13 {
-        noise.increments(f64::sqrt(STEP), &mut dw);
+        noise.increments(f64::sqrt(STEP), &mut dw.0);
         sampler(STEP, &dw, &mut areas);
         all.extend(areas.0[0][1]);
     }
@@ -190,8 +168,6 @@ fn kolmogorov_smirnov(
 fn the_distribution_function_is_that_of_a_hyperbolic_secant() {
     let critical = (0.5 * (2.0 * CHECKS as f64 / FALSE_ALARM).ln()).sqrt();
     let distance = kolmogorov_smirnov(key(41), sampler(key(41), 11));
-    assert!(distance < critical, "{distance}");
-    let distance = kolmogorov_smirnov(key(42), exact(key(42)));
     assert!(distance < critical, "{distance}");
     // The twin: a normal of the right variance given the increments.
     let distance = kolmogorov_smirnov(key(43), sampler(key(43), 0));
@@ -353,12 +329,13 @@ fn samplers_with_wrong_constants_and_signs_are_rejected() {
 fn samplers_agree_with_the_formulas_written_out() {
     fn agree<const M: usize>(terms: usize) {
         let key = key(300);
-        let mut noise = WienerBlock::<M>::new(key, 64);
+        let mut noise = WienerRows::new(key, 64);
         let mut ours = AreaSampler::new(key, 64, M, terms);
         let mut theirs = WrittenOut::new(key, 64, AreaMethod::MrongowiusRoessler, terms, RIGHT);
-        let (mut dw, mut a, mut b) = (Block::zero(), AreaBlock::<M>::zero(), AreaBlock::zero());
+        let (mut dw, mut a, mut b) =
+            (Block::<M>::zero(), AreaBlock::<M>::zero(), AreaBlock::zero());
         for step in [1.0, 0.25, 0.3, 1e-4] {
-            noise.increments(f64::sqrt(step), &mut dw);
+            noise.increments(f64::sqrt(step), &mut dw.0);
             ours.areas(step, &dw.0, a.0.as_flattened_mut());
             theirs.areas(step, &dw, &mut b);
             for p in 0..WIDTH {

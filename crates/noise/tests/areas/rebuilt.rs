@@ -1,9 +1,9 @@
 //! The areas are those of paths: orientation and sign, on paths rebuilt from the coefficients.
 
 use approx::assert_relative_eq;
-use std::f64::consts::{PI, SQRT_2, TAU};
+use std::f64::consts::{PI, TAU};
 
-use noise::{WienerPath, ito, stratonovich};
+use noise::WienerPath;
 
 use crate::key;
 use crate::written_out::{Coefficients, normals};
@@ -55,11 +55,10 @@ fn areas_are_those_of_the_path_with_their_sign() {
         let coefficients = Coefficients::<3>::draw(&mut normals(key, number), TERMS);
         // The series of the sampler, with which it agrees to rounding.
         let upper = coefficients.series(dw.map(|w| w / step.sqrt()), 0, TERMS);
-        let areas = std::array::from_fn(|i| {
+        let areas: [[f64; 3]; 3] = std::array::from_fn(|i| {
             std::array::from_fn(|j| (upper[i][j] - upper[j][i]) * step / TAU)
         });
         let path = path(&coefficients, TERMS, step, dw);
-        let (j, i) = (stratonovich(dw, areas), ito(dw, areas, step));
         for a in 0..3 {
             assert!((path[GRID][a] - dw[a]).abs() < 1e-12);
             for b in 0..3 {
@@ -70,13 +69,11 @@ fn areas_are_those_of_the_path_with_their_sign() {
                 };
                 let error = step / TAU * (1..=TERMS).map(frequency).sum::<f64>() + 1e-12;
                 let polygon = integral(&path, a, b);
+                let expected = 0.5 * dw[a] * dw[b] + areas[a][b];
                 assert!(
-                    (polygon - j[a][b]).abs() <= error,
-                    "{a}{b}: {polygon} {} {error}",
-                    j[a][b]
+                    (polygon - expected).abs() <= error,
+                    "{a}{b}: {polygon} {expected} {error}"
                 );
-                let correction = if a == b { 0.5 * step } else { 0.0 };
-                assert!((polygon - correction - i[a][b]).abs() <= error);
                 let area = 0.5 * (polygon - integral(&path, b, a));
                 assert!((area - areas[a][b]).abs() <= error);
                 products += area * areas[a][b];
@@ -86,41 +83,4 @@ fn areas_are_those_of_the_path_with_their_sign() {
     }
     // The correlation is one, not minus one: the slope of the regression on the sampler's areas.
     assert_relative_eq!(products, squares, epsilon = 0.0, max_relative = 1e-4);
-}
-
-/// The coefficients make a Brownian path, as far as n terms can: at t, E[W(t)²] is short of the
-/// variance of the terms left out, Σ_{r>n} (h/2π²r²)·(2 − 2cos(2πrt/h)).
-#[test]
-fn the_rebuilt_path_is_brownian() {
-    const TERMS: usize = 12;
-    const PATHS: u64 = 2000;
-    let step = 0.7;
-    for g in [GRID / 4, GRID / 2] {
-        let t = step * g as f64 / GRID as f64;
-        let turn = |r: usize| 2.0 - 2.0 * (TAU * (r * g % GRID) as f64 / GRID as f64).cos();
-        let drawn: f64 =
-            (1..=TERMS).map(|r| step * turn(r) / (2.0 * PI * PI * (r * r) as f64)).sum();
-        let variance = t * t / step + drawn;
-        // The terms left out are at most 4h/(2π²n).
-        assert!(variance <= t && t - variance < 4.0 * step / (2.0 * PI * PI * TERMS as f64));
-        let mut sum = 0.0;
-        for number in 0..PATHS {
-            let key = key(401);
-            let dw = WienerPath::<2>::new(key, number).increments(f64::sqrt(step));
-            let coefficients = Coefficients::<2>::draw(&mut normals(key, number), TERMS);
-            let mut at = dw.map(|w| w * t / step);
-            for r in 1..=TERMS {
-                let (sin, cos) = (TAU * (r * g % GRID) as f64 / GRID as f64).sin_cos();
-                for m in 0..2 {
-                    let (x, y) = (coefficients.x[r - 1][m], coefficients.y[r - 1][m]);
-                    at[m] += step.sqrt() / (SQRT_2 * PI * r as f64) * (x * (cos - 1.0) + y * sin);
-                }
-            }
-            sum += at.map(|w| w * w / variance - 1.0).iter().sum::<f64>();
-        }
-        // 2·PATHS squares of normals, minus one: variance 2, skewness √8.
-        let n = 2.0 * PATHS as f64;
-        let z = crate::critical();
-        assert!((sum / (2.0 * n).sqrt()).abs() < z + 8f64.sqrt() / n.sqrt() * (z * z - 1.0) / 6.0);
-    }
 }

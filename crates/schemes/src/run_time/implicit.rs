@@ -2,110 +2,65 @@
 
 use noise::StepNoise;
 use nonlin::{BlockStatus, Outcome, criteria::excess};
-use real::{PathMask, Row, Rows, WIDTH, dispatch};
+use real::{Kernel, PathMask, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{Lanes, System, Weights};
 
 use super::{
     SchemeError,
     derivative::derivative,
     explicit::some_step,
-    krylov::{Choose, Equation, Krylov},
+    krylov::Krylov,
     machine::{Machine, Multiple},
-    norm::{Distance, Size, sum},
-    record::{Recorder, Recording},
-    sweep::{Pending, TripleProgram},
+    norm::{Changes, sums},
 };
 use crate::{Implicit, Step, Stepper};
+
+/// Evaluations of a sweep.
+const EVALUATIONS: usize = 3;
 
 /// An implicit formula, solved by fixed-point iteration as in [`nonlin::Method::FixedPoint`], and
 /// by Newton's method without a matrix on paths where that does not converge.
 pub struct ImplicitStepper<'a, F> {
     formula: &'a F,
     system: &'a dyn System,
-    recorder: Recorder,
-    /// ẑ and z are the first buffers.
-    machine: Machine<'a>,
-    /// The state; the iterates that have converged; an earlier iterate.
+    /// A sweep; its inputs are ẑ and the iterate, which is frozen where it has converged.
+    sweep: Machine<'a>,
     state: Rows,
-    solution: Rows,
-    previous: Rows,
     lanes: Lanes,
-    sweep: Option<TripleProgram>,
     krylov: Option<Krylov<'a>>,
 }
 
 impl<'a, F: Implicit> ImplicitStepper<'a, F> {
     pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
         let layout = system.description().layout;
-        let rows = || Rows::zero(layout.rows);
-        let mut stepper = Self {
-            formula,
-            system,
-            recorder: Recorder::default(),
-            machine: Machine::new(system)?,
-            state: rows()?,
-            solution: rows()?,
-            previous: rows()?,
-            lanes: layout.lanes,
-            sweep: None,
-            krylov: None,
-        };
-        stepper.sweep = TripleProgram::new(formula, system, &some_step())?;
-        stepper.prepare(&some_step())?;
+        let (sweep, state) = (Machine::new(system)?, Rows::zero(layout.rows)?);
+        let mut stepper = Self { formula, system, sweep, state, lanes: layout.lanes, krylov: None };
+        stepper.record(&some_step())?;
         Ok(stepper)
     }
 
-    /// Records the formula for a step, and plans it if its operations are new.
-    fn prepare(&mut self, step: &Step) -> Result<(), SchemeError> {
-        let [start, z] = self.recorder.restart();
-        let h = Recording { system: self.system, step, recorder: &self.recorder };
-        let result = self.formula.psi(h, start, z);
-        if !self.recorder.finish(result.number) {
-            return Ok(());
+    /// Records a sweep of a step.
+    fn record(&mut self, step: &Step) -> Result<(), SchemeError> {
+        if self.sweep.record(self.formula, step, EVALUATIONS)? {
+            // A rescue needs the derivative, maybe after hours.
+            derivative(self.sweep.operations())?;
         }
-        let (nodes, factors) = self.recorder.operations();
-        // A rescue needs the derivative, maybe after hours.
-        derivative(nodes, factors)?;
-        self.machine.prepare(nodes, &[false; 2])
+        Ok(())
     }
 
-    /// ψ of the iterate, which becomes the iterate.
-    fn evaluate(&mut self, h: Weights<'_>) {
-        self.machine.execute(self.recorder.operations().1, h);
-        self.machine.feed_back(1);
-    }
-
-    /// Sweeps of three evaluations until every path has converged or their number is reached.
-    fn iterate(&mut self, step: &Step, h: Weights<'_>, most_sweeps: u32) -> Pending {
+    /// Sweeps until every path has converged or their number is reached. Minus the number of sweeps
+    /// of a path that has converged; positive on other paths.
+    fn iterate(&mut self, h: Weights<'_>, most_sweeps: u32) -> Row {
         let mut pending = [1.0; WIDTH];
-        if let Some(sweep) = &mut self.sweep
-            && sweep.record(self.formula, self.system, step)
-        {
-            let start = &self.machine.buffers[0];
-            sweep.iterate(start, h, most_sweeps, &mut self.solution, &mut pending);
-            return pending;
-        }
-        let system = self.system;
-        for sweep in 1..=most_sweeps {
-            self.machine.buffers[1].copy_from_slice(&self.solution);
-            self.evaluate(h);
-            self.previous.copy_from_slice(&self.machine.buffers[1]);
-            self.evaluate(h);
-            self.machine.execute(self.recorder.operations().1, h);
-            let (before, next) =
-                (&self.machine.buffers[1], &self.machine.buffers[self.machine.result()]);
-            let change = sum(system, Distance, next, before);
-            let change_before = sum(system, Distance, before, &self.previous);
-            let size = sum(system, Size, next, next);
-            let frozen = pending;
-            for p in 0..WIDTH {
-                let excess = excess(change[p], change_before[p], size[p]);
-                let now = if excess <= 0.0 { -f64::from(sweep) } else { 1.0 };
-                pending[p] = if frozen[p] <= 0.0 { frozen[p] } else { now };
-            }
-            let going = frozen.map(|frozen| if frozen <= 0.0 { 0.0 } else { 1.0 });
-            dispatch(Choose { x: &mut self.solution, y: next, paths: going });
-            if pending.iter().all(|&pending| pending <= 0.0) {
+        for number in 1..=most_sweeps {
+            self.sweep.execute(h);
+            let iterates = [0, 1, 2].map(|n| self.sweep.result(n));
+            let changes = sums(self.system, Changes, iterates);
+            let mut z = std::mem::take(&mut self.sweep.buffers[1]);
+            let (next, pending) = (self.sweep.result(2), &mut pending);
+            let finished = dispatch(TestSweep { number, changes, next, z: &mut z, pending });
+            self.sweep.buffers[1] = z;
+            if finished {
                 break;
             }
         }
@@ -113,15 +68,18 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
     }
 
     /// Solves some paths by Newton's method.
-    fn rescue(&mut self, paths: PathMask, h: Weights<'_>) -> Result<[Outcome; WIDTH], SchemeError> {
+    fn rescue(
+        &mut self,
+        step: &Step,
+        paths: PathMask,
+        h: Weights<'_>,
+    ) -> Result<[Outcome; WIDTH], SchemeError> {
         let krylov = match &mut self.krylov {
             Some(krylov) => krylov,
             none => none.insert(Krylov::new(self.system)?),
         };
-        let (nodes, factors) = self.recorder.operations();
-        let start = &self.machine.buffers[0];
-        let outcomes = krylov.solve(&Equation { nodes, factors, h, start }, paths)?;
-        for (solution, z) in self.solution.iter_mut().zip(krylov.z.iter()) {
+        let outcomes = krylov.solve(self.formula, step, h, &self.sweep.buffers[0], paths)?;
+        for (solution, z) in self.sweep.buffers[1].iter_mut().zip(krylov.z.iter()) {
             for p in paths.paths() {
                 solution[p] = z[p];
             }
@@ -142,44 +100,77 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         *status = BlockStatus::explicit();
         // Operations that a formula did not have before may need more memory, or be refused.
-        if self.prepare(step).is_err() {
+        if self.record(step).is_err() {
             return status.fail_everywhere();
         }
         let h = Weights { dt: step.tau, dw: &noise.increments, areas: &noise.areas };
         let (first, second) =
             if F::EXACT_DAMPING { (step.first_decay, step.second_decay) } else { (1.0, 1.0) };
-        dispatch(Multiple { x: &self.state, factor: first, out: &mut self.machine.buffers[0] });
-        self.solution.copy_from_slice(&self.machine.buffers[0]);
+        for input in &mut self.sweep.buffers[..2] {
+            dispatch(Multiple { x: &self.state, factor: first, out: input });
+        }
         let solver = self.formula.solver();
-        let pending = self.iterate(step, h, solver.max_sweeps.max(1));
+        let pending = self.iterate(h, solver.max_sweeps.max(1));
         if solver.settle {
-            self.settle(h);
+            // One more sweep on every path. The rescue overwrites those that have not converged.
+            self.sweep.execute(h);
+            let mut z = std::mem::take(&mut self.sweep.buffers[1]);
+            z.copy_from_slice(self.sweep.result(2));
+            self.sweep.buffers[1] = z;
         }
         *status = BlockStatus::fast(pending);
         let mut unsolved = PathMask::NONE;
         (0..WIDTH).filter(|&p| pending[p] > 0.0).for_each(|p| unsolved.insert(p));
         if !unsolved.is_empty() {
             let failed = [Outcome::Failed { residual: f64::INFINITY }; WIDTH];
-            let solved = self.rescue(unsolved, h).unwrap_or(failed);
+            let solved = self.rescue(step, unsolved, h).unwrap_or(failed);
             let one_path = self.lanes == Lanes::Components;
             let paths = if one_path { PathMask::first(1) } else { unsolved };
             paths.paths().for_each(|p| status.set(p, solved[p]));
         }
-        dispatch(Multiple { x: &self.solution, factor: second, out: &mut self.state });
+        let z = &self.sweep.buffers[1];
+        dispatch(Multiple { x: z, factor: second, out: &mut self.state });
         // The second half of the damping may give a state that is not finite.
         if (second > 1.0 || second.is_nan()) && self.lanes == Lanes::Paths {
-            status.fail_where_not_finite(self.state());
+            status.fail_where_not_finite(&self.state);
         }
     }
 }
 
-impl<F: Implicit> ImplicitStepper<'_, F> {
-    /// One more sweep on every path. The rescue overwrites those that have not converged.
-    fn settle(&mut self, h: Weights<'_>) {
-        self.machine.buffers[1].copy_from_slice(&self.solution);
-        for _ in 0..3 {
-            self.evaluate(h);
+/// The end of a sweep: the test of every path, and the iterates of those that were not frozen.
+/// Whether all have converged.
+struct TestSweep<'a> {
+    number: u32,
+    /// Sums of the last two changes and of the last iterate.
+    changes: [Row; 3],
+    next: &'a [Row],
+    z: &'a mut [Row],
+    pending: &'a mut Row,
+}
+
+impl Kernel for TestSweep<'_> {
+    type Output = bool;
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Self { number, changes: [change, change_before, size], next, z, pending } = self;
+        let number = f64::from(number);
+        let frozen = *pending;
+        let mut now = frozen;
+        let mut unfinished = 0u64;
+        for p in 0..WIDTH {
+            let excess = excess(change[p], change_before[p], size[p]);
+            let tested = if excess <= 0.0 { -number } else { 1.0 };
+            now[p] = if frozen[p] <= 0.0 { frozen[p] } else { tested };
+            unfinished = unfinished.wrapping_add(if now[p] <= 0.0 { 0 } else { 1 });
         }
-        self.solution.copy_from_slice(&self.machine.buffers[1]);
+        *pending = now;
+        for (z, next) in z.iter_mut().zip(next) {
+            let (mut row, next) = (*z, *next);
+            for p in 0..WIDTH {
+                row[p] = if frozen[p] <= 0.0 { row[p] } else { next[p] };
+            }
+            *z = row;
+        }
+        unfinished == 0
     }
 }

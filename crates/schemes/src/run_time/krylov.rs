@@ -10,15 +10,16 @@ use nonlin::{
     Outcome,
     criteria::{CONTRACTION, LEAST_STEP, MOST_ITERATIONS, ROUND_OFF, TOLERANCE},
 };
-use real::{Kernel, OutOfMemory, PathMask, Row, Rows, WIDTH, dispatch};
-use systems::run_time::{Recorded, System, Weights};
+use real::{OutOfMemory, PathMask, Row, Rows, WIDTH};
+use systems::run_time::{System, Weights};
 
 use super::{
     SchemeError,
     derivative::derivative,
     machine::Machine,
-    norm::{Product, Size, sum},
+    norm::{Changes, Product, sums},
 };
+use crate::{Implicit, Step};
 
 /// Dimension of the Krylov space at most; then it is begun anew.
 const DIRECTIONS: usize = 40;
@@ -30,7 +31,7 @@ const LINEAR_TOLERANCE: f64 = 1e-8;
 /// Memory of the method.
 pub struct Krylov<'a> {
     system: &'a dyn System,
-    /// The machines of ψ and of its derivative.
+    /// The machines of ψ and of its derivative. The first input of both is z₀.
     psi: Machine<'a>,
     slope: Machine<'a>,
     pub z: Rows,
@@ -38,21 +39,7 @@ pub struct Krylov<'a> {
     defect: Rows,
     change: Rows,
     basis: Vec<Rows>,
-}
-
-/// The equation z = ψ(ẑ, z).
-pub struct Equation<'e> {
-    pub nodes: &'e [Recorded],
-    pub factors: &'e [f64],
-    pub h: Weights<'e>,
-    /// ẑ.
-    pub start: &'e [Row],
-}
-
-/// An equation, the factors of its derivative, and s of every path.
-struct Homotopy<'e> {
-    equation: &'e Equation<'e>,
-    slope_factors: Vec<f64>,
+    /// s of every path.
     s: Row,
 }
 
@@ -72,54 +59,63 @@ impl<'a> Krylov<'a> {
             defect: rows()?,
             change: rows()?,
             basis: Vec::new(),
+            s: [0.0; WIDTH],
         })
     }
 
-    /// Solves the equations of some paths on the branch that begins at the start; the solutions are
-    /// in `z`. Returns how each ended.
+    /// Solves the equations z = ψ(ẑ, z) of some paths on the branch that begins at `start` = ẑ; the
+    /// solutions are in `z`. Returns how each ended.
     ///
     /// # Errors
     /// [`SchemeError`] if memory is not there.
-    pub fn solve(
+    pub fn solve<F: Implicit>(
         &mut self,
-        equation: &Equation<'_>,
+        formula: &F,
+        step: &Step,
+        h: Weights<'_>,
+        start: &[Row],
         paths: PathMask,
     ) -> Result<[Outcome; WIDTH], SchemeError> {
-        let (nodes, slope_factors) = derivative(equation.nodes, equation.factors)?;
-        self.psi.prepare(equation.nodes, &[false; 2])?;
-        self.slope.prepare(&nodes, &[false; 3])?;
-        let mut homotopy = Homotopy { equation, slope_factors, s: [0.0; WIDTH] };
-        self.psi.buffers[0].copy_from_slice(equation.start);
-        self.slope.buffers[0].copy_from_slice(equation.start);
-        self.z.copy_from_slice(equation.start);
+        self.psi.record(formula, step, 1)?;
+        self.slope.load(derivative(self.psi.operations())?)?;
+        for place in [&mut self.psi.buffers[0], &mut self.slope.buffers[0], &mut self.z] {
+            place.copy_from_slice(start);
+        }
         // How far each path is, and its next step.
         let (mut reached, mut step) = ([0.0; WIDTH], [1.0f64; WIDTH]);
         let (mut going, mut failed, mut iterations) = (paths, PathMask::NONE, [0; WIDTH]);
         while !going.is_empty() {
             for p in going.paths() {
-                homotopy.s[p] = f64::min(reached[p] + step[p], 1.0);
+                self.s[p] = f64::min(reached[p] + step[p], 1.0);
             }
             self.before.copy_from_slice(&self.z);
-            let converged = self.newton(&homotopy, going, &mut iterations)?;
+            let converged = self.newton(h, going, &mut iterations)?;
             let back = going.without(converged);
-            dispatch(Choose { x: &mut self.z, y: &self.before, paths: weights(back) });
+            each(
+                &mut self.z,
+                &self.before,
+                &weights(back),
+                |z, before, back| {
+                    if back == 1.0 { before } else { z }
+                },
+            );
             for p in going.paths() {
                 if converged.contains(p) {
-                    (reached[p], step[p]) = (homotopy.s[p], 2.0 * step[p]);
+                    (reached[p], step[p]) = (self.s[p], 2.0 * step[p]);
                     if reached[p] == 1.0 {
-                        going = going.without(PathMask(1 << p));
+                        going.remove(p);
                     }
                 } else {
                     step[p] *= 0.5;
                     if step[p] < LEAST_STEP {
                         failed.insert(p);
-                        going = going.without(PathMask(1 << p));
+                        going.remove(p);
                     }
                 }
             }
         }
-        homotopy.s = [1.0; WIDTH];
-        self.find_defect(&homotopy);
+        self.s = [1.0; WIDTH];
+        self.find_defect(h);
         let residuals = self.norm(&self.defect);
         Ok(std::array::from_fn(|p| {
             let (residual, iterations) = (residuals[p], iterations[p]);
@@ -134,22 +130,17 @@ impl<'a> Krylov<'a> {
     /// added to `iterations`.
     fn newton(
         &mut self,
-        homotopy: &Homotopy<'_>,
+        h: Weights<'_>,
         paths: PathMask,
         iterations: &mut [u32; WIDTH],
     ) -> Result<PathMask, OutOfMemory> {
         let mut before = [f64::INFINITY; WIDTH];
         let (mut going, mut converged) = (paths, PathMask::NONE);
-        let starts = self.norm(homotopy.equation.start);
+        let starts = self.norm(&self.psi.buffers[0]);
         for _ in 0..MOST_ITERATIONS {
-            self.find_defect(homotopy);
-            self.solve_linear(homotopy, going)?;
-            dispatch(AddMultiple {
-                x: &mut self.z,
-                y: &self.change,
-                factor: weights(going),
-                by: -1.0,
-            });
+            self.find_defect(h);
+            self.solve_linear(h, going)?;
+            subtract(&mut self.z, &self.change, &weights(going));
             let (lengths, sizes) = (self.norm(&self.change), self.norm(&self.z));
             for p in going.paths() {
                 iterations[p] += 1;
@@ -158,7 +149,7 @@ impl<'a> Krylov<'a> {
                 // With a NaN both are false.
                 let contracts = length <= CONTRACTION * before[p];
                 if solved || !contracts {
-                    going = going.without(PathMask(1 << p));
+                    going.remove(p);
                     let stagnates = !contracts && length <= ROUND_OFF * size;
                     if size.is_finite() && (solved || stagnates) {
                         converged.insert(p);
@@ -174,14 +165,12 @@ impl<'a> Krylov<'a> {
     }
 
     /// defect = z − z₀ − s(ψ(z) − z₀).
-    fn find_defect(&mut self, homotopy: &Homotopy<'_>) {
-        let Homotopy { equation: Equation { factors, h, start, .. }, s, .. } = homotopy;
+    fn find_defect(&mut self, h: Weights<'_>) {
         self.psi.buffers[1].copy_from_slice(&self.z);
-        self.psi.execute(factors, *h);
-        let psi = &self.psi.buffers[self.psi.result()];
-        for (((defect, z), start), psi) in
-            self.defect.iter_mut().zip(self.z.iter()).zip(*start).zip(psi.iter())
-        {
+        self.psi.execute(h);
+        let (s, psi) = (&self.s, self.psi.result(0));
+        let known = self.z.iter().zip(self.psi.buffers[0].iter()).zip(psi);
+        for (defect, ((z, start), psi)) in self.defect.iter_mut().zip(known) {
             for p in 0..WIDTH {
                 defect[p] = (1.0 - s[p]) * (z[p] - start[p]) + s[p] * (z[p] - psi[p]);
             }
@@ -189,34 +178,26 @@ impl<'a> Krylov<'a> {
     }
 
     /// change = (I − sψ′(z))⁻¹ defect, by GMRES.
-    fn solve_linear(
-        &mut self,
-        homotopy: &Homotopy<'_>,
-        paths: PathMask,
-    ) -> Result<(), OutOfMemory> {
+    fn solve_linear(&mut self, h: Weights<'_>, paths: PathMask) -> Result<(), OutOfMemory> {
         self.change.fill([0.0; WIDTH]);
         self.slope.buffers[1].copy_from_slice(&self.z);
+        self.reserve(2)?;
         let aim = self.length(&self.defect).map(|length| LINEAR_TOLERANCE * length);
         for start in 0..STARTS {
             // The residual begins the basis.
-            let mut residual = self.direction(0)?;
-            residual.copy_from_slice(&self.defect);
-            if start > 0 {
-                let mut product = self.direction(1)?;
-                self.apply(homotopy, None, &mut product);
-                add(&mut residual, &product, [1.0; WIDTH], -1.0);
-                self.basis[1] = product;
+            self.basis[0].copy_from_slice(&self.defect);
+            if let ([residual, product, ..], true) = (&mut self.basis[..], start > 0) {
+                multiply(&mut self.slope, &self.s, h, &self.change, product);
+                subtract(residual, product, &[1.0; WIDTH]);
             }
-            let length = self.length(&residual);
+            let length = self.length(&self.basis[0]);
             if paths.paths().all(|p| length[p] <= aim[p] || !length[p].is_finite()) {
-                self.basis[0] = residual;
                 return Ok(());
             }
-            dispatch(Scale { x: &mut residual, factor: length.map(inverse) });
-            self.basis[0] = residual;
-            let weights = self.arnoldi(homotopy, paths, length, aim)?;
-            for (k, &weight) in weights.iter().enumerate() {
-                add(&mut self.change, &self.basis[k], weight, 1.0);
+            scale(&mut self.basis[0], length.map(inverse));
+            let weights = self.arnoldi(h, paths, length, aim)?;
+            for (direction, weight) in self.basis.iter().zip(&weights) {
+                subtract(&mut self.change, direction, &weight.map(|weight| -weight));
             }
         }
         Ok(())
@@ -225,7 +206,7 @@ impl<'a> Krylov<'a> {
     /// Builds the Krylov space, and gives the weights of its directions in the solution.
     fn arnoldi(
         &mut self,
-        homotopy: &Homotopy<'_>,
+        h: Weights<'_>,
         paths: PathMask,
         length: Row,
         aim: Row,
@@ -235,22 +216,21 @@ impl<'a> Krylov<'a> {
         let mut rotations: Vec<(Row, Row)> = Vec::new();
         let mut right = vec![length];
         for k in 0..DIRECTIONS {
-            let mut next = self.direction(k + 1)?;
-            self.apply(homotopy, Some(k), &mut next);
+            self.reserve(k + 2)?;
+            let (known, next) = self.basis.split_at_mut(k + 1);
+            let next = &mut next[0];
+            multiply(&mut self.slope, &self.s, h, &known[k], next);
             let mut column = vec![[0.0; WIDTH]; k + 1];
             // Twice is enough to be orthogonal (Giraud, Langou and Rozloznik 2005).
             for _ in 0..2 {
-                for j in 0..=k {
-                    let part = sum(self.system, Product, &next, &self.basis[j]);
-                    add(&mut next, &self.basis[j], part, -1.0);
-                    for p in 0..WIDTH {
-                        column[j][p] += part[p];
-                    }
+                for (direction, entry) in known.iter().zip(&mut column) {
+                    let [part] = sums(self.system, Product, [next, direction, direction]);
+                    subtract(next, direction, &part);
+                    (0..WIDTH).for_each(|p| entry[p] += part[p]);
                 }
             }
-            let rest = self.length(&next);
-            dispatch(Scale { x: &mut next, factor: rest.map(inverse) });
-            self.basis[k + 1] = next;
+            let rest = self.length(&self.basis[k + 1]);
+            scale(&mut self.basis[k + 1], rest.map(inverse));
             let (mut cosine, mut sine) = ([1.0; WIDTH], [0.0; WIDTH]);
             let mut after = [0.0; WIDTH];
             for p in 0..WIDTH {
@@ -285,33 +265,31 @@ impl<'a> Krylov<'a> {
         Ok(weights)
     }
 
-    /// out = (I − sψ′(z))u for direction number k of the basis, or for the change so far.
-    fn apply(&mut self, homotopy: &Homotopy<'_>, direction: Option<usize>, out: &mut Rows) {
-        let Homotopy { equation, slope_factors, s } = homotopy;
-        let u = direction.map_or(&self.change, |k| &self.basis[k]);
-        self.slope.buffers[2].copy_from_slice(u);
-        self.slope.execute(slope_factors, equation.h);
-        out.copy_from_slice(u);
-        add(out, &self.slope.buffers[self.slope.result()], *s, -1.0);
-    }
-
-    /// Memory for a direction of the basis, taken out of it.
-    fn direction(&mut self, k: usize) -> Result<Rows, OutOfMemory> {
-        while self.basis.len() <= k {
+    /// Memory for so many directions of the basis.
+    fn reserve(&mut self, directions: usize) -> Result<(), OutOfMemory> {
+        while self.basis.len() < directions {
             self.basis.push(Rows::zero(self.z.len())?);
         }
-        Ok(std::mem::take(&mut self.basis[k]))
+        Ok(())
     }
 
     /// The Euclidean length of a state.
     fn length(&self, x: &[Row]) -> Row {
-        sum(self.system, Product, x, x).map(f64::sqrt)
+        sums(self.system, Product, [x; 3])[0].map(f64::sqrt)
     }
 
     /// The sum of the absolute values of a state.
     fn norm(&self, x: &[Row]) -> Row {
-        sum(self.system, Size, x, x)
+        sums(self.system, Changes, [x; 3])[2]
     }
+}
+
+/// out = (I − sψ′(z))u, where the machine has z.
+fn multiply(slope: &mut Machine<'_>, s: &Row, h: Weights<'_>, u: &[Row], out: &mut [Row]) {
+    slope.buffers[2].copy_from_slice(u);
+    slope.execute(h);
+    out.copy_from_slice(u);
+    subtract(out, slope.result(0), s);
 }
 
 /// 1 on the paths, else 0.
@@ -324,71 +302,21 @@ fn inverse(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { 1.0 / x }
 }
 
-fn add(x: &mut [Row], y: &[Row], factor: Row, by: f64) {
-    dispatch(AddMultiple { x, y, factor, by });
-}
-
-/// x + by·factor·y.
-struct AddMultiple<'a> {
-    x: &'a mut [Row],
-    y: &'a [Row],
-    factor: Row,
-    by: f64,
-}
-
-impl Kernel for AddMultiple<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        for (x, y) in self.x.iter_mut().zip(self.y) {
-            let (mut row, y) = (*x, *y);
-            for p in 0..WIDTH {
-                // Where the factor is zero y may be NaN.
-                let term = if self.factor[p] == 0.0 { 0.0 } else { y[p] * self.factor[p] };
-                row[p] += term * self.by;
-            }
-            *x = row;
+/// x ← f(x, y, weight) for every number.
+fn each(x: &mut [Row], y: &[Row], weights: &Row, f: impl Fn(f64, f64, f64) -> f64) {
+    for (x, y) in x.iter_mut().zip(y) {
+        for p in 0..WIDTH {
+            x[p] = f(x[p], y[p], weights[p]);
         }
     }
 }
 
-/// factor·x.
-struct Scale<'a> {
-    x: &'a mut [Row],
-    factor: Row,
+/// x − weight·y. Where the weight is zero y may be NaN.
+fn subtract(x: &mut [Row], y: &[Row], weights: &Row) {
+    each(x, y, weights, |x, y, weight| x - if weight == 0.0 { 0.0 } else { y * weight });
 }
 
-impl Kernel for Scale<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        for x in self.x.iter_mut() {
-            let mut row = *x;
-            for p in 0..WIDTH {
-                row[p] *= self.factor[p];
-            }
-            *x = row;
-        }
-    }
-}
-
-/// x ← y on paths with the weight one.
-pub struct Choose<'a> {
-    pub x: &'a mut [Row],
-    pub y: &'a [Row],
-    pub paths: Row,
-}
-
-impl Kernel for Choose<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        for (x, y) in self.x.iter_mut().zip(self.y) {
-            let (mut row, y) = (*x, *y);
-            for p in 0..WIDTH {
-                row[p] = if self.paths[p] == 1.0 { y[p] } else { row[p] };
-            }
-            *x = row;
-        }
-    }
+/// weight·x.
+fn scale(x: &mut [Row], weights: Row) {
+    x.iter_mut().for_each(|row| (0..WIDTH).for_each(|p| row[p] *= weights[p]));
 }

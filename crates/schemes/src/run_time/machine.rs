@@ -11,17 +11,21 @@ use systems::run_time::{Layout, MOST_INPUTS, Program, Recorded, System, Weights}
 use super::{
     SchemeError,
     plan::{Computation, Plan, Planned, Source, Stage},
+    record::{Operations, Recorder},
 };
+use crate::{Implicit, Step};
 
-/// Memory for the operations of formulas on one system.
+/// The operations of a formula on one system, and memory for them.
 pub struct Machine<'a> {
     system: &'a dyn System,
     layout: Layout,
+    recorder: Recorder,
     /// Whole states: inputs of the formula first.
     pub buffers: Vec<Rows>,
     plan: Plan,
-    /// The formula in one piece, for systems that can compute it so.
+    /// The formula in one piece, for systems that can compute it so, and its results.
     program: Option<Box<dyn Program>>,
+    output: Rows,
     /// The buffers in which a stage stores, while it is executed.
     taken: Vec<Rows>,
     /// Memory of the tiles, for each thread.
@@ -82,7 +86,7 @@ struct Execution<'a> {
 }
 
 impl<'a> Machine<'a> {
-    /// Memory for a system, without buffers yet.
+    /// Memory for a system, without operations and buffers yet.
     ///
     /// # Errors
     /// [`OutOfMemory`].
@@ -95,34 +99,82 @@ impl<'a> Machine<'a> {
             Ok(Mutex::new(TileMemory { slots: Vec::new(), scratch }))
         };
         let memories = (0..threads).map(|_| memory()).collect::<Result<_, OutOfMemory>>()?;
-        let plan = Plan::default();
-        let slab = layout.tile_rows * layout.reach.max(SLAB_TILES * threads);
-        let (buffers, taken) = (Vec::new(), Vec::new());
-        Ok(Self { system, layout, buffers, plan, program: None, taken, memories, slab })
+        Ok(Self {
+            system,
+            layout,
+            recorder: Recorder::default(),
+            buffers: Vec::new(),
+            plan: Plan::default(),
+            program: None,
+            output: Rows::default(),
+            taken: Vec::new(),
+            memories,
+            slab: layout.tile_rows * layout.reach.max(SLAB_TILES * threads),
+        })
     }
 
-    /// Plans operations, of which the last is the result, unless they are the same as before, and
-    /// provides the memory that they need. Only the inputs `consumed` may be overwritten.
+    /// Records evaluations of a formula in a row, and plans them if they are new. Whether they are.
     ///
     /// # Errors
     /// [`SchemeError`] if memory is not there, or averages are to be computed tile by tile.
-    pub fn prepare(&mut self, nodes: &[Recorded], consumed: &[bool]) -> Result<(), SchemeError> {
-        if self.plan.is_for(nodes) {
-            return Ok(());
+    pub fn record<F: Implicit>(
+        &mut self,
+        formula: &F,
+        step: &Step,
+        evaluations: usize,
+    ) -> Result<bool, SchemeError> {
+        let new = self.recorder.evaluations(formula, self.system, step, evaluations);
+        if new {
+            self.plan()?;
         }
+        Ok(new)
+    }
+
+    /// Takes operations that were recorded, and plans them if they are new.
+    ///
+    /// # Errors
+    /// As [`record`](Self::record).
+    pub fn load(&mut self, mut recorded: Recorder) -> Result<(), SchemeError> {
+        std::mem::swap(&mut self.recorder, &mut recorded);
+        let is_new = self.recorder.operations().nodes != recorded.operations().nodes;
+        if is_new { self.plan() } else { Ok(()) }
+    }
+
+    /// The operations.
+    pub fn operations(&mut self) -> &Operations {
+        self.recorder.operations()
+    }
+
+    fn plan(&mut self) -> Result<(), SchemeError> {
+        let planned = self.provide();
+        if planned.is_err() {
+            // They count as new the next time.
+            self.recorder = Recorder::default();
+        }
+        planned
+    }
+
+    /// Plans the operations and provides the memory that they need. The input of an explicit
+    /// formula, which has one, may be overwritten.
+    fn provide(&mut self) -> Result<(), SchemeError> {
+        let Operations { nodes, results, .. } = self.recorder.operations();
         let is_average = |node: &Recorded| matches!(node, Recorded::Of(op) if op.is_average());
-        let description = self.system.description();
-        if self.layout.is_tiled() && nodes.iter().any(is_average) {
+        let (description, layout) = (self.system.description(), self.layout);
+        if layout.is_tiled() && nodes.iter().any(is_average) {
             return Err(SchemeError::Average { system: description.name.clone() });
         }
-        self.program = self.system.compile(nodes, consumed.len(), &[nodes.len() - 1]);
+        let inputs = nodes.iter().filter(|node| matches!(node, Recorded::Input(_))).count();
+        self.program = self.system.compile(nodes, inputs, results);
         self.plan = match self.program {
-            Some(_) => Plan::of_program(nodes, consumed.len()),
-            None => Plan::new(nodes, consumed),
+            Some(_) => Plan { buffers: inputs, ..Plan::default() },
+            None => Plan::new(nodes, results, inputs == 1),
         };
+        if self.program.is_some() {
+            self.output = Rows::zero(results.len() * layout.rows)?;
+        }
         let most = self.plan.stages.iter().map(|stage| stage.stores.len()).max();
         self.taken.resize_with(most.unwrap_or(0), Rows::default);
-        let tile = self.layout.tile_rows.min(self.layout.rows);
+        let tile = layout.tile_rows.min(layout.rows);
         for memory in &mut self.memories {
             let memory = memory.get_mut().unwrap_or_else(PoisonError::into_inner);
             while memory.slots.len() < self.plan.slots {
@@ -130,64 +182,55 @@ impl<'a> Machine<'a> {
             }
         }
         while self.buffers.len() < self.plan.buffers {
-            self.buffers.push(Rows::zero(self.layout.rows)?);
+            self.buffers.push(Rows::zero(layout.rows)?);
         }
         Ok(())
     }
 
-    /// The buffer in which the result is.
-    pub fn result(&self) -> usize {
-        self.plan.result
+    /// Result number n.
+    pub fn result(&self, n: usize) -> &[Row] {
+        match self.program {
+            Some(_) => &self.output[n * self.layout.rows..][..self.layout.rows],
+            None => &self.buffers[self.plan.results[n]],
+        }
     }
 
-    /// Makes the result this input; what was there is lost.
+    /// Makes the only result this input; what was there is lost.
     pub fn feed_back(&mut self, input: usize) {
-        self.buffers.swap(input, self.plan.result);
+        match self.program {
+            Some(_) => std::mem::swap(&mut self.buffers[input], &mut self.output),
+            None => self.buffers.swap(input, self.plan.results[0]),
+        }
     }
 
     /// Executes the operations on the inputs in the first buffers.
-    pub fn execute(&mut self, factors: &[f64], h: Weights<'_>) {
+    pub fn execute(&mut self, h: Weights<'_>) {
+        let Self { system, layout, recorder, buffers, plan, taken, memories, slab, .. } = self;
+        let factors = &recorder.operations().factors;
         if let Some(program) = &mut self.program {
-            let (inputs, rest) = self.buffers.split_at_mut(self.plan.result);
             let mut states: [&[Row]; MOST_INPUTS] = [&[]; MOST_INPUTS];
-            inputs.iter().zip(&mut states).for_each(|(input, state)| *state = input);
-            return program.run(&states[..inputs.len()], factors, h, &mut rest[0]);
+            buffers.iter().zip(&mut states).for_each(|(input, state)| *state = input);
+            return program.run(&states[..plan.buffers], factors, h, &mut self.output);
         }
-        let (stages, slabs) = (self.plan.stages.len(), (self.layout.rows / self.slab).max(1));
+        let (stages, slabs) = (plan.stages.len(), (layout.rows / *slab).max(1));
         for time in 0..slabs + 2 * (stages - 1) {
-            for stage in (0..stages).filter(|s| (2 * s..2 * s + slabs).contains(&time)) {
-                let slab = (time - stage) % slabs;
-                let end = if slab + 1 < slabs { (slab + 1) * self.slab } else { self.layout.rows };
-                self.execute_stage(stage, slab * self.slab..end, factors, h);
+            for number in (0..stages).filter(|s| (2 * s..2 * s + slabs).contains(&time)) {
+                let k = (time - number) % slabs;
+                let rows = k * *slab..if k + 1 < slabs { (k + 1) * *slab } else { layout.rows };
+                let stage = &plan.stages[number];
+                // The buffers in which the stage stores are taken out while the others are read.
+                let mut stores = Stores::default();
+                for (n, (taken, &(_, buffer))) in taken.iter_mut().zip(&stage.stores).enumerate() {
+                    std::mem::swap(taken, &mut buffers[buffer]);
+                    stores.push(n, &mut taken[rows.clone()]);
+                }
+                Execution { system: *system, stage, factors, h, buffers, memories }
+                    .on_rows(rows, stores);
+                for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
+                    std::mem::swap(taken, &mut buffers[buffer]);
+                }
             }
         }
-    }
-
-    /// Executes a stage on some rows.
-    fn execute_stage(&mut self, stage: usize, rows: Range<usize>, factors: &[f64], h: Weights<'_>) {
-        let stage = &self.plan.stages[stage];
-        // The buffers in which the stage stores are taken out while the others are read.
-        let mut taken = std::mem::take(&mut self.taken);
-        for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
-            std::mem::swap(taken, &mut self.buffers[buffer]);
-        }
-        let execution = Execution {
-            system: self.system,
-            stage,
-            factors,
-            h,
-            buffers: &self.buffers,
-            memories: &self.memories,
-        };
-        let mut stores = Stores::default();
-        for (n, store) in taken.iter_mut().take(stage.stores.len()).enumerate() {
-            stores.push(n, &mut store[rows.clone()]);
-        }
-        execution.on_rows(rows, stores);
-        for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
-            std::mem::swap(taken, &mut self.buffers[buffer]);
-        }
-        self.taken = taken;
     }
 }
 

@@ -6,80 +6,79 @@ use systems::run_time::{Lanes, System};
 /// Most rows whose terms are summed in one piece.
 const PIECE: usize = 1536;
 
-/// A term for each component of up to three states.
-pub trait Term: Copy + Sync {
-    fn of(self, x: f64, y: f64) -> f64;
+/// Terms of N sums, for each component of three states.
+pub trait Terms<const N: usize>: Copy + Sync {
+    fn of(self, states: [f64; 3]) -> [f64; N];
 }
 
-/// |x − y|.
+/// |z − y|, |y − x| and |z|.
 #[derive(Clone, Copy)]
-pub struct Distance;
-impl Term for Distance {
+pub struct Changes;
+impl Terms<3> for Changes {
     #[inline(always)]
-    fn of(self, x: f64, y: f64) -> f64 {
-        (x - y).abs()
+    fn of(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        [(z - y).abs(), (y - x).abs(), z.abs()]
     }
 }
 
 /// x·y.
 #[derive(Clone, Copy)]
 pub struct Product;
-impl Term for Product {
+impl Terms<1> for Product {
     #[inline(always)]
-    fn of(self, x: f64, y: f64) -> f64 {
-        x * y
+    fn of(self, [x, y, _]: [f64; 3]) -> [f64; 1] {
+        [x * y]
     }
 }
 
-/// |x|.
-#[derive(Clone, Copy)]
-pub struct Size;
-impl Term for Size {
-    #[inline(always)]
-    fn of(self, x: f64, _: f64) -> f64 {
-        x.abs()
-    }
-}
-
-/// The sum of terms over the components of every path, in their order. If the numbers of a row
+/// The sums of terms over the components of every path, in their order. If the numbers of a row
 /// belong to one path, every number of the result is the sum over that path. The bits do not depend
 /// on the number of threads.
-pub fn sum<T: Term>(system: &dyn System, term: T, x: &[Row], y: &[Row]) -> Row {
+pub fn sums<T: Terms<N>, const N: usize>(
+    system: &dyn System,
+    terms: T,
+    states: [&[Row]; 3],
+) -> [Row; N] {
     match system.description().layout.lanes {
-        Lanes::Paths => dispatch(Sum { term, x, y }),
-        Lanes::Components => [over_path(term, x, y); WIDTH],
+        Lanes::Paths => dispatch(Sums::<T, N> { terms, states }),
+        Lanes::Components => over_path(terms, states).map(|sum| [sum; WIDTH]),
     }
 }
 
-/// The sum over a path: of two halves of it, down to pieces that are always the same.
-fn over_path<T: Term>(term: T, x: &[Row], y: &[Row]) -> f64 {
-    let pieces = x.len().div_ceil(PIECE);
+/// The sums over a path: of two halves of it, down to pieces that are always the same.
+fn over_path<T: Terms<N>, const N: usize>(terms: T, states: [&[Row]; 3]) -> [f64; N] {
+    let pieces = states[0].len().div_ceil(PIECE);
     if pieces <= 1 {
-        return dispatch(Sum { term, x, y }).iter().fold(0.0, |sum, term| sum + term);
+        let sums = dispatch(Sums::<T, N> { terms, states });
+        return sums.map(|sum| sum.iter().fold(0.0, |sum, term| sum + term));
     }
     let half = pieces / 2 * PIECE;
-    let ((x, later_x), (y, later_y)) = (x.split_at(half), y.split_at(half));
-    let (first, second) =
-        rayon::join(|| over_path(term, x, y), || over_path(term, later_x, later_y));
-    first + second
+    let (first, second) = rayon::join(
+        || over_path(terms, states.map(|state| &state[..half])),
+        || over_path(terms, states.map(|state| &state[half..])),
+    );
+    std::array::from_fn(|n| first[n] + second[n])
 }
 
-struct Sum<'a, T> {
-    term: T,
-    x: &'a [Row],
-    y: &'a [Row],
+struct Sums<'a, T, const N: usize> {
+    terms: T,
+    states: [&'a [Row]; 3],
 }
 
-impl<T: Term> Kernel for Sum<'_, T> {
-    type Output = Row;
+impl<T: Terms<N>, const N: usize> Kernel for Sums<'_, T, N> {
+    type Output = [Row; N];
     #[inline(always)]
-    fn run(self) -> Row {
-        let mut sum = [0.0; WIDTH];
-        for (x, y) in self.x.iter().zip(self.y) {
+    fn run(self) -> [Row; N] {
+        let mut sums = [[0.0; WIDTH]; N];
+        let [x, y, z] = self.states;
+        for ((x, y), z) in x.iter().zip(y).zip(z) {
             for p in 0..WIDTH {
-                sum[p] += self.term.of(x[p], y[p]);
+                let terms = self.terms.of([x[p], y[p], z[p]]);
+                for n in 0..N {
+                    sums[n][p] += terms[n];
+                }
             }
         }
-        sum
+        sums
     }
 }

@@ -40,39 +40,20 @@ pub struct Stage {
 /// The plan for a formula.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
-    nodes: Vec<Recorded>,
     pub stages: Vec<Stage>,
     /// Number of slots of a tile, and of buffers with the inputs, which come first.
     pub slots: usize,
     pub buffers: usize,
-    /// The buffer of the result.
-    pub result: usize,
-}
-
-/// A read of a node: in which stage, and whether whole.
-struct Read {
-    stage: usize,
-    whole: bool,
+    /// The buffers of the results.
+    pub results: Vec<usize>,
 }
 
 impl Plan {
-    /// The plan for operations that a program computes in one piece from `inputs` inputs.
-    pub fn of_program(nodes: &[Recorded], inputs: usize) -> Self {
-        let nodes = nodes.to_vec();
-        Self { nodes, buffers: inputs + 1, result: inputs, ..Self::default() }
-    }
-
-    /// Whether the plan is for these operations.
-    pub fn is_for(&self, nodes: &[Recorded]) -> bool {
-        self.nodes == nodes
-    }
-
-    /// The plan for `nodes`, the last of which is the result. Only the inputs `consumed` may be
-    /// overwritten.
-    pub fn new(nodes: &[Recorded], consumed: &[bool]) -> Self {
-        let last = nodes.len() - 1;
+    /// The plan for `nodes` of which the `results` are wanted. Inputs are overwritten if `consumed`.
+    pub fn new(nodes: &[Recorded], results: &[usize], consumed: bool) -> Self {
         let mut count = vec![0; nodes.len()];
         nodes.iter().flat_map(|node| node.arguments()).for_each(|x| count[x] += 1);
+        results.iter().for_each(|&x| count[x] += 1);
         // Multiples that only one sum or difference reads are computed there.
         let mut absorbed = vec![false; nodes.len()];
         for &node in nodes {
@@ -98,24 +79,17 @@ impl Plan {
                 }
             }
         }
-        let mut readers: Vec<Vec<Read>> = nodes.iter().map(|_| Vec::new()).collect();
+        // The first stage that may overwrite a node tile by tile.
+        let mut free_from = stage.clone();
         for n in 0..nodes.len() {
-            for x in nodes[n].arguments() {
-                readers[x].push(Read { stage: stage[n], whole: !nodes[n].is_local() });
-            }
+            let after = stage[n] + usize::from(!nodes[n].is_local());
+            nodes[n].arguments().for_each(|x| free_from[x] = free_from[x].max(after));
         }
-        let stored = |n: usize| {
-            !is_input(n)
-                && (n == last || readers[n].iter().any(|read| read.whole || read.stage > stage[n]))
-        };
-        let mut plan = Self { nodes: nodes.to_vec(), ..Self::default() };
-        // Which node is in each buffer.
-        let mut content: Vec<Option<usize>> = Vec::new();
-        let mut buffer = vec![usize::MAX; nodes.len()];
-        for n in (0..nodes.len()).filter(|&n| is_input(n)) {
-            buffer[n] = content.len();
-            content.push(Some(n));
-        }
+        let stored = |n: usize| results.contains(&n) || free_from[n] > stage[n];
+        let mut plan = Self::default();
+        // Which node is in each buffer. The inputs are the first nodes.
+        let mut content: Vec<usize> = (0..nodes.len()).filter(|&n| is_input(n)).collect();
+        let mut buffer: Vec<usize> = (0..nodes.len()).collect();
         plan.stages = vec![Stage::default(); stage.iter().max().map_or(0, |stages| stages + 1)];
         for s in 0..plan.stages.len() {
             let of_stage = |n: &usize| stage[*n] == s && !is_input(*n) && !absorbed[*n];
@@ -145,27 +119,19 @@ impl Plan {
             plan.slots = plan.slots.max(slots.most);
             for &n in of_stage.iter().filter(|&&n| stored(n)) {
                 // A buffer whose content no later stage reads, and no tile of this stage whole.
-                let is_free = |(b, content): (usize, &Option<usize>)| {
-                    let Some(x) = *content else { return Some(b) };
-                    let keeps = x == last || matches!(nodes[x], Recorded::Input(i) if !consumed[i]);
-                    let read = |read: &Read| read.stage > s || (read.stage == s && read.whole);
-                    (!keeps
-                        && stage[x] + usize::from(!is_input(x)) <= s
-                        && !readers[x].iter().any(read))
-                    .then_some(b)
+                let is_free = |&x: &usize| {
+                    let keeps = results.contains(&x) || (is_input(x) && !consumed);
+                    !keeps && free_from[x] <= s
                 };
-                let free = content.iter().enumerate().find_map(is_free);
-                let own = free.unwrap_or_else(|| {
-                    content.push(None);
-                    content.len() - 1
-                });
-                content[own] = Some(n);
+                let own = content.iter().position(is_free).unwrap_or(content.len());
+                content.resize(content.len().max(own + 1), n);
+                content[own] = n;
                 buffer[n] = own;
                 plan.stages[s].stores.push((slot[n], own));
             }
         }
         plan.buffers = content.len();
-        plan.result = buffer[last];
+        plan.results = results.iter().map(|&n| buffer[n]).collect();
         plan
     }
 }

@@ -7,18 +7,22 @@ use std::{
 
 use systems::run_time::{Op, Recorded, System};
 
-use crate::{Increment, Step};
+use crate::{Implicit, Increment, Step};
 
 /// The operations of a formula in their order. A formula is recorded anew in every step, since its
 /// factors change; the operations do not, and how they are executed is planned once.
 #[derive(Debug, Default)]
 pub struct Recorder(RefCell<Operations>);
 
+/// The operations of a [`Recorder`].
 #[derive(Debug, Default)]
-struct Operations {
-    nodes: Vec<Recorded>,
+pub struct Operations {
+    /// The inputs are the first ones.
+    pub nodes: Vec<Recorded>,
     /// The factor of every [`Recorded::Multiple`], 1 elsewhere.
-    factors: Vec<f64>,
+    pub factors: Vec<f64>,
+    /// The operations whose results are wanted; none is an input.
+    pub results: Vec<usize>,
     /// The number of operations since the start; those that follow are of an earlier record.
     count: usize,
     /// Whether they differ from those of the record before.
@@ -49,35 +53,51 @@ impl Operations {
 }
 
 impl Recorder {
-    /// Begins a record with the inputs.
-    pub fn restart<const N: usize>(&self) -> [Symbol<'_>; N] {
-        let mut operations = self.0.borrow_mut();
+    /// Records ψ(ẑ, z), ψ(ẑ, ψ(ẑ, z)) and so on, with a result for each. Whether the operations
+    /// differ from those of the record before.
+    pub fn evaluations<F: Implicit>(
+        &mut self,
+        formula: &F,
+        system: &dyn System,
+        step: &Step,
+        count: usize,
+    ) -> bool {
+        let operations = self.0.get_mut();
         (operations.count, operations.changed) = (0, false);
-        drop(operations);
-        std::array::from_fn(|input| self.push(Recorded::Input(input), 1.0))
+        operations.results.clear();
+        let start = self.push(Recorded::Input(0), 1.0);
+        let mut z = if F::EXPLICIT { start } else { self.push(Recorded::Input(1), 1.0) };
+        for _ in 0..count {
+            z = formula.psi(Recording { system, step, recorder: self }, start, z);
+            z = self.result(z);
+        }
+        let operations = self.0.get_mut();
+        operations.changed |= operations.count < operations.nodes.len();
+        operations.nodes.truncate(operations.count);
+        operations.factors.truncate(operations.count);
+        operations.changed
     }
 
     #[inline(always)]
-    fn push(&self, node: Recorded, factor: f64) -> Symbol<'_> {
+    pub fn push(&self, node: Recorded, factor: f64) -> Symbol<'_> {
         Symbol { recorder: self, number: self.0.borrow_mut().push(node, factor) }
     }
 
-    /// Ends with this result, which is the last operation then, and no input. Whether the
-    /// operations differ from those of the record before.
-    pub fn finish(&mut self, result: usize) -> bool {
-        let operations = self.0.get_mut();
-        let before = operations.nodes.len();
-        operations.count = result + 1;
-        if let Recorded::Input(_) = operations.nodes[result] {
-            operations.push(Recorded::Multiple(result), 1.0);
-        }
-        operations.changed || operations.count != before
+    pub fn of<'a>(&'a self, op: Op<Symbol<'a>>) -> Symbol<'a> {
+        self.push(Recorded::Of(op.map(|symbol| symbol.number)), 1.0)
     }
 
-    /// The operations and the factor of each.
-    pub fn operations(&mut self) -> (&[Recorded], &[f64]) {
-        let operations = self.0.get_mut();
-        (&operations.nodes[..operations.count], &operations.factors[..operations.count])
+    /// Makes the result of an operation, or a copy of an input, one that is wanted.
+    pub fn result<'a>(&'a self, x: Symbol<'a>) -> Symbol<'a> {
+        let is_input = matches!(self.0.borrow().nodes[x.number], Recorded::Input(_));
+        let x = if is_input { x * 1.0 } else { x };
+        self.0.borrow_mut().results.push(x.number);
+        x
+    }
+
+    /// What was recorded.
+    pub fn operations(&mut self) -> &Operations {
+        self.0.get_mut()
     }
 }
 
@@ -86,7 +106,7 @@ impl Recorder {
 pub struct Symbol<'a> {
     recorder: &'a Recorder,
     /// The number of the operation.
-    pub number: usize,
+    number: usize,
 }
 
 impl Add for Symbol<'_> {
@@ -115,21 +135,16 @@ impl Mul<f64> for Symbol<'_> {
 
 /// One step of a system known at run time, which records what a formula asks for.
 #[derive(Clone, Copy)]
-pub struct Recording<'a> {
-    pub system: &'a dyn System,
-    pub step: &'a Step,
-    pub recorder: &'a Recorder,
+struct Recording<'a> {
+    system: &'a dyn System,
+    step: &'a Step,
+    recorder: &'a Recorder,
 }
 
-impl<'a> Recording<'a> {
+impl Recording<'_> {
     /// Whether ∇̄h(a, b) is ∇h at the midpoint, which is computed tile by tile.
     fn averages_by_tiles(&self) -> bool {
-        let description = self.system.description();
-        description.layout.is_tiled() && description.is_quadratic()
-    }
-
-    fn record(self, op: Op<Symbol<'a>>) -> Symbol<'a> {
-        self.recorder.push(Recorded::Of(op.map(|symbol| symbol.number)), 1.0)
+        self.system.description().layout.is_tiled() && self.is_quadratic()
     }
 }
 
@@ -148,12 +163,12 @@ impl<'a> Increment for Recording<'a> {
 
     #[inline]
     fn structure(self, y: Symbol<'a>, v: Symbol<'a>) -> Symbol<'a> {
-        self.record(Op::Structure { y, v })
+        self.recorder.of(Op::Structure { y, v })
     }
 
     #[inline]
     fn gradient(self, y: Symbol<'a>) -> Symbol<'a> {
-        self.record(Op::Gradient { y })
+        self.recorder.of(Op::Gradient { y })
     }
 
     #[inline]
@@ -161,7 +176,7 @@ impl<'a> Increment for Recording<'a> {
         if self.averages_by_tiles() {
             return self.gradient((a + b) * 0.5);
         }
-        self.record(Op::AveragedGradient { a, b })
+        self.recorder.of(Op::AveragedGradient { a, b })
     }
 
     #[inline]
@@ -169,17 +184,17 @@ impl<'a> Increment for Recording<'a> {
         if self.averages_by_tiles() {
             return self.field((a + b) * 0.5);
         }
-        self.record(Op::AveragedField { a, b })
+        self.recorder.of(Op::AveragedField { a, b })
     }
 
     #[inline]
     fn cayley(self, y: Symbol<'a>, v: Symbol<'a>) -> Symbol<'a> {
-        self.record(Op::Cayley { y, v })
+        self.recorder.of(Op::Cayley { y, v })
     }
 
     #[inline]
     fn ito_correction(self, y: Symbol<'a>) -> Symbol<'a> {
-        self.record(Op::ItoCorrection { y })
+        self.recorder.of(Op::ItoCorrection { y })
     }
 
     /// −B(y) times the [`area_gradient`](Self::area_gradient), by Jacobi's identity.
@@ -195,7 +210,7 @@ impl<'a> Increment for Recording<'a> {
     fn area_gradient(self, y: Symbol<'a>) -> Symbol<'a> {
         match self.system.description().noises {
             ..2 => y * 0.0,
-            _ => self.record(Op::AreaGradient { y }),
+            _ => self.recorder.of(Op::AreaGradient { y }),
         }
     }
 }

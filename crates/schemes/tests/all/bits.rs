@@ -4,13 +4,13 @@
 use crate::common::{Numbers, Visit, body, every_system, populations_2};
 use crate::levy::Rotations;
 use crate::own_schemes::{ConformalMidpoint, EulerWithAreas};
-use noise::{BlockNoise, Noise, StepNoise, StreamKey, Truncation, WienerBlock, clip};
+use noise::{BlockNoise, Noise, StepNoise, StreamKey, Truncation, WienerRows, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
 use schemes::{
     EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, WithSolver,
 };
-use systems::{Cosine, PoissonSystem, RigidBody};
+use systems::{Cosine, PoissonSystem};
 
 const TAU: f64 = 0.05;
 const STEPS: u64 = 40;
@@ -43,16 +43,16 @@ impl SideBySide {
         let (bound, area_bound) =
             (truncation.bound(TAU).unwrap(), truncation.area_bound(TAU).unwrap());
         let mut numbers = Numbers(3);
-        let mut wiener = WienerBlock::<M>::new(key, 0);
+        let mut wiener = WienerRows::new(key, 0);
         let mut block = Block::splat(y0);
         // A path that is no number from the start must not disturb the others.
         block.0[D - 1][13] = f64::NAN;
         let mut paths: Vec<[f64; D]> = (0..WIDTH).map(|p| block.path(p)).collect();
-        let (mut dw, mut drawn) = (Block::zero(), StepNoise::with_areas(M));
+        let (mut dw, mut drawn) = (Block::<M>::zero(), StepNoise::with_areas(M));
         let mut status = BlockStatus::explicit();
         for n in 0..STEPS {
             let step = Step::new(&damping, n, TAU).unwrap();
-            wiener.increments(TAU.sqrt(), &mut dw);
+            wiener.increments(TAU.sqrt(), &mut dw.0);
             clip(&dw.0, bound, &mut drawn.increments);
             // Some increments are far larger than truncation allows, so that the robust method has
             // work.
@@ -68,14 +68,9 @@ impl SideBySide {
             scheme.step_block(system, &step, &noise, &mut block, &mut status);
             for p in 0..WIDTH {
                 let single = scheme.step(system, &step, &noise.path(p), paths[p]);
-                let place = || {
-                    format!(
-                        "{} of {} at {:?}, step {n}, path {p}",
-                        scheme.id(),
-                        system.name(),
-                        self.level
-                    )
-                };
+                let (scheme, name) = (scheme.id(), system.name());
+                let place =
+                    || format!("{scheme} of {name} at {:?}, step {n}, path {p}", self.level);
                 assert_eq!(bits(single.z), bits(block.path(p)), "{}", place());
                 assert_eq!(status.failed.contains(p), !single.outcome.converged(), "{}", place());
                 match single.outcome {
@@ -122,18 +117,12 @@ fn a_block_is_its_paths_at_every_level() {
             let solver = Solver::new(method);
             // Two systems are enough for methods that they do not prefer, and for the midpoint
             // rule, which asks of a system what `heun` asks.
-            side_by_side.compare(&WithSolver { formula: Sexp, solver }, &body, y0);
-            side_by_side.compare(
-                &WithSolver { formula: Sexp, solver },
-                &populations_2(),
-                POPULATIONS,
-            );
-            side_by_side.compare(&WithSolver { formula: Midpoint, solver }, &body, y0);
-            side_by_side.compare(
-                &WithSolver { formula: Midpoint, solver },
-                &populations_2(),
-                POPULATIONS,
-            );
+            let sexp = WithSolver { formula: Sexp, solver };
+            let midpoint = WithSolver { formula: Midpoint, solver };
+            side_by_side.compare(&sexp, &body, y0);
+            side_by_side.compare(&sexp, &populations_2(), POPULATIONS);
+            side_by_side.compare(&midpoint, &body, y0);
+            side_by_side.compare(&midpoint, &populations_2(), POPULATIONS);
             // Somebody else's formula goes through the same kernel.
             side_by_side.compare(&ConformalMidpoint { solver }, &body, y0);
         }
@@ -151,20 +140,4 @@ fn a_block_is_its_paths_at_every_level() {
     let [fast, robust, failed] = seen[0];
     assert!(fast > 10_000 && robust > 100 && failed > 100, "{seen:?}");
     assert!(seen.iter().all(|ways| *ways == seen[0]), "{seen:?}");
-}
-
-#[test]
-fn schemes_have_the_ids_of_the_paper() {
-    let body = body();
-    let levy = SexpLevy::new(&body, [1.0, 2.0, 3.0]);
-    let schemes: [&dyn Scheme<_, 3, 3>; 5] = [&Sexp, &EulerMaruyama, &Midpoint, &levy, &Heun];
-    fn ids<S, const N: usize>(schemes: [&dyn Scheme<S, 3, 3>; N], _: &S) -> [&'static str; N] {
-        schemes.map(|scheme| scheme.id())
-    }
-    assert_eq!(ids(schemes, &body), ["sexp", "em", "midpoint", "sexp-levy", "heun"]);
-    // Areas are asked for by the one scheme that reads them, where there are any.
-    assert_eq!(schemes.map(|scheme| scheme.reads_areas()), [false, false, false, true, false]);
-    let turning = RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
-    let levy = SexpLevy::new(&turning, [1.0, 2.0, 3.0]);
-    assert!(!Scheme::<RigidBody<1>, 3, 1>::reads_areas(&levy));
 }

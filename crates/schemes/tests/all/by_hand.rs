@@ -111,12 +111,8 @@ fn midpoint_and_sexp() {
         });
         for method in [Method::FixedPoint, Method::Newton] {
             let solver = Solver::new(method);
-            let ours = WithSolver { formula: Midpoint, solver }.step(
-                &body(),
-                &step,
-                &Noise::increments(dw),
-                y,
-            );
+            let scheme = WithSolver { formula: Midpoint, solver };
+            let ours = scheme.step(&body(), &step, &Noise::increments(dw), y);
             // |y| up to 3, and roundings amplified by 1/(1 − 0.9) at most.
             close(ours.z, exact, 10.0 * norm(y), "midpoint");
         }
@@ -131,12 +127,8 @@ fn midpoint_and_sexp() {
         let exact = z.map(|x| x * (-integral(half, end)).exp());
         for method in [Method::FixedPoint, Method::Newton] {
             let solver = Solver::new(method);
-            let ours = WithSolver { formula: Sexp, solver }.step(
-                &body(),
-                &step,
-                &Noise::increments(dw),
-                y,
-            );
+            let scheme = WithSolver { formula: Sexp, solver };
+            let ours = scheme.step(&body(), &step, &Noise::increments(dw), y);
             close(ours.z, exact, 10.0 * norm(y), "sexp");
         }
     }

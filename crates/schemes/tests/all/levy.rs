@@ -179,29 +179,6 @@ fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
     }
 }
 
-/// Two noises along one Hamiltonian, which commute.
-struct Alike;
-
-impl PoissonSystem<3, 2> for Alike {
-    fn name(&self) -> &'static str {
-        "alike"
-    }
-    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
-        Rotations.structure(y, v)
-    }
-    fn energy<R: Real>(&self, y: [R; 3], _dt: f64, dw: [f64; 2]) -> R {
-        y[2] * (dw[0] + 2.0 * dw[1])
-    }
-}
-
-#[test]
-fn areas_are_asked_for_where_noises_do_not_commute() {
-    let turning = SexpLevy::new(&Rotations, [0.6, 0.0, 0.8]);
-    assert!(!turning.commuting() && Scheme::<Rotations, 3, 2>::reads_areas(&turning));
-    let alike = SexpLevy::new(&Alike, [0.6, 0.0, 0.8]);
-    assert!(alike.commuting() && !Scheme::<Alike, 3, 2>::reads_areas(&alike));
-}
-
 /// ‖difference of one step of `sexp-li-levy` and one of `sexp-levy`‖, with increments of size s and
 /// areas of size s² times `sign`, or none.
 fn difference_of_steps<S: PoissonSystem<D, M>, const D: usize, const M: usize>(

@@ -4,7 +4,7 @@
 use crate::common::{Numbers, any_increments, body};
 use crate::without_iteration::{MOMENTUM, largest_defect};
 use noise::Noise;
-use schemes::{Heun, Nv, Scheme, Sexp, SexpLi, Split, Step, Sweep};
+use schemes::{Nv, Scheme, Step, Sweep};
 use systems::{
     Constant, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy,
 };
@@ -86,57 +86,5 @@ fn noises_go_forward_and_backward_in_turn() {
         let (forward, backward) = (advance(Sweep::Forward), advance(Sweep::Backward));
         assert_ne!(forward, backward);
         assert_eq!(advance(Sweep::Alternating), if n % 2 == 0 { forward } else { backward });
-    }
-}
-
-/// The exponent of τ in the distance of one step from two of half its size, averaged over both
-/// orders of the two increments: their bracket with the drift cancels, which increments alone
-/// do not know.
-fn order_beside_the_bracket<S: PoissonSystem<D, 1>, const D: usize>(
-    scheme: &impl Scheme<S, D, 1>,
-    system: &S,
-    y0: [f64; D],
-) -> f64 {
-    let damping = Constant::new(0.5).unwrap();
-    let distance = |tau: f64| {
-        let advanced = |y, k: u64, tau: f64, dw: f64| {
-            let step = Step::new(&damping, k, tau).unwrap();
-            let noise = Noise::increments([dw]);
-            scheme.step(system, &step, &noise, y).z
-        };
-        let (a, b) = (0.7 * tau.sqrt(), -0.2 * tau.sqrt());
-        let once = advanced(y0, 0, tau, a + b);
-        let twice = |a, b| advanced(advanced(y0, 0, 0.5 * tau, a), 1, 0.5 * tau, b);
-        let (ab, ba) = (twice(a, b), twice(b, a));
-        (0..D).map(|i| (0.5 * (ab[i] + ba[i]) - once[i]).powi(2)).sum::<f64>().sqrt()
-    };
-    let tau = 2f64.powi(-16);
-    (distance(tau) / distance(tau / 16.0)).log2() / 4.0
-}
-
-#[test]
-fn nothing_but_the_bracket_of_drift_and_noise_is_of_order_three_halves() {
-    let turning = RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
-    let (pendulum, poisson) = (Pendulum::new(1.0).unwrap(), Poisson3::new(1.0).unwrap());
-    let (swing, start) = ([0.2, 1.0], [1.0, 2.0, 3.0]);
-    for order in [
-        order_beside_the_bracket(&Nv::of_parts(), &turning, MOMENTUM),
-        order_beside_the_bracket(&Nv::of_parts(), &MaxwellBloch, start),
-        order_beside_the_bracket(&Nv::of_parts(), &pendulum, swing),
-        order_beside_the_bracket(&Nv::of_parts(), &poisson, start),
-    ] {
-        println!("{order}");
-        assert!((order - 2.0).abs() < 0.1, "{order}");
-    }
-    // Others have terms in ΔW³ and τΔW.
-    for order in [
-        order_beside_the_bracket(&Split, &pendulum, swing),
-        order_beside_the_bracket(&Split, &poisson, start),
-        order_beside_the_bracket(&SexpLi::new(&poisson, start).unwrap(), &poisson, start),
-        order_beside_the_bracket(&Sexp, &pendulum, swing),
-        order_beside_the_bracket(&Heun, &turning, MOMENTUM),
-    ] {
-        println!("{order}");
-        assert!((order - 1.5).abs() < 0.1, "{order}");
     }
 }

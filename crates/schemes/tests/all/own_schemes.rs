@@ -1,12 +1,10 @@
 //! Schemes that a user writes: what holds for the schemes of this crate holds for them.
 
 use noise::{Noise, Truncation};
-use nonlin::{Method, Solver};
+use nonlin::Solver;
 use schemes::{Explicit, Implicit, Increment, Scheme};
 
-use crate::common::{
-    Numbers, any_damping, any_increments, any_state, any_step, body, conformal_defect,
-};
+use crate::common::body;
 
 /// Euler's method with Lévy areas: y_{n+1} = y_n + B∇h + Σ A_ml \[fₘ, f_l\].
 pub struct EulerWithAreas;
@@ -56,32 +54,6 @@ fn what_a_formula_declares_its_scheme_says() {
 
 fn reads_areas<S>(scheme: &impl Scheme<S, 3, 1>, _system: &S) -> bool {
     scheme.reads_areas()
-}
-
-/// Of Newton's method: every term of the defect is rounded at most four times, half an ε each.
-const ROUND_OFF: f64 = 2.0;
-
-/// The midpoint rule with exact damping keeps a quadratic Casimir on its conformal law, and Euler's
-/// method does not.
-#[test]
-fn the_conformal_midpoint_rule_keeps_the_casimir() {
-    let (body, mut numbers) = (body(), Numbers(12));
-    let midpoint = ConformalMidpoint { solver: Solver::new(Method::Newton) };
-    let mut broken = 0;
-    for _ in 0..1000 {
-        let damping = any_damping(&mut numbers);
-        let step = any_step(&mut numbers, damping.as_ref());
-        let dw = any_increments(&mut numbers, step.tau);
-        let y = any_state(&mut numbers, &body, [0.5; 3]);
-        let defect = |z| conformal_defect(&body, 0, &step, dw, y, z);
-        let solution = midpoint.step(&body, &step, &Noise::increments(dw), y);
-        assert!(solution.outcome.converged());
-        let left = defect(solution.z);
-        assert!(left < ROUND_OFF, "{left} at {step:?} {dw:?} {y:?}");
-        let euler = EulerWithAreas.step(&body, &step, &Noise::increments(dw), y).z;
-        broken += u32::from(defect(euler) > 1e6);
-    }
-    assert!(broken > 900, "{broken}");
 }
 
 #[test]

@@ -186,7 +186,7 @@ fn no_growth_and_no_failure_from_weak_to_stiff_damping() {
 }
 
 /// Nothing but damping.
-struct Alone;
+pub struct Alone;
 
 impl PoissonSystem<2, 1> for Alone {
     fn name(&self) -> &'static str {

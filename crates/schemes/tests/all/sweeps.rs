@@ -216,17 +216,13 @@ impl Guard {
         pinned: (f64, u32),
         count: &Count,
     ) {
-        let words = wrong(count, newton, pinned);
-        println!(
-            "{name} {scheme} 2^-{exponent}: block mean {:.3}, {count:?} {words}",
-            count.block_mean()
-        );
+        let (words, mean) = (wrong(count, newton, pinned), count.block_mean());
+        let line =
+            format!("{name} {scheme} 2^-{exponent}: block mean {mean:.3}, {count:?} {words}");
+        println!("{line}");
         self.seen += 1;
         if !words.is_empty() {
-            self.wrong.push(format!(
-                "{name} {scheme} 2^-{exponent}: {words}: {:.3} {count:?}",
-                count.block_mean()
-            ));
+            self.wrong.push(line);
         }
     }
 }

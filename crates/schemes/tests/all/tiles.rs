@@ -173,27 +173,6 @@ fn bits_depend_neither_on_tiles_nor_on_threads() {
     }
 }
 
-/// Every length stays on its law, with Newton's method too, and where its equation is hard.
-#[test]
-fn lengths_of_spins_are_on_their_law() {
-    let system = Chain::new(100, 6);
-    let sexp_li = SexpLi::at_run_time(&system).unwrap();
-    let steps = 8.0;
-    for (scheme, tau) in
-        [(&sexp_li as &dyn Scheme, 0.05), (&sexp_li, 0.9), (&Sexp, 0.05), (&Sexp, 0.7)]
-    {
-        let (state, _) = run(scheme, &system, 2, tau);
-        let law = (-2.0 * 0.1 * tau * steps).exp();
-        for site in 0..system.spins {
-            let square: f64 =
-                (0..3).map(|c| state[site / WIDTH * 3 + c][site % WIDTH].powi(2)).sum();
-            // Residuals of 2ε of all spins together may fall on one.
-            let allowed = 100.0 * 2.0 * steps * f64::EPSILON;
-            assert!((square / law - 1.0).abs() < allowed, "{} {site}: {square}", scheme.id());
-        }
-    }
-}
-
 /// y + Σ cₖ B(yₖ)∇h(yₖ) with yₖ = y + ⅛k B(y)∇h(y): a stage stores six results.
 struct Wide;
 

@@ -4,10 +4,12 @@ use real::{Kernel, Row, WIDTH};
 
 use super::{
     formulas::Couplings,
-    layout::{OnePath, Spins},
-    shape::Shape,
+    shape::{Direction, Shape},
 };
-use crate::{cayley::cayley_cross, run_time::Weights};
+use crate::{
+    cayley::cayley_cross,
+    run_time::{Layout, Weights},
+};
 
 /// The parts: field and noise, the anisotropy, and for each axis the bonds from even and from odd
 /// coordinates. All flows are rotations, by Cayley's map; a bond turns both spins about their sum.
@@ -38,103 +40,92 @@ impl Part {
     }
 }
 
-/// The flow of a part, on rows of 32 paths if `on_paths`, else on those of one path.
-pub struct Flow<'a> {
+/// The spins of a lattice in rows, those of L paths at each site.
+pub trait Sites<const L: usize> {
+    fn get(&self, y: &[Row], site: usize) -> [[f64; L]; 3];
+    fn set(&self, y: &mut [Row], site: usize, spins: [[f64; L]; 3]);
+}
+
+/// Component c of site i in row 3i + c.
+pub struct OfPaths;
+
+impl Sites<WIDTH> for OfPaths {
+    #[inline(always)]
+    fn get(&self, y: &[Row], site: usize) -> [Row; 3] {
+        [y[3 * site], y[3 * site + 1], y[3 * site + 2]]
+    }
+
+    #[inline(always)]
+    fn set(&self, y: &mut [Row], site: usize, spins: [Row; 3]) {
+        y[3 * site..3 * site + 3].copy_from_slice(&spins);
+    }
+}
+
+/// Those of one path.
+impl Sites<1> for Layout {
+    #[inline(always)]
+    fn get(&self, y: &[Row], site: usize) -> [[f64; 1]; 3] {
+        [0, 1, 2].map(|c| self.place(3 * site + c)).map(|(row, lane)| [y[row][lane]])
+    }
+
+    #[inline(always)]
+    fn set(&self, y: &mut [Row], site: usize, spins: [[f64; 1]; 3]) {
+        for (c, [s]) in spins.into_iter().enumerate() {
+            let (row, lane) = self.place(3 * site + c);
+            y[row][lane] = s;
+        }
+    }
+}
+
+/// The flow of a part.
+pub struct Flow<'a, S, const L: usize> {
+    pub sites: &'a S,
     pub shape: &'a Shape,
-    pub couplings: &'a Couplings,
-    pub on_paths: bool,
+    pub couplings: Couplings,
     pub part: Part,
     pub h: Weights<'a>,
     pub y: &'a mut [Row],
 }
 
-impl Kernel for Flow<'_> {
+impl<S: Sites<L>, const L: usize> Kernel for Flow<'_, S, L> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
-        let sites = self.shape.sites();
-        if self.on_paths {
-            for site in 0..sites {
-                self.on_block(site);
-            }
-        } else {
-            for site in 0..sites {
-                self.on_site(site);
-            }
+    fn run(self) {
+        let Self { sites, shape, couplings, part, h, y } = self;
+        let Couplings { exchange, anisotropy, field, noise, local, .. } = couplings;
+        let mut dw = [[0.0; L]; 3];
+        for m in 0..if local { 0 } else { 3 } {
+            dw[m].copy_from_slice(&h.dw[m][..L]);
         }
-    }
-}
-
-impl Flow<'_> {
-    /// The second site of the bond of this part that begins at a site.
-    #[inline(always)]
-    fn bond(&self, site: usize, axis: usize, odd: bool) -> Option<usize> {
-        let begins = self.shape.coordinate(site, axis) % 2 == usize::from(odd);
-        let up = super::Direction { axis, up: true };
-        if begins { self.shape.neighbour(site, up) } else { None }
-    }
-
-    /// The axis about which a spin turns in a part that has no bonds.
-    #[inline(always)]
-    fn axis(&self, s: [f64; 3], noise: [f64; 3]) -> [f64; 3] {
-        let Couplings { anisotropy, field, noise: sigma, .. } = *self.couplings;
-        match self.part {
-            Part::Anisotropy => [0.0, 0.0, -anisotropy * self.h.dt * s[2]],
-            _ => [0, 1, 2].map(|c| -(field[c] * self.h.dt + sigma * noise[c])),
-        }
-    }
-
-    #[inline(always)]
-    fn on_block(&mut self, site: usize) {
-        let rows =
-            |site: usize, y: &[Row]| -> Spins { [y[3 * site], y[3 * site + 1], y[3 * site + 2]] };
-        let mut spins = rows(site, self.y);
-        let Part::Bonds { axis, odd } = self.part else {
-            let first = if self.couplings.local { 3 * site } else { 0 };
-            let noise = [self.h.dw[first], self.h.dw[first + 1], self.h.dw[first + 2]];
-            for p in 0..WIDTH {
-                let s = lane(&spins, p);
-                set(&mut spins, p, cayley_cross(s, self.axis(s, lane(&noise, p))));
+        for site in 0..shape.sites() {
+            let mut spins = sites.get(y, site);
+            if let Part::Bonds { axis, odd } = part {
+                let begins = shape.coordinate(site, axis) % 2 == usize::from(odd);
+                let up = Direction { axis, up: true };
+                let next = if begins { shape.neighbour(site, up) } else { None };
+                let Some(next) = next else { continue };
+                let mut other = sites.get(y, next);
+                for p in 0..L {
+                    let (a, b) = turned(lane(&spins, p), lane(&other, p), -exchange * h.dt);
+                    set(&mut spins, p, a);
+                    set(&mut other, p, b);
+                }
+                sites.set(y, next, other);
+            } else {
+                if local && part == Part::Field {
+                    dw = sites.get(h.dw, site);
+                }
+                for p in 0..L {
+                    let (s, dw) = (lane(&spins, p), lane(&dw, p));
+                    let axis = match part {
+                        Part::Anisotropy => [0.0, 0.0, -anisotropy * h.dt * s[2]],
+                        _ => [0, 1, 2].map(|c| -(field[c] * h.dt + noise * dw[c])),
+                    };
+                    set(&mut spins, p, cayley_cross(s, axis));
+                }
             }
-            self.y[3 * site..3 * site + 3].copy_from_slice(&spins);
-            return;
-        };
-        let Some(next) = self.bond(site, axis, odd) else { return };
-        let mut other = rows(next, self.y);
-        let weight = -self.couplings.exchange * self.h.dt;
-        for p in 0..WIDTH {
-            let (a, b) = turned(lane(&spins, p), lane(&other, p), weight);
-            set(&mut spins, p, a);
-            set(&mut other, p, b);
-        }
-        self.y[3 * site..3 * site + 3].copy_from_slice(&spins);
-        self.y[3 * next..3 * next + 3].copy_from_slice(&other);
-    }
-
-    #[inline(always)]
-    fn on_site(&mut self, site: usize) {
-        let sites = self.shape.sites();
-        let place = |site: usize| [0, 1, 2].map(|c| OnePath::place(sites, site, c));
-        let spin = |y: &[Row], place: [(usize, usize); 3]| place.map(|(row, lane)| y[row][lane]);
-        let here = place(site);
-        let s = spin(self.y, here);
-        let Part::Bonds { axis, odd } = self.part else {
-            let noise = match self.couplings.local {
-                true => spin(self.h.dw, here),
-                false => [0, 1, 2].map(|m| self.h.dw[m][0]),
-            };
-            let moved = cayley_cross(s, self.axis(s, noise));
-            (0..3).for_each(|c| self.y[here[c].0][here[c].1] = moved[c]);
-            return;
-        };
-        let Some(next) = self.bond(site, axis, odd) else { return };
-        let there = place(next);
-        let weight = -self.couplings.exchange * self.h.dt;
-        let (a, b) = turned(s, spin(self.y, there), weight);
-        for c in 0..3 {
-            self.y[here[c].0][here[c].1] = a[c];
-            self.y[there[c].0][there[c].1] = b[c];
+            sites.set(y, site, spins);
         }
     }
 }
@@ -147,12 +138,12 @@ fn turned(a: [f64; 3], b: [f64; 3], weight: f64) -> ([f64; 3], [f64; 3]) {
 }
 
 #[inline(always)]
-fn lane(spins: &Spins, p: usize) -> [f64; 3] {
+fn lane<const L: usize>(spins: &[[f64; L]; 3], p: usize) -> [f64; 3] {
     [spins[0][p], spins[1][p], spins[2][p]]
 }
 
 #[inline(always)]
-fn set(spins: &mut Spins, p: usize, s: [f64; 3]) {
+fn set<const L: usize>(spins: &mut [[f64; L]; 3], p: usize, s: [f64; 3]) {
     for c in 0..3 {
         spins[c][p] = s[c];
     }

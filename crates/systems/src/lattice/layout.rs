@@ -8,6 +8,7 @@ use std::ops::Range;
 use real::{Row, WIDTH};
 
 use super::shape::{Direction, Shape};
+use crate::run_time::Layout;
 
 /// Sites of a tile of one large path; a power of two. Its states take 24 KiB each.
 pub const TILE_SITES: usize = 1024;
@@ -72,6 +73,7 @@ impl SpinRows for OnPaths<'_> {
 /// last tile has as many groups of 32 as are left.
 #[derive(Clone, Copy)]
 pub struct OnePath<'a> {
+    pub layout: &'a Layout,
     pub sites: usize,
     /// Offsets inside and across a periodic end, and whether the axis is periodic.
     pub offsets: &'a [((isize, isize), bool)],
@@ -80,21 +82,6 @@ pub struct OnePath<'a> {
 }
 
 impl OnePath<'_> {
-    /// Row and lane of a component of a site.
-    pub fn place(sites: usize, site: usize, component: usize) -> (usize, usize) {
-        let tile = site / TILE_SITES;
-        let plane = Self::plane(sites, tile);
-        let inside = site % TILE_SITES;
-        (tile * TILE_ROWS + component * plane + inside / WIDTH, inside % WIDTH)
-    }
-
-    /// Rows of one component on a tile.
-    #[inline(always)]
-    fn plane(sites: usize, tile: usize) -> usize {
-        let left = (sites - tile * TILE_SITES).div_ceil(WIDTH);
-        if left < TILE_SITES / WIDTH { left } else { TILE_SITES / WIDTH }
-    }
-
     /// The spins at sites first to first + 31, if they are on one tile.
     #[inline(always)]
     fn place_of(self, first: isize, y: &[Row]) -> Option<[&Row; 3]> {
@@ -102,7 +89,9 @@ impl OnePath<'_> {
             return None;
         }
         let (tile, inside) = (first as usize / TILE_SITES, first as usize % TILE_SITES);
-        let plane = Self::plane(self.sites, tile) * WIDTH;
+        // Numbers of one component on the tile.
+        let left = (self.sites - tile * TILE_SITES).next_multiple_of(WIDTH);
+        let plane = if left < TILE_SITES { left } else { TILE_SITES };
         if inside + WIDTH > plane {
             return None;
         }
@@ -133,7 +122,7 @@ impl OnePath<'_> {
             let site = first + lane as isize;
             if site >= 0 && (site as usize) < self.sites {
                 for c in 0..3 {
-                    let (row, place) = Self::place(self.sites, site as usize, c);
+                    let (row, place) = self.layout.place(3 * site as usize + c);
                     spins[c][lane] = y[row][place];
                 }
             }

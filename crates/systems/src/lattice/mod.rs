@@ -28,10 +28,11 @@ use dgrad::Rule;
 use real::{OutOfMemory, Row, Rows, WIDTH, dispatch};
 
 use crate::{
-    Invariant, Linearity,
-    run_time::{Description, Layout, Op, System, Weights, derived},
+    Invariant, Linearity, SystemError,
+    error::finite,
+    run_time::{Description, Lanes, Layout, Op, System, Weights, derived},
 };
-use bonds::{Flow, Part};
+use bonds::{Flow, OfPaths, Part};
 use formulas::OnTile;
 use layout::{OnPaths, OnePath, TILE_ROWS, TILE_SITES};
 
@@ -61,13 +62,8 @@ pub enum LatticeError {
         sizes: Vec<usize>,
     },
     /// A coupling is NaN or infinite.
-    #[error("{name} must be finite, got {value}")]
-    NotFinite {
-        /// Its name.
-        name: &'static str,
-        /// The given value.
-        value: f64,
-    },
+    #[error(transparent)]
+    Coupling(#[from] SystemError),
     /// There is no memory for the lattice.
     #[error(transparent)]
     Memory(#[from] OutOfMemory),
@@ -105,7 +101,7 @@ impl SpinLattice {
     /// The lattice on rows of 32 paths.
     ///
     /// # Errors
-    /// [`LatticeError::NotFinite`].
+    /// [`LatticeError::Coupling`].
     pub fn on_paths(shape: Shape, couplings: Couplings) -> Result<Self, LatticeError> {
         let Couplings { exchange, anisotropy, field: [x, y, z], noise, damping, .. } = couplings;
         for (name, value) in [
@@ -117,9 +113,7 @@ impl SpinLattice {
             ("the noise σ", noise),
             ("the damping α", damping),
         ] {
-            if !value.is_finite() {
-                return Err(LatticeError::NotFinite { name, value });
-            }
+            finite(name, value)?;
         }
         let directions = shape.directions();
         let odd = (0..3).find(|&axis| shape.is_periodic(axis) && shape.sizes()[axis] % 2 == 1);
@@ -160,7 +154,7 @@ impl SpinLattice {
     /// The lattice on rows that hold one path.
     ///
     /// # Errors
-    /// [`LatticeError::NotFinite`], and [`LatticeError::Memory`] if there is no memory for a state.
+    /// [`LatticeError::Coupling`], and [`LatticeError::Memory`] if there is no memory for a state.
     pub fn one_path(shape: Shape, couplings: Couplings) -> Result<Self, LatticeError> {
         let mut lattice = Self::on_paths(shape, couplings)?;
         let Description { dimension, noises, .. } = lattice.description;
@@ -202,29 +196,9 @@ impl SpinLattice {
         self.couplings
     }
 
-    /// max ||sᵢ|/length − 1|: the largest relative error if every spin should have this `length`.
-    /// On 32 paths it is that of all of them.
-    #[must_use]
-    pub fn length_defect(&self, y: &[Row], length: f64) -> f64 {
-        let defect = |square: f64| (square.sqrt() / length - 1.0).abs();
-        let mut largest = 0.0f64;
-        for site in 0..self.shape.sites() {
-            for p in self.lanes() {
-                let square: f64 = (0..3).map(|c| self.at(y, site, c, p).powi(2)).sum();
-                let this = defect(square);
-                // A NaN is the largest.
-                largest = if this > largest || this.is_nan() { this } else { largest };
-            }
-        }
-        largest
-    }
-
     /// Component c of a site on path p.
     fn at(&self, y: &[Row], site: usize, c: usize, p: usize) -> f64 {
-        let (row, lane) = match self.ends {
-            None => (3 * site + c, 0),
-            Some(_) => OnePath::place(self.shape.sites(), site, c),
-        };
+        let (row, lane) = self.description.layout.place(3 * site + c);
         y[row][lane + p]
     }
 
@@ -260,7 +234,8 @@ impl System for SpinLattice {
                 dispatch(OnTile { layout, directions, couplings, tile, op, h, out });
             }
             Some(ends) => {
-                let layout = OnePath { sites: self.shape.sites(), offsets: &self.offsets, ends };
+                let (layout, sites) = (&self.description.layout, self.shape.sites());
+                let layout = OnePath { layout, sites, offsets: &self.offsets, ends };
                 dispatch(OnTile { layout, directions, couplings, tile, op, h, out });
             }
         }
@@ -287,9 +262,12 @@ impl System for SpinLattice {
     }
 
     fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, _: &mut [Row]) {
-        let on_paths = self.ends.is_none();
-        let (shape, couplings) = (&self.shape, &self.couplings);
-        dispatch(Flow { shape, couplings, on_paths, part: self.parts[part], h, y });
+        let (shape, couplings, part) = (&self.shape, self.couplings, self.parts[part]);
+        let layout = &self.description.layout;
+        match layout.lanes {
+            Lanes::Paths => dispatch(Flow { sites: &OfPaths, shape, couplings, part, h, y }),
+            Lanes::Components => dispatch(Flow { sites: layout, shape, couplings, part, h, y }),
+        }
     }
 
     fn invariant(&self, index: usize, y: &[Row], out: &mut Row, _: &mut [Row]) {

@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use dgrad::{GradientField, Rule};
-use real::{Kernel, Real, Row, VectorFunction, WIDTH, directional, dispatch};
+use dgrad::Rule;
+use real::{Kernel, Row, WIDTH, along, derivatives, dispatch, fixed};
 
 use super::{Description, Op, System, Weights, derived};
 use crate::{
-    Flows, HamiltonianIncrement, PoissonSystem, SystemError, always_solvable, area_gradient,
-    field::{unit_noise, vector_field, vector_field_derivative},
-    is_quadratic, ito_correction, jacobi_holds, linearity, noises_commute,
+    Flows, PoissonSystem, SystemError, always_solvable, area_gradient, is_quadratic,
+    ito_correction, jacobi_holds, linearity, noises_commute, unit_noise, vector_field,
+    vector_field_derivative,
 };
 
 /// Nodes of the rule for derivatives of the averaged gradient. The gradient itself is that of the
@@ -87,13 +87,11 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<
         match op {
             Op::Structure { y, v } => on_each!(p => s.structure(path(y, p), path(v, p))),
             Op::StructureAlong { y, u, v } => on_each!(p => {
-                let structure = StructureTimes::<_, D, M> { system: s, v: path(v, p) };
-                directional(&structure, path(y, p), path(u, p)).1
+                derivatives(s.structure(along(path(y, p), path(u, p)), fixed(path(v, p))))
             }),
             Op::Gradient { y } => on_each!(p => s.gradient(path(y, p), dt, path(dw, p))),
             Op::Hessian { y, u } => on_each!(p => {
-                let gradient = GradientOf(HamiltonianIncrement { system: s, dt, dw: path(dw, p) });
-                directional(&gradient, path(y, p), path(u, p)).1
+                derivatives(s.gradient(along(path(y, p), path(u, p)), dt, path(dw, p)))
             }),
             Op::AveragedGradient { a, b } => {
                 on_each!(p => s.averaged_gradient(path(a, p), path(b, p), dt, path(dw, p)));
@@ -107,8 +105,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<
                 on_each!(p => area_gradient(s, path(y, p), skew(areas, p)));
             }
             Op::AreaHessian { y, u } => on_each!(p => {
-                let gradient = AreaGradient::<_, M> { system: s, areas: skew(areas, p) };
-                directional(&gradient, path(y, p), path(u, p)).1
+                derivatives(area_gradient(s, along(path(y, p), path(u, p)), skew(areas, p)))
             }),
             Op::AveragedHessian { .. } => unreachable!("it is derived"),
         }
@@ -137,52 +134,6 @@ fn skew<const M: usize>(rows: &[Row], p: usize) -> [[f64; M]; M] {
         }
     }
     areas
-}
-
-/// B(y)v as a function of y; M says of which [`PoissonSystem`] it is.
-struct StructureTimes<'a, S, const D: usize, const M: usize> {
-    system: &'a S,
-    v: [f64; D],
-}
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
-    for StructureTimes<'_, S, D, M>
-{
-    #[inline(always)]
-    fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
-        let mut v = [R::zero(); D];
-        for i in 0..D {
-            v[i] = R::constant(self.v[i]);
-        }
-        self.system.structure(y, v)
-    }
-}
-
-/// ∇h as a function of y.
-struct GradientOf<'a, S, const M: usize>(HamiltonianIncrement<'a, S, M>);
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
-    for GradientOf<'_, S, M>
-{
-    #[inline(always)]
-    fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
-        self.0.gradient(y)
-    }
-}
-
-/// Σ A_ml ∇{Hₘ, H_l} as a function of y.
-struct AreaGradient<'a, S, const M: usize> {
-    system: &'a S,
-    areas: [[f64; M]; M],
-}
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
-    for AreaGradient<'_, S, M>
-{
-    #[inline(always)]
-    fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
-        area_gradient(self.system, y, self.areas)
-    }
 }
 
 /// Rows as an array.
@@ -257,8 +208,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled
         });
         let mut commutators = [(0.0, 0.0); D];
         for l in 0..M {
-            let along = vector_field(s, y, 0.0, std::array::from_fn(|m| areas[m][l]));
-            let slope = vector_field_derivative(s, y, 0.0, unit_noise(l), along);
+            let direction = vector_field(s, y, 0.0, std::array::from_fn(|m| areas[m][l]));
+            let slope = vector_field_derivative(s, y, 0.0, unit_noise(l), direction);
             for (sum, slope) in commutators.iter_mut().zip(slope) {
                 *sum = (sum.0 - slope, sum.1 + slope.abs());
             }

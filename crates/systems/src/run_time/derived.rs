@@ -19,106 +19,78 @@ pub fn derived<S: System + ?Sized>(
     op: Op<&[Row]>,
     h: Weights<'_>,
     out: &mut [Row],
-    scratch: &mut [Row],
+    mut scratch: &mut [Row],
 ) {
+    let (description, rows) = (system.description(), out.len());
+    let (nodes, weights) = (description.rule.nodes(), description.rule.weights());
     match op {
-        Op::AveragedGradient { a, b } => averaged_gradient(system, a, b, h, out, scratch),
-        Op::AveragedHessian { a, b, u } => averaged_hessian(system, [a, b, u], h, out, scratch),
-        Op::AveragedField { a, b } => averaged_field(system, a, b, h, out, scratch),
-        Op::ItoCorrection { y } => ito_correction(system, y, out, scratch),
-        _ => panic!("{} has no {op:?}", system.description().name),
-    }
-}
-
-fn averaged_gradient<S: System + ?Sized>(
-    system: &S,
-    a: &[Row],
-    b: &[Row],
-    h: Weights<'_>,
-    out: &mut [Row],
-    scratch: &mut [Row],
-) {
-    let all = 0..a.len();
-    let (point, scratch) = scratch.split_at_mut(a.len());
-    let (lower, scratch) = scratch.split_at_mut(a.len());
-    let (upper, scratch) = scratch.split_at_mut(a.len());
-    let rule = &system.description().rule;
-    let (nodes, weights) = (rule.nodes(), rule.weights());
-    for k in 0..nodes.len() / 2 {
-        let distance = 0.5 - nodes[k];
-        dispatch(Point { a, b, distance: -distance, point });
-        system.apply(Op::Gradient { y: point }, all.clone(), h, lower, scratch);
-        dispatch(Point { a, b, distance, point });
-        system.apply(Op::Gradient { y: point }, all.clone(), h, upper, scratch);
-        dispatch(AddPair { sum: out, lower, upper, weight: weights[k], first: k == 0 });
-    }
-    if nodes.len() % 2 == 1 {
-        dispatch(Point { a, b, distance: 0.0, point });
-        if nodes.len() == 1 {
-            return system.apply(Op::Gradient { y: point }, all, h, out, scratch);
+        Op::AveragedGradient { a, b } => {
+            let [point, lower, upper] = [(); 3].map(|()| take(&mut scratch, rows));
+            let mut gradient = |distance: f64, out: &mut [Row]| {
+                dispatch(Point { a, b, distance, point });
+                system.apply(Op::Gradient { y: point }, 0..rows, h, out, scratch);
+            };
+            if nodes.len() == 1 {
+                return gradient(0.0, out);
+            }
+            // −0 changes no sum.
+            out.fill([-0.0; WIDTH]);
+            for k in 0..nodes.len() / 2 {
+                gradient(nodes[k] - 0.5, lower);
+                gradient(0.5 - nodes[k], upper);
+                dispatch(Add { sum: lower, value: upper, weight: 1.0 });
+                dispatch(Add { sum: out, value: lower, weight: weights[k] });
+            }
+            if nodes.len() % 2 == 1 {
+                gradient(0.0, lower);
+                dispatch(Add { sum: out, value: lower, weight: weights[nodes.len() / 2] });
+            }
         }
-        system.apply(Op::Gradient { y: point }, all, h, lower, scratch);
-        dispatch(Add { sum: out, value: lower, weight: weights[nodes.len() / 2] });
+        Op::AveragedHessian { a, b, u } => {
+            let [point, value] = [(); 2].map(|()| take(&mut scratch, rows));
+            out.fill([0.0; WIDTH]);
+            for (&node, &weight) in nodes.iter().zip(weights) {
+                dispatch(Point { a, b, distance: node - 0.5, point });
+                system.apply(Op::Hessian { y: point, u }, 0..rows, h, value, scratch);
+                dispatch(Add { sum: out, value, weight: weight * node });
+            }
+        }
+        Op::AveragedField { a, b } => {
+            let gradient = take(&mut scratch, rows);
+            system.apply(Op::AveragedGradient { a, b }, 0..rows, h, gradient, scratch);
+            let point = take(&mut scratch, rows);
+            dispatch(Point { a, b, distance: 0.0, point });
+            system.apply(Op::Structure { y: point, v: gradient }, 0..rows, h, out, scratch);
+        }
+        Op::ItoCorrection { y } => {
+            let dw = take(&mut scratch, description.layout.noise_rows);
+            let [gradient, field, value, curved] = [(); 4].map(|()| take(&mut scratch, rows));
+            out.fill([0.0; WIDTH]);
+            dw.fill([0.0; WIDTH]);
+            for m in 0..description.noises {
+                dw[m] = [1.0; WIDTH];
+                let h = Weights { dt: 0.0, dw, areas: &[] };
+                let mut apply =
+                    |op: Op<&[Row]>, out: &mut [Row]| system.apply(op, 0..rows, h, out, scratch);
+                apply(Op::Gradient { y }, gradient);
+                apply(Op::Structure { y, v: gradient }, field);
+                apply(Op::StructureAlong { y, u: field, v: gradient }, value);
+                dispatch(Add { sum: out, value, weight: 0.5 });
+                apply(Op::Hessian { y, u: field }, curved);
+                apply(Op::Structure { y, v: curved }, value);
+                dispatch(Add { sum: out, value, weight: 0.5 });
+                dw[m] = [0.0; WIDTH];
+            }
+        }
+        _ => panic!("{} has no {op:?}", description.name),
     }
 }
 
-fn averaged_hessian<S: System + ?Sized>(
-    system: &S,
-    [a, b, u]: [&[Row]; 3],
-    h: Weights<'_>,
-    out: &mut [Row],
-    scratch: &mut [Row],
-) {
-    let (point, scratch) = scratch.split_at_mut(a.len());
-    let (value, scratch) = scratch.split_at_mut(a.len());
-    out.fill([0.0; WIDTH]);
-    let rule = &system.description().rule;
-    for (&node, &weight) in rule.nodes().iter().zip(rule.weights()) {
-        dispatch(Point { a, b, distance: node - 0.5, point });
-        system.apply(Op::Hessian { y: point, u }, 0..a.len(), h, value, scratch);
-        dispatch(Add { sum: out, value, weight: weight * node });
-    }
-}
-
-fn averaged_field<S: System + ?Sized>(
-    system: &S,
-    a: &[Row],
-    b: &[Row],
-    h: Weights<'_>,
-    out: &mut [Row],
-    scratch: &mut [Row],
-) {
-    let all = 0..a.len();
-    let (gradient, scratch) = scratch.split_at_mut(a.len());
-    system.apply(Op::AveragedGradient { a, b }, all.clone(), h, gradient, scratch);
-    let (middle, scratch) = scratch.split_at_mut(a.len());
-    dispatch(Point { a, b, distance: 0.0, point: middle });
-    system.apply(Op::Structure { y: middle, v: gradient }, all, h, out, scratch);
-}
-
-fn ito_correction<S: System + ?Sized>(system: &S, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
-    let description = system.description();
-    let (dw, scratch) = scratch.split_at_mut(description.layout.noise_rows);
-    let (gradient, scratch) = scratch.split_at_mut(y.len());
-    let (field, scratch) = scratch.split_at_mut(y.len());
-    let (value, scratch) = scratch.split_at_mut(y.len());
-    let (curved, scratch) = scratch.split_at_mut(y.len());
-    out.fill([0.0; WIDTH]);
-    dw.fill([0.0; WIDTH]);
-    for m in 0..description.noises {
-        dw[m] = [1.0; WIDTH];
-        let h = Weights { dt: 0.0, dw, areas: &[] };
-        let mut apply =
-            |op: Op<&[Row]>, out: &mut [Row]| system.apply(op, 0..y.len(), h, out, scratch);
-        apply(Op::Gradient { y }, gradient);
-        apply(Op::Structure { y, v: gradient }, field);
-        apply(Op::StructureAlong { y, u: field, v: gradient }, value);
-        dispatch(Add { sum: out, value, weight: 0.5 });
-        apply(Op::Hessian { y, u: field }, curved);
-        apply(Op::Structure { y, v: curved }, value);
-        dispatch(Add { sum: out, value, weight: 0.5 });
-        dw[m] = [0.0; WIDTH];
-    }
+/// The first rows of the scratch, which becomes the rest.
+fn take<'a>(scratch: &mut &'a mut [Row], rows: usize) -> &'a mut [Row] {
+    let (first, rest) = std::mem::take(scratch).split_at_mut(rows);
+    *scratch = rest;
+    first
 }
 
 /// point = (a+b)/2 + distance·(b − a).
@@ -158,30 +130,6 @@ impl Kernel for Add<'_> {
             let (mut row, value) = (*sum, *value);
             for p in 0..WIDTH {
                 row[p] += value[p] * self.weight;
-            }
-            *sum = row;
-        }
-    }
-}
-
-/// sum + weight·(lower + upper), where the first pair begins the sum.
-struct AddPair<'a> {
-    sum: &'a mut [Row],
-    lower: &'a [Row],
-    upper: &'a [Row],
-    weight: f64,
-    first: bool,
-}
-
-impl Kernel for AddPair<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        for ((sum, lower), upper) in self.sum.iter_mut().zip(self.lower).zip(self.upper) {
-            let (mut row, lower, upper) = (*sum, *lower, *upper);
-            for p in 0..WIDTH {
-                let pair = (lower[p] + upper[p]) * self.weight;
-                row[p] = if self.first { pair } else { row[p] + pair };
             }
             *sum = row;
         }

@@ -40,5 +40,5 @@ pub use compiled::Compiled;
 pub use derived::derived;
 pub use description::{Description, Lanes, Layout};
 pub use op::{MOST_INPUTS, Op, Program, Recorded};
-pub use problem::{Problem, ProblemError};
+pub use problem::Problem;
 pub use system::{System, Weights};

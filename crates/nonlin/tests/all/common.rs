@@ -1,5 +1,4 @@
 //! Equations that the tests share.
-#![allow(dead_code, reason = "each test binary uses a part of it")]
 
 use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Solver};
 use real::{Block, Kernel, Real, WIDTH, dispatch};

@@ -1,9 +1,7 @@
 //! The vector fields against the right-hand sides written out by hand, with the paper's misprints
 //! corrected, and the Itô corrections against formulas and against finite differences.
 
-mod common;
-
-use common::{Check, INERTIA, NOISE_INERTIA, Numbers, Region, every_system};
+use crate::common::{Check, INERTIA, NOISE_INERTIA, Numbers, Region, every_system};
 use systems::{
     IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
     RigidBodyEnergy, ito_correction, unit_noise, vector_field,
@@ -34,19 +32,11 @@ fn compare<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let (drift, diffusions) = by_hand(y);
         let name = system.name();
         // Points are within [−2, 2] and coefficients within 6: no term of degree two exceeds 6·2·2.
-        assert_close(
-            vector_field(system, y, 1.0, [0.0; M]),
-            drift,
-            24.0,
-            &format!("drift of {name}"),
-        );
+        let field = vector_field(system, y, 1.0, [0.0; M]);
+        assert_close(field, drift, 24.0, &format!("drift of {name}"));
         for m in 0..M {
-            assert_close(
-                vector_field(system, y, 0.0, unit_noise(m)),
-                diffusions[m],
-                24.0,
-                &format!("W{} of {name}", m + 1),
-            );
+            let field = vector_field(system, y, 0.0, unit_noise(m));
+            assert_close(field, diffusions[m], 24.0, &format!("W{} of {name}", m + 1));
         }
     }
 }
@@ -111,30 +101,7 @@ fn lotka_volterra() {
             (f, [f])
         });
     }
-    compare(
-        &LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.3).unwrap(),
-        Region::Positive,
-        |y| {
-            let f = populations(-1.0, -2.0, 1.3, y);
-            (f, [f])
-        },
-    );
-    compare(
-        &LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap(),
-        Region::Positive,
-        |y| {
-            let f = populations(-1.0, -1.0, 1.0, y);
-            (f, [f])
-        },
-    );
-    compare(
-        &LotkaVolterra::<IntegerExponents<3, 2>>::integer(0.5).unwrap(),
-        Region::Positive,
-        |y| {
-            let f = populations(-1.5, -2.0, 0.5, y);
-            (f, [f])
-        },
-    );
+    // Integer exponents: `exponents.rs`.
 }
 
 #[test]

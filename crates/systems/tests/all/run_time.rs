@@ -2,11 +2,12 @@
 
 use std::cmp::Ordering;
 
-use real::{Row, Rows, WIDTH, directional};
+use real::{Row, Rows, WIDTH};
 use systems::{
-    HamiltonianIncrement, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    PoissonSystem, RigidBody, area_gradient, ito_correction,
+    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
+    area_gradient, ito_correction,
     run_time::{Compiled, Op, System, Weights, derived},
+    vector_field_derivative,
 };
 
 /// States near y0, one for each path.
@@ -80,10 +81,7 @@ where
     let curved = apply(Op::Hessian { y: a, u });
     let mut slope = apply(Op::Structure { y: a, v: &curved });
     slope.iter_mut().flatten().zip(bent.iter().flatten()).for_each(|(x, bent)| *x += bent);
-    let along = |p| {
-        let field = HamiltonianIncrement { system: &system, dt: h.dt, dw: path(&dw, p) };
-        directional(&field, path(a, p), path(u, p)).1
-    };
+    let along = |p| vector_field_derivative(&system, path(a, p), h.dt, path(&dw, p), path(u, p));
     each(&slope, &along, rounding);
     let slope = apply(Op::AveragedHessian { a, b, u });
 

@@ -1,13 +1,9 @@
 //! What every system claims: B is skew, its Casimirs are Casimirs, its energies are energies,
 //! degrees and forms are right. And the same checks reject systems that are wrong on purpose.
 
-mod common;
-
+use crate::common::{Check, Numbers, Region, dot, every_system, invariant_gradient, matrix, size};
 use approx::assert_relative_eq;
-use common::{
-    Check, InvariantFunction, Numbers, Region, dot, every_system, invariant_gradient, matrix, size,
-};
-use real::{Dual, Real, ScalarFunction};
+use real::Real;
 use systems::{
     Form, Invariant, InvariantKind, LotkaVolterra, PoissonSystem, RealExponents, RigidBody,
     vector_field,
@@ -232,32 +228,6 @@ fn wrong_systems_are_rejected() {
     // The energy is no Casimir, and the Casimir is no multiple of it.
     assert!(casimir_defect(&populations, Region::Positive, 0) > 0.1);
     assert!(casimir_defect(&populations, Region::Positive, 1) < ROUND_OFF);
-}
-
-#[test]
-fn the_linear_casimir_bounds_positive_populations() {
-    // a, b < 0: all three coefficients are positive, so in the positive octant C bounds |y|.
-    for (a, b) in [(-1.0, -2.0), (-1.0, -1.0), (-0.7, -1.9)] {
-        let system = LotkaVolterra::new(a, b, 1.0).unwrap();
-        let slope = invariant_gradient(&system, 1, [1.0; 3]);
-        assert_eq!(slope, [a * b, 1.0, -a]);
-        assert!(slope.iter().all(|&coefficient| coefficient > 0.0));
-    }
-}
-
-#[test]
-fn invariants_are_differentiable_twice() {
-    // Nested dual numbers: the quadratic Casimir ½|y|² has the second derivative 1 in each
-    // direction.
-    let body = RigidBody::one_noise([2.0, 1.0, 0.5], 1.0).unwrap();
-    let casimir = InvariantFunction::<_, 1> { system: &body, index: 0 };
-    let y = [0.3, -0.2, 0.9].map(|x| Dual::fixed(Dual::fixed(x)));
-    for i in 0..3 {
-        let mut seeded = y;
-        seeded[i] = Dual::new(Dual::variable(y[i].value.value), Dual::constant(1.0));
-        let value: Dual<Dual<f64>> = casimir.value(seeded);
-        assert_eq!(value.derivative().derivative(), 1.0);
-    }
 }
 
 struct LinearStructure;

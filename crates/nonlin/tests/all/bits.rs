@@ -1,9 +1,7 @@
 //! A block is 32 equations and nothing else: the same bits alone, at every level, and beside any
 //! neighbours.
 
-mod common;
-
-use common::{Equations, Numbers, PrefersNewton, SineMap, solve_block};
+use crate::common::{Equations, Numbers, PrefersNewton, SineMap, solve_block};
 use nonlin::{BlockStatus, FixedPoint, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
 
@@ -102,32 +100,6 @@ fn a_block_is_its_paths_at_every_level() {
         {
             // All three ways were gone, so all three were compared.
             assert!(seen.iter().all(|&count| count >= 100), "{seen:?}");
-        }
-    }
-}
-
-#[test]
-fn a_path_does_not_see_its_neighbours() {
-    for method in METHODS {
-        let solver = Solver::new(method);
-        let original = mixed::<3>(77);
-        let (z, status) = solve_block(solver, &original);
-        for p in 0..WIDTH {
-            // All other paths replaced: by other equations, by easy ones, by ones that fail.
-            let mut easy = SineMap::<3>::new(0.0, &[0.5]);
-            easy.start = easy.constant;
-            let mut broken = easy;
-            broken.constant = [f64::NAN; 3];
-            for mut others in
-                [mixed::<3>(1000 + p as u64), Equations([easy; WIDTH]), Equations([broken; WIDTH])]
-            {
-                others.0[p] = original.0[p];
-                let (beside, status_beside) = solve_block(solver, &others);
-                assert_eq!(bits(z.path(p)), bits(beside.path(p)), "{method:?} path {p}");
-                assert_eq!(status.iterations(p), status_beside.iterations(p));
-                assert_eq!(status.robust.contains(p), status_beside.robust.contains(p));
-                assert_eq!(status.failed.contains(p), status_beside.failed.contains(p));
-            }
         }
     }
 }

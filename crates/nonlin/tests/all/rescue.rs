@@ -1,11 +1,9 @@
 //! Where the fixed point does not contract the robust method takes over, and finds the solution
 //! that is connected with the start.
 
-mod common;
-
-use common::{Equations, Numbers, difference, norm, solve_block};
+use crate::common::{Numbers, difference};
 use nonlin::{FixedPoint, Method, Outcome, Solver};
-use real::{PathMask, Real};
+use real::Real;
 
 /// z = ẑ + s·m × Km with m = (ẑ + z)/2: a step of the free rigid body, a nonlinear rotation. It
 /// keeps |z| = |ẑ|, has a solution for every s, and several for large s.
@@ -122,53 +120,4 @@ fn the_branch_is_the_one_of_the_start() {
     assert!(robust > 200, "{robust}");
     assert!(folded < 20, "{folded}");
     assert!(elsewhere >= 10, "{elsewhere}");
-}
-
-#[test]
-fn a_rescue_in_a_block_is_named_and_alone() {
-    let mut numbers = Numbers(99);
-    let mut equations = Equations(std::array::from_fn(|_| Rotation::random(0.3, &mut numbers)));
-    let (easy, _) = solve_block(Solver::default(), &equations);
-    equations.0[3].s = 12.0;
-    equations.0[30].s = 12.0;
-    let (z, status) = solve_block(Solver::default(), &equations);
-    assert_eq!(status.robust, PathMask(1 << 3 | 1 << 30));
-    assert_eq!(status.failed, PathMask::NONE);
-    for p in 0..32 {
-        if status.robust.contains(p) {
-            let expected = fine_continuation(&equations.0[p]).unwrap();
-            assert!(difference(z.path(p), expected) <= tolerance(12.0));
-            assert_ne!(z.path(p), easy.path(p));
-        } else {
-            assert_eq!(z.path(p), easy.path(p));
-        }
-    }
-}
-
-/// z = a·sin z + c on the line, started at c: for a > 1 the fixed point wanders.
-#[derive(Clone, Copy)]
-struct Wave {
-    a: f64,
-    c: f64,
-}
-
-impl FixedPoint<1> for Wave {
-    fn start(&self) -> [f64; 1] {
-        [self.c]
-    }
-    fn map<R: Real>(&self, z: [R; 1]) -> [R; 1] {
-        [z[0].sin() * self.a + self.c]
-    }
-}
-
-#[test]
-fn a_repelling_solution_is_found() {
-    // ψ′ = a cos z = −3 at z = π, where c = π − a sin π = π; the start is off by 0.1·a.
-    let wave = Wave { a: 3.0, c: std::f64::consts::PI + 0.1 };
-    let found = Solver::default().solve(&wave);
-    assert!(matches!(found.outcome, Outcome::Robust { .. }), "{:?}", found.outcome);
-    let [z] = found.z;
-    // Between π and c there is one sign change of z − 3 sin z − c, with slope 1 − 3 cos z > 3.
-    assert!(z > std::f64::consts::PI && z < wave.c);
-    assert!((z - 3.0 * z.sin() - wave.c).abs() < 8.0 * f64::EPSILON * norm(found.z));
 }

@@ -1,31 +1,19 @@
 //! Closed forms agree with what the trait provides from B and h alone.
 
-mod common;
-
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use common::{Check, Numbers, Region, dot, every_system};
-use real::Real;
+use crate::common::{Check, Numbers, Plain, Region, dot, every_system, matrix};
 use systems::{ImplicitStep, Pendulum, Poisson3, PoissonSystem};
-
-/// B and h of a system, and nothing else.
-struct Plain<'a, S>(&'a S);
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for Plain<'_, S> {
-    fn name(&self) -> &'static str {
-        self.0.name()
-    }
-    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
-        self.0.structure(y, v)
-    }
-    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
-        self.0.energy(y, dt, dw)
-    }
-}
 
 /// Powers up to the ninth by dual numbers and by closed forms, some through e^{p ln y}: a few tens
 /// of roundings of terms that are all of the size of the largest component.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
+
+fn close<const D: usize>(name: &str, one: [f64; D], other: [f64; D], allowed: f64) {
+    for i in 0..D {
+        assert!((one[i] - other[i]).abs() < allowed, "{name}: {one:?} {other:?}");
+    }
+}
 
 struct ClosedForms;
 
@@ -57,38 +45,18 @@ impl Check for ClosedForms {
             let provided: [f64; D] = Plain(system).gradient(a, dt, dw);
             let weights = dt.abs() + dw.iter().map(|w| w.abs()).sum::<f64>();
             let largest = closed.iter().fold(0.0, |m: f64, x| m.max(x.abs())) + weights;
-            for i in 0..D {
-                assert!(
-                    (closed[i] - provided[i]).abs() < ROUND_OFF * largest,
-                    "{name} at {a:?}: {closed:?} {provided:?}"
-                );
-            }
+            close(name, closed, provided, ROUND_OFF * largest);
 
             let closed = system.averaged_gradient(a, b, dt, dw);
             let provided: [f64; D] = Plain(system).averaged_gradient(a, b, dt, dw);
-            for i in 0..D {
-                assert!(
-                    (closed[i] - provided[i]).abs() < ROUND_OFF * largest,
-                    "{name} from {a:?} to {b:?}: {closed:?} {provided:?}"
-                );
-            }
+            close(name, closed, provided, ROUND_OFF * largest);
 
             let field = system.averaged_field(a, b, dt, dw);
             let composed: [f64; D] = Plain(system).averaged_field(a, b, dt, dw);
             // |B(y)v| is at most the largest entry of B, found column by column, times D|v|.
-            let mut entry = 1.0;
-            for j in 0..D {
-                let mut unit = [0.0; D];
-                unit[j] = 1.0;
-                let column = system.structure(dgrad::midpoint(a, b), unit);
-                entry = column.iter().fold(entry, |m: f64, x| m.max(x.abs()));
-            }
-            for i in 0..D {
-                assert!(
-                    (field[i] - composed[i]).abs() < ROUND_OFF * largest * entry,
-                    "{name} from {a:?} to {b:?}: {field:?} {composed:?}"
-                );
-            }
+            let matrix = matrix(system, dgrad::midpoint(a, b));
+            let entry = matrix.as_flattened().iter().fold(1.0, |m: f64, x| m.max(x.abs()));
+            close(name, field, composed, ROUND_OFF * largest * entry);
 
             // What a discrete gradient is for: ∇̄h·(b − a) = h(b) − h(a).
             let step = std::array::from_fn(|i| b[i] - a[i]);
@@ -134,21 +102,14 @@ impl Check for Predictions {
             self.checked += 1;
             let sum = |v: [f64; D]| v.iter().map(|x| x.abs()).sum::<f64>();
             if size <= 0.03 {
-                assert!(
-                    bound <= 2.0 * f64::EPSILON * sum(b),
-                    "{}: {bound:e} at {dt} {dw:?}",
-                    system.name()
-                );
+                assert!(bound <= 2.0 * f64::EPSILON * sum(b), "{bound:e} at {dt} {dw:?}");
             }
             if bound < f64::INFINITY {
                 let field = system.averaged_field(a, b, dt, dw);
                 let residual = sum(std::array::from_fn(|i| b[i] - a[i] - field[i]));
                 // Half an ulp for each of a dozen roundings.
-                assert!(
-                    residual <= bound + 6.0 * f64::EPSILON * (sum(a) + sum(b)),
-                    "{}: {residual:e} {bound:e}",
-                    system.name()
-                );
+                let allowed = bound + 6.0 * f64::EPSILON * (sum(a) + sum(b));
+                assert!(residual <= allowed, "{}: {residual:e} {bound:e}", system.name());
             }
         }
     }
@@ -204,14 +165,6 @@ impl Check for EnergyIsLinear {
 #[test]
 fn the_increment_is_linear_in_time_and_noise() {
     every_system(&mut EnergyIsLinear);
-}
-
-#[test]
-fn a_plain_system_has_no_invariant_and_no_boundary() {
-    let pendulum = Pendulum::new(1.0).unwrap();
-    let plain = Plain(&pendulum);
-    assert!(PoissonSystem::<2, 1>::invariants(&plain).is_empty());
-    assert_eq!(plain.check_domain([-5.0, 0.0]), Ok(()));
 }
 
 struct NoSuchInvariant(usize);
@@ -278,24 +231,4 @@ fn bounds_of_predictions_are_no_larger_than_they_must_be() {
         let poisson = Poisson3::new(0.7).unwrap().predict(b, 0.2, [0.0]).1;
         assert!(pendulum.max(poisson) < f64::EPSILON, "{pendulum:e} {poisson:e}");
     }
-}
-
-struct Names(Vec<&'static str>);
-
-impl Check for Names {
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        &mut self,
-        system: &S,
-        _region: Region,
-    ) {
-        self.0.push(system.name());
-    }
-}
-
-#[test]
-fn every_system_has_the_name_by_which_results_know_it() {
-    let mut names = Names(Vec::new());
-    every_system(&mut names);
-    names.0.dedup();
-    assert_eq!(names.0, ["pendulum", "rigid-body", "lotka-volterra", "maxwell-bloch", "poisson3"]);
 }

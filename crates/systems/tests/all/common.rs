@@ -1,5 +1,4 @@
 //! All systems of the paper at random points, and ways to spoil them.
-#![allow(dead_code, reason = "each test binary uses a part of it")]
 
 use real::{Real, ScalarFunction, gradient};
 use systems::{
@@ -109,6 +108,21 @@ pub fn size<const D: usize>(a: [f64; D], b: [[f64; D]; D], v: [f64; D]) -> f64 {
         }
     }
     sum
+}
+
+/// B and h of a system, and nothing else.
+pub struct Plain<'a, S>(pub &'a S);
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for Plain<'_, S> {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
+        self.0.structure(y, v)
+    }
+    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
+        self.0.energy(y, dt, dw)
+    }
 }
 
 /// A small generator of numbers in [−1, 1).

@@ -1,9 +1,7 @@
 //! Lotka–Volterra with integer exponents and with the same exponents taken for real ones.
 
-mod common;
-
+use crate::common::{Numbers, Region};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use common::{Numbers, Region};
 use systems::{
     Exponents, IntegerExponents, LotkaVolterra, PoissonSystem, RealExponents, ito_correction,
     vector_field,

@@ -1,11 +1,9 @@
 //! Equations without a solution, and input that is no number, end as `Failed`: no panic, no hang.
 
-mod common;
-
+use crate::common::SineMap;
 use approx::assert_relative_eq;
-use common::{Equations, SineMap, solve_block};
 use nonlin::{FixedPoint, Method, Outcome, Solver};
-use real::{PathMask, Real, WIDTH};
+use real::Real;
 
 /// ψ(z) on the line, by number.
 #[derive(Clone, Copy, Debug)]
@@ -121,22 +119,6 @@ fn numbers_that_are_none_fail() {
                 // ∞ is not.
                 assert!(!solver.solve(&start).outcome.converged());
             }
-        }
-    }
-}
-
-#[test]
-fn a_failure_in_a_block_is_named_and_alone() {
-    let mut equations = Equations([SineMap::<2>::new(0.4, &[0.3, -0.7, 0.2, 0.9]); WIDTH]);
-    equations.0[9].constant[1] = f64::NAN;
-    equations.0[31].start[0] = f64::INFINITY;
-    for method in [Method::FixedPoint, Method::Newton] {
-        let (z, status) = solve_block(Solver::new(method), &equations);
-        assert_eq!(status.failed, PathMask(1 << 9 | 1 << 31));
-        assert_eq!(status.robust, PathMask::NONE);
-        let expected = z.path(0);
-        for p in (0..WIDTH).filter(|&p| p != 9 && p != 31) {
-            assert_eq!(z.path(p), expected);
         }
     }
 }

@@ -1,8 +1,6 @@
 //! A prediction is accepted if its residual bound is below the tolerance, and only then.
 
-mod common;
-
-use common::{Equations, Numbers, SineMap, difference, residual, solve_block};
+use crate::common::{Equations, Numbers, SineMap, difference, residual, solve_block};
 use nonlin::{FirstSweep, FixedPoint, Method, Outcome, Solver};
 use real::{Real, WIDTH};
 
@@ -40,17 +38,6 @@ fn allowed(z: [f64; 2]) -> f64 {
 }
 
 #[test]
-fn a_prediction_is_accepted_by_its_bound() {
-    let map = map();
-    // Not the solution: it is the bound that decides.
-    let prediction = [0.75, -1.25];
-    for bound in [0.0, allowed(prediction)] {
-        let solution = Solver::default().solve(&Predicted { map, prediction, bound });
-        assert_eq!((solution.z, solution.outcome), (prediction, Outcome::Fast { iterations: 1 }));
-    }
-}
-
-#[test]
 fn sweeps_start_from_a_prediction_with_a_larger_bound() {
     let map = map();
     let exact = Solver::default().solve(&map).z;
@@ -77,42 +64,6 @@ fn without_a_finite_bound_sweeps_begin_at_the_start() {
             let solution = Solver::default().solve(&Predicted { map, prediction, bound });
             assert_eq!(solution.z, plain.z);
             assert_eq!(solution.outcome, Outcome::Fast { iterations: 1 + iterations });
-        }
-    }
-}
-
-/// Asks for a prediction and does not make one.
-#[derive(Clone, Copy, Debug)]
-struct Unpredicted(SineMap<2>);
-
-impl FixedPoint<2> for Unpredicted {
-    const METHOD: Method = Method::Newton;
-    const FIRST_SWEEP: FirstSweep = FirstSweep::Predicted;
-    fn start(&self) -> [f64; 2] {
-        self.0.start()
-    }
-    #[inline(always)]
-    fn map<R: Real>(&self, z: [R; 2]) -> [R; 2] {
-        self.0.map(z)
-    }
-}
-
-#[test]
-fn an_equation_without_a_prediction_is_solved_as_well() {
-    let map = map();
-    let (plain, unpredicted) =
-        (Solver::new(Method::Newton).solve(&map), Solver::default().solve(&Unpredicted(map)));
-    assert_eq!(unpredicted.z, plain.z);
-}
-
-#[test]
-fn a_prediction_that_is_not_finite_is_refused_whatever_its_bound() {
-    let map = map();
-    for prediction in [[f64::INFINITY, 1.0], [1.0, f64::NEG_INFINITY], [f64::NAN, 0.0]] {
-        for bound in [0.0, 1e-20] {
-            let solution = Solver::default().solve(&Predicted { map, prediction, bound });
-            assert!(solution.outcome.converged());
-            assert!(residual(&map, solution.z) < 1e-14, "{solution:?}");
         }
     }
 }

@@ -1,8 +1,6 @@
 //! Contractions are solved to round-off by both methods, at every size of the unknowns.
 
-mod common;
-
-use common::{PrefersNewton, SineMap, difference, norm, residual};
+use crate::common::{PrefersNewton, SineMap, difference, norm, residual};
 use nonlin::{FixedPoint, Method, Outcome, Solver};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -85,17 +83,9 @@ proptest! {
     #![proptest_config(cases(5000))]
 
     #[test]
-    fn random_contractions_in_one_dimension(contraction in 0.0..0.9, numbers in numbers()) {
+    fn random_contractions(contraction in 0.0..0.9, numbers in numbers()) {
         solved_by_both::<1>(contraction, &numbers, 1.0)?;
-    }
-
-    #[test]
-    fn random_contractions_in_two_dimensions(contraction in 0.0..0.9, numbers in numbers()) {
         solved_by_both::<2>(contraction, &numbers, 1.0)?;
-    }
-
-    #[test]
-    fn random_contractions_in_three_dimensions(contraction in 0.0..0.9, numbers in numbers()) {
         solved_by_both::<3>(contraction, &numbers, 1.0)?;
     }
 
@@ -181,7 +171,7 @@ fn the_zero_solution_is_found() {
 /// maps that contract slowly what is left has shrunk.
 #[test]
 fn a_settled_solution_is_one_sweep_further() {
-    let mut numbers = common::Numbers(3);
+    let mut numbers = crate::common::Numbers(3);
     let (mut left, mut settled_left) = (0.0, 0.0);
     for _ in 0..200 {
         let map = SineMap::<3>::new(0.6, &numbers.take(NUMBERS));
@@ -205,24 +195,13 @@ fn a_settled_solution_is_one_sweep_further() {
 /// evaluations leave 10⁻³³.
 #[test]
 fn a_long_first_sweep_solves_a_strong_contraction() {
-    let mut numbers = common::Numbers(4);
+    let mut numbers = crate::common::Numbers(4);
     for _ in 0..200 {
         let map = SineMap::<3>::new(1e-3, &numbers.take(NUMBERS));
         for found in [Solver::default().solve(&map), Solver::default().solve(&PrefersNewton(map))] {
             assert_eq!(found.outcome, Outcome::Fast { iterations: 1 }, "{map:?}");
             assert!(residual(&map, found.z) <= NEWTON_RESIDUAL * size(&map));
         }
-    }
-}
-
-#[test]
-fn a_solution_at_the_start_costs_one_sweep() {
-    for method in METHODS {
-        let mut map = SineMap::<2>::new(0.5, &[0.3, -0.8, 0.1, 0.9, -0.4]);
-        map.start = Solver::default().solve(&map).z;
-        let again = Solver::new(method).solve(&map);
-        assert_eq!(again.outcome, Outcome::Fast { iterations: 1 });
-        assert!(difference(again.z, map.start) <= FIXED_POINT_RESIDUAL * size(&map));
     }
 }
 
