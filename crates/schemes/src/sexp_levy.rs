@@ -76,10 +76,10 @@ impl Implicit for WithAreas {
 }
 
 impl SexpLevy {
-    fn formula<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    fn formula<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         self,
-        _: &'a S,
-    ) -> &'a dyn Scheme<S, D, M> {
+        _: &S,
+    ) -> &dyn Scheme<S, D, M> {
         if const { M > 1 } && !self.commuting { &WithAreas } else { &Sexp }
     }
 }

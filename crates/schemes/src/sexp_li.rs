@@ -178,10 +178,10 @@ impl<const IMPLICIT: bool, const AREAS: bool> Explicit for LinearlyImplicit<IMPL
 
 impl SexpLi {
     /// The formula that is meant. With one noise none with areas is compiled.
-    fn formula<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    fn formula<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         self,
-        _: &'a S,
-    ) -> &'a dyn Scheme<S, D, M> {
+        _: &S,
+    ) -> &dyn Scheme<S, D, M> {
         if const { M > 1 } && self.areas {
             match self.implicit {
                 true => &LinearlyImplicit::<true, true>,
