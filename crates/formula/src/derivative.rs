@@ -64,6 +64,7 @@ impl Graph {
     /// weight·∂f/∂a for operand number k of f.
     fn part(&mut self, f: Id, k: usize, weight: Id) -> Option<Id> {
         let is_first = k == 0;
+        let [first, second, third, fourth] = [0, 1, 2, 3].map(|n| (n == k).then_some(weight));
         Some(match self.node(f) {
             Node::Constant(_) | Node::Input(_) => return None,
             Node::Unary(Unary::Neg, _) => self.neg(weight),
@@ -92,23 +93,15 @@ impl Graph {
                 let part = self.mul(part, f);
                 self.neg(part)
             }
-            Node::Binary(Binary::Min, a, b) => self.piece(a, b, weight, is_first),
-            Node::Binary(Binary::Max, a, b) => self.piece(b, a, weight, is_first),
+            Node::Binary(Binary::Min, a, b) => self.chosen(a, b, first, second)?,
+            Node::Binary(Binary::Max, a, b) => self.chosen(b, a, first, second)?,
             Node::Power(a, n) => {
                 let power = self.power_of_size(a, n - 1);
                 let weight = self.scale(weight, f64::from(n));
                 self.mul(weight, power)
             }
-            Node::Where([x, y, ..]) if k >= 2 => self.piece(x, y, weight, k == 2),
-            Node::Where(_) => return None,
+            Node::Where([x, y, ..]) => self.chosen(x, y, third, fourth)?,
         })
-    }
-
-    /// The weight where x < y, or where not, and else zero.
-    fn piece(&mut self, x: Id, y: Id, weight: Id, is_less: bool) -> Id {
-        let zero = self.constant(0.0);
-        let (a, b) = if is_less { (weight, zero) } else { (zero, weight) };
-        self.where_less(x, y, a, b)
     }
 
     /// The derivative of f = function(a), for smooth functions other than √, ln and −.

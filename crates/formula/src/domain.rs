@@ -1,30 +1,31 @@
 //! Where a formula has no value.
 
 use crate::{
-    FormulaError, Id,
-    graph::{Binary, Graph, Node, Unary},
+    Formula, FormulaError, Id,
+    graph::{Binary, Node, Unary},
 };
 
-/// The first operation of a formula that is not finite at the inputs although its operands are, as
-/// `ln of -0.3 is NaN`; none if the root is finite.
-///
-/// An infinite operand that is divided by does no harm: the root decides.
-pub(crate) fn explain(
-    graph: &Graph,
-    root: Id,
-    text: &str,
-    names: &[String],
-    inputs: &[f64],
-) -> Option<FormulaError> {
-    let values = graph.values(&[root], inputs);
-    if values[root.index()].is_finite() {
-        return None;
+impl Formula {
+    /// Why the formula has no finite value at a point: its first operation that is not finite
+    /// although its operands are, as `ln of -0.3 is NaN`. None if it has one: an infinite operand
+    /// that is divided by does no harm.
+    ///
+    /// # Panics
+    /// Unless the point has a number for each variable.
+    #[must_use]
+    pub fn explain(&self, point: &[f64]) -> Option<FormulaError> {
+        assert_eq!(point.len(), self.variables().len(), "numbers of a point");
+        let (graph, root, text) = (self.graph(), self.root(), self.text());
+        let values = graph.values(&[root], point);
+        if values[root.index()].is_finite() {
+            return None;
+        }
+        let needed = graph.needed(&[root]);
+        let id = graph.ids().find(|id| needed[id.index()] && !values[id.index()].is_finite())?;
+        let operation = described(graph.node(id), &values, self.variables());
+        let message = format!("{operation} is {}", values[id.index()]);
+        Some(FormulaError::new(message, text, graph.place(id).unwrap_or(0..text.len())))
     }
-    let needed = graph.needed(&[root]);
-    let id = graph.ids().find(|id| needed[id.index()] && !values[id.index()].is_finite())?;
-    let operation = described(graph.node(id), &values, names);
-    let message = format!("{operation} is {}", values[id.index()]);
-    Some(FormulaError::new(message, text, graph.place(id).unwrap_or(0..text.len())))
 }
 
 /// An operation with the values of its operands.

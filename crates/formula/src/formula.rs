@@ -4,7 +4,7 @@ use std::slice::{from_mut, from_ref};
 
 use real::{Row, WIDTH};
 
-use crate::{FormulaError, Graph, Id, Names, Tape, domain::explain, parse};
+use crate::{FormulaError, Graph, Id, Names, Tape, parse};
 
 /// A formula in named variables.
 ///
@@ -113,16 +113,5 @@ impl Formula {
     #[must_use]
     pub fn depends_on(&self, k: usize) -> bool {
         self.graph.depends_on(self.root, k)
-    }
-
-    /// Why the formula has no finite value at a point: its first operation that is not finite. None
-    /// if it has one.
-    ///
-    /// # Panics
-    /// Unless the point has a number for each variable.
-    #[must_use]
-    pub fn explain(&self, point: &[f64]) -> Option<FormulaError> {
-        assert_eq!(point.len(), self.variables.len(), "numbers of a point");
-        explain(&self.graph, self.root, &self.text, &self.variables, point)
     }
 }

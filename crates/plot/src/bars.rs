@@ -15,12 +15,9 @@ pub trait Progress: Sync {
 }
 
 /// Tells nobody.
-#[derive(Clone, Copy, Debug)]
-pub struct Silent;
-
-impl Progress for Silent {
-    fn begin(&self, _id: &str, _work: u64) {}
-    fn advance(&self, _work: u64) {}
+impl Progress for () {
+    fn begin(&self, _: &str, _: u64) {}
+    fn advance(&self, _: u64) {}
     fn end(&self) {}
 }
 

@@ -36,7 +36,7 @@
 //! | [`comparison_csv`], [`csv`] | the numbers of a comparison of schemes; fields of any table |
 //! | [`files`] | whole files, folders that are checked before the computing |
 //! | [`provenance`], [`Provenance`] | commit, compiler, processor, command, memory |
-//! | [`Bars`], [`Progress`], [`Silent`] | progress on the terminal |
+//! | [`Bars`], [`Progress`] | progress on the terminal |
 //! | [`Label`] | indices and exponents in names of quantities |
 //! | [`escape()`] | text made safe for HTML and SVG |
 
@@ -50,7 +50,7 @@ mod label;
 pub mod provenance;
 pub mod series;
 
-pub use bars::{Bars, Progress, Silent};
+pub use bars::{Bars, Progress};
 pub use csv::comparison_csv;
 pub use document::Document;
 pub use escape::escape;

@@ -1,5 +1,7 @@
 //! `casimir inspect`: what a system is.
 
+use casimir::analysis;
+
 use super::{open, print, print_json, under_bar};
 use crate::{arguments::Inspect, failure::Done, model::with_names, scene::Changes};
 
@@ -8,7 +10,9 @@ pub fn inspect(arguments: &Inspect) -> Done {
     let scene = open(&arguments.scene, &Changes::default())?;
     let model = &scene.model;
     let what = "evaluating B and the Hamiltonians at many points";
-    let (known, findings) = under_bar(what, 0, |_| (model.known(), model.findings()));
+    let (known, findings) = under_bar(what, 0, |_| {
+        (model.known(), analysis::inspect(model.system(), &model.inspect_settings()))
+    });
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
     if arguments.json {
         return print_json(&serde_json::to_value(&findings)?);

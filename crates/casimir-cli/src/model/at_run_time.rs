@@ -4,15 +4,13 @@ use std::sync::{Arc, OnceLock};
 
 use casimir::{
     analysis::{
-        Candidates,
+        Candidates, InspectSettings,
         facts::{Facts, Form, fastest},
-        inspect,
-        inspect::{InspectError, InspectSettings, Inspection},
     },
     formula::FormulaSystem,
     mc::{self, Expect, Setup},
     schemes::{BuiltIn, Method, SchemeError},
-    systems::{Linearity, run_time::Problem},
+    systems::run_time::{Problem, System},
 };
 
 use super::{Known, Model, laws::with_laws};
@@ -100,16 +98,16 @@ impl Model for AtRunTime {
         }
     }
 
-    fn constant_structure(&self) -> bool {
-        self.problem.system().description().linearity == Linearity::Constant
-    }
-
     /// None for a lattice: a point has as many dimensions as spins, steps and noises together.
     fn expect(&self) -> Option<Expect<'_>> {
         self.formulas.as_ref().and_then(|_| Expect::at_run_time(&self.problem).ok())
     }
 
-    fn findings(&self) -> Result<Inspection, InspectError> {
-        inspect(self.problem.system(), &InspectSettings::at_run_time(&self.problem))
+    fn system(&self) -> &dyn System {
+        self.problem.system()
+    }
+
+    fn inspect_settings(&self) -> InspectSettings<'_> {
+        InspectSettings::at_run_time(&self.problem)
     }
 }

@@ -3,17 +3,12 @@
 use std::sync::Arc;
 
 use casimir::{
-    analysis::{
-        Candidates,
-        facts::{Kept, fastest},
-        inspect,
-        inspect::{InspectError, InspectSettings, Inspection},
-    },
+    analysis::{Candidates, InspectSettings},
     mc::{self, Expect, bind_owned},
     schemes::{BuiltIn, Method, Scheme, SchemeError},
     systems::{
-        Damping, Flows, InvariantKind, Linearity, PoissonSystem, Problem, linearity,
-        noises_commute, run_time,
+        Damping, Flows, PoissonSystem, Problem,
+        run_time::{self, System},
     },
 };
 
@@ -28,14 +23,17 @@ type Compiles<S, const D: usize, const M: usize> =
 /// A problem whose schemes are compiled for it.
 pub struct Compiled<S, const D: usize, const M: usize> {
     problem: Damped<S, D>,
+    at_run_time: run_time::Compiled<S, D, M>,
     scheme: Compiles<S, D, M>,
     expect: for<'a> fn(&'a Damped<S, D>) -> Expect<'a>,
 }
 
-impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<S, D, M> {
+impl<S: PoissonSystem<D, M> + Copy + 'static, const D: usize, const M: usize> Compiled<S, D, M> {
     /// The problem of a system without flows of its own.
     pub fn new(problem: Damped<S, D>) -> Self {
-        Self { problem, scheme: BuiltIn::compiled, expect: |problem| Expect::new(problem) }
+        let at_run_time = run_time::Compiled::new(*problem.system(), problem.y0());
+        let scheme = BuiltIn::compiled;
+        Self { problem, at_run_time, scheme, expect: |problem| Expect::new(problem) }
     }
 
     /// The problem of a system with flows.
@@ -43,11 +41,14 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<
     where
         S: Flows<D, M>,
     {
-        Self { problem, scheme: BuiltIn::by_parts, expect: |problem| Expect::by_parts(problem) }
+        let scheme = BuiltIn::by_parts;
+        Self { scheme, expect: |problem| Expect::by_parts(problem), ..Self::new(problem) }
     }
 }
 
-impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model for Compiled<S, D, M> {
+impl<S: PoissonSystem<D, M> + Copy + 'static, const D: usize, const M: usize> Model
+    for Compiled<S, D, M>
+{
     fn problem(&self) -> mc::Problem<'_> {
         mc::Problem::of(&self.problem)
     }
@@ -61,29 +62,15 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model for
         Ok(Candidates::compiled(&self.problem, self.scheme))
     }
 
-    fn recommended(&self) -> (&'static str, String) {
-        let (system, y0) = (self.problem.system(), self.problem.y0());
-        let has = |kind| system.invariants().iter().any(|law| law.kind == kind);
-        let areas = !noises_commute(system, y0);
-        Kept { casimirs: has(InvariantKind::Casimir), energy: has(InvariantKind::Energy), areas }
-            .scheme()
-    }
-
-    fn fastest(&self) -> f64 {
-        let system = run_time::Compiled::new(self.problem.system(), self.problem.y0());
-        fastest(&system, &self.problem.y0())
-    }
-
-    fn constant_structure(&self) -> bool {
-        linearity(self.problem.system(), self.problem.y0()) == Linearity::Constant
-    }
-
     fn expect(&self) -> Option<Expect<'_>> {
         Some((self.expect)(&self.problem))
     }
 
-    fn findings(&self) -> Result<Inspection, InspectError> {
-        let system = run_time::Compiled::new(self.problem.system(), self.problem.y0());
-        inspect(&system, &InspectSettings::of(&self.problem))
+    fn system(&self) -> &dyn System {
+        &self.at_run_time
+    }
+
+    fn inspect_settings(&self) -> InspectSettings<'_> {
+        InspectSettings::of(&self.problem)
     }
 }

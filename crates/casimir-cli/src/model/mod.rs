@@ -12,13 +12,13 @@ use std::sync::Arc;
 
 use casimir::{
     analysis::{
-        Candidates,
-        inspect::{InspectError, Inspection},
+        Candidates, InspectSettings,
+        facts::{Kept, fastest},
     },
     formula::{Formula, FormulaDamping, Names},
     mc::{Expect, Problem, Setup},
     schemes::{BuiltIn, Method, SchemeError},
-    systems::{Constant, Damping},
+    systems::{Constant, Damping, InvariantKind, Linearity, run_time::System},
 };
 
 use crate::scene::{Observable, Quantity, Read, Reading};
@@ -42,13 +42,28 @@ pub trait Model: Send + Sync {
     /// Those of [`scheme`](Self::scheme).
     fn candidates(&self) -> Result<Candidates<'_>, SchemeError>;
 
+    /// Expectations for which everything is chosen; `None` if they are computed by levels of random
+    /// points.
+    fn expect(&self) -> Option<Expect<'_>>;
+
+    /// The system, for what is asked of any.
+    fn system(&self) -> &dyn System;
+
+    /// What `inspect` has to know of the problem.
+    fn inspect_settings(&self) -> InspectSettings<'_>;
+
     /// The same with the laws that were found as columns of tables.
     fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
         setup
     }
 
     /// The scheme that `auto` takes, and why.
-    fn recommended(&self) -> (&'static str, String);
+    fn recommended(&self) -> (&'static str, String) {
+        let system = self.system().description();
+        let has = |kind| system.invariants.iter().any(|law| law.kind == kind);
+        let (casimirs, energy) = (has(InvariantKind::Casimir), has(InvariantKind::Energy));
+        Kept { casimirs, energy, areas: !system.noises_commute }.scheme()
+    }
 
     /// What the system is, as far as a run has to know; nothing of a system of the project.
     fn known(&self) -> Known {
@@ -58,23 +73,13 @@ pub trait Model: Send + Sync {
     /// The rate of the fastest motion at the initial value, in radians per time; zero if it is not
     /// known.
     fn fastest(&self) -> f64 {
-        0.0
+        fastest(self.system(), &self.problem().y0)
     }
 
     /// Whether B does not depend on y.
     fn constant_structure(&self) -> bool {
-        false
+        self.system().description().linearity == Linearity::Constant
     }
-
-    /// Expectations for which everything is chosen; `None` if they are computed by levels of random
-    /// points.
-    fn expect(&self) -> Option<Expect<'_>>;
-
-    /// What the system is.
-    ///
-    /// # Errors
-    /// Those of [`inspect`](casimir::analysis::inspect()).
-    fn findings(&self) -> Result<Inspection, InspectError>;
 }
 
 /// What is found within milliseconds.

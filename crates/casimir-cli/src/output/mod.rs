@@ -112,18 +112,13 @@ pub fn rows_at_end(study: &StudyResult, check: Option<&StepCheck>) -> Vec<[Strin
     study.series.iter().map(row).collect()
 }
 
-/// The same as text with aligned columns.
+/// The same as text, with columns as wide as their widest cell.
 pub fn table_at_end(study: &StudyResult, check: Option<&StepCheck>) -> String {
-    aligned(AT_END.map(String::from), rows_at_end(study, check))
-}
-
-/// Columns as wide as their widest cell.
-pub fn aligned<const N: usize>(header: [String; N], rows: Vec<[String; N]>) -> String {
-    let all: Vec<[String; N]> = [header].into_iter().chain(rows).collect();
+    let all: Vec<_> =
+        [AT_END.map(String::from)].into_iter().chain(rows_at_end(study, check)).collect();
     let width = |k: usize| all.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..N).map(width).collect();
-    let line = |row: &[String; N]| {
-        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}"));
+    let line = |row: &[String; 7]| {
+        let cells = row.iter().enumerate().map(|(k, cell)| format!("{cell:<0$}", width(k)));
         format!("{}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
     };
     all.iter().map(line).collect()

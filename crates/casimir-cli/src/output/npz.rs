@@ -7,26 +7,30 @@ use std::{
 };
 
 use casimir::mc::{
-    TimeSeries,
+    Column, TimeSeries,
     study::{Series, StudyResult, Summary},
 };
 use npyz::{WriteOptions, WriterBuilder, npz::file_name_from_array_name};
 use zip::{DateTime, ZipWriter, write::SimpleFileOptions};
 
-type Writer = ZipWriter<BufWriter<File>>;
-
-/// An array of this shape in row-major order.
-fn array(out: &mut Writer, name: &str, shape: &[u64], values: Vec<f64>) -> io::Result<()> {
+/// Writes arrays with their names and shapes, in row-major order.
+fn write(
+    file: &Path,
+    arrays: impl IntoIterator<Item = (String, Vec<usize>, Vec<f64>)>,
+) -> io::Result<()> {
+    let mut out = ZipWriter::new(BufWriter::new(File::create(file)?));
     // Without the time of day: the same results are the same bytes.
     let options = SimpleFileOptions::default().last_modified_time(DateTime::default());
-    out.start_file(file_name_from_array_name(name), options)?;
-    let mut writer = WriteOptions::new().default_dtype().shape(shape).writer(out).begin_nd()?;
-    writer.extend(values)?;
-    writer.finish()
-}
-
-fn create(file: &Path) -> io::Result<Writer> {
-    Ok(ZipWriter::new(BufWriter::new(File::create(file)?)))
+    for (name, shape, values) in arrays {
+        out.start_file(file_name_from_array_name(&name), options)?;
+        let shape: Vec<u64> = shape.into_iter().map(|length| length as u64).collect();
+        let array = WriteOptions::new().default_dtype().shape(&shape);
+        let mut array = array.writer(&mut out).begin_nd()?;
+        array.extend(values)?;
+        array.finish()?;
+    }
+    out.finish()?;
+    Ok(())
 }
 
 /// The tables of paths: `t`, and for each column an array [path, time]. A path that ended early has
@@ -35,22 +39,19 @@ pub fn paths(file: &Path, tables: &[TimeSeries]) -> io::Result<()> {
     let longest = tables.iter().max_by_key(|table| table.times().len());
     let Some(longest) = longest else { return Ok(()) };
     let times = longest.times();
-    let mut out = create(file)?;
-    for (k, column) in longest.columns.iter().enumerate() {
-        if column.name == "t" {
-            array(&mut out, "t", &[times.len() as u64], times.to_vec())?;
-            continue;
+    let padded = |values: &[f64]| {
+        let mut values = values.to_vec();
+        values.resize(times.len(), f64::NAN);
+        values
+    };
+    let array = |(k, column): (usize, &Column)| match &*column.name {
+        "t" => ("t".into(), vec![times.len()], times.to_vec()),
+        name => {
+            let values = tables.iter().flat_map(|table| padded(&table.columns[k].values));
+            (name.into(), vec![tables.len(), times.len()], values.collect())
         }
-        let padded = |table: &TimeSeries| {
-            let mut values = table.columns[k].values.clone();
-            values.resize(times.len(), f64::NAN);
-            values
-        };
-        let values = tables.iter().flat_map(padded).collect();
-        array(&mut out, &column.name, &[tables.len() as u64, times.len() as u64], values)?;
-    }
-    out.finish()?;
-    Ok(())
+    };
+    write(file, longest.columns.iter().enumerate().map(array))
 }
 
 /// A statistic of a summary, if it is known.
@@ -60,13 +61,9 @@ type Statistic = fn(&Summary) -> Option<f64>;
 /// `<name> hi` (the 95 % interval of the mean), `<name> deviation` and `<name> quantiles`, an array
 /// [time, level]. What is not known is NaN.
 pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
-    let mut out = create(file)?;
     let Some(first) = result.series.first() else { return Ok(()) };
     let times: Vec<f64> = first.points.iter().map(|point| point.time).collect();
-    let (count, levels) = (times.len() as u64, result.record.quantiles.clone());
-    let shape = [count, levels.len() as u64];
-    array(&mut out, "t", &[count], times)?;
-    array(&mut out, "quantile levels", &[shape[1]], levels)?;
+    let (count, levels) = (times.len(), &result.record.quantiles);
     let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let columns: [(&str, Statistic); 4] = [
         ("mean", |point| point.mean),
@@ -74,15 +71,17 @@ pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
         ("hi", |point| point.mean_interval.map(|(_, hi)| hi)),
         ("deviation", |point| point.deviation),
     ];
-    for Series { observable, points } in &result.series {
-        for (what, of) in columns {
+    let arrays = |Series { observable, points }: &Series| {
+        let column = |(what, of): (&str, Statistic)| {
             let values = points.iter().map(|point| known(of(point)));
-            array(&mut out, &format!("{observable} {what}"), &[count], values.collect())?;
-        }
+            (format!("{observable} {what}"), vec![count], values.collect())
+        };
         let quantiles = points.iter().flat_map(|point| &point.quantiles);
-        let quantiles = quantiles.map(|quantile| known(quantile.value));
-        array(&mut out, &format!("{observable} quantiles"), &shape, quantiles.collect())?;
-    }
-    out.finish()?;
-    Ok(())
+        let quantiles = quantiles.map(|quantile| known(quantile.value)).collect();
+        let quantiles = (format!("{observable} quantiles"), vec![count, levels.len()], quantiles);
+        columns.map(column).into_iter().chain([quantiles]).collect::<Vec<_>>()
+    };
+    let level = ("quantile levels".into(), vec![levels.len()], levels.clone());
+    let all = [("t".into(), vec![count], times), level].into_iter();
+    write(file, all.chain(result.series.iter().flat_map(arrays)))
 }

@@ -71,32 +71,32 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
         return lines;
     }
     let (mut worst, mut seen, mut hidden) = (Vec::new(), Vec::new(), Vec::new());
-    for errors in &check.observables {
-        let StepErrors { observable, mean, deviation, along_paths } = errors;
-        let mut note = |name: String, error: f64, size: f64| {
-            if error <= NO_DIGIT * size {
-                let percent = rough(100.0 * error / size);
-                seen.push(format!("{name} about {} ({percent} %)", rough(error)));
-            } else {
-                worst.push(name);
+    for StepErrors { observable, mean, deviation, along_paths } in &check.observables {
+        // With the sizes of what they are errors of.
+        let errors = match study {
+            Some(study) => {
+                let Some([first, second]) = step_errors(check, study, observable) else { continue };
+                let spread = deviation.value.abs();
+                let name = format!("the deviation of {observable}");
+                let size = mean.value.abs().max(spread);
+                vec![(observable.clone(), first, size), (name, second, spread)]
             }
-        };
-        let Some(study) = study else {
             // Of single paths the difference itself is shown.
-            let (size, along) = (mean.value.hypot(deviation.value), 2.0 * along_paths);
-            match along <= 0.01 * size {
-                true => {}
-                false => note(observable.clone(), along, size),
+            None => {
+                let (size, along) = (mean.value.hypot(deviation.value), 2.0 * along_paths);
+                let is_fine = along <= 0.01 * size;
+                let error = if is_fine { StepError::Fine } else { StepError::About };
+                vec![(observable.clone(), error(along), size)]
             }
-            continue;
         };
-        let Some(found) = step_errors(check, study, observable) else { continue };
-        let spread = deviation.value.abs();
-        let sizes = [mean.value.abs().max(spread), spread];
-        for ((error, size), what) in found.into_iter().zip(sizes).zip(["", "the deviation of "]) {
+        for (name, error, size) in errors {
             match error {
-                StepError::About(error) => note(format!("{what}{observable}"), error, size),
-                StepError::CannotTell => hidden.push(format!("{what}{observable}")),
+                StepError::About(error) if error <= NO_DIGIT * size => {
+                    let percent = rough(100.0 * error / size);
+                    seen.push(format!("{name} about {} ({percent} %)", rough(error)));
+                }
+                StepError::About(_) => worst.push(name),
+                StepError::CannotTell => hidden.push(name),
                 StepError::Fine(_) | StepError::Below(_) => {}
             }
         }

@@ -16,11 +16,7 @@ pub use values::{At, Parameter, Text, count};
 
 use std::{fmt::Display, path::Path};
 
-use casimir::{
-    formula::{Names, nearest},
-    mc::Setup,
-    schemes::BuiltIn,
-};
+use casimir::{formula::nearest, mc::Setup, schemes::BuiltIn};
 
 use crate::model::{self, Model};
 
@@ -72,7 +68,9 @@ impl Scene {
                 constants: &constants,
                 settings: &settings,
             })?;
-        let words = (&names, &energy);
+        let quantity = |text: &At<Text>| {
+            observe::quantity(&source, text, (&names, &energy), &settings.initial)
+        };
         let mut observables = Vec::new();
         if components.len() <= MOST_COMPONENTS {
             let named = components.iter().enumerate();
@@ -86,20 +84,29 @@ impl Scene {
             if known || is_column(name) {
                 return Err(taken(name, name.span()));
             }
-            let quantity = observe::quantity(&source, formula, words, &settings.initial)?;
-            observables.push(Observable::new(name.as_str(), quantity));
+            observables.push(Observable::new(name.as_str(), quantity(formula)?));
         }
         if observables.is_empty() {
             let message = "a system of so many components needs observables: add [observe]";
             return Err(source.error(None, message));
         }
-        let (expected, accuracy) = match &file.expect {
-            Some(table) => {
-                let known = (&components[..], &observables[..]);
-                expected(&source, table, known, words, &settings.initial)?
+        let known = |text: &At<Text>| {
+            let name = text.0.as_str();
+            let known = observables.iter().find(|known| known.name == name).cloned();
+            let component = || {
+                let component = components.iter().position(|component| component == name)?;
+                Some(Observable::new(name, Quantity::Component(component)))
+            };
+            match known.or_else(component) {
+                Some(known) => Ok(known),
+                None => Ok(Observable::new(name, quantity(text)?)),
             }
-            None => (Vec::new(), None),
         };
+        let expected = match &file.expect {
+            Some(table) => expected(&source, table, known)?,
+            None => Vec::new(),
+        };
+        let accuracy = file.expect.map(|table| *table.accuracy);
         let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
         let name = file.system.name.as_deref().cloned();
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
@@ -142,14 +149,12 @@ fn is_column(name: &str) -> bool {
         || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// The test functions and the accuracy of `[expect]`.
+/// The test functions of `[expect]`, whose accuracy is checked.
 fn expected(
     source: &Source,
     table: &ExpectTable,
-    (components, observables): (&[String], &[Observable]),
-    words: (&Names, &Quantity),
-    y0: &[f64],
-) -> Read<(Vec<Observable>, Option<f64>)> {
+    known: impl Fn(&At<Text>) -> Read<Observable>,
+) -> Read<Vec<Observable>> {
     let accuracy = *table.accuracy;
     if !(accuracy > 0.0 && accuracy.is_finite()) {
         let message = format!("the accuracy must be positive and finite, got {accuracy}");
@@ -160,20 +165,13 @@ fn expected(
     }
     let mut expected: Vec<Observable> = Vec::new();
     for formula in table.of.iter() {
-        let text = formula.0.as_str();
-        let known = observables.iter().find(|known| known.name == text).cloned();
-        let component = || components.iter().position(|component| component == text);
-        let phi = match (known, component()) {
-            (Some(known), _) => known,
-            (None, Some(i)) => Observable::new(text, Quantity::Component(i)),
-            (None, None) => Observable::new(text, observe::quantity(source, formula, words, y0)?),
-        };
+        let phi = known(formula)?;
         if expected.iter().any(|before| before.name == phi.name) {
-            return Err(source.error(formula.span(), format!("`{text}` is listed twice")));
+            return Err(source.error(formula.span(), format!("`{}` is listed twice", phi.name)));
         }
         expected.push(phi);
     }
-    Ok((expected, Some(accuracy)))
+    Ok(expected)
 }
 
 /// The value and the place of something that may be left out.

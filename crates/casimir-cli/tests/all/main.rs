@@ -3,7 +3,6 @@
 mod areas;
 mod broken;
 mod common;
-mod cost;
 mod defaults;
 mod gallery;
 mod parts;

@@ -58,12 +58,15 @@ impl Expressions {
         new.energy = new.graph.dot(&new.hamiltonians, &weights);
         let gradient = new.gradient_of(&weights);
         let hessian = new.along(&gradient);
+        let (from, to) = (new.inputs(new.y()), new.inputs(new.u()));
+        let weighted = new.with_weights(&weights);
+        let averaged = average::averaged_gradient(&mut new.graph, &weighted, &from, &to);
         new.operations = vec![
             (Op::Structure { y, v }, field),
             (Op::StructureAlong { y, u, v }, field_along),
             (Op::Gradient { y }, gradient),
             (Op::Hessian { y, u }, hessian),
-            (Op::AveragedGradient { a, b }, new.averaged(&weights)),
+            (Op::AveragedGradient { a, b }, averaged),
             (Op::ItoCorrection { y }, new.corrected()),
         ];
         if noises <= MOST_NOISES {
@@ -188,13 +191,6 @@ impl Expressions {
     /// ∇(H₀w₀ + H₁w₁ + …).
     fn gradient_of(&mut self, weights: &[Id]) -> Vec<Id> {
         self.graph.reverse(&self.with_weights(weights), &self.y().collect::<Vec<_>>())
-    }
-
-    /// ∇̄h(y, u).
-    fn averaged(&mut self, weights: &[Id]) -> Vec<Id> {
-        let (a, b) = (self.inputs(self.y()), self.inputs(self.u()));
-        let weighted = self.with_weights(weights);
-        average::averaged_gradient(&mut self.graph, &weighted, &a, &b)
     }
 
     /// ½Σₘ fₘ′fₘ.

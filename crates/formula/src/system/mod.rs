@@ -62,7 +62,6 @@ const MOST_EXPRESSIONS: usize = 100_000;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct FormulaSystem {
-    definition: Definition,
     description: Description,
     names: Names,
     checked: Vec<Formula>,
@@ -119,7 +118,6 @@ impl FormulaSystem {
             ..Description::new(&definition.name, dimension, noises, rule)
         };
         let mut system = Self {
-            definition: definition.clone(),
             description,
             tapes,
             energy: expressions.energy_tape(),
@@ -133,22 +131,19 @@ impl FormulaSystem {
                 .chain(formulas.structure.into_iter().flatten())
                 .collect(),
         };
-        system.description.own_scratch_rows = system.largest_scratch();
-        Ok(system)
-    }
-
-    fn largest_scratch(&self) -> usize {
-        let tapes = self.tapes.iter().map(|(_, tape)| tape);
-        let tapes = tapes.chain([&self.energy]).chain(&self.guard);
+        let tapes = system.tapes.iter().map(|(_, tape)| tape);
+        let tapes = tapes.chain([&system.energy]).chain(&system.guard);
         // One more row has dt.
-        tapes.map(|tape| tape.scratch_rows() + 1).max().unwrap_or(0)
+        let largest = tapes.map(|tape| tape.scratch_rows() + 1).max();
+        system.description.own_scratch_rows = largest.unwrap_or(0);
+        Ok(system)
     }
 
     fn tape<P>(&self, op: Op<P>) -> &Tape {
         let op = op.map(|_| ());
         match self.tapes.iter().find(|(known, _)| *known == op) {
             Some((_, tape)) => tape,
-            None => unreachable!("{} has no {op:?}", self.definition.name),
+            None => unreachable!("{} has no {op:?}", self.description.name),
         }
     }
 
@@ -162,7 +157,7 @@ impl FormulaSystem {
     /// component, with the values of the parameters: `dp = -q dt + 0.5 ∘ dW1`.
     #[must_use]
     pub fn equations(&self, damped: bool) -> Vec<String> {
-        self.expressions.clone().equations(&self.definition.state, damped)
+        self.expressions.clone().equations(self.names.variables(), damped)
     }
 }
 
@@ -205,10 +200,8 @@ impl System for FormulaSystem {
         inputs: usize,
         results: &[usize],
     ) -> Option<Box<dyn Program>> {
-        let rule = &self.description.rule;
-        let program =
-            self.programs.program(&self.expressions, rule, operations, inputs, results)?;
-        Some(Box::new(program))
+        let (rule, key) = (&self.description.rule, (operations.into(), inputs, results.into()));
+        Some(Box::new(self.programs.program(&self.expressions, rule, key)?))
     }
 
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {

@@ -21,25 +21,17 @@ use crate::{Graph, Id, Tape};
 pub struct Programs(Mutex<Vec<(Key, Option<SchemeTape>)>>);
 
 /// The nodes, the number of inputs, and the nodes that are results.
-type Key = (Vec<Recorded>, usize, Vec<usize>);
+pub type Key = (Vec<Recorded>, usize, Vec<usize>);
 
 impl Programs {
-    /// The tape of the `results` among the nodes; none if it would be too long.
-    pub fn program(
-        &self,
-        system: &Expressions,
-        rule: &Rule,
-        nodes: &[Recorded],
-        inputs: usize,
-        results: &[usize],
-    ) -> Option<FormulaProgram> {
+    /// The tape of a formula; none if it would be too long.
+    pub fn program(&self, system: &Expressions, rule: &Rule, key: Key) -> Option<FormulaProgram> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |((n, i, r), _): &&(Key, _)| n == nodes && *i == inputs && r == results;
-        let compiled = match known.iter().find(same) {
+        let compiled = match known.iter().find(|(known, _)| *known == key) {
             Some((_, compiled)) => compiled.clone(),
             None => {
-                let compiled = SchemeTape::new(system, rule, nodes, inputs, results);
-                known.push(((nodes.into(), inputs, results.into()), compiled.clone()));
+                let compiled = SchemeTape::new(system, rule, &key);
+                known.push((key, compiled.clone()));
                 compiled
             }
         }?;
@@ -63,13 +55,8 @@ struct SchemeTape {
 }
 
 impl SchemeTape {
-    fn new(
-        system: &Expressions,
-        rule: &Rule,
-        nodes: &[Recorded],
-        inputs: usize,
-        results: &[usize],
-    ) -> Option<Self> {
+    fn new(system: &Expressions, rule: &Rule, (nodes, inputs, results): &Key) -> Option<Self> {
+        let inputs = *inputs;
         let is_multiple = |n: &usize| matches!(nodes[*n], Recorded::Multiple(_));
         let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
         let numbers = inputs * system.dimension();

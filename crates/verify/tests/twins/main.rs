@@ -11,7 +11,6 @@ mod orders;
 mod without_iteration;
 mod wrong_systems;
 
-use plot::Silent;
 use systems::paper::{pendulum, poisson3_strong};
 use verify::page::Outcome;
 use verify::{
@@ -137,7 +136,7 @@ const QUICK: Settings = Settings { seed: 1, mode: Mode::Quick, samples_times: No
 #[test]
 fn every_twin_is_refuted() {
     for (experiment, (id, mistake, measure)) in (streams::TWINS..).zip(TWINS) {
-        let (settings, wanted, further, progress) = (QUICK, &[], &[], &Silent);
+        let (settings, wanted, further, progress) = (QUICK, &[], &[], &());
         let conditions = Conditions { settings, experiment, wanted, further, progress };
         let claim = measure(&conditions);
         assert_eq!(claim.verdict, Verdict::Refuted, "{id}, {mistake}: {}", claim.evidence);
@@ -146,7 +145,7 @@ fn every_twin_is_refuted() {
 
 #[test]
 fn the_right_methods_are_not_refuted() {
-    for claim in reproduce(QUICK, &ids(STATEMENTS).collect::<Vec<_>>(), &[], &Silent).claims {
+    for claim in reproduce(QUICK, &ids(STATEMENTS).collect::<Vec<_>>(), &[], &()).claims {
         let refuted = Outcome::of(&claim) == Outcome::Refuted;
         assert!(!refuted, "{}: {}", claim.id, claim.evidence);
     }
