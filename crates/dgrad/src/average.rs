@@ -2,7 +2,7 @@
 
 use real::Real;
 
-use crate::legendre::{QuadratureError, Rule, fixed_rule};
+use crate::legendre::fixed_rule;
 
 /// A gradient field ∇H on ℝᴰ, generic over [`Real`].
 pub trait GradientField<const D: usize> {
@@ -107,45 +107,6 @@ impl<F: GradientField<D>, R: Real, const N: usize, const D: usize> Nodes<'_, F, 
 fn plus<R: Real, const D: usize>(mut mean: [R; D], gradient: [R; D], weight: f64) -> [R; D] {
     for i in 0..D {
         mean[i] = mean[i] + gradient[i] * weight;
-    }
-    mean
-}
-
-/// ∇̄H(a, b) with 2n + 1 nodes, and the error estimate ‖∇̄ₙH − ∇̄₂ₙ₊₁H‖∞.
-///
-/// For a smooth H the finer rule is far more accurate, so this estimates the error of the rule with
-/// n nodes.
-///
-/// # Errors
-/// [`QuadratureError::Nodes`] unless n ≥ 1 and 2n + 1 ≤ [`MAX_NODES`](crate::MAX_NODES).
-pub fn averaged_with_error<F: GradientField<D>, const D: usize>(
-    field: &F,
-    a: [f64; D],
-    b: [f64; D],
-    n: usize,
-) -> Result<([f64; D], f64), QuadratureError> {
-    let coarse = averaged_by(field, a, b, &Rule::new(n)?);
-    let fine = averaged_by(field, a, b, &Rule::new(2 * n + 1)?);
-    let mut error = 0.0;
-    for i in 0..D {
-        error = f64::max(error, (coarse[i] - fine[i]).abs());
-    }
-    Ok((fine, error))
-}
-
-fn averaged_by<F: GradientField<D>, const D: usize>(
-    field: &F,
-    a: [f64; D],
-    b: [f64; D],
-    rule: &Rule,
-) -> [f64; D] {
-    let mut mean = [0.0; D];
-    for (&eta, &weight) in rule.nodes().iter().zip(rule.weights()) {
-        let mut y = a;
-        for i in 0..D {
-            y[i] += (b[i] - a[i]) * eta;
-        }
-        mean = plus(mean, field.gradient(y), weight);
     }
     mean
 }

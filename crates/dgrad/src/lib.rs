@@ -1,5 +1,4 @@
-//! **The averaged discrete gradient: closed forms exact to round-off, and quadrature with an error
-//! estimate.**
+//! **The averaged discrete gradient: closed forms exact to round-off, and quadrature.**
 //!
 //! ∇̄H(a, b) = ∫₀¹ ∇H((1−η)a + ηb) dη satisfies ∇̄H(a, b)·(b − a) = H(b) − H(a) for every H
 //! (Harten, Lax and van Leer 1983; McLachlan, Quispel and Robidoux 1999). An integrator with ∇̄H
@@ -9,7 +8,7 @@
 //! everything else goes by nodes and weights (`legendre`) to their sum (`average`).
 //!
 //! ```
-//! use dgrad::{GradientField, averaged, averaged_with_error};
+//! use dgrad::{GradientField, averaged};
 //! use real::Real;
 //!
 //! /// H(y) = e^{y₁} y₂.
@@ -24,10 +23,6 @@
 //! let mean: [f64; 2] = averaged::<8, _, _, 2>(&Mine, a, b);
 //! let work = mean[0] * (b[0] - a[0]) + mean[1] * (b[1] - a[1]);
 //! assert!((work - (0.4f64.exp() * 0.8 - 0.1f64.exp())).abs() < 1e-15);
-//!
-//! let (_, error) = averaged_with_error(&Mine, a, b, 8)?;
-//! assert!(error < 1e-14);
-//! # Ok::<(), dgrad::QuadratureError>(())
 //! ```
 //!
 //! | item | purpose |
@@ -36,7 +31,6 @@
 //! | [`mean_cosine`], [`mean_sine`] | ∇̄H for H = sin y and H = −cos y, without cancellation |
 //! | [`ShortMean`] | the same for short steps in fewer operations, with derivatives |
 //! | [`averaged`] | N Gauss–Legendre nodes, for block kernels |
-//! | [`averaged_with_error`] | n nodes chosen at run time, with an error estimate |
 //! | [`Rule`], [`nodes_for_degree`] | Gauss–Legendre rules on [0, 1] |
 
 mod average;
@@ -44,7 +38,7 @@ mod closed;
 mod legendre;
 mod short;
 
-pub use average::{GradientField, averaged, averaged_with_error};
+pub use average::{GradientField, averaged};
 pub use closed::{mean_cosine, mean_sine, midpoint};
 pub use legendre::{MAX_NODES, QuadratureError, Rule, nodes_for_degree};
 pub use short::ShortMean;

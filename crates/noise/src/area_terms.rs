@@ -111,20 +111,6 @@ mod tests {
     ];
 
     #[test]
-    fn terms_for_strong_order_one() {
-        // The closed form ⌈√(m/(12π²h))⌉ at steps where it is not close to an integer.
-        for exponent in 4..=16 {
-            let step = 2f64.powi(-exponent);
-            let error = strong_order_one_error(step);
-            for m in 2..=6 {
-                let closed = (m as f64 / (12.0 * PI * PI * step)).sqrt().ceil() as usize;
-                assert_eq!(area_terms(error, step, m), Ok(closed.max(1)));
-            }
-        }
-        assert_eq!(area_terms(strong_order_one_error(2f64.powi(-12)), 2f64.powi(-12), 3), Ok(11));
-    }
-
-    #[test]
     fn the_number_of_terms_is_the_least() {
         for m in [2, 3, 7] {
             for terms in [1, 2, 3, 10, 49, 1000, 12_345] {

@@ -37,10 +37,8 @@ pub fn first_sweeps<E: FixedPoint<D>, const D: usize>(
     other: &E,
 ) -> (Iterate<D>, Iterate<D>) {
     match (E::FIRST_SWEEP, E::METHOD) {
-        (FirstSweep::Plain, method) => {
-            (sweep(one, one.start(), method), sweep(other, other.start(), method))
-        }
-        (FirstSweep::Predicted, _) => (
+        // No equation begins with a plain sweep here.
+        (FirstSweep::Plain | FirstSweep::Predicted, _) => (
             test_prediction(one.start(), one.predict()),
             test_prediction(other.start(), other.predict()),
         ),

@@ -2,6 +2,8 @@
 
 mod quadrature;
 
+use std::ops::Deref;
+
 use dgrad::Rule;
 use real::Real;
 
@@ -23,19 +25,8 @@ pub trait Damping: Send + Sync {
     fn describe(&self) -> String;
 }
 
-impl<G: Damping + ?Sized> Damping for &G {
-    fn rate(&self, t: f64) -> f64 {
-        (**self).rate(t)
-    }
-    fn integral(&self, a: f64, b: f64) -> f64 {
-        (**self).integral(a, b)
-    }
-    fn describe(&self) -> String {
-        (**self).describe()
-    }
-}
-
-impl<G: Damping + ?Sized> Damping for std::sync::Arc<G> {
+/// A damping that is lent or shared.
+impl<G: Deref<Target: Damping> + Send + Sync> Damping for G {
     fn rate(&self, t: f64) -> f64 {
         (**self).rate(t)
     }

@@ -30,11 +30,17 @@ pub trait Flows<const D: usize, const M: usize>: PoissonSystem<D, M> {
     /// flow for −dt and −dw must be its inverse.
     fn flow(&self, part: usize, y: [f64; D], dt: f64, dw: [f64; M]) -> [f64; D];
 
+    /// Whether [`flow`](Self::flow) is exact up to rounding.
+    const EXACT: bool = false;
+
     /// The same with an error of fifth order in (dt, dw) at most, as schemes of weak order two
-    /// need; by a triple jump of [`flow`](Self::flow) unless overridden. Override it where `flow`
-    /// is exact already, or where a map of higher order costs less.
+    /// need; by a triple jump of [`flow`](Self::flow) if that is not [exact](Self::EXACT). Override
+    /// it where a map of higher order costs less.
     #[inline(always)]
     fn precise_flow(&self, part: usize, y: [f64; D], dt: f64, dw: [f64; M]) -> [f64; D] {
+        if Self::EXACT {
+            return self.flow(part, y, dt, dw);
+        }
         let mut z = y;
         for share in TRIPLE_JUMP {
             let mut part_dw = dw;

@@ -27,6 +27,7 @@ impl Pendulum {
 /// Parts: ½y₁², which moves the angle, then −cos y₂, which moves the momentum: one sine a step.
 impl Flows<2, 1> for Pendulum {
     const PARTS: usize = 2;
+    const EXACT: bool = true;
 
     #[inline(always)]
     fn flow(&self, part: usize, y: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
@@ -35,11 +36,6 @@ impl Flows<2, 1> for Pendulum {
             0 => [y[0], y[1] + time * y[0]],
             _ => [y[0] - time * elementary::sin(y[1]), y[1]],
         }
-    }
-
-    #[inline(always)]
-    fn precise_flow(&self, part: usize, y: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
-        self.flow(part, y, dt, dw)
     }
 }
 

@@ -29,6 +29,7 @@ impl Poisson3 {
 /// Parts sin yᵢ: y moves along Beᵢ, which has no component i.
 impl Flows<3, 1> for Poisson3 {
     const PARTS: usize = 3;
+    const EXACT: bool = true;
 
     #[inline(always)]
     fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
@@ -38,11 +39,6 @@ impl Flows<3, 1> for Poisson3 {
             1 => [y[0] + shift, y[1], y[2] - shift],
             _ => [y[0] - shift, y[1] + shift, y[2]],
         }
-    }
-
-    #[inline(always)]
-    fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
-        self.flow(part, y, dt, dw)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A prediction is accepted if its residual bound is below the tolerance, and only then.
 
-use crate::common::{Equations, Numbers, SineMap, difference, residual, solve_block};
+use crate::common::{Equations, Numbers, SineMap, difference, solve_block};
 use nonlin::{FirstSweep, FixedPoint, Method, Outcome, Solver};
 use real::{Real, WIDTH};
 
@@ -66,14 +66,6 @@ fn without_a_finite_bound_sweeps_begin_at_the_start() {
             assert_eq!(solution.outcome, Outcome::Fast { iterations: 1 + iterations });
         }
     }
-}
-
-#[test]
-fn the_fixed_point_method_makes_no_use_of_a_prediction() {
-    let map = map();
-    let predicted = Predicted { map, prediction: [0.75, -1.25], bound: 0.0 };
-    let solution = Solver::new(Method::FixedPoint).solve(&predicted);
-    assert!(residual(&map, solution.z) < 1e-13, "{solution:?}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ use nonlin::BlockStatus;
 use real::Row;
 use systems::{
     Constant,
+    paper::valid,
     run_time::{Lanes, System, Weights},
 };
 
@@ -29,9 +30,7 @@ impl<'a, F: Implicit> ExplicitStepper<'a, F> {
 
 /// A step by which the memory of a formula is found out.
 pub fn some_step() -> Step {
-    let step = Constant::new(0.0).map(|damping| Step::new(&damping, 0, 1.0));
-    step.unwrap_or_else(|error| unreachable!("{error}"))
-        .unwrap_or_else(|error| unreachable!("{error}"))
+    valid(Step::new(&valid(Constant::new(0.0)), 0, 1.0))
 }
 
 impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {

@@ -160,6 +160,19 @@ pub fn any_increments<const M: usize>(numbers: &mut Numbers, tau: f64) -> [f64; 
     [(); M].map(|()| bound * (1.25 * numbers.next()).clamp(-1.0, 1.0))
 }
 
+/// Areas spread over all that truncation with k = 4 lets through.
+pub fn any_areas<const M: usize>(numbers: &mut Numbers, tau: f64) -> [[f64; M]; M] {
+    let bound = Truncation::new(4).unwrap().area_bound(tau).unwrap();
+    let mut areas = [[0.0; M]; M];
+    for m in 0..M {
+        for l in m + 1..M {
+            areas[m][l] = bound * (1.25 * numbers.next()).clamp(-1.0, 1.0);
+            areas[l][m] = -areas[m][l];
+        }
+    }
+    areas
+}
+
 struct InvariantFunction<'a, S, const M: usize> {
     system: &'a S,
     index: usize,

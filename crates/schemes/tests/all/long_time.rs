@@ -45,6 +45,7 @@ impl PoissonSystem<2, 1> for Oscillator {
 
 impl Flows<2, 1> for Oscillator {
     const PARTS: usize = 2;
+    const EXACT: bool = true;
     const NOISE_PARTS: [Option<usize>; 1] = [Some(1)];
 
     #[inline(always)]
@@ -53,10 +54,6 @@ impl Flows<2, 1> for Oscillator {
             0 => [y[0] + dt * y[1], y[1]],
             _ => [y[0], y[1] - self.square * dt * y[0] - SIGMA * dw[0]],
         }
-    }
-    #[inline(always)]
-    fn precise_flow(&self, part: usize, y: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
-        self.flow(part, y, dt, dw)
     }
 }
 

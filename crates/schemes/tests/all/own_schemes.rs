@@ -39,6 +39,19 @@ impl Implicit for ConformalMidpoint {
     }
 }
 
+/// y + ⅛Σ B(yₖ)∇h(yₖ) with yₖ = y + ⅛k B(y)∇h(y), k = 1 … 6: a stage stores six results.
+pub struct Wide;
+
+impl Explicit for Wide {
+    const ID: &'static str = "wide";
+
+    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
+        let first = h.field(y);
+        let points = [1, 2, 3, 4, 5, 6].map(|k| y + first * (0.125 * f64::from(k)));
+        points.into_iter().fold(y, |z, point| z + h.field(point) * 0.125)
+    }
+}
+
 #[test]
 fn what_a_formula_declares_its_scheme_says() {
     fn declared(scheme: &dyn Scheme<systems::RigidBody<3>, 3, 3>) -> (&str, bool, bool) {

@@ -13,7 +13,10 @@ use systems::{
     run_time::{Compiled, System},
 };
 
-use crate::common::{INERTIA, Numbers, Spins, body, populations_1};
+use crate::{
+    common::{INERTIA, Numbers, Spins, body, populations_1},
+    own_schemes::Wide,
+};
 
 const STEPS: u64 = 40;
 
@@ -103,6 +106,7 @@ fn nine_dimensions_have_the_same_bits() {
     let sexp_li = SexpLi::new(&system, y0).unwrap();
     for tau in [1.0 / 64.0, 0.2] {
         assert_eq!(difference(&system, &Heun, &adapter, y0, tau), 0.0);
+        assert_eq!(difference(&system, &Wide, &adapter, y0, tau), 0.0);
         assert_eq!(difference(&system, &sexp_li, &adapter, y0, tau), 0.0);
         assert_eq!(difference(&system, &Sexp, &adapter, y0, tau), 0.0);
         assert_eq!(difference(&system, &Midpoint, &adapter, y0, tau), 0.0);

@@ -3,17 +3,18 @@
 use std::ops::Range;
 
 use dgrad::Rule;
-use noise::StepNoise;
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Row, Rows, WIDTH};
 use schemes::{
-    EulerMaruyama, Explicit, Heun, Implicit, Increment, Midpoint, Sexp, SexpLi, Step, WithSolver,
+    EulerMaruyama, Heun, Implicit, Increment, Midpoint, Sexp, SexpLi, Step, WithSolver,
     run_time::{Scheme, SchemeError},
 };
 use systems::{
     Constant, Linearity,
     run_time::{Description, Layout, Op, System, Weights, derived},
 };
+
+use crate::own_schemes::Wide;
 
 const SIGMA: f64 = 0.8;
 
@@ -160,8 +161,15 @@ fn bits_depend_neither_on_tiles_nor_on_threads() {
     let sexp_li = SexpLi::at_run_time(&one_tile).unwrap();
     let forced = Solver { max_sweeps: 1, ..Solver::new(Method::FixedPoint) };
     let krylov = WithSolver { formula: Sexp, solver: forced };
-    let schemes: [(&dyn Scheme, usize); 6] =
-        [(&EulerMaruyama, 0), (&Heun, 0), (&sexp_li, 0), (&Midpoint, 0), (&Sexp, 0), (&krylov, 8)];
+    let schemes: [(&dyn Scheme, usize); 7] = [
+        (&EulerMaruyama, 0),
+        (&Heun, 0),
+        (&Wide, 0),
+        (&sexp_li, 0),
+        (&Midpoint, 0),
+        (&Sexp, 0),
+        (&krylov, 8),
+    ];
     for (scheme, robust) in schemes {
         let expected = run(scheme, &one_tile, 1, 0.05);
         assert_eq!(expected.1, robust, "{}", scheme.id());
@@ -170,63 +178,6 @@ fn bits_depend_neither_on_tiles_nor_on_threads() {
             let found = run(scheme, &Chain::new(SPINS, tile), threads, 0.05);
             assert!(found == expected, "{} with tiles of {tile} rows", scheme.id());
         }
-    }
-}
-
-/// y + Σ cₖ B(yₖ)∇h(yₖ) with yₖ = y + ⅛k B(y)∇h(y): a stage stores six results.
-struct Wide;
-
-/// The number of points yₖ, and the weight of each.
-const POINTS: u32 = 6;
-const WEIGHT: f64 = 1.0 / 8.0;
-
-impl Explicit for Wide {
-    const ID: &'static str = "wide";
-
-    #[inline(always)]
-    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
-        let first = h.field(y);
-        let points: Vec<H::Vector> =
-            (1..=POINTS).map(|k| y + first * (0.125 * f64::from(k))).collect();
-        points.into_iter().fold(y, |z, point| z + h.field(point) * WEIGHT)
-    }
-}
-
-/// One step of [`Wide`], each operation on the whole state.
-fn wide_by_hand(system: &Chain, y: &[Row], h: Weights<'_>) -> Vec<Row> {
-    let whole = 0..y.len();
-    let field = |y: &[Row]| {
-        let (mut v, mut field) = (vec![[0.0; WIDTH]; y.len()], vec![[0.0; WIDTH]; y.len()]);
-        system.apply(Op::Gradient { y }, whole.clone(), h, &mut v, &mut []);
-        system.apply(Op::Structure { y, v: &v }, whole.clone(), h, &mut field, &mut []);
-        field
-    };
-    let plus = |y: &[Row], v: &[Row], factor: f64| -> Vec<Row> {
-        let plus = |(y, v): (&Row, &Row)| std::array::from_fn(|p| y[p] + v[p] * factor);
-        y.iter().zip(v).map(plus).collect()
-    };
-    let first = field(y);
-    let points = (1..=POINTS).map(|k| plus(y, &first, 0.125 * f64::from(k)));
-    points.fold(y.to_vec(), |z, point| plus(&z, &field(&point), WEIGHT))
-}
-
-#[test]
-fn a_formula_may_store_any_number_of_results() {
-    for (spins, tile, threads) in [(100, 3, 1), (2000, 33, 2), (2000, 189, 1)] {
-        let system = Chain::new(spins, tile);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            let mut path = Wide.stepper(&system).unwrap();
-            path.state_mut().copy_from_slice(&start(&system));
-            let step = Step::new(&Constant::new(0.0).unwrap(), 0, 0.05).unwrap();
-            let noise = StepNoise::from(Rows::splat(&[0.1, -0.2, 0.05]).unwrap());
-            for _ in 0..3 {
-                let weights = Weights { dt: step.tau, dw: &noise.increments, areas: &[] };
-                let expected = wide_by_hand(&system, path.state(), weights);
-                path.step(&step, &noise, &mut BlockStatus::explicit());
-                assert!(path.state() == expected, "{spins} {tile}");
-            }
-        });
     }
 }
 

@@ -30,6 +30,7 @@ use real::{OutOfMemory, Row, Rows, WIDTH, dispatch};
 use crate::{
     Invariant, Linearity, SystemError,
     error::finite,
+    paper::valid,
     run_time::{Description, Lanes, Layout, Op, System, Weights, derived},
 };
 use bonds::{Flow, OfPaths, Part};
@@ -132,7 +133,7 @@ impl SpinLattice {
         };
         let sites = shape.sites();
         let noises = if couplings.local { 3 * sites } else { 3 };
-        let rule = Rule::new(1).unwrap_or_else(|error| unreachable!("{error}"));
+        let rule = valid(Rule::new(1));
         let mut description = Description {
             parameters: couplings.describe(&shape),
             linearity: Linearity::Affine,
@@ -165,7 +166,7 @@ impl SpinLattice {
         // One more, since the last tile may be shorter.
         layout.reach = shape.farthest().div_ceil(TILE_SITES) + 1;
         if couplings.local {
-            layout = layout.with_local_noise();
+            (layout.noise_rows, layout.local_noise) = (layout.rows, true);
         }
         let offsets = directions
             .iter()

@@ -8,8 +8,8 @@ use real::{Kernel, Row, WIDTH, along, derivatives, dispatch, fixed};
 use super::{Description, Op, System, Weights, derived};
 use crate::{
     Flows, PoissonSystem, SystemError, always_solvable, area_gradient, is_quadratic,
-    ito_correction, jacobi_holds, linearity, noises_commute, unit_noise, vector_field,
-    vector_field_derivative,
+    ito_correction, jacobi_holds, linearity, noises_commute, paper::valid, unit_noise,
+    vector_field, vector_field_derivative,
 };
 
 /// Nodes of the rule for derivatives of the averaged gradient. The gradient itself is that of the
@@ -31,7 +31,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
     /// The system; how B depends on y is found at `y0`.
     pub fn new(system: S, y0: [f64; D]) -> Self {
         let nodes = if is_quadratic(&system, 1.0, [1.0; M]) { 1 } else { NODES };
-        let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
+        let rule = valid(Rule::new(nodes));
         let description = Description {
             parameters: system.parameters(),
             linearity: linearity(&system, y0),

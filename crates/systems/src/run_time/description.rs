@@ -61,12 +61,6 @@ impl Layout {
         Self { lanes, rows, tile_rows, reach, site, noise_rows: noises, local_noise: false }
     }
 
-    /// The same layout, where every component has a noise of its own.
-    #[must_use]
-    pub fn with_local_noise(self) -> Self {
-        Self { noise_rows: self.rows, local_noise: true, ..self }
-    }
-
     /// Whether there is more than one tile.
     #[must_use]
     pub fn is_tiled(&self) -> bool {

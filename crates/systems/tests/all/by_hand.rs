@@ -148,30 +148,6 @@ fn ito_correction_of_the_rigid_body() {
     }
 }
 
-#[test]
-fn ito_correction_of_the_other_systems() {
-    let mut numbers = Numbers(13);
-    for _ in 0..300 {
-        // Pendulum with noise c: ½c²(−cos q·p, −sin q).
-        let [p, q]: [f64; 2] = Region::Box.point(&mut numbers);
-        let ours = ito_correction(&Pendulum::new(0.7).unwrap(), [p, q]);
-        let exact = times(0.5 * 0.49, [-q.cos() * p, -q.sin()]);
-        assert_close(ours, exact, 4.0, "pendulum");
-
-        // Maxwell–Bloch: f₁ = (y₂, 0, 0) does not change along itself.
-        let y: [f64; 3] = Region::Box.point(&mut numbers);
-        assert_eq!(ito_correction(&MaxwellBloch, y), [0.0; 3]);
-
-        // Poisson3: ½c²(s₃f₃ − s₂f₂, s₁f₁ − s₃f₃, s₂f₂ − s₁f₁) with s = sin y.
-        let [a, b, c] = y.map(f64::cos);
-        let f = [b - c, c - a, a - b];
-        let g = std::array::from_fn::<_, 3, _>(|i| y[i].sin() * f[i]);
-        let exact = times(0.5 * 0.49, [g[2] - g[1], g[0] - g[2], g[1] - g[0]]);
-        let ours = ito_correction(&Poisson3::new(0.7).unwrap(), y);
-        assert_close(ours, exact, 4.0, "poisson3");
-    }
-}
-
 /// Relative step of the central differences: error h²/6·|f‴| of truncation and ε/h of rounding,
 /// both near 10⁻¹⁰.
 const H: f64 = 1e-5;

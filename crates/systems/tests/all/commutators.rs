@@ -223,23 +223,3 @@ fn functions_of_one_energy_and_of_casimirs_commute() {
         assert!(!noises_commute(&Functions(3), y), "{y:?}");
     }
 }
-
-#[test]
-fn two_noises_have_the_provided_commutator() {
-    // Differences with h = 1e-4 leave h²/6 = 2e-9 of third derivatives, which are up to some
-    // hundreds.
-    let mut numbers = Numbers(23);
-    for _ in 0..100 {
-        let y: [f64; 2] = Region::Box.point(&mut numbers);
-        let areas = skew::<2>(&mut numbers);
-        for same in [true, false] {
-            let ours = Shaken { same }.commutators(y, areas);
-            let differences = by_differences(&Shaken { same }, y, areas, 1e-4);
-            for i in 0..2 {
-                assert!((ours[i] - differences[i]).abs() < 1e-5, "{ours:?} {differences:?}");
-                assert!(!same || ours[i].abs() < 1e-13, "{ours:?}");
-            }
-            assert!(same || areas[0][1].abs() < 0.1 || ours.iter().any(|x| x.abs() > 1e-4));
-        }
-    }
-}

@@ -1,7 +1,5 @@
 //! Closed forms agree with what the trait provides from B and h alone.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use crate::common::{Check, Numbers, Plain, Region, dot, every_system, matrix};
 use systems::{ImplicitStep, Pendulum, Poisson3, PoissonSystem};
 
@@ -165,70 +163,4 @@ impl Check for EnergyIsLinear {
 #[test]
 fn the_increment_is_linear_in_time_and_noise() {
     every_system(&mut EnergyIsLinear);
-}
-
-struct NoSuchInvariant(usize);
-
-impl Check for NoSuchInvariant {
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        &mut self,
-        system: &S,
-        region: Region,
-    ) {
-        let y: [f64; D] = region.point(&mut Numbers(11));
-        let count = system.invariants().len();
-        for index in 0..count {
-            assert!(system.invariant::<f64>(index, y).is_finite());
-        }
-        for index in [count, count + 1, usize::MAX] {
-            let panic = catch_unwind(AssertUnwindSafe(|| system.invariant::<f64>(index, y)))
-                .expect_err(system.name());
-            let expected = format!("{} has no invariant of index {index}", system.name());
-            assert_eq!(panic.downcast_ref::<String>(), Some(&expected));
-        }
-        self.0 += 1;
-    }
-}
-
-#[test]
-fn an_invariant_that_does_not_exist_names_the_system() {
-    let mut check = NoSuchInvariant(0);
-    every_system(&mut check);
-    assert!(check.0 >= 9, "{}", check.0);
-}
-
-/// The bound of a prediction over its residual at long steps, where the residual is far above its
-/// round-off: the least over many points.
-fn sharpness<S: PoissonSystem<D, 1>, const D: usize>(system: &S) -> f64 {
-    let mut numbers = Numbers(12);
-    let sum = |v: [f64; D]| v.iter().map(|x| x.abs()).sum::<f64>();
-    let mut least = f64::INFINITY;
-    for _ in 0..2000 {
-        let (a, dt): ([f64; D], f64) = (Region::Box.point(&mut numbers), 0.9);
-        let (b, bound) = system.predict(a, dt, [0.0]);
-        let field = system.averaged_field(a, b, dt, [0.0]);
-        let residual = sum(std::array::from_fn(|i| b[i] - a[i] - field[i]));
-        if bound < f64::INFINITY && residual > 1e-12 {
-            least = least.min(bound / residual);
-        }
-    }
-    least
-}
-
-#[test]
-fn bounds_of_predictions_are_no_larger_than_they_must_be() {
-    // |M″| ≤ |w|/3 is attained where the force is steepest. In three dimensions the two components
-    // that each derivative enters do not add up, and the 1-norm of the step counts twice.
-    let pendulum = sharpness(&Pendulum::new(0.7).unwrap());
-    assert!((0.99..1.01).contains(&pendulum), "{pendulum}");
-    let poisson = sharpness(&Poisson3::new(0.7).unwrap());
-    assert!((1.0..5.0).contains(&poisson), "{poisson}");
-    // At steps of a fifth the predictions are accepted, for their bound is below round-off.
-    let mut numbers = Numbers(13);
-    for _ in 0..1000 {
-        let (a, b) = (Region::Box.point(&mut numbers), Region::Box.point(&mut numbers));
-        let pendulum = Pendulum::new(0.7).unwrap().predict(a, 0.2, [0.0]).1;
-        let poisson = Poisson3::new(0.7).unwrap().predict(b, 0.2, [0.0]).1;
-        assert!(pendulum.max(poisson) < f64::EPSILON, "{pendulum:e} {poisson:e}");
-    }
 }

@@ -2,7 +2,6 @@
 //! degrees and forms are right. And the same checks reject systems that are wrong on purpose.
 
 use crate::common::{Check, Numbers, Region, dot, every_system, invariant_gradient, matrix, size};
-use approx::assert_relative_eq;
 use real::Real;
 use systems::{
     Form, Invariant, InvariantKind, LotkaVolterra, PoissonSystem, RealExponents, RigidBody,
@@ -109,7 +108,6 @@ impl Check for Claims {
             let degree = degree_defect(system, region, index, invariant.degree);
             assert!(degree < ROUND_OFF, "{name} {invariant:?}: {degree}");
             form_is_as_claimed(system, region, index, invariant);
-            homogeneous(system, region, index, invariant);
         }
     }
 }
@@ -145,24 +143,6 @@ fn form_is_as_claimed<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         Form::Homogeneous
     };
     assert_eq!(seen, invariant.form, "{} {invariant:?}", system.name());
-}
-
-/// F(λy) = λᵖF(y), without derivatives.
-fn homogeneous<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-    system: &S,
-    region: Region,
-    index: usize,
-    invariant: &Invariant,
-) {
-    let mut numbers = Numbers(6);
-    for lambda in [0.5f64, 0.9, 1.7] {
-        let y: [f64; D] = region.point(&mut numbers);
-        let scaled: f64 = system.invariant(index, y.map(|x| lambda * x));
-        let expected = lambda.powf(invariant.degree) * system.invariant(index, y);
-        // The largest exponent is 10, and a linear invariant may cancel to a tenth of its terms.
-        let max_relative = 160.0 * f64::EPSILON;
-        assert_relative_eq!(scaled, expected, epsilon = 0.0, max_relative = max_relative);
-    }
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use systems::{
     Constant, Cosine, Damping, DampingFunction, IntegerExponents, Linear, LotkaVolterra,
     MaxwellBloch, Pendulum, Poisson3, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine,
-    SystemError, paper,
+    SystemError,
 };
 
 const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
@@ -165,39 +165,6 @@ fn a_problem_gives_back_what_it_was_made_of() {
     }
     let (_, damping, state, t_end) = longer.into_parts();
     assert_eq!((damping.rate(0.0), state, t_end), (0.5, y0, 3.0));
-}
-
-#[test]
-fn the_problems_of_the_paper_start_where_it_says() {
-    let start = paper::rigid_body_start();
-    let exact = [1.1f64.cos(), 0.0, 1.1f64.sin()];
-    assert!(start.iter().zip(exact).all(|(y, exact)| (y - exact).abs() < 1e-15));
-    // y(0), T, and γ(1).
-    let (cosine, sine) = (0.5 * 2f64.cos(), 1f64.sin());
-    fn is<S, G: Damping, const D: usize>(
-        problem: &Problem<S, G, D>,
-        y0: [f64; D],
-        t_end: f64,
-        rate: f64,
-    ) {
-        assert_eq!((problem.y0(), problem.t_end()), (y0, t_end));
-        assert!((problem.damping().rate(1.0) - rate).abs() < 1e-15);
-    }
-    is(&paper::pendulum(), [0.2, 1.0], 1.0, 2.0);
-    is(&paper::rigid_body_three_noises(2.0), start, 2.0, cosine);
-    is(&paper::rigid_body_one_noise(), start, 1.0, cosine);
-    is(&paper::rigid_body_energy(3.0), start, 3.0, sine);
-    is(&paper::lotka_volterra_1_1(), [0.2, 0.4, 0.6], 1.0, sine);
-    is(&paper::lotka_volterra_2_2(10.0), [0.2, 0.4, 0.6], 10.0, sine);
-    is(&paper::maxwell_bloch(5.0), [1.0, 2.0, 3.0], 5.0, cosine);
-    is(&paper::poisson3_strong(), [1.0, 2.0, 3.0], 0.5, cosine);
-    is(&paper::poisson3_casimir(7.0), [1.0, 2.0, 3.0], 7.0, 1.0);
-    // I = (2, 1, 2/3) and Î = (1, 2, 3): the energy at (1, 1, 1).
-    let problem = paper::rigid_body_three_noises(1.0);
-    let energy: f64 = problem.system().energy([1.0; 3], 1.0, [0.0; 3]);
-    assert!((energy - 0.5 * (0.5 + 1.0 + 1.5)).abs() < 1e-15, "{energy}");
-    let noise: f64 = problem.system().energy([1.0; 3], 0.0, [1.0; 3]);
-    assert!((noise - 0.5 * (1.0 + 0.5 + 1.0 / 3.0)).abs() < 1e-15, "{noise}");
 }
 
 #[test]
