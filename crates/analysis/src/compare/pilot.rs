@@ -12,8 +12,8 @@ use schemes::Method;
 
 use super::{Outcome, own_areas::as_drawn, search::Search};
 use crate::{
-    FinalMoments, StepSizes, Stopwatch,
-    orders::{Consistency, Subject, single_steps},
+    FinalMoments, Limit, StepSizes, Stopwatch,
+    orders::{Subject, single_steps},
 };
 
 /// Paths of a pilot.
@@ -57,7 +57,7 @@ impl Known {
                 let sizes = StepSizes::new(steps, truncation, search.key(1));
                 let sizes = StepSizes { levels: 1, ..sizes };
                 let excluded = match single_steps(Subject { problem, scheme }, &sizes, stop)? {
-                    Consistency::Inconsistent(defect) => Some(Outcome::Inconsistent(defect)),
+                    Limit::Inconsistent { defect } => Some(Outcome::Inconsistent(defect)),
                     _ => None,
                 };
                 return Ok(Self { first, seconds, excluded });

@@ -147,9 +147,11 @@ mod tests {
     use super::*;
 
     /// A rate and an integral that need not belong together.
-    struct Given(fn(f64) -> f64, fn(f64, f64) -> f64);
+    struct Given<R, I>(R, I);
 
-    impl Damping for Given {
+    impl<R: Fn(f64) -> f64 + Send + Sync, I: Fn(f64, f64) -> f64 + Send + Sync> Damping
+        for Given<R, I>
+    {
         fn rate(&self, t: f64) -> f64 {
             (self.0)(t)
         }
@@ -190,19 +192,16 @@ mod tests {
             4.0 * (b.max(0.5) - a.max(0.5))
         }
         // Off in the part that begins at ¼, or in that at ¾.
-        let early = |a, b| integral(a, b) + if a == 0.25 { 1.9e-9 } else { 0.0 };
-        let found = of(rate, early, 1.0);
-        assert!(
-            found.agrees.holds() && (found.relative / (1.9e-9 * 512.0) - 1.0).abs() < 1e-6,
-            "{found:?}"
-        );
-        let early = |a, b| integral(a, b) + if a == 0.25 { 2.1e-9 } else { 0.0 };
-        assert!(!of(rate, early, 1.0).agrees.holds());
-        let late = |a, b| integral(a, b) + if a == 0.75 { 3.8e-9 } else { 0.0 };
-        let found = of(rate, late, 1.0);
-        assert!(found.agrees.holds() && (found.relative / (3.8e-9 * 256.0) - 1.0).abs() < 1e-6);
-        let late = |a, b| integral(a, b) + if a == 0.75 { 4.2e-9 } else { 0.0 };
-        assert!(!of(rate, late, 1.0).agrees.holds());
+        let off = |at: f64, by: f64| {
+            let integral = move |a, b| integral(a, b) + if a == at { by } else { 0.0 };
+            DampingIntegral::of(&Given(rate, integral), 1.0)
+        };
+        for (at, by, parts) in [(0.25, 1.9e-9, 512.0), (0.75, 3.8e-9, 256.0)] {
+            let found = off(at, by);
+            let relative = found.relative / (by * parts);
+            assert!(found.agrees.holds() && (relative - 1.0).abs() < 1e-6, "{found:?}");
+        }
+        assert!(!off(0.25, 2.1e-9).agrees.holds() && !off(0.75, 4.2e-9).agrees.holds());
     }
 
     #[test]

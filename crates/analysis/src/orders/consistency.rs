@@ -16,22 +16,10 @@ use real::{PathMask, WIDTH};
 use schemes::Step;
 
 use super::{
-    StepSizes,
+    Limit, StepSizes,
     runs::Visit,
     steps::{Steps, Subject},
 };
-
-/// What single steps show as τ → 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Consistency {
-    /// Drift and noise are those of the equation, to this part of |y| per unit of time and per root
-    /// of it.
-    Consistent(f64),
-    /// The drift or the noise of a step is wrong by this part.
-    Inconsistent(f64),
-    /// Neither shows, or steps fail.
-    Unclear,
-}
 
 /// Paths whose states are taken.
 pub const VISITS: usize = 64;
@@ -51,14 +39,15 @@ const KNOWN: f64 = 1e-3;
 const STAYS: f64 = 0.1;
 
 /// Compares steps from these states with the coefficients of the equation, for paths or for their
-/// law alone; unclear if `stop` asks for the end before.
+/// law alone: the limit is consistent, inconsistent or unchecked, as where steps fail or `stop` asks
+/// for the end before.
 pub fn consistency(
     subject: Subject<'_>,
     sizes: &StepSizes,
     visits: &[Visit],
     law: bool,
     stop: &Stop,
-) -> Consistency {
+) -> Limit {
     let visits = visits.iter().take(VISITS).map(|visit| Coefficients::new(subject, visit));
     let (visits, mut steps) = (visits.collect::<Vec<_>>(), Steps::new(subject));
     let t_end = subject.problem.t_end;
@@ -68,7 +57,7 @@ pub fn consistency(
         let tau = coarsest * f64::powi(0.25, scale);
         let found = errors(&mut steps, sizes.key, &visits, tau, stop);
         if stop.is_asked() {
-            return Consistency::Unclear;
+            return Limit::Unchecked;
         }
         let Some(errors) = found else { continue };
         drift.push(Error { value: errors.drift / tau, floor: ROUND_OFF / tau });
@@ -77,15 +66,13 @@ pub fn consistency(
         noise.push(Error { value, floor: ROUND_OFF / tau.sqrt() });
     }
     match [vanishes(&drift), vanishes(&noise)] {
-        [Consistency::Consistent(a), Consistency::Consistent(b)]
+        [Limit::Consistent { defect: a }, Limit::Consistent { defect: b }]
             if (a * t_end).max(b * t_end.sqrt()) <= KNOWN * motion =>
         {
-            Consistency::Consistent(a.max(b))
+            Limit::Consistent { defect: a.max(b) }
         }
-        [wrong @ Consistency::Inconsistent(_), _] | [_, wrong @ Consistency::Inconsistent(_)] => {
-            wrong
-        }
-        _ => Consistency::Unclear,
+        [wrong @ Limit::Inconsistent { .. }, _] | [_, wrong @ Limit::Inconsistent { .. }] => wrong,
+        _ => Limit::Unchecked,
     }
 }
 
@@ -96,7 +83,7 @@ struct Error {
 }
 
 /// Whether errors vanish as τ → 0, from those above rounding.
-fn vanishes(errors: &[Error]) -> Consistency {
+fn vanishes(errors: &[Error]) -> Limit {
     let shown: Vec<f64> = errors
         .iter()
         .take_while(|error| error.value > SHOWN * error.floor)
@@ -108,14 +95,14 @@ fn vanishes(errors: &[Error]) -> Consistency {
     match (&shown[..], &exponents[..]) {
         // Nothing but rounding, from the first or the second step size on.
         ([] | [_], _) => match errors.get(shown.len()) {
-            Some(error) => Consistency::Consistent(error.value.max(error.floor)),
-            None => Consistency::Unclear,
+            Some(error) => Limit::Consistent { defect: error.value.max(error.floor) },
+            None => Limit::Unchecked,
         },
-        (&[.., last], &[.., exponent]) if exponent >= FALLS => Consistency::Consistent(last),
-        (&[.., last], &[.., before, exponent]) if exponent.abs().max(before.abs()) <= STAYS => {
-            Consistency::Inconsistent(last)
+        (&[.., defect], &[.., exponent]) if exponent >= FALLS => Limit::Consistent { defect },
+        (&[.., defect], &[.., before, exponent]) if exponent.abs().max(before.abs()) <= STAYS => {
+            Limit::Inconsistent { defect }
         }
-        _ => Consistency::Unclear,
+        _ => Limit::Unchecked,
     }
 }
 
@@ -294,12 +281,12 @@ mod tests {
             };
             vanishes(&(0..SCALES).map(error).collect::<Vec<_>>())
         };
-        assert!(matches!(of(|tau| 3.0 * tau), Consistency::Consistent(d) if d < 1e-6));
-        assert!(matches!(of(|tau| tau.sqrt()), Consistency::Consistent(d) if d < 1e-3));
-        assert!(matches!(of(|_| 0.0), Consistency::Consistent(_)));
-        let Consistency::Inconsistent(part) = of(|tau| tau + 1e-5) else { panic!() };
+        assert!(matches!(of(|tau| 3.0 * tau), Limit::Consistent { defect: d } if d < 1e-6));
+        assert!(matches!(of(|tau| tau.sqrt()), Limit::Consistent { defect: d } if d < 1e-3));
+        assert!(matches!(of(|_| 0.0), Limit::Consistent { .. }));
+        let Limit::Inconsistent { defect: part } = of(|tau| tau + 1e-5) else { panic!() };
         assert!((1e-5..2e-5).contains(&part), "{part}");
-        assert_eq!(of(|tau| tau.powf(-0.5)), Consistency::Unclear);
+        assert_eq!(of(|tau| tau.powf(-0.5)), Limit::Unchecked);
     }
 
     #[test]
@@ -310,21 +297,21 @@ mod tests {
         // Quarters of τ: factors 4^{¼} and 4^{0.1} of two values are the exponents at the edges.
         let factor = |exponent: f64| 4f64.powf(-exponent);
         let last_two = |a: f64, b: f64| of(&[1.0, factor(a), factor(a) * factor(b)], 1e-9);
-        assert!(matches!(last_two(-1.0, 0.251), Consistency::Consistent(_)));
-        assert_eq!(last_two(1.0, 0.249), Consistency::Unclear);
+        assert!(matches!(last_two(-1.0, 0.251), Limit::Consistent { .. }));
+        assert_eq!(last_two(1.0, 0.249), Limit::Unchecked);
         let stays = factor(0.099) * factor(0.099);
-        assert_eq!(last_two(0.099, 0.099), Consistency::Inconsistent(stays));
+        assert_eq!(last_two(0.099, 0.099), Limit::Inconsistent { defect: stays });
         let grows = factor(-0.099) * factor(-0.099);
-        assert_eq!(last_two(-0.099, -0.099), Consistency::Inconsistent(grows));
-        assert_eq!(last_two(0.101, 0.099), Consistency::Unclear);
-        assert_eq!(last_two(0.099, 0.101), Consistency::Unclear);
-        assert_eq!(last_two(-0.2, 0.05), Consistency::Unclear);
+        assert_eq!(last_two(-0.099, -0.099), Limit::Inconsistent { defect: grows });
+        assert_eq!(last_two(0.101, 0.099), Limit::Unchecked);
+        assert_eq!(last_two(0.099, 0.101), Limit::Unchecked);
+        assert_eq!(last_two(-0.2, 0.05), Limit::Unchecked);
         // What is eight times rounding is known; the first that is not bounds the rest.
-        assert_eq!(of(&[7.9, 1.0], 1.0), Consistency::Consistent(7.9));
-        assert_eq!(of(&[8.1, 1.0], 1.0), Consistency::Consistent(1.0));
-        assert_eq!(of(&[8.1, 0.5, 9.0], 1.0), Consistency::Consistent(1.0));
-        assert_eq!((of(&[8.1], 1.0), of(&[], 1.0)), (Consistency::Unclear, Consistency::Unclear));
-        assert_eq!(of(&[8.1, 8.1], 1.0), Consistency::Unclear);
+        assert_eq!(of(&[7.9, 1.0], 1.0), Limit::Consistent { defect: 7.9 });
+        assert_eq!(of(&[8.1, 1.0], 1.0), Limit::Consistent { defect: 1.0 });
+        assert_eq!(of(&[8.1, 0.5, 9.0], 1.0), Limit::Consistent { defect: 1.0 });
+        assert_eq!((of(&[8.1], 1.0), of(&[], 1.0)), (Limit::Unchecked, Limit::Unchecked));
+        assert_eq!(of(&[8.1, 8.1], 1.0), Limit::Unchecked);
     }
 
     #[test]
@@ -378,11 +365,13 @@ mod tests {
             let setup = Setup::of(&problem, scheme);
             consistency(Subject::from(&setup), &sizes, &vec![good(); 4], false, &Stop::default())
         };
-        let Consistency::Inconsistent(part) = told(&scheme) else { panic!("{:?}", told(&scheme)) };
+        let Limit::Inconsistent { defect: part } = told(&scheme) else {
+            panic!("{:?}", told(&scheme))
+        };
         assert!((part - 0.1).abs() < 0.1 / SHOWN, "{part}");
         let right = Single(|_, tau, dw, y| [y[0] - 0.5 * tau + dw, y[1] - 2.0 * tau]);
-        assert!(matches!(told(&right), Consistency::Consistent(part) if part < 1e-6));
+        assert!(matches!(told(&right), Limit::Consistent { defect: part } if part < 1e-6));
         let noisy = Single(|_, tau, dw, y| [y[0] - 0.5 * tau + dw, y[1] - 2.0 * tau + 0.25 * dw]);
-        assert!(matches!(told(&noisy), Consistency::Inconsistent(part) if part > 0.01));
+        assert!(matches!(told(&noisy), Limit::Inconsistent { defect: part } if part > 0.01));
     }
 }

@@ -13,7 +13,7 @@ use stats::CrossMoments;
 
 use super::{
     Exact, Measure, ReferenceSolution, StepSizes,
-    consistency::{Consistency, consistency},
+    consistency::consistency,
     difference,
     errors::squared_distance,
     evaluate,
@@ -57,7 +57,8 @@ pub enum Limit {
         /// Upper end of the interval of the distance.
         distance: f64,
     },
-    /// There was nothing to compare with: the other schemes fail, or are the scheme itself.
+    /// There was nothing to compare with: the other schemes fail, or are the scheme itself, and single
+    /// steps show nothing.
     Unchecked,
 }
 
@@ -117,19 +118,15 @@ pub fn limit(
 }
 
 /// The limit by single steps and by paths.
-fn combine(steps: Consistency, paths: Limit) -> Limit {
+fn combine(steps: Limit, paths: Limit) -> Limit {
+    use Limit::{Agrees, Consistent, Differs, Inconsistent, Unclear};
     match (steps, paths) {
-        (Consistency::Consistent(_), Limit::Differs { with, distance }) => {
-            Limit::Unclear { with, distance }
+        (Consistent { .. }, Differs { with, distance }) => Unclear { with, distance },
+        (Inconsistent { .. }, Agrees { with, distance } | Unclear { with, distance }) => {
+            Differs { with, distance }
         }
-        (Consistency::Consistent(defect), _) => Limit::Consistent { defect },
-        (Consistency::Inconsistent(_), Limit::Differs { .. }) => paths,
-        (
-            Consistency::Inconsistent(_),
-            Limit::Agrees { with, distance } | Limit::Unclear { with, distance },
-        ) => Limit::Differs { with, distance },
-        (Consistency::Inconsistent(defect), _) => Limit::Inconsistent { defect },
-        (Consistency::Unclear, _) => paths,
+        (Consistent { .. } | Inconsistent { .. }, _) if !matches!(paths, Differs { .. }) => steps,
+        _ => paths,
     }
 }
 
@@ -263,14 +260,14 @@ mod tests {
         let differs = Limit::Differs { with, distance };
         let (agrees, unclear) =
             (Limit::Agrees { with, distance }, Limit::Unclear { with, distance });
-        let of = |steps: Consistency| {
+        let of = |steps: Limit| {
             [differs, agrees, unclear, Limit::Unchecked].map(|paths| combine(steps, paths))
         };
         let right = Limit::Consistent { defect: 0.5 };
-        assert_eq!(of(Consistency::Consistent(0.5)), [unclear, right, right, right]);
+        assert_eq!(of(right), [unclear, right, right, right]);
         let wrong = Limit::Inconsistent { defect: 0.5 };
-        assert_eq!(of(Consistency::Inconsistent(0.5)), [differs, differs, differs, wrong]);
-        assert_eq!(of(Consistency::Unclear), [differs, agrees, unclear, Limit::Unchecked]);
+        assert_eq!(of(wrong), [differs, differs, differs, wrong]);
+        assert_eq!(of(Limit::Unchecked), [differs, agrees, unclear, Limit::Unchecked]);
     }
 
     #[test]

@@ -34,7 +34,6 @@ mod within;
 use mc::{LadderError, Observe, parts::Stop};
 use stats::{Point, Rate};
 
-pub(crate) use consistency::Consistency;
 pub(crate) use errors::squared_distance;
 pub(crate) use order::{difference, evaluate};
 pub(crate) use steps::Subject;
@@ -90,7 +89,7 @@ pub(crate) fn single_steps(
     subject: Subject<'_>,
     sizes: &StepSizes,
     stop: &Stop,
-) -> Result<Consistency, LadderError> {
+) -> Result<Limit, LadderError> {
     let visits = runs::visits(subject, sizes, consistency::VISITS as u64, stop)?;
     Ok(consistency::consistency(subject, sizes, &visits, false, stop))
 }

@@ -65,30 +65,26 @@ fn a_rounded_constant_proves_nothing() {
     assert!(text.contains("‖y‖ ≤ 2.0100e-7") && !text.contains("‖y‖ ≤ 0.0000"), "{text}");
 }
 
-/// A pulse of the rate `height` from `start` on, of this width, with its integral.
-struct Pulse {
-    start: f64,
-    width: f64,
-    height: f64,
-}
+/// A rate and its integral, with a factor that makes it wrong.
+struct Given<R, I>(R, I, f64);
 
-impl Pulse {
-    fn until(&self, t: f64) -> f64 {
-        self.height * (t - self.start).clamp(0.0, self.width)
-    }
-}
-
-impl Damping for Pulse {
+impl<R: Fn(f64) -> f64 + Send + Sync, I: Fn(f64) -> f64 + Send + Sync> Damping for Given<R, I> {
     fn rate(&self, t: f64) -> f64 {
-        let inside = t >= self.start && t < self.start + self.width;
-        if inside { self.height } else { 0.0 }
+        (self.0)(t)
     }
     fn integral(&self, a: f64, b: f64) -> f64 {
-        self.until(b) - self.until(a)
+        self.2 * ((self.1)(b) - (self.1)(a))
     }
     fn describe(&self) -> String {
-        "a pulse".to_owned()
+        "given".to_owned()
     }
+}
+
+/// A pulse of the rate `height` from `start` on, of this width, with its integral.
+fn pulse(start: f64, width: f64, height: f64) -> impl Damping {
+    let inside = move |t: f64| t >= start && t < start + width;
+    let rate = move |t: f64| if inside(t) { height } else { 0.0 };
+    Given(rate, move |t: f64| height * (t - start).clamp(0.0, width), 1.0)
 }
 
 fn integral(damping: impl Damping) -> analysis::inspect::DampingIntegral {
@@ -100,9 +96,9 @@ fn integral(damping: impl Damping) -> analysis::inspect::DampingIntegral {
 fn a_pulse_that_a_quadrature_misses_is_seen_and_its_integral_is_no_mistake() {
     for (start, width) in [(0.37, 1e-4), (0.123_456, 1e-3), (0.5, 0.01), (0.6123, 0.3)] {
         let height = 1.5 / width;
-        let right = integral(Pulse { start, width, height });
+        let right = integral(pulse(start, width, height));
         assert_eq!(right.agrees, Status::Holds, "{start} {width}: {right}");
-        let pulse = Pulse { start, width, height };
+        let pulse = pulse(start, width, height);
         let missed = integral(DampingFunction::new(move |t| pulse.rate(t), 8).unwrap());
         assert_eq!(missed.agrees, Status::Unknown, "{start} {width}: {missed}");
         assert!((missed.expected - 1.5).abs() < 1e-9, "{missed}");
@@ -122,26 +118,11 @@ fn the_longest_step_of_a_quadrature_is_named() {
     assert!(steps[0].is_none_or(|step| step < longest) && longest < 1.0, "{steps:?}");
 }
 
-/// A rate and its integral, with a factor that makes it wrong.
-struct Given<R, I>(R, I, f64);
-
-impl<R: Fn(f64) -> f64 + Send + Sync, I: Fn(f64) -> f64 + Send + Sync> Damping for Given<R, I> {
-    fn rate(&self, t: f64) -> f64 {
-        (self.0)(t)
-    }
-    fn integral(&self, a: f64, b: f64) -> f64 {
-        self.2 * ((self.1)(b) - (self.1)(a))
-    }
-    fn describe(&self) -> String {
-        "given".to_owned()
-    }
-}
-
 #[test]
 fn what_the_quadrature_misses_is_no_mistake() {
     // Pulses far narrower than the distance of the nodes.
     for width in [1e-6, 1e-7, 1e-8, 1e-9, 1e-12] {
-        let found = integral(Pulse { start: 0.371_23, width, height: 1.5 / width });
+        let found = integral(pulse(0.371_23, width, 1.5 / width));
         assert_ne!(found.agrees, Status::Fails, "{width}: {found}");
         assert!(width < 1e-8 || found.agrees == Status::Holds, "{width}: {found}");
     }
@@ -167,6 +148,11 @@ fn what_the_quadrature_misses_is_no_mistake() {
 
 #[test]
 fn a_wrong_integral_is_still_a_mistake() {
+    let wrong = Given(|t: f64| 2.0 * t, |t: f64| 0.5 * t * t, 1.0);
+    let report = with(&plane("(x^2 + y^2)/2", &[]), &[1.0, 0.0], &wrong);
+    assert_eq!(report.mistakes.len(), 1);
+    assert!(report.mistakes[0].contains("integral of the damping"), "{report}");
+
     for factor in [1.01, 1.0 + 1e-5, 0.0, -1.0] {
         let smooth = integral(Given(|t: f64| 1.0 + t * t, |t: f64| t + t * t * t / 3.0, factor));
         assert_eq!(smooth.agrees, Status::Fails, "{factor}: {smooth}");

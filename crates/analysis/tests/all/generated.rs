@@ -123,21 +123,14 @@ impl<const D: usize> Generated<D> {
             pairs[i][j] = numbers.number();
             pairs[j][i] = -pairs[i][j];
         }
-        const DEFECTS: [Defect; 7] = [
-            Defect::Skew,
-            Defect::Jacobi,
-            Defect::Casimir,
-            Defect::Gradient,
-            Defect::AveragedGradient,
-            Defect::Linear,
-            Defect::Commute,
-        ];
+        use Defect::{AveragedGradient, Casimir, Commute, Gradient, Jacobi, Linear, Skew};
+        let defects = [Skew, Jacobi, Casimir, Gradient, AveragedGradient, Linear, Commute];
         let structures = [Structure::Canonical, Structure::Lie, Structure::LotkaVolterra];
         Self {
             structure: structures[numbers.below(3)],
             energy: [Energy::Quadratic, Energy::Quartic, Energy::Cosine][numbers.below(3)],
             second: [Second::Square, Second::AndCasimir, Second::Other][numbers.below(3)],
-            defect: if broken { DEFECTS[numbers.below(7)] } else { Defect::None },
+            defect: if broken { defects[numbers.below(7)] } else { Defect::None },
             size: 10f64.powf(-10.0 * numbers.uniform()),
             forward,
             inverse,
@@ -230,15 +223,10 @@ impl<const D: usize> Generated<D> {
     }
 
     fn commute(&self) -> Option<bool> {
-        let commute = match self.second {
-            Second::Square => true,
-            Second::AndCasimir => true,
-            Second::Other => false,
-        };
         match self.defect {
             Defect::Skew | Defect::Jacobi => None,
             Defect::Commute => Some(false),
-            _ => Some(commute),
+            _ => Some(self.second != Second::Other),
         }
     }
 }

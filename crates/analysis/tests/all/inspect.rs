@@ -3,9 +3,9 @@
 use analysis::inspect::{Applies, InspectError, InspectSettings, Inspection, Kind};
 use real::{Real, elementary};
 use systems::{
-    Constant, Damping, Form, IntegerExponents, Invariant, InvariantKind, LotkaVolterra,
-    MaxwellBloch, Pendulum, Poisson3, PoissonSystem, Problem, RealExponents, RigidBody,
-    RigidBodyEnergy, Sine, SystemError,
+    Constant, Form, IntegerExponents, Invariant, InvariantKind, LotkaVolterra, MaxwellBloch,
+    Pendulum, Poisson3, PoissonSystem, Problem, RealExponents, RigidBody, RigidBodyEnergy, Sine,
+    SystemError,
 };
 
 use super::{
@@ -369,20 +369,6 @@ fn a_wrong_structure_is_reported() {
     assert!(report.to_string().contains("no Jacobi identity"), "{report}");
 }
 
-#[test]
-fn what_cannot_be_looked_at_is_refused() {
-    assert_eq!(
-        inspect(&Spoiled(Fault::Nowhere)),
-        Err(InspectError::NoPoints { found: 0, wanted: 24 })
-    );
-    let error = inspect(&Spoiled(Fault::NaN)).unwrap_err();
-    assert!(
-        matches!(&error, InspectError::NotFinite { .. })
-            && error.to_string().contains("NaN at y = ["),
-        "{error}"
-    );
-}
-
 /// A state without components.
 struct Nothing;
 
@@ -399,10 +385,18 @@ impl PoissonSystem<0, 1> for Nothing {
 }
 
 #[test]
-fn a_state_without_components_is_refused() {
+fn what_cannot_be_looked_at_is_refused() {
     assert_eq!(inspect(&Nothing), Err(InspectError::NoComponents));
-    let problem = Problem::new(Nothing, Constant::new(0.1).unwrap(), [], 1.0).unwrap();
-    assert_eq!(inspect_problem(&problem), Err(InspectError::NoComponents));
+    assert_eq!(
+        inspect(&Spoiled(Fault::Nowhere)),
+        Err(InspectError::NoPoints { found: 0, wanted: 24 })
+    );
+    let error = inspect(&Spoiled(Fault::NaN)).unwrap_err();
+    assert!(
+        matches!(&error, InspectError::NotFinite { .. })
+            && error.to_string().contains("NaN at y = ["),
+        "{error}"
+    );
 }
 
 #[test]
@@ -458,48 +452,6 @@ fn a_problem_knows_its_radius_and_its_largest_step() {
     assert_eq!(report.problem.as_ref().unwrap().radius, None);
     let tau = report.solvability.as_ref().unwrap().largest_step(4);
     assert!((tau + (8.0 * tau * tau.ln().abs()).sqrt() - 1.0).abs() < 1e-3, "{tau}");
-}
-
-/// γ(t) = 2t with the integral of t.
-struct WrongIntegral;
-
-impl Damping for WrongIntegral {
-    fn rate(&self, t: f64) -> f64 {
-        2.0 * t
-    }
-    fn integral(&self, a: f64, b: f64) -> f64 {
-        0.5 * (b * b - a * a)
-    }
-    fn describe(&self) -> String {
-        "γ = 2t".to_owned()
-    }
-}
-
-/// A damping that is switched on.
-struct Switched;
-
-impl Damping for Switched {
-    fn rate(&self, t: f64) -> f64 {
-        if t < 0.7 { 0.0 } else { 3.0 }
-    }
-    fn integral(&self, a: f64, b: f64) -> f64 {
-        3.0 * (b.max(0.7) - a.max(0.7))
-    }
-    fn describe(&self) -> String {
-        "γ = 3 from t = 0.7 on".to_owned()
-    }
-}
-
-#[test]
-fn a_wrong_integral_of_the_damping_is_found_and_a_jump_is_none() {
-    let wrong =
-        inspect_problem(&Problem::new(body(), WrongIntegral, [1.0, 0.0, 0.0], 2.0).unwrap())
-            .unwrap();
-    assert_eq!(wrong.mistakes.len(), 1);
-    assert!(wrong.mistakes[0].contains("integral of the damping"), "{wrong}");
-    let switched =
-        inspect_problem(&Problem::new(body(), Switched, [1.0, 0.0, 0.0], 2.0).unwrap()).unwrap();
-    assert!(switched.mistakes.is_empty(), "{switched}");
 }
 
 #[test]

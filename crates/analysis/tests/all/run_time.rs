@@ -1,11 +1,7 @@
-//! Orders and comparisons on systems from texts are those of the compiled systems.
+//! Orders on systems from texts are those of the compiled systems.
 
-use analysis::{
-    Decision, Order, ReferenceSolution, StepSizes,
-    compare::{Candidates, CompareSettings, Comparison, compare},
-    strong_order, weak_order,
-};
-use mc::{Observable, RowFunction, Setup, bind};
+use analysis::{Decision, Order, ReferenceSolution, StepSizes, strong_order, weak_order};
+use mc::{Observable, RowFunction, Setup};
 use noise::{StreamKey, Truncation};
 use real::Row;
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, run_time};
@@ -116,35 +112,4 @@ fn orders_on_texts_are_those_on_compiled_systems() {
     let (setup, independent) = (Setup::of(&body.0, &Heun), ReferenceSolution::independent(&body.0));
     let one = weak_order(&setup, &phi, &sizes, &independent).unwrap();
     check_same(&one, &weak(&Heun, &body.1, &row, &sizes));
-}
-
-/// Errors of the same schemes with the same steps agree to round-off.
-#[test]
-fn errors_on_texts_are_those_on_compiled_systems() {
-    let (compiled, texts) = pendulum();
-    let key = StreamKey { seed: 1, experiment: 17 };
-    let settings = CompareSettings::new(0.01, Truncation::new(4).unwrap(), key);
-    let settings = CompareSettings { samples: 128, ..settings };
-    let all = Candidates::against(bind(&compiled, &Sexp))
-        .and(bind(&compiled, &Sexp))
-        .and(bind(&compiled, &Heun))
-        .and(bind(&compiled, &EulerMaruyama));
-    let one = compare(&mc::Problem::of(&compiled), &all, &settings).unwrap();
-    let scheme = |scheme| Setup::at_run_time(&texts, scheme).unwrap().scheme;
-    let all = Candidates::against(scheme(&Sexp))
-        .and(scheme(&Sexp))
-        .and(scheme(&Heun))
-        .and(scheme(&EulerMaruyama));
-    let other = compare(&mc::Problem::at_run_time(&texts), &all, &settings).unwrap();
-    let said = format!("{one}\n{other}");
-    assert!(near(one.reference_error, other.reference_error, 1e-6), "{said}");
-    let points = |of: &Comparison| {
-        let all = of.candidates.iter().flat_map(|one| one.points.clone());
-        all.collect::<Vec<_>>()
-    };
-    assert_eq!(points(&one).len(), points(&other).len(), "{said}");
-    for (a, b) in points(&one).iter().zip(&points(&other)) {
-        assert_eq!((a.steps, a.resolved), (b.steps, b.resolved), "{said}");
-        assert!(near(a.error, b.error, 1e-8) && near(a.se, b.se, 1e-6), "{a:?} {b:?}");
-    }
 }

@@ -1,5 +1,5 @@
-//! `sexp` keeps Casimirs and energies on their conformal law over several steps, `midpoint` keeps
-//! Casimirs undamped, `sexp-li` for increments of all sizes; homogeneous steps scale.
+//! `sexp` keeps Casimirs and energies on their conformal law over several steps, `sexp-li` Casimirs
+//! for increments of all sizes; homogeneous steps scale.
 
 use std::cell::Cell;
 
@@ -7,20 +7,16 @@ use noise::Noise;
 use nonlin::{Method, Solver};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
-use real::Real;
-use schemes::{Midpoint, Scheme, Sexp, SexpLi, Step, WithSolver};
+use schemes::{Scheme, Sexp, SexpLi, Step, WithSolver};
 use systems::PoissonSystem;
 
 use crate::damping::{Rate, any_rate};
 use crate::hamiltonian::MAX_DEGREE;
-use crate::law::{Conserved, MidpointMap, SexpMap, Transition, solver_leaves};
-use crate::random::{
-    Increments, Largest, OneNoise, Several, any_noise, for_all, one_noise, several, state,
-};
+use crate::law::{Conserved, SexpMap, Transition, solver_leaves};
+use crate::random::{Increments, Largest, Several, any_noise, for_all, one_noise, several, state};
 use crate::rounding::{Bounded, exact};
 use crate::structure::{
-    Base, Casimir, Scale, Structure, any_structure, homogeneous, symmetric_matrix, vector,
-    with_casimir,
+    Base, Casimir, Scale, Structure, any_structure, homogeneous, symmetric_matrix, with_casimir,
 };
 
 const CASES: u32 = 500;
@@ -141,8 +137,8 @@ fn energies<const D: usize>() {
         any_noise(),
         state(),
     );
-    for_all(CASES, draws, |(system, method, damping, noise, y0): (OneNoise<D>, _, _, _, _)| {
-        tally.follow(&system, &system.hamiltonian, method, damping, noise, y0)
+    for_all(CASES, draws, |(system, method, damping, noise, y0): (Several<D, 1>, _, _, _, _)| {
+        tally.follow(&system, &system.drift.polynomial(), method, damping, noise, y0)
     });
     tally.report(&format!("energy, D = {D}"));
 }
@@ -151,44 +147,6 @@ fn energies<const D: usize>() {
 fn sexp_keeps_every_homogeneous_energy() {
     energies::<2>();
     energies::<5>();
-}
-
-fn undamped_midpoint<const D: usize>() {
-    const UNDAMPED: Rate = Rate::Constant(0.0);
-    let (largest, unsolved) = (Largest::default(), Cell::new(0));
-    let draws = (several(with_casimir()), any_method(), any_noise(), state());
-    for_all(
-        CASES,
-        draws,
-        |(system, method, noise, y0): (Several<D, 2>, _, Increments<2, 1>, _)| {
-            let [dw] = noise.dw;
-            let step = Step::new(UNDAMPED.damping().as_ref(), 0, noise.tau).unwrap();
-            let solution = WithSolver { formula: Midpoint, solver: Solver::new(method) }.step(
-                &system,
-                &step,
-                &Noise::increments(dw),
-                y0,
-            );
-            let transition = Transition { step, y0, y1: solution.z };
-            let map = MidpointMap(SexpMap { system: &system, tau: step.tau, dw, before: y0 });
-            let casimir = system.structure.base.casimir().unwrap();
-            let verdict = transition.judge(&casimir, &map, UNDAMPED, solver_leaves(method));
-            if !solution.outcome.converged() || !verdict.solved {
-                count(&unsolved);
-                return Ok(());
-            }
-            largest.check(verdict.defect, verdict.allowed)
-        },
-    );
-    println!("midpoint, D = {D}: {} of {CASES} steps unsolved", unsolved.get());
-    assert!(f64::from(unsolved.get()) <= UNSOLVED * f64::from(CASES));
-    largest.report(&format!("undamped midpoint, Casimir, D = {D}"), SHARP);
-}
-
-#[test]
-fn midpoint_keeps_every_casimir_undamped() {
-    undamped_midpoint::<3>();
-    undamped_midpoint::<5>();
 }
 
 /// With B of degree b and h of degree p, 2ᵏz solves the equation for 2ᵏẑ and increments times
@@ -200,10 +158,10 @@ fn scaling<const D: usize>() {
     for_all(
         CASES,
         draws,
-        |(system, rate, noise, y0, k): (OneNoise<D>, _, Increments<1, 1>, _, _)| {
+        |(system, rate, noise, y0, k): (Several<D, 1>, _, Increments<1, 1>, _, _)| {
             let [[dw]] = noise.dw;
             let step = Step::new(rate.damping().as_ref(), 3, noise.tau).unwrap();
-            let degree = system.structure.base.degree() + system.hamiltonian.degree as i32;
+            let degree = system.structure.base.degree() + system.drift.polynomial().degree as i32;
             let (size, increment) = (2f64.powi(k), 2f64.powi(-k * (degree - 2)));
             let mut scaled = step;
             scaled.tau *= increment;
@@ -229,36 +187,16 @@ fn steps_scale_with_homogeneous_systems() {
     scaling::<5>();
 }
 
-/// v × ∇C with C = ½yᵀQy, and any h: `sexp-li` with damping, for increments of all sizes.
-#[derive(Clone, Copy, Debug)]
-struct Turned {
-    structure: Structure<3>,
-    drift: [f64; 3],
-    noise: [f64; 3],
-}
-
-impl PoissonSystem<3, 1> for Turned {
-    fn name(&self) -> &'static str {
-        "turned"
-    }
-    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
-        self.structure.apply(y, v)
-    }
-    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
-        let along = |w: [f64; 3]| y[0] * w[0] + y[1] * w[1] + y[2] * w[2];
-        along(self.drift).sin() * dt + along(self.noise) * along(self.noise) * (0.5 * dw[0])
-    }
-}
-
 #[test]
 fn sexp_li_keeps_random_casimirs() {
     let largest = Largest::default();
-    let systems = (symmetric_matrix(), vector(1.0), vector(1.0)).prop_map(|(q, drift, noise)| {
+    // v × ∇C with C = ½yᵀQy, for increments of all sizes.
+    let structures = symmetric_matrix().prop_map(|q| {
         let base = Base::Cross(Casimir::Quadratic(q));
-        Turned { structure: Structure { scale: Scale::One, base }, drift, noise }
+        Structure { scale: Scale::One, base }
     });
-    let draws = (systems, any_rate(), 0..50u64, (-3.0..0.0f64, -3.0..3.0f64), state());
-    for_all(CASES, draws, |(system, rate, n, (tau, size), y)| {
+    let draws = (several(structures), any_rate(), 0..50u64, (-3.0..0.0f64, -3.0..3.0f64), state());
+    for_all(CASES, draws, |(system, rate, n, (tau, size), y): (Several<3, 1>, _, _, _, _)| {
         let (tau, dw) = (10f64.powf(tau), [size.powi(3)]);
         let step = Step::new(rate.damping().as_ref(), n, tau).unwrap();
         let scheme = SexpLi::new(&system, y).unwrap();

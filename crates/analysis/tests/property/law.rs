@@ -97,19 +97,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Map<D> for SexpMap<
     }
 }
 
-/// ψ of `midpoint` without damping: y + B∇h at (y+z)/2.
-pub struct MidpointMap<'a, S, const D: usize, const M: usize>(pub SexpMap<'a, S, D, M>);
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Map<D> for MidpointMap<'_, S, D, M> {
-    fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
-        let SexpMap { system, tau, dw, before } = self.0;
-        let before = before.map(R::constant);
-        let middle = midpoint(before, z);
-        let change = system.structure(middle, system.gradient(middle, tau, dw));
-        std::array::from_fn(|i| before[i] + change[i])
-    }
-}
-
 pub fn norm<const D: usize>(x: [f64; D]) -> f64 {
     x.iter().map(|component| component.abs()).sum()
 }

@@ -11,7 +11,7 @@ use proptest::test_runner::{RngSeed, TestCaseResult, TestRunner};
 use real::{Real, ScalarFunction};
 use systems::{HamiltonianIncrement, PoissonSystem};
 
-use crate::hamiltonian::{Hamiltonian, MAX_DEGREE, Polynomial, hamiltonian, polynomial};
+use crate::hamiltonian::{Hamiltonian, hamiltonian, polynomial};
 use crate::structure::{Structure, vector};
 
 /// dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ with any Hamiltonians.
@@ -36,32 +36,9 @@ impl<const D: usize, const M: usize> PoissonSystem<D, M> for Several<D, M> {
         }
         sum
     }
-    /// Two nodes, which is not exact for sines and exponentials: a Casimir must not notice.
+    /// Two nodes, exact for polynomials of degree four, and not for sines and exponentials: a Casimir
+    /// must not notice.
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        averaged::<2, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
-    }
-}
-
-/// dy = B∇H(dt + c∘dW) − γy dt with a homogeneous polynomial H.
-#[derive(Clone, Copy, Debug)]
-pub struct OneNoise<const D: usize> {
-    pub structure: Structure<D>,
-    pub hamiltonian: Polynomial<D>,
-    pub noise: f64,
-}
-
-impl<const D: usize> PoissonSystem<D, 1> for OneNoise<D> {
-    fn name(&self) -> &'static str {
-        "one noise"
-    }
-    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
-        self.structure.apply(y, v)
-    }
-    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; 1]) -> R {
-        self.hamiltonian.value(y) * R::constant(dt + self.noise * dw[0])
-    }
-    /// Exact: a gradient of degree three needs two nodes.
-    fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; 1]) -> [R; D] {
         averaged::<2, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
     }
 }
@@ -73,13 +50,16 @@ pub fn several<const D: usize, const M: usize>(
         .prop_map(|(structure, drift, noise)| Several { structure, drift, noise })
 }
 
+/// dy = B∇H(dt + c∘dW) − γy dt with a homogeneous polynomial H.
 pub fn one_noise<const D: usize>(
     structure: impl Strategy<Value = Structure<D>>,
     degrees: std::ops::RangeInclusive<usize>,
-) -> impl Strategy<Value = OneNoise<D>> {
-    assert!(*degrees.end() <= MAX_DEGREE);
-    (structure, polynomial(degrees), -1.0..1.0f64)
-        .prop_map(|(structure, hamiltonian, noise)| OneNoise { structure, hamiltonian, noise })
+) -> impl Strategy<Value = Several<D, 1>> {
+    (structure, polynomial(degrees), -1.0..1.0f64).prop_map(|(structure, h, size)| Several {
+        structure,
+        drift: Hamiltonian::Polynomial(h),
+        noise: [Hamiltonian::Polynomial(h.times(size))],
+    })
 }
 
 /// States.

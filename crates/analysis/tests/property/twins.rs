@@ -10,9 +10,7 @@ use systems::PoissonSystem;
 
 use crate::damping::{Rate, changing_rate};
 use crate::law::{Conserved, SexpMap, Transition, solver_leaves};
-use crate::random::{
-    Increments, OneNoise, Several, one_noise, several, share, state, visible_noise,
-};
+use crate::random::{Increments, Several, one_noise, several, share, state, visible_noise};
 use crate::rounding::dot;
 use crate::structure::{Casimir, Matrix, any_structure, symmetric_matrix, with_quadratic_casimir};
 
@@ -137,7 +135,7 @@ fn casimirs(is_broken: impl Fn(&Draw<WithCasimir, 2>) -> bool) -> f64 {
     broken(several(with_quadratic_casimir()), is_broken)
 }
 
-type WithEnergy = OneNoise<4>;
+type WithEnergy = Several<4, 1>;
 
 fn energies(
     degrees: std::ops::RangeInclusive<usize>,
@@ -158,7 +156,7 @@ fn a_symmetric_part_of_the_structure_is_noticed() {
     let of = |factor: f64| {
         energies(1..=4, |draw| {
             let twin = Twin { extra: draw.extra(factor), ..Twin::correct(&draw.system) };
-            let energy = &draw.system.hamiltonian;
+            let energy = &draw.system.drift.polynomial();
             breaks(&sexp(), &twin, energy, draw.step(), draw.dw, draw.y0)
         })
     };
@@ -170,7 +168,7 @@ fn the_gradient_at_the_middle_is_noticed_by_energies_from_degree_three_on() {
     let of = |degrees, one_node| {
         energies(degrees, |draw| {
             let twin = Twin { one_node, ..Twin::correct(&draw.system) };
-            let energy = &draw.system.hamiltonian;
+            let energy = &draw.system.drift.polynomial();
             breaks(&sexp(), &twin, energy, draw.step(), draw.dw, draw.y0)
         })
     };
