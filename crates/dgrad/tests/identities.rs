@@ -74,20 +74,6 @@ proptest! {
     }
 
     #[test]
-    fn short_means_are_discrete_gradients(a in -20.0..20.0f64, h in -0.7..0.7f64) {
-        let b = a + h;
-        let h = b - a;
-        prop_assert!(
-            (ShortMean::of_cosine(a, 1.0).value(h) * h - (b.sin() - a.sin())).abs()
-                <= 4.0 * f64::EPSILON
-        );
-        prop_assert!(
-            (ShortMean::of_sine(a, 1.0).value(h) * h - (a.cos() - b.cos())).abs()
-                <= 4.0 * f64::EPSILON
-        );
-    }
-
-    #[test]
     fn sine_identity_to_round_off(a in -20.0..20.0f64, b in -20.0..20.0f64) {
         // sin b − sin a and its product form: a few roundings of numbers of size ≤ 20 in the
         // argument.

@@ -339,18 +339,3 @@ fn truncation_takes_away_the_variance_of_the_closed_form() {
         }
     }
 }
-
-#[test]
-fn the_bound_of_the_paper_holds_for_the_closed_form() {
-    for k in 1..=6 {
-        for exponent in 1..=16 {
-            let tau = 2f64.powi(-exponent);
-            let a = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
-            let defect = truncation_defect(k, tau);
-            assert!(
-                defect > 0.0 && defect <= (1.0 + a) * tau.powi(k as i32 + 1),
-                "k = {k}, tau = {tau}: {defect}"
-            );
-        }
-    }
-}

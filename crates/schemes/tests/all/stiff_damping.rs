@@ -2,10 +2,10 @@
 //! where a formula is not defined at what underflows, and where γ acts alone the factor is exact.
 
 use crate::common::{
-    INERTIA, Numbers, Spins, Visit, any_increments, body, conformal_defect, every_system,
+    INERTIA, Numbers, Spins, Visit, any_areas, any_increments, body, conformal_defect, every_system,
 };
 use crate::long_time::Oscillator;
-use noise::{Noise, Truncation};
+use noise::Noise;
 use nonlin::Outcome;
 use real::Real;
 use schemes::{Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split, Step};
@@ -44,15 +44,13 @@ fn run<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     y0: [f64; D],
     floor: f64,
 ) -> Seen {
-    let bound = Truncation::new(4).unwrap().area_bound(TAU).unwrap();
     let (mut numbers, mut seen, mut y) = (Numbers(4), Seen::default(), y0);
     for n in 0..STEPS {
         let step = Step::new(damping, n, TAU).unwrap();
         let dw = any_increments(&mut numbers, TAU);
         let mut noise = Noise::increments(dw);
-        for (m, l) in (0..M).flat_map(|l| (0..l).map(move |m| (m, l))) {
-            let area = if scheme.reads_areas() { bound * numbers.next() } else { 0.0 };
-            (noise.areas[m][l], noise.areas[l][m]) = (area, -area);
+        if scheme.reads_areas() {
+            noise.areas = any_areas(&mut numbers, TAU);
         }
         let solution = scheme.step(system, &step, &noise, y);
         let decay = step.first_decay * step.second_decay;
