@@ -38,6 +38,11 @@ pub trait Composition<S, const D: usize, const M: usize>: Send + Sync {
     /// Advances N paths by one step. Mark it `#[inline(always)]` and avoid closures: only inlined
     /// code is vectorised.
     fn compose<const N: usize>(&self, step: &Step, paths: &mut Paths<'_, S, D, M, N>);
+
+    /// As [`Scheme::both_orders`].
+    fn both_orders(&self) -> Option<[Box<dyn Scheme<S, D, M>>; 2]> {
+        None
+    }
 }
 
 /// A [`Composition`] as a [`Scheme`]. No increment is truncated.
@@ -222,6 +227,11 @@ macro_rules! composed {
                 let $this = self;
                 let (composition, step, noise) = ($composition, *step, *noise);
                 dispatch(ComposedKernel { composition, system, step, noise, y, status });
+            }
+
+            fn both_orders(&self) -> Option<[Box<dyn Scheme<S, D, M>>; 2]> {
+                let $this = self;
+                <$inner as Composition<S, D, M>>::both_orders(&$composition)
             }
 
             fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {

@@ -3,7 +3,7 @@
 use real::unrolled;
 use systems::{Flows, TRIPLE_JUMP};
 
-use crate::{Composition, Paths, Step, Times};
+use crate::{Composition, Paths, Scheme, Step, Times};
 
 /// The scheme of Ninomiya and Victoir (*Appl. Math. Finance* 15, 2008) with Poisson flows and exact
 /// damping, `nv`.
@@ -84,6 +84,10 @@ impl<S: Flows<D, M>, const D: usize, const M: usize> Composition<S, D, M> for Nv
         }
         paths.scale(step.second_decay);
         paths.symmetric(half);
+    }
+
+    fn both_orders(&self) -> Option<[Box<dyn Scheme<S, D, M>>; 2]> {
+        Some([Sweep::Forward, Sweep::Backward].map(|sweep| Box::new(Self { sweep }) as _))
     }
 }
 

@@ -35,4 +35,10 @@ pub trait Scheme<S, const D: usize, const M: usize>: Send + Sync {
 
     /// Advances one path by one step, with the same bits as [`step_block`](Self::step_block).
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D>;
+
+    /// The scheme with its noises in their order and in the opposite one, if the mean of both has
+    /// an expansion of its weak error in even powers of τ.
+    fn both_orders(&self) -> Option<[Box<dyn Scheme<S, D, M>>; 2]> {
+        None
+    }
 }

@@ -6,16 +6,14 @@ use casimir::{
     formula::{Names, nearest},
     real::Row,
     systems::{
-        Damping, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
-        Problem, RigidBody, SystemError,
+        Damping, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem,
+        RigidBody, SystemError,
     },
 };
 
-use super::{
-    Built,
-    compiled::{Compiled, Damped},
-    lattice,
-};
+use kernels::Tuned;
+
+use super::{Built, compiled::Compiled, lattice};
 use crate::scene::{At, Parameters, Quantity, Read, Reading};
 
 /// Name, parameters with their defaults, and what it is.
@@ -53,7 +51,7 @@ pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>
     let parameters = |known: &[&str]| Parameters::new(reading, known);
     let run = (reading, damping);
     match name.as_str() {
-        "pendulum" => built(run, with_c(reading, Pendulum::new)?, Compiled::by_parts),
+        "pendulum" => built(run, with_c(reading, Pendulum::new)?),
         "rigid-body" => {
             let p = parameters(&["inertia", "noise"])?;
             let inertia = p.three("inertia", [2.0, 1.0, 2.0 / 3.0])?;
@@ -61,11 +59,11 @@ pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>
             match p.list("noise", &[1.0, 2.0, 3.0])?[..] {
                 [noise] => {
                     let system = RigidBody::one_noise(inertia, noise).map_err(wrong)?;
-                    built(run, system, Compiled::by_parts)
+                    built(run, system)
                 }
                 [a, b, c] => {
                     let system = RigidBody::three_noises(inertia, [a, b, c]).map_err(wrong)?;
-                    built(run, system, Compiled::by_parts)
+                    built(run, system)
                 }
                 ref list => {
                     let message = format!("`noise` has one or three numbers, got {}", list.len());
@@ -75,13 +73,13 @@ pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>
         }
         "lotka-volterra" => {
             let system = with_c(reading, LotkaVolterra::<IntegerExponents<1, 1>>::integer)?;
-            built(run, system, Compiled::new)
+            built(run, system)
         }
         "maxwell-bloch" => {
             parameters(&[])?;
-            built(run, MaxwellBloch, Compiled::by_parts)
+            built(run, MaxwellBloch)
         }
-        "poisson3" => built(run, with_c(reading, Poisson3::new)?, Compiled::by_parts),
+        "poisson3" => built(run, with_c(reading, Poisson3::new)?),
         "spin-lattice" => lattice::build(reading, run.1),
         unknown => {
             let known = PROJECT.map(|(known, ..)| known);
@@ -102,10 +100,9 @@ fn with_c<S>(reading: &Reading<'_>, new: fn(f64) -> Result<S, SystemError>) -> R
 fn built<S, const D: usize, const M: usize>(
     (reading, damping): (&Reading<'_>, Arc<dyn Damping>),
     system: S,
-    model: fn(Damped<S, D>) -> Compiled<S, D, M>,
 ) -> Read<Built>
 where
-    S: PoissonSystem<D, M> + Copy + 'static,
+    S: Tuned<D, M> + Copy + 'static,
 {
     let initial = &reading.settings.initial;
     let y0: [f64; D] = initial[..].try_into().map_err(|_| {
@@ -122,7 +119,7 @@ where
     };
     let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
     Ok(Built {
-        model: Box::new(model(problem)),
+        model: Box::new(Compiled::new(problem)),
         names: numbered(&components),
         components,
         energy: Quantity::Function(Arc::new(energy)),

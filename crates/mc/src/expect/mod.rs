@@ -76,7 +76,7 @@ mod write;
 use std::{cell::Cell, sync::Arc};
 
 use noise::{StreamKey, Truncation};
-use schemes::{Method, Nv, Sexp, SexpLi, Sweep, run_time::SchemeError};
+use schemes::{BuiltIn, Method, Nv, Scheme, SchemeError, Sexp, SexpLi};
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
 use crate::{Observable, Observe, Problem, Setup, bind_owned, observable::erased, parts::Job};
@@ -153,20 +153,46 @@ impl<'a> Expect<'a> {
     pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         problem: &'a systems::Problem<S, G, D>,
     ) -> Self {
-        let setup =
-            |scheme| Setup { problem: Problem::of(problem), scheme: bind_owned(problem, scheme) };
-        let first = SexpLi::new(problem.system(), problem.y0());
-        let first = first.map(|scheme| Candidate::of_order_one(setup(Box::new(scheme))));
-        Self::of(first.map_err(|error| error.to_string()), setup(Box::new(Sexp)))
+        Self::compiled(problem, |scheme, system, y0| match scheme {
+            BuiltIn::Sexp => Ok(Box::new(Sexp)),
+            _ => Ok(Box::new(SexpLi::new(system, y0)?)),
+        })
     }
 
     /// Expectations of a problem whose system has parts with flows, which cost less.
     pub fn by_parts<S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
         problem: &'a systems::Problem<S, G, D>,
     ) -> Self {
-        let scheme = bind_owned(problem, Box::new(Sexp));
-        let sexp = Setup { problem: Problem::of(problem), scheme };
-        Self::of(Ok(by_parts(problem)), sexp)
+        Self::compiled(problem, |scheme, _, _| match scheme {
+            BuiltIn::Sexp => Ok(Box::new(Sexp)),
+            _ => Ok(Box::new(Nv::of_parts())),
+        })
+    }
+
+    /// Expectations of a problem with the schemes that `scheme` makes: [`BuiltIn::Nv`], which is
+    /// the first choice, [`BuiltIn::SexpLi`] where there is none, and [`BuiltIn::Sexp`].
+    ///
+    /// # Panics
+    /// If it does not make [`BuiltIn::Sexp`].
+    pub fn compiled<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+        problem: &'a systems::Problem<S, G, D>,
+        scheme: impl Fn(BuiltIn, &S, [f64; D]) -> Result<Box<dyn Scheme<S, D, M>>, SchemeError>,
+    ) -> Self {
+        let make = |id| scheme(id, problem.system(), problem.y0());
+        let bind = |scheme| bind_owned(problem, scheme);
+        let setup = |scheme| Setup { problem: Problem::of(problem), scheme };
+        let first = make(BuiltIn::Nv).or_else(|_| make(BuiltIn::SexpLi));
+        let first = first.map(|first| match first.both_orders() {
+            Some([forward, backward]) => Candidate {
+                setup: setup(bind(forward)),
+                mirror: (M > 1).then(|| bind(backward)),
+                orders: Orders { weak: 2.0, next: 4.0 },
+                reason: "nv: weak order two, with the flows of the parts".into(),
+            },
+            None => Candidate::of_order_one(setup(bind(first))),
+        });
+        let sexp = make(BuiltIn::Sexp).unwrap_or_else(|error| unreachable!("{error}"));
+        Self::of(first.map_err(|error| error.to_string()), setup(bind(sexp)))
     }
 
     /// Expectations of a problem known at run time.
@@ -183,19 +209,6 @@ impl<'a> Expect<'a> {
             Err(error) => Err(error.to_string()),
         };
         Ok(Self::of(first, sexp))
-    }
-}
-
-/// `nv` with the flows of the parts.
-fn by_parts<'a, S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
-    problem: &'a systems::Problem<S, G, D>,
-) -> Candidate<'a> {
-    let of = |sweep| bind_owned(problem, Box::new(Nv::of_parts().with_sweep(sweep)));
-    Candidate {
-        setup: Setup { problem: Problem::of(problem), scheme: of(Sweep::Forward) },
-        mirror: (M > 1).then(|| of(Sweep::Backward)),
-        orders: Orders { weak: 2.0, next: 4.0 },
-        reason: "nv: weak order two, with the flows of the parts".into(),
     }
 }
 
