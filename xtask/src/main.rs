@@ -7,7 +7,7 @@ use std::{
 };
 
 /// A chore, the cargo command that does it, and what it is for.
-const CHORES: [(&str, &str, &str); 5] = [
+const CHORES: [(&str, &str, &str); 4] = [
     ("reproduce", "run --bin reproduce --", "Run the paper's experiments and write the report"),
     (
         "verify",
@@ -16,14 +16,9 @@ const CHORES: [(&str, &str, &str); 5] = [
         "Ask for known answers with many seeds, and print the tables",
     ),
     (
-        "work-precision",
-        "run --features measuring --bin work-precision --",
-        "Say which scheme is cheapest on the paper's problems",
-    ),
-    (
         "stability",
         "run --features measuring --bin hard-cases --",
-        "Run the hard cases, the long runs and the fuzzer",
+        "Run every scheme on hard inputs",
     ),
     ("bench", "run --features measuring --bin bench --", "Measure what a path-step costs"),
 ];

@@ -2,7 +2,7 @@
 
 use std::{fmt::Display, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
+use comfy_table::{CellAlignment, Row, Table, presets::ASCII_MARKDOWN};
 use real::Level;
 
 /// Reads the value of `--simd`: `baseline`, `avx2` or `avx512`.
@@ -20,21 +20,19 @@ use real::Level;
 /// ```
 pub fn simd(name: &str) -> Result<Level, String> {
     let available = Level::BUILT.iter().filter(|level| **level <= Level::available());
-    one_of(&available.copied().collect::<Vec<_>>(), name)
-}
-
-fn one_of(levels: &[Level], name: &str) -> Result<Level, String> {
-    levels.iter().copied().find(|level| level.name() == name).ok_or_else(|| {
-        let has = levels.iter().map(|level| level.name()).collect::<Vec<_>>().join(", ");
-        format!("this machine does not have it, only {has}")
-    })
+    let names = || available.clone().map(|level| level.name());
+    let found = available.clone().find(|level| level.name() == name).copied();
+    let refused = || {
+        format!("this machine does not have it, only {}", names().collect::<Vec<_>>().join(", "))
+    };
+    found.ok_or_else(refused)
 }
 
 /// A table for the terminal, whose columns from number `first_number` on are numbers.
-pub fn table<const N: usize>(
-    header: [&str; N],
+pub fn table(
+    header: impl Into<Row>,
     first_number: usize,
-    rows: impl IntoIterator<Item = [String; N]>,
+    rows: impl IntoIterator<Item = impl Into<Row>>,
 ) -> Table {
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN).set_header(header).add_rows(rows);
@@ -50,18 +48,4 @@ pub fn exit_code<E: Display>(result: Result<ExitCode, E>) -> ExitCode {
         eprintln!("error: {error:#}");
         ExitCode::from(2)
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_instruction_set_that_the_machine_lacks_is_refused() {
-        let two = &[Level::Baseline, Level::Avx2];
-        assert_eq!(one_of(two, "avx2"), Ok(Level::Avx2));
-        let refused = one_of(two, "avx512");
-        assert_eq!(refused, Err("this machine does not have it, only baseline, avx2".to_owned()));
-        assert!(one_of(two, "AVX2").is_err());
-    }
 }

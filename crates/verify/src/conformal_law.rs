@@ -1,10 +1,8 @@
 //! Invariants along paths, beside their conformal law exp(−p∫γ)F(y₀).
 
 use analysis::worse;
-use mc::Trajectory;
-use schemes::Scheme;
+use mc::{Problem, Setup, Trajectory};
 use stats::Moments;
-use systems::{Damping, PoissonSystem, Problem};
 
 use crate::{Conditions, evidence::DEVIATIONS, results::Evidence};
 
@@ -15,23 +13,19 @@ use crate::{Conditions, evidence::DEVIATIONS, results::Evidence};
 pub const ROUND_OFF: f64 = 2e-13;
 
 /// (t, F(y(t)), exp(−p∫γ)F(y₀)) along a path, for the invariant number `index` of the system.
-pub fn along<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-    index: usize,
-    path: &Trajectory,
-) -> Vec<(f64, f64, f64)> {
-    let system = problem.system();
-    let degree = system.invariants()[index].degree;
-    let initial: f64 = system.invariant(index, problem.y0());
-    let values = path.times.iter().enumerate().map(|(n, &t)| {
-        let exact = (-degree * problem.damping().integral(0.0, t)).exp() * initial;
-        (t, system.invariant(index, path.state(n)), exact)
+pub fn along(problem: &Problem<'_>, index: usize, path: &Trajectory) -> Vec<(f64, f64, f64)> {
+    let value = |y: &[f64]| problem.formulas.law(index, y);
+    let (degree, initial) = (problem.laws[index].degree, value(&problem.y0));
+    let values = path.times.iter().zip(&path.states).map(|(&t, y)| {
+        let exact = (-degree * problem.damping.integral(0.0, t)).exp() * initial;
+        (t, value(y), exact)
     });
     values.collect()
 }
 
-/// max |F(yₙ)/(e^{−p∫γ}F(y₀)) − 1|; NaN if any of them is.
-pub fn largest_defect(values: &[(f64, f64, f64)]) -> f64 {
+/// max |F(yₙ)/(e^{−p∫γ}F(y₀)) − 1| along a path; NaN if any of them is.
+pub fn largest_defect(problem: &Problem<'_>, index: usize, path: &Trajectory) -> f64 {
+    let values = along(problem, index, path);
     values.iter().map(|(_, value, exact)| (value / exact - 1.0).abs()).fold(0.0, worse)
 }
 
@@ -48,10 +42,9 @@ const PART: u64 = 8;
 
 /// Whether a scheme with the defect `largest` along one path returns to the law as τ → 0: the order
 /// (mean ln d(τ) − mean ln d(τ/64))/ln 64 of the largest relative defect d along a path.
-pub fn approach<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+pub fn approach(
     conditions: &Conditions,
-    problem: &Problem<S, G, D>,
-    scheme: &dyn Scheme<S, D, M>,
+    setup: &Setup<'_>,
     index: usize,
     steps: u64,
     largest: f64,
@@ -61,8 +54,8 @@ pub fn approach<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usi
     let logarithms = |part, steps| {
         let mut logarithms = Moments::default();
         for path in 0..PATHS {
-            let path = conditions.path(part, problem, scheme, steps, path);
-            let logarithm = largest_defect(&along(problem, index, &path)).ln();
+            let path = conditions.path(part, setup, steps, path);
+            let logarithm = largest_defect(&setup.problem, index, &path).ln();
             if path.failure.is_some() || !logarithm.is_finite() {
                 return None;
             }
@@ -78,7 +71,7 @@ pub fn approach<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usi
     };
     let scale = (REFINEMENT as f64).ln();
     Evidence::Approach {
-        invariant: problem.system().invariants()[index].name.into(),
+        invariant: setup.problem.laws[index].name.clone(),
         largest,
         paths: PATHS,
         refinement: REFINEMENT,

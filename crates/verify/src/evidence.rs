@@ -157,6 +157,12 @@ impl Evidence {
         Self::Order { order, one_sided: true, rate, wrong_limit: None }
     }
 
+    /// A mean without bias that was sampled against its known value.
+    pub fn mean(quantity: String, value: f64, standard_error: f64, expected: f64) -> Self {
+        let (bias, path_steps, warnings) = (0.0, None, Vec::new());
+        Self::Deviation { quantity, value, standard_error, bias, expected, path_steps, warnings }
+    }
+
     /// Extremes of paths of which none failed.
     pub fn bounds(quantities: Vec<Bounded>) -> Self {
         Self::Bounds { quantities, failed: 0 }
@@ -292,25 +298,52 @@ fn short(x: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use Verdict::{Holds, Refuted, Undecided};
+
     use super::*;
 
     fn defect(largest: f64, obeys: bool) -> Evidence {
-        let invariant = "C".to_owned();
-        Evidence::Defect { invariant, paths: 1, steps: 100, largest, tolerance: 1e-13, obeys }
+        let (invariant, paths) = ("C".to_owned(), 1 + u64::from(!obeys));
+        Evidence::Defect { invariant, paths, steps: 100, largest, tolerance: 1e-13, obeys }
     }
 
     fn bounds(value: f64, failed: u64) -> Evidence {
         let quantities = vec![
-            Bounded::at_most("norm over its bound", value, 1.0),
+            Bounded::at_most("norm", value, 1.0),
             Bounded::reported("exponent", 2.5),
+            Bounded::at_least("gain", 3.0 - value, 2.0),
         ];
         Evidence::Bounds { quantities, failed }
     }
 
+    fn order(range: Option<[f64; 3]>, order: f64, wrong_limit: Option<f64>) -> [Evidence; 2] {
+        let rate = range.map(|[estimate, lo, hi]| {
+            let (method, warning) = ("a fit".to_owned(), Some("few".to_owned()));
+            Rate { estimate, lo, hi, confidence: 0.999, method, warning, ..Rate::default() }
+        });
+        [false, true].map(|one_sided| {
+            let rate = rate.clone();
+            Evidence::Order { order, one_sided, rate, wrong_limit }
+        })
+    }
+
+    fn approach(order: f64) -> Evidence {
+        Evidence::Approach {
+            invariant: "H".into(),
+            largest: 0.25,
+            paths: 100,
+            refinement: 16,
+            coarse: 0.01,
+            fine: 0.001,
+            order,
+            half_width: 0.25,
+            least: 1.0,
+        }
+    }
+
     fn deviation(value: f64) -> Evidence {
+        let (quantity, standard_error, bias, expected) = ("E[y1]".to_owned(), 1e-3, 1e-3, 0.5);
         let (path_steps, warnings) = (Some(100), vec!["few".to_owned()]);
-        let (standard_error, bias, expected) = (0.001, 0.001, 0.5);
-        let quantity = "E[y1]".to_owned();
         Evidence::Deviation {
             quantity,
             value,
@@ -324,157 +357,93 @@ mod tests {
 
     #[test]
     fn verdicts_follow_from_numbers_and_nan_refutes() {
-        use Verdict::{Holds, Refuted, Undecided};
-        assert_eq!([1e-14, 1e-12].map(|d| defect(d, true).verdict()), [Holds, Refuted]);
-        assert_eq!([1e-14, 1e-12].map(|d| defect(d, false).verdict()), [Refuted, Holds]);
-        assert_eq!([true, false].map(|o| defect(f64::NAN, o).verdict()), [Refuted; 2]);
-        // The tolerance itself is allowed, and is not above it.
-        assert_eq!([true, false].map(|o| defect(1e-13, o).verdict()), [Holds, Refuted]);
-        assert_eq!([0.9, 1.1, f64::NAN].map(|v| bounds(v, 0).verdict()), [Holds, Refuted, Refuted]);
-        assert_eq!([0.9, 1.1].map(|v| bounds(v, 2).verdict()), [Undecided, Refuted]);
-        assert_eq!(
-            [0.505, 0.506, f64::NAN].map(|v| deviation(v).verdict()),
-            [Holds, Refuted, Refuted]
-        );
+        let range = Some([1.0, 0.9, 1.1]);
+        let verdicts = [
+            // The tolerance itself is allowed, and is not above it.
+            (
+                [1e-14, 1e-13, 1e-12, f64::NAN].map(|d| defect(d, true)),
+                [Holds, Holds, Refuted, Refuted],
+            ),
+            (
+                [1e-14, 1e-13, 1e-12, f64::NAN].map(|d| defect(d, false)),
+                [Refuted, Refuted, Holds, Refuted],
+            ),
+            ([0.9, 1.0, 1.1, f64::NAN].map(|v| bounds(v, 0)), [Holds, Holds, Refuted, Refuted]),
+            (
+                [0.9, 1.0, 1.1, f64::NAN].map(|v| bounds(v, 2)),
+                [Undecided, Undecided, Refuted, Refuted],
+            ),
+            ([0.505, 0.506, 0.494, f64::NAN].map(deviation), [Holds, Refuted, Refuted, Refuted]),
+            (
+                [4.41, 4.43, -4.41, -4.43].map(|k| Evidence::mean("E".into(), k, 1.0, 0.0)),
+                [Holds, Refuted, Holds, Refuted],
+            ),
+            ([1.26, 1.25, 0.75, 0.74].map(approach), [Holds, Undecided, Undecided, Refuted]),
+        ];
+        for (evidence, verdicts) in verdicts {
+            assert_eq!(evidence.each_ref().map(Evidence::verdict), verdicts, "{evidence:?}");
+        }
+        assert_eq!(approach(f64::NAN).verdict(), Undecided);
+        // Orders are held to both sides or one, and a wrong limit refutes.
+        for (evidence, verdicts) in [
+            (order(range, 1.0, None), [Holds, Holds]),
+            (order(range, 0.5, None), [Refuted, Holds]),
+            (order(range, 1.5, None), [Refuted, Refuted]),
+            (order(None, 1.0, None), [Undecided, Undecided]),
+            (order(range, 1.0, Some(0.25)), [Refuted, Refuted]),
+        ] {
+            assert_eq!(evidence.each_ref().map(Evidence::verdict), verdicts, "{evidence:?}");
+        }
     }
 
     #[test]
     fn sentences_hold_the_numbers_and_json_the_same() {
+        let range = Some([1.0, 0.9, 1.1]);
+        let away = "the scheme converges to something else, 2.5e-1 away";
+        let [wrong, wrong_slope] = [None, range].map(|range| order(range, 1.0, Some(0.25)));
         let sentences = [
             (
                 defect(2.7e-15, true),
                 "largest relative defect of C over 1 path of 100 steps: 2.7e-15, at most 1.0e-13",
             ),
             (
+                defect(1.0, false),
+                "largest relative defect of C over 2 paths of 100 steps: 1.0e0, expected above 1.0e-13",
+            ),
+            (
                 bounds(0.9, 2),
-                "norm over its bound: 0.9000, at most 1.0000; exponent: 2.5000; 2 paths failed",
+                "norm: 0.9000, at most 1.0000; exponent: 2.5000; gain: 2.1000, at least 2.0000; 2 paths failed",
             ),
             (
                 deviation(0.505),
-                "E[y1] = 0.50500 ± 1.0e-3 (standard error, bias at most 1.0e-3) against 0.50000: \
-                 +5.0 standard errors; 100 path-steps; warning: few",
+                "E[y1] = 0.50500 ± 1.0e-3 (standard error, bias at most 1.0e-3) against 0.50000: +5.0 standard errors; 100 path-steps; warning: few",
             ),
+            (
+                Evidence::mean("E[y1]".into(), 0.47, 0.02, 0.5),
+                "E[y1] = 0.4700 ± 2.0e-2 (standard error) against 0.5000: -1.5 standard errors",
+            ),
+            (
+                approach(1.5),
+                "largest relative defect of H on the path: 2.5e-1; geometric mean over 100 paths 1.0e-2 at τ and 1.0e-3 at τ/16, order 1.50 ± 0.25",
+            ),
+            (wrong[0].clone(), away),
+            (wrong_slope[0].clone(), &format!("{away}; its differences fall with 1.00")),
+            (
+                order(range, 1.0, None)[0].clone(),
+                "order 1.000, 100 % interval [0.900, 1.100]; a fit; warning: few",
+            ),
+            (Evidence::Undecided { reason: "no time".into() }, "no time"),
         ];
         for (evidence, sentence) in sentences {
             assert_eq!(evidence.to_string(), sentence);
             let json = serde_json::to_string(&evidence).unwrap();
             assert_eq!(serde_json::from_str::<Evidence>(&json).unwrap(), evidence);
         }
+        assert!(order(None, 1.0, None)[0].to_string().starts_with("no order can be named"));
         assert!(serde_json::to_string(&defect(1.0, true)).unwrap().contains(r#""kind":"defect""#));
-    }
-
-    fn rate(estimate: f64, lo: f64, hi: f64) -> Rate {
-        let method = "a fit".to_owned();
-        Rate { estimate, lo, hi, confidence: 0.999, method, ..Rate::default() }
-    }
-
-    #[test]
-    fn orders_are_held_to_one_side_or_both_and_a_wrong_limit_refutes() {
-        use Verdict::{Holds, Refuted, Undecided};
-        let both = |rate: Option<Rate>, order: f64| {
-            [Evidence::order(order, rate.clone()), Evidence::order_bound(order, rate)]
-                .map(|evidence| evidence.verdict())
-        };
-        assert_eq!(both(Some(rate(1.0, 0.9, 1.1)), 1.0), [Holds, Holds]);
-        assert_eq!(both(Some(rate(1.0, 0.9, 1.1)), 0.5), [Refuted, Holds]);
-        assert_eq!(both(Some(rate(1.0, 0.9, 1.1)), 1.5), [Refuted, Refuted]);
-        assert_eq!(both(None, 1.0), [Undecided, Undecided]);
-        let wrong = |rate: Option<Rate>| Evidence::Order {
-            order: 1.0,
-            one_sided: false,
-            rate,
-            wrong_limit: Some(0.25),
-        };
-        assert_eq!(wrong(Some(rate(1.0, 0.9, 1.1))).verdict(), Refuted);
-        let away = "the scheme converges to something else, 2.5e-1 away";
-        assert_eq!(wrong(None).to_string(), away);
-        let slope = "; its differences fall with 1.00";
-        assert_eq!(wrong(Some(rate(1.0, 0.9, 1.1))).to_string(), format!("{away}{slope}"));
-        let warned = Rate { warning: Some("few paths".into()), ..rate(1.0, 0.9, 1.1) };
-        assert_eq!(
-            Evidence::order(1.0, Some(warned)).to_string(),
-            "order 1.000, 100 % interval [0.900, 1.100]; a fit; warning: few paths"
-        );
-        assert!(Evidence::order(1.0, None).to_string().starts_with("no order can be named"));
-    }
-
-    #[test]
-    fn an_approach_is_decided_outside_its_half_width() {
-        use Verdict::{Holds, Refuted, Undecided};
-        let approach = |order: f64| Evidence::Approach {
-            invariant: "H".into(),
-            largest: 0.25,
-            paths: 100,
-            refinement: 16,
-            coarse: 0.01,
-            fine: 0.001,
-            order,
-            half_width: 0.25,
-            least: 1.0,
-        };
-        let orders = [1.26, 1.25, 0.75, 0.74, f64::NAN];
-        let verdicts = orders.map(|order| approach(order).verdict());
-        assert_eq!(verdicts, [Holds, Undecided, Undecided, Refuted, Undecided]);
-        assert_eq!(
-            approach(1.5).to_string(),
-            "largest relative defect of H on the path: 2.5e-1; geometric mean over 100 paths \
-             1.0e-2 at τ and 1.0e-3 at τ/16, order 1.50 ± 0.25"
-        );
-        let undecided = Evidence::Undecided { reason: "no time".into() };
-        assert_eq!((undecided.verdict(), undecided.to_string()), (Undecided, "no time".into()));
-    }
-
-    #[test]
-    fn limits_belong_to_what_they_limit() {
-        use Verdict::{Holds, Refuted};
-        let bounded = |value: f64| {
-            let least = Bounded::at_least("gain", value, 2.0);
-            Evidence::Bounds { quantities: vec![least], failed: 0 }
-        };
-        assert_eq!([1.9, 2.0, 2.1].map(|x| bounded(x).verdict()), [Refuted, Holds, Holds]);
-        let at_most =
-            Evidence::Bounds { quantities: vec![Bounded::at_most("norm", 2.0, 2.0)], failed: 0 };
-        assert_eq!(at_most.verdict(), Holds);
-        assert_eq!(bounded(1.9).to_string(), "gain: 1.9000, at least 2.0000");
         // Numbers of four digits in sight are written out.
         let sizes = [0.0, 0.01, 0.0099, 9999.0, 1e4, -0.5, -1e-5].map(short);
         let words = ["0", "0.0100", "9.9e-3", "9999.0000", "1.0e4", "-0.5000", "-1.0e-5"];
         assert_eq!(sizes, words);
-    }
-
-    #[test]
-    fn a_deviation_without_a_bias_names_none() {
-        let Evidence::Deviation { quantity, warnings, .. } = deviation(0.5) else {
-            panic!("a deviation")
-        };
-        let evidence = |standard_error: f64, value: f64| Evidence::Deviation {
-            quantity: quantity.clone(),
-            value,
-            standard_error,
-            bias: 0.0,
-            expected: 0.5,
-            path_steps: None,
-            warnings: warnings[..0].to_vec(),
-        };
-        assert_eq!(
-            evidence(0.02, 0.47).to_string(),
-            "E[y1] = 0.4700 ± 2.0e-2 (standard error) against 0.5000: -1.5 standard errors"
-        );
-        assert!(evidence(30.0, 0.5).to_string().starts_with("E[y1] = 0.50 ± 3.0e1"));
-        // 4.42 standard errors are the limit.
-        let verdicts = [4.41, 4.43].map(|k| evidence(0.02, 0.5 - 0.02 * k).verdict());
-        assert_eq!(verdicts, [Verdict::Holds, Verdict::Refuted]);
-        let many = Evidence::Defect {
-            invariant: "C".into(),
-            paths: 2,
-            steps: 3,
-            largest: 1.0,
-            tolerance: 0.5,
-            obeys: false,
-        };
-        assert_eq!(
-            many.to_string(),
-            "largest relative defect of C over 2 paths of 3 steps: 1.0e0, expected above 5.0e-1"
-        );
     }
 }

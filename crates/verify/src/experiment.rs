@@ -1,13 +1,13 @@
 //! What an experiment is, what it is given and what it returns.
 
-use mc::{Ladder, Measured, Setup, Statistic, Trajectory, parts::GROUP_PATHS, trajectory};
+use mc::{Problem, Setup, Trajectory, parts::GROUP_PATHS, trajectory};
 use noise::{StreamKey, Truncation};
 use plot::Progress;
-use schemes::Scheme;
-use systems::{Damping, PoissonSystem, Problem, paper::valid};
+use schemes::BuiltIn;
+use systems::paper::valid;
 
 use crate::{
-    Method,
+    Compiled, Curve,
     results::{Claim, Kind, Panel},
     settings::{Mode, Settings},
     streams,
@@ -22,10 +22,14 @@ pub struct Conditions<'a> {
     /// The ids that are wanted of those that the experiment can make.
     pub wanted: &'a [&'a str],
     /// Schemes that are not in the paper and are to be further series of its panels.
-    pub further: &'a [Method],
+    pub further: &'a [BuiltIn],
     /// Is told how far it is.
     pub progress: &'a dyn Progress,
 }
+
+/// The schemes that are not in the paper and can be further series of its panels.
+pub const FURTHER: [BuiltIn; 4] =
+    [BuiltIn::SexpLevy, BuiltIn::SexpLi, BuiltIn::SexpLiLevy, BuiltIn::Split];
 
 /// The truncation order of the reproduction. The theorems ask k ≥ 2; with k = 2 a handful of
 /// clipped increments dominates the mean-square error, with k = 4 none is clipped.
@@ -49,25 +53,16 @@ impl Conditions<'_> {
     ///
     /// # Panics
     /// When there is no such part, or truncation is not defined for such steps.
-    pub fn path<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-        &self,
-        part: u64,
-        problem: &Problem<S, G, D>,
-        scheme: &dyn Scheme<S, D, M>,
-        steps: u64,
-        path: u64,
-    ) -> Trajectory {
-        valid(trajectory(&Setup::of(problem, scheme), steps, truncation(), self.key(part), path))
+    pub fn path(&self, part: u64, setup: &Setup<'_>, steps: u64, path: u64) -> Trajectory {
+        valid(trajectory(setup, steps, truncation(), self.key(part), path))
     }
 
-    /// The results of a ladder with `samples` paths.
-    pub fn run<T: Statistic>(
-        &self,
-        ladder: &Ladder<'_>,
-        samples: u64,
-        new: impl Fn() -> T + Sync,
-    ) -> Measured<T> {
-        ladder.run(samples, new, &|work| self.progress.advance(work))
+    /// The schemes of the paper in the order of its legends, then the further ones without areas
+    /// that are for this system.
+    pub fn curves<'a>(&self, compiled: &Compiled<'a>) -> Vec<Curve<'a>> {
+        let further = self.further.iter().filter(|scheme| !scheme.is_for_areas());
+        let paper = [BuiltIn::Sexp, BuiltIn::EulerMaruyama, BuiltIn::Midpoint];
+        compiled.curves(&paper.iter().chain(further).copied().collect::<Vec<_>>())
     }
 
     /// A number of paths, as often as the settings want it, in whole groups; the number itself
@@ -157,27 +152,13 @@ pub mod in_words {
 pub const TRUNCATED: &str = "increments truncated with k = 4";
 
 impl Words {
-    /// A panel without curves.
-    pub fn panel<S, G: Damping, const D: usize>(
-        &self,
-        id: &str,
-        kind: Kind,
-        problem: &Problem<S, G, D>,
-        steps: &str,
-    ) -> Panel {
+    /// A panel without curves, whose set-up is "system, γ = …, y₀ = …, T = …, steps".
+    pub fn panel(&self, id: &str, kind: Kind, problem: &Problem<'_>, steps: &str) -> Panel {
         let [id, title, paper] = [id, self.title, self.paper].map(str::to_owned);
-        let setup = set_up(self.system, problem, steps);
+        let start = problem.y0.iter().map(|y| ((1e4 * y).round() / 1e4).to_string());
+        let (start, damping) = (start.collect::<Vec<_>>().join(", "), problem.damping.describe());
+        let (system, t_end) = (self.system, problem.t_end);
+        let setup = format!("{system}, {damping}, y₀ = ({start}), T = {t_end}, {steps}");
         Panel { id, kind, title, setup, paper, ..Panel::default() }
     }
-}
-
-/// A set-up in words: "system, γ = …, y₀ = …, T = …, steps".
-pub fn set_up<S, G: Damping, const D: usize>(
-    system: &str,
-    problem: &Problem<S, G, D>,
-    steps: &str,
-) -> String {
-    let start = problem.y0().map(|y| ((1e4 * y).round() / 1e4).to_string()).join(", ");
-    let (damping, t_end) = (problem.damping().describe(), problem.t_end());
-    format!("{system}, {damping}, y₀ = ({start}), T = {t_end}, {steps}")
 }

@@ -12,28 +12,28 @@
 //! | [`ids`] | what there is to run |
 //! | [`Experiment`], [`Conditions`], [`Findings`] | what an experiment is, is given and returns |
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
-//! | [`Compiled`], [`compiled()`], [`PaperSystem`] | schemes on systems, compiled once |
+//! | [`Compiled`], [`Curve`], [`PaperSystem`] | schemes on systems, compiled once |
+//! | [`Altered`] | a method on another step or other increments |
 //! | [`TwoSpins`] | a system in six dimensions |
 //! | [`OtherNoise`] | a scheme on other noise than the driver's |
 //! | [`streams`] | which noise belongs to which experiment |
 //! | [`results`] | the `results.json` contract: measurements as data, verdicts in words |
 //! | [`page`] | the report of a run |
 //! | [`Settings`], [`Mode`] | how much to compute |
-//! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`rounding`] | what rounding can do to a conformal law |
 //! | [`command`] | what the command lines of all programs share |
 //! | [`weak_observables`] | the test functions of the weak panels |
 //!
-//! The programs of this package are `reproduce`, `work-precision`, `hard-cases` and `bench`; what
+//! The programs of this package are `reproduce`, `hard-cases` and `bench`; what
 //! one of them alone needs is in its folder.
 
+mod altered;
 pub mod command;
 pub mod conformal_law;
 mod evidence;
 mod exact;
 mod experiment;
 pub mod kernels;
-mod method;
 mod other_noise;
 pub mod page;
 mod panels;
@@ -42,7 +42,6 @@ pub mod results;
 pub mod rounding;
 mod runge_kutta;
 mod settings;
-pub mod setups;
 mod sphere;
 pub mod statements;
 pub mod streams;
@@ -50,12 +49,12 @@ mod supplements;
 mod two_spins;
 mod verdict;
 
+pub use altered::Altered;
 pub use experiment::{
-    Conditions, Experiment, Findings, TRUNCATED, TRUNCATION_ORDER, set_up, truncation,
+    Conditions, Experiment, FURTHER, Findings, TRUNCATED, TRUNCATION_ORDER, truncation,
 };
 use experiment::{Words, in_words};
-pub use kernels::{Compiled, PaperSystem, compiled};
-pub use method::Method;
+pub use kernels::{Compiled, Curve, PaperSystem};
 pub use other_noise::OtherNoise;
 pub use panels::{EXPERIMENTS, weak_observables};
 pub use reproduce::{ids, reproduce};

@@ -3,9 +3,10 @@
 use std::{collections::BTreeMap, time::Instant};
 
 use plot::Progress;
+use schemes::BuiltIn;
 
 use crate::{
-    Conditions, EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS,
+    Conditions, EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS,
     results::{Provenance, Results, SCHEMA},
     settings::Settings,
     streams,
@@ -25,7 +26,7 @@ pub fn ids(experiments: &[Experiment]) -> impl Iterator<Item = &'static str> {
 pub fn reproduce(
     settings: Settings,
     only: &[&str],
-    further: &[Method],
+    further: &[BuiltIn],
     progress: &dyn Progress,
 ) -> Results {
     let mut wall_s_by_id = BTreeMap::new();

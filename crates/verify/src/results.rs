@@ -139,24 +139,3 @@ impl Claim {
         Self { proven, ..self }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_claim_follows_its_measurement() {
-        let at_most = |value: f64| {
-            let quantities = vec![crate::evidence::Bounded::at_most("norm", value, 1.0)];
-            Claim::new("id", "statement", Evidence::Bounds { quantities, failed: 0 })
-        };
-        let (good, bad) = (at_most(0.5), at_most(2.0));
-        assert_eq!((good.verdict, bad.verdict), (Verdict::Holds, Verdict::Refuted));
-        assert_eq!(good.evidence, good.measured.to_string());
-        assert!(good.proven && bad.proven);
-        let about = bad.about("figure-1", "sexp").proven(false);
-        assert_eq!((about.panel.as_str(), about.scheme.as_str()), ("figure-1", "sexp"));
-        assert_eq!((about.id.as_str(), about.statement.as_str()), ("id", "statement"));
-        assert!(!about.proven && about.verdict == Verdict::Refuted);
-    }
-}

@@ -38,13 +38,3 @@ impl Settings {
         Self { seed, mode, samples_times: None }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn modes_have_the_names_of_the_results() {
-        assert_eq!([Mode::Paper, Mode::Quick].map(Mode::id), ["paper", "quick"]);
-    }
-}

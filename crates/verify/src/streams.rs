@@ -6,7 +6,7 @@
 
 use noise::StreamKey;
 
-/// Numbers of one experiment of the families below [`WORK_PRECISION`], one for each of its parts.
+/// Numbers of one experiment of the families below [`HARD_CASES`], one for each of its parts.
 pub const PARTS: u64 = 16;
 
 /// What the speed of a path-step is measured on, one number.
@@ -20,10 +20,6 @@ pub const SUPPLEMENTS: u64 = 2000;
 /// Twins, times [`PARTS`].
 pub const TWINS: u64 = 3000;
 
-/// Cases of work–precision, [`WORK_PRECISION_PARTS`] numbers each.
-pub const WORK_PRECISION: u64 = 1 << 32;
-/// Numbers of one case of work–precision.
-pub const WORK_PRECISION_PARTS: u64 = 4;
 /// Hard cases.
 pub const HARD_CASES: u64 = 1 << 33;
 /// Growth of the defect over long runs.
@@ -52,7 +48,7 @@ mod tests {
     fn ranges_are_disjoint() {
         let families = [PANELS, STATEMENTS, SUPPLEMENTS, TWINS, TWINS + 100];
         let ends = families.map(|first| first * PARTS).into_iter();
-        let further = [WORK_PRECISION, HARD_CASES, GROWTH, ENERGY, LIBRARY, COVERAGE];
+        let further = [HARD_CASES, GROWTH, ENERGY, LIBRARY, COVERAGE];
         let starts: Vec<u64> = ends.chain(further).collect();
         // Fewer experiments in each family than there are numbers.
         assert!(starts.windows(2).all(|pair| pair[0] + 16 <= pair[1]), "{starts:?}");

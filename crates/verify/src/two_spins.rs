@@ -1,7 +1,7 @@
 //! Two classical spins in a fluctuating magnetic field, compiled.
 
 use real::Real;
-use systems::{ImplicitStep, Invariant, PoissonSystem, SystemError};
+use systems::{Damping, ImplicitStep, Invariant, PoissonSystem, Problem, paper::valid};
 
 /// Two spins with y = (s₁, s₂), B(y)v = (s₁ × v₁, s₂ × v₂), H₀ = −J s₁·s₂ − ½K Σ (sᵢᶻ)², and the
 /// same field on both, Hₘ = −σ(s₁ᵐ + s₂ᵐ) for m = x, y, z.
@@ -11,26 +11,18 @@ use systems::{ImplicitStep, Invariant, PoissonSystem, SystemError};
 /// rotates about z. Casimirs: ½|sᵢ|².
 #[derive(Clone, Copy, Debug)]
 pub struct TwoSpins {
-    exchange: f64,
-    anisotropy: f64,
-    field: f64,
+    /// J.
+    pub exchange: f64,
+    /// K.
+    pub anisotropy: f64,
+    /// σ.
+    pub field: f64,
 }
 
-impl TwoSpins {
-    /// The spins with exchange J, anisotropy K and field strength σ.
-    ///
-    /// # Errors
-    /// [`SystemError::Parameter`] unless all three are finite.
-    pub fn new(exchange: f64, anisotropy: f64, field: f64) -> Result<Self, SystemError> {
-        for (name, value) in
-            [("the exchange J", exchange), ("the anisotropy K", anisotropy), ("the field σ", field)]
-        {
-            if !value.is_finite() {
-                return Err(SystemError::Parameter { name, must: "finite", value });
-            }
-        }
-        Ok(Self { exchange, anisotropy, field })
-    }
+/// Two spins with exchange and anisotropy in a field that fluctuates about all three axes.
+pub(crate) fn spin_pair<G: Damping>(damping: G) -> Problem<TwoSpins, G, 6> {
+    let spins = TwoSpins { exchange: 1.0, anisotropy: 0.5, field: 0.8 };
+    valid(Problem::new(spins, damping, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
 }
 
 /// The same function of both spins.

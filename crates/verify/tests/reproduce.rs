@@ -1,12 +1,28 @@
 //! `cargo xtask reproduce` as a user meets it: the same bits however it is run, and clear words for
 //! bad input.
 
-mod common;
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Output},
+};
 
-use std::fs;
-
-use common::{reproduce, results};
 use serde_json::Value;
+
+/// Runs the program at small sizes.
+fn reproduce(out: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_reproduce"));
+    command.args(["--quick", "--out"]).arg(out).args(arguments).output().expect("it runs")
+}
+
+/// Everything but the provenance, which holds the timings.
+fn results(out: &Path) -> Value {
+    let text = fs::read(out.join("results.json")).expect("a successful run writes results.json");
+    let mut results: Value = serde_json::from_slice(&text).expect("results.json is JSON");
+    let provenance = results.as_object_mut().and_then(|object| object.remove("provenance"));
+    assert!(provenance.is_some(), "results.json says where it comes from");
+    results
+}
 
 #[test]
 fn results_are_the_same_bits_however_they_are_computed() {
@@ -55,46 +71,31 @@ fn results_are_the_same_bits_however_they_are_computed() {
 #[test]
 fn paths_are_multiplied_in_whole_groups() {
     let dir = tempfile::tempdir().unwrap();
-    let run = |times: &str| {
-        reproduce(dir.path(), &["--only", "poisson3-strong", "--samples-times", times])
-    };
-    assert!(run("1.3").status.success());
+    let arguments = ["--only", "poisson3-strong", "--samples-times", "1.3"];
+    assert!(reproduce(dir.path(), &arguments).status.success());
     let panel = results(dir.path())["panels"][0].clone();
     // 512·1.3 = 665.6 paths are six groups of 128.
     assert_eq!(panel["samples"], 768);
     assert!(panel["setup"].as_str().unwrap().contains("1.3 times the quick mode's paths"));
-    let refused = run("0.5");
-    let message = String::from_utf8_lossy(&refused.stderr);
-    assert!(!refused.status.success() && message.contains("from 1"), "{message}");
 }
 
 #[test]
-fn an_unknown_panel_is_refused_with_the_list_of_known_ones() {
+fn wrong_requests_are_refused_before_any_computing() {
     let dir = tempfile::tempdir().unwrap();
-    let out = dir.path().join("out");
-    let output = reproduce(&out, &["--only", "pendulum-weak"]);
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(!output.status.success());
-    for word in ["pendulum-weak", "pendulum-strong", "poisson3-casimir", "truncation-moments"] {
-        assert!(message.contains(word), "{message}");
-    }
-    assert!(!out.exists(), "nothing is written for a request that makes no sense");
-}
-
-#[test]
-fn an_unwritable_folder_is_found_before_any_computing() {
-    let dir = tempfile::tempdir().unwrap();
-    let file = dir.path().join("a-file");
+    let (out, file) = (dir.path().join("out"), dir.path().join("a-file"));
     fs::write(&file, "not a folder").unwrap();
-    let output = reproduce(&file.join("below"), &[]);
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(!output.status.success() && output.stdout.is_empty(), "{message}");
-    assert!(message.contains("a-file"), "{message}");
-}
-
-#[test]
-fn zero_threads_are_refused() {
-    let dir = tempfile::tempdir().unwrap();
-    let output = reproduce(dir.path(), &["--threads", "0"]);
-    assert!(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains('0'));
+    let known = ["pendulum-weak", "pendulum-strong", "poisson3-casimir", "truncation-moments"];
+    let below = file.join("below");
+    for (out, arguments, words) in [
+        (&out, &["--only", "pendulum-weak"][..], &known[..]),
+        (&below, &[], &["a-file"]),
+        (&out, &["--threads", "0"], &["0"]),
+        (&out, &["--samples-times", "0.5"], &["from 1"]),
+    ] {
+        let output = reproduce(out, arguments);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && output.stdout.is_empty(), "{message}");
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+        assert!(!out.exists(), "nothing is written for a request that makes no sense");
+    }
 }

@@ -5,14 +5,14 @@
 //! and more levels. Nothing here decides whether a number is good.
 
 use std::{
-    fs, hint::black_box, iter::successors, path::PathBuf, process::ExitCode,
+    fmt::Display, fs, hint::black_box, iter::successors, path::PathBuf, process::ExitCode,
     thread::available_parallelism, time::Instant,
 };
 
 use analysis::{FinalMoments, Spread, Stopwatch};
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use mc::{Ladder, Run, View, bind};
+use mc::{Ladder, Run, Setup, View};
 use noise::StreamKey;
 use plot::{
     files,
@@ -20,15 +20,11 @@ use plot::{
 };
 use rayon::ThreadPoolBuilder;
 use real::{Level, limit_to};
-use schemes::{Scheme, Sexp};
+use schemes::BuiltIn;
 use serde::Serialize;
-use systems::{Damping, PoissonSystem, Problem, paper::rigid_body_three_noises};
-use verify::{
-    command, compiled,
-    results::Provenance,
-    setups::{Setup, Visit, visit_paper},
-    streams, truncation,
-};
+use serde_json::json;
+use systems::paper;
+use verify::{Compiled, command, results::Provenance, streams, truncation};
 
 /// Measures what a path-step costs: every scheme on every system, threads, memory, growth.
 #[derive(Parser)]
@@ -84,15 +80,6 @@ struct Row {
     failed: u64,
 }
 
-/// What `--json` writes.
-#[derive(Serialize)]
-struct Report {
-    /// Raised whenever a reader of an older version would misread a newer one.
-    schema: u32,
-    provenance: Provenance,
-    rows: Vec<Row>,
-}
-
 fn main() -> ExitCode {
     command::exit_code(run(&Arguments::parse()))
 }
@@ -118,57 +105,47 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         load.split_whitespace().next().unwrap_or("unknown"),
         if cfg!(debug_assertions) { "; built without optimisation" } else { "" }
     );
-    let mut measured = Measured { workload, rows: Vec::new() };
-    visit_paper(&mut measured)?;
+    let mut rows = Vec::new();
+    let mut every = |of, compiled: Compiled<'_>| {
+        compiled.curves(&BuiltIn::ALL).into_iter().try_for_each(|mut curve| {
+            curve.setup.problem.t_end = workload.steps as f64 * TAU;
+            rows.push(measure(of, &curve.setup, workload)?);
+            anyhow::Ok(())
+        })
+    };
+    every("pendulum", Compiled::of(&paper::pendulum()))?;
+    every("rigid-body-1", Compiled::of(&paper::rigid_body_one_noise()))?;
+    every("rigid-body-3", Compiled::of(&paper::rigid_body_three_noises(1.0)))?;
+    every("lotka-volterra", Compiled::of(&paper::lotka_volterra_1_1()))?;
+    every("maxwell-bloch", Compiled::of(&paper::maxwell_bloch(1.0)))?;
+    every("poisson3", Compiled::of(&paper::poisson3_strong()))?;
     for (of, workload) in sizes(workload) {
-        let problem = rigid_body_three_noises(workload.steps as f64 * TAU);
-        measured.rows.push(measure(of, &problem, compiled(Sexp).as_ref(), workload)?);
+        let problem = paper::rigid_body_three_noises(workload.steps as f64 * TAU);
+        rows.push(measure(of, &Compiled::of(&problem).sexp(), workload)?);
     }
-    let rows = measured.rows;
     println!("{}", table(&rows));
     let failed: u64 = rows.iter().map(|row| row.failed).sum();
     if let Some(file) = &arguments.json {
         let provenance = Provenance::of_run(KEY.seed, mode);
         let provenance = complete(provenance, "cargo xtask bench", start);
-        files::write_json(file, &Report { schema: 2, provenance, rows })?;
+        // The schema is raised whenever a reader of an older version would misread a newer one.
+        files::write_json(file, &json!({ "schema": 2, "provenance": provenance, "rows": rows }))?;
         println!("numbers: {}", file.display());
     }
     ensure!(failed == 0, "{failed} paths had no solution: their time is not that of a step");
     Ok(ExitCode::SUCCESS)
 }
 
-struct Measured {
-    workload: Workload,
-    rows: Vec<Row>,
-}
-
-impl Visit for Measured {
-    fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-        &mut self,
-        Setup { id, problem, schemes, .. }: Setup<S, G, D, M>,
-    ) -> Result<()> {
-        let problem = problem.until(self.workload.steps as f64 * TAU)?;
-        for scheme in &schemes {
-            self.rows.push(measure(id, &problem, scheme.as_ref(), self.workload)?);
-        }
-        Ok(())
-    }
-}
-
 /// The time of a scheme on every level, with a small statistic, the mean of the final state; once
 /// to warm up and then as often as wanted.
-fn measure<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    of: &'static str,
-    problem: &Problem<S, G, D>,
-    scheme: &dyn Scheme<S, D, M>,
-    workload: Workload,
-) -> Result<Row> {
+fn measure(of: &'static str, setup: &Setup<'_>, workload: Workload) -> Result<Row> {
+    let (Setup { problem, scheme }, id) = (setup, setup.scheme.id());
     let Workload { paths, steps, threads, levels, repetitions } = workload;
-    eprintln!("{of}, {}", scheme.id());
-    let runs = (0..=levels).map(|level| Run::new(bind(problem, scheme), level)).collect();
-    let ladder = Ladder::new(&mc::Problem::of(problem), steps, levels, truncation(), KEY, runs)?;
+    eprintln!("{of}, {id}");
+    let runs = (0..=levels).map(|level| Run::new(scheme.clone(), level)).collect();
+    let ladder = Ladder::new(problem, steps, levels, truncation(), KEY, runs)?;
     let state = |view: &View<'_>, rows: &mut [real::Row]| rows.copy_from_slice(view.state(0));
-    let new = || FinalMoments::new(ladder.coarse_steps(), D, &state);
+    let new = || FinalMoments::new(ladder.coarse_steps(), problem.y0.len(), &state);
     let once = || black_box(ladder.run(paths, new, &|_| ())).failed;
     // Sets the mark of the peak back to what is in use now, where the system lets us.
     let forgotten = fs::write("/proc/self/clear_refs", "5").is_ok();
@@ -187,7 +164,7 @@ fn measure<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     let ns = 1e9 / (ladder.steps_per_path() * paths) as f64;
     Ok(Row {
         of,
-        scheme: scheme.id(),
+        scheme: id,
         workload,
         ns_per_path_step: if threads > 1 { &wall } else { &thread }.scaled(ns),
         wall_ns_per_path_step: wall.scaled(ns),
@@ -203,16 +180,15 @@ fn sizes(workload: Workload) -> Vec<(&'static str, Workload)> {
     let threads =
         fewer.chain([processors]).map(|threads| ("threads", Workload { threads, ..workload }));
     let few = Workload { paths: workload.paths.div_ceil(16), ..workload };
-    let more_steps = Workload { steps: 4 * few.steps, ..few };
     // The coarsest step must be smaller than one, or truncation is not defined.
-    let more_levels = Workload { levels: few.steps.trailing_zeros().min(6) as usize, ..few };
+    let levels = few.steps.trailing_zeros().min(6) as usize;
     let growing = [
         ("samples", few),
         ("samples", workload),
         ("steps", few),
-        ("steps", more_steps),
+        ("steps", Workload { steps: 4 * few.steps, ..few }),
         ("levels", few),
-        ("levels", more_levels),
+        ("levels", Workload { levels, ..few }),
     ];
     threads.chain(growing).collect()
 }
@@ -224,13 +200,11 @@ fn table(rows: &[Row]) -> comfy_table::Table {
     let row = |row: &Row| {
         let Workload { paths, steps, threads, levels, .. } = row.workload;
         let Spread { best, median, .. } = row.ns_per_path_step;
-        let number = |x: f64| format!("{x:.2}");
-        let [threads, levels] = [threads, levels].map(|n| n.to_string());
-        let [best, median, wall] = [best, median, row.wall_ns_per_path_step.best].map(number);
-        let peak = row.peak_memory_mb.map_or("unknown".into(), number);
-        let [of, scheme] = [row.of, row.scheme].map(str::to_owned);
-        let [paths, steps] = [paths, steps].map(|n| n.to_string());
-        [of, scheme, paths, steps, threads, levels, best, median, wall, peak]
+        let cells: [&dyn Display; 6] = [&row.of, &row.scheme, &paths, &steps, &threads, &levels];
+        let numbers = [best, median, row.wall_ns_per_path_step.best].map(Some);
+        let numbers = numbers.into_iter().chain([row.peak_memory_mb]);
+        let numbers = numbers.map(|x| x.map_or("unknown".into(), |x| format!("{x:.2}")));
+        cells.into_iter().map(ToString::to_string).chain(numbers).collect::<Vec<_>>()
     };
     command::table(header, 2, rows.iter().map(row))
 }

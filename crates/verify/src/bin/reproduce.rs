@@ -8,8 +8,9 @@ use clap::{Parser, builder::PossibleValuesParser};
 use mc::parts::limit_threads;
 use plot::{Bars, files, provenance};
 use real::{Level, limit_to};
+use schemes::BuiltIn;
 use verify::{
-    EXPERIMENTS, Method, Mode, STATEMENTS, SUPPLEMENTS, Settings, command,
+    EXPERIMENTS, FURTHER, Mode, STATEMENTS, SUPPLEMENTS, Settings, command,
     page::{self, Outcome},
     results::{Claim, Results},
 };
@@ -63,7 +64,7 @@ fn all_ids() -> impl Iterator<Item = &'static str> {
 
 /// What `--with` may name.
 fn further() -> impl Iterator<Item = &'static str> {
-    ["none"].into_iter().chain(Method::FURTHER.map(Method::id))
+    ["none"].into_iter().chain(FURTHER.map(BuiltIn::id))
 }
 
 fn main() -> ExitCode {
@@ -81,7 +82,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
     let samples_times = arguments.samples_times;
     let settings = Settings { samples_times, ..Settings::new(arguments.seed, mode) };
-    let mut further = Method::FURTHER.to_vec();
+    let mut further = FURTHER.to_vec();
     further.retain(|method| arguments.with.iter().any(|name| name == method.id()));
 
     let (start, bars) = (Instant::now(), Bars::default());

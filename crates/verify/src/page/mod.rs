@@ -10,23 +10,12 @@ use plot::{
     Document, Kind,
     figure::{convergence, evolution},
     files,
-    series::relative_defect,
 };
+use schemes::BuiltIn;
 
-use crate::results::{Claim, Clipped, Panel, Point, Results, Series};
+use crate::results::{Claim, Clipped, Panel, Results};
 
 pub use outcome::{Outcome, counts, verdicts};
-
-/// Ids of schemes and what they stand for.
-const SCHEMES: [(&str, &str); 7] = [
-    ("sexp", "stochastic conformal exponential integrator, the method of the paper"),
-    ("em", "Euler–Maruyama on the Itô form"),
-    ("midpoint", "stochastic midpoint, damping included"),
-    ("sexp-levy", "sexp with Lévy areas, not in the paper"),
-    ("sexp-li", "sexp by a linear equation, not in the paper"),
-    ("split", "exact flows in turn, not in the paper"),
-    ("nv", "flows in turn, of weak order two, not in the paper"),
-];
 
 /// Writes the report of a run into a folder.
 ///
@@ -64,11 +53,19 @@ fn page(results: &Results) -> String {
     let title = "Structure-preserving simulation of damped stochastic Poisson systems";
     let mut page = Document::new("Casimir · reproduction report", title);
     let groups = groups(&results.claims);
-    let kinds = [("What the paper proves", true), ("What is observed, without a proof", false)]
-        .map(|(what, proven)| (what, groups.iter().filter(move |group| group[0].proven == proven)));
+    let kinds = [("What the paper proves", true), ("What is observed, without a proof", false)];
+    let of_kind = |kind| groups.iter().filter(move |group| group[0].proven == kind);
     page.section("Summary");
-    for (what, groups) in kinds.clone() {
-        page.paragraph(&format!("{what}: {}.", summary(groups)));
+    for (what, proven) in kinds {
+        let worst = of_kind(proven).map(|group| worst(group));
+        let (holding, others): (Vec<_>, Vec<_>) =
+            worst.partition(|claim| Outcome::of(claim) == Outcome::Holds);
+        let (hold, all) = (holding.len(), holding.len() + others.len());
+        let words = |claim: &Claim| {
+            format!("; {}: {} {}", Outcome::of(claim).word(), claim.id, claim.scheme)
+        };
+        let others: String = others.into_iter().map(words).collect();
+        page.paragraph(&format!("{what}: {hold} of {all} statements hold{others}."));
     }
     page.paragraph("A statement is undecided, never passed, where an interval is too wide.");
     for claim in results.claims.iter().filter(|claim| Outcome::of(claim) == Outcome::Misprint) {
@@ -78,23 +75,27 @@ fn page(results: &Results) -> String {
              {statement}."
         ));
     }
-    for (what, groups) in kinds {
+    for (what, proven) in kinds {
         page.section(what);
-        let head =
-            ["Verdict", "Checks that hold", "Statement", "Id", "Scheme", "What was measured"];
-        page.table(head, groups.map(|group| row(group)));
+        let head = ["Checks that hold", "Verdict", "Id", "Scheme", "Statement", "Evidence"];
+        page.table(
+            head,
+            of_kind(proven).map(|group| {
+                let scheme = if proven { "" } else { &group[0].scheme };
+                let hold =
+                    format!("{} of {}", Outcome::Holds.count(group.iter().copied()), group.len());
+                let [verdict, id, _, _, evidence] = row(worst(group));
+                [hold, verdict, id, scheme.into(), group[0].statement.clone(), evidence]
+            }),
+        );
     }
     for panel in results.panels.iter().chain(&results.supplements) {
         show(&mut page, panel, &results.claims);
     }
-    page.section("All checks");
-    let checks = results.claims.iter().map(|claim| {
-        let Claim { id, panel, scheme, statement, evidence, .. } = claim;
-        [Outcome::of(claim).word(), id, panel, scheme, statement, evidence]
-    });
-    page.table(["Verdict", "Id", "Panel", "Scheme", "Statement", "Evidence"], checks);
+    page.section("Checks without a figure");
+    checks(&mut page, results.claims.iter().filter(|claim| claim.panel.is_empty()));
     page.section("Schemes and provenance");
-    page.facts(SCHEMES);
+    page.facts(BuiltIn::ALL.map(|scheme| (scheme.id(), scheme.properties().long_times)));
     let from = &results.provenance;
     page.facts([
         ("Commit", &from.git),
@@ -139,64 +140,37 @@ fn worst<'a>(group: &Group<'a>) -> &'a Claim {
     group.iter().min_by_key(|claim| Outcome::of(claim)).expect("a group has claims")
 }
 
-/// How many groups hold, and the others by name.
-fn summary<'a>(groups: impl Iterator<Item = &'a Group<'a>>) -> String {
-    let (mut hold, mut all, mut others) = (0, 0, String::new());
-    for group in groups {
-        all += 1;
-        match Outcome::of(worst(group)) {
-            Outcome::Holds => hold += 1,
-            other => others += &format!("; {}: {} {}", other.word(), group[0].id, group[0].scheme),
-        }
-    }
-    format!("{hold} of {all} statements hold{others}")
-}
-
-/// A group as a row, with the evidence that decides.
-fn row(group: &Group) -> [String; 6] {
-    let (claim, worst) = (group[0], worst(group));
-    let scheme = if claim.proven { String::new() } else { claim.scheme.clone() };
-    [
-        Outcome::of(worst).word().into(),
-        format!("{} of {}", Outcome::Holds.count(group.iter().copied()), group.len()),
-        claim.statement.clone(),
-        claim.id.clone(),
-        scheme,
-        worst.evidence.clone(),
-    ]
-}
-
-/// What a series measured, as the cells of a row.
-type Row = fn(&Series) -> Vec<String>;
-
-/// A section with a figure, what the paper says of it, and what was measured.
+/// A section with a figure, what the paper says of it, and the checks on it.
 fn show(page: &mut Document, panel: &Panel, claims: &[Claim]) {
     page.section(&panel.title);
     page.figures([(figure(panel), caption(panel.kind).into())]);
-    let (head, row): (&[&str], Row) = match panel.kind {
-        Kind::Strong | Kind::Weak => {
-            (&["order", "95 % interval", "error at the finest step"], order)
-        }
-        Kind::Invariant => (&["largest relative defect"], defect),
-        Kind::Cost => (&["smallest half-width", "path-steps"], cost),
-    };
-    let named = |series: &Series| {
-        let mut cells = vec![series.scheme.clone(), series.quantity.clone()];
-        cells.extend(row(series));
-        cells
-    };
-    page.table([&["scheme", "quantity"], head].concat(), panel.series.iter().map(named));
-    let mine: Vec<Claim> = claims.iter().filter(|claim| claim.panel == panel.id).cloned().collect();
+    // Where clipped increments matter.
+    let clipped = panel.clipped.iter().map(|Clipped { scheme, tau, increments, share }| {
+        let (exponent, percent) = (tau.log2(), 100.0 * share);
+        format!(
+            "{scheme} at τ = 2^{exponent}: {increments}, {percent:.0} % of the mean-square error. "
+        )
+    });
     page.facts([
-        ("Panel", panel.id.clone()),
-        ("Verdicts", if mine.is_empty() { String::new() } else { counts(&mine) }),
-        ("What the paper says", panel.paper.clone()),
-        ("Set-up", panel.setup.clone()),
-        ("Sample paths", panel.samples.to_string()),
-        ("Reference", panel.reference.clone()),
-        ("Clipped increments", panel.clipped.iter().map(clipped).collect()),
-        ("Paths left out", panel.failures.join("; ")),
+        ("Panel", &panel.id),
+        ("What the paper says", &panel.paper),
+        ("Set-up", &panel.setup),
+        ("Sample paths", &panel.samples.to_string()),
+        ("Reference", &panel.reference),
+        ("Clipped increments", &clipped.collect()),
+        ("Paths left out", &panel.failures.join("; ")),
     ]);
+    checks(page, claims.iter().filter(|claim| claim.panel == panel.id));
+}
+
+/// A table of claims.
+fn checks<'a>(page: &mut Document, claims: impl Iterator<Item = &'a Claim>) {
+    page.table(["Verdict", "Id", "Scheme", "Statement", "Evidence"], claims.map(row));
+}
+
+fn row(claim: &Claim) -> [String; 5] {
+    let Claim { id, scheme, statement, evidence, .. } = claim;
+    [Outcome::of(claim).word(), id, scheme, statement, evidence].map(str::to_owned)
 }
 
 /// How to read the figure.
@@ -216,45 +190,6 @@ fn caption(kind: Kind) -> &'static str {
              relative defect of the law; a defect of zero is drawn at the mark 0."
         }
     }
-}
-
-fn order(series: &Series) -> Vec<String> {
-    let (order, interval) = series.rate.as_ref().map_or(("—".into(), String::new()), |rate| {
-        (format!("{:.2}", rate.estimate), format!("[{:.2}, {:.2}]", rate.lo, rate.hi))
-    });
-    let finest = series.points.last().map_or(String::new(), |point| match point {
-        Point::Error { tau, value, se, .. } => {
-            format!("{value:.1e} ± {se:.0e} at τ = 2^{}", tau.log2())
-        }
-        _ => String::new(),
-    });
-    vec![order, interval, finest]
-}
-
-fn defect(series: &Series) -> Vec<String> {
-    let defects = series.points.iter().filter_map(|point| match *point {
-        Point::Value { value, exact, .. } => Some(relative_defect(value, exact)),
-        _ => None,
-    });
-    // A defect that is not a number must not hide behind smaller ones, as it would with `f64::max`.
-    let largest = series.max_relative_defect.or_else(|| defects.max_by(f64::total_cmp));
-    vec![largest.map_or("—".into(), |defect| format!("{defect:.1e}"))]
-}
-
-fn cost(series: &Series) -> Vec<String> {
-    series.points.last().map_or(Vec::new(), |point| match point {
-        Point::Cost { accuracy, path_steps } => vec![accuracy.to_string(), path_steps.to_string()],
-        _ => Vec::new(),
-    })
-}
-
-/// Where clipped increments matter.
-fn clipped(Clipped { scheme, tau, increments, share }: &Clipped) -> String {
-    format!(
-        "{scheme} at τ = 2^{}: {increments}, {:.0} % of the mean-square error. ",
-        tau.log2(),
-        100.0 * share
-    )
 }
 
 #[cfg(test)]

@@ -39,43 +39,25 @@
 mod tests;
 
 use analysis::FinalMoments;
-use mc::{Ladder, Observable, Run, View, bind};
+use mc::{Ladder, Observable, Problem, Run, View};
 use noise::StreamKey;
 use real::Row;
-use schemes::Sexp;
+use schemes::BuiltIn;
 use stats::{CrossMoments, Expansion, weak_errors};
-use systems::{
-    Cosine, Problem, RigidBody,
-    paper::{rigid_body_three_noises, valid},
-};
+use systems::paper::{rigid_body_three_noises, valid};
 
-use super::{
-    curves::{Curve, without_iteration},
-    strong::{describe_failures, power_of_half},
-};
+use super::strong::{describe_failures, power_of_half};
 use crate::{
-    Conditions, Findings, Method, TRUNCATED, Words, compiled, in_words,
+    Compiled, Conditions, Findings, TRUNCATED, Words, in_words,
     results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
     truncation,
 };
-
-/// A test function with its name.
-type TestFunction = (&'static str, fn([f64; 3]) -> f64);
 
 /// One panel: a name and the test functions on it.
 pub struct WeakPanel {
     pub id: &'static str,
     pub title: &'static str,
-    pub functions: [TestFunction; 3],
-}
-
-/// The test functions of panels.
-pub fn observables(panels: &[&WeakPanel]) -> Vec<Observable<3>> {
-    panels
-        .iter()
-        .flat_map(|panel| panel.functions)
-        .map(|(name, function)| Observable { name, function })
-        .collect()
+    pub functions: [Observable<3>; 3],
 }
 
 /// Coarsest step size 2⁻⁶.
@@ -93,111 +75,108 @@ fn grid(conditions: &Conditions, last: u32, most: u64) -> Vec<DifferenceSamples>
 /// The panels that are wanted, which one set of runs makes.
 pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
+    let compiled = Compiled::of(&problem);
     let (last, most) = conditions.choose((12, 500_000), (9, 65_536));
     let grid = grid(conditions, last, most);
     let wanted = |panel: &&WeakPanel| conditions.wanted.contains(&panel.id);
     let panels: Vec<&WeakPanel> = panels.iter().filter(wanted).collect();
-    let observables = observables(&panels);
-    let mut curves = vec![Curve::new(Method::Sexp, compiled(Sexp))];
-    curves.extend(without_iteration(conditions.further, &problem));
+    let observables: Vec<_> = panels.iter().flat_map(|panel| panel.functions).collect();
+    let mut schemes = conditions.further.to_vec();
+    schemes.retain(|scheme| !scheme.is_for_areas());
+    schemes.insert(0, BuiltIn::Sexp);
     let more = conditions.times_in_words();
     let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}{more}");
+    let samples: Vec<String> = grid.iter().map(|level| level.samples.to_string()).collect();
+    let (samples, finer) = (samples.join(", "), last + 1);
+    let reference = format!(
+        "sums of antithetic differences between neighbouring steps, each on paths of its own \
+         ({samples}); below 2^-{finer} a Richardson tail, the difference between 2^-{last} and \
+         2^-{finer} once more. The order is fitted to the differences, without the tail."
+    );
     let drawn = panels.iter().map(|panel| {
-        let words = Words {
-            title: panel.title,
-            system: in_words::BODY_3,
-            paper: "sexp has weak order 1 for every test function.",
-        };
+        let (title, system) = (panel.title, in_words::BODY_3);
+        let paper = "sexp has weak order 1 for every test function.";
+        let words = Words { title, system, paper };
         Panel {
             samples: grid[0].samples,
-            reference: reference(&grid, last),
+            reference: reference.clone(),
             differences: grid.clone(),
-            ..words.panel(panel.id, Kind::Weak, &problem, &steps)
+            ..words.panel(panel.id, Kind::Weak, &compiled.problem, &steps)
         }
     });
     let mut findings = Findings { panels: drawn.collect(), claims: Vec::new() };
-    let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
-    for curve in &curves {
-        let (moments, failures) = differences(conditions, &grid, &problem, &observables, curve);
-        let mut series = observables.iter().enumerate().map(|(f, observable)| {
-            let (points, rate) = weak_errors(&taus, &moments, f, Expansion::EveryPower);
-            let (scheme, quantity) = (curve.name.into(), observable.name.into());
-            Series { scheme, quantity, points, rate, ..Series::default() }
-        });
-        for (panel, drawn) in panels.iter().zip(&mut findings.panels) {
-            let series: Vec<Series> = series.by_ref().take(panel.functions.len()).collect();
-            let claims = series.iter().map(|series| claim(panel.id, curve.method, series, &more));
-            findings.claims.extend(claims);
-            drawn.series.extend(series);
+    for curve in compiled.curves(&schemes) {
+        let (mut moments, mut failures) = (Vec::new(), Vec::new());
+        for (part, DifferenceSamples { tau, samples }) in (0..).zip(&grid) {
+            let scheme = || curve.setup.scheme.clone();
+            let runs =
+                vec![Run::new(scheme(), 1), Run::new(scheme(), 0), Run::swapped(scheme(), 0)];
+            let ladder = difference_ladder(&compiled.problem, *tau, conditions.key(part), runs);
+            let id = conditions.wanted.join(", ");
+            conditions.progress.begin(&id, samples * ladder.steps_per_path());
+            let difference = |phi: &dyn Fn(usize) -> f64| phi(0) - 0.5 * (phi(1) + phi(2));
+            let advance = |work| conditions.progress.advance(work);
+            let (found, failed) = moments_of(&ladder, *samples, &observables, difference, &advance);
+            moments.push(found);
+            failures.extend(failed);
+        }
+        conditions.progress.end();
+        let series = series(curve.name, &grid, &moments, &observables, Expansion::EveryPower);
+        let of_panels = series.chunks(panels[0].functions.len());
+        for ((panel, drawn), series) in panels.iter().zip(&mut findings.panels).zip(of_panels) {
+            // The paper's bound for `sexp`; the order of any other scheme.
+            let paper = curve.method == BuiltIn::Sexp;
+            findings.claims.extend(series.iter().map(
+                |Series { scheme, quantity, rate, .. }| {
+                    let statement = match paper {
+                        true => {
+                            format!("|E φ(y_N) − E φ(y(T))| ≤ C τ for φ = {quantity} (k ≥ 2{more})")
+                        }
+                        false => format!("{scheme} has weak order 1 for φ = {quantity}{more}"),
+                    };
+                    let measured = Evidence::order_bound(1.0, rate.clone());
+                    Claim::new("weak-one", statement, measured)
+                        .about(panel.id, scheme)
+                        .proven(paper)
+                },
+            ));
+            drawn.series.extend_from_slice(series);
             drawn.failures.extend_from_slice(&failures);
         }
     }
     findings
 }
 
-/// The paper's bound for `sexp`; the order of any other scheme.
-fn claim(panel: &str, method: Method, series: &Series, more: &str) -> Claim {
-    let (scheme, quantity) = (&series.scheme, &series.quantity);
-    let paper = method == Method::Sexp;
-    let statement = match paper {
-        true => format!("|E φ(y_N) − E φ(y(T))| ≤ C τ for φ = {quantity} (k ≥ 2{more})"),
-        false => format!("{scheme} has weak order 1 for φ = {quantity}{more}"),
-    };
-    let measured = Evidence::order_bound(1.0, series.rate.clone());
-    Claim::new("weak-one", statement, measured).about(panel, scheme).proven(paper)
-}
-
-/// What the errors are sums of, in words.
-fn reference(grid: &[DifferenceSamples], last: u32) -> String {
-    let samples: Vec<String> = grid.iter().map(|level| level.samples.to_string()).collect();
-    let finer = last + 1;
-    format!(
-        "sums of antithetic differences between neighbouring steps, each on paths of its own ({}); \
-         below 2^-{finer} a Richardson tail, the difference between 2^-{last} and 2^-{finer} once \
-         more. The order is fitted to the differences, without the tail.",
-        samples.join(", ")
-    )
-}
-
-/// Moments of antithetic differences between neighbouring step sizes, coarsest first, and the paths
-/// that failed; each difference is a part of the experiment.
-fn differences(
-    conditions: &Conditions,
+/// The weak errors of a scheme for every φ, from the moments of its differences.
+pub fn series(
+    scheme: &str,
     grid: &[DifferenceSamples],
-    problem: &Problem<RigidBody<3>, Cosine, 3>,
+    moments: &[CrossMoments],
     observables: &[Observable<3>],
-    curve: &Curve<RigidBody<3>, 3, 3>,
-) -> (Vec<CrossMoments>, Vec<String>) {
-    let bound = || bind(problem, curve.scheme.as_ref());
-    let (mut moments, mut failures) = (Vec::new(), Vec::new());
-    for (part, DifferenceSamples { tau, samples }) in (0..).zip(grid) {
-        let runs = vec![Run::new(bound(), 1), Run::new(bound(), 0), Run::swapped(bound(), 0)];
-        let ladder = difference_ladder(problem, *tau, conditions.key(part), runs);
-        let id = conditions.wanted.join(", ");
-        conditions.progress.begin(&id, samples * ladder.steps_per_path());
-        let difference = |phi: &dyn Fn(usize) -> f64| phi(0) - 0.5 * (phi(1) + phi(2));
-        let advance = |work| conditions.progress.advance(work);
-        let (found, failed) = moments_of(&ladder, *samples, observables, difference, &advance);
-        moments.push(found);
-        failures.extend(failed);
-    }
-    conditions.progress.end();
-    (moments, failures)
+    expansion: Expansion,
+) -> Vec<Series> {
+    let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
+    let series = observables.iter().enumerate().map(|(f, observable)| {
+        let (points, rate) = weak_errors(&taus, moments, f, expansion);
+        let (scheme, quantity) = (scheme.into(), observable.name.into());
+        Series { scheme, quantity, points, rate, ..Series::default() }
+    });
+    series.collect()
 }
 
 /// Runs at the steps `tau` (level 1) and half of it (level 0).
 pub fn difference_ladder<'a>(
-    problem: &'a Problem<RigidBody<3>, Cosine, 3>,
+    problem: &Problem<'a>,
     tau: f64,
     key: StreamKey,
     runs: Vec<Run<'a>>,
 ) -> Ladder<'a> {
-    let finest_steps = (2.0 * problem.t_end() / tau).round() as u64;
-    valid(Ladder::new(&mc::Problem::of(problem), finest_steps, 1, truncation(), key, runs))
+    let finest_steps = (2.0 * problem.t_end / tau).round() as u64;
+    valid(Ladder::new(problem, finest_steps, 1, truncation(), key, runs))
 }
 
 /// Moments of a combination of φ of the runs at the final time, for every φ, and the paths that
-/// failed.
+/// failed; each of them is a difference between neighbouring steps.
 pub fn moments_of(
     ladder: &Ladder<'_>,
     samples: u64,

@@ -1,13 +1,10 @@
 //! Harmonics, generator and expectations against identities and known values.
 
-use mc::{Ladder, Run, Statistic, View, bind};
-use noise::{StreamKey, Truncation};
-use real::elementary::{cos, sin};
-use schemes::Sexp;
-use stats::Moments;
 use systems::{
     Constant, Cosine, ito_correction,
-    paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid},
+    paper::{
+        INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, rigid_body_three_noises, valid,
+    },
     unit_noise, vector_field,
 };
 
@@ -17,34 +14,14 @@ use super::{
     integration::{moments, norm, steps},
     *,
 };
+use crate::panels::{phi, weak_observables};
 
 fn paper_problem() -> Problem<RigidBody<3>, Cosine, 3> {
-    let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
-    valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0))
+    rigid_body_three_noises(1.0)
 }
 
-fn observables() -> Vec<Observable<3>> {
-    let functions: [fn([f64; 3]) -> f64; 12] = [
-        |y| y[0],
-        |y| y[1],
-        |y| y[2],
-        |y| y[0] * y[0],
-        |y| y[1] * y[1],
-        |y| y[2] * y[2],
-        |y| cos(y[0]),
-        |y| cos(y[1]),
-        |y| cos(y[2]),
-        |y| sin(y[0]),
-        |y| sin(y[1]),
-        |y| sin(y[2]),
-    ];
-    functions.map(|function| Observable { name: "", function }).to_vec()
-}
-
-fn components() -> [Observable<3>; 3] {
-    let observable = |function| Observable { name: "", function };
-    [observable(|y| y[0]), observable(|y| y[1]), observable(|y| y[2])]
-}
+const COMPONENTS: [Observable<3>; 3] =
+    [phi("y1", |y| y[0]), phi("y2", |y| y[1]), phi("y3", |y| y[2])];
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
@@ -157,9 +134,9 @@ fn one_noise_and_no_drift_turn_about_an_axis() {
         decay * decay * 0.5 * (squares.0 + squares.1 * (-2.0 * v).exp()),
         (decay * start[0]).cos(),
     ];
-    let mut observables = components().to_vec();
-    observables.push(Observable { name: "", function: |y| y[1] * y[1] });
-    observables.push(Observable { name: "", function: |y| y[0].cos() });
+    let mut observables = COMPONENTS.to_vec();
+    observables.push(phi("", |y| y[1] * y[1]));
+    observables.push(phi("", |y| y[0].cos()));
     let found = rigid_body_expectations(&problem, 32, &observables);
     assert!(largest_difference(&found, &expected) < 1e-13, "{found:?} {expected:?}");
 }
@@ -171,7 +148,7 @@ fn a_start_on_an_axis_or_at_the_origin_stays_there() {
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
     for start in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]] {
         let problem = valid(Problem::new(body, valid(Constant::new(0.5)), start, 1.0));
-        let found = rigid_body_expectations(&problem, 48, &components());
+        let found = rigid_body_expectations(&problem, 48, &COMPONENTS);
         let expected = start.map(|y| y * (-0.5f64).exp());
         assert!(largest_difference(&found, &expected) < 1e-9, "{found:?}");
     }
@@ -180,7 +157,7 @@ fn a_start_on_an_axis_or_at_the_origin_stays_there() {
 #[test]
 fn the_squares_add_up_to_the_casimir() {
     let problem = paper_problem();
-    let found = rigid_body_expectations(&problem, 16, &observables());
+    let found = rigid_body_expectations(&problem, 16, &weak_observables());
     let squares: f64 = found[3..6].iter().sum();
     assert!((squares - (-0.5 * 2f64.sin()).exp()).abs() < 1e-14, "{squares}");
 }
@@ -191,8 +168,10 @@ fn values_settle_with_the_degree() {
     for (degree, tolerance) in
         [(16, 1e-5), (24, 4e-7), (32, 2e-8), (48, 2e-10), (64, 2e-12), (80, 1e-13)]
     {
-        let difference =
-            largest_difference(&rigid_body_expectations(&problem, degree, &observables()), &PAPER);
+        let difference = largest_difference(
+            &rigid_body_expectations(&problem, degree, &weak_observables()),
+            &PAPER,
+        );
         assert!(difference < tolerance, "{degree}: {difference:e}");
     }
 }
@@ -200,8 +179,9 @@ fn values_settle_with_the_degree() {
 #[test]
 fn halving_the_time_step_changes_nothing() {
     let problem = paper_problem();
-    let at =
-        |steps| means(&moments(&problem, 32, steps), 32, radius(&problem, 1.0), &observables());
+    let at = |steps| {
+        means(&moments(&problem, 32, steps), 32, radius(&problem, 1.0), &weak_observables())
+    };
     let steps = steps(&problem, 32);
     let difference = largest_difference(&at(steps), &at(2 * steps));
     assert!(difference < 1e-13, "{steps}: {difference:e}");
@@ -214,66 +194,12 @@ fn the_axes_are_treated_alike() {
     let turned = |x: [f64; 3]| [x[1], x[2], x[0]];
     let body = valid(RigidBody::three_noises(turned(INERTIA), turned(NOISE_INERTIA)));
     let problem = valid(Problem::new(body, half_cosine(), turned(rigid_body_start()), 1.0));
-    let found = rigid_body_expectations(&problem, 24, &observables());
-    let expected = rigid_body_expectations(&paper_problem(), 24, &observables());
+    let found = rigid_body_expectations(&problem, 24, &weak_observables());
+    let expected = rigid_body_expectations(&paper_problem(), 24, &weak_observables());
     for kind in 0..4 {
         let [found, expected] =
             [&found, &expected].map(|values| [0, 1, 2].map(|j| values[3 * kind + j]));
         assert!(largest_difference(&found, &turned(expected)) < 1e-13, "{found:?} {expected:?}");
-    }
-}
-
-/// Means of all observables at the final time.
-struct Final {
-    observables: Vec<Observable<3>>,
-    moments: Vec<Moments>,
-    last_time: u64,
-}
-
-impl Statistic for Final {
-    fn observe(&mut self, view: &View<'_>) {
-        if view.time == self.last_time {
-            for p in view.live.paths() {
-                let y = view.path(0, p);
-                for (moments, observable) in self.moments.iter_mut().zip(&self.observables) {
-                    moments.add((observable.function)(y));
-                }
-            }
-        }
-    }
-
-    fn merge(&mut self, later: Self) {
-        self.moments
-            .iter_mut()
-            .zip(later.moments)
-            .for_each(|(earlier, later)| earlier.merge(later));
-    }
-}
-
-#[test]
-fn sampled_paths_agree() {
-    let problem = paper_problem();
-    let (sexp, key) = (Sexp, StreamKey { seed: 20, experiment: 3 });
-    let truncation = Truncation::new(4).unwrap();
-    let ladder = Ladder::new(
-        &mc::Problem::of(&problem),
-        128,
-        0,
-        truncation,
-        key,
-        vec![Run::new(bind(&problem, &sexp), 0)],
-    )
-    .unwrap();
-    let new = || Final {
-        observables: observables(),
-        moments: vec![Moments::default(); 12],
-        last_time: ladder.coarse_steps(),
-    };
-    let outcome = ladder.run(32_768, new, &|_| ());
-    for (moments, exact) in outcome.statistic.moments.iter().zip(PAPER) {
-        // The weak error at this step is below one standard error.
-        let deviation = (moments.mean() - exact) / moments.standard_error();
-        assert!(deviation.abs() < 5.0, "{exact}: {deviation} standard errors");
     }
 }
 

@@ -57,7 +57,7 @@ pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     part: u64,
     problem: &Problem<S, G, D>,
 ) -> Vec<Claim> {
-    let system = problem.system();
+    let (system, erased) = (problem.system(), mc::Problem::of(problem));
     let tau = problem.t_end() / PIECES as f64;
     // The states at the ends of the pieces.
     let path = |substeps: u32| {
@@ -75,7 +75,7 @@ pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     let (coarse, fine) = (path(COARSE), path(FINE));
     let claim = |(index, invariant): (usize, &systems::Invariant)| {
         let variation = |path: &Trajectory| {
-            let values = along(problem, index, path);
+            let values = along(&erased, index, path);
             let defects: Vec<f64> =
                 values.iter().map(|(_, value, exact)| value / exact - 1.0).collect();
             defects.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>()

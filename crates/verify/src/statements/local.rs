@@ -65,7 +65,7 @@ pub fn remainder_claims(
     let samples = conditions.choose(4000, 1000);
     let mut taus = Vec::new();
     // Values and their variances.
-    let mut bounded = [(Vec::new(), Vec::new()), (Vec::new(), Vec::new())];
+    let mut bounded = [const { [const { Vec::new() }; 2] }; 2];
     for exponent in EXPONENTS {
         let tau = 0.5f64.powi(exponent);
         let mut noise = WienerPath::<3>::new(conditions.key(0), exponent as u64);
@@ -80,20 +80,21 @@ pub fn remainder_claims(
             square.add(0.5 * (dot(plus, plus) + dot(minus, minus)));
             mean.add(&[0, 1, 2].map(|i| 0.5 * (plus[i] + minus[i])));
         }
-        taus.push(tau);
         let root = square.mean().sqrt();
-        bounded[0].0.push(root);
-        bounded[0].1.push((square.standard_error() / (2.0 * root)).powi(2));
         let m = [0, 1, 2].map(|i| mean.mean(i));
         let length = dot(m, m).sqrt();
         // mᵀΣm/|m|², the variance of |m| along m.
         let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
         let variance: f64 = pairs.map(|(i, j)| m[i] * mean.covariance_of_means(i, j) * m[j]).sum();
-        bounded[1].0.push(length);
-        bounded[1].1.push(variance / (length * length));
+        taus.push(tau);
+        let of_root = (square.standard_error() / (2.0 * root)).powi(2);
+        let found = [[root, of_root], [length, variance / (length * length)]];
+        for (all, found) in bounded.as_flattened_mut().iter_mut().zip(found.as_flattened()) {
+            all.push(*found);
+        }
     }
     let bounds = [("(E‖R‖²)^½ ≤ C τ^(3/2)", 1.5), ("‖E R‖ ≤ C τ²", 2.0)];
-    let claims = bounds.into_iter().zip(bounded).map(|((bound, order), (values, variances))| {
+    let claims = bounds.into_iter().zip(bounded).map(|((bound, order), [values, variances])| {
         let covariance = diagonal(&variances);
         let every = Expansion::EveryPower;
         let rate = fit_weak(&taus, &values, &covariance, Against::Exact, every);
@@ -163,28 +164,24 @@ pub fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     sum
 }
 
-/// The increments of the whole step, truncated if the scheme asks for it.
-fn increments(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+/// A step of a scheme, and the increments of the whole step, truncated if the scheme asks for it.
+pub fn scheme_end(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> [Vector; 2] {
     let truncated = if scheme.clips_increments() { truncation() } else { Truncation::none() };
     let bound = valid(truncated.bound(tau));
-    std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum::<f64>().clamp(-bound, bound))
-}
-
-/// One step of a scheme.
-pub fn scheme_end(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+    let sum = |m| pieces.iter().map(|dw: &Vector| dw[m]).sum::<f64>().clamp(-bound, bound);
     let (system, damping, y0, _) = problem().into_parts();
-    let step = valid(Step::new(&damping, 0, tau));
-    scheme.step(&system, &step, &Noise::increments(increments(scheme, tau, pieces)), y0).z
+    let (step, w) = (valid(Step::new(&damping, 0, tau)), std::array::from_fn(sum));
+    [scheme.step(&system, &step, &Noise::increments(w), y0).z, w]
 }
 
 /// What a step of a scheme lacks of its expansion.
 pub fn scheme_remainder(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let (system, _, start, _) = problem().into_parts();
-    let w = increments(scheme, tau, pieces);
+    let [end, w] = scheme_end(scheme, tau, pieces);
     // ½Σ fₘ′f_l ΔŴ_lΔŴₘ = ½f′f with f = Σ fₘΔŴₘ.
     let field = vector_field(&system, start, 0.0, w);
     let second = vector_field_derivative(&system, start, 0.0, w, field);
-    let (end, first) = (scheme_end(scheme, tau, pieces), first_order(tau, w));
+    let first = first_order(tau, w);
     std::array::from_fn(|i| end[i] - first[i] - 0.5 * second[i])
 }
 
@@ -212,9 +209,8 @@ mod tests {
         // Halving the noise and quartering the step: τ^{3/2} falls by 8, τ by 4.
         assert!((ratio(&exact_remainder) - 8.0).abs() < 0.5, "{}", ratio(&exact_remainder));
         let without = |tau: f64, pieces: &[Vector; PIECES]| {
-            let w = std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum());
-            let (end, first) = (scheme_end(&Sexp, tau, pieces), first_order(tau, w));
-            std::array::from_fn(|i| end[i] - first[i])
+            let [end, w] = scheme_end(&Sexp, tau, pieces);
+            difference(end, first_order(tau, w))
         };
         assert!((ratio(&without) - 4.0).abs() < 0.5, "{}", ratio(&without));
     }

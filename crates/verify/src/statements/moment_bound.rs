@@ -2,27 +2,26 @@
 //! sphere of F > 0 (Bréhier, Cohen and Komori 2025, §3).
 
 use analysis::worse;
-use schemes::{Scheme, Sexp};
+use mc::Setup;
 use systems::{
-    Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody,
+    Constant, Damping, DampingFunction, Problem, RigidBody,
     paper::{INERTIA, rigid_body_energy, rigid_body_start, rigid_body_three_noises, valid},
 };
 
 use crate::{
-    Conditions, Findings, compiled,
+    Compiled, Conditions, Findings,
     results::{Bounded, Claim, Evidence},
 };
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
     let (casimir, energy) = (rigid_body_three_noises(10.0), rigid_body_energy(10.0));
-    let (sexp, sexp_energy) = (compiled(Sexp), compiled(Sexp));
     // Invariant 0 is C, 1 is H. ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis
     // of the largest moment of inertia.
     let least_energy = 0.5 / INERTIA.iter().copied().fold(0.0, f64::max);
     vec![
-        bound(conditions, 0, &casimir, sexp.as_ref(), 0, 0.5),
-        bound(conditions, 1, &energy, sexp_energy.as_ref(), 1, least_energy),
-        bound(conditions, 2, &undamped(), sexp.as_ref(), 0, 0.5),
+        bound(conditions, 0, &Compiled::of(&casimir).sexp(), 0, 0.5),
+        bound(conditions, 1, &Compiled::of(&energy).sexp(), 1, least_energy),
+        bound(conditions, 2, &Compiled::of(&undamped()).sexp(), 0, 0.5),
     ]
     .into()
 }
@@ -42,22 +41,21 @@ const STEPS: [u64; 3] = [20, 100, 1000];
 
 /// The largest ‖y_n‖ over the bound at t_n, over many paths and all n ≥ 1, for a quadratic F with
 /// minimum m.
-pub fn bound<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
+pub fn bound(
     conditions: &Conditions,
     part: u64,
-    problem: &Problem<S, G, 3>,
-    scheme: &dyn Scheme<S, 3, M>,
+    setup: &Setup<'_>,
     index: usize,
     minimum: f64,
 ) -> Claim {
-    let system = problem.system();
+    let problem = &setup.problem;
     let paths = conditions.choose(400, 40);
     // |γ| has kinks, so each step of the finest grid is integrated on its own.
-    let absolute = valid(DampingFunction::new(|t| problem.damping().rate(t).abs(), 8));
-    let start = (system.invariant(index, problem.y0()) / minimum).sqrt();
+    let absolute = valid(DampingFunction::new(|t| problem.damping.rate(t).abs(), 8));
+    let start = (problem.formulas.law(index, &problem.y0) / minimum).sqrt();
     let (mut largest, mut failed) = (0.0, 0);
     for steps in STEPS {
-        let tau = problem.t_end() / steps as f64;
+        let tau = problem.t_end / steps as f64;
         let mut total = 0.0;
         let bounds: Vec<f64> = (0..steps)
             .map(|n| {
@@ -66,7 +64,7 @@ pub fn bound<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
             })
             .collect();
         for path in 0..paths {
-            let path = conditions.path(part, problem, scheme, steps, path);
+            let path = conditions.path(part, setup, steps, path);
             failed += u64::from(path.failure.is_some());
             for (y, bound) in path.states[1..].iter().zip(&bounds) {
                 let norm = y.iter().map(|component| component * component).sum::<f64>().sqrt();
@@ -78,9 +76,9 @@ pub fn bound<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
     let quantities = vec![Bounded::at_most(words, largest, 1.0 + ROUND_OFF)];
     let statement = format!(
         "{}, {}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {}",
-        system.name(),
-        problem.damping().describe(),
-        system.invariants()[index].name
+        problem.name,
+        problem.damping.describe(),
+        problem.laws[index].name
     );
     Claim::new("moment-bound", statement, Evidence::Bounds { quantities, failed })
 }

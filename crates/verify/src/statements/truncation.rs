@@ -87,15 +87,9 @@ pub fn sampled_variance(conditions: &Conditions, bound: f64) -> Claim {
         let clipped = dw.clamp(-bound, bound);
         lost.add(dw * dw - clipped * clipped);
     }
-    let measured = Evidence::Deviation {
-        quantity: format!("E[ΔW²] − E[ΔŴ²] ({samples} increments, τ = 1/4, k = 1)"),
-        value: lost.mean(),
-        standard_error: lost.standard_error(),
-        bias: 0.0,
-        expected: tau * lost_variance(tau, k),
-        path_steps: None,
-        warnings: Vec::new(),
-    };
+    let quantity = format!("E[ΔW²] − E[ΔŴ²] ({samples} increments, τ = 1/4, k = 1)");
+    let expected = tau * lost_variance(tau, k);
+    let measured = Evidence::mean(quantity, lost.mean(), lost.standard_error(), expected);
     let statement = "sampled increments lose the variance of the closed form";
     Claim::new("truncation-moments", statement, measured)
 }

@@ -2,56 +2,46 @@
 //! points, against the Kolmogorov equation, and what an accuracy costs.
 
 use mc::{
-    Expect, Observable, Observe, Setup,
+    Expect, Observable, Observe,
     expect::{Estimate, Expectation},
 };
-use schemes::Sexp;
+use schemes::BuiltIn;
 use stats::{CONFIDENCE, Point, two_sided};
 use systems::paper::{rigid_body_three_noises, valid};
 
 use crate::{
-    Conditions, Findings, Method, Words, compiled, in_words,
-    panels::weak_observables,
+    Compiled, Conditions, Findings, Words, in_words,
+    panels::{phi, weak_observables},
     results::{Claim, Evidence, Kind, Panel, Series},
     sphere::rigid_body_expectations,
     truncation,
 };
 
-/// Degree of the spherical harmonics: the twelve values agree to 4e-15 from 96 to 160, and 64 is
-/// 8e-13 away.
-fn degree(conditions: &Conditions) -> usize {
-    conditions.choose(96, 64)
+/// Values by the Kolmogorov equation. The twelve values of spherical harmonics of degrees 96 to 160
+/// agree to 4e-15, and 64 is 8e-13 away.
+fn exact(conditions: &Conditions, observables: &[Observable<3>]) -> Vec<f64> {
+    let degree = conditions.choose(96, 64);
+    rigid_body_expectations(&rigid_body_three_noises(1.0), degree, observables)
 }
 
-/// Points and scheme of an expectation.
-#[derive(Clone, Copy)]
-enum Way {
-    /// `sexp` on random points.
-    Random,
-    /// `sexp` on Sobol points.
-    Sobol,
-    /// `nv` on Sobol points, as `mc::Expect` chooses them.
-    Chosen,
-}
-
-/// Expectations with the noise of part number `part`.
+/// Expectations with the noise of part number `part`: by `sexp` on random or Sobol points, or by
+/// `nv` on Sobol points, as `mc::Expect` chooses them.
 fn expectation(
-    way: Way,
     conditions: &Conditions,
+    (method, random): (BuiltIn, bool),
     part: u64,
     observables: &[Observable<3>],
     accuracy: f64,
 ) -> Expectation {
-    let (problem, sexp) = (rigid_body_three_noises(1.0), compiled(Sexp));
-    let sexp = || {
-        let expect = Expect::with_scheme(Setup::of(&problem, sexp.as_ref()));
-        expect.with_truncation(truncation()).with_max_cost(1 << 40)
-    };
-    let expect = match way {
-        Way::Random => sexp().with_random_points(),
-        Way::Sobol => sexp(),
-        Way::Chosen => Expect::by_parts(&problem),
-    };
+    let problem = rigid_body_three_noises(1.0);
+    let mut expect = Expect::by_parts(&problem);
+    if method == BuiltIn::Sexp {
+        expect = Expect::with_scheme(Compiled::of(&problem).sexp());
+        expect = expect.with_truncation(truncation()).with_max_cost(1 << 40);
+    }
+    if random {
+        expect = expect.with_random_points();
+    }
     let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
     let advance = |work| conditions.progress.advance(work);
     valid(expect.with_key(conditions.key(part)).run(&observables, accuracy, &advance))
@@ -76,19 +66,17 @@ fn claim(estimate: &Estimate, of: &Expectation, exact: f64, statement: String) -
 /// `mc::Expect` against the Kolmogorov equation.
 pub fn measure(conditions: &Conditions) -> Findings {
     let (accuracy, observables) = (conditions.choose(2e-5, 2e-4), weak_observables());
-    let measured = expectation(Way::Chosen, conditions, 0, &observables, accuracy);
-    let problem = rigid_body_three_noises(1.0);
-    let exact = rigid_body_expectations(&problem, degree(conditions), &observables);
+    let measured = expectation(conditions, (BuiltIn::Nv, false), 0, &observables, accuracy);
+    let exact = exact(conditions, &observables);
     let claims = measured.estimates.iter().zip(exact).map(|(estimate, exact)| {
         let name = &estimate.name;
         let statement = format!("E[{name}] of the rigid body with three noises at T = 1");
-        claim(estimate, &measured, exact, statement).about("", Method::Nv.id())
+        claim(estimate, &measured, exact, statement).about("", BuiltIn::Nv.id())
     });
     claims.collect::<Vec<_>>().into()
 }
 
-const COS_Y3: [Observable<3>; 1] =
-    [Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) }];
+const COS_Y3: [Observable<3>; 1] = [phi("cos y3", |y| real::elementary::cos(y[2]))];
 
 const COST: Words = Words {
     title: "E[cos y_3] of the rigid body with three noises: cost against accuracy",
@@ -103,24 +91,24 @@ pub fn cost(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
     let accuracies = conditions
         .choose([1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5], [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]);
-    let exact = rigid_body_expectations(&problem, degree(conditions), &COS_Y3)[0];
+    let exact = exact(conditions, &COS_Y3)[0];
     let (mut series, mut claims) = (Vec::new(), Vec::new());
     // A part of the streams for each accuracy. On Sobol points a coarser one costs what the pilot
     // costs.
-    let ways: [(_, _, _, &[u64]); 3] = [
-        ("random points", Method::Sexp, Way::Random, &[2, 4, 1, 3, 5, 7]),
-        ("Sobol points", Method::Sexp, Way::Sobol, &[9, 11, 13, 15]),
-        ("Expect", Method::Nv, Way::Chosen, &[8, 10, 12, 14]),
+    let ways: [(_, _, &[u64]); 3] = [
+        ("random points", (BuiltIn::Sexp, true), &[2, 4, 1, 3, 5, 7]),
+        ("Sobol points", (BuiltIn::Sexp, false), &[9, 11, 13, 15]),
+        ("Expect", (BuiltIn::Nv, false), &[8, 10, 12, 14]),
     ];
-    for (name, method, way, parts) in ways {
+    for (name, way, parts) in ways {
         let mut points = Vec::new();
         let finest = &accuracies[accuracies.len() - parts.len()..];
         for (&part, &accuracy) in parts.iter().zip(finest) {
-            let result = expectation(way, conditions, part, &COS_Y3, accuracy);
+            let result = expectation(conditions, way, part, &COS_Y3, accuracy);
             points.push(Point::Cost { accuracy, path_steps: result.cost });
             let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
             let claim = claim(&result.estimates[0], &result, exact, statement);
-            claims.push(claim.about(conditions.id(), method.id()));
+            claims.push(claim.about(conditions.id(), way.0.id()));
         }
         let quantity = "cos y3".into();
         series.push(Series { scheme: name.into(), quantity, points, ..Series::default() });
@@ -128,7 +116,10 @@ pub fn cost(conditions: &Conditions) -> Findings {
     let reference = "half-width ε of the 95 % interval, bias included".into();
     let steps = "random and Sobol points: sexp, on random ones with antithetic differences; all \
                  pilots are part of the cost";
-    let panel =
-        Panel { reference, series, ..COST.panel(conditions.id(), Kind::Cost, &problem, steps) };
+    let panel = Panel {
+        reference,
+        series,
+        ..COST.panel(conditions.id(), Kind::Cost, &mc::Problem::of(&problem), steps)
+    };
     Findings { panels: vec![panel], claims }
 }

@@ -1,39 +1,31 @@
 //! `spin-pair-levy`: `sexp-levy` beyond three dimensions and over long paths.
 
 use analysis::worse;
-use schemes::{Sexp, SexpLevy};
-use systems::{
-    Damping, Problem,
-    paper::{half_cosine, rigid_body_three_noises},
-};
+use schemes::BuiltIn;
+use systems::paper::{half_cosine, rigid_body_three_noises};
 
 use crate::{
-    Compiled, Conditions, Findings, Method, Words, compiled,
-    conformal_law::{along, largest_defect},
-    panels::{
-        curves::Curve,
-        strong::{Grid, StrongRuns},
-    },
+    Compiled, Conditions, Curve, Findings, Words,
+    conformal_law::largest_defect,
+    panels::strong::{Grid, StrongPanel},
     results::{Claim, Evidence},
-    setups::spin_pair,
+    two_spins::spin_pair,
 };
 
-const WORDS: Words = Words {
-    title: "Two spins in a fluctuating field: strong convergence with and without Lévy areas",
-    system: "Heisenberg pair, J = 1, K = 0.5, σ = 0.8, D = 6, three noises",
-    paper: "Not in the paper, whose scheme has strong order 1/2 for noises that do not commute.",
-};
-
+/// Strong errors on two spins, and the Casimirs of two systems.
 pub fn measure(conditions: &Conditions) -> Findings {
-    let problem = spin_pair(half_cosine());
-    let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-    let curves = [Curve::new(Method::Sexp, compiled(Sexp)), Curve::new(Method::SexpLevy, levy)];
+    let words = Words {
+        title: "Two spins in a fluctuating field: strong convergence with and without Lévy areas",
+        system: "Heisenberg pair, J = 1, K = 0.5, σ = 0.8, D = 6, three noises",
+        paper: "Not in the paper, whose scheme has strong order 1/2 for noises that do not commute.",
+    };
+    let (spins, body) = (spin_pair(half_cosine()), rigid_body_three_noises(1.0));
+    let curves = Compiled::of(&spins).curves(&[BuiltIn::Sexp, BuiltIn::SexpLevy]);
     let grid = conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 });
-    let mut findings = StrongRuns::new(WORDS, &problem, grid, &curves).measure(conditions);
-    findings.claims.extend([
-        obeys_law(conditions, conditions.id(), &problem),
-        obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)),
-    ]);
+    let mut findings = StrongPanel::new(words, grid).measure(conditions, &curves);
+    let of_body = &Compiled::of(&body).curves(&[BuiltIn::SexpLevy])[0];
+    findings.claims.push(obeys_law(conditions, conditions.id(), &curves[1]));
+    findings.claims.push(obeys_law(conditions, "rigid-body-strong-3", of_body));
     findings
 }
 
@@ -44,17 +36,13 @@ const STEPS: u64 = 1024;
 const PATHS: u64 = 32;
 
 /// Every Casimir on its conformal law, at every step of many paths.
-fn obeys_law<S: Compiled<SexpLevy, D, 3>, G: Damping, const D: usize>(
-    conditions: &Conditions,
-    panel: &str,
-    problem: &Problem<S, G, D>,
-) -> Claim {
-    let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
+fn obeys_law(conditions: &Conditions, panel: &str, curve: &Curve<'_>) -> Claim {
+    let problem = &curve.setup.problem;
     let mut largest = 0.0;
     for path in 0..PATHS {
-        let path = conditions.path(3, problem, levy.as_ref(), STEPS, path);
-        for index in 0..problem.system().invariants().len() {
-            largest = worse(largest, largest_defect(&along(problem, index, &path)));
+        let path = conditions.path(3, &curve.setup, STEPS, path);
+        for index in 0..problem.laws.len() {
+            largest = worse(largest, largest_defect(problem, index, &path));
         }
         if path.failure.is_some() {
             largest = f64::NAN;
@@ -69,7 +57,5 @@ fn obeys_law<S: Compiled<SexpLevy, D, 3>, G: Damping, const D: usize>(
         obeys: true,
     };
     let statement = "every Casimir obeys the conformal law at every step, Lévy areas included";
-    Claim::new("conformal-casimir", statement, measured)
-        .about(panel, Method::SexpLevy.id())
-        .proven(false)
+    Claim::new("conformal-casimir", statement, measured).about(panel, curve.name).proven(false)
 }

@@ -1,15 +1,12 @@
 //! `truncation-orders`: what the truncation order k does to the strong error.
 
 use noise::Truncation;
-use schemes::Sexp;
+use schemes::BuiltIn;
 use systems::paper::{rigid_body_one_noise, valid};
 
 use crate::{
-    Conditions, Findings, Method, Words, compiled, in_words,
-    panels::{
-        curves::Curve,
-        strong::{Grid, StrongRuns},
-    },
+    Compiled, Conditions, Curve, Findings, Words, in_words,
+    panels::strong::{Grid, StrongPanel},
 };
 
 const WORDS: Words = Words {
@@ -31,14 +28,14 @@ pub fn measure(conditions: &Conditions) -> Findings {
         ("sexp, not truncated", Ok(Truncation::none())),
     ];
     let panels = rules.into_iter().flat_map(|(name, rule)| {
-        let curves = [Curve { name, method: Method::Sexp, scheme: compiled(Sexp) }];
-        let runs = StrongRuns {
+        let setup = Compiled::of(&problem).sexp();
+        let panel = StrongPanel {
             truncation: valid(rule),
             truncated: "increments truncated with k = 1, 2, 4 and not at all, those of the \
                         reference by the same rule",
-            ..StrongRuns::new(WORDS, &problem, grid, &curves)
+            ..StrongPanel::new(WORDS, grid)
         };
-        runs.measure(conditions).panels
+        panel.measure(conditions, &[Curve { name, method: BuiltIn::Sexp, setup }]).panels
     });
     let together = panels.reduce(|mut all, panel| {
         all.series.extend(panel.series);

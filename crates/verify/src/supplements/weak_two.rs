@@ -9,23 +9,21 @@
 
 use std::ops::RangeInclusive;
 
-use mc::{NextNoise, Observable, Run, bind};
+use mc::{NextNoise, Observable, Problem, Run, bind_owned};
 use noise::{QuasiWiener, StreamKey};
 use real::WIDTH;
-use schemes::{Nv, Scheme, Sweep};
-use stats::{CrossMoments, Expansion, weak_errors};
-use systems::{
-    RigidBody,
-    paper::{rigid_body_three_noises, valid},
-};
+use schemes::{BuiltIn, Nv, Sweep};
+use stats::{CrossMoments, Expansion};
+use systems::paper::{rigid_body_three_noises, valid};
 
 use crate::{
-    Conditions, Findings, Method, Words, in_words,
+    Conditions, Findings, Words, in_words,
     panels::{
+        phi,
         strong::power_of_half,
-        weak::{difference_ladder, moments_of},
+        weak::{difference_ladder, moments_of, series},
     },
-    results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
+    results::{Claim, DifferenceSamples, Evidence, Kind, Panel},
 };
 
 const WORDS: Words = Words {
@@ -41,11 +39,8 @@ const SCRAMBLES: u64 = 64;
 
 /// Of the twelve functions of the weak panels those whose bias stands out most from the noise; that
 /// of functions of y₃ is a tenth of y₂'s.
-const OBSERVABLES: [Observable<3>; 3] = [
-    Observable { name: "y2", function: |y| y[1] },
-    Observable { name: "y1^2", function: |y| y[0] * y[0] },
-    Observable { name: "y2^2", function: |y| y[1] * y[1] },
-];
+const OBSERVABLES: [Observable<3>; 3] =
+    [phi("y2", |y| y[1]), phi("y1^2", |y| y[0] * y[0]), phi("y2^2", |y| y[1] * y[1])];
 
 /// Weak errors and orders of `nv`.
 pub fn measure(conditions: &Conditions) -> Findings {
@@ -60,14 +55,8 @@ pub fn measure(conditions: &Conditions) -> Findings {
         moments.push(found);
         failures.extend(failed);
     }
-    let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
-    let scheme = Method::Nv.id();
-    let series = OBSERVABLES.iter().enumerate().map(|(f, observable)| {
-        let (points, rate) = weak_errors(&taus, &moments, f, Expansion::EvenPowers);
-        let quantity = observable.name.into();
-        Series { scheme: scheme.into(), quantity, points, rate, ..Series::default() }
-    });
-    let series: Vec<Series> = series.collect();
+    let scheme = BuiltIn::Nv.id();
+    let series = series(scheme, &grid, &moments, &OBSERVABLES, Expansion::EvenPowers);
     let claims = series.iter().map(|series| {
         let statement = format!("nv has weak order 2 for φ = {}", series.quantity);
         let measured = Evidence::order_bound(2.0, series.rate.clone());
@@ -86,7 +75,7 @@ pub fn measure(conditions: &Conditions) -> Findings {
         differences: grid,
         failures,
         series,
-        ..WORDS.panel(conditions.id(), Kind::Weak, &problem, &steps)
+        ..WORDS.panel(conditions.id(), Kind::Weak, &Problem::of(&problem), &steps)
     };
     Findings { panels: vec![panel], claims }
 }
@@ -95,21 +84,19 @@ pub fn measure(conditions: &Conditions) -> Findings {
 /// that failed.
 fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<String>) {
     let problem = rigid_body_three_noises(1.0);
-    let sweep = |sweep| -> Box<dyn Scheme<RigidBody<3>, 3, 3>> {
-        Box::new(Nv::of_parts().with_sweep(sweep))
-    };
-    let [forward, backward] = [Sweep::Forward, Sweep::Backward].map(sweep);
+    let nv = |sweep| bind_owned(&problem, Box::new(Nv::of_parts().with_sweep(sweep)));
+    let [forward, backward] = [Sweep::Forward, Sweep::Backward].map(nv);
     let steps = (2.0 * problem.t_end() / tau).round() as u64;
     let (mut moments, mut failures) = (CrossMoments::new(OBSERVABLES.len()), Vec::new());
     for scramble in 0..SCRAMBLES {
         let runs = vec![
-            Run::new(bind(&problem, forward.as_ref()), 1),
-            Run::new(bind(&problem, backward.as_ref()), 1),
-            Run::new(bind(&problem, forward.as_ref()), 0),
-            Run::swapped(bind(&problem, backward.as_ref()), 0),
+            Run::new(forward.clone(), 1),
+            Run::new(backward.clone(), 1),
+            Run::new(forward.clone(), 0),
+            Run::swapped(backward.clone(), 0),
         ];
         let wiener = valid(QuasiWiener::new(key, scramble, steps, 3, problem.t_end()));
-        let ladder = difference_ladder(&problem, tau, key, runs);
+        let ladder = difference_ladder(&Problem::of(&problem), tau, key, runs);
         let ladder = valid(ladder.with_noise(move |path| increments(&wiener, path)));
         let difference = |phi: &dyn Fn(usize) -> f64| 0.5 * (phi(0) + phi(1) - (phi(2) + phi(3)));
         let (found, failed) = moments_of(&ladder, points, &OBSERVABLES, difference, &|_| ());

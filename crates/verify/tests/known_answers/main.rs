@@ -6,9 +6,7 @@
 mod coverage;
 mod library;
 
-use verify::page::Outcome;
-use verify::{Method, reproduce};
-use verify::{Mode, Settings};
+use verify::{FURTHER, Mode, Settings, page::Outcome, reproduce};
 
 use library::{Entry, Question, ask, entries};
 
@@ -20,31 +18,24 @@ const CHANCE: f64 = 1e-3;
 #[ignore = "statistical: minutes"]
 fn stated_answers_are_true() {
     const SEEDS: u64 = 20;
-    let rows = ask(&entries(), SEEDS, 100_000_000);
-    println!(
-        "{:22} {:17} {:64} {:>6} {:>5} {:>9} {:>8}  undecided because",
-        "question", "kind", "problem", "stated", "false", "undecided", "cost"
-    );
-    for row in &rows {
-        let total = &row.total;
-        println!(
-            "{:22} {:17} {:64} {:6} {:5} {:9} {:8.1e}  {}",
-            row.question.words(),
-            row.kind,
-            row.name,
-            total.stated,
-            total.missed,
-            total.asked - total.stated,
-            total.cost as f64 / total.asked as f64,
-            total.reason
+    let (entries, mut wrong) = (entries(), Vec::new());
+    let totals = ask(&entries, SEEDS, 100_000_000);
+    println!("question, kind, problem: stated, false, undecided, cost, undecided because");
+    for (Entry { question, kind, name, .. }, total) in entries.iter().zip(&totals) {
+        let (undecided, cost) =
+            (total.asked - total.stated, total.cost as f64 / total.asked as f64);
+        let line = format!(
+            "{question:?}, {kind}, {name}: {}, {}, {undecided}, {cost:.1e}, {}",
+            total.stated, total.missed, total.reason
         );
+        println!("{line}");
+        if total.refuted(question.tolerated(), CHANCE / entries.len() as f64) {
+            wrong.push(line);
+        }
     }
-    let chance = CHANCE / rows.len() as f64;
-    let wrong = rows.iter().filter(|row| row.total.refuted(row.question.tolerated(), chance));
-    let wrong: Vec<_> = wrong.collect();
     assert!(wrong.is_empty(), "answered falsely too often: {wrong:#?}");
     // Most answers are of use.
-    let sum = |count: fn(&library::Total) -> u64| rows.iter().map(|r| count(&r.total)).sum::<u64>();
+    let sum = |count: fn(&library::Total) -> u64| totals.iter().map(count).sum::<u64>();
     assert!(2 * sum(|total| total.stated) > sum(|total| total.asked));
 }
 
@@ -74,19 +65,20 @@ fn chosen_intervals_cover_and_are_not_too_wide() {
     const SEEDS: u64 = 400;
     let entries: Vec<Entry> = entries().into_iter().filter(covered).collect();
     assert_eq!(entries.len(), 7);
-    let rows = ask(&entries, SEEDS, u64::MAX);
-    let chance = CHANCE / rows.len() as f64;
-    for row in &rows {
-        let (width, error) = row.total.relative_width();
-        println!("{}: {:?}, width {width:.2} (1 ± {error:.2})", row.name, row.total);
-        assert!(!row.total.refuted(0.07, chance), "{row:?}");
-        assert!(!row.total.too_often_undecided(0.03, chance), "{row:?}");
+    let totals = ask(&entries, SEEDS, u64::MAX);
+    let chance = CHANCE / totals.len() as f64;
+    for (Entry { name, .. }, total) in entries.iter().zip(&totals) {
+        let (width, error) = total.relative_width();
+        let row = format!("{name}: {total:?}, width {width:.2} (1 ± {error:.2})");
+        println!("{row}");
+        assert!(!total.refuted(0.07, chance), "{row}");
+        assert!(!total.too_often_undecided(0.03, chance), "{row}");
         let fits = |width: f64| {
             width * (1.0 + MARGIN * error) > 0.8 && width * (1.0 - MARGIN * error) < 2.0
         };
-        assert!(fits(width), "{width}: {row:?}");
+        assert!(fits(width), "{row}");
         // The margin does not hide intervals that are wrong by a factor of four.
-        assert!(!fits(4.0 * width) && !fits(0.25 * width), "{width}: {row:?}");
+        assert!(!fits(4.0 * width) && !fits(0.25 * width), "{row}");
     }
 }
 
@@ -111,7 +103,7 @@ fn statements_hold_for_other_seeds() {
     let mut alarms = Vec::new();
     for seed in 2..=11 {
         let settings = Settings::new(seed, Mode::Quick);
-        let claims = reproduce(settings, &[], &Method::FURTHER, &()).claims;
+        let claims = reproduce(settings, &[], &FURTHER, &()).claims;
         println!("seed {seed}: {}", verify::page::counts(&claims));
         alarms.extend(claims.into_iter().filter(|c| Outcome::of(c) == Outcome::Refuted));
     }

@@ -1,51 +1,12 @@
 //! Variance times cost of three estimators of E[φ(y_τ)] − E[φ(y_{τ/2})].
 
-use mc::{Ladder, Observable, Run, Statistic, View, bind};
+use analysis::FinalMoments;
+use mc::{Run, View};
 use noise::StreamKey;
-use schemes::Sexp;
-use stats::CrossMoments;
-use systems::{RigidBody, paper::rigid_body_three_noises};
+use systems::paper::rigid_body_three_noises;
 
-use crate::{compiled, panels::weak_observables, truncation};
-
-/// φ(coarse), φ(fine), the plain and the antithetic difference of every test function at the final
-/// time.
-struct Estimates {
-    observables: Vec<Observable<3>>,
-    last_time: u64,
-    moments: Vec<CrossMoments>,
-}
-
-impl Statistic for Estimates {
-    fn observe(&mut self, view: &View<'_>) {
-        if view.time != self.last_time {
-            return;
-        }
-        for (observable, moments) in self.observables.iter().zip(&mut self.moments) {
-            for p in view.live.paths() {
-                let [coarse, fine, swapped] =
-                    [0, 1, 2].map(|run| (observable.function)(view.path(run, p)));
-                moments.add(&[coarse, fine, coarse - fine, coarse - 0.5 * (fine + swapped)]);
-            }
-        }
-    }
-
-    fn merge(&mut self, later: Self) {
-        for (sum, more) in self.moments.iter_mut().zip(&later.moments) {
-            sum.merge(more);
-        }
-    }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len().is_multiple_of(2) {
-        0.5 * (values[middle - 1] + values[middle])
-    } else {
-        values[middle]
-    }
-}
+use super::difference_ladder;
+use crate::{Compiled, panels::weak_observables};
 
 /// With 4096 paths a variance is known to 5 % or so; the smallest advantage that is asserted is a
 /// factor of 2.
@@ -53,48 +14,49 @@ fn median(mut values: Vec<f64>) -> f64 {
 fn antithetic_estimators_are_the_narrowest_per_path_step() {
     const PATHS: u64 = 4096;
     let problem = rigid_body_three_noises(1.0);
+    let sexp = Compiled::of(&problem).sexp();
     let observables = weak_observables();
-    let sexp = compiled::<_, RigidBody<3>, 3, 3>(Sexp);
     let mut variances = Vec::new();
     println!("| τ | independent | plain difference | antithetic | its variance / τ² |");
     for exponent in [6, 8, 10] {
-        let runs = vec![
-            Run::new(bind(&problem, sexp.as_ref()), 1),
-            Run::new(bind(&problem, sexp.as_ref()), 0),
-            Run::swapped(bind(&problem, sexp.as_ref()), 0),
-        ];
+        let scheme = || sexp.scheme.clone();
+        let runs = vec![Run::new(scheme(), 1), Run::new(scheme(), 0), Run::swapped(scheme(), 0)];
         let key = StreamKey { seed: 1, experiment: exponent };
-        let ladder =
-            Ladder::new(&mc::Problem::of(&problem), 2 << exponent, 1, truncation(), key, runs)
-                .unwrap();
-        let statistic = || Estimates {
-            observables: observables.clone(),
-            last_time: ladder.coarse_steps(),
-            moments: vec![CrossMoments::new(4); observables.len()],
+        let steps = (1u64 << exponent) as f64;
+        let ladder = difference_ladder(&sexp.problem, 1.0 / steps, key, runs);
+        // φ(coarse), φ(fine), the plain and the antithetic difference of every test function.
+        let values = |view: &View<'_>, rows: &mut [real::Row]| {
+            for (rows, observable) in rows.chunks_exact_mut(4).zip(&observables) {
+                for p in view.live.paths() {
+                    let phi = |run| (observable.function)(view.path(run, p));
+                    let [coarse, fine, swapped] = [0, 1, 2].map(phi);
+                    let plain = coarse - fine;
+                    let antithetic = coarse - 0.5 * (fine + swapped);
+                    let numbers = [coarse, fine, plain, antithetic];
+                    rows.iter_mut().zip(numbers).for_each(|(row, number)| row[p] = number);
+                }
+            }
         };
-        let measured = ladder.run(PATHS, statistic, &|_| ()).statistic.moments;
+        let new = || FinalMoments::new(ladder.coarse_steps(), 4 * observables.len(), &values);
+        let moments = ladder.run(PATHS, new, &|_| ()).statistic.moments;
         // Steps: one coarse and two fine for each coarse one, and twice the fine ones with the
         // twin.
-        let steps = (1u64 << exponent) as f64;
-        let work = measured.iter().map(|moments| {
-            let variance = |i: usize| PATHS as f64 * moments.covariance_of_means(i, i);
-            [
-                3.0 * steps * (variance(0) + variance(1)),
-                3.0 * steps * variance(2),
-                5.0 * steps * variance(3),
-            ]
-        });
-        let work: Vec<[f64; 3]> = work.collect();
-        for (observable, [independent, plain, antithetic]) in observables.iter().zip(&work) {
-            assert!(
-                2.0 * antithetic < *plain && plain < independent,
-                "{} at 2^-{exponent}",
-                observable.name
-            );
+        let mut work = [const { Vec::new() }; 3];
+        for n in 0..observables.len() {
+            let variance =
+                |i: usize| PATHS as f64 * moments.covariance_of_means(4 * n + i, 4 * n + i);
+            let [a, b, plain, antithetic] = [0, 1, 2, 3].map(variance);
+            let products = [3.0 * (a + b), 3.0 * plain, 5.0 * antithetic].map(|work| steps * work);
+            let [independent, plain, antithetic] = products;
+            let name = observables[n].name;
+            assert!(2.0 * antithetic < plain && plain < independent, "{name} at 2^-{exponent}");
+            work.iter_mut().zip(products).for_each(|(all, product)| all.push(product));
         }
-        let [independent, plain, antithetic] =
-            [0, 1, 2].map(|i| median(work.iter().map(|row| row[i]).collect()));
-        let relative = antithetic / (5.0 * steps) * steps * steps;
+        let [independent, plain, antithetic] = work.map(|mut all| {
+            all.sort_by(f64::total_cmp);
+            0.5 * (all[5] + all[6])
+        });
+        let relative = antithetic * steps / 5.0;
         println!(
             "| 2^-{exponent} | {independent:.1e} | {plain:.1e} | {antithetic:.1e} | \
              {relative:.1e} |"

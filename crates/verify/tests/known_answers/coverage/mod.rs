@@ -28,34 +28,16 @@ const TOLERANCE: f64 = 0.02;
 #[test]
 #[ignore = "statistical: half a minute"]
 fn intervals_cover_as_often_as_they_say() {
-    let mut tally = Tally { rows: Vec::new(), case: 0 };
+    let mut tally = Tally::default();
     synthetic::rows(&mut tally);
     tally.case = MOTION;
     motion::rows(&mut tally);
-    let rows = tally.rows;
-    for row in &rows {
-        println!("{:70} {:60} {:.4} {:?}", row.case, row.interval, row.share(), row.expected);
-    }
-    let wrong: Vec<_> = rows.iter().filter(|row| !row.as_expected()).collect();
+    let wrong: Vec<_> = tally.rows.iter().filter(|row| !row.2.allows(row.1)).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
     use Expected::{Calibrated, Covers, Miscovers, Raised, Silent};
     for kind in [Calibrated, Covers, Miscovers, Raised, Silent] {
-        assert!(rows.iter().any(|row| row.expected == kind), "nothing is {kind:?}");
+        assert!(tally.rows.iter().any(|row| row.2 == kind), "nothing is {kind:?}");
     }
-}
-
-/// How often one kind of interval covered the truth, or one kind of warning was raised.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Coverage {
-    /// The data.
-    case: &'static str,
-    /// The interval, with what it is an interval for; or the warning.
-    interval: &'static str,
-    /// Data sets whose interval contains the truth, or that are warned about; one without an
-    /// interval does not count.
-    covered: usize,
-    /// What is required of it.
-    expected: Expected,
 }
 
 /// What is required of an interval or of a warning.
@@ -78,29 +60,17 @@ enum Expected {
 }
 
 impl Expected {
-    /// The nominal share: 0.95 of an interval, 1 or 0 of a warning.
-    fn nominal(self) -> f64 {
+    /// Whether this share of the data sets may be covered, or warned about: nominally 0.95 for an
+    /// interval, 1 or 0 for a warning.
+    fn allows(self, share: f64) -> bool {
+        let near = |nominal: f64| (share - nominal).abs() <= TOLERANCE;
         match self {
-            Self::Raised => 1.0,
-            Self::Silent => 0.0,
-            Self::Calibrated | Self::Covers | Self::Miscovers | Self::Stated => CONFIDENCE,
-        }
-    }
-}
-
-impl Coverage {
-    /// Share of the data sets that are covered, or warned about.
-    fn share(&self) -> f64 {
-        self.covered as f64 / REPLICATIONS as f64
-    }
-
-    fn as_expected(&self) -> bool {
-        let above = self.share() - self.expected.nominal();
-        match self.expected {
-            Expected::Calibrated | Expected::Raised | Expected::Silent => above.abs() <= TOLERANCE,
-            Expected::Covers => above >= -TOLERANCE,
-            Expected::Miscovers => above.abs() > TOLERANCE,
-            Expected::Stated => true,
+            Self::Calibrated => near(CONFIDENCE),
+            Self::Covers => share >= CONFIDENCE - TOLERANCE,
+            Self::Miscovers => !near(CONFIDENCE),
+            Self::Raised => near(1.0),
+            Self::Silent => near(0.0),
+            Self::Stated => true,
         }
     }
 }
@@ -112,9 +82,11 @@ const MOTION: u64 = 100;
 /// on one data set.
 type Check = (&'static str, Expected, bool);
 
-/// Counts, case by case.
+/// The case and its interval or warning, the share of the data sets that are covered or warned
+/// about, and what is required; case by case. A data set without an interval is not covered.
+#[derive(Default)]
 struct Tally {
-    rows: Vec<Coverage>,
+    rows: Vec<(String, f64, Expected)>,
     case: u64,
 }
 
@@ -128,7 +100,10 @@ impl Tally {
             (0..REPLICATIONS).into_par_iter().map(|number| checks(key(number))).collect();
         for (n, &(interval, expected, _)) in sets[0].iter().enumerate() {
             let covered = sets.iter().filter(|checks| checks[n].2).count();
-            self.rows.push(Coverage { case, interval, covered, expected });
+            let (row, share) =
+                (format!("{case}: {interval}"), covered as f64 / REPLICATIONS as f64);
+            println!("{row}: {share:.4} {expected:?}");
+            self.rows.push((row, share, expected));
         }
     }
 }

@@ -11,7 +11,7 @@ use schemes::{EulerMaruyama, Heun, Midpoint, Scheme};
 use stats::Point;
 
 use super::{
-    Answer, Entry, Question, Stated,
+    Entry, Question, Stated,
     law::Normal,
     orders::cost,
     system::{Plane, kubo},
@@ -74,7 +74,7 @@ fn entry<X: Scheme<Plane, 2, 1> + Copy + 'static>(
             Ok(order) => interval(order.points.get(index)),
             Err(error) => Stated::undecided(error),
         };
-        Answer { stated, cost: cost(&sizes) }
+        (stated, cost(&sizes))
     };
     let truth = Some(error(factor, omega, sigma, n));
     Entry::new("Kubo", name, Question::StrongError, truth, ask)
@@ -95,27 +95,4 @@ pub fn entries() -> Vec<Entry> {
         entry(Heun, heun, [1.0, 0.5], 3, 1),
         entry(half, midpoint, [1.0, 1.0], 2, 2),
     ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_error_of_euler_has_a_closed_form() {
-        // ω = σ = 1: E|A|² = (1 − τ/2)² + τ² + τ and E[A e^{ia}] = (1 + τ/2 − iτ) e^{iτ − τ/2}.
-        for n in [1, 8, 64] {
-            let (tau, steps) = (1.0 / f64::from(n), f64::from(n));
-            let square = ((1.0 - 0.5 * tau).powi(2) + tau * tau + tau).powi(n);
-            let angle = steps * (tau - (tau / (1.0 + 0.5 * tau)).atan());
-            let product = ((1.0 + 0.5 * tau).hypot(tau) * (-0.5 * tau).exp()).powi(n) * angle.cos();
-            let closed = (square + 1.0 - 2.0 * product).sqrt();
-            // 1 + E|A|^2n − … is of size closed², its terms and their n factors of size 2.
-            let rounding = 16.0 * steps * f64::EPSILON / (closed * closed);
-            assert!((error(euler, 1.0, 1.0, n) / closed - 1.0).abs() < rounding);
-        }
-        // Orders ½ and 1 of the other two, and the midpoint rule is a rotation.
-        let ratio = |factor: Factor| error(factor, 1.0, 1.0, 512) / error(factor, 1.0, 1.0, 1024);
-        assert!((ratio(heun) - 2.0).abs() < 0.01 && (ratio(midpoint) - 2.0).abs() < 0.01);
-    }
 }

@@ -5,14 +5,12 @@
 //! them. It is asked with many seeds. An answer that is *stated* may be false, in the share
 //! [`Question::tolerated`] at most. An answer that is *undecided* says so and is not false, but too
 //! many of them are no use.
-//
 
 mod errors;
 mod kubo;
 mod law;
 mod normal;
 mod orders;
-mod rare;
 mod sphere;
 pub mod system;
 
@@ -50,17 +48,6 @@ impl Question {
         match self {
             Self::StrongOrder | Self::WeakOrder => 0.01,
             Self::StrongError | Self::Expectation | Self::Chosen => 0.07,
-        }
-    }
-
-    /// The words for tables.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::StrongOrder => "strong order",
-            Self::WeakOrder => "weak order",
-            Self::StrongError => "strong error",
-            Self::Expectation => "expectation",
-            Self::Chosen => "expectation, all chosen",
         }
     }
 }
@@ -102,19 +89,12 @@ impl Stated {
     }
 }
 
-/// One answer.
-pub struct Answer {
-    /// What is stated.
-    pub stated: Stated,
-    /// Path-steps.
-    pub cost: u64,
-}
+/// What is stated, and its path-steps.
+type Answer = (Stated, u64);
 
-impl Answer {
-    /// Of a question that is refused.
-    fn refused(error: impl Display) -> Self {
-        Self { stated: Stated::undecided(error), cost: 0 }
-    }
+/// Of a question that is refused.
+fn refused(error: impl Display) -> Answer {
+    (Stated::undecided(error), 0)
 }
 
 /// Answers with the noise of a key.
@@ -148,9 +128,7 @@ impl Entry {
         let (name, ask) = (name.into(), Box::new(ask));
         Self { kind, name, question, truth, number: 0, ask, chosen: None }
     }
-}
 
-impl Entry {
     /// The entry that asks for the same expectation with everything chosen.
     fn take_chosen(&mut self) -> Option<Self> {
         let Self { kind, truth, .. } = *self;
@@ -169,7 +147,7 @@ pub fn entries() -> Vec<Entry> {
         kubo::entries,
         normal::entries,
         sphere::entries,
-        rare::entries,
+        normal::rare_entries,
     ] {
         entries.extend(part());
     }
@@ -181,8 +159,8 @@ pub fn entries() -> Vec<Entry> {
 
 /// Asks these entries with the seeds 1 … `seeds`, or with fewer where answers have taken `most`
 /// path-steps. An entry has the same streams in any selection.
-pub fn ask(entries: &[Entry], seeds: u64, most: u64) -> Vec<Row> {
-    let row = |entry: &Entry| {
+pub fn ask(entries: &[Entry], seeds: u64, most: u64) -> Vec<Total> {
+    let total = |entry: &Entry| {
         let mut total = Total::default();
         for seed in 1..=seeds {
             if total.cost > most {
@@ -191,23 +169,9 @@ pub fn ask(entries: &[Entry], seeds: u64, most: u64) -> Vec<Row> {
             let key = StreamKey { seed, experiment: streams::LIBRARY + entry.number };
             total.add(entry.truth, (entry.ask)(key));
         }
-        let Entry { kind, question, .. } = *entry;
-        Row { kind, name: entry.name.clone(), question, total }
+        total
     };
-    entries.par_iter().map(row).collect()
-}
-
-/// The answers to one entry.
-#[derive(Debug, PartialEq)]
-pub struct Row {
-    /// What sort of problem it is.
-    pub kind: &'static str,
-    /// The problem.
-    pub name: String,
-    /// What is asked.
-    pub question: Question,
-    /// The counts.
-    pub total: Total,
+    entries.par_iter().map(total).collect()
 }
 
 /// Counts of answers.
@@ -231,7 +195,7 @@ pub struct Total {
 }
 
 impl Total {
-    fn add(&mut self, truth: Truth, Answer { stated, cost }: Answer) {
+    fn add(&mut self, truth: Truth, (stated, cost): Answer) {
         self.asked += 1;
         self.cost += cost;
         self.missed += u64::from(stated.misses(truth));
@@ -276,10 +240,9 @@ impl Total {
 fn binomial_tails() {
     let of = |missed| Total { asked: 20, stated: 20, missed, ..Total::default() };
     assert!(!of(1).refuted(0.07, 0.01) && of(6).refuted(0.07, 0.01));
-    // P(X ≥ 1) = 1 − 0.93¹⁰.
-    let one = Total { stated: 10, missed: 1, ..Total::default() };
-    let tail = 1.0 - 0.93f64.powi(10);
-    assert!(one.refuted(0.07, 1.0001 * tail) && !one.refuted(0.07, 0.9999 * tail));
+    // P(X ≥ 1) = 1 − 0.93²⁰.
+    let tail = 1.0 - 0.93f64.powi(20);
+    assert!(of(1).refuted(0.07, 1.0001 * tail) && !of(1).refuted(0.07, 0.9999 * tail));
 }
 
 /// How E[φ] is asked for.
@@ -323,27 +286,18 @@ where
     S: Chosen<D, M> + Clone + 'static,
     X: Scheme<S, D, M> + 'static,
 {
-    let same = problem.clone();
-    let chosen = move |key: StreamKey| {
-        let observable = Observable { name: "φ", function };
-        let expect = S::expect(&same).with_key(key).with_max_cost(MAX_COST);
-        match expect.run(&[&observable], how.accuracy, &|_| ()) {
-            Ok(result) => Answer { stated: stated(&result), cost: result.cost },
-            Err(error) => Answer::refused(error),
-        }
+    let observable = Observable { name: "φ", function };
+    let answer = move |expect: Expect<'_>| match expect.run(&[&observable], how.accuracy, &|_| ()) {
+        Ok(result) => (stated(&result), result.cost),
+        Err(error) => refused(error),
     };
+    let same = problem.clone();
+    let chosen =
+        move |key: StreamKey| answer(S::expect(&same).with_key(key).with_max_cost(MAX_COST));
     let ask = move |key: StreamKey| {
-        let observable = Observable { name: "φ", function };
-        let run = |max_level: usize, max_cost: u64| {
-            let expect = Expect::with_scheme(Setup::of(&problem, &scheme)).with_random_points();
-            let expect = expect.with_key(key).with_truncation(truncation());
-            let expect = expect.with_coarsest_steps(how.steps).with_max_level(max_level);
-            expect.with_max_cost(max_cost).run(&[&observable], how.accuracy, &|_| ())
-        };
-        match run(MAX_LEVEL, MAX_COST) {
-            Ok(result) => Answer { stated: stated(&result), cost: result.cost },
-            Err(error) => Answer::refused(error),
-        }
+        let expect = Expect::with_scheme(Setup::of(&problem, &scheme)).with_random_points();
+        let expect = expect.with_key(key).with_truncation(truncation()).with_max_cost(MAX_COST);
+        answer(expect.with_coarsest_steps(how.steps).with_max_level(MAX_LEVEL))
     };
     let entry = Entry::new(kind, name, Question::Expectation, Some(truth), ask);
     Entry { chosen: Some(Box::new(chosen)), ..entry }

@@ -14,7 +14,7 @@ use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Scheme, Sexp, 
 use systems::{PoissonSystem, Problem};
 
 use super::{
-    Answer, Entry, Question, Stated, Truth,
+    Entry, Question, Stated, Truth, refused,
     system::{
         Body, Plane, Rate, START, UNDAMPED, damped_kubo, growth, integrated, kubo, on_sphere,
         planes, problem,
@@ -54,14 +54,14 @@ fn order_entry<E: Display>(
         let sizes = sizes(key);
         let order = match measure(&sizes) {
             Ok(order) => order,
-            Err(error) => return Answer::refused(error),
+            Err(error) => return refused(error),
         };
         let stated = match order.decision {
             Decision::Order { order, .. } => Stated::order(order),
             Decision::WrongLimit => Stated::NoOrder,
             decision => Stated::undecided(decision),
         };
-        Answer { stated, cost: cost(&sizes) }
+        (stated, cost(&sizes))
     };
     Entry::new(kind, name, question, truth, ask)
 }

@@ -26,7 +26,7 @@ pub fn without_areas(conditions: &Conditions) -> Claim {
 /// The expansion of the scheme without ½Σ fₘ′f_l ΔŴ_lΔŴₘ.
 pub fn without_second_order(conditions: &Conditions) -> Claim {
     let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
-        difference(local::scheme_end(&Sexp, tau, pieces), local::first_order(tau, whole(pieces)))
+        difference(local::scheme_end(&Sexp, tau, pieces)[0], local::first_order(tau, whole(pieces)))
     };
     remainder_claims(conditions, "local-sexp", "sexp", remainder).swap_remove(0)
 }

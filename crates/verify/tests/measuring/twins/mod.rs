@@ -11,16 +11,15 @@ mod orders;
 mod without_iteration;
 mod wrong_systems;
 
+use schemes::BuiltIn;
 use systems::paper::{pendulum, poisson3_strong};
-use verify::page::Outcome;
 use verify::{
-    Conditions, STATEMENTS, ids, reproduce,
+    Conditions, Mode, STATEMENTS, Settings, ids,
+    page::Outcome,
+    reproduce,
+    results::{Claim, Verdict},
     statements::{solvability::contraction, truncation::sampled_variance},
     streams,
-};
-use verify::{
-    Mode, Settings,
-    results::{Claim, Verdict},
 };
 
 /// A wrong method: the statement that it is a twin of, its mistake in words, and its measurement.
@@ -94,12 +93,12 @@ const TWINS: &[Twin] = &[
     (
         "conformal-casimir",
         "sexp-li: the damping of the first half step for both halves",
-        without_iteration::first_half_twice,
+        |conditions| without_iteration::first_half_twice(conditions, BuiltIn::SexpLi),
     ),
     (
         "conformal-casimir",
         "split: the damping of the first half step for both halves",
-        without_iteration::first_half_twice_split,
+        |conditions| without_iteration::first_half_twice(conditions, BuiltIn::Split),
     ),
     ("strong-one", "sexp-li: v from the beginning", without_iteration::strong_shifted),
     ("strong-one", "split: flows in a row, pendulum", without_iteration::pendulum_in_a_row),

@@ -17,13 +17,13 @@ use mc::{Ladder, Run, Statistic, View, bind};
 use noise::StreamKey;
 use nonlin::{Method, Solver};
 use real::{WIDTH, elementary};
-use schemes::{Scheme, Sexp, SexpLi, WithSolver};
+use schemes::{BuiltIn, Scheme, Sexp, WithSolver};
 use systems::{
     Constant, Damping, Linear, Problem,
     paper::{half_cosine, lotka_volterra_1_1, maxwell_bloch, rigid_body_three_noises, sine},
 };
 use verify::{
-    PaperSystem, compiled,
+    PaperSystem,
     rounding::{LINEARLY_IMPLICIT, PER_STEP, rotations},
     streams,
 };
@@ -147,20 +147,13 @@ fn scheme<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
     rule: Rule,
     problem: &Problem<S, G, D>,
 ) -> Result<(Box<dyn Scheme<S, D, M>>, &'static str, f64)> {
+    let compiled = |scheme| problem.system().compiled(scheme, problem.y0()).context("no flows");
     Ok(match rule {
         Rule::Sexp(name, solver) => (Box::new(WithSolver { formula: Sexp, solver }), name, 1.0),
-        Rule::SexpLi => {
-            let scheme = SexpLi::new(problem.system(), problem.y0())?;
-            (compiled(scheme), "sexp-li", LINEARLY_IMPLICIT)
-        }
-        Rule::Split | Rule::Nv => {
-            let [split, nv] = S::by_parts().context("no flows")?;
-            match rule {
-                Rule::Split => (split, "split", rotations(5)),
-                // Of the body with three noises.
-                _ => (nv, "nv", rotations(9)),
-            }
-        }
+        Rule::SexpLi => (compiled(BuiltIn::SexpLi)?, "sexp-li", LINEARLY_IMPLICIT),
+        Rule::Split => (compiled(BuiltIn::Split)?, "split", rotations(5)),
+        // Of the body with three noises.
+        Rule::Nv => (compiled(BuiltIn::Nv)?, "nv", rotations(9)),
     })
 }
 

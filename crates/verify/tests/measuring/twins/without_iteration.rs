@@ -1,15 +1,14 @@
 //! Twins of the schemes without iteration.
 
-use schemes::{Explicit, Increment, SexpLi, Split};
+use mc::Setup;
+use schemes::{BuiltIn, Composed, Explicit, Increment};
 use systems::{
-    Damping, Flows, PoissonSystem, Problem,
-    paper::{
-        maxwell_bloch, pendulum, poisson3_strong, rigid_body_energy, rigid_body_three_noises, valid,
-    },
+    Damping, Flows, Problem,
+    paper::{maxwell_bloch, pendulum, poisson3_strong, rigid_body_energy, rigid_body_three_noises},
 };
-use verify::results::Claim;
 use verify::{
-    Conditions,
+    Altered, Compiled, Conditions, PaperSystem,
+    results::Claim,
     statements::{
         local::{BodyScheme, remainder_claims, scheme_remainder},
         without_iteration::{keeps_casimir, order_two},
@@ -17,16 +16,17 @@ use verify::{
 };
 
 use super::{
-    altered::{Pathwise, altered, damped_after, damped_before, damped_by_first_half, in_a_row},
-    conformal::casimir,
+    altered::{InARow, damped_after, damped_before, damped_by_first_half},
+    conformal::{casimir, obeys_law},
     orders::strong,
 };
 
-/// `sexp-li` for a problem.
-fn right<S: PoissonSystem<D, M>, G, const D: usize, const M: usize>(
+/// The right scheme for a problem.
+fn right<S: PaperSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
-) -> SexpLi {
-    valid(SexpLi::new(problem.system(), problem.y0()))
+    scheme: BuiltIn,
+) -> Setup<'_> {
+    Compiled::of(problem).curves(&[scheme]).swap_remove(0).setup
 }
 
 /// `sexp-li` with v = ∇h(ẑ + shift·B(ẑ)∇h(ẑ)), where ½ is right.
@@ -70,7 +70,7 @@ pub fn local_shifted(conditions: &Conditions, shift: f64) -> Claim {
 }
 
 pub fn local_in_a_row(conditions: &Conditions) -> Claim {
-    local(conditions, "local-split", &in_a_row())
+    local(conditions, "local-split", &Composed(InARow))
 }
 
 pub fn strong_shifted(conditions: &Conditions) -> Claim {
@@ -79,57 +79,66 @@ pub fn strong_shifted(conditions: &Conditions) -> Claim {
 }
 
 pub fn pendulum_in_a_row(conditions: &Conditions) -> Claim {
-    strong(conditions, "strong-one", &pendulum(), &in_a_row(), 1.0)
+    strong(conditions, "strong-one", &pendulum(), &Composed(InARow), 1.0)
 }
 
 pub fn poisson_in_a_row(conditions: &Conditions) -> Claim {
-    strong(conditions, "strong-one", &poisson3_strong(), &in_a_row(), 1.0)
+    strong(conditions, "strong-one", &poisson3_strong(), &Composed(InARow), 1.0)
 }
 
 pub fn sign_in_cayley(conditions: &Conditions) -> Claim {
     casimir(conditions, &Sign)
 }
 
-pub fn first_half_twice(conditions: &Conditions) -> Claim {
-    let scheme = right(&rigid_body_three_noises(1.0));
-    casimir(conditions, &altered(scheme, damped_by_first_half))
-}
-
-pub fn first_half_twice_split(conditions: &Conditions) -> Claim {
-    casimir(conditions, &altered(Split, damped_by_first_half))
+pub fn first_half_twice(conditions: &Conditions, scheme: BuiltIn) -> Claim {
+    let problem = rigid_body_three_noises(10.0);
+    let wrong = Altered::setup(right(&problem, scheme), |m| m.step = damped_by_first_half);
+    obeys_law(conditions, "conformal-casimir", &wrong)
 }
 
 pub fn clipped_body(conditions: &Conditions) -> Claim {
-    let right = altered(right(&rigid_body_three_noises(1.0)), |step| step);
-    let scheme = Pathwise { clips: true, ..right };
-    keeps_casimir::<_, _, 3, 3>(conditions, 0, rigid_body_three_noises, &scheme)
+    let problem = rigid_body_three_noises(1.0);
+    keeps_casimir(
+        conditions,
+        0,
+        Altered::setup(right(&problem, BuiltIn::SexpLi), |m| m.clips = true),
+    )
 }
 
 pub fn clipped_light(conditions: &Conditions) -> Claim {
-    let scheme = Pathwise { clips: true, ..altered(Split, |step| step) };
-    keeps_casimir::<_, _, 3, 1>(conditions, 0, maxwell_bloch, &scheme)
+    let problem = maxwell_bloch(1.0);
+    keeps_casimir(
+        conditions,
+        0,
+        Altered::setup(right(&problem, BuiltIn::Split), |m| m.clips = true),
+    )
 }
 
 pub fn sign_in_cayley_with_large_noise(conditions: &Conditions) -> Claim {
-    keeps_casimir::<_, _, 3, 3>(conditions, 0, rigid_body_three_noises, &Sign)
+    let problem = rigid_body_three_noises(1.0);
+    keeps_casimir(conditions, 0, Setup::of::<_, _, 3, 3>(&problem, &Sign))
 }
 
 pub fn order_in_a_row<S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions,
     problem: &Problem<S, G, D>,
 ) -> Claim {
-    order_two(conditions, problem, &in_a_row())
+    order_two(conditions, Setup::of(problem, &Composed(InARow)))
 }
 
 /// `sexp-li` with all of the damping before the rest.
 pub fn order_damped_before(conditions: &Conditions) -> Claim {
     let problem = rigid_body_three_noises(1.0);
-    let wrong = altered(right(&problem), damped_before);
-    order_two::<_, _, 3, 3>(conditions, &problem, &wrong)
+    order_two(
+        conditions,
+        Altered::setup(right(&problem, BuiltIn::SexpLi), |m| m.step = damped_before),
+    )
 }
 
 /// `split` with all of the damping after the rest.
 pub fn order_damped_after(conditions: &Conditions) -> Claim {
-    let wrong = altered(Split, damped_after);
-    order_two::<_, _, 2, 1>(conditions, &pendulum(), &wrong)
+    order_two(
+        conditions,
+        Altered::setup(right(&pendulum(), BuiltIn::Split), |m| m.step = damped_after),
+    )
 }

@@ -1,14 +1,15 @@
 //! Twins of the conformal laws and of the bounds that follow from them.
 
+use mc::Setup;
 use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp};
 use systems::{
     Damping, PoissonSystem, Problem, RigidBody,
     paper::{lotka_volterra_2_2, rigid_body_three_noises, valid},
 };
-use verify::results::{Claim, Evidence};
 use verify::{
     Conditions,
-    conformal_law::{ROUND_OFF, along, approach, largest_defect},
+    conformal_law::{ROUND_OFF, approach, largest_defect},
+    results::{Claim, Evidence},
     statements::{exact_conformal, moment_bound},
 };
 
@@ -27,18 +28,13 @@ fn wrong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
 const STEPS: u64 = 100;
 
 /// The claim of the invariant panels about one scheme, first invariant of the system.
-fn obeys_law<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
-    conditions: &Conditions,
-    id: &str,
-    problem: &Problem<S, G, 3>,
-    scheme: &dyn Scheme<S, 3, M>,
-) -> Claim {
-    let path = conditions.path(0, problem, scheme, STEPS, 0);
+pub fn obeys_law(conditions: &Conditions, id: &str, setup: &Setup<'_>) -> Claim {
+    let path = conditions.path(0, setup, STEPS, 0);
     let measured = Evidence::Defect {
-        invariant: problem.system().invariants()[0].name.into(),
+        invariant: setup.problem.laws[0].name.clone(),
         paths: 1,
         steps: STEPS,
-        largest: largest_defect(&along(problem, 0, &path)),
+        largest: largest_defect(&setup.problem, 0, &path),
         tolerance: ROUND_OFF,
         obeys: true,
     };
@@ -47,7 +43,8 @@ fn obeys_law<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
 
 /// [`obeys_law`] of the Casimir of the rigid body.
 pub fn casimir(conditions: &Conditions, scheme: &dyn Scheme<RigidBody<3>, 3, 3>) -> Claim {
-    obeys_law(conditions, "conformal-casimir", &rigid_body_three_noises(10.0), scheme)
+    let problem = rigid_body_three_noises(10.0);
+    obeys_law(conditions, "conformal-casimir", &Setup::of(&problem, scheme))
 }
 
 pub fn sign_in_exact_flow(conditions: &Conditions) -> Claim {
@@ -57,7 +54,7 @@ pub fn sign_in_exact_flow(conditions: &Conditions) -> Claim {
 
 pub fn sign_in_structure(conditions: &Conditions) -> Claim {
     let problem = wrong::<_, _, 3>(rigid_body_three_noises(10.0), -1.0);
-    obeys_law::<_, _, 3>(conditions, "conformal-casimir", &problem, &Sexp)
+    obeys_law(conditions, "conformal-casimir", &Setup::of::<_, _, 3, 3>(&problem, &Sexp))
 }
 
 /// `sexp` with e^{−∫γ} over the first half for both halves: with δ that factor, the equation of
@@ -100,20 +97,21 @@ pub fn old_structure(conditions: &Conditions) -> Claim {
 pub fn old_structure_at_small_steps(conditions: &Conditions) -> Claim {
     // Up to T = 1: the Casimir of the wrong method drifts away.
     let problem = rigid_body_three_noises(1.0);
-    let (steps, wrong): (_, &dyn Scheme<_, 3, 3>) = (STEPS / 10, &OldStructure);
-    let path = conditions.path(0, &problem, wrong, steps, 0);
-    let largest = largest_defect(&along(&problem, 0, &path));
-    let measured = approach(conditions, &problem, wrong, 0, steps, largest);
+    let (steps, wrong) = (STEPS / 10, Setup::of::<_, _, 3, 3>(&problem, &OldStructure));
+    let path = conditions.path(0, &wrong, steps, 0);
+    let largest = largest_defect(&wrong.problem, 0, &path);
+    let measured = approach(conditions, &wrong, 0, steps, largest);
     let statement = "the Casimir returns to the conformal law as τ → 0";
     Claim::new("conformal-casimir", statement, measured)
 }
 
 pub fn midpoint_quadrature(conditions: &Conditions) -> Claim {
     let problem = wrong::<_, _, 1>(lotka_volterra_2_2(10.0), 1.0);
-    obeys_law::<_, _, 1>(conditions, "energy-balance", &problem, &Sexp)
+    obeys_law(conditions, "energy-balance", &Setup::of::<_, _, 3, 1>(&problem, &Sexp))
 }
 
 pub fn unbounded_scheme(conditions: &Conditions) -> Claim {
     let problem = moment_bound::undamped();
-    moment_bound::bound::<_, _, 3>(conditions, 0, &problem, &EulerMaruyama, 0, 0.5)
+    let setup = Setup::of::<_, _, 3, 3>(&problem, &EulerMaruyama);
+    moment_bound::bound(conditions, 0, &setup, 0, 0.5)
 }

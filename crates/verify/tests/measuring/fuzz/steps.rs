@@ -4,12 +4,14 @@ use anyhow::{Context, Result, ensure};
 use noise::{BlockNoise, Noise, StepNoise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, WIDTH};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver};
+use schemes::{
+    BuiltIn, EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver,
+};
 use systems::{
     Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
     Problem, RealExponents, RigidBody, RigidBodyEnergy, SystemError,
 };
-use verify::{PaperSystem, TwoSpins, compiled};
+use verify::PaperSystem;
 
 use super::{Bits, Fed, Refused, accepted};
 
@@ -36,8 +38,7 @@ pub fn any_system(bits: &mut Bits, job: Job, wild: u64) -> Fed {
         4 => with_system(bits, job, LotkaVolterra::<RealExponents>::new(-a, -b, c), &p[..3]),
         5 => with_system(bits, job, LotkaVolterra::<IntegerExponents<2, 2>>::integer(a), &p[..1]),
         6 => with_system(bits, job, Poisson3::new(a), &p[..1]),
-        7 => with_system(bits, job, Ok(MaxwellBloch), &[]),
-        _ => with_system(bits, job, TwoSpins::new(a, b, c), &p[..3]),
+        _ => with_system(bits, job, Ok(MaxwellBloch), &[]),
     }
 }
 
@@ -143,20 +144,19 @@ fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     system: &S,
 ) -> Fed {
     let step = any_step(bits)?;
+    let compiled = |scheme| system.compiled(scheme, [1.0; D]).context("it is compiled");
     let with_solver = |solver| Box::new(WithSolver { formula: Sexp, solver });
     let scheme: Box<dyn Scheme<S, D, M>> = match bits.below(10) {
         0 => with_solver(Solver::new(Method::FixedPoint)),
         1 => with_solver(Solver::new(Method::Newton)),
         2 => with_solver(Solver::default().settled()),
         3 => Box::new(SexpLevy::new(system, [1.0; D])),
-        4 => compiled(Midpoint),
-        5 => Box::new(Heun),
-        6 => compiled(SexpLi::new(system, [1.0; D])?),
-        7 | 8 => {
-            let [split, nv] = S::by_parts().context("flows are known")?;
-            if bits.one_in(2) { split } else { nv }
-        }
-        _ => compiled(EulerMaruyama),
+        4 => compiled(BuiltIn::Midpoint)?,
+        5 => compiled(BuiltIn::Heun)?,
+        6 => compiled(BuiltIn::SexpLi)?,
+        7 => compiled(BuiltIn::Split)?,
+        8 => compiled(BuiltIn::Nv)?,
+        _ => compiled(BuiltIn::EulerMaruyama)?,
     };
     let (mut noises, mut start) = (StepNoise::with_areas(M), Block::zero());
     for p in 0..WIDTH {
