@@ -25,7 +25,7 @@
 use std::sync::OnceLock;
 
 use noise::{DyadicLadder, StepNoise, StreamKey, WienerRows, clip, clip_areas};
-use nonlin::BlockStatus;
+use nonlin::{BlockStatus, are_finite};
 use real::{Block, Kernel, PathMask, Row, WIDTH, dispatch};
 use schemes::{Step, Stepper};
 use serde::{Deserialize, Serialize};
@@ -342,6 +342,7 @@ impl<'a> Marcher<'a> {
     }
 
     /// Truncates the noise of the last step of the level of the batch, or of the step before.
+    #[inline]
     fn truncate(&mut self, batch: &Batch, one_before: bool, tally: &mut Tally) {
         let level = batch.level;
         let StepNoise { increments, areas } = match one_before {
@@ -364,6 +365,7 @@ impl<'a> Marcher<'a> {
 
     /// One step of the runs of a batch, with the truncated noise, or with that of the finest step
     /// as it was drawn, which saves copying it.
+    #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, as_drawn: bool, tally: &mut Tally) {
         let noise = if as_drawn { &self.drawn } else { &self.truncated };
         for &number in &batch.runs {
@@ -402,7 +404,7 @@ impl<'a> Marcher<'a> {
     }
 }
 
-/// Whether all numbers are finite, in the least time: it is asked for once in each coarsest step.
+/// Whether all numbers are finite: asked once in each coarsest step.
 pub(crate) struct AreFinite<'a>(pub(crate) &'a [Row]);
 
 impl Kernel for AreFinite<'_> {
@@ -410,18 +412,7 @@ impl Kernel for AreFinite<'_> {
 
     #[inline(always)]
     fn run(self) -> bool {
-        // 0·y is NaN if y is infinite or NaN, else zero.
-        let mut sums = [0.0; WIDTH];
-        for row in self.0 {
-            for p in 0..WIDTH {
-                sums[p] += 0.0 * row[p];
-            }
-        }
-        let mut lanes = [0.0; WIDTH / 4];
-        for k in 0..WIDTH / 4 {
-            lanes[k] = (sums[k] + sums[k + 8]) + (sums[k + 16] + sums[k + 24]);
-        }
-        lanes.iter().sum::<f64>() == 0.0
+        are_finite(self.0)
     }
 }
 

@@ -48,4 +48,4 @@ mod solver;
 mod sweep;
 
 pub use equation::{BlockFixedPoint, FirstSweep, FixedPoint};
-pub use solver::{BlockStatus, Method, Outcome, Solution, Solver};
+pub use solver::{BlockStatus, Method, Outcome, Solution, Solver, are_finite};

@@ -121,6 +121,19 @@ pub struct BlockStatus {
     pub failed: PathMask,
 }
 
+/// Whether all numbers are finite. Call it inside a kernel.
+#[inline(always)]
+pub fn are_finite(y: &[Row]) -> bool {
+    // 0·y is NaN if y is infinite or NaN, else zero of some sign: the first bit.
+    let mut bits = 0;
+    for row in y {
+        for p in 0..WIDTH {
+            bits |= (0.0 * row[p]).to_bits();
+        }
+    }
+    bits << 1 == 0
+}
+
 impl BlockStatus {
     /// The status of an explicit step: every path solved in one iteration.
     pub fn explicit() -> Self {
@@ -158,14 +171,7 @@ impl BlockStatus {
     /// `y` is component i. Call it inside a kernel.
     #[inline(always)]
     pub fn fail_where_not_finite(&mut self, y: &[Row]) {
-        // 0·y is NaN if y is infinite or NaN, else zero of some sign: the first bit.
-        let mut bits = 0;
-        for row in y {
-            for p in 0..WIDTH {
-                bits |= (0.0 * row[p]).to_bits();
-            }
-        }
-        if bits << 1 != 0 {
+        if !are_finite(y) {
             self.fail(y);
         }
     }

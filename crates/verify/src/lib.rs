@@ -12,7 +12,7 @@
 //! | [`ids`] | what there is to run |
 //! | [`Experiment`], [`Conditions`], [`Findings`] | what an experiment is, is given and returns |
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
-//! | [`Compiled`], [`Curve`], [`PaperSystem`] | schemes on systems, compiled once |
+//! | [`Compiled`], [`Curve`] | the schemes of [`kernels`] on a problem |
 //! | [`Altered`] | a method on another step or other increments |
 //! | [`TwoSpins`] | a system in six dimensions |
 //! | [`OtherNoise`] | a scheme on other noise than the driver's |
@@ -29,11 +29,11 @@
 
 mod altered;
 pub mod command;
+mod compiled;
 pub mod conformal_law;
 mod evidence;
 mod exact;
 mod experiment;
-pub mod kernels;
 mod other_noise;
 pub mod page;
 mod panels;
@@ -50,11 +50,11 @@ mod two_spins;
 mod verdict;
 
 pub use altered::Altered;
+pub use compiled::{Compiled, Curve};
 pub use experiment::{
     Conditions, Experiment, FURTHER, Findings, TRUNCATED, TRUNCATION_ORDER, truncation,
 };
 use experiment::{Words, in_words};
-pub use kernels::{Compiled, Curve, PaperSystem};
 pub use other_noise::OtherNoise;
 pub use panels::{EXPERIMENTS, weak_observables};
 pub use reproduce::{ids, reproduce};

@@ -2,6 +2,7 @@
 //! kind of reference.
 
 use analysis::{Exact, FinalMoments, ReferenceSolution, StepSizes, weak_order};
+use kernels::Tuned;
 use mc::{Ladder, View};
 use real::Row;
 use schemes::BuiltIn;
@@ -11,7 +12,7 @@ use systems::{
 };
 
 use crate::{
-    Compiled, Conditions, Findings, PaperSystem, Words,
+    Compiled, Conditions, Findings, Words,
     exact::{RandomTime, expectation, solution},
     in_words,
     panels::{
@@ -34,7 +35,7 @@ pub fn rigid_body(conditions: &Conditions) -> Findings {
 
 /// Strong errors, weak errors of `sexp` against the exact solution path by path, and the mean of
 /// the exact solution over the paths against the Gaussian integral.
-fn compare<S: PaperSystem<3, 1>, G: Damping>(
+fn compare<S: Tuned<3, 1>, G: Damping>(
     conditions: &Conditions,
     title: &'static str,
     system: &'static str,

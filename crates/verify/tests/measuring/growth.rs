@@ -13,6 +13,7 @@
 //! whose interval lies below 0.55.
 
 use anyhow::{Context, Result};
+use kernels::Tuned;
 use mc::{Ladder, Run, Statistic, View, bind};
 use noise::StreamKey;
 use nonlin::{Method, Solver};
@@ -23,7 +24,6 @@ use systems::{
     paper::{half_cosine, lotka_volterra_1_1, maxwell_bloch, rigid_body_three_noises, sine},
 };
 use verify::{
-    PaperSystem,
     rounding::{LINEARLY_IMPLICIT, PER_STEP, rotations},
     streams,
 };
@@ -143,11 +143,11 @@ fn all(steps: u64) -> Result<()> {
 }
 
 /// The scheme, its name, and what a step of it rounds in units of [`PER_STEP`].
-fn scheme<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
+fn scheme<S: Tuned<D, M> + 'static, G, const D: usize, const M: usize>(
     rule: Rule,
     problem: &Problem<S, G, D>,
 ) -> Result<(Box<dyn Scheme<S, D, M>>, &'static str, f64)> {
-    let compiled = |scheme| problem.system().compiled(scheme, problem.y0()).context("no flows");
+    let compiled = |scheme| S::scheme(scheme, problem.system(), problem.y0());
     Ok(match rule {
         Rule::Sexp(name, solver) => (Box::new(WithSolver { formula: Sexp, solver }), name, 1.0),
         Rule::SexpLi => (compiled(BuiltIn::SexpLi)?, "sexp-li", LINEARLY_IMPLICIT),
@@ -157,7 +157,7 @@ fn scheme<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
     })
 }
 
-fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
+fn growth<S: Tuned<D, M> + 'static, const D: usize, const M: usize>(
     steps: u64,
     number: u64,
     run: &LongRun<'_>,

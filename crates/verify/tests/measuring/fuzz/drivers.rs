@@ -1,11 +1,11 @@
 //! Everything that runs paths.
 
-use anyhow::{Context, ensure};
+use anyhow::ensure;
+use kernels::Tuned;
 use mc::{Expect, Ladder, Observable, Run, Setup, bind, trajectory};
 use noise::{StreamKey, Truncation};
 use schemes::BuiltIn;
 use systems::{Constant, Pendulum, Problem};
-use verify::PaperSystem;
 
 use super::{Bits, Fed, accepted};
 
@@ -17,7 +17,7 @@ pub fn drivers(bits: &mut Bits) -> Fed {
     let drawn = Truncation::new(bits.below(5) as u32);
     let truncation = if bits.one_in(3) { Truncation::none() } else { accepted(drawn)? };
     let key = StreamKey { seed: bits.word(), experiment: bits.word() };
-    let em = problem.system().compiled(BuiltIn::EulerMaruyama, problem.y0()).context("compiled")?;
+    let em = Tuned::scheme(BuiltIn::EulerMaruyama, problem.system(), problem.y0())?;
     let mut few = |wild: u64, few: u64| {
         if bits.one_in(8) { bits.below(wild) } else { bits.below(few) }
     };

@@ -1,6 +1,7 @@
 //! Problems and steps of every system with every scheme.
 
 use anyhow::{Context, Result, ensure};
+use kernels::Tuned;
 use noise::{BlockNoise, Noise, StepNoise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, WIDTH};
@@ -11,7 +12,6 @@ use systems::{
     Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
     Problem, RealExponents, RigidBody, RigidBodyEnergy, SystemError,
 };
-use verify::PaperSystem;
 
 use super::{Bits, Fed, Refused, accepted};
 
@@ -139,12 +139,12 @@ pub fn block(bits: &mut Bits) -> Fed {
 }
 
 /// A step of 32 different paths, some ordinary and some not.
-fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
+fn block_step<S: Tuned<D, M> + 'static, const D: usize, const M: usize>(
     bits: &mut Bits,
     system: &S,
 ) -> Fed {
     let step = any_step(bits)?;
-    let compiled = |scheme| system.compiled(scheme, [1.0; D]).context("it is compiled");
+    let compiled = |scheme| S::scheme(scheme, system, [1.0; D]);
     let with_solver = |solver| Box::new(WithSolver { formula: Sexp, solver });
     let scheme: Box<dyn Scheme<S, D, M>> = match bits.below(10) {
         0 => with_solver(Solver::new(Method::FixedPoint)),

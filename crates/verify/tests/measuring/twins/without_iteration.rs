@@ -1,5 +1,6 @@
 //! Twins of the schemes without iteration.
 
+use kernels::Tuned;
 use mc::Setup;
 use schemes::{BuiltIn, Composed, Explicit, Increment};
 use systems::{
@@ -7,7 +8,7 @@ use systems::{
     paper::{maxwell_bloch, pendulum, poisson3_strong, rigid_body_energy, rigid_body_three_noises},
 };
 use verify::{
-    Altered, Compiled, Conditions, PaperSystem,
+    Altered, Compiled, Conditions,
     results::Claim,
     statements::{
         local::{BodyScheme, remainder_claims, scheme_remainder},
@@ -22,7 +23,7 @@ use super::{
 };
 
 /// The right scheme for a problem.
-fn right<S: PaperSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+fn right<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     scheme: BuiltIn,
 ) -> Setup<'_> {

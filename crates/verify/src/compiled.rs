@@ -1,0 +1,67 @@
+//! The schemes on a problem of the paper, and the curves of a figure.
+
+use kernels::Tuned;
+use mc::{Setup, bind_owned};
+use schemes::{BuiltIn, Scheme, SchemeError};
+use systems::{Damping, Problem};
+
+use crate::TwoSpins;
+
+impl Tuned<6, 3> for TwoSpins {
+    #[inline(never)]
+    fn scheme(
+        scheme: BuiltIn,
+        system: &Self,
+        y0: [f64; 6],
+    ) -> Result<Box<dyn Scheme<Self, 6, 3>>, SchemeError> {
+        scheme.compiled(system, y0)
+    }
+}
+
+/// A problem of any dimension with the schemes that are compiled for its system.
+pub struct Compiled<'a> {
+    /// The problem.
+    pub problem: mc::Problem<'a>,
+    setup: Box<dyn Fn(BuiltIn) -> Option<Setup<'a>> + 'a>,
+}
+
+/// A scheme on the problem of a figure, with the name of its curve.
+pub struct Curve<'a> {
+    /// The name.
+    pub name: &'static str,
+    /// The scheme in the registry.
+    pub method: BuiltIn,
+    /// The problem with the scheme.
+    pub setup: Setup<'a>,
+}
+
+impl<'a> Compiled<'a> {
+    /// Those for this problem.
+    pub fn of<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
+        problem: &'a Problem<S, G, D>,
+    ) -> Self {
+        let setup = |scheme| {
+            let made = S::scheme(scheme, problem.system(), problem.y0()).ok()?;
+            // Without areas to read, it is the scheme without areas.
+            if scheme.is_for_areas() && !made.reads_areas() {
+                return None;
+            }
+            let scheme = bind_owned(problem, made);
+            Some(Setup { problem: mc::Problem::of(problem), scheme })
+        };
+        Self { problem: mc::Problem::of(problem), setup: Box::new(setup) }
+    }
+
+    /// A curve for each of the schemes that is compiled for the system.
+    pub fn curves(&self, schemes: &[BuiltIn]) -> Vec<Curve<'a>> {
+        let curve = |&method: &BuiltIn| {
+            Some(Curve { name: method.id(), method, setup: (self.setup)(method)? })
+        };
+        schemes.iter().filter_map(curve).collect()
+    }
+
+    /// The problem with `sexp`, which is compiled for every system.
+    pub fn sexp(&self) -> Setup<'a> {
+        (self.setup)(BuiltIn::Sexp).expect("sexp is compiled for every system")
+    }
+}
