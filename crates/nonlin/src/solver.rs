@@ -125,13 +125,13 @@ pub struct BlockStatus {
 #[inline(always)]
 pub fn are_finite(y: &[Row]) -> bool {
     // 0·y is NaN if y is infinite or NaN, else zero of some sign: the first bit.
-    let mut bits = 0;
+    let mut bits = [0; WIDTH];
     for row in y {
         for p in 0..WIDTH {
-            bits |= (0.0 * row[p]).to_bits();
+            bits[p] |= (0.0 * row[p]).to_bits();
         }
     }
-    bits << 1 == 0
+    bits.iter().fold(0, |all, bits| all | bits) << 1 == 0
 }
 
 impl BlockStatus {
