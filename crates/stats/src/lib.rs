@@ -22,7 +22,6 @@
 //! |---|---|
 //! | [`Moments`], [`CrossMoments`] | means and covariances |
 //! | [`CentralMoments`] | mean with interval, variance, kurtosis and range, without cancellation |
-//! | [`TimeAverage`] | averages of a correlated series, in memory that does not grow |
 //! | [`quantile_ranks`] | order statistics that enclose a quantile |
 //! | [`fit_strong`] | strong orders, from squared differences that share paths |
 //! | [`fit_weak`], [`weak_errors`] | weak orders, from signed errors or differences with a covariance ([`diagonal`]) |
@@ -45,7 +44,6 @@ mod quantile_ranks;
 mod rate;
 mod root_mean_square;
 mod strong;
-mod time_average;
 mod weak;
 
 pub use central::{CentralMoments, ROUND_OFF};
@@ -58,5 +56,4 @@ pub use quantile_ranks::quantile_ranks;
 pub use rate::{Against, Expansion, Rate};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};
 pub use strong::fit_strong;
-pub use time_average::{FEWEST_SAMPLES, StationaryMean, TimeAverage, TimeAverageError};
 pub use weak::{fit_weak, lower_share, weak_errors};

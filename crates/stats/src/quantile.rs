@@ -38,15 +38,6 @@ pub fn hotelling_p_value(t_square: f64, degrees: usize, samples: u64) -> Option<
     Some(FisherSnedecor::new(d, n - d).ok()?.sf(f))
 }
 
-/// The probability of so large a ratio of two independent estimates of one variance with these
-/// degrees of freedom. A ratio that is not a number, as of zeros, has probability one.
-pub fn variance_ratio_p_value(ratio: f64, above: f64, below: f64) -> f64 {
-    if ratio.is_nan() {
-        return 1.0;
-    }
-    FisherSnedecor::new(above, below).map_or(1.0, |fisher| fisher.sf(ratio))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,11 +72,8 @@ mod tests {
             let exact = (1.0 + 2.0 * f / (n - 2.0)).powf(-0.5 * (n - 2.0));
             let estimated = hotelling_p_value(x, 2, 12).unwrap();
             assert!((estimated - exact).abs() < 1e-12, "{x}: {estimated} {exact}");
-            let ratio = variance_ratio_p_value(f, 2.0, n - 2.0);
-            assert!((ratio - exact).abs() < 1e-12, "{x}: {ratio} {exact}");
         }
         assert_eq!(chi_square_p_value(f64::NAN, 2), Some(0.0));
         assert_eq!((chi_square_p_value(1.0, 0), hotelling_p_value(1.0, 0, 12)), (None, None));
-        assert_eq!(variance_ratio_p_value(f64::NAN, 1.0, 1.0), 1.0);
     }
 }

@@ -1,15 +1,15 @@
 //! Order statistics that enclose a quantile.
 
+use statrs::distribution::{Binomial, DiscreteCDF};
+
 use crate::quantile::{CONFIDENCE, two_sided};
 
 /// Above this standard deviation of the number of samples below a quantile, its binomial law is
-/// taken as normal: the 10⁴ terms of the sum would take longer than they are worth.
+/// taken as normal.
 const NORMAL_DEVIATION: f64 = 500.0;
 /// What the quantiles of the binomial law differ from those of the normal law at most: the skewness
 /// shifts them by |1 − 2q|(1.96² − 1)/6 < 0.48, and they are integers.
 const NORMAL_ERROR: f64 = 2.0;
-/// Terms of the binomial law relative to the largest one that do not count.
-const NEGLIGIBLE: f64 = 1e-20;
 
 /// The ranks l and u with P(X₍ₗ₎ ≤ x ≤ X₍ᵤ₎) ≥ 0.95, where X₍₁₎ ≤ … ≤ X₍ₙ₎ are n independent
 /// samples of any law, continuous or not, and x is its quantile at `level`, 0 < level < 1. Each end
@@ -34,46 +34,14 @@ fn by_normal_law(n: u64, level: f64, deviation: f64) -> (u64, u64) {
     ((mean - reach).max(0.0) as u64, ((mean + reach).ceil() as u64).min(n + 1))
 }
 
-/// The largest l with P(Bin(n, q) ≤ l − 1) ≤ 0.025.
+/// The largest l with P(Bin(n, q) ≤ l − 1) ≤ 0.025: the least one with P(Bin(n, q) ≤ l) > 0.025.
 fn lower(n: u64, q: f64) -> u64 {
-    let odds = q / (1.0 - q);
-    // P(Bin = k)/P(Bin = k − 1).
-    let ratio = |k: u64| (n - k + 1) as f64 / k as f64 * odds;
-    let mode = ((n as f64 * q) as u64).min(n);
-    let (mut term, mut above) = (1.0, 1.0);
-    for k in mode + 1..=n {
-        term *= ratio(k);
-        above += term;
-        if term < NEGLIGIBLE {
-            break;
-        }
-    }
-    // The terms of mode − 1, mode − 2, … relative to that of the mode.
-    let mut below = Vec::new();
-    term = 1.0;
-    for k in (1..=mode).rev() {
-        term /= ratio(k);
-        below.push(term);
-        if term < NEGLIGIBLE {
-            break;
-        }
-    }
-    let allowed = 0.5 * (1.0 - CONFIDENCE) * (above + below.iter().sum::<f64>());
-    let (mut l, mut sum) = (mode - below.len() as u64, 0.0);
-    for term in below.iter().rev().chain([&1.0]) {
-        sum += term;
-        if sum > allowed {
-            return l;
-        }
-        l += 1;
-    }
-    l
+    Binomial::new(q, n).map_or(0, |law| law.inverse_cdf(0.5 * (1.0 - CONFIDENCE)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use statrs::distribution::{Binomial, DiscreteCDF};
 
     #[test]
     fn ranks_are_the_quantiles_of_the_binomial_law() {

@@ -9,7 +9,7 @@ use schemes::{
     Explicit, Heun, Increment, Sexp, SexpLi, Split, WithSolver,
     run_time::{Scheme, SchemeError},
 };
-use stats::{StationaryMean, TimeAverage};
+use stats::CentralMoments;
 use systems::{
     Constant,
     lattice::{Couplings, Shape, SpinLattice, noise_at_temperature},
@@ -82,23 +82,28 @@ fn langevin(x: f64) -> f64 {
     1.0 / x.tanh() - 1.0 / x
 }
 
-/// The average over time of `observable`, in steps of size τ after a tenth of them.
+/// The average over time of `observable`, in steps of size τ after a tenth of them, and its standard
+/// error from 33 batches, each of some fifteen times of decorrelation.
 fn average(
     lattice: &SpinLattice,
     scheme: &dyn Scheme,
     (tau, steps): (f64, u64),
     key: StreamKey,
     observable: &dyn Fn(&LargePath<'_>) -> f64,
-) -> StationaryMean {
+) -> (f64, f64) {
     let problem = problem(lattice.clone(), 0.0, tau * steps as f64);
     let mut path = LargePath::new(&problem, scheme, steps, truncation(), key, 0).unwrap();
     path.advance(steps / 10).unwrap();
-    let mut average = TimeAverage::default();
+    let mut batches = CentralMoments::default();
     while path.steps_done() < steps {
-        path.advance(8).unwrap();
-        average.add(observable(&path));
+        let mut batch = CentralMoments::default();
+        for _ in 0..512 {
+            path.advance(8).unwrap();
+            batch.add(observable(&path));
+        }
+        batches.add(batch.mean());
     }
-    average.interval().unwrap()
+    (batches.mean(), batches.variance_of_mean().sqrt())
 }
 
 const ALPHA: f64 = 1.0;
@@ -162,14 +167,14 @@ fn the_equilibrium_is_that_of_the_temperature() {
         let key = StreamKey { experiment: n as u64, ..KEY };
         let (spins, bonds) = (in_a_field(beta, 1.0), chain(beta, 1.0));
         let sexp_li = SexpLi::at_run_time(&spins).unwrap();
-        for (what, mean) in [
+        for (what, (mean, se)) in [
             ("a field", average(&spins, &sexp_li, (tau(beta), STEPS), key, &mean_z)),
             ("a chain", average(&bonds, &sexp_li, (tau(beta), STEPS), key, &mean_bond)),
         ] {
-            let error = (mean.mean - langevin(beta)).abs();
+            let error = (mean - langevin(beta)).abs();
             let weak = WEAK_ERROR * 2.0 * ALPHA / beta * tau(beta);
-            assert!(error < MOST_ERRORS * mean.se + weak, "{what} at {beta}: {error} of {mean:?}");
-            assert!(mean.se < 0.005, "{what} at {beta}: {mean:?}");
+            assert!(error < MOST_ERRORS * se + weak, "{what} at {beta}: {error} of {mean} ± {se}");
+            assert!(se < 0.005, "{what} at {beta}: {se}");
         }
     }
 }
@@ -194,8 +199,8 @@ fn wrong_noise_is_not_at_the_temperature() {
         (chain(beta, misplaced), &mean_bond),
     ] {
         let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
-        let mean = average(&lattice, &sexp_li, (tau(beta), STEPS), KEY, observable);
-        assert!(((mean.mean - langevin(beta)) / mean.se).abs() > 2.0 * MOST_ERRORS, "{mean:?}");
+        let (mean, se) = average(&lattice, &sexp_li, (tau(beta), STEPS), KEY, observable);
+        assert!((mean - langevin(beta)).abs() > 2.0 * MOST_ERRORS * se, "{mean} ± {se}");
     }
     // Lengths grow, as E|s|² = exp(2σ²t).
     let lattice = in_a_field(beta, 1.0);
