@@ -12,18 +12,18 @@ pub type FinalRows<'a> = dyn Fn(&View<'_>, &mut [Row]) + Sync + 'a;
 pub struct FinalMoments<'a> {
     /// Moments of the numbers.
     pub moments: CrossMoments,
-    last_time: u64,
+    time: u64,
     values: &'a FinalRows<'a>,
     rows: Vec<Row>,
     numbers: Vec<f64>,
 }
 
 impl<'a> FinalMoments<'a> {
-    /// No path yet; `values` fills so many rows at the last of `coarse_steps` coarse steps.
-    pub fn new(coarse_steps: u64, length: usize, values: &'a FinalRows<'a>) -> Self {
+    /// No path yet; `values` fills so many rows at coarse step number `time`, usually the last one.
+    pub fn new(time: u64, length: usize, values: &'a FinalRows<'a>) -> Self {
         Self {
             moments: CrossMoments::new(length),
-            last_time: coarse_steps,
+            time,
             values,
             rows: vec![[0.0; WIDTH]; length],
             numbers: vec![0.0; length],
@@ -33,7 +33,7 @@ impl<'a> FinalMoments<'a> {
 
 impl Statistic for FinalMoments<'_> {
     fn observe(&mut self, view: &View<'_>) {
-        if view.time < self.last_time {
+        if view.time != self.time {
             return;
         }
         (self.values)(view, &mut self.rows);

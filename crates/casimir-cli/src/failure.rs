@@ -2,7 +2,7 @@
 
 use std::{error::Error, fmt::Display, process::ExitCode};
 
-use casimir::mc::{expect::ExpectError, parts::JobError};
+use casimir::mc::{RunError, parts::JobError};
 
 use crate::scene::SceneError;
 
@@ -44,10 +44,7 @@ impl<E: Error + 'static> From<E> for Failure {
     fn from(error: E) -> Self {
         let any: &dyn Error = &error;
         let argument = matches!(any.downcast_ref(), Some(JobError::Argument(_)));
-        let setting = matches!(
-            any.downcast_ref(),
-            Some(ExpectError::Setting { .. } | ExpectError::NoObservable)
-        );
+        let setting = matches!(any.downcast_ref(), Some(RunError::Setting(_)));
         match argument || setting || any.is::<SceneError>() {
             true => Self::usage(error),
             false => Self::run(error),

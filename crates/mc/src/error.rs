@@ -1,10 +1,12 @@
-//! Errors of ladders.
+//! Errors of ladders, and of what runs them.
 
 use noise::NoiseError;
-use schemes::StepError;
+use schemes::{StepError, run_time::SchemeError};
 
-/// An invalid ladder or trajectory, detected before the first step.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+use crate::PathFailure;
+
+/// An invalid ladder, detected before the first step.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LadderError {
     /// The number of finest steps is not a positive multiple of those in a coarsest step.
@@ -32,42 +34,9 @@ pub enum LadderError {
     /// Noise cannot be truncated, or areas cannot be drawn, at one of the step sizes.
     #[error(transparent)]
     Noise(#[from] NoiseError),
-    /// A recording has more or fewer noises than the problem.
-    #[error("the recording must have the {noises} noises of the problem, got {recorded}")]
-    RecordedNoises {
-        /// The noises of the recording.
-        recorded: usize,
-        /// The noises of the problem.
-        noises: usize,
-    },
-    /// A recording has more or fewer steps than the ladder has finest steps.
-    #[error("the recording must have as many steps as the finest level, {steps}, got {recorded}")]
-    RecordedSteps {
-        /// The steps of the recording.
-        recorded: u64,
-        /// The finest steps of the ladder.
-        steps: u64,
-    },
-    /// A recording does not end at the final time.
-    #[error(
-        "the recorded increments must end at the final time T = {t_end} of the problem, got \
-         {recorded}"
-    )]
-    Duration {
-        /// The end of the recording.
-        recorded: f64,
-        /// The final time of the problem.
-        t_end: f64,
-    },
-    /// A scheme reads Lévy areas and the recording has none.
-    #[error(
-        "{scheme} reads Levy areas: the recording must have the columns A12, A13, ..., got \
-         increments only"
-    )]
-    NoAreas {
-        /// The scheme.
-        scheme: &'static str,
-    },
+    /// A recording does not fit the problem, the steps or the schemes. The text says how.
+    #[error("{0}")]
+    Recording(String),
     /// A measurement has too few step sizes, or too many.
     #[error("the number of step sizes must be from {from} to {to}, got {given}")]
     StepSizes {
@@ -81,4 +50,62 @@ pub enum LadderError {
     /// A step size is not positive and finite.
     #[error(transparent)]
     Step(#[from] StepError),
+    /// The scheme is not for the system.
+    #[error(transparent)]
+    Scheme(#[from] SchemeError),
+}
+
+/// Why there is no simulation, study or expectation.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// A setting is out of range, missing or given twice. The text says which.
+    #[error("{0}")]
+    Setting(String),
+    /// The scheme cannot be run on these steps.
+    #[error(transparent)]
+    Ladder(#[from] LadderError),
+    /// The pilot of an expectation costs more path-steps than allowed; nothing was computed.
+    #[error("the pilot takes {pilot_cost} path-steps, but {max_cost} are allowed")]
+    PilotCost {
+        /// Path-steps of the pilot.
+        pilot_cost: u64,
+        /// Path-steps allowed.
+        max_cost: u64,
+    },
+    /// Almost every path of a level of an expectation failed, so there is no estimate on it.
+    #[error(
+        "{failed} paths failed on level {level}, which leaves too few{}",
+        first.map_or_else(String::new, |failure| format!("; {failure}"))
+    )]
+    NoPaths {
+        /// The level.
+        level: usize,
+        /// How many paths failed.
+        failed: u64,
+        /// The first of them.
+        first: Option<PathFailure>,
+    },
+    /// A test function of an expectation is not finite on a path whose state is.
+    #[error("the test function {observable} is not finite on a path of level {level}")]
+    NotFinite {
+        /// Its name.
+        observable: String,
+        /// The level.
+        level: usize,
+    },
+}
+
+impl RunError {
+    /// The first of these settings, each with its name and the values allowed, that is not `met`.
+    pub(crate) fn unmet(
+        settings: impl IntoIterator<Item = (bool, &'static str, &'static str, f64)>,
+    ) -> Result<(), Self> {
+        match settings.into_iter().find(|(met, ..)| !met) {
+            Some((_, name, allowed, value)) => {
+                Err(Self::Setting(format!("the {name} must be {allowed}, got {value}")))
+            }
+            None => Ok(()),
+        }
+    }
 }

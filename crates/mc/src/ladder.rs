@@ -4,7 +4,7 @@ use std::{ops::Range, sync::OnceLock};
 
 use noise::{StreamKey, Truncation};
 use real::{PathMask, Row};
-use schemes::{Step, StepError, Stepper};
+use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
@@ -13,7 +13,7 @@ use crate::{
     noise_source::Drawn,
     observable::{components, path},
     parallel::grow,
-    parts::{Job, Stop, Work, hash, of_problem, probe_states, same_nan},
+    parts::{Job, Stop, Work, hash},
     tree::{MergeTree, Node},
 };
 
@@ -97,6 +97,17 @@ pub trait Statistic: Send {
     fn merge(&mut self, later: Self);
 }
 
+/// Several statistics of the same paths.
+impl<T: Statistic> Statistic for Vec<T> {
+    fn observe(&mut self, view: &View<'_>) {
+        self.iter_mut().for_each(|statistic| statistic.observe(view));
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.iter_mut().zip(later).for_each(|(sum, more)| sum.merge(more));
+    }
+}
+
 /// A statistic whose sums can be written to a file and read back, so that it can be computed in
 /// parts, see [`parts`](crate::parts).
 pub trait Kept: Statistic {
@@ -135,8 +146,6 @@ pub struct Ladder<'a> {
     driver: Driver<'a>,
     /// Bytes of stack for a group.
     stack: usize,
-    /// The hash of the problem.
-    system: String,
 }
 
 /// The sums of a piece of work, on the largest subtrees that it covers.
@@ -166,8 +175,8 @@ pub struct Measured<T> {
 
 /// Default number of failures that are described.
 const DESCRIBED_FAILURES: usize = 8;
-/// Paths on which a statistic is tried for its fingerprint.
-const PROBES: usize = 8;
+/// Paths of a fingerprint.
+const PROBES: u64 = 4;
 
 impl<'a> Ladder<'a> {
     /// A ladder with `finest_steps` steps on [0, T] at level 0 and `levels` levels above it, for
@@ -236,7 +245,7 @@ impl<'a> Ladder<'a> {
         driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
         let stack = runs.iter().map(|run| run.scheme.stack()).max().unwrap_or(0);
         driver.runs = runs;
-        Ok(Self { driver, stack, system: of_problem(problem) })
+        Ok(Self { driver, stack })
     }
 
     /// Computes a random time along each path, see [`TimeChange`].
@@ -420,61 +429,43 @@ impl<'a> Ladder<'a> {
         PathFailure { path, key, scheme, swapped, tau, step, cause }
     }
 
-    /// What tells this ladder and a statistic from others, by names: what they give at fixed
-    /// points.
+    /// What tells this ladder and a statistic from others, by names: what they give on the first
+    /// paths. Names do not tell: a changed constant in a formula has the same name.
     pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> Vec<(String, String)> {
-        let Driver { finest_steps, levels, damping, ref y0, ref runs, ref batches, .. } =
-            self.driver;
-        // The first noise of the first block, drawn or given, with areas where they are read.
-        let mut noise = self.driver.no_noise();
-        (self.driver.noise.block(0))(&mut noise);
-        let mut numbers = noise.increments.as_flattened().to_vec();
-        let mut random_time = probe_states(&[1.0], 0)[0];
-        if let Some(time_change) = self.driver.time_change {
-            let normals = probe_states(&[1.0], 1)[0];
-            time_change.advance(0, &noise.increments, &normals, &mut random_time);
-            numbers.extend(random_time);
-        }
-        let (mut states, mut statuses) = (Vec::new(), Vec::new());
-        for (n, run) in runs.iter().enumerate() {
-            let mut status = nonlin::BlockStatus::explicit();
-            let mut y = run.scheme.start(&probe_states(y0, n));
-            if let Ok(step) = Step::new(damping, 0, self.driver.tau(run.level)) {
-                y.step(&step, &noise, &mut status);
+        let Driver { finest_steps, levels, ref runs, ref batches, key, .. } = self.driver;
+        let last = self.coarse_steps();
+        let times = new().some_times(last);
+        // One path at a time: a sum over many would hide small differences.
+        let mut statistics: Vec<T> = (0..PROBES).map(|_| new()).collect();
+        let mut states = Vec::new();
+        let mut observe = |view: &View<'_>| {
+            for (p, statistic) in statistics.iter_mut().enumerate() {
+                let live = view.live.and(PathMask(1 << p));
+                if [1, last].contains(&view.time) && !live.is_empty() {
+                    let state = (0..view.runs()).flat_map(|run| view.state(run));
+                    states.extend(state.map(|row| row[p]));
+                }
+                if times.contains(&view.time) {
+                    statistic.observe(&View { live, ..*view });
+                }
             }
-            numbers.extend(y.state().as_flattened());
-            states.push(y);
-            statuses.push(status);
-        }
+        };
+        let all = on_stack(self.stack, || {
+            self.driver.march(0, PROBES, &mut observe, &|_| (), &Stop::default()).map(|_| ())
+        });
+        all.unwrap_or_else(|_| unreachable!("nothing stops it"));
         let bounds = batches.iter().map(|batch| {
             (batch.due_level(), batch.bounds.increment.to_bits(), batch.bounds.area.to_bits())
         });
+        let bounds: Vec<_> = bounds.collect();
         let schemes = runs.iter().map(|run| (run.scheme.id(), run.level, run.swapped));
-        let schemes = hash(&(
-            (finest_steps, levels, bounds.collect::<Vec<_>>()),
-            schemes.collect::<Vec<_>>(),
-            same_nan(&numbers).collect::<Vec<_>>(),
-        ));
-        let (clipped, random_time) = (&vec![PathMask::NONE; runs.len()][..], &random_time);
-        let (states, statuses, first_path) = (&states, &statuses[..], 0);
-        // One path at a time: a sum over many would hide small differences.
-        let observed = (0..PROBES).map(|p| {
-            let (mut statistic, mut live) = (new(), PathMask::NONE);
-            live.insert(p);
-            for time in statistic.some_times(self.coarse_steps()) {
-                let view = View { time, first_path, states, statuses, clipped, random_time, live };
-                statistic.observe(&view);
-            }
-            hash(statistic.sums())
-        });
-        let observed = hash(&(new().fixed(), observed.collect::<Vec<_>>()));
-        let StreamKey { seed, experiment } = self.driver.key;
+        let schemes: Vec<_> = schemes.collect();
+        let sums: Vec<String> = statistics.iter().map(|one| hash(one.sums())).collect();
         let pairs = [
-            ("the seed", seed.to_string()),
-            ("the experiment", experiment.to_string()),
-            ("the system with hash", self.system.clone()),
-            ("schemes with hash", schemes),
-            ("observables with hash", observed),
+            ("the seed", key.seed.to_string()),
+            ("the experiment", key.experiment.to_string()),
+            ("paths with hash", hash(&((finest_steps, levels), bounds, schemes, states))),
+            ("observables with hash", hash(&(new().fixed(), sums))),
         ];
         pairs.map(|(name, value)| (name.to_owned(), value)).into()
     }

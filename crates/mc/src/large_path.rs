@@ -1,11 +1,11 @@
 //! One path of a system with very many components.
 
-use noise::{NoiseError, StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
+use noise::{StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::BlockStatus;
 use rayon::prelude::*;
-use real::{OutOfMemory, Row, Rows, WIDTH, dispatch};
+use real::{Row, Rows, WIDTH, dispatch};
 use schemes::{
-    Step, StepError, Stepper,
+    Step, Stepper,
     run_time::{Scheme, SchemeError},
 };
 use systems::{
@@ -13,7 +13,7 @@ use systems::{
     run_time::{Description, Lanes, Problem, System},
 };
 
-use crate::{Cause, PathFailure, driver::AreFinite};
+use crate::{Cause, LadderError, PathFailure, driver::AreFinite};
 
 /// One path of a system whose rows hold one path, such as a lattice of a million spins. A step uses
 /// all threads of the current rayon pool, and its bits do not depend on their number. Memory is a
@@ -56,33 +56,6 @@ pub struct LargePath<'a> {
     failure: PathFailure,
 }
 
-/// A large path that cannot be simulated.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum LargePathError {
-    /// Rows of the system hold 32 paths.
-    #[error("rows of `{system}` hold 32 paths: take an ensemble, or a layout for one path")]
-    Paths {
-        /// The system.
-        system: String,
-    },
-    /// There are no steps.
-    #[error("the number of steps must be positive, got 0")]
-    Steps,
-    /// The scheme is not for the system.
-    #[error(transparent)]
-    Scheme(#[from] SchemeError),
-    /// The step size is not positive.
-    #[error(transparent)]
-    Step(#[from] StepError),
-    /// The truncation is undefined at the step size.
-    #[error(transparent)]
-    Noise(#[from] NoiseError),
-    /// There is no memory.
-    #[error(transparent)]
-    Memory(#[from] OutOfMemory),
-}
-
 /// Where increments come from.
 enum Source {
     /// One stream, whose normals are the same for all components.
@@ -98,8 +71,8 @@ impl<'a> LargePath<'a> {
     /// Path number `path` of a problem in `steps` steps on [0, T].
     ///
     /// # Errors
-    /// [`LargePathError`] if rows of the system hold 32 paths, there are no steps, the scheme is
-    /// not for the system, the truncation is undefined at T/steps, or memory is not there.
+    /// [`LadderError`] if rows of the system hold 32 paths, there are no steps, the scheme is not
+    /// for the system, the truncation is undefined at T/steps, or memory is not there.
     pub fn new(
         problem: &'a Problem,
         scheme: &'a dyn Scheme,
@@ -107,14 +80,14 @@ impl<'a> LargePath<'a> {
         truncation: Truncation,
         key: StreamKey,
         path: u64,
-    ) -> Result<Self, LargePathError> {
+    ) -> Result<Self, LadderError> {
         let (system, damping) = (problem.system(), problem.damping());
         let Description { name, layout, .. } = system.description();
         if layout.lanes == Lanes::Paths {
-            return Err(LargePathError::Paths { system: name.clone() });
+            return Err(SchemeError::ManyPaths { system: name.clone() }.into());
         }
         if steps == 0 {
-            return Err(LargePathError::Steps);
+            return Err(LadderError::Steps { steps, multiple_of: 1 });
         }
         let tau = problem.t_end() / steps as f64;
         Step::new(damping, 0, tau)?;
@@ -133,7 +106,7 @@ impl<'a> LargePath<'a> {
         } else {
             Source::Common(WienerPath::new(key, path))
         };
-        let noise = Rows::zero(layout.noise_rows)?.into();
+        let noise = Rows::zero(layout.noise_rows).map_err(SchemeError::from)?.into();
         let (scheme, cause) = (scheme.id(), Cause::NotFinite);
         let failure = PathFailure { path, key, scheme, swapped: false, tau, step: 0, cause };
         Ok(Self { system, damping, stepper, source, noise, bound, tau, done: 0, failure })
@@ -208,12 +181,6 @@ impl<'a> LargePath<'a> {
     #[must_use]
     pub fn time(&self) -> f64 {
         self.done as f64 * self.tau
-    }
-
-    /// The step size.
-    #[must_use]
-    pub fn tau(&self) -> f64 {
-        self.tau
     }
 }
 

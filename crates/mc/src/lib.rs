@@ -3,13 +3,30 @@
 //! A [`Ladder`] lists schemes and their levels on a dyadic ladder of steps. [`Ladder::run`]
 //! advances blocks of paths in parallel and accumulates a [`Statistic`]. Partial results are merged
 //! on a fixed tree, so the bits do not depend on threads or instruction sets. Memory grows neither
-//! with samples nor with steps. [`trajectory`] and [`Simulation`] store whole paths.
+//! with samples nor with steps. [`Simulation`] stores whole paths.
 //!
 //! ```
-//! use mc::{Ladder, Reference, Run, StrongErrors, bind};
+//! use mc::{Ladder, Run, Statistic, View, bind};
 //! use noise::{StreamKey, Truncation};
 //! use schemes::{EulerMaruyama, Sexp};
 //! use systems::{Constant, Pendulum, Problem};
+//!
+//! /// Sums of the squares of the errors of two runs against a third one at T.
+//! #[derive(Default)]
+//! struct Errors([f64; 2]);
+//!
+//! impl Statistic for Errors {
+//!     fn observe(&mut self, view: &View<'_>) {
+//!         for p in view.live.paths().filter(|_| view.time == 32) {
+//!             let [x, a, b] = [0, 1, 2].map(|run| view.path::<2>(run, p));
+//!             let square = |y: [f64; 2]| (y[0] - x[0]).powi(2) + (y[1] - x[1]).powi(2);
+//!             self.0 = [self.0[0] + square(a), self.0[1] + square(b)];
+//!         }
+//!     }
+//!     fn merge(&mut self, later: Self) {
+//!         self.0 = [self.0[0] + later.0[0], self.0[1] + later.0[1]];
+//!     }
+//! }
 //!
 //! let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
 //! let (sexp, em) = (Sexp, EulerMaruyama);
@@ -18,23 +35,18 @@
 //! let runs = vec![Run::new(sexp.clone(), 0), Run::new(sexp, 3), Run::new(em, 3)];
 //! let key = StreamKey { seed: 1, experiment: 1 };
 //! let ladder = Ladder::new(&mc::Problem::of(&problem), 256, 3, Truncation::new(4)?, key, runs)?;
-//! let series = [vec![1], vec![2]];
-//! let errors = || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps());
-//! let measured = ladder.run(64, errors, &|_| ());
-//! let mean_square = |s: usize| measured.statistic.at_end(s).errors.mean(0);
-//! assert!(mean_square(0) < 0.1 * mean_square(1));
+//! let [sexp, em] = ladder.run(64, Errors::default, &|_| ()).statistic.0;
+//! assert!(sexp < 0.1 * em);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! | item | purpose |
 //! |---|---|
 //! | [`Ladder`], [`Run`] | schemes at step sizes, driven by the same noise |
-//! | [`Statistic`] | results over paths: [`StrongErrors`] with its [`Squares`] |
-//! | [`WorstTimes`] | when an error is largest |
+//! | [`Statistic`], [`View`] | results over paths |
 //! | [`TimeChange`] | a random time along each path, for exact references |
 //! | [`NoiseSource`] | noise given by the user |
 //! | [`DampingResolution`] | whether step sizes resolve the damping |
-//! | [`trajectory`] | the states of one path |
 //! | [`Simulation`], [`TimeSeries`] | tables of states, observables and invariants |
 //! | [`write_csv`], [`write_json`] | tables as files |
 //! | [`mod@study`], [`StudySettings`] | means, quantiles and histograms of many paths in time |
@@ -64,24 +76,18 @@ mod recording;
 mod run_time;
 mod setup;
 mod simulation;
-mod strong;
 pub mod study;
-mod trajectory;
 mod tree;
 
 pub use damping_resolution::DampingResolution;
-pub use error::LadderError;
+pub use error::{LadderError, RunError};
 pub use expect::{Expect, expect};
 pub use failure::{Cause, PathFailure};
 pub use ladder::{Kept, Ladder, Measured, Statistic, TimeChange, View};
-pub use large_path::{LargePath, LargePathError};
+pub use large_path::LargePath;
 pub use noise_source::{NextNoise, NoiseSource};
-pub use observable::{Observable, Observe, RowFunction, StateFunction};
+pub use observable::{Observable, Observe, StateFunction};
 pub use recording::{Recording, RecordingError};
 pub use setup::{ConformalLaw, Formulas, Problem, Run, Setup, bind, bind_owned};
-pub use simulation::{
-    Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,
-};
-pub use strong::{Reference, Squares, StrongErrors, WorstTimes, squared_distance};
-pub use study::{Study, StudyError, StudyResult, StudySettings, Times, study};
-pub use trajectory::{Trajectory, trajectory};
+pub use simulation::{Column, NoiseOrigin, Simulation, TimeSeries, write_csv, write_json};
+pub use study::{Study, StudyResult, StudySettings, Times, study};

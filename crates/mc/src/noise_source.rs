@@ -16,8 +16,7 @@ pub trait NoiseSource: Sync {
     /// if the scheme `area_reader` reads them. By default it has.
     ///
     /// # Errors
-    /// [`LadderError::RecordedNoises`], [`LadderError::RecordedSteps`], [`LadderError::Duration`]
-    /// or [`LadderError::NoAreas`].
+    /// [`LadderError::Recording`].
     fn check(
         &self,
         noises: usize,

@@ -30,24 +30,6 @@ impl<const D: usize> Observe for Observable<D> {
     }
 }
 
-/// A test function of the rows of 32 paths, such as a formula from a text.
-pub struct RowFunction<F> {
-    /// Its name in results.
-    pub name: String,
-    /// Writes φ of 32 paths; row i is component i.
-    pub function: F,
-}
-
-impl<F: Fn(&[Row], &mut Row) + Sync> Observe for RowFunction<F> {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn evaluate(&self, y: &[Row], _: PathMask, values: &mut Row) {
-        (self.function)(y, values);
-    }
-}
-
 /// A test function of D components, such as a closure.
 pub struct StateFunction<F, const D: usize> {
     name: String,

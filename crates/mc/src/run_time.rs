@@ -26,7 +26,7 @@ impl<'a> Problem<'a> {
             t_end: problem.t_end(),
             damping: problem.damping(),
             laws: description.invariants.iter().copied().map(ConformalLaw::from).collect(),
-            formulas: Box::new(OnRows(system)),
+            formulas: Arc::new(OnRows(system)),
         }
     }
 }
@@ -180,10 +180,6 @@ impl OnRows<'_> {
 }
 
 impl Formulas for OnRows<'_> {
-    fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
-        first_path(&self.apply(Op::Structure { y: &splat(y), v: &splat(v) }, Weights::NONE))
-    }
-
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
         let (mut out, dw) = (splat(&[0.0]), splat(dw));
         self.0.energy(

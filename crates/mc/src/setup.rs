@@ -15,6 +15,7 @@ use crate::observable::components;
 /// [`at_run_time`](Self::at_run_time) that of a system known at run time.
 ///
 /// Paths start at `y0` at time 0 and end at `t_end`, which must be positive and finite.
+#[derive(Clone)]
 pub struct Problem<'a> {
     /// Name of the system.
     pub name: String,
@@ -31,7 +32,7 @@ pub struct Problem<'a> {
     /// The functions that obey the conformal law, which tables have as columns.
     pub laws: Vec<ConformalLaw>,
     /// The formulas of the system.
-    pub formulas: Box<dyn Formulas + 'a>,
+    pub formulas: Arc<dyn Formulas + 'a>,
 }
 
 /// A function F that obeys the conformal law F(y(t)) = e^{−p∫γ}F(y(0)).
@@ -53,9 +54,7 @@ impl From<Invariant> for ConformalLaw {
 }
 
 /// The formulas of a system, evaluated at single states.
-pub trait Formulas: Sync {
-    /// B(y)·v.
-    fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64>;
+pub trait Formulas: Send + Sync {
     /// h(y) = H₀(y)·dt + Σₘ Hₘ(y)·dwₘ.
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64;
     /// B(y)·∇h(y), the change of the state in dt and dw without damping.
@@ -99,9 +98,7 @@ pub trait Formulas: Sync {
 ///     fn state(&self) -> &[Row] { &self.0 }
 ///     fn state_mut(&mut self) -> &mut [Row] { &mut self.0 }
 /// }
-/// /// Its formulas tell a file of parts from that of another system.
 /// impl Formulas for Walk {
-///     fn structure(&self, _y: &[f64], v: &[f64]) -> Vec<f64> { v.to_vec() }
 ///     fn energy(&self, y: &[f64], _dt: f64, dw: &[f64]) -> f64 {
 ///         y.iter().zip(dw).map(|(y, dw)| y * dw).sum()
 ///     }
@@ -119,7 +116,7 @@ pub trait Formulas: Sync {
 ///     t_end: 1.0,
 ///     damping: &damping,
 ///     laws: Vec::new(),
-///     formulas: Box::new(Walk),
+///     formulas: Arc::new(Walk),
 /// };
 /// let setup = Setup { problem, scheme: Arc::new(Walk) };
 /// let simulation = Simulation::new(setup, Truncation::none());
@@ -127,6 +124,7 @@ pub trait Formulas: Sync {
 /// assert_eq!(tables[2].column("y5").map(<[f64]>::len), Some(17));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[derive(Clone)]
 pub struct Setup<'a> {
     /// The problem.
     pub problem: Problem<'a>,
@@ -171,7 +169,7 @@ impl<'a> Problem<'a> {
             t_end: problem.t_end(),
             damping: problem.damping(),
             laws: system.invariants().into_iter().map(ConformalLaw::from).collect(),
-            formulas: Box::new(Compiled::<_, D, M> { system }),
+            formulas: Arc::new(Compiled::<_, D, M> { system }),
         }
     }
 }
@@ -209,10 +207,6 @@ struct Compiled<'a, S, const D: usize, const M: usize> {
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Formulas for Compiled<'_, S, D, M> {
-    fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
-        self.system.structure(array::<D>(y), array(v)).into()
-    }
-
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
         self.system.energy(array::<D>(y), dt, array(dw))
     }

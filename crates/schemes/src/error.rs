@@ -71,6 +71,12 @@ pub enum SchemeError {
         /// The system.
         system: String,
     },
+    /// Rows of the system hold 32 paths.
+    #[error("rows of `{system}` hold 32 paths: take an ensemble, or a layout for one path")]
+    ManyPaths {
+        /// The system.
+        system: String,
+    },
     /// There is no memory for the states.
     #[error(transparent)]
     Memory(#[from] OutOfMemory),

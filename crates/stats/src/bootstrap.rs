@@ -136,18 +136,6 @@ mod tests {
         assert!((1..RESAMPLES).all(|n| !draws[..n].contains(&draws[n])));
     }
 
-    #[test]
-    fn partial_sums_add_up() {
-        for n in 0..30 {
-            let a: Vec<f64> = (1..=n).map(f64::from).collect();
-            let b: Vec<f64> = a.iter().map(|x| 2.0 * x - 7.0).collect();
-            let n = f64::from(n);
-            // Σ k(2k − 7), in integers.
-            let exact = n * (n + 1.0) * (2.0 * n + 1.0) / 3.0 - 7.0 * n * (n + 1.0) / 2.0;
-            assert_eq!(dot(&a, &b), exact);
-        }
-    }
-
     /// Skewed squares at two step sizes, which share a part.
     fn skewed(paths: u32) -> CrossMoments {
         let mut squares = CrossMoments::new(2);

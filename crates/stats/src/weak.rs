@@ -173,6 +173,11 @@ mod tests {
         (0..levels).map(|l| 0.1 * 0.5f64.powi(l as i32)).collect()
     }
 
+    /// The fit to independent errors in every power.
+    fn fit(taus: &[f64], errors: &[f64], variances: &[f64], against: Against) -> Option<Rate> {
+        fit_weak(taus, errors, &diagonal(variances), against, Expansion::EveryPower)
+    }
+
     #[test]
     fn an_order_on_the_grid_is_recovered_from_errors_and_from_differences() {
         for (levels, terms) in [(4, 2), (5, 2), (6, 2), (7, 3), (8, 3)] {
@@ -189,9 +194,7 @@ mod tests {
                 };
                 let errors: Vec<f64> = taus.iter().map(|&tau| error(tau)).collect();
                 let variances: Vec<f64> = errors.iter().map(|e| (1e-4 * e).powi(2)).collect();
-                let rate =
-                    fit_weak(&taus, &errors, &diagonal(&variances), against, Expansion::EveryPower)
-                        .unwrap();
+                let rate = fit(&taus, &errors, &variances, against).unwrap();
                 assert_eq!(rate.estimate, p, "{rate:?}");
                 assert!(rate.chi_square < 1e-9 && rate.lo <= p && p <= rate.hi, "{rate:?}");
                 assert_eq!((rate.degrees, rate.confidence), (levels - terms as usize - 1, 0.95));
@@ -202,33 +205,23 @@ mod tests {
                 assert!(rate.p_value.is_none_or(|p| p > 0.999) && rate.warning.is_none());
                 // Signs do not matter.
                 let negative: Vec<f64> = errors.iter().map(|e| -e).collect();
-                let same = fit_weak(
-                    &taus,
-                    &negative,
-                    &diagonal(&variances),
-                    against,
-                    Expansion::EveryPower,
-                )
-                .unwrap();
+                let same = fit(&taus, &negative, &variances, against).unwrap();
                 assert_eq!((same.estimate, same.lo, same.hi), (rate.estimate, rate.lo, rate.hi));
             }
         }
         let three = taus(3);
-        assert!(
-            fit_weak(&three, &three, &diagonal(&[1e-8; 3]), Against::Exact, Expansion::EveryPower)
-                .is_none()
-        );
+        assert!(fit(&three, &three, &[1e-8; 3], Against::Exact).is_none());
     }
 
     #[test]
     fn one_error_must_stand_out_of_the_noise() {
         let taus = taus(5);
-        let fit = |deviations: f64| {
+        let of = |deviations: f64| {
             let mut variances = vec![1.0; 5];
             variances[2] = (taus[2] / deviations).powi(2);
-            fit_weak(&taus, &taus, &diagonal(&variances), Against::Exact, Expansion::EveryPower)
+            fit(&taus, &taus, &variances, Against::Exact)
         };
-        assert!(fit(3.99).is_none() && fit(4.01).is_some());
+        assert!(of(3.99).is_none() && of(4.01).is_some());
     }
 
     #[test]
@@ -236,9 +229,7 @@ mod tests {
         // 2τ − 3τ² at two step sizes more than parameters: as −3τ² + 2τ it would be of order two.
         let taus = [0.8, 0.4, 0.2, 0.1];
         let errors = taus.map(|tau| 2.0 * tau - 3.0 * tau * tau);
-        let rate =
-            fit_weak(&taus, &errors, &diagonal(&[1e-10; 4]), Against::Exact, Expansion::EveryPower)
-                .unwrap();
+        let rate = fit(&taus, &errors, &[1e-10; 4], Against::Exact).unwrap();
         assert!(rate.lo > 0.95 && rate.hi < 1.05, "{rate:?}");
     }
 

@@ -1,10 +1,10 @@
 //! Invariants along paths, beside their conformal law exp(−p∫γ)F(y₀).
 
 use analysis::worse;
-use mc::{Problem, Setup, Trajectory};
+use mc::{Problem, Setup};
 use stats::Moments;
 
-use crate::{Conditions, evidence::DEVIATIONS, results::Evidence};
+use crate::{Conditions, evidence::DEVIATIONS, experiment::Path, results::Evidence};
 
 /// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500
 /// steps. A step leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all;
@@ -13,18 +13,18 @@ use crate::{Conditions, evidence::DEVIATIONS, results::Evidence};
 pub const ROUND_OFF: f64 = 2e-13;
 
 /// (t, F(y(t)), exp(−p∫γ)F(y₀)) along a path, for the invariant number `index` of the system.
-pub fn along(problem: &Problem<'_>, index: usize, path: &Trajectory) -> Vec<(f64, f64, f64)> {
+pub fn along(problem: &Problem<'_>, index: usize, path: &Path) -> Vec<(f64, f64, f64)> {
     let value = |y: &[f64]| problem.formulas.law(index, y);
     let (degree, initial) = (problem.laws[index].degree, value(&problem.y0));
-    let values = path.times.iter().zip(&path.states).map(|(&t, y)| {
-        let exact = (-degree * problem.damping.integral(0.0, t)).exp() * initial;
-        (t, value(y), exact)
+    let values = path.iter().map(|(t, y)| {
+        let exact = (-degree * problem.damping.integral(0.0, *t)).exp() * initial;
+        (*t, value(y), exact)
     });
     values.collect()
 }
 
 /// max |F(yₙ)/(e^{−p∫γ}F(y₀)) − 1| along a path; NaN if any of them is.
-pub fn largest_defect(problem: &Problem<'_>, index: usize, path: &Trajectory) -> f64 {
+pub fn largest_defect(problem: &Problem<'_>, index: usize, path: &Path) -> f64 {
     let values = along(problem, index, path);
     values.iter().map(|(_, value, exact)| (value / exact - 1.0).abs()).fold(0.0, worse)
 }
@@ -56,7 +56,7 @@ pub fn approach(
         for path in 0..PATHS {
             let path = conditions.path(part, setup, steps, path);
             let logarithm = largest_defect(&setup.problem, index, &path).ln();
-            if path.failure.is_some() || !logarithm.is_finite() {
+            if path.len() as u64 <= steps || !logarithm.is_finite() {
                 return None;
             }
             logarithms.add(logarithm);

@@ -1,6 +1,6 @@
 //! What an experiment is, what it is given and what it returns.
 
-use mc::{Problem, Setup, Trajectory, parts::GROUP_PATHS, trajectory};
+use mc::{Problem, Setup, Simulation, parts::GROUP_PATHS};
 use noise::{StreamKey, Truncation};
 use plot::Progress;
 use schemes::BuiltIn;
@@ -53,8 +53,8 @@ impl Conditions<'_> {
     ///
     /// # Panics
     /// When there is no such part, or truncation is not defined for such steps.
-    pub fn path(&self, part: u64, setup: &Setup<'_>, steps: u64, path: u64) -> Trajectory {
-        valid(trajectory(setup, steps, truncation(), self.key(part), path))
+    pub fn path(&self, part: u64, setup: &Setup<'_>, steps: u64, path: u64) -> Path {
+        followed(setup, steps, truncation(), self.key(part), path)
     }
 
     /// The schemes of the paper in the order of its legends, then the further ones without areas
@@ -88,6 +88,31 @@ impl Conditions<'_> {
             Mode::Quick => quick,
         }
     }
+}
+
+/// The times and states of a path, up to a step that fails.
+pub type Path = Vec<(f64, Vec<f64>)>;
+
+/// Path number `path` of a scheme.
+///
+/// # Panics
+/// When truncation is not defined for such steps.
+pub fn followed(
+    setup: &Setup<'_>,
+    steps: u64,
+    truncation: Truncation,
+    key: StreamKey,
+    path: u64,
+) -> Path {
+    let table = valid(Simulation::new(setup.clone(), truncation).path(steps, key, path));
+    let components = &table.columns[1..=setup.problem.y0.len()];
+    let state = |n: usize| components.iter().map(|component| component.values[n]).collect();
+    table.times().iter().enumerate().map(|(n, &t)| (t, state(n))).collect()
+}
+
+/// |y − x|².
+pub fn squared_distance(y: &[f64], x: &[f64]) -> f64 {
+    y.iter().zip(x).map(|(y, x)| (y - x) * (y - x)).sum()
 }
 
 /// The truncation of the reproduction.

@@ -4,11 +4,10 @@
 use std::sync::Arc;
 
 use analysis::{
-    Decision, Exact, Limit, Order, ReferenceSolution, StepSizes, strong_order, weak_order,
+    Decision, Exact, FinalMoments, Limit, Order, ReferenceSolution, StepSizes, strong_order,
+    weak_order,
 };
-use mc::{
-    Ladder, LadderError, Observe, Reference, RowFunction, Run, Setup, StrongErrors, TimeChange,
-};
+use mc::{Ladder, LadderError, Observable, Observe, Run, Setup, Simulation, TimeChange, View};
 use noise::{StreamKey, Truncation};
 use real::Row;
 use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Sexp, SexpLi, run_time::Scheme};
@@ -41,8 +40,8 @@ pub fn weak(scheme: &dyn Scheme, problem: &Problem, phi: &dyn Observe, sizes: &S
 }
 
 /// The first component.
-fn first() -> RowFunction<fn(&[Row], &mut Row)> {
-    RowFunction { name: "first".into(), function: |y, values| *values = y[0] }
+fn first() -> Observable<2> {
+    Observable { name: "first", function: |y| y[0] }
 }
 
 /// Strong orders on four noises.
@@ -254,11 +253,18 @@ fn errors_are_errors_against_the_limit() {
         missed += usize::from(!covers(&strong(&EulerMaruyama, &problem, &sizes).points));
         let runs = (0..5).map(|index| Run::new(Arc::clone(&setup.scheme), 4 - index)).collect();
         let ladder = Ladder::new(&setup.problem, 128, 4, sizes.truncation, sizes.key, runs);
-        let (ladder, series) = (ladder.unwrap(), [vec![0, 1, 2, 3]]);
-        let none = || StrongErrors::new(Reference::Run(4), &series, ladder.coarse_steps());
-        let errors = ladder.run(1000, none, &|_| ()).statistic;
+        let ladder = ladder.unwrap();
+        let squares = |view: &View<'_>, rows: &mut [Row]| {
+            for (run, row) in rows.iter_mut().enumerate() {
+                let (y, x) = (view.state(run), view.state(4));
+                let square = |p: usize| (y[0][p] - x[0][p]).powi(2) + (y[1][p] - x[1][p]).powi(2);
+                *row = std::array::from_fn(square);
+            }
+        };
+        let none = || FinalMoments::new(ladder.coarse_steps(), 4, &squares);
+        let errors = ladder.run(1000, none, &|_| ()).statistic.moments;
         let taus = [1.0, 0.5, 0.25, 0.125].map(|tau| tau / 8.0);
-        twin_missed += usize::from(!covers(&root_mean_squares(&taus, &errors.at_end(0).errors)));
+        twin_missed += usize::from(!covers(&root_mean_squares(&taus, &errors)));
     }
     assert!(missed <= 14, "{missed} of 100");
     assert!(twin_missed > 50, "{twin_missed} of 100");
@@ -309,8 +315,8 @@ fn weak_points_are_the_errors_of_the_scheme() {
     for (point, steps) in order.points.iter().zip([8, 16, 32, 64, 128]) {
         let Point::Error { tau, value, .. } = *point else { panic!("{point:?}") };
         let setup = Setup::at_run_time(&problem, &Heun).unwrap();
-        let path = mc::trajectory(&setup, steps, sizes.truncation, sizes.key, 0).unwrap();
-        let error = path.states[steps as usize][0] - 1f64.cos();
+        let path = Simulation::new(setup, sizes.truncation).path(steps, sizes.key, 0).unwrap();
+        let error = path.column("y1").unwrap()[steps as usize] - 1f64.cos();
         assert_eq!(tau, 1.0 / steps as f64);
         assert!((value / error - 1.0).abs() < 0.05, "{steps}: {value} {error}");
     }
@@ -320,10 +326,8 @@ fn weak_points_are_the_errors_of_the_scheme() {
 fn a_function_that_a_scheme_keeps_has_no_order() {
     let oscillator = texts("q p", &["1"], "(p^2+q^2)/2", &["0.1*(p^2+q^2)/2"]);
     let oscillator = problem(&oscillator, 0.0, &[1.0, 0.0], 2.0);
-    let energy = |y: &[Row], h: &mut Row| {
-        h.iter_mut().enumerate().for_each(|(p, h)| *h = 0.5 * (y[0][p].powi(2) + y[1][p].powi(2)));
-    };
-    let phi = RowFunction { name: "energy".into(), function: energy };
+    let energy = |y: [f64; 2]| 0.5 * (y[0].powi(2) + y[1].powi(2));
+    let phi = Observable { name: "energy", function: energy };
     let few = StepSizes { samples: 400, ..sizes(8, 5) }.within(4_000_000);
     let kept = weak(&Sexp, &oscillator, &phi, &few);
     assert_eq!(kept.decision, Decision::Kept, "{kept}");

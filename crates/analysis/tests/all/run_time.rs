@@ -1,9 +1,8 @@
 //! Orders on systems from texts are those of the compiled systems.
 
 use analysis::{Decision, Order, ReferenceSolution, StepSizes, strong_order, weak_order};
-use mc::{Observable, RowFunction, Setup};
+use mc::{Observable, Setup};
 use noise::{StreamKey, Truncation};
-use real::Row;
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, run_time};
 use stats::Point;
 use systems::{Constant, Pendulum, PoissonSystem, Problem, RigidBody, run_time as at_run_time};
@@ -103,13 +102,9 @@ fn orders_on_texts_are_those_on_compiled_systems() {
     let of = |budget| same_strong::<_, 2, 1>(&pendulum, (&Heun, &Heun), &few.within(budget));
     assert_eq!((of(20_000_000), of(1)), (Some(1.0), of(1)));
     // Weak orders.
-    let square = |y: &[Row], values: &mut Row| {
-        *values = std::array::from_fn(|p| y[0][p] + y[1][p] * y[1][p]);
-    };
-    let row = RowFunction { name: "φ".into(), function: square };
     let phi = Observable { name: "φ", function: |y: [f64; 3]| y[0] + y[1] * y[1] };
     let sizes = StepSizes { samples: 20_000, levels: 4, refinement: 1, ..sizes(2) };
     let (setup, independent) = (Setup::of(&body.0, &Heun), ReferenceSolution::independent(&body.0));
     let one = weak_order(&setup, &phi, &sizes, &independent).unwrap();
-    check_same(&one, &weak(&Heun, &body.1, &row, &sizes));
+    check_same(&one, &weak(&Heun, &body.1, &phi, &sizes));
 }

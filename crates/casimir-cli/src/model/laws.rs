@@ -1,5 +1,7 @@
 //! Functions that were found to obey the conformal law.
 
+use std::sync::Arc;
+
 use casimir::{
     analysis::facts::{Facts, Form},
     mc::{ConformalLaw, Formulas, Problem},
@@ -16,20 +18,16 @@ pub fn with_laws<'a>(problem: Problem<'a>, facts: &'a Facts) -> Problem<'a> {
     let laws = casimirs.chain(facts.energy_law().map(energy)).collect();
     let no_noise = vec![0.0; problem.noises];
     let formulas = WithLaws { formulas: problem.formulas, casimirs: &facts.casimirs, no_noise };
-    Problem { laws, formulas: Box::new(formulas), ..problem }
+    Problem { laws, formulas: Arc::new(formulas), ..problem }
 }
 
 struct WithLaws<'a> {
-    formulas: Box<dyn Formulas + 'a>,
+    formulas: Arc<dyn Formulas + 'a>,
     casimirs: &'a [Form],
     no_noise: Vec<f64>,
 }
 
 impl Formulas for WithLaws<'_> {
-    fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
-        self.formulas.structure(y, v)
-    }
-
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
         self.formulas.energy(y, dt, dw)
     }

@@ -1,21 +1,27 @@
 //! Which points are drawn on which level, and when to stop.
 
-use std::{cell::Cell, ops::Range};
+use std::{cell::Cell, sync::Arc};
 
-use real::elementary;
+use noise::{QuasiWiener, ScrambledSobol};
+use real::{WIDTH, elementary};
 
 use super::{
-    error::ExpectError,
+    Candidate,
     extrapolation::{Extrapolation, extrapolation, seen_orders},
     judge::Evidence,
-    level::{Drawn, Samples, Values, hull},
+    level::{PathValues, Replicate, Samples, Sums, Values, hull},
     rates,
     report::{Estimate, Expectation, Judged, Level, LevelValue, Limit, Warning},
-    resolution::{LARGEST_EXPONENT, unresolved},
-    settings::{Orders, Settings, SoFar},
+    resolution::{LARGEST_EXPONENT, Motion, unresolved},
+    settings::{Settings, SoFar},
     sum::{BIAS_LEVELS, Sum, Term},
 };
-use crate::{DampingResolution, driver::GROUP_PATHS};
+use crate::{
+    DampingResolution, Ladder, LadderError, NextNoise, NoiseSource, Observe, Run, RunError,
+    driver::GROUP_PATHS,
+    ladder::{Nodes, Piece},
+    parts::Job,
+};
 
 /// The highest level of the pilot.
 const PILOT_LEVEL: usize = BIAS_LEVELS;
@@ -41,75 +47,117 @@ const MOST_SAMPLES: u64 = 1 << 24;
 /// The part of the accuracy that paths which failed may have: with more, nothing is reached.
 const LOST: f64 = 0.25;
 
-/// Gives all points of every replicate of a level: from a number of points drawn before up to
-/// another, where the new ones take so many path-steps; `None` if they are drawn elsewhere.
-type Draw<'a> = dyn Fn(&Samples, Range<u64>, u64) -> Result<Option<Vec<Drawn>>, ExpectError> + 'a;
+/// The most levels of a path without noise: 2²² steps take seconds.
+const MOST_HALVINGS: usize = 22;
+/// In more dimensions Sobol points gain nothing over random ones, and take memory.
+const MOST_DIMENSIONS: u64 = 1 << 16;
 
-/// Why the algorithm ends before it has an expectation.
-#[derive(Debug)]
-pub enum Halt {
-    Error(ExpectError),
-    /// Samples are being drawn in parts elsewhere.
-    Elsewhere,
+/// The increments of the points of all scrambles. A path has the number of its replicate times
+/// [`ScrambledSobol::POINTS`], plus that of its point.
+struct Points {
+    scrambles: Vec<QuasiWiener>,
+    noises: usize,
 }
 
-impl From<ExpectError> for Halt {
-    fn from(error: ExpectError) -> Self {
-        Self::Error(error)
+impl NoiseSource for Points {
+    fn block(&self, first_path: u64) -> NextNoise<'_> {
+        let scramble = (first_path / ScrambledSobol::POINTS) as usize;
+        let wiener = &self.scrambles[scramble];
+        let mut increments = vec![[0.0; WIDTH]; wiener.dimensions()];
+        wiener.block(first_path % ScrambledSobol::POINTS, &mut increments);
+        let (mut next, noises) = (0, self.noises);
+        Box::new(move |noise| {
+            noise.increments.copy_from_slice(&increments[next..next + noises]);
+            next += noises;
+        })
     }
+}
+
+/// What every attempt is asked for.
+pub struct Asked<'a> {
+    pub job: &'a Job,
+    pub observables: &'a [&'a dyn Observe],
+    /// φ(y₀) of each test function.
+    pub starts: Vec<f64>,
+    pub accuracy: f64,
+    pub progress: &'a (dyn Fn(u64) + Sync),
+    /// Path-steps of all attempts so far, which the limit is for.
+    pub spent: Cell<u64>,
 }
 
 /// The estimation of E[φ] with one scheme from one coarsest step on.
 pub struct Estimator<'a> {
-    pub draw: &'a Draw<'a>,
-    /// The identifier of the scheme.
-    pub scheme: &'static str,
-    pub t_end: f64,
-    pub damping: DampingResolution<'a>,
-    /// Names of the test functions.
-    pub names: Vec<String>,
-    pub accuracy: f64,
-    pub settings: Settings,
-    /// How the bias falls.
-    pub orders: Orders,
-    /// Runs of a sample with fine and with coarse steps.
-    pub runs: (u64, u64),
+    candidate: &'a Candidate<'a>,
+    asked: &'a Asked<'a>,
+    /// The name of the piece of work.
+    name: &'a str,
+    settings: Settings,
+    damping: DampingResolution<'a>,
     /// Whether there is noise. Without, one path is all.
-    pub noisy: bool,
+    noisy: bool,
     /// Whether points are Sobol points.
-    pub sobol: bool,
+    sobol: bool,
     /// The least and the largest value of each test function so far.
-    pub ranges: Vec<Option<(f64, f64)>>,
-    /// Path-steps so far, those of failed attempts included.
-    pub spent: &'a Cell<u64>,
-    /// Whether the computation was stopped and gives what is done.
-    pub stopped: &'a dyn Fn() -> bool,
+    ranges: Vec<Option<(f64, f64)>>,
     /// All levels so far.
-    pub levels: Vec<Samples>,
+    levels: Vec<Samples>,
+    /// The ladder of each, and the nodes of its replicates so far.
+    ladders: Vec<(Ladder<'a>, Vec<Nodes<PathValues<'a>>>)>,
     /// The level that the sum begins with.
-    pub first: usize,
+    first: usize,
 }
 
-impl Estimator<'_> {
-    pub fn expectation(mut self) -> Result<Expectation, Halt> {
+impl<'a> Estimator<'a> {
+    pub fn new(
+        candidate: &'a Candidate<'a>,
+        asked: &'a Asked<'a>,
+        name: &'a str,
+        settings: Settings,
+    ) -> Self {
+        let (problem, scheme) = (&candidate.setup.problem, &candidate.setup.scheme);
+        let noisy = problem.noises > 0;
+        let halvings = MOST_HALVINGS.saturating_sub(settings.coarsest_steps.ilog2() as usize);
+        let settings = match noisy {
+            true => settings,
+            false => Settings { max_level: halvings.max(3), replicates: 1, ..settings },
+        };
+        Self {
+            candidate,
+            asked,
+            name,
+            settings,
+            damping: DampingResolution::new(&candidate.setup, settings.coarsest_steps),
+            noisy,
+            sobol: noisy && !settings.random_points && !scheme.reads_areas(),
+            ranges: vec![None; asked.observables.len()],
+            levels: Vec::new(),
+            ladders: Vec::new(),
+            first: 0,
+        }
+    }
+
+    /// The expectations; `None` if samples are drawn in parts elsewhere.
+    pub fn expectation(mut self) -> Result<Option<Expectation>, RunError> {
         let pilot = if self.noisy { GROUP_PATHS } else { 1 };
-        self.levels = (0..=PILOT_LEVEL).map(|level| self.level(level)).collect();
+        (0..=PILOT_LEVEL).try_for_each(|_| self.add_level())?;
         let costs = self.levels.iter().map(|samples| self.cost(samples, pilot));
-        let pilot_cost = costs.fold(self.spent.get(), u64::saturating_add);
+        let pilot_cost = costs.fold(self.asked.spent.get(), u64::saturating_add);
         let max_cost = self.settings.max_cost;
         if pilot_cost > max_cost {
-            return Err(ExpectError::PilotCost { pilot_cost, max_cost }.into());
+            return Err(RunError::PilotCost { pilot_cost, max_cost });
         }
         self.tell(f64::INFINITY, Some(pilot_cost as f64));
         for level in 0..=PILOT_LEVEL {
-            self.sample(level, pilot)?;
+            if !self.sample(level, pilot)? {
+                return Ok(None);
+            }
         }
         self.first = self.first_level();
         let limit = loop {
             if !self.noisy {
                 self.first = self.levels.len() - BIAS_LEVELS;
             }
-            let sums: Vec<Sum> = (0..self.names.len()).map(|k| self.sum(k)).collect();
+            let sums: Vec<Sum> = self.numbers().map(|k| self.sum(k)).collect();
             let last = self.levels.len() - 1;
             let biased =
                 |sum: &Sum| if self.noisy { self.is_biased(sum) } else { self.is_wide(sum) };
@@ -117,7 +165,7 @@ impl Estimator<'_> {
             let finer = unresolved || sums.iter().any(biased);
             let half_width = sums.iter().map(Sum::half_width).fold(0.0, f64::max);
             self.tell(half_width, (!finer).then(|| self.expected_cost(&sums)));
-            if sums.iter().any(|sum| sum.lost > LOST * self.accuracy) {
+            if sums.iter().any(|sum| sum.lost > LOST * self.asked.accuracy) {
                 break None;
             }
             let least = self.least_cost(&sums, finer);
@@ -125,14 +173,14 @@ impl Estimator<'_> {
                 break Some(Limit::OutOfReach { least, max_cost: max_cost as f64 });
             }
             let (level, points) = if finer && last < self.settings.max_level {
-                self.levels.push(self.level(last + 1));
+                self.add_level()?;
                 (last + 1, pilot)
             } else {
                 let begin = &self.levels[self.first];
                 let wide = sums.iter().any(|sum| self.is_wide(sum));
                 let heavy = begin.values.iter().any(Values::is_heavy);
                 let enough = !wide && (!heavy || begin.count() >= MOST_SAMPLES);
-                let most = MOST_BIAS * self.accuracy;
+                let most = MOST_BIAS * self.asked.accuracy;
                 let stuck = unresolved || sums.iter().any(|sum| sum.extrapolation.size > most);
                 if !self.noisy || enough || finer && stuck {
                     break finer.then_some(Limit::Level { level: last });
@@ -142,42 +190,42 @@ impl Estimator<'_> {
             };
             let samples = &self.levels[level];
             let cost = self.cost(samples, points - samples.points);
-            let drawn = match self.spent.get().saturating_add(cost) > max_cost
-                || samples.points >= MAX_POINTS
-            {
-                true => Err(Limit::Cost { max_cost }),
-                false => match self.sample(level, points) {
-                    Err(Halt::Elsewhere) if (self.stopped)() => Err(Limit::Stopped),
-                    drawn => Ok(drawn?),
-                },
+            let too_many = self.asked.spent.get().saturating_add(cost) > max_cost;
+            let limit = if too_many || samples.points >= MAX_POINTS {
+                Limit::Cost { max_cost }
+            } else if self.sample(level, points)? {
+                // Once points are doubled, the first level stays.
+                if self.levels.iter().all(|samples| samples.points == pilot) {
+                    self.first = self.first_level();
+                }
+                continue;
+            } else if self.asked.job.gives_what_is_done() {
+                Limit::Stopped
+            } else {
+                return Ok(None);
             };
-            if let Err(limit) = drawn {
-                self.levels.retain(|samples| samples.paths > 0);
-                break Some(limit);
-            }
-            // Once points are doubled, the first level stays.
-            if self.levels.iter().all(|samples| samples.points == pilot) {
-                self.first = self.first_level();
-            }
+            self.levels.retain(|samples| samples.paths > 0);
+            break Some(limit);
         };
-        Ok(self.report(limit))
+        Ok(Some(self.report(limit)))
     }
 
     /// Whether a finer level is wanted: the bias has more than its share, significantly.
     fn is_biased(&self, sum: &Sum) -> bool {
         let Extrapolation { size, standard_error, .. } = sum.extrapolation;
-        let (least, most) = (BIAS_ENOUGH * self.accuracy, BIAS_SHARE * self.accuracy);
+        let (least, most) = (BIAS_ENOUGH * self.asked.accuracy, BIAS_SHARE * self.asked.accuracy);
         let share = (BIAS_PART * sum.spread()).clamp(least, most);
         size > share + sum.quantile() * standard_error
     }
 
     fn is_wide(&self, sum: &Sum) -> bool {
-        sum.half_width() > self.accuracy
+        sum.half_width() > self.asked.accuracy
     }
 
     /// What the steps of the last level do not resolve.
     fn unresolved(&self) -> Vec<Warning> {
-        unresolved(&self.levels[1..], &self.damping, &self.names, self.accuracy)
+        let names: Vec<&str> = self.asked.observables.iter().map(|phi| phi.name()).collect();
+        unresolved(&self.levels[1..], &self.damping, &names, self.asked.accuracy)
     }
 
     /// Path-steps without which the accuracy is not reached: those of points that lack, on levels
@@ -186,9 +234,10 @@ impl Estimator<'_> {
         let last = &self.levels[self.levels.len() - 1];
         let exponent = self.damping.lasting_exponent(last.level) / LARGEST_EXPONENT;
         match finer {
-            false => {
-                sums.iter().map(|sum| sum.cost(self.accuracy, LEAST_GROWTH)).fold(0.0, f64::max)
-            }
+            false => sums
+                .iter()
+                .map(|sum| sum.cost(self.asked.accuracy, LEAST_GROWTH))
+                .fold(0.0, f64::max),
             // A pilot on a level with as many more steps, and on those below it.
             true if self.noisy && exponent > 1.0 => {
                 2.0 * self.cost(last, GROUP_PATHS) as f64 * exponent
@@ -202,29 +251,44 @@ impl Estimator<'_> {
     fn expected_cost(&self, sums: &[Sum]) -> f64 {
         let begin = &self.levels[self.first];
         let cost = |(k, sum): (usize, &Sum)| {
-            let wanted = (self.accuracy - sum.bias_bound()).max(0.5 * self.accuracy);
+            let wanted = (self.asked.accuracy - sum.bias_bound()).max(0.5 * self.asked.accuracy);
             let [gain, points] = [begin.gain(k).max(1.0), begin.points as f64].map(elementary::ln);
             let order = 0.5 + 0.5 * gain / points;
             sum.cost(wanted, 1.0 / order.min(1.0 / LEAST_GROWTH))
         };
-        sums.iter().enumerate().map(cost).fold(self.spent.get() as f64, f64::max)
+        sums.iter().enumerate().map(cost).fold(self.asked.spent.get() as f64, f64::max)
     }
 
     /// Says how far it is.
     fn tell(&self, half_width: f64, expected: Option<f64>) {
         let Settings { max_cost, watch, .. } = self.settings;
-        let (accuracy, cost) = (self.accuracy, self.spent.get());
+        let (accuracy, cost) = (self.asked.accuracy, self.asked.spent.get());
         watch(&SoFar { half_width, accuracy, cost, expected, max_cost });
     }
 
-    /// A level without points.
-    fn level(&self, level: usize) -> Samples {
-        let (steps, (fine, coarse)) = (self.settings.steps(level), self.runs);
-        // A single path has as many runs as a coarse one.
-        let cost_per_path =
-            if level == 0 { coarse * steps } else { fine * steps + coarse * (steps / 2) };
-        let values = vec![Values::default(); self.names.len()];
-        Samples { level, cost_per_path, values, ..Samples::default() }
+    /// The numbers of the test functions.
+    fn numbers(&self) -> std::ops::Range<usize> {
+        0..self.asked.observables.len()
+    }
+
+    /// Adds a level without points.
+    fn add_level(&mut self) -> Result<(), RunError> {
+        let (level, settings, problem) =
+            (self.levels.len(), &self.settings, &self.candidate.setup.problem);
+        let (key, steps) = (settings.stream(level), settings.steps(level));
+        let (levels, runs) = (usize::from(level > 0), self.candidate.runs(level > 0));
+        let mut ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
+        if self.sobol && steps.saturating_mul(problem.noises as u64) <= MOST_DIMENSIONS {
+            let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end);
+            let wiener = wiener.map_err(LadderError::from)?;
+            let scrambles = (0..settings.replicates).map(|number| wiener.of_scramble(number));
+            let points = Points { scrambles: scrambles.collect(), noises: problem.noises };
+            ladder = ladder.with_noise(points)?;
+        }
+        let cost_per_path = ladder.steps_per_path();
+        self.levels.push(Samples { level, cost_per_path, ..Samples::default() });
+        self.ladders.push((ladder, vec![Vec::new(); settings.replicates as usize]));
+        Ok(())
     }
 
     /// Path-steps of so many points of every replicate.
@@ -232,33 +296,51 @@ impl Estimator<'_> {
         self.settings.replicates.saturating_mul(points).saturating_mul(samples.cost_per_path)
     }
 
-    /// Draws points of every replicate of a level up to so many.
-    fn sample(&mut self, level: usize, points: u64) -> Result<(), Halt> {
-        let new = self.cost(&self.levels[level], points - self.levels[level].points);
-        let samples = &mut self.levels[level];
-        let Some(replicates) = (self.draw)(samples, samples.points..points, new)? else {
-            return Err(Halt::Elsewhere);
+    /// Draws points of every replicate of a level up to so many; false if that is done elsewhere.
+    fn sample(&mut self, level: usize, points: u64) -> Result<bool, RunError> {
+        let before = self.levels[level].points;
+        let new = self.cost(&self.levels[level], points - before);
+        let &Asked { job, observables, ref starts, progress, .. } = self.asked;
+        let (ladder, nodes) = &mut self.ladders[level];
+        let y0 = &self.candidate.setup.problem.y0[..];
+        let (last_time, coupled) = (ladder.coarse_steps(), level > 0);
+        let values = vec![Values::default(); observables.len()];
+        let (motion, functions) = (Motion::new(y0), Motion::new(starts));
+        let sums = Sums { values, motion, functions };
+        let empty = || PathValues { observables, last_time, coupled, sums: sums.clone() };
+        let piece = |replicate: u64| {
+            let first = replicate * ScrambledSobol::POINTS;
+            Piece {
+                name: format!("{}/level {level} replicate {replicate} from {before}", self.name),
+                paths: first + points,
+                groups: (first + before) / GROUP_PATHS..(first + points).div_ceil(GROUP_PATHS),
+            }
         };
-        let first = replicates.iter().find_map(|replicate| replicate.first_failure);
+        // All replicates are begun: none depends on another.
+        let pieces: Vec<_> = (0..self.settings.replicates).map(piece).collect();
+        let more = ladder.nodes_in(job, &pieces, Some(new), &empty, progress);
+        let Some(more) = more.filter(|_| !job.stop().is_asked()) else { return Ok(false) };
+        let replicates = nodes.iter_mut().zip(more);
+        let replicates: Vec<Replicate<'_>> =
+            replicates.map(|(nodes, more)| ladder.join(nodes, more, &empty)).collect();
+        let samples = &mut self.levels[level];
+        let first = replicates.iter().find_map(|replicate| replicate.failures.first().copied());
         for replicate in &replicates {
-            let ranges = self.ranges.iter_mut().zip(&replicate.sums.values);
+            let ranges = self.ranges.iter_mut().zip(&replicate.statistic.sums.values);
             ranges.for_each(|(range, values)| *range = hull(*range, values.range()));
         }
-        self.spent.set(self.spent.get() + new);
+        self.asked.spent.set(self.asked.spent.get() + new);
         samples.take(replicates, points);
         if samples.count() < 1 + u64::from(self.noisy) {
-            return Err(ExpectError::NoPaths { level, failed: samples.failed, first }.into());
+            return Err(RunError::NoPaths { level, failed: samples.failed, first });
         }
         let finite = |values: &Values| match self.noisy {
             true => values.sample.variance().is_finite(),
             false => values.sample.mean().is_finite(),
         };
-        match self.names.iter().zip(&samples.values).find(|(_, values)| !finite(values)) {
-            Some((observable, _)) => {
-                let observable = observable.clone();
-                Err(ExpectError::NotFinite { observable, level }.into())
-            }
-            None => Ok(()),
+        match observables.iter().zip(&samples.values).find(|(_, values)| !finite(values)) {
+            Some((phi, _)) => Err(RunError::NotFinite { observable: phi.name().to_owned(), level }),
+            None => Ok(true),
         }
     }
 
@@ -283,7 +365,10 @@ impl Estimator<'_> {
         let from = differences.len().saturating_sub(BIAS_LEVELS);
         let (last, of_last) = (&differences[from..], &self.levels[1 + from..]);
         let seen = (rates::alpha(of_last, last, k), rates::beta(of_last, k));
-        let orders = if self.noisy { self.orders } else { seen_orders(last, self.orders) };
+        let orders = match self.noisy {
+            true => self.candidate.orders,
+            false => seen_orders(last, self.candidate.orders),
+        };
         let mut extrapolation = extrapolation(last, orders, seen);
         if !self.noisy {
             // Rounding errors of n steps.
@@ -306,7 +391,7 @@ impl Estimator<'_> {
             terms.iter().map(|term| (term.variance * term.cost).sqrt()).sum::<f64>()
         };
         let mut totals = vec![0.0; self.levels.len() - 2];
-        for k in 0..self.names.len() {
+        for k in self.numbers() {
             let roots: Vec<f64> = (0..totals.len()).map(|first| root(first, k)).collect();
             let least = roots.iter().copied().fold(f64::INFINITY, f64::min);
             if least > 0.0 {
@@ -322,7 +407,7 @@ impl Estimator<'_> {
     fn worst(&self, sums: &[Sum]) -> usize {
         let wide = || sums.iter().filter(|sum| self.is_wide(sum));
         let most = |n: usize| wide().map(|sum| sum.gain(n)).fold(0.0, f64::max);
-        let enough = |n: usize| wide().all(|sum| sum.with_twice(n) <= self.accuracy);
+        let enough = |n: usize| wide().all(|sum| sum.with_twice(n) <= self.asked.accuracy);
         let cost = |n: usize| sums[0].terms[n].cost;
         let terms = 0..self.levels.len() - self.first;
         let cheapest =
@@ -332,15 +417,16 @@ impl Estimator<'_> {
     }
 
     fn report(self, limit: Option<Limit>) -> Expectation {
-        let Self { ref levels, first, noisy, accuracy, scheme, .. } = self;
+        let Self { ref levels, first, noisy, candidate, .. } = self;
+        let Candidate { setup, orders, .. } = candidate;
         // Levels below the first may be far from the limit; three differences make a slope.
         let differences = &levels[1..];
         let from = first.min(differences.len().saturating_sub(BIAS_LEVELS));
-        let estimate = |(k, name): (usize, &String)| {
+        let estimate = |(k, phi): (usize, &&dyn Observe)| {
             let sum = self.sum(k);
             let terms = Term::differences(differences, k, self.range(k));
             Estimate {
-                name: name.clone(),
+                name: phi.name().to_owned(),
                 value: sum.value(),
                 standard_error: sum.standard_error(),
                 quantile: sum.quantile(),
@@ -353,8 +439,9 @@ impl Estimator<'_> {
                 judged: Judged::default(),
             }
         };
-        let mut estimates: Vec<_> = self.names.iter().enumerate().map(estimate).collect();
-        let (order, unresolved) = (self.orders.weak, self.unresolved());
+        let mut estimates: Vec<_> =
+            self.asked.observables.iter().enumerate().map(estimate).collect();
+        let (order, unresolved) = (orders.weak, self.unresolved());
         let evidence = Evidence { levels, first, order, noisy, unresolved };
         let mut warnings = evidence.judge(&mut estimates);
         warnings.extend(limit.map(Warning::Limit));
@@ -362,7 +449,7 @@ impl Estimator<'_> {
             let samples_of = samples.values.iter().map(|values| &values.sample);
             Level {
                 level: samples.level,
-                tau: self.t_end / self.settings.steps(samples.level) as f64,
+                tau: setup.problem.t_end / self.settings.steps(samples.level) as f64,
                 samples: samples.count(),
                 failed: samples.failed,
                 cost_per_path: samples.cost_per_path,
@@ -371,16 +458,16 @@ impl Estimator<'_> {
                     .collect(),
             }
         };
-        let (decisions, cost) = (self.decisions(), self.spent.get());
+        let (decisions, cost) = (self.decisions(), self.asked.spent.get());
+        let (scheme, accuracy) = (setup.scheme.id(), self.asked.accuracy);
         let levels = levels.iter().map(level).collect();
         Expectation { scheme, accuracy, cost, levels, warnings, estimates, decisions }
     }
 
     /// Says which levels and how many points were chosen, and what Sobol points gained.
     fn decisions(&self) -> Vec<String> {
-        let numbers = 0..self.names.len();
         let used = &self.levels[self.first..];
-        let orders = numbers.clone().map(|k| self.sum(k).extrapolation.order);
+        let orders = self.numbers().map(|k| self.sum(k).extrapolation.order);
         let order = orders.fold(f64::INFINITY, f64::min);
         let steps = |samples: &Samples| self.settings.steps(samples.level);
         let (fewest, most) = (steps(&used[0]), steps(&used[used.len() - 1]));
@@ -394,7 +481,7 @@ impl Estimator<'_> {
         if !self.sobol {
             return vec![levels, format!("{replicates} times {points} random points on them")];
         }
-        let gains = numbers.map(|k| used[0].gain(k)).filter(|gain| gain.is_finite());
+        let gains = self.numbers().map(|k| used[0].gain(k)).filter(|gain| gain.is_finite());
         let gained = match gains.reduce(f64::min) {
             None => "no function varies from scramble to scramble".into(),
             Some(least) if least < FEW_GAINED => {
@@ -407,5 +494,23 @@ impl Estimator<'_> {
             }
         };
         vec![levels, format!("{replicates} scrambles of {points} Sobol points on them"), gained]
+    }
+}
+
+impl Candidate<'_> {
+    /// The runs of a sample: fine, coarse, and a second fine and a second coarse one. For several
+    /// noises without areas the second fine path takes the increments of every coarse step in the
+    /// other order (Giles and Szpruch 2014): then the variance falls like τ² instead of τ.
+    fn runs(&self, coupled: bool) -> Vec<Run<'_>> {
+        let (scheme, mirror) = (&self.setup.scheme, self.mirror.as_ref());
+        let without_areas = self.setup.problem.noises > 1 && !scheme.reads_areas();
+        let twin = mirror.or(without_areas.then_some(scheme)).filter(|_| coupled);
+        let at = |level: usize| move |scheme| Run::new(Arc::clone(scheme), level);
+        let coarse = usize::from(coupled);
+        let mut runs = vec![at(0)(scheme)];
+        runs.extend(coupled.then(|| at(1)(scheme)));
+        runs.extend(twin.map(|twin| Run::swapped(Arc::clone(twin), 0)));
+        runs.extend(mirror.map(at(coarse)));
+        runs
     }
 }

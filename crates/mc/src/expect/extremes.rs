@@ -1,63 +1,63 @@
 //! The largest and the smallest samples, and how fast their deviations become rare.
 
-use std::cmp::Ordering;
-
 use real::{PathMask, Real, Row, WIDTH};
 use serde::{Deserialize, Serialize};
 
 /// How many of the largest and of the smallest samples are kept.
 const KEPT: usize = 65;
 
-/// The largest and the smallest samples.
+/// The largest samples.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct Largest {
+    samples: Vec<f64>,
+    /// No sample up to this one counts any more.
+    passed: Option<f64>,
+}
+
+impl Largest {
+    /// Keeps those that count, if there are many.
+    fn extend(&mut self, samples: impl Iterator<Item = f64>) {
+        if self.samples.is_empty() {
+            self.samples.reserve(4 * WIDTH);
+        }
+        let passed = self.passed.unwrap_or(f64::NEG_INFINITY);
+        self.samples.extend(samples.filter(|&x| x > passed));
+        if self.samples.len() > 4 * KEPT {
+            self.samples.select_nth_unstable_by(KEPT - 1, |a, b| b.total_cmp(a));
+            self.samples.truncate(KEPT);
+            self.passed = Some(self.samples[KEPT - 1]);
+        }
+    }
+
+    fn merge(&mut self, later: &Self) {
+        self.passed = self.passed.into_iter().chain(later.passed).reduce(f64::max);
+        self.extend(later.samples.iter().copied());
+    }
+}
+
+/// The largest samples, and the negatives of the smallest.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Extremes {
-    largest: Vec<f64>,
-    smallest: Vec<f64>,
-    /// No samples between these count any more.
-    passed: Option<(f64, f64)>,
+    largest: Largest,
+    smallest: Largest,
 }
 
 impl Extremes {
     /// Adds these paths of a block.
     pub fn add(&mut self, x: &Row, paths: PathMask) {
-        if self.largest.is_empty() {
-            self.largest.reserve(4 * WIDTH);
-            self.smallest.reserve(4 * WIDTH);
-        }
-        self.extend(paths.paths().map(|p| x[p]), paths.paths().map(|p| x[p]));
+        self.largest.extend(paths.paths().map(|p| x[p]));
+        self.smallest.extend(paths.paths().map(|p| -x[p]));
     }
 
     pub fn merge(&mut self, later: &Self) {
-        if let Some((below, above)) = later.passed {
-            let (low, high) = self.passed.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
-            self.passed = Some((low.min(below), high.max(above)));
-        }
-        self.extend(later.largest.iter().copied(), later.smallest.iter().copied());
-    }
-
-    /// Keeps those that count, if there are many.
-    fn extend(&mut self, large: impl Iterator<Item = f64>, small: impl Iterator<Item = f64>) {
-        let (below, above) = self.passed.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
-        self.largest.extend(large.filter(|&x| x > above));
-        self.smallest.extend(small.filter(|&x| x < below));
-        if self.largest.len().max(self.smallest.len()) > 4 * KEPT {
-            let kept = |samples: &mut Vec<f64>, order: fn(&f64, &f64) -> Ordering| {
-                if samples.len() > KEPT {
-                    samples.select_nth_unstable_by(KEPT - 1, order);
-                    samples.truncate(KEPT);
-                }
-                samples.get(KEPT - 1).copied()
-            };
-            let above = kept(&mut self.largest, |a, b| b.total_cmp(a));
-            let below = kept(&mut self.smallest, f64::total_cmp);
-            self.passed = below.zip(above);
-        }
+        self.largest.merge(&later.largest);
+        self.smallest.merge(&later.smallest);
     }
 
     /// The largest distances from the mean, the largest first.
     fn deviations(&self, mean: f64) -> Vec<f64> {
-        let above = self.largest.iter().map(|x| x - mean);
-        let below = self.smallest.iter().map(|x| mean - x);
+        let above = self.largest.samples.iter().map(|x| x - mean);
+        let below = self.smallest.samples.iter().map(|x| mean + x);
         let mut deviations: Vec<f64> = above.chain(below).filter(|&x| x > 0.0).collect();
         deviations.sort_unstable_by(|a, b| b.total_cmp(a));
         deviations.truncate(KEPT);

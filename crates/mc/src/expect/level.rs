@@ -6,9 +6,9 @@ use stats::{CentralMoments, FEW_SAMPLES};
 
 use super::{
     extremes::Extremes,
-    resolution::{FunctionMotion, Motion, compares_at},
+    resolution::{Motion, compares_at},
 };
-use crate::{Kept, Observe, PathFailure, Statistic, View};
+use crate::{Kept, Measured, Observe, Statistic, View};
 
 /// Below this tail index a sample does not know its variance.
 const LEAST_INDEX: f64 = 2.0;
@@ -24,8 +24,6 @@ pub struct Values {
     pub coarse: CentralMoments,
     /// The extreme φ on the fine path.
     pub extremes: Extremes,
-    /// How φ moves along fine and coarse paths.
-    pub motion: FunctionMotion,
 }
 
 impl Values {
@@ -49,7 +47,6 @@ impl Values {
         self.fine.merge(&later.fine);
         self.coarse.merge(&later.coarse);
         self.extremes.merge(&later.extremes);
-        self.motion.merge(&later.motion);
     }
 
     /// The least and the largest φ on fine and coarse paths.
@@ -107,6 +104,8 @@ pub struct Samples {
     pub values: Vec<Values>,
     /// Of fine and coarse paths.
     pub motion: Motion,
+    /// The motion of each test function.
+    pub functions: Motion,
     /// Each replicate as a sample, for each test function: of the difference, and of φ on the fine
     /// path.
     pub means: Vec<[Means; 2]>,
@@ -145,12 +144,13 @@ impl Samples {
     }
 
     /// Takes all samples of every replicate, each with so many points.
-    pub fn take(&mut self, replicates: Vec<Drawn>, points: u64) {
-        let functions = self.values.len();
+    pub fn take(&mut self, replicates: Vec<Replicate<'_>>, points: u64) {
+        let functions = replicates.first().map_or(0, |one| one.statistic.sums.values.len());
         (self.points, self.paths, self.failed) = (points, points * replicates.len() as u64, 0);
-        (self.values, self.motion) = (vec![Values::default(); functions], Motion::default());
+        self.values = vec![Values::default(); functions];
+        (self.motion, self.functions) = Default::default();
         self.means = vec![Default::default(); functions];
-        for Drawn { sums, failed, .. } in replicates {
+        for Measured { statistic: PathValues { sums, .. }, failed, .. } in replicates {
             for ((all, means), own) in self.values.iter_mut().zip(&mut self.means).zip(&sums.values)
             {
                 means[0].add(&own.sample);
@@ -158,6 +158,7 @@ impl Samples {
                 all.merge(own);
             }
             self.motion.merge(&sums.motion);
+            self.functions.merge(&sums.functions);
             self.failed += failed;
         }
     }
@@ -181,9 +182,6 @@ impl Samples {
 #[derive(Clone)]
 pub struct PathValues<'a> {
     pub observables: &'a [&'a dyn Observe],
-    pub y0: &'a [f64],
-    /// φ(y₀) of each observable.
-    pub starts: &'a [f64],
     pub last_time: u64,
     /// Whether there are coarse paths.
     pub coupled: bool,
@@ -195,20 +193,21 @@ pub struct PathValues<'a> {
 pub struct Sums {
     pub values: Vec<Values>,
     pub motion: Motion,
+    pub functions: Motion,
 }
 
 impl Statistic for PathValues<'_> {
     fn observe(&mut self, view: &View<'_>) {
         let (coupled, last) = (self.coupled, view.time == self.last_time);
         if coupled {
-            self.sums.motion.add(view, self.y0);
+            self.sums.motion.add(view);
         }
         let compared = coupled && compares_at(view.time, self.last_time, view.first_path);
         if !last && !compared {
             return;
         }
-        let observables = self.observables.iter().zip(self.starts);
-        for ((observable, &start), values) in observables.zip(&mut self.sums.values) {
+        let Sums { values, functions, .. } = &mut self.sums;
+        for (k, (observable, values)) in self.observables.iter().zip(values).enumerate() {
             let mut phi = [[0.0; WIDTH]; 4];
             for (run, phi) in phi.iter_mut().enumerate().take(view.runs()) {
                 observable.evaluate(view.state(run), view.live, phi);
@@ -221,7 +220,7 @@ impl Statistic for PathValues<'_> {
             let fine = mean(&phi[0], &phi[second]);
             let coarse = coupled.then(|| mean(&phi[1], &phi[other]));
             if let Some(coarse) = &coarse {
-                view.live.paths().for_each(|p| values.motion.add(start, fine[p], coarse[p]));
+                functions.add_function(k, &fine, coarse, view.live);
             }
             if last {
                 values.add(&fine, coarse.as_ref(), view.live);
@@ -233,6 +232,7 @@ impl Statistic for PathValues<'_> {
         let (sums, later) = (&mut self.sums, &later.sums);
         sums.values.iter_mut().zip(&later.values).for_each(|(sum, more)| sum.merge(more));
         sums.motion.merge(&later.motion);
+        sums.functions.merge(&later.functions);
     }
 }
 
@@ -247,8 +247,4 @@ impl Kept for PathValues<'_> {
 }
 
 /// All samples of a replicate of a level.
-pub struct Drawn {
-    pub sums: Sums,
-    pub failed: u64,
-    pub first_failure: Option<PathFailure>,
-}
+pub type Replicate<'a> = Measured<PathValues<'a>>;

@@ -57,8 +57,6 @@
 //! increments is exact for any number of terms (see [`Ladder::new`](crate::Ladder::new)); cumulants
 //! from the fourth on are not, which no interval has been able to detect.
 
-mod attempt;
-mod error;
 mod estimator;
 mod extrapolation;
 mod extremes;
@@ -79,11 +77,14 @@ use noise::{StreamKey, Truncation};
 use schemes::{BuiltIn, Method, Nv, Scheme, SchemeError, Sexp, SexpLi};
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
-use crate::{Observable, Observe, Problem, Setup, bind_owned, observable::erased, parts::Job};
-use attempt::Asked;
+use crate::{
+    Observable, Observe, Problem, RunError, Setup, bind_owned,
+    observable::{erased, value},
+    parts::Job,
+};
+use estimator::{Asked, Estimator};
 use settings::{Orders, Settings};
 
-pub use error::ExpectError;
 pub use report::{
     Estimate, Expectation, Judged, Level, LevelValue, Limit, Rate, Unbounded, Unresolved, Warning,
 };
@@ -115,7 +116,7 @@ pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     problem: &systems::Problem<S, G, D>,
     observables: &[Observable<D>],
     accuracy: f64,
-) -> Result<Expectation, ExpectError> {
+) -> Result<Expectation, RunError> {
     Expect::new(problem).run(&erased(observables), accuracy, &|_| ())
 }
 
@@ -338,7 +339,7 @@ impl<'a> Expect<'a> {
     /// path-steps done since.
     ///
     /// # Errors
-    /// [`ExpectError`] if a setting is out of range, a level cannot be run or has no paths left, or
+    /// [`RunError`] if a setting is out of range, a level cannot be run or has no paths left, or
     /// φ is not finite. Reaching a limit is no error: the result says so in its
     /// [`warnings`](Expectation::warnings), and its intervals are those that were reached.
     pub fn run(
@@ -346,7 +347,7 @@ impl<'a> Expect<'a> {
         observables: &[&dyn Observe],
         accuracy: f64,
         progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Expectation, ExpectError> {
+    ) -> Result<Expectation, RunError> {
         let found = self.run_in(&Job::here(), "", observables, accuracy, progress)?;
         Ok(found.unwrap_or_else(|| unreachable!("a job that computes everything has results")))
     }
@@ -371,11 +372,14 @@ impl<'a> Expect<'a> {
         observables: &[&dyn Observe],
         accuracy: f64,
         progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Option<Expectation>, ExpectError> {
+    ) -> Result<Option<Expectation>, RunError> {
         if observables.is_empty() {
-            return Err(ExpectError::NoObservable);
+            let none = "an expectation needs at least one test function, got none";
+            return Err(RunError::Setting(none.into()));
         }
-        let asked = Asked { job, observables, accuracy, progress, spent: Cell::new(0) };
+        let y0 = &self.candidates[0].setup.problem.y0;
+        let starts = observables.iter().map(|phi| value(*phi, y0)).collect();
+        let asked = Asked { job, observables, starts, accuracy, progress, spent: Cell::new(0) };
         let (mut decisions, mut best) = (Vec::new(), None);
         let last = self.candidates.len() - 1;
         for (n, candidate) in self.candidates.iter().enumerate() {
@@ -386,7 +390,7 @@ impl<'a> Expect<'a> {
                 let name = format!("{name}/{} from {steps} steps", candidate.setup.scheme.id());
                 let settings = Settings { coarsest_steps: steps, ..self.settings };
                 let end = n == last && refinement == REFINEMENTS;
-                match candidate.attempt(&name, &asked, settings) {
+                match Estimator::new(candidate, &asked, &name, settings).expectation() {
                     Ok(Some(mut found)) => {
                         found.decisions.splice(0..0, decisions.iter().cloned());
                         if end || found.is_final() {
@@ -394,9 +398,9 @@ impl<'a> Expect<'a> {
                         }
                         best = Some(found);
                     }
-                    Err(ExpectError::NoPaths { .. } | ExpectError::NotFinite { .. }) if !end => {}
+                    Err(RunError::NoPaths { .. } | RunError::NotFinite { .. }) if !end => {}
                     // The limit is for all attempts together.
-                    Err(error @ ExpectError::PilotCost { .. }) => {
+                    Err(error @ RunError::PilotCost { .. }) => {
                         let best = best.map(|best| Expectation { cost: asked.spent.get(), ..best });
                         return best.map(Some).ok_or(error);
                     }

@@ -28,14 +28,14 @@ const VANISHES: f64 = 0.75;
 /// The largest part of the largest component that such a motion has.
 const ERROR: f64 = 0.1;
 
-/// Sums over paths and coarse times, for each component and each place in a block.
+/// Sums over paths and coarse times, for each component, or each φ, and each place in a block.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Motion {
     /// (fine − coarse)².
-    difference: Vec<[f64; WIDTH]>,
-    /// (fine − y(0))².
-    displacement: Vec<[f64; WIDTH]>,
-    /// y(0)².
+    difference: Vec<Row>,
+    /// (fine − start)².
+    displacement: Vec<Row>,
+    /// y(0), or φ(y(0)).
     start: Vec<f64>,
     /// Number of summands.
     points: f64,
@@ -44,14 +44,14 @@ pub struct Motion {
 impl Motion {
     pub fn new(start: &[f64]) -> Self {
         let zero = vec![[0.0; WIDTH]; start.len()];
-        let start = start.iter().map(|y| y * y).collect();
+        let start = start.to_vec();
         Self { difference: zero.clone(), displacement: zero, start, points: 0.0 }
     }
 
     /// Adds the states of fine and coarse paths, and of a second fine path and a second coarse one
     /// if there are. Averages take the place of both: without areas the average of fine and swapped
     /// paths is near the coarse path by order one where the fine one is by one half.
-    pub fn add(&mut self, view: &View<'_>, y0: &[f64]) {
+    pub fn add(&mut self, view: &View<'_>) {
         if view.runs() < 2 {
             return;
         }
@@ -59,7 +59,23 @@ impl Motion {
         let swapped = if view.runs() > 2 { view.state(2) } else { fine };
         let other = if view.runs() > 3 { view.state(3) } else { coarse };
         self.points += f64::from(live.len());
-        dispatch(AddMotion { motion: self, y0, fine, swapped, coarse, other, live });
+        for i in 0..self.start.len() {
+            self.add_one(i, [&fine[i], &swapped[i], &coarse[i], &other[i]], live);
+        }
+    }
+
+    /// Adds component or function number i on two fine and two coarse paths, but not the points.
+    fn add_one(&mut self, i: usize, rows: [&Row; 4], live: PathMask) {
+        let (difference, displacement) = (&mut self.difference[i], &mut self.displacement[i]);
+        dispatch(AddMotion { difference, displacement, start: self.start[i], rows, live });
+    }
+
+    /// Adds the points of all functions on the paths `live`, and φ number k on them.
+    pub fn add_function(&mut self, k: usize, fine: &Row, coarse: &Row, live: PathMask) {
+        if k == 0 {
+            self.points += f64::from(live.len());
+        }
+        self.add_one(k, [fine, fine, coarse, coarse], live);
     }
 
     pub fn merge(&mut self, later: &Self) {
@@ -77,23 +93,41 @@ impl Motion {
         }
     }
 
+    fn sums(&self, i: usize) -> [f64; 2] {
+        [&self.difference[i], &self.displacement[i]].map(|lanes| lanes.iter().sum())
+    }
+
+    /// Σ start² + (fine − start)².
+    fn size(&self, i: usize) -> f64 {
+        self.points * (self.start[i] * self.start[i]) + self.sums(i)[1]
+    }
+
+    fn largest(&self) -> f64 {
+        (0..self.start.len()).map(|i| self.size(i)).fold(0.0, f64::max)
+    }
+
     /// Root mean square of the motion of component i over the size of the largest component.
     fn displacement(&self, i: usize) -> f64 {
-        let sum = |i: usize| self.displacement[i].iter().sum::<f64>();
-        let sizes = (0..self.start.len()).map(|i| self.points * self.start[i] + sum(i));
-        (sum(i) / sizes.fold(0.0, f64::max)).sqrt()
+        (self.sums(i)[1] / self.largest()).sqrt()
     }
 
     /// Root mean square of fine minus coarse over that of the motion of component i; zero if it is
     /// round-off of this component, or if its whole motion is round-off of the largest one, as that
     /// of a component that the equations keep at zero.
     pub fn difference(&self, i: usize) -> f64 {
-        let sum = |lanes: &[f64; WIDTH]| lanes.iter().sum::<f64>();
-        let size = |i: usize| self.points * self.start[i] + sum(&self.displacement[i]);
-        let (difference, displacement) = (sum(&self.difference[i]), sum(&self.displacement[i]));
-        let largest = (0..self.start.len()).map(size).fold(0.0, f64::max);
-        let square = ROUND_OFF * ROUND_OFF;
-        if difference <= square * size(i) || difference.max(displacement) <= square * largest {
+        self.quotient(i, ROUND_OFF * ROUND_OFF * self.largest())
+    }
+
+    /// The same for φ number k; zero, too, if both are below the accuracy.
+    fn of_function(&self, k: usize, accuracy: f64) -> f64 {
+        self.quotient(k, accuracy * accuracy * self.points)
+    }
+
+    /// Zero if both sums of squares are `negligible`.
+    fn quotient(&self, i: usize, negligible: f64) -> f64 {
+        let round_off = ROUND_OFF * ROUND_OFF * self.size(i);
+        let [difference, displacement] = self.sums(i);
+        if difference <= round_off || difference.max(displacement) <= negligible.max(round_off) {
             0.0
         } else {
             (difference / displacement).sqrt()
@@ -101,14 +135,12 @@ impl Motion {
     }
 }
 
-/// The sums of [`Motion::add`].
+/// Adds the squares of one component or function.
 struct AddMotion<'a> {
-    motion: &'a mut Motion,
-    y0: &'a [f64],
-    fine: &'a [Row],
-    swapped: &'a [Row],
-    coarse: &'a [Row],
-    other: &'a [Row],
+    difference: &'a mut Row,
+    displacement: &'a mut Row,
+    start: f64,
+    rows: [&'a Row; 4],
     live: PathMask,
 }
 
@@ -117,21 +149,16 @@ impl Kernel for AddMotion<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { motion, y0, fine, swapped, coarse, other, live } = self;
+        let Self { difference, displacement, start, rows: [fine, swapped, coarse, other], live } =
+            self;
         // The usual case is vectorised.
         let all = live == PathMask::ALL;
-        for i in 0..y0.len() {
-            let (fine, coarse) = (&fine[i], &coarse[i]);
-            let (swapped, other) = (&swapped[i], &other[i]);
-            let difference = &mut motion.difference[i];
-            let displacement = &mut motion.displacement[i];
-            for p in 0..WIDTH {
-                if all || live.contains(p) {
-                    let d = 0.5 * (fine[p] + swapped[p]) - 0.5 * (coarse[p] + other[p]);
-                    let m = fine[p] - y0[i];
-                    difference[p] += d * d;
-                    displacement[p] += m * m;
-                }
+        for p in 0..WIDTH {
+            if all || live.contains(p) {
+                let d = 0.5 * (fine[p] + swapped[p]) - 0.5 * (coarse[p] + other[p]);
+                let m = fine[p] - start;
+                difference[p] += d * d;
+                displacement[p] += m * m;
             }
         }
     }
@@ -147,43 +174,6 @@ const BLOCKS: u64 = 8;
 pub fn compares_at(time: u64, steps: u64, first_path: u64) -> bool {
     let chosen = (first_path / WIDTH as u64).is_multiple_of(BLOCKS);
     time == steps || chosen && time.is_multiple_of((steps / TIMES).max(1))
-}
-
-/// Sums of (φ(fine) − φ(coarse))², (φ(fine) − φ(y(0)))² and φ(y(0))² over paths and some coarse
-/// times.
-#[derive(Clone, Copy, Default, Serialize, Deserialize)]
-pub struct FunctionMotion {
-    difference: f64,
-    displacement: f64,
-    start: f64,
-    points: f64,
-}
-
-impl FunctionMotion {
-    pub fn add(&mut self, start: f64, fine: f64, coarse: f64) {
-        self.difference += (fine - coarse) * (fine - coarse);
-        self.displacement += (fine - start) * (fine - start);
-        self.start += start * start;
-        self.points += 1.0;
-    }
-
-    pub fn merge(&mut self, later: &Self) {
-        self.difference += later.difference;
-        self.displacement += later.displacement;
-        self.start += later.start;
-        self.points += later.points;
-    }
-
-    /// As [`Motion::difference`]; zero, too, if both are below the accuracy.
-    fn difference(&self, accuracy: f64) -> f64 {
-        let round_off = ROUND_OFF * ROUND_OFF * (self.start + self.displacement);
-        let negligible = round_off.max(accuracy * accuracy * self.points);
-        if self.difference.max(self.displacement) <= negligible || self.difference <= round_off {
-            0.0
-        } else {
-            (self.difference / self.displacement).sqrt()
-        }
-    }
 }
 
 /// The quotients of component i on the last three levels, the last one last. Zero if the component
@@ -209,7 +199,7 @@ pub const LARGEST_EXPONENT: f64 = 1.0;
 pub fn unresolved(
     differences: &[Samples],
     damping: &DampingResolution<'_>,
-    names: &[String],
+    names: &[&str],
     accuracy: f64,
 ) -> Vec<Warning> {
     let [.., last] = differences else { return Vec::new() };
@@ -224,9 +214,9 @@ pub fn unresolved(
         true => Some((Unresolved::StrongDamping, exponent)),
         false => damping.unresolved(level).map(|defect| (Unresolved::Damping, defect)),
     };
-    let function = |(k, name): (usize, &String)| {
+    let function = |(k, name): (usize, &&str)| {
         let defect = unresolved_function(differences, k, accuracy)?;
-        Some((Unresolved::Function(name.clone()), defect))
+        Some((Unresolved::Function((*name).to_owned()), defect))
     };
     let functions = names.iter().enumerate().filter_map(function);
     let all = component.into_iter().chain(damping).chain(functions);
@@ -238,7 +228,7 @@ pub fn unresolved(
 /// not the same event on both.
 fn unresolved_function(differences: &[Samples], k: usize, accuracy: f64) -> Option<f64> {
     let [.., a, b, c] = differences else { return None };
-    let quotients = [a, b, c].map(|level| level.values[k].motion.difference(accuracy));
+    let quotients = [a, b, c].map(|level| level.functions.of_function(k, accuracy));
     // An event is the same on fine and coarse paths if this is below √½: see `coupled`.
     let scaled = quotients.map(|quotient| std::f64::consts::FRAC_1_SQRT_2 * quotient);
     let values = &c.values[k];
@@ -287,7 +277,7 @@ mod tests {
         for k in 1..=n {
             let fine = Block([[(f64::from(2 * k) * step(2 * n)).cos(); WIDTH]]);
             let coarse = Block([[(f64::from(k) * step(n)).cos(); WIDTH]]);
-            motion.add(&View::of(&vec![fine, coarse], PathMask::ALL), &[1.0]);
+            motion.add(&View::of(&vec![fine, coarse], PathMask::ALL));
         }
         motion.difference(0)
     }
@@ -313,7 +303,7 @@ mod tests {
         let mut motion = Motion::new(&[1.0, 0.0]);
         for k in 1..=8 {
             let at = |sign: f64| Block([[1.0 + f64::from(k) / 8.0; WIDTH], [sign * 1e-17; WIDTH]]);
-            motion.add(&View::of(&vec![at(1.0), at(-1.0)], PathMask::ALL), &[1.0, 0.0]);
+            motion.add(&View::of(&vec![at(1.0), at(-1.0)], PathMask::ALL));
         }
         assert_eq!([motion.difference(0), motion.difference(1)], [0.0, 0.0]);
     }
@@ -335,7 +325,7 @@ mod tests {
                     let angle = f64::from(k) * midpoint(1e4, steps) / f64::from(steps);
                     Block([[0.9 + 0.1 * angle.cos(); WIDTH]])
                 };
-                motion.add(&View::of(&vec![at(2 * n), at(n)], PathMask::ALL), &[1.0]);
+                motion.add(&View::of(&vec![at(2 * n), at(n)], PathMask::ALL));
             }
             motion.displacement(0)
         });

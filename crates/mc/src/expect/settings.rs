@@ -2,7 +2,7 @@
 
 use noise::{StreamKey, Truncation};
 
-use super::error::ExpectError;
+use crate::RunError;
 
 /// How far a computation is, between two rounds of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +56,7 @@ impl Settings {
         self.coarsest_steps << level
     }
 
-    pub fn check(&self, accuracy: f64, weak_order: f64) -> Result<(), ExpectError> {
+    pub fn check(&self, accuracy: f64, weak_order: f64) -> Result<(), RunError> {
         let &Self { key, replicates, coarsest_steps, max_level, .. } = self;
         // Fourth powers of the accuracy must be numbers.
         let fourth = (1e-70..1e70).contains(&accuracy);
@@ -82,10 +82,7 @@ impl Settings {
                 replicates as f64,
             ),
         ];
-        match requirements.into_iter().find(|(met, ..)| !met) {
-            Some((_, name, allowed, value)) => Err(ExpectError::Setting { name, allowed, value }),
-            None => Ok(()),
-        }
+        RunError::unmet(requirements)
     }
 }
 

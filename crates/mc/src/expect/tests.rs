@@ -35,8 +35,9 @@ fn pairs(fine: &[f64], coarse: &[f64]) -> Values {
 /// A level of one replicate, whose variance is not known.
 fn level(level: usize, paths: u64, values: Values) -> Samples {
     let (cost_per_path, means) = (6 << level, vec![Default::default()]);
-    let values = vec![values];
-    Samples { level, cost_per_path, values, paths, points: paths, means, ..Samples::default() }
+    let (values, functions) = (vec![values], Motion::new(&[0.0]));
+    let points = paths;
+    Samples { level, cost_per_path, values, paths, points, means, functions, ..Samples::default() }
 }
 
 /// Sample differences with this mean and these deviations from it, again and again.
@@ -87,11 +88,13 @@ fn path_values_are_those_of_the_runs() {
     let observables = [&observable as &dyn Observe];
     let new = |coupled| PathValues {
         observables: &observables,
-        y0: &[0.0],
-        starts: &[0.0],
         last_time: 2,
         coupled,
-        sums: Sums { values: vec![Values::default()], motion: Motion::new(&[0.0]) },
+        sums: Sums {
+            values: vec![Values::default()],
+            motion: Motion::new(&[0.0]),
+            functions: Motion::new(&[0.0]),
+        },
     };
     let observe = |states: &Vec<Block<1>>, times: &[u64]| {
         let mut seen = new(states.len() > 1);
@@ -195,7 +198,7 @@ fn exponents_are_slopes_of_weighted_lines() {
 fn moved(y0: f64, q: f64) -> Motion {
     let mut motion = Motion::new(&[y0]);
     let states = vec![Block::splat([y0 + 1.0]), Block::splat([y0 + 1.0 + q])];
-    motion.add(&View::of(&states, PathMask::ALL), &[y0]);
+    motion.add(&View::of(&states, PathMask::ALL));
     motion
 }
 
@@ -206,16 +209,16 @@ fn motion_is_compared_over_the_paths_that_live() {
         [fine, coarse, twin].map(|y| Block::splat([1.0 + y, 2.0 * y])).to_vec()
     };
     // Differences ½(2 + 4) − 1 = 2 and twice that, of motions 2 and 4.
-    motion.add(&View::of(&states(2.0, 1.0, 4.0), PathMask::ALL), &[1.0, 0.0]);
+    motion.add(&View::of(&states(2.0, 1.0, 4.0), PathMask::ALL));
     assert!(close(motion.difference(0), 1.0) && close(motion.difference(1), 1.0));
     // Three paths more with the difference 3 of the motion 1: √((32·4 + 3·9)/(32·4 + 3)).
     let few = PathMask::first(3);
     let exact = (155.0f64 / 131.0).sqrt();
     let mut merged = motion.clone();
-    motion.add(&View::of(&states(1.0, -1.0, 3.0), few), &[1.0, 0.0]);
+    motion.add(&View::of(&states(1.0, -1.0, 3.0), few));
     assert!(close(motion.difference(0), exact) && close(motion.difference(1), exact));
     let mut later = Motion::new(&[1.0, 0.0]);
-    later.add(&View::of(&states(1.0, -1.0, 3.0), few), &[1.0, 0.0]);
+    later.add(&View::of(&states(1.0, -1.0, 3.0), few));
     merged.merge(&later);
     assert!(close(merged.difference(0), exact));
     let mut none = Motion::default();
@@ -224,7 +227,7 @@ fn motion_is_compared_over_the_paths_that_live() {
     // A single path shows nothing.
     let mut alone = Motion::new(&[1.0, 0.0]);
     let single = states(2.0, 0.0, 0.0)[..1].to_vec();
-    alone.add(&View::of(&single, PathMask::ALL), &[1.0, 0.0]);
+    alone.add(&View::of(&single, PathMask::ALL));
     assert_eq!(alone.difference(0), 0.0);
 }
 
@@ -251,12 +254,7 @@ fn quotients(of: [f64; 3]) -> Vec<Samples> {
 fn found(levels: &[Samples], accuracy: f64) -> Vec<Warning> {
     let undamped = Constant::new(0.0).unwrap();
     let problem = Problem::new(Pendulum::new(1.0).unwrap(), undamped, [0.2, 1.0], 2.0).unwrap();
-    unresolved(
-        levels,
-        &DampingResolution::new(&Setup::of(&problem, &Heun), 4),
-        &["phi".into()],
-        accuracy,
-    )
+    unresolved(levels, &DampingResolution::new(&Setup::of(&problem, &Heun), 4), &["phi"], accuracy)
 }
 
 #[test]

@@ -23,9 +23,16 @@ use super::{
 use crate::{Kept, driver::GROUP_PATHS, ladder::Nodes, tree::Node};
 
 /// The version of the format.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 /// Bytes of a SHA-256.
 const SUM: usize = 32;
+
+/// The first 16 bytes of the SHA-256 of a value, in hexadecimal. What cannot be written is told
+/// when sums are tried before the computing.
+pub fn hash(value: &impl Serialize) -> String {
+    let sum = Sha256::digest(postcard::to_stdvec(value).unwrap_or_default());
+    sum[..16].iter().map(|byte| format!("{byte:02x}")).collect()
+}
 
 /// The program that made a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -58,7 +58,6 @@ mod arguments;
 mod atomic;
 mod error;
 mod file;
-mod fingerprint;
 mod job;
 mod merging;
 mod part;
@@ -79,5 +78,5 @@ pub use plan::{Plan, Planned};
 pub use share::Share;
 pub use stop::Stop;
 
-pub(crate) use fingerprint::{hash, of_problem, probe_states, same_nan};
+pub(crate) use file::hash;
 pub(crate) use work::Work;

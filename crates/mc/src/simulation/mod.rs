@@ -1,6 +1,5 @@
 //! Tables of paths with observables and invariants.
 
-mod error;
 mod series;
 mod write;
 
@@ -12,11 +11,10 @@ use schemes::Step;
 use systems::Damping;
 
 use crate::{
-    ConformalLaw, Ladder, LadderError, Observe, PathFailure, Recording, Run, Setup, View,
-    observable::value, parts::Stop, trajectory::PathRecords,
+    ConformalLaw, Ladder, LadderError, Observe, PathFailure, Recording, Run, RunError, Setup,
+    Statistic, View, observable::value, parts::Stop,
 };
 
-pub use error::SimulationError;
 pub use series::{Column, NoiseOrigin, TimeSeries};
 pub(crate) use write::quoted;
 pub use write::{write_csv, write_json};
@@ -97,19 +95,12 @@ impl<'a> Simulation<'a> {
         self
     }
 
-    /// The table of path number `path` in `steps` steps to the final time, with the same states as
-    /// [`trajectory`](crate::trajectory).
+    /// The table of path number `path` in `steps` steps to the final time.
     ///
     /// # Errors
-    /// - [`SimulationError::Ladder`] as in [`Ladder::new`].
-    /// - [`SimulationError::Every`] if `every` is zero.
-    /// - [`SimulationError::Column`] if two columns have the same name.
-    pub fn path(
-        &self,
-        steps: u64,
-        key: StreamKey,
-        path: u64,
-    ) -> Result<TimeSeries, SimulationError> {
+    /// [`RunError::Ladder`] as in [`Ladder::new`]. [`RunError::Setting`] if `every` is zero, or two
+    /// columns have the same name.
+    pub fn path(&self, steps: u64, key: StreamKey, path: u64) -> Result<TimeSeries, RunError> {
         let mut series = self.paths(steps, key, path..path + 1)?;
         Ok(series.swap_remove(0))
     }
@@ -124,7 +115,7 @@ impl<'a> Simulation<'a> {
         steps: u64,
         key: StreamKey,
         paths: Range<u64>,
-    ) -> Result<Vec<TimeSeries>, SimulationError> {
+    ) -> Result<Vec<TimeSeries>, RunError> {
         let StreamKey { seed, experiment } = key;
         let drawn = |path| NoiseOrigin::Drawn { seed, experiment, path };
         self.run(self.ladder(steps, key)?, paths, &drawn)
@@ -135,11 +126,8 @@ impl<'a> Simulation<'a> {
     ///
     /// # Errors
     /// As for [`path`](Self::path), and those of [`Ladder::with_noise`].
-    pub fn recorded<const M: usize>(
-        &self,
-        recording: &Recording<M>,
-    ) -> Result<TimeSeries, SimulationError> {
-        let steps = recording.increments().len() as u64;
+    pub fn recorded(&self, recording: &Recording) -> Result<TimeSeries, RunError> {
+        let steps = recording.rows().len() as u64;
         let ladder = self.ladder(steps, StreamKey { seed: 0, experiment: 0 })?;
         let ladder = ladder.with_noise(recording)?;
         let mut series = self.run(ladder, 0..1, &|_| NoiseOrigin::Recorded)?;
@@ -153,7 +141,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The names of the columns.
-    fn names(&self) -> Result<Vec<String>, SimulationError> {
+    fn names(&self) -> Result<Vec<String>, RunError> {
         let Setup { problem, .. } = &self.setup;
         let mut names = vec!["t".into()];
         match &self.components {
@@ -170,7 +158,10 @@ impl<'a> Simulation<'a> {
             names.extend([name.clone(), format!("{name} defect")]);
         }
         match (0..names.len()).find(|&n| names[..n].contains(&names[n])) {
-            Some(n) => Err(SimulationError::Column { name: names.swap_remove(n) }),
+            Some(n) => Err(RunError::Setting(format!(
+                "two columns have the name {:?}; rename the observable",
+                names[n]
+            ))),
             None => Ok(names),
         }
     }
@@ -180,9 +171,10 @@ impl<'a> Simulation<'a> {
         ladder: Ladder<'_>,
         paths: Range<u64>,
         origin: &dyn Fn(u64) -> NoiseOrigin,
-    ) -> Result<Vec<TimeSeries>, SimulationError> {
+    ) -> Result<Vec<TimeSeries>, RunError> {
         if self.every == 0 {
-            return Err(SimulationError::Every);
+            let text = "to save every k-th step, k must be at least 1, got k = 0";
+            return Err(RunError::Setting(text.into()));
         }
         let (Setup { problem, scheme }, tau) = (&self.setup, ladder.tau(0));
         let names = self.names()?;
@@ -220,7 +212,7 @@ impl<'a> Simulation<'a> {
         };
         let count = paths.end.saturating_sub(paths.start);
         let ladder = ladder.describing(count as usize);
-        let new = || PathRecords::new(&saved_rows);
+        let new = || PathRows { of_block: &saved_rows, of_path: BTreeMap::new() };
         let measured = ladder.run_until(&self.stop, paths.start, count, new, &|_| ());
         let mut of_path = measured.statistic.of_path;
         let series = paths.map(|path| {
@@ -249,6 +241,25 @@ impl<'a> Simulation<'a> {
             }
         });
         Ok(series.collect())
+    }
+}
+
+/// The saved rows of every path. `of_block` gives those of a block at one time, each with the number
+/// of its path in the block.
+struct PathRows<'a> {
+    of_block: &'a (dyn Fn(&View<'_>) -> Vec<(usize, Vec<f64>)> + Sync),
+    of_path: BTreeMap<u64, Vec<Vec<f64>>>,
+}
+
+impl Statistic for PathRows<'_> {
+    fn observe(&mut self, view: &View<'_>) {
+        for (p, row) in (self.of_block)(view) {
+            self.of_path.entry(view.first_path + p as u64).or_default().push(row);
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.of_path.extend(later.of_path);
     }
 }
 

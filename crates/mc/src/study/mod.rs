@@ -47,7 +47,6 @@
 //! ```
 
 mod counts;
-mod error;
 mod grid;
 mod record;
 mod result;
@@ -58,10 +57,9 @@ mod write;
 
 use std::sync::Arc;
 
-use crate::{Ladder, Measured, Observe, Run, Setup, observable::erased, parts::Job};
+use crate::{Ladder, Measured, Observe, Run, RunError, Setup, observable::erased, parts::Job};
 use sums::StudyStatistic;
 
-pub use error::StudyError;
 pub use grid::Grid;
 pub use record::Record;
 pub use result::{Losses, Series, StudyResult};
@@ -84,13 +82,13 @@ impl<'a> Study<'a> {
     /// Checks the settings, and chooses the bins by a pilot on the current rayon pool.
     ///
     /// # Errors
-    /// [`StudyError`] if a setting is out of range, times are not ends of steps or not in order,
+    /// [`RunError`] if a setting is out of range, times are not ends of steps or not in order,
     /// observables are missing or share a name, or the scheme cannot be run on the steps.
     pub fn new(
         setup: &Setup<'a>,
         observables: &'a [impl Observe],
         settings: &StudySettings,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self, RunError> {
         let observables = erased(observables);
         let record = Record::new(setup, &observables, settings)?;
         let ladder = |key| {
@@ -155,6 +153,6 @@ pub fn study(
     observables: &[impl Observe],
     settings: &StudySettings,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<StudyResult, StudyError> {
+) -> Result<StudyResult, RunError> {
     Ok(Study::new(setup, observables, settings)?.run(progress))
 }

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{StudyError, StudySettings};
-use crate::{Observe, Setup, observable::value};
+use super::StudySettings;
+use crate::{Observe, RunError, Setup, observable::value};
 
 /// Everything that the result of a study depends on. Systems and damping are described by
 /// [`PoissonSystem::name`](systems::PoissonSystem::name),
@@ -52,7 +52,7 @@ impl Record {
         setup: &Setup<'_>,
         observables: &[&dyn Observe],
         settings: &StudySettings,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self, RunError> {
         settings.check(observables)?;
         let Setup { problem, scheme } = setup;
         let mut quantiles = settings.quantiles.clone();

@@ -1,5 +1,10 @@
 //! The result of a study.
 
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use stats::quantile_ranks;
+
 use super::{
     Grid,
     record::Record,
@@ -7,7 +12,6 @@ use super::{
     sums::StudyStatistic,
 };
 use crate::Measured;
-use serde::{Deserialize, Serialize};
 
 /// What is known of the law of every observable at every time, with everything that made it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,14 +64,19 @@ impl StudyResult {
         let done = sums.moments(last).count() + sums.not_finite(last) + losses.failed;
         let planned = record.paths;
         let record = &Record { paths: done, ..record.clone() };
-        let mut ranks = Ranks::new(&record.quantiles);
+        let levels = &record.quantiles;
+        let ranks = |count| levels.iter().map(move |&level| (level, quantile_ranks(count, level)));
+        // They are kept, since most counts are the same.
+        let mut known = BTreeMap::<u64, Vec<Ranks>>::new();
         let observables = record.observables.iter().zip(&record.initial).enumerate();
         let series = observables.map(|(k, (name, initial))| {
             let later = record.times.iter().enumerate().map(|(time, &step)| {
                 let cell = time * record.observables.len() + k;
                 let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
                 let at = (step, record.time(step));
-                Summary::new(at, sums, cell, histogram, &mut ranks)
+                let count = sums.moments(cell).count();
+                let ranks = known.entry(count).or_insert_with(|| ranks(count).collect());
+                Summary::new(at, sums, cell, histogram, ranks)
             });
             let first = Summary::exact(*initial, record.paths, &record.quantiles);
             Series { observable: name.clone(), points: [first].into_iter().chain(later).collect() }

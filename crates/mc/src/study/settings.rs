@@ -2,8 +2,7 @@
 
 use noise::{StreamKey, Truncation};
 
-use super::StudyError;
-use crate::Observe;
+use crate::{Observe, RunError};
 
 /// The times of a study. The initial value is in the result without being asked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,9 +83,9 @@ impl StudySettings {
     }
 
     /// The steps at whose ends observables are evaluated.
-    pub(super) fn time_steps(&self) -> Result<Vec<u64>, StudyError> {
+    pub(super) fn time_steps(&self) -> Result<Vec<u64>, RunError> {
         let steps = self.steps;
-        let wrong = |text: String| Err(StudyError::Setting(text));
+        let wrong = |text: String| Err(RunError::Setting(text));
         let at: Vec<u64> = match &self.times {
             Times::Even(0) => Vec::new(),
             Times::Even(times) if steps.is_multiple_of(*times) => {
@@ -122,7 +121,7 @@ impl StudySettings {
     }
 
     /// Checks all but the times, the steps and the truncation.
-    pub(super) fn check(&self, observables: &[&dyn Observe]) -> Result<(), StudyError> {
+    pub(super) fn check(&self, observables: &[&dyn Observe]) -> Result<(), RunError> {
         let Self { paths, key, bins, pilot, .. } = *self;
         let mut requirements = vec![
             (paths > 0, "number of paths", "at least 1", paths as f64),
@@ -139,10 +138,8 @@ impl StudySettings {
             let inside = level > 0.0 && level < 1.0;
             requirements.push((inside, "level of a quantile", "between 0 and 1", level));
         }
-        let wrong = |text: String| Err(StudyError::Setting(text));
-        if let Some((_, name, allowed, value)) = requirements.into_iter().find(|(met, ..)| !met) {
-            return wrong(format!("the {name} must be {allowed}, got {value}"));
-        }
+        let wrong = |text: String| Err(RunError::Setting(text));
+        RunError::unmet(requirements)?;
         if observables.is_empty() {
             return wrong("a study needs at least one observable, got none".into());
         }

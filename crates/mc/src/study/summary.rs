@@ -1,7 +1,6 @@
 //! The law of one observable at one time.
 
 use serde::{Deserialize, Serialize};
-use stats::quantile_ranks;
 
 use super::{Grid, sums::Sums};
 
@@ -135,7 +134,7 @@ impl Summary {
         sums: &Sums,
         cell: usize,
         histogram: Histogram,
-        ranks: &mut Ranks,
+        ranks: &[Ranks],
     ) -> Self {
         let finite = |x: f64| x.is_finite().then_some(x);
         let (moments, unit) = (sums.moments(cell), histogram.grid.unit());
@@ -158,7 +157,7 @@ impl Summary {
             _ => TOO_FEW.into(),
         };
         let ends = sums.ends(cell);
-        let quantile = |&(level, (l, u)): &(f64, (u64, u64))| match equal && count > 0 {
+        let quantile = |&(level, (l, u)): &Ranks| match equal && count > 0 {
             // All of them, but for rounding errors.
             true => Quantile {
                 level,
@@ -169,7 +168,6 @@ impl Summary {
             },
             false => histogram.quantile((level, (l, u)), range, ends),
         };
-        let quantiles = ranks.of(count).iter().map(quantile);
         Self {
             step,
             time,
@@ -183,35 +181,14 @@ impl Summary {
             effective: finite(moments.effective_samples()),
             least,
             largest,
-            quantiles: quantiles.collect(),
+            quantiles: ranks.iter().map(quantile).collect(),
             histogram: Some(histogram),
         }
     }
 }
 
-/// Levels of quantiles, each with the ranks that enclose it. They are kept as long as the number of
-/// values is the same.
-pub struct Ranks {
-    count: u64,
-    of_levels: Vec<(f64, (u64, u64))>,
-}
-
-impl Ranks {
-    pub fn new(levels: &[f64]) -> Self {
-        let of_levels = levels.iter().map(|&level| (level, quantile_ranks(0, level)));
-        Self { count: 0, of_levels: of_levels.collect() }
-    }
-
-    fn of(&mut self, count: u64) -> &[(f64, (u64, u64))] {
-        if self.count != count {
-            self.count = count;
-            for (level, ranks) in &mut self.of_levels {
-                *ranks = quantile_ranks(count, *level);
-            }
-        }
-        &self.of_levels
-    }
-}
+/// The level of a quantile, and the ranks that enclose it.
+pub type Ranks = (f64, (u64, u64));
 
 impl Histogram {
     /// The histogram with these counts of underflow, bins and overflow.
@@ -246,7 +223,7 @@ impl Histogram {
     /// The quantile of values in this range. So many values are equal to its `ends`.
     fn quantile(
         &self,
-        (level, (l, u)): (f64, (u64, u64)),
+        (level, (l, u)): Ranks,
         range: Option<(f64, f64)>,
         ends: [u64; 2],
     ) -> Quantile {
@@ -296,6 +273,8 @@ impl Histogram {
 
 #[cfg(test)]
 mod tests {
+    use stats::quantile_ranks;
+
     use super::*;
 
     /// Bins of width 1 on [0, 4], and values between −2 and 9.
@@ -305,8 +284,7 @@ mod tests {
 
     fn quantile(histogram: &Histogram, level: f64, range: Option<(f64, f64)>) -> Quantile {
         let count = histogram.below + histogram.counts.iter().sum::<u64>() + histogram.above;
-        let mut ranks = Ranks::new(&[level]);
-        histogram.quantile(ranks.of(count)[0], range, [1; 2])
+        histogram.quantile((level, quantile_ranks(count, level)), range, [1; 2])
     }
 
     const RANGE: Option<(f64, f64)> = Some((-2.0, 9.0));

@@ -173,21 +173,21 @@ fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
     let keep = || Keep::<3>::new(8, 4);
     let drawn = ladder().run_until(&Stop::default(), 4, 1, keep, &|_| ()).statistic.runs;
     let of_recording = |path| {
-        let recording = Recording::<3>::draw(KEY, path, 32, 1.0, true).unwrap();
+        let recording = Recording::draw(KEY, path, 32, 1.0, 3, true).unwrap();
         ladder().with_noise(&recording).unwrap().run(1, keep, &|_| ()).statistic.runs
     };
     assert_eq!(of_recording(4), drawn);
     assert_ne!(of_recording(5), drawn);
     let refusal = |steps, t_end, areas| {
-        let recording = Recording::<3>::draw(KEY, 4, steps, t_end, areas).unwrap();
-        ladder().with_noise(&recording).err()
+        let recording = Recording::draw(KEY, 4, steps, t_end, 3, areas).unwrap();
+        ladder().with_noise(&recording).err().unwrap().to_string()
     };
-    assert_eq!(
-        refusal(16, 1.0, true),
-        Some(LadderError::RecordedSteps { recorded: 16, steps: 32 })
-    );
-    assert_eq!(refusal(32, 2.0, true), Some(LadderError::Duration { recorded: 2.0, t_end: 1.0 }));
-    assert_eq!(refusal(32, 1.0, false), Some(LadderError::NoAreas { scheme: "sexp-levy" }));
+    assert!(refusal(16, 1.0, true).ends_with("the finest level, 32, got 16"));
+    assert!(refusal(32, 2.0, true).ends_with("T = 1 of the problem, got 2"));
+    assert!(refusal(32, 1.0, false).starts_with("sexp-levy reads Levy areas"));
+    let one = Recording::new(1.0 / 32.0, 1, vec![vec![0.1]; 32]).unwrap();
+    let refused = ladder().with_noise(&one).err().unwrap().to_string();
+    assert_eq!(refused, "the recording must have the 3 noises of the problem, got 1");
 }
 
 /// The steps, as (path, number from 1), that needed the robust method.

@@ -7,26 +7,20 @@ use std::sync::{
 };
 
 use mc::{
-    Expect, Observable, Observe, Setup, expect,
-    expect::{ExpectError, Limit, Warning},
+    Expect, Observable, RunError, Setup, expect,
+    expect::{Limit, Warning},
     parts::{Job, JobError, Stop},
 };
-use noise::StreamKey;
 use real::Real;
 use schemes::Sexp;
 use systems::{
-    Constant, Cosine, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, Problem, RigidBody,
-    run_time::Compiled,
+    Constant, IntegerExponents, LotkaVolterra, PoissonSystem, Problem, run_time::Compiled,
 };
+
+use crate::ladder::body;
 
 /// E cos y₃ of [`body`], by eigenfunctions on the sphere (`analysis::sphere`).
 const EXACT: f64 = 0.797_719_94;
-
-fn body() -> Problem<RigidBody<3>, Cosine, 3> {
-    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
-    let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
-    Problem::new(body, Cosine::new(0.5, 2.0).unwrap(), y0, 1.0).unwrap()
-}
 
 const COS_Y3: Observable<3> = Observable { name: "cos y3", function: |y| y[2].cos() };
 
@@ -51,33 +45,6 @@ fn three_noises_that_do_not_commute() {
     // E[φ(y(T))] − E[φ(y_τ)] is near 1.52e-3 τ (docs/measurements.md).
     let (bias, tau) = (general.estimates[0].bias, general.levels.last().unwrap().tau);
     assert!((bias / tau - 1.52e-3).abs() < 0.5e-3, "{bias}, {tau}");
-}
-
-#[test]
-fn threads_do_not_count_and_keys_do() {
-    let problem = body();
-    let with = |threads: usize, seed: u64| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let key = StreamKey { seed, experiment: 5 };
-        let found =
-            || Expect::by_parts(&problem).with_key(key).run(&[&COS_Y3], 3e-4, &|_| ()).unwrap();
-        pool.install(found)
-    };
-    let one = with(1, 1);
-    assert_eq!(one, with(3, 1));
-    assert_ne!(one.estimates[0].value, with(1, 2).estimates[0].value);
-}
-
-#[test]
-fn systems_known_at_run_time_have_the_bits_of_compiled_ones() {
-    let compiled = body();
-    let system = Arc::new(Compiled::new(*compiled.system(), compiled.y0()));
-    let damping = Arc::new(Cosine::new(0.5, 2.0).unwrap());
-    let problem =
-        systems::run_time::Problem::new(system, damping, compiled.y0().to_vec(), 1.0).unwrap();
-    let found = Expect::at_run_time(&problem).unwrap().run(&[&COS_Y3], 1e-3, &|_| ()).unwrap();
-    let compiled = Expect::new(&compiled).run(&[&COS_Y3], 1e-3, &|_| ()).unwrap();
-    assert_eq!(found, compiled);
 }
 
 /// B(y) = (1 + y₃²)·(y × ·), with the Casimir ½|y|² named: not affine, and not linear.
@@ -129,28 +96,6 @@ fn large_steps_on_which_paths_fail_are_left_out() {
     assert!(found.reached() && (estimate.value - exact).abs() < estimate.half_width());
     assert!(found.decisions[1].starts_with("paths fail with "), "{:?}", found.decisions);
     assert!(found.levels[0].tau <= 0.25, "{:?}", found.levels[0]);
-}
-
-#[test]
-fn bad_settings_are_refused() {
-    let problem =
-        Problem::new(Pendulum::new(1.0).unwrap(), Constant::new(0.5).unwrap(), [0.2, 1.0], 1.0)
-            .unwrap();
-    let q = Observable { name: "q", function: |y: [f64; 2]| y[1] };
-    let run = |expect: Expect<'_>, accuracy| expect.run(&[&q as &dyn Observe], accuracy, &|_| ());
-    // Squares of squares of 1e-100 vanish.
-    for accuracy in [0.0, f64::NAN, -1.0, 1e-100, 1e100] {
-        let refused = run(Expect::new(&problem), accuracy).unwrap_err();
-        assert!(matches!(refused, ExpectError::Setting { name: "accuracy", .. }), "{refused}");
-    }
-    let few = run(Expect::new(&problem).with_replicates(3), 1e-2).unwrap_err();
-    assert_eq!(few.to_string(), "the number of replicates must be from 16 to 2^20, got 3");
-    let none = Expect::new(&problem).run(&[], 1e-2, &|_| ()).unwrap_err();
-    assert_eq!(none, ExpectError::NoObservable);
-    let cheap = run(Expect::new(&problem).with_max_cost(1000), 1e-2).unwrap_err();
-    assert!(matches!(cheap, ExpectError::PilotCost { max_cost: 1000, .. }), "{cheap}");
-    let limited = run(Expect::new(&problem).with_max_cost(200_000), 1e-9).unwrap();
-    assert!(!limited.reached() && limited.cost <= 200_000);
 }
 
 /// H₀ = ½(q² + p²), and H₁ = σq if there is noise: constant B.
@@ -265,7 +210,7 @@ fn the_limit_is_for_all_attempts_together() {
         assert!(done <= max_cost, "{done}");
         match found {
             Ok(found) => assert!(found.cost == done && !found.reached(), "{found} {done}"),
-            Err(error) => assert!(matches!(error, ExpectError::PilotCost { .. }), "{error}"),
+            Err(error) => assert!(matches!(error, RunError::PilotCost { .. }), "{error}"),
         }
     }
 }

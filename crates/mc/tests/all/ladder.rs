@@ -4,21 +4,20 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use mc::{
-    Cause, Ladder, LadderError, Reference, Run, Setup, Statistic, StrongErrors, View, bind,
-    trajectory,
+    Cause, Ladder, LadderError, Run, RunError, Setup, Simulation, Statistic, TimeSeries, View, bind,
 };
 use noise::{
     AreaPath, Noise, NoiseError, StreamKey, Truncation, WienerPath, strong_order_one_error,
 };
 use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
-use stats::Moments;
+use stats::CrossMoments;
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
 use crate::driver::{BackwardEuler, Euler};
 use crate::explosive::Explosive;
 
-type Body = Problem<RigidBody<3>, Cosine, 3>;
+pub type Body = Problem<RigidBody<3>, Cosine, 3>;
 
 pub fn body() -> Body {
     let system = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
@@ -53,6 +52,17 @@ impl<const D: usize> Statistic for Keep<D> {
             kept.extend(more);
         }
     }
+}
+
+/// A path of a problem, from a table.
+pub fn path<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    problem: &Problem<S, G, D>,
+    scheme: &dyn Scheme<S, D, M>,
+    steps: u64,
+    truncation: Truncation,
+    path: u64,
+) -> Result<TimeSeries, RunError> {
+    Simulation::new(Setup::of(problem, scheme), truncation).path(steps, KEY, path)
 }
 
 /// Chen's relation, written out once more.
@@ -152,8 +162,8 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
             );
             if *level == 0 && !swapped {
                 let k = Truncation::new(2).unwrap();
-                let followed = trajectory(&Setup::of(&problem, *scheme), 32, k, KEY, path).unwrap();
-                assert_eq!(followed.states[32], alone, "{} path {path}", scheme.id());
+                let followed = super::ladder::path(&problem, *scheme, 32, k, path).unwrap();
+                assert_eq!(followed.state(32), alone, "{} path {path}", scheme.id());
             }
         }
     }
@@ -173,27 +183,40 @@ fn threads_do_not_change_a_bit() {
             Ladder::new(&mc::Problem::of(&problem), 64, 3, Truncation::new(4).unwrap(), KEY, runs)
                 .unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let series = [vec![1], vec![2]];
-        let measured = pool.install(|| {
-            ladder.run(
-                2000,
-                || {
-                    let errors = StrongErrors::new(Reference::Run(0), &series, 8);
-                    errors.and_at(&[3, 5])
-                },
-                &|_| (),
-            )
-        });
-        (
-            measured.statistic.at_end(0).errors.clone(),
-            measured.statistic.at_end(1).errors.clone(),
-            measured.statistic.at_time(1).errors.clone(),
-        )
+        let new = || [3, 5, 8].map(Errors::new).to_vec();
+        let all = pool.install(|| ladder.run(2000, new, &|_| ())).statistic;
+        all.into_iter().map(|errors| errors.moments).collect::<Vec<_>>()
     };
     let one = mean_squares(1);
-    assert_eq!(one.0.count(), 2000);
+    assert_eq!(one[2].count(), 2000);
     for threads in [2, 3, 7] {
         assert_eq!(one, mean_squares(threads), "{threads} threads");
+    }
+}
+
+/// Squared distances of two runs from the first at one time.
+#[derive(Clone)]
+struct Errors {
+    time: u64,
+    moments: CrossMoments,
+}
+
+impl Errors {
+    fn new(time: u64) -> Self {
+        Self { time, moments: CrossMoments::new(2) }
+    }
+}
+
+impl Statistic for Errors {
+    fn observe(&mut self, view: &View<'_>) {
+        for p in view.live.paths().filter(|_| view.time == self.time) {
+            let [x, a, b] = [0, 1, 2].map(|run| view.path::<3>(run, p));
+            let square = |y: [f64; 3]| (0..3).map(|i| (y[i] - x[i]).powi(2)).sum();
+            self.moments.add(&[square(a), square(b)]);
+        }
+    }
+    fn merge(&mut self, later: Self) {
+        self.moments.merge(&later.moments);
     }
 }
 
@@ -226,30 +249,17 @@ fn impossible_ladders_are_refused() {
         Ladder::new(&mc::Problem::of(&problem), steps, levels, truncation, KEY, vec![run]).err()
     };
     let k = Truncation::new(2).unwrap();
-    assert_eq!(
-        refuse(0, 2, k, Run::new(bind(&problem, &sexp), 0)),
-        Some(LadderError::Steps { steps: 0, multiple_of: 4 })
-    );
-    assert_eq!(
-        refuse(10, 2, k, Run::new(bind(&problem, &sexp), 0)),
-        Some(LadderError::Steps { steps: 10, multiple_of: 4 })
-    );
-    assert_eq!(
-        refuse(8, 2, k, Run::new(bind(&problem, &sexp), 3)),
-        Some(LadderError::Level { level: 3, swapped: false, levels: 2 })
-    );
-    assert_eq!(
-        refuse(8, 2, k, Run::swapped(bind(&problem, &sexp), 2)),
-        Some(LadderError::Level { level: 2, swapped: true, levels: 2 })
-    );
-    assert_eq!(
-        refuse(8, 0, k, Run::swapped(bind(&problem, &sexp), 0)),
-        Some(LadderError::Level { level: 0, swapped: true, levels: 0 })
-    );
+    for steps in [0, 10] {
+        let expected = LadderError::Steps { steps, multiple_of: 4 };
+        assert_eq!(refuse(steps, 2, k, Run::new(bind(&problem, &sexp), 0)), Some(expected));
+    }
+    for (levels, level, swapped) in [(2, 3, false), (2, 2, true), (0, 0, true)] {
+        let run = Run { scheme: bind(&problem, &sexp), level, swapped };
+        let expected = LadderError::Level { level, swapped, levels };
+        assert_eq!(refuse(8, levels, k, run), Some(expected));
+    }
     let error = refuse(4, 2, k, Run::new(bind(&problem, &sexp), 2));
     assert_eq!(error, Some(LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 1.0 })));
-    assert!(trajectory(&Setup::of(&problem, &sexp), 0, k, KEY, 0).is_err());
-    assert!(trajectory(&Setup::of(&problem, &sexp), 1, k, KEY, 0).is_err());
 }
 
 #[test]
@@ -286,32 +296,11 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
             && failure.tau == 1.0 / 16.0
             && matches!(failure.cause, Cause::NoSolution { .. })
         {
-            let alone = trajectory(
-                &Setup::of(&problem, &sexp),
-                16,
-                Truncation::new(4).unwrap(),
-                KEY,
-                failure.path,
-            )
-            .unwrap();
-            assert_eq!(alone.failure.map(|failure| failure.step), Some(failure.step), "{text}");
+            let alone = path(&problem, &sexp, 16, Truncation::new(4).unwrap(), failure.path);
+            let halted = alone.unwrap().halted.unwrap();
+            assert!(halted.starts_with(&format!("step {} of", failure.step)), "{halted}: {text}");
         }
     }
-}
-
-#[test]
-fn a_trajectory_keeps_the_conformal_law() {
-    let problem = body();
-    let path =
-        trajectory(&Setup::of(&problem, &Sexp), 64, Truncation::new(4).unwrap(), KEY, 3).unwrap();
-    assert_eq!((path.times.len(), path.states.len()), (65, 65));
-    let mut defect = Moments::default();
-    for (n, t) in path.times.iter().enumerate() {
-        let law = (-2.0 * problem.damping().integral(0.0, *t)).exp()
-            * problem.system().invariant(0, problem.y0());
-        defect.add((problem.system().invariant(0, path.state(n)) / law - 1.0).abs());
-    }
-    assert!(defect.mean() < 64.0 * 16.0 * f64::EPSILON);
 }
 
 /// Found by fuzzing: the finest step of a tiny final time is zero.
@@ -335,10 +324,9 @@ fn a_blown_up_path_names_its_step() {
     let system = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
     let problem =
         Problem::new::<3>(system, Constant::new(1e4).unwrap(), [1.0, 1.0, 1.0], 1.0).unwrap();
-    let path =
-        trajectory(&Setup::of(&problem, &EulerMaruyama), 16, Truncation::new(4).unwrap(), KEY, 0)
-            .unwrap();
-    let failure = path.failure.expect("the step is far from stable");
-    assert_eq!((failure.cause, path.states.len() as u64), (Cause::NotFinite, failure.step + 1));
-    assert!(path.states.iter().flatten().all(|y| y.is_finite()));
+    let path = path(&problem, &EulerMaruyama, 16, Truncation::new(4).unwrap(), 0).unwrap();
+    let words = path.halted.as_ref().expect("the step is far from stable");
+    let step = path.times().len() - 1;
+    assert!(words.starts_with(&format!("step {step} of")) && words.ends_with("is not finite"));
+    assert!(path.columns[1..4].iter().flat_map(|column| &column.values).all(|y| y.is_finite()));
 }

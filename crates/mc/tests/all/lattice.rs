@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mc::{LargePath, LargePathError, Setup, Simulation};
+use mc::{LadderError, LargePath, Setup, Simulation};
 use noise::{StreamKey, Truncation};
 use nonlin::Solver;
 use schemes::{
@@ -265,10 +265,11 @@ fn wrong_paths_are_refused() {
     let new = |problem, scheme, steps| {
         LargePath::new(problem, scheme, steps, truncation(), KEY, 0).map(|_| ()).unwrap_err()
     };
-    assert!(matches!(new(&many, &Heun, 10), LargePathError::Paths { .. }));
-    assert_eq!(new(&one, &Heun, 0), LargePathError::Steps);
+    let many_paths = new(&many, &Heun, 10);
+    assert!(matches!(many_paths, LadderError::Scheme(SchemeError::ManyPaths { .. })));
+    assert_eq!(new(&one, &Heun, 0), LadderError::Steps { steps: 0, multiple_of: 1 });
     // The truncation needs τ < 1.
-    assert!(matches!(new(&one, &Heun, 1), LargePathError::Noise(_)));
+    assert!(matches!(new(&one, &Heun, 1), LadderError::Noise(_)));
     let odd = new(&one, &Split, 10).to_string();
     assert!(odd.contains("periodic with 5 sites"), "{odd}");
     let refused = Setup::at_run_time(&one, &Heun).map(|_| ()).unwrap_err();

@@ -303,8 +303,8 @@ fn any_number_of_paths_can_be_extended() {
 fn parts_of_another_study_are_refused_by_name() {
     let changes: [(Study, &str); 6] = [
         (Study { seed: 2, ..STUDY }, "sum has the seed 2, here it is 1"),
-        (Study { c: 1.0 + 1e-15, ..STUDY }, "sum has the system with hash"),
-        (Study { heun: false, ..STUDY }, "sum has schemes with hash"),
+        (Study { c: 1.0 + 1e-15, ..STUDY }, "sum has paths with hash"),
+        (Study { heun: false, ..STUDY }, "sum has paths with hash"),
         (Study { frequency: 3.0 + 1e-13, ..STUDY }, "sum has observables with hash"),
         (Study { paths: 999, ..STUDY }, "sum has a number of paths 999, here it is 19217"),
         (Study { version: "0.9", ..STUDY }, "it has version 0.9, here it is 1"),

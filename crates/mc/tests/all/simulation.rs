@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use mc::{
-    LadderError, NoiseOrigin, Recording, RecordingError, Setup, Simulation, SimulationError,
-    StateFunction, trajectory, write_csv, write_json,
+    LadderError, NoiseOrigin, Recording, RecordingError, RunError, Setup, Simulation,
+    StateFunction, write_csv, write_json,
 };
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
@@ -30,22 +30,22 @@ fn k4() -> Truncation {
 #[test]
 fn a_table_holds_the_trajectory_and_the_conformal_defect() {
     let (problem, sexp) = (body(), Sexp);
-    let all = trajectory(&Setup::of(&problem, &sexp), 64, k4(), KEY, 7).unwrap();
+    let all = Simulation::new(Setup::of(&problem, &sexp), k4()).path(64, KEY, 7).unwrap();
     let table = Simulation::new(Setup::of(&problem, &sexp), k4())
         .every(10)
         .observing(StateFunction::new("y1 y2", |y: [f64; 3]| y[0] * y[1]))
         .path(64, KEY, 7)
         .unwrap();
     let saved = [0, 10, 20, 30, 40, 50, 60, 64];
-    assert_eq!(table.times(), saved.map(|n| all.times[n]));
+    assert_eq!(table.times(), saved.map(|n| all.times()[n]));
     for (row, &n) in saved.iter().enumerate() {
-        let y = all.state(n);
+        let y: [f64; 3] = all.state(n);
         for i in 0..3 {
             assert_eq!(table.column(&format!("y{}", i + 1)).unwrap()[row], y[i]);
         }
         assert_eq!(table.column("y1 y2").unwrap()[row], y[0] * y[1]);
         assert_eq!(table.column("C").unwrap()[row], problem.system().invariant(0, y));
-        let law = (-2.0 * problem.damping().integral(0.0, all.times[n])).exp()
+        let law = (-2.0 * problem.damping().integral(0.0, all.times()[n])).exp()
             * problem.system().invariant(0, problem.y0());
         let defect = problem.system().invariant(0, y) / law - 1.0;
         // A hundred roundings in the state, a few in the law.
@@ -120,8 +120,8 @@ fn tables_read_back_to_the_same_bits() {
 fn recorded_increments_give_the_drawn_path_bit_for_bit() {
     let (problem, sexp) = (body(), Sexp);
     let simulation = Simulation::new(Setup::of(&problem, &sexp), k4());
-    let recording = Recording::<3>::draw(KEY, 4, 32, 1.0, false).unwrap();
-    let read: Recording<3> = recording.to_string().parse().unwrap();
+    let recording = Recording::draw(KEY, 4, 32, 1.0, 3, false).unwrap();
+    let read: Recording = recording.to_string().parse().unwrap();
     assert_eq!(read, recording);
     let (drawn, recorded) =
         (simulation.path(32, KEY, 4).unwrap(), simulation.recorded(&read).unwrap());
@@ -131,12 +131,10 @@ fn recorded_increments_give_the_drawn_path_bit_for_bit() {
     // With areas, for the scheme that reads them.
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let simulation = Simulation::new(Setup::of(&problem, &levy), k4());
-    assert_eq!(
-        simulation.recorded(&read),
-        Err(LadderError::NoAreas { scheme: "sexp-levy" }.into())
-    );
-    let recording = Recording::<3>::draw(KEY, 4, 32, 1.0, true).unwrap();
-    let read: Recording<3> = recording.to_string().parse().unwrap();
+    let refused = simulation.recorded(&read).unwrap_err().to_string();
+    assert!(refused.starts_with("sexp-levy reads Levy areas"), "{refused}");
+    let recording = Recording::draw(KEY, 4, 32, 1.0, 3, true).unwrap();
+    let read: Recording = recording.to_string().parse().unwrap();
     assert_eq!(read, recording);
     assert_eq!(
         simulation.recorded(&read).unwrap().columns,
@@ -145,115 +143,66 @@ fn recorded_increments_give_the_drawn_path_bit_for_bit() {
 }
 
 #[test]
-fn coarsened_recordings_follow_chens_relation() {
-    let fine = Recording::<3>::draw(KEY, 0, 12, 1.0, true).unwrap();
-    let (two, six) = (fine.coarsened(2).unwrap(), fine.coarsened(6).unwrap());
-    let again = two.coarsened(3).unwrap();
-    assert_eq!(again.tau(), six.tau());
-    for n in 0..2 {
-        for m in 0..3 {
-            let sum: f64 = fine.increments()[6 * n..6 * n + 6].iter().map(|dw| dw[m]).sum();
-            assert!(
-                (six.increments()[n][m] - sum).abs() < 1e-15
-                    && (again.increments()[n][m] - sum).abs() < 1e-15
-            );
-            for l in 0..3 {
-                let (one, other) = (six.areas().unwrap()[n], again.areas().unwrap()[n]);
-                assert!((one[m][l] - other[m][l]).abs() < 1e-15);
-                assert_eq!(one[m][l], -one[l][m]);
-            }
-        }
-    }
-    // A quarter turn and back: the triangle with corners (0, 0), (1, 0), (1, 1) has area ½.
-    let turn = Recording::<2>::new(0.5, vec![[1.0, 0.0], [0.0, 1.0]])
-        .unwrap()
-        .with_areas(vec![[[0.0; 2]; 2]; 2])
-        .unwrap();
-    assert_eq!(turn.coarsened(2).unwrap().areas().unwrap(), [[[0.0, 0.5], [-0.5, 0.0]]]);
-    assert_eq!(fine.coarsened(5).unwrap_err(), LadderError::Steps { steps: 12, multiple_of: 5 });
-    assert!(fine.coarsened(0).is_err());
-}
-
-#[test]
 fn bad_tables_are_refused_by_line_and_column() {
-    let message = |text: &str| text.parse::<Recording<2>>().unwrap_err().to_string();
-    assert_eq!(message(""), "a recording must have at least one step, got none");
-    assert_eq!(message("tau,dW1,dW2\n\n"), "a recording must have at least one step, got none");
-    assert_eq!(message("0.1,0.2,0.3\n"), "line 1, column 1: the header must say tau, got \"0.1\"");
-    assert_eq!(message("tau,dW1\n0.1,0.2"), "line 1: expected 3 columns, got 2");
-    assert_eq!(message("tau,dW1,dW2\n0.1,0.2,0.3\n0.1,0.2\n"), "line 3: expected 3 columns, got 2");
-    assert_eq!(
-        message("tau,dW1,dW2\n0.1,x,0.3\n"),
-        "line 2, column dW1: expected a number, got \"x\""
-    );
-    assert_eq!(
-        message("tau,dW1,dW2\n0.1,,0.3\n"),
-        "line 2, column dW1: expected a number, got \"\""
-    );
-    assert_eq!(
-        message("tau,dW1,dW2\n0.1,1,inf\n"),
-        "line 2, column dW2: an increment must be finite, got inf"
-    );
-    assert_eq!(
-        message("tau,dW1,dW2\n0,1,1\n"),
-        "line 2, column tau: a step size must be positive and finite, got 0"
-    );
-    assert_eq!(
-        message("tau,dW1,dW2\n0.1,1,1\n0.2,1,1\n"),
-        "line 3, column tau: all steps must have the size of the first, 0.1, got 0.2"
-    );
-    assert_eq!(
-        message("tau,dW1,dW2,A13\n0.1,1,1,0\n"),
-        "line 1, column 4: the header must say A12, got \"A13\""
-    );
-    assert_eq!(
-        message("tau,dW1,dW2,A12\n0.1,1,1,NaN\n"),
-        "line 2, column A12: an increment must be finite, got NaN"
-    );
-    let error = "tau,dW1\nNaN,1\n".parse::<Recording<1>>().unwrap_err().to_string();
-    assert!(error.starts_with("line 2, column tau: a step size"), "{error}");
+    for (text, told) in [
+        ("", "a recording must have at least one step, got none"),
+        ("tau,dW1,dW2\n\n", "a recording must have at least one step, got none"),
+        ("0.1,0.2,0.3\n", "line 1, column 1: the header must say tau, got \"0.1\""),
+        ("tau,dW1,dW3\n0.1,0.2,0", "line 1, column 3: the header must say dW2, got \"dW3\""),
+        ("tau,dW1,x\n0.1,0.2,0.3", "line 1: expected 2 columns, got 3"),
+        ("tau,dW1,dW2\n0.1,0.2,0.3\n0.1,0.2\n", "line 3: expected 3 columns, got 2"),
+        ("tau,dW1\n0.1,0.2,0.3\n", "line 2: expected 2 columns, got 3"),
+        ("tau,dW1,dW2\n0.1,x,0.3\n", "line 2, column dW1: expected a number, got \"x\""),
+        ("tau,dW1,dW2\n0.1,,0.3\n", "line 2, column dW1: expected a number, got \"\""),
+        ("tau,dW1\n0.1,inf\n", "line 2, column dW1: an increment must be finite, got inf"),
+        ("tau,dW1\n0,1\n", "line 2, column tau: a step size must be positive and finite, got 0"),
+        ("tau\nNaN\n", "line 2, column tau: a step size must be positive and finite, got NaN"),
+        (
+            "tau,dW1\n0.1,1\n0.2,1\n",
+            "line 3, column tau: all steps must have the size of the first, 0.1, got 0.2",
+        ),
+        ("tau,dW1,dW2,A13\n1,1,1,0\n", "line 1, column 4: the header must say A12, got \"A13\""),
+        (
+            "tau,dW1,dW2,A12\n0.1,1,1,NaN\n",
+            "line 2, column A12: an increment must be finite, got NaN",
+        ),
+    ] {
+        assert_eq!(text.parse::<Recording>().unwrap_err().to_string(), told);
+    }
 
     // What other programs write: a comment sign, blanks, carriage returns, empty lines at the end.
-    let read: Recording<2> = "\u{feff}# tau, dW1, dW2\r\n1e-1, 1, -2\r\n\r\n".parse().unwrap();
-    assert_eq!(read, Recording::new(0.1, vec![[1.0, -2.0]]).unwrap());
+    let read: Recording = "\u{feff}# tau, dW1, dW2\r\n1e-1, 1, -2\r\n\r\n".parse().unwrap();
+    assert_eq!(read, Recording::new(0.1, 2, vec![vec![1.0, -2.0]]).unwrap());
 }
 
 #[test]
 fn bad_recordings_and_simulations_are_refused() {
-    let message = |found: Result<Recording<1>, RecordingError>| found.unwrap_err().to_string();
-    assert!(message(Recording::new(0.1, vec![])).contains("at least one step"));
-    let negative = message(Recording::new(-0.1, vec![[1.0]]));
+    let message = |found: Result<Recording, RecordingError>| found.unwrap_err().to_string();
+    assert!(message(Recording::new(0.1, 1, vec![])).contains("at least one step"));
+    let negative = message(Recording::new(-0.1, 1, vec![vec![1.0]]));
     assert_eq!(negative, "line 2, column tau: a step size must be positive and finite, got -0.1");
-    let not_finite = message(Recording::new(0.1, vec![[f64::NAN]]));
+    let not_finite = message(Recording::new(0.1, 1, vec![vec![f64::NAN]]));
     assert_eq!(not_finite, "line 2, column dW1: an increment must be finite, got NaN");
-    let one = Recording::<2>::new(0.1, vec![[1.0, 2.0]]).unwrap();
-    let none = one.clone().with_areas(vec![]).unwrap_err().to_string();
-    assert_eq!(none, "there must be one matrix of areas for each of 1 steps, got 0");
-    assert!(one.with_areas(vec![[[0.0, f64::NAN], [0.0; 2]]]).is_err());
-    assert!(Recording::<2>::draw(KEY, 0, 0, 1.0, false).is_err());
-    assert!(Recording::<2>::draw(KEY, 0, 4, f64::NAN, false).is_err());
+    let short = message(Recording::new(0.1, 2, vec![vec![1.0]]));
+    assert_eq!(short, "line 2: expected 3 columns, got 2");
+    let uneven = message(Recording::new(0.1, 2, vec![vec![1.0, 2.0, 0.1], vec![1.0, 2.0]]));
+    assert_eq!(uneven, "line 3: expected 4 columns, got 3");
+    assert!(Recording::draw(KEY, 0, 0, 1.0, 2, false).is_err());
+    assert!(Recording::draw(KEY, 0, 4, f64::NAN, 2, false).is_err());
 
     let (problem, sexp) = (body(), Sexp);
     let simulation = || Simulation::new(Setup::of(&problem, &sexp), k4());
-    assert_eq!(simulation().every(0).path(8, KEY, 0), Err(SimulationError::Every));
-    assert_eq!(
-        simulation().observing(StateFunction::new("y2", |y: [f64; 3]| y[1])).path(8, KEY, 0),
-        Err(SimulationError::Column { name: "y2".to_owned() })
-    );
-    assert!(matches!(
-        simulation().path(0, KEY, 0),
-        Err(SimulationError::Ladder(LadderError::Steps { .. }))
-    ));
-    assert!(matches!(
-        simulation().path(1, KEY, 0),
-        Err(SimulationError::Ladder(LadderError::Noise(_)))
-    ));
-    let short = Recording::<3>::draw(KEY, 0, 8, 0.5, false).unwrap();
-    let error = simulation().recorded(&short).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "the recorded increments must end at the final time T = 1 of the problem, got 0.5"
-    );
+    let refused = simulation().every(0).path(8, KEY, 0).unwrap_err().to_string();
+    assert!(refused.ends_with("got k = 0"), "{refused}");
+    let twice = simulation().observing(StateFunction::new("y2", |y: [f64; 3]| y[1]));
+    let refused = twice.path(8, KEY, 0).unwrap_err().to_string();
+    assert_eq!(refused, "two columns have the name \"y2\"; rename the observable");
+    let steps = |steps| simulation().path(steps, KEY, 0).unwrap_err();
+    assert!(matches!(steps(0), RunError::Ladder(LadderError::Steps { .. })));
+    assert!(matches!(steps(1), RunError::Ladder(LadderError::Noise(_))));
+    let short = Recording::draw(KEY, 0, 8, 0.5, 3, false).unwrap();
+    let error = simulation().recorded(&short).unwrap_err().to_string();
+    assert!(error.ends_with("must end at the final time T = 1 of the problem, got 0.5"), "{error}");
 }
 
 #[test]
@@ -304,11 +253,7 @@ fn large_compiled_systems_run_on_the_usual_threads() {
         let scheme = &WithSolver { formula: Sexp, solver };
         let paths =
             Simulation::new(Setup::of(&problem, scheme), k4()).paths(steps, KEY, 0..2).unwrap();
-        let alone = trajectory(&Setup::of(&problem, scheme), steps, k4(), KEY, 1).unwrap();
-        let last = &alone.states[steps as usize];
-        for (i, column) in paths[1].columns[1..=300].iter().enumerate() {
-            assert_eq!(column.values.last(), Some(&last[i]));
-        }
+        assert!(paths.iter().all(|path| path.times().len() as u64 == steps + 1));
     }
 }
 

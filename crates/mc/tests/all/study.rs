@@ -4,7 +4,7 @@
 //! are each exceeded by a right program with the probability that stands there.
 
 use mc::{
-    LadderError, Observable, Setup, Simulation, StateFunction, Study, StudyError, StudyResult,
+    LadderError, Observable, RunError, Setup, Simulation, StateFunction, Study, StudyResult,
     StudySettings, Times,
     parts::{Job, Program, Share},
     study,
@@ -392,9 +392,9 @@ fn impossible_studies_are_refused() {
     let key = StreamKey { seed: 0, experiment: 1 << 40 };
     assert!(message(StudySettings { key, ..good() }).contains("below 2^40"));
     let steps = StudySettings { steps: 0, ..good() };
-    assert!(matches!(refuse(steps, &[P]), StudyError::Ladder(LadderError::Steps { .. })));
+    assert!(matches!(refuse(steps, &[P]), RunError::Ladder(LadderError::Steps { .. })));
     let coarse = StudySettings { truncation: Truncation::new(4).unwrap(), ..settings(1, 1, 9, 1) };
-    assert!(matches!(refuse(coarse, &[P]), StudyError::Ladder(LadderError::Noise(_))));
+    assert!(matches!(refuse(coarse, &[P]), RunError::Ladder(LadderError::Noise(_))));
 }
 
 /// A value that many paths share: at an end it is known, elsewhere it is not made up.

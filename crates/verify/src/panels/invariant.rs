@@ -4,8 +4,9 @@ use schemes::{BuiltIn, Energy};
 use stats::Point;
 
 use crate::{
-    Compiled, Conditions, Findings, TRUNCATED, Words,
+    Compiled, Conditions, Curve, Findings, TRUNCATED, Words,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
+    experiment::Path,
     results::{Claim, Evidence, Kind, Panel, Series},
 };
 
@@ -31,6 +32,11 @@ pub fn follow(
     };
     let paths: Vec<_> = curves.iter().map(|curve| path(&curve.setup)).collect();
     conditions.progress.end();
+    let failure = |curve: &Curve<'_>, path: &Path| {
+        let (t, _) = path[path.len() - 1];
+        let failed = path.len() as u64 <= steps;
+        failed.then(|| format!("{}: the step after t = {t} failed", curve.name))
+    };
 
     let (mut series, mut claims) = (Vec::new(), Vec::new());
     for &index in invariants {
@@ -57,9 +63,9 @@ pub fn follow(
                 (_, BuiltIn::EulerMaruyama) => (VISIBLE, "visibly leaves the conformal law"),
                 _ => (ROUND_OFF, "leaves the conformal law, and returns to it as τ → 0"),
             };
-            let measured = match &path.failure {
+            let measured = match failure(curve, path) {
                 // A path that ended early proves nothing about the rest.
-                Some(failure) => Evidence::Undecided { reason: failure.to_string() },
+                Some(reason) => Evidence::Undecided { reason },
                 None if !obeys && tolerance == ROUND_OFF && largest > ROUND_OFF => {
                     approach(conditions, &curve.setup, index, steps, largest)
                 }
@@ -73,11 +79,11 @@ pub fn follow(
         }
     }
     let of_steps = format!("τ = {}, {TRUNCATED}", problem.t_end / steps as f64);
-    let failures = paths.iter().filter_map(|path| path.failure.as_ref());
+    let failures = curves.iter().zip(&paths).filter_map(|(curve, path)| failure(curve, path));
     let panel = Panel {
         samples: 1,
         reference: "the conformal law exp(−p ∫γ) F(y₀)".into(),
-        failures: failures.map(ToString::to_string).collect(),
+        failures: failures.collect(),
         series,
         ..words.panel(id, Kind::Invariant, problem, &of_steps)
     };

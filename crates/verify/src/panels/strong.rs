@@ -2,9 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use analysis::{Exact, wrong_limit};
-use mc::{Ladder, Measured, Reference, Run, StrongErrors, WorstTimes};
+use analysis::{Exact, FinalMoments, wrong_limit};
+use mc::{Ladder, Measured, Run, View};
 use noise::Truncation;
+use real::{Row, WIDTH};
 use schemes::{BuiltIn, StrongOrder};
 use stats::{Rate, fit_strong, root_mean_squares};
 use systems::paper::valid;
@@ -89,10 +90,9 @@ impl StrongPanel<'_> {
             runs.extend(grid.exponents().map(|exponent| run(curve, grid.level(exponent))));
             series.push((first..runs.len()).collect::<Vec<_>>());
         }
-        let mut reference = Reference::Run(0);
-        if let Some(exact) = &self.exact {
+        let solution = self.exact.as_ref().map(|exact| &*exact.solution);
+        if solution.is_some() {
             series.push(vec![0]);
-            reference = Reference::Exact(&*exact.solution);
         }
         let (steps, key) = (grid.finest_steps(problem.t_end), conditions.key(0));
         let coarsest = grid.level(FIRST);
@@ -101,10 +101,21 @@ impl StrongPanel<'_> {
             ladder = ladder.with_time_change(exact.time_change);
         }
         let over_time = self.exact.is_none();
-        let times = over_time.then(|| self.worst_times(conditions, curves));
+        // All series at the final time, then those with a time of their own.
+        let last = ladder.coarse_steps();
+        let mut when: Vec<_> = series.iter().map(|runs| (last, runs)).collect();
+        if over_time {
+            when.extend(self.worst_times(conditions, curves).into_iter().zip(&series));
+        }
+        let squares = when.iter().map(|&(_, runs)| {
+            move |view: &View<'_>, rows: &mut [Row]| write_squares(runs, solution, view, rows)
+        });
+        let squares: Vec<_> = squares.collect();
         let statistic = || {
-            let errors = StrongErrors::new(reference, &series, ladder.coarse_steps());
-            times.iter().fold(errors, |errors, times| errors.and_at(times))
+            let moments = when.iter().zip(&squares).map(|(&(time, runs), squares)| {
+                FinalMoments::new(time, 3 * runs.len() - 1, squares)
+            });
+            moments.collect::<Vec<_>>()
         };
         conditions.progress.begin(id, ladder.steps_per_path() * grid.samples);
         let advance = |work| conditions.progress.advance(work);
@@ -113,16 +124,21 @@ impl StrongPanel<'_> {
 
         let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
         let more = conditions.times_in_words();
-        let errors = &measured.statistic;
+        let runs = taus.len();
+        let moments = |n: usize| &measured.statistic[n].moments;
         let (mut series, mut claims, mut clipped) = (Vec::new(), Vec::new(), Vec::new());
         for at_end in [true, false].into_iter().filter(|at_end| *at_end || over_time) {
             for (s, curve) in curves.iter().enumerate() {
                 let (quantity, when, squares) = match at_end {
-                    true => ("y(T)", "at the final time", errors.at_end(s)),
-                    false => ("sup y", "largest over the common time grid", errors.at_time(s)),
+                    true => ("y(T)", "at the final time", moments(s)),
+                    false => {
+                        ("sup y", "largest over the common time grid", moments(curves.len() + s))
+                    }
                 };
-                let rate = fit_strong(&taus[..taus.len() - 1], &squares.differences);
-                let elsewhere = wrong_limit(&squares.errors, &squares.differences);
+                let errors = squares.part(0..runs);
+                let differences = squares.part(runs..2 * runs - 1);
+                let rate = fit_strong(&taus[..runs - 1], &differences);
+                let elsewhere = wrong_limit(&errors, &differences);
                 let when = format!("{when}{more}");
                 let one_noise = problem.noises == 1;
                 let claim = self.claim(curve.method, one_noise, &when, rate.clone(), elsewhere);
@@ -130,7 +146,7 @@ impl StrongPanel<'_> {
                 series.push(Series {
                     scheme: curve.name.into(),
                     quantity: quantity.into(),
-                    points: root_mean_squares(&taus, &squares.errors),
+                    points: root_mean_squares(&taus, &errors),
                     rate,
                     ..Series::default()
                 });
@@ -141,7 +157,10 @@ impl StrongPanel<'_> {
             for (r, exponent) in grid.exponents().enumerate() {
                 let increments = measured.clipped[grid.level(exponent)];
                 if increments > 0 {
-                    let (tau, share) = (taus[r], errors.clipped_share(s, r));
+                    let [all, clipped_paths] =
+                        [r, 2 * runs - 1 + r].map(|number| moments(s).mean(number));
+                    let share = if all > 0.0 { clipped_paths / all } else { 0.0 };
+                    let tau = taus[r];
                     clipped.push(Clipped { scheme: curve.name.into(), tau, increments, share });
                 }
             }
@@ -158,13 +177,13 @@ impl StrongPanel<'_> {
         };
         if !over_time {
             panel.reference = "the exact solution by a change of time, path by path".into();
-            let error = |series, level| errors.at_end(series).errors.mean(level).sqrt();
+            let error = |series: usize, level| moments(series).mean(level).sqrt();
             let own = error(curves.len(), 0);
             panel.paper += &format!(
                 " {at_finest}, the kind of reference that the paper takes, is itself {own:.1e} \
                  (root mean square) away from the exact solution, {:.0} % of the error of sexp at \
                  τ = 2^-{}",
-                100.0 * own / error(0, taus.len() - 1),
+                100.0 * own / error(0, runs - 1),
                 grid.last
             );
         }
@@ -182,9 +201,22 @@ impl StrongPanel<'_> {
         let steps = (problem.t_end * 2f64.powi(FIRST as i32 + 2)).round() as u64;
         let (key, runs) = (conditions.key(WORST_TIMES), runs.collect());
         let ladder = valid(Ladder::new(problem, steps, 2, self.truncation, key, runs));
-        let pairs: Vec<_> = (0..curves.len()).map(|s| [2 * s, 2 * s + 1]).collect();
-        let new = || WorstTimes::new(pairs.clone(), ladder.coarse_steps());
-        ladder.run(PILOT_PATHS, new, &|_| ()).statistic.times()
+        let differences = |view: &View<'_>, rows: &mut [Row]| {
+            for (s, row) in rows.iter_mut().enumerate() {
+                *row = squared_differences(view.state(2 * s), view.state(2 * s + 1));
+            }
+        };
+        let at = |time| FinalMoments::new(time, curves.len(), &differences);
+        let new = || (1..=ladder.coarse_steps()).map(at).collect::<Vec<_>>();
+        let found = ladder.run(PILOT_PATHS, new, &|_| ()).statistic;
+        let worst = |s: usize| {
+            // Sums: a path that failed counts no more.
+            let square =
+                |found: &FinalMoments<'_>| found.moments.mean(s) * found.moments.count() as f64;
+            let squares = (1..).zip(found.iter().map(square));
+            squares.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(time, _)| time)
+        };
+        (0..curves.len()).map(worst).collect()
     }
 
     /// The order of a scheme whose errors are taken at the time `when`. A single noise commutes
@@ -211,6 +243,43 @@ impl StrongPanel<'_> {
         let measured = Evidence::Order { order, one_sided: bounded.is_some(), rate, wrong_limit };
         Claim::new(id, statement, measured).proven(bounded == Some(true))
     }
+}
+
+/// The squared errors |y − y_ref|² of these runs, the squares of the differences of each run but
+/// the last from the next one, and the errors again where an increment was clipped, zero elsewhere.
+/// y_ref is the exact solution at the random time of a path, or run 0.
+fn write_squares(
+    runs: &[usize],
+    solution: Option<&(dyn Fn(f64) -> Vec<f64> + Sync)>,
+    view: &View<'_>,
+    rows: &mut [Row],
+) {
+    let mut reference = view.state(0).to_vec();
+    if let Some(solution) = solution {
+        for p in view.live.paths() {
+            let exact = solution(view.random_time[p]);
+            reference.iter_mut().zip(exact).for_each(|(row, x)| row[p] = x);
+        }
+    }
+    let (errors, rest) = rows.split_at_mut(runs.len());
+    let (differences, clipped) = rest.split_at_mut(runs.len() - 1);
+    for (r, &run) in runs.iter().enumerate() {
+        errors[r] = squared_differences(view.state(run), &reference);
+        let clips = |p| if view.clipped[run].contains(p) { errors[r][p] } else { 0.0 };
+        clipped[r] = std::array::from_fn(clips);
+    }
+    for (difference, pair) in differences.iter_mut().zip(runs.windows(2)) {
+        *difference = squared_differences(view.state(pair[0]), view.state(pair[1]));
+    }
+}
+
+/// |y − x|² on every path.
+fn squared_differences(y: &[Row], x: &[Row]) -> Row {
+    let mut squares = [0.0; WIDTH];
+    for (y, x) in y.iter().zip(x) {
+        (0..WIDTH).for_each(|p| squares[p] += (y[p] - x[p]) * (y[p] - x[p]));
+    }
+    squares
 }
 
 pub fn power_of_half(exponent: u32) -> f64 {

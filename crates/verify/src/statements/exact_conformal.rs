@@ -9,7 +9,6 @@
 //! path, Σ|dₙ₊₁ − dₙ|. The defect at the end would be a sum of contributions of both signs, and its
 //! leading term may cancel; the variation is Σ|cₙ|·h⁴(1 + O(h)), whose leading term cannot.
 
-use mc::Trajectory;
 use noise::WienerPath;
 use systems::{
     Damping, PoissonSystem, Problem,
@@ -22,6 +21,7 @@ use systems::{
 use crate::{
     Conditions, Findings,
     conformal_law::along,
+    experiment::Path,
     results::{Bounded, Claim, Evidence},
     runge_kutta::runge_kutta,
 };
@@ -62,19 +62,18 @@ pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     // The states at the ends of the pieces.
     let path = |substeps: u32| {
         let mut noise = WienerPath::<M>::new(conditions.key(part), 0);
-        let (mut times, mut states) = (vec![0.0], vec![problem.y0()]);
+        let mut y = problem.y0();
+        let mut path = vec![(0.0, y.to_vec())];
         for n in 0..PIECES {
             let (t, dw) = (n as f64 * tau, noise.increments(tau.sqrt()));
-            let y = states[n as usize];
-            states.push(runge_kutta(system, problem.damping(), t, tau, dw, substeps, y));
-            times.push((n + 1) as f64 * tau);
+            y = runge_kutta(system, problem.damping(), t, tau, dw, substeps, y);
+            path.push(((n + 1) as f64 * tau, y.to_vec()));
         }
-        let states = states.into_iter().map(Vec::from).collect();
-        Trajectory { times, states, failure: None }
+        path
     };
     let (coarse, fine) = (path(COARSE), path(FINE));
     let claim = |(index, invariant): (usize, &systems::Invariant)| {
-        let variation = |path: &Trajectory| {
+        let variation = |path: &Path| {
             let values = along(&erased, index, path);
             let defects: Vec<f64> =
                 values.iter().map(|(_, value, exact)| value / exact - 1.0).collect();

@@ -65,8 +65,8 @@ pub fn bound(
             .collect();
         for path in 0..paths {
             let path = conditions.path(part, setup, steps, path);
-            failed += u64::from(path.failure.is_some());
-            for (y, bound) in path.states[1..].iter().zip(&bounds) {
+            failed += u64::from(path.len() as u64 <= steps);
+            for ((_, y), bound) in path[1..].iter().zip(&bounds) {
                 let norm = y.iter().map(|component| component * component).sum::<f64>().sqrt();
                 largest = worse(largest, norm / bound);
             }

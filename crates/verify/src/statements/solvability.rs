@@ -8,7 +8,6 @@
 //! is started from both.
 
 use analysis::worse;
-use mc::squared_distance;
 use noise::WienerPath;
 use real::elementary::ln;
 use systems::{
@@ -18,6 +17,7 @@ use systems::{
 
 use crate::{
     Conditions, Findings, TRUNCATION_ORDER,
+    experiment::squared_distance,
     results::{Bounded, Claim, Evidence},
     truncation,
 };
@@ -67,15 +67,15 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
             let change = system.averaged_field(z_hat, z, tau, [dw]);
             std::array::from_fn(|i| z_hat[i] + change[i])
         };
-        let distance = squared_distance(one, other).sqrt();
-        quotient = worse(quotient, squared_distance(psi(one), psi(other)).sqrt() / distance);
+        let distance = squared_distance(&one, &other).sqrt();
+        quotient = worse(quotient, squared_distance(&psi(one), &psi(other)).sqrt() / distance);
         // Cⁿ·distance below round-off.
         let sweeps = (ln(AGREEMENT * 1e-3 / distance) / ln(lipschitz)).ceil() as u32;
         for _ in 0..sweeps {
             one = psi(one);
             other = psi(other);
         }
-        apart = worse(apart, squared_distance(one, other).sqrt());
+        apart = worse(apart, squared_distance(&one, &other).sqrt());
     }
     let quantities = vec![
         Bounded::at_most(

@@ -8,14 +8,15 @@
 //! symmetrically about the step.
 
 use analysis::worse;
-use mc::{Setup, trajectory};
+use mc::Setup;
 use noise::Truncation;
 use schemes::BuiltIn;
-use systems::paper::{maxwell_bloch, pendulum, poisson3_strong, rigid_body_three_noises, valid};
+use systems::paper::{maxwell_bloch, pendulum, poisson3_strong, rigid_body_three_noises};
 
 use crate::{
     Altered, Compiled, Conditions, Findings,
     conformal_law::{ROUND_OFF, largest_defect},
+    experiment::{Path, followed, squared_distance},
     results::{Bounded, Claim, Evidence},
     truncation,
 };
@@ -73,7 +74,7 @@ pub fn keeps_casimir(conditions: &Conditions, part: u64, mut setup: Setup<'_>) -
         let (mut solved, mut largest) = (STEPS, 0.0);
         for path in 0..PATHS {
             let path = conditions.path(part, &setup, STEPS, path);
-            solved = solved.min(path.states.len() as u64 - 1);
+            solved = solved.min(path.len() as u64 - 1);
             largest = worse(largest, largest_defect(&setup.problem, 0, &path));
         }
         setup.scheme = method;
@@ -83,10 +84,8 @@ pub fn keeps_casimir(conditions: &Conditions, part: u64, mut setup: Setup<'_>) -
         quantities.push(Bounded::at_most(words, largest, ROUND_OFF));
     }
     setup.problem.t_end = LONG_STEPS as f64 * LONG_STEP;
-    let [clipped, free] = [truncation(), Truncation::none()].map(|truncation| {
-        let path = trajectory(&setup, LONG_STEPS, truncation, conditions.key(part), 0);
-        valid(path).states.pop().unwrap_or_default()
-    });
+    let [clipped, free] = [truncation(), Truncation::none()]
+        .map(|truncation| followed(&setup, LONG_STEPS, truncation, conditions.key(part), 0));
     let words = format!("what clipping increments would change at τ = {LONG_STEP}");
     quantities.push(Bounded::at_most(words, distance(&clipped, &free), 0.0));
     let statement = format!(
@@ -97,8 +96,10 @@ pub fn keeps_casimir(conditions: &Conditions, part: u64, mut setup: Setup<'_>) -
     Claim::new("any-increment", statement, Evidence::bounds(quantities))
 }
 
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+/// How far apart two paths end.
+fn distance(one: &Path, other: &Path) -> f64 {
+    let [one, other] = [one, other].map(|path| &path[path.len() - 1].1);
+    squared_distance(one, other).sqrt()
 }
 
 /// Steps of the coarsest of three runs.
@@ -109,10 +110,8 @@ const SLACK: f64 = 0.25;
 /// The order from the ends of three runs without noise.
 pub fn order_two(conditions: &Conditions, setup: Setup<'_>) -> Claim {
     let setup = Altered::setup(setup, |method| method.factor = 0.0);
-    let [coarse, middle, fine] = [1, 2, 4].map(|finer| {
-        let path = conditions.path(0, &setup, finer * COARSE, 0);
-        path.states.into_iter().next_back().unwrap_or_default()
-    });
+    let [coarse, middle, fine] =
+        [1, 2, 4].map(|finer| conditions.path(0, &setup, finer * COARSE, 0));
     let order = (distance(&coarse, &middle) / distance(&middle, &fine)).log2();
     let words = format!("order from {COARSE}, {} and {} steps", 2 * COARSE, 4 * COARSE);
     let quantities = vec![

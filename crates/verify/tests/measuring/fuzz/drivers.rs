@@ -2,7 +2,7 @@
 
 use anyhow::ensure;
 use kernels::Tuned;
-use mc::{Expect, Ladder, Observable, Run, Setup, bind, trajectory};
+use mc::{Expect, Ladder, Observable, Run, Setup, Simulation, bind};
 use noise::{StreamKey, Truncation};
 use schemes::BuiltIn;
 use systems::{Constant, Pendulum, Problem};
@@ -24,11 +24,11 @@ pub fn drivers(bits: &mut Bits) -> Fed {
     match few(3, 3) {
         0 => {
             let (steps, path) = (bits.below(20), bits.word());
-            let path =
-                accepted(trajectory(&Setup::of(&problem, &*em), steps, truncation, key, path))?;
-            ensure!(path.states.iter().flatten().all(|y| y.is_finite()), "{path:?}");
-            let words = path.failure.map(|failure| failure.to_string());
-            ensure!(words.is_none_or(|words| !words.is_empty()), "a failure without words");
+            let simulation = Simulation::new(Setup::of(&problem, &*em), truncation);
+            let path = accepted(simulation.path(steps, key, path))?;
+            let mut states = path.columns[1..=2].iter().flat_map(|column| &column.values);
+            ensure!(states.all(|y| y.is_finite()), "{path:?}");
+            ensure!(path.halted.is_none_or(|words| !words.is_empty()), "a failure without words");
         }
         1 => {
             let (levels, steps) = (few(200, 4) as usize, few(u64::MAX, 33));
