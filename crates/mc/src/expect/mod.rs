@@ -276,15 +276,17 @@ impl<'a> Expect<'a> {
     /// be below 2⁴⁰. The families of all such experiments are distinct from each other and from the
     /// experiments themselves.
     #[must_use]
-    pub fn with_key(self, key: StreamKey) -> Self {
-        Self { settings: Settings { key, ..self.settings }, ..self }
+    pub fn with_key(mut self, key: StreamKey) -> Self {
+        self.settings.key = key;
+        self
     }
 
     /// Truncates the increments of schemes that need it so, on every level at its own step size; of
     /// order four unless set.
     #[must_use]
-    pub fn with_truncation(self, truncation: Truncation) -> Self {
-        Self { settings: Settings { truncation, ..self.settings }, ..self }
+    pub fn with_truncation(mut self, truncation: Truncation) -> Self {
+        self.settings.truncation = truncation;
+        self
     }
 
     /// Assumes this weak order p of the scheme, and the next power p + 1 of τ in its bias.
@@ -297,36 +299,41 @@ impl<'a> Expect<'a> {
 
     /// Takes random points in the place of Sobol points.
     #[must_use]
-    pub fn with_random_points(self) -> Self {
-        Self { settings: Settings { random_points: true, ..self.settings }, ..self }
+    pub fn with_random_points(mut self) -> Self {
+        self.settings.random_points = true;
+        self
     }
 
     /// Takes so many independent replicates, at least 16; 32 unless set.
     #[must_use]
-    pub fn with_replicates(self, replicates: u64) -> Self {
-        Self { settings: Settings { replicates, ..self.settings }, ..self }
+    pub fn with_replicates(mut self, replicates: u64) -> Self {
+        self.settings.replicates = replicates;
+        self
     }
 
     /// Begins with so many steps on the coarsest level, from 1 to 2²⁴; one unless set. Schemes that
     /// truncate increments take steps below one. A level that does not help is left out in any
     /// case.
     #[must_use]
-    pub fn with_coarsest_steps(self, coarsest_steps: u64) -> Self {
-        Self { settings: Settings { coarsest_steps, ..self.settings }, ..self }
+    pub fn with_coarsest_steps(mut self, coarsest_steps: u64) -> Self {
+        self.settings.coarsest_steps = coarsest_steps;
+        self
     }
 
     /// Takes no finer level than this, from 3 to 24, which has 2^`max_level` times the coarsest
     /// steps; 16 unless set. Without noise the limit is 2²² steps.
     #[must_use]
-    pub fn with_max_level(self, max_level: usize) -> Self {
-        Self { settings: Settings { max_level, ..self.settings }, ..self }
+    pub fn with_max_level(mut self, max_level: usize) -> Self {
+        self.settings.max_level = max_level;
+        self
     }
 
     /// Ends with so many path-steps of all attempts together, whether the accuracy is reached or
     /// not; 10¹⁰ unless set.
     #[must_use]
-    pub fn with_max_cost(self, max_cost: u64) -> Self {
-        Self { settings: Settings { max_cost, ..self.settings }, ..self }
+    pub fn with_max_cost(mut self, max_cost: u64) -> Self {
+        self.settings.max_cost = max_cost;
+        self
     }
 
     /// Calls `watch` between two rounds of samples.

@@ -244,10 +244,12 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// The saved rows of every path. `of_block` gives those of a block at one time, each with the number
-/// of its path in the block.
+/// The rows of a block at one time, each with the number of its path in the block.
+type SavedRows<'a> = dyn Fn(&View<'_>) -> Vec<(usize, Vec<f64>)> + Sync + 'a;
+
+/// The saved rows of every path.
 struct PathRows<'a> {
-    of_block: &'a (dyn Fn(&View<'_>) -> Vec<(usize, Vec<f64>)> + Sync),
+    of_block: &'a SavedRows<'a>,
     of_path: BTreeMap<u64, Vec<Vec<f64>>>,
 }
 

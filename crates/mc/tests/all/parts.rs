@@ -9,7 +9,6 @@ use std::{
 
 use mc::{
     Expect, Kept, Ladder, Measured, Observable, Run, Setup, Statistic, View, bind,
-    expect::Expectation,
     parts::{Job, JobError, Program, Share, Stop, merged_paths, remove},
 };
 use noise::{StreamKey, Truncation};
@@ -467,81 +466,46 @@ fn sums_that_do_not_come_back_and_names_given_twice_are_errors() {
     assert!(message(job.finish()).contains("\"sum\" is given to two pieces of work"));
 }
 
-/// E[q] and E[q²] to an accuracy, in parts.
-fn expectation(
-    job: Job,
-    accuracy: f64,
-    problem: &Pendulums,
-) -> Result<Option<Expectation>, JobError> {
+/// E[q] and E[q²] on random points and on Sobol points, in parts that split small rounds.
+#[test]
+fn expectations_in_parts_take_rounds_and_have_the_same_bits() {
+    let problem = pendulum(1.0);
     let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
     let square = Observable { name: "q^2", function: |y: [f64; 2]| y[0] * y[0] };
-    let job = job.splitting_rounds_above(10_000);
-    let expect = Expect::with_scheme(Setup::of(problem, &Heun)).with_random_points();
-    let expect = expect.with_key(StreamKey { seed: 3, experiment: 7 }).with_replicates(16);
-    let found = expect.run_in(&job, "E", &[&q, &square], accuracy, &|_| ());
-    job.finish().map(|_| found.unwrap())
-}
-
-#[test]
-fn an_expectation_in_parts_takes_rounds_and_has_the_same_bits() {
-    let problem = pendulum(1.0);
-    let folder = tempfile::tempdir().unwrap();
-    let mut rounds = Vec::new();
-    // The second accuracy extends the samples of the first.
-    for (accuracy, of) in [(0.02, 3), (0.005, 2)] {
-        let here = expectation(Job::here(), accuracy, &problem).unwrap();
-        rounds.push(0);
-        loop {
-            for number in (1..=of).rev() {
-                let part = STUDY.part(folder.path(), number, of).unwrap();
-                let found = expectation(part, accuracy, &problem).unwrap();
-                // A part knows the result when all samples were merged.
-                assert!(found.is_none() || found == here);
+    for (random_points, accuracies) in [(true, [0.02, 0.005]), (false, [2e-3, 5e-4])] {
+        let run = |job: Job, accuracy: f64| {
+            let job = job.splitting_rounds_above(10_000);
+            let expect = match random_points {
+                true => Expect::with_scheme(Setup::of(&problem, &Heun)).with_random_points(),
+                false => Expect::by_parts(&problem),
+            };
+            let expect = expect.with_replicates(16);
+            let found = expect.run_in(&job, "E", &[&q, &square], accuracy, &|_| ()).unwrap();
+            job.finish().map(|_| found)
+        };
+        let folder = tempfile::tempdir().unwrap();
+        // The second accuracy extends the samples of the first.
+        for (accuracy, of) in accuracies.into_iter().zip([3, 2]) {
+            let (here, mut rounds) = (run(Job::here(), accuracy).unwrap(), 0);
+            assert!(here.as_ref().unwrap().reached());
+            loop {
+                for number in (1..=of).rev() {
+                    let part = STUDY.part(folder.path(), number, of).unwrap();
+                    let found = run(part, accuracy).unwrap();
+                    // A part knows the result when all samples were merged.
+                    assert!(found.is_none() || found == here);
+                }
+                rounds += 1;
+                match run(Job::merge(folder.path(), STUDY.program()).unwrap(), accuracy) {
+                    Ok(found) => break assert_eq!(found, here),
+                    Err(JobError::NextRound { work }) => assert!(work.starts_with("E/"), "{work}"),
+                    Err(error) => panic!("{error}"),
+                }
+                assert!(rounds < 60);
             }
-            *rounds.last_mut().unwrap() += 1;
-            let merge = Job::merge(folder.path(), STUDY.program()).unwrap();
-            match expectation(merge, accuracy, &problem) {
-                Ok(found) => break assert_eq!(found, here),
-                Err(JobError::NextRound { work }) => assert!(work.starts_with("E/heun"), "{work}"),
-                Err(error) => panic!("{error}"),
-            }
-            assert!(rounds.last() < Some(&20));
+            assert!(rounds >= 2 || !random_points, "{rounds}");
         }
     }
-    assert!(rounds.iter().all(|&n| n >= 2), "{rounds:?}");
-}
-
-#[test]
-fn sobol_points_in_parts_take_rounds_and_have_the_same_bits() {
-    let problem = pendulum(1.0);
-    let phi = Observable { name: "q^2", function: |y: [f64; 2]| y[0] * y[0] };
-    let run = |job: Job, accuracy: f64| {
-        let job = job.splitting_rounds_above(10_000);
-        let expect = Expect::by_parts(&problem).with_replicates(16);
-        let found = expect.run_in(&job, "E", &[&phi], accuracy, &|_| ()).unwrap();
-        job.finish().map(|_| found)
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let mut rounds = 0;
-    // The second accuracy extends the points of the first.
-    for (accuracy, of) in [(2e-3, 3), (5e-4, 2)] {
-        let here = run(Job::here(), accuracy).unwrap();
-        assert!(here.as_ref().unwrap().reached());
-        loop {
-            for number in (1..=of).rev() {
-                let found = run(STUDY.part(folder.path(), number, of).unwrap(), accuracy).unwrap();
-                assert!(found.is_none() || found == here);
-            }
-            rounds += 1;
-            match run(Job::merge(folder.path(), STUDY.program()).unwrap(), accuracy) {
-                Ok(found) => break assert_eq!(found, here),
-                Err(JobError::NextRound { work }) => assert!(work.starts_with("E/nv"), "{work}"),
-                Err(error) => panic!("{error}"),
-            }
-            assert!(rounds < 60);
-        }
-    }
-    println!("{rounds} rounds");
 }
 
 #[test]

@@ -5,15 +5,20 @@
 //! less, and there are 16 of them. Other ranges are derived where they stand, or are several times
 //! wider than the spread over seeds.
 
-use std::cell::Cell;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::{
+    cell::Cell,
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+};
 
 use mc::expect::{Estimate, Expectation, Limit, Unbounded, Warning};
 use mc::{Expect, LadderError, Observable, Observe, RunError, Setup};
-use noise::{BlockNoise, Noise, StreamKey};
-use nonlin::{BlockStatus, Method, Solution, Solver};
-use real::{Block, Real};
-use schemes::{Scheme, Sexp, SexpLevy, Step, WithSolver};
+use noise::{StepNoise, StreamKey};
+use nonlin::{BlockStatus, Method, Solver};
+use real::{Real, Row};
+use schemes::{Scheme, Sexp, SexpLevy, Step, Stepper, WithSolver};
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
 use crate::{explosive::Explosive, ladder::body};
@@ -254,12 +259,17 @@ fn the_cost_of_random_points_grows_as_the_accuracy_squared() {
     assert!(last > 8.0 * sobol, "{last} {sobol}");
 }
 
-/// Sexp with something done to the increments, which may depend on the step size.
-struct Altered<F>(F);
+/// `sexp` on a problem, with something done in every step.
+struct Altered<'a, F> {
+    sexp: Arc<dyn schemes::Method + 'a>,
+    step: F,
+}
 
-impl<S: PoissonSystem<D, M>, F: Fn(f64) -> f64 + Send + Sync, const D: usize, const M: usize>
-    Scheme<S, D, M> for Altered<F>
-{
+/// What takes the place of a step.
+trait Alter: Fn(&mut dyn Stepper, &Step, &StepNoise, &mut BlockStatus) + Send + Sync {}
+impl<F: Fn(&mut dyn Stepper, &Step, &StepNoise, &mut BlockStatus) + Send + Sync> Alter for F {}
+
+impl<F: Alter> schemes::Method for Altered<'_, F> {
     fn id(&self) -> &'static str {
         "altered"
     }
@@ -269,22 +279,49 @@ impl<S: PoissonSystem<D, M>, F: Fn(f64) -> f64 + Send + Sync, const D: usize, co
     fn clips_increments(&self) -> bool {
         true
     }
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        let factor = (self.0)(step.tau);
-        let altered = noise.increments.map(|row| row.map(|w| factor * w));
-        Sexp.step_block(system, step, &BlockNoise::increments(&altered), y, status);
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        Box::new(AlteredPaths { sexp: self.sexp.start(y), step: &self.step })
     }
-    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        let factor = (self.0)(step.tau);
-        let altered = Noise::increments(noise.increments.map(|w| factor * w));
-        Sexp.step(system, step, &altered, y)
+}
+
+struct AlteredPaths<'a, F> {
+    sexp: Box<dyn Stepper + 'a>,
+    step: &'a F,
+}
+
+impl<F: Alter> Stepper for AlteredPaths<'_, F> {
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        (self.step)(&mut *self.sexp, step, noise, status);
+    }
+    fn state(&self) -> &[Row] {
+        self.sexp.state()
+    }
+    fn state_mut(&mut self) -> &mut [Row] {
+        self.sexp.state_mut()
+    }
+}
+
+/// Expectations on random points by `sexp` with other steps.
+fn altered<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    problem: &'a Problem<S, G, D>,
+    seed: u64,
+    step: impl Alter + 'a,
+) -> Expect<'a> {
+    let setup = Setup::of(problem, &Sexp);
+    let scheme = Arc::new(Altered { sexp: setup.scheme, step });
+    Expect::with_scheme(Setup { scheme, ..setup })
+        .with_random_points()
+        .with_key(StreamKey { seed, experiment: 1 })
+        .with_coarsest_steps(4)
+}
+
+/// A step with increments times a factor, which may depend on the step size.
+fn with_factor(factor: impl Fn(f64) -> f64 + Send + Sync) -> impl Alter {
+    move |sexp: &mut dyn Stepper, step: &Step, noise: &StepNoise, status: &mut BlockStatus| {
+        let mut scaled = StepNoise::zero(noise.increments.len());
+        let (factor, dw) = (factor(step.tau), noise.increments.iter().flatten());
+        scaled.increments.iter_mut().flatten().zip(dw).for_each(|(x, dw)| *x = factor * dw);
+        sexp.step(step, &scaled, status);
     }
 }
 
@@ -293,14 +330,14 @@ fn paths_that_do_not_share_their_noise_are_noticed() {
     let problem = body();
     // −ΔW on every second level: each level has the right law, and no two neighbours are coupled.
     let alternating =
-        Altered(|tau: f64| if (4.0 * tau).log2().rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 });
-    let limited = |scheme| random(scheme, &problem, 6).with_max_cost(20_000_000);
-    let result = run(limited(&alternating), &COS_Y3, 2e-3).unwrap();
+        with_factor(|tau| if (4.0 * tau).log2().rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 });
+    let limited =
+        |expect: Expect<'_>| run(expect.with_max_cost(20_000_000), &COS_Y3, 2e-3).unwrap();
+    let result = limited(altered(&problem, 6, alternating));
     assert!(result.estimates[0].beta.unwrap().upper < 0.5, "{result:?}");
     // The law is right, so nothing else is wrong.
     assert!(!result.warnings.iter().any(is_telescope));
-    let same = Altered(|_| 1.0);
-    let result = run(random(&same, &problem, 6).with_max_cost(20_000_000), &COS_Y3, 2e-3).unwrap();
+    let result = limited(altered(&problem, 6, with_factor(|_| 1.0)));
     assert!(result.warnings.is_empty(), "{:?}", result.warnings);
     assert!(result.estimates[0].beta.unwrap().lower > 1.0, "{result:?}");
 }
@@ -309,9 +346,11 @@ fn paths_that_do_not_share_their_noise_are_noticed() {
 fn a_lower_weak_order_is_noticed() {
     let problem = rotations();
     // Noise that is too large by √τ/2: E[φ] is off by a multiple of √τ.
-    let rough = Altered(|tau: f64| 1.0 + 0.5 * tau.sqrt());
     let y1 = &MOMENTS[..1];
-    let expect = |order| random(&rough, &problem, 7).with_max_level(10).with_weak_order(order);
+    let expect = |order| {
+        let rough = with_factor(|tau| 1.0 + 0.5 * tau.sqrt());
+        altered(&problem, 7, rough).with_max_level(10).with_weak_order(order)
+    };
     let result = run(expect(1.0), y1, 5e-3).unwrap();
     let low = |warning: &Warning| matches!(warning, Warning::Bias { why: Unbounded::Order { alpha, .. }, .. } if alpha.upper < 0.75);
     assert!(result.warnings.iter().any(low), "{result:?}");
@@ -327,37 +366,15 @@ thread_local! {
     static LAST_TAU: Cell<f64> = const { Cell::new(0.0) };
 }
 
-/// Sexp that keeps what it must not keep: a step after a step of another size comes out a little
-/// too short, as it might with a factorisation that is reused where it does not apply. Alone on a
-/// level it does nothing wrong.
-struct Remembering;
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for Remembering {
-    fn id(&self) -> &'static str {
-        "remembering"
-    }
-    fn reads_areas(&self) -> bool {
-        false
-    }
-    fn clips_increments(&self) -> bool {
-        true
-    }
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        Sexp.step_block(system, step, noise, y, status);
-        let before = LAST_TAU.replace(step.tau);
-        if before < step.tau && before > 0.0 {
-            y.0.iter_mut().flatten().for_each(|component| *component *= 1.0 - 0.02 * step.tau);
-        }
-    }
-    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        Sexp.step(system, step, noise, y)
+/// A step that keeps what it must not keep: one after a step of another size comes out a little too
+/// short, as it might with a factorisation that is reused where it does not apply. Alone on a level
+/// it does nothing wrong.
+fn remembering(sexp: &mut dyn Stepper, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+    sexp.step(step, noise, status);
+    let before = LAST_TAU.replace(step.tau);
+    if before < step.tau && before > 0.0 {
+        let state = sexp.state_mut().iter_mut().flatten();
+        state.for_each(|component| *component *= 1.0 - 0.02 * step.tau);
     }
 }
 
@@ -367,14 +384,13 @@ fn levels_that_do_not_telescope_are_noticed() {
     const MOST: u64 = 60_000_000;
     let problem = body();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let of = |scheme: &dyn Scheme<RigidBody<3>, 3, 3>| {
-        let expect = || random(scheme, &problem, 8).with_max_cost(MOST);
-        pool.install(|| run(expect(), &COS_Y3, 3e-4).unwrap())
+    let of = |expect: &(dyn Fn() -> Expect<'_> + Sync)| {
+        pool.install(|| run(expect().with_max_cost(MOST), &COS_Y3, 3e-4).unwrap())
     };
-    let wrong = of(&Remembering);
+    let wrong = of(&|| altered(&problem, 8, remembering));
     assert!(wrong.warnings.iter().any(is_telescope), "{:?}", wrong.warnings);
     assert!(!wrong.estimates[0].judged.bias);
-    let right = of(&Sexp);
+    let right = of(&|| random(&Sexp, &problem, 8));
     assert!(right.warnings.is_empty(), "{:?}", right.warnings);
     // The error is beyond the accuracy, which is what makes the check worth having.
     assert!((wrong.estimates[0].value - right.estimates[0].value).abs() > 3e-4);

@@ -1,11 +1,10 @@
 //! What a ladder shows to statistics: clipped paths and random times; and recordings against their
 //! numbers.
 
-use mc::{Ladder, Recording, Run, Setup, Simulation, Statistic, TimeChange, View, bind};
+use mc::{Ladder, Recording, Run, Statistic, TimeChange, View, bind};
 use noise::Truncation;
 use real::{Row, WIDTH};
 use schemes::EulerMaruyama;
-use systems::{Damping, PoissonSystem};
 
 use crate::ladder::{KEY, body};
 
@@ -63,21 +62,6 @@ fn statistics_see_random_times_and_clipped_paths() {
         clipped += u64::from(beyond[1]);
     }
     assert!(0 < clipped && clipped < PATHS, "{clipped}");
-}
-
-#[test]
-fn the_defect_of_a_scheme_that_leaves_the_law_is_relative_to_the_law() {
-    let problem = body();
-    let k = Truncation::new(4).unwrap();
-    let table =
-        Simulation::new(Setup::of(&problem, &EulerMaruyama), k).every(8).path(16, KEY, 7).unwrap();
-    let (casimir, defects) = (table.column("C").unwrap(), table.column("C defect").unwrap());
-    let start: f64 = problem.system().invariant(0, problem.y0());
-    for ((t, value), defect) in table.times().iter().zip(casimir).zip(defects) {
-        let law = start * (-2.0 * problem.damping().integral(0.0, *t)).exp();
-        assert!((defect - (value / law - 1.0)).abs() < 1e-14, "{t}");
-    }
-    assert!(defects[2].abs() > 1e-3, "{defects:?}");
 }
 
 #[test]
