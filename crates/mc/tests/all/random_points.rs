@@ -383,10 +383,10 @@ fn levels_that_do_not_telescope_are_noticed() {
     // What never agrees would go on to the limit.
     const MOST: u64 = 60_000_000;
     let problem = body();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let of = |expect: &(dyn Fn() -> Expect<'_> + Sync)| {
+    fn of<'a>(expect: &(dyn Fn() -> Expect<'a> + Sync)) -> Expectation {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         pool.install(|| run(expect().with_max_cost(MOST), &COS_Y3, 3e-4).unwrap())
-    };
+    }
     let wrong = of(&|| altered(&problem, 8, remembering));
     assert!(wrong.warnings.iter().any(is_telescope), "{:?}", wrong.warnings);
     assert!(!wrong.estimates[0].judged.bias);
