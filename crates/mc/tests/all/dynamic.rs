@@ -10,7 +10,7 @@ use mc::{
     study,
 };
 use noise::Truncation;
-use schemes::Sexp;
+use schemes::Heun;
 use systems::run_time::{Compiled, Problem};
 
 use crate::ladder::{Body, KEY, body};
@@ -48,14 +48,14 @@ fn k() -> Truncation {
 fn ladders_have_the_bits_of_compiled_systems() {
     let one = body();
     let other = at_run_time(&one);
-    let Setup { problem, scheme } = Setup::at_run_time(&other, &Sexp).unwrap();
+    let Setup { problem, scheme } = Setup::at_run_time(&other, &Heun).unwrap();
     let bits = |problem: &mc::Problem<'_>, scheme: &Arc<_>| {
         let run = |level| Run::new(Arc::clone(scheme), level);
         let runs = vec![run(0), run(2), Run::swapped(Arc::clone(scheme), 1)];
         let ladder = Ladder::new(problem, 32, 2, k(), KEY, runs).unwrap();
         ladder.run(200, Bits::default, &|_| ()).statistic
     };
-    assert_eq!(bits(&mc::Problem::of(&one), &bind(&one, &Sexp)), bits(&problem, &scheme));
+    assert_eq!(bits(&mc::Problem::of(&one), &bind(&one, &Heun)), bits(&problem, &scheme));
 }
 
 #[test]
@@ -67,7 +67,7 @@ fn tables_have_the_bits_of_compiled_systems() {
         let product = StateFunction::new("y1 y2", |y: [f64; 3]| y[0] * y[1]);
         simulation.observing(product).paths(16, KEY, 5..40).unwrap()
     };
-    assert_eq!(tables(Setup::of(&one, &Sexp)), tables(Setup::at_run_time(&other, &Sexp).unwrap()));
+    assert_eq!(tables(Setup::of(&one, &Heun)), tables(Setup::at_run_time(&other, &Heun).unwrap()));
 }
 
 /// A study, and parts of it: its files do not tell the two systems apart.
@@ -75,7 +75,7 @@ fn tables_have_the_bits_of_compiled_systems() {
 fn studies_and_their_parts_have_the_bits_of_compiled_systems() {
     let one = body();
     let other = at_run_time(&one);
-    let (one, other) = (Setup::of(&one, &Sexp), Setup::at_run_time(&other, &Sexp).unwrap());
+    let (one, other) = (Setup::of(&one, &Heun), Setup::at_run_time(&other, &Heun).unwrap());
     let settings = StudySettings::new(16, 4, 1000, k(), KEY);
     let result = study(&one, &[PRODUCT], &settings, &|_| ()).unwrap();
     let [one, other] = [&one, &other].map(|it| Study::new(it, &[PRODUCT], &settings).unwrap());
@@ -104,7 +104,7 @@ fn expectations_have_the_bits_of_compiled_systems() {
             let expect = if random_points { expect.with_random_points() } else { expect };
             expect.run(&[&PRODUCT], 0.02, &|_| ()).unwrap()
         };
-        let compiled = expected(Setup::of(&one, &Sexp));
-        assert_eq!(compiled, expected(Setup::at_run_time(&other, &Sexp).unwrap()));
+        let compiled = expected(Setup::of(&one, &Heun));
+        assert_eq!(compiled, expected(Setup::at_run_time(&other, &Heun).unwrap()));
     }
 }
