@@ -33,12 +33,13 @@ use crate::{Cause, LadderError, PathFailure, driver::AreFinite};
 /// let lattice = SpinLattice::one_path(Shape::periodic(&[20, 20, 20])?, couplings)?;
 /// let scheme = SexpLi::at_run_time(&lattice)?;
 /// let (lattice, y0) = (Arc::new(lattice), [0.0, 0.0, 1.0].repeat(8000));
-/// let problem = Problem::new(lattice.clone(), Arc::new(Constant::new(0.0)?), y0, 1.0)?;
+/// let problem = Problem::new(lattice, Arc::new(Constant::new(0.0)?), y0, 1.0)?;
 /// let key = StreamKey { seed: 1, experiment: 0 };
 /// let mut path = LargePath::new(&problem, &scheme, 100, Truncation::new(4)?, key, 0)?;
 /// while path.steps_done() < 100 {
 ///     path.advance(10)?;
-///     assert!(lattice.length_defect(path.state(), 1.0) < 1e-13);
+///     let square = |spin: usize| (0..3).map(|i| path.component(3 * spin + i).powi(2)).sum::<f64>();
+///     assert!((0..8000).all(|spin| (square(spin).sqrt() - 1.0).abs() < 1e-13));
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
