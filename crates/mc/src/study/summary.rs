@@ -64,9 +64,9 @@ pub struct Quantile {
     /// Lower end of the 95 % interval; `None` if there are too few values to know one.
     ///
     /// The interval reaches from the lower edge of the bin of the order statistic X₍ₗ₎ to the upper
-    /// edge of that of X₍ᵤ₎, with l and u of [`quantile_ranks`]. So it contains the uncertainty of
-    /// ranks, for any law, and the width of the bins. In the underflow and the overflow the ends
-    /// are the smallest and the largest value.
+    /// edge of that of X₍ᵤ₎, with l and u of [`stats::quantile_ranks`]. So it contains the
+    /// uncertainty of ranks, for any law, and the width of the bins. In the underflow and the
+    /// overflow the ends are the smallest and the largest value.
     pub lo: Option<f64>,
     /// Upper end of the interval.
     pub hi: Option<f64>,
