@@ -94,8 +94,8 @@ const ROUNDING: [f64; 2] = [1e-12, 1e-7];
 /// bins: three steps for each of its own make a tenth.
 const SHARE: u64 = 30;
 const PILOT: u64 = 1024;
-/// Most blocks: the check then sees a hundredth of a deviation.
-const MOST_BLOCKS: u64 = 1024;
+/// Most blocks: the check then sees a fiftieth of a deviation.
+const MOST_BLOCKS: u64 = 256;
 /// The streams of the check differ from those of the run in this bit.
 const CHECK_STREAM: u64 = 1 << 46;
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::quantile::{CONFIDENCE, two_sided};
 
 /// Number, mean, the sums of the second, third and fourth powers of the deviations from it, and the
-/// least and the largest sample.
+/// least and the largest sample with how many are equal to them.
 ///
 /// Merged by the pairwise formulas of Pébay (SAND2008-6212), which subtract no large sums: they
 /// lose no digits where the mean is many times the standard deviation, as that of φ may be.
@@ -19,12 +19,15 @@ pub struct CentralMoments {
     m4: f64,
     least: f64,
     largest: f64,
+    at_ends: [u64; 2],
 }
 
 impl CentralMoments {
     /// Adds a sample.
     pub fn add(&mut self, x: f64) {
-        self.merge(&Self { count: 1, mean: x, least: x, largest: x, ..Self::default() });
+        let at_ends = [1; 2];
+        let sample = Self { count: 1, mean: x, least: x, largest: x, at_ends, ..Self::default() };
+        self.merge(&sample);
     }
 
     /// The moments of the values of these paths of a block. The mean is finite if they all are, and
@@ -56,6 +59,10 @@ impl CentralMoments {
             + square * step * (a - b)
             + 3.0 * step * (a * later.m2 - b * self.m2);
         let m2 = self.m2 + later.m2 + square;
+        let at = |mine: f64, other: f64, counts: [u64; 2]| {
+            (if mine <= other { counts[0] } else { 0 }) + if other <= mine { counts[1] } else { 0 }
+        };
+        let [low, high] = [0, 1].map(|end| [self.at_ends[end], later.at_ends[end]]);
         *self = Self {
             count: self.count + later.count,
             mean: self.mean + b * step,
@@ -64,6 +71,7 @@ impl CentralMoments {
             m4,
             least: self.least.min(later.least),
             largest: self.largest.max(later.largest),
+            at_ends: [at(self.least, later.least, low), at(-self.largest, -later.largest, high)],
         };
     }
 
@@ -145,6 +153,11 @@ impl CentralMoments {
         (self.count > 0).then_some((self.least, self.largest))
     }
 
+    /// How many samples are equal to the least, and to the largest.
+    pub fn at_ends(&self) -> [u64; 2] {
+        self.at_ends
+    }
+
     /// The largest distance of a sample from the mean; zero if all are the same.
     pub fn largest_deviation(&self) -> f64 {
         if self.least == self.largest {
@@ -221,6 +234,13 @@ impl Kernel for OfBlock<'_> {
         let [second, third, fourth] = [sum(&second), sum(&third), sum(&fourth)];
         let shift = sum(&first) / n;
         let square = shift * shift;
+        let ends = [least(&low), least(&high)];
+        let [mut at_least, mut at_largest] = [0u64; 2];
+        for p in 0..WIDTH {
+            let present = u64::from(self.paths.0 >> p & 1);
+            at_least = at_least.wrapping_add(present & u64::from(low[p] == ends[0]));
+            at_largest = at_largest.wrapping_add(present & u64::from(high[p] == ends[1]));
+        }
         CentralMoments {
             count: u64::from(self.paths.len()),
             mean: origin + shift,
@@ -230,8 +250,9 @@ impl Kernel for OfBlock<'_> {
                 fourth - 4.0 * shift * third + 6.0 * square * second - 3.0 * n * square * square,
                 0.0,
             ),
-            least: least(&low),
-            largest: -least(&high),
+            least: ends[0],
+            largest: -ends[1],
+            at_ends: [at_least, at_largest],
         }
     }
 }
@@ -308,6 +329,7 @@ mod tests {
                 block.merge(&CentralMoments::of_block(&values, paths));
             }
             assert_eq!((block.count, block.range()), (single.count, single.range()));
+            assert_eq!(block.at_ends, single.at_ends);
             assert!((block.mean - single.mean).abs() <= 1e-7);
             // Samples are rounded to 1.5e-8, deviations of the mean likewise.
             let close = |a: f64, b: f64| (a - b).abs() <= 1e-5 * f64::from(paths.len());

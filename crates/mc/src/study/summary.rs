@@ -156,7 +156,7 @@ impl Summary {
             }
             _ => TOO_FEW.into(),
         };
-        let ends = sums.ends(cell);
+        let ends = sums.moments(cell).at_ends();
         let quantile = |&(level, (l, u)): &Ranks| match equal && count > 0 {
             // All of them, but for rounding errors.
             true => Quantile {

@@ -15,8 +15,6 @@ pub struct Sums {
     /// Of the finite values, in the unit of the grid; time by time, and for each time observable by
     /// observable.
     moments: Vec<CentralMoments>,
-    /// How many are equal to the smallest, and to the largest.
-    ends: Vec<[u64; 2]>,
     /// Number of values that are not finite, of paths that had not failed.
     not_finite: Vec<u64>,
     counts: Counts,
@@ -27,7 +25,6 @@ impl Sums {
     pub(super) fn new(cells: usize, places: usize) -> Self {
         Self {
             moments: vec![CentralMoments::default(); cells],
-            ends: vec![[0; 2]; cells],
             not_finite: vec![0; cells],
             counts: Counts::new(cells * places),
         }
@@ -36,9 +33,9 @@ impl Sums {
     /// Adds the sums of other paths of the same study.
     fn merge(&mut self, later: &Self) {
         let mut most = 0;
-        for (cell, (more, ends)) in later.moments.iter().zip(&later.ends).enumerate() {
-            self.merge_cell(cell, more, *ends);
-            most = most.max(self.moments[cell].count());
+        for (sum, more) in self.moments.iter_mut().zip(&later.moments) {
+            sum.merge(more);
+            most = most.max(sum.count());
         }
         for (sum, more) in self.not_finite.iter_mut().zip(&later.not_finite) {
             *sum += more;
@@ -46,38 +43,20 @@ impl Sums {
         self.counts.merge(&later.counts, most);
     }
 
-    fn merge_cell(&mut self, cell: usize, later: &CentralMoments, ends: [u64; 2]) {
-        if let Some((least, largest)) = later.range() {
-            let (low, high) = self.moments[cell].range().unwrap_or((least, largest));
-            let sides = [(least - low, ends[0]), (high - largest, ends[1])];
-            for (sum, (beyond, more)) in self.ends[cell].iter_mut().zip(sides) {
-                *sum = if beyond < 0.0 { 0 } else { *sum } + if beyond > 0.0 { 0 } else { more };
-            }
-        }
-        self.moments[cell].merge(later);
-    }
-
     /// Adds the values of the paths `live` of a block.
     fn add(&mut self, cell: usize, values: &[f64; WIDTH], live: PathMask, grid: Option<&Grid>) {
         let scale = 1.0 / grid.map_or(1.0, Grid::unit);
-        let scaled = values.map(|value| value * scale);
+        let mut scaled = *values;
+        for p in 0..WIDTH {
+            scaled[p] *= scale;
+        }
         let (mut block, mut finite) = (CentralMoments::of_block(&scaled, live), live);
         if !block.mean().is_finite() {
             finite = finite_values(&scaled, live);
             self.not_finite[cell] += u64::from(live.without(finite).len());
             block = CentralMoments::of_block(&scaled, finite);
         }
-        let ends = block.range().map_or([0; 2], |(least, largest)| {
-            // Where others are beyond, they do not count.
-            let (low, high) = self.moments[cell].range().unwrap_or((least, largest));
-            let count = |end: f64| match finite {
-                PathMask::ALL => scaled.iter().map(|&x| u64::from(x == end)).sum(),
-                _ => finite.paths().filter(|&p| scaled[p] == end).count() as u64,
-            };
-            [(least, least <= low), (largest, largest >= high)]
-                .map(|(end, counts)| if counts { count(end) } else { 0 })
-        });
-        self.merge_cell(cell, &block, ends);
+        self.moments[cell].merge(&block);
         let Some(grid) = grid else { return };
         let mut places = [0; WIDTH];
         grid.place(values, &mut places);
@@ -87,11 +66,6 @@ impl Sums {
     /// Moments of the finite values of a cell, in the unit of its grid.
     pub(super) fn moments(&self, cell: usize) -> &CentralMoments {
         &self.moments[cell]
-    }
-
-    /// How many values of a cell are equal to the smallest, and to the largest.
-    pub(super) fn ends(&self, cell: usize) -> [u64; 2] {
-        self.ends[cell]
     }
 
     /// Number of values of a cell that are not finite.
