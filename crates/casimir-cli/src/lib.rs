@@ -3,6 +3,9 @@
 //! [`Scene::new`](scene::Scene::new) reads a scene and checks it; its [`Model`](model::Model) is
 //! the problem with every scheme for it. The program `casimir` is made of these.
 //!
+//! The way through: text → `scene/file` (keys) → `scene/run`, `scene/observe` (checked) → `model` →
+//! in the program `commands/run` (`Results`) → `output` (`figures`, `page`, `npz`).
+//!
 //! ```
 //! use casimir::mc::Simulation;
 //! use casimir_cli::scene::{Changes, Scene, Source};
