@@ -32,8 +32,8 @@ pub use final_moments::{FinalMoments, FinalRows};
 pub use inspect::{InspectSettings, inspect};
 pub use number::{number, worse};
 pub use orders::{
-    Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, strong_order, weak_order,
-    wrong_limit,
+    Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, squared_distance,
+    strong_order, weak_order, wrong_limit,
 };
 pub use step_check::{
     Halved, STIFF, StepCheck, StepError, StepErrors, TURN, checked_paths, step_check,

@@ -2,8 +2,8 @@
 //!
 //! [`schemes`] are generic over the system, so each crate that runs one compiles its block kernel
 //! anew, for three instruction sets. This crate does it for the systems of the paper, behind
-//! [`Scheme`] as an object: for the program, the panels, and the tests of all crates. The numbers
-//! are the same: these are the schemes of [`BuiltIn`] and nothing else.
+//! [`Scheme`] as an object, for the program and the panels. The numbers are the same: these are the
+//! schemes of [`BuiltIn`] and nothing else.
 //!
 //! ```
 //! use kernels::Tuned;
@@ -29,7 +29,7 @@ use systems::{
     RigidBodyEnergy,
 };
 
-/// A system whose built-in schemes are compiled in this crate.
+/// A system whose built-in schemes are compiled once, where this trait is implemented.
 pub trait Tuned<const D: usize, const M: usize>: PoissonSystem<D, M> + Sized {
     /// The scheme on the system, as [`BuiltIn::by_parts`] makes it where flows are known, and else
     /// [`BuiltIn::compiled`].

@@ -175,8 +175,9 @@ pub struct Measured<T> {
 
 /// Default number of failures that are described.
 const DESCRIBED_FAILURES: usize = 8;
-/// Paths of a fingerprint.
+/// Paths whose statistics are in a fingerprint, and coarse steps of its states.
 const PROBES: u64 = 4;
+const PROBE_STEPS: u64 = 16;
 
 impl<'a> Ladder<'a> {
     /// A ladder with `finest_steps` steps on [0, T] at level 0 and `levels` levels above it, for
@@ -429,31 +430,42 @@ impl<'a> Ladder<'a> {
         PathFailure { path, key, scheme, swapped, tau, step, cause }
     }
 
-    /// What tells this ladder and a statistic from others, by names: what they give on the first
-    /// paths. Names do not tell: a changed constant in a formula has the same name.
+    /// What tells this ladder and a statistic from others, by names: the damping, and what they give
+    /// in the first steps of a block, so that a long path costs no more. Names do not tell: a changed
+    /// constant in a formula has the same name.
     pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> Vec<(String, String)> {
-        let Driver { finest_steps, levels, ref runs, ref batches, key, .. } = self.driver;
-        let last = self.coarse_steps();
-        let times = new().some_times(last);
+        let Driver { damping, t_end, finest_steps, levels, ref runs, ref batches, key, .. } =
+            self.driver;
+        let times = new().some_times(self.coarse_steps());
         // One path at a time: a sum over many would hide small differences.
         let mut statistics: Vec<T> = (0..PROBES).map(|_| new()).collect();
-        let mut states = Vec::new();
+        let (mut states, stop) = (Vec::new(), Stop::default());
+        let last = self.coarse_steps().min(PROBE_STEPS);
         let mut observe = |view: &View<'_>| {
+            for state in (0..view.runs()).map(|run| view.state(run)) {
+                states.extend(view.live.paths().flat_map(|p| state.iter().map(move |row| row[p])));
+            }
+            if view.time < last {
+                return;
+            }
             for (p, statistic) in statistics.iter_mut().enumerate() {
                 let live = view.live.and(PathMask(1 << p));
-                if [1, last].contains(&view.time) && !live.is_empty() {
-                    let state = (0..view.runs()).flat_map(|run| view.state(run));
-                    states.extend(state.map(|row| row[p]));
-                }
-                if times.contains(&view.time) {
-                    statistic.observe(&View { live, ..*view });
-                }
+                times.iter().for_each(|&time| statistic.observe(&View { time, live, ..*view }));
             }
+            stop.now();
         };
-        let all = on_stack(self.stack, || {
-            self.driver.march(0, PROBES, &mut observe, &|_| (), &Stop::default()).map(|_| ())
+        // It is stopped, or at its end.
+        let _ = on_stack(self.stack, || {
+            let paths = real::WIDTH as u64;
+            self.driver.march(0, paths, &mut observe, &|_| (), &stop).map(|_| ())
         });
-        all.unwrap_or_else(|_| unreachable!("nothing stops it"));
+        // NaN has many forms, and any is as good as another.
+        let one_nan = |x: f64| if x.is_nan() { f64::NAN } else { x };
+        let rates = (0..16).map(|n| {
+            let [from, to] = [n, n + 1].map(|n| t_end * f64::from(n) / 16.0);
+            [damping.rate(from), damping.integral(from, to)].map(one_nan)
+        });
+        let damping: Vec<_> = rates.collect();
         let bounds = batches.iter().map(|batch| {
             (batch.due_level(), batch.bounds.increment.to_bits(), batch.bounds.area.to_bits())
         });
@@ -464,7 +476,7 @@ impl<'a> Ladder<'a> {
         let pairs = [
             ("the seed", key.seed.to_string()),
             ("the experiment", key.experiment.to_string()),
-            ("paths with hash", hash(&((finest_steps, levels), bounds, schemes, states))),
+            ("paths with hash", hash(&((finest_steps, levels), damping, bounds, schemes, states))),
             ("observables with hash", hash(&(new().fixed(), sums))),
         ];
         pairs.map(|(name, value)| (name.to_owned(), value)).into()

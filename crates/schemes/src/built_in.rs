@@ -67,7 +67,7 @@ pub enum Explicitness {
     No,
     /// Where B is constant.
     WhereConstant,
-    /// For every system; nothing is kept.
+    /// For every system; no invariant is kept.
     Always,
 }
 

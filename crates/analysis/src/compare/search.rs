@@ -195,11 +195,11 @@ impl<'a> Search<'a> {
             let points = &errors.points[s];
             let Some(last) = points.last() else { continue };
             // The whole interval is at most the wanted error.
-            if points.iter().any(|point| point.resolved && point.hi <= wanted) {
-            } else if last.resolved {
-                next.sizes[s].end += by(last.error);
-            } else {
-                finer = true;
+            let reached = points.iter().any(|point| point.resolved && point.hi <= wanted);
+            match (reached, last.resolved) {
+                (true, _) => {}
+                (false, true) => next.sizes[s].end += by(last.error),
+                (false, false) => finer = true,
             }
         }
         if finer {

@@ -57,8 +57,8 @@ pub enum Limit {
         /// Upper end of the interval of the distance.
         distance: f64,
     },
-    /// There was nothing to compare with: the other schemes fail, or are the scheme itself, and single
-    /// steps show nothing.
+    /// There was nothing to compare with: the other schemes fail, or are the scheme itself, and
+    /// single steps show nothing.
     Unchecked,
 }
 

@@ -34,7 +34,7 @@ mod within;
 use mc::{LadderError, Observe, parts::Stop};
 use stats::{Point, Rate};
 
-pub(crate) use errors::squared_distance;
+pub use errors::squared_distance;
 pub(crate) use order::{difference, evaluate};
 pub(crate) use steps::Subject;
 

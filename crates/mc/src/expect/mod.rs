@@ -154,24 +154,19 @@ impl<'a> Expect<'a> {
     pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         problem: &'a systems::Problem<S, G, D>,
     ) -> Self {
-        Self::compiled(problem, |scheme, system, y0| match scheme {
-            BuiltIn::Sexp => Ok(Box::new(Sexp)),
-            _ => Ok(Box::new(SexpLi::new(system, y0)?)),
-        })
+        let first = SexpLi::new(problem.system(), problem.y0());
+        Self::of_schemes(problem, first.map(|first| Box::new(first) as _), Box::new(Sexp))
     }
 
     /// Expectations of a problem whose system has parts with flows, which cost less.
     pub fn by_parts<S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
         problem: &'a systems::Problem<S, G, D>,
     ) -> Self {
-        Self::compiled(problem, |scheme, _, _| match scheme {
-            BuiltIn::Sexp => Ok(Box::new(Sexp)),
-            _ => Ok(Box::new(Nv::of_parts())),
-        })
+        Self::of_schemes(problem, Ok(Box::new(Nv::of_parts())), Box::new(Sexp))
     }
 
-    /// Expectations of a problem with the schemes that `scheme` makes: [`BuiltIn::Nv`], which is
-    /// the first choice, [`BuiltIn::SexpLi`] where there is none, and [`BuiltIn::Sexp`].
+    /// Expectations of a problem with the schemes that `scheme` makes: [`BuiltIn::Nv`], or else
+    /// [`BuiltIn::SexpLi`], and [`BuiltIn::Sexp`].
     ///
     /// # Panics
     /// If it does not make [`BuiltIn::Sexp`].
@@ -180,9 +175,19 @@ impl<'a> Expect<'a> {
         scheme: impl Fn(BuiltIn, &S, [f64; D]) -> Result<Box<dyn Scheme<S, D, M>>, SchemeError>,
     ) -> Self {
         let make = |id| scheme(id, problem.system(), problem.y0());
+        let first = make(BuiltIn::Nv).or_else(|_| make(BuiltIn::SexpLi));
+        let sexp = make(BuiltIn::Sexp).unwrap_or_else(|error| unreachable!("{error}"));
+        Self::of_schemes(problem, first, sexp)
+    }
+
+    /// The first scheme, averaged over both orders of the noises if it has them, and `sexp`.
+    fn of_schemes<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+        problem: &'a systems::Problem<S, G, D>,
+        first: Result<Box<dyn Scheme<S, D, M>>, SchemeError>,
+        sexp: Box<dyn Scheme<S, D, M>>,
+    ) -> Self {
         let bind = |scheme| bind_owned(problem, scheme);
         let setup = |scheme| Setup { problem: Problem::of(problem), scheme };
-        let first = make(BuiltIn::Nv).or_else(|_| make(BuiltIn::SexpLi));
         let first = first.map(|first| match first.both_orders() {
             Some([forward, backward]) => Candidate {
                 setup: setup(bind(forward)),
@@ -192,7 +197,6 @@ impl<'a> Expect<'a> {
             },
             None => Candidate::of_order_one(setup(bind(first))),
         });
-        let sexp = make(BuiltIn::Sexp).unwrap_or_else(|error| unreachable!("{error}"));
         Self::of(first.map_err(|error| error.to_string()), setup(bind(sexp)))
     }
 

@@ -49,7 +49,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan for `nodes` of which the `results` are wanted. Inputs are overwritten if `consumed`.
+    /// The plan for `nodes` of which the `results` are wanted. Inputs may be overwritten if
+    /// `consumed`.
     pub fn new(nodes: &[Recorded], results: &[usize], consumed: bool) -> Self {
         let mut count = vec![0; nodes.len()];
         nodes.iter().flat_map(|node| node.arguments()).for_each(|x| count[x] += 1);

@@ -2,10 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use analysis::{Exact, FinalMoments, wrong_limit};
+use analysis::{Exact, FinalMoments, squared_distance, wrong_limit};
 use mc::{Ladder, Measured, Run, View};
 use noise::Truncation;
-use real::{Row, WIDTH};
+use real::Row;
 use schemes::{BuiltIn, StrongOrder};
 use stats::{Rate, fit_strong, root_mean_squares};
 use systems::paper::valid;
@@ -203,7 +203,7 @@ impl StrongPanel<'_> {
         let ladder = valid(Ladder::new(problem, steps, 2, self.truncation, key, runs));
         let differences = |view: &View<'_>, rows: &mut [Row]| {
             for (s, row) in rows.iter_mut().enumerate() {
-                *row = squared_differences(view.state(2 * s), view.state(2 * s + 1));
+                *row = squared_distance(view.state(2 * s), view.state(2 * s + 1), view.live);
             }
         };
         let at = |time| FinalMoments::new(time, curves.len(), &differences);
@@ -264,22 +264,13 @@ fn write_squares(
     let (errors, rest) = rows.split_at_mut(runs.len());
     let (differences, clipped) = rest.split_at_mut(runs.len() - 1);
     for (r, &run) in runs.iter().enumerate() {
-        errors[r] = squared_differences(view.state(run), &reference);
+        errors[r] = squared_distance(view.state(run), &reference, view.live);
         let clips = |p| if view.clipped[run].contains(p) { errors[r][p] } else { 0.0 };
         clipped[r] = std::array::from_fn(clips);
     }
     for (difference, pair) in differences.iter_mut().zip(runs.windows(2)) {
-        *difference = squared_differences(view.state(pair[0]), view.state(pair[1]));
+        *difference = squared_distance(view.state(pair[0]), view.state(pair[1]), view.live);
     }
-}
-
-/// |y − x|² on every path.
-fn squared_differences(y: &[Row], x: &[Row]) -> Row {
-    let mut squares = [0.0; WIDTH];
-    for (y, x) in y.iter().zip(x) {
-        (0..WIDTH).for_each(|p| squares[p] += (y[p] - x[p]) * (y[p] - x[p]));
-    }
-    squares
 }
 
 pub fn power_of_half(exponent: u32) -> f64 {
