@@ -14,7 +14,7 @@ use mc::{
 use noise::{StreamKey, Truncation};
 use schemes::{EulerMaruyama, Heun, Scheme};
 use serde::{Deserialize, Serialize};
-use systems::{Constant, Pendulum, Problem};
+use systems::{Constant, Damping, Pendulum, Problem};
 
 type Pendulums = Problem<Pendulum, Constant, 2>;
 
@@ -543,4 +543,40 @@ fn a_plan_says_how_long_parts_take() {
         let groups = sum.groups.div_ceil(of);
         assert_eq!([one.round() as u64, two.round() as u64], [groups, groups.div_ceil(2)]);
     }
+}
+
+/// Counts the steps that ask for it.
+struct Counting(AtomicU64);
+
+impl Damping for Counting {
+    fn rate(&self, _: f64) -> f64 {
+        0.0
+    }
+    fn integral(&self, _: f64, _: f64) -> f64 {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        0.0
+    }
+    fn describe(&self) -> String {
+        "none".into()
+    }
+}
+
+#[test]
+fn a_long_path_is_not_computed_twice_to_tell_it_from_others() {
+    let folder = tempfile::tempdir().unwrap();
+    // More steps than are kept in a table.
+    let steps = 1 << 15;
+    let asked = |job: Job| {
+        let damping = Counting(AtomicU64::new(0));
+        let problem = Problem::new(Pendulum::new(1.0).unwrap(), &damping, [0.2, 1.0], 1.0).unwrap();
+        let runs = vec![Run::new(bind(&problem, &Heun), 0)];
+        let (truncation, key) = (Truncation::none(), StreamKey { seed: 1, experiment: 5 });
+        let of = mc::Problem::of(&problem);
+        let ladder = Ladder::new(&of, steps, 3, truncation, key, runs).unwrap();
+        ladder.run_in(&job, "sum", 32, || Sum::new(3.0), &|_| ()).unwrap();
+        job.finish().unwrap();
+        damping.0.load(Ordering::Relaxed) as f64
+    };
+    let kept = asked(STUDY.part(folder.path(), 1, 1).unwrap());
+    assert!(kept < 1.1 * asked(Job::here()), "{kept} integrals for {steps} steps");
 }
