@@ -32,7 +32,7 @@ pub use final_moments::{FinalMoments, FinalRows};
 pub use inspect::{InspectSettings, inspect};
 pub use number::{number, worse};
 pub use orders::{
-    Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, squared_distance,
+    Decision, Exact, Limit, More, OneStep, Order, ReferenceSolution, StepSizes, squared_distance,
     strong_order, weak_order, wrong_limit,
 };
 pub use step_check::{

@@ -8,6 +8,7 @@
 use casimir::mc;
 use casimir::plot::{comparison_csv, figure};
 use casimir::prelude::*;
+use casimir::schemes::BuiltIn;
 
 /// A body in an ideal fluid, y = (m, p) with its angular and linear momentum: ṁ = m×∂H/∂m +
 /// p×∂H/∂p, ṗ = p×∂H/∂m.
@@ -71,7 +72,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let key = StreamKey { seed: 1, experiment: 1 };
     // A strong error of 1e-3, in at most a minute.
     let settings = CompareSettings::new(1e-3, Truncation::new(4)?, key);
-    let comparison = compare(&mc::Problem::of(&problem), &Candidates::all(&problem), &settings)?;
+    let all = Candidates::compiled(&problem, BuiltIn::compiled);
+    let comparison = compare(&mc::Problem::of(&problem), &all, &settings)?;
     println!("{comparison}");
     let folder = std::env::temp_dir();
     let file = folder.join("kirchhoff.svg");

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use mc::{Setup, bind_owned};
 use schemes::{BuiltIn, Method, Scheme, SchemeError};
 use systems::{
-    Flows, PoissonSystem, Problem,
+    PoissonSystem, Problem,
     run_time::{Compiled, Problem as RunTimeProblem},
 };
 
@@ -41,26 +41,13 @@ impl<'a> Candidates<'a> {
         Self { casimirs, ..self }
     }
 
-    /// All [built-in schemes](BuiltIn) for `problem` but those of flows; with Lévy areas only if
-    /// the noises do not commute. The reference is [`SexpLevy`](schemes::SexpLevy).
+    /// The built-in schemes that `scheme` makes for the system: all that need no flows with
+    /// [`BuiltIn::compiled`], also [`Nv`](schemes::Nv) and [`Split`](schemes::Split) with
+    /// [`BuiltIn::by_parts`]; with Lévy areas only if the noises do not commute. The reference is
+    /// [`SexpLevy`](schemes::SexpLevy).
     ///
     /// If the system names no invariant, the linear and quadratic Casimirs that
     /// [`Facts`](crate::facts::Facts) have are measured.
-    pub fn all<S: PoissonSystem<D, M> + 'static, G, const D: usize, const M: usize>(
-        problem: &'a Problem<S, G, D>,
-    ) -> Self {
-        Self::compiled(problem, BuiltIn::compiled)
-    }
-
-    /// The same for a system of parts with flows: also [`Nv`](schemes::Nv) and
-    /// [`Split`](schemes::Split).
-    pub fn by_parts<S: Flows<D, M> + 'static, G, const D: usize, const M: usize>(
-        problem: &'a Problem<S, G, D>,
-    ) -> Self {
-        Self::compiled(problem, BuiltIn::by_parts)
-    }
-
-    /// The built-in schemes that `scheme` makes for the system.
     ///
     /// # Panics
     /// If it does not make [`Sexp`](schemes::Sexp).

@@ -10,7 +10,6 @@ use stats::{CrossMoments, root_mean_square_interval};
 
 use super::{
     laws::{Value, defects},
-    own_areas::as_drawn,
     search::Search,
 };
 use crate::{FinalMoments, Spread, orders::squared_distance};
@@ -90,12 +89,10 @@ pub struct Plan {
 const REFERENCES: usize = 3;
 /// The part of an error that the error of the reference may be.
 const RESOLVED: f64 = 0.25;
-/// Two-sided 95 % quantile of the normal distribution.
-const QUANTILE: f64 = 1.96;
 
 impl<'a> Search<'a> {
     /// Distances to the reference on the same noise, whose own error is estimated from its
-    /// differences. A scheme that reads Lévy areas gets them with the error of its own step.
+    /// differences.
     pub fn measure(&self, plan: &Plan, stop: &Stop) -> Result<(Sampled, Errors), LadderError> {
         let Self { problem, candidates, settings, base, .. } = *self;
         let finest = plan.sizes.iter().map(|sizes| sizes.end.saturating_sub(1));
@@ -107,7 +104,7 @@ impl<'a> Search<'a> {
         let mut runs: Vec<Run<'_>> =
             references.map(|size| run(&candidates.reference, size)).collect();
         for (scheme, sizes) in candidates.schemes.iter().zip(&plan.sizes) {
-            runs.extend(sizes.clone().map(|size| run(&as_drawn(scheme), size)));
+            runs.extend(sizes.clone().map(|size| run(scheme, size)));
         }
         let length = 2 * runs.len() - REFERENCES;
         let top = runs.iter().map(|run| run.level).max().unwrap_or(0);
@@ -173,15 +170,15 @@ fn squares(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
     }
 }
 
-/// The root of a mean square: its standard error, and the value between the ends of its interval, a
-/// bootstrap-t interval of 95 %, or a normal one with fewer than 32 paths.
+/// The root of a mean square: its standard error, and the value between the ends of its bootstrap-t
+/// interval of 95 %, which fewer than 32 paths do not have.
 fn root_mean_square(squares: &CrossMoments, index: usize) -> (f64, [f64; 3]) {
     let value = squares.mean(index).sqrt();
-    let deviation = squares.covariance_of_means(index, index).max(0.0).sqrt();
-    let [se, reach] =
-        [1.0, QUANTILE].map(|k| if value > 0.0 { k * deviation / (2.0 * value) } else { 0.0 });
-    let normal = ((value - reach).max(0.0), value + reach);
-    let (lo, hi) = root_mean_square_interval(squares, index).unwrap_or(normal);
+    if value == 0.0 {
+        return (0.0, [0.0; 3]);
+    }
+    let se = squares.covariance_of_means(index, index).max(0.0).sqrt() / (2.0 * value);
+    let (lo, hi) = root_mean_square_interval(squares, index).unwrap_or((0.0, f64::INFINITY));
     (se, [lo, value, hi])
 }
 

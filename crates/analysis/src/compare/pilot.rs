@@ -10,7 +10,7 @@ use std::{
 use mc::{Ladder, LadderError, Run, View, parts::Stop};
 use schemes::Method;
 
-use super::{Outcome, own_areas::as_drawn, search::Search};
+use super::{Outcome, search::Search};
 use crate::{
     FinalMoments, Limit, StepSizes, Stopwatch,
     orders::{Subject, single_steps},
@@ -44,7 +44,7 @@ impl Known {
         let (mut excluded, mut seconds) = (Outcome::NotMeasured, 0.0);
         for first in 0..=FINEST {
             let steps = search.base << first;
-            let runs = vec![Run::new(as_drawn(scheme), 0)];
+            let runs = vec![Run::new(Arc::clone(scheme), 0)];
             let ladder = Ladder::new(problem, steps, 0, truncation, search.key(1), runs)?;
             let nothing = |_: &View<'_>, _: &mut [_]| ();
             let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);

@@ -28,7 +28,7 @@ const LATEST: f64 = 1e9;
 #[non_exhaustive]
 pub enum CompareError {
     /// There is no scheme to compare.
-    #[error("a comparison needs at least one scheme, got none: `Candidates::all` has them all")]
+    #[error("a comparison needs at least one scheme, got none")]
     NoScheme,
     /// A setting that is out of range.
     #[error("the {what} must be {range}, got {value}")]

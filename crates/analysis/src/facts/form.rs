@@ -1,13 +1,14 @@
 //! Linear and quadratic forms, and sums of terms as text.
 
+use real::elementary;
 use serde::Serialize;
 
 use super::algebra::{Matrix, dot, largest};
 
-/// βᵀy, or ½yᵀQy.
+/// Σβᵢ ln|yᵢ|, βᵀy, or ½yᵀQy.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Form {
-    /// 1 or 2.
+    /// 0, 1 or 2.
     pub degree: u32,
     /// β, or the rows of Q one after the other.
     pub coefficients: Vec<f64>,
@@ -23,9 +24,10 @@ impl Form {
     /// The formula in y1, y2, …, coefficients to six digits.
     pub fn formula(&self) -> String {
         let c = &self.coefficients;
-        let d = if self.degree == 1 { c.len() } else { c.len().isqrt() };
+        let d = if self.degree < 2 { c.len() } else { c.len().isqrt() };
         let (squares, products): (Vec<_>, Vec<_>) = places(d).partition(|(i, j)| i == j);
         let term = |(i, j): (usize, usize)| match (self.degree, i == j) {
+            (0, _) => (c[i], format!("ln|y{}|", i + 1)),
             (1, _) => (c[i], format!("y{}", i + 1)),
             (_, true) => (0.5 * c[i * d + i], format!("y{}²", i + 1)),
             (_, false) => (c[i * d + j], format!("y{} y{}", i + 1, j + 1)),
@@ -34,9 +36,10 @@ impl Form {
         sum_of_terms(squares.into_iter().chain(products).map(term))
     }
 
-    /// The gradient at y.
+    /// The gradient at y; that of logarithms times the product of the components that occur.
     pub(crate) fn gradient(&self, y: &[f64]) -> Vec<f64> {
         match self.degree {
+            0 => without_own(&self.coefficients, y),
             1 => self.coefficients.clone(),
             _ => self.coefficients.chunks(y.len()).map(|row| dot(row, y)).collect(),
         }
@@ -44,8 +47,20 @@ impl Form {
 
     /// The value at y.
     pub fn value(&self, y: &[f64]) -> f64 {
-        dot(&self.gradient(y), y) / f64::from(self.degree)
+        match self.degree {
+            0 => self.coefficients.iter().zip(y).map(|(c, y)| c * elementary::ln(y.abs())).sum(),
+            degree => dot(&self.gradient(y), y) / f64::from(degree),
+        }
     }
+}
+
+/// cᵢ/yᵢ times the product of all y whose coefficients are not zero.
+pub fn without_own(c: &[f64], y: &[f64]) -> Vec<f64> {
+    let others = |i: usize| {
+        let others = (0..c.len()).filter(|&j| j != i && c[j] != 0.0);
+        c[i] * others.map(|j| y[j]).product::<f64>()
+    };
+    (0..c.len()).map(|i| if c[i] == 0.0 { 0.0 } else { others(i) }).collect()
 }
 
 /// The places (i, j), i ≤ j, of a symmetric matrix.

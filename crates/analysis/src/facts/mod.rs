@@ -91,7 +91,9 @@ impl Facts {
 /// The linear and quadratic Casimirs of a system, as [`Facts`] have them.
 pub fn casimirs_around(system: &dyn System, y0: &[f64]) -> Vec<Form> {
     let mut random = Random::new(Purpose::Points);
-    casimirs(&mut Probe::new(system), |probe| around(probe, y0, &mut random)).forms
+    let mut forms = casimirs(&mut Probe::new(system), |probe| around(probe, y0, &mut random)).forms;
+    forms.retain(|form| form.degree > 0);
+    forms
 }
 
 /// Components up to which [`fastest`] looks at the matrix of the derivative.

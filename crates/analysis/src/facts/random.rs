@@ -14,7 +14,6 @@ pub struct Random {
 pub enum Purpose {
     Points,
     Around,
-    Paths,
     Vectors,
     Weights,
     Areas,

@@ -4,7 +4,7 @@ use systems::Linearity;
 
 use super::{
     algebra::{Matrix, axis, dot, largest, moved, norm, null_space},
-    form::{Form, places, readable},
+    form::{Form, places, readable, without_own},
     probe::{Batch, Probe},
 };
 
@@ -16,13 +16,15 @@ const NOISE: f64 = 32.0 * f64::EPSILON;
 const CLEAR: f64 = 1e-6;
 /// Most unknowns of a quadratic Casimir: their elimination takes a tenth of a second.
 pub const UNKNOWNS: usize = 300;
+/// Most components of a part in which logarithms are sought.
+const LOGARITHMS: usize = 64;
 /// Equations for each unknown; a matrix of low rank has few at a point.
 const SURPLUS: usize = 2;
 
 /// Functions that may be Casimirs.
 #[derive(Default)]
 pub struct Candidates {
-    /// Linear ones, then quadratic ones that are no products of these.
+    /// Linear ones, then quadratic ones that are no products of these, then sums of logarithms.
     pub forms: Vec<Form>,
     /// Whether there can be no others.
     pub complete: bool,
@@ -53,7 +55,7 @@ pub fn casimirs(
         some
     };
     more(probe, &mut states);
-    let (mut linear, mut quadratic) = (Vec::new(), Vec::new());
+    let mut found = [const { Vec::new() }; 3];
     let mut all = Candidates { forms: Vec::new(), complete: true, quadratic: true };
     for part in parts(probe, &states[0]) {
         let size = part.len();
@@ -82,9 +84,18 @@ pub fn casimirs(
             all.complete &= least > CLEAR;
             twos = beyond(found, products(&ones, size));
         }
+        // Components that are Casimirs by themselves have logarithms that are nothing new.
+        let moves = |j: &usize| states[0].1.iter().flatten().any(|row| row[*j] != 0.0);
+        let moving: Vec<usize> =
+            part.iter().copied().filter(moves).filter(|_| size <= LOGARITHMS).collect();
+        let of_logarithms = equations(&moving, all_points(&states[..1]), |b, y| {
+            without_own(b, &moving.iter().map(|&j| y[j]).collect::<Vec<_>>())
+        });
+        let (logarithms, _) = null_space(of_logarithms, moving.len(), ZERO);
         let whole = |degree: u32, x: Vec<f64>| {
-            let (x, mut all) = (readable(x, ZERO), vec![0.0; d.pow(degree)]);
+            let (x, mut all) = (readable(x, ZERO), vec![0.0; d.pow(degree.max(1))]);
             match degree {
+                0 => moving.iter().zip(x).for_each(|(i, c)| all[*i] = c),
                 1 => part.iter().zip(x).for_each(|(i, c)| all[*i] = c),
                 _ => {
                     for ((k, l), c) in places(size).zip(x) {
@@ -95,10 +106,11 @@ pub fn casimirs(
             }
             Form { degree, coefficients: all }
         };
-        linear.extend(ones.into_iter().map(|x| whole(1, x)));
-        quadratic.extend(twos.into_iter().map(|x| whole(2, x)));
+        for (found, (degree, x)) in found.iter_mut().zip([(1, ones), (2, twos), (0, logarithms)]) {
+            found.extend(x.into_iter().map(|x| whole(degree, x)));
+        }
     }
-    all.forms = linear.into_iter().chain(quadratic).collect();
+    all.forms = found.concat();
     all.complete &= all.quadratic;
     all
 }

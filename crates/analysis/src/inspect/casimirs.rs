@@ -4,11 +4,10 @@ use real::WIDTH;
 use serde::Serialize;
 
 use super::{
-    algebra::{Matrix, dot, moved, norm, null_space},
-    finding::{CLUSTER, Finding, products},
-    form::{Form, readable, sum_of_terms},
-    points::Points,
-    search::{Candidates, UNKNOWNS, ZERO, casimirs, equations},
+    algebra::{Matrix, dot, moved, norm},
+    finding::{Finding, products},
+    form::{Form, readable},
+    search::{Candidates, ZERO, casimirs},
     shape::Minimum,
     sight::Sight,
     spectrum::smallest_eigenvalue,
@@ -38,20 +37,6 @@ impl FoundCasimir {
     }
 }
 
-/// A Casimir Σ cᵢ ln|yᵢ|, as B of Lotka–Volterra systems has, with bᵢⱼyᵢyⱼ in row i and column j.
-///
-/// Exact flows keep it, see `schemes::Split`; schemes that keep quadratic Casimirs do not.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LogarithmicCasimir {
-    /// The formula with the coefficients of this system, to six digits: `ln y1` where y₁ > 0 at
-    /// every point, else `ln|y1|`.
-    pub formula: String,
-    /// c.
-    pub coefficients: Vec<f64>,
-    /// B∇C = 0, with these coefficients, times the product of the coordinates that occur.
-    pub casimir: Finding,
-}
-
 /// The Casimirs of B.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Casimirs {
@@ -65,8 +50,9 @@ pub struct Casimirs {
     pub definite: Option<FoundCasimir>,
     /// Whether quadratic Casimirs were searched for: where B joins no more than 23 components.
     pub quadratic_sought: bool,
-    /// A basis of those that are sums of logarithms of coordinates.
-    pub logarithmic: Vec<LogarithmicCasimir>,
+    /// Sums of logarithms, as B of Lotka–Volterra systems has. Exact flows keep them, see
+    /// `schemes::Split`; schemes that keep quadratic Casimirs do not.
+    pub logarithmic: Vec<FoundCasimir>,
 }
 
 impl Casimirs {
@@ -80,70 +66,17 @@ impl Casimirs {
             chunks.next().map(<[Vec<f64>]>::to_vec).unwrap_or_default()
         });
         let evaluated = |form| FoundCasimir::new(form, sight, &matrices);
-        let candidates = forms.into_iter().map(evaluated);
-        let (found, others): (Vec<_>, Vec<_>) = candidates.partition(|c| c.casimir.holds());
+        let (candidates, mut logarithmic): (Vec<_>, Vec<_>) =
+            forms.into_iter().map(evaluated).partition(|c| c.form.degree > 0);
+        logarithmic.retain(|c| c.casimir.holds());
+        let (found, others): (Vec<_>, Vec<_>) =
+            candidates.into_iter().partition(|c| c.casimir.holds());
         let definite = definite(&found).map(evaluated).filter(|c| c.casimir.holds());
-        Self {
-            // The others being Casimirs, one that fails is in no combination that is one.
-            complete: complete
-                && others.iter().filter(|c| c.casimir.fails()).count() == others.len().min(1),
-            found,
-            definite,
-            quadratic_sought: quadratic,
-            logarithmic: LogarithmicCasimir::all(sight, &matrices),
-        }
+        // The others being Casimirs, one that fails is in no combination that is one.
+        let failing = others.iter().filter(|c| c.casimir.fails()).count();
+        let complete = complete && failing == others.len().min(1);
+        Self { found, complete, definite, quadratic_sought: quadratic, logarithmic }
     }
-}
-
-impl LogarithmicCasimir {
-    /// A basis of those that hold at all points. Coordinates that are Casimirs by themselves are
-    /// left out: their logarithms are nothing new.
-    fn all(sight: &mut Sight<'_>, matrices: &[Matrix]) -> Vec<Self> {
-        let d = sight.probe.dimension();
-        let moves = |j: &usize| matrices.iter().flatten().any(|row| row[*j] != 0.0);
-        let moving: Vec<usize> = (0..d).filter(moves).collect();
-        if moving.is_empty() || d > UNKNOWNS {
-            return Vec::new();
-        }
-        let points = sight.states.iter().zip(matrices).step_by(CLUSTER);
-        let equations = equations(&moving, points, |b, y| {
-            slopes(y, &moving).iter().zip(b).map(|(s, b)| s * b).collect()
-        });
-        let (solutions, _) = null_space(equations, moving.len(), ZERO);
-        // The coefficients were fitted to the points for identities.
-        let points: &Points = sight.points;
-        let others = &points.for_suprema[points.random.min(points.for_suprema.len())..];
-        let other_matrices = sight.probe.matrix(others);
-        let new = |x: Vec<f64>| {
-            let x = readable(x, ZERO);
-            let terms = |(y, b): (&Vec<f64>, &Matrix)| {
-                let mut gradient = vec![0.0; d];
-                let slopes = moving.iter().zip(slopes(y, &moving)).zip(&x);
-                slopes.for_each(|((&j, slope), c)| gradient[j] = c * slope);
-                products(b, &gradient)
-            };
-            let mut casimir = Finding::fitted();
-            sight.record(&mut casimir, sight.states.iter().zip(matrices).map(terms));
-            for at in others.iter().zip(&other_matrices) {
-                casimir.record(at.0, &[terms(at)], 0.0);
-            }
-            let symbol = |j: usize| match points.for_identities.iter().all(|y| y[j] > 0.0) {
-                true => format!("ln y{}", j + 1),
-                false => format!("ln|y{}|", j + 1),
-            };
-            let formula = sum_of_terms(moving.iter().zip(&x).map(|(&j, &c)| (c, symbol(j))));
-            let mut coefficients = vec![0.0; d];
-            moving.iter().zip(&x).for_each(|(&j, &c)| coefficients[j] = c);
-            Self { formula, coefficients, casimir }
-        };
-        solutions.into_iter().map(new).filter(|found| found.casimir.holds()).collect()
-    }
-}
-
-/// ∂ ln|y_j|/∂y_j = 1/y_j for each j of `moving`, times the product of these coordinates.
-fn slopes(y: &[f64], moving: &[usize]) -> Vec<f64> {
-    let others = |j: usize| moving.iter().filter(move |&&k| k != j).map(|&k| y[k]).product();
-    moving.iter().map(|&j| others(j)).collect()
 }
 
 /// The projection of the identity onto the span of the quadratic forms, if it is positive definite.

@@ -7,7 +7,7 @@ use super::{
     finding::{Finding, Term, product, sum},
     probe::Batch,
     random::{Purpose, Random},
-    shape::Shape,
+    shape::{Kind, Shape},
     sight::Sight,
 };
 
@@ -47,6 +47,13 @@ const SAME: f64 = 1e-9;
 const SINGLY: usize = 8;
 
 impl Hamiltonians {
+    /// Whether there is no noise.
+    pub(super) fn silent(&self) -> bool {
+        let noises = self.shapes.get(1..).unwrap_or_default();
+        self.noise_size == Some(0.0)
+            || !noises.is_empty() && noises.iter().all(|h| h.kind == Kind::Zero)
+    }
+
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
         let noises = sight.probe.noises();
         let few = noises <= SINGLY;

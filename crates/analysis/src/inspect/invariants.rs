@@ -99,43 +99,37 @@ impl ClaimedInvariant {
     }
 
     fn mistakes(&self, claimed: Form) -> Vec<String> {
-        let Self { name, claimed_casimir, claimed_degree, casimir, conserved, shape, .. } = self;
+        let Self { claimed_degree, casimir, conserved, shape, .. } = self;
         let mut mistakes = Vec::new();
-        if *claimed_casimir && casimir.fails() {
+        if self.claimed_casimir && casimir.fails() {
             let but = match conserved.status {
-                Status::Fails => "; the flow changes it",
-                Status::Unknown => "",
-                _ => "; it is a function of the Hamiltonian or another constant of the motion",
+                Status::Holds => {
+                    ", a function of the Hamiltonian or another constant of the motion"
+                }
+                _ => "",
             };
-            mistakes.push(format!(
-                "is claimed as a Casimir and is none: B∇{name} is not zero ({casimir}){but}"
-            ));
-        }
-        if !*claimed_casimir && conserved.fails() {
-            mistakes.push(format!(
-                "is claimed as an energy, and the flow changes it: ∇{name}·B∇Hₘ ({conserved})"
-            ));
+            mistakes.push(format!("is claimed as a Casimir and is none{but}: B∇F ({casimir})"));
+        } else if !self.claimed_casimir && conserved.fails() {
+            mistakes
+                .push(format!("is claimed as an energy, and the flow changes it ({conserved})"));
         }
         let claimed = match claimed {
             Form::Linear => Kind::Linear,
             Form::Quadratic => Kind::Quadratic,
             Form::Homogeneous => Kind::Homogeneous,
         };
-        match shape.degree {
-            None if shape.kind == Kind::NotHomogeneous => mistakes.push(format!(
-                "is not homogeneous and hence has no conformal law: {name}(cy) = cᵖ{name}(y) ({})",
-                shape.homogeneous
-            )),
-            Some(degree) if degree != *claimed_degree => mistakes.push(format!(
-                "is claimed to have degree {claimed_degree} and has degree {degree}"
-            )),
-            Some(_)
-                if claimed != shape.kind && shape.constant_hessian.status != Status::Unknown =>
-            {
-                let (claimed, found) = (claimed.name(), shape.kind.name());
-                mistakes.push(format!("is claimed as {claimed} and is {found}"));
-            }
-            _ => {}
+        let known = shape.degree.is_some() && shape.constant_hessian.status != Status::Unknown;
+        if shape.kind == Kind::NotHomogeneous {
+            let off = &shape.homogeneous;
+            mistakes.push(format!("is not homogeneous and hence has no conformal law ({off})"));
+        } else if shape.degree.is_some_and(|degree| degree != *claimed_degree)
+            || (known && claimed != shape.kind)
+        {
+            let (claimed, degree) = (claimed.name(), shape.degree.unwrap_or(0.0));
+            let found = shape.kind.name();
+            mistakes.push(format!(
+                "is claimed as {claimed} of degree {claimed_degree} and is {found} of degree {degree}"
+            ));
         }
         mistakes
     }

@@ -10,8 +10,8 @@
 //! - which statements of the paper apply, which orders to expect, and a scheme to take;
 //! - the step size below which the implicit step is a contraction.
 //!
-//! With an initial value it looks there, along pilot paths and at the damping, too. A report prints
-//! as text and serializes as data.
+//! With an initial value it looks there and at the damping, too. A report prints as text and
+//! serializes as data.
 //!
 //! Each [`Finding`] has one of three answers, see [`Status`]. A defect is relative to the terms of
 //! its identity. It is none if it is below 10⁻¹⁴ of them. A larger one is a counterexample if it is
@@ -42,7 +42,6 @@ mod error;
 mod hamiltonian;
 mod invariants;
 mod noises;
-mod pilot;
 mod points;
 mod problem;
 mod recommendation;
@@ -62,18 +61,16 @@ use systems::{
 use crate::facts::{algebra, finding, form, probe, random, search};
 use algebra::norm;
 use finding::CLUSTER;
-use pilot::pilot_paths;
 use points::Points;
 use probe::Probe;
 use sight::Sight;
 
 pub use crate::facts::{DampingIntegral, Finding, Form, Status};
-pub use casimirs::{Casimirs, FoundCasimir, LogarithmicCasimir};
+pub use casimirs::{Casimirs, FoundCasimir};
 pub use error::InspectError;
 pub use hamiltonian::Hamiltonians;
 pub use invariants::ClaimedInvariant;
 pub use noises::Noises;
-pub use pilot::Pilot;
 pub use points::Region;
 pub use problem::{Bound, ProblemFindings};
 pub use recommendation::Recommendation;
@@ -94,7 +91,7 @@ pub struct InspectSettings<'a> {
     /// The initial value: random points have ‖y‖ ≤ 2‖y₀‖, and others are around it. Without one
     /// they have |yᵢ| ≤ 2.
     pub y0: Option<Vec<f64>>,
-    /// The damping and the final time: pilot paths show where the system goes.
+    /// The damping and the final time.
     pub damping: Option<(&'a dyn Damping, f64)>,
     /// Whether Lévy areas are drawn for the system.
     pub areas: bool,
@@ -138,17 +135,19 @@ pub fn inspect(
     system: &dyn System,
     settings: &InspectSettings<'_>,
 ) -> Result<Inspection, InspectError> {
-    let InspectSettings { y0, damping, areas } = settings;
-    let y0 = y0.as_deref();
-    let probe = Probe::new(system);
-    let rows_of_paths = system.description().layout.lanes == Lanes::Paths;
+    let y0 = settings.y0.as_deref();
+    let (probe, description) = (Probe::new(system), system.description());
+    let rows_of_paths = description.layout.lanes == Lanes::Paths;
     let small = rows_of_paths && probe.dimension() <= SMALL;
-    let mut points = match (small, y0) {
-        (true, _) => Points::new(&probe, y0.map_or(Region::Box(HALF_SIDE), ball), y0)?,
-        (false, y0) => Points::near(&probe, y0.unwrap_or_default())?,
+    let region = match y0 {
+        _ if !small => Region::Near,
+        Some(y0) if norm(y0) > 0.0 => Region::Ball(2.0 * norm(y0)),
+        Some(_) => Region::Ball(HALF_SIDE),
+        None => Region::Box(HALF_SIDE),
     };
-    if let (true, Some(y0), Some((damping, t_end))) = (small, y0, damping) {
-        points = points.with_paths(&probe, y0, pilot_paths(system, *damping, y0, *t_end));
+    let mut points = Points::new(&probe, region, y0)?;
+    if let (true, Some(y0)) = (small, y0) {
+        points.add_start(&probe, y0);
     }
     let mut sight = Sight::new(probe, &points);
     check_finite(&mut sight)?;
@@ -157,40 +156,39 @@ pub fn inspect(
     let noise = Noises::of(&mut sight);
     let invariants = ClaimedInvariant::all(&mut sight);
     let casimirs = rows_of_paths.then(|| Casimirs::of(&mut sight));
-    let bound =
-        casimirs.as_ref().and_then(|casimirs| Bound::of(&structure, &hamiltonians, casimirs));
+    let of_bound = casimirs.as_ref().filter(|_| structure.sound().holds());
+    let bound = of_bound.and_then(|casimirs| Bound::of(&hamiltonians, casimirs));
     let own_methods = own_methods(&sight);
     let few = !sight.locals.is_empty();
     let mut probe = sight.probe;
-    let problem = y0.zip(*damping).map(|(y0, (damping, t_end))| {
-        ProblemFindings::of(damping, y0, t_end, &mut probe, bound.as_ref())
-    });
+    let problem = y0
+        .zip(settings.damping)
+        .map(|(y0, damping)| ProblemFindings::of(damping, y0, &mut probe, bound.as_ref()));
     let radius = problem.as_ref().and_then(|problem| problem.radius);
     let reached = match radius.filter(|radius| radius.is_finite() && *radius > 0.0) {
         Some(radius) if few => Some(Points::new(&probe, Region::Ball(radius), y0)?),
         _ => None,
     };
     let reached = reached.as_ref().unwrap_or(&points);
-    let schemes = Schemes::of(system, *areas);
-    let finite_rates = problem.as_ref().is_none_or(|problem| problem.integral.finite);
-    let orders = theory::orders(&noise, schemes.draws_areas, finite_rates);
-    let damped = problem.as_ref().is_none_or(|problem| !problem.integral.none);
+    let (damped, finite_rates) = match &problem {
+        Some(ProblemFindings { integral, .. }) => (!integral.none, integral.finite),
+        None => (true, true),
+    };
     let mut report = Inspection {
         system: match few {
-            true => system.description().name.clone(),
-            false => format!("{} ({})", system.description().name, system.description().parameters),
+            true => description.name.clone(),
+            false => format!("{} ({})", description.name, description.parameters),
         },
-        dimension: system.description().dimension,
-        noises: system.description().noises,
+        dimension: description.dimension,
+        noises: description.noises,
         region: points.region.clone(),
         points: points.for_identities.len(),
-        pilot: points.pilot,
         defined_everywhere: points.everywhere,
         solvability: few.then(|| Solvability::of(&mut probe, reached)),
         problem,
         theorems: Vec::new(),
-        orders,
-        schemes,
+        orders: Vec::new(),
+        schemes: Schemes::of(system, settings.areas),
         recommended: Vec::new(),
         own_methods,
         mistakes: Vec::new(),
@@ -202,15 +200,10 @@ pub fn inspect(
         casimirs,
         bound,
     };
+    report.orders = theory::orders(&report, finite_rates);
     report.theorems = theory::theorems(&report, damped);
     report.recommended = recommendation::recommendations(&report, damped);
     Ok(report.with_mistakes())
-}
-
-/// The ball around zero in which a problem is inspected.
-fn ball(y0: &[f64]) -> Region {
-    let length = norm(y0);
-    Region::Ball(if length > 0.0 { 2.0 * length } else { HALF_SIDE })
 }
 
 fn check_finite(sight: &mut Sight<'_>) -> Result<(), InspectError> {
@@ -234,15 +227,16 @@ fn check_finite(sight: &mut Sight<'_>) -> Result<(), InspectError> {
 fn own_methods(sight: &Sight<'_>) -> Vec<(&'static str, Finding)> {
     let mut found: Vec<(&'static str, Finding)> = Vec::new();
     let mut random = random::Random::new(random::Purpose::Weights);
-    for (n, at) in sight.points.for_identities.iter().enumerate() {
+    let points = &sight.points.for_identities;
+    for (at, members) in points.iter().zip(sight.states.chunks(CLUSTER)) {
         let weights = sight.weights(&mut random);
-        let members = &sight.states[CLUSTER * n..CLUSTER * (n + 1)];
         let of = |y: &Vec<f64>| sight.probe.system.own_methods(y, weights[0], &weights[1..]);
         let cluster: Vec<_> = members.iter().map(of).collect();
-        for (k, (what, _)) in cluster[0].iter().enumerate() {
+        for (k, &(what, _)) in cluster[0].iter().enumerate() {
             let terms: Vec<_> = cluster.iter().map(|own| own[k].1.clone()).collect();
-            let place = found.iter().position(|(same, _)| same == what).unwrap_or(found.len());
-            if place == found.len() {
+            let known = found.iter().position(|(same, _)| *same == what);
+            let place = known.unwrap_or(found.len());
+            if known.is_none() {
                 found.push((what, Finding::default()));
             }
             found[place].1.record(at, &terms, 0.0);

@@ -10,67 +10,41 @@ use super::{
     sight::Sight,
 };
 
-/// Commutators and products of the noise fields fₘ = B∇Hₘ.
+/// Commutators of the noise fields fₘ = B∇Hₘ.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Noises {
     /// [fₘ, f_l] = 0: strong order one needs no Lévy areas. Holds for one noise.
     pub commute: Finding,
-    /// fₘ′f_l = 0: the Itô correction vanishes and Euler–Maruyama has strong order one.
-    pub no_correction: Finding,
-    /// fₘ = 0 for every m: there is no noise.
-    pub silent: Finding,
-    /// `commute` and `no_correction` at y₀ and on pilot paths, which may stay where they hold.
+    /// The same at y₀: paths may stay where it holds.
     #[serde(skip)]
-    pub(super) on_paths: [Finding; 2],
+    pub(super) at_start: Finding,
 }
 
 impl Noises {
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
-        let mut found = Self {
-            commute: Finding::strict(),
-            no_correction: Finding::strict(),
-            silent: Finding::strict(),
-            on_paths: [Finding::strict(), Finding::strict()],
-        };
+        let mut found = Self { commute: Finding::strict(), at_start: Finding::strict() };
         let noises = sight.probe.noises();
-        if noises == 0 {
-            return found;
-        }
-        if sight.locals.is_empty() {
+        if sight.locals.is_empty() && noises > 1 {
             found.along_directions(sight);
-            return found;
         }
         let extent = sight.points.extent();
         for (n, cluster) in sight.locals.chunks(CLUSTER).enumerate() {
             let at = &sight.points.for_identities[n];
             // ‖B‖‖∇Hₘ‖: a field may vanish to round-off.
             let b = norm(&cluster[0].b.concat());
-            let length = |m: usize| b * norm(&cluster[0].gradients[m]);
+            let length = |m: usize| b * norm(&cluster[0].gradients[m + 1]);
             let fields: Vec<Vec<Field>> = cluster.iter().map(fields).collect();
-            let of = |terms: &dyn Fn(&[Field]) -> Vec<Term>| -> Vec<Vec<Term>> {
-                fields.iter().map(|fields| terms(fields)).collect()
-            };
-            for l in 0..noises {
-                found.silent.record(at, &of(&|fields| fields[l].terms.clone()), length(l + 1));
-                for m in 0..noises {
-                    // The size of a derivative of fields that are not nearly constant.
-                    let typical = length(l + 1) * length(m + 1) / extent;
-                    let record = |[all, on_paths]: [&mut Finding; 2], terms: Vec<Vec<Term>>| {
-                        all.record(at, &terms, typical);
-                        if sight.points.on_path(n) {
-                            on_paths.record(at, &terms, typical);
-                        }
-                    };
-                    let [commute, correction] = &mut found.on_paths;
-                    let product = of(&|fields| fields[l].along(&fields[m]));
-                    record([&mut found.no_correction, correction], product);
-                    if m < l {
-                        let commutator = of(&|fields| {
-                            let other = fields[m].along(&fields[l]);
-                            combined(&fields[l].along(&fields[m]), -1.0, &other)
-                        });
-                        record([&mut found.commute, commute], commutator);
-                    }
+            for (l, m) in (0..noises).flat_map(|l| (0..l).map(move |m| (l, m))) {
+                let commutator = |fields: &Vec<Field>| {
+                    let [one, other] = [(l, m), (m, l)].map(|(l, m)| fields[l].along(&fields[m]));
+                    combined(&one, -1.0, &other)
+                };
+                let terms: Vec<Vec<Term>> = fields.iter().map(commutator).collect();
+                // The size of a derivative of fields that are not nearly constant.
+                let typical = length(l) * length(m) / extent;
+                found.commute.record(at, &terms, typical);
+                if n == sight.points.random {
+                    found.at_start.record(at, &terms, typical);
                 }
             }
         }
@@ -88,26 +62,17 @@ impl Noises {
         let Sight { probe, states, .. } = &mut *sight;
         let slopes = weights.each_ref().map(|weights| probe.gradient(states, weights));
         let fields = slopes.each_ref().map(|slopes| probe.structure(states, slopes));
-        let mut product = |l: usize, m: usize| {
+        let [one, other] = [(0, 1), (1, 0)].map(|(l, m)| {
             let bent = probe.structure_along(states, &fields[m], &slopes[l]);
             let curved = probe.hessian(states, &fields[m], &weights[l]);
             let curved = probe.structure(states, &curved);
             bent.iter().zip(&curved).map(|(a, b)| moved(a, 1.0, b)).collect::<Vec<_>>()
-        };
-        let (own, one, other) = (product(0, 0), product(0, 1), product(1, 0));
-        let sized = |f: &Vec<f64>, size: &dyn Fn(f64) -> f64| -> Vec<Term> {
-            f.iter().map(|x| (*x, size(*x))).collect()
-        };
-        let silent = fields[0].iter().zip(&slopes[0]).map(|(f, v)| sized(f, &|_| norm(v)));
-        sight.record(&mut self.silent, silent);
-        sight.record(&mut self.no_correction, own.iter().map(|x| sized(x, &f64::abs)));
-        if weights[0].len() > 2 {
-            let commutator = one.iter().zip(&other).map(|(a, b)| {
-                let size = norm(a) + norm(b);
-                sized(&moved(a, -1.0, b), &|_| size)
-            });
-            sight.record(&mut self.commute, commutator);
-        }
+        });
+        let commutator = one.iter().zip(&other).map(|(a, b)| {
+            let size = norm(a) + norm(b);
+            moved(a, -1.0, b).into_iter().map(|x| (x, size)).collect()
+        });
+        sight.record(&mut self.commute, commutator);
     }
 }
 

@@ -6,7 +6,6 @@ use super::{
     algebra::{moved, norm},
     error::InspectError,
     finding::{APART, CLUSTER},
-    pilot::Pilot,
     probe::{Batch, Probe},
     random::{Purpose, Random},
 };
@@ -28,22 +27,20 @@ pub struct Points {
     pub region: Region,
     /// The first points, and what was added to them: where identities are checked.
     pub for_identities: Batch,
-    /// The number of random points among them, with which those for suprema begin.
+    /// The number of random points among them; the initial value comes next.
     pub random: usize,
     /// Points of the region, over which suprema are taken.
     pub for_suprema: Batch,
     /// Whether every point that was tried is in the domain.
     pub everywhere: bool,
-    /// States of pilot paths among the points.
-    pub pilot: Option<Pilot>,
 }
 
-/// Number of points for suprema.
-const SUPREMA: usize = 400;
-/// Least number of points for identities, in as many directions. An identity between polynomials
-/// that holds at one random point holds everywhere with probability one; the other points are for
-/// other formulas.
-const IDENTITIES: usize = 24;
+/// Number of points for suprema, and at least for identities, in as many directions. An identity
+/// between polynomials that holds at one random point holds everywhere with probability one; the
+/// other points are for other formulas.
+const POINTS: [usize; 2] = [400, 24];
+/// The same for a system of very many components, near its initial value.
+const NEAR: [usize; 2] = [96, 6];
 /// Points tried for each one wanted: enough for the positive cone in five dimensions.
 const TRIES: usize = 64;
 /// Halvings of the distance of points near the initial value, where the domain is a small part of
@@ -53,41 +50,41 @@ const NEARER: usize = 16;
 /// of them until a point is in the domain.
 const AROUND: [f64; 4] = [1.0, 0.1, 0.01, 1e-3];
 const HALVINGS: i32 = 40;
-/// Points of a system of very many components: for identities, and for Casimirs.
-const NEAR: usize = 6;
-const ALL_NEAR: usize = 96;
 
 impl Points {
     /// Random points of the region that are in the domain. Where the domain is a small part of the
-    /// region, points with positive components follow, and then points near `start`.
+    /// region, points with positive components follow, and then points near the initial value.
     pub fn new(
         probe: &Probe<'_>,
         region: Region,
-        start: Option<&[f64]>,
+        y0: Option<&[f64]>,
     ) -> Result<Self, InspectError> {
         let d = probe.dimension();
         if d == 0 {
             return Err(InspectError::NoComponents);
         }
-        let identities = IDENTITIES.max(2 * d);
-        let wanted = SUPREMA.max(identities);
-        let mut random = Random::new(Purpose::Points);
+        let [wanted, identities] = match region {
+            Region::Near => NEAR,
+            _ => [POINTS[0].max(2 * d), POINTS[1].max(2 * d)],
+        };
+        let (mut random, start) = (Random::new(Purpose::Points), y0.unwrap_or_default());
+        let near = |share: f64, least: f64, random: &mut Random| -> Vec<f64> {
+            start.iter().map(|x| x + share * random.uniform() * (x.abs() + least)).collect()
+        };
         let (mut points, mut everywhere) = (Vec::new(), true);
         for attempt in 0..(TRIES + 2) * wanted {
             if points.len() == wanted {
                 break;
             }
-            let y: Vec<f64> = match (attempt / wanted, start) {
-                (0..TRIES, _) => region.point(d, &mut random),
-                (TRIES, _) | (_, None) => {
-                    region.point(d, &mut random).into_iter().map(f64::abs).collect()
-                }
-                (_, Some(start)) => {
+            let y = match (&region, attempt / wanted) {
+                (Region::Near, _) => near(0.1, 0.1, &mut random),
+                (_, TRIES..) if attempt / wanted > TRIES && y0.is_some() => {
                     // A domain may be narrow.
                     let share = 0.3 * f64::powi(0.5, (attempt % NEARER) as i32);
-                    let size = |x: f64| x.abs() + 0.1 * norm(start);
-                    start.iter().map(|&x| x + share * random.uniform() * size(x)).collect()
+                    near(share, 0.1 * norm(start), &mut random)
                 }
+                (_, TRIES..) => region.point(d, &mut random).into_iter().map(f64::abs).collect(),
+                _ => region.point(d, &mut random),
             };
             if probe.in_domain(&y) {
                 points.push(y);
@@ -99,28 +96,7 @@ impl Points {
             return Err(InspectError::NoPoints { found: points.len(), wanted: identities });
         }
         let for_identities = points[..identities].to_vec();
-        let random = identities;
-        Ok(Self { region, for_identities, random, for_suprema: points, everywhere, pilot: None })
-    }
-
-    /// A few points near the initial value, for a system of very many components.
-    pub fn near(probe: &Probe<'_>, y0: &[f64]) -> Result<Self, InspectError> {
-        let mut random = Random::new(Purpose::Points);
-        let shifted = |y: &f64, random: &mut Random| y + 0.1 * random.uniform() * (0.1 + y.abs());
-        let mut point = || y0.iter().map(|y| shifted(y, &mut random)).collect::<Vec<_>>();
-        let points: Batch = (0..ALL_NEAR).map(|_| point()).filter(|y| probe.in_domain(y)).collect();
-        if points.len() < 2 {
-            return Err(InspectError::NoPoints { found: points.len(), wanted: NEAR });
-        }
-        let for_identities = points[..points.len().min(NEAR)].to_vec();
-        Ok(Self {
-            region: Region::Near,
-            random: for_identities.len(),
-            for_suprema: points,
-            for_identities,
-            everywhere: true,
-            pilot: None,
-        })
+        Ok(Self { region, for_identities, random: identities, for_suprema: points, everywhere })
     }
 
     /// The points for identities, each followed by others of its cluster.
@@ -149,33 +125,17 @@ impl Points {
         self.for_identities.iter().map(|y| norm(y)).fold(f64::MIN_POSITIVE, f64::max)
     }
 
-    /// Whether point n for identities is the initial value or a state of a pilot path.
-    pub fn on_path(&self, n: usize) -> bool {
-        let states = |pilot: &Pilot| self.for_identities.len() - pilot.states;
-        self.pilot.is_some_and(|pilot| n == self.random || n >= states(&pilot))
-    }
-
-    /// Adds the initial value, points around it, and the states of pilot paths.
-    pub fn with_paths(
-        mut self,
-        probe: &Probe<'_>,
-        y0: &[f64],
-        (pilot, states): (Pilot, Vec<Vec<f64>>),
-    ) -> Self {
+    /// Adds the initial value, and points around it.
+    pub fn add_start(&mut self, probe: &Probe<'_>, y0: &[f64]) {
         let mut random = Random::new(Purpose::Around);
         let size = if norm(y0) > 0.0 { norm(y0) } else { 1.0 };
-        let mut around = vec![y0.to_vec()];
+        self.for_identities.push(y0.to_vec());
         for distance in AROUND {
             let direction: Vec<f64> = y0.iter().map(|_| random.uniform()).collect();
-            around.extend((0..HALVINGS).find_map(|halvings| {
-                let length = size * distance * f64::powi(0.5, halvings);
-                let y = moved(y0, length, &direction);
-                probe.in_domain(&y).then_some(y)
-            }));
+            let at = |halvings| moved(y0, size * distance * f64::powi(0.5, halvings), &direction);
+            let inside = (0..HALVINGS).map(at).find(|y| probe.in_domain(y));
+            self.for_identities.extend(inside);
         }
-        self.for_identities.extend(around.into_iter().chain(states));
-        self.pilot = Some(pilot);
-        self
     }
 }
 

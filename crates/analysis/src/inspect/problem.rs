@@ -8,7 +8,6 @@ use super::{
     hamiltonian::Hamiltonians,
     probe::Probe,
     shape::Minimum,
-    structure::Structure,
 };
 use crate::facts::{DampingIntegral, Form};
 
@@ -28,30 +27,24 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Prefers a bound that holds everywhere to one in the domain, and a Casimir to the energy.
-    pub(super) fn of(
-        structure: &Structure,
-        hamiltonians: &Hamiltonians,
-        casimirs: &Casimirs,
-    ) -> Option<Self> {
-        if !structure.sound().holds() {
-            return None;
-        }
-        let casimir = |found: &FoundCasimir| Self {
-            function: found.formula.clone(),
-            degree: f64::from(found.form.degree),
-            minimum: found.minimum,
-            casimir: Some(found.form.clone()),
+    /// Of a skew-symmetric B. Prefers a bound that holds everywhere to one in the domain, and a
+    /// Casimir to the energy.
+    pub(super) fn of(hamiltonians: &Hamiltonians, casimirs: &Casimirs) -> Option<Self> {
+        let casimir = |FoundCasimir { formula, form, minimum, .. }: &FoundCasimir| Self {
+            function: formula.clone(),
+            degree: f64::from(form.degree),
+            minimum: *minimum,
+            casimir: Some(form.clone()),
         };
         let shape = &hamiltonians.shapes[0];
         let energy = shape.degree.zip(shape.minimum);
-        let energy =
-            energy.filter(|_| hamiltonians.proportional.holds()).map(|(degree, minimum)| Self {
-                function: "H₀".into(),
-                degree,
-                minimum,
-                casimir: None,
-            });
+        let energy = energy.filter(|_| hamiltonians.proportional.holds());
+        let energy = energy.map(|(degree, minimum)| Self {
+            function: "H₀".into(),
+            degree,
+            minimum,
+            casimir: None,
+        });
         let all = casimirs.definite.iter().chain(&casimirs.found).map(casimir).chain(energy);
         let positive = all.filter(|bound| bound.minimum.positive.holds());
         positive.min_by_key(|bound| bound.minimum.in_domain_only)
@@ -63,7 +56,7 @@ impl Bound {
             Some(casimir) => casimir.value(y),
             None => probe.energy(&[y.to_vec()], &probe.weights(0))[0],
         };
-        (value / (self.minimum.value - self.minimum.error)).powf(1.0 / self.degree)
+        (value / self.minimum.value).powf(1.0 / self.degree)
     }
 }
 
@@ -81,16 +74,14 @@ pub struct ProblemFindings {
 
 impl ProblemFindings {
     pub(super) fn of(
-        damping: &dyn Damping,
+        (damping, t_end): (&dyn Damping, f64),
         y0: &[f64],
-        t_end: f64,
         probe: &mut Probe<'_>,
         bound: Option<&Bound>,
     ) -> Self {
         let integral = DampingIntegral::of(damping, t_end);
-        let radius = bound
-            .filter(|_| integral.agrees.holds())
-            .map(|bound| bound.radius(probe, y0) * (-integral.least).exp());
+        let bound = bound.filter(|_| integral.agrees.holds());
+        let radius = bound.map(|bound| bound.radius(probe, y0) * (-integral.least).exp());
         Self { damping: damping.describe(), integral, radius }
     }
 }

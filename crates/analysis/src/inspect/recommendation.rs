@@ -9,8 +9,7 @@ use crate::facts::Kept;
 /// A scheme to take.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Recommendation {
-    /// What for: `paths`; `short-paths`, too short for the energy to drift; `expectations`; or
-    /// `large-noise`, steps with large increments.
+    /// What for: `paths` or `expectations`.
     pub purpose: &'static str,
     /// Its identifier.
     pub scheme: &'static str,
@@ -24,43 +23,27 @@ pub fn recommendations(report: &Inspection, damped: bool) -> Vec<Recommendation>
     let sound = structure.sound() != Status::Fails;
     let claims = report.invariants.iter().any(|i| i.claimed_casimir && i.status().holds());
     let found = casimirs.as_ref().map_or(claims, |casimirs| !casimirs.found.is_empty());
-    let casimirs_kept = sound && found;
-    let energy = sound
-        && hamiltonians.proportional.holds()
-        && (hamiltonians.shapes[0].degree.is_some() || !damped);
-    let linear = schemes.sexp_li_refused.is_none();
-    let areas = !noise.commute.holds() && schemes.draws_areas;
-    let mut found = Vec::new();
-    let mut take = |purpose, scheme, because: &str| {
-        found.push(Recommendation { purpose, scheme, because: because.into() });
+    let lawful = hamiltonians.shapes[0].degree.is_some() || !damped;
+    let kept = Kept {
+        casimirs: sound && found,
+        energy: sound && hamiltonians.proportional.holds() && lawful,
+        areas: !noise.commute.holds() && schemes.draws_areas,
     };
-    let (scheme, mut because) = Kept { casimirs: casimirs_kept, energy, areas }.scheme();
+    let (scheme, mut because) = kept.scheme();
     if !hamiltonians.discrete_gradient.holds() {
         because += "; the energy up to the error of ∇̄h";
     }
     if casimirs.as_ref().is_some_and(|casimirs| !casimirs.logarithmic.is_empty()) {
         because += "; split alone keeps the Casimir with logarithms";
     }
-    take("paths", scheme, &because);
-    let implicit = linear && schemes.structure == Linearity::Affine;
-    let without_iteration = if areas { "sexp-li-levy" } else { "sexp-li" };
-    if casimirs_kept && implicit {
-        let because = "it keeps the Casimirs at about the price of heun, and the energy drifts";
-        take("short-paths", without_iteration, because);
-    }
-    let random = !noise.silent.holds();
-    if random && linear {
-        let because = "mc::expect extrapolates weak order 1; with flows of parts take nv";
+    let mut found = vec![Recommendation { purpose: "paths", scheme, because }];
+    let linear = schemes.sexp_li_refused.is_none();
+    if !hamiltonians.silent() && (linear || kept.areas) {
         // Without iteration a step is explicit where B is constant.
+        let implicit = linear && schemes.structure == Linearity::Affine;
         let scheme = if implicit { "sexp-li" } else { "sexp" };
-        take("expectations", scheme, because);
-    } else if random && areas {
-        take("expectations", "sexp", "weak order 1 takes no areas");
-    }
-    // With a constant B the scheme is explicit, and large steps grow.
-    if sound && implicit && !schemes.truncates && random {
-        let because = "every step has a solution, so no increment is truncated";
-        take("large-noise", without_iteration, because);
+        let because = "weak order 1 is extrapolated; with flows of parts take nv".into();
+        found.push(Recommendation { purpose: "expectations", scheme, because });
     }
     found
 }

@@ -2,17 +2,16 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use schemes::{BuiltIn, SexpLi, run_time::Scheme};
+use schemes::{SexpLi, run_time::Scheme};
 use serde::{Serialize, Serializer};
 use systems::{Linearity, run_time::System};
 
 use super::{
-    casimirs::{Casimirs, FoundCasimir, LogarithmicCasimir},
+    casimirs::{Casimirs, FoundCasimir},
     finding::{Finding, Status},
     hamiltonian::Hamiltonians,
     invariants::ClaimedInvariant,
     noises::Noises,
-    pilot::Pilot,
     points::Region,
     problem::{Bound, ProblemFindings},
     recommendation::Recommendation,
@@ -35,10 +34,8 @@ pub struct Inspection {
     pub noises: usize,
     /// The region of the points at which identities were checked.
     pub region: Region,
-    /// Number of these points, with those around the initial value and on pilot paths.
+    /// Number of these points, with those around the initial value.
     pub points: usize,
-    /// The pilot paths; `None` for a system alone.
-    pub pilot: Option<Pilot>,
     /// Whether the system is defined at every point that was tried.
     pub defined_everywhere: bool,
     /// B(y).
@@ -53,7 +50,7 @@ pub struct Inspection {
     pub casimirs: Option<Casimirs>,
     /// A function that bounds all paths, if one was found.
     pub bound: Option<Bound>,
-    /// The norms of the contraction constant of the implicit step, for up to 24 components.
+    /// Below which steps the implicit step is a contraction, for up to 24 components.
     pub solvability: Option<Solvability>,
     /// What damping and initial value add; `None` for a system alone.
     pub problem: Option<ProblemFindings>,
@@ -119,11 +116,8 @@ fn as_word<S: Serializer>(
 /// points of the check are further apart than a step is long.
 const POOR_QUADRATURE: f64 = 1e-3;
 
-/// Most Casimirs that are printed.
+/// Most Casimirs and claims that are printed.
 const LISTED: usize = 12;
-
-/// A bound of the step size below this helps no one.
-const USELESS_STEP: f64 = 1e-6;
 
 impl Inspection {
     /// Lists what is wrong, and what cannot be told.
@@ -175,87 +169,51 @@ impl Inspection {
         let order = self.orders.iter().find(|order| order.scheme == scheme)?;
         Some((order.strong, order.weak))
     }
-
-    /// Whether B is sound and a Casimir was found, or is claimed and may be one.
-    fn has_casimirs(&self) -> bool {
-        let found = |c: &Casimirs| !c.found.is_empty() || !c.logarithmic.is_empty();
-        let mut claims = self.invariants.iter().filter(|claim| claim.claimed_casimir);
-        self.structure.sound() != Status::Fails
-            && (self.casimirs.as_ref().is_some_and(found)
-                || claims.any(|claim| claim.status() != Status::Fails))
-    }
 }
 
 impl Display for Inspection {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { system, dimension, noises, points, region, .. } = self;
-        let domain = if self.defined_everywhere { "" } else { " in its domain" };
-        write!(f, "{system}: D = {dimension}, M = {noises}; ")?;
-        match &self.pilot {
-            Some(Pilot { paths, states, until }) => {
-                let random = points - states;
-                writeln!(f, "{random} points with {region} or near y₀{domain}")?;
-                writeln!(f, "  and {states} states of {paths} paths, followed to t = {until}")?;
-            }
-            None => writeln!(f, "{points} points with {region}{domain}")?,
+        let lists = [("Cannot tell", &self.undecided), ("Mistakes", &self.mistakes)];
+        for line in self.lines() {
+            writeln!(f, "{line}")?;
         }
-        self.write_properties(f)?;
-        if let Some(casimirs) = &self.casimirs {
-            casimirs.write(f)?;
+        for (head, list) in lists.iter().filter(|(_, list)| !list.is_empty()) {
+            writeln!(f, "{head}\n  - {}", list.join("\n  - "))?;
         }
-        if let Some(problem) = &self.problem {
-            row(f, "damping", format!("{}; {}", problem.damping, problem.integral))?;
-            let text = match (problem.radius, &self.bound) {
-                (Some(radius), Some(Bound { minimum, .. })) => {
-                    let inside =
-                        if minimum.in_domain_only { " while they are in the domain" } else { "" };
-                    format!("stay within ‖y‖ ≤ {}{inside}", length(radius))
-                }
-                _ => "no bound was found".into(),
-            };
-            row(f, "paths", text)?;
+        match self.mistakes.is_empty() {
+            true => f.write_str("No mistakes found."),
+            false => Ok(()),
         }
-        self.write_theory(f)?;
-        let list = |lines: &[String]| lines.join("\n  - ");
-        if !self.undecided.is_empty() {
-            writeln!(f, "Cannot tell\n  - {}", list(&self.undecided))?;
-        }
-        if !self.mistakes.is_empty() {
-            return write!(f, "Mistakes\n  - {}", list(&self.mistakes));
-        }
-        let inexact = self.hamiltonians.discrete_gradient.fails();
-        write!(f, "No mistakes found{}.", if inexact { " but the error of ∇̄h" } else { "" })
     }
 }
 
-/// Lists of names that have the same words.
-fn grouped<'a>(all: impl Iterator<Item = (&'a str, String)>) -> Vec<(String, String)> {
-    let mut groups: Vec<(String, String)> = Vec::new();
-    for (name, words) in all {
-        match groups.iter_mut().find(|(same, _)| *same == words) {
-            Some((_, names)) => *names += &format!(", {name}"),
-            None => groups.push((words, name.into())),
-        }
-    }
-    groups
+/// A property with its label.
+fn row(label: &str, text: impl Display) -> String {
+    format!("  {label:<9}{text}")
 }
 
 impl Inspection {
-    fn write_properties(&self, f: &mut Formatter<'_>) -> Result {
-        let h = &self.hamiltonians;
-        row(f, "B(y)", &self.structure)?;
+    fn lines(&self) -> Vec<String> {
+        let Self { system, dimension, noises, points, region, hamiltonians: h, .. } = self;
+        let domain = if self.defined_everywhere { "" } else { " in its domain" };
+        let mut lines = vec![
+            format!(
+                "{system}: D = {dimension}, M = {noises}; {points} points with {region}{domain}"
+            ),
+            row("B(y)", &self.structure),
+        ];
         for (m, shape) in h.shapes.iter().enumerate() {
-            match h.noise_size {
-                Some(c) if m == 1 => row(f, "H1", format!("c H0 up to a constant, c = {c}"))?,
-                _ => row(f, &format!("H{m}"), shape)?,
-            }
+            lines.push(match h.noise_size {
+                Some(c) if m == 1 => row("H1", format!("c H0 up to a constant, c = {c}")),
+                _ => row(&format!("H{m}"), shape),
+            });
         }
         let not_exact = format!("NOT exact: relative error {:.1e}", h.quadrature_error);
         // The combining macron takes a character, but no width.
-        row(f, "∇̄h ", format!(" {}", h.discrete_gradient.words("exact", &not_exact)))?;
-        if self.noises > 1 {
+        lines.push(row("∇̄h ", format!(" {}", h.discrete_gradient.words("exact", &not_exact))));
+        if *noises > 1 {
             let (yes, no) = ("commute", "do not commute: strong order 1 needs Lévy areas");
-            row(f, "noises", self.noise.commute.words(yes, no))?;
+            lines.push(row("noises", self.noise.commute.words(yes, no)));
         }
         let claims = self.invariants.iter().map(|invariant| {
             let ClaimedInvariant { name, formula, shape, .. } = invariant;
@@ -264,119 +222,98 @@ impl Inspection {
                 Status::Fails => "WRONG, see below",
                 status => status.name(),
             };
-            format!("{name:<9}{formula}: {kind} ({status}); {shape}")
+            row(name, format!("{formula}: {kind} ({status}); {shape}"))
         });
-        // Every part of a lattice claims the same.
-        let mut claims: Vec<String> = claims.collect();
-        let all = claims.len();
-        claims.dedup();
-        claims.iter().try_for_each(|claim| writeln!(f, "  {claim}"))?;
-        if claims.len() < all {
-            row(f, "", format!("{all} claims of this kind"))?;
+        lines.extend(some(claims));
+        lines.extend(self.casimirs.iter().flat_map(Casimirs::lines));
+        if let Some(ProblemFindings { damping, integral, radius }) = &self.problem {
+            lines.push(row("damping", format!("{damping}; {integral}")));
+            let text = match (radius, &self.bound) {
+                (Some(radius), Some(Bound { minimum, .. })) => {
+                    let inside =
+                        if minimum.in_domain_only { " while they are in the domain" } else { "" };
+                    format!("stay within ‖y‖ ≤ {}{inside}", length(*radius))
+                }
+                _ => "no bound was found".into(),
+            };
+            lines.push(row("paths", text));
         }
-        Ok(())
-    }
-
-    fn write_theory(&self, f: &mut Formatter<'_>) -> Result {
-        writeln!(f, "Which statements of the paper apply")?;
+        lines.push("Which statements of the paper apply".into());
         for Theorem { statement, says, applies, because } in &self.theorems {
             let applies = match applies {
                 Applies::Yes => "yes",
                 Applies::Conditionally => "conditional",
                 Applies::No => "no",
             };
-            writeln!(f, "  {applies:<13}  {statement}: {says}\n{:17}{because}", "")?;
+            lines.push(format!("  {applies:<13}  {statement}: {says}\n{:17}{because}", ""));
         }
-        let orders = self.orders.iter().map(|ExpectedOrder { scheme, strong, weak, known }| {
+        lines.push("Expected orders, strong / weak".into());
+        let mut orders: Vec<(String, Vec<&str>)> = Vec::new();
+        for ExpectedOrder { scheme, strong, weak, known } in &self.orders {
             let known = if known.holds() { "" } else { " at least" };
-            (*scheme, format!("{strong}{known} / {weak}"))
-        });
-        writeln!(f, "Expected orders, strong / weak")?;
-        for (order, schemes) in grouped(orders) {
-            writeln!(f, "  {order}: {schemes}")?;
-        }
-        let constant = self.schemes.structure == Linearity::Constant;
-        let named = self.orders.iter().filter_map(|order| BuiltIn::named(order.scheme));
-        let over = named.map(|scheme| (scheme.id(), scheme.long_times(constant).to_owned()));
-        writeln!(f, "Over long times")?;
-        for (words, schemes) in grouped(over) {
-            writeln!(f, "  {schemes}: {words}")?;
-        }
-        self.write_advice(f)
-    }
-
-    fn write_advice(&self, f: &mut Formatter<'_>) -> Result {
-        if let Some(solvability) = &self.solvability {
-            solvability.write(f)?;
-        }
-        let Schemes { structure, sexp_li_refused, truncates, .. } = &self.schemes;
-        match sexp_li_refused {
-            Some(reason) => writeln!(f, "{reason}")?,
-            None => {
-                let solved = match truncates {
-                    true => "a step may have no solution, so increments are truncated",
-                    false => "every step has a solution",
-                };
-                writeln!(f, "sexp-li applies: B is {} in y, {solved}", word(*structure))?;
+            let order = format!("  {strong}{known} / {weak}: ");
+            match orders.iter_mut().find(|(same, _)| *same == order) {
+                Some((_, schemes)) => schemes.push(scheme),
+                None => orders.push((order, vec![scheme])),
             }
         }
+        lines.extend(orders.into_iter().map(|(order, schemes)| order + &schemes.join(", ")));
+        if let Some(Solvability { region, points, largest_step }) = &self.solvability {
+            lines.push(format!(
+                "Implicit steps of sexp are contractions for τ < {largest_step:.1e} (k = 4), by the \
+                 norms at {points} points with {region}"
+            ));
+        }
+        let Schemes { structure, sexp_li_refused, truncates, split_refused, .. } = &self.schemes;
+        let solved =
+            if *truncates { "a step may have no solution" } else { "every step is solved" };
+        let applies = format!(
+            "sexp-li applies: B is {} in y, {solved}; at the price of heun, the energy drifts",
+            word(*structure)
+        );
+        lines.push(sexp_li_refused.clone().unwrap_or(applies));
         for Recommendation { purpose, scheme, because } in &self.recommended {
-            writeln!(f, "Take {scheme} for {}: {because}", purpose.replace('-', " "))?;
+            lines.push(format!("Take {scheme} for {purpose}: {because}"));
         }
-        if self.schemes.split_refused.is_none() {
-            writeln!(f, "split applies: the flows of parts are known")?;
-        } else if self.has_casimirs() {
-            writeln!(f, "split keeps every Casimir, if you can write the flows of parts of H")?;
+        if split_refused.is_none() {
+            lines.push("split applies: the flows of parts are known".into());
         }
-        Ok(())
+        lines
     }
+}
+
+/// The first lines of a list; every part of a lattice claims the same.
+fn some(lines: impl Iterator<Item = String>) -> Vec<String> {
+    let mut lines: Vec<String> = lines.collect();
+    let all = lines.len();
+    lines.dedup();
+    lines.truncate(LISTED);
+    if lines.len() < all {
+        lines.push(format!("    and {} more", all - lines.len()));
+    }
+    lines
 }
 
 impl Casimirs {
-    fn write(&self, f: &mut Formatter<'_>) -> Result {
+    fn lines(&self) -> Vec<String> {
         let Self { found, complete, definite, quadratic_sought, logarithmic } = self;
         let sought = if *quadratic_sought { "linear or quadratic" } else { "linear" };
         let none = match (found.is_empty(), complete) {
-            (true, true) => " none",
-            (true, false) => " none found",
+            (true, true) => ": none",
+            (true, false) => ": none found",
             _ => "",
         };
-        writeln!(f, "  Casimirs of B, {sought}, coefficients to six digits:{none}")?;
-        for FoundCasimir { formula, form, minimum, casimir } in found.iter().take(LISTED) {
-            let degree = form.degree;
-            writeln!(f, "    {formula}; degree {degree}, m = {minimum}; B∇C = 0 {casimir}")?;
-        }
-        if found.len() > LISTED {
-            writeln!(f, "    and {} more", found.len() - LISTED)?;
-        }
+        let line = |FoundCasimir { formula, minimum, casimir, .. }: &FoundCasimir| {
+            format!("    {formula}; m = {minimum}; B∇C = 0 {casimir}")
+        };
+        let mut lines = vec![format!("  Casimirs of B, {sought}{none}")];
+        lines.extend(some(found.iter().map(line)));
         for FoundCasimir { formula, minimum, .. } in definite.iter().filter(|_| found.len() > 1) {
             let formula = if found.len() > LISTED { "of all" } else { formula };
-            writeln!(f, "    a positive definite sum: {formula}, m = {minimum}")?;
+            lines.push(format!("    a positive definite sum: {formula}, m = {minimum}"));
         }
-        logarithmic.iter().try_for_each(|LogarithmicCasimir { formula, casimir, .. }| {
-            writeln!(f, "  and with logarithms: {formula}; B∇C = 0 {casimir}")
-        })
-    }
-}
-
-impl Solvability {
-    fn write(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { points, region, .. } = self;
-        let steps = [1, 2, 4].map(|k| (k, self.largest_step(k)));
-        if steps[0].1 < USELESS_STEP {
-            return writeln!(
-                f,
-                "Implicit steps of sexp: no useful bound of τ, the norms at {points} points with \
-                 {region} are too large\n  (a singular point?); the solver reports a step that it \
-                 cannot solve"
-            );
-        }
-        let steps = steps.map(|(k, step)| format!("{step:.1e} for k = {k}")).join(", ");
-        writeln!(
-            f,
-            "Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below\n  {steps}\n  by the \
-             largest norms found at {points} points with {region}"
-        )
+        lines.extend(logarithmic.iter().map(line));
+        lines
     }
 }
 
@@ -406,25 +343,12 @@ impl Display for Finding {
 
 /// A point, of which the first components are printed.
 fn point(at: &[f64]) -> String {
-    match at {
-        [_, _, _, _, _, _, _, _, _, ..] => {
-            format!("[{:.3}, {:.3}, {:.3}, …]", at[0], at[1], at[2])
-        }
-        all => format!("{all:.3?}"),
-    }
+    if at.len() > 8 { format!("{:.3?}…", &at[..3]) } else { format!("{at:.3?}") }
 }
-
-/// The next line of a row.
-const LINE: &str = "\n           ";
 
 /// A length with four decimals, or digits where these say little.
 fn length(x: f64) -> String {
     if x == 0.0 || (0.01..1e6).contains(&x) { format!("{x:.4}") } else { format!("{x:.4e}") }
-}
-
-/// A property with its label.
-fn row(f: &mut Formatter<'_>, label: &str, text: impl Display) -> Result {
-    writeln!(f, "  {label:<9}{text}")
 }
 
 impl Display for Region {
@@ -432,7 +356,7 @@ impl Display for Region {
         match self {
             Self::Box(half_side) => write!(f, "|yᵢ| ≤ {half_side}"),
             Self::Ball(radius) => write!(f, "‖y‖ ≤ {}", length(*radius)),
-            Self::Near => f.write_str("|yᵢ| near that of y₀, along random directions"),
+            Self::Near => f.write_str("y near y₀, along random directions"),
         }
     }
 }
@@ -449,20 +373,18 @@ impl Display for Structure {
             _ => constant.words("constant", ""),
         };
         let jacobi = jacobi.words("Jacobi identity", "no Jacobi identity, not needed");
-        write!(f, "{skew}{LINE}{constant}; {jacobi}")
+        write!(f, "{skew}; {constant}; {jacobi}")
     }
 }
 
 impl Display for Minimum {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { value, error, positive, in_domain_only } = *self;
-        match positive {
-            Status::Unknown if value.abs() <= error => write!(f, "0 to {error:.0e}")?,
-            Status::Unknown => write!(f, "{value:.1e}, sign cannot be told")?,
-            Status::Fails => write!(f, "{value:.4e}")?,
-            Status::Holds => write!(f, "{value:.4e} > 0")?,
+        match self.positive {
+            Status::Unknown => f.write_str("about 0")?,
+            Status::Fails => write!(f, "{:.4e}", self.value)?,
+            Status::Holds => write!(f, "{:.4e} > 0", self.value)?,
         }
-        f.write_str(if in_domain_only { " on the domain" } else { "" })
+        f.write_str(if self.in_domain_only { " on the domain" } else { "" })
     }
 }
 

@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::{
-    algebra::{Matrix, axis, largest, moved, norm, scaled},
+    algebra::{axis, largest, moved, norm, scaled},
     finding::{CLUSTER, Finding, Status, Term, sum},
     form::Form,
     points::Points,
@@ -63,11 +63,9 @@ pub struct Shape {
 /// m(F) = min F over the unit sphere; if it is positive, F bounds all paths.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Minimum {
-    /// −‖β‖ of a linear function, half the smallest eigenvalue of a quadratic form; the smallest βᵢ
-    /// of a linear function on positive states.
+    /// −‖β‖ of a linear function, half the smallest eigenvalue of a quadratic form, less its
+    /// rounding error; the smallest βᵢ of a linear function on positive states; −∞ of logarithms.
     pub value: f64,
-    /// A bound of the rounding error of `value`.
-    pub error: f64,
     /// Whether m(F) > 0.
     pub positive: Status,
     /// Whether the minimum is over positive states only, as all that were found in the domain are.
@@ -124,12 +122,13 @@ impl Shape {
             Status::Holds => Kind::Homogeneous,
         };
         let law = matches!(kind, Kind::Linear | Kind::Quadratic | Kind::Homogeneous);
-        let minimum = match kind {
+        let of_form = match kind {
             _ if locals.is_empty() || !points.everywhere => None,
-            Kind::Linear => Some(Minimum::of_linear(&coefficients(probe, f))),
-            Kind::Quadratic => Some(Minimum::of_quadratic(&matrix(probe, f))),
+            Kind::Linear => Some(1),
+            Kind::Quadratic => Some(2),
             _ => None,
         };
+        let minimum = of_form.map(|degree| Minimum::of(&form(probe, degree, f), false));
         Self { kind, degree: law.then_some(degree), homogeneous, constant_hessian, minimum }
     }
 }
@@ -177,51 +176,44 @@ fn third_differences(
     finding.seen()
 }
 
-/// β of βᵀy.
-fn coefficients(probe: &mut Probe<'_>, f: Values<'_>) -> Vec<f64> {
+/// β of βᵀy, or Q of ½yᵀQy, from values at unit vectors.
+fn form(probe: &mut Probe<'_>, degree: u32, f: Values<'_>) -> Form {
     let d = probe.dimension();
     let axes: Batch = (0..d).map(|i| axis(d, i)).collect();
-    f(probe, &axes)
-}
-
-/// Q of ½yᵀQy.
-fn matrix(probe: &mut Probe<'_>, f: Values<'_>) -> Matrix {
-    let d = probe.dimension();
-    let alone = coefficients(probe, f);
-    let pairs: Batch = (0..d * d).map(|n| moved(&axis(d, n / d), 1.0, &axis(d, n % d))).collect();
-    let values = f(probe, &pairs);
-    (0..d).map(|i| (0..d).map(|j| values[i * d + j] - alone[i] - alone[j]).collect()).collect()
+    let alone = f(probe, &axes);
+    let pairs: Batch = (0..d * d).map(|n| moved(&axes[n / d], 1.0, &axes[n % d])).collect();
+    let coefficients = match degree {
+        1 => alone,
+        _ => (f(probe, &pairs).into_iter().enumerate())
+            .map(|(n, both)| both - alone[n / d] - alone[n % d])
+            .collect(),
+    };
+    Form { degree, coefficients }
 }
 
 impl Minimum {
     /// On the whole sphere, or on its positive part where the domain has positive states only.
     pub(super) fn of(form: &Form, positive_states: bool) -> Self {
         let beta = &form.coefficients;
-        match form.degree {
-            1 if positive_states && beta.iter().all(|beta| *beta > 0.0) => {
-                let value = beta.iter().copied().fold(f64::INFINITY, f64::min);
-                Self { value, error: 0.0, positive: Status::Holds, in_domain_only: true }
+        let least = beta.iter().copied().fold(f64::INFINITY, f64::min);
+        let in_domain_only = form.degree == 1 && positive_states && least > 0.0;
+        let (value, error) = match form.degree {
+            0 => (f64::NEG_INFINITY, 0.0),
+            1 if in_domain_only => (least, 0.0),
+            1 => (-norm(beta), 0.0),
+            _ => {
+                let q = form.matrix();
+                // Backward stable, with a modest multiple of u‖Q‖ (Golub and Van Loan 2013, section
+                // 8.6).
+                let error = 4.0 * f64::EPSILON * q.len() as f64 * norm(beta);
+                (0.5 * smallest_eigenvalue(&q), error)
             }
-            1 => Self::of_linear(beta),
-            _ => Self::of_quadratic(&form.matrix()),
-        }
-    }
-
-    fn of_linear(beta: &[f64]) -> Self {
-        let value = -norm(beta);
-        let error = f64::EPSILON * beta.len() as f64 * value.abs();
-        Self { value, error, positive: Status::Fails, in_domain_only: false }
-    }
-
-    fn of_quadratic(q: &Matrix) -> Self {
-        let value = 0.5 * smallest_eigenvalue(q);
-        // Backward stable, with a modest multiple of u‖Q‖ (Golub and Van Loan 2013, section 8.6).
-        let error = 4.0 * f64::EPSILON * q.len() as f64 * norm(&q.concat());
+        };
         let positive = match (value > error, value < -error) {
             (true, _) => Status::Holds,
             (_, true) => Status::Fails,
             _ => Status::Unknown,
         };
-        Self { value, error, positive, in_domain_only: false }
+        Self { value: value - error, positive, in_domain_only }
     }
 }

@@ -3,12 +3,7 @@
 use schemes::{BuiltIn, Properties, StrongOrder};
 use serde::Serialize;
 
-use super::{
-    finding::{Finding, Status},
-    noises::Noises,
-    problem::Bound,
-    report::Inspection,
-};
+use super::{finding::Status, problem::Bound, report::Inspection};
 
 /// Whether a statement of the paper applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -50,29 +45,29 @@ pub struct ExpectedOrder {
 
 /// Orders of the [built-in schemes](BuiltIn) for smooth B and H, of those with Lévy areas if
 /// `areas` are drawn, of those that read rates of the damping if these are finite. Strong order one
-/// takes Lévy areas where noises do not commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves
-/// out, where they are not zero.
-pub fn orders(noises: &Noises, areas: bool, finite_rates: bool) -> Vec<ExpectedOrder> {
+/// takes Lévy areas where noises do not commute. That of `em` is ½ at least.
+pub fn orders(report: &Inspection, finite_rates: bool) -> Vec<ExpectedOrder> {
+    let noise = &report.noise;
     // A counterexample shows that the order is ½, unless paths stay where there is none.
-    let one_if = |finding: &Finding, on_paths: &Finding| match finding.status {
-        Status::Fails if on_paths.points > 0 && !on_paths.fails() => (0.5, Status::Unknown),
+    let commuting = match noise.commute.status {
+        Status::Fails if noise.at_start.points > 0 && !noise.at_start.fails() => {
+            (0.5, Status::Unknown)
+        }
         Status::Fails => (0.5, Status::Holds),
         Status::Unknown => (0.5, Status::Unknown),
         Status::Holds => (1.0, Status::Holds),
     };
-    let [commute, no_correction] = &noises.on_paths;
     let expected = |scheme: BuiltIn| {
         let Properties { id, strong, weak, without_noise, exact_damping, .. } = scheme.properties();
-        if (scheme.is_for_areas() && !areas) || !(exact_damping || finite_rates) {
-            return None;
-        }
+        let areas = !scheme.is_for_areas() || report.schemes.draws_areas;
         let ((strong, known), weak) = match strong {
-            _ if noises.silent.holds() => ((without_noise, Status::Holds), without_noise),
+            _ if report.hamiltonians.silent() => ((without_noise, Status::Holds), without_noise),
             StrongOrder::Areas => ((1.0, Status::Holds), weak),
-            StrongOrder::Commuting => (one_if(&noises.commute, commute), weak),
-            StrongOrder::Additive => (one_if(&noises.no_correction, no_correction), weak),
+            StrongOrder::Commuting => (commuting, weak),
+            StrongOrder::Additive => ((0.5, Status::Unknown), weak),
         };
-        Some(ExpectedOrder { scheme: id, strong, weak, known })
+        let expected = ExpectedOrder { scheme: id, strong, weak, known };
+        (areas && (exact_damping || finite_rates)).then_some(expected)
     };
     BuiltIn::ALL.into_iter().filter_map(expected).collect()
 }
@@ -81,58 +76,45 @@ pub fn orders(noises: &Noises, areas: bool, finite_rates: bool) -> Vec<ExpectedO
 pub fn theorems(report: &Inspection, damped: bool) -> Vec<Theorem> {
     use Applies::{Conditionally, No, Yes};
     let Inspection { structure, hamiltonians, casimirs, invariants, bound, .. } = report;
-    let shape = &hamiltonians.shapes[0];
-    let exact = hamiltonians.discrete_gradient.holds();
-    // Noises that are multiples of one energy are one noise.
-    let one_noise = match (report.noises, hamiltonians.noise_size) {
-        (0, _) => "no noise".to_owned(),
-        (_, Some(c)) => format!("H₁ = {c} H₀"),
-        _ => "Hₘ = cₘ H₀ for every m".to_owned(),
-    };
-    let proportional = hamiltonians.proportional.status;
-    let listed: Vec<String> =
-        casimirs.iter().flat_map(|c| &c.found).map(|c| c.formula.clone()).collect();
+    let (shape, proportional) = (&hamiltonians.shapes[0], hamiltonians.proportional.status);
+    let listed = casimirs.iter().flat_map(|c| &c.found).map(|c| c.formula.clone());
+    let listed: Vec<String> = listed.collect();
     let claims = invariants.iter().filter(|i| i.claimed_casimir && i.status().holds());
-    let mut laws: Vec<String> = claims.map(|i| i.name.to_owned()).collect();
-    laws.extend(listed.iter().cloned());
-    if proportional.holds() && shape.degree.is_some() {
-        laws.push("H₀".into());
-    }
+    let claims = claims.map(|i| i.name.to_owned());
+    let energy = (proportional.holds() && shape.degree.is_some()).then(|| "H₀".to_owned());
+    let laws: Vec<String> = claims.chain(listed.clone()).chain(energy).collect();
     let complete = casimirs.as_ref().is_some_and(|casimirs| casimirs.complete);
-    let each = |laws: &[String], what| match (laws, complete) {
-        ([], true) => (No, format!("no {what}")),
-        ([], false) => (Conditionally, format!("cannot tell whether there is a {what}")),
-        _ if laws.len() > 12 => (Yes, format!("{} functions", laws.len())),
-        _ => (Yes, laws.join("; ")),
+    let each = |laws: &[String]| match laws.len() {
+        0 if complete => (No, "there is none".to_owned()),
+        0 => (Conditionally, "none was found".into()),
+        1..=12 => (Yes, laws.join("; ")),
+        many => (Yes, format!("{many} functions")),
     };
-    let none = "linear or quadratic Casimir, and found no homogeneous energy or true claim";
-    let inexact = if exact { "" } else { ", up to the error of ∇̄h; take more nodes" };
     let energy = match (proportional, shape.degree) {
-        (Status::Holds, Some(p)) => {
-            let law = format!("{one_noise}, and H₀ is homogeneous of degree {p}{inexact}");
-            (if exact { Yes } else { Conditionally }, law)
+        (Status::Fails, _) => (No, "not every Hₘ is a multiple of H₀".into()),
+        (Status::Holds, None) if damped && shape.homogeneous.fails() => {
+            (No, "H₀ is not homogeneous".into())
         }
+        (Status::Holds, Some(p)) if hamiltonians.discrete_gradient.holds() => {
+            (Yes, format!("every Hₘ is a multiple of H₀, homogeneous of degree {p}"))
+        }
+        (Status::Holds, Some(_)) => (Conditionally, "up to the error of ∇̄h".into()),
         // Without damping the energy is constant, homogeneous or not.
-        (Status::Holds, None) if !damped => {
-            (Conditionally, format!("γ = 0 wherever it was looked at, and {one_noise}{inexact}"))
-        }
-        (Status::Holds, None) if shape.homogeneous.fails() => (No, "H₀ is not homogeneous".into()),
-        (Status::Fails, _) => (No, "there is not one noise with H₁ = c H₀".into()),
-        _ => (Conditionally, "cannot tell whether H₁ = c H₀ with a homogeneous H₀".into()),
+        (Status::Holds, None) if !damped => (Conditionally, "while there is no damping".into()),
+        _ => (Conditionally, "cannot tell whether every Hₘ is a multiple of H₀".into()),
     };
     let bounded = match bound {
-        Some(Bound { function, minimum, .. }) if minimum.in_domain_only => {
-            (Conditionally, format!("m({function}) = {minimum} while paths stay there"))
+        Some(Bound { function, minimum, .. }) => {
+            let applies = if minimum.in_domain_only { Conditionally } else { Yes };
+            (applies, format!("m({function}) = {minimum}"))
         }
-        Some(Bound { function, minimum, .. }) => (Yes, format!("m({function}) = {minimum}")),
-        None => (No, "found no linear or quadratic Casimir or energy with m(F) > 0".into()),
+        None => (No, "found no Casimir or energy with m(F) > 0".into()),
     };
     let quadratic = hamiltonians.shapes.iter().all(|shape| shape.constant_hessian.holds());
-    let solvable = match (structure.constant.holds(), bounded.0) {
-        (true, _) if quadratic => (Yes, "B and the Hessians are constant".into()),
-        (true, _) => (Conditionally, "B is constant; if the Hessians are bounded".into()),
-        (false, No) => (Conditionally, "in any ball in which the steps stay".into()),
-        (false, _) => (Conditionally, "in the ball of the moment bound".into()),
+    let solvable = match structure.constant.holds() {
+        true if quadratic => (Yes, "B and the Hessians are constant".into()),
+        true => (Conditionally, "B is constant; if the Hessians are bounded".into()),
+        false => (Conditionally, "in any ball in which the steps stay".into()),
     };
     // The paper assumes that exact and numerical paths are bounded.
     let orders = match bounded.0 {
@@ -143,13 +125,10 @@ pub fn theorems(report: &Inspection, damped: bool) -> Vec<Theorem> {
         0 | 1 => ("strong-one", "strong order 1 of sexp (k ≥ 2), for smooth B and H"),
         _ => ("strong-half", "strong order 1/2 of sexp (k ≥ 1), for smooth B and H"),
     };
-    let sound = structure.sound();
     let theorem = |(statement, says, (applies, because)): (_, _, (Applies, String))| {
-        let (applies, because) = match (sound, applies) {
+        let (applies, because) = match (structure.sound(), applies) {
             (Status::Fails, _) => (No, "B is not skew-symmetric".into()),
-            (Status::Unknown, Yes) => {
-                (Conditionally, format!("{because}; cannot tell whether B is skew-symmetric"))
-            }
+            (Status::Unknown, Yes) => (Conditionally, format!("{because}, if B is skew-symmetric")),
             _ => (applies, because),
         };
         Theorem { statement, says, applies, because }
@@ -158,12 +137,12 @@ pub fn theorems(report: &Inspection, damped: bool) -> Vec<Theorem> {
         (
             "exact-conformal",
             "homogeneous Casimirs (one noise: and the energy) obey exp(−p∫γ)",
-            each(&laws, none),
+            each(&laws),
         ),
         (
             "conformal-casimir",
             "sexp keeps linear and quadratic Casimirs on their law for any τ",
-            each(&listed, "linear or quadratic Casimir of B"),
+            each(&listed),
         ),
         (
             "energy-balance",

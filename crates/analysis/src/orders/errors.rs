@@ -62,26 +62,27 @@ pub fn strong_points(taus: &[f64], record: &CrossMoments, orders: &[f64]) -> Vec
         let row = |l| row(record.length(), levels, l, p, independent);
         root_mean_squares(taus, &record.combined(&(0..levels).map(row).collect::<Vec<_>>()))
     };
-    let mut likely = points(orders[0], orders[0] < 0.75);
-    for &order in orders {
-        for other in [true, false].into_iter().flat_map(|independent| points(order, independent)) {
-            likely.iter_mut().for_each(|point| widen(point, &other));
-        }
-    }
-    likely
+    let others = orders.iter().flat_map(|&p| [points(p, true), points(p, false)]);
+    widest(std::iter::once(points(orders[0], orders[0] < 0.75)).chain(others))
 }
 
-/// Widens the interval of a point to that of another at the same step size.
-pub fn widen(point: &mut Point, other: &Point) {
-    if let (
-        Point::Error { tau, lo, hi, .. },
-        Point::Error { tau: same, lo: other_lo, hi: other_hi, .. },
-    ) = (point, other)
-        && tau == same
-    {
-        *lo = lo.zip(*other_lo).map(|(a, b)| f64::min(a, b));
-        *hi = hi.zip(*other_hi).map(|(a, b)| f64::max(a, b));
+/// The first points, with intervals that contain those of all others at the same step size.
+pub fn widest(mut all: impl Iterator<Item = Vec<Point>>) -> Vec<Point> {
+    let mut first = all.next().unwrap_or_default();
+    for other in all.flatten() {
+        for point in &mut first {
+            if let (
+                Point::Error { tau, lo, hi, .. },
+                Point::Error { tau: same, lo: low, hi: high, .. },
+            ) = (point, &other)
+                && tau == same
+            {
+                *lo = lo.zip(*low).map(|(a, b)| a.min(b));
+                *hi = hi.zip(*high).map(|(a, b)| a.max(b));
+            }
+        }
     }
+    first
 }
 
 /// The weights of a record in E|y_l − y|².

@@ -38,7 +38,7 @@ pub use errors::squared_distance;
 pub(crate) use order::{difference, evaluate};
 pub(crate) use steps::Subject;
 
-pub use decision::Decision;
+pub use decision::{Decision, More};
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
 pub use order::{strong_order, weak_order};

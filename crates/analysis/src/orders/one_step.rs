@@ -6,10 +6,6 @@
 //! add up faster. Steps cost little, so τ can be as small as rounding allows: far below the step
 //! sizes at which whole paths can run, where a small term of low order may not show yet. The same
 //! steps with stronger noise find such a term where the noise is weak.
-//!
-//! If the means of δ and of the differences of squares are of order τ^{r+1}, the weak order of
-//! these test functions is r. Means are those of a cubature of degree five (Stroud, *Approximate
-//! Calculation of Multiple Integrals*, 1971), exact for the terms up to τ^{5/2}.
 
 use noise::{AreaSampler, StepNoise, StreamKey, WienerRows};
 use real::WIDTH;
@@ -62,22 +58,6 @@ pub fn one_step(subject: Subject<'_>, sizes: &StepSizes, visits: &[Visit]) -> Op
     })
 }
 
-/// The smallest weak order that the means of one step leave, for the components and their squares,
-/// with the noise of the problem or an amplified one; `None` if it is not clear, or if the scheme
-/// reads areas, which the cubature has not.
-pub fn mean_order(subject: Subject<'_>, sizes: &StepSizes, visits: &[Visit]) -> Option<f64> {
-    if subject.scheme.reads_areas() {
-        return None;
-    }
-    let visits = &visits[..visits.len().min(MEAN_VISITS)];
-    let (mut steps, points) = (Steps::new(subject), cubature(subject.problem.noises));
-    let least = least_order(subject.problem.t_end, sizes, &mut |tau, amplifications| {
-        let mean = |&factor: &f64| mean_difference(&mut steps, &points, visits, tau, factor);
-        amplifications.iter().map(mean).collect()
-    });
-    least.map(|step| step.order - 1.0)
-}
-
 /// For a step size and factors of the noise, mean squares of differences and of states.
 type SquaresOf<'a> = dyn FnMut(f64, &[f64]) -> Vec<(f64, f64)> + 'a;
 
@@ -126,80 +106,8 @@ fn least_order(t_end: f64, sizes: &StepSizes, squares_of: &mut SquaresOf<'_>) ->
     least.filter(|step| step.order > 0.0)
 }
 
-/// Visits from which means are formed.
-const MEAN_VISITS: usize = 16;
-
-/// Means over visits of the squares of E[g(one step) − g(two half steps)] and of g, where g are the
-/// components and their squares; NaN if no step succeeds.
-fn mean_difference(
-    steps: &mut Steps<'_>,
-    points: &[Point],
-    visits: &[Visit],
-    tau: f64,
-    amplification: f64,
-) -> (f64, f64) {
-    let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
-    let root = amplification * (0.5 * tau).sqrt();
-    for visit in visits {
-        let mut means = [(); 2].map(|()| vec![0.0; visit.state.len()]);
-        let mut add = |points: &[Point]| {
-            for (k, noise) in steps.noises.iter_mut().enumerate() {
-                for (m, row) in noise.increments.iter_mut().enumerate() {
-                    row.iter_mut().zip(points).for_each(|(dw, (_, x))| *dw = root * x[k][m]);
-                }
-            }
-            let OneAndTwo { one, two, live } = steps.one_and_two(visit, tau, points.len())?;
-            for (p, (weight, _)) in points.iter().enumerate() {
-                if !live.contains(p) {
-                    return None;
-                }
-                for i in 0..one.len() {
-                    let difference = one[i][p] - two[i][p];
-                    means[0][i] += weight * difference;
-                    means[1][i] += weight * difference * (one[i][p] + two[i][p]);
-                }
-            }
-            Some(())
-        };
-        if points.chunks(WIDTH).try_for_each(&mut add).is_some() {
-            square += means.iter().map(|mean| square_of(mean.iter().copied())).sum::<f64>();
-            let y = || visit.state.iter().copied();
-            size += square_of(y()) + square_of(y().map(|y| y * y));
-            count += 1.0;
-        }
-    }
-    (square / count, size / count)
-}
-
 fn square_of(x: impl Iterator<Item = f64>) -> f64 {
     x.map(|x| x * x).sum()
-}
-
-/// A weight and two vectors of normals.
-type Point = (f64, [Vec<f64>; 2]);
-
-/// A cubature of degree five for two vectors of normals, one for each noise.
-fn cubature(noises: usize) -> Vec<Point> {
-    let n = 2 * noises;
-    let r = n as f64 + 2.0;
-    let point = |entries: &[(usize, f64)]| {
-        let mut point = [(); 2].map(|()| vec![0.0; noises]);
-        entries.iter().for_each(|&(i, x)| point[i / noises][i % noises] = x);
-        point
-    };
-    let mut points = vec![(2.0 / r, point(&[]))];
-    for i in 0..n {
-        let weight = (4.0 - n as f64) / (2.0 * r * r);
-        points.extend([r.sqrt(), -r.sqrt()].map(|x| (weight, point(&[(i, x)]))));
-    }
-    for i in 0..n {
-        for j in i + 1..n {
-            let x = (0.5 * r).sqrt();
-            let signs = [(x, x), (x, -x), (-x, x), (-x, -x)];
-            points.extend(signs.map(|(a, b)| (1.0 / (r * r), point(&[(i, a), (j, b)]))));
-        }
-    }
-    points
 }
 
 /// For each factor of the noise, means of |δ|² and |y|² over the steps that succeed; NaN if none
@@ -267,28 +175,6 @@ mod tests {
 
     use super::super::tests::{Anything, Single};
     use super::*;
-
-    #[test]
-    fn the_cubature_has_the_moments_of_normals_up_to_the_fifth() {
-        let points = cubature(3);
-        let moment = |of: &dyn Fn([f64; 6]) -> f64| {
-            let flat = |p: &[Vec<f64>; 2]| std::array::from_fn(|i| p[i / 3][i % 3]);
-            points.iter().map(|(weight, p)| weight * of(flat(p))).sum::<f64>()
-        };
-        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-13, "{a} {b}");
-        close(moment(&|_| 1.0), 1.0);
-        for i in 0..6 {
-            close(moment(&|x| x[i]), 0.0);
-            close(moment(&|x| x[i].powi(2)), 1.0);
-            close(moment(&|x| x[i].powi(4)), 3.0);
-            close(moment(&|x| x[i].powi(5)), 0.0);
-            for j in 0..i {
-                close(moment(&|x| x[i] * x[j]), 0.0);
-                close(moment(&|x| x[i].powi(3) * x[j]), 0.0);
-                close(moment(&|x| (x[i] * x[j]).powi(2)), 1.0);
-            }
-        }
-    }
 
     fn problem() -> Problem<Anything, Constant, 2> {
         valid(Problem::new(Anything, valid(Constant::new(0.0)), [1.0, 0.0], 2.0))
@@ -381,33 +267,5 @@ mod tests {
         assert!((square / ((one - two) * (one - two)) - 1.0).abs() < 1e-12, "{square}");
         assert!((size / exact - 1.0).abs() < 1e-12, "{size} {exact}");
         assert!(of(&visits[2..]).0.is_nan());
-    }
-
-    #[test]
-    fn means_of_one_step_are_those_over_the_noise() {
-        // y₁ + ΔW + ½τ² and y₂: the means of y₁ and y₁² differ by τ²/4 and by what ΔW² adds.
-        let scheme = Single(|_, tau, dw, y| [y[0] + dw + 0.5 * tau * tau, y[1]]);
-        let (tau, strength, problem) = (0.5, 2.0, problem());
-        let of = |scheme: &Single, state: [f64; 2]| {
-            let (setup, visit) =
-                (Setup::of(&problem, scheme), Visit { t: 0.0, state: state.into() });
-            let mut steps = Steps::new(Subject::from(&setup));
-            mean_difference(&mut steps, &cubature(1), &[visit], tau, strength)
-        };
-        let (square, size) = of(&scheme, [3.0, 1.0]);
-        // One step ends at 3 + ΔW + 0.125 and two at 3 + ΔW + 0.0625.
-        let second = 0.0625 * (2.0 * 3.0 + 0.1875);
-        assert!((square - 0.0625 * 0.0625 - second * second).abs() < 1e-12, "{square}");
-        assert_eq!(size, 10.0 + 82.0);
-        // Two steps of ΔW² each have twice the mean; squares of increments are strength²·τ.
-        let scheme = Single(|_, tau, dw, y| [y[0] + if tau < 0.5 { dw * dw } else { 0.0 }, y[1]]);
-        let (square, _) = of(&scheme, [0.0, 0.0]);
-        // E of the sum, 4·0.5 = 2, and of its square, 2·3·1² + 2·1·1 = 8.
-        assert!((square - 4.0 - 64.0).abs() < 1e-9, "{square}");
-        // Of order τ² in the mean: weak order one, from sixteen visits at most.
-        let drift = Single(|_, tau, dw, y| [y[0] + dw + tau * tau, y[1]]);
-        let visits = vec![Visit { t: 0.0, state: vec![1.0, 1.0] }; 20];
-        let setup = Setup::of(&problem, &drift);
-        assert_eq!(mean_order(Subject::from(&setup), &sizes(), &visits), Some(1.0));
     }
 }

@@ -7,10 +7,10 @@ use stats::{
 };
 
 use super::{
-    Decision, Limit, Measure, Order, ReferenceSolution, StepSizes, decision,
-    errors::{differences, record, record_length, squared_distance, strong_points, widen},
+    Decision, Measure, Order, ReferenceSolution, StepSizes, decision,
+    errors::{differences, record, record_length, squared_distance, strong_points, widest},
     limit::limit,
-    one_step::{mean_order, one_step},
+    one_step::one_step,
     runs::{at_all_sizes, failing, measure, visits},
     steps::Subject,
     within::within,
@@ -132,21 +132,17 @@ fn once(
         (at_all_sizes(subject.scheme, sizes), exact.map(|exact| exact.time_change));
     let (moments, failed) = measure(subject.problem, sizes, runs, time_change, length, &values)?;
 
-    let taus = sizes.taus(subject.problem.t_end);
-    let obstacle = decision::obstacle(failed, sizes.samples, sizes.damping(setup));
     // Where paths fail, steps that fail take longest, and decide nothing.
-    let (visits, limit) = match obstacle {
-        Some(Decision::Failures { .. }) => (None, Limit::Unchecked),
-        _ => {
-            let visits = visits(subject, sizes, VISITS, &Stop::default())?;
-            let limit = limit(subject, sizes, &visits, reference, what)?;
-            (Some(visits), limit)
-        }
-    };
-    let (mut rate, one_step, decision) = match what {
+    if 10 * failed.paths > sizes.samples {
+        return Ok(failed.order(sizes.samples));
+    }
+    let visits = visits(subject, sizes, VISITS, &Stop::default())?;
+    let limit = limit(subject, sizes, &visits, reference, what)?;
+    let taus = sizes.taus(subject.problem.t_end);
+    let (mut rate, one_step, mut decision) = match what {
         Measure::Strong => {
             let rate = fit_strong(&taus[..number - 1], &differences(&moments, number, levels));
-            let one_step = visits.and_then(|visits| one_step(subject, sizes, &visits));
+            let one_step = one_step(subject, sizes, &visits);
             let decision = decision::strong(rate.as_ref(), one_step, limit);
             (rate, one_step, decision)
         }
@@ -163,10 +159,9 @@ fn once(
             let taus = &taus[..means.len()];
             let rate = fit_weak(taus, &means, &covariance, against, Expansion::EveryPower);
             let share = |order| lower_share(taus, &means, &covariance, order, against);
-            let one_step = || mean_order(subject, sizes, visits.as_deref().unwrap_or(&[]));
             let y0: Vec<Row> = subject.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
             let size = evaluate(observable, &y0, PathMask::first(1))[0];
-            let decision = match decision::weak(rate.as_ref(), share, one_step, limit) {
+            let decision = match decision::weak(rate.as_ref(), share, limit) {
                 Decision::WrongLimit => Decision::WrongLimit,
                 _ if decision::kept(&fitted, sizes.reference_steps(), size) => Decision::Kept,
                 decision => decision,
@@ -174,28 +169,28 @@ fn once(
             (rate, None, decision)
         }
     };
-    let decision = obstacle.unwrap_or(decision);
-    let fitted = rate.as_ref().map(|rate| rate.estimate);
-    let likely = rate.as_mut().map_or(1.0, |rate| decision.settle(rate));
-    // The orders that the error left at the finest step may have; below ½ it would be as large as
-    // one likes.
-    let orders = fitted.zip(rate.as_ref());
-    let orders =
-        orders.map(|(fitted, rate)| [likely, fitted, rate.lo, rate.hi].map(|p| p.max(0.5)));
+    if let Some(defect) = sizes.damping(setup) {
+        let because = format!("the steps resolve the damping to {defect:.1e} only");
+        decision = decision::undecided(decision::More::Steps, because);
+    }
+    let mut orders = Vec::new();
+    if let Some(rate) = &mut rate {
+        let fitted = rate.estimate;
+        let likely = decision.settle(rate);
+        // The orders that the error left at the finest step may have; below ½ it would be as large
+        // as one likes.
+        orders = [likely, fitted, rate.lo, rate.hi].map(|p| p.max(0.5)).into();
+    }
     let taus = &taus[..levels];
-    let points = match (what, orders) {
+    let points = match (what, &orders[..]) {
         (Measure::Strong, _) if exact.is_some() => root_mean_squares(taus, &moments),
         (Measure::Weak(_), _) if exact.is_some() => weak_points(taus, &moments, None),
-        (Measure::Strong, Some(orders)) => strong_points(taus, &moments, &orders),
-        (Measure::Weak(_), Some([likely, _, lo, hi])) => {
-            let of = |p: f64| weak_points(taus, &moments, Some(1.0 / (p.exp2() - 1.0)));
-            let mut points = of(likely);
-            for other in [lo, hi].map(of) {
-                points.iter_mut().zip(other).for_each(|(point, other)| widen(point, &other));
-            }
-            points
+        (_, []) => Vec::new(),
+        (Measure::Strong, orders) => strong_points(taus, &moments, orders),
+        (Measure::Weak(_), orders) => {
+            let of = |k: usize| weak_points(taus, &moments, Some(1.0 / (orders[k].exp2() - 1.0)));
+            widest([0, 2, 3].into_iter().map(of))
         }
-        _ => Vec::new(),
     };
     Ok(Order { points, rate, one_step, limit, decision, failed: failed.paths })
 }

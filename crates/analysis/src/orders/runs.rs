@@ -7,8 +7,12 @@ use mc::{Ladder, LadderError, Problem, Run, Statistic, TimeChange, View, parts::
 use schemes::Method;
 use stats::CrossMoments;
 
-use super::{Decision, Limit, Order, StepSizes, steps::Subject};
-use crate::{FinalMoments, FinalRows};
+use super::{
+    Limit, Order, StepSizes,
+    decision::{More, undecided},
+    steps::Subject,
+};
+use crate::{FinalMoments, FinalRows, number};
 
 /// The scheme at every step size, coarsest first.
 pub fn at_all_sizes<'a>(scheme: &Arc<dyn Method + 'a>, sizes: &StepSizes) -> Vec<Run<'a>> {
@@ -46,6 +50,19 @@ pub fn measure<'a>(
     Ok((measured.statistic.moments, Failed { paths: measured.failed, t }))
 }
 
+impl Failed {
+    /// What is said where too many of these paths failed: the rest says little about the scheme.
+    pub fn order(self, samples: u64) -> Order {
+        let (Self { paths: failed, t }, limit) = (self, Limit::Unchecked);
+        let t = number(t);
+        let because = format!(
+            "{failed} of {samples} paths failed, the first at t = {t}, where the solution may end"
+        );
+        let decision = undecided(More::Steps, because);
+        Order { points: Vec::new(), rate: None, one_step: None, limit, decision, failed }
+    }
+}
+
 /// Paths that show whether most fail: one block.
 const FEW: u64 = 32;
 
@@ -54,11 +71,9 @@ const FEW: u64 = 32;
 pub fn failing(subject: Subject<'_>, sizes: &StepSizes) -> Result<Option<Order>, LadderError> {
     let few = StepSizes { samples: sizes.samples.min(FEW), ..*sizes };
     let runs = at_all_sizes(subject.scheme, sizes);
-    let (_, Failed { paths, t }) = measure(subject.problem, &few, runs, None, 0, &|_, _| ())?;
-    let decision = Decision::Failures { all: paths == few.samples, t };
-    let (points, rate, one_step, limit) = (Vec::new(), None, None, Limit::Unchecked);
-    let order = Order { points, rate, one_step, limit, decision, failed: paths };
-    Ok((paths > 0 && 2 * paths >= few.samples).then_some(order))
+    let (_, failed) = measure(subject.problem, &few, runs, None, 0, &|_, _| ())?;
+    let most = failed.paths > 0 && 2 * failed.paths >= few.samples;
+    Ok(most.then(|| failed.order(few.samples)))
 }
 
 /// A state of a path.

@@ -8,7 +8,8 @@ use stats::{CrossMoments, Point, Rate};
 use systems::PoissonSystem;
 
 use super::{
-    Decision, Limit, OneStep, Order, StepSizes, decision,
+    Decision, Limit, More, OneStep, Order, StepSizes,
+    decision::{self, undecided},
     errors::{differences, record, record_length, strong_points},
     wrong_limit,
 };
@@ -33,69 +34,65 @@ fn one_step_of_integer_order_leaves_two_orders_possible() {
     assert_eq!(orders(3.0), [2.0, 2.5]);
 }
 
+/// The order, whether the points show it, or what would decide.
+fn told(decision: &Decision) -> Result<(f64, bool), Option<More>> {
+    match decision {
+        Decision::Order { order, shown } => Ok((*order, *shown)),
+        Decision::Undecided { more, .. } => Err(Some(*more)),
+        _ => Err(None),
+    }
+}
+
 #[test]
 fn a_strong_order_is_named_where_one_is_left_that_the_points_do_not_exceed() {
     let of = |lo: f64, hi: f64, step: f64| {
-        decision::strong(Some(&rate(0.5 * (lo + hi), lo, hi)), one_step(step), AGREES)
+        told(&decision::strong(Some(&rate(0.5 * (lo + hi), lo, hi)), one_step(step), AGREES))
     };
-    let named = |order: f64, shown: bool| Decision::Order { order, shown };
-    assert_eq!(of(0.9, 1.1, 1.5), named(1.0, true));
-    // The points fall faster still.
-    assert_eq!(of(1.2, 1.4, 1.5), named(1.0, false));
-    // They fall too slowly for the order of one step.
-    assert_eq!(of(0.7, 0.9, 1.5), Decision::NotAsymptotic);
+    let finer = Err(Some(More::Steps));
+    assert_eq!(of(0.9, 1.1, 1.5), Ok((1.0, true)));
+    // The points fall faster still, or too slowly for the order of one step.
+    assert_eq!((of(1.2, 1.4, 1.5), of(0.7, 0.9, 1.5)), (Ok((1.0, false)), finer));
     // Of orders one and 1½ the points leave one, or both.
-    assert_eq!(of(0.9, 1.1, 2.0), named(1.0, true));
-    assert_eq!(of(1.3, 1.6, 2.0), Decision::OneStepUnclear);
-    let calm = rate(1.0, 0.9, 1.1);
-    assert_eq!(decision::strong(Some(&calm), None, AGREES), Decision::OneStepUnclear);
+    assert_eq!((of(0.9, 1.1, 2.0), of(1.3, 1.6, 2.0)), (Ok((1.0, true)), finer));
+    assert_eq!(told(&decision::strong(Some(&rate(1.0, 0.9, 1.1)), None, AGREES)), finer);
 }
 
 #[test]
 fn nothing_is_named_without_a_good_fit_and_a_limit() {
     let of = |rate: Option<&Rate>, limit: Limit| {
         let strong = decision::strong(rate, one_step(1.5), limit);
-        // As text, for NaN is not equal to itself.
-        let weak = decision::weak(rate, |_| Some(0.0), || None, limit);
-        assert_eq!(format!("{weak:?}"), format!("{strong:?}"));
-        strong
+        assert_eq!(decision::weak(rate, |_| Some(0.0), limit), strong);
+        told(&strong)
     };
     let good = rate(1.0, 0.9, 1.1);
-    assert_eq!(of(Some(&good), AGREES), Decision::Order { order: 1.0, shown: true });
+    let [paths, steps] = [More::Paths, More::Steps].map(|more| Err(Some(more)));
     let differs = Limit::Differs { with: "heun", distance: 1.0 };
-    assert_eq!(of(Some(&good), differs), Decision::WrongLimit);
-    assert_eq!(of(None, differs), Decision::WrongLimit);
-    assert_eq!(of(None, AGREES), Decision::NoDifferences);
+    assert_eq!((of(Some(&good), differs), of(None, differs)), (Err(None), Err(None)));
+    assert_eq!((of(Some(&good), AGREES), of(None, AGREES)), (Ok((1.0, true)), paths));
     for limit in [Limit::Unclear { with: "heun", distance: 1.0 }, Limit::Unchecked] {
-        assert_eq!(of(Some(&good), limit), Decision::LimitUnclear);
+        assert_eq!(of(Some(&good), limit), steps);
     }
-    let misfit = Rate { p_value: Some(1e-6), ..good.clone() };
-    assert_eq!(of(Some(&misfit), AGREES), Decision::NotAsymptotic);
+    assert_eq!(of(Some(&Rate { p_value: Some(1e-6), ..good.clone() }), AGREES), steps);
     // An interval of ½ is narrow enough; one twice as wide takes four times as many paths.
-    assert_eq!(
-        of(Some(&rate(1.0, 0.75, 1.25)), AGREES),
-        Decision::Order { order: 1.0, shown: true }
-    );
-    assert_eq!(of(Some(&rate(1.0, 0.5, 1.5)), AGREES), Decision::Wide { more_paths: 4.0 });
-    let nan = of(Some(&rate(1.0, f64::NAN, 1.5)), AGREES);
-    assert!(matches!(nan, Decision::Wide { .. }), "{nan:?}");
+    assert_eq!(of(Some(&rate(1.0, 0.75, 1.25)), AGREES), Ok((1.0, true)));
+    assert_eq!(of(Some(&rate(1.0, f64::NAN, 1.5)), AGREES), paths);
+    let wide = decision::strong(Some(&rate(1.0, 0.5, 1.5)), one_step(1.5), AGREES);
+    assert!(wide.to_string().contains("4 times as many paths"), "{wide}");
 }
 
 #[test]
 fn a_weak_order_above_one_may_hide_a_lower_one() {
     let of = |lo: f64, hi: f64, share: Option<f64>| {
-        decision::weak(Some(&rate(lo, lo, hi)), |_| share, || None, AGREES)
+        told(&decision::weak(Some(&rate(lo, lo, hi)), |_| share, AGREES))
     };
-    let two = Decision::Order { order: 2.0, shown: true };
-    assert_eq!(of(1.9, 2.1, Some(0.1)), two);
-    assert_eq!(of(1.9, 2.1, Some(0.11)), Decision::Hidden { share: 0.11 });
-    assert_eq!(of(1.9, 2.1, None), Decision::Hidden { share: 1.0 });
+    let [paths, steps] = [More::Paths, More::Steps].map(|more| Err(Some(more)));
+    assert_eq!(of(1.9, 2.1, Some(0.1)), Ok((2.0, false)));
+    assert_eq!((of(1.9, 2.1, Some(0.11)), of(1.9, 2.1, None)), (paths, paths));
     // Nothing is lower than one, whatever its share.
-    assert_eq!(of(0.9, 1.1, Some(1.0)), Decision::Order { order: 1.0, shown: true });
+    assert_eq!(of(0.9, 1.1, Some(1.0)), Ok((1.0, true)));
     // Between the orders, or none of them.
-    assert_eq!(of(1.4, 1.6, Some(0.0)), Decision::NotAsymptotic);
-    assert_eq!(of(4.1, 4.3, Some(0.0)), Decision::NotAsymptotic);
-    assert_eq!(of(3.9, 4.1, Some(0.0)), Decision::Order { order: 4.0, shown: true });
+    assert_eq!((of(1.4, 1.6, Some(0.0)), of(4.1, 4.3, Some(0.0))), (steps, steps));
+    assert_eq!(of(3.9, 4.1, Some(0.0)), Ok((4.0, false)));
 }
 
 #[test]
@@ -105,9 +102,9 @@ fn a_decision_settles_the_interval_or_warns() {
     assert_eq!((fitted.lo, fitted.hi, &fitted.warning), (1.0, 1.4, &None));
     assert_eq!(Decision::Order { order: 1.5, shown: false }.settle(&mut fitted), 1.5);
     assert_eq!((fitted.lo, fitted.hi), (1.0, 1.5));
-    assert_eq!(Decision::NoDifferences.settle(&mut fitted), 1.3);
+    assert_eq!(undecided(More::Paths, "why").settle(&mut fitted), 1.3);
     let first = fitted.warning.clone().unwrap();
-    assert_eq!(first, Decision::NoDifferences.to_string());
+    assert_eq!(first, "undecided: why; more paths would decide");
     Decision::WrongLimit.settle(&mut fitted);
     assert_eq!(fitted.warning, Some(format!("{first}; {}", Decision::WrongLimit)));
 }
@@ -132,36 +129,20 @@ fn an_order_says_what_it_rests_on() {
     assert_eq!(shown.to_string(), format!("order 1; {fitted}; {agrees}"));
     assert_eq!(shown.order(), Some(1.0));
     let hidden = order(Decision::Order { order: 1.0, shown: false }, AGREES);
-    let still = "the points still fall faster, one step at τ = 1e-6";
-    assert_eq!(
-        hidden.to_string(),
-        format!("order 1; {fitted}; {still} with 16 times the noise shows the order; {agrees}")
-    );
-    let plain = OneStep { amplification: 1.0, ..one_step(1.5).unwrap() };
-    let plain = Order { one_step: Some(plain), ..hidden };
-    let text = format!("order 1; {fitted}; {still} shows the order; {agrees}");
-    assert_eq!(plain.to_string(), text);
-    let failed = Order { failed: 3, ..plain };
+    let still = "the points fall faster, one step at τ = 1e-6 and 16 times the noise shows it";
+    let text = format!("order 1; {fitted}; {still}; {agrees}");
+    assert_eq!(hidden.to_string(), text);
+    let failed = Order { failed: 3, ..hidden };
     assert_eq!(failed.to_string(), format!("{text}; 3 paths failed and are left out"));
-
-    let none = Order { rate: None, ..order(Decision::NoDifferences, Limit::Unchecked) };
-    for (order, end) in [
-        (
-            order(Decision::WrongLimit, Limit::Differs { with: "heun", distance: 0.5 }),
-            "its limit is 5.0e-1 from that of heun",
-        ),
-        (
-            order(Decision::LimitUnclear, Limit::Unclear { with: "heun", distance: 0.5 }),
-            "may differ from that of heun by 5.0e-1",
-        ),
-        (none, "; no other scheme runs to compare the limit with"),
+    let distance = 0.5;
+    for (limit, end) in [
+        (Limit::Differs { with: "heun", distance }, "its limit is 5.0e-1 from that of heun"),
+        (Limit::Unclear { with: "heun", distance }, "differs from that of heun by at most 5.0e-1"),
+        (Limit::Unchecked, "; its limit was not compared"),
     ] {
+        let order = order(Decision::WrongLimit, limit);
         assert!(order.to_string().ends_with(end) && order.order().is_none(), "{order}");
     }
-    let wide = Decision::Wide { more_paths: 4.0 }.to_string();
-    assert_eq!(wide, "undecided: 4 times as many paths would decide");
-    let share = Decision::Hidden { share: 0.25 }.to_string();
-    assert!(share.contains("may have 25 % of the last difference"), "{share}");
 }
 
 #[test]

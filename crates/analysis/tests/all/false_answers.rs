@@ -107,18 +107,6 @@ fn a_pulse_that_a_quadrature_misses_is_seen_and_its_integral_is_no_mistake() {
 }
 
 #[test]
-fn the_longest_step_of_a_quadrature_is_named() {
-    // One node on cos 20t is right to 1e-6 for short steps only; eight for much longer ones.
-    let steps = [1, 8].map(|nodes| {
-        let rate = |t: f64| 2.0 + (20.0 * t).cos();
-        integral(DampingFunction::new(rate, nodes).unwrap()).longest_step
-    });
-    assert_eq!(integral(constant(2.0)).longest_step, Some(1.0));
-    let longest = steps[1].expect("eight nodes are right");
-    assert!(steps[0].is_none_or(|step| step < longest) && longest < 1.0, "{steps:?}");
-}
-
-#[test]
 fn what_the_quadrature_misses_is_no_mistake() {
     // Pulses far narrower than the distance of the nodes.
     for width in [1e-6, 1e-7, 1e-8, 1e-9, 1e-12] {

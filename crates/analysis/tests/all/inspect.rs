@@ -95,8 +95,6 @@ fn the_table_of_systems_is_reproduced() {
     row(&maxwell, 3, 1, &["0.5 y2² + 0.5 y3²"], None);
     assert_eq!(claimed(&maxwell, "C"), (Kind::Quadratic, Some(2.0), false));
     assert_eq!(applies(&maxwell, "moment-bound"), Some(Applies::No));
-    // f₁ = (y₂, 0, 0) does not act on itself: Euler–Maruyama is Milstein's method here.
-    assert_eq!(maxwell.order("em"), Some((1.0, 1.0)));
 
     let poisson = inspect(&Poisson3::new(1.0).unwrap()).unwrap();
     row(&poisson, 3, 1, &["y1 + y2 + y3"], None);
@@ -151,7 +149,7 @@ fn the_misprinted_casimir_is_found_and_the_true_one_named() {
     for words in [
         "D = 3, M = 1; 24 points with |yᵢ| ≤ 2 in its domain\n",
         "C        ab ln y₁ − b ln y₂ + ln y₃: Casimir (WRONG, see below); not homogeneous (",
-        "y3; degree 1, m = 1.0000e0 > 0 on the domain; B∇C = 0 to ",
+        "y3; m = 1.0000e0 > 0 on the domain; B∇C = 0 to ",
         "  1 / 1: sexp, sexp-levy, sexp-li,",
         "Take sexp for paths: it keeps the energy and the Casimirs; the energy up to the error of ∇̄h\n",
         "\nMistakes\n  - C = ab ln y₁ − b ln y₂ + ln y₃ is claimed as a Casimir and is none",
@@ -332,8 +330,8 @@ fn every_mistake_is_named() {
         (Fault::AveragedField, "averaged_field(a, b) is not structure"),
         (Fault::Prediction, "the residual of the predicted step exceeds"),
         (Fault::Commutators, "commutators is not what follows"),
-        (Fault::Degree, "is claimed to have degree 3 and has degree 2"),
-        (Fault::Form, "is claimed as homogeneous and is quadratic"),
+        (Fault::Degree, "is claimed as quadratic of degree 3 and is quadratic of degree 2"),
+        (Fault::Form, "is claimed as homogeneous of degree 2 and is quadratic"),
         (Fault::Energy, "is claimed as an energy, and the flow changes it"),
         (Fault::MissingInvariant, "is listed, but invariant(1, y) returns NaN in the domain"),
     ] {
@@ -427,9 +425,6 @@ fn a_problem_knows_its_radius_and_its_largest_step() {
     let report = inspect_problem(&problem).unwrap();
     let radius = report.problem.as_ref().unwrap().radius.unwrap();
     assert!((radius - elementary::exp(1.0)).abs() < 1e-12, "{radius}");
-    // ‖B‖ = ‖y‖ ≤ e; ‖∇²H₀‖ = 3/2.
-    assert!((report.solvability.as_ref().unwrap().structure - radius).abs() < 1e-12);
-    assert!((report.solvability.as_ref().unwrap().hessians[0] - 1.5).abs() < 1e-12);
 
     // Lotka–Volterra, where the paper has no bound: 2·0.2 + 0.4 + 0.6 = 1.4, and γ = sin t never
     // pumps.
@@ -450,7 +445,7 @@ fn a_problem_knows_its_radius_and_its_largest_step() {
     let problem = Problem::new(pendulum, Constant::new(2.0).unwrap(), [0.2, 1.0], 1.0).unwrap();
     let report = inspect_problem(&problem).unwrap();
     assert_eq!(report.problem.as_ref().unwrap().radius, None);
-    let tau = report.solvability.as_ref().unwrap().largest_step(4);
+    let tau = report.solvability.as_ref().unwrap().largest_step;
     assert!((tau + (8.0 * tau * tau.ln().abs()).sqrt() - 1.0).abs() < 1e-3, "{tau}");
 }
 
@@ -470,31 +465,32 @@ fn a_report_reads_like_this() {
     let problem = Problem::new(body(), Constant::new(-0.5).unwrap(), [0.6, 0.0, 0.8], 2.0).unwrap();
     let text = inspect_problem(&problem).unwrap().to_string();
     let expected = [
-        "rigid-body: D = 3, M = 3; 29 points with ‖y‖ ≤ 2.0000 or near y₀",
-        "  and 32 states of 4 paths, followed to t = 2",
-        "  B(y)     skew-symmetric (exactly)",
-        "           depends on y; Jacobi identity (to 2e-16 of its terms)",
+        "rigid-body: D = 3, M = 3; 29 points with ‖y‖ ≤ 2.0000",
+        concat!(
+            "  B(y)     skew-symmetric (exactly); depends on y; Jacobi identity (to 2e-16 of ",
+            "its terms)"
+        ),
         "  H0       quadratic, degree 2 (exactly), m = 2.5000e-1 > 0",
-        "  H1       quadratic, degree 2 (exactly), m = 0 to 3e-15",
-        "  H2       quadratic, degree 2 (exactly), m = 0 to 1e-15",
-        "  H3       quadratic, degree 2 (exactly), m = 0 to 9e-16",
-        "  ∇̄h       exact (to 9e-16 of its terms)",
+        "  H1       quadratic, degree 2 (exactly), m = about 0",
+        "  H2       quadratic, degree 2 (exactly), m = about 0",
+        "  H3       quadratic, degree 2 (exactly), m = about 0",
+        "  ∇̄h       exact (to 3e-16 of its terms)",
         concat!(
             "  noises   do not commute: strong order 1 needs Lévy areas (off by 1.0e0 of its ",
             "terms at [0.600, 0.000, 0.800])"
         ),
         concat!(
-            "  C        ½(y₁² + y₂² + y₃²): Casimir (holds); quadratic, degree 2 (exactly), m = ",
-            "5.0000e-1 > 0"
+            "  C        ½(y₁² + y₂² + y₃²): Casimir (holds); quadratic, degree 2 (exactly), ",
+            "m = 5.0000e-1 > 0"
         ),
-        "  Casimirs of B, linear or quadratic, coefficients to six digits:",
-        "    0.5 y1² + 0.5 y2² + 0.5 y3²; degree 2, m = 5.0000e-1 > 0; B∇C = 0 exactly",
-        "  damping  γ = -0.5; rate and integral agree to 0e0, pulses below 2e-5 aside",
+        "  Casimirs of B, linear or quadratic",
+        "    0.5 y1² + 0.5 y2² + 0.5 y3²; m = 5.0000e-1 > 0; B∇C = 0 exactly",
+        "  damping  γ = -0.5; rate and integral agree to 0e0",
         "  paths    stay within ‖y‖ ≤ 2.7183",
         "Which statements of the paper apply",
         concat!(
-            "  yes            exact-conformal: homogeneous Casimirs (one noise: and the energy) ",
-            "obey exp(−p∫γ)"
+            "  yes            exact-conformal: homogeneous Casimirs (one noise: and the ",
+            "energy) obey exp(−p∫γ)"
         ),
         "                 C; 0.5 y1² + 0.5 y2² + 0.5 y3²",
         concat!(
@@ -503,52 +499,39 @@ fn a_report_reads_like_this() {
         ),
         "                 0.5 y1² + 0.5 y2² + 0.5 y3²",
         concat!(
-            "  no             energy-balance: sexp keeps the energy of a one-noise system on its ",
-            "law for any τ"
+            "  no             energy-balance: sexp keeps the energy of a one-noise system on ",
+            "its law for any τ"
         ),
-        "                 there is not one noise with H₁ = c H₀",
+        "                 not every Hₘ is a multiple of H₀",
         "  yes            moment-bound: all paths stay in a known ball",
         "                 m(0.5 y1² + 0.5 y2² + 0.5 y3²) = 5.0000e-1 > 0",
         concat!(
-            "  conditional    solvability: an implicit step below a known size has exactly one ",
-            "solution"
+            "  conditional    solvability: an implicit step below a known size has exactly ",
+            "one solution"
         ),
-        "                 in the ball of the moment bound",
+        "                 in any ball in which the steps stay",
         "  yes            strong-half: strong order 1/2 of sexp (k ≥ 1), for smooth B and H",
         "                 m(0.5 y1² + 0.5 y2² + 0.5 y3²) = 5.0000e-1 > 0",
         "  yes            weak-one: weak order 1 of sexp (k ≥ 2), for smooth B and H",
         "                 m(0.5 y1² + 0.5 y2² + 0.5 y3²) = 5.0000e-1 > 0",
         "Expected orders, strong / weak",
-        "  0.5 / 1: sexp, sexp-li, split, midpoint, heun, em",
+        "  0.5 / 1: sexp, sexp-li, split, midpoint, heun",
         "  1 / 1: sexp-levy, sexp-li-levy",
         "  0.5 / 2: nv",
-        "Over long times",
-        "  sexp, sexp-levy: exact damping; Casimirs and, but for the noise, the energy kept",
-        "  sexp-li, sexp-li-levy: exact damping; Casimirs kept; the energy drifts",
-        "  split, nv: exact damping; Casimirs kept; the energy stays near where flows are exact",
-        "  midpoint: without damping Casimirs are kept, and the energy stays near",
-        "  heun, em: nothing is kept: the energy drifts, or explodes",
-        "Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below",
-        "  9.9e-4 for k = 1, 4.5e-4 for k = 2, 2.0e-4 for k = 4",
-        "  by the largest norms found at 400 points with ‖y‖ ≤ 2.7183",
-        "sexp-li applies: B is affine in y, every step has a solution",
+        "  0.5 at least / 1: em",
         concat!(
-            "Take sexp-levy for paths: it keeps the Casimirs, and the energy but for the noise; ",
-            "Lévy areas give strong order 1"
+            "Implicit steps of sexp are contractions for τ < 2.0e-4 (k = 4), by the norms at ",
+            "400 points with ‖y‖ ≤ 2.7183"
         ),
         concat!(
-            "Take sexp-li-levy for short paths: it keeps the Casimirs at about the price of ",
-            "heun, and the energy drifts"
+            "sexp-li applies: B is affine in y, every step is solved; at the price of heun, ",
+            "the energy drifts"
         ),
         concat!(
-            "Take sexp-li for expectations: mc::expect extrapolates weak order 1; with flows of ",
-            "parts take nv"
+            "Take sexp-levy for paths: it keeps the Casimirs, and the energy but for the ",
+            "noise; Lévy areas give strong order 1"
         ),
-        concat!(
-            "Take sexp-li-levy for large noise: every step has a solution, so no increment is ",
-            "truncated"
-        ),
-        "split keeps every Casimir, if you can write the flows of parts of H",
+        "Take sexp-li for expectations: weak order 1 is extrapolated; with flows of parts take nv",
         "No mistakes found.",
     ];
     for (line, words) in text.lines().zip(expected) {
@@ -572,7 +555,7 @@ fn formulas_are_inspected_like_compiled_systems() {
     assert!(ours.mistakes.is_empty(), "{ours}");
     let same = |report: &Inspection| {
         let (b, noise) = (&report.structure, &report.noise);
-        (b.skew.status, b.jacobi.status, noise.commute.status, report.pilot.unwrap().states)
+        (b.skew.status, b.jacobi.status, noise.commute.status, report.points)
     };
     assert_eq!((same(&ours), casimirs(&ours)), (same(&theirs), casimirs(&theirs)));
     // No Lévy areas are drawn here for the formulas.
@@ -580,7 +563,7 @@ fn formulas_are_inspected_like_compiled_systems() {
     assert_eq!(theirs.orders.iter().filter(areas).count(), 2);
     assert!(ours.orders.iter().eq(theirs.orders.iter().filter(|order| !areas(order))));
     let recommended = ours.recommended.iter().map(|recommended| recommended.scheme);
-    assert_eq!(recommended.collect::<Vec<_>>(), ["sexp", "sexp-li", "sexp-li", "sexp-li"]);
+    assert_eq!(recommended.collect::<Vec<_>>(), ["sexp", "sexp-li"]);
     let radius = |report: &Inspection| report.problem.as_ref().and_then(|p| p.radius).unwrap();
     assert!((radius(&ours) / radius(&theirs) - 1.0).abs() < 1e-12);
     assert!(ours.schemes.sexp_li_refused.is_none());
