@@ -6,6 +6,7 @@ use casimir::prelude::*;
 
 /// A charged particle in the plane, y = (x, y, u, v): a harmonic trap, a magnetic field b₀ + b₁x
 /// across the plane, and an electric field along x that fluctuates.
+#[derive(Clone)]
 struct Particle {
     trap: f64,
     field: f64,
@@ -39,7 +40,7 @@ type Error = Box<dyn std::error::Error>;
 fn main() -> Result<(), Error> {
     let particle = Particle { trap: 1.0, field: 2.0, gradient: 0.5, noise: 0.4 };
     let problem = Problem::new(particle, Constant::new(0.2)?, [1.0, 0.0, 0.0, 0.5], 8.0)?;
-    let system = Compiled::new(problem.system(), problem.y0());
+    let system = Compiled::new(problem.system().clone(), problem.y0());
     println!("{}\n", inspect(&system, &InspectSettings::of(&problem))?);
     one_path(&problem)?;
     many_paths(&problem)?;

@@ -12,6 +12,7 @@ use casimir::schemes::BuiltIn;
 
 /// A body in an ideal fluid, y = (m, p) with its angular and linear momentum: ṁ = m×∂H/∂m +
 /// p×∂H/∂p, ṗ = p×∂H/∂m.
+#[derive(Clone)]
 struct Kirchhoff {
     /// 1/I and 1/M of H₀, H₁ and H₂.
     inverse: [[f64; 6]; 3],

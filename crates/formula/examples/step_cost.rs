@@ -14,8 +14,7 @@ use nonlin::BlockStatus;
 use real::{Block, Level, Real, limit_to};
 use schemes::{Scheme, Sexp, SexpLi, Step, run_time};
 use systems::{
-    Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
-    RigidBody,
+    Constant, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
 };
 
 /// A system of which only the two formulas are known.
@@ -138,7 +137,7 @@ fn main() {
     let (inertia, noise) = ([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]);
     let body = RigidBody::three_noises(inertia, noise).unwrap();
     compare(&body, &paper::rigid_body(inertia, noise), [0.45, 0.0, 0.89]);
-    let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap();
+    let populations = LotkaVolterra::<2, 2>::new(1.0).unwrap();
     compare(&populations, &paper::lotka_volterra(1.0), [0.2, 0.4, 0.6]);
     compare(&MaxwellBloch, &paper::maxwell_bloch(), [1.0, 2.0, 3.0]);
     compare(&Poisson3::new(1.0).unwrap(), &paper::poisson3(1.0), [1.0, 2.0, 3.0]);

@@ -17,7 +17,7 @@ use crate::{FormulaError, Graph, Id, Names, Tape, parse};
 /// assert_eq!(h.value(&[2.0, 1.0]), 2.0);
 /// assert_eq!((h.degree(&[0]), h.degree(&[1])), (Some(2), None));
 /// let reason = h.explain(&[2.0, -0.3]).unwrap();
-/// assert_eq!((reason.message.as_str(), reason.column), ("ln of -0.3 is NaN", 12));
+/// assert_eq!((reason.message.as_str(), reason.column), ("this is NaN for -0.3", 12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -70,7 +70,7 @@ impl Tape {
                 inputs[input] = Some(Place { bank: bank as u32, row: row as u32 });
             }
         }
-        let (code, numbers, scratch) = compile(graph, outputs, &inputs, numbers);
+        let (code, numbers, scratch) = compile(graph, outputs, &inputs, &numbers);
         let inputs = groups.iter().map(ExactSizeIterator::len).collect();
         Self { code, numbers, inputs, outputs: outputs.len(), scratch }
     }

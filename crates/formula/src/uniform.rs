@@ -4,25 +4,60 @@ use std::ops::{Neg, Range};
 
 use crate::{
     Id,
-    graph::{Graph, Node, Unary},
+    graph::{Graph, Node},
 };
 
 /// Constants, uniform inputs, and what is computed from these alone: once, and not at every point.
 /// The functions are those that compute rows, and so are the bits.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Numbers {
-    /// One, the inputs, and then what is computed.
+    /// One, the inputs, and then what is computed, each followed by its negative.
     values: Vec<f64>,
     /// What depends on the inputs, with its place. Operands are places.
     computed: Vec<(usize, Node)>,
 }
 
+/// The place of one among the numbers.
+pub const ONE: u32 = 0;
+
 impl Numbers {
+    /// Takes these expressions of a graph, and what they are computed from. Also gives the place of
+    /// each expression.
+    pub fn new(graph: &Graph, inputs: &Range<usize>, taken: &[Id]) -> (Self, Vec<u32>) {
+        let values = [1.0, -1.0].repeat(1 + inputs.len());
+        let mut numbers = Self { values, computed: Vec::new() };
+        let (mut places, mut varies) = (vec![ONE; graph.len()], vec![false; graph.len()]);
+        let needed = graph.needed(taken);
+        for (index, id) in graph.ids().enumerate().filter(|&(index, _)| needed[index]) {
+            let (node, place) = (graph.node(id), numbers.values.len());
+            if let Node::Input(k) = node {
+                (places[index], varies[index]) = (2 * (1 + k - inputs.start as u32), true);
+                continue;
+            }
+            (places[index], varies[index]) =
+                (place as u32, node.operands().any(|operand| varies[operand.index()]));
+            let node = node.with_operands(|operand| Id::at(places[operand.index()] as usize));
+            numbers.values.extend([0.0; 2]);
+            numbers.compute(place, node);
+            if varies[index] {
+                numbers.computed.push((place, node));
+            }
+        }
+        (numbers, places)
+    }
+
+    fn compute(&mut self, place: usize, node: Node) {
+        let value = node.value(&[], &self.values);
+        (self.values[place], self.values[place + 1]) = (value, -value);
+    }
+
     /// Sets the inputs, and computes what depends on them.
     pub fn set(&mut self, inputs: impl Iterator<Item = f64>) {
-        self.values[1..].iter_mut().zip(inputs).for_each(|(value, input)| *value = input);
-        for &(place, node) in &self.computed {
-            self.values[place] = node.value(&[], &self.values);
+        let places = self.values[2..].chunks_exact_mut(2);
+        places.zip(inputs).for_each(|(place, input)| place.copy_from_slice(&[input, -input]));
+        for n in 0..self.computed.len() {
+            let (place, node) = self.computed[n];
+            self.compute(place, node);
         }
     }
 
@@ -30,9 +65,6 @@ impl Numbers {
         &self.values
     }
 }
-
-/// The place of one among the numbers.
-pub const ONE: u32 = 0;
 
 /// For every expression, whether it is a constant or computed from these inputs alone.
 pub fn uniform(graph: &Graph, inputs: &Range<usize>) -> Vec<bool> {
@@ -57,69 +89,5 @@ impl Neg for Number {
     type Output = Self;
     fn neg(self) -> Self {
         Self { negative: !self.negative, ..self }
-    }
-}
-
-/// Takes numbers from a graph.
-pub struct Collector {
-    inputs: Range<usize>,
-    /// The place of an expression among the numbers, and that of minus this expression.
-    places: Vec<[Option<Id>; 2]>,
-    /// For every place, whether it depends on an input.
-    varying: Vec<bool>,
-    numbers: Numbers,
-}
-
-impl Collector {
-    /// Takes these expressions, and what they are computed from.
-    pub fn new(graph: &Graph, inputs: Range<usize>, taken: &[Id]) -> Self {
-        let (places, varying) = (vec![[None; 2]; graph.len()], vec![true; 1 + inputs.len()]);
-        let mut values = vec![0.0; 1 + inputs.len()];
-        values[ONE as usize] = 1.0;
-        let numbers = Numbers { values, computed: Vec::new() };
-        let mut new = Self { inputs, places, varying, numbers };
-        let needed = graph.needed(taken);
-        for id in graph.ids().filter(|id| needed[id.index()]) {
-            let place = match graph.node(id) {
-                Node::Input(k) => Id::at(1 + k as usize - new.inputs.start),
-                node => new.push(node.with_operands(|operand| new.plain(operand))),
-            };
-            new.places[id.index()][0] = Some(place);
-        }
-        new
-    }
-
-    fn plain(&self, id: Id) -> Id {
-        self.places[id.index()][0].unwrap_or_else(|| unreachable!("the expression was taken"))
-    }
-
-    fn push(&mut self, node: Node) -> Id {
-        let place = self.numbers.values.len();
-        let varies = node.operands().any(|operand| self.varying[operand.index()]);
-        let value = if varies { 0.0 } else { node.value(&[], &self.numbers.values) };
-        self.numbers.values.push(value);
-        self.varying.push(varies);
-        if varies {
-            self.numbers.computed.push((place, node));
-        }
-        Id::at(place)
-    }
-
-    /// The place of a number whose expression was taken.
-    pub fn place(&mut self, Number { id, negative }: Number) -> u32 {
-        let place = match (negative, self.places[id.index()][1]) {
-            (false, _) => self.plain(id),
-            (true, Some(negated)) => negated,
-            (true, None) => {
-                let negated = self.push(Node::Unary(Unary::Neg, self.plain(id)));
-                self.places[id.index()][1] = Some(negated);
-                negated
-            }
-        };
-        place.index() as u32
-    }
-
-    pub fn finish(self) -> Numbers {
-        self.numbers
     }
 }

@@ -25,8 +25,7 @@
 
 use schemes::{BuiltIn, Scheme, SchemeError};
 use systems::{
-    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
-    RigidBodyEnergy,
+    LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy,
 };
 
 /// A system whose built-in schemes are compiled once, where this trait is implemented.
@@ -69,7 +68,7 @@ tuned! {
         Poisson3, 3, 1;
     }
     compiled {
-        LotkaVolterra<IntegerExponents<1, 1>>, 3, 1;
-        LotkaVolterra<IntegerExponents<2, 2>>, 3, 1;
+        LotkaVolterra<1, 1>, 3, 1;
+        LotkaVolterra<2, 2>, 3, 1;
     }
 }

@@ -210,7 +210,7 @@ impl<'a> Ladder<'a> {
         // The finest step may underflow.
         let finest = problem.t_end / finest_steps as f64;
         if !(finest > 0.0 && finest.is_finite()) {
-            return Err(StepError::Size { tau: finest }.into());
+            return Err(StepError { tau: finest }.into());
         }
         let area_reader = runs.iter().find(|run| run.scheme.reads_areas());
         let area_reader = area_reader.map(|run| run.scheme.id());

@@ -85,7 +85,10 @@ impl<'a> LargePath<'a> {
         let (system, damping) = (problem.system(), problem.damping());
         let Description { name, layout, .. } = system.description();
         if layout.lanes == Lanes::Paths {
-            return Err(SchemeError::ManyPaths { system: name.clone() }.into());
+            let message = format!(
+                "rows of `{name}` hold 32 paths: take an ensemble, or a layout for one path"
+            );
+            return Err(SchemeError::Unsuited(message).into());
         }
         if steps == 0 {
             return Err(LadderError::Steps { steps, multiple_of: 1 });

@@ -121,7 +121,7 @@ impl Recording {
         }
         let tau = t_end / steps as f64;
         if !(tau > 0.0 && tau.is_finite()) {
-            return Err(schemes::StepError::Size { tau }.into());
+            return Err(schemes::StepError { tau }.into());
         }
         let drawn = Drawn::new(key, tau, with_areas.then_some(noises))?;
         let (mut next, mut block) = (drawn.block(path), StepNoise::with_areas(noises));

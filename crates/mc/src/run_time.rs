@@ -60,7 +60,7 @@ impl<'a> Setup<'a> {
     ///
     /// # Errors
     /// Those of [`Scheme::stepper`]: the scheme is not for the system, or there is no memory.
-    /// [`SchemeError::OnePath`] if rows of the system hold one path, which is for
+    /// [`SchemeError::Unsuited`] if rows of the system hold one path, which is for
     /// [`LargePath`](crate::LargePath).
     pub fn at_run_time(
         problem: &'a run_time::Problem,
@@ -87,7 +87,11 @@ impl<'a> Setup<'a> {
         let system = problem.system();
         let description = system.description();
         if description.layout.lanes == Lanes::Components {
-            return Err(SchemeError::OnePath { system: description.name.clone() });
+            return Err(SchemeError::Unsuited(format!(
+                "rows of `{}` hold one path, and not 32: take `mc::LargePath`, or the layout of \
+                 the system for many paths",
+                description.name
+            )));
         }
         scheme.borrow().stepper(system)?;
         let scheme = Arc::new(Bound { system, scheme });

@@ -30,8 +30,8 @@ use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,
-    Poisson3, PoissonSystem, RigidBody, Sine,
+    Constant, Cosine, Damping, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    PoissonSystem, RigidBody, Sine,
 };
 
 const STEPS: u64 = 256;
@@ -195,12 +195,10 @@ fn systems(criterion: &mut Criterion) {
     Run::new(body, &cosine, momentum()).both(&mut group, "rigid body, one noise", &sexp);
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).expect("positive");
     Run::new(body, &cosine, momentum()).both(&mut group, "rigid body, three noises", &sexp);
-    let populations = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).expect("finite");
+    let populations = LotkaVolterra::<1, 1>::new(1.0).expect("finite");
     Run::new(populations, &sine, POPULATIONS).both(&mut group, "lotka-volterra 1, 1", &sexp);
-    let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).expect("finite");
+    let populations = LotkaVolterra::<2, 2>::new(1.0).expect("finite");
     Run::new(populations, &sine, POPULATIONS).both(&mut group, "lotka-volterra 2, 2", &sexp);
-    let populations = LotkaVolterra::new(-1.0, -2.0, 1.0).expect("finite");
-    Run::new(populations, &sine, POPULATIONS).both(&mut group, "lotka-volterra real", &sexp);
     Run::new(MaxwellBloch, &cosine, [1.0, 2.0, 3.0]).both(&mut group, "maxwell-bloch", &sexp);
     let poisson = Poisson3::new(1.0).expect("finite");
     Run::new(poisson, &linear, [1.0, 2.0, 3.0]).both(&mut group, "poisson3", &sexp);

@@ -250,7 +250,6 @@ impl BuiltIn {
     }
 
     fn without_flows(self, system: &str, reason: &str) -> SchemeError {
-        let reason = reason.to_owned();
-        SchemeError::Parts { scheme: self.id(), system: system.into(), reason }
+        SchemeError::parts(self.id(), system, reason)
     }
 }

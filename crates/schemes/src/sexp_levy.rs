@@ -45,13 +45,13 @@ impl SexpLevy {
     /// The scheme for a system known at run time, which says whether its noises commute.
     ///
     /// # Errors
-    /// [`SchemeError::Jacobi`] if they do not, unless the system
+    /// [`SchemeError::Unsuited`] if they do not, unless the system
     /// [shows the identity](run_time::Description::jacobi_holds).
     pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SchemeError> {
         let Description { name, noises_commute, jacobi_holds, .. } = system.description();
         match noises_commute | jacobi_holds {
             true => Ok(Self { commuting: *noises_commute }),
-            false => Err(SchemeError::Jacobi { scheme: WithAreas::ID, system: name.clone() }),
+            false => Err(SchemeError::jacobi(WithAreas::ID, name)),
         }
     }
 

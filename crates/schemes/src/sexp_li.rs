@@ -4,8 +4,8 @@ use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Solution};
 use real::Block;
 use systems::{
-    Form, Invariant, InvariantKind, Linearity, PoissonSystem, always_solvable, jacobi_holds,
-    linearity, noises_commute, run_time,
+    Form, Invariant, InvariantKind, Linearity, PoissonSystem,
+    run_time::{Description, System},
 };
 
 use crate::{Explicit, Increment, Scheme, SchemeError, Step};
@@ -46,7 +46,7 @@ impl SexpLi {
     /// whether every step has a solution by [`systems::always_solvable`].
     ///
     /// # Errors
-    /// [`SchemeError::Structure`] if B is neither constant nor affine, unless the system names its
+    /// [`SchemeError::Unsuited`] if B is neither constant nor affine, unless the system names its
     /// Casimirs and all of them are linear.
     pub fn new<S, const D: usize, const M: usize>(
         system: &S,
@@ -55,56 +55,7 @@ impl SexpLi {
     where
         S: PoissonSystem<D, M>,
     {
-        let linearity = linearity(system, y0);
-        let solvable = linearity == Linearity::Affine && always_solvable(system, y0);
-        Self::suited(system.name(), linearity, solvable, &system.invariants())
-    }
-
-    /// The scheme for a system known at run time, which says how B depends on y and whether every
-    /// step has a solution.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SchemeError> {
-        let system = system.description();
-        Self::suited(&system.name, system.linearity, system.always_solvable, &system.invariants)
-    }
-
-    /// The scheme with Lévy areas for a system known at run time. If the noises
-    /// commute it is that of [`at_run_time`](Self::at_run_time).
-    ///
-    /// # Errors
-    /// As [`at_run_time`](Self::at_run_time), and [`SchemeError::Jacobi`] unless the system
-    /// [shows the identity](run_time::Description::jacobi_holds).
-    pub fn at_run_time_with_areas(system: &dyn run_time::System) -> Result<Self, SchemeError> {
-        let run_time::Description { name, noises_commute, .. } = system.description();
-        let jacobi_holds = || system.description().jacobi_holds;
-        Self::at_run_time(system)?.and_areas(name, *noises_commute, jacobi_holds)
-    }
-
-    pub(crate) fn name(&self) -> &'static str {
-        if self.areas {
-            LinearlyImplicit::<true, true>::ID
-        } else {
-            LinearlyImplicit::<true, false>::ID
-        }
-    }
-
-    fn suited(
-        name: &str,
-        linearity: Linearity,
-        solvable: bool,
-        invariants: &[Invariant],
-    ) -> Result<Self, SchemeError> {
-        let scheme = |implicit, clips| Ok(Self { implicit, areas: false, clips });
-        match linearity {
-            Linearity::Constant => scheme(false, false),
-            Linearity::Affine => scheme(true, !solvable),
-            Linearity::Other => {
-                has_linear_casimirs(name, invariants)?;
-                scheme(false, true)
-            }
-        }
+        Self::of(&Description::of(system, y0), false)
     }
 
     /// The scheme with Lévy areas, `sexp-li-levy`: strong order 1 for any noises. If the noises
@@ -112,7 +63,7 @@ impl SexpLi {
     /// [`new`](Self::new).
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`SchemeError::Jacobi`] unless [`systems::jacobi_holds`].
+    /// As [`new`](Self::new), and [`SchemeError::Unsuited`] unless [`systems::jacobi_holds`].
     pub fn with_areas<S, const D: usize, const M: usize>(
         system: &S,
         y0: [f64; D],
@@ -120,36 +71,57 @@ impl SexpLi {
     where
         S: PoissonSystem<D, M>,
     {
-        let commute = noises_commute(system, y0);
-        let jacobi_holds = || jacobi_holds(system, y0);
-        Self::new(system, y0)?.and_areas(system.name(), commute, jacobi_holds)
+        Self::of(&Description::of(system, y0), true)
     }
 
-    fn and_areas(
-        self,
-        system: &str,
-        noises_commute: bool,
-        jacobi_holds: impl Fn() -> bool,
-    ) -> Result<Self, SchemeError> {
-        match noises_commute || jacobi_holds() {
-            true => Ok(Self { areas: !noises_commute, ..self }),
-            false => Err(SchemeError::Jacobi { scheme: "sexp-li-levy", system: system.into() }),
+    /// The scheme for a system known at run time, which says how B depends on y and whether every
+    /// step has a solution.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn at_run_time(system: &dyn System) -> Result<Self, SchemeError> {
+        Self::of(system.description(), false)
+    }
+
+    /// The scheme with Lévy areas for a system known at run time.
+    ///
+    /// # Errors
+    /// As [`with_areas`](Self::with_areas).
+    pub fn at_run_time_with_areas(system: &dyn System) -> Result<Self, SchemeError> {
+        Self::of(system.description(), true)
+    }
+
+    fn of(system: &Description, areas: bool) -> Result<Self, SchemeError> {
+        let Description { name, linearity, noises_commute, .. } = system;
+        let is_casimir = |function: &&Invariant| function.kind == InvariantKind::Casimir;
+        let mut casimirs = system.invariants.iter().filter(is_casimir).peekable();
+        let named = casimirs.peek().is_some();
+        let linear = named && casimirs.all(|casimir| casimir.form == Form::Linear);
+        if *linearity == Linearity::Other && !linear {
+            let found = if named { "a Casimir that is not linear" } else { "no Casimir" };
+            return Err(SchemeError::Unsuited(format!(
+                "sexp-li needs a structure matrix that is constant or affine in y, or a system \
+                 whose Casimirs are all linear; B of `{name}` is neither, and the system names \
+                 {found}; sexp is for any B"
+            )));
         }
+        if areas && !noises_commute && !system.jacobi_holds {
+            return Err(SchemeError::jacobi("sexp-li-levy", name));
+        }
+        Ok(Self {
+            implicit: *linearity == Linearity::Affine,
+            areas: areas && !noises_commute,
+            clips: match linearity {
+                Linearity::Constant => false,
+                Linearity::Affine => !system.always_solvable,
+                Linearity::Other => true,
+            },
+        })
     }
-}
 
-/// Checks that a system names Casimirs, and that all are linear.
-fn has_linear_casimirs(name: &str, invariants: &[Invariant]) -> Result<(), SchemeError> {
-    let refused =
-        |found| Err(SchemeError::Structure { scheme: "sexp-li", system: name.into(), found });
-    let mut casimirs = invariants.iter().filter(|f| f.kind == InvariantKind::Casimir).peekable();
-    if casimirs.peek().is_none() {
-        return refused("neither, and the system names no Casimir");
+    pub(crate) fn name(&self) -> &'static str {
+        if self.areas { "sexp-li-levy" } else { "sexp-li" }
     }
-    if casimirs.any(|casimir| casimir.form != Form::Linear) {
-        return refused("neither, and the system names a Casimir that is not linear");
-    }
-    Ok(())
 }
 
 /// The formula. `IMPLICIT`: for an affine B, else for linear Casimirs.

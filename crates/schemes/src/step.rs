@@ -32,26 +32,22 @@ pub struct Step {
     damping_integral: f64,
 }
 
-/// An invalid step.
+/// A step size that is not positive and finite.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StepError {
-    /// The step size is not positive and finite.
-    #[error("a step size must be positive and finite, got tau = {tau}")]
-    Size {
-        /// The given size.
-        tau: f64,
-    },
+#[error("a step size must be positive and finite, got tau = {tau}")]
+pub struct StepError {
+    /// The given size.
+    pub tau: f64,
 }
 
 impl Step {
     /// Step number `n` of size `tau`.
     ///
     /// # Errors
-    /// [`StepError::Size`] unless 0 < τ < ∞.
+    /// [`StepError`] unless 0 < τ < ∞.
     pub fn new(damping: &(impl Damping + ?Sized), n: u64, tau: f64) -> Result<Self, StepError> {
         if !(tau > 0.0 && tau.is_finite()) {
-            return Err(StepError::Size { tau });
+            return Err(StepError { tau });
         }
         // Times are products, not sums, so that t_n agrees for different step sizes.
         let (start, end) = (n as f64 * tau, (n as f64 + 1.0) * tau);

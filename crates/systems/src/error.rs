@@ -22,15 +22,7 @@ pub enum SystemError {
         /// The number of components given.
         components: usize,
     },
-    /// A component of the initial value is NaN or infinite.
-    #[error("the initial value must be finite, got y{component} = {value}")]
-    NonFiniteState {
-        /// The index of the component, counted from 1.
-        component: usize,
-        /// The given value.
-        value: f64,
-    },
-    /// The initial value is outside the domain of the system.
+    /// The initial value is outside the domain of the system, or not finite.
     #[error("the initial value must satisfy {domain}, got y{component} = {value}")]
     OutsideDomain {
         /// The index of the component, counted from 1.
@@ -39,12 +31,6 @@ pub enum SystemError {
         value: f64,
         /// The condition that defines the domain.
         domain: &'static str,
-    },
-    /// The final time is not positive and finite.
-    #[error("the final time must be positive and finite, got T = {t_end}")]
-    FinalTime {
-        /// The given time.
-        t_end: f64,
     },
     /// The number of quadrature nodes is out of range.
     #[error(transparent)]
@@ -64,12 +50,15 @@ pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, SystemErro
 /// Checks an initial value, but for its domain.
 pub(crate) fn finite_state(y0: &[f64]) -> Result<(), SystemError> {
     match y0.iter().position(|component| !component.is_finite()) {
-        Some(i) => Err(SystemError::NonFiniteState { component: i + 1, value: y0[i] }),
+        Some(i) => Err(SystemError::OutsideDomain {
+            component: i + 1,
+            value: y0[i],
+            domain: "that it is finite",
+        }),
         None => Ok(()),
     }
 }
 
 pub(crate) fn final_time(t_end: f64) -> Result<f64, SystemError> {
-    let refused = SystemError::FinalTime { t_end };
-    (t_end > 0.0 && t_end.is_finite()).then_some(t_end).ok_or(refused)
+    positive("the final time T", t_end)
 }

@@ -5,7 +5,7 @@ use real::{
     Bounded, Degree, Partial, Real, ScalarFunction, along, derivatives, fixed, seeded, unrolled,
 };
 
-use crate::{PoissonSystem, golden};
+use crate::PoissonSystem;
 
 /// The Hamiltonian increment h(y) = H₀(y)dt + Σ Hₘ(y)dwₘ of a system. As a [`ScalarFunction`] it is
 /// h(y), and as a [`GradientField`] ∇h(y).
@@ -179,89 +179,72 @@ pub fn jacobi_holds<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: us
     })
 }
 
-/// Whether the `defect` of every two noises m < l is zero at y and at points around it, and its
-/// formula is not made of pieces.
+/// Whether the `defect` of every two noises m < l vanishes around y.
 fn shown_around<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],
     defect: fn(&S, [Bounded; D], usize, usize) -> [Bounded; D],
 ) -> bool {
-    let zero_at = |y: [f64; D], m, l| {
-        let defect = || defect(system, y.map(Bounded::variable), m, l);
-        let (defect, piecewise) = Bounded::piecewise(defect);
-        !piecewise && defect.into_iter().all(is_zero)
+    let in_domain = |y: &[f64]| system.check_domain(std::array::from_fn(|i| y[i])).is_ok();
+    let defects = |y: &[Bounded]| {
+        let y: [Bounded; D] = std::array::from_fn(|i| y[i]);
+        (0..M).flat_map(|l| (0..l).flat_map(move |m| defect(system, y, m, l))).collect()
     };
-    if M < 2 {
-        return true;
-    }
-    let points = around(system, y);
-    points.len() >= LEAST_POINTS
-        && points.into_iter().all(|y| (0..M).all(|l| (0..l).all(|m| zero_at(y, m, l))))
+    M < 2 || vanish(&y, in_domain, defects)
 }
 
-/// Whether x is zero within its rounding error.
-fn is_zero(x: Bounded) -> bool {
-    x.value.abs() <= x.error && x.error.is_finite()
+/// Whether functions of y are zero within their own rounding errors, which [`Bounded`] bounds, at
+/// `y` and at points [`around`] it, three at least, and their formulas are not made of pieces.
+pub fn vanish(
+    y: &[f64],
+    in_domain: impl Fn(&[f64]) -> bool,
+    functions: impl Fn(&[Bounded]) -> Vec<Bounded>,
+) -> bool {
+    let points = around(y, in_domain);
+    let vanish_at = |point: &Vec<f64>| {
+        let point: Vec<Bounded> = point.iter().map(|&x| Bounded::variable(x)).collect();
+        let (values, piecewise) = Bounded::piecewise(|| functions(&point));
+        !piecewise && values.iter().all(|x| x.value.abs() <= x.error && x.error.is_finite())
+    };
+    points.len() >= LEAST_POINTS && points.iter().all(vanish_at)
 }
 
-/// y and points of the domain around it.
-fn around<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
-    system: &S,
-    y: [f64; D],
-) -> Vec<[f64; D]> {
-    let mut points = vec![y];
+/// y, and points around it in several directions, moved towards y into the domain.
+pub fn around(y: &[f64], in_domain: impl Fn(&[f64]) -> bool) -> Vec<Vec<f64>> {
+    let mut points = vec![y.to_vec()];
     for (n, distance) in (0..2 * DIRECTIONS).flat_map(|n| DISTANCES.map(|distance| (n, distance))) {
         let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
         let inside = (0..HALVINGS).find_map(|halvings| {
-            let mut point = y;
-            for i in 0..D {
+            let length = distance * f64::powi(0.5, halvings as i32);
+            let component = |(i, y): (usize, &f64)| {
                 // Multiples of the golden ratio, modulo one, differ in every component.
-                let number = f64::from(n / 2) * D as f64 + (i + 1) as f64;
+                let number = f64::from(n / 2) * points[0].len() as f64 + (i + 1) as f64;
                 let direction = 2.0 * golden(number) - 1.0;
-                let length = distance * f64::powi(0.5, halvings as i32);
-                point[i] += sign * direction * length * f64::max(1.0, y[i].abs());
-            }
-            system.check_domain(point).is_ok().then_some(point)
+                y + sign * direction * length * f64::max(1.0, y.abs())
+            };
+            let point: Vec<f64> = y.iter().enumerate().map(component).collect();
+            in_domain(&point).then_some(point)
         });
         points.extend(inside.filter(|point| !points.contains(point)));
     }
     points
 }
 
+/// The multiple of the golden ratio with this number, modulo one: successive numbers give points of
+/// [0, 1) with large gaps between them, for any count of points.
+pub(crate) fn golden(number: f64) -> f64 {
+    (number * 0.618_033_988_749_894_8).fract()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SystemError;
-
-    /// A system on y₁ > 0, or everywhere.
-    struct Half {
-        everywhere: bool,
-    }
-
-    impl PoissonSystem<3, 1> for Half {
-        fn name(&self) -> &'static str {
-            "half"
-        }
-        fn structure<R: Real>(&self, _y: [R; 3], v: [R; 3]) -> [R; 3] {
-            v
-        }
-        fn energy<R: Real>(&self, y: [R; 3], dt: f64, _dw: [f64; 1]) -> R {
-            y[0] * dt
-        }
-        fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-            if self.everywhere || y[0] > 0.0 {
-                Ok(())
-            } else {
-                Err(SystemError::OutsideDomain { component: 1, value: y[0], domain: "y1 > 0" })
-            }
-        }
-    }
 
     #[test]
     fn points_around_lie_in_many_directions_at_every_distance() {
         let y = [0.5, -40.0, 3.0];
-        let points = around(&Half { everywhere: true }, y);
-        assert_eq!((points.len(), points[0]), (1 + 2 * 4 * 4, y));
+        let points = around(&y, |_| true);
+        assert_eq!((points.len(), &points[0][..]), (1 + 2 * 4 * 4, &y[..]));
         // What is left of each offset in units of its distance and of the component, if not below
         // one.
         let direction = |n: usize| -> [f64; 3] {
@@ -292,10 +275,10 @@ mod tests {
     #[test]
     fn points_around_are_drawn_into_the_domain() {
         let y = [1e-3, 2.0, 3.0];
-        let points = around(&Half { everywhere: false }, y);
+        let points = around(&y, |y| y[0] > 0.0);
         assert!(points.iter().all(|point| point[0] > 0.0) && points.len() > 16);
         // Those that were inside at once stay where they are.
-        let all = around(&Half { everywhere: true }, y);
+        let all = around(&y, |_| true);
         assert!(all.iter().filter(|point| point[0] > 0.0).all(|point| points.contains(point)));
     }
 }

@@ -57,7 +57,6 @@ mod damping;
 mod error;
 mod field;
 mod flows;
-mod golden;
 mod invariant;
 pub mod lattice;
 mod linearity;
@@ -77,14 +76,13 @@ pub use damping::{
 };
 pub use error::SystemError;
 pub use field::{
-    HamiltonianIncrement, area_gradient, is_quadratic, ito_correction, jacobi_holds,
-    noises_commute, unit_noise, vector_field, vector_field_derivative,
+    HamiltonianIncrement, area_gradient, around, is_quadratic, ito_correction, jacobi_holds,
+    noises_commute, unit_noise, vanish, vector_field, vector_field_derivative,
 };
 pub use flows::{Flows, TRIPLE_JUMP};
-pub use golden::golden;
 pub use invariant::{Form, Invariant, InvariantKind};
 pub use linearity::{Linearity, always_solvable, linearity, shown_solvable};
-pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};
+pub use lotka_volterra::LotkaVolterra;
 pub use maxwell_bloch::MaxwellBloch;
 pub use pendulum::Pendulum;
 pub use poisson3::Poisson3;

@@ -2,7 +2,7 @@
 
 use real::{Bounded, Degree};
 
-use crate::{PoissonSystem, cayley::identity_minus_half, golden};
+use crate::{PoissonSystem, cayley::identity_minus_half, field::golden};
 
 /// How the structure matrix B depends on y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,8 +16,8 @@
 use std::fmt::Display;
 
 use crate::{
-    Constant, Cosine, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    Problem, RigidBody, RigidBodyEnergy, Sine,
+    Constant, Cosine, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody,
+    RigidBodyEnergy, Sine,
 };
 
 /// Moments of inertia of the body, (2, 1, 2/3).
@@ -81,13 +81,13 @@ pub fn rigid_body_energy(t_end: f64) -> Problem<RigidBodyEnergy, Sine, 3> {
 }
 
 /// The Lotka–Volterra system of the strong errors, H = y₁y₂y₃, on [0, 1].
-pub fn lotka_volterra_1_1() -> Problem<LotkaVolterra<IntegerExponents<1, 1>>, Sine, 3> {
-    valid(Problem::new(valid(LotkaVolterra::integer(1.0)), sine(), LOTKA_VOLTERRA_START, 1.0))
+pub fn lotka_volterra_1_1() -> Problem<LotkaVolterra<1, 1>, Sine, 3> {
+    valid(Problem::new(valid(LotkaVolterra::new(1.0)), sine(), LOTKA_VOLTERRA_START, 1.0))
 }
 
 /// The Lotka–Volterra system of the energy's evolution, H = y₁²y₂²y₃.
-pub fn lotka_volterra_2_2(t_end: f64) -> Problem<LotkaVolterra<IntegerExponents<2, 2>>, Sine, 3> {
-    valid(Problem::new(valid(LotkaVolterra::integer(1.0)), sine(), LOTKA_VOLTERRA_START, t_end))
+pub fn lotka_volterra_2_2(t_end: f64) -> Problem<LotkaVolterra<2, 2>, Sine, 3> {
+    valid(Problem::new(valid(LotkaVolterra::new(1.0)), sine(), LOTKA_VOLTERRA_START, t_end))
 }
 
 /// The Maxwell–Bloch system.

@@ -23,8 +23,8 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
     /// The problem with y(0) = `y0` on [0, `t_end`].
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteState`] or [`SystemError::OutsideDomain`] for an invalid initial
-    /// value, [`SystemError::FinalTime`] unless 0 < `t_end` < ∞.
+    /// [`SystemError::OutsideDomain`] for an invalid initial value, [`SystemError::Parameter`]
+    /// unless 0 < `t_end` < ∞.
     pub fn new<const M: usize>(
         system: S,
         damping: G,
@@ -42,7 +42,7 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
     /// The same problem on [0, `t_end`].
     ///
     /// # Errors
-    /// [`SystemError::FinalTime`] unless 0 < `t_end` < ∞.
+    /// [`SystemError::Parameter`] unless 0 < `t_end` < ∞.
     pub fn until(self, t_end: f64) -> Result<Self, SystemError> {
         Ok(Self { t_end: final_time(t_end)?, ..self })
     }

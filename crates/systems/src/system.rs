@@ -138,60 +138,6 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     }
 }
 
-/// A system that is lent.
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for &S {
-    const IMPLICIT_STEP: ImplicitStep = S::IMPLICIT_STEP;
-
-    fn name(&self) -> &'static str {
-        (**self).name()
-    }
-    fn parameters(&self) -> String {
-        (**self).parameters()
-    }
-    #[inline(always)]
-    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
-        (**self).structure(y, v)
-    }
-    #[inline(always)]
-    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
-        (**self).energy(y, dt, dw)
-    }
-    #[inline(always)]
-    fn gradient<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        (**self).gradient(y, dt, dw)
-    }
-    #[inline(always)]
-    fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        (**self).averaged_gradient(a, b, dt, dw)
-    }
-    #[inline(always)]
-    fn averaged_field<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        (**self).averaged_field(a, b, dt, dw)
-    }
-    #[inline(always)]
-    fn cayley<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
-        (**self).cayley(y, v)
-    }
-    #[inline(always)]
-    fn commutators<R: Real>(&self, y: [R; D], areas: [[f64; M]; M]) -> [R; D] {
-        (**self).commutators(y, areas)
-    }
-    fn check_domain(&self, y: [f64; D]) -> Result<(), SystemError> {
-        (**self).check_domain(y)
-    }
-    fn invariants(&self) -> Vec<Invariant> {
-        (**self).invariants()
-    }
-    #[inline(always)]
-    fn invariant<R: Real>(&self, index: usize, y: [R; D]) -> R {
-        (**self).invariant(index, y)
-    }
-    #[inline(always)]
-    fn predict(&self, a: [f64; D], dt: f64, dw: [f64; M]) -> ([f64; D], f64) {
-        (**self).predict(a, dt, dw)
-    }
-}
-
 /// The method for the implicit steps of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImplicitStep {

@@ -51,7 +51,7 @@ impl<'a> Candidates<'a> {
     ///
     /// # Panics
     /// If it does not make [`Sexp`](schemes::Sexp).
-    pub fn compiled<S: PoissonSystem<D, M> + 'static, G, const D: usize, const M: usize>(
+    pub fn compiled<S: PoissonSystem<D, M> + Clone + 'static, G, const D: usize, const M: usize>(
         problem: &'a Problem<S, G, D>,
         scheme: impl Fn(BuiltIn, &S, [f64; D]) -> Result<Box<dyn Scheme<S, D, M>>, SchemeError>,
     ) -> Self {
@@ -59,7 +59,7 @@ impl<'a> Candidates<'a> {
         let bind = |id| scheme(id, system, y0).map(|scheme| bind_owned(problem, scheme));
         let all = Self::built_in(bind).unwrap_or_else(|error| unreachable!("{error}"));
         match system.invariants()[..] {
-            [] => all.with_casimirs(casimirs_around(&Compiled::new(system, y0), &y0)),
+            [] => all.with_casimirs(casimirs_around(&Compiled::new(system.clone(), y0), &y0)),
             _ => all,
         }
     }

@@ -260,6 +260,7 @@ fn few_equations_make_no_casimir() {
 }
 
 /// A domain that is a narrow strip.
+#[derive(Clone)]
 struct Strip;
 
 impl PoissonSystem<2, 1> for Strip {

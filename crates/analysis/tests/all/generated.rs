@@ -73,7 +73,7 @@ enum Defect {
 }
 
 /// B and H of x = T⁻¹y, in the variables y = Tx.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Generated<const D: usize> {
     structure: Structure,
     energy: Energy,

@@ -3,9 +3,8 @@
 use analysis::inspect::{Applies, InspectError, InspectSettings, Inspection, Kind};
 use real::{Real, elementary};
 use systems::{
-    Constant, Form, IntegerExponents, Invariant, InvariantKind, LotkaVolterra, MaxwellBloch,
-    Pendulum, Poisson3, PoissonSystem, Problem, RealExponents, RigidBody, RigidBodyEnergy, Sine,
-    SystemError,
+    Constant, Form, Invariant, InvariantKind, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine, SystemError,
 };
 
 use super::{
@@ -15,7 +14,7 @@ use super::{
 
 const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
 
-type PaperLotkaVolterra = LotkaVolterra<IntegerExponents<2, 2>>;
+type PaperLotkaVolterra = LotkaVolterra<2, 2>;
 
 /// One row of the table of systems: dimensions, noises, Casimirs of B, degree of the energy where
 /// it has a law.
@@ -84,7 +83,7 @@ fn the_table_of_systems_is_reproduced() {
     assert_eq!(claimed(&energy, "H"), (Kind::Quadratic, Some(2.0), true));
     assert_eq!(applies(&energy, "energy-balance"), Some(Applies::Yes));
 
-    let lotka = inspect(&PaperLotkaVolterra::integer(1.0).unwrap()).unwrap();
+    let lotka = inspect(&PaperLotkaVolterra::new(1.0).unwrap()).unwrap();
     row(&lotka, 3, 1, &["2 y1 + y2 + y3"], Some(5.0));
     assert_eq!(claimed(&lotka, "H"), (Kind::Homogeneous, Some(5.0), false));
     assert_eq!(claimed(&lotka, "C"), (Kind::Linear, Some(1.0), false));
@@ -103,7 +102,8 @@ fn the_table_of_systems_is_reproduced() {
 }
 
 /// The Lotka–Volterra system with the Casimir that the paper names, ab ln y₁ − b ln y₂ + ln y₃.
-struct AsPrinted(LotkaVolterra<RealExponents>);
+#[derive(Clone)]
+struct AsPrinted;
 const A: f64 = -0.7;
 const B: f64 = -1.9;
 
@@ -112,13 +112,15 @@ impl PoissonSystem<3, 1> for AsPrinted {
         "lotka-volterra as printed"
     }
     fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
-        self.0.structure(y, v)
+        let p = A * B;
+        let prefactor = (y[0].ln() * (1.0 - p) + y[1].ln() * (1.0 + B)).exp();
+        [v[1] * A + v[2], -(v[0] * A + v[2] * p), v[1] * p - v[0]].map(|v| prefactor * v)
     }
     fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
-        self.0.energy(y, dt, dw)
+        self.invariant(0, y).exp() * (dt + dw[0])
     }
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        self.0.check_domain(y)
+        LotkaVolterra::<1, 1>::new(1.0)?.check_domain(y)
     }
     fn invariants(&self) -> Vec<Invariant> {
         let formula = "ab ln y₁ − b ln y₂ + ln y₃";
@@ -137,7 +139,7 @@ impl PoissonSystem<3, 1> for AsPrinted {
 
 #[test]
 fn the_misprinted_casimir_is_found_and_the_true_one_named() {
-    let report = inspect(&AsPrinted(LotkaVolterra::new(A, B, 1.0).unwrap())).unwrap();
+    let report = inspect(&AsPrinted).unwrap();
     let printed = &report.invariants[0];
     // B∇ ln H = B∇H/H is the vector field itself; ln H is constant along it, and not homogeneous.
     assert!(!printed.casimir.holds() && printed.casimir.defect > 1e-3, "{report}");
@@ -203,6 +205,7 @@ enum Fault {
     Nowhere,
 }
 
+#[derive(Clone)]
 struct Spoiled(Fault);
 
 fn body() -> RigidBody<3> {
@@ -368,6 +371,7 @@ fn a_wrong_structure_is_reported() {
 }
 
 /// A state without components.
+#[derive(Clone)]
 struct Nothing;
 
 impl PoissonSystem<0, 1> for Nothing {
@@ -429,7 +433,7 @@ fn a_problem_knows_its_radius_and_its_largest_step() {
     // Lotka–Volterra, where the paper has no bound: 2·0.2 + 0.4 + 0.6 = 1.4, and γ = sin t never
     // pumps.
     let problem = Problem::new(
-        PaperLotkaVolterra::integer(1.0).unwrap(),
+        PaperLotkaVolterra::new(1.0).unwrap(),
         Sine::new(1.0, 1.0).unwrap(),
         [0.2, 0.4, 0.6],
         10.0,

@@ -17,10 +17,10 @@ use formula::{Definition, FormulaSystem};
 use systems::{Constant, Damping, PoissonSystem, Problem, run_time as at_run_time};
 
 /// The report on a compiled system alone.
-fn inspect_alone<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+fn inspect_alone<S: PoissonSystem<D, M> + Clone, const D: usize, const M: usize>(
     system: &S,
 ) -> Result<Inspection, InspectError> {
-    let system = at_run_time::Compiled::new(system, [1.0; D]);
+    let system = at_run_time::Compiled::new(system.clone(), [1.0; D]);
     analysis::inspect(&system, &InspectSettings::default())
 }
 
@@ -29,9 +29,9 @@ fn inspect_problem<S, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
 ) -> Result<Inspection, InspectError>
 where
-    S: PoissonSystem<D, M>,
+    S: PoissonSystem<D, M> + Clone,
 {
-    let system = at_run_time::Compiled::new(problem.system(), problem.y0());
+    let system = at_run_time::Compiled::new(problem.system().clone(), problem.y0());
     analysis::inspect(&system, &InspectSettings::of(problem))
 }
 

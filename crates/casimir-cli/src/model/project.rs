@@ -6,8 +6,7 @@ use casimir::{
     formula::{Names, nearest},
     real::Row,
     systems::{
-        Damping, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem,
-        RigidBody, SystemError,
+        Damping, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody, SystemError,
     },
 };
 
@@ -72,7 +71,7 @@ pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>
             }
         }
         "lotka-volterra" => {
-            let system = with_c(reading, LotkaVolterra::<IntegerExponents<1, 1>>::integer)?;
+            let system = with_c(reading, LotkaVolterra::<1, 1>::new)?;
             built(run, system)
         }
         "maxwell-bloch" => {

@@ -49,7 +49,7 @@ const BROKEN: &[Broken] = &[
     (OSCILLATOR, "k*q^2/2", "kk*q^2/2", "line 6, column 15", "the nearest is `k`"),
     (OSCILLATOR, "k*q^2/2", "sinn(q)", "line 6, column 15", "the nearest is `sin`"),
     (OSCILLATOR, "k*q^2/2", "log(q)", "line 6, column 15", "unknown function `log`"),
-    (OSCILLATOR, "k*q^2/2", "ln(q - 2)", "line 6, column 15", "ln of -1"),
+    (OSCILLATOR, "k*q^2/2", "ln(q - 2)", "line 6, column 15", "NaN for -1"),
     (OSCILLATOR, "k*q^2/2", "sqrt(q - 1)", "line 6, column 6", "derivative of H0 by q"),
     (OSCILLATOR, "s*q", "s*q**2", "line 7, column 11", "write ^"),
     (OSCILLATOR, "\"0.1\"", "\"0.1*q\"", "line 9, column 13", "unknown name `q`"),

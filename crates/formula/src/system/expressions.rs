@@ -1,9 +1,9 @@
 //! The expressions of a system in one graph.
 
-use std::{ops::Range, slice::from_ref};
+use std::ops::Range;
 
-use super::{MOST_EXPRESSIONS, average, cayley, definition::Formulas, skew::points};
-use real::Bounded;
+use super::{MOST_EXPRESSIONS, average, cayley, definition::Formulas};
+use real::Real;
 use systems::run_time::Op;
 
 use crate::{
@@ -12,12 +12,12 @@ use crate::{
     words::{self, Binding},
 };
 
-/// What a system is asked for, in the inputs y, u, v, dt, dw and areas, in this order.
+/// What a system is asked for, in groups of inputs: y, u, v, dt, dw and areas.
 #[derive(Clone)]
 pub struct Expressions {
     pub graph: Graph,
-    dimension: usize,
-    noises: usize,
+    pub dimension: usize,
+    pub noises: usize,
     /// H₀, H₁, …
     hamiltonians: Vec<Id>,
     /// B(y)v.
@@ -30,11 +30,17 @@ pub struct Expressions {
     operations: Vec<(Op<usize>, Vec<Id>)>,
 }
 
+/// The groups of inputs.
+const Y: usize = 0;
+const U: usize = 1;
+const V: usize = 2;
+const DT: usize = 3;
+const DW: usize = 4;
+/// The matrix of Lévy areas, of which the part above the diagonal is read.
+const AREAS: usize = 5;
+
 /// The most noises whose Lévy areas are used.
 const MOST_NOISES: usize = 16;
-
-/// The least number of points that show an identity.
-const LEAST_POINTS: usize = 3;
 
 impl Expressions {
     pub fn new(formulas: &Formulas) -> Self {
@@ -49,77 +55,54 @@ impl Expressions {
         let energy = graph.constant(0.0);
         let (field, operations) = (Vec::new(), Vec::new());
         let mut new = Self { graph, dimension, noises, hamiltonians, field, energy, operations };
-        let (y, u, v, a, b) = (0, 1, 2, 0, 1);
-        let vector = new.inputs(new.v());
-        new.field = new.times(&entries, &vector);
+        let [u, v] = [U, V].map(|group| new.inputs(group));
+        new.field = new.times(&entries, &v);
         let field = new.field.clone();
-        let field_along = new.along(&field);
-        let weights = new.inputs(new.dt().start..new.dw().end);
+        let field_along = new.along(&field, &u);
+        let weights = [new.inputs(DT), new.inputs(DW)].concat();
         new.energy = new.graph.dot(&new.hamiltonians, &weights);
         let gradient = new.gradient_of(&weights);
-        let hessian = new.along(&gradient);
-        let (from, to) = (new.inputs(new.y()), new.inputs(new.u()));
+        let hessian = new.along(&gradient, &u);
         let weighted = new.with_weights(&weights);
-        let averaged = average::averaged_gradient(&mut new.graph, &weighted, &from, &to);
+        let averaged = average::averaged_gradient(&mut new.graph, &weighted, &y, &u);
+        let correction = new.corrected();
         new.operations = vec![
-            (Op::Structure { y, v }, field),
-            (Op::StructureAlong { y, u, v }, field_along),
-            (Op::Gradient { y }, gradient),
-            (Op::Hessian { y, u }, hessian),
-            (Op::AveragedGradient { a, b }, averaged),
-            (Op::ItoCorrection { y }, new.corrected()),
+            (Op::Structure { y: Y, v: V }, field),
+            (Op::StructureAlong { y: Y, u: U, v: V }, field_along),
+            (Op::Gradient { y: Y }, gradient),
+            (Op::Hessian { y: Y, u: U }, hessian),
+            (Op::AveragedGradient { a: Y, b: U }, averaged),
+            (Op::ItoCorrection { y: Y }, correction),
         ];
         if noises <= MOST_NOISES {
             let gradient = new.bracketed();
             if noises > 1 {
-                let hessian = new.along(&gradient);
-                new.operations.push((Op::AreaHessian { y, u }, hessian));
+                let hessian = new.along(&gradient, &u);
+                new.operations.push((Op::AreaHessian { y: Y, u: U }, hessian));
             }
-            new.operations.push((Op::AreaGradient { y }, gradient));
+            new.operations.push((Op::AreaGradient { y: Y }, gradient));
         }
         if let Some(0 | 1) = new.structure_degree()
-            && let Some(solution) = new.solved()
+            && let Some(solution) = new.solved(&y)
         {
-            new.operations.push((Op::Cayley { y, v }, solution));
+            new.operations.push((Op::Cayley { y: Y, v: V }, solution));
         }
         new
     }
 
-    pub fn dimension(&self) -> usize {
-        self.dimension
+    /// The inputs of a group.
+    fn group(&self, group: usize) -> Range<usize> {
+        let (d, m) = (self.dimension, self.noises);
+        let ends = [0, d, 2 * d, 3 * d, 3 * d + 1, 3 * d + 1 + m, 3 * d + 1 + m + m * m];
+        ends[group]..ends[group + 1]
     }
 
-    pub fn noises(&self) -> usize {
-        self.noises
+    fn inputs(&mut self, group: usize) -> Vec<Id> {
+        self.group(group).map(|k| self.graph.input(k)).collect()
     }
 
-    fn y(&self) -> Range<usize> {
-        0..self.dimension
-    }
-
-    fn u(&self) -> Range<usize> {
-        self.dimension..2 * self.dimension
-    }
-
-    fn v(&self) -> Range<usize> {
-        2 * self.dimension..3 * self.dimension
-    }
-
-    fn dt(&self) -> Range<usize> {
-        3 * self.dimension..3 * self.dimension + 1
-    }
-
-    fn dw(&self) -> Range<usize> {
-        self.dt().end..self.dt().end + self.noises
-    }
-
-    /// The matrix of Lévy areas, of which the part above the diagonal is read.
-    fn areas(&self) -> Range<usize> {
-        self.dw().end..self.dw().end + self.noises * self.noises
-    }
-
-    fn inputs(&mut self, range: Range<usize>) -> Vec<Id> {
-        range.map(|k| self.graph.input(k)).collect()
+    fn y(&self) -> Vec<usize> {
+        self.group(Y).collect()
     }
 
     /// B·v, with bⱼᵢ = −bᵢⱼ below the diagonal.
@@ -153,11 +136,11 @@ impl Expressions {
         let ones = vec![self.graph.constant(1.0); self.hamiltonians.len()];
         let mut sum = self.graph.dot(&self.hamiltonians, &ones);
         // No two entries cancel, as they would if all numbers were one.
-        let v: Vec<Id> = self.y().map(|k| self.graph.constant(1.0 + k as f64)).collect();
-        for component in self.field_at(self.v(), &v) {
+        let v: Vec<Id> = self.y().iter().map(|&k| self.graph.constant(1.0 + k as f64)).collect();
+        for component in self.field_at(V, &v) {
             sum = self.graph.add(sum, component);
         }
-        Tape::new(&self.graph, &[sum], &[self.y()])
+        self.tape(&[sum], [Y])
     }
 
     /// The largest degree of B(y) in y.
@@ -171,15 +154,13 @@ impl Expressions {
     }
 
     fn largest_degree(&self, roots: &[Id]) -> Option<u32> {
-        let y: Vec<usize> = self.y().collect();
-        let degrees = self.graph.degrees(roots, &y);
+        let degrees = self.graph.degrees(roots, &self.y());
         roots.iter().map(|root| degrees[root.index()]).try_fold(0, |most, d| Some(d?.max(most)))
     }
 
-    /// The derivatives along u.
-    fn along(&mut self, roots: &[Id]) -> Vec<Id> {
-        let u = self.inputs(self.u());
-        let direction: Vec<(usize, Id)> = self.y().zip(u).collect();
+    /// The derivatives of functions of y along a direction.
+    fn along(&mut self, roots: &[Id], direction: &[Id]) -> Vec<Id> {
+        let direction: Vec<(usize, Id)> = direction.iter().copied().enumerate().collect();
         self.graph.forward(roots, &direction)
     }
 
@@ -190,7 +171,7 @@ impl Expressions {
 
     /// ∇(H₀w₀ + H₁w₁ + …).
     fn gradient_of(&mut self, weights: &[Id]) -> Vec<Id> {
-        self.graph.reverse(&self.with_weights(weights), &self.y().collect::<Vec<_>>())
+        self.graph.reverse(&self.with_weights(weights), &self.y())
     }
 
     /// ½Σₘ fₘ′fₘ.
@@ -198,8 +179,7 @@ impl Expressions {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
         for m in 1..self.hamiltonians.len() {
             let (_, field) = self.field_of(m);
-            let direction: Vec<(usize, Id)> = self.y().zip(field.iter().copied()).collect();
-            let derivative = self.graph.forward(&field, &direction);
+            let derivative = self.along(&field, &field);
             average::add(&mut self.graph, &mut correction, &derivative, 0.5);
         }
         correction
@@ -211,33 +191,28 @@ impl Expressions {
         let mut brackets = Vec::new();
         for (m, (slope, _)) in fields.iter().enumerate() {
             for (l, (_, field)) in fields.iter().enumerate().skip(m + 1) {
-                let area = self.graph.input(self.areas().start + m * self.noises + l);
+                let area = self.graph.input(self.group(AREAS).start + m * self.noises + l);
                 brackets.push((self.graph.dot(slope, field), area));
             }
         }
-        let y: Vec<usize> = self.y().collect();
-        self.graph.reverse(&brackets, &y)
+        self.graph.reverse(&brackets, &self.y())
     }
 
-    /// Whether \[fₘ, f_l\] = 0 for all noises, and whether it is −B∇{Hₘ, H_l}: each component is
-    /// zero within its own rounding error at points around `y0`, and the formulas are not made of
-    /// pieces, as in [`systems::jacobi_holds`]. False if there are too many noises or expressions.
+    /// Whether \[fₘ, f_l\] = 0 for all noises, and whether it is −B∇{Hₘ, H_l}, as
+    /// [`systems::vanish`] finds around `y0`. False if there are too many noises or expressions.
     pub fn commutators(mut self, y0: &[f64]) -> [bool; 2] {
         if !(2..=MOST_NOISES).contains(&self.noises) {
             return [self.noises < 2; 2];
         }
         let fields: Vec<(Vec<Id>, Vec<Id>)> = (1..=self.noises).map(|m| self.field_of(m)).collect();
-        let (y, one) = (self.y().collect::<Vec<_>>(), self.graph.constant(1.0));
+        let (y, one) = (self.y(), self.graph.constant(1.0));
         let (mut commutators, mut defects) = (Vec::new(), Vec::new());
         for (m, (slope, f)) in fields.iter().enumerate() {
             for (_, g) in &fields[m + 1..] {
                 let bracket = self.graph.dot(slope, g);
                 let v = self.graph.reverse(&[(bracket, one)], &y);
-                let turned = self.field_at(self.v(), &v);
-                let [moved, other] = [(g, f), (f, g)].map(|(of, along)| {
-                    let direction: Vec<_> = y.iter().copied().zip(along.iter().copied()).collect();
-                    self.graph.forward(of, &direction)
-                });
+                let turned = self.field_at(V, &v);
+                let (moved, other) = (self.along(g, f), self.along(f, g));
                 for i in 0..self.dimension {
                     let commutator = self.graph.sub(moved[i], other[i]);
                     commutators.push(commutator);
@@ -248,27 +223,16 @@ impl Expressions {
                 }
             }
         }
-        [commutators, defects].map(|expressions| self.vanish(&expressions, y0))
+        [commutators, defects].map(|expressions| {
+            let in_domain = |y: &[f64]| self.numbers(&expressions, y).iter().all(|x| x.is_finite());
+            systems::vanish(y0, in_domain, |y| self.numbers(&expressions, y))
+        })
     }
 
-    /// Whether expressions of y are zero within their rounding errors around `y0`.
-    fn vanish(&self, expressions: &[Id], y0: &[f64]) -> bool {
-        let mut shown = 0;
-        for point in points(y0) {
-            let mut inputs = vec![Bounded::exact(0.0); self.areas().end];
-            inputs.iter_mut().zip(&point).for_each(|(y, &x)| *y = Bounded::variable(x));
-            let (values, is_piecewise) =
-                Bounded::piecewise(|| self.graph.values(expressions, &inputs));
-            // Outside of the domain there is no number.
-            let defects: Vec<_> = expressions.iter().map(|id| values[id.index()]).collect();
-            if defects.iter().all(|defect| defect.value.is_finite() && defect.error.is_finite()) {
-                if is_piecewise || defects.iter().any(|d| d.value.abs() > d.error) {
-                    return false;
-                }
-                shown += 1;
-            }
-        }
-        shown >= LEAST_POINTS
+    /// Functions of y in any numbers.
+    fn numbers<R: Real>(&self, roots: &[Id], y: &[R]) -> Vec<R> {
+        let values = self.graph.values(roots, y);
+        roots.iter().map(|root| values[root.index()]).collect()
     }
 
     /// ∇Hₘ and B∇Hₘ.
@@ -276,7 +240,7 @@ impl Expressions {
         let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
         unit[m] = self.graph.constant(1.0);
         let gradient = self.gradient_of(&unit);
-        let field = self.field_at(self.v(), &gradient);
+        let field = self.field_at(V, &gradient);
         (gradient, field)
     }
 
@@ -285,51 +249,51 @@ impl Expressions {
         let fields: Vec<Vec<Id>> =
             (0..self.hamiltonians.len()).map(|m| self.field_of(m).1).collect();
         let equation = |(i, name): (usize, &String)| {
-            let mut terms = String::new();
+            let mut text = format!("d{name} =");
             for (m, field) in fields.iter().enumerate() {
                 if self.graph.is_zero(field[i]) {
                     continue;
                 }
                 let minus = words::negated(&mut self.graph, field[i]);
-                let sign = [" + ", " - "][usize::from(minus.is_some())];
-                let sign =
-                    if terms.is_empty() { sign.trim().trim_start_matches('+') } else { sign };
-                let factor = minus.unwrap_or(field[i]);
-                let text = match self.graph.as_constant(factor) == Some(1.0) {
-                    true => String::new(),
-                    false => words::text(&self.graph, factor, state, Binding::Product) + " ",
+                text += match (minus, text.ends_with('=')) {
+                    (Some(_), true) => " -",
+                    (Some(_), false) => " - ",
+                    (None, true) => " ",
+                    (None, false) => " + ",
                 };
-                let of = if m == 0 { "dt".into() } else { format!("∘ dW{m}") };
-                terms += &format!("{sign}{text}{of}");
+                let factor = minus.unwrap_or(field[i]);
+                if self.graph.as_constant(factor) != Some(1.0) {
+                    text += &(words::text(&self.graph, factor, state, Binding::Product) + " ");
+                }
+                text += &if m == 0 { "dt".into() } else { format!("∘ dW{m}") };
             }
-            if damped {
-                terms += &format!(" - γ {name} dt");
+            match (damped, text.ends_with('=')) {
+                (true, _) => text + &format!(" - γ {name} dt"),
+                (false, true) => text + " 0",
+                (false, false) => text,
             }
-            let terms = terms.trim_start();
-            format!("d{name} = {}", if terms.is_empty() { "0" } else { terms })
         };
         state.iter().enumerate().map(equation).collect()
     }
 
-    /// B(y)v for other expressions y or v, the inputs `at`.
-    fn field_at(&mut self, at: Range<usize>, state: &[Id]) -> Vec<Id> {
-        let mut inputs = self.inputs(0..self.v().end);
-        inputs[at].copy_from_slice(state);
-        self.graph.substitute(&self.field, &inputs)
+    /// B(y)v for other expressions in the place of a group.
+    fn field_at(&mut self, group: usize, state: &[Id]) -> Vec<Id> {
+        let mut inputs = [Y, U, V].map(|group| self.inputs(group));
+        inputs[group] = state.to_vec();
+        self.graph.substitute(&self.field, &inputs.concat())
     }
 
     /// The solution z of z = y + B((y+z)/2)v; none if it takes too many expressions.
-    fn solved(&mut self) -> Option<Vec<Id>> {
+    fn solved(&mut self, y: &[Id]) -> Option<Vec<Id>> {
         let zero = vec![self.graph.constant(0.0); self.dimension];
-        let constant = self.field_at(self.y(), &zero);
-        let y = self.inputs(self.y());
-        let right = cayley::right_side(&mut self.graph, &y, &self.field, &constant);
+        let constant = self.field_at(Y, &zero);
+        let right = cayley::right_side(&mut self.graph, y, &self.field, &constant);
         let matrix = cayley::matrix(&mut self.graph, &self.field);
         cayley::solve(&mut self.graph, matrix, right)
     }
 
-    /// The expressions of an operation, and the groups of inputs (y, u, v) that its arguments are;
-    /// none if it follows from others, or has no expression.
+    /// The expressions of an operation, and the groups of inputs that its arguments are; none if it
+    /// follows from others, or has no expression.
     pub fn of<P: Clone>(&self, op: &Op<P>) -> Option<&(Op<usize>, Vec<Id>)> {
         let op = op.clone().map(|_| ());
         self.operations.iter().find(|(known, _)| known.map(|_| ()) == op)
@@ -339,23 +303,29 @@ impl Expressions {
     /// dw or the areas if it reads them.
     pub fn op_tapes(&self) -> Vec<(Op<()>, Tape)> {
         let tape = |(op, roots): &(Op<usize>, Vec<Id>)| {
-            let weights = op.reads_weights().then(|| [self.dt(), self.dw()]);
-            let areas = op.reads_areas().then(|| self.areas());
-            let states = op.arguments().map(|k| k * self.dimension..(k + 1) * self.dimension);
-            let inputs: Vec<_> = states.chain(weights.into_iter().flatten()).chain(areas).collect();
-            (op.map(|_| ()), Tape::new(&self.graph, roots, &inputs))
+            let more: &[usize] = match (op.reads_weights(), op.reads_areas()) {
+                (true, _) => &[DT, DW],
+                (_, true) => &[AREAS],
+                _ => &[],
+            };
+            (op.map(|_| ()), self.tape(roots, op.arguments().chain(more.iter().copied())))
         };
         self.operations.iter().map(tape).collect()
     }
 
     /// h from y, dt and dw.
     pub fn energy_tape(&self) -> Tape {
-        Tape::new(&self.graph, &[self.energy], &[self.y(), self.dt(), self.dw()])
+        self.tape(&[self.energy], [Y, DT, DW])
     }
 
     /// The entries of I − ½A(v) from v, row by row.
     pub fn cayley_matrix_tape(&mut self) -> Tape {
         let matrix = cayley::matrix(&mut self.graph, &self.field).concat();
-        Tape::new(&self.graph, &matrix, from_ref(&self.v()))
+        self.tape(&matrix, [V])
+    }
+
+    fn tape(&self, roots: &[Id], groups: impl IntoIterator<Item = usize>) -> Tape {
+        let groups: Vec<_> = groups.into_iter().map(|group| self.group(group)).collect();
+        Tape::new(&self.graph, roots, &groups)
     }
 }

@@ -59,12 +59,12 @@ impl SchemeTape {
         let inputs = *inputs;
         let is_multiple = |n: &usize| matches!(nodes[*n], Recorded::Multiple(_));
         let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
-        let numbers = inputs * system.dimension();
+        let numbers = inputs * system.dimension;
         let noise = numbers + 1 + multiples.len();
         let mut graph = Graph::new();
         let dt = graph.input(numbers);
-        let areas = noise + system.noises();
-        let end = areas + system.noises() * system.noises();
+        let areas = noise + system.noises;
+        let end = areas + system.noises * system.noises;
         let weights = once(dt).chain((noise..end).map(|k| graph.input(k))).collect();
         let mut builder = SchemeBuilder { system, rule, graph, weights, states: Vec::new() };
         for (n, &node) in nodes.iter().enumerate() {
@@ -76,7 +76,7 @@ impl SchemeTape {
                 return None;
             }
         }
-        let states = (0..inputs).map(|k| k * system.dimension()..(k + 1) * system.dimension());
+        let states = (0..inputs).map(|k| k * system.dimension..(k + 1) * system.dimension);
         let is_area = |node: &Recorded| matches!(node, Recorded::Of(op) if op.reads_areas());
         let reads_areas = nodes.iter().any(is_area);
         let groups: Vec<_> =
@@ -117,8 +117,8 @@ impl SchemeBuilder<'_> {
         let of = |n: usize| self.states[n].clone();
         Some(match node {
             Recorded::Input(k) => {
-                let first = k * self.system.dimension();
-                (first..first + self.system.dimension()).map(|k| self.graph.input(k)).collect()
+                let first = k * self.system.dimension;
+                (first..first + self.system.dimension).map(|k| self.graph.input(k)).collect()
             }
             Recorded::Sum(a, b) => self.each(&of(a), &of(b), Graph::add),
             Recorded::Difference(a, b) => self.each(&of(a), &of(b), Graph::sub),
@@ -162,7 +162,7 @@ impl SchemeBuilder<'_> {
 
     /// ∂∇̄h(a, b)/∂b·u.
     fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Option<Vec<Id>> {
-        let mut sum = vec![self.graph.constant(0.0); self.system.dimension()];
+        let mut sum = vec![self.graph.constant(0.0); self.system.dimension];
         for k in 0..self.rule.nodes().len() {
             let (node, weight) = (self.rule.nodes()[k], self.rule.weights()[k]);
             let y = point(&mut self.graph, a, b, node - 0.5);

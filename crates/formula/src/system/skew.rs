@@ -3,9 +3,6 @@
 use super::{DefinitionError, Which};
 use crate::{Formula, Graph, Id};
 
-/// Points at which two entries are compared whose formulas do not show it.
-const POINTS: u32 = 20;
-
 /// The relative difference that counts as rounding: some hundred operations of 2⁻⁵³, and a loss of
 /// five digits by cancellation.
 const ROUNDING: f64 = 1e-9;
@@ -23,7 +20,7 @@ pub fn check(entries: &[Vec<Formula>], y0: &[f64]) -> Result<(), DefinitionError
             if graph.neg(a) == b {
                 continue;
             }
-            for point in points(y0) {
+            for point in systems::around(y0, |_| true) {
                 let (value, mirror) = (upper.value(&point), lower.value(&point));
                 if (value + mirror).abs() > ROUNDING * (value.abs() + mirror.abs()) {
                     let (row, column) = (j + 1, i + 1);
@@ -37,17 +34,4 @@ pub fn check(entries: &[Vec<Formula>], y0: &[f64]) -> Result<(), DefinitionError
         }
     }
     Ok(())
-}
-
-/// The initial value, and points whose components differ from it by at most half of 1 + |y|, by
-/// multiples of the golden ratio.
-pub fn points(y0: &[f64]) -> impl Iterator<Item = Vec<f64>> {
-    (0..=POINTS).map(|n| {
-        let moved = |(i, y): (usize, &f64)| {
-            let number = f64::from(n) * (y0.len() + 1) as f64 + (i + 1) as f64;
-            let shift = systems::golden(number) - 0.5;
-            if n == 0 { *y } else { y + (1.0 + y.abs()) * shift }
-        };
-        y0.iter().enumerate().map(moved).collect()
-    })
 }

@@ -3,8 +3,7 @@
 use formula::{Definition, DefinitionError, FormulaSystem, Which};
 use real::{Row, Rows, WIDTH};
 use systems::{
-    IntegerExponents, Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody,
-    SystemError,
+    Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody, SystemError,
     run_time::{Compiled, Op, System, Weights},
 };
 
@@ -99,7 +98,7 @@ fn the_systems_of_the_paper_are_the_compiled_ones() {
     let pendulum = Compiled::new(Pendulum::new(0.5).unwrap(), [0.2, 1.0]);
     Pair::new(&paper::pendulum(0.5), &[0.2, 1.0], pendulum).agree(1e-13);
 
-    let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(0.5).unwrap();
+    let populations = LotkaVolterra::<2, 2>::new(0.5).unwrap();
     let populations = Compiled::new(populations, y3);
     let populations = Pair::new(&paper::lotka_volterra(0.5), &y3, populations);
     // ∇H has degree 4.
@@ -214,7 +213,7 @@ fn wrong_definitions_are_named() {
         ),
         (
             |d| d.energy = "ln(p - q)".into(),
-            "H0: line 1, column 1: ln of -1 is NaN at the initial value\n  \
+            "H0: line 1, column 1: this is NaN for -1 at the initial value\n  \
              ln(p - q)\n  ^^^^^^^^^",
         ),
         (
@@ -227,7 +226,7 @@ fn wrong_definitions_are_named() {
         ),
         (
             |d| d.structure[0][1] = "1/(p - 3)".into(),
-            "B, row 1, column 2: line 1, column 1: the quotient of 1 and 0 is inf at the initial \
+            "B, row 1, column 2: line 1, column 1: this is inf for 1 and 0 at the initial \
              value\n  1/(p - 3)\n  ^^^^^^^^^",
         ),
     ];

@@ -13,9 +13,7 @@ use mc::{
 };
 use real::Real;
 use schemes::Sexp;
-use systems::{
-    Constant, IntegerExponents, LotkaVolterra, PoissonSystem, Problem, run_time::Compiled,
-};
+use systems::{Constant, LotkaVolterra, PoissonSystem, Problem, run_time::Compiled};
 
 use crate::ladder::body;
 
@@ -87,7 +85,7 @@ fn where_sexp_li_is_refused_sexp_is_taken() {
 #[test]
 fn large_steps_on_which_paths_fail_are_left_out() {
     // The stages of Runge and Kutta overflow here with large noise.
-    let system = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap();
+    let system = LotkaVolterra::<2, 2>::new(1.0).unwrap();
     let problem = Problem::new(system, Constant::new(0.0).unwrap(), [0.9, 1.1, 0.8], 1.0).unwrap();
     let h = Observable { name: "H", function: |y: [f64; 3]| y[0].powi(2) * y[1].powi(2) * y[2] };
     let found = expect(&problem, &[h], 1e-2).unwrap();

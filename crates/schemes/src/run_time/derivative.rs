@@ -15,7 +15,7 @@ type Differentiated<'a> = (Symbol<'a>, Option<Symbol<'a>>);
 /// computed.
 ///
 /// # Errors
-/// [`SchemeError::Derivative`] for operations at z whose second derivatives would be needed: ½Σ
+/// [`SchemeError::Unsuited`] for operations at z whose second derivatives would be needed: ½Σ
 /// fₘ′fₘ, or the solution of a linear equation.
 pub fn derivative(operations: &Operations) -> Result<Recorder, SchemeError> {
     let recorder = Recorder::default();
@@ -81,7 +81,11 @@ fn apply<'a>(
             plus(along_a, along_b)
         }
         Op::AreaGradient { y: (y, along) } => along.map(|u| list.of(Op::AreaHessian { y, u })),
-        _ => return Err(SchemeError::Derivative),
+        _ => {
+            let message = "an implicit formula cannot have `cayley` or `ito_correction` of z, \
+                           whose derivatives along z are not known: take them of ẑ";
+            return Err(SchemeError::Unsuited(message.into()));
+        }
     };
     Ok((value, slope))
 }

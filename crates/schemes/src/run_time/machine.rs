@@ -10,7 +10,7 @@ use systems::run_time::{Layout, MOST_INPUTS, Program, Recorded, System, Weights}
 
 use super::{
     SchemeError,
-    plan::{Computation, Plan, Planned, Source, Stage},
+    plan::{Computation, Plan, Source, Stage},
     record::{Operations, Recorder},
 };
 use crate::{Implicit, Step};
@@ -26,8 +26,6 @@ pub struct Machine<'a> {
     /// The formula in one piece, for systems that can compute it so, and its results.
     program: Option<Box<dyn Program>>,
     output: Rows,
-    /// The buffers in which a stage stores, while it is executed.
-    taken: Vec<Rows>,
     /// Memory of the tiles, for each thread.
     memories: Vec<Mutex<TileMemory>>,
     /// Rows of a slab.
@@ -43,37 +41,11 @@ struct TileMemory {
     scratch: Rows,
 }
 
-/// The parts of buffers in which a tile stores its results: four, of which empty ones are not used,
-/// and the more that few formulas have, for which memory is allocated in a step.
-#[derive(Default)]
-struct Stores<'a> {
-    first: [&'a mut [Row]; 4],
-    more: Vec<&'a mut [Row]>,
-}
+/// The most states that a stage stores.
+const MOST_STORES: usize = 16;
 
-impl<'a> Stores<'a> {
-    /// Adds store number n.
-    fn push(&mut self, n: usize, store: &'a mut [Row]) {
-        match self.first.get_mut(n) {
-            Some(place) => *place = store,
-            None => self.more.push(store),
-        }
-    }
-
-    fn split_at(self, row: usize) -> (Self, Self) {
-        let (mut earlier, mut later) = (Self::default(), Self::default());
-        for (n, store) in self.first.into_iter().chain(self.more).enumerate() {
-            let (first, second) = store.split_at_mut(row.min(store.len()));
-            earlier.push(n, first);
-            later.push(n, second);
-        }
-        (earlier, later)
-    }
-
-    fn get(&self, n: usize) -> &[Row] {
-        self.first.get(n).unwrap_or_else(|| &self.more[n - 4])
-    }
-}
+/// The parts of buffers in which a tile stores its results; those that are not used are empty.
+type Stores<'a> = [&'a mut [Row]; MOST_STORES];
 
 /// A stage that is being executed.
 struct Execution<'a> {
@@ -107,7 +79,6 @@ impl<'a> Machine<'a> {
             plan: Plan::default(),
             program: None,
             output: Rows::default(),
-            taken: Vec::new(),
             memories,
             slab: layout.tile_rows * layout.reach.max(SLAB_TILES * threads),
         })
@@ -145,45 +116,41 @@ impl<'a> Machine<'a> {
         self.recorder.operations()
     }
 
-    fn plan(&mut self) -> Result<(), SchemeError> {
-        let planned = self.provide();
-        if planned.is_err() {
-            // They count as new the next time.
-            self.recorder = Recorder::default();
-        }
-        planned
-    }
-
     /// Plans the operations and provides the memory that they need. The input of an explicit
     /// formula, which has one, may be overwritten.
-    fn provide(&mut self) -> Result<(), SchemeError> {
-        let Operations { nodes, results, .. } = self.recorder.operations();
+    fn plan(&mut self) -> Result<(), SchemeError> {
+        // If that fails they count as new the next time.
+        let mut recorder = std::mem::take(&mut self.recorder);
+        let Operations { nodes, results, .. } = recorder.operations();
         let is_average = |node: &Recorded| matches!(node, Recorded::Of(op) if op.is_average());
-        let (description, layout) = (self.system.description(), self.layout);
+        let (name, layout) = (&self.system.description().name, self.layout);
         if layout.is_tiled() && nodes.iter().any(is_average) {
-            return Err(SchemeError::Average { system: description.name.clone() });
+            return Err(SchemeError::Unsuited(format!(
+                "∇̄h of `{name}`, whose h is not quadratic, cannot be computed in tiles: take \
+                 midpoint, or one tile"
+            )));
         }
         let inputs = nodes.iter().filter(|node| matches!(node, Recorded::Input(_))).count();
         self.program = self.system.compile(nodes, inputs, results);
-        self.plan = match self.program {
-            Some(_) => Plan { buffers: inputs, ..Plan::default() },
-            None => Plan::new(nodes, results, inputs == 1),
-        };
-        if self.program.is_some() {
-            self.output = Rows::zero(results.len() * layout.rows)?;
+        self.plan = Plan { buffers: inputs, ..Plan::default() };
+        match self.program {
+            Some(_) => self.output = Rows::zero(results.len() * layout.rows)?,
+            None => self.plan = Plan::new(nodes, results, inputs == 1),
         }
-        let most = self.plan.stages.iter().map(|stage| stage.stores.len()).max();
-        self.taken.resize_with(most.unwrap_or(0), Rows::default);
-        let tile = layout.tile_rows.min(layout.rows);
+        if self.plan.stages.iter().any(|stage| stage.stores.len() > MOST_STORES) {
+            let message = format!("the formula stores more than {MOST_STORES} states at a time");
+            return Err(SchemeError::Unsuited(message));
+        }
         for memory in &mut self.memories {
             let memory = memory.get_mut().unwrap_or_else(PoisonError::into_inner);
             while memory.slots.len() < self.plan.slots {
-                memory.slots.push(Rows::zero(tile)?);
+                memory.slots.push(Rows::zero(layout.tile_rows.min(layout.rows))?);
             }
         }
         while self.buffers.len() < self.plan.buffers {
             self.buffers.push(Rows::zero(layout.rows)?);
         }
+        self.recorder = recorder;
         Ok(())
     }
 
@@ -205,7 +172,7 @@ impl<'a> Machine<'a> {
 
     /// Executes the operations on the inputs in the first buffers.
     pub fn execute(&mut self, h: Weights<'_>) {
-        let Self { system, layout, recorder, buffers, plan, taken, memories, slab, .. } = self;
+        let Self { system, layout, recorder, buffers, plan, memories, slab, .. } = self;
         let factors = &recorder.operations().factors;
         if let Some(program) = &mut self.program {
             let mut states: [&[Row]; MOST_INPUTS] = [&[]; MOST_INPUTS];
@@ -219,15 +186,17 @@ impl<'a> Machine<'a> {
                 let rows = k * *slab..if k + 1 < slabs { (k + 1) * *slab } else { layout.rows };
                 let stage = &plan.stages[number];
                 // The buffers in which the stage stores are taken out while the others are read.
-                let mut stores = Stores::default();
-                for (n, (taken, &(_, buffer))) in taken.iter_mut().zip(&stage.stores).enumerate() {
-                    std::mem::swap(taken, &mut buffers[buffer]);
-                    stores.push(n, &mut taken[rows.clone()]);
+                let mut taken: [Rows; MOST_STORES] = Default::default();
+                let mut stores: Stores<'_> = Default::default();
+                let places = taken.iter_mut().zip(&mut stores).zip(&stage.stores);
+                for ((taken, store), &(_, buffer)) in places {
+                    *taken = std::mem::take(&mut buffers[buffer]);
+                    *store = &mut taken[rows.clone()];
                 }
                 Execution { system: *system, stage, factors, h, buffers, memories }
                     .on_rows(rows, stores);
-                for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
-                    std::mem::swap(taken, &mut buffers[buffer]);
+                for (taken, &(_, buffer)) in taken.into_iter().zip(&stage.stores) {
+                    buffers[buffer] = taken;
                 }
             }
         }
@@ -236,7 +205,7 @@ impl<'a> Machine<'a> {
 
 impl Execution<'_> {
     /// Executes the stage on some rows: halves in parallel, down to single tiles.
-    fn on_rows(&self, rows: Range<usize>, stores: Stores<'_>) {
+    fn on_rows(&self, rows: Range<usize>, mut earlier: Stores<'_>) {
         let tile = self.system.description().layout.tile_rows;
         let tiles = rows.len().div_ceil(tile);
         if tiles <= 1 {
@@ -245,10 +214,14 @@ impl Execution<'_> {
                 threads => rayon::current_thread_index().unwrap_or(0) % threads,
             };
             let mut memory = self.memories[thread].lock().unwrap_or_else(PoisonError::into_inner);
-            return self.on_tile(rows, stores, &mut memory);
+            return self.on_tile(rows, earlier, &mut memory);
         }
         let half = tiles / 2 * tile;
-        let (earlier, later) = stores.split_at(half);
+        let mut later: Stores<'_> = Default::default();
+        for (earlier, later) in earlier.iter_mut().zip(&mut later) {
+            let whole = std::mem::take(earlier);
+            (*earlier, *later) = whole.split_at_mut(half.min(whole.len()));
+        }
         let middle = rows.start + half;
         rayon::join(
             || self.on_rows(rows.start..middle, earlier),
@@ -259,28 +232,28 @@ impl Execution<'_> {
     /// Executes the stage on one tile.
     fn on_tile(&self, tile: Range<usize>, stores: Stores<'_>, memory: &mut TileMemory) {
         let TileMemory { slots, scratch } = memory;
-        for &Planned { operation, slot } in &self.stage.instructions {
+        for &(computation, slot) in &self.stage.instructions {
             let mut result = std::mem::take(&mut slots[slot]);
             let local = |source: Source| match source {
                 Source::Slot(slot) => &slots[slot][..tile.len()],
                 Source::Buffer(buffer) => {
-                    let stored = self.stage.stores.iter().position(|&(_, b)| b == buffer);
-                    match stored {
-                        Some(n) => stores.get(n),
+                    match self.stage.stores.iter().position(|&(_, stored)| stored == buffer) {
+                        Some(n) => &*stores[n],
                         None => &self.buffers[buffer][tile.clone()],
                     }
                 }
             };
             let out = &mut result[..tile.len()];
-            match operation {
-                Computation::Multiple { x: (x, factor) } => {
+            match computation {
+                Computation::Multiple(x, factor) => {
                     dispatch(Multiple { x: local(x), factor: self.factors[factor], out });
                 }
-                Computation::Combination { x: (x, fx), y: (y, fy), minus } => {
-                    let factor = |node: Option<usize>| node.map_or(1.0, |node| self.factors[node]);
+                Computation::Combination { terms, minus } => {
+                    let [(x, fx), (y, fy)] = terms.map(|(source, node)| {
+                        (local(source), node.map_or(1.0, |node| self.factors[node]))
+                    });
                     // a − fb = a + (−f)b to the bit.
-                    let fy = if minus { -factor(fy) } else { factor(fy) };
-                    dispatch(Combination { x: local(x), fx: factor(fx), y: local(y), fy, out });
+                    dispatch(Combination { x, fx, y, fy: if minus { -fy } else { fy }, out });
                 }
                 Computation::Of(op) => {
                     let is_local = op.is_local();
@@ -293,8 +266,7 @@ impl Execution<'_> {
             }
             slots[slot] = result;
         }
-        let stores = stores.first.into_iter().chain(stores.more);
-        for (store, &(slot, _)) in stores.zip(&self.stage.stores) {
+        for (store, &(slot, _)) in stores.into_iter().zip(&self.stage.stores) {
             store.copy_from_slice(&slots[slot][..tile.len()]);
         }
     }

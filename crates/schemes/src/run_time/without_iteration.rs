@@ -66,11 +66,7 @@ impl Scheme for Split {
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
         let Description { name, parts, .. } = system.description();
-        let parts = parts.clone().map_err(|reason| SchemeError::Parts {
-            scheme: "split",
-            system: name.clone(),
-            reason,
-        })?;
+        let parts = parts.clone().map_err(|reason| SchemeError::parts("split", name, &reason))?;
         Ok(Box::new(SplitStepper::new(system, parts)?))
     }
 }

@@ -4,8 +4,8 @@ use noise::Truncation;
 use real::{Real, ScalarFunction, gradient};
 use schemes::Step;
 use systems::{
-    Constant, Cosine, Damping, ImplicitStep, IntegerExponents, Invariant, Linear, LotkaVolterra,
-    MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy, Sine,
+    Constant, Cosine, Damping, ImplicitStep, Invariant, Linear, LotkaVolterra, MaxwellBloch,
+    Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy, Sine,
 };
 
 pub const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
@@ -26,7 +26,7 @@ pub trait Visit {
 }
 
 /// The systems whose discrete gradient is exact.
-pub fn exact_systems(visit: &mut impl Visit) {
+pub fn every_system(visit: &mut impl Visit) {
     let momentum = [1.1f64.cos(), 0.0, 1.1f64.sin()];
     let populations = [0.2, 0.4, 0.6];
     visit.visit(&Pendulum::new(1.0).unwrap(), [0.2, 1.0]);
@@ -37,12 +37,6 @@ pub fn exact_systems(visit: &mut impl Visit) {
     visit.visit(&populations_2(), populations);
     visit.visit(&MaxwellBloch, [1.0, 2.0, 3.0]);
     visit.visit(&Poisson3::new(1.0).unwrap(), [1.0, 2.0, 3.0]);
-}
-
-/// All systems: with Lotka–Volterra with real exponents, whose discrete gradient is a quadrature.
-pub fn every_system(visit: &mut impl Visit) {
-    exact_systems(visit);
-    visit.visit(&LotkaVolterra::new(-0.7, -1.9, 1.0).unwrap(), [0.2, 0.4, 0.6]);
 }
 
 /// D/3 spins in a row in a fluctuating field: B(y)v = (sᵢ × vᵢ), H₀ = −Σ sᵢ·sᵢ₊₁ − ¼Σ (sᵢᶻ)² and
@@ -115,13 +109,13 @@ impl<const D: usize> PoissonSystem<D, 3> for Spins<D> {
 }
 
 /// a = b = −1: H = y₁y₂y₃.
-pub fn populations_1() -> LotkaVolterra<IntegerExponents<1, 1>> {
-    LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap()
+pub fn populations_1() -> LotkaVolterra<1, 1> {
+    LotkaVolterra::<1, 1>::new(1.0).unwrap()
 }
 
 /// a = −1, b = −2: H = y₁²y₂²y₃.
-pub fn populations_2() -> LotkaVolterra<IntegerExponents<2, 2>> {
-    LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap()
+pub fn populations_2() -> LotkaVolterra<2, 2> {
+    LotkaVolterra::<2, 2>::new(1.0).unwrap()
 }
 
 /// A point near y₀, or, for populations, in the positive octant.

@@ -4,7 +4,7 @@
 
 use crate::common::{
     INERTIA, Numbers, Visit, any_damping, any_increments, any_state, any_step, body,
-    conformal_defect, exact_systems, populations_1, populations_2,
+    conformal_defect, every_system, populations_1, populations_2,
 };
 use noise::Noise;
 use nonlin::{Method, Outcome, Solver};
@@ -76,7 +76,7 @@ impl Visit for KeepsTheLaw {
 #[test]
 fn every_invariant_of_every_system() {
     let mut keeps = KeepsTheLaw { invariants: 0 };
-    exact_systems(&mut keeps);
+    every_system(&mut keeps);
     // Rigid body 1 + 1 + 2, Lotka–Volterra 2 + 2, Maxwell–Bloch 1, Poisson3 2.
     assert_eq!(keeps.invariants, 11);
 }

@@ -10,7 +10,7 @@
 //! costs, in the mean over blocks and steps, and the most sweeps of a path, both pinned a little
 //! above what they are.
 
-use crate::common::{Spins, Visit, body, exact_systems};
+use crate::common::{Spins, Visit, body, every_system};
 use noise::{AreaPath, Noise, StreamKey, Truncation, WienerPath, strong_order_one_error};
 use nonlin::{Outcome, Solver};
 use real::WIDTH;
@@ -257,7 +257,7 @@ impl Visit for Guard {
 #[test]
 fn no_step_takes_more_sweeps_than_its_equation_needs() {
     let mut guard = Guard::default();
-    exact_systems(&mut guard);
+    every_system(&mut guard);
     guard.visit(&Spins::<6>, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
     // Nine systems, two schemes, two of the systems with a third, two step sizes.
     assert_eq!(guard.seen, (9 * 2 + 2) * 2);

@@ -7,7 +7,7 @@ use nonlin::{BlockStatus, Method, Solver};
 use real::{Row, Rows, WIDTH};
 use schemes::{
     EulerMaruyama, Heun, Implicit, Increment, Midpoint, Sexp, SexpLi, Step, WithSolver,
-    run_time::{Scheme, SchemeError},
+    run_time::Scheme,
 };
 use systems::{
     Constant, Linearity,
@@ -204,7 +204,7 @@ fn formulas_whose_derivative_is_not_known_are_refused() {
     for system in [Chain::new(64, 3), Chain::new(64, 6)] {
         let refused = |scheme: &dyn Scheme| scheme.stepper(&system).err();
         for refused in [refused(&WithoutDerivative::<true>), refused(&WithoutDerivative::<false>)] {
-            assert_eq!(refused, Some(SchemeError::Derivative));
+            assert!(refused.unwrap().to_string().contains("derivatives"));
         }
         // Of ẑ they are constants.
         assert!(SexpLi::at_run_time(&system).unwrap().stepper(&system).is_ok());
@@ -217,7 +217,6 @@ fn averages_in_tiles_need_a_quadratic_energy() {
     let quartic = |tile| Chain::with_nodes(2, 64, tile);
     let (tiles, whole) = (quartic(3), quartic(6));
     let refused = Sexp.stepper(&tiles).err().unwrap();
-    assert!(matches!(refused, SchemeError::Average { .. }), "{refused}");
-    assert!(refused.to_string().contains("`chain`"), "{refused}");
+    assert!(refused.to_string().contains("∇̄h of `chain`"), "{refused}");
     assert!(Sexp.stepper(&whole).is_ok() && Midpoint.stepper(&tiles).is_ok());
 }

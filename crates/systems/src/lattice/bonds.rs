@@ -1,6 +1,6 @@
 //! The exact flows of a lattice, for splitting.
 
-use real::{Kernel, Row, WIDTH};
+use real::{Kernel, Row};
 
 use super::{
     formulas::Couplings,
@@ -40,46 +40,28 @@ impl Part {
     }
 }
 
-/// The spins of a lattice in rows, those of L paths at each site.
-pub trait Sites<const L: usize> {
-    fn get(&self, y: &[Row], site: usize) -> [[f64; L]; 3];
-    fn set(&self, y: &mut [Row], site: usize, spins: [[f64; L]; 3]);
+/// The spins of L paths at a site.
+#[inline(always)]
+fn get<const L: usize>(layout: &Layout, y: &[Row], site: usize) -> [[f64; L]; 3] {
+    let mut spins = [[0.0; L]; 3];
+    for c in 0..3 {
+        let (row, lane) = layout.place(3 * site + c);
+        spins[c].copy_from_slice(&y[row][lane..lane + L]);
+    }
+    spins
 }
 
-/// Component c of site i in row 3i + c.
-pub struct OfPaths;
-
-impl Sites<WIDTH> for OfPaths {
-    #[inline(always)]
-    fn get(&self, y: &[Row], site: usize) -> [Row; 3] {
-        [y[3 * site], y[3 * site + 1], y[3 * site + 2]]
-    }
-
-    #[inline(always)]
-    fn set(&self, y: &mut [Row], site: usize, spins: [Row; 3]) {
-        y[3 * site..3 * site + 3].copy_from_slice(&spins);
-    }
-}
-
-/// Those of one path.
-impl Sites<1> for Layout {
-    #[inline(always)]
-    fn get(&self, y: &[Row], site: usize) -> [[f64; 1]; 3] {
-        [0, 1, 2].map(|c| self.place(3 * site + c)).map(|(row, lane)| [y[row][lane]])
-    }
-
-    #[inline(always)]
-    fn set(&self, y: &mut [Row], site: usize, spins: [[f64; 1]; 3]) {
-        for (c, [s]) in spins.into_iter().enumerate() {
-            let (row, lane) = self.place(3 * site + c);
-            y[row][lane] = s;
-        }
+#[inline(always)]
+fn put<const L: usize>(layout: &Layout, y: &mut [Row], site: usize, spins: [[f64; L]; 3]) {
+    for c in 0..3 {
+        let (row, lane) = layout.place(3 * site + c);
+        y[row][lane..lane + L].copy_from_slice(&spins[c]);
     }
 }
 
-/// The flow of a part.
-pub struct Flow<'a, S, const L: usize> {
-    pub sites: &'a S,
+/// The flow of a part on L paths.
+pub struct Flow<'a, const L: usize> {
+    pub layout: &'a Layout,
     pub shape: &'a Shape,
     pub couplings: Couplings,
     pub part: Part,
@@ -87,34 +69,34 @@ pub struct Flow<'a, S, const L: usize> {
     pub y: &'a mut [Row],
 }
 
-impl<S: Sites<L>, const L: usize> Kernel for Flow<'_, S, L> {
+impl<const L: usize> Kernel for Flow<'_, L> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { sites, shape, couplings, part, h, y } = self;
+        let Self { layout, shape, couplings, part, h, y } = self;
         let Couplings { exchange, anisotropy, field, noise, local, .. } = couplings;
         let mut dw = [[0.0; L]; 3];
         for m in 0..if local { 0 } else { 3 } {
             dw[m].copy_from_slice(&h.dw[m][..L]);
         }
         for site in 0..shape.sites() {
-            let mut spins = sites.get(y, site);
+            let mut spins: [[f64; L]; 3] = get(layout, y, site);
             if let Part::Bonds { axis, odd } = part {
                 let begins = shape.coordinate(site, axis) % 2 == usize::from(odd);
                 let up = Direction { axis, up: true };
                 let next = if begins { shape.neighbour(site, up) } else { None };
                 let Some(next) = next else { continue };
-                let mut other = sites.get(y, next);
+                let mut other: [[f64; L]; 3] = get(layout, y, next);
                 for p in 0..L {
                     let (a, b) = turned(lane(&spins, p), lane(&other, p), -exchange * h.dt);
                     set(&mut spins, p, a);
                     set(&mut other, p, b);
                 }
-                sites.set(y, next, other);
+                put(layout, y, next, other);
             } else {
                 if local && part == Part::Field {
-                    dw = sites.get(h.dw, site);
+                    dw = get(layout, h.dw, site);
                 }
                 for p in 0..L {
                     let (s, dw) = (lane(&spins, p), lane(&dw, p));
@@ -125,7 +107,7 @@ impl<S: Sites<L>, const L: usize> Kernel for Flow<'_, S, L> {
                     set(&mut spins, p, cayley_cross(s, axis));
                 }
             }
-            sites.set(y, site, spins);
+            put(layout, y, site, spins);
         }
     }
 }

@@ -48,10 +48,14 @@ impl<L: SpinRows> Kernel for OnTile<'_, L> {
     #[inline(always)]
     fn run(self) {
         let Self { layout, directions, couplings, tile, op, h, out } = self;
+        let groups = tile.len() / 3;
         macro_rules! on_each {
             (|$group:ident, $rows:ident| $value:expr) => {
-                for $group in 0..layout.groups(&tile) {
-                    let $rows = layout.rows(&tile, $group);
+                for $group in 0..groups {
+                    let $rows = match L::PLANES {
+                        true => [$group, $group + groups, $group + 2 * groups],
+                        false => [3 * $group, 3 * $group + 1, 3 * $group + 2],
+                    };
                     let value: Spins = $value;
                     for c in 0..3 {
                         out[$rows[c]] = value[c];

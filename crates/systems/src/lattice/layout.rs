@@ -20,10 +20,8 @@ pub type Spins = [Row; 3];
 
 /// A layout of the spins.
 pub trait SpinRows: Copy + Sync {
-    /// The number of groups of 32 spins on a tile of rows.
-    fn groups(self, tile: &Range<usize>) -> usize;
-    /// The rows of group number `group` of a tile, counted from its first row.
-    fn rows(self, tile: &Range<usize>, group: usize) -> [usize; 3];
+    /// Whether the x of all spins of a tile come first, then the y, then the z.
+    const PLANES: bool;
     /// Adds to `sum` the spins next to those of a group in a direction, where there are some.
     fn add_neighbours(
         self,
@@ -43,15 +41,7 @@ pub struct OnPaths<'a> {
 }
 
 impl SpinRows for OnPaths<'_> {
-    #[inline(always)]
-    fn groups(self, tile: &Range<usize>) -> usize {
-        tile.len() / 3
-    }
-
-    #[inline(always)]
-    fn rows(self, _: &Range<usize>, group: usize) -> [usize; 3] {
-        [3 * group, 3 * group + 1, 3 * group + 2]
-    }
+    const PLANES: bool = false;
 
     #[inline(always)]
     fn add_neighbours(
@@ -132,16 +122,7 @@ impl OnePath<'_> {
 }
 
 impl SpinRows for OnePath<'_> {
-    #[inline(always)]
-    fn groups(self, tile: &Range<usize>) -> usize {
-        tile.len() / 3
-    }
-
-    #[inline(always)]
-    fn rows(self, tile: &Range<usize>, group: usize) -> [usize; 3] {
-        let plane = tile.len() / 3;
-        [group, group + plane, group + 2 * plane]
-    }
+    const PLANES: bool = true;
 
     #[inline(always)]
     fn add_neighbours(
@@ -159,10 +140,7 @@ impl SpinRows for OnePath<'_> {
         if ends == 0 {
             return match self.place_of(first + inside, y) {
                 Some(spins) => add(sum, spins),
-                None => {
-                    let [x, y, z] = self.load_each(first + inside, y);
-                    add(sum, [&x, &y, &z]);
-                }
+                None => add(sum, self.load_each(first + inside, y).each_ref()),
             };
         }
         let near = self.load(first + inside, y);

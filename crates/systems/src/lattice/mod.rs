@@ -33,7 +33,7 @@ use crate::{
     paper::valid,
     run_time::{Description, Lanes, Layout, Op, System, Weights, derived},
 };
-use bonds::{Flow, OfPaths, Part};
+use bonds::{Flow, Part};
 use formulas::OnTile;
 use layout::{OnPaths, OnePath, TILE_ROWS, TILE_SITES};
 
@@ -266,8 +266,8 @@ impl System for SpinLattice {
         let (shape, couplings, part) = (&self.shape, self.couplings, self.parts[part]);
         let layout = &self.description.layout;
         match layout.lanes {
-            Lanes::Paths => dispatch(Flow { sites: &OfPaths, shape, couplings, part, h, y }),
-            Lanes::Components => dispatch(Flow { sites: layout, shape, couplings, part, h, y }),
+            Lanes::Paths => dispatch(Flow::<WIDTH> { layout, shape, couplings, part, h, y }),
+            Lanes::Components => dispatch(Flow::<1> { layout, shape, couplings, part, h, y }),
         }
     }
 

@@ -30,19 +30,30 @@ pub struct Compiled<S, const D: usize, const M: usize> {
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
     /// The system; how B depends on y is found at `y0`.
     pub fn new(system: S, y0: [f64; D]) -> Self {
-        let nodes = if is_quadratic(&system, 1.0, [1.0; M]) { 1 } else { NODES };
+        let description = Description::of(&system, y0);
+        Self { system, description, flow: |_, _, y, _, _| y }
+    }
+}
+
+impl Description {
+    /// That of a compiled system; how B depends on y and whether the noises commute is found at
+    /// `y0` and around it.
+    pub fn of<S, const D: usize, const M: usize>(system: &S, y0: [f64; D]) -> Self
+    where
+        S: PoissonSystem<D, M>,
+    {
+        let nodes = if is_quadratic(system, 1.0, [1.0; M]) { 1 } else { NODES };
         let rule = valid(Rule::new(nodes));
-        let description = Description {
+        Self {
             parameters: system.parameters(),
-            linearity: linearity(&system, y0),
-            always_solvable: always_solvable(&system, y0),
+            linearity: linearity(system, y0),
+            always_solvable: always_solvable(system, y0),
             parts: Err("its flows were not given".into()),
             invariants: system.invariants(),
-            jacobi_holds: jacobi_holds(&system, y0),
-            noises_commute: noises_commute(&system, y0),
-            ..Description::new(system.name(), D, M, rule)
-        };
-        Self { system, description, flow: |_, _, y, _, _| y }
+            jacobi_holds: jacobi_holds(system, y0),
+            noises_commute: noises_commute(system, y0),
+            ..Self::new(system.name(), D, M, rule)
+        }
     }
 }
 

@@ -9,8 +9,7 @@ use super::{Op, System, Weights};
 /// - ∇̄h(a, b) = Σ wₖ ∇h(a + ηₖ(b − a)) with the nodes and weights of the
 ///   [rule](super::Description::rule), pair by pair as in [`dgrad::averaged`];
 /// - ∂∇̄h(a, b)/∂b·u = Σ wₖ ηₖ ∇²h(a + ηₖ(b − a))·u;
-/// - B((a+b)/2)∇̄h(a, b);
-/// - ½Σₘ fₘ′fₘ with fₘ = B∇Hₘ and fₘ′u = (∂B·u)∇Hₘ + B∇²Hₘu.
+/// - B((a+b)/2)∇̄h(a, b).
 ///
 /// # Panics
 /// For other operations.
@@ -61,26 +60,6 @@ pub fn derived<S: System + ?Sized>(
             let point = take(&mut scratch, rows);
             dispatch(Point { a, b, distance: 0.0, point });
             system.apply(Op::Structure { y: point, v: gradient }, 0..rows, h, out, scratch);
-        }
-        Op::ItoCorrection { y } => {
-            let dw = take(&mut scratch, description.layout.noise_rows);
-            let [gradient, field, value, curved] = [(); 4].map(|()| take(&mut scratch, rows));
-            out.fill([0.0; WIDTH]);
-            dw.fill([0.0; WIDTH]);
-            for m in 0..description.noises {
-                dw[m] = [1.0; WIDTH];
-                let h = Weights { dt: 0.0, dw, areas: &[] };
-                let mut apply =
-                    |op: Op<&[Row]>, out: &mut [Row]| system.apply(op, 0..rows, h, out, scratch);
-                apply(Op::Gradient { y }, gradient);
-                apply(Op::Structure { y, v: gradient }, field);
-                apply(Op::StructureAlong { y, u: field, v: gradient }, value);
-                dispatch(Add { sum: out, value, weight: 0.5 });
-                apply(Op::Hessian { y, u: field }, curved);
-                apply(Op::Structure { y, v: curved }, value);
-                dispatch(Add { sum: out, value, weight: 0.5 });
-                dw[m] = [0.0; WIDTH];
-            }
         }
         _ => panic!("{} has no {op:?}", description.name),
     }

@@ -160,8 +160,7 @@ impl Description {
     /// others are for systems with one tile, so that one large path has none for them.
     #[must_use]
     pub fn scratch_rows(&self) -> usize {
-        let Layout { rows, noise_rows, .. } = self.layout;
-        let derived = if self.layout.is_tiled() { 0 } else { 4 * rows + noise_rows };
+        let derived = if self.layout.is_tiled() { 0 } else { 4 * self.layout.rows };
         derived + self.own_scratch_rows
     }
 }

@@ -3,8 +3,8 @@
 
 use crate::common::{Check, INERTIA, NOISE_INERTIA, Numbers, Region, every_system};
 use systems::{
-    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
-    RigidBodyEnergy, ito_correction, unit_noise, vector_field,
+    LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy,
+    ito_correction, unit_noise, vector_field,
 };
 
 /// The drift f₀ and the diffusions f₁ … f_M at y.
@@ -95,13 +95,30 @@ fn populations(a: f64, b: f64, c: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
 
 #[test]
 fn lotka_volterra() {
-    for (a, b, c) in [(-1.0, -2.0, 1.3), (-1.0, -1.0, 1.0), (-0.7, -1.9, 1.0)] {
-        compare(&LotkaVolterra::new(a, b, c).unwrap(), Region::Positive, |y| {
-            let f = populations(a, b, c, y);
+    fn check<const P: i32, const Q: i32>(c: f64) {
+        let b = -f64::from(Q);
+        compare(&LotkaVolterra::<P, Q>::new(c).unwrap(), Region::Positive, |y| {
+            let f = populations(f64::from(P) / b, b, c, y);
             (f, [f])
         });
     }
-    // Integer exponents: `exponents.rs`.
+    check::<2, 2>(1.3);
+    check::<1, 1>(1.0);
+    check::<3, 2>(0.5);
+    check::<2, 4>(1.0);
+}
+
+#[test]
+fn the_discrete_gradient_of_a_polynomial_is_exact_however_far() {
+    // From one corner of the region to the other.
+    let system = LotkaVolterra::<4, 5>::new(1.0).unwrap();
+    let (a, b) = ([0.3, 1.7, 0.5], [1.7, 0.3, 1.5]);
+    let mean: [f64; 3] = system.averaged_gradient(a, b, 1.0, [0.0]);
+    let work = [0, 1, 2].map(|i| mean[i] * (b[i] - a[i]));
+    let energy = |y| -> f64 { system.invariant(0, y) };
+    let defect = work.iter().sum::<f64>() - (energy(b) - energy(a));
+    let terms: f64 = work.iter().map(|term| term.abs()).sum();
+    assert!(defect.abs() <= 64.0 * f64::EPSILON * terms, "{defect:e}");
 }
 
 #[test]
@@ -208,7 +225,7 @@ fn invariants_have_the_values_of_their_formulas() {
     let values: [f64; 2] = [0, 1].map(|index| poisson.invariant(index, y));
     assert_eq!(values, [18.0, 6.0]);
     // ab = 2, −b = 2: H = y₁²y₂²y₃ and C = 2y₁ + y₂ + y₃.
-    let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.3).unwrap();
+    let populations = LotkaVolterra::<2, 2>::new(1.3).unwrap();
     let values: [f64; 2] = [0, 1].map(|index| populations.invariant(index, y));
     assert_eq!(values, [12.0, 7.0]);
 }

@@ -3,7 +3,6 @@
 mod by_hand;
 mod common;
 mod commutators;
-mod exponents;
 mod lattice;
 mod provided;
 mod run_time;

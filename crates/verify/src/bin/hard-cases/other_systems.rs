@@ -4,8 +4,7 @@
 use noise::{Noise, Truncation};
 use real::Real;
 use systems::{
-    Constant, IntegerExponents, Invariant, LotkaVolterra, Pendulum, PoissonSystem, RigidBody,
-    RigidBodyEnergy,
+    Constant, Invariant, LotkaVolterra, Pendulum, PoissonSystem, RigidBody, RigidBodyEnergy,
     paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, sine},
 };
 use verify::rounding::length;
@@ -20,7 +19,7 @@ use crate::{
 pub fn equilibria(context: &Context) -> Rows {
     let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
     let (pendulum, still) = (Pendulum::new(1.0)?, Pendulum::new(0.0)?);
-    let volterra = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0)?;
+    let volterra = LotkaVolterra::<1, 1>::new(1.0)?;
     let (none, some) = (Constant::new(0.0)?, Constant::new(2.0)?);
     // The float next to π is no equilibrium: its sine is 1.2e-16, and the distance grows like e^t.
     let (pi, grown) = (std::f64::consts::PI, f64::EPSILON * 8f64.exp());
@@ -156,7 +155,7 @@ pub fn lotka_volterra(context: &Context) -> Rows {
     ];
     let settings = starts.into_iter().flat_map(|start| [16, 64, 256].map(|n| (start, n)));
     each(settings, |((name, y0), per_unit)| {
-        let system = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)?;
+        let system = LotkaVolterra::<2, 2>::new(1.0)?;
         let steps = (2 * per_unit, 1.0 / per_unit as f64);
         let experiment = Experiment::new(context, (system, sine()), y0, steps)?;
         let setting = format!("{name}, τ = 1/{per_unit}");

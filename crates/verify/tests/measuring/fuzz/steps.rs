@@ -9,8 +9,8 @@ use schemes::{
     BuiltIn, EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver,
 };
 use systems::{
-    Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
-    Problem, RealExponents, RigidBody, RigidBodyEnergy, SystemError,
+    Constant, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, Problem, RigidBody,
+    RigidBodyEnergy, SystemError,
 };
 
 use super::{Bits, Fed, Refused, accepted};
@@ -35,8 +35,8 @@ pub fn any_system(bits: &mut Bits, job: Job, wild: u64) -> Fed {
         1 => with_system(bits, job, RigidBody::three_noises([a, b, c], [d, e, f]), &p),
         2 => with_system(bits, job, RigidBody::one_noise([a, b, c], d), &p[..4]),
         3 => with_system(bits, job, RigidBodyEnergy::new([a, b, c], d), &p[..4]),
-        4 => with_system(bits, job, LotkaVolterra::<RealExponents>::new(-a, -b, c), &p[..3]),
-        5 => with_system(bits, job, LotkaVolterra::<IntegerExponents<2, 2>>::integer(a), &p[..1]),
+        4 => with_system(bits, job, LotkaVolterra::<1, 1>::new(a), &p[..1]),
+        5 => with_system(bits, job, LotkaVolterra::<2, 2>::new(a), &p[..1]),
         6 => with_system(bits, job, Poisson3::new(a), &p[..1]),
         _ => with_system(bits, job, Ok(MaxwellBloch), &[]),
     }
