@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let key = StreamKey { seed: 1, experiment: 0 };
     let sizes = StepSizes::new(32, Truncation::new(4)?, key);
     // Euler–Maruyama has order ½ as a rule, but f₁ = (y₂, 0, 0) does not act on itself.
-    let system = Compiled::new(problem.system().clone(), problem.y0());
+    let system = Compiled::new(*problem.system(), problem.y0());
     let report = inspect(&system, &InspectSettings::of(&problem))?;
     let predicted = report.order("em").map_or(f64::NAN, |(strong, _)| strong);
     println!("inspect expects strong order {predicted} of em");
