@@ -182,12 +182,6 @@ pub struct Plan {
     /// The folder of the parts
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Plan `casimir expect` instead of `casimir run`
-    #[arg(long)]
-    pub expect: bool,
-    /// Half-width of the intervals with --expect, instead of that of the scene
-    #[arg(long, value_name = "ERROR", allow_negative_numbers = true, requires = "expect")]
-    pub accuracy: Option<f64>,
     /// Processors of a part
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub cpus: u64,
@@ -228,8 +222,5 @@ pub struct Extend {
     pub folder: PathBuf,
     /// The new number of paths, in all
     #[arg(long, value_name = "N", value_parser = count)]
-    pub paths: Option<u64>,
-    /// The new half-width of the intervals
-    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
-    pub accuracy: Option<f64>,
+    pub paths: u64,
 }

@@ -1,17 +1,17 @@
-//! A study and an expectation on one machine, or in parts on many. Either goes on after a kill.
+//! A study on one machine, or in parts on many. Either goes on after a kill.
 //!
 //! ```text
-//! cargo run --release -p casimir-poisson --example in_parts -- 1e6 1e-5 --out run
+//! cargo run --release -p casimir-poisson --example in_parts -- 1e6 --out run
 //! ```
 //!
-//! takes a million paths for the study and 1e-5 for the accuracy. `--part 3 --parts 64` beside
-//! `--out run` computes a part, `--merge run` merges the parts.
+//! takes a million paths. `--part 3 --parts 64` beside `--out run` computes a part, `--merge run`
+//! merges the parts.
 
 use std::{env, process::ExitCode};
 
 use casimir::{
     mc::{
-        Expect, Observable, Observe, Setup, Study, StudySettings,
+        Observable, Setup, Study, StudySettings,
         parts::{Job, Program},
     },
     prelude::*,
@@ -30,13 +30,12 @@ fn main() -> ExitCode {
 }
 
 fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
-    // The job takes its arguments. What is left: paths, accuracy, instruction set.
+    // The job takes its arguments. What is left: paths, instruction set.
     let program = Program { name: "in_parts".into(), version: env!("CARGO_PKG_VERSION").into() };
     let job = Job::from_arguments(program, &mut arguments)?;
-    let number = |n: usize, usual| arguments.get(n).map_or(Ok(usual), |text| text.parse::<f64>());
-    let (paths, accuracy) = (number(0, 1e5)? as u64, number(1, 1e-4)?);
+    let paths = arguments.first().map_or(Ok(1e5), |text| text.parse::<f64>())? as u64;
     // The bits are the same on all.
-    let named = |level: &&Level| arguments.get(2).is_some_and(|name| name == level.name());
+    let named = |level: &&Level| arguments.get(1).is_some_and(|name| name == level.name());
     Level::BUILT.iter().find(named).copied().into_iter().for_each(limit_to);
 
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [2.0, 4.0, 6.0])?;
@@ -51,19 +50,12 @@ fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     let settings = StudySettings::new(240, 40, paths, truncation, key);
     let setup = Setup::of(&problem, &scheme);
     let bands = Study::new(&setup, &phi, &settings)?.run_in(&job, "bands", &|_| ());
-    let phi = phi.each_ref().map(|phi| phi as &dyn Observe);
-    let mean = Expect::new(&problem).with_key(key).run_in(&job, "E", &phi, accuracy, &|_| ())?;
     job.finish()?;
 
     // A part has no results.
-    if let (Some(bands), Some(mean)) = (bands, mean) {
+    if let Some(bands) = bands {
         bands.write_csv(&mut std::io::stdout().lock())?;
-        println!("the accuracy is reached: {}", mean.reached());
         bands.warnings.iter().for_each(|warning| println!("{warning}"));
-        mean.warnings.iter().for_each(|warning| println!("{warning}"));
-        for found in &mean.estimates {
-            println!("E[{}] = {:.17e} ± {:.2e}", found.name, found.value, found.half_width());
-        }
     }
     Ok(())
 }

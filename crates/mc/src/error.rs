@@ -73,6 +73,9 @@ pub enum RunError {
         /// Path-steps allowed.
         max_cost: u64,
     },
+    /// An expectation was stopped before it had estimates.
+    #[error("stopped before the first estimates")]
+    Stopped,
     /// Almost every path of a level of an expectation failed, so there is no estimate on it.
     #[error(
         "{failed} paths failed on level {level}, which leaves too few{}",

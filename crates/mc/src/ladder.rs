@@ -148,16 +148,10 @@ pub struct Ladder<'a> {
     stack: usize,
 }
 
+/// The sums of some paths.
+pub(crate) type Sum<T> = (T, Tally);
 /// The sums of a piece of work, on the largest subtrees that it covers.
-pub(crate) type Nodes<T> = Vec<Node<(T, Tally)>>;
-
-/// A piece of work: groups of paths.
-pub(crate) struct Piece {
-    pub name: String,
-    /// The number after that of the last path.
-    pub paths: u64,
-    pub groups: Range<u64>,
-}
+pub(crate) type Nodes<T> = Vec<Node<Sum<T>>>;
 
 /// The results of a ladder.
 #[derive(Clone, Debug)]
@@ -352,31 +346,30 @@ impl<'a> Ladder<'a> {
         new: impl Fn() -> T + Sync,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Option<Measured<T>> {
-        let groups = 0..samples.div_ceil(GROUP_PATHS);
-        let piece = Piece { name: name.to_owned(), paths: samples, groups };
-        let nodes = self.nodes_in(job, &[piece], None, &new, progress)?.pop()?;
+        let (paths, study) = (samples, OnceLock::new());
+        let work = Work { name, paths, ladder: self, study, new: &new, progress, stop: job.stop() };
+        let nodes = job.collect(&work)?;
         let mut tree = MergeTree::new(merge);
         nodes.into_iter().for_each(|node| tree.push(node));
         Some(self.measured(tree.finish(), &new))
     }
 
-    /// The nodes of some pieces of work of a job, none of which depends on another; of a round with
-    /// its path-steps, which is computed here if these are few.
-    pub(crate) fn nodes_in<T: Kept>(
+    /// The nodes of some groups of paths before path number `paths`; fewer if it is stopped.
+    pub(crate) fn nodes<T: Statistic>(
         &self,
-        job: &Job,
-        pieces: &[Piece],
-        round: Option<u64>,
+        stop: &Stop,
+        paths: u64,
+        groups: Range<u64>,
         new: &(dyn Fn() -> T + Sync),
         progress: &(dyn Fn(u64) + Sync),
-    ) -> Option<Vec<Nodes<T>>> {
-        let (study, stop) = (&OnceLock::new(), job.stop());
-        let work = |piece: &Piece| {
-            let &Piece { ref name, paths, ref groups } = piece;
-            let (name, groups) = (name.clone(), groups.clone());
-            Work { name, round, paths, groups, ladder: self, study, new, progress, stop }
+    ) -> Nodes<T> {
+        let compute = |group| {
+            let (statistic, tally) = self.group(0, paths, group, new, progress, stop);
+            tally.ok().map(|tally| (statistic, tally))
         };
-        job.collect(&pieces.iter().map(work).collect::<Vec<_>>())
+        let mut tree = MergeTree::new(merge);
+        grow(&mut tree, groups, &compute, &mut |_, _| true);
+        tree.into_nodes()
     }
 
     /// Adds the nodes of more groups to those before, and gives the sum of all.
@@ -414,11 +407,11 @@ impl<'a> Ladder<'a> {
     }
 
     /// The sums of no path.
-    pub(crate) fn nothing<T>(&self, new: &dyn Fn() -> T) -> (T, Tally) {
+    pub(crate) fn nothing<T>(&self, new: &dyn Fn() -> T) -> Sum<T> {
         (new(), self.driver.tally())
     }
 
-    fn measured<T>(&self, sum: Option<(T, Tally)>, new: &dyn Fn() -> T) -> Measured<T> {
+    fn measured<T>(&self, sum: Option<Sum<T>>, new: &dyn Fn() -> T) -> Measured<T> {
         let (statistic, tally) = sum.unwrap_or_else(|| self.nothing(new));
         let failures = tally.failures.iter().map(|failed| self.failure(failed)).collect();
         Measured { statistic, failed: tally.failed, failures, clipped: tally.clipped }
@@ -430,10 +423,10 @@ impl<'a> Ladder<'a> {
         PathFailure { path, key, scheme, swapped, tau, step, cause }
     }
 
-    /// What tells this ladder and a statistic from others, by names: the damping, and what they give
-    /// in the first steps of a block, so that a long path costs no more. Names do not tell: a changed
-    /// constant in a formula has the same name.
-    pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> Vec<(String, String)> {
+    /// A hash that tells this ladder and a statistic from others: of the key, the damping, and what
+    /// they give in the first steps of a block, so that a long path costs no more. Names would not
+    /// tell: a changed constant in a formula has the same name.
+    pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> String {
         let Driver { damping, t_end, finest_steps, levels, ref runs, ref batches, key, .. } =
             self.driver;
         let times = new().some_times(self.coarse_steps());
@@ -461,30 +454,21 @@ impl<'a> Ladder<'a> {
         });
         // NaN has many forms, and any is as good as another.
         let one_nan = |x: f64| if x.is_nan() { f64::NAN } else { x };
-        let rates = (0..16).map(|n| {
-            let [from, to] = [n, n + 1].map(|n| t_end * f64::from(n) / 16.0);
-            [damping.rate(from), damping.integral(from, to)].map(one_nan)
-        });
-        let damping: Vec<_> = rates.collect();
-        let bounds = batches.iter().map(|batch| {
-            (batch.due_level(), batch.bounds.increment.to_bits(), batch.bounds.area.to_bits())
-        });
-        let bounds: Vec<_> = bounds.collect();
+        let time = |n: u32| t_end * f64::from(n) / 16.0;
+        let damping = (0..16)
+            .map(|n| [damping.rate(time(n)), damping.integral(time(n), time(n + 1))].map(one_nan));
+        let bounds = batches.iter().map(|Batch { bounds, .. }| [bounds.increment, bounds.area]);
         let schemes = runs.iter().map(|run| (run.scheme.id(), run.level, run.swapped));
-        let schemes: Vec<_> = schemes.collect();
-        let sums: Vec<String> = statistics.iter().map(|one| hash(one.sums())).collect();
-        let pairs = [
-            ("the seed", key.seed.to_string()),
-            ("the experiment", key.experiment.to_string()),
-            ("paths with hash", hash(&((finest_steps, levels), damping, bounds, schemes, states))),
-            ("observables with hash", hash(&(new().fixed(), sums))),
-        ];
-        pairs.map(|(name, value)| (name.to_owned(), value)).into()
+        hash(&(
+            (key.seed, key.experiment, finest_steps, levels, states),
+            (damping.collect::<Vec<_>>(), bounds.collect::<Vec<_>>(), schemes.collect::<Vec<_>>()),
+            (new().fixed(), statistics.iter().map(|one| hash(one.sums())).collect::<Vec<_>>()),
+        ))
     }
 }
 
 /// Merges statistics and tallies.
-pub(crate) fn merge<T: Statistic>(sum: &mut (T, Tally), later: (T, Tally)) {
+pub(crate) fn merge<T: Statistic>(sum: &mut Sum<T>, later: Sum<T>) {
     sum.0.merge(later.0);
     sum.1.merge(later.1);
 }

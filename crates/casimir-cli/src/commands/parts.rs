@@ -12,7 +12,7 @@ use casimir::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::{Settled, expect, folder, open, print, program, run, stop, threads};
+use super::{Settled, folder, open, print, program, run, stop, threads};
 use crate::{
     arguments::{Extend, Merge, Part, Plan},
     failure::{Done, Failure},
@@ -26,15 +26,11 @@ use crate::{
 /// What is divided into parts: `plan.json` in the folder of the parts, beside the scene.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Divided {
-    /// Whether expectations are computed, or paths.
-    expect: bool,
     /// Number of parts.
     parts: u64,
     /// What the command line changed.
     #[serde(flatten)]
     changes: Changes,
-    /// The accuracy of expectations.
-    accuracy: Option<f64>,
     /// The scheme that `auto` means in all parts, and why.
     settled: Option<Settled>,
 }
@@ -62,8 +58,7 @@ impl Folder {
                 "{file} does not say what its parts are: {error}; see casimir plan"
             ))
         })?;
-        let mut scene = open(&folder.join(SCENE), &divided.changes)?;
-        scene.accuracy = divided.accuracy.or(scene.accuracy);
+        let scene = open(&folder.join(SCENE), &divided.changes)?;
         Ok(Self { folder: folder.to_owned(), divided, scene })
     }
 
@@ -72,28 +67,16 @@ impl Folder {
     }
 
     /// Does with a job what the folder is for; the results if there are some here.
-    fn compute(&self, job: &Job, stop: &Stop) -> Done<Option<Found>> {
+    fn compute(&self, job: &Job, stop: &Stop) -> Done<Option<run::Results>> {
         let (scene, settled) = (&self.scene, self.divided.settled.as_ref());
-        Ok(match self.divided.expect {
-            true => expect::Ready::new(scene, settled)?.compute(job)?.map(Found::Expected),
-            false => {
-                let found = run::Ready::new(scene, settled)?.compute(job, stop)?;
-                found.map(|results| Found::Run(Box::new(results)))
-            }
-        })
+        run::Ready::new(scene, settled)?.compute(job, stop)
     }
-}
-
-enum Found {
-    Run(Box<run::Results>),
-    Expected(expect::Results),
 }
 
 /// Writes what there is to be done, and a job script.
 pub fn plan(arguments: &Plan) -> Done {
-    let mut scene = open(&arguments.scene, &arguments.changes)?;
-    scene.accuracy = arguments.accuracy.or(scene.accuracy);
-    if !arguments.expect && !scene.settings.is_study() {
+    let scene = open(&arguments.scene, &arguments.changes)?;
+    if !scene.settings.is_study() {
         let message = "a few paths are not divided: take at least 100 `paths`, or `casimir run`";
         return Err(Failure::usage(message));
     }
@@ -105,22 +88,20 @@ pub fn plan(arguments: &Plan) -> Done {
             format!("{out} has parts already: take another folder, or casimir extend {out}");
         return Err(Failure::usage(message));
     }
-    let settled = match arguments.expect {
-        true => expect::settle(&scene),
-        false => super::scheme(&scene),
-    };
+    let settled = super::scheme(&scene);
     folder::prepare(out)?;
     files::write(&out.join(SCENE), &scene.source.text)?;
-    let (expect, parts, accuracy) = (arguments.expect, arguments.parts, arguments.accuracy);
-    let (changes, settled) = (arguments.changes.clone(), Some(settled));
-    let divided = Divided { expect, parts, changes, accuracy, settled };
+    let (parts, changes) = (arguments.parts, arguments.changes.clone());
+    let divided = Divided { parts, changes, settled: Some(settled) };
     let folder = Folder { folder: out.clone(), divided, scene };
     let job = Job::pilot(MEASURED);
     folder.compute(&job, &Stop::default())?;
     let planned = job.plan()?;
     folder.write()?;
     let (cpus, folder) = (arguments.cpus.max(1), fs::canonicalize(out)?);
-    let part_seconds = planned.seconds(parts, cpus);
+    let seconds =
+        |parts, threads| planned.iter().map(|work| work.seconds(parts, threads)).sum::<f64>();
+    let part_seconds = seconds(parts, cpus);
     let script = Script {
         parts,
         program: &env::current_exe()?,
@@ -131,11 +112,11 @@ pub fn plan(arguments: &Plan) -> Done {
         options: &arguments.sbatch,
     };
     files::write(&out.join(JOB), script.slurm())?;
-    let works = planned.works.iter();
+    let works = planned.iter();
     let works =
         works.map(|work| format!("{}: {} paths of {} steps\n", work.name, work.paths, work.steps));
-    let path_steps = planned.path_steps() as f64;
-    let nanoseconds = 1e9 * planned.seconds(1, 1) / path_steps;
+    let path_steps = planned.iter().map(|work| work.paths * work.steps).sum::<u64>() as f64;
+    let nanoseconds = 1e9 * seconds(1, 1) / path_steps;
     print(&format!(
         "{}{path_steps:.3e} path-steps, {nanoseconds:.1} ns each on one thread; {parts} parts of about \
          {part_seconds:.0} s\n{}",
@@ -174,42 +155,22 @@ pub fn merge(arguments: &Merge) -> Done {
     let found = folder.compute(&job, &stop)?;
     job.finish()?;
     let (scene, out) = (&folder.scene, &folder.folder);
-    match found {
-        Some(Found::Run(results)) => {
-            output::write(scene, &results, out, &arguments.write)?;
-            run::report(scene, &results, out, arguments.json)
-        }
-        Some(Found::Expected(results)) => {
-            output::write_expectation(scene, &results, out)?;
-            expect::report(scene, &results, arguments.json)
-        }
-        None => Ok(()),
-    }
+    found.map_or(Ok(()), |results| {
+        output::write(scene, &results, out, &arguments.write)?;
+        run::report(scene, &results, out, arguments.json)
+    })
 }
 
 /// Asks for more in a folder.
 pub fn extend(arguments: &Extend) -> Done {
     let mut folder = Folder::open(&arguments.folder)?;
-    let Divided { expect, parts, .. } = folder.divided;
-    let (paths, accuracy) = (folder.scene.settings.paths, folder.scene.accuracy);
-    match (expect, arguments.paths, arguments.accuracy) {
-        (false, Some(more), None) if more > paths => folder.divided.changes.paths = Some(more),
-        (true, None, Some(less)) if accuracy.is_some_and(|now| less < now) => {
-            folder.divided.accuracy = Some(less);
-        }
-        (false, ..) => {
-            return Err(Failure::usage(format!("ask for more than {paths} paths: --paths N")));
-        }
-        (true, ..) => {
-            let now = accuracy.unwrap_or(f64::NAN);
-            return Err(Failure::usage(format!("ask for less than {now}: --accuracy E")));
-        }
+    let (parts, paths) = (folder.divided.parts, folder.scene.settings.paths);
+    if arguments.paths <= paths {
+        return Err(Failure::usage(format!("ask for more than {paths} paths: --paths N")));
     }
+    folder.divided.changes.paths = Some(arguments.paths);
     let merged = merged_paths(&folder.folder, &program())?;
-    let is_merged = match expect {
-        true => !merged.is_empty(),
-        false => merged.get("study") == Some(&paths),
-    };
+    let is_merged = merged.get("study") == Some(&paths);
     let name = arguments.folder.display();
     if !is_merged {
         let message = format!("the parts are not merged yet: casimir merge {name}, then extend");

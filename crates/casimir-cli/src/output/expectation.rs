@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use casimir::{
-    mc::expect::{Estimate, Level, Unresolved, Warning},
+    mc::expect::{Estimate, Level, WarningKind},
     plot::files,
 };
 use serde_json::{Value, json};
@@ -14,25 +14,17 @@ use crate::{commands::Expected, failure::Done, scene::Scene};
 pub fn expectation_text(scene: &Scene, results: &Expected) -> String {
     let Expected { because, expectation, seconds } = results;
     let mut text = expectation.to_string();
+    text = text.replace("coarsest steps, or a higher finest level", "--steps");
     for warning in &expectation.warnings {
-        text = text.replace(&format!("warning: {warning}"), &of_scene(warning, scene));
+        if let WarningKind::Component(component) = warning.kind {
+            let name = &scene.components[component - 1];
+            text = text.replace(&format!("resolve y{component}:"), &format!("resolve {name}:"));
+        }
     }
     if let Some(because) = because {
         text += &format!("{}: {because}\n", expectation.scheme);
     }
     text + &format!("{seconds:.2} s\n")
-}
-
-/// A warning in the words of a scene: names of components, options of the program.
-fn of_scene(warning: &Warning, scene: &Scene) -> String {
-    let text = format!("warning: {warning}");
-    let text = match warning {
-        Warning::Unresolved { what: Unresolved::Component(component), .. } => {
-            text.replace(&format!("y{component}"), &scene.components[component - 1])
-        }
-        _ => text,
-    };
-    text.replace("coarsest steps, or a higher finest level", "--steps")
 }
 
 /// The expectations for programs.
@@ -53,7 +45,7 @@ pub fn expectation_json(scene: &Scene, results: &Expected) -> Value {
         })
     };
     let level = |level: &Level| {
-        let variances: Vec<_> = level.values.iter().map(|value| finite(value.variance)).collect();
+        let variances: Vec<_> = level.variances.iter().map(|&variance| finite(variance)).collect();
         json!({
             "level": level.level, "tau": level.tau, "samples": level.samples,
             "failed": level.failed, "path_steps_each": level.cost_per_path,

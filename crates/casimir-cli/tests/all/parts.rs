@@ -153,19 +153,6 @@ fn parts_take_the_scheme_that_was_settled() {
     assert_eq!(merged["at_end"], em["at_end"]);
 }
 
-#[test]
-fn expectations_in_parts_are_those_of_one_machine() {
-    let folder = with_scene(OSCILLATOR);
-    let path = folder.path();
-    succeeds(path, &["plan", "scene.toml", "--expect", "--parts", "2", "--out", "big"]);
-    for part in ["1", "2"] {
-        succeeds(path, &["part", "big", "--part", part]);
-    }
-    let merged = json(path, &["merge", "big", "--json"]);
-    let whole = json(path, &["expect", "scene.toml", "--json"]);
-    assert_eq!(merged["estimates"], whole["estimates"]);
-}
-
 /// Sends a signal to the program after some milliseconds, as Ctrl-C does.
 #[cfg(unix)]
 fn signalled(path: &Path, arguments: &[&str], signal: &str, after: u64) -> Option<i32> {

@@ -3,24 +3,21 @@
 use std::{cell::Cell, sync::Arc};
 
 use noise::{QuasiWiener, ScrambledSobol};
-use real::{WIDTH, elementary};
+use real::WIDTH;
 
 use super::{
-    Candidate,
+    Candidate, ExpectSettings, Orders,
     extrapolation::{Extrapolation, extrapolation, seen_orders},
     judge::Evidence,
-    level::{PathValues, Replicate, Samples, Sums, Values, hull},
+    level::{PathValues, Samples, Values, hull},
     rates,
-    report::{Estimate, Expectation, Judged, Level, LevelValue, Limit, Warning},
+    report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
     resolution::{LARGEST_EXPONENT, Motion, unresolved},
-    settings::{Settings, SoFar},
     sum::{BIAS_LEVELS, Sum, Term},
 };
 use crate::{
     DampingResolution, Ladder, LadderError, NextNoise, NoiseSource, Observe, Run, RunError,
-    driver::GROUP_PATHS,
-    ladder::{Nodes, Piece},
-    parts::Job,
+    driver::GROUP_PATHS, ladder::Nodes, observable::value, parallel::in_parallel,
 };
 
 /// The highest level of the pilot.
@@ -38,8 +35,8 @@ const BIAS_ENOUGH: f64 = 1.0 / 64.0;
 const MOST_BIAS: f64 = 0.5;
 /// No more points of a replicate than these: twice as many have distinct numbers.
 const MAX_POINTS: u64 = 1 << 31;
-/// Less than this gain is none to speak of.
-const FEW_GAINED: f64 = 2.0;
+/// Independent replicates of the points of a level.
+const REPLICATES: u64 = 32;
 /// The error of scrambled points falls as N^{−3/2} at most (Owen 1997): as many more are needed.
 const LEAST_GROWTH: f64 = 2.0 / 3.0;
 /// More samples of the first level do not show a variance that so many have not shown.
@@ -74,24 +71,24 @@ impl NoiseSource for Points {
 }
 
 /// What every attempt is asked for.
-pub struct Asked<'a> {
-    pub job: &'a Job,
+#[derive(Clone, Copy)]
+pub struct Request<'a> {
+    pub settings: &'a ExpectSettings,
     pub observables: &'a [&'a dyn Observe],
-    /// φ(y₀) of each test function.
-    pub starts: Vec<f64>,
     pub accuracy: f64,
     pub progress: &'a (dyn Fn(u64) + Sync),
     /// Path-steps of all attempts so far, which the limit is for.
-    pub spent: Cell<u64>,
+    pub spent: &'a Cell<u64>,
 }
 
 /// The estimation of E[φ] with one scheme from one coarsest step on.
 pub struct Estimator<'a> {
     candidate: &'a Candidate<'a>,
-    asked: &'a Asked<'a>,
-    /// The name of the piece of work.
-    name: &'a str,
-    settings: Settings,
+    request: Request<'a>,
+    orders: Orders,
+    coarsest_steps: u64,
+    max_level: usize,
+    replicates: u64,
     damping: DampingResolution<'a>,
     /// Whether there is noise. Without, one path is all.
     noisy: bool,
@@ -110,46 +107,42 @@ pub struct Estimator<'a> {
 impl<'a> Estimator<'a> {
     pub fn new(
         candidate: &'a Candidate<'a>,
-        asked: &'a Asked<'a>,
-        name: &'a str,
-        settings: Settings,
+        request: Request<'a>,
+        orders: Orders,
+        coarsest_steps: u64,
     ) -> Self {
         let (problem, scheme) = (&candidate.setup.problem, &candidate.setup.scheme);
         let noisy = problem.noises > 0;
-        let halvings = MOST_HALVINGS.saturating_sub(settings.coarsest_steps.ilog2() as usize);
-        let settings = match noisy {
-            true => settings,
-            false => Settings { max_level: halvings.max(3), replicates: 1, ..settings },
-        };
+        let halvings = MOST_HALVINGS.saturating_sub(coarsest_steps.ilog2() as usize);
         Self {
             candidate,
-            asked,
-            name,
-            settings,
-            damping: DampingResolution::new(&candidate.setup, settings.coarsest_steps),
+            request,
+            orders,
+            coarsest_steps,
+            max_level: if noisy { request.settings.max_level } else { halvings.max(3) },
+            replicates: if noisy { REPLICATES } else { 1 },
+            damping: DampingResolution::new(&candidate.setup, coarsest_steps),
             noisy,
-            sobol: noisy && !settings.random_points && !scheme.reads_areas(),
-            ranges: vec![None; asked.observables.len()],
+            sobol: noisy && !request.settings.random_points && !scheme.reads_areas(),
+            ranges: vec![None; request.observables.len()],
             levels: Vec::new(),
             ladders: Vec::new(),
             first: 0,
         }
     }
 
-    /// The expectations; `None` if samples are drawn in parts elsewhere.
-    pub fn expectation(mut self) -> Result<Option<Expectation>, RunError> {
-        let pilot = if self.noisy { GROUP_PATHS } else { 1 };
+    pub fn expectation(mut self) -> Result<Expectation, RunError> {
+        let Request { settings, accuracy, spent, .. } = self.request;
+        let (pilot, max_cost) = (if self.noisy { GROUP_PATHS } else { 1 }, settings.max_cost);
         (0..=PILOT_LEVEL).try_for_each(|_| self.add_level())?;
         let costs = self.levels.iter().map(|samples| self.cost(samples, pilot));
-        let pilot_cost = costs.fold(self.asked.spent.get(), u64::saturating_add);
-        let max_cost = self.settings.max_cost;
+        let pilot_cost = costs.fold(spent.get(), u64::saturating_add);
         if pilot_cost > max_cost {
             return Err(RunError::PilotCost { pilot_cost, max_cost });
         }
-        self.tell(f64::INFINITY, Some(pilot_cost as f64));
         for level in 0..=PILOT_LEVEL {
             if !self.sample(level, pilot)? {
-                return Ok(None);
+                return Err(RunError::Stopped);
             }
         }
         self.first = self.first_level();
@@ -159,73 +152,74 @@ impl<'a> Estimator<'a> {
             }
             let sums: Vec<Sum> = self.numbers().map(|k| self.sum(k)).collect();
             let last = self.levels.len() - 1;
-            let biased =
-                |sum: &Sum| if self.noisy { self.is_biased(sum) } else { self.is_wide(sum) };
+            let wide = |sum: &Sum| sum.half_width() > accuracy;
+            let biased = |sum: &Sum| if self.noisy { self.is_biased(sum) } else { wide(sum) };
             let unresolved = !self.unresolved().is_empty();
             let finer = unresolved || sums.iter().any(biased);
-            let half_width = sums.iter().map(Sum::half_width).fold(0.0, f64::max);
-            self.tell(half_width, (!finer).then(|| self.expected_cost(&sums)));
-            if sums.iter().any(|sum| sum.lost > LOST * self.asked.accuracy) {
+            if sums.iter().any(|sum| sum.lost > LOST * accuracy) {
                 break None;
             }
             let least = self.least_cost(&sums, finer);
             if least > max_cost as f64 {
-                break Some(Limit::OutOfReach { least, max_cost: max_cost as f64 });
+                let text = format!(
+                    "it takes {least:.0e} path-steps or more, {:.0e} are allowed",
+                    max_cost as f64
+                );
+                break Some((
+                    WarningKind::OutOfReach,
+                    format!("the accuracy is out of reach: {text}"),
+                ));
             }
-            let (level, points) = if finer && last < self.settings.max_level {
+            let (level, points) = if finer && last < self.max_level {
                 self.add_level()?;
                 (last + 1, pilot)
             } else {
                 let begin = &self.levels[self.first];
-                let wide = sums.iter().any(|sum| self.is_wide(sum));
+                let wide = sums.iter().any(wide);
                 let heavy = begin.values.iter().any(Values::is_heavy);
                 let enough = !wide && (!heavy || begin.count() >= MOST_SAMPLES);
-                let most = MOST_BIAS * self.asked.accuracy;
+                let most = MOST_BIAS * accuracy;
                 let stuck = unresolved || sums.iter().any(|sum| sum.extrapolation.size > most);
                 if !self.noisy || enough || finer && stuck {
-                    break finer.then_some(Limit::Level { level: last });
+                    let text = format!("the bias is too large on the finest level allowed, {last}");
+                    break finer.then_some((WarningKind::Level, text));
                 }
                 let level = if wide { self.worst(&sums) } else { self.first };
                 (level, 2 * self.levels[level].points)
             };
             let samples = &self.levels[level];
-            let cost = self.cost(samples, points - samples.points);
-            let too_many = self.asked.spent.get().saturating_add(cost) > max_cost;
-            let limit = if too_many || samples.points >= MAX_POINTS {
-                Limit::Cost { max_cost }
+            let cost = spent.get().saturating_add(self.cost(samples, points - samples.points));
+            let limit = if cost > max_cost || samples.points >= MAX_POINTS {
+                let text = format!("not reached with the {max_cost} path-steps allowed");
+                (WarningKind::Cost, format!("the accuracy was {text}"))
             } else if self.sample(level, points)? {
                 // Once points are doubled, the first level stays.
                 if self.levels.iter().all(|samples| samples.points == pilot) {
                     self.first = self.first_level();
                 }
                 continue;
-            } else if self.asked.job.gives_what_is_done() {
-                Limit::Stopped
             } else {
-                return Ok(None);
+                (WarningKind::Stopped, "stopped before the accuracy was reached".into())
             };
             self.levels.retain(|samples| samples.paths > 0);
             break Some(limit);
         };
-        Ok(Some(self.report(limit)))
+        Ok(self.report(limit))
     }
 
     /// Whether a finer level is wanted: the bias has more than its share, significantly.
     fn is_biased(&self, sum: &Sum) -> bool {
         let Extrapolation { size, standard_error, .. } = sum.extrapolation;
-        let (least, most) = (BIAS_ENOUGH * self.asked.accuracy, BIAS_SHARE * self.asked.accuracy);
+        let [least, most] = [BIAS_ENOUGH, BIAS_SHARE].map(|part| part * self.request.accuracy);
         let share = (BIAS_PART * sum.spread()).clamp(least, most);
         size > share + sum.quantile() * standard_error
     }
 
-    fn is_wide(&self, sum: &Sum) -> bool {
-        sum.half_width() > self.asked.accuracy
-    }
-
     /// What the steps of the last level do not resolve.
     fn unresolved(&self) -> Vec<Warning> {
-        let names: Vec<&str> = self.asked.observables.iter().map(|phi| phi.name()).collect();
-        unresolved(&self.levels[1..], &self.damping, &names, self.asked.accuracy)
+        let Request { observables, accuracy, .. } = self.request;
+        let names: Vec<&str> = observables.iter().map(|phi| phi.name()).collect();
+        unresolved(&self.levels[1..], &self.damping, &names, accuracy)
     }
 
     /// Path-steps without which the accuracy is not reached: those of points that lack, on levels
@@ -234,10 +228,10 @@ impl<'a> Estimator<'a> {
         let last = &self.levels[self.levels.len() - 1];
         let exponent = self.damping.lasting_exponent(last.level) / LARGEST_EXPONENT;
         match finer {
-            false => sums
-                .iter()
-                .map(|sum| sum.cost(self.asked.accuracy, LEAST_GROWTH))
-                .fold(0.0, f64::max),
+            false => {
+                let costs = sums.iter().map(|sum| sum.cost(self.request.accuracy, LEAST_GROWTH));
+                costs.fold(0.0, f64::max)
+            }
             // A pilot on a level with as many more steps, and on those below it.
             true if self.noisy && exponent > 1.0 => {
                 2.0 * self.cost(last, GROUP_PATHS) as f64 * exponent
@@ -246,90 +240,76 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// Path-steps that the accuracy takes in all, if errors fall as they did for the points that
-    /// there are.
-    fn expected_cost(&self, sums: &[Sum]) -> f64 {
-        let begin = &self.levels[self.first];
-        let cost = |(k, sum): (usize, &Sum)| {
-            let wanted = (self.asked.accuracy - sum.bias_bound()).max(0.5 * self.asked.accuracy);
-            let [gain, points] = [begin.gain(k).max(1.0), begin.points as f64].map(elementary::ln);
-            let order = 0.5 + 0.5 * gain / points;
-            sum.cost(wanted, 1.0 / order.min(1.0 / LEAST_GROWTH))
-        };
-        sums.iter().enumerate().map(cost).fold(self.asked.spent.get() as f64, f64::max)
-    }
-
-    /// Says how far it is.
-    fn tell(&self, half_width: f64, expected: Option<f64>) {
-        let Settings { max_cost, watch, .. } = self.settings;
-        let (accuracy, cost) = (self.asked.accuracy, self.asked.spent.get());
-        watch(&SoFar { half_width, accuracy, cost, expected, max_cost });
-    }
-
     /// The numbers of the test functions.
     fn numbers(&self) -> std::ops::Range<usize> {
-        0..self.asked.observables.len()
+        0..self.request.observables.len()
+    }
+
+    /// Steps of the fine path of a level.
+    fn steps(&self, level: usize) -> u64 {
+        self.coarsest_steps << level
     }
 
     /// Adds a level without points.
     fn add_level(&mut self) -> Result<(), RunError> {
-        let (level, settings, problem) =
-            (self.levels.len(), &self.settings, &self.candidate.setup.problem);
-        let (key, steps) = (settings.stream(level), settings.steps(level));
+        let (level, problem) = (self.levels.len(), &self.candidate.setup.problem);
+        let (settings, steps) = (self.request.settings, self.steps(level));
+        let key = settings.stream(level);
         let (levels, runs) = (usize::from(level > 0), self.candidate.runs(level > 0));
         let mut ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
         if self.sobol && steps.saturating_mul(problem.noises as u64) <= MOST_DIMENSIONS {
             let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end);
             let wiener = wiener.map_err(LadderError::from)?;
-            let scrambles = (0..settings.replicates).map(|number| wiener.of_scramble(number));
+            let scrambles = (0..self.replicates).map(|number| wiener.of_scramble(number));
             let points = Points { scrambles: scrambles.collect(), noises: problem.noises };
             ladder = ladder.with_noise(points)?;
         }
         let cost_per_path = ladder.steps_per_path();
         self.levels.push(Samples { level, cost_per_path, ..Samples::default() });
-        self.ladders.push((ladder, vec![Vec::new(); settings.replicates as usize]));
+        self.ladders.push((ladder, vec![Vec::new(); self.replicates as usize]));
         Ok(())
     }
 
     /// Path-steps of so many points of every replicate.
     fn cost(&self, samples: &Samples, points: u64) -> u64 {
-        self.settings.replicates.saturating_mul(points).saturating_mul(samples.cost_per_path)
+        self.replicates.saturating_mul(points).saturating_mul(samples.cost_per_path)
     }
 
-    /// Draws points of every replicate of a level up to so many; false if that is done elsewhere.
+    /// Draws points of every replicate of a level up to so many; false if it is stopped.
     fn sample(&mut self, level: usize, points: u64) -> Result<bool, RunError> {
         let before = self.levels[level].points;
-        let new = self.cost(&self.levels[level], points - before);
-        let &Asked { job, observables, ref starts, progress, .. } = self.asked;
+        let new_cost = self.cost(&self.levels[level], points - before);
+        let Request { settings, observables, progress, spent, .. } = self.request;
         let (ladder, nodes) = &mut self.ladders[level];
-        let y0 = &self.candidate.setup.problem.y0[..];
-        let (last_time, coupled) = (ladder.coarse_steps(), level > 0);
-        let values = vec![Values::default(); observables.len()];
-        let (motion, functions) = (Motion::new(y0), Motion::new(starts));
-        let sums = Sums { values, motion, functions };
-        let empty = || PathValues { observables, last_time, coupled, sums: sums.clone() };
-        let piece = |replicate: u64| {
-            let first = replicate * ScrambledSobol::POINTS;
-            Piece {
-                name: format!("{}/level {level} replicate {replicate} from {before}", self.name),
-                paths: first + points,
-                groups: (first + before) / GROUP_PATHS..(first + points).div_ceil(GROUP_PATHS),
-            }
+        let y0 = &self.candidate.setup.problem.y0;
+        let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, y0)).collect();
+        let empty = || PathValues {
+            observables,
+            last_time: ladder.coarse_steps(),
+            coupled: level > 0,
+            values: vec![Values::default(); observables.len()],
+            motion: Motion::new(y0),
+            functions: Motion::new(&starts),
         };
         // All replicates are begun: none depends on another.
-        let pieces: Vec<_> = (0..self.settings.replicates).map(piece).collect();
-        let more = ladder.nodes_in(job, &pieces, Some(new), &empty, progress);
-        let Some(more) = more.filter(|_| !job.stop().is_asked()) else { return Ok(false) };
+        let more = in_parallel(0..self.replicates, &|replicate| {
+            let first = replicate * ScrambledSobol::POINTS;
+            let groups = (first + before) / GROUP_PATHS..(first + points).div_ceil(GROUP_PATHS);
+            ladder.nodes(&settings.stop, first + points, groups, &empty, progress)
+        });
+        if settings.stop.is_asked() {
+            return Ok(false);
+        }
         let replicates = nodes.iter_mut().zip(more);
-        let replicates: Vec<Replicate<'_>> =
+        let replicates: Vec<_> =
             replicates.map(|(nodes, more)| ladder.join(nodes, more, &empty)).collect();
         let samples = &mut self.levels[level];
         let first = replicates.iter().find_map(|replicate| replicate.failures.first().copied());
         for replicate in &replicates {
-            let ranges = self.ranges.iter_mut().zip(&replicate.statistic.sums.values);
+            let ranges = self.ranges.iter_mut().zip(&replicate.statistic.values);
             ranges.for_each(|(range, values)| *range = hull(*range, values.range()));
         }
-        self.asked.spent.set(self.asked.spent.get() + new);
+        spent.set(spent.get() + new_cost);
         samples.take(replicates, points);
         if samples.count() < 1 + u64::from(self.noisy) {
             return Err(RunError::NoPaths { level, failed: samples.failed, first });
@@ -366,13 +346,13 @@ impl<'a> Estimator<'a> {
         let (last, of_last) = (&differences[from..], &self.levels[1 + from..]);
         let seen = (rates::alpha(of_last, last, k), rates::beta(of_last, k));
         let orders = match self.noisy {
-            true => self.candidate.orders,
-            false => seen_orders(last, self.candidate.orders),
+            true => self.orders,
+            false => seen_orders(last, self.orders),
         };
         let mut extrapolation = extrapolation(last, orders, seen);
         if !self.noisy {
             // Rounding errors of n steps.
-            let steps = self.settings.steps(self.levels.len() - 1) as f64;
+            let steps = self.steps(self.levels.len() - 1) as f64;
             let size = samples.values[k].fine.mean().abs();
             extrapolation.size += size * f64::EPSILON * steps.sqrt();
         }
@@ -380,7 +360,7 @@ impl<'a> Estimator<'a> {
         terms.extend_from_slice(&differences[first..]);
         let share = |samples: &Samples| samples.failed as f64 / samples.paths as f64;
         let lost = self.levels[first..].iter().map(share).sum::<f64>() * range;
-        Sum { terms, extrapolation, replicates: self.settings.replicates as f64, lost }
+        Sum { terms, extrapolation, replicates: self.replicates as f64, lost }
     }
 
     /// The level to begin with, for which an accuracy costs least: Σ√(VC) is least (Giles 2008),
@@ -405,9 +385,10 @@ impl<'a> Estimator<'a> {
     /// one is, else the one on which a path-step gains most for the function that gains most (Giles
     /// and Waterhouse 2009).
     fn worst(&self, sums: &[Sum]) -> usize {
-        let wide = || sums.iter().filter(|sum| self.is_wide(sum));
+        let accuracy = self.request.accuracy;
+        let wide = || sums.iter().filter(|sum| sum.half_width() > accuracy);
         let most = |n: usize| wide().map(|sum| sum.gain(n)).fold(0.0, f64::max);
-        let enough = |n: usize| wide().all(|sum| sum.with_twice(n) <= self.asked.accuracy);
+        let enough = |n: usize| wide().all(|sum| sum.with_twice(n) <= accuracy);
         let cost = |n: usize| sums[0].terms[n].cost;
         let terms = 0..self.levels.len() - self.first;
         let cheapest =
@@ -416,9 +397,8 @@ impl<'a> Estimator<'a> {
         self.first + cheapest.or_else(best).unwrap_or(0)
     }
 
-    fn report(self, limit: Option<Limit>) -> Expectation {
-        let Self { ref levels, first, noisy, candidate, .. } = self;
-        let Candidate { setup, orders, .. } = candidate;
+    fn report(self, limit: Option<(WarningKind, String)>) -> Expectation {
+        let Self { ref levels, first, noisy, ref request, ref candidate, .. } = self;
         // Levels below the first may be far from the limit; three differences make a slope.
         let differences = &levels[1..];
         let from = first.min(differences.len().saturating_sub(BIAS_LEVELS));
@@ -427,11 +407,11 @@ impl<'a> Estimator<'a> {
             let terms = Term::differences(differences, k, self.range(k));
             Estimate {
                 name: phi.name().to_owned(),
-                value: sum.value(),
+                value: sum.over(|weight, term| weight * term.mean),
                 standard_error: sum.standard_error(),
                 quantile: sum.quantile(),
                 missed: sum.missed(),
-                bias: sum.bias(),
+                bias: sum.over(|weight, term| (weight - 1.0) * term.mean),
                 bias_bound: sum.bias_bound(),
                 alpha: rates::alpha(&differences[from..], &terms[from..], k),
                 beta: rates::beta(&differences[from..], k),
@@ -439,61 +419,52 @@ impl<'a> Estimator<'a> {
                 judged: Judged::default(),
             }
         };
-        let mut estimates: Vec<_> =
-            self.asked.observables.iter().enumerate().map(estimate).collect();
-        let (order, unresolved) = (orders.weak, self.unresolved());
+        let mut estimates: Vec<_> = request.observables.iter().enumerate().map(estimate).collect();
+        let (order, unresolved) = (self.orders.weak, self.unresolved());
         let evidence = Evidence { levels, first, order, noisy, unresolved };
         let mut warnings = evidence.judge(&mut estimates);
-        warnings.extend(limit.map(Warning::Limit));
-        let level = |samples: &Samples| {
-            let samples_of = samples.values.iter().map(|values| &values.sample);
-            Level {
-                level: samples.level,
-                tau: setup.problem.t_end / self.settings.steps(samples.level) as f64,
-                samples: samples.count(),
-                failed: samples.failed,
-                cost_per_path: samples.cost_per_path,
-                values: samples_of
-                    .map(|of| LevelValue { mean: of.mean(), variance: of.variance() })
-                    .collect(),
-            }
+        warnings.extend(limit.map(|(kind, text)| Warning::of_all(kind, text)));
+        let level = |samples: &Samples| Level {
+            level: samples.level,
+            tau: candidate.setup.problem.t_end / self.steps(samples.level) as f64,
+            samples: samples.count(),
+            failed: samples.failed,
+            cost_per_path: samples.cost_per_path,
+            variances: samples.values.iter().map(|values| values.sample.variance()).collect(),
         };
-        let (decisions, cost) = (self.decisions(), self.asked.spent.get());
-        let (scheme, accuracy) = (setup.scheme.id(), self.asked.accuracy);
-        let levels = levels.iter().map(level).collect();
-        Expectation { scheme, accuracy, cost, levels, warnings, estimates, decisions }
+        Expectation {
+            scheme: candidate.setup.scheme.id(),
+            accuracy: request.accuracy,
+            cost: request.spent.get(),
+            levels: levels.iter().map(level).collect(),
+            warnings,
+            estimates,
+            decisions: self.decisions(),
+        }
     }
 
-    /// Says which levels and how many points were chosen, and what Sobol points gained.
+    /// Says which levels and how many points were chosen.
     fn decisions(&self) -> Vec<String> {
         let used = &self.levels[self.first..];
         let orders = self.numbers().map(|k| self.sum(k).extrapolation.order);
         let order = orders.fold(f64::INFINITY, f64::min);
-        let steps = |samples: &Samples| self.settings.steps(samples.level);
-        let (fewest, most) = (steps(&used[0]), steps(&used[used.len() - 1]));
-        let levels =
-            format!("levels of {fewest} to {most} steps, extrapolated with order {order:.2}");
-        if !self.noisy {
-            return vec![levels, "one path: there is no noise".into()];
-        }
+        let [fewest, most] = [&used[0], &used[used.len() - 1]].map(|of| self.steps(of.level));
         let points: Vec<String> = used.iter().map(|samples| samples.points.to_string()).collect();
-        let (replicates, points) = (self.settings.replicates, points.join(", "));
-        if !self.sobol {
-            return vec![levels, format!("{replicates} times {points} random points on them")];
-        }
-        let gains = self.numbers().map(|k| used[0].gain(k)).filter(|gain| gain.is_finite());
-        let gained = match gains.reduce(f64::min) {
-            None => "no function varies from scramble to scramble".into(),
-            Some(least) if least < FEW_GAINED => {
-                "Sobol points are hardly better than random ones for some function: it jumps, or \
-                 many dimensions count"
-                    .into()
-            }
-            Some(least) => {
-                format!("Sobol points have at most 1/{least:.0} of the variance of random ones")
+        let points = match (self.noisy, self.sobol) {
+            (false, _) => "one path: there is no noise".into(),
+            (_, true) => format!(
+                "{} scrambles of {} Sobol points on them",
+                self.replicates,
+                points.join(", ")
+            ),
+            (_, false) => {
+                format!("{} times {} random points on them", self.replicates, points.join(", "))
             }
         };
-        vec![levels, format!("{replicates} scrambles of {points} Sobol points on them"), gained]
+        vec![
+            format!("levels of {fewest} to {most} steps, extrapolated with order {order:.2}"),
+            points,
+        ]
     }
 }
 

@@ -18,9 +18,9 @@
 use real::elementary;
 
 use super::{
+    Orders,
     rates::{LN_2, SIGNIFICANT},
     report::{QUANTILE, Rate},
-    settings::Orders,
     sum::Term,
 };
 

@@ -1,13 +1,12 @@
 //! The largest and the smallest samples, and how fast their deviations become rare.
 
 use real::{PathMask, Real, Row, WIDTH};
-use serde::{Deserialize, Serialize};
 
 /// How many of the largest and of the smallest samples are kept.
 const KEPT: usize = 65;
 
 /// The largest samples.
-#[derive(Clone, Default, Serialize, Deserialize)]
+#[derive(Clone, Default)]
 struct Largest {
     samples: Vec<f64>,
     /// No sample up to this one counts any more.
@@ -36,7 +35,7 @@ impl Largest {
 }
 
 /// The largest samples, and the negatives of the smallest.
-#[derive(Clone, Default, Serialize, Deserialize)]
+#[derive(Clone, Default)]
 pub struct Extremes {
     largest: Largest,
     smallest: Largest,

@@ -3,7 +3,7 @@
 use super::{
     extrapolation::{ORDER_TOLERANCE, lowest},
     level::Samples,
-    report::{Estimate, Judged, Unbounded, Warning},
+    report::{Estimate, Judged, Rate, Warning, WarningKind},
     sum::BIAS_LEVELS,
 };
 
@@ -39,25 +39,45 @@ impl Evidence<'_> {
     pub fn judge(&self, estimates: &mut [Estimate]) -> Vec<Warning> {
         let failing = self.levels[self.first..].iter().filter(|level| level.failed > 0);
         let mut warnings: Vec<Warning> = failing
-            .map(|&Samples { level, failed, .. }| Warning::FailedPaths { level, failed })
+            .map(|&Samples { level, failed, .. }| {
+                let text = format!("{failed} paths failed on level {level} and were left out");
+                Warning::of_all(WarningKind::FailedPaths, text + ", which may bias the estimate")
+            })
             .collect();
         warnings.extend(self.unresolved.iter().cloned());
         for (k, estimate) in estimates.iter_mut().enumerate() {
-            let few = self.few_samples(k, &estimate.name);
-            let (bounded, bias) = self.bias(k, estimate);
+            let (few, order) = (self.few_samples(k), estimate.alpha.and_then(|a| self.slow(a)));
+            let neighbours =
+                self.levels.windows(2).map(|pair| (deviation(&pair[0], &pair[1], k), pair));
+            let apart = neighbours.filter(|(deviation, _)| *deviation > DEVIATION_LIMIT);
+            let apart = apart.map(|(deviation, pair)| {
+                let [below, level] = [pair[0].level, pair[1].level];
+                let text = format!(
+                    "the coarse mean of level {level} is {deviation:.1} standard errors from the \
+                     fine mean of level {below}, the levels do not telescope"
+                );
+                (WarningKind::Telescope, text)
+            });
+            let found: Vec<_> = few.into_iter().chain(apart).chain(order).collect();
+            let good = |bad: &[WarningKind]| !found.iter().any(|(kind, _)| bad.contains(kind));
             let of_this = |warning: &Warning| {
-                warning.observable().is_none_or(|observable| observable == estimate.name)
+                warning.observable.as_ref().is_none_or(|observable| *observable == estimate.name)
             };
-            let resolution = !self.unresolved.iter().any(of_this);
-            estimate.judged = Judged { variance: few.is_none(), bias: bounded, resolution };
-            warnings.extend(few.into_iter().chain(bias));
+            estimate.judged = Judged {
+                variance: good(&[WarningKind::FewSamples]),
+                bias: good(&[WarningKind::Telescope, WarningKind::Slow]),
+                resolution: !self.unresolved.iter().any(of_this),
+            };
+            let named =
+                found.into_iter().map(|(kind, text)| Warning::of(&estimate.name, kind, text));
+            warnings.extend(named);
         }
         warnings
     }
 
     /// Whether a few samples of test function number k decide: on the level that the sum begins
     /// with, or because φ is the same on every path of one of the last levels.
-    fn few_samples(&self, k: usize, name: &str) -> Option<Warning> {
+    fn few_samples(&self, k: usize) -> Option<(WarningKind, String)> {
         let last = self.levels.len() - BIAS_LEVELS;
         let blind = |samples: &&Samples| self.noisy && samples.values[k].is_blind();
         let begin = &self.levels[self.first];
@@ -65,27 +85,26 @@ impl Evidence<'_> {
         let heavy = begin.values[k].is_heavy();
         let few = || (begin, begin.values[k].fine.effective_samples());
         let (samples, effective) = found.or_else(|| heavy.then(few))?;
-        let (observable, level, samples) = (name.to_owned(), samples.level, samples.count());
-        Some(Warning::FewSamples { observable, level, effective, samples })
+        let text = format!(
+            "{effective:.0} of {} samples carry the variance on level {}: a few large ones decide, or \
+             the noise is too weak for these steps",
+            samples.count(),
+            samples.level
+        );
+        Some((WarningKind::FewSamples, text))
     }
 
-    /// Whether the bias of test function number k is bounded, and what there is to say of it.
-    fn bias(&self, k: usize, estimate: &Estimate) -> (bool, Vec<Warning>) {
-        let neighbours = self.levels.windows(2).map(|pair| (&pair[1], &pair[0]));
-        let apart = neighbours.filter_map(|(samples, below)| {
-            let (level, deviation) = (samples.level, deviation(below, samples, k));
-            (deviation > DEVIATION_LIMIT).then_some(Unbounded::Telescope { level, deviation })
-        });
-        let mut found: Vec<Unbounded> = apart.collect();
-        let mut bounded = found.is_empty();
-        if let Some(alpha) = estimate.alpha {
-            let (assumed, slow) = (self.order, alpha.upper < lowest(self.order));
-            bounded &= !slow;
-            if slow || alpha.upper < assumed - ORDER_TOLERANCE {
-                found.push(Unbounded::Order { alpha, assumed });
-            }
-        }
-        let warning = |why| Warning::Bias { observable: estimate.name.clone(), why };
-        (bounded, found.into_iter().map(warning).collect())
+    /// What there is to say of the order by which differences fall.
+    fn slow(&self, Rate { value, lower, upper }: Rate) -> Option<(WarningKind, String)> {
+        let kind = match upper {
+            _ if upper < lowest(self.order) => WarningKind::Slow,
+            _ if upper < self.order - ORDER_TOLERANCE => WarningKind::Order,
+            _ => return None,
+        };
+        let (seen, given) = (format!("{value:.2} ({lower:.2} to {upper:.2})"), self.order);
+        Some((
+            kind,
+            format!("differences fall with exponent {seen}, the weak order given is {given}"),
+        ))
     }
 }

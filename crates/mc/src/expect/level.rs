@@ -1,20 +1,19 @@
 //! The samples of one level, by replicates and all together.
 
 use real::{PathMask, Row, WIDTH};
-use serde::{Deserialize, Serialize};
 use stats::{CentralMoments, FEW_SAMPLES};
 
 use super::{
     extremes::Extremes,
     resolution::{Motion, compares_at},
 };
-use crate::{Kept, Measured, Observe, Statistic, View};
+use crate::{Measured, Observe, Statistic, View};
 
 /// Below this tail index a sample does not know its variance.
 const LEAST_INDEX: f64 = 2.0;
 
 /// Moments of one test function on one level.
-#[derive(Clone, Default, Serialize, Deserialize)]
+#[derive(Clone, Default)]
 pub struct Values {
     /// φ of single paths, or the difference.
     pub sample: CentralMoments,
@@ -144,35 +143,23 @@ impl Samples {
     }
 
     /// Takes all samples of every replicate, each with so many points.
-    pub fn take(&mut self, replicates: Vec<Replicate<'_>>, points: u64) {
-        let functions = replicates.first().map_or(0, |one| one.statistic.sums.values.len());
+    pub fn take(&mut self, replicates: Vec<Measured<PathValues<'_>>>, points: u64) {
+        let functions = replicates.first().map_or(0, |one| one.statistic.values.len());
         (self.points, self.paths, self.failed) = (points, points * replicates.len() as u64, 0);
         self.values = vec![Values::default(); functions];
         (self.motion, self.functions) = Default::default();
         self.means = vec![Default::default(); functions];
-        for Measured { statistic: PathValues { sums, .. }, failed, .. } in replicates {
-            for ((all, means), own) in self.values.iter_mut().zip(&mut self.means).zip(&sums.values)
+        for Measured { statistic: own, failed, .. } in replicates {
+            for ((all, means), own) in self.values.iter_mut().zip(&mut self.means).zip(&own.values)
             {
                 means[0].add(&own.sample);
                 means[1].add(&own.fine);
                 all.merge(own);
             }
-            self.motion.merge(&sums.motion);
-            self.functions.merge(&sums.functions);
+            self.motion.merge(&own.motion);
+            self.functions.merge(&own.functions);
             self.failed += failed;
         }
-    }
-
-    /// Numbers of each replicate for test function number k: of the difference, or of φ on the
-    /// fine path.
-    pub fn of_replicates(&self, k: usize, fine: bool) -> &Means {
-        &self.means[k][usize::from(fine)]
-    }
-
-    /// The variance of independent points over that of the points drawn, for the mean of φ number k
-    /// on the fine path; NaN where it does not vary.
-    pub fn gain(&self, k: usize) -> f64 {
-        self.values[k].fine.variance_of_mean() / self.of_replicates(k, true).mean.variance_of_mean()
     }
 }
 
@@ -185,13 +172,8 @@ pub struct PathValues<'a> {
     pub last_time: u64,
     /// Whether there are coarse paths.
     pub coupled: bool,
-    pub sums: Sums,
-}
-
-/// What a level folds over its paths.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct Sums {
     pub values: Vec<Values>,
+    /// Of the states, and of each test function.
     pub motion: Motion,
     pub functions: Motion,
 }
@@ -200,27 +182,26 @@ impl Statistic for PathValues<'_> {
     fn observe(&mut self, view: &View<'_>) {
         let (coupled, last) = (self.coupled, view.time == self.last_time);
         if coupled {
-            self.sums.motion.add(view);
+            self.motion.add(view);
         }
         let compared = coupled && compares_at(view.time, self.last_time, view.first_path);
         if !last && !compared {
             return;
         }
-        let Sums { values, functions, .. } = &mut self.sums;
-        for (k, (observable, values)) in self.observables.iter().zip(values).enumerate() {
+        for (k, (observable, values)) in self.observables.iter().zip(&mut self.values).enumerate() {
             let mut phi = [[0.0; WIDTH]; 4];
             for (run, phi) in phi.iter_mut().enumerate().take(view.runs()) {
                 observable.evaluate(view.state(run), view.live, phi);
             }
-            let present =
-                |run: usize, else_run: usize| if run < view.runs() { run } else { else_run };
-            let second = if coupled { present(2, 0) } else { present(1, 0) };
-            let other = present(3, 1);
-            let mean = |a: &Row, b: &Row| std::array::from_fn(|p| 0.5 * (a[p] + b[p]));
-            let fine = mean(&phi[0], &phi[second]);
-            let coarse = coupled.then(|| mean(&phi[1], &phi[other]));
+            // The mean over a run and its second one, if there is one.
+            let mean = |run: usize, second: usize| {
+                let (a, b) = (&phi[run], &phi[if second < view.runs() { second } else { run }]);
+                std::array::from_fn(|p| 0.5 * (a[p] + b[p]))
+            };
+            let fine = mean(0, if coupled { 2 } else { 1 });
+            let coarse = coupled.then(|| mean(1, 3));
             if let Some(coarse) = &coarse {
-                functions.add_function(k, &fine, coarse, view.live);
+                self.functions.add_function(k, &fine, coarse, view.live);
             }
             if last {
                 values.add(&fine, coarse.as_ref(), view.live);
@@ -229,22 +210,8 @@ impl Statistic for PathValues<'_> {
     }
 
     fn merge(&mut self, later: Self) {
-        let (sums, later) = (&mut self.sums, &later.sums);
-        sums.values.iter_mut().zip(&later.values).for_each(|(sum, more)| sum.merge(more));
-        sums.motion.merge(&later.motion);
-        sums.functions.merge(&later.functions);
+        self.values.iter_mut().zip(&later.values).for_each(|(sum, more)| sum.merge(more));
+        self.motion.merge(&later.motion);
+        self.functions.merge(&later.functions);
     }
 }
-
-impl Kept for PathValues<'_> {
-    type Sums = Sums;
-    fn sums(&self) -> &Sums {
-        &self.sums
-    }
-    fn sums_mut(&mut self) -> &mut Sums {
-        &mut self.sums
-    }
-}
-
-/// All samples of a replicate of a level.
-pub type Replicate<'a> = Measured<PathValues<'a>>;

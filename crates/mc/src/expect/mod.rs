@@ -4,7 +4,7 @@
 //! of y_0. The two paths of a difference share their noise, so that few are needed where steps are
 //! many (Giles, *Oper. Res.* 56, 2008). The sum is extrapolated to τ → 0.
 //!
-//! **Points.** Each term is a mean over points of its own, in independent replicates, 32 unless set.
+//! **Points.** Each term is a mean over points of its own, in 32 independent replicates.
 //! A replicate is a scramble of Sobol points with a Brownian bridge (Owen 1995): a path of few
 //! steps is an integral over few normals, which they integrate with an error far below that of
 //! random points, if φ is smooth. Where a scheme reads Lévy areas, which Sobol points do not give,
@@ -65,30 +65,24 @@ mod level;
 mod rates;
 mod report;
 mod resolution;
-mod settings;
 mod sum;
 #[cfg(test)]
 mod tests;
-mod write;
 
 use std::{cell::Cell, sync::Arc};
 
 use noise::{StreamKey, Truncation};
-use schemes::{BuiltIn, Method, Nv, Scheme, SchemeError, Sexp, SexpLi};
+use schemes::{
+    BuiltIn, Method, Nv, Scheme, SchemeError, Sexp, SexpLi, run_time::Scheme as AtRunTime,
+};
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
 use crate::{
-    Observable, Observe, Problem, RunError, Setup, bind_owned,
-    observable::{erased, value},
-    parts::Job,
+    Observable, Observe, Problem, RunError, Setup, bind_owned, observable::erased, parts::Stop,
 };
-use estimator::{Asked, Estimator};
-use settings::{Orders, Settings};
+use estimator::{Estimator, Request};
 
-pub use report::{
-    Estimate, Expectation, Judged, Level, LevelValue, Limit, Rate, Unbounded, Unresolved, Warning,
-};
-pub use settings::SoFar;
+pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
 
 /// E[φ(y(T))] of every φ to the half-width `accuracy`: value, interval, cost and decisions.
 ///
@@ -120,8 +114,8 @@ pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     Expect::new(problem).run(&erased(observables), accuracy, &|_| ())
 }
 
-/// The computation of expectations: the scheme is chosen or given, everything else may be set. See
-/// [the module](self) for the algorithm.
+/// The computation of expectations: the scheme is chosen or given, everything else may be
+/// [set](ExpectSettings). See [the module](self) for the algorithm.
 ///
 /// **Scheme.** By [`by_parts`](Self::by_parts) `nv` of weak order two ([`Nv`]), with the mean of φ
 /// over both orders of the noises, which has an expansion in even powers of τ. Without flows of
@@ -131,12 +125,55 @@ pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 /// [`with_scheme`](Self::with_scheme).
 ///
 /// **Limits.** It ends early where the accuracy would take more path-steps than are allowed even
-/// if errors fell as N^{−3/2} ([`Limit::OutOfReach`]).
-///
-/// What was decided is in [`Expectation::decisions`].
+/// if errors fell as N^{−3/2} ([`WarningKind::OutOfReach`]).
 pub struct Expect<'a> {
     candidates: Vec<Candidate<'a>>,
-    settings: Settings,
+    settings: ExpectSettings,
+}
+
+/// Settings of [`Expect`].
+#[derive(Clone, Debug)]
+pub struct ExpectSettings {
+    /// The key of all points; seed 1 and experiment 0 unless set. Level l draws from the family of
+    /// streams with the experiment number experiment + 2⁴⁰(l + 1), so the experiment must be below
+    /// 2⁴⁰. The families of all such experiments are distinct from each other and from the
+    /// experiments themselves.
+    pub key: StreamKey,
+    /// How increments of schemes that need it are truncated, on every level at its own step size;
+    /// of order four unless set.
+    pub truncation: Truncation,
+    /// The weak order p of the scheme, if it is not that of the chosen one, or one; the next power
+    /// of τ in its bias is then p + 1.
+    pub weak_order: Option<f64>,
+    /// Whether points are random in the place of Sobol points.
+    pub random_points: bool,
+    /// Steps on the coarsest level, from 1 to 2²⁴; one unless set. Schemes that truncate increments
+    /// take steps below one. A level that does not help is left out in any case.
+    pub coarsest_steps: u64,
+    /// The finest level allowed, from 3 to 24, which has 2^`max_level` times the coarsest steps; 16
+    /// unless set. Without noise the limit is 2²² steps.
+    pub max_level: usize,
+    /// Path-steps of all attempts together, after which it ends, whether the accuracy is reached or
+    /// not; 10¹⁰ unless set.
+    pub max_cost: u64,
+    /// What ends it early, with the estimates of the rounds before.
+    pub stop: Stop,
+}
+
+impl Default for ExpectSettings {
+    fn default() -> Self {
+        Self {
+            key: StreamKey { seed: 1, experiment: 0 },
+            // Of order τ⁴.
+            truncation: Truncation::new(4).unwrap_or_else(|error| unreachable!("{error}")),
+            weak_order: None,
+            random_points: false,
+            coarsest_steps: 1,
+            max_level: 16,
+            max_cost: 10_000_000_000,
+            stop: Stop::default(),
+        }
+    }
 }
 
 /// A scheme with which an expectation may be computed.
@@ -145,24 +182,39 @@ struct Candidate<'a> {
     /// The scheme with the noises in the other order: φ is averaged over both.
     mirror: Option<Arc<dyn Method + 'a>>,
     orders: Orders,
-    /// Why it is this one.
-    reason: String,
 }
+
+/// The powers of τ in an expansion of the bias.
+#[derive(Clone, Copy, Debug)]
+struct Orders {
+    /// The weak order p.
+    weak: f64,
+    /// The next one q.
+    next: f64,
+}
+
+/// First bit of the level in an experiment number.
+const LEVEL_BIT: u32 = 40;
+/// How often the coarsest level takes twice as many steps where paths fail.
+const REFINEMENTS: u32 = 8;
+/// The final time up to which the coarsest steps are chosen to be below one; beyond, they are
+/// refused.
+const LONGEST: f64 = 4_194_304.0;
 
 impl<'a> Expect<'a> {
     /// Expectations of a problem.
     pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         problem: &'a systems::Problem<S, G, D>,
     ) -> Self {
-        let first = SexpLi::new(problem.system(), problem.y0());
-        Self::of_schemes(problem, first.map(|first| Box::new(first) as _), Box::new(Sexp))
+        let first = SexpLi::new(problem.system(), problem.y0()).ok();
+        Self::of(problem, first.map(|first| Box::new(first) as _), Box::new(Sexp))
     }
 
     /// Expectations of a problem whose system has parts with flows, which cost less.
     pub fn by_parts<S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
         problem: &'a systems::Problem<S, G, D>,
     ) -> Self {
-        Self::of_schemes(problem, Ok(Box::new(Nv::of_parts())), Box::new(Sexp))
+        Self::of(problem, Some(Box::new(Nv::of_parts())), Box::new(Sexp))
     }
 
     /// Expectations of a problem with the schemes that `scheme` makes: [`BuiltIn::Nv`], or else
@@ -177,27 +229,26 @@ impl<'a> Expect<'a> {
         let make = |id| scheme(id, problem.system(), problem.y0());
         let first = make(BuiltIn::Nv).or_else(|_| make(BuiltIn::SexpLi));
         let sexp = make(BuiltIn::Sexp).unwrap_or_else(|error| unreachable!("{error}"));
-        Self::of_schemes(problem, first, sexp)
+        Self::of(problem, first.ok(), sexp)
     }
 
     /// The first scheme, averaged over both orders of the noises if it has them, and `sexp`.
-    fn of_schemes<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         problem: &'a systems::Problem<S, G, D>,
-        first: Result<Box<dyn Scheme<S, D, M>>, SchemeError>,
+        first: Option<Box<dyn Scheme<S, D, M>>>,
         sexp: Box<dyn Scheme<S, D, M>>,
     ) -> Self {
         let bind = |scheme| bind_owned(problem, scheme);
-        let setup = |scheme| Setup { problem: Problem::of(problem), scheme };
-        let first = first.map(|first| match first.both_orders() {
+        let setup = |scheme| Setup { problem: Problem::of(problem), scheme: bind(scheme) };
+        let candidate = |scheme: Box<dyn Scheme<S, D, M>>| match scheme.both_orders() {
             Some([forward, backward]) => Candidate {
-                setup: setup(bind(forward)),
+                setup: setup(forward),
                 mirror: (M > 1).then(|| bind(backward)),
                 orders: Orders { weak: 2.0, next: 4.0 },
-                reason: "nv: weak order two, with the flows of the parts".into(),
             },
-            None => Candidate::of_order_one(setup(bind(first))),
-        });
-        Self::of(first.map_err(|error| error.to_string()), setup(bind(sexp)))
+            None => setup(scheme).into(),
+        };
+        Self::among(first.into_iter().chain([sexp]).map(candidate).collect())
     }
 
     /// Expectations of a problem known at run time.
@@ -205,245 +256,134 @@ impl<'a> Expect<'a> {
     /// # Errors
     /// [`SchemeError`] if no scheme is for the system, or an allocation failed.
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
-        let sexp = Setup::owning(problem, Box::new(Sexp))?;
-        let first = match SexpLi::at_run_time(problem.system()) {
-            _ if problem.system().description().linearity == Linearity::Constant => {
-                Err("sexp-li is explicit where B is constant".into())
-            }
-            Ok(scheme) => Ok(Candidate::of_order_one(Setup::owning(problem, Box::new(scheme))?)),
-            Err(error) => Err(error.to_string()),
-        };
-        Ok(Self::of(first, sexp))
+        let system = problem.system();
+        let constant = system.description().linearity == Linearity::Constant;
+        let first = SexpLi::at_run_time(system).ok().filter(|_| !constant);
+        let first = first.map(|first| Box::new(first) as Box<dyn AtRunTime>);
+        let schemes = first.into_iter().chain([Box::new(Sexp) as _]);
+        let candidates = schemes.map(|scheme| Ok(Setup::owning(problem, scheme)?.into()));
+        Ok(Self::among(candidates.collect::<Result<_, SchemeError>>()?))
     }
-}
 
-/// How often the coarsest level takes twice as many steps where paths fail.
-const REFINEMENTS: u32 = 8;
-/// The final time up to which the coarsest steps are chosen to be below one; beyond, they are
-/// refused.
-const LONGEST: f64 = 4_194_304.0;
-
-impl<'a> Expect<'a> {
     /// Expectations with one scheme, which is given with its problem and has weak order one unless
-    /// [set](Self::with_weak_order).
+    /// that is [set](ExpectSettings::weak_order).
     ///
     /// ```
-    /// use mc::{Expect, Observable, Setup};
+    /// use mc::{Expect, ExpectSettings, Observable, Setup};
     /// use schemes::Sexp;
     /// use systems::{Constant, Problem, RigidBody};
     ///
     /// let body = RigidBody::one_noise([1.0, 1.0, 1.0], 1.0)?;
     /// let problem = Problem::new(body, Constant::new(0.0)?, [1.0, 0.5, 0.0], 1.0)?;
     /// let y2 = Observable { name: "y2", function: |y: [f64; 3]| y[1] };
-    /// let expect = Expect::with_scheme(Setup::of(&problem, &Sexp)).with_random_points();
+    /// let expect = Expect::with_scheme(Setup::of(&problem, &Sexp))
+    ///     .with(ExpectSettings { random_points: true, ..Default::default() });
     /// let found = expect.run(&[&y2], 0.01, &|_| ())?;
     /// assert!(found.reached() && found.scheme == "sexp");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_scheme(setup: Setup<'a>) -> Self {
-        let given = Candidate::of_order_one(setup);
-        Self::with(vec![Candidate {
-            reason: format!("{}: given", given.setup.scheme.id()),
-            ..given
-        }])
+        Self::among(vec![setup.into()])
     }
 
-    /// The first scheme where it is for the system, and `sexp`.
-    fn of(first: Result<Candidate<'a>, String>, sexp: Setup<'a>) -> Self {
-        let mut sexp = Candidate::of_order_one(sexp);
-        let why = match &first {
-            Ok(first) => format!("paths of {} fail", first.setup.scheme.id()),
-            Err(refusal) => refusal.clone(),
-        };
-        sexp.reason = format!("{}, since {why}", sexp.reason);
-        Self::with(first.into_iter().chain([sexp]).collect())
+    fn among(candidates: Vec<Candidate<'a>>) -> Self {
+        Self { candidates, settings: ExpectSettings::default() }
     }
 
-    fn with(candidates: Vec<Candidate<'a>>) -> Self {
-        // Of order τ⁴.
-        let truncation = Truncation::new(4).unwrap_or_else(|error| unreachable!("{error}"));
-        let settings = Settings {
-            key: StreamKey { seed: 1, experiment: 0 },
-            truncation,
-            random_points: false,
-            replicates: 32,
-            coarsest_steps: 1,
-            max_level: 16,
-            max_cost: 10_000_000_000,
-            watch: |_| (),
-        };
-        Self { candidates, settings }
-    }
-
-    /// Takes the points of this key; of seed 1 and experiment 0 unless set. Level l draws from the
-    /// family of streams with the experiment number experiment + 2⁴⁰(l + 1), so the experiment must
-    /// be below 2⁴⁰. The families of all such experiments are distinct from each other and from the
-    /// experiments themselves.
+    /// Takes these settings.
     #[must_use]
-    pub fn with_key(mut self, key: StreamKey) -> Self {
-        self.settings.key = key;
-        self
-    }
-
-    /// Truncates the increments of schemes that need it so, on every level at its own step size; of
-    /// order four unless set.
-    #[must_use]
-    pub fn with_truncation(mut self, truncation: Truncation) -> Self {
-        self.settings.truncation = truncation;
-        self
-    }
-
-    /// Assumes this weak order p of the scheme, and the next power p + 1 of τ in its bias.
-    #[must_use]
-    pub fn with_weak_order(mut self, weak: f64) -> Self {
-        let orders = Orders { weak, next: weak + 1.0 };
-        self.candidates.iter_mut().for_each(|candidate| candidate.orders = orders);
-        self
-    }
-
-    /// Takes random points in the place of Sobol points.
-    #[must_use]
-    pub fn with_random_points(mut self) -> Self {
-        self.settings.random_points = true;
-        self
-    }
-
-    /// Takes so many independent replicates, at least 16; 32 unless set.
-    #[must_use]
-    pub fn with_replicates(mut self, replicates: u64) -> Self {
-        self.settings.replicates = replicates;
-        self
-    }
-
-    /// Begins with so many steps on the coarsest level, from 1 to 2²⁴; one unless set. Schemes that
-    /// truncate increments take steps below one. A level that does not help is left out in any
-    /// case.
-    #[must_use]
-    pub fn with_coarsest_steps(mut self, coarsest_steps: u64) -> Self {
-        self.settings.coarsest_steps = coarsest_steps;
-        self
-    }
-
-    /// Takes no finer level than this, from 3 to 24, which has 2^`max_level` times the coarsest
-    /// steps; 16 unless set. Without noise the limit is 2²² steps.
-    #[must_use]
-    pub fn with_max_level(mut self, max_level: usize) -> Self {
-        self.settings.max_level = max_level;
-        self
-    }
-
-    /// Ends with so many path-steps of all attempts together, whether the accuracy is reached or
-    /// not; 10¹⁰ unless set.
-    #[must_use]
-    pub fn with_max_cost(mut self, max_cost: u64) -> Self {
-        self.settings.max_cost = max_cost;
-        self
-    }
-
-    /// Calls `watch` between two rounds of samples.
-    #[must_use]
-    pub fn with_watch(self, watch: fn(&SoFar)) -> Self {
-        Self { settings: Settings { watch, ..self.settings }, ..self }
+    pub fn with(self, settings: ExpectSettings) -> Self {
+        Self { settings, ..self }
     }
 
     /// The expectations. `progress` is called now and then, from any thread, with the number of
     /// path-steps done since.
     ///
     /// # Errors
-    /// [`RunError`] if a setting is out of range, a level cannot be run or has no paths left, or
-    /// φ is not finite. Reaching a limit is no error: the result says so in its
-    /// [`warnings`](Expectation::warnings), and its intervals are those that were reached.
+    /// [`RunError`] if a setting is out of range, a level cannot be run or has no paths left, φ is
+    /// not finite, or it was stopped in its pilot. Reaching a limit is no error: the result says so
+    /// in its [`warnings`](Expectation::warnings), and its intervals are those that were reached.
     pub fn run(
-        self,
+        &self,
         observables: &[&dyn Observe],
         accuracy: f64,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Expectation, RunError> {
-        let found = self.run_in(&Job::here(), "", observables, accuracy, progress)?;
-        Ok(found.unwrap_or_else(|| unreachable!("a job that computes everything has results")))
-    }
-
-    /// The same as [`run`](Self::run), as a piece of work of a job with the name `name`, whole, in
-    /// parts or merged, with the same bits. `None` if the results are not here; [`Job::finish`]
-    /// says why. A job that is stopped and [gives what is done](Job::giving_what_is_done) has the
-    /// estimates of the rounds before, with [`Limit::Stopped`].
-    ///
-    /// Samples are drawn in rounds, and every round follows from those before: run the parts,
-    /// merge, and if [`Job::finish`] reports [`NextRound`](crate::parts::JobError::NextRound), run
-    /// the parts and merge again. Small rounds are not worth that, see
-    /// [`Job::splitting_rounds_above`]. With a smaller accuracy in the same folder, samples that
-    /// are there count.
-    ///
-    /// # Errors
-    /// Those of [`run`](Self::run).
-    pub fn run_in(
-        self,
-        job: &Job,
-        name: &str,
-        observables: &[&dyn Observe],
-        accuracy: f64,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Option<Expectation>, RunError> {
         if observables.is_empty() {
             let none = "an expectation needs at least one test function, got none";
             return Err(RunError::Setting(none.into()));
         }
-        let y0 = &self.candidates[0].setup.problem.y0;
-        let starts = observables.iter().map(|phi| value(*phi, y0)).collect();
-        let asked = Asked { job, observables, starts, accuracy, progress, spent: Cell::new(0) };
-        let (mut decisions, mut best) = (Vec::new(), None);
-        let last = self.candidates.len() - 1;
-        for (n, candidate) in self.candidates.iter().enumerate() {
-            self.settings.check(accuracy, candidate.orders.weak)?;
-            decisions.push(candidate.reason.clone());
-            let mut steps = self.settings.coarsest_steps.max(candidate.least_steps());
-            for refinement in 0..=REFINEMENTS {
-                let name = format!("{name}/{} from {steps} steps", candidate.setup.scheme.id());
-                let settings = Settings { coarsest_steps: steps, ..self.settings };
-                let end = n == last && refinement == REFINEMENTS;
-                match Estimator::new(candidate, &asked, &name, settings).expectation() {
-                    Ok(Some(mut found)) => {
-                        found.decisions.splice(0..0, decisions.iter().cloned());
-                        if end || found.is_final() {
-                            return Ok(Some(found));
-                        }
-                        best = Some(found);
+        let Self { candidates, settings } = self;
+        let spent = Cell::new(0);
+        let request = Request { settings, observables, accuracy, progress, spent: &spent };
+        let attempts = candidates.iter().flat_map(|candidate| {
+            let steps = settings.coarsest_steps.max(candidate.least_steps());
+            (0..=REFINEMENTS).map(move |doubled| (candidate, steps << doubled))
+        });
+        let mut attempts = attempts.peekable();
+        let (mut decisions, mut best) = (Vec::new(), Err(RunError::Stopped));
+        while let Some((candidate, steps)) = attempts.next() {
+            let orders = settings.weak_order.map(|weak| Orders { weak, next: weak + 1.0 });
+            let orders = orders.unwrap_or(candidate.orders);
+            settings.check(accuracy, orders.weak)?;
+            match Estimator::new(candidate, request, orders, steps).expectation() {
+                Ok(mut found) => {
+                    found.decisions.splice(0..0, decisions.iter().cloned());
+                    if attempts.peek().is_none() || found.is_final() {
+                        return Ok(found);
                     }
-                    Err(RunError::NoPaths { .. } | RunError::NotFinite { .. }) if !end => {}
-                    // The limit is for all attempts together.
-                    Err(error @ RunError::PilotCost { .. }) => {
-                        let best = best.map(|best| Expectation { cost: asked.spent.get(), ..best });
-                        return best.map(Some).ok_or(error);
-                    }
-                    other => return other,
+                    best = Ok(found);
                 }
-                if refinement > 0 {
-                    decisions.pop();
+                Err(RunError::NoPaths { .. } | RunError::NotFinite { .. })
+                    if attempts.peek().is_some() => {}
+                // The limit is for all attempts together.
+                Err(error @ (RunError::PilotCost { .. } | RunError::Stopped)) => {
+                    let best = best.map(|best| Expectation { cost: spent.get(), ..best });
+                    return best.map_err(|_| error);
                 }
-                let taken = format!("{steps} step{}", if steps == 1 { "" } else { "s" });
-                decisions.push(format!("paths fail with {taken} on the coarsest level"));
-                steps *= 2;
+                Err(error) => return Err(error),
             }
+            let scheme = candidate.setup.scheme.id();
+            decisions.retain(|before: &String| !before.contains(scheme));
+            decisions.push(format!("paths of {scheme} fail with {steps} steps or fewer"));
         }
-        unreachable!("the last candidate returns")
+        best
     }
 }
 
-impl Expectation {
-    /// Whether smaller coarsest steps would not help: no paths fail, or it is reached or stopped.
-    fn is_final(&self) -> bool {
-        let fails = |warning: &Warning| matches!(warning, Warning::FailedPaths { .. });
-        let stopped = self.warnings.contains(&Warning::Limit(Limit::Stopped));
-        stopped || self.reached() || !self.warnings.iter().any(fails)
+impl ExpectSettings {
+    /// The family of streams of a level.
+    fn stream(&self, level: usize) -> StreamKey {
+        let experiment = self.key.experiment + ((level as u64 + 1) << LEVEL_BIT);
+        StreamKey { experiment, ..self.key }
+    }
+
+    fn check(&self, accuracy: f64, weak_order: f64) -> Result<(), RunError> {
+        let &Self { key, coarsest_steps: steps, max_level, .. } = self;
+        // Fourth powers of the accuracy must be numbers.
+        let fourth = (1e-70..1e70).contains(&accuracy);
+        // Beyond, 1/(2^p − 1) is no weight.
+        let order = (1.0 / 16.0..=16.0).contains(&weak_order);
+        let experiment = key.experiment >> LEVEL_BIT == 0;
+        let (few, level) = ((1..=1 << 24).contains(&steps), (3..=24).contains(&max_level));
+        RunError::unmet([
+            (fourth, "accuracy", "from 1e-70 to 1e70 (else scale the function)", accuracy),
+            (experiment, "experiment number", "below 2^40", key.experiment as f64),
+            (few, "number of coarsest steps", "from 1 to 2^24", steps as f64),
+            (order, "weak order", "from 1/16 to 16", weak_order),
+            (level, "finest level", "from 3 to 24", max_level as f64),
+        ])
     }
 }
 
-impl<'a> Candidate<'a> {
-    fn of_order_one(setup: Setup<'a>) -> Self {
-        let reason = format!("{}: weak order one", setup.scheme.id());
-        Self { setup, mirror: None, orders: Orders { weak: 1.0, next: 2.0 }, reason }
+/// A scheme of weak order one.
+impl<'a> From<Setup<'a>> for Candidate<'a> {
+    fn from(setup: Setup<'a>) -> Self {
+        Self { setup, mirror: None, orders: Orders { weak: 1.0, next: 2.0 } }
     }
+}
 
+impl Candidate<'_> {
     /// The least number of steps on the coarsest level: truncation is for steps below one.
     fn least_steps(&self) -> u64 {
         match self.setup.scheme.clips_increments() {

@@ -1,4 +1,6 @@
-//! The result: estimates, levels and warnings.
+//! The result: estimates, levels and warnings, and all of it in words.
+
+use std::fmt;
 
 /// P(|N(0, 1)| ≤ this) = 95 %.
 pub const QUANTILE: f64 = 1.959_963_984_540_054;
@@ -31,18 +33,24 @@ impl Expectation {
             |estimate: &Estimate| estimate.half_width() <= self.accuracy && estimate.judged.all();
         self.estimates.iter().all(reached)
     }
+
+    /// Whether smaller coarsest steps would not help: no paths fail, or it is reached or stopped.
+    pub(super) fn is_final(&self) -> bool {
+        let warned = |kind| self.warnings.iter().any(|warning| warning.kind == kind);
+        self.reached() || warned(WarningKind::Stopped) || !warned(WarningKind::FailedPaths)
+    }
 }
 
 /// What the samples say about the three assumptions of an interval; each `false` has a
-/// [`Warning`].
+/// [`Warning`], whose kind names the assumption.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Judged {
-    /// Thirty samples or more carry the variance ([`Warning::FewSamples`]).
+    /// Thirty samples or more carry the variance.
     pub variance: bool,
     /// The bias falls from level to level by an order that can be extrapolated, and the levels
-    /// telescope ([`Warning::Bias`]).
+    /// telescope.
     pub bias: bool,
-    /// The finest steps follow the motion, the damping and φ ([`Warning::Unresolved`]).
+    /// The finest steps follow the motion, the damping and φ.
     pub resolution: bool,
 }
 
@@ -103,8 +111,7 @@ impl Estimate {
 }
 
 /// An exponent with its 95 % interval, which is widened when the points do not lie on a line.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{value:.2} ({lower:.2} to {upper:.2})")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
     /// The slope.
     pub value: f64,
@@ -127,184 +134,127 @@ pub struct Level {
     pub failed: u64,
     /// Path-steps of one sample.
     pub cost_per_path: u64,
-    /// One for each test function.
-    pub values: Vec<LevelValue>,
-}
-
-/// The samples of one test function on one level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LevelValue {
-    /// Their mean.
-    pub mean: f64,
-    /// Their variance.
-    pub variance: f64,
+    /// The variance of the samples of each test function.
+    pub variances: Vec<f64>,
 }
 
 /// An assumption that does not hold, or a limit that was reached.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warning {
+    /// Which.
+    pub kind: WarningKind,
+    /// The φ that is concerned; `None` if all are.
+    pub observable: Option<String>,
+    /// The same in words, with numbers.
+    pub text: String,
+}
+
+/// What is warned of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Warning {
+pub enum WarningKind {
     /// A few samples decide, so that nobody can tell how φ varies: fewer than thirty carry its
     /// variance, or the largest are too frequent for one (Hill's estimate of the exponent of their
     /// tail is below two), and events larger than all that were seen may be missing; or none does,
     /// since φ is the same to the bit on all of them. Blocks [`Judged::variance`].
-    #[error(
-        "{observable}: {effective:.0} of {samples} samples carry the variance on level {level}: a \
-         few large ones decide, or the noise is too weak for these steps"
-    )]
-    FewSamples {
-        /// Name of φ.
-        observable: String,
-        /// The level.
-        level: usize,
-        /// How many samples carry the variance: N/κ with the kurtosis κ.
-        effective: f64,
-        /// The number N of all samples.
-        samples: u64,
-    },
-    /// The steps of the finest level do not resolve the motion, the damping or φ. Blocks
-    /// [`Judged::resolution`].
-    #[error(
-        "the steps do not resolve {what}: on level {level} {}; take more coarsest steps, or a \
-         higher finest level",
-        what.defect(*defect)
-    )]
-    Unresolved {
-        /// What they do not resolve.
-        what: Unresolved,
-        /// The finest level.
-        level: usize,
-        /// By how much; [`Unresolved`] says of what.
-        defect: f64,
-    },
-    /// The bias of the steps is not bounded, or with a lower order than the scheme should have.
-    #[error("{observable}: {why}")]
-    Bias {
-        /// Name of φ.
-        observable: String,
-        /// Why.
-        why: Unbounded,
-    },
-    /// A limit was reached before the accuracy.
-    #[error(transparent)]
-    Limit(#[from] Limit),
-    /// Paths without a solution were left out: the estimate is conditional on survival.
-    #[error(
-        "{failed} paths failed on level {level} and were left out, which may bias the estimate"
-    )]
-    FailedPaths {
-        /// The level.
-        level: usize,
-        /// How many.
-        failed: u64,
-    },
-}
-
-/// What steps do not resolve.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Unresolved {
-    /// A component of the state, counted from one. Fine and coarse paths differ by more than half
-    /// of its motion, or by no less than on coarser levels: a fast motion that the steps do not
-    /// resolve looks like a slow one. The defect is the root mean square of fine minus coarse over
-    /// that of y − y(0).
-    #[error("y{0}")]
+    FewSamples,
+    /// The steps of the finest level do not resolve this component of the state, counted from one.
+    /// Fine and coarse paths differ by more than half of its motion in root mean square, or by no
+    /// less than on coarser levels: a fast motion that the steps do not resolve looks like a slow
+    /// one. Blocks [`Judged::resolution`], as the next three do.
     Component(usize),
-    /// A test function: it multiplies phases that the states resolve, or has other events on fine
-    /// paths than on coarse ones. The defect is the root mean square of the difference over that of
-    /// its motion or variation.
-    #[error("{0}")]
-    Function(String),
-    /// The damping: it oscillates or has pulses within the steps, or rate and integral contradict
-    /// each other. The defect is the largest difference of its sums over the steps from ∫₀ᵗγ.
-    #[error("the damping")]
+    /// They do not resolve φ: it multiplies phases that the states resolve, or has other events on
+    /// fine paths than on coarse ones.
+    Function,
+    /// Nor the damping: it oscillates or has pulses within the steps, or rate and integral
+    /// contradict each other, so that its sums over the steps differ from ∫₀ᵗγ.
     Damping,
-    /// Noise and forces within a step of strong damping, which step sizes that all forget them
-    /// agree on. The defect is the largest ∫|γ| that each of three steps in a row has, above one.
-    #[error("the damping")]
+    /// Nor noise and forces within a step of strong damping, which step sizes that all forget them
+    /// agree on: each of three steps in a row has an ∫|γ| above one.
     StrongDamping,
-}
-
-impl Unresolved {
-    fn defect(&self, defect: f64) -> String {
-        match self {
-            Self::Component(_) | Self::Function(_) => {
-                format!("fine and coarse paths differ by {defect:.1e} of its motion")
-            }
-            Self::Damping => {
-                format!("its sums over the steps differ from the integral by {defect:.1e}")
-            }
-            Self::StrongDamping => format!("it is e^-{defect:.1} in one step"),
-        }
-    }
-}
-
-/// Why the bias is not bounded as it should be.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Unbounded {
     /// The differences fall more slowly than the weak order says; the bias is extrapolated by the
-    /// observed order then, but by none below ½ or half of the one given. An upper end below that
-    /// blocks [`Judged::bias`].
-    #[error("differences fall with exponent {alpha}, the weak order given is {assumed}")]
-    Order {
-        /// Observed exponent.
-        alpha: Rate,
-        /// The weak order assumed.
-        assumed: f64,
-    },
+    /// observed order then.
+    Order,
+    /// They fall with an order below ½ or half of the one given. Blocks [`Judged::bias`].
+    Slow,
     /// The coarse mean of a level contradicts the fine mean of the level below, which has the same
     /// expectation. Blocks [`Judged::bias`].
-    #[error(
-        "the coarse mean of level {level} is {deviation:.1} standard errors from the fine mean of \
-         level {}, the levels do not telescope",
-        level - 1
-    )]
-    Telescope {
-        /// The level of the coarse mean.
-        level: usize,
-        /// Distance in standard errors.
-        deviation: f64,
-    },
-}
-
-/// A limit that was reached before the accuracy.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Limit {
-    /// The cost.
-    #[error("the accuracy was not reached with the {max_cost} path-steps allowed")]
-    Cost {
-        /// Path-steps allowed.
-        max_cost: u64,
-    },
+    Telescope,
+    /// Paths without a solution were left out: the estimate is conditional on survival.
+    FailedPaths,
+    /// The path-steps that are allowed did not reach the accuracy.
+    Cost,
     /// The accuracy takes more path-steps than are allowed; no more samples were drawn.
-    #[error(
-        "the accuracy is out of reach: it takes {least:.0e} path-steps or more, {max_cost:.0e} are \
-         allowed"
-    )]
-    OutOfReach {
-        /// Path-steps that are not enough.
-        least: f64,
-        /// Path-steps allowed.
-        max_cost: f64,
-    },
+    OutOfReach,
     /// The bias is too large on the finest level allowed, or its steps do not resolve the motion.
-    #[error("the bias is too large on the finest level allowed, {level}")]
-    Level {
-        /// That level.
-        level: usize,
-    },
-    /// The computation was stopped; see [`Job::giving_what_is_done`](crate::parts::Job).
-    #[error("stopped before the accuracy was reached")]
+    Level,
+    /// The computation was [stopped](super::ExpectSettings::stop).
     Stopped,
 }
 
 impl Warning {
-    /// The φ that is concerned; `None` if all are.
-    pub fn observable(&self) -> Option<&str> {
-        match self {
-            Self::FewSamples { observable, .. }
-            | Self::Unresolved { what: Unresolved::Function(observable), .. }
-            | Self::Bias { observable, .. } => Some(observable),
-            _ => None,
+    pub(super) fn of_all(kind: WarningKind, text: String) -> Self {
+        Self { kind, observable: None, text }
+    }
+
+    pub(super) fn of(observable: &str, kind: WarningKind, text: String) -> Self {
+        Self { kind, observable: Some(observable.to_owned()), text }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let of = self.observable.iter().map(|name| format!("{name}: ")).collect::<String>();
+        write!(f, "{of}{}", self.text)
+    }
+}
+
+/// Each expectation with its interval and the parts of it, what it cost, decisions and warnings;
+/// one warning of each kind for all functions that it concerns.
+impl fmt::Display for Expectation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { scheme, estimates, accuracy, cost, levels, decisions, warnings } = self;
+        let longest = estimates.iter().map(|one| one.name.chars().count()).max().unwrap_or(0);
+        for estimate in estimates {
+            let name = format!("E[{}]", estimate.name);
+            writeln!(f, "{name:width$} = {estimate}", width = longest + 3)?;
         }
+        let finest = levels.iter().map(|level| level.tau).fold(f64::INFINITY, f64::min);
+        let cost = *cost as f64;
+        writeln!(f, "{scheme} with steps down to {finest:.2e}, {cost:.2e} path-steps")?;
+        decisions.iter().try_for_each(|decision| writeln!(f, "{decision}"))?;
+        for (n, Warning { kind, observable, text }) in warnings.iter().enumerate() {
+            let alike = |other: &&Warning| other.kind == *kind && other.observable.is_some();
+            if observable.is_some() && warnings[..n].iter().any(|before| alike(&before)) {
+                continue;
+            }
+            let names = warnings[n..].iter().filter(alike).filter_map(|w| w.observable.as_deref());
+            let mut names: Vec<&str> = names.collect();
+            names.dedup();
+            let of = if observable.is_some() { names.join(", ") + ": " } else { String::new() };
+            writeln!(f, "warning: {of}{text}")?;
+        }
+        if !self.reached() {
+            writeln!(f, "the accuracy {accuracy:.1e} was NOT reached")?;
+        }
+        Ok(())
+    }
+}
+
+/// The value to two digits of the half-width, and the parts of that.
+impl fmt::Display for Estimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let half_width = self.half_width();
+        let decimals = match half_width > 0.0 && half_width.is_finite() {
+            true => (1.0 - half_width.log10().floor()).clamp(0.0, 17.0) as usize,
+            false => 6,
+        };
+        let sampling = f64::hypot(self.quantile * self.standard_error, self.missed);
+        write!(
+            f,
+            "{:.decimals$} ± {half_width:.1e} (95 %): sampling {sampling:.1e}, bias at most {:.1e}",
+            self.value, self.bias_bound
+        )?;
+        if self.judged.all() { Ok(()) } else { write!(f, "; NOT to be believed") }
     }
 }

@@ -7,12 +7,11 @@
 //! Each φ is compared in the same way, at eight coarse times.
 
 use real::{Kernel, PathMask, Row, WIDTH, dispatch};
-use serde::{Deserialize, Serialize};
 use stats::ROUND_OFF;
 
 use super::{
     level::{Samples, Values},
-    report::{Unresolved, Warning},
+    report::{Warning, WarningKind},
 };
 use crate::{DampingResolution, View};
 
@@ -29,7 +28,7 @@ const VANISHES: f64 = 0.75;
 const ERROR: f64 = 0.1;
 
 /// Sums over paths and coarse times, for each component, or each φ, and each place in a block.
-#[derive(Clone, Default, Serialize, Deserialize)]
+#[derive(Clone, Default)]
 pub struct Motion {
     /// (fine − coarse)².
     difference: Vec<Row>,
@@ -204,23 +203,36 @@ pub fn unresolved(
 ) -> Vec<Warning> {
     let [.., last] = differences else { return Vec::new() };
     let level = last.level;
+    let text = |what: &str, how: String| {
+        format!(
+            "the steps do not resolve {what}: on level {level} {how}; take more coarsest steps, or a \
+             higher finest level"
+        )
+    };
+    let differ = |by: f64| format!("fine and coarse paths differ by {by:.1e} of its motion");
     let components = (0..last.motion.start.len()).filter_map(|i| {
         let quotients = quotients(differences, i).filter(|quotients| !resolved(*quotients))?;
-        Some((Unresolved::Component(i + 1), quotients[2]))
+        Some((i + 1, quotients[2]))
     });
     let component = components.max_by(|one, other| one.1.total_cmp(&other.1));
+    let component =
+        component.map(|(i, by)| (WarningKind::Component(i), format!("y{i}"), differ(by)));
     let exponent = damping.lasting_exponent(level);
     let damping = match exponent > LARGEST_EXPONENT {
-        true => Some((Unresolved::StrongDamping, exponent)),
-        false => damping.unresolved(level).map(|defect| (Unresolved::Damping, defect)),
+        true => Some((WarningKind::StrongDamping, format!("it is e^-{exponent:.1} in one step"))),
+        false => damping.unresolved(level).map(|by| {
+            let how = format!("its sums over the steps differ from the integral by {by:.1e}");
+            (WarningKind::Damping, how)
+        }),
     };
+    let damping = damping.map(|(kind, how)| (kind, "the damping".to_owned(), how));
+    let of_all = component.into_iter().chain(damping);
+    let of_all = of_all.map(|(kind, what, how)| Warning::of_all(kind, text(&what, how)));
     let function = |(k, name): (usize, &&str)| {
-        let defect = unresolved_function(differences, k, accuracy)?;
-        Some((Unresolved::Function((*name).to_owned()), defect))
+        let by = unresolved_function(differences, k, accuracy)?;
+        Some(Warning::of(name, WarningKind::Function, text("it", differ(by))))
     };
-    let functions = names.iter().enumerate().filter_map(function);
-    let all = component.into_iter().chain(damping).chain(functions);
-    all.map(|(what, defect)| Warning::Unresolved { what, level, defect }).collect()
+    of_all.chain(names.iter().enumerate().filter_map(function)).collect()
 }
 
 /// How far fine and coarse paths of the last level differ in test function number k, if its motion

@@ -41,7 +41,7 @@ pub struct Term {
 
 impl Term {
     fn new(samples: &Samples, k: usize, fine: bool, missed: f64) -> Self {
-        let means = samples.of_replicates(k, fine);
+        let means = &samples.means[k][usize::from(fine)];
         // One path without noise has no error of sampling.
         let variance = match means.mean.count() {
             1 => 0.0,
@@ -101,17 +101,8 @@ impl Sum {
     }
 
     /// Σ of a function of weight and term.
-    fn over(&self, part: impl Fn(f64, &Term) -> f64) -> f64 {
+    pub fn over(&self, part: impl Fn(f64, &Term) -> f64) -> f64 {
         self.terms.iter().enumerate().map(|(n, term)| part(self.weight(n), term)).sum()
-    }
-
-    /// What extrapolation adds to the mean at the finest step.
-    pub fn bias(&self) -> f64 {
-        self.over(|weight, term| (weight - 1.0) * term.mean)
-    }
-
-    pub fn value(&self) -> f64 {
-        self.over(|weight, term| weight * term.mean)
     }
 
     pub fn standard_error(&self) -> f64 {

@@ -1,15 +1,17 @@
 //! The arithmetic and the rules of the algorithm on samples that are made up.
 
+use noise::StreamKey;
 use real::{Block, PathMask};
 use schemes::Heun;
 use stats::{CentralMoments, ROUND_OFF};
 use systems::{Constant, Pendulum, Problem};
 
 use super::{
+    ExpectSettings,
     judge::{Evidence, deviation},
-    level::{PathValues, Samples, Sums, Values, hull},
+    level::{PathValues, Samples, Values, hull},
     rates,
-    report::{Estimate, Expectation, Judged, QUANTILE, Rate, Unbounded, Unresolved, Warning},
+    report::{Estimate, Expectation, Judged, QUANTILE, Rate, Warning, WarningKind},
     resolution::{Motion, coupled, share, unresolved},
     sum::{Term, UNSEEN},
 };
@@ -90,11 +92,9 @@ fn path_values_are_those_of_the_runs() {
         observables: &observables,
         last_time: 2,
         coupled,
-        sums: Sums {
-            values: vec![Values::default()],
-            motion: Motion::new(&[0.0]),
-            functions: Motion::new(&[0.0]),
-        },
+        values: vec![Values::default()],
+        motion: Motion::new(&[0.0]),
+        functions: Motion::new(&[0.0]),
     };
     let observe = |states: &Vec<Block<1>>, times: &[u64]| {
         let mut seen = new(states.len() > 1);
@@ -112,16 +112,13 @@ fn path_values_are_those_of_the_runs() {
         (vec![state(3.0), state(2.0), state(5.0), state(1.0)], 40.0, 25.0),
     ] {
         let mut seen = observe(&states, &[1, 2]);
-        assert_eq!(
-            (seen.sums.values[0].fine.mean(), seen.sums.values[0].sample.mean()),
-            (fine, sample)
-        );
+        assert_eq!((seen.values[0].fine.mean(), seen.values[0].sample.mean()), (fine, sample));
         // Motion is seen at all times, φ at the last; of single paths there is none.
         let apart = if states.len() == 1 { 0.0 } else { 0.1 * sample / 3.0 };
-        assert!(close(seen.sums.motion.difference(0), apart));
-        assert!(observe(&states, &[1]).sums.values[0].range().is_none());
+        assert!(close(seen.motion.difference(0), apart));
+        assert!(observe(&states, &[1]).values[0].range().is_none());
         seen.merge(observe(&states, &[2]));
-        assert_eq!(seen.sums.values[0].fine.variance(), 0.0);
+        assert_eq!(seen.values[0].fine.variance(), 0.0);
     }
 }
 
@@ -273,10 +270,12 @@ fn a_motion_is_resolved_when_the_last_paths_agree_and_better_than_those_below() 
         let found = found(&quotients(of), 9.0);
         assert_eq!(found.is_empty(), resolved, "{of:?}");
         if !resolved {
-            let [Warning::Unresolved { ref what, level: 3, defect }] = found[..] else {
-                panic!("{found:?}")
-            };
-            assert!(close(defect, of[2]) && *what == Unresolved::Component(1), "{of:?}");
+            let [Warning { kind, ref text, .. }] = found[..] else { panic!("{found:?}") };
+            assert_eq!(kind, WarningKind::Component(1));
+            assert!(text.contains(&format!(
+                "y1: on level 3 fine and coarse paths differ by {:.1e}",
+                of[2]
+            )));
         }
     }
     assert!(found(&quotients([0.1; 3])[..2], 9.0).is_empty());
@@ -294,8 +293,7 @@ fn a_test_function_is_coupled_where_its_differences_are_small_or_do_not_matter()
     assert!(coupled(&of(limit + 0.01), 2.0) && !coupled(&of(limit + 0.01), 1.99));
     let mut levels = quotients([0.1, 0.05, 0.02]);
     levels[2].values = vec![of(limit + 0.01)];
-    let function = Unresolved::Function("phi".into());
-    let named = |warning: &Warning| matches!(warning, Warning::Unresolved { what, level: 3, .. } if *what == function);
+    let named = |warning: &Warning| warning.kind == WarningKind::Function;
     assert!(found(&levels, 0.1).iter().any(named) && found(&levels, 2.0).is_empty());
 }
 
@@ -424,32 +422,31 @@ fn each_assumption_is_judged_at_its_limit() {
     assert_eq!(judged(steps, 0.0, alpha, same), (all, vec![]));
     let (coarse, warnings) = judged([1.2, 1.3, 0.75], 0.0, alpha, same);
     assert_eq!(coarse, Judged { resolution: false, ..all });
-    assert!(matches!(warnings[..], [Warning::Unresolved { level: 3, .. }]), "{warnings:?}");
+    let kinds = |warnings: &[Warning]| warnings.iter().map(|one| one.kind).collect::<Vec<_>>();
+    assert_eq!(kinds(&warnings), [WarningKind::Component(1)]);
     // Four and a half standard errors between neighbours, of √((1 + 0.81)/399).
     let error = (1.81f64 / 399.0).sqrt();
     assert_eq!(judged(steps, 4.45 * error, alpha, same), (all, vec![]));
     let (apart, warnings) = judged(steps, 4.55 * error, alpha, same);
     assert_eq!(apart, Judged { bias: false, ..all });
-    let why = |warnings: &[Warning]| match warnings {
-        [Warning::Bias { why, .. }] => why.clone(),
-        _ => panic!("{warnings:?}"),
-    };
-    assert!(matches!(why(&warnings), Unbounded::Telescope { level: 3, .. }));
+    assert_eq!(kinds(&warnings), [WarningKind::Telescope]);
     // A weak order below the one given by more than a quarter is named, and below ½ not believed.
     assert_eq!(judged(steps, 0.0, rate(0.1, 0.76), same), (all, vec![]));
     let (named, warnings) = judged(steps, 0.0, rate(0.1, 0.74), same);
-    assert!(named == all && matches!(why(&warnings), Unbounded::Order { .. }));
+    assert_eq!((named, kinds(&warnings)), (all, vec![WarningKind::Order]));
     let (slow, warnings) = judged(steps, 0.0, rate(0.1, 0.49), same);
     assert_eq!(slow, Judged { bias: false, ..all });
-    assert!(matches!(why(&warnings), Unbounded::Order { .. }));
+    assert_eq!(kinds(&warnings), [WarningKind::Slow]);
     // φ is the same on every path of a level that decides.
     let blind = |levels: &mut [Samples]| levels[2].values = vec![pairs(&[1.0; 400], &[1.0; 400])];
     let (same_on_all, warnings) = judged(steps, 0.0, alpha, blind);
     assert!(!same_on_all.variance);
-    let few = |warning: &Warning| {
-        matches!(warning, Warning::FewSamples { level: 2, effective: 0.0, samples: 64, .. })
+    let few = |warnings: &[Warning], text: &str| {
+        let is = |one: &Warning| one.kind == WarningKind::FewSamples && one.text.contains(text);
+        assert!(warnings.iter().any(is), "{warnings:?}");
     };
-    assert!(warnings.iter().any(few), "{warnings:?}");
+    let none = "0 of 64 samples carry the variance on level 2";
+    few(&warnings, none);
     // One sample has the variance of the level that the sum begins with.
     let heavy = |levels: &mut [Samples]| {
         let mut values = vec![0.0; 400];
@@ -458,8 +455,7 @@ fn each_assumption_is_judged_at_its_limit() {
     };
     let (heavy, warnings) = judged(steps, 0.0, alpha, heavy);
     assert!(!heavy.variance);
-    let few = |warning: &Warning| matches!(warning, Warning::FewSamples { level: 0, .. });
-    assert!(warnings.iter().any(few), "{warnings:?}");
+    few(&warnings, "on level 0");
 }
 
 #[test]
@@ -486,4 +482,54 @@ fn an_interval_adds_the_bias_to_the_rest() {
     ] {
         assert!(!result(7.0, one).reached());
     }
+}
+
+#[test]
+fn no_two_levels_share_a_family() {
+    let mut seen = std::collections::HashSet::new();
+    for experiment in [0, 1, (1 << 40) - 1] {
+        assert!(seen.insert(experiment));
+        let key = StreamKey { seed: 0, experiment };
+        let settings = ExpectSettings { key, ..ExpectSettings::default() };
+        for level in 0..=24 {
+            let family = settings.stream(level).experiment;
+            assert!(seen.insert(family) && family < noise::AREA_STREAM);
+        }
+    }
+}
+
+#[test]
+fn an_expectation_says_what_it_is_and_what_it_lacks() {
+    let estimate = |name: &str, standard_error: f64| Estimate {
+        name: name.into(),
+        value: 0.123_456_789,
+        standard_error,
+        quantile: 2.0,
+        bias_bound: 3e-5,
+        missed: 0.0,
+        ..estimate()
+    };
+    let mut found = Expectation {
+        scheme: "sexp",
+        estimates: vec![estimate("y1", 2e-5), estimate("cos y1", 0.0)],
+        accuracy: 1e-4,
+        cost: 1234,
+        levels: Vec::new(),
+        decisions: vec!["a reason".into()],
+        warnings: Vec::new(),
+    };
+    let text = found.to_string();
+    let first = "E[y1]     = 0.123457 ± 7.0e-5 (95 %): sampling 4.0e-5, bias at most 3.0e-5\n";
+    assert!(found.reached() && text.starts_with(first), "{text}");
+    assert!(text.contains("\nE[cos y1] = 0.123457 ± 3.0e-5"), "{text}");
+    assert!(text.ends_with("path-steps\na reason\n") && text.contains("1.23e3"), "{text}");
+
+    found.warnings.push(Warning::of_all(WarningKind::Cost, "too dear".into()));
+    found.estimates[0].missed = 1e-3;
+    found.estimates[1].judged.bias = false;
+    let text = found.to_string();
+    assert!(text.contains("± 1.0e-3 (95 %): sampling 1.0e-3"), "{text}");
+    assert!(text.contains("bias at most 3.0e-5; NOT to be believed\n"), "{text}");
+    let last = "warning: too dear\nthe accuracy 1.0e-4 was NOT reached\n";
+    assert!(text.ends_with(last), "{text}");
 }

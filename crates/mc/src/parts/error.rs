@@ -33,12 +33,6 @@ pub enum JobError {
         /// Their numbers.
         parts: Vec<u64>,
     },
-    /// The next round of paths depends on those that are now merged.
-    #[error("{work} needs more paths: run the same parts once more, then merge again")]
-    NextRound {
-        /// The piece of work.
-        work: String,
-    },
     /// The computation was stopped. A checkpoint is written if the job has a folder.
     #[error("stopped; where there is a folder, the same command goes on from the checkpoint")]
     Stopped,

@@ -4,11 +4,9 @@
 //! the works by their names. Every number comes back to the bit.
 
 use std::{
-    borrow::Cow,
     collections::BTreeMap,
     fmt::Display,
     fs, io,
-    io::{Read, Seek},
     ops::Range,
     path::{Path, PathBuf},
 };
@@ -16,14 +14,11 @@ use std::{
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::{
-    JobError, Share, atomic,
-    work::{Sum, Work},
-};
-use crate::{Kept, driver::GROUP_PATHS, ladder::Nodes, tree::Node};
+use super::{JobError, Share, atomic};
+use crate::driver::GROUP_PATHS;
 
 /// The version of the format.
-const SCHEMA: u32 = 3;
+const SCHEMA: u32 = 4;
 /// Bytes of a SHA-256.
 const SUM: usize = 32;
 
@@ -46,8 +41,8 @@ pub struct Program {
 /// What a file says of a piece of work beside its sums.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Header {
-    /// What tells the study from others: names and values.
-    pub study: Vec<(String, String)>,
+    /// What tells the study from others.
+    pub study: String,
     /// Paths of the whole.
     pub paths: u64,
     /// The groups of paths that this file is to have.
@@ -69,77 +64,28 @@ impl Header {
 }
 
 /// A piece of work in a file: its nodes as bytes.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct Entry<'a> {
+#[derive(Serialize, Deserialize)]
+pub struct Entry {
     pub header: Header,
-    #[serde(borrow)]
-    nodes: Cow<'a, [u8]>,
+    pub nodes: Vec<u8>,
 }
-
-impl Entry<'_> {
-    /// Packs the nodes of a piece of work. What cannot be read back must be known before hours of
-    /// computing depend on it.
-    pub fn new<T: Kept>(
-        header: Header,
-        nodes: &[Node<Sum<T>>],
-        work: &Work<'_, T>,
-    ) -> Result<Self, JobError> {
-        let packed = work.pack(nodes);
-        let again = packed.clone().and_then(|bytes| work.pack(&work.unpack(&bytes)?));
-        let why = match (packed, again) {
-            (Ok(bytes), Ok(again)) if bytes == again => {
-                return Ok(Self { header, nodes: Cow::Owned(bytes) });
-            }
-            (Ok(_), Ok(_)) => "they come back as others".into(),
-            (Err(error), _) | (_, Err(error)) => error.to_string(),
-        };
-        Err(JobError::Refused(format!(
-            "the sums of {} cannot be written and read back: {why}. Derive Serialize and \
-             Deserialize for them without skipping or flattening fields",
-            work.name
-        )))
-    }
-
-    /// The nodes, which must be the tree's nodes of the groups that are done.
-    pub fn nodes<T: Kept>(&self, path: &Path, work: &Work<'_, T>) -> Result<Nodes<T>, JobError> {
-        let nodes = work.unpack(&self.nodes).map_err(|error| damaged(path, error))?;
-        let mut next = self.header.groups.start;
-        let follows = nodes.iter().all(|node| {
-            let follows = node.first == next && node.level < 64;
-            next = if follows { node.end() } else { next };
-            follows
-        });
-        if follows && next == self.header.done {
-            Ok(nodes)
-        } else {
-            Err(damaged(path, format!("{} has groups twice or not at all", work.name)))
-        }
-    }
-}
-
-type Works<'a> = BTreeMap<String, Entry<'a>>;
 
 /// A file whose pieces of work are in memory.
 pub struct PartFile {
     pub path: PathBuf,
     /// None of what was merged.
-    part: Option<Share>,
+    pub part: Option<Share>,
     program: Program,
-    pub works: Works<'static>,
+    pub works: BTreeMap<String, Entry>,
 }
 
 impl PartFile {
-    /// The file at `path`, or one without works if there is none.
+    /// The file at `path`, or one of this part without works if there is none.
     pub fn open(path: PathBuf, program: &Program, part: Option<Share>) -> Result<Self, JobError> {
-        let works = match fs::read(&path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => BTreeMap::new(),
+        let (part, works) = match fs::read(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => (part, BTreeMap::new()),
             Err(error) => return Err(file_error("read", &path)(error)),
-            Ok(bytes) => {
-                let owned = |(name, Entry { header, nodes })| {
-                    (name, Entry { header, nodes: Cow::Owned(Cow::into_owned(nodes)) })
-                };
-                content(&path, &bytes, program)?.1.into_iter().map(owned).collect()
-            }
+            Ok(bytes) => content(&path, &bytes, program)?,
         };
         Ok(Self { path, part, program: program.clone(), works })
     }
@@ -156,71 +102,30 @@ impl PartFile {
     }
 }
 
-/// Where a piece of work is in a file that is not kept in memory.
-pub struct Place {
-    pub path: PathBuf,
-    pub part: Share,
-    pub header: Header,
-    bytes: Range<usize>,
-    sum: Vec<u8>,
-}
-
-impl Place {
-    /// The part of a file, and where its works are.
-    pub fn all(
-        path: &Path,
-        program: &Program,
-    ) -> Result<(Share, BTreeMap<String, Self>), JobError> {
-        let bytes = fs::read(path).map_err(file_error("read", path))?;
-        let (part, works) = content(path, &bytes, program)?;
-        let part = part.ok_or_else(|| damaged(path, "it names no part"))?;
-        let place = |(name, Entry { header, nodes }): (String, Entry<'_>)| {
-            let start = nodes.as_ptr() as usize - bytes.as_ptr() as usize;
-            let (bytes, sum) = (start..start + nodes.len(), Sha256::digest(&nodes).to_vec());
-            (name, Self { path: path.to_owned(), part, header, bytes, sum })
-        };
-        Ok((part, works.into_iter().map(place).collect()))
-    }
-
-    /// The nodes, read from the file.
-    pub fn nodes<T: Kept>(&self, work: &Work<'_, T>) -> Result<Nodes<T>, JobError> {
-        let mut nodes = vec![0; self.bytes.len()];
-        let mut read = || -> io::Result<()> {
-            let mut file = fs::File::open(&self.path)?;
-            file.seek(io::SeekFrom::Start(self.bytes.start as u64))?;
-            file.read_exact(&mut nodes)
-        };
-        read().map_err(file_error("read", &self.path))?;
-        if Sha256::digest(&nodes)[..] != self.sum[..] {
-            let file = self.path.display();
-            return Err(JobError::Refused(format!(
-                "{file} was replaced while it was merged: wait until its part has ended"
-            )));
-        }
-        Entry { header: self.header.clone(), nodes: nodes.into() }.nodes(&self.path, work)
-    }
-}
-
 /// The part and the works of a file of this program whose checksum is right.
-fn content<'a>(
+fn content(
     path: &Path,
-    bytes: &'a [u8],
+    bytes: &[u8],
     program: &Program,
-) -> Result<(Option<Share>, Works<'a>), JobError> {
+) -> Result<(Option<Share>, BTreeMap<String, Entry>), JobError> {
     let content = bytes.split_at_checked(SUM);
     let content = content.filter(|(sum, content)| Sha256::digest(content)[..] == **sum);
     let (_, content) = content.ok_or_else(|| damaged(path, "its checksum is wrong"))?;
     let made_by = postcard::take_from_bytes::<(u32, Program)>(content);
     let ((schema, found), rest) = made_by.map_err(|error| damaged(path, error))?;
-    let pairs = [
-        ("format", schema.to_string(), SCHEMA.to_string()),
-        ("program", found.name, program.name.clone()),
-        ("version", found.version, program.version.clone()),
-    ];
-    match pairs.into_iter().find(|(_, found, here)| found != here) {
-        Some((what, found, here)) => Err(foreign(path, "it", what, found, here)),
-        None => postcard::from_bytes(rest).map_err(|error| damaged(path, error)),
+    if (schema, &found) != (SCHEMA, program) {
+        let of = |Program { name, version }: &Program, schema| {
+            format!("{name} {version}, format {schema}")
+        };
+        return Err(foreign(
+            path,
+            "the file",
+            "the program",
+            of(&found, schema),
+            of(program, SCHEMA),
+        ));
     }
+    postcard::from_bytes(rest).map_err(|error| damaged(path, error))
 }
 
 pub fn foreign(
@@ -237,7 +142,7 @@ pub fn foreign(
     ))
 }
 
-fn damaged(path: &Path, found: impl Display) -> JobError {
+pub fn damaged(path: &Path, found: impl Display) -> JobError {
     JobError::Refused(format!(
         "{} is damaged: {found}. Delete the file of a part and run that part again; without \
          merged.bin begin anew in another folder",

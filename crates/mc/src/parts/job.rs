@@ -13,16 +13,13 @@ use super::{
     file::file_error,
     merging::Merging,
     part::Part,
-    plan::{Pilot, Plan},
+    plan::{Planned, measure},
     work::Work,
 };
-use crate::{Kept, ladder::Nodes, parallel::in_parallel};
+use crate::{Kept, ladder::Nodes};
 
 /// How often a checkpoint is written, unless said otherwise.
 const INTERVAL: Duration = Duration::from_secs(60);
-
-/// Rounds of samples of at most so many path-steps, about a second, are drawn by every part.
-const ALONE: u64 = 1 << 27;
 
 /// What a program does with its Monte Carlo work: compute it here, compute one part, or merge.
 ///
@@ -34,7 +31,6 @@ const ALONE: u64 = 1 << 27;
 pub struct Job {
     stop: Stop,
     interval: Duration,
-    alone: u64,
     /// Whether work that was stopped gives the result of what is done.
     incomplete: bool,
     state: Mutex<State>,
@@ -52,8 +48,8 @@ enum Mode {
     Here,
     Part(Part),
     Merge(Merging),
-    /// A little of everything is computed, and forgotten.
-    Plan(Pilot),
+    /// For so long a little of everything is computed, and forgotten.
+    Plan(Duration, Vec<Planned>),
 }
 
 impl Job {
@@ -86,13 +82,12 @@ impl Job {
     /// Measures how long works take, on a few groups of each that take at least this long.
     /// [`plan`](Self::plan) has the result.
     pub fn pilot(each: Duration) -> Self {
-        Self::new(Mode::Plan(Pilot { each, plan: Plan::default() }))
+        Self::new(Mode::Plan(each, Vec::new()))
     }
 
     fn new(mode: Mode) -> Self {
         let state = Mutex::new(State { mode, error: None, names: BTreeSet::new() });
-        let stop = Stop::default();
-        Self { stop, interval: INTERVAL, alone: ALONE, incomplete: false, state }
+        Self { stop: Stop::default(), interval: INTERVAL, incomplete: false, state }
     }
 
     /// Ends early when `stop` asks for it, with a checkpoint.
@@ -101,9 +96,8 @@ impl Job {
         self
     }
 
-    /// A study or ladder that is stopped gives the result of the paths that are done, not of part
-    /// of several; an expectation the estimates of the rounds before. [`finish`](Self::finish) says
-    /// [`JobError::Stopped`] all the same.
+    /// Work that is stopped gives the result of the paths that are done, not of part of several.
+    /// [`finish`](Self::finish) says [`JobError::Stopped`] all the same.
     pub fn giving_what_is_done(mut self) -> Self {
         self.incomplete = true;
         self
@@ -113,20 +107,6 @@ impl Job {
     pub fn with_checkpoints_every(mut self, interval: Duration) -> Self {
         self.interval = interval;
         self
-    }
-
-    /// Splits a round of samples of an [expectation](crate::Expect::run_in) into parts
-    /// if it takes more than so many path-steps; 2²⁷, about a second, by default. Smaller rounds
-    /// are drawn by every part, since later ones follow from them. All parts and whoever merges
-    /// them must have the same number.
-    pub fn splitting_rounds_above(mut self, path_steps: u64) -> Self {
-        self.alone = path_steps;
-        self
-    }
-
-    /// Whether it was stopped and gives what is done.
-    pub(crate) fn gives_what_is_done(&self) -> bool {
-        self.incomplete && self.stop.is_asked()
     }
 
     /// Whether this job goes on from a checkpoint.
@@ -139,20 +119,19 @@ impl Job {
     ///
     /// # Errors
     /// The first error of the job.
-    pub fn plan(self) -> Result<Plan, JobError> {
+    pub fn plan(self) -> Result<Vec<Planned>, JobError> {
         let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         match (state.error, state.mode) {
             (Some(error), _) => Err(error),
-            (None, Mode::Plan(pilot)) => Ok(pilot.plan),
-            _ => Ok(Plan::default()),
+            (None, Mode::Plan(_, works)) => Ok(works),
+            _ => Ok(Vec::new()),
         }
     }
 
     /// Ends the job: writes what is not written yet.
     ///
     /// # Errors
-    /// [`JobError`]: the first error of the job, or [`JobError::Missing`], or
-    /// [`JobError::NextRound`].
+    /// [`JobError`]: the first error of the job, or [`JobError::Missing`].
     pub fn finish(self) -> Result<(), JobError> {
         let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         match (state.error, state.mode) {
@@ -160,7 +139,7 @@ impl Job {
                 part.finish().and(Err(JobError::Stopped))
             }
             (Some(error), _) => Err(error),
-            (None, Mode::Here | Mode::Plan(_)) => Ok(()),
+            (None, Mode::Here | Mode::Plan(..)) => Ok(()),
             (None, Mode::Part(part)) => part.finish(),
             (None, Mode::Merge(merging)) => merging.finish(),
         }
@@ -171,52 +150,40 @@ impl Job {
         &self.stop
     }
 
-    /// The nodes of all groups of some pieces of work, none of which depends on another, if they
-    /// are known here: computed, or merged. They are all rounds or none.
-    pub(crate) fn collect<T: Kept>(&self, works: &[Work<'_, T>]) -> Option<Vec<Nodes<T>>> {
+    /// The nodes of all groups of a piece of work, if they are known here: computed, or merged.
+    pub(crate) fn collect<T: Kept>(&self, work: &Work<'_, T>) -> Option<Nodes<T>> {
         // Waiting would be for ever: this thread may be at work on the other one.
         let state = self.state.try_lock();
         let mut state = state
-            .unwrap_or_else(|_| panic!("{} was begun inside another piece of work", works[0].name));
+            .unwrap_or_else(|_| panic!("{} was begun inside another piece of work", work.name));
         let State { mode, error, names } = &mut *state;
         if error.is_some() {
             return None;
         }
-        // Later rounds follow from whole ones only.
-        let incomplete = self.incomplete && works.iter().all(|work| work.round.is_none());
-        let again = works.iter().find(|work| !names.insert(work.name.clone()));
-        let small = works.iter().all(|work| work.round.is_some_and(|cost| cost <= self.alone));
-        let found: Result<Vec<_>, _> = match mode {
-            _ if let Some(Work { name, .. }) = again => Err(JobError::Refused(format!(
-                "the name {name:?} is given to two pieces of work; names tell them apart in files"
+        let is_new = names.insert(work.name.to_owned());
+        let found = match mode {
+            _ if !is_new => Err(JobError::Refused(format!(
+                "the name {:?} is given to two pieces of work; names tell them apart in files",
+                work.name
             ))),
-            Mode::Here => here(works, incomplete),
-            _ if small => here(works, false),
-            Mode::Part(part) => {
-                let collect = |work| part.collect(work, self.interval, incomplete);
-                works.iter().map(collect).collect()
+            Mode::Here => {
+                let mut tree = work.tree();
+                let end = work.grow(&mut tree, 0..work.groups(), &mut |_, _| true);
+                let done = end == work.groups() || self.incomplete;
+                done.then(|| Some(tree.into_nodes())).ok_or(JobError::Stopped)
             }
-            Mode::Merge(merging) => works.iter().map(|work| merging.collect(work)).collect(),
-            Mode::Plan(pilot) => {
-                works.iter().map(|work| pilot.measure(work).map(|()| None)).collect()
+            Mode::Part(part) => part.collect(work, self.interval, self.incomplete),
+            Mode::Merge(merging) => merging.collect(work),
+            Mode::Plan(each, works) => {
+                measure(*each, work).map(|planned| works.push(planned)).map(|()| None)
             }
         };
-        let found = found.map_err(|met| *error = Some(met)).ok()?;
-        if incomplete && self.stop.is_asked() {
+        if self.incomplete && self.stop.is_asked() {
             *error = Some(JobError::Stopped);
         }
-        found.into_iter().collect()
-    }
-}
-
-/// All works, computed here at the same time.
-fn here<T: Kept>(
-    works: &[Work<'_, T>],
-    incomplete: bool,
-) -> Result<Vec<Option<Nodes<T>>>, JobError> {
-    let one = |number: u64| works[number as usize].here(incomplete).map(Some);
-    match works.len() as u64 {
-        1 => Ok(vec![one(0)?]),
-        several => in_parallel(0..several, &one).into_iter().collect(),
+        found.unwrap_or_else(|met| {
+            *error = Some(met);
+            None
+        })
     }
 }

@@ -3,12 +3,12 @@
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use super::{
     JobError, Program, Share,
-    file::{Entry, Header, PartFile, Place, file_error, foreign},
+    file::{Header, PartFile, file_error, foreign},
     work::Work,
 };
 use crate::{Kept, ladder::Nodes, tree::Node};
@@ -25,25 +25,20 @@ impl Known {
     /// more paths now.
     pub fn nodes<T: Kept>(&self, work: &Work<'_, T>) -> Result<Nodes<T>, JobError> {
         let path = &self.0.path;
-        let Some(entry) = self.0.works.get(&work.name) else { return Ok(Vec::new()) };
-        let header = &entry.header;
-        work.check(path, header)?;
-        if header.paths > work.paths && work.round.is_some() {
-            // A round that is smaller this time is drawn anew.
-            return Ok(Vec::new());
+        let Some(entry) = self.0.works.get(work.name) else { return Ok(Vec::new()) };
+        work.check(path, &entry.header)?;
+        if entry.header.paths > work.paths {
+            return Err(work.other_paths(path, &entry.header));
         }
-        if header.groups.start != work.groups.start || header.paths > work.paths {
-            return Err(work.other_paths(path, header));
-        }
-        let (whole, mut nodes) = (header.whole(work.paths), entry.nodes(path, work)?);
-        nodes.retain(|node| node.end() <= whole);
+        let mut nodes = work.nodes(path, entry)?;
+        nodes.retain(|node| node.end() <= entry.header.whole(work.paths));
         Ok(nodes)
     }
 
     /// Whether the groups of a part are no longer needed, where those before `known` are merged:
     /// they are merged, maybe in a study of fewer paths that was merged and extended since.
     pub fn has<T>(&self, work: &Work<'_, T>, part: &Header, known: u64) -> bool {
-        let merged = self.0.works.get(&work.name).map_or(0, |entry| entry.header.paths);
+        let merged = self.0.works.get(work.name).map_or(0, |entry| entry.header.paths);
         part.groups.end <= known || (part.paths < work.paths && part.paths <= merged)
     }
 }
@@ -57,14 +52,21 @@ pub fn merged_paths(folder: &Path, program: &Program) -> Result<BTreeMap<String,
     Ok(works.into_iter().map(|(name, entry)| (name, entry.header.paths)).collect())
 }
 
+/// What a part has of a piece of work. The sums stay in its file.
+struct Place {
+    path: PathBuf,
+    part: Share,
+    header: Header,
+}
+
 /// The parts in a folder, by piece of work.
 pub struct Merging {
     works: BTreeMap<String, Vec<Place>>,
     /// The parts that have a file.
     parts: BTreeSet<Share>,
+    program: Program,
     known: Known,
     missing: BTreeSet<u64>,
-    next_round: Option<String>,
 }
 
 impl Merging {
@@ -74,36 +76,39 @@ impl Merging {
         for entry in fs::read_dir(folder).map_err(file_error("read", folder))? {
             let path = entry.map_err(file_error("read", folder))?.path();
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if name.starts_with("part-") && name.ends_with(".bin") {
-                let (part, places) = Place::all(&path, program)?;
-                parts.insert(part);
-                places.into_iter().for_each(|(name, place)| {
-                    works.entry(name).or_default().push(place);
-                });
+            if !(name.starts_with("part-") && name.ends_with(".bin")) {
+                continue;
+            }
+            let file = PartFile::open(path.clone(), program, None)?;
+            let Some(part) = file.part else { continue };
+            parts.insert(part);
+            for (name, entry) in file.works {
+                let place = Place { path: path.clone(), part, header: entry.header };
+                works.entry(name).or_default().push(place);
             }
         }
         if parts.is_empty() && known.0.works.is_empty() {
             let folder = folder.display();
             return Err(JobError::Refused(format!("there are no parts in {folder}")));
         }
-        Ok(Self { works, parts, known, missing: BTreeSet::new(), next_round: None })
+        let program = program.clone();
+        Ok(Self { works, parts, program, known, missing: BTreeSet::new() })
     }
 
     pub fn finish(self) -> Result<(), JobError> {
-        if !self.missing.is_empty() {
-            return Err(JobError::Missing { parts: self.missing.into_iter().collect() });
+        match self.missing.is_empty() {
+            true => self.known.0.write(),
+            false => Err(JobError::Missing { parts: self.missing.into_iter().collect() }),
         }
-        self.known.0.write()?;
-        self.next_round.map_or(Ok(()), |work| Err(JobError::NextRound { work }))
     }
 
     /// The nodes of all groups, if the parts have them.
     pub fn collect<T: Kept>(&mut self, work: &Work<'_, T>) -> Result<Option<Nodes<T>>, JobError> {
         let mut tree = work.tree();
         self.known.nodes(work)?.into_iter().for_each(|node| tree.push(node));
-        let known = tree.nodes().last().map_or(work.groups.start, Node::end);
-        if known < work.groups.end {
-            let mut places = self.works.remove(&work.name).unwrap_or_default();
+        let known = tree.nodes().last().map_or(0, Node::end);
+        if known < work.groups() {
+            let mut places = self.works.remove(work.name).unwrap_or_default();
             places.retain(|place| !self.known.has(work, &place.header, known));
             places.sort_by_key(|Place { header, path, .. }| {
                 (header.groups.start, header.groups.end, path.clone())
@@ -111,14 +116,20 @@ impl Merging {
             if !self.are_complete(work, known, &places)? {
                 return Ok(None);
             }
-            for place in &places {
-                place.nodes(work)?.into_iter().for_each(|node| tree.push(node));
+            for Place { path, header, .. } in places {
+                let file = PartFile::open(path.clone(), &self.program, None)?;
+                let entry = file.works.get(work.name).filter(|entry| entry.header == header);
+                let entry = entry.ok_or_else(|| {
+                    let file = path.display();
+                    JobError::Refused(format!(
+                        "{file} was replaced while it was merged: merge again"
+                    ))
+                })?;
+                work.nodes(&path, entry)?.into_iter().for_each(|node| tree.push(node));
             }
         }
-        let mut header = work.header(work.groups.clone());
-        header.done = header.groups.end;
-        let nodes = tree.into_nodes();
-        self.known.0.works.insert(work.name.clone(), Entry::new(header, &nodes, work)?);
+        let (header, nodes) = (work.header(0..work.groups(), work.groups()), tree.into_nodes());
+        self.known.0.works.insert(work.name.to_owned(), work.entry(header, &nodes)?);
         Ok(Some(nodes))
     }
 
@@ -130,30 +141,29 @@ impl Merging {
         places: &[Place],
     ) -> Result<bool, JobError> {
         let Some(first) = places.first() else {
-            // No part has begun it: its paths follow from those that are merged now, or all parts
+            // No part has begun it: its paths are more than those that were merged, or all parts
             // are missing that have no file.
-            let of = self.parts.iter().map(|part| part.of()).max().unwrap_or(0);
-            let exists = |number| self.parts.iter().any(|part| part.number() == number);
-            let missing: Vec<u64> = (1..=of).filter(|&number| !exists(number)).collect();
-            if missing.is_empty() {
-                self.next_round.get_or_insert_with(|| work.name.clone());
+            let of = self.parts.iter().map(|part| part.of).max().unwrap_or(0);
+            let exists = |number| self.parts.iter().any(|part| part.number == number);
+            self.missing.extend((1..=of).filter(|&number| !exists(number)));
+            if self.missing.is_empty() {
+                self.missing.extend(1..=of.max(1));
             }
-            self.missing.extend(missing);
             return Ok(false);
         };
-        let (of, mut before, mut next, mut all) = (first.part.of(), first, known, true);
+        let (of, mut before, mut next, mut all) = (first.part.of, first, known, true);
         let mut complete = BTreeSet::new();
         for place in places {
-            let Place { path, part, header, .. } = place;
+            let Place { path, part, header } = place;
             work.check(path, header)?;
             if header.paths != work.paths {
                 return Err(work.other_paths(path, header));
             }
-            if part.of() != of {
-                return Err(foreign(path, &work.name, "a number of parts", part.of(), of));
+            if part.of != of {
+                return Err(foreign(path, work.name, "a number of parts", part.of, of));
             }
             if header.is_complete() {
-                complete.insert(part.number());
+                complete.insert(part.number);
             }
             if header.groups.is_empty() {
                 continue;
@@ -170,16 +180,14 @@ impl Merging {
             all &= header.groups.start == next && header.is_complete();
             (before, next) = (place, header.groups.end);
         }
-        if all && next == work.groups.end {
+        if all && next == work.groups() {
             return Ok(true);
         }
         // Those parts that would have had groups, and are not complete.
-        let groups = known..work.groups.end;
-        let has_groups = |number| {
-            Share::new(number, of).is_ok_and(|part: Share| !part.range(&groups).is_empty())
-        };
+        let groups = known..work.groups();
         let others = (1..=of).filter(|number| !complete.contains(number));
-        let (some, none): (Vec<u64>, Vec<u64>) = others.partition(|&number| has_groups(number));
+        let (some, none): (Vec<u64>, Vec<u64>) =
+            others.partition(|&number| !Share { number, of }.range(&groups).is_empty());
         self.missing.extend(if some.is_empty() { none } else { some });
         Ok(false)
     }

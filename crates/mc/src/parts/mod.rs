@@ -52,7 +52,7 @@
 //! | file in the folder | content |
 //! |---|---|
 //! | `part-03-of-64.bin` | the nodes of a part; while it runs, its checkpoint |
-//! | `merged.bin` | the nodes of all works that were merged; later rounds and extensions use it |
+//! | `merged.bin` | the nodes of all works that were merged, for extensions |
 
 mod arguments;
 mod atomic;
@@ -74,7 +74,7 @@ pub use file::Program;
 pub use job::Job;
 pub use merging::merged_paths;
 pub use part::remove;
-pub use plan::{Plan, Planned};
+pub use plan::Planned;
 pub use share::Share;
 pub use stop::Stop;
 

@@ -8,13 +8,13 @@ use std::{
 
 use super::{
     JobError, Program, Share, atomic,
-    file::{Entry, Header, PartFile, file_error, foreign},
+    file::{Header, PartFile, file_error, foreign},
     merging::Known,
-    work::{Sum, Work},
+    work::Work,
 };
 use crate::{
     Kept,
-    ladder::Nodes,
+    ladder::{Nodes, Sum},
     tree::{MergeTree, Node},
 };
 
@@ -91,13 +91,13 @@ impl Part {
     ) -> Result<Option<Nodes<T>>, JobError> {
         let is_whole = self.share == Share::WHOLE;
         let mut nodes = self.known.nodes(work)?;
-        let first = nodes.last().map_or(work.groups.start, Node::end);
-        let mut header = work.header(self.share.range(&(first..work.groups.end)));
-        let mut tree = work.tree();
+        let (first, mut tree) = (nodes.last().map_or(0, Node::end), work.tree());
+        let groups = self.share.range(&(first..work.groups()));
+        let mut header = work.header(groups.clone(), groups.start);
         header.done = self.resume(work, first, &header, &mut tree)?;
-        work.skip(first - work.groups.start + header.done - header.groups.start);
+        work.skip(first + header.done - header.groups.start);
         // What cannot be read back is known before the computing.
-        Entry::new(header.clone(), &[work.empty()], work)?;
+        work.entry(header.clone(), &[work.empty()])?;
         let mut kept = Ok(());
         let rest = header.done..header.groups.end;
         header.done = work.grow(&mut tree, rest, &mut |nodes, done| {
@@ -120,7 +120,7 @@ impl Part {
             }
         }
         nodes.extend(tree.into_nodes());
-        Ok((is_whole || first == work.groups.end).then_some(nodes))
+        Ok((is_whole || first == work.groups()).then_some(nodes))
     }
 
     /// Takes up what a checkpoint has of these groups, where those before `known` are merged.
@@ -133,11 +133,11 @@ impl Part {
         tree: &mut MergeTree<Sum<T>, F>,
     ) -> Result<u64, JobError> {
         let (path, groups) = (&self.file.path, &header.groups);
-        let Some(entry) = self.file.works.get(&work.name) else { return Ok(groups.start) };
+        let Some(entry) = self.file.works.get(work.name) else { return Ok(groups.start) };
         let found = &entry.header;
         work.check(path, found)?;
         if found.groups == *groups && found.paths == work.paths {
-            entry.nodes(path, work)?.into_iter().for_each(|node| tree.push(node));
+            work.nodes(path, entry)?.into_iter().for_each(|node| tree.push(node));
             Ok(found.done)
         } else if self.known.has(work, found, known) {
             Ok(groups.start)
@@ -145,7 +145,7 @@ impl Part {
             Err(work.other_paths(path, found))
         } else {
             let [found, here] = [&found.groups, groups].map(|groups| format!("{groups:?}"));
-            Err(foreign(path, &work.name, "the groups", found, here))
+            Err(foreign(path, work.name, "the groups", found, here))
         }
     }
 
@@ -156,7 +156,7 @@ impl Part {
         header: Header,
         nodes: &[Node<Sum<T>>],
     ) -> Result<(), JobError> {
-        self.file.works.insert(work.name.clone(), Entry::new(header, nodes, work)?);
+        self.file.works.insert(work.name.to_owned(), work.entry(header, nodes)?);
         Ok(())
     }
 

@@ -9,8 +9,8 @@ use super::JobError;
 /// Part `number` of `of` parts, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Share {
-    number: u64,
-    of: u64,
+    pub(super) number: u64,
+    pub(super) of: u64,
 }
 
 impl Share {
@@ -31,19 +31,9 @@ impl Share {
         }
     }
 
-    /// The number of this part, from 1.
-    pub fn number(self) -> u64 {
-        self.number
-    }
-
-    /// How many parts there are.
-    pub fn of(self) -> u64 {
-        self.of
-    }
-
     /// What this part has of a range of items: ⌊(k − 1)L/n⌋ to ⌊kL/n⌋ of L items. The parts cover
     /// all, and their lengths differ by at most one.
-    pub(crate) fn range(self, all: &Range<u64>) -> Range<u64> {
+    pub(super) fn range(self, all: &Range<u64>) -> Range<u64> {
         let length = u128::from(all.end - all.start);
         let at = |k: u64| all.start + (u128::from(k) * length / u128::from(self.of)) as u64;
         at(self.number - 1)..at(self.number)

@@ -4,40 +4,38 @@ use std::{ops::Range, path::Path, sync::OnceLock};
 
 use super::{
     JobError, Stop,
-    file::{Header, foreign},
+    file::{Entry, Header, damaged, foreign},
 };
 use crate::{
     Kept, Ladder,
     driver::{GROUP_PATHS, Tally},
-    ladder::{Nodes, merge},
+    ladder::{Nodes, Sum, merge},
     parallel::grow,
     tree::{MergeTree, Node},
 };
 
-/// Groups of paths of a ladder.
+/// The paths of a ladder.
 pub struct Work<'a, T> {
-    pub name: String,
-    /// Path-steps, if later work follows from its result: then it is computed here, whatever the
-    /// job is, unless it is worth a round of parts.
-    pub round: Option<u64>,
-    /// Paths of the whole.
+    pub name: &'a str,
     pub paths: u64,
-    pub groups: Range<u64>,
     pub ladder: &'a Ladder<'a>,
     /// What tells the study from others, once it was asked for.
-    pub study: &'a OnceLock<Vec<(String, String)>>,
+    pub study: OnceLock<String>,
     /// An empty statistic.
     pub new: &'a (dyn Fn() -> T + Sync),
     pub progress: &'a (dyn Fn(u64) + Sync),
     pub stop: &'a Stop,
 }
 
-/// The sums of one group.
-pub type Sum<T> = (T, Tally);
 /// Sees the nodes and the next group, and says whether to go on.
 type After<'a, T> = dyn FnMut(&[Node<Sum<T>>], u64) -> bool + 'a;
 
 impl<T: Kept> Work<'_, T> {
+    /// The number of its groups of paths.
+    pub fn groups(&self) -> u64 {
+        self.paths.div_ceil(GROUP_PATHS)
+    }
+
     /// Adds the sums of groups to a tree. `after` sees the nodes and the next group now and then,
     /// and says whether to go on. Returns the first group that is not computed.
     pub fn grow<F: Fn(&mut Sum<T>, Sum<T>) + Sync>(
@@ -54,17 +52,6 @@ impl<T: Kept> Work<'_, T> {
         grow(tree, groups, &compute, after)
     }
 
-    /// The nodes of all groups, computed here; of those that are done if it is stopped and
-    /// `incomplete`.
-    pub fn here(&self, incomplete: bool) -> Result<Nodes<T>, JobError> {
-        let mut tree = MergeTree::new(merge);
-        let end = self.grow(&mut tree, self.groups.clone(), &mut |_, _| true);
-        match end == self.groups.end || incomplete {
-            true => Ok(tree.into_nodes()),
-            false => Err(JobError::Stopped),
-        }
-    }
-
     /// Reports the steps of groups that need not be computed.
     pub fn skip(&self, groups: u64) {
         (self.progress)(groups * GROUP_PATHS * self.ladder.steps_per_path());
@@ -78,17 +65,42 @@ impl<T: Kept> Work<'_, T> {
 
     /// A node with the sums of no path.
     pub fn empty(&self) -> Node<Sum<T>> {
-        Node::leaf(self.groups.start, self.ladder.nothing(self.new))
+        Node::leaf(0, self.ladder.nothing(self.new))
     }
 
-    pub fn pack(&self, nodes: &[Node<Sum<T>>]) -> postcard::Result<Vec<u8>> {
-        let parts = nodes.iter().map(|Node { first, level, sum: (statistic, tally) }| {
-            (first, level, statistic.sums(), tally)
+    /// The nodes as a file has them. What cannot be read back must be known before hours of
+    /// computing depend on it.
+    pub fn entry(&self, header: Header, nodes: &[Node<Sum<T>>]) -> Result<Entry, JobError> {
+        let packed = pack(nodes);
+        let again = packed.clone().and_then(|bytes| pack(&self.unpack(&bytes)?));
+        match (packed, again) {
+            (Ok(nodes), Ok(again)) if nodes == again => Ok(Entry { header, nodes }),
+            (_, again) => Err(JobError::Refused(format!(
+                "the sums of {} cannot be written and read back: {}. Derive Serialize and \
+                 Deserialize for them without skipping or flattening fields",
+                self.name,
+                again.map_or_else(|error| error.to_string(), |_| "they come back as others".into())
+            ))),
+        }
+    }
+
+    /// The nodes of a file, which must be the tree's nodes of the groups that are done.
+    pub fn nodes(
+        &self,
+        path: &Path,
+        Entry { header, nodes }: &Entry,
+    ) -> Result<Nodes<T>, JobError> {
+        let nodes = self.unpack(nodes).map_err(|error| damaged(path, error))?;
+        let next = nodes.iter().try_fold(header.groups.start, |next, node| {
+            (node.first == next && node.level < 64).then(|| node.end())
         });
-        postcard::to_stdvec(&parts.collect::<Vec<_>>())
+        match next == Some(header.done) {
+            true => Ok(nodes),
+            false => Err(damaged(path, format!("{} has groups twice or not at all", self.name))),
+        }
     }
 
-    pub fn unpack(&self, bytes: &[u8]) -> postcard::Result<Nodes<T>> {
+    fn unpack(&self, bytes: &[u8]) -> postcard::Result<Nodes<T>> {
         let parts: Vec<(u64, u32, T::Sums, Tally)> = postcard::from_bytes(bytes)?;
         let node = |(first, level, sums, tally)| {
             let mut statistic = (self.new)();
@@ -98,27 +110,32 @@ impl<T: Kept> Work<'_, T> {
         Ok(parts.into_iter().map(node).collect())
     }
 
-    fn study(&self) -> &[(String, String)] {
+    fn study(&self) -> &String {
         self.study.get_or_init(|| self.ladder.fingerprint(self.new))
     }
 
-    /// What a file says of these groups, of which it has none yet.
-    pub fn header(&self, groups: Range<u64>) -> Header {
-        let (study, paths, done) = (self.study().to_vec(), self.paths, groups.start);
-        Header { study, paths, done, groups }
+    /// What a file says of these groups, of which it has those before `done`.
+    pub fn header(&self, groups: Range<u64>, done: u64) -> Header {
+        Header { study: self.study().clone(), paths: self.paths, groups, done }
     }
 
     /// Whether a file has the same study, of any size.
     pub fn check(&self, path: &Path, found: &Header) -> Result<(), JobError> {
-        let mut pairs = found.study.iter().zip(self.study());
-        match pairs.find(|(found, here)| found != here) {
-            None => Ok(()),
-            Some(((what, found), (_, here))) => Err(foreign(path, &self.name, what, found, here)),
+        match &found.study == self.study() {
+            true => Ok(()),
+            false => Err(foreign(path, self.name, "the fingerprint", &found.study, self.study())),
         }
     }
 
     /// That a file has another number of paths.
     pub fn other_paths(&self, path: &Path, found: &Header) -> JobError {
-        foreign(path, &self.name, "a number of paths", found.paths, self.paths)
+        foreign(path, self.name, "a number of paths", found.paths, self.paths)
     }
+}
+
+fn pack<T: Kept>(nodes: &[Node<Sum<T>>]) -> postcard::Result<Vec<u8>> {
+    let parts = nodes.iter().map(|Node { first, level, sum: (statistic, tally) }| {
+        (first, level, statistic.sums(), tally)
+    });
+    postcard::to_stdvec(&parts.collect::<Vec<_>>())
 }

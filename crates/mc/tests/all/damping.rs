@@ -2,8 +2,8 @@
 //! them.
 
 use mc::{
-    DampingResolution, Expect, Observable, Setup,
-    expect::{Expectation, Unresolved, Warning},
+    DampingResolution, Expect, ExpectSettings, Observable, Setup,
+    expect::{Expectation, WarningKind},
 };
 use noise::StreamKey;
 use schemes::{Heun, Scheme, Sexp};
@@ -35,15 +35,22 @@ fn of<G: Damping>(
     phi: &Observable<2>,
     accuracy: f64,
 ) -> Expectation {
-    let expect = Expect::with_scheme(Setup::of(problem, scheme)).with_random_points();
-    let expect = expect.with_key(StreamKey { seed: 2, experiment: 5 }).with_coarsest_steps(8);
-    expect.with_max_level(max_level).run(&[phi], accuracy, &|_| ()).unwrap()
+    let (key, coarsest_steps) = (StreamKey { seed: 2, experiment: 5 }, 8);
+    let settings = ExpectSettings {
+        key,
+        coarsest_steps,
+        max_level,
+        random_points: true,
+        ..Default::default()
+    };
+    Expect::with_scheme(Setup::of(problem, scheme))
+        .with(settings)
+        .run(&[phi], accuracy, &|_| ())
+        .unwrap()
 }
 
 fn warns(expectation: &Expectation) -> bool {
-    let damping = |what: &Unresolved| matches!(what, Unresolved::Damping);
-    let is =
-        |warning: &Warning| matches!(warning, Warning::Unresolved { what, .. } if damping(what));
+    let is = |warning: &mc::expect::Warning| warning.kind == WarningKind::Damping;
     expectation.warnings.iter().any(is)
 }
 

@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use mc::{
-    Expect, Ladder, Observable, Run, Setup, Simulation, StateFunction, Statistic, Study,
-    StudySettings, View, bind,
+    Expect, ExpectSettings, Ladder, Observable, Run, Setup, Simulation, StateFunction, Statistic,
+    Study, StudySettings, View, bind,
     parts::{Job, Program, Share},
     study,
 };
@@ -100,8 +100,9 @@ fn expectations_have_the_bits_of_compiled_systems() {
     let other = at_run_time(&one);
     for random_points in [true, false] {
         let expected = |setup| {
-            let expect = Expect::with_scheme(setup).with_coarsest_steps(4);
-            let expect = if random_points { expect.with_random_points() } else { expect };
+            let settings =
+                ExpectSettings { coarsest_steps: 4, random_points, ..Default::default() };
+            let expect = Expect::with_scheme(setup).with(settings);
             expect.run(&[&PRODUCT], 0.02, &|_| ()).unwrap()
         };
         let compiled = expected(Setup::of(&one, &Heun));

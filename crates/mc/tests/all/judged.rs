@@ -4,8 +4,8 @@
 //! and p = W. Numbers of misses are compared with the binomial quantile of 1 − 10⁻⁴ at 5 %, which a
 //! right program exceeds with that probability or less, for any seed.
 
-use mc::expect::{Expectation, Unresolved, Warning};
-use mc::{Expect, Observable, Setup};
+use mc::expect::{Expectation, WarningKind};
+use mc::{Expect, ExpectSettings, Observable, Setup};
 use noise::StreamKey;
 use real::Real;
 use schemes::Sexp;
@@ -49,12 +49,24 @@ impl PoissonSystem<2, 1> for Additive {
 }
 
 /// Random points for `sexp`, from eight coarsest steps on.
-fn random<S: PoissonSystem<2, 1>>(problem: &Problem<S, Constant, 2>, seed: u64) -> Expect<'_> {
-    Expect::with_scheme(Setup::of(problem, &Sexp))
-        .with_random_points()
-        .with_key(StreamKey { seed, experiment: 3 })
-        .with_coarsest_steps(8)
-        .with_max_cost(100_000_000)
+fn random(seed: u64) -> ExpectSettings {
+    let key = StreamKey { seed, experiment: 3 };
+    let (coarsest_steps, max_cost) = (8, 100_000_000);
+    ExpectSettings { key, coarsest_steps, max_cost, random_points: true, ..Default::default() }
+}
+
+fn run<S: PoissonSystem<2, 1>>(
+    problem: &Problem<S, Constant, 2>,
+    settings: ExpectSettings,
+    phi: Observable<2>,
+    accuracy: f64,
+) -> Expectation {
+    let expect = Expect::with_scheme(Setup::of(problem, &Sexp)).with(settings);
+    expect.run(&[&phi], accuracy, &|_| ()).unwrap()
+}
+
+fn warns(result: &Expectation, kind: impl Fn(WarningKind) -> bool) -> bool {
+    result.warnings.iter().any(|warning| kind(warning.kind))
 }
 
 fn kubo(
@@ -66,7 +78,7 @@ fn kubo(
     let undamped = Constant::new(0.0).unwrap();
     let problem = Problem::new(Kubo { omega, sigma }, undamped, [1.0, 0.0], t_end).unwrap();
     let phi = Observable { name: "phi", function };
-    random(&problem, seed).with_max_level(max_level).run(&[&phi], accuracy, &|_| ()).unwrap()
+    run(&problem, ExpectSettings { max_level, ..random(seed) }, phi, accuracy)
 }
 
 fn outside(result: &Expectation, exact: f64) -> bool {
@@ -86,8 +98,11 @@ fn what_is_the_same_on_every_path_is_not_believed() {
         let result = kubo((1.0, 1e-4, 6.0), indicator, 0.1, (seed, 16));
         let estimate = &result.estimates[0];
         assert!(!result.reached() && !estimate.judged.variance, "{result:?}");
-        let few = |warning: &Warning| matches!(warning, Warning::FewSamples { effective, .. } if *effective == 0.0);
-        assert!(result.warnings.iter().any(few), "{:?}", result.warnings);
+        let text = result.to_string();
+        assert!(
+            text.contains("phi: 0 of ") && text.contains("samples carry the variance"),
+            "{text}"
+        );
         // q is the same motion, and nothing is wrong with its mean.
         let result = kubo((1.0, 1e-4, 6.0), |y| y[0], 0.01, (seed, 16));
         assert!(result.reached() && !outside(&result, 6f64.cos() * (-3e-8f64).exp()));
@@ -99,15 +114,18 @@ fn rare_events_are_found_or_allowed_for() {
     // P(W > 3.09) = 10⁻³: the 4096 paths of the pilot see four events on average.
     let problem = Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
     let phi = Observable { name: "rare", function: |y: [f64; 2]| f64::from(y[1] > 3.090_232_3) };
-    let run = |seed: u64| {
-        random(&problem, seed).with_coarsest_steps(2).run(&[&phi], 1e-3, &|_| ()).unwrap()
-    };
-    let results: Vec<Expectation> = (0..20).map(run).collect();
+    let of =
+        |seed: u64| run(&problem, ExpectSettings { coarsest_steps: 2, ..random(seed) }, phi, 1e-3);
+    let results: Vec<Expectation> = (0..20).map(of).collect();
     let wrong = results.iter().filter(|result| result.reached() && outside(result, 1e-3)).count();
     assert!(wrong <= MOST_MISSES, "{wrong}");
     let reached = results.iter().filter(|result| result.reached()).count();
     assert!(reached >= 10, "{reached}");
     assert!(results.iter().all(|result| result.estimates[0].missed > 0.0));
+}
+
+fn of_state(kind: WarningKind) -> bool {
+    matches!(kind, WarningKind::Component(_))
 }
 
 #[test]
@@ -119,11 +137,7 @@ fn motion_that_the_steps_do_not_resolve_is_named() {
     for seed in 0..20 {
         let result = kubo((omega, sigma, 1.0), |y| y[0], 0.1, (seed, 3));
         assert!(!result.reached() && !result.estimates[0].judged.resolution, "{result:?}");
-        let named = |warning: &Warning| {
-            let component = |what: &Unresolved| matches!(what, Unresolved::Component(_));
-            matches!(warning, Warning::Unresolved { what, level: 3, .. } if component(what))
-        };
-        assert!(result.warnings.iter().any(named), "{:?}", result.warnings);
+        assert!(warns(&result, of_state), "{:?}", result.warnings);
         let result = kubo((omega, sigma, 1.0), |y| y[0], 0.1, (seed, 16));
         assert!(result.reached(), "{result:?}");
         wrong += usize::from(outside(&result, exact));
@@ -145,13 +159,8 @@ fn a_function_of_high_degree_needs_finer_steps_than_the_state() {
         let phi = kubo((omega, 1e-3, 1.0), |y| chebyshev(y[0]), 0.1, (n.into(), 3));
         let exact = (64.0 * omega).cos() * (-2048e-6f64).exp();
         assert!(!phi.reached() || !outside(&phi, exact), "{omega}: {phi:?}");
-        let warned = |of: fn(&Unresolved) -> bool| {
-            let is =
-                |warning: &Warning| matches!(warning, Warning::Unresolved { what, .. } if of(what));
-            phi.warnings.iter().any(is)
-        };
-        let named = warned(|what| matches!(what, Unresolved::Function(_)));
-        let state = warned(|what| matches!(what, Unresolved::Component(_)));
+        let named = warns(&phi, |kind| kind == WarningKind::Function);
+        let state = warns(&phi, of_state);
         alone += u32::from(named && !state);
     }
     assert!(alone >= 5, "{alone}");
@@ -163,15 +172,15 @@ fn a_function_of_high_degree_needs_finer_steps_than_the_state() {
 fn a_variance_that_no_sample_shows_is_not_believed() {
     // E e^{σW} = e^{σ²/2}: with σ = 1 the paths show the variance, with σ = 3 two in a million do.
     let problem = Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
-    let run = |function, exact: f64, seed| {
+    let of = |function, exact: f64, seed| {
         let phi = Observable { name: "phi", function };
-        random(&problem, seed).with_max_cost(3_000_000).run(&[&phi], 0.05 * exact, &|_| ()).unwrap()
+        run(&problem, ExpectSettings { max_cost: 3_000_000, ..random(seed) }, phi, 0.05 * exact)
     };
     for seed in 0..20 {
-        let light = run(|y: [f64; 2]| y[1].exp(), 0.5f64.exp(), seed);
+        let light = of(|y: [f64; 2]| y[1].exp(), 0.5f64.exp(), seed);
         assert!(light.reached(), "{light:?}");
-        let heavy = run(|y: [f64; 2]| (3.0 * y[1]).exp(), 4.5f64.exp(), seed);
-        let named = |warning: &Warning| matches!(warning, Warning::FewSamples { .. });
-        assert!(!heavy.reached() && heavy.warnings.iter().any(named), "{heavy:?}");
+        let heavy = of(|y: [f64; 2]| (3.0 * y[1]).exp(), 4.5f64.exp(), seed);
+        let named = warns(&heavy, |kind| kind == WarningKind::FewSamples);
+        assert!(!heavy.reached() && named, "{heavy:?}");
     }
 }

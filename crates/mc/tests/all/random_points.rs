@@ -13,51 +13,39 @@ use std::{
     },
 };
 
-use mc::expect::{Estimate, Expectation, Limit, Unbounded, Warning};
-use mc::{Expect, LadderError, Observable, Observe, RunError, Setup};
+use mc::expect::{Estimate, Expectation, Warning, WarningKind};
+use mc::{Expect, ExpectSettings, LadderError, Observable, Observe, RunError, Setup};
 use noise::{StepNoise, StreamKey};
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Real, Row};
-use schemes::{Scheme, Sexp, SexpLevy, Step, Stepper, WithSolver};
+use schemes::{Sexp, SexpLevy, Step, Stepper, WithSolver};
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
 use crate::{explosive::Explosive, ladder::body};
 
 /// Random points from four coarsest steps on.
-fn random<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &'a dyn Scheme<S, D, M>,
-    problem: &'a Problem<S, G, D>,
-    seed: u64,
-) -> Expect<'a> {
-    sobol(scheme, problem, seed).with_random_points()
+fn random(seed: u64) -> ExpectSettings {
+    ExpectSettings { random_points: true, ..sobol(seed) }
 }
 
 /// The same with Sobol points.
-fn sobol<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &'a dyn Scheme<S, D, M>,
-    problem: &'a Problem<S, G, D>,
-    seed: u64,
-) -> Expect<'a> {
-    Expect::with_scheme(Setup::of(problem, scheme))
-        .with_key(StreamKey { seed, experiment: 1 })
-        .with_coarsest_steps(4)
+fn sobol(seed: u64) -> ExpectSettings {
+    let key = StreamKey { seed, experiment: 1 };
+    ExpectSettings { key, coarsest_steps: 4, ..ExpectSettings::default() }
 }
 
 fn run<const D: usize>(
-    expect: Expect<'_>,
+    setup: Setup<'_>,
+    settings: ExpectSettings,
     observables: &[Observable<D>],
     accuracy: f64,
 ) -> Result<Expectation, RunError> {
     let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
-    expect.run(&observables, accuracy, &|_| ())
+    Expect::with_scheme(setup).with(settings).run(&observables, accuracy, &|_| ())
 }
 
-fn is_order(warning: &Warning) -> bool {
-    matches!(warning, Warning::Bias { why: Unbounded::Order { .. }, .. })
-}
-
-fn is_telescope(warning: &Warning) -> bool {
-    matches!(warning, Warning::Bias { why: Unbounded::Telescope { .. }, .. })
+fn warns(result: &Expectation, kind: WarningKind) -> bool {
+    result.warnings.iter().any(|warning| warning.kind == kind)
 }
 
 const COS_Y3: [Observable<3>; 1] = [Observable { name: "cos y3", function: |y| y[2].cos() }];
@@ -183,10 +171,22 @@ fn check_coverage(name: &str, run: impl Fn(u64) -> Expectation) {
 fn intervals_cover_the_truth() {
     let problem = rotations();
     check_coverage("random points", |seed| {
-        run(random(&Sexp, &problem, seed).with_coarsest_steps(2), &MOMENTS, 0.015).unwrap()
+        run(
+            Setup::of(&problem, &Sexp),
+            ExpectSettings { coarsest_steps: 2, ..random(seed) },
+            &MOMENTS,
+            0.015,
+        )
+        .unwrap()
     });
     check_coverage("Sobol points", |seed| {
-        run(sobol(&Sexp, &problem, seed).with_coarsest_steps(2), &MOMENTS, 2e-3).unwrap()
+        run(
+            Setup::of(&problem, &Sexp),
+            ExpectSettings { coarsest_steps: 2, ..sobol(seed) },
+            &MOMENTS,
+            2e-3,
+        )
+        .unwrap()
     });
 }
 
@@ -194,14 +194,11 @@ fn intervals_cover_the_truth() {
 fn the_interval_holds_where_the_bias_is_most_of_it() {
     let problem = rotations();
     for random_points in [true, false] {
-        let expect = sobol(&Sexp, &problem, 2).with_coarsest_steps(2).with_max_level(3);
-        let expect = if random_points { expect.with_random_points() } else { expect };
-        let result = run(expect, &MOMENTS, 1e-6).unwrap();
-        let limit = Warning::Limit(Limit::Level { level: 3 });
-        let limited = |warning: &Warning| {
-            *warning == limit || matches!(warning, Warning::Limit(Limit::OutOfReach { .. }))
-        };
-        assert!(result.warnings.iter().any(limited) && !result.reached(), "{result:?}");
+        let settings =
+            ExpectSettings { coarsest_steps: 2, max_level: 3, random_points, ..sobol(2) };
+        let result = run(Setup::of(&problem, &Sexp), settings, &MOMENTS, 1e-6).unwrap();
+        let limited = warns(&result, WarningKind::Level) || warns(&result, WarningKind::OutOfReach);
+        assert!(limited && !result.reached(), "{result:?}");
         for (estimate, exact) in result.estimates.iter().zip(exact_moments()) {
             let error = exact - estimate.value;
             let statistical = Z * estimate.standard_error;
@@ -222,8 +219,8 @@ fn threads_do_not_change_a_bit_and_keys_do() {
     let of = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            [random(&Sexp, &problem, seed), sobol(&Sexp, &problem, seed)]
-                .map(|expect| run(expect, &COS_Y3, 2e-3).unwrap())
+            [random(seed), sobol(seed)]
+                .map(|settings| run(Setup::of(&problem, &Sexp), settings, &COS_Y3, 2e-3).unwrap())
         })
     };
     let one = of(1, 3);
@@ -235,7 +232,7 @@ fn threads_do_not_change_a_bit_and_keys_do() {
 
 #[test]
 fn the_twin_doubles_the_order_of_the_variance() {
-    let result = run(random(&Sexp, &body(), 4), &COS_Y3, 5e-4).unwrap();
+    let result = run(Setup::of(&body(), &Sexp), random(4), &COS_Y3, 5e-4).unwrap();
     assert!(result.reached() && result.warnings.is_empty(), "{result:?}");
     let beta = result.estimates[0].beta.unwrap();
     assert!((1.8..=2.35).contains(&beta.value), "{beta:?}");
@@ -245,17 +242,17 @@ fn the_twin_doubles_the_order_of_the_variance() {
 #[test]
 fn the_cost_of_random_points_grows_as_the_accuracy_squared() {
     let problem = body();
-    let cost = |expect: Expect<'_>, accuracy: f64| {
-        let result = run(expect, &COS_Y3, accuracy).unwrap();
+    let cost = |settings: ExpectSettings, accuracy: f64| {
+        let result = run(Setup::of(&problem, &Sexp), settings, &COS_Y3, accuracy).unwrap();
         assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
         result.cost as f64
     };
     // Points are doubled, on one level after the other; the pilots only lower the growth.
-    let [first, last] = [2e-4, 5e-5].map(|accuracy| cost(random(&Sexp, &problem, 5), accuracy));
+    let [first, last] = [2e-4, 5e-5].map(|accuracy| cost(random(5), accuracy));
     let growth = last / first;
     assert!(growth > 16.0 / 3.0 && growth < 16.0 * 2.0, "{first} {last}");
     // Sobol points have a tenth of the error and less.
-    let sobol = cost(sobol(&Sexp, &problem, 5), 5e-5);
+    let sobol = cost(sobol(5), 5e-5);
     assert!(last > 8.0 * sobol, "{last} {sobol}");
 }
 
@@ -301,18 +298,13 @@ impl<F: Alter> Stepper for AlteredPaths<'_, F> {
     }
 }
 
-/// Expectations on random points by `sexp` with other steps.
+/// `sexp` with other steps.
 fn altered<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &'a Problem<S, G, D>,
-    seed: u64,
     step: impl Alter + 'a,
-) -> Expect<'a> {
+) -> Setup<'a> {
     let setup = Setup::of(problem, &Sexp);
-    let scheme = Arc::new(Altered { sexp: setup.scheme, step });
-    Expect::with_scheme(Setup { scheme, ..setup })
-        .with_random_points()
-        .with_key(StreamKey { seed, experiment: 1 })
-        .with_coarsest_steps(4)
+    Setup { scheme: Arc::new(Altered { sexp: setup.scheme, step }), ..setup }
 }
 
 /// A step with increments times a factor, which may depend on the step size.
@@ -331,13 +323,13 @@ fn paths_that_do_not_share_their_noise_are_noticed() {
     // −ΔW on every second level: each level has the right law, and no two neighbours are coupled.
     let alternating =
         with_factor(|tau| if (4.0 * tau).log2().rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 });
-    let limited =
-        |expect: Expect<'_>| run(expect.with_max_cost(20_000_000), &COS_Y3, 2e-3).unwrap();
-    let result = limited(altered(&problem, 6, alternating));
+    let settings = || ExpectSettings { max_cost: 20_000_000, ..random(6) };
+    let limited = |setup: Setup<'_>| run(setup, settings(), &COS_Y3, 2e-3).unwrap();
+    let result = limited(altered(&problem, alternating));
     assert!(result.estimates[0].beta.unwrap().upper < 0.5, "{result:?}");
     // The law is right, so nothing else is wrong.
-    assert!(!result.warnings.iter().any(is_telescope));
-    let result = limited(altered(&problem, 6, with_factor(|_| 1.0)));
+    assert!(!warns(&result, WarningKind::Telescope));
+    let result = limited(altered(&problem, with_factor(|_| 1.0)));
     assert!(result.warnings.is_empty(), "{:?}", result.warnings);
     assert!(result.estimates[0].beta.unwrap().lower > 1.0, "{result:?}");
 }
@@ -347,19 +339,21 @@ fn a_lower_weak_order_is_noticed() {
     let problem = rotations();
     // Noise that is too large by √τ/2: E[φ] is off by a multiple of √τ.
     let y1 = &MOMENTS[..1];
-    let expect = |order| {
+    let run = |order| {
         let rough = with_factor(|tau| 1.0 + 0.5 * tau.sqrt());
-        altered(&problem, 7, rough).with_max_level(10).with_weak_order(order)
+        let settings = ExpectSettings { max_level: 10, weak_order: Some(order), ..random(7) };
+        run(altered(&problem, rough), settings, y1, 5e-3).unwrap()
     };
-    let result = run(expect(1.0), y1, 5e-3).unwrap();
-    let low = |warning: &Warning| matches!(warning, Warning::Bias { why: Unbounded::Order { alpha, .. }, .. } if alpha.upper < 0.75);
-    assert!(result.warnings.iter().any(low), "{result:?}");
+    let result = run(1.0);
+    let named = warns(&result, WarningKind::Order) || warns(&result, WarningKind::Slow);
+    assert!(named && result.estimates[0].alpha.unwrap().upper < 0.75, "{result:?}");
     // The bias is judged by the observed order: the interval still holds.
     let (lower, upper) = result.estimates[0].interval();
     assert!(lower < exact_moments()[0] && exact_moments()[0] < upper, "{result:?}");
     // Told the truth, there is nothing to warn of.
-    let result = run(expect(0.5), y1, 5e-3).unwrap();
-    assert!(!result.warnings.iter().any(is_order), "{result:?}");
+    let result = run(0.5);
+    let named = warns(&result, WarningKind::Order) || warns(&result, WarningKind::Slow);
+    assert!(!named, "{result:?}");
 }
 
 thread_local! {
@@ -383,14 +377,15 @@ fn levels_that_do_not_telescope_are_noticed() {
     // What never agrees would go on to the limit.
     const MOST: u64 = 60_000_000;
     let problem = body();
-    fn of<'a>(expect: &(dyn Fn() -> Expect<'a> + Sync)) -> Expectation {
+    let of = |setup: Setup<'_>| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        pool.install(|| run(expect().with_max_cost(MOST), &COS_Y3, 3e-4).unwrap())
-    }
-    let wrong = of(&|| altered(&problem, 8, remembering));
-    assert!(wrong.warnings.iter().any(is_telescope), "{:?}", wrong.warnings);
+        let settings = ExpectSettings { max_cost: MOST, ..random(8) };
+        pool.install(|| run(setup, settings, &COS_Y3, 3e-4).unwrap())
+    };
+    let wrong = of(altered(&problem, remembering));
+    assert!(warns(&wrong, WarningKind::Telescope), "{:?}", wrong.warnings);
     assert!(!wrong.estimates[0].judged.bias);
-    let right = of(&|| random(&Sexp, &problem, 8));
+    let right = of(Setup::of(&problem, &Sexp));
     assert!(right.warnings.is_empty(), "{:?}", right.warnings);
     // The error is beyond the accuracy, which is what makes the check worth having.
     assert!((wrong.estimates[0].value - right.estimates[0].value).abs() > 3e-4);
@@ -404,7 +399,8 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
         let progress = |steps: u64| {
             done.fetch_add(steps, Ordering::Relaxed);
         };
-        let expect = random(&Sexp, &problem, 9).with_max_cost(max_cost);
+        let settings = ExpectSettings { max_cost, ..random(9) };
+        let expect = Expect::with_scheme(Setup::of(&problem, &Sexp)).with(settings);
         let result = expect.run(&[&COS_Y3[0]], 5e-5, &progress);
         if let Ok(result) = &result {
             // Every path-step is counted, and those that progress was told of are all.
@@ -415,8 +411,7 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
                 .map(|level| (level.samples + level.failed) * level.cost_per_path);
             assert_eq!(levels.sum::<u64>(), result.cost);
             assert!(result.cost <= max_cost && !result.reached());
-            let limit = Warning::Limit(Limit::Cost { max_cost });
-            assert!(result.warnings.contains(&limit), "{:?}", result.warnings);
+            assert!(warns(result, WarningKind::Cost), "{:?}", result.warnings);
             let estimate = &result.estimates[0];
             let margin = estimate.bias_bound + Z * estimate.standard_error;
             assert!((estimate.value - EXACT_COS_Y3).abs() < margin, "{result:?}");
@@ -430,9 +425,10 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
     }
     let result = limited(10_000);
     assert!(matches!(result, Err(RunError::PilotCost { max_cost: 10_000, .. })), "{result:?}");
-    let result = run(sobol(&Sexp, &problem, 9).with_max_level(3), &COS_Y3, 1e-7).unwrap();
-    let limit = Warning::Limit(Limit::Level { level: 3 });
-    assert!(result.warnings.contains(&limit), "{:?}", result.warnings);
+    let result =
+        run(Setup::of(&problem, &Sexp), ExpectSettings { max_level: 3, ..sobol(9) }, &COS_Y3, 1e-7)
+            .unwrap();
+    assert!(warns(&result, WarningKind::Level), "{:?}", result.warnings);
     assert!(!result.reached() && result.estimates[0].bias_bound > 5e-8);
 }
 
@@ -444,7 +440,7 @@ fn what_does_not_vary_needs_no_samples() {
         name: "C",
         function: |y: [f64; 3]| 0.5 * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]),
     }];
-    let result = run(random(&Sexp, &problem, 10), &still, 1e-9).unwrap();
+    let result = run(Setup::of(&problem, &Sexp), random(10), &still, 1e-9).unwrap();
     assert!(result.reached() && result.warnings.is_empty(), "{result:?}");
     // The pilot.
     assert_eq!(result.levels.len(), 4);
@@ -463,10 +459,10 @@ fn the_accuracy_holds_for_each_test_function() {
         Observable { name: "y2", function: |y| y[1] },
         Observable { name: "y2^2", function: |y| y[1] * y[1] },
     ];
-    let together = run(random(&Sexp, &problem, 11), &several, 4e-3).unwrap();
+    let together = run(Setup::of(&problem, &Sexp), random(11), &several, 4e-3).unwrap();
     assert!(together.reached(), "{together:?}");
     for (k, one) in several.iter().enumerate() {
-        let alone = run(random(&Sexp, &problem, 11), &[*one], 4e-3).unwrap();
+        let alone = run(Setup::of(&problem, &Sexp), random(11), &[*one], 4e-3).unwrap();
         assert!(alone.reached() && alone.cost <= together.cost, "{}", one.name);
         let difference = (alone.estimates[0].value - together.estimates[k].value).abs();
         assert!(difference < 8e-3, "{}: {difference}", one.name);
@@ -479,15 +475,19 @@ fn paths_that_fail_are_counted_and_reported() {
     let sexp = WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) };
     let bounded =
         [Observable { name: "bounded", function: |y: [f64; 2]| 1.0 / (1.0 + y[1] * y[1]) }];
-    let result = run(random(&sexp, &problem, 13).with_max_cost(400_000), &bounded, 0.02).unwrap();
-    let mut failed = 0;
-    for warning in &result.warnings {
-        let Warning::FailedPaths { level, failed: of_level } = *warning else { continue };
-        assert!(warning.to_string().contains(&of_level.to_string()));
-        let found = result.levels.iter().find(|found| found.level == level).unwrap();
-        assert_eq!(found.failed, of_level);
-        failed += of_level;
-    }
+    let result = run(
+        Setup::of(&problem, &sexp),
+        ExpectSettings { max_cost: 400_000, ..random(13) },
+        &bounded,
+        0.02,
+    )
+    .unwrap();
+    let failed: u64 = result.levels.iter().map(|level| level.failed).sum();
+    let named = |Warning { kind, text, .. }: &Warning| {
+        let of_level = |level: &u64| text.starts_with(&format!("{level} paths failed"));
+        *kind == WarningKind::FailedPaths && result.levels.iter().any(|l| of_level(&l.failed))
+    };
+    assert!(result.warnings.iter().any(named), "{:?}", result.warnings);
     // They are reported beside the estimate that misses them.
     assert!(failed > 0);
     assert_eq!(result.estimates[0].failed, failed);
@@ -501,9 +501,9 @@ const EXACT_COS_Y3: f64 = 0.797_719_935_281_68;
 fn coupling_by_areas_has_no_bias() {
     let problem = body();
     let levy = SexpLevy::new(problem.system(), problem.y0());
-    let result = run(sobol(&levy, &problem, 15), &COS_Y3, 1e-4).unwrap();
+    let result = run(Setup::of(&problem, &levy), sobol(15), &COS_Y3, 1e-4).unwrap();
     // Sobol points have no areas.
-    assert!(result.decisions[2].contains("random points"), "{:?}", result.decisions);
+    assert!(result.decisions[1].contains("random points"), "{:?}", result.decisions);
     let Estimate { value, standard_error, bias_bound, .. } = result.estimates[0];
     // 3.9 standard errors are a false alarm in 10⁴; areas that lack variance were off by 2.5e-4,
     // ten of them.
@@ -520,8 +520,8 @@ fn coupling_by_areas_has_no_bias() {
     let problem = Problem::new(system, Constant::new(0.1).unwrap(), problem.y0(), 1.0).unwrap();
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let [with, without] = [
-        run(random(&levy, &problem, 15), &COS_Y3, 1e-2).unwrap(),
-        run(random(&Sexp, &problem, 15), &COS_Y3, 1e-2).unwrap(),
+        run(Setup::of(&problem, &levy), random(15), &COS_Y3, 1e-2).unwrap(),
+        run(Setup::of(&problem, &Sexp), random(15), &COS_Y3, 1e-2).unwrap(),
     ];
     assert_eq!((with.cost, with.levels), (without.cost, without.levels));
     assert_eq!(with.estimates, without.estimates);
@@ -530,51 +530,52 @@ fn coupling_by_areas_has_no_bias() {
 #[test]
 fn bad_requests_are_refused_and_name_the_value() {
     let problem = body();
-    type Change = fn(Expect<'_>) -> Expect<'_>;
-    let refuse = |accuracy: f64, observables: &[Observable<3>], change: Change| {
-        run(change(random(&Sexp, &problem, 14)), observables, accuracy).unwrap_err()
+    let refuse = |accuracy: f64, observables: &[Observable<3>], settings: ExpectSettings| {
+        run(Setup::of(&problem, &Sexp), settings, observables, accuracy).unwrap_err()
     };
-    let key = |experiment| StreamKey { seed: 14, experiment };
-    let changes: [(f64, Change, &str); 11] = [
-        (
-            0.0,
-            |good| good,
-            "the accuracy must be from 1e-70 to 1e70 (else scale the function), got 0",
-        ),
-        (-1.0, |good| good, "got -1"),
-        (f64::INFINITY, |good| good, "got inf"),
-        (f64::NAN, |good| good, "got NaN"),
+    let (good, key) = (|| random(14), |experiment| StreamKey { seed: 14, experiment });
+    for (accuracy, settings, told) in [
+        (0.0, good(), "accuracy must be from 1e-70 to 1e70 (else scale the function), got 0"),
+        (-1.0, good(), "got -1"),
+        (f64::INFINITY, good(), "got inf"),
+        (f64::NAN, good(), "got NaN"),
         (
             0.1,
-            |good| good.with_key(StreamKey { seed: 14, experiment: 1 << 40 }),
+            ExpectSettings { key: key(1 << 40), ..good() },
             "the experiment number must be below 2^40, got 1099511627776",
         ),
         (
             0.1,
-            |good| good.with_coarsest_steps(0),
+            ExpectSettings { coarsest_steps: 0, weak_order: Some(1.0), ..good() },
             "the number of coarsest steps must be from 1 to 2^24, got 0",
         ),
-        (0.1, |good| good.with_coarsest_steps((1 << 24) + 1), "to 2^24, got 16777217"),
-        (0.1, |good| good.with_weak_order(-1.0), "the weak order must be from 1/16 to 16, got -1"),
-        (0.1, |good| good.with_max_level(2), "the finest level must be from 3 to 24, got 2"),
-        (0.1, |good| good.with_max_level(25), "to 24, got 25"),
-        (0.1, |good| good.with_replicates(15), "replicates must be from 16 to 2^20, got 15"),
-    ];
-    for (accuracy, change, told) in changes {
-        let error = refuse(accuracy, &COS_Y3, change).to_string();
+        (0.1, ExpectSettings { coarsest_steps: (1 << 24) + 1, ..good() }, "to 2^24, got 16777217"),
+        (
+            0.1,
+            ExpectSettings { weak_order: Some(-1.0), ..good() },
+            "the weak order must be from 1/16 to 16, got -1",
+        ),
+        (
+            0.1,
+            ExpectSettings { max_level: 2, ..good() },
+            "the finest level must be from 3 to 24, got 2",
+        ),
+        (0.1, ExpectSettings { max_level: 25, ..good() }, "to 24, got 25"),
+    ] {
+        let error = refuse(accuracy, &COS_Y3, settings).to_string();
         assert!(error.ends_with(told), "{error}");
     }
-    assert!(refuse(0.1, &[], |good| good).to_string().ends_with("one test function, got none"));
+    assert!(refuse(0.1, &[], good()).to_string().ends_with("one test function, got none"));
     // Up to the limits.
-    let good = random(&Sexp, &problem, 14).with_key(key((1 << 40) - 1)).with_max_level(24);
-    assert!(run(good.with_replicates(16), &COS_Y3, 0.1).is_ok());
+    let limits = ExpectSettings { key: key((1 << 40) - 1), max_level: 24, ..good() };
+    assert!(run(Setup::of(&problem, &Sexp), limits, &COS_Y3, 0.1).is_ok());
     // The underflow of a step is found before the first one.
     let short = Problem::new(*problem.system(), Cosine::new(0.5, 2.0).unwrap(), START, 1e-323);
     let short = short.unwrap();
-    let error = run(random(&Sexp, &short, 14), &COS_Y3, 0.1).unwrap_err();
+    let error = run(Setup::of(&short, &Sexp), random(14), &COS_Y3, 0.1).unwrap_err();
     assert!(matches!(error, RunError::Ladder(LadderError::Step(_))), "{error}");
     let undefined = [Observable { name: "ln y2", function: |y: [f64; 3]| y[1].ln() }];
-    let error = refuse(0.1, &undefined, |good| good);
+    let error = refuse(0.1, &undefined, good());
     let RunError::NotFinite { observable, .. } = error else { panic!("{error}") };
     assert_eq!(observable, "ln y2");
 }

@@ -218,7 +218,7 @@ fn a_study_in_parts_has_the_same_bits() {
     let late = Study::new(&Setup::of(&problem, &Sexp), &observables, &late).unwrap();
     for other in [study(1700, 2), late, binned] {
         let error = merge_as(other).unwrap_err().to_string();
-        assert!(error.contains("observables with hash"), "{error}");
+        assert!(error.contains("the fingerprint"), "{error}");
     }
     let read: StudyResult = serde_json::from_str(&serde_json::to_string(&whole).unwrap()).unwrap();
     assert_eq!(read, whole);

@@ -2,7 +2,7 @@
 //! points, against the Kolmogorov equation, and what an accuracy costs.
 
 use mc::{
-    Expect, Observable, Observe,
+    Expect, ExpectSettings, Observable, Observe,
     expect::{Estimate, Expectation},
 };
 use schemes::BuiltIn;
@@ -34,17 +34,15 @@ fn expectation(
     accuracy: f64,
 ) -> Expectation {
     let problem = rigid_body_three_noises(1.0);
-    let mut expect = Expect::by_parts(&problem);
+    let (mut expect, key) = (Expect::by_parts(&problem), conditions.key(part));
+    let mut settings = ExpectSettings { key, random_points: random, ..Default::default() };
     if method == BuiltIn::Sexp {
         expect = Expect::with_scheme(Compiled::of(&problem).sexp());
-        expect = expect.with_truncation(truncation()).with_max_cost(1 << 40);
-    }
-    if random {
-        expect = expect.with_random_points();
+        (settings.truncation, settings.max_cost) = (truncation(), 1 << 40);
     }
     let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
     let advance = |work| conditions.progress.advance(work);
-    valid(expect.with_key(conditions.key(part)).run(&observables, accuracy, &advance))
+    valid(expect.with(settings).run(&observables, accuracy, &advance))
 }
 
 /// E[φ] of `estimate` against its value by the Kolmogorov equation. Where the interval has

@@ -16,7 +16,7 @@ pub mod system;
 
 use std::fmt::Display;
 
-use mc::{Expect, Observable, Setup, expect::Expectation};
+use mc::{Expect, ExpectSettings, Observable, Setup, expect::Expectation};
 use noise::{StreamKey, Truncation};
 use rayon::prelude::*;
 use schemes::Scheme;
@@ -292,12 +292,17 @@ where
         Err(error) => refused(error),
     };
     let same = problem.clone();
-    let chosen =
-        move |key: StreamKey| answer(S::expect(&same).with_key(key).with_max_cost(MAX_COST));
+    let with = |key| ExpectSettings { key, max_cost: MAX_COST, ..Default::default() };
+    let chosen = move |key: StreamKey| answer(S::expect(&same).with(with(key)));
     let ask = move |key: StreamKey| {
-        let expect = Expect::with_scheme(Setup::of(&problem, &scheme)).with_random_points();
-        let expect = expect.with_key(key).with_truncation(truncation()).with_max_cost(MAX_COST);
-        answer(expect.with_coarsest_steps(how.steps).with_max_level(MAX_LEVEL))
+        let settings = ExpectSettings {
+            truncation: truncation(),
+            random_points: true,
+            coarsest_steps: how.steps,
+            max_level: MAX_LEVEL,
+            ..with(key)
+        };
+        answer(Expect::with_scheme(Setup::of(&problem, &scheme)).with(settings))
     };
     let entry = Entry::new(kind, name, Question::Expectation, Some(truth), ask);
     Entry { chosen: Some(Box::new(chosen)), ..entry }

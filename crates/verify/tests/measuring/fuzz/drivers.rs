@@ -2,7 +2,7 @@
 
 use anyhow::ensure;
 use kernels::Tuned;
-use mc::{Expect, Ladder, Observable, Run, Setup, Simulation, bind};
+use mc::{Expect, ExpectSettings, Ladder, Observable, Run, Setup, Simulation, bind};
 use noise::{StreamKey, Truncation};
 use schemes::BuiltIn;
 use systems::{Constant, Pendulum, Problem};
@@ -44,18 +44,17 @@ pub fn drivers(bits: &mut Bits) -> Fed {
         }
         _ => {
             let order = if bits.one_in(2) { 1.0 } else { bits.number() };
-            let replicates = if bits.one_in(2) { 16 } else { bits.word() };
-            let max_level = bits.below(30) as usize;
-            let key = StreamKey { experiment: key.experiment >> bits.below(40), ..key };
-            let expect = Expect::with_scheme(Setup::of(&problem, &*em))
-                .with_key(key)
-                .with_truncation(truncation)
-                .with_coarsest_steps(bits.below(8))
-                .with_weak_order(order)
-                .with_replicates(replicates)
-                .with_max_level(max_level)
-                .with_max_cost(bits.below(200_000));
-            let expect = if bits.one_in(2) { expect } else { expect.with_random_points() };
+            let settings = ExpectSettings {
+                key: StreamKey { experiment: key.experiment >> bits.below(40), ..key },
+                truncation,
+                weak_order: Some(order),
+                random_points: bits.one_in(2),
+                coarsest_steps: bits.below(8),
+                max_level: bits.below(30) as usize,
+                max_cost: bits.below(200_000),
+                ..Default::default()
+            };
+            let expect = Expect::with_scheme(Setup::of(&problem, &*em)).with(settings);
             let first = Observable { name: "y1", function: |y: [f64; 2]| y[0] };
             let result = expect.run(&[&first], bits.positive(8), &|_| ());
             let (lower, upper) = accepted(result)?.estimates[0].interval();
