@@ -398,7 +398,7 @@ impl<'a> Estimator<'a> {
     }
 
     fn report(self, limit: Option<(WarningKind, String)>) -> Expectation {
-        let Self { ref levels, first, noisy, ref request, ref candidate, .. } = self;
+        let Self { ref levels, first, noisy, ref request, candidate, .. } = self;
         // Levels below the first may be far from the limit; three differences make a slope.
         let differences = &levels[1..];
         let from = first.min(differences.len().saturating_sub(BIAS_LEVELS));
