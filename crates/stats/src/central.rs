@@ -33,7 +33,29 @@ impl CentralMoments {
     /// The moments of the values of these paths of a block. The mean is finite if they all are, and
     /// their sum is.
     pub fn of_block(values: &[f64; WIDTH], paths: PathMask) -> Self {
-        if paths.is_empty() { Self::default() } else { dispatch(OfBlock { values, paths }) }
+        match paths.is_empty() {
+            true => Self::default(),
+            false => dispatch(OfBlock { values, scale: 1.0, paths }),
+        }
+    }
+
+    /// Adds the values of these paths of a block, times `scale`, but those that are not finite.
+    /// Returns the paths whose values were added.
+    pub fn add_block(&mut self, values: &[f64; WIDTH], scale: f64, paths: PathMask) -> PathMask {
+        if paths.is_empty() {
+            return paths;
+        }
+        let block = dispatch(OfBlock { values, scale, paths });
+        if !block.mean.is_finite() {
+            let mut finite = PathMask::NONE;
+            let is_finite = |&p: &usize| (values[p] * scale).is_finite();
+            paths.paths().filter(is_finite).for_each(|p| finite.insert(p));
+            if finite != paths {
+                return self.add_block(values, scale, finite);
+            }
+        }
+        self.merge(&block);
+        paths
     }
 
     /// Adds all samples of `later`.
@@ -173,10 +195,11 @@ impl CentralMoments {
     }
 }
 
-/// The moments of some values of a block. Sums run over eight lanes, which are added in a fixed
+/// The moments of some values of a block, times `scale`. Sums run over eight lanes, which are added in a fixed
 /// order, so that every instruction set gives the same bits.
 struct OfBlock<'a> {
     values: &'a [f64; WIDTH],
+    scale: f64,
     paths: PathMask,
 }
 
@@ -220,11 +243,11 @@ impl Kernel for OfBlock<'_> {
     #[inline(always)]
     fn run(self) -> CentralMoments {
         let n = f64::from(self.paths.len());
-        let origin = self.values[self.paths.0.trailing_zeros() as usize % WIDTH];
+        let origin = self.values[self.paths.0.trailing_zeros() as usize % WIDTH] * self.scale;
         let [mut first, mut second, mut third, mut fourth] = [[0.0; WIDTH]; 4];
         let [mut low, mut high] = [[0.0; WIDTH]; 2];
         for p in 0..WIDTH {
-            let value = if self.paths.0 >> p & 1 == 1 { self.values[p] } else { origin };
+            let value = if self.paths.0 >> p & 1 == 1 { self.values[p] * self.scale } else { origin };
             let deviation = value - origin;
             let square = deviation * deviation;
             (low[p], high[p]) = (value, -value);
@@ -235,12 +258,13 @@ impl Kernel for OfBlock<'_> {
         let shift = sum(&first) / n;
         let square = shift * shift;
         let ends = [least(&low), least(&high)];
-        let [mut at_least, mut at_largest] = [0u64; 2];
-        for p in 0..WIDTH {
-            let present = u64::from(self.paths.0 >> p & 1);
-            at_least = at_least.wrapping_add(present & u64::from(low[p] == ends[0]));
-            at_largest = at_largest.wrapping_add(present & u64::from(high[p] == ends[1]));
-        }
+        // The other paths have the value of the origin.
+        let others = WIDTH as u64 - u64::from(self.paths.len());
+        let at = |x: &[f64; WIDTH], end: f64, origin: f64| {
+            let equal = x.iter().map(|&x| u64::from(x == end)).sum::<u64>();
+            equal - if origin == end { others } else { 0 }
+        };
+        let at_ends = [at(&low, ends[0], origin), at(&high, ends[1], -origin)];
         CentralMoments {
             count: u64::from(self.paths.len()),
             mean: origin + shift,
@@ -252,7 +276,7 @@ impl Kernel for OfBlock<'_> {
             ),
             least: ends[0],
             largest: -ends[1],
-            at_ends: [at_least, at_largest],
+            at_ends,
         }
     }
 }

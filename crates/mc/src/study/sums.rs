@@ -45,22 +45,14 @@ impl Sums {
 
     /// Adds the values of the paths `live` of a block.
     fn add(&mut self, cell: usize, values: &[f64; WIDTH], live: PathMask, grid: Option<&Grid>) {
-        let scale = 1.0 / grid.map_or(1.0, Grid::unit);
-        let mut scaled = *values;
-        for p in 0..WIDTH {
-            scaled[p] *= scale;
-        }
-        let (mut block, mut finite) = (CentralMoments::of_block(&scaled, live), live);
-        if !block.mean().is_finite() {
-            finite = finite_values(&scaled, live);
-            self.not_finite[cell] += u64::from(live.without(finite).len());
-            block = CentralMoments::of_block(&scaled, finite);
-        }
-        self.moments[cell].merge(&block);
+        let sum = &mut self.moments[cell];
+        let finite = sum.add_block(values, 1.0 / grid.map_or(1.0, Grid::unit), live);
+        let count = sum.count();
+        self.not_finite[cell] += u64::from(live.without(finite).len());
         let Some(grid) = grid else { return };
         let mut places = [0; WIDTH];
         grid.place(values, &mut places);
-        self.counts.add(cell * grid.cells(), &places, finite, self.moments[cell].count());
+        self.counts.add(cell * grid.cells(), &places, finite, count);
     }
 
     /// Moments of the finite values of a cell, in the unit of its grid.
@@ -155,11 +147,4 @@ impl Kept for StudyStatistic<'_> {
     fn some_times(&self, _: u64) -> Vec<u64> {
         self.times.to_vec()
     }
-}
-
-/// The paths among `live` with a finite value.
-fn finite_values(values: &[f64; WIDTH], live: PathMask) -> PathMask {
-    let mut finite = PathMask::NONE;
-    live.paths().filter(|&p| values[p].is_finite()).for_each(|p| finite.insert(p));
-    finite
 }
