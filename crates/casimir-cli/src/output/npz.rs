@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{self, BufWriter},
+    io::{self, BufWriter, Write},
     path::Path,
 };
 
@@ -10,7 +10,6 @@ use casimir::mc::{
     Column, TimeSeries,
     study::{Series, StudyResult, Summary},
 };
-use npyz::{WriteOptions, WriterBuilder, npz::file_name_from_array_name};
 use zip::{DateTime, ZipWriter, write::SimpleFileOptions};
 
 /// Writes arrays with their names and shapes, in row-major order.
@@ -22,15 +21,28 @@ fn write(
     // Without the time of day: the same results are the same bytes.
     let options = SimpleFileOptions::default().last_modified_time(DateTime::default());
     for (name, shape, values) in arrays {
-        out.start_file(file_name_from_array_name(&name), options)?;
-        let shape: Vec<u64> = shape.into_iter().map(|length| length as u64).collect();
-        let array = WriteOptions::new().default_dtype().shape(&shape);
-        let mut array = array.writer(&mut out).begin_nd()?;
-        array.extend(values)?;
-        array.finish()?;
+        out.start_file(format!("{name}.npy"), options)?;
+        out.write_all(&header(&shape))?;
+        for value in values {
+            out.write_all(&value.to_le_bytes())?;
+        }
     }
     out.finish()?;
     Ok(())
+}
+
+/// What stands before the numbers of an array, by version 1.0 of NumPy's format: a dictionary, with
+/// blanks up to a multiple of 64 bytes. The libraries for it bring a parser of Python's literals,
+/// which needs a compiler of C.
+fn header(shape: &[usize]) -> Vec<u8> {
+    let comma = if shape.len() == 1 { "," } else { "" };
+    let shape = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ") + comma;
+    let words = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
+    let length = (10 + words.len() + 1).next_multiple_of(64) - 10;
+    let mut header = b"\x93NUMPY\x01\x00".to_vec();
+    header.extend((length as u16).to_le_bytes());
+    header.extend(format!("{words:<0$}\n", length - 1).bytes());
+    header
 }
 
 /// The tables of paths: `t`, and for each column an array [path, time]. A path that ended early has
@@ -84,4 +96,21 @@ pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
     let level = ("quantile levels".into(), vec![levels.len()], levels.clone());
     let all = [("t".into(), vec![count], times), level].into_iter();
     write(file, all.chain(result.series.iter().flat_map(arrays)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::header;
+
+    /// As NumPy 2.4 writes them.
+    #[test]
+    fn headers_are_those_of_numpy() {
+        for (shape, words) in [
+            (&[3, 4][..], "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }"),
+            (&[41], "{'descr': '<f8', 'fortran_order': False, 'shape': (41,), }"),
+        ] {
+            let expected = format!("{words:<117}\n");
+            assert_eq!(header(shape), [b"\x93NUMPY\x01\x00v\x00", expected.as_bytes()].concat());
+        }
+    }
 }
