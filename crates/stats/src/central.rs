@@ -247,7 +247,8 @@ impl Kernel for OfBlock<'_> {
         let [mut first, mut second, mut third, mut fourth] = [[0.0; WIDTH]; 4];
         let [mut low, mut high] = [[0.0; WIDTH]; 2];
         for p in 0..WIDTH {
-            let value = if self.paths.0 >> p & 1 == 1 { self.values[p] * self.scale } else { origin };
+            let value =
+                if self.paths.0 >> p & 1 == 1 { self.values[p] * self.scale } else { origin };
             let deviation = value - origin;
             let square = deviation * deviation;
             (low[p], high[p]) = (value, -value);
