@@ -213,8 +213,12 @@ fn reduce(x: &[f64; WIDTH], op: impl Fn(f64, f64) -> f64) -> f64 {
     for p in 0..LANES {
         lanes[p] = op(op(x[p], x[p + LANES]), op(x[p + 2 * LANES], x[p + 3 * LANES]));
     }
-    let [a, b, c, d, e, f, g, h] = lanes;
-    op(op(op(a, e), op(c, g)), op(op(b, f), op(d, h)))
+    let mut four = [0.0; 4];
+    for p in 0..4 {
+        four[p] = op(lanes[p], lanes[p + 4]);
+    }
+    let two = [op(four[0], four[2]), op(four[1], four[3])];
+    op(two[0], two[1])
 }
 
 /// Σ xₚ.
@@ -259,13 +263,17 @@ impl Kernel for OfBlock<'_> {
         let shift = sum(&first) / n;
         let square = shift * shift;
         let ends = [least(&low), least(&high)];
-        // The other paths have the value of the origin.
+        // How many are at the ends, both in one sum; the other paths have the value of the origin.
+        let mut at_ends = [0.0; WIDTH];
+        for p in 0..WIDTH {
+            let at_least = if low[p] == ends[0] { 1.0 } else { 0.0 };
+            at_ends[p] = at_least + if high[p] == ends[1] { 64.0 } else { 0.0 };
+        }
+        let at_ends = sum(&at_ends) as u64;
         let others = WIDTH as u64 - u64::from(self.paths.len());
-        let at = |x: &[f64; WIDTH], end: f64, origin: f64| {
-            let equal = x.iter().map(|&x| u64::from(x == end)).sum::<u64>();
-            equal - if origin == end { others } else { 0 }
-        };
-        let at_ends = [at(&low, ends[0], origin), at(&high, ends[1], -origin)];
+        let without = |count, is_end| count - if is_end { others } else { 0 };
+        let at_ends =
+            [without(at_ends % 64, origin == ends[0]), without(at_ends / 64, -origin == ends[1])];
         CentralMoments {
             count: u64::from(self.paths.len()),
             mean: origin + shift,
