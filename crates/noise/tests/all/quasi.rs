@@ -1,18 +1,13 @@
 //! Are scrambled Sobol points nets, uniform, independent between scrambles, and are paths of them
 //! Wiener processes?
 //!
-//! Nets are checked exactly. Everything else compares a standardised statistic with a two-sided
-//! critical value. The false alarms of the whole file, all keys together, have probability at most
-//! [`FALSE_ALARM`]: Bonferroni over [`CHECKS`].
+//! Nets are checked exactly, everything else by standardised statistics.
 
 use noise::{QuasiWiener, ScrambledSobol, StreamKey, inverse_normal};
 use real::{Row, WIDTH};
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Probability that perfect scrambles fail anywhere in this file.
-const FALSE_ALARM: f64 = 1e-4;
-/// Number of checks: 27 variances, a mean, 2385 bits and 395 covariances for each key.
-const CHECKS: usize = 2808 * KEYS.len();
+use crate::check::{compare, critical, tail};
 
 const KEYS: [StreamKey; 2] = [key(1, 1), key(2, 77)];
 
@@ -20,29 +15,18 @@ const fn key(seed: u64, experiment: u64) -> StreamKey {
     StreamKey { seed, experiment }
 }
 
-/// Half of the probability of a false alarm of a check, at either side.
-fn tail() -> f64 {
-    FALSE_ALARM / CHECKS as f64 / 2.0
-}
-
 /// Whether a standard normal is as extreme as that of no perfect scramble.
 fn rejects(z: f64) -> bool {
-    z.is_nan() || z.abs() > Normal::standard().inverse_cdf(1.0 - tail())
+    compare(z, critical()).is_err()
 }
 
 /// Whether independent estimates with the mean `expected` are rejected, by Student's t.
 fn rejects_mean(estimates: &[f64], expected: f64) -> bool {
     let count = estimates.len() as f64;
-    let (mean, variance) = moments(estimates);
+    let mean = estimates.iter().sum::<f64>() / count;
+    let variance = estimates.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
     let critical = StudentsT::new(0.0, 1.0, count - 1.0).unwrap().inverse_cdf(1.0 - tail());
-    let t = (mean - expected) / (variance / count).sqrt();
-    t.is_nan() || t.abs() > critical
-}
-
-fn moments(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    (mean, values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0))
+    compare((mean - expected) / (variance / count).sqrt(), critical).is_err()
 }
 
 /// Calls `f` with the words of each of `count` points from `first` on.

@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 use noise::area_error;
 
-use crate::battery::Sum;
-use crate::key;
+use crate::areas::key;
+use crate::check::Sum;
 use crate::written_out::{Coefficients, normals};
 
 /// N = 40n: finite, and in the formulas as what it is.
@@ -56,7 +56,7 @@ fn the_error_of_the_normal_tail_for_two_noises() {
         for number in 0..4000 {
             let coefficients = Coefficients::<2>::draw(&mut normals(key(experiment), number), many);
             let a = (2.0 * inverse_squares(terms, many)).sqrt();
-            let rest = coefficients.series([0.0; 2], terms, many)[0][1];
+            let rest = coefficients.series([0.0; 2], terms, many, 1.0)[0][1];
             let square = |r: usize| coefficients.x[r - 1].map(|x| x * x).iter().sum::<f64>();
             let s: f64 = (terms + 1..=many).map(|r| square(r) / (r * r) as f64).sum();
             sum.add((rest - a * rest / s.sqrt()).powi(2) - expected);

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use noise::WienerPath;
 
-use crate::key;
+use crate::areas::key;
 use crate::written_out::{Coefficients, normals};
 
 const GRID: usize = 4096;
@@ -54,7 +54,7 @@ fn areas_are_those_of_the_path_with_their_sign() {
         let dw = WienerPath::<3>::new(key, number).increments(f64::sqrt(step));
         let coefficients = Coefficients::<3>::draw(&mut normals(key, number), TERMS);
         // The series of the sampler, with which it agrees to rounding.
-        let upper = coefficients.series(dw.map(|w| w / step.sqrt()), 0, TERMS);
+        let upper = coefficients.series(dw.map(|w| w / step.sqrt()), 0, TERMS, 1.0);
         let areas: [[f64; 3]; 3] = std::array::from_fn(|i| {
             std::array::from_fn(|j| (upper[i][j] - upper[j][i]) * step / TAU)
         });
