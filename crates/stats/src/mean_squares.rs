@@ -233,7 +233,13 @@ mod tests {
         // 1, 5/4, 5/4, 1 and −½ beside; it takes ln τ = ln 2·(3, 1, −1, −3)/2 to a multiple of
         // (10, 1, −1, −10), and a slope of one has the order ½.
         let (taus, squares) = bent(4, 1.0, 0.0, Bend::LINEAR);
-        let Estimate { rate, se, gain } = fit(&taus, &squares, None);
+        let logarithms = LogMeanSquares::new(&taus, &squares, (0..4).collect()).unwrap();
+        let estimate = logarithms.fit(None).unwrap();
+        let (low, high) = logarithms.bootstrap(&estimate).unwrap();
+        let Estimate { rate, se, gain } = estimate;
+        let (below, above) = bootstrap::reach(&squares, &[0, 1, 2, 3], &gain).unwrap();
+        assert!((low - (1.0 - below * se)).abs() < 1e-12 && low < 1.0);
+        assert!((high - (1.0 + above * se)).abs() < 1e-12 && high > 1.0);
         for (g, exact) in gain.iter().zip([10.0, 1.0, -1.0, -10.0]) {
             assert!((g - exact / (62.0 * LN_2)).abs() < 1e-12, "{gain:?}");
         }
@@ -271,17 +277,6 @@ mod tests {
     }
 
     #[test]
-    fn the_interval_of_the_bootstrap_is_about_the_estimate() {
-        let (taus, squares) = bent(4, 1.0, 0.0, Bend::LINEAR);
-        let logarithms = LogMeanSquares::new(&taus, &squares, (0..4).collect()).unwrap();
-        let estimate = logarithms.fit(None).unwrap();
-        let (low, high) = logarithms.bootstrap(&estimate).unwrap();
-        let (below, above) = bootstrap::reach(&squares, &[0, 1, 2, 3], &estimate.gain).unwrap();
-        assert!((low - (1.0 - below * estimate.se)).abs() < 1e-12 && low < 1.0);
-        assert!((high - (1.0 + above * estimate.se)).abs() < 1e-12 && high > 1.0);
-    }
-
-    #[test]
     fn what_levels_share_cancels_unless_they_are_taken_for_independent() {
         // One factor for all levels of a path: of the errors the model's alone are left.
         let mut squares = CrossMoments::new(4);
@@ -300,20 +295,16 @@ mod tests {
 
     #[test]
     fn levels_are_chosen_by_number_and_their_means_must_be_positive() {
-        let taus = [0.5, 0.25, 0.125, 0.0625, 0.03125];
-        let mut squares = CrossMoments::new(5);
-        for path in 0..PATHS {
-            let sign = |l: u64| if path >> l & 1 == 0 { 1.1 } else { 0.9 };
-            let level = |l: usize| taus[l] * taus[l] * sign(l as u64);
-            squares.add(&[level(0), 0.0, level(2), level(3), level(4)]);
-        }
+        let (taus, squares) = (
+            [0.5, 0.25, 0.125, 0.0625, 0.03125],
+            scattered(&[0.25, 0.0, 0.015625, 0.00390625, 0.0009765625]),
+        );
         let of = |levels: Vec<usize>| LogMeanSquares::new(&taus, &squares, levels);
         assert!(of((0..5).collect()).is_none());
         let rate = of(vec![0, 2, 3, 4]).unwrap().fit(None).unwrap().rate;
         assert!((rate.estimate - 1.0).abs() < 1e-9, "{rate:?}");
-        let mut infinite = CrossMoments::new(1);
-        infinite.add(&[f64::INFINITY]);
-        assert!(LogMeanSquares::new(&[0.5], &infinite, vec![0]).is_none());
-        assert!(LogMeanSquares::new(&[0.5], &CrossMoments::new(1), vec![0]).is_none());
+        for squares in [scattered(&[f64::INFINITY]), CrossMoments::new(1)] {
+            assert!(LogMeanSquares::new(&[0.5], &squares, vec![0]).is_none());
+        }
     }
 }

@@ -70,10 +70,7 @@ mod tests {
         let zero_is_known = matches!(zero, Point::Error { value: 0.0, se: 0.0, lo: None, .. });
         let warned = matches!(carried, Point::Error { warning: Some(_), .. });
         assert!(zero_is_known && warned, "{points:?}");
-    }
-
-    #[test]
-    fn a_step_without_samples_has_no_point() {
+        // A step without samples has no point.
         assert!(root_mean_squares(&[0.5, 0.25], &CrossMoments::new(2)).is_empty());
     }
 }

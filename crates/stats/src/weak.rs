@@ -237,35 +237,26 @@ mod tests {
     fn a_lower_term_is_bounded_by_its_interval() {
         // e/τ = A₁ + A₂τ + A₃τ² through three points at 1, ½, ¼: A₁ = e₁/3 − 4e₂ + 32e₃/3 in units
         // of the coarsest step, with the standard error σ√(1/9 + 16 + 1024/9). Of differences with
-        // half the step it is twice that, and contributes half.
+        // half the step it is twice that, and contributes half. Signs do not matter.
         let taus = taus(3);
-        let (sigma, errors) = (0.01, [0.9, 0.5, 0.3]);
+        let (sigma, errors) = (0.01, [-0.9, -0.5, -0.3]);
         let a = 0.3 - 2.0 + 3.2;
         let se = sigma * (1.0 / 9.0 + 16.0 + 1024.0 / 9.0f64).sqrt();
         let exact = (a + 1.959_963_984_540_054 * se) * 0.25 / 0.3;
         let covariance = diagonal(&[sigma * sigma; 3]);
         for against in [Against::Exact, Against::HalfStep] {
-            for sign in [1.0, -1.0] {
-                let errors = errors.map(|e| sign * e);
-                let share = lower_share(&taus, &errors, &covariance, 2, against).unwrap();
-                assert!((share / exact - 1.0).abs() < 1e-9, "{against:?}: {share} {exact}");
-            }
-            // Nothing is lower than order one; order three has a term more than there are points.
             let of = |order| lower_share(&taus, &errors, &covariance, order, against);
+            assert!((of(2).unwrap() / exact - 1.0).abs() < 1e-9, "{against:?}: {:?}", of(2));
+            // Nothing is lower than order one; order three has a term more than there are points.
             assert_eq!((of(1), of(3)), (Some(0.0), None));
         }
         let singular = vec![vec![1.0; 3]; 3];
         assert_eq!(lower_share(&taus, &errors, &singular, 2, Against::Exact), None);
-    }
-
-    #[test]
-    fn two_lower_terms_are_added_up() {
-        // 0.1τ − 0.2τ² + 5τ³ without noise, in units of the coarsest step.
-        let taus = taus(6);
+        // Two lower terms are added up: 0.1τ − 0.2τ² + 5τ³ without noise.
+        let taus = self::taus(6);
         let e = |x: f64| 0.1 * x - 0.2 * x * x + 5.0 * x.powi(3);
         let errors: Vec<f64> = taus.iter().map(|tau| e(tau / 0.1)).collect();
-        let covariance = diagonal(&[1e-24; 6]);
-        let share = lower_share(&taus, &errors, &covariance, 3, Against::Exact).unwrap();
+        let share = lower_share(&taus, &errors, &diagonal(&[1e-24; 6]), 3, Against::Exact).unwrap();
         let x = 0.5f64.powi(5);
         let exact = (0.1 * x + 0.2 * x * x) / e(x);
         assert!((share / exact - 1.0).abs() < 1e-6, "{share} {exact}");
@@ -274,55 +265,52 @@ mod tests {
     #[test]
     fn errors_are_sums_of_differences_with_a_tail() {
         // 64 differences ±1 about 8, 4 and 2, and ±2 about 1: their means have the variances 1/63
-        // and 4/63, and the last counts twice.
-        let moments = |mean: f64, spread: f64| {
+        // and 4/63. The last counts twice, and of order two a third more.
+        let all = [(8.0, 1.0), (4.0, 1.0), (2.0, 1.0), (1.0, 2.0)].map(|(mean, spread)| {
             let mut moments = CrossMoments::new(1);
             (0..64).for_each(|n| moments.add(&[mean + if n % 2 == 0 { spread } else { -spread }]));
             moments
-        };
-        let all = [moments(8.0, 1.0), moments(4.0, 1.0), moments(2.0, 1.0), moments(1.0, 2.0)];
-        let (points, rate) = weak_errors(&taus(4), &all, 0, Expansion::EveryPower);
-        // Of order two a third of the last difference is left.
-        let (of_two, _) = weak_errors(&taus(4), &all, 0, Expansion::EvenPowers);
-        let Point::Error { value, se, .. } = of_two[3] else { panic!("{of_two:?}") };
-        assert!((value - 4.0 / 3.0).abs() < 1e-15);
-        assert!((se / ((16.0 / 9.0) * (4.0 / 63.0f64)).sqrt() - 1.0).abs() < 1e-12, "{se}");
-        let variance = 1.0 / 63.0;
-        for (l, (value, of_sum)) in
-            [(16.0, 19.0), (8.0, 18.0), (4.0, 17.0), (2.0, 16.0)].into_iter().enumerate()
+        });
+        for (expansion, last, square) in
+            [(Expansion::EveryPower, 2.0, 16.0), (Expansion::EvenPowers, 4.0 / 3.0, 64.0 / 9.0)]
         {
-            let Point::Error { tau, value: found, se, lo: None, .. } = points[l] else {
-                panic!("{points:?}")
-            };
-            assert_eq!((tau, found), (taus(4)[l], value));
-            assert!((se / f64::sqrt(of_sum * variance) - 1.0).abs() < 1e-12, "{se}");
+            let (points, rate) = weak_errors(&taus(4), &all, 0, expansion);
+            let before = [(14.0, 3.0), (6.0, 2.0), (2.0, 1.0), (0.0, 0.0)];
+            for ((point, tau), (value, of_sum)) in points.iter().zip(taus(4)).zip(before) {
+                let Point::Error { tau: at, value: found, se, lo: None, .. } = *point else {
+                    panic!("{points:?}")
+                };
+                assert!(at == tau && (found - value - last).abs() < 1e-14, "{points:?}");
+                let variance: f64 = (of_sum + square) / 63.0;
+                assert!((se / variance.sqrt() - 1.0).abs() < 1e-12, "{se}");
+            }
+            assert_eq!(points.len(), 4);
+            if expansion == Expansion::EveryPower {
+                assert_eq!(rate.unwrap().estimate, 1.0);
+            }
         }
-        let rate = rate.unwrap();
-        assert_eq!((points.len(), rate.estimate), (4, 1.0));
     }
 
     #[test]
     fn an_order_is_found_in_even_powers() {
-        // 2τ² − 3τ⁴ in units of the coarsest step: with τ³ in the place of τ⁴ another order fits.
         let taus = taus(5);
-        let e = |tau: f64| 2.0 * (tau / 0.1).powi(2) - 3.0 * (tau / 0.1).powi(4);
-        let errors: Vec<f64> = taus.iter().map(|&tau| e(tau) - e(0.5 * tau)).collect();
-        let variances: Vec<f64> = errors.iter().map(|e| (1e-3 * e).powi(2)).collect();
-        let fit = |expansion| {
-            let variances = diagonal(&variances);
-            fit_weak(&taus, &errors, &variances, Against::HalfStep, expansion).unwrap()
+        // Differences of e, in units of the coarsest step, with errors of so much of each.
+        let fit = |e: fn(f64) -> f64, error: f64, expansion| {
+            let differences = taus.iter().map(|tau| e(tau / 0.1) - e(tau / 0.2));
+            let errors: Vec<f64> = differences.collect();
+            let variances: Vec<f64> = errors.iter().map(|e| (error * e).powi(2)).collect();
+            let covariance = diagonal(&variances);
+            fit_weak(&taus, &errors, &covariance, Against::HalfStep, expansion).unwrap()
         };
-        let even = fit(Expansion::EvenPowers);
+        // With τ³ in the place of τ⁴ another order fits.
+        let second = |x: f64| 2.0 * x.powi(2) - 3.0 * x.powi(4);
+        let even = fit(second, 1e-3, Expansion::EvenPowers);
         assert!(even.estimate == 2.0 && even.lo > 1.98 && even.hi < 2.02, "{even:?}");
         assert!(even.chi_square < 1e-9 && even.degrees == 2, "{even:?}");
-        let every = fit(Expansion::EveryPower);
+        let every = fit(second, 1e-3, Expansion::EveryPower);
         assert!(every.chi_square > 100.0, "{every:?}");
         // Order one is seen, though it is no such expansion.
-        let e = |tau: f64| 2.0 * tau / 0.1 - 3.0 * (tau / 0.1).powi(2);
-        let errors: Vec<f64> = taus.iter().map(|&tau| e(tau) - e(0.5 * tau)).collect();
-        let variances = diagonal(&errors.iter().map(|e| (0.03 * e).powi(2)).collect::<Vec<_>>());
-        let (against, even) = (Against::HalfStep, Expansion::EvenPowers);
-        let one = fit_weak(&taus, &errors, &variances, against, even).unwrap();
+        let one = fit(|x| 2.0 * x - 3.0 * x.powi(2), 0.03, Expansion::EvenPowers);
         assert!(one.hi < 1.5, "{one:?}");
     }
 }

@@ -55,11 +55,7 @@ fn strong_intervals_cover_the_order() {
         let covered = covered(200, order, None);
         assert!(covered >= 176, "order {order}: {covered} of 200");
     }
-}
-
-#[test]
-fn errors_against_a_reference_are_no_differences() {
-    // The twin: the error of the reference bends the points, and the interval misses.
+    // The twin: the error of a reference bends the points, and the interval misses.
     let covered = covered(50, 0.5, Some(TAUS[7] / 2.0));
     assert!(covered < 25, "{covered} of 50");
 }
@@ -196,26 +192,6 @@ fn an_error_inside_the_noise_has_no_order() {
     assert!(rate.interval(0.999).1 < 0.5, "{rate:?}");
 }
 
-#[test]
-fn curvature_is_found_where_there_is_one() {
-    let squares = |curvature: f64| {
-        moments(1000, StreamKey { seed: 5, experiment: 3 }, |_, noise| {
-            let shared = noise.normal();
-            let z = |noise: &mut WienerPath<1>| (shared + 0.3 * noise.normal()).powi(2);
-            TAUS.map(|tau| tau * (1.0 + curvature * tau) * z(noise))
-        })
-    };
-    let bent = squares(20.0);
-    let curved = fit_strong(&TAUS, &bent).unwrap();
-    assert!(curved.lo < 0.5 && 0.5 < curved.hi && curved.curvature_t.unwrap() > 3.0, "{curved:?}");
-    // The twin: a straight line through the same points.
-    let line = LogMeanSquares::new(&TAUS, &bent, (0..8).collect()).unwrap();
-    let line = line.fit(None).unwrap().rate;
-    assert!(line.p_value.unwrap() < 0.01 && line.lo > 0.5, "{line:?}");
-    let straight = fit_strong(&TAUS, &squares(0.0)).unwrap();
-    assert!(straight.curvature_t.unwrap().abs() < 3.0 && straight.covers(0.5), "{straight:?}");
-}
-
 /// Squared errors of order one; path 123 has 30 times the error at the `hit` coarsest levels.
 fn with_an_outlier(hit: usize) -> CrossMoments {
     moments(1000, StreamKey { seed: 6, experiment: 3 }, |path, noise| {
@@ -228,25 +204,15 @@ fn with_an_outlier(hit: usize) -> CrossMoments {
 }
 
 #[test]
-fn levels_that_one_path_dominates_are_left_out_and_named() {
-    let rate = fit_strong(&TAUS, &with_an_outlier(2)).unwrap();
+fn levels_that_one_path_dominates_are_left_out_or_widen_the_interval() {
+    let squares = with_an_outlier(2);
+    let rate = fit_strong(&TAUS, &squares).unwrap();
     assert_eq!(rate.left_out, TAUS[..2]);
-    assert!(
-        rate.effective_paths.unwrap() < 10.0 && rate.method.contains("left out"),
-        "{}",
-        rate.method
-    );
-    assert!(rate.covers(1.0), "{rate:?}");
+    assert!(rate.effective_paths.unwrap() < 10.0 && rate.covers(1.0), "{rate:?}");
     // The twin: with all levels the outlier bends the line.
-    let all = LogMeanSquares::new(&TAUS, &with_an_outlier(2), (0..8).collect())
-        .unwrap()
-        .fit(None)
-        .unwrap();
+    let all = LogMeanSquares::new(&TAUS, &squares, (0..8).collect()).unwrap().fit(None).unwrap();
     assert!(all.rate.estimate > 1.05, "{:?}", all.rate);
-}
-
-#[test]
-fn an_order_that_hangs_on_one_path_comes_with_a_wide_interval() {
+    // Too many levels to be left out.
     let few = fit_strong(&TAUS, &with_an_outlier(6)).unwrap();
     assert!(few.left_out.is_empty() && few.method.contains("wider of both"), "{}", few.method);
     let calm = fit_strong(&TAUS, &with_an_outlier(0)).unwrap();

@@ -120,14 +120,6 @@ fn intervals_of_means_cover_where_students_do_not() {
         for law in LAWS {
             let [rule, twin] = measured(law, samples, 4000);
             let few = 1.0 - rule.stated / rule.seeds;
-            println!(
-                "{samples:4} {:24} misses {:4.1} %, width {:.2}, too few {:4.1} %; Student misses {:4.1} %",
-                law.0,
-                100.0 * rule.share(),
-                rule.ratio,
-                100.0 * few,
-                100.0 * twin.share()
-            );
             assert!(rule.covers(), "{} of {samples}: {}", law.0, rule.share());
             refuted += u32::from(!twin.covers());
             if RIGHT.contains(&law.0) {
