@@ -7,7 +7,7 @@
 //!
 //! Errors are in units in the last place (ulp) of the exact result. They are measured at 250 000
 //! random arguments each (`python3 crates/real/tools/reference_values.py --measure`).
-//! `tests/elementary.rs` asserts the bounds, also at hard cases.
+//! `tests/all/elementary.rs` asserts the bounds, also at hard cases.
 //!
 //! | function | range | measured error | asserted bound |
 //! |---|---|---|---|
@@ -309,7 +309,7 @@ const EXP_SERIES: [f64; 14] = {
 /// The reduction is that of [`exp`]. The rounding errors of its three additions are added to `e`.
 /// A Taylor series replaces the minimax polynomial, whose leading coefficients are off by 1e-15.
 /// The error of `p + e` is the rounding of `r² P(r)`: below `2^-56 e^x`, and below `2^-53 x²` for
-/// small `x`. `tests/elementary.rs` asserts twice that through `e^x e^{-x} = 1` and `e^{2x} =
+/// small `x`. `tests/all/elementary.rs` asserts twice that through `e^x e^{-x} = 1` and `e^{2x} =
 /// (e^x)²`. Where `p` is zero, subnormal or infinite, `e` is zero. NaN gives NaN.
 #[inline(always)]
 pub fn exp_with_remainder(x: f64) -> (f64, f64) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Print the table of reference values which `crates/real/tests/elementary.rs` compares with.
+"""Print the table of reference values which `crates/real/tests/all/elementary.rs` compares with.
 
 Each line is `function argument value remainder`: argument and value are the bits of an f64 in
 hexadecimal, the value is the f64 nearest to the exact result, and the exact result is

@@ -2,8 +2,9 @@
 //! neighbours.
 
 use crate::common::{Equations, Numbers, PrefersNewton, SineMap, solve_block};
-use nonlin::{BlockStatus, FixedPoint, Method, Outcome, Solver};
-use real::{Block, Level, WIDTH, limit_to};
+use crate::predicted::{Predicted, map};
+use nonlin::{FixedPoint, Method, Outcome, Solver};
+use real::{Level, WIDTH, limit_to};
 
 const METHODS: [Method; 2] = [Method::FixedPoint, Method::Newton];
 
@@ -31,49 +32,25 @@ fn bits<const D: usize>(z: [f64; D]) -> [u64; D] {
     z.map(|x| if x.is_nan() { f64::NAN } else { x }.to_bits())
 }
 
-/// What a single solve and a path of a block have in common.
-fn same_as_single<E: FixedPoint<D>, const D: usize>(
-    solver: Solver,
-    equation: &E,
-    (z, status): &(Block<D>, BlockStatus),
-    p: usize,
-) -> Outcome {
-    let single = solver.solve(equation);
-    assert_eq!(bits(single.z), bits(z.path(p)), "{:?} path {p}", solver.method);
-    assert_eq!(status.failed.contains(p), !single.outcome.converged());
-    match single.outcome {
-        Outcome::Fast { iterations } => {
-            assert_eq!(status.iterations(p), iterations);
-            assert!(!status.robust.contains(p));
-            assert_eq!(status.residual(p), 0.0);
-        }
-        Outcome::Robust { iterations, residual } => {
-            assert_eq!(status.iterations(p), iterations);
-            assert!(status.robust.contains(p));
-            assert_eq!(bits([residual]), bits([status.residual(p)]));
-        }
-        Outcome::Failed { residual } => {
-            assert_eq!(status.iterations(p), 0);
-            assert!(!status.robust.contains(p));
-            assert_eq!(bits([residual]), bits([status.residual(p)]));
-        }
-    }
-    single.outcome
-}
-
 /// Adds to the counts [fast, robust, failed].
 fn compare<E: FixedPoint<D>, const D: usize>(
     solver: Solver,
     equations: &Equations<E>,
     seen: &mut [u32; 3],
 ) {
-    let solved = solve_block(solver, equations);
+    let (z, status) = solve_block(solver, equations);
     for p in 0..WIDTH {
-        seen[match same_as_single(solver, &equations.0[p], &solved, p) {
-            Outcome::Fast { .. } => 0,
-            Outcome::Robust { .. } => 1,
-            _ => 2,
-        }] += 1;
+        let single = solver.solve(&equations.0[p]);
+        assert_eq!(bits(single.z), bits(z.path(p)), "{:?} path {p}", solver.method);
+        let (way, iterations, residual) = match single.outcome {
+            Outcome::Fast { iterations } => (0, iterations, 0.0),
+            Outcome::Robust { iterations, residual } => (1, iterations, residual),
+            Outcome::Failed { residual } => (2, 0, residual),
+        };
+        assert_eq!((status.robust.contains(p), status.failed.contains(p)), (way == 1, way == 2));
+        assert_eq!(status.iterations(p), iterations);
+        assert_eq!(bits([residual]), bits([status.residual(p)]));
+        seen[way] += 1;
     }
 }
 
@@ -106,16 +83,28 @@ fn a_block_is_its_paths_at_every_level() {
 
 #[test]
 fn few_sweeps_are_the_same_sweeps_in_a_block() {
+    let equations = mixed::<2>(5);
     for max_sweeps in 0..6 {
         for method in METHODS {
             let solver = Solver { method: Some(method), max_sweeps, settle: max_sweeps % 2 == 0 };
-            let equations = mixed::<2>(5);
-            let solved = solve_block(solver, &equations);
-            for p in 0..WIDTH {
-                same_as_single(solver, &equations.0[p], &solved, p);
-            }
+            compare(solver, &equations, &mut [0; 3]);
         }
         let solver = Solver { max_sweeps, ..Solver::default() }.settled();
-        compare(solver, &Equations(mixed::<2>(5).0.map(PrefersNewton)), &mut [0; 3]);
+        compare(solver, &Equations(equations.0.map(PrefersNewton)), &mut [0; 3]);
     }
+}
+
+/// Good, bad and absent predictions.
+#[test]
+fn predictions_are_the_same_in_a_block() {
+    let (map, mut numbers) = (map(), Numbers(5));
+    let exact = Solver::default().solve(&map).z;
+    let paths = std::array::from_fn(|p| {
+        let off = 10f64.powi(-(p as i32)) * numbers.next();
+        let bound = [0.0, 10.0 * off.abs(), f64::INFINITY, f64::NAN][p % 4];
+        Predicted { map, prediction: [exact[0] + off, exact[1]], bound }
+    });
+    let mut seen = [0; 3];
+    compare(Solver::default(), &Equations(paths), &mut seen);
+    assert_eq!(seen[0], WIDTH as u32);
 }

@@ -1,15 +1,15 @@
 //! A prediction is accepted if its residual bound is below the tolerance, and only then.
 
-use crate::common::{Equations, Numbers, SineMap, difference, solve_block};
+use crate::common::{SineMap, difference, norm};
 use nonlin::{FirstSweep, FixedPoint, Method, Outcome, Solver};
-use real::{Real, WIDTH};
+use real::Real;
 
 /// A contraction with any prediction and any bound.
 #[derive(Clone, Copy, Debug)]
-struct Predicted {
-    map: SineMap<2>,
-    prediction: [f64; 2],
-    bound: f64,
+pub struct Predicted {
+    pub map: SineMap<2>,
+    pub prediction: [f64; 2],
+    pub bound: f64,
 }
 
 impl FixedPoint<2> for Predicted {
@@ -28,13 +28,8 @@ impl FixedPoint<2> for Predicted {
     }
 }
 
-fn map() -> SineMap<2> {
+pub fn map() -> SineMap<2> {
     SineMap::new(0.5, &[0.3, -0.8, 0.1, 0.9, -0.4, 0.7, 0.2])
-}
-
-/// ‖z − ψ(z)‖₁ may be 2ε‖z‖₁.
-fn allowed(z: [f64; 2]) -> f64 {
-    2.0 * f64::EPSILON * (z[0].abs() + z[1].abs())
 }
 
 #[test]
@@ -42,7 +37,9 @@ fn sweeps_start_from_a_prediction_with_a_larger_bound() {
     let map = map();
     let exact = Solver::default().solve(&map).z;
     let near = exact.map(|x| x * (1.0 + 1e-11));
-    for bound in [allowed(near) * (1.0 + 4.0 * f64::EPSILON), 1e-9, 1e300] {
+    // ‖z − ψ(z)‖₁ may be 2ε‖z‖₁.
+    let allowed = 2.0 * f64::EPSILON * norm(near);
+    for bound in [allowed * (1.0 + 4.0 * f64::EPSILON), 1e-9, 1e300] {
         let solution = Solver::default().solve(&Predicted { map, prediction: near, bound });
         // From there one Newton step is enough; from the start it is not.
         assert_eq!(solution.outcome, Outcome::Fast { iterations: 2 }, "{bound}");
@@ -65,23 +62,5 @@ fn without_a_finite_bound_sweeps_begin_at_the_start() {
             assert_eq!(solution.z, plain.z);
             assert_eq!(solution.outcome, Outcome::Fast { iterations: 1 + iterations });
         }
-    }
-}
-
-#[test]
-fn a_block_is_its_paths() {
-    let map = map();
-    let exact = Solver::default().solve(&map).z;
-    let mut numbers = Numbers(5);
-    let paths: [Predicted; WIDTH] = std::array::from_fn(|p| {
-        let off = 10f64.powi(-(p as i32)) * numbers.next();
-        let bound = [0.0, 10.0 * off.abs(), f64::INFINITY, f64::NAN][p % 4];
-        Predicted { map, prediction: [exact[0] + off, exact[1]], bound }
-    });
-    let (z, status) = solve_block(Solver::default(), &Equations(paths));
-    for p in 0..WIDTH {
-        let alone = Solver::default().solve(&paths[p]);
-        assert_eq!(z.path(p), alone.z, "path {p}");
-        assert_eq!(alone.outcome, Outcome::Fast { iterations: status.iterations(p) });
     }
 }

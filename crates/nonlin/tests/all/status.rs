@@ -1,16 +1,7 @@
-//! What a status says of states that nothing had to be solved for, or that are no numbers.
+//! What a status says of states that are no numbers.
 
 use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, PathMask, WIDTH};
-
-#[test]
-fn an_explicit_step_is_one_iteration_everywhere() {
-    let status = BlockStatus::explicit();
-    for p in 0..WIDTH {
-        assert_eq!((status.iterations(p), status.residual(p)), (1, 0.0));
-    }
-    assert!(status.robust.is_empty() && status.failed.is_empty());
-}
 
 /// A solution that is no number has failed, with an infinite residual, alone and in a block.
 #[test]
@@ -23,6 +14,7 @@ fn what_is_not_finite_has_failed() {
         _ => [p as f64, f64::MAX],
     });
     let (mut block, mut status) = (Block::zero(), BlockStatus::explicit());
+    assert!(status.robust.is_empty() && status.failed.is_empty());
     // Two that the robust method solved, one of which is lost afterwards.
     status.robust.insert(3);
     status.robust.insert(4);
