@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`strong_order`], [`weak_order`] | the order of any scheme, in one measurement or a budget |
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
-//! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
+//! | [`StepSizes`] | how it is measured |
 //! | [`Exact`] | an exact solution on sampled paths |
 //! | `inspect`, [`facts::Facts`] | what a system is, and which statements apply |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
@@ -32,8 +32,8 @@ pub use final_moments::{FinalMoments, FinalRows};
 pub use inspect::{InspectSettings, inspect};
 pub use number::{number, worse};
 pub use orders::{
-    Decision, Exact, Limit, More, OneStep, Order, ReferenceSolution, StepSizes, squared_distance,
-    strong_order, weak_order, wrong_limit,
+    Decision, Exact, Limit, More, OneStep, Order, StepSizes, squared_distance, strong_order,
+    weak_order, wrong_limit,
 };
 pub use step_check::{
     Halved, STIFF, StepCheck, StepError, StepErrors, TURN, checked_paths, step_check,

@@ -44,8 +44,7 @@ pub use {analysis, dgrad, formula, mc, noise, nonlin, real, schemes, stats, syst
 /// The names that most programs use: `use casimir::prelude::*`.
 pub mod prelude {
     pub use analysis::{
-        Candidates, CompareSettings, InspectSettings, ReferenceSolution, StepSizes, compare,
-        inspect, strong_order,
+        Candidates, CompareSettings, InspectSettings, StepSizes, compare, inspect, strong_order,
     };
     pub use mc::{
         Observable, Setup, Simulation, StateFunction, StudySettings, Times, bind, study, write_csv,

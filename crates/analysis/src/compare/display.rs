@@ -60,7 +60,7 @@ impl Comparison {
                 ratio(more, taken)
             );
         }
-        let cost = taken.cost_s().unwrap_or(f64::INFINITY);
+        let cost = taken.cost().map_or(f64::INFINITY, |cost| cost.0);
         let untried = self.candidates.iter().filter_map(|one| match one.outcome {
             Outcome::NotReached { at_least_s, .. } if at_least_s < cost => Some(&one.scheme[..]),
             _ => None,
@@ -101,8 +101,8 @@ impl Candidate {
             (Outcome::NotReached { needs, .. }, Some(point)) => {
                 steps = needs.map_or(format!("> {}", point.steps), about);
                 let step_s = point.time.map(|time| time.best / point.steps as f64);
-                let needed = needs.zip(step_s).zip(cheapest.and_then(Self::cost_s));
-                cost = needed.map_or(String::new(), |((n, s), least)| about(n * s / least));
+                let needed = needs.zip(step_s).zip(cheapest.and_then(Self::cost));
+                cost = needed.map_or(String::new(), |((n, s), least)| about(n * s / least.0));
                 point.words()
             }
             (Outcome::Reached { steps: needed, .. }, Some(point)) => {

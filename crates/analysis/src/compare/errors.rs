@@ -64,8 +64,8 @@ impl Sampled {
 }
 
 /// The errors of all schemes.
-#[derive(Clone, Debug)]
 pub struct Errors {
+    pub sampled: Sampled,
     /// A bound of the error of the reference, with 95 %. It is in every interval.
     pub of_reference: f64,
     /// The points of each scheme, coarsest first.
@@ -93,7 +93,7 @@ const RESOLVED: f64 = 0.25;
 impl<'a> Search<'a> {
     /// Distances to the reference on the same noise, whose own error is estimated from its
     /// differences.
-    pub fn measure(&self, plan: &Plan, stop: &Stop) -> Result<(Sampled, Errors), LadderError> {
+    pub fn measure(&self, plan: &Plan, stop: &Stop) -> Result<Errors, LadderError> {
         let Self { problem, candidates, settings, base, .. } = *self;
         let finest = plan.sizes.iter().map(|sizes| sizes.end.saturating_sub(1));
         let finest = finest.fold(plan.reference, u32::max);
@@ -146,7 +146,7 @@ impl<'a> Search<'a> {
             last_difference: rms(0),
             spread: rms(2),
         };
-        Ok((sampled, Errors { of_reference, points }))
+        Ok(Errors { sampled, of_reference, points })
     }
 }
 

@@ -88,17 +88,12 @@ impl<'a> Search<'a> {
         let known = known.map(|(scheme, waiting)| self.known(scheme, waiting));
         let known: Vec<Known> = known.collect::<Result<_, _>>()?;
         let found = within(ERRORS * self.left_s(), |stop| self.errors(&known, &reference, stop))?;
-        let (sampled, Errors { of_reference, mut points }) = found.unwrap_or_else(|| {
-            let points = vec![Vec::new(); known.len()];
-            (Sampled::default(), Errors { of_reference: f64::INFINITY, points })
+        let Errors { sampled, of_reference, mut points } = found.unwrap_or_else(|| Errors {
+            sampled: Sampled::default(),
+            of_reference: f64::INFINITY,
+            points: vec![Vec::new(); known.len()],
         });
-        if sampled.samples > 0 {
-            let steps: Vec<Vec<u64>> = points.iter().zip(&known).map(steps).collect();
-            let times = within(self.left_s(), |stop| self.times(&known, &steps, stop))?;
-            for (points, times) in points.iter_mut().zip(times) {
-                points.iter_mut().zip(times).for_each(|(point, time)| point.time = Some(time));
-            }
-        }
+        within(self.left_s(), |stop| self.time(&known, &mut points, stop))?;
         let steps = points.iter().flatten().map(|point| point.steps).max().unwrap_or(0);
         let damped = problem.damping.integral(0.0, problem.t_end) != 0.0;
         let schemes = candidates.schemes.iter().zip(known).zip(points);
@@ -144,12 +139,8 @@ impl<'a> Search<'a> {
         known: &[Known],
         reference: &Known,
         stop: &Stop,
-    ) -> Result<Option<(Sampled, Errors)>, CompareError> {
+    ) -> Result<Option<Errors>, CompareError> {
         let (mut found, room, watch) = (None, ERRORS * self.left_s(), Stopwatch::start());
-        self.cut_if(!reference.runs());
-        if !reference.runs() {
-            return Ok(found);
-        }
         let plan = |[scheme, ahead]: [u32; 2], samples| Plan {
             sizes: known.iter().map(|known| known.sizes(scheme)).collect(),
             reference: reference.first + ahead,
@@ -159,26 +150,20 @@ impl<'a> Search<'a> {
         if self.work(known, reference, &next) > room {
             next = plan(AHEAD[1], LEAST_SAMPLES);
         }
-        loop {
+        while reference.runs() {
             let (plan, before) = (next, watch.wall_s());
             let errors = self.measure(&plan, stop)?;
             if stop.is_asked() {
                 break;
             }
-            let (_, errors) = found.insert(errors);
+            next = self.refined(known, found.insert(errors), &plan);
             // Errors against a wrong reference are no errors.
-            let finer = self.refined(known, errors, &plan);
-            if reference.excluded.is_some() || finer == plan {
+            if reference.excluded.is_some() || next == plan {
                 return Ok(found);
             }
             let each = (watch.wall_s() - before) / self.work(known, reference, &plan);
-            let few = Plan { samples: LEAST_SAMPLES, ..finer.clone() };
-            let fits = |next: &Plan| {
-                watch.wall_s() + each * self.work(known, reference, next) <= room && *next != plan
-            };
-            match [finer, few].into_iter().find(fits) {
-                Some(fits) => next = fits,
-                None => break,
+            if watch.wall_s() + each * self.work(known, reference, &next) > room {
+                break;
             }
         }
         self.cut_if(true);
@@ -192,14 +177,14 @@ impl<'a> Search<'a> {
         let mut finer = errors.of_reference > ENOUGH * wanted;
         let sound: Vec<usize> = (0..known.len()).filter(|&s| known[s].excluded.is_none()).collect();
         for &s in &sound {
-            let points = &errors.points[s];
-            let Some(last) = points.last() else { continue };
             // The whole interval is at most the wanted error.
-            let reached = points.iter().any(|point| point.resolved && point.hi <= wanted);
-            match (reached, last.resolved) {
-                (true, _) => {}
-                (false, true) => next.sizes[s].end += by(last.error),
-                (false, false) => finer = true,
+            let reached = |point: &ErrorPoint| point.resolved && point.hi <= wanted;
+            match errors.points[s].last() {
+                Some(last) if !errors.points[s].iter().any(reached) => match last.resolved {
+                    true => next.sizes[s].end += by(last.error),
+                    false => finer = true,
+                },
+                _ => {}
             }
         }
         if finer {
@@ -223,36 +208,40 @@ impl<'a> Search<'a> {
         plan.samples as f64 * (schemes.sum::<f64>() + steps(plan.reference) * reference.seconds)
     }
 
-    /// The times of paths of these steps. Where there is no time, a step costs what one of the
-    /// finest timed ones does, or of the pilot.
-    fn times(
+    /// Times paths. Where there is no time, a step costs what one of the finest timed ones does, or
+    /// of the pilot.
+    fn time(
         &self,
         known: &[Known],
-        steps: &[Vec<u64>],
+        points: &mut [Vec<ErrorPoint>],
         stop: &Stop,
-    ) -> Result<Vec<Vec<Spread>>, CompareError> {
+    ) -> Result<(), CompareError> {
+        let of_scheme = |(points, known): (&Vec<ErrorPoint>, &Known)| {
+            let timed = points.iter().filter(|_| known.excluded.is_none());
+            timed.map(|point| point.steps).collect::<Vec<u64>>()
+        };
+        let steps: Vec<_> = points.iter().zip(known).map(of_scheme).collect();
         // One repetition at least, and as many as the budget has room for.
-        let once: f64 = steps.iter().zip(known).fold(0.0, |sum, (steps, known)| {
-            let all = steps.iter().map(|steps| PATH_STEPS.max(steps * PATHS)).sum::<u64>();
-            sum + all as f64 * known.seconds
-        });
+        let of_scheme = |(steps, known): (&Vec<u64>, &Known)| {
+            let steps = steps.iter().map(|steps| PATH_STEPS.max(steps * PATHS));
+            steps.sum::<u64>() as f64 * known.seconds
+        };
+        let once: f64 = steps.iter().zip(known).map(of_scheme).sum();
         let repetitions = (self.left_s() / once).clamp(1.0, REPETITIONS) as usize;
         let noise = (self.settings.truncation, self.key(2));
         let (schemes, problem) = (&self.candidates.schemes, self.problem);
-        let mut times = path_times(schemes, problem, steps, noise, repetitions, stop)?;
+        let times = path_times(schemes, problem, &steps, noise, repetitions, stop)?;
         self.cut_if(stop.is_asked());
-        for ((times, steps), known) in times.iter_mut().zip(steps).zip(known) {
-            let timed = times.last().zip(steps[..times.len()].last());
-            let step_s = timed.map_or(known.seconds, |(time, &n)| time.best / n as f64);
-            let untimed = steps[times.len()..].iter().map(|&n| step_s * n as f64);
-            times.extend(untimed.map(|s| Spread { best: s, median: s, worst: s }));
+        for (((points, times), steps), known) in points.iter_mut().zip(times).zip(steps).zip(known)
+        {
+            let mut step_s = known.seconds;
+            for (k, (point, &steps)) in points.iter_mut().zip(&steps).enumerate() {
+                let s = step_s * steps as f64;
+                let time = times.get(k).copied();
+                let time = time.unwrap_or(Spread { best: s, median: s, worst: s });
+                (point.time, step_s) = (Some(time), time.best / steps as f64);
+            }
         }
-        Ok(times)
+        Ok(())
     }
-}
-
-/// The steps of the points of a scheme, if it is timed.
-fn steps((points, known): (&Vec<ErrorPoint>, &Known)) -> Vec<u64> {
-    let timed = points.iter().filter(|_| known.excluded.is_none());
-    timed.map(|point| point.steps).collect()
 }

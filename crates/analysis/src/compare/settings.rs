@@ -27,9 +27,6 @@ const LATEST: f64 = 1e9;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompareError {
-    /// There is no scheme to compare.
-    #[error("a comparison needs at least one scheme, got none")]
-    NoScheme,
     /// A setting that is out of range.
     #[error("the {what} must be {range}, got {value}")]
     OutOfRange {
@@ -69,13 +66,13 @@ impl CompareSettings {
         let positive = |x: f64| x > 0.0 && x.is_finite();
         let (samples, least) = (self.samples as f64, LEAST_SAMPLES as f64);
         let checks = [
+            ("number of schemes", "at least one", schemes as f64, schemes > 0),
             ("wanted error", "positive and finite", self.error, positive(self.error)),
             ("budget", "positive and finite", self.budget_s, positive(self.budget_s)),
             ("number of paths", "at least 32", samples, samples >= least),
             ("final time", "below 1e9, for fewer steps", t_end, t_end < LATEST),
         ];
         match checks.into_iter().find(|(.., holds)| !holds) {
-            _ if schemes == 0 => Err(CompareError::NoScheme),
             Some((what, range, value, _)) => Err(CompareError::OutOfRange { what, range, value }),
             None => Ok(()),
         }

@@ -127,13 +127,8 @@ impl Candidate {
         }
     }
 
-    /// Seconds, if the error is reached.
-    pub fn cost_s(&self) -> Option<f64> {
-        Some(self.cost()?.0)
-    }
-
-    /// Seconds between the ends of the interval.
-    fn cost(&self) -> Option<(f64, f64, Option<f64>)> {
+    /// Seconds, if the error is reached, and the ends of their interval.
+    pub(super) fn cost(&self) -> Option<(f64, f64, Option<f64>)> {
         match self.outcome {
             Outcome::Reached { cost_s, cost_lo, cost_hi, .. } => Some((cost_s, cost_lo, cost_hi)),
             _ => None,
@@ -204,7 +199,7 @@ fn cost(
 
 /// The candidate that keeps most among those that do not cost significantly more than the cheapest.
 pub(super) fn choose(candidates: &[Candidate]) -> Choice {
-    let costs = candidates.iter().enumerate().filter_map(|(n, one)| Some((n, one.cost_s()?)));
+    let costs = candidates.iter().enumerate().filter_map(|(n, one)| Some((n, one.cost()?.0)));
     let mut costs: Vec<(usize, f64)> = costs.collect();
     costs.sort_by(|a, b| a.1.total_cmp(&b.1));
     let Some(&(cheapest, _)) = costs.first() else { return Choice::NoneReaches };

@@ -4,13 +4,12 @@ use real::WIDTH;
 use serde::Serialize;
 
 use super::{
-    algebra::{Matrix, dot, moved, norm},
+    algebra::{Matrix, moved},
     finding::{Finding, products},
-    form::{Form, readable},
-    search::{Candidates, ZERO, casimirs},
+    form::Form,
+    search::{Candidates, casimirs},
     shape::Minimum,
     sight::Sight,
-    spectrum::smallest_eigenvalue,
 };
 
 /// A Casimir that follows from B alone.
@@ -45,8 +44,7 @@ pub struct Casimirs {
     pub found: Vec<FoundCasimir>,
     /// Whether it is clear that there are no other linear or quadratic ones.
     pub complete: bool,
-    /// A positive definite quadratic Casimir, which bounds all paths: the projection of ½‖y‖² onto
-    /// the quadratic Casimirs, if it is positive definite.
+    /// The sum of the quadratic ones, which bounds all paths, if it is positive definite.
     pub definite: Option<FoundCasimir>,
     /// Whether quadratic Casimirs were searched for: where B joins no more than 23 components.
     pub quadratic_sought: bool,
@@ -79,27 +77,11 @@ impl Casimirs {
     }
 }
 
-/// The projection of the identity onto the span of the quadratic forms, if it is positive definite.
-/// It averages over all symmetries of the span; of Casimirs ½|sᵢ|² of parts sᵢ of y it is the sum.
+/// The sum of the quadratic forms, if it is positive definite, as that of ½|sᵢ|² of parts sᵢ of y.
 fn definite(found: &[FoundCasimir]) -> Option<Form> {
-    let mut quadratic = found.iter().map(|c| &c.form).filter(|form| form.degree == 2).peekable();
-    let d = quadratic.peek()?.coefficients.len().isqrt();
-    // An orthonormal basis by Gram and Schmidt.
-    let mut basis = Matrix::new();
-    let mut projection = vec![0.0; d * d];
-    for form in quadratic {
-        let mut q = form.coefficients.clone();
-        for known in &basis {
-            q = moved(&q, -dot(&q, known), known);
-        }
-        let length = norm(&q);
-        q.iter_mut().for_each(|x| *x /= length);
-        let trace: f64 = (0..d).map(|i| q[i * d + i]).sum();
-        projection = moved(&projection, trace, &q);
-        basis.push(q);
-    }
-    let projection = Form { degree: 2, coefficients: projection };
-    let is_definite = smallest_eigenvalue(&projection.matrix()) > 1e-12;
-    let coefficients = readable(projection.coefficients, ZERO);
-    is_definite.then_some(Form { degree: 2, coefficients })
+    let quadratic = found.iter().map(|c| &c.form).filter(|form| form.degree == 2);
+    let sum = quadratic.map(|form| form.coefficients.clone());
+    let coefficients = sum.reduce(|a, b| moved(&a, 1.0, &b))?;
+    let sum = Form { degree: 2, coefficients };
+    Minimum::of(&sum, false).positive.holds().then_some(sum)
 }

@@ -4,13 +4,10 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InspectError {
-    /// The state has no component.
-    #[error("the state has no component: there is nothing to inspect")]
-    NoComponents,
     /// Too few points of the region are in the domain of the system.
     #[error(
-        "an inspection needs {wanted} points in the domain of the system, found {found}; \
-         inspect_problem searches around y0"
+        "an inspection needs {wanted} points in the domain of the system, found {found}; with y0 it \
+         searches around y0"
     )]
     NoPoints {
         /// Points found.

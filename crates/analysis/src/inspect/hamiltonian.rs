@@ -7,7 +7,7 @@ use super::{
     finding::{Finding, Term, product, sum},
     probe::Batch,
     random::{Purpose, Random},
-    shape::{Kind, Shape},
+    shape::Shape,
     sight::Sight,
 };
 
@@ -18,16 +18,13 @@ pub struct Hamiltonians {
     pub linear: Finding,
     /// H₀, H₁, …, H_M; H₀ alone if there are more than eight noises.
     pub shapes: Vec<Shape>,
-    /// c, if there is one noise and H₁ = cH₀ up to a constant: such a system has an energy law. 0
-    /// if there is no noise.
-    pub noise_size: Option<f64>,
-    /// ∇Hₘ = cₘ∇H₀ for every m.
+    /// Whether there is no noise.
+    pub silent: bool,
+    /// ∇Hₘ = cₘ∇H₀ for every m: such a system has an energy law.
     pub proportional: Finding,
     /// The change of h along segments is the integral of `gradient`; `None` if that is more than
     /// ∇h.
     pub gradient: Option<Finding>,
-    /// The change of `gradient` along segments is the integral of `hessian`.
-    pub hessian: Finding,
     /// `averaged_gradient(y, y)` is ∇h(y).
     pub averaged_gradient: Finding,
     /// ∇̄h(a, b)·(b − a) = h(b) − h(a), for points a tenth of the region apart.
@@ -47,20 +44,13 @@ const SAME: f64 = 1e-9;
 const SINGLY: usize = 8;
 
 impl Hamiltonians {
-    /// Whether there is no noise.
-    pub(super) fn silent(&self) -> bool {
-        let noises = self.shapes.get(1..).unwrap_or_default();
-        self.noise_size == Some(0.0)
-            || !noises.is_empty() && noises.iter().all(|h| h.kind == Kind::Zero)
-    }
-
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
         let noises = sight.probe.noises();
         let few = noises <= SINGLY;
         let mut random = Random::new(Purpose::Weights);
         let weights = sight.weights(&mut random);
-        let (noise_size, proportional) = noise_size(sight, &mut random, few);
-        let mut found = Self { noise_size, proportional, ..Self::default() };
+        let (proportional, silent) = proportional(sight, &mut random, few);
+        let mut found = Self { proportional, silent, ..Self::default() };
         for m in 0..=if few { noises } else { 0 } {
             let unit = sight.probe.weights(m);
             let shape = Shape::of(sight, &|probe, y| probe.energy(y, &unit));
@@ -72,18 +62,8 @@ impl Hamiltonians {
         let linear = |n: usize| vec![sum([both[n], -a[n], -b[n]])];
         sight.record(&mut found.linear, (0..a.len()).map(linear));
         if !sight.probe.description().is_transverse {
-            found.gradient = Some(sight.derivative(
-                |probe, y| probe.energy(y, &weights).into_iter().map(|h| vec![h]).collect(),
-                |probe, y, step| {
-                    let slopes = probe.gradient(y, &weights);
-                    slopes.iter().zip(step).map(|(slope, step)| vec![dot(slope, step)]).collect()
-                },
-            ));
+            found.gradient = Some(sight.gradient(&weights));
         }
-        found.hessian = sight.derivative(
-            |probe, y| probe.gradient(y, &weights),
-            |probe, y, step| probe.hessian(y, step, &weights),
-        );
         if sight.probe.is_one_tile() {
             let singly = (0..found.shapes.len()).map(|m| sight.probe.weights(m));
             for weights in singly.chain([weights]).collect::<Vec<_>>() {
@@ -121,23 +101,22 @@ impl Hamiltonians {
     }
 }
 
-/// c of H₁ = cH₀, up to a constant in H₁, for one noise, 0 for none; and whether Hₘ = cₘH₀ for
-/// every m.
-fn noise_size(sight: &mut Sight<'_>, random: &mut Random, few: bool) -> (Option<f64>, Finding) {
+/// Whether Hₘ = cₘH₀ for every m, up to constants, and whether every cₘ is zero.
+fn proportional(sight: &mut Sight<'_>, random: &mut Random, few: bool) -> (Finding, bool) {
     let noises = sight.probe.noises();
     let weights: Vec<Vec<f64>> = match few {
         true => (1..=noises).map(|m| sight.probe.weights(m)).collect(),
         false => (0..2).map(|_| sight.weights(random)).collect(),
     };
     let drift = sight.probe.gradient(&sight.states, &sight.probe.weights(0));
-    let mut proportional = Finding::fitted();
-    let mut size = Some(0.0).filter(|_| noises < 2);
+    let (mut proportional, mut silent) = (Finding::fitted(), true);
     for weights in weights {
         let noise = sight.probe.gradient(&sight.states, &weights);
         let c = dot(&drift[0], &noise[0]) / dot(&drift[0], &drift[0]);
         let multiple = drift.iter().map(|drift| scaled(c, drift)).collect();
         sight.compare(&mut proportional, &multiple, &noise);
-        size = size.map(|_| c);
+        silent &= c == 0.0;
     }
-    (size.filter(|c| c.is_finite() && proportional.holds()), proportional)
+    silent &= proportional.holds();
+    (proportional, silent)
 }

@@ -1,14 +1,14 @@
 //! Whether the invariants that a system lists are what it claims.
 
 use serde::Serialize;
-use systems::{Form, InvariantKind};
+use systems::InvariantKind;
 
 use super::{
     algebra::{axis, dot, largest, moved},
     finding::{Finding, Status, Term},
     probe::{Batch, Probe},
     random::{Purpose, Random},
-    shape::{Kind, Shape, Values},
+    shape::{Shape, Values},
     sight::Sight,
 };
 
@@ -82,7 +82,7 @@ impl ClaimedInvariant {
             Some(value) => {
                 vec![format!("is listed, but invariant({index}, y) returns {value} in the domain")]
             }
-            None => invariant.mistakes(claim.form),
+            None => invariant.mistakes(),
         };
         let named = format!("{} = {}", claim.name, claim.formula);
         invariant.mistakes = mistakes.into_iter().map(|what| format!("{named} {what}")).collect();
@@ -98,7 +98,7 @@ impl ClaimedInvariant {
         kind.status.min(self.shape.homogeneous.status)
     }
 
-    fn mistakes(&self, claimed: Form) -> Vec<String> {
+    fn mistakes(&self) -> Vec<String> {
         let Self { claimed_degree, casimir, conserved, shape, .. } = self;
         let mut mistakes = Vec::new();
         if self.claimed_casimir && casimir.fails() {
@@ -113,23 +113,15 @@ impl ClaimedInvariant {
             mistakes
                 .push(format!("is claimed as an energy, and the flow changes it ({conserved})"));
         }
-        let claimed = match claimed {
-            Form::Linear => Kind::Linear,
-            Form::Quadratic => Kind::Quadratic,
-            Form::Homogeneous => Kind::Homogeneous,
-        };
-        let known = shape.degree.is_some() && shape.constant_hessian.status != Status::Unknown;
-        if shape.kind == Kind::NotHomogeneous {
-            let off = &shape.homogeneous;
-            mistakes.push(format!("is not homogeneous and hence has no conformal law ({off})"));
-        } else if shape.degree.is_some_and(|degree| degree != *claimed_degree)
-            || (known && claimed != shape.kind)
-        {
-            let (claimed, degree) = (claimed.name(), shape.degree.unwrap_or(0.0));
-            let found = shape.kind.name();
-            mistakes.push(format!(
-                "is claimed as {claimed} of degree {claimed_degree} and is {found} of degree {degree}"
-            ));
+        match shape.degree {
+            Some(degree) if degree != *claimed_degree => mistakes.push(format!(
+                "is claimed to have degree {claimed_degree} and has degree {degree}"
+            )),
+            None if shape.homogeneous.fails() => {
+                let off = &shape.homogeneous;
+                mistakes.push(format!("is not homogeneous and hence has no conformal law ({off})"));
+            }
+            _ => {}
         }
         mistakes
     }

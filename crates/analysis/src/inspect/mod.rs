@@ -64,6 +64,7 @@ use finding::CLUSTER;
 use points::Points;
 use probe::Probe;
 use sight::Sight;
+use solvability::contraction_below;
 
 pub use crate::facts::{DampingIntegral, Finding, Form, Status};
 pub use casimirs::{Casimirs, FoundCasimir};
@@ -75,8 +76,7 @@ pub use points::Region;
 pub use problem::{Bound, ProblemFindings};
 pub use recommendation::Recommendation;
 pub use report::{Inspection, Schemes};
-pub use shape::{Kind, Minimum, Shape};
-pub use solvability::Solvability;
+pub use shape::{Minimum, Shape};
 pub use structure::Structure;
 pub use theory::{Applies, ExpectedOrder, Theorem};
 
@@ -124,13 +124,12 @@ impl<'a> InspectSettings<'a> {
 ///
 /// A system of up to 24 components is looked at component by component, one of more along random
 /// directions: there a small defect in one of many components may be below the rounding of a sum.
-/// One of more than 64 components is looked at near its initial value only. If something bounds all
-/// paths, the contraction constant is that of the ball in which they stay.
+/// One of more than 64 components is looked at near its initial value only.
 ///
 /// # Errors
-/// [`InspectError::NoComponents`]; [`InspectError::NoPoints`] if too little of the region is in the
-/// domain, or if a large system has no initial value; [`InspectError::NotFinite`] if B or the
-/// energy is NaN or infinite at a point of the domain.
+/// [`InspectError::NoPoints`] if too little of the region is in the domain, or if a large system has
+/// no initial value; [`InspectError::NotFinite`] if B or the energy is NaN or infinite at a point of
+/// the domain.
 pub fn inspect(
     system: &dyn System,
     settings: &InspectSettings<'_>,
@@ -164,12 +163,6 @@ pub fn inspect(
     let problem = y0
         .zip(settings.damping)
         .map(|(y0, damping)| ProblemFindings::of(damping, y0, &mut probe, bound.as_ref()));
-    let radius = problem.as_ref().and_then(|problem| problem.radius);
-    let reached = match radius.filter(|radius| radius.is_finite() && *radius > 0.0) {
-        Some(radius) if few => Some(Points::new(&probe, Region::Ball(radius), y0)?),
-        _ => None,
-    };
-    let reached = reached.as_ref().unwrap_or(&points);
     let (damped, finite_rates) = match &problem {
         Some(ProblemFindings { integral, .. }) => (!integral.none, integral.finite),
         None => (true, true),
@@ -184,7 +177,7 @@ pub fn inspect(
         region: points.region.clone(),
         points: points.for_identities.len(),
         defined_everywhere: points.everywhere,
-        solvability: few.then(|| Solvability::of(&mut probe, reached)),
+        contraction_below: few.then(|| contraction_below(&mut probe, &points.for_suprema)),
         problem,
         theorems: Vec::new(),
         orders: Vec::new(),

@@ -60,9 +60,6 @@ impl Points {
         y0: Option<&[f64]>,
     ) -> Result<Self, InspectError> {
         let d = probe.dimension();
-        if d == 0 {
-            return Err(InspectError::NoComponents);
-        }
         let [wanted, identities] = match region {
             Region::Near => NEAR,
             _ => [POINTS[0].max(2 * d), POINTS[1].max(2 * d)],

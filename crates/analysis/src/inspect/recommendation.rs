@@ -1,7 +1,6 @@
 //! Which scheme to take for a system, for what.
 
 use serde::Serialize;
-use systems::Linearity;
 
 use super::{finding::Status, report::Inspection};
 use crate::facts::Kept;
@@ -38,9 +37,9 @@ pub fn recommendations(report: &Inspection, damped: bool) -> Vec<Recommendation>
     }
     let mut found = vec![Recommendation { purpose: "paths", scheme, because }];
     let linear = schemes.sexp_li_refused.is_none();
-    if !hamiltonians.silent() && (linear || kept.areas) {
+    if !hamiltonians.silent && (linear || kept.areas) {
         // Without iteration a step is explicit where B is constant.
-        let implicit = linear && schemes.structure == Linearity::Affine;
+        let implicit = linear && schemes.structure == "affine";
         let scheme = if implicit { "sexp-li" } else { "sexp" };
         let because = "weak order 1 is extrapolated; with flows of parts take nv".into();
         found.push(Recommendation { purpose: "expectations", scheme, because });

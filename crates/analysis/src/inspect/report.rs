@@ -3,8 +3,8 @@
 use std::fmt::{Display, Formatter, Result};
 
 use schemes::{SexpLi, run_time::Scheme};
-use serde::{Serialize, Serializer};
-use systems::{Linearity, run_time::System};
+use serde::Serialize;
+use systems::run_time::System;
 
 use super::{
     casimirs::{Casimirs, FoundCasimir},
@@ -15,8 +15,7 @@ use super::{
     points::Region,
     problem::{Bound, ProblemFindings},
     recommendation::Recommendation,
-    shape::{Kind, Minimum, Shape},
-    solvability::Solvability,
+    shape::{Minimum, Shape},
     structure::Structure,
     theory::{Applies, ExpectedOrder, Theorem},
 };
@@ -50,8 +49,9 @@ pub struct Inspection {
     pub casimirs: Option<Casimirs>,
     /// A function that bounds all paths, if one was found.
     pub bound: Option<Bound>,
-    /// Below which steps the implicit step is a contraction, for up to 24 components.
-    pub solvability: Option<Solvability>,
+    /// The step below which the implicit equation of `sexp` is a contraction, by the largest norms
+    /// found in the region; for up to 24 components.
+    pub contraction_below: Option<f64>,
     /// What damping and initial value add; `None` for a system alone.
     pub problem: Option<ProblemFindings>,
     /// Methods that a compiled system has written out, with what they should be.
@@ -74,9 +74,8 @@ pub struct Inspection {
 /// Which of the schemes that are not for every system apply to one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Schemes {
-    /// How B depends on y.
-    #[serde(serialize_with = "as_word")]
-    pub structure: Linearity,
+    /// How B depends on y: `constant`, `affine` or `other`.
+    pub structure: String,
     /// Why `sexp-li` refuses the system, if it does.
     pub sexp_li_refused: Option<String>,
     /// Whether it truncates increments, since a step may have no solution.
@@ -89,27 +88,15 @@ pub struct Schemes {
 
 impl Schemes {
     pub(super) fn of(system: &dyn System, draws_areas: bool) -> Self {
-        let scheme = SexpLi::at_run_time(system);
+        let (scheme, description) = (SexpLi::at_run_time(system), system.description());
         Self {
-            structure: system.description().linearity,
+            structure: format!("{:?}", description.linearity).to_lowercase(),
             truncates: scheme.as_ref().is_ok_and(Scheme::clips_increments),
             sexp_li_refused: scheme.err().map(|refused| refused.to_string()),
-            split_refused: system.description().parts.clone().err(),
+            split_refused: description.parts.clone().err(),
             draws_areas,
         }
     }
-}
-
-/// `constant`, `affine` or `other`.
-fn word(structure: Linearity) -> String {
-    format!("{structure:?}").to_lowercase()
-}
-
-fn as_word<S: Serializer>(
-    structure: &Linearity,
-    serializer: S,
-) -> std::result::Result<S::Ok, S::Error> {
-    serializer.serialize_str(&word(*structure))
 }
 
 /// Least relative error of `averaged_gradient` that is a mistake and not that of a quadrature: the
@@ -122,45 +109,49 @@ const LISTED: usize = 12;
 impl Inspection {
     /// Lists what is wrong, and what cannot be told.
     pub(super) fn with_mistakes(mut self) -> Self {
-        let Self { structure, hamiltonians: h, invariants, .. } = &self;
-        let check = |finding: &Finding, what| (finding.status, format!("{what}: {finding}"));
+        let Self { structure, hamiltonians: h, .. } = &self;
         let mut checks = vec![
-            check(&structure.linear, "structure(y, v) is not linear in v"),
-            check(&structure.skew, "B(y) is not skew-symmetric"),
-            check(&structure.derivative, "structure_along is not the derivative of structure"),
-            check(&h.linear, "energy(y, dt, dw) is not linear in (dt, dw)"),
-            check(&h.hessian, "hessian is not the derivative of gradient"),
-            check(
-                &h.averaged_field,
+            ("structure(y, v) is not linear in v", &structure.linear),
+            ("B(y) is not skew-symmetric", &structure.skew),
+            ("energy(y, dt, dw) is not linear in (dt, dw)", &h.linear),
+            (
                 "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))",
+                &h.averaged_field,
             ),
         ];
-        let gradient = h.gradient.iter();
-        checks.extend(gradient.map(|g| check(g, "gradient is not the gradient of energy")));
+        checks.extend(h.gradient.iter().map(|g| ("gradient is not the gradient of energy", g)));
         // What follows from a wrong gradient is the same mistake.
         if !h.gradient.as_ref().is_some_and(Finding::fails) {
             let what = "averaged_gradient(y, y) is not the gradient at y";
-            checks.push(check(&h.averaged_gradient, what));
+            checks.push((what, &h.averaged_gradient));
             // The error of a quadrature is no mistake.
             let poor = h.own_average && h.quadrature_error > POOR_QUADRATURE;
             if !h.discrete_gradient.fails() || poor {
                 let what = "averaged_gradient(a, b)·(b − a) is not the change of energy";
-                checks.push(check(&h.discrete_gradient, what));
+                checks.push((what, &h.discrete_gradient));
             }
         }
-        let own = self.own_methods.iter();
-        checks.extend(own.map(|(what, finding)| check(finding, what)));
+        checks.extend(self.own_methods.iter().map(|(what, finding)| (*what, finding)));
+        let words =
+            |(what, finding): (&str, &Finding)| (finding.status, format!("{what}: {finding}"));
+        let mut checks: Vec<(Status, String)> = checks.into_iter().map(words).collect();
         if let Some(ProblemFindings { integral, .. }) = &self.problem {
             let what = "the integral of the damping is not the integral of its rate";
             checks.push((integral.agrees, format!("{what}: {integral}")));
         }
-        let all = |status| checks.iter().filter(move |check| check.0 == status);
-        let mistakes = all(Status::Fails).map(|check| check.1.clone());
-        let mistakes = mistakes.chain(invariants.iter().flat_map(|i| i.mistakes.clone()));
-        let undecided = all(Status::Unknown).map(|check| format!("whether {}", check.1));
-        let claims = invariants.iter().filter(|i| i.status() == Status::Unknown);
-        let claims = claims.map(|i| format!("whether the claim on {} is true", i.name));
-        (self.mistakes, self.undecided) = (mistakes.collect(), undecided.chain(claims).collect());
+        for claim in &self.invariants {
+            checks.extend(claim.mistakes.iter().map(|what| (Status::Fails, what.clone())));
+            if claim.status() == Status::Unknown {
+                checks.push((Status::Unknown, format!("the claim on {} is true", claim.name)));
+            }
+        }
+        for (status, words) in checks {
+            match status {
+                Status::Fails => self.mistakes.push(words),
+                Status::Unknown => self.undecided.push(format!("whether {words}")),
+                Status::Holds => {}
+            }
+        }
         self
     }
 
@@ -202,18 +193,16 @@ impl Inspection {
             ),
             row("B(y)", &self.structure),
         ];
-        for (m, shape) in h.shapes.iter().enumerate() {
-            lines.push(match h.noise_size {
-                Some(c) if m == 1 => row("H1", format!("c H0 up to a constant, c = {c}")),
-                _ => row(&format!("H{m}"), shape),
-            });
-        }
+        let shapes = h.shapes.iter().enumerate();
+        lines.extend(shapes.map(|(m, shape)| row(&format!("H{m}"), shape)));
         let not_exact = format!("NOT exact: relative error {:.1e}", h.quadrature_error);
         // The combining macron takes a character, but no width.
         lines.push(row("∇̄h ", format!(" {}", h.discrete_gradient.words("exact", &not_exact))));
-        if *noises > 1 {
+        if *noises > 0 {
+            let energy = h.proportional.words("multiples of H0", "no multiples of H0");
             let (yes, no) = ("commute", "do not commute: strong order 1 needs Lévy areas");
-            lines.push(row("noises", self.noise.commute.words(yes, no)));
+            lines.push(row("noises", energy));
+            lines.push(row("", self.noise.commute.words(yes, no)));
         }
         let claims = self.invariants.iter().map(|invariant| {
             let ClaimedInvariant { name, formula, shape, .. } = invariant;
@@ -238,38 +227,32 @@ impl Inspection {
             };
             lines.push(row("paths", text));
         }
-        lines.push("Which statements of the paper apply".into());
-        for Theorem { statement, says, applies, because } in &self.theorems {
+        let applies = self.theorems.iter().map(|Theorem { statement, applies }| {
             let applies = match applies {
-                Applies::Yes => "yes",
-                Applies::Conditionally => "conditional",
-                Applies::No => "no",
+                Applies::Yes => "they apply",
+                Applies::Conditionally => "under a condition",
+                Applies::No => "they do not apply",
             };
-            lines.push(format!("  {applies:<13}  {statement}: {says}\n{:17}{because}", ""));
-        }
-        lines.push("Expected orders, strong / weak".into());
-        let mut orders: Vec<(String, Vec<&str>)> = Vec::new();
-        for ExpectedOrder { scheme, strong, weak, known } in &self.orders {
+            (*statement, applies.to_owned())
+        });
+        let orders = self.orders.iter().map(|ExpectedOrder { scheme, strong, weak, known }| {
             let known = if known.holds() { "" } else { " at least" };
-            let order = format!("  {strong}{known} / {weak}: ");
-            match orders.iter_mut().find(|(same, _)| *same == order) {
-                Some((_, schemes)) => schemes.push(scheme),
-                None => orders.push((order, vec![scheme])),
-            }
-        }
-        lines.extend(orders.into_iter().map(|(order, schemes)| order + &schemes.join(", ")));
-        if let Some(Solvability { region, points, largest_step }) = &self.solvability {
+            (*scheme, format!("{strong}{known} / {weak}"))
+        });
+        lines.push("Statements of the paper".into());
+        lines.extend(grouped(applies));
+        lines.push("Expected orders, strong / weak".into());
+        lines.extend(grouped(orders));
+        if let Some(tau) = self.contraction_below {
             lines.push(format!(
-                "Implicit steps of sexp are contractions for τ < {largest_step:.1e} (k = 4), by the \
-                 norms at {points} points with {region}"
+                "Implicit steps of sexp are contractions for τ < {tau:.1e} (k = 4) with {region}"
             ));
         }
         let Schemes { structure, sexp_li_refused, truncates, split_refused, .. } = &self.schemes;
         let solved =
             if *truncates { "a step may have no solution" } else { "every step is solved" };
         let applies = format!(
-            "sexp-li applies: B is {} in y, {solved}; at the price of heun, the energy drifts",
-            word(*structure)
+            "sexp-li applies: B is {structure} in y, {solved}; at the price of heun, the energy drifts"
         );
         lines.push(sexp_li_refused.clone().unwrap_or(applies));
         for Recommendation { purpose, scheme, because } in &self.recommended {
@@ -280,6 +263,18 @@ impl Inspection {
         }
         lines
     }
+}
+
+/// Names that have the same words, a line for each of these.
+fn grouped<'a>(all: impl Iterator<Item = (&'a str, String)>) -> Vec<String> {
+    let mut lines: Vec<(String, String)> = Vec::new();
+    for (name, words) in all {
+        match lines.iter_mut().find(|(same, _)| *same == words) {
+            Some((_, names)) => *names += &format!(", {name}"),
+            None => lines.push((words, name.into())),
+        }
+    }
+    lines.iter().map(|(words, names)| format!("  {words}: {names}")).collect()
 }
 
 /// The first lines of a list; every part of a lattice claims the same.
@@ -390,14 +385,12 @@ impl Display for Minimum {
 
 impl Display for Shape {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { kind, degree, homogeneous, minimum, .. } = self;
-        f.write_str(kind.name())?;
-        if let Some(degree) = degree {
-            let separator = if *kind == Kind::Homogeneous { " of" } else { "," };
-            write!(f, "{separator} degree {degree}")?;
-        }
-        if *kind != Kind::Zero {
-            write!(f, " ({homogeneous})")?;
+        let Self { degree, homogeneous, minimum } = self;
+        match degree {
+            Some(degree) => write!(f, "homogeneous of degree {degree} ({homogeneous})")?,
+            None if self.is_zero() => f.write_str("zero")?,
+            None if homogeneous.fails() => write!(f, "not homogeneous ({homogeneous})")?,
+            None => write!(f, "cannot tell whether homogeneous ({homogeneous})")?,
         }
         minimum.map_or(Ok(()), |minimum| write!(f, ", m = {minimum}"))
     }

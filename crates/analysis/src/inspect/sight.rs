@@ -3,7 +3,7 @@
 use dgrad::Rule;
 
 use super::{
-    algebra::{largest, moved},
+    algebra::{dot, largest, moved},
     finding::{CLUSTER, Finding, Term, differences},
     points::Points,
     probe::{Batch, Local, Probe},
@@ -89,56 +89,46 @@ impl<'a> Sight<'a> {
         (0..points.len()).flat_map(segment).collect()
     }
 
-    /// Whether f(y + s) − f(y) = ∫₀¹ f′(y + ηs)s dη along segments, by Gauss–Legendre quadrature on
+    /// Whether h(y + s) − h(y) = ∫₀¹ ∇h(y + ηs)·s dη along segments, by Gauss–Legendre quadrature on
     /// segments short enough for it.
-    pub fn derivative(
-        &mut self,
-        value: impl Fn(&mut Probe<'a>, &Batch) -> Batch,
-        slope: impl Fn(&mut Probe<'a>, &Batch, &Batch) -> Batch,
-    ) -> Finding {
+    pub fn gradient(&mut self, weights: &[f64]) -> Finding {
         let mut finding = Finding::default();
-        let (mut steps, mut open) = (self.segments(), vec![true; self.points.for_identities.len()]);
-        let start = value(&mut self.probe, &self.states);
+        let points = &self.points.for_identities;
+        let (mut steps, mut open) = (self.segments(), vec![true; points.len()]);
+        let start = self.probe.energy(&self.states, weights);
         for _ in 0..SHORTER {
-            let ends = self.moved(1.0, &steps);
-            let end = value(&mut self.probe, &ends);
+            let end = self.probe.energy(&self.moved(1.0, &steps), weights);
             let [fine, coarse] = NODES.map(|nodes| {
                 let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
-                let mut sums = vec![vec![(0.0, 0.0); start[0].len()]; start.len()];
+                let mut sums = vec![(0.0, 0.0); start.len()];
                 for (&node, &weight) in rule.nodes().iter().zip(rule.weights()) {
-                    let at = self.moved(node, &steps);
-                    for (sum, slope) in sums.iter_mut().zip(slope(&mut self.probe, &at, &steps)) {
-                        for (sum, slope) in sum.iter_mut().zip(slope) {
-                            *sum = (sum.0 + weight * slope, sum.1 + weight * slope.abs());
-                        }
+                    let slopes = self.probe.gradient(&self.moved(node, &steps), weights);
+                    for (sum, (slope, step)) in sums.iter_mut().zip(slopes.iter().zip(&steps)) {
+                        let slope = dot(slope, step);
+                        *sum = (sum.0 + weight * slope, sum.1 + weight * slope.abs());
                     }
                 }
                 sums
             });
-            let terms = |n: usize| -> Vec<Term> {
-                let term = |i: usize| {
-                    let (sum, size) = fine[n][i];
-                    (end[n][i] - start[n][i] - sum, end[n][i].abs() + start[n][i].abs() + size)
-                };
-                (0..start[n].len()).map(term).collect()
-            };
-            for (k, at) in self.points.for_identities.iter().enumerate() {
-                if !open[k] {
-                    continue;
-                }
+            let mut resolved = Vec::new();
+            for (k, at) in points.iter().enumerate().filter(|(k, _)| open[*k]) {
                 let members = CLUSTER * k..CLUSTER * (k + 1);
-                let cluster: Vec<_> = members.clone().map(terms).collect();
-                let size = largest(cluster.iter().flatten().map(|term| &term.1));
-                let apart = members
-                    .clone()
-                    .flat_map(|n| fine[n].iter().zip(&coarse[n]).map(|(a, b)| (a.0 - b.0).abs()));
+                let term = |n: usize| -> Term {
+                    let (sum, size) = fine[n];
+                    (end[n] - start[n] - sum, end[n].abs() + start[n].abs() + size)
+                };
+                let cluster: Vec<Term> = members.clone().map(term).collect();
+                let size = largest(cluster.iter().map(|term| &term.1));
+                let apart = members.clone().map(|n| (fine[n].0 - coarse[n].0).abs());
                 if apart.fold(0.0, f64::max) <= RESOLVED * size {
-                    finding.record(at, &cluster, 0.0);
-                    open[k] = false;
+                    let terms: Vec<_> = cluster.into_iter().map(|term| vec![term]).collect();
+                    finding.record(at, &terms, 0.0);
+                    resolved.push(k);
                 } else {
                     steps[members].iter_mut().flatten().for_each(|x| *x *= 0.25);
                 }
             }
+            resolved.into_iter().for_each(|k| open[k] = false);
             if !open.contains(&true) {
                 break;
             }

@@ -3,58 +3,39 @@
 use std::f64::consts::E;
 
 use real::WIDTH;
-use serde::Serialize;
 
 use super::{
     algebra::norm,
-    points::{Points, Region},
     probe::{Local, Probe},
     spectrum::spectral_norm,
 };
 
-/// Steps below which the implicit step of `sexp` is a contraction, and has exactly one solution
-/// (solvability lemma of the paper): C(k, τ) < 1 with
+/// The truncation order k.
+const ORDER: f64 = 4.0;
+
+/// The step τ̄ ≤ 1/e below which the implicit step of `sexp` is a contraction, and has exactly one
+/// solution (solvability lemma of the paper): C(k, τ) < 1 with k = 4 and
 ///
 /// C(k, τ) = τ(½‖B′‖‖∇H₀‖ + ‖B‖‖∇²H₀‖) + √(2kτ|log τ|) Σₘ (½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖).
 ///
 /// Each norm is the largest over the points, hence found by search: a supremum may be larger.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Solvability {
-    /// The region of the points.
-    pub region: Region,
-    /// The number of points.
-    pub points: usize,
-    /// The largest τ̄ ≤ 1/e with C(4, τ) < 1 for all τ < τ̄.
-    pub largest_step: f64,
-}
-
-/// The truncation order k.
-const ORDER: f64 = 4.0;
-
-impl Solvability {
-    pub(super) fn of(probe: &mut Probe<'_>, points: &Points) -> Self {
-        let (mut b, mut b_slope) = (0.0f64, 0.0f64);
-        // ‖∇Hₘ‖ and ‖∇²Hₘ‖.
-        let mut h = vec![(0.0f64, 0.0f64); probe.noises() + 1];
-        for chunk in points.for_suprema.chunks(WIDTH) {
-            for local in probe.locals(chunk) {
-                let Local { b: structure, slopes, gradients, hessians } = local;
-                b = b.max(spectral_norm(&structure));
-                // The root of ‖Σ_l (∂_l B)ᵀ∂_l B‖ bounds ‖Σ v_l ∂_l B‖ over unit vectors v.
-                b_slope = b_slope.max(spectral_norm(&slopes.concat()));
-                for ((most, slope), hessian) in h.iter_mut().zip(&gradients).zip(&hessians) {
-                    *most = (most.0.max(norm(slope)), most.1.max(spectral_norm(hessian)));
-                }
+pub fn contraction_below(probe: &mut Probe<'_>, points: &[Vec<f64>]) -> f64 {
+    let (mut b, mut b_slope) = (0.0f64, 0.0f64);
+    // ‖∇Hₘ‖ and ‖∇²Hₘ‖.
+    let mut h = vec![(0.0f64, 0.0f64); probe.noises() + 1];
+    for chunk in points.chunks(WIDTH) {
+        for local in probe.locals(chunk) {
+            let Local { b: structure, slopes, gradients, hessians } = local;
+            b = b.max(spectral_norm(&structure));
+            // The root of ‖Σ_l (∂_l B)ᵀ∂_l B‖ bounds ‖Σ v_l ∂_l B‖ over unit vectors v.
+            b_slope = b_slope.max(spectral_norm(&slopes.concat()));
+            for ((most, slope), hessian) in h.iter_mut().zip(&gradients).zip(&hessians) {
+                *most = (most.0.max(norm(slope)), most.1.max(spectral_norm(hessian)));
             }
         }
-        let lipschitz = |&(slope, hessian): &(f64, f64)| 0.5 * b_slope * slope + b * hessian;
-        let noises = h[1..].iter().map(lipschitz).sum();
-        Self {
-            region: points.region.clone(),
-            points: points.for_suprema.len(),
-            largest_step: largest_step(lipschitz(&h[0]), noises),
-        }
     }
+    let lipschitz = |&(slope, hessian): &(f64, f64)| 0.5 * b_slope * slope + b * hessian;
+    largest_step(lipschitz(&h[0]), h[1..].iter().map(lipschitz).sum())
 }
 
 /// The largest τ̄ ≤ 1/e with τ·`drift` + √(2kτ|log τ|)·`noises` < 1 for all τ < τ̄: both grow there.

@@ -23,8 +23,6 @@ pub struct Structure {
     /// The Jacobi identity Σ_l Bᵢ_l ∂_l Bⱼₖ + cyclic = 0, which makes B a Poisson structure. No
     /// scheme and no theorem of the paper needs it.
     pub jacobi: Finding,
-    /// The derivative of B(y)v that the system gives is its derivative.
-    pub derivative: Finding,
 }
 
 impl Structure {
@@ -61,11 +59,6 @@ impl Structure {
             jacobi = combined(&jacobi, 1.0, &terms);
         }
         sight.record(&mut found.jacobi, jacobi.into_iter().map(|term| vec![term]));
-        let v = &v[..1];
-        found.derivative = sight.derivative(
-            |probe, y| probe.structure(y, v),
-            |probe, y, step| probe.structure_along(y, step, v),
-        );
         found
     }
 

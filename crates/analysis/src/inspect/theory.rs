@@ -3,7 +3,7 @@
 use schemes::{BuiltIn, Properties, StrongOrder};
 use serde::Serialize;
 
-use super::{finding::Status, problem::Bound, report::Inspection};
+use super::{finding::Status, report::Inspection};
 
 /// Whether a statement of the paper applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -11,23 +11,20 @@ use super::{finding::Status, problem::Bound, report::Inspection};
 pub enum Applies {
     /// It applies: its assumptions hold wherever they were looked at.
     Yes,
-    /// It applies under a condition that points cannot decide; the reason names it.
+    /// It applies under a condition that points cannot decide: that paths or steps stay in a ball or
+    /// in the domain, or what round-off hides.
     Conditionally,
     /// It does not apply.
     No,
 }
 
 /// A statement of the paper and whether it applies.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Theorem {
     /// Its identifier, as in `STATEMENTS`.
     pub statement: &'static str,
-    /// The statement in a few words.
-    pub says: &'static str,
     /// Whether it applies.
     pub applies: Applies,
-    /// Why, or why not.
-    pub because: String,
 }
 
 /// The orders that theory predicts for a scheme while paths stay bounded.
@@ -61,7 +58,7 @@ pub fn orders(report: &Inspection, finite_rates: bool) -> Vec<ExpectedOrder> {
         let Properties { id, strong, weak, without_noise, exact_damping, .. } = scheme.properties();
         let areas = !scheme.is_for_areas() || report.schemes.draws_areas;
         let ((strong, known), weak) = match strong {
-            _ if report.hamiltonians.silent() => ((without_noise, Status::Holds), without_noise),
+            _ if report.hamiltonians.silent => ((without_noise, Status::Holds), without_noise),
             StrongOrder::Areas => ((1.0, Status::Holds), weak),
             StrongOrder::Commuting => (commuting, weak),
             StrongOrder::Additive => ((0.5, Status::Unknown), weak),
@@ -77,82 +74,45 @@ pub fn theorems(report: &Inspection, damped: bool) -> Vec<Theorem> {
     use Applies::{Conditionally, No, Yes};
     let Inspection { structure, hamiltonians, casimirs, invariants, bound, .. } = report;
     let (shape, proportional) = (&hamiltonians.shapes[0], hamiltonians.proportional.status);
-    let listed = casimirs.iter().flat_map(|c| &c.found).map(|c| c.formula.clone());
-    let listed: Vec<String> = listed.collect();
-    let claims = invariants.iter().filter(|i| i.claimed_casimir && i.status().holds());
-    let claims = claims.map(|i| i.name.to_owned());
-    let energy = (proportional.holds() && shape.degree.is_some()).then(|| "H₀".to_owned());
-    let laws: Vec<String> = claims.chain(listed.clone()).chain(energy).collect();
+    let found = casimirs.as_ref().is_some_and(|casimirs| !casimirs.found.is_empty());
     let complete = casimirs.as_ref().is_some_and(|casimirs| casimirs.complete);
-    let each = |laws: &[String]| match laws.len() {
-        0 if complete => (No, "there is none".to_owned()),
-        0 => (Conditionally, "none was found".into()),
-        1..=12 => (Yes, laws.join("; ")),
-        many => (Yes, format!("{many} functions")),
+    let each = |any: bool| match any {
+        true => Yes,
+        false if complete => No,
+        false => Conditionally,
     };
-    let energy = match (proportional, shape.degree) {
-        (Status::Fails, _) => (No, "not every Hₘ is a multiple of H₀".into()),
-        (Status::Holds, None) if damped && shape.homogeneous.fails() => {
-            (No, "H₀ is not homogeneous".into())
-        }
-        (Status::Holds, Some(p)) if hamiltonians.discrete_gradient.holds() => {
-            (Yes, format!("every Hₘ is a multiple of H₀, homogeneous of degree {p}"))
-        }
-        (Status::Holds, Some(_)) => (Conditionally, "up to the error of ∇̄h".into()),
+    let claims = invariants.iter().any(|i| i.claimed_casimir && i.status().holds());
+    let law = proportional.holds() && shape.degree.is_some();
+    let energy = match proportional {
+        Status::Fails => No,
+        Status::Holds if law && hamiltonians.discrete_gradient.holds() => Yes,
         // Without damping the energy is constant, homogeneous or not.
-        (Status::Holds, None) if !damped => (Conditionally, "while there is no damping".into()),
-        _ => (Conditionally, "cannot tell whether every Hₘ is a multiple of H₀".into()),
+        Status::Holds if damped && shape.homogeneous.fails() => No,
+        _ => Conditionally,
     };
     let bounded = match bound {
-        Some(Bound { function, minimum, .. }) => {
-            let applies = if minimum.in_domain_only { Conditionally } else { Yes };
-            (applies, format!("m({function}) = {minimum}"))
-        }
-        None => (No, "found no Casimir or energy with m(F) > 0".into()),
+        Some(bound) if bound.minimum.in_domain_only => Conditionally,
+        Some(_) => Yes,
+        None => No,
     };
-    let quadratic = hamiltonians.shapes.iter().all(|shape| shape.constant_hessian.holds());
-    let solvable = match structure.constant.holds() {
-        true if quadratic => (Yes, "B and the Hessians are constant".into()),
-        true => (Conditionally, "B is constant; if the Hessians are bounded".into()),
-        false => (Conditionally, "in any ball in which the steps stay".into()),
-    };
+    let constant = structure.constant.holds();
+    let quadratic = hamiltonians.shapes.iter().all(|h| h.minimum.is_some() || h.is_zero());
     // The paper assumes that exact and numerical paths are bounded.
-    let orders = match bounded.0 {
-        No => (Conditionally, "if all paths stay bounded, which was not found".into()),
-        _ => bounded.clone(),
-    };
-    let (strong, strong_order) = match report.noises {
-        0 | 1 => ("strong-one", "strong order 1 of sexp (k ≥ 2), for smooth B and H"),
-        _ => ("strong-half", "strong order 1/2 of sexp (k ≥ 1), for smooth B and H"),
-    };
-    let theorem = |(statement, says, (applies, because)): (_, _, (Applies, String))| {
-        let (applies, because) = match (structure.sound(), applies) {
-            (Status::Fails, _) => (No, "B is not skew-symmetric".into()),
-            (Status::Unknown, Yes) => (Conditionally, format!("{because}, if B is skew-symmetric")),
-            _ => (applies, because),
-        };
-        Theorem { statement, says, applies, because }
+    let orders = if bounded == No { Conditionally } else { bounded };
+    let strong = if report.noises > 1 { "strong-half" } else { "strong-one" };
+    let theorem = |(statement, applies)| match (structure.sound(), applies) {
+        (Status::Fails, _) => Theorem { statement, applies: No },
+        (Status::Unknown, Yes) => Theorem { statement, applies: Conditionally },
+        _ => Theorem { statement, applies },
     };
     let theorems = [
-        (
-            "exact-conformal",
-            "homogeneous Casimirs (one noise: and the energy) obey exp(−p∫γ)",
-            each(&laws),
-        ),
-        (
-            "conformal-casimir",
-            "sexp keeps linear and quadratic Casimirs on their law for any τ",
-            each(&listed),
-        ),
-        (
-            "energy-balance",
-            "sexp keeps the energy of a one-noise system on its law for any τ",
-            energy,
-        ),
-        ("moment-bound", "all paths stay in a known ball", bounded),
-        ("solvability", "an implicit step below a known size has exactly one solution", solvable),
-        (strong, strong_order, orders.clone()),
-        ("weak-one", "weak order 1 of sexp (k ≥ 2), for smooth B and H", orders),
+        ("exact-conformal", each(claims || found || law)),
+        ("conformal-casimir", each(found)),
+        ("energy-balance", energy),
+        ("moment-bound", bounded),
+        ("solvability", if constant && quadratic { Yes } else { Conditionally }),
+        (strong, orders),
+        ("weak-one", orders),
     ];
     theorems.map(theorem).into()
 }

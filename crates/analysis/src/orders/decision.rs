@@ -20,7 +20,7 @@ pub enum Decision {
     },
     /// The differences between step sizes are rounding errors: the scheme keeps the function.
     Kept,
-    /// The scheme converges to something else than [`Limit`]'s other solution.
+    /// The scheme converges to something else.
     WrongLimit,
     /// No order can be named.
     Undecided {
@@ -188,11 +188,11 @@ impl fmt::Display for Order {
             Limit::Inconsistent { defect } => {
                 write!(f, "; one step misses the coefficients of the equation by {defect:.0e}")
             }
-            Limit::Agrees { with, distance } | Limit::Unclear { with, distance } => {
-                write!(f, "; its limit differs from that of {with} by at most {distance:.1e}")
+            Limit::Agrees { distance } | Limit::Unclear { distance } => {
+                write!(f, "; its limit is at most {distance:.1e} from the exact solution")
             }
-            Limit::Differs { with, distance } => {
-                write!(f, "; its limit is {distance:.1e} from that of {with}")
+            Limit::Differs { distance } => {
+                write!(f, "; its limit is {distance:.1e} from the exact solution")
             }
             Limit::Unchecked => f.write_str("; its limit was not compared"),
         }?;

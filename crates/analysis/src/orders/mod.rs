@@ -8,8 +8,8 @@
 //! 2. for a strong order: one step as τ → 0 has the order that belongs to it ([`OneStep`]). A small
 //!    term of low order, which does not yet show at the step sizes measured, is found there;
 //! 3. the limit is right ([`Limit`]): one step has the coefficients of the equation as τ → 0, or
-//!    paths agree with those of a reference scheme or of an exact solution. A scheme that converges
-//!    to something else has differences with an order, too;
+//!    paths agree with an exact solution. A scheme that converges to something else has differences
+//!    with an order, too;
 //! 4. the steps resolve the damping ([`DampingResolution`](mc::DampingResolution)).
 //!
 //! Otherwise [`Order::decision`] says why no order is named, and what would decide.
@@ -20,10 +20,10 @@
 mod consistency;
 mod decision;
 mod errors;
+mod exact;
 mod limit;
 mod one_step;
 mod order;
-mod reference;
 mod runs;
 mod step_sizes;
 mod steps;
@@ -35,14 +35,13 @@ use mc::{LadderError, Observe, parts::Stop};
 use stats::{Point, Rate};
 
 pub use errors::squared_distance;
-pub(crate) use order::{difference, evaluate};
 pub(crate) use steps::Subject;
 
 pub use decision::{Decision, More};
+pub use exact::Exact;
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
 pub use order::{strong_order, weak_order};
-pub use reference::{Exact, ReferenceSolution};
 pub use step_sizes::StepSizes;
 
 /// The order of one scheme, with what it rests on.

@@ -2,14 +2,14 @@
 
 use mc::{LadderError, Observe, Setup, View, parts::Stop};
 use real::{PathMask, Row, WIDTH};
-use stats::{
-    Against, CrossMoments, Expansion, Point, fit_strong, fit_weak, lower_share, root_mean_squares,
-};
+use stats::{Against, CrossMoments, Expansion, Point, fit_strong, fit_weak, lower_share};
 
 use super::{
-    Decision, Measure, Order, ReferenceSolution, StepSizes, decision,
-    errors::{differences, record, record_length, squared_distance, strong_points, widest},
-    limit::limit,
+    Decision, Exact, Measure, Order, StepSizes,
+    consistency::consistency,
+    decision,
+    errors::{differences, record, record_length, strong_points, widest},
+    limit::weak_limit,
     one_step::one_step,
     runs::{at_all_sizes, failing, measure, visits},
     steps::Subject,
@@ -23,8 +23,7 @@ const MODEL_ERROR: f64 = 0.01;
 /// Paths whose states single steps start from.
 const VISITS: u64 = 256;
 
-/// The strong order of a scheme, with root-mean-square errors at the final time. The limit is
-/// compared with `reference`; against an exact solution the points are errors against it.
+/// The strong order of a scheme, with root-mean-square errors at the final time.
 ///
 /// Of a system from formulas:
 ///
@@ -36,7 +35,7 @@ const VISITS: u64 = 256;
 /// use noise::{StreamKey, Truncation};
 /// use schemes::Sexp;
 /// use systems::{Constant, run_time::Problem};
-/// use analysis::{ReferenceSolution, StepSizes, strong_order};
+/// use analysis::{StepSizes, strong_order};
 ///
 /// let words = |texts: &[&str]| texts.iter().map(|text| text.to_string()).collect::<Vec<_>>();
 /// let pendulum = Definition {
@@ -53,7 +52,7 @@ const VISITS: u64 = 256;
 /// let key = StreamKey { seed: 1, experiment: 1 };
 /// let sizes = StepSizes::new(16, Truncation::new(4)?, key);
 /// let setup = Setup::at_run_time(&problem, &Sexp)?;
-/// let order = strong_order(&setup, &sizes, &ReferenceSolution::at_run_time(&problem)?)?;
+/// let order = strong_order(&setup, &sizes)?;
 /// assert_eq!(order.order(), Some(1.0), "{order}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -61,12 +60,8 @@ const VISITS: u64 = 256;
 /// # Errors
 /// [`LadderError`] if there are fewer than four step sizes (`levels` + `refinement`) or no step, if
 /// there are too many of either, or if the truncation is not defined at one of the step sizes.
-pub fn strong_order(
-    setup: &Setup<'_>,
-    sizes: &StepSizes,
-    reference: &ReferenceSolution<'_>,
-) -> Result<Order, LadderError> {
-    within(sizes, &|sizes| once(setup, Measure::Strong, sizes, reference))
+pub fn strong_order(setup: &Setup<'_>, sizes: &StepSizes) -> Result<Order, LadderError> {
+    within(sizes, &|sizes| once(setup, Measure::Strong, sizes, None))
 }
 
 /// The weak order of a scheme for one test function φ, from the differences E[φ(y_τ) − φ(y_{τ/2})]
@@ -82,9 +77,9 @@ pub fn weak_order(
     setup: &Setup<'_>,
     observable: &dyn Observe,
     sizes: &StepSizes,
-    reference: &ReferenceSolution<'_>,
+    exact: Option<&Exact<'_>>,
 ) -> Result<Order, LadderError> {
-    within(sizes, &|sizes| once(setup, Measure::Weak(observable), sizes, reference))
+    within(sizes, &|sizes| once(setup, Measure::Weak(observable), sizes, exact))
 }
 
 /// The order from one measurement.
@@ -92,7 +87,7 @@ fn once(
     setup: &Setup<'_>,
     what: Measure<'_>,
     sizes: &StepSizes,
-    reference: &ReferenceSolution<'_>,
+    exact: Option<&Exact<'_>>,
 ) -> Result<Order, LadderError> {
     // Three differences and their order, or four.
     let (levels, number) = (sizes.levels, sizes.sizes());
@@ -101,7 +96,7 @@ fn once(
         Measure::Weak(_) => (5, number),
     };
     sizes.check_order(least)?;
-    let (subject, exact) = (Subject::from(setup), reference.exact());
+    let subject = Subject::from(setup);
     if let Some(failing) = failing(subject, sizes)? {
         return Ok(failing);
     }
@@ -109,14 +104,7 @@ fn once(
         let solution = exact.map(|exact| exact.rows(view, subject.problem.y0.len()));
         let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
         match what {
-            Measure::Strong => {
-                record(&states, view.live, levels, numbers);
-                if let Some(solution) = &solution {
-                    for (number, state) in numbers.iter_mut().zip(&states[..levels]) {
-                        *number = squared_distance(state, solution, view.live);
-                    }
-                }
-            }
+            Measure::Strong => record(&states, view.live, levels, numbers),
             // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the solution.
             Measure::Weak(observable) => {
                 let states = states.into_iter().chain(solution.as_deref());
@@ -137,7 +125,13 @@ fn once(
         return Ok(failed.order(sizes.samples));
     }
     let visits = visits(subject, sizes, VISITS, &Stop::default())?;
-    let limit = limit(subject, sizes, &visits, reference, what)?;
+    let limit = match exact {
+        Some(_) => weak_limit(&moments),
+        None => {
+            let law = matches!(what, Measure::Weak(_));
+            consistency(subject, sizes, &visits, law, &Stop::default())
+        }
+    };
     let taus = sizes.taus(subject.problem.t_end);
     let (mut rate, one_step, mut decision) = match what {
         Measure::Strong => {
@@ -183,7 +177,6 @@ fn once(
     }
     let taus = &taus[..levels];
     let points = match (what, &orders[..]) {
-        (Measure::Strong, _) if exact.is_some() => root_mean_squares(taus, &moments),
         (Measure::Weak(_), _) if exact.is_some() => weak_points(taus, &moments, None),
         (_, []) => Vec::new(),
         (Measure::Strong, orders) => strong_points(taus, &moments, orders),
@@ -196,14 +189,14 @@ fn once(
 }
 
 /// φ of the paths that are live.
-pub fn evaluate(observable: &dyn Observe, y: &[Row], live: PathMask) -> Row {
+fn evaluate(observable: &dyn Observe, y: &[Row], live: PathMask) -> Row {
     let mut values = [0.0; WIDTH];
     observable.evaluate(y, live, &mut values);
     values
 }
 
 /// a − b on every path.
-pub fn difference(a: &Row, b: &Row) -> Row {
+fn difference(a: &Row, b: &Row) -> Row {
     std::array::from_fn(|p| a[p] - b[p])
 }
 

@@ -14,7 +14,7 @@ use super::{
     wrong_limit,
 };
 
-const AGREES: Limit = Limit::Agrees { with: "heun", distance: 1e-3 };
+const AGREES: Limit = Limit::Agrees { distance: 1e-3 };
 
 fn rate(estimate: f64, lo: f64, hi: f64) -> Rate {
     // At the confidence of a contradiction already, so that nothing is widened.
@@ -66,10 +66,10 @@ fn nothing_is_named_without_a_good_fit_and_a_limit() {
     };
     let good = rate(1.0, 0.9, 1.1);
     let [paths, steps] = [More::Paths, More::Steps].map(|more| Err(Some(more)));
-    let differs = Limit::Differs { with: "heun", distance: 1.0 };
+    let differs = Limit::Differs { distance: 1.0 };
     assert_eq!((of(Some(&good), differs), of(None, differs)), (Err(None), Err(None)));
     assert_eq!((of(Some(&good), AGREES), of(None, AGREES)), (Ok((1.0, true)), paths));
-    for limit in [Limit::Unclear { with: "heun", distance: 1.0 }, Limit::Unchecked] {
+    for limit in [Limit::Unclear { distance: 1.0 }, Limit::Unchecked] {
         assert_eq!(of(Some(&good), limit), steps);
     }
     assert_eq!(of(Some(&Rate { p_value: Some(1e-6), ..good.clone() }), AGREES), steps);
@@ -125,7 +125,7 @@ fn order(decision: Decision, limit: Limit) -> Order {
 fn an_order_says_what_it_rests_on() {
     let shown = order(Decision::Order { order: 1.0, shown: true }, AGREES);
     let fitted = "fitted 1.25 [1.00, 1.50]";
-    let agrees = "its limit differs from that of heun by at most 1.0e-3";
+    let agrees = "its limit is at most 1.0e-3 from the exact solution";
     assert_eq!(shown.to_string(), format!("order 1; {fitted}; {agrees}"));
     assert_eq!(shown.order(), Some(1.0));
     let hidden = order(Decision::Order { order: 1.0, shown: false }, AGREES);
@@ -136,8 +136,8 @@ fn an_order_says_what_it_rests_on() {
     assert_eq!(failed.to_string(), format!("{text}; 3 paths failed and are left out"));
     let distance = 0.5;
     for (limit, end) in [
-        (Limit::Differs { with: "heun", distance }, "its limit is 5.0e-1 from that of heun"),
-        (Limit::Unclear { with: "heun", distance }, "differs from that of heun by at most 5.0e-1"),
+        (Limit::Differs { distance }, "its limit is 5.0e-1 from the exact solution"),
+        (Limit::Unclear { distance }, "at most 5.0e-1 from the exact solution"),
         (Limit::Unchecked, "; its limit was not compared"),
     ] {
         let order = order(Decision::WrongLimit, limit);

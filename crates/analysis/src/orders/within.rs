@@ -18,7 +18,7 @@ pub fn within(
             Decision::Undecided { more: More::Paths, .. } => {
                 sizes.samples = sizes.samples.saturating_mul(4);
             }
-            // Without another scheme finer steps do not help to compare limits.
+            // Where single steps show no limit, those of finer measurements do not.
             Decision::Undecided { .. }
                 if order.rate.is_none() || order.limit != Limit::Unchecked =>
             {
@@ -74,7 +74,7 @@ mod tests {
             let decisions = [paths.clone(), steps.clone(), (last, limit)];
             assert_eq!(measured(&decisions, u64::MAX), [(3, 10), (3, 40), (12, 40)]);
         }
-        // Without another scheme finer steps are of no use.
+        // Where the limit cannot be told finer steps are of no use.
         assert_eq!(measured(&[(steps.0, Limit::Unchecked)], u64::MAX), [(3, 10)]);
     }
 

@@ -305,7 +305,7 @@ fn bad_requests_are_refused_and_the_value_is_named() {
     let message = refused(CompareSettings { samples: 31, ..right });
     assert_eq!(message, "the number of paths must be at least 32, got 31");
     let none = try_compared(&problem, &Sexp, &[], &right).unwrap_err();
-    assert_eq!(none, CompareError::NoScheme);
+    assert_eq!(none.to_string(), "the number of schemes must be at least one, got 0");
     let refused = try_compared(&pushed(1e300), &Sexp, &[&Heun], &right).unwrap_err().to_string();
     assert!(refused.starts_with("the final time must be below 1e9"), "{refused}");
 }

@@ -1,5 +1,5 @@
 //! `sexp` keeps Casimirs and energies on their conformal law over several steps, `sexp-li` Casimirs
-//! for increments of all sizes; homogeneous steps scale.
+//! for increments of all sizes.
 
 use std::cell::Cell;
 
@@ -16,7 +16,7 @@ use crate::law::{Conserved, SexpMap, Transition, solver_leaves};
 use crate::random::{Increments, Largest, Several, any_noise, for_all, one_noise, several, state};
 use crate::rounding::{Bounded, exact};
 use crate::structure::{
-    Base, Casimir, Scale, Structure, any_structure, homogeneous, symmetric_matrix, with_casimir,
+    Base, Casimir, Scale, Structure, any_structure, symmetric_matrix, with_casimir,
 };
 
 const CASES: u32 = 500;
@@ -104,10 +104,8 @@ impl Tally {
 /// Step numbers: at τ = 0.9 the last one starts after t = 40.
 const NUMBERS: std::ops::Range<u64> = 0..50;
 
-const METHODS: [Method; 2] = [Method::FixedPoint, Method::Newton];
-
 fn any_method() -> impl Strategy<Value = Method> {
-    prop::sample::select(&METHODS[..])
+    prop::sample::select(&[Method::FixedPoint, Method::Newton][..])
 }
 
 fn casimirs<const D: usize, const M: usize>() {
@@ -147,44 +145,6 @@ fn energies<const D: usize>() {
 fn sexp_keeps_every_homogeneous_energy() {
     energies::<2>();
     energies::<5>();
-}
-
-/// With B of degree b and h of degree p, 2ᵏz solves the equation for 2ᵏẑ and increments times
-/// 2^{−k(b+p−2)}. A power of two changes no digit, so the bits agree, whichever way the equation
-/// goes.
-fn scaling<const D: usize>() {
-    let draws =
-        (one_noise(homogeneous(), 1..=MAX_DEGREE), any_rate(), any_noise(), state(), -40..40i32);
-    for_all(
-        CASES,
-        draws,
-        |(system, rate, noise, y0, k): (Several<D, 1>, _, Increments<1, 1>, _, _)| {
-            let [[dw]] = noise.dw;
-            let step = Step::new(rate.damping().as_ref(), 3, noise.tau).unwrap();
-            let degree = system.structure.base.degree() + system.drift.polynomial().degree as i32;
-            let (size, increment) = (2f64.powi(k), 2f64.powi(-k * (degree - 2)));
-            let mut scaled = step;
-            scaled.tau *= increment;
-            for solver in METHODS.map(Solver::new) {
-                let sexp = WithSolver { formula: Sexp, solver };
-                let one = sexp.step(&system, &step, &Noise::increments([dw]), y0);
-                let other = sexp.step(
-                    &system,
-                    &scaled,
-                    &Noise::increments([increment * dw]),
-                    y0.map(|x| size * x),
-                );
-                prop_assert_eq!(one.z.map(|x| size * x), other.z, "{:?} {:?}", one, other);
-            }
-            Ok(())
-        },
-    );
-}
-
-#[test]
-fn steps_scale_with_homogeneous_systems() {
-    scaling::<2>();
-    scaling::<5>();
 }
 
 #[test]

@@ -10,7 +10,7 @@
 //! | `rounding` | numbers that bound their own rounding error: where tolerances come from |
 //! | `structure`, `hamiltonian`, `damping`, `random` | the random systems and what happens to them |
 //! | `law` | the defect of a conformal law and what round-off and the solver may make of it |
-//! | `conformal` | `sexp` keeps Casimirs and energies over several steps; `sexp-li` keeps Casimirs for increments of all sizes; homogeneous steps scale |
+//! | `conformal` | `sexp` keeps Casimirs and energies over several steps; `sexp-li` keeps Casimirs for increments of all sizes |
 //! | `twins` | the same checks reject what is wrong on purpose |
 //!
 //! All draws come from proptest with a fixed seed, so a run is reproducible. `--nocapture` prints

@@ -120,16 +120,6 @@ impl<const D: usize> Base<D> {
             }
         }
     }
-
-    /// Its degree of homogeneity in y.
-    pub fn degree(&self) -> i32 {
-        match self {
-            Self::Constant(_) => 0,
-            Self::Linear(_) | Self::Cross(Casimir::Quadratic(_)) => 1,
-            Self::Projected(Casimir::Quadratic(_), _) | Self::Wedge(Casimir::Quadratic(_), ..) => 2,
-            _ => 0,
-        }
-    }
 }
 
 impl<const D: usize> Structure<D> {
@@ -250,9 +240,4 @@ pub fn with_quadratic_casimir<const D: usize>() -> impl Strategy<Value = Structu
 /// Any B(y).
 pub fn any_structure<const D: usize>() -> impl Strategy<Value = Structure<D>> {
     scaled(prop_oneof![base_without_casimir(), base_with_casimir(casimir())])
-}
-
-/// Any homogeneous B(y).
-pub fn homogeneous<const D: usize>() -> impl Strategy<Value = Structure<D>> {
-    any_structure().prop_map(|structure| Structure { scale: Scale::One, ..structure })
 }

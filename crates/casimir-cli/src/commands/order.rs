@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::{Order, ReferenceSolution, StepSizes, strong_order, weak_order},
+    analysis::{Order, StepSizes, strong_order, weak_order},
     plot::{Kind, Series, figure::convergence, files},
 };
 use serde_json::json;
@@ -72,21 +72,19 @@ pub fn order(arguments: &arguments::Order) -> Done {
 fn measure(scene: &Scene, scheme: &str, path_steps: u64) -> Done<(Found, Vec<Found>)> {
     let settings = &scene.settings;
     let measured = scene.setup(scheme)?;
-    let (heun, midpoint) = (scene.setup("heun")?.scheme, scene.setup("midpoint")?.scheme);
-    let reference = ReferenceSolution::Independent(vec![heun, midpoint]);
     let sizes = StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key)
         .within(path_steps);
     let found = |quantity: String, order: Result<_, _>| -> Done<Found> {
         Ok((quantity, order.map_err(|error| scene.steps_error(error))?))
     };
     let strong = under_bar(&format!("strong order of {scheme}"), 0, |_| {
-        found("y(T)".into(), strong_order(&measured, &sizes, &reference))
+        found("y(T)".into(), strong_order(&measured, &sizes))
     })?;
     let first = usize::from(scene.expected.is_empty());
     let weak = scene.observables.iter().take(first).chain(&scene.expected).map(|phi| {
         let quantity = format!("E[{}]", phi.name);
         under_bar(&format!("weak order of {scheme} for {quantity}"), 0, |_| {
-            found(quantity, weak_order(&measured, phi, &sizes, &reference))
+            found(quantity, weak_order(&measured, phi, &sizes, None))
         })
     });
     Ok((strong, weak.collect::<Done<_>>()?))

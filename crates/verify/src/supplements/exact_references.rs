@@ -1,7 +1,7 @@
 //! Strong and weak errors of one-noise systems against their exact solution, beside the paper's
 //! kind of reference.
 
-use analysis::{Exact, FinalMoments, ReferenceSolution, StepSizes, weak_order};
+use analysis::{Exact, FinalMoments, StepSizes, weak_order};
 use kernels::Tuned;
 use mc::{Ladder, View};
 use real::Row;
@@ -66,8 +66,8 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
     let time = time(steps);
     let exact = || Exact::new(&time, solution);
     let claims = observables.map(|observable| {
-        let (name, reference) = (observable.name, &ReferenceSolution::Exact(exact()));
-        let order = valid(weak_order(&compiled.sexp(), &observable, &sizes, reference));
+        let (name, exact) = (observable.name, exact());
+        let order = valid(weak_order(&compiled.sexp(), &observable, &sizes, Some(&exact)));
         let statement = format!("sexp has weak order 1 against the exact solution for φ = {name}");
         let measured = Evidence::of_order(order, 1.0);
         let weak = Claim::new("weak-one", statement, measured)

@@ -4,7 +4,7 @@
 //! turns by e^{−ia}. Steps are independent: after n of them
 //! E|Π A − Π e^{−ia}|² = (E|A|²)ⁿ + 1 − 2 Re (E[A e^{ia}])ⁿ, with expectations over one normal.
 
-use analysis::{ReferenceSolution, StepSizes, strong_order};
+use analysis::{StepSizes, strong_order};
 use mc::Setup;
 use noise::StreamKey;
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme};
@@ -66,11 +66,7 @@ fn entry<X: Scheme<Plane, 2, 1> + Copy + 'static>(
     let ask = move |key: StreamKey| {
         let levels = index.max(3) + 1;
         let sizes = StepSizes { levels, refinement, ..StepSizes::new(COARSEST, truncation(), key) };
-        let stated = match strong_order(
-            &Setup::of(&problem, &scheme),
-            &sizes,
-            &ReferenceSolution::independent(&problem),
-        ) {
+        let stated = match strong_order(&Setup::of(&problem, &scheme), &sizes) {
             Ok(order) => interval(order.points.get(index)),
             Err(error) => Stated::undecided(error),
         };

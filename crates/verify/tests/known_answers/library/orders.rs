@@ -7,7 +7,7 @@
 
 use std::fmt::Display;
 
-use analysis::{Decision, Order, ReferenceSolution, StepSizes, strong_order, weak_order};
+use analysis::{Decision, Order, StepSizes, strong_order, weak_order};
 use mc::{Observable, Setup};
 use noise::StreamKey;
 use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Scheme, Sexp, SexpLevy};
@@ -79,13 +79,7 @@ where
 {
     let name = format!("{}: {name}", scheme.id());
     let sizes = |key| StepSizes::new(16, truncation(), key);
-    let measure = move |sizes: &StepSizes| {
-        strong_order(
-            &Setup::of(&problem, &scheme),
-            sizes,
-            &ReferenceSolution::independent(&problem),
-        )
-    };
+    let measure = move |sizes: &StepSizes| strong_order(&Setup::of(&problem, &scheme), sizes);
     order_entry(kind, name, Question::StrongOrder, truth, sizes, measure)
 }
 
@@ -105,14 +99,8 @@ where
     let sizes =
         |key| StepSizes { samples: 20_000, refinement: 1, ..StepSizes::new(8, truncation(), key) };
     let phi = Observable { name: "φ", function };
-    let measure = move |sizes: &StepSizes| {
-        weak_order(
-            &Setup::of(&problem, &scheme),
-            &phi,
-            sizes,
-            &ReferenceSolution::independent(&problem),
-        )
-    };
+    let measure =
+        move |sizes: &StepSizes| weak_order(&Setup::of(&problem, &scheme), &phi, sizes, None);
     order_entry(kind, name, Question::WeakOrder, truth, sizes, measure)
 }
 

@@ -1,7 +1,7 @@
 //! Twins of the convergence orders.
 
-use analysis::{Order, ReferenceSolution, StepSizes, strong_order, weak_order};
-use mc::{Observable, Setup, bind};
+use analysis::{Order, StepSizes, strong_order, weak_order};
+use mc::{Observable, Setup};
 use noise::{BlockNoise, Noise, StreamKey, WienerPath};
 use real::WIDTH;
 use schemes::{EulerMaruyama, Explicit, Increment, Scheme, Sexp, SexpLevy, Step};
@@ -29,11 +29,7 @@ pub fn strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     // Areas cost more normals the finer the steps: 2⁻⁴ … 2⁻¹¹ and a reference at 2⁻¹³ will do.
     let coarsest_steps = if scheme.reads_areas() { 16 } else { 32 };
     let sizes = StepSizes { coarsest_steps, ..step_sizes(conditions) };
-    let measured = valid(strong_order(
-        &Setup::of(problem, scheme),
-        &sizes,
-        &ReferenceSolution::independent(problem),
-    ));
+    let measured = valid(strong_order(&Setup::of(problem, scheme), &sizes));
     order_claim(id, &format!("strong order {order}"), measured, order)
 }
 
@@ -67,8 +63,7 @@ pub fn weak_with_correction(conditions: &Conditions, factor: f64) -> Claim {
     let sizes = StepSizes { levels: 6, samples: 2048, ..step_sizes(conditions) };
     let problem = rigid_body_three_noises(1.0);
     let wrong = Miscorrected { factor };
-    let sexp = ReferenceSolution::Independent(vec![bind(&problem, &Sexp)]);
-    let measured = valid(weak_order(&Setup::of(&problem, &wrong), &observable, &sizes, &sexp));
+    let measured = valid(weak_order(&Setup::of(&problem, &wrong), &observable, &sizes, None));
     order_claim("weak-one", "weak order 1 for φ = y3", measured, 1.0)
 }
 
