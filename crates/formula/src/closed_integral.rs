@@ -25,9 +25,9 @@ impl ClosedIntegral {
     /// That of a formula in one variable, if each of its terms is of degree 1, or a constant times
     /// sin, cos or exp of what is.
     pub fn of(formula: &Formula) -> Option<Self> {
-        let mut graph = formula.graph().clone();
+        let mut graph = formula.graph.clone();
         let one = graph.constant(1.0);
-        let parts = terms(&mut graph, &[(formula.root(), one)]);
+        let parts = terms(&mut graph, &[(formula.root, one)]);
         let mut closed = Vec::new();
         for (part, weight) in parts {
             let weight = graph.as_constant(weight)?;

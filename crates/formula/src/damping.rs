@@ -49,7 +49,7 @@ impl FormulaDamping {
     /// If the formula has other variables than one.
     #[must_use]
     pub fn new(formula: Formula) -> Self {
-        assert_eq!(formula.variables().len(), 1, "variables of a damping rate");
+        assert_eq!(formula.variables.len(), 1, "variables of a damping rate");
         let degree = formula.degree(&[0]).map(|degree| nodes_for_degree(degree as usize));
         let exact = degree.filter(|&nodes| nodes <= NODES);
         let rule = Rule::new(exact.unwrap_or(NODES).max(1));
@@ -68,8 +68,8 @@ impl FormulaDamping {
             times[k + NODES] = a + half + half * node;
         }
         let mut rates = [[0.0; WIDTH]];
-        let mut scratch = vec![[0.0; WIDTH]; self.formula.tape().scratch_rows()];
-        self.formula.tape().evaluate(&[&[times]], &mut rates, &mut scratch);
+        let mut scratch = vec![[0.0; WIDTH]; self.formula.tape.scratch_rows()];
+        self.formula.tape.evaluate(&[&[times]], &mut rates, &mut scratch);
         [0, NODES].map(|first| {
             let terms = weights.iter().zip(&rates[0][first..]).map(|(w, rate)| w * rate);
             terms.fold((0.0, 0.0), |(net, size), term| {
@@ -108,7 +108,7 @@ impl Damping for FormulaDamping {
     }
 
     fn describe(&self) -> String {
-        format!("γ = {}", self.formula.text())
+        format!("γ = {}", self.formula.text)
     }
 }
 

@@ -11,8 +11,8 @@ impl Formula {
     /// Unless the point has a number for each variable.
     #[must_use]
     pub fn explain(&self, point: &[f64]) -> Option<FormulaError> {
-        assert_eq!(point.len(), self.variables().len(), "numbers of a point");
-        let (graph, root, text) = (self.graph(), self.root(), self.text());
+        assert_eq!(point.len(), self.variables.len(), "numbers of a point");
+        let (graph, root, text) = (&self.graph, self.root, &self.text);
         let values = graph.values(&[root], point);
         if values[root.index()].is_finite() {
             return None;

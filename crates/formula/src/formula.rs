@@ -22,11 +22,16 @@ use crate::{FormulaError, Graph, Id, Names, Tape, parse};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Formula {
-    text: String,
-    variables: Vec<String>,
-    graph: Graph,
-    root: Id,
-    tape: Tape,
+    /// The text.
+    pub text: String,
+    /// The names of the variables, in their order.
+    pub variables: Vec<String>,
+    /// The graph of the formula, with the variables as inputs.
+    pub graph: Graph,
+    /// The formula in its graph.
+    pub root: Id,
+    /// The formula as a tape, with the variables as the one group of inputs.
+    pub tape: Tape,
 }
 
 impl Formula {
@@ -42,36 +47,6 @@ impl Formula {
         Ok(Self { text: text.to_owned(), variables, graph, root, tape })
     }
 
-    /// The text.
-    #[must_use]
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-
-    /// The names of the variables, in their order.
-    #[must_use]
-    pub fn variables(&self) -> &[String] {
-        &self.variables
-    }
-
-    /// The graph of the formula, with the variables as inputs.
-    #[must_use]
-    pub fn graph(&self) -> &Graph {
-        &self.graph
-    }
-
-    /// The formula in its [`graph`](Self::graph).
-    #[must_use]
-    pub fn root(&self) -> Id {
-        self.root
-    }
-
-    /// The formula as a tape, with the variables as the one group of inputs.
-    #[must_use]
-    pub fn tape(&self) -> &Tape {
-        &self.tape
-    }
-
     /// The value at a point.
     ///
     /// # Panics
@@ -84,7 +59,7 @@ impl Formula {
     }
 
     /// The values at 32 points, with a row for each variable. For formulas that are evaluated now
-    /// and then: memory is allocated, which a [`tape`](Self::tape) does not.
+    /// and then: memory is allocated, which a [`tape`](field@Self::tape) does not.
     ///
     /// # Panics
     /// Unless there is a row for each variable.

@@ -497,13 +497,8 @@ impl Graph {
         self.copy(Some(other), roots, inputs)
     }
 
-    /// The expressions `roots` with `inputs[k]` in the place of input k.
-    pub(crate) fn substitute(&mut self, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
-        self.copy(None, roots, inputs)
-    }
-
-    /// Expressions of another graph, or of this one.
-    fn copy(&mut self, other: Option<&Self>, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
+    /// Expressions of another graph, or of this one, with `inputs[k]` in the place of input k.
+    pub(crate) fn copy(&mut self, other: Option<&Self>, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
         let needed = other.unwrap_or(self).needed(roots);
         let mut copies = vec![Id::FIRST; needed.len()];
         self.place = None;

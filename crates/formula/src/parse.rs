@@ -85,21 +85,9 @@ fn first_token(text: &str) -> &str {
     &text[..end]
 }
 
-/// Characters that other languages and typesetters have.
-fn instead_of(c: char) -> Option<&'static str> {
-    Some(match c {
-        '−' | '–' => "-",
-        '·' | '×' | '⋅' | '∗' => "*",
-        '÷' => "/",
-        '²' => "^2",
-        '³' => "^3",
-        '√' => "sqrt(…)",
-        '[' | '{' => "(",
-        ']' | '}' => ")",
-        ';' => ",",
-        _ => return None,
-    })
-}
+/// Characters that typesetters have, and what to write.
+const INSTEAD: [(char, &str); 6] =
+    [('−', "-"), ('·', "*"), ('×', "*"), ('²', "^2"), ('³', "^3"), ('√', "sqrt(…)")];
 
 struct Parser<'a> {
     text: &'a str,
@@ -164,8 +152,8 @@ impl<'a> Parser<'a> {
                 format!("{MISSING} before `{}`", short(token))
             }
             Some(c) => {
-                let hint =
-                    instead_of(c).map_or(String::new(), |write| format!(": write `{write}`"));
+                let known = INSTEAD.iter().find(|(typeset, _)| *typeset == c);
+                let hint = known.map_or(String::new(), |(_, write)| format!(": write `{write}`"));
                 format!("unexpected character `{}`{hint}", c.escape_debug())
             }
         };

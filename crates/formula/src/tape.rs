@@ -55,8 +55,8 @@ impl Tape {
         Self::with_numbers(graph, outputs, groups, 0..0)
     }
 
-    /// As [`new`](Self::new), with inputs that are the same at all points. They are zero until
-    /// [`set_numbers`](Self::set_numbers).
+    /// As [`new`](Self::new), with inputs that are the same at all points. [`evaluate_with`](Self::evaluate_with) takes
+    /// their numbers.
     pub(crate) fn with_numbers(
         graph: &Graph,
         outputs: &[Id],
@@ -75,9 +75,9 @@ impl Tape {
         Self { code, numbers, inputs, outputs: outputs.len(), scratch }
     }
 
-    /// Sets the inputs that are the same at all points, and computes what depends on them alone.
-    pub(crate) fn set_numbers(&mut self, inputs: impl Iterator<Item = f64>) {
-        self.numbers.set(inputs);
+    /// The numbers of the tape: [`Numbers::set`] has the inputs that are the same at all points.
+    pub(crate) fn numbers(&self) -> &Numbers {
+        &self.numbers
     }
 
     /// The rows of scratch that an evaluation needs.
@@ -104,8 +104,18 @@ impl Tape {
     /// Unless `inputs` are as many groups of as many rows as the tape has, `out` has a row for each
     /// result, and `scratch` has at least [`scratch_rows`](Self::scratch_rows) rows.
     pub fn evaluate(&self, inputs: &[&[Row]], out: &mut [Row], scratch: &mut [Row]) {
+        self.evaluate_with(&self.numbers, inputs, out, scratch);
+    }
+
+    pub(crate) fn evaluate_with(
+        &self,
+        numbers: &Numbers,
+        inputs: &[&[Row]],
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
         self.check(inputs, out.len(), scratch.len());
-        let (code, numbers) = (&self.code, self.numbers.values());
+        let (code, numbers) = (&self.code, numbers.values());
         dispatch(&mut Evaluation { code, numbers, inputs, out, scratch });
     }
 

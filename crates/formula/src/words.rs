@@ -115,7 +115,7 @@ mod tests {
             "5 - -x",
         ] {
             let parsed = Formula::parse(formula, &names).unwrap();
-            let text = text(parsed.graph(), parsed.root(), &variables, Binding::Sum);
+            let text = text(&parsed.graph, parsed.root, &variables, Binding::Sum);
             // A product is written without a sign.
             let spoken = text.replace(" + ", "+").replace(" - ", "-").replace(", ", ",");
             let again = Formula::parse(&spoken.replace(' ', "*"), &names);
@@ -126,7 +126,7 @@ mod tests {
             }
         }
         let long = Formula::parse(&vec!["sin(x + 0.25)"; 40].join("*y + "), &names).unwrap();
-        let short = text(long.graph(), long.root(), &variables, Binding::Sum);
+        let short = text(&long.graph, long.root, &variables, Binding::Sum);
         assert!(short.contains('…') && short.chars().count() < 200, "{short}");
     }
 }

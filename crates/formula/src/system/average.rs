@@ -103,7 +103,7 @@ fn averaged_wave(
 /// Expressions at another state y.
 fn at(graph: &mut Graph, roots: &[Id], state: &[Id]) -> Vec<Id> {
     let rest: Vec<Id> = (state.len()..graph.inputs()).map(|k| graph.input(k)).collect();
-    graph.substitute(roots, &[state, &rest].concat())
+    graph.copy(None, roots, &[state, &rest].concat())
 }
 
 fn by_quadrature(graph: &mut Graph, gradient: &[Id], nodes: usize, a: &[Id], b: &[Id]) -> Vec<Id> {

@@ -136,7 +136,7 @@ fn has_gradient(which: Which, formula: &Formula, y0: &[f64]) -> Result<(), Defin
     let all: Vec<usize> = (0..y0.len()).collect();
     let mut gradient = vec![0.0; y0.len()];
     formula.gradient(&all).evaluate_one(&[y0], &mut gradient);
-    match gradient.iter().zip(formula.variables()).find(|(slope, _)| !slope.is_finite()) {
+    match gradient.iter().zip(&formula.variables).find(|(slope, _)| !slope.is_finite()) {
         Some((slope, variable)) => {
             let message =
                 format!("the derivative of {which} by {variable} is {slope} at the initial value");

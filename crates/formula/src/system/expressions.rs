@@ -47,8 +47,7 @@ impl Expressions {
         let (dimension, noises) = (formulas.structure.len(), formulas.hamiltonians.len() - 1);
         let mut graph = Graph::new();
         let y: Vec<Id> = (0..dimension).map(|k| graph.input(k)).collect();
-        let mut import =
-            |formula: &Formula| graph.import(formula.graph(), &[formula.root()], &y)[0];
+        let mut import = |formula: &Formula| graph.import(&formula.graph, &[formula.root], &y)[0];
         let hamiltonians: Vec<Id> = formulas.hamiltonians.iter().map(&mut import).collect();
         let entries: Vec<Vec<Id>> =
             formulas.structure.iter().map(|row| row.iter().map(&mut import).collect()).collect();
@@ -280,7 +279,7 @@ impl Expressions {
     fn field_at(&mut self, group: usize, state: &[Id]) -> Vec<Id> {
         let mut inputs = [Y, U, V].map(|group| self.inputs(group));
         inputs[group] = state.to_vec();
-        self.graph.substitute(&self.field, &inputs.concat())
+        self.graph.copy(None, &self.field, &inputs.concat())
     }
 
     /// The solution z of z = y + B((y+z)/2)v; none if it takes too many expressions.
@@ -297,20 +296,6 @@ impl Expressions {
     pub fn of<P: Clone>(&self, op: &Op<P>) -> Option<&(Op<usize>, Vec<Id>)> {
         let op = op.clone().map(|_| ());
         self.operations.iter().find(|(known, _)| known.map(|_| ()) == op)
-    }
-
-    /// The operations that have expressions, each with a tape from its arguments, and from dt and
-    /// dw or the areas if it reads them.
-    pub fn op_tapes(&self) -> Vec<(Op<()>, Tape)> {
-        let tape = |(op, roots): &(Op<usize>, Vec<Id>)| {
-            let more: &[usize] = match (op.reads_weights(), op.reads_areas()) {
-                (true, _) => &[DT, DW],
-                (_, true) => &[AREAS],
-                _ => &[],
-            };
-            (op.map(|_| ()), self.tape(roots, op.arguments().chain(more.iter().copied())))
-        };
-        self.operations.iter().map(tape).collect()
     }
 
     /// h from y, dt and dw.

@@ -13,7 +13,7 @@ use dgrad::{Rule, nodes_for_degree};
 use real::{Row, WIDTH};
 use systems::{
     Linearity, SystemError,
-    run_time::{Description, Op, Program, Recorded, System, Weights, derived},
+    run_time::{Description, MOST_INPUTS, Op, Program, Recorded, System, Weights},
     shown_solvable,
 };
 
@@ -65,7 +65,6 @@ pub struct FormulaSystem {
     description: Description,
     names: Names,
     checked: Vec<Formula>,
-    tapes: Vec<(Op<()>, Tape)>,
     energy: Tape,
     guard: Option<Tape>,
     expressions: Expressions,
@@ -101,7 +100,6 @@ impl FormulaSystem {
                 })
             }
         };
-        let tapes = expressions.op_tapes();
         let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
         let parameters =
             definition.parameters.iter().map(|(name, value)| format!("{name} = {value}"));
@@ -119,7 +117,6 @@ impl FormulaSystem {
         };
         let mut system = Self {
             description,
-            tapes,
             energy: expressions.energy_tape(),
             guard: has_guard.then(|| expressions.guard_tape()),
             expressions,
@@ -131,20 +128,10 @@ impl FormulaSystem {
                 .chain(formulas.structure.into_iter().flatten())
                 .collect(),
         };
-        let tapes = system.tapes.iter().map(|(_, tape)| tape);
-        let tapes = tapes.chain([&system.energy]).chain(&system.guard);
         // One more row has dt.
-        let largest = tapes.map(|tape| tape.scratch_rows() + 1).max();
-        system.description.own_scratch_rows = largest.unwrap_or(0);
+        let guard = system.guard.as_ref().map_or(0, Tape::scratch_rows);
+        system.description.own_scratch_rows = guard.max(system.energy.scratch_rows() + 1);
         Ok(system)
-    }
-
-    fn tape<P>(&self, op: Op<P>) -> &Tape {
-        let op = op.map(|_| ());
-        match self.tapes.iter().find(|(known, _)| *known == op) {
-            Some((_, tape)) => tape,
-            None => unreachable!("{} has no {op:?}", self.description.name),
-        }
     }
 
     /// The names of components and parameters, for more formulas.
@@ -161,13 +148,6 @@ impl FormulaSystem {
     }
 }
 
-/// dt as a row in front of the scratch.
-fn with_dt(dt: f64, scratch: &mut [Row]) -> (&[Row], &mut [Row]) {
-    let (first, rest) = scratch.split_at_mut(1);
-    first[0] = [dt; WIDTH];
-    (first, rest)
-}
-
 impl System for FormulaSystem {
     fn description(&self) -> &Description {
         &self.description
@@ -179,18 +159,20 @@ impl System for FormulaSystem {
         _: Range<usize>,
         h: Weights<'_>,
         out: &mut [Row],
-        scratch: &mut [Row],
+        _: &mut [Row],
     ) {
-        if let Op::AveragedHessian { .. } | Op::AveragedField { .. } = op {
-            return derived(self, op, h, out, scratch);
+        let (mut inputs, mut count) = ([&[][..]; MOST_INPUTS], 0);
+        let op = op.map(|state| {
+            inputs[count] = state;
+            count += 1;
+            count - 1
+        });
+        let states = (0..count).map(Recorded::Input);
+        let nodes: Vec<Recorded> = states.chain([Recorded::Of(op)]).collect();
+        match self.compile(&nodes, count, &[count]) {
+            Some(mut program) => program.run(&inputs[..count], &[], h, out),
+            None => unreachable!("{} has no {op:?}", self.description.name),
         }
-        let (dt, scratch) = with_dt(h.dt, scratch);
-        let mut inputs = [&[][..]; 5];
-        let weights = op.reads_weights().then_some([dt, h.dw]).into_iter().flatten();
-        let areas = op.reads_areas().then_some(h.areas);
-        let given = op.arguments().chain(weights).chain(areas);
-        let count = inputs.iter_mut().zip(given).map(|(input, rows)| *input = rows).count();
-        self.tape(op).evaluate(&inputs[..count], out, scratch);
     }
 
     /// The whole formula of a scheme is one tape.
@@ -205,7 +187,8 @@ impl System for FormulaSystem {
     }
 
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
-        let (dt, scratch) = with_dt(h.dt, scratch);
+        let (dt, scratch) = scratch.split_at_mut(1);
+        dt[0] = [h.dt; WIDTH];
         self.energy.evaluate(&[y, dt, h.dw], std::slice::from_mut(out), scratch);
     }
 

@@ -2,7 +2,7 @@
 
 use std::{
     iter::once,
-    sync::{Mutex, PoisonError},
+    sync::{Arc, Mutex, PoisonError},
 };
 
 use dgrad::Rule;
@@ -14,11 +14,11 @@ use super::{
     average::{add, point},
     expressions::Expressions,
 };
-use crate::{Graph, Id, Tape};
+use crate::{Graph, Id, Tape, uniform::Numbers};
 
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
 #[derive(Default)]
-pub struct Programs(Mutex<Vec<(Key, Option<SchemeTape>)>>);
+pub struct Programs(Mutex<Vec<(Key, Option<Arc<SchemeTape>>)>>);
 
 /// The nodes, the number of inputs, and the nodes that are results.
 pub type Key = (Vec<Recorded>, usize, Vec<usize>);
@@ -30,27 +30,28 @@ impl Programs {
         let compiled = match known.iter().find(|(known, _)| *known == key) {
             Some((_, compiled)) => compiled.clone(),
             None => {
-                let compiled = SchemeTape::new(system, rule, &key);
+                let compiled = SchemeTape::new(system, rule, &key).map(Arc::new);
                 known.push((key, compiled.clone()));
                 compiled
             }
         }?;
         let scratch = Rows::zero(compiled.tape.scratch_rows()).ok()?;
-        Some(FormulaProgram { compiled, scratch })
+        Some(FormulaProgram { numbers: compiled.tape.numbers().clone(), compiled, scratch })
     }
 }
 
 /// A scheme's formula on 32 paths.
 pub struct FormulaProgram {
-    compiled: SchemeTape,
+    compiled: Arc<SchemeTape>,
+    numbers: Numbers,
     scratch: Rows,
 }
 
-#[derive(Clone)]
 struct SchemeTape {
     tape: Tape,
     /// The operations that have a factor.
     multiples: Vec<usize>,
+    reads_noise: bool,
     reads_areas: bool,
 }
 
@@ -72,32 +73,41 @@ impl SchemeTape {
             let factor = factor.map(|k| builder.graph.input(numbers + 1 + k));
             let state = builder.state(node, factor)?;
             builder.states.push(state);
-            if builder.graph.len() > MOST_EXPRESSIONS {
+            // One operation may be longer.
+            if builder.graph.len() > MOST_EXPRESSIONS && nodes.len() > inputs + 1 {
                 return None;
             }
         }
         let states = (0..inputs).map(|k| k * system.dimension..(k + 1) * system.dimension);
-        let is_area = |node: &Recorded| matches!(node, Recorded::Of(op) if op.reads_areas());
-        let reads_areas = nodes.iter().any(is_area);
+        let reads = |of: fn(&Op<usize>) -> bool| {
+            nodes.iter().any(|node| matches!(node, Recorded::Of(op) if of(op)))
+        };
+        let (reads_noise, reads_areas) = (reads(Op::reads_weights), reads(Op::reads_areas));
+        let noises = reads_noise.then_some(noise..areas);
         let groups: Vec<_> =
-            states.chain(once(noise..areas)).chain(reads_areas.then_some(areas..end)).collect();
+            states.chain(noises).chain(reads_areas.then_some(areas..end)).collect();
         if inputs > MOST_INPUTS {
             return None;
         }
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
         let tape = Tape::with_numbers(&builder.graph, &results, &groups, numbers..noise);
-        Some(Self { tape, multiples, reads_areas })
+        Some(Self { tape, multiples, reads_noise, reads_areas })
     }
 }
 
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
-        let SchemeTape { tape, multiples, reads_areas } = &mut self.compiled;
-        tape.set_numbers(once(h.dt).chain(multiples.iter().map(|&multiple| factors[multiple])));
+        let SchemeTape { tape, multiples, reads_noise, reads_areas } = &*self.compiled;
+        let factors = multiples.iter().map(|&multiple| factors[multiple]);
+        self.numbers.set(once(h.dt).chain(factors));
         let mut groups = [&[][..]; MOST_INPUTS + 2];
-        let given = inputs.iter().copied().chain([h.dw]).chain(reads_areas.then_some(h.areas));
+        let given = inputs
+            .iter()
+            .copied()
+            .chain(reads_noise.then_some(h.dw))
+            .chain(reads_areas.then_some(h.areas));
         let count = groups.iter_mut().zip(given).map(|(group, rows)| *group = rows).count();
-        tape.evaluate(&groups[..count], out, &mut self.scratch);
+        tape.evaluate_with(&self.numbers, &groups[..count], out, &mut self.scratch);
     }
 }
 

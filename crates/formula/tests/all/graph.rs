@@ -15,7 +15,7 @@ fn same(a: &str, b: &str) -> bool {
     let inputs = [graph.input(0), graph.input(1)];
     let mut import = |text: &str| {
         let formula = formula(text);
-        graph.import(formula.graph(), &[formula.root()], &inputs)[0]
+        graph.import(&formula.graph, &[formula.root], &inputs)[0]
     };
     import(a) == import(b)
 }
@@ -137,7 +137,7 @@ fn degrees_are_read_off() {
 
 /// The number of instructions of a tape for a text.
 fn instructions(text: &str) -> usize {
-    formula(text).tape().instructions()
+    formula(text).tape.instructions()
 }
 
 #[test]
@@ -192,5 +192,5 @@ fn results_may_be_inputs_constants_and_each_other() {
 fn scratch_is_used_again() {
     let text = (0..50).map(|n| format!("sin(x + {n})*y")).collect::<Vec<_>>().join(" + ");
     let formula = formula(&text);
-    assert!(formula.tape().scratch_rows() <= 3, "{}", formula.tape().scratch_rows());
+    assert!(formula.tape.scratch_rows() <= 3, "{}", formula.tape.scratch_rows());
 }

@@ -91,14 +91,9 @@ impl<'a> Krylov<'a> {
             self.before.copy_from_slice(&self.z);
             let converged = self.newton(h, going, &mut iterations)?;
             let back = going.without(converged);
-            each(
-                &mut self.z,
-                &self.before,
-                &weights(back),
-                |z, before, back| {
-                    if back == 1.0 { before } else { z }
-                },
-            );
+            for (z, before) in self.z.iter_mut().zip(self.before.iter()) {
+                back.paths().for_each(|p| z[p] = before[p]);
+            }
             for p in going.paths() {
                 if converged.contains(p) {
                     (reached[p], step[p]) = (self.s[p], 2.0 * step[p]);
@@ -302,18 +297,13 @@ fn inverse(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { 1.0 / x }
 }
 
-/// x ← f(x, y, weight) for every number.
-fn each(x: &mut [Row], y: &[Row], weights: &Row, f: impl Fn(f64, f64, f64) -> f64) {
-    for (x, y) in x.iter_mut().zip(y) {
-        for p in 0..WIDTH {
-            x[p] = f(x[p], y[p], weights[p]);
-        }
-    }
-}
-
 /// x − weight·y. Where the weight is zero y may be NaN.
 fn subtract(x: &mut [Row], y: &[Row], weights: &Row) {
-    each(x, y, weights, |x, y, weight| x - if weight == 0.0 { 0.0 } else { y * weight });
+    for (x, y) in x.iter_mut().zip(y) {
+        for p in 0..WIDTH {
+            x[p] -= if weights[p] == 0.0 { 0.0 } else { y[p] * weights[p] };
+        }
+    }
 }
 
 /// weight·x.

@@ -4,7 +4,7 @@
 //!
 //! [`Implicit`](crate::Implicit) formula → `record` (a list of operations) → `plan` (stages and
 //! memory), or a [`Program`](systems::run_time::Program) of the system → `machine` (runs it on
-//! rows, tile by tile) → `explicit`, or `implicit` (fixed-point iteration) and, where that does not
+//! rows, tile by tile) → `stepper` (with fixed-point iteration if implicit) and, where that does not
 //! converge, `krylov` (Newton's method with continuation) with `derivative`.
 //!
 //! **Stages.** Operations are computed tile by tile, each tile in memory of its own that fits a
@@ -46,14 +46,13 @@
 //! ```
 
 mod derivative;
-mod explicit;
-mod implicit;
 mod krylov;
 mod machine;
 mod norm;
 mod plan;
 mod record;
 mod scheme;
+mod stepper;
 mod without_iteration;
 
 pub use crate::SchemeError;

@@ -2,7 +2,7 @@
 
 use systems::run_time::{Description, Lanes, System};
 
-use super::{explicit::ExplicitStepper, implicit::ImplicitStepper};
+use super::stepper::FormulaStepper;
 use crate::{Implicit, SchemeError, Stepper};
 
 /// A one-step method for systems whose dimension is known at run time. Every formula is one, with
@@ -56,9 +56,6 @@ impl<F: Implicit> Scheme for F {
         if F::READS_AREAS {
             check_areas(F::ID, system)?;
         }
-        if F::EXPLICIT {
-            return Ok(Box::new(ExplicitStepper::new(self, system)?));
-        }
-        Ok(Box::new(ImplicitStepper::new(self, system)?))
+        Ok(Box::new(FormulaStepper::new(self, system)?))
     }
 }

@@ -115,43 +115,6 @@ fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
     }
 }
 
-/// ‖difference of one step of `sexp-li-levy` and one of `sexp-levy`‖, with increments of size s and
-/// areas of size s² times `sign`, or none.
-fn difference_of_steps<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-    system: &S,
-    y0: [f64; D],
-    s: f64,
-    sign: f64,
-) -> f64 {
-    let mut numbers = Numbers(5);
-    let step = Step::new(&Constant::new(0.3).unwrap(), 0, s * s).unwrap();
-    let dw = [(); M].map(|()| s * numbers.next());
-    let areas = any_areas(&mut numbers, 0.01).map(|row| row.map(|area| s * s * area));
-    let other = areas.map(|row| row.map(|area| sign * area));
-    let li = SexpLi::with_areas(system, y0).unwrap();
-    let z = li.step(system, &step, &Noise { increments: dw, areas: other }, y0).z;
-    let levy = SexpLevy::new(system, y0).step(system, &step, &Noise { increments: dw, areas }, y0);
-    (0..D).map(|i| (z[i] - levy.z[i]).powi(2)).sum::<f64>().sqrt()
-}
-
-#[test]
-fn areas_enter_both_schemes_alike() {
-    // The schemes differ by terms of third order in the increments, or higher; without areas, or
-    // with the wrong sign, by terms of second order.
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(system: &S, y0: [f64; D]) {
-        let found = [1.0, 0.0, -1.0].map(|sign| {
-            let [large, small] = [0.02, 0.01].map(|s| difference_of_steps(system, y0, s, sign));
-            (large / small).log2()
-        });
-        let wrong = found[1..].iter().all(|order| (order - 2.0).abs() < 0.15);
-        assert!(found[0] > 2.85 && wrong, "{}: {found:?}", system.name());
-    }
-    check(&body(), [0.45, 0.3, 0.84]);
-    check(&Spins::<6>, [1.0, 0.2, 0.1, 0.1, 0.6, 0.8]);
-    // By dual numbers.
-    check(&Rotations, [0.6, 0.3, 0.7]);
-}
-
 /// B(y)v = b(y) × v with b = (y₂, 0, 1): skew and affine, but b·(∇ × b) = −1.
 struct NoJacobi;
 

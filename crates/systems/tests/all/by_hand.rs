@@ -145,26 +145,6 @@ fn the_misprint_of_the_rigid_body_is_seen() {
     });
 }
 
-#[test]
-fn ito_correction_of_the_rigid_body() {
-    // fₘ turns about axis m with angular velocity yₘ/Îₘ, which it keeps: ½fₘ′fₘ = −½(yₘ/Îₘ)²·(y
-    // without yₘ).
-    let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap();
-    let mut numbers = Numbers(12);
-    for _ in 0..300 {
-        let y: [f64; 3] = Region::Box.point(&mut numbers);
-        let mut exact = [0.0; 3];
-        for m in 0..3 {
-            for i in 0..3 {
-                if i != m {
-                    exact[i] -= 0.5 * (y[m] / NOISE_INERTIA[m]).powi(2) * y[i];
-                }
-            }
-        }
-        assert_close(ito_correction(&body, y), exact, 8.0, "Itô correction");
-    }
-}
-
 /// Relative step of the central differences: error h²/6·|f‴| of truncation and ε/h of rounding,
 /// both near 10⁻¹⁰.
 const H: f64 = 1e-5;

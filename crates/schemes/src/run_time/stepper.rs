@@ -1,14 +1,17 @@
-//! Implicit formulas on systems known at run time.
+//! Formulas on systems known at run time.
 
 use noise::StepNoise;
 use nonlin::{BlockStatus, Outcome, criteria::excess};
 use real::{Kernel, PathMask, Row, Rows, WIDTH, dispatch};
-use systems::run_time::{Lanes, System, Weights};
+use systems::{
+    Constant,
+    paper::valid,
+    run_time::{Lanes, System, Weights},
+};
 
 use super::{
     SchemeError,
     derivative::derivative,
-    explicit::some_step,
     krylov::Krylov,
     machine::{Machine, Multiple},
     norm::{Changes, sums},
@@ -18,32 +21,36 @@ use crate::{Implicit, Step, Stepper};
 /// Evaluations of a sweep.
 const EVALUATIONS: usize = 3;
 
-/// An implicit formula, solved by fixed-point iteration as in [`nonlin::Method::FixedPoint`], and
-/// by Newton's method without a matrix on paths where that does not converge.
-pub struct ImplicitStepper<'a, F> {
+/// A formula on 32 paths, or on one large path. An implicit one is solved by fixed-point iteration
+/// as in [`nonlin::Method::FixedPoint`], and by Newton's method without a matrix on paths where
+/// that does not converge.
+pub struct FormulaStepper<'a, F> {
     formula: &'a F,
     system: &'a dyn System,
-    /// A sweep; its inputs are ẑ and the iterate, which is frozen where it has converged.
-    sweep: Machine<'a>,
+    /// An explicit formula, whose first buffer is the state; or a sweep, whose inputs are ẑ and the
+    /// iterate, which is frozen where it has converged.
+    machine: Machine<'a>,
+    /// The state of an implicit formula.
     state: Rows,
-    lanes: Lanes,
     krylov: Option<Krylov<'a>>,
 }
 
-impl<'a, F: Implicit> ImplicitStepper<'a, F> {
+impl<'a, F: Implicit> FormulaStepper<'a, F> {
     pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
-        let layout = system.description().layout;
-        let (sweep, state) = (Machine::new(system)?, Rows::zero(layout.rows)?);
-        let mut stepper = Self { formula, system, sweep, state, lanes: layout.lanes, krylov: None };
-        stepper.record(&some_step())?;
+        let rows = if F::EXPLICIT { 0 } else { system.description().layout.rows };
+        let (machine, state) = (Machine::new(system)?, Rows::zero(rows)?);
+        let mut stepper = Self { formula, system, machine, state, krylov: None };
+        // A step by which the memory of a formula is found out.
+        stepper.record(&valid(Step::new(&valid(Constant::new(0.0)), 0, 1.0)))?;
         Ok(stepper)
     }
 
-    /// Records a sweep of a step.
+    /// Records the formula, or a sweep, of a step.
     fn record(&mut self, step: &Step) -> Result<(), SchemeError> {
-        if self.sweep.record(self.formula, step, EVALUATIONS)? {
+        let evaluations = if F::EXPLICIT { 1 } else { EVALUATIONS };
+        if self.machine.record(self.formula, step, evaluations)? && !F::EXPLICIT {
             // A rescue needs the derivative, maybe after hours.
-            derivative(self.sweep.operations())?;
+            derivative(self.machine.operations())?;
         }
         Ok(())
     }
@@ -53,13 +60,13 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
     fn iterate(&mut self, h: Weights<'_>, most_sweeps: u32) -> Row {
         let mut pending = [1.0; WIDTH];
         for number in 1..=most_sweeps {
-            self.sweep.execute(h);
-            let iterates = [0, 1, 2].map(|n| self.sweep.result(n));
+            self.machine.execute(h);
+            let iterates = [0, 1, 2].map(|n| self.machine.result(n));
             let changes = sums(self.system, Changes, iterates);
-            let mut z = std::mem::take(&mut self.sweep.buffers[1]);
-            let (next, pending) = (self.sweep.result(2), &mut pending);
+            let mut z = std::mem::take(&mut self.machine.buffers[1]);
+            let (next, pending) = (self.machine.result(2), &mut pending);
             let finished = dispatch(TestSweep { number, changes, next, z: &mut z, pending });
-            self.sweep.buffers[1] = z;
+            self.machine.buffers[1] = z;
             if finished {
                 break;
             }
@@ -78,23 +85,53 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
             Some(krylov) => krylov,
             none => none.insert(Krylov::new(self.system)?),
         };
-        let outcomes = krylov.solve(self.formula, step, h, &self.sweep.buffers[0], paths)?;
-        for (solution, z) in self.sweep.buffers[1].iter_mut().zip(krylov.z.iter()) {
+        let outcomes = krylov.solve(self.formula, step, h, &self.machine.buffers[0], paths)?;
+        for (solution, z) in self.machine.buffers[1].iter_mut().zip(krylov.z.iter()) {
             for p in paths.paths() {
                 solution[p] = z[p];
             }
         }
         Ok(outcomes)
     }
+
+    /// A step of an implicit formula.
+    fn solve(&mut self, step: &Step, h: Weights<'_>, status: &mut BlockStatus) {
+        let (first, second) =
+            if F::EXACT_DAMPING { (step.first_decay, step.second_decay) } else { (1.0, 1.0) };
+        for input in &mut self.machine.buffers[..2] {
+            dispatch(Multiple { x: &self.state, factor: first, out: input });
+        }
+        let solver = self.formula.solver();
+        let pending = self.iterate(h, solver.max_sweeps.max(1));
+        if solver.settle {
+            // One more sweep on every path. The rescue overwrites those that have not converged.
+            self.machine.execute(h);
+            let mut z = std::mem::take(&mut self.machine.buffers[1]);
+            z.copy_from_slice(self.machine.result(2));
+            self.machine.buffers[1] = z;
+        }
+        *status = BlockStatus::fast(pending);
+        let mut unsolved = PathMask::NONE;
+        (0..WIDTH).filter(|&p| pending[p] > 0.0).for_each(|p| unsolved.insert(p));
+        if !unsolved.is_empty() {
+            let failed = [Outcome::Failed { residual: f64::INFINITY }; WIDTH];
+            let solved = self.rescue(step, unsolved, h).unwrap_or(failed);
+            let one_path = self.system.description().layout.lanes == Lanes::Components;
+            let paths = if one_path { PathMask::first(1) } else { unsolved };
+            paths.paths().for_each(|p| status.set(p, solved[p]));
+        }
+        let z = &self.machine.buffers[1];
+        dispatch(Multiple { x: z, factor: second, out: &mut self.state });
+    }
 }
 
-impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
+impl<F: Implicit> Stepper for FormulaStepper<'_, F> {
     fn state(&self) -> &[Row] {
-        &self.state
+        if F::EXPLICIT { &self.machine.buffers[0] } else { &self.state }
     }
 
     fn state_mut(&mut self) -> &mut [Row] {
-        &mut self.state
+        if F::EXPLICIT { &mut self.machine.buffers[0] } else { &mut self.state }
     }
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
@@ -104,35 +141,17 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
             return status.fail_everywhere();
         }
         let h = Weights { dt: step.tau, dw: &noise.increments, areas: &noise.areas };
-        let (first, second) =
-            if F::EXACT_DAMPING { (step.first_decay, step.second_decay) } else { (1.0, 1.0) };
-        for input in &mut self.sweep.buffers[..2] {
-            dispatch(Multiple { x: &self.state, factor: first, out: input });
+        if F::EXPLICIT {
+            self.machine.execute(h);
+            self.machine.feed_back(0);
+        } else {
+            self.solve(step, h, status);
         }
-        let solver = self.formula.solver();
-        let pending = self.iterate(h, solver.max_sweeps.max(1));
-        if solver.settle {
-            // One more sweep on every path. The rescue overwrites those that have not converged.
-            self.sweep.execute(h);
-            let mut z = std::mem::take(&mut self.sweep.buffers[1]);
-            z.copy_from_slice(self.sweep.result(2));
-            self.sweep.buffers[1] = z;
-        }
-        *status = BlockStatus::fast(pending);
-        let mut unsolved = PathMask::NONE;
-        (0..WIDTH).filter(|&p| pending[p] > 0.0).for_each(|p| unsolved.insert(p));
-        if !unsolved.is_empty() {
-            let failed = [Outcome::Failed { residual: f64::INFINITY }; WIDTH];
-            let solved = self.rescue(step, unsolved, h).unwrap_or(failed);
-            let one_path = self.lanes == Lanes::Components;
-            let paths = if one_path { PathMask::first(1) } else { unsolved };
-            paths.paths().for_each(|p| status.set(p, solved[p]));
-        }
-        let z = &self.sweep.buffers[1];
-        dispatch(Multiple { x: z, factor: second, out: &mut self.state });
         // The second half of the damping may give a state that is not finite.
-        if (second > 1.0 || second.is_nan()) && self.lanes == Lanes::Paths {
-            status.fail_where_not_finite(&self.state);
+        let second = if F::EXACT_DAMPING { step.second_decay } else { 1.0 };
+        let tested = F::EXPLICIT || second > 1.0 || second.is_nan();
+        if tested && self.system.description().layout.lanes == Lanes::Paths {
+            status.fail_where_not_finite(self.state());
         }
     }
 }
