@@ -492,13 +492,8 @@ impl Graph {
         }
     }
 
-    /// The expressions `roots` of another graph, with input k of it being `inputs[k]` of this one.
-    pub fn import(&mut self, other: &Self, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
-        self.copy(Some(other), roots, inputs)
-    }
-
     /// Expressions of another graph, or of this one, with `inputs[k]` in the place of input k.
-    pub(crate) fn copy(&mut self, other: Option<&Self>, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
+    pub fn copy(&mut self, other: Option<&Self>, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
         let needed = other.unwrap_or(self).needed(roots);
         let mut copies = vec![Id::FIRST; needed.len()];
         self.place = None;

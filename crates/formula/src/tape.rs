@@ -86,12 +86,6 @@ impl Tape {
         self.scratch
     }
 
-    /// The number of results.
-    #[must_use]
-    pub fn outputs(&self) -> usize {
-        self.outputs
-    }
-
     /// The number of instructions.
     #[must_use]
     pub fn instructions(&self) -> usize {

@@ -154,7 +154,7 @@ fn upper(
 ) -> Result<Vec<Vec<Formula>>, DefinitionError> {
     let dimension = y0.len();
     let rows: Vec<usize> = texts.iter().map(Vec::len).collect();
-    let is_full = rows.len() == dimension && rows.iter().all(|&length| length == dimension);
+    let is_full = rows == vec![dimension; dimension];
     let is_upper = rows.iter().copied().eq((1..dimension).rev());
     if !is_full && !is_upper {
         let message = format!(

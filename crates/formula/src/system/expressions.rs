@@ -47,7 +47,8 @@ impl Expressions {
         let (dimension, noises) = (formulas.structure.len(), formulas.hamiltonians.len() - 1);
         let mut graph = Graph::new();
         let y: Vec<Id> = (0..dimension).map(|k| graph.input(k)).collect();
-        let mut import = |formula: &Formula| graph.import(&formula.graph, &[formula.root], &y)[0];
+        let mut import =
+            |formula: &Formula| graph.copy(Some(&formula.graph), &[formula.root], &y)[0];
         let hamiltonians: Vec<Id> = formulas.hamiltonians.iter().map(&mut import).collect();
         let entries: Vec<Vec<Id>> =
             formulas.structure.iter().map(|row| row.iter().map(&mut import).collect()).collect();

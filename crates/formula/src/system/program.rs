@@ -165,7 +165,7 @@ impl SchemeBuilder<'_> {
                 groups.arguments().zip(&arguments).for_each(|(group, state)| states[group] = state);
                 let [y, u, v] = states;
                 let inputs = [y, u, v, &self.weights].concat();
-                Some(self.graph.import(&self.system.graph, roots, &inputs))
+                Some(self.graph.copy(Some(&self.system.graph), roots, &inputs))
             }
         }
     }

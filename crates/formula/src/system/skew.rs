@@ -15,8 +15,8 @@ pub fn check(entries: &[Vec<Formula>], y0: &[f64]) -> Result<(), DefinitionError
     for i in 0..entries.len() {
         for j in 0..=i {
             let (lower, upper) = (&entries[i][j], &entries[j][i]);
-            let [a, b] =
-                [lower, upper].map(|entry| graph.import(&entry.graph, &[entry.root], &inputs)[0]);
+            let [a, b] = [lower, upper]
+                .map(|entry| graph.copy(Some(&entry.graph), &[entry.root], &inputs)[0]);
             if graph.neg(a) == b {
                 continue;
             }

@@ -15,7 +15,7 @@ fn same(a: &str, b: &str) -> bool {
     let inputs = [graph.input(0), graph.input(1)];
     let mut import = |text: &str| {
         let formula = formula(text);
-        graph.import(&formula.graph, &[formula.root], &inputs)[0]
+        graph.copy(Some(&formula.graph), &[formula.root], &inputs)[0]
     };
     import(a) == import(b)
 }
@@ -185,7 +185,7 @@ fn results_may_be_inputs_constants_and_each_other() {
     let mut out = [0.0; 8];
     tape.evaluate_one(&[&[1.0], &[3.0]], &mut out);
     assert_eq!(out, [3.0, 3.0, 2.0, 8.0, 2.0, 4.0, 3.0, 3.0]);
-    assert_eq!((tape.scratch_rows(), tape.outputs()), (0, 8));
+    assert_eq!(tape.scratch_rows(), 0);
 }
 
 #[test]

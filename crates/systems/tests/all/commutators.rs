@@ -93,27 +93,6 @@ fn commutators_are_what_they_should_be() {
     every_system(&mut Commutators);
 }
 
-/// An oscillator shaken by two noises that are functions of one Hamiltonian, or of two different
-/// ones.
-struct Shaken {
-    same: bool,
-}
-
-impl PoissonSystem<2, 2> for Shaken {
-    fn name(&self) -> &'static str {
-        "shaken"
-    }
-    fn structure<R: Real>(&self, y: [R; 2], v: [R; 2]) -> [R; 2] {
-        let size = y[0] * y[0] * 0.1 + 1.0;
-        [-v[1] * size, v[0] * size]
-    }
-    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 2]) -> R {
-        let h = (y[0] * y[0] + y[1].sin() * 0.7) * 0.5;
-        let other = if self.same { h * h } else { y[1] * 0.3 };
-        h * (dt + dw[0]) + other * dw[1]
-    }
-}
-
 struct NeedsAreas(Vec<(&'static str, bool)>);
 
 impl Check for NeedsAreas {
@@ -134,10 +113,6 @@ fn commuting_noises_are_recognised() {
     let mut seen = NeedsAreas(Vec::new());
     every_system(&mut seen);
     assert!(seen.0.contains(&("rigid-body", false)) && seen.0.contains(&("pendulum", true)));
-    // Functions of one Hamiltonian commute, B constant or not: {H, H²} = 0. The default gradient
-    // rounds, and is seen through.
-    assert!(noises_commute(&Shaken { same: true }, [0.3, -0.8]));
-    assert!(!noises_commute(&Shaken { same: false }, [0.3, -0.8]));
     // Two of the three noises of the body alone, and a point where every field of the third
     // vanishes.
     let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap();
