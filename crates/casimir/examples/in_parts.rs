@@ -7,12 +7,12 @@
 //! takes a million paths. `--part 3 --parts 64` beside `--out run` computes a part, `--merge run`
 //! merges the parts.
 
-use std::{env, process::ExitCode};
+use std::{env, path::Path, process::ExitCode, time::Duration};
 
 use casimir::{
     mc::{
         Observable, Setup, Study, StudySettings,
-        parts::{Job, Program},
+        parts::{Job, Program, Share, Stop, limit_threads},
     },
     prelude::*,
     real::{Level, limit_to},
@@ -29,10 +29,31 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
-    // The job takes its arguments. What is left: paths, instruction set.
+type Error = Box<dyn std::error::Error>;
+
+fn run(arguments: Vec<String>) -> Result<(), Error> {
     let program = Program { name: "in_parts".into(), version: env!("CARGO_PKG_VERSION").into() };
-    let job = Job::from_arguments(program, &mut arguments)?;
+    let value = |name: &str| {
+        let at = arguments.iter().position(|argument| argument == name)?;
+        arguments.get(at + 1)
+    };
+    let (out, merge) = (value("--out").map(Path::new), value("--merge").map(Path::new));
+    let job = match (out, merge, value("--part"), value("--parts")) {
+        (Some(out), None, Some(number), Some(of)) => {
+            Job::part(out, Share::new(number.parse()?, of.parse()?)?, program)?
+        }
+        (Some(out), None, None, None) => Job::part(out, Share::WHOLE, program)?,
+        (None, Some(folder), None, None) => Job::merge(folder, program)?,
+        _ => Job::here(),
+    };
+    // Ctrl-C and SIGTERM end it with a checkpoint.
+    let stop = Stop::default();
+    stop.on_signals()?;
+    let seconds = value("--checkpoint-every").map_or(Ok(60.0), |text| text.parse())?;
+    let job = job.stopped_by(&stop).with_checkpoints_every(Duration::from_secs_f64(seconds));
+    value("--threads")
+        .map_or(Ok(()), |threads| Ok::<_, Error>(limit_threads(threads.parse()?)?))?;
+    // Paths, and the instruction set.
     let paths = arguments.first().map_or(Ok(1e5), |text| text.parse::<f64>())? as u64;
     // The bits are the same on all.
     let named = |level: &&Level| arguments.get(1).is_some_and(|name| name == level.name());

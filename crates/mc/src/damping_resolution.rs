@@ -6,7 +6,7 @@
 //! ∫γ by quadrature. A pulse that is narrower than the quadrature is known to a closed integral
 //! alone, which is compared for every scheme.
 
-use std::cell::RefCell;
+use std::{cell::RefCell, collections::BTreeMap, ops::Range};
 
 use nonlin::BlockStatus;
 use schemes::Step;
@@ -38,11 +38,10 @@ pub struct DampingResolution<'a> {
     coarsest_steps: u64,
     /// ∫₀ᵗγ at the times kT/n.
     exact: Vec<f64>,
-    /// ∫|γ| over the parts of the quadrature, which are equal, and over [0, T].
+    /// ∫|γ| over the parts of the quadrature, which are equal.
     sizes: Vec<f64>,
-    size: f64,
-    /// Defects that were asked for: the number of halvings, and what was found.
-    known: RefCell<Vec<(usize, f64)>>,
+    /// Defects that were asked for, by the number of halvings.
+    known: RefCell<BTreeMap<usize, f64>>,
 }
 
 impl<'a> DampingResolution<'a> {
@@ -55,16 +54,16 @@ impl<'a> DampingResolution<'a> {
             times = if times.is_multiple_of(2) { times / 2 } else { 1 };
         }
         let per_time = LEAST_PARTS.div_ceil(times);
-        let quadrature = RateQuadrature::new(damping, t_end, (times * per_time) as u32);
-        let mut sum = 0.0;
-        let exact = quadrature.parts.chunks(per_time as usize).map(|parts| {
-            sum += parts.iter().map(|part| part.net).sum::<f64>();
-            sum
+        let parts = RateQuadrature::new(damping, t_end, (times * per_time) as u32).parts;
+        let net =
+            parts.chunks(per_time as usize).map(|parts| parts.iter().map(|part| part.net).sum());
+        let exact = net.scan(0.0, |sum, net: f64| {
+            *sum += net;
+            Some(*sum)
         });
-        let exact = exact.collect();
-        let sizes: Vec<f64> = quadrature.parts.iter().map(|part| part.size).collect();
-        let (size, known) = (sizes.iter().sum(), RefCell::default());
-        Self { damping, reads_rates, t_end, coarsest_steps, exact, sizes, size, known }
+        let (exact, sizes) = (exact.collect(), parts.iter().map(|part| part.size).collect());
+        let known = RefCell::default();
+        Self { damping, reads_rates, t_end, coarsest_steps, exact, sizes, known }
     }
 
     /// The largest ∫|γ| that each of three steps in a row has, nearly, for the coarsest steps
@@ -84,12 +83,8 @@ impl<'a> DampingResolution<'a> {
     /// The largest distance from ∫₀ᵗγ of the sums that the scheme sees, and of the integrals given,
     /// over times t of coarsest steps that are halved `halvings` times; zero if it is round-off.
     pub fn defect(&self, halvings: usize) -> f64 {
-        let known = self.known.borrow().iter().find(|(h, _)| *h == halvings).map(|(_, d)| *d);
-        known.unwrap_or_else(|| {
-            let defect = self.measure(halvings);
-            self.known.borrow_mut().push((halvings, defect));
-            defect
-        })
+        let mut known = self.known.borrow_mut();
+        *known.entry(halvings).or_insert_with(|| self.measure(halvings))
     }
 
     fn measure(&self, halvings: usize) -> f64 {
@@ -102,43 +97,41 @@ impl<'a> DampingResolution<'a> {
         for n in 0..steps {
             // The step size is positive and finite, or no path could run.
             let Ok(step) = Step::new(self.damping, n, tau) else { return f64::NAN };
+            sums[0] += step.damping_integral();
             if self.reads_rates {
                 let rates = [step.rate_at_start, step.rate_at_middle, step.rate_at_end];
-                sums.iter_mut().zip(rates).for_each(|(sum, rate)| *sum += tau * rate);
+                sums[1..].iter_mut().zip(rates).for_each(|(sum, rate)| *sum += tau * rate);
             }
-            sums[3] += step.damping_integral();
             if (n + 1).is_multiple_of(per_time) {
                 let exact = self.exact[((n + 1) / per_time - 1) as usize];
-                let seen = if self.reads_rates { &sums[..] } else { &sums[3..] };
+                let seen = if self.reads_rates { &sums[..] } else { &sums[..1] };
                 defect = seen.iter().map(|sum| (sum - exact).abs()).fold(defect, f64::max);
             }
         }
         // A sum of n terms rounds by nε of their sizes at most.
-        let round_off = (QUADRATURE + steps as f64 * f64::EPSILON) * self.size;
+        let size: f64 = self.sizes.iter().sum();
+        let round_off = (QUADRATURE + steps as f64 * f64::EPSILON) * size;
         if defect <= round_off { 0.0 } else { defect }
     }
 
     /// The defect with `halvings` halvings or more, if these steps do not resolve the damping: it
     /// does not fall as sums do that converge.
     pub fn unresolved(&self, halvings: usize) -> Option<f64> {
-        let largest = |range: std::ops::RangeInclusive<usize>| {
-            range.map(|halvings| self.defect(halvings)).fold(0.0, f64::max)
-        };
-        let now = largest(halvings..=halvings + FINER);
+        let largest =
+            |range: Range<usize>| range.map(|halvings| self.defect(halvings)).fold(0.0, f64::max);
+        let now = largest(halvings..halvings + FINER + 1);
+        // Zero, or what converges.
         let falls = |before: f64| now <= LARGEST && now <= GAIN * before;
-        let resolved = now == 0.0
-            || halvings > 0 && falls(largest(halvings.saturating_sub(FINER)..=halvings - 1));
+        let resolved = now == 0.0 || falls(largest(halvings.saturating_sub(FINER)..halvings));
         (!resolved).then_some(now)
     }
 }
 
 /// Whether the scheme reads rates: whether its first step changes with them. If it seems to read
 /// neither rates nor integrals, as at the origin, it may read both.
-fn reads_rates(setup: &Setup<'_>, tau: f64) -> bool {
-    let Setup { problem, scheme } = setup;
+fn reads_rates(Setup { problem, scheme }: &Setup<'_>, tau: f64) -> bool {
     let end = |rate: f64, integral: f64| {
-        let damping = Other { damping: problem.damping, rate, integral };
-        let step = Step::new(&damping, 0, tau).ok()?;
+        let step = Step::new(&Larger { damping: problem.damping, rate, integral }, 0, tau).ok()?;
         let (noise, mut state) =
             (scheme.no_noise(problem.noises), scheme.start(&splat(&problem.y0)));
         state.step(&step, &noise, &mut BlockStatus::explicit());
@@ -146,18 +139,17 @@ fn reads_rates(setup: &Setup<'_>, tau: f64) -> bool {
     };
     let plain = end(0.0, 0.0);
     // Large enough to change every digit, small enough that a step succeeds.
-    let [rates, integrals] = [end(0.01 / tau, 0.0), end(0.0, 0.01)].map(|changed| changed != plain);
-    rates || !integrals
+    end(0.01 / tau, 0.0) != plain || end(0.0, 0.01) == plain
 }
 
 /// A damping whose rate, or whose integrals, are larger.
-struct Other<'a> {
+struct Larger<'a> {
     damping: &'a dyn Damping,
     rate: f64,
     integral: f64,
 }
 
-impl Damping for Other<'_> {
+impl Damping for Larger<'_> {
     fn rate(&self, t: f64) -> f64 {
         self.damping.rate(t) + self.rate
     }

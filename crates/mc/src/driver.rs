@@ -333,7 +333,6 @@ impl<'a> Marcher<'a> {
                 time: n >> driver.levels,
                 first_path: self.first_path,
                 states: &self.states,
-                statuses: &self.statuses,
                 clipped: &self.clipped,
                 random_time: &self.random_time.0[0],
                 live: self.live,

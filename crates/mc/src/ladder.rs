@@ -25,8 +25,6 @@ pub struct View<'a> {
     /// Number of the first path of the block.
     pub first_path: u64,
     pub(crate) states: &'a (dyn States + 'a),
-    /// The status of the last step of each run.
-    pub statuses: &'a [nonlin::BlockStatus],
     /// For each run the paths with a clipped increment so far.
     pub clipped: &'a [PathMask],
     /// The random time of each path by the [`TimeChange`] of the ladder; zero without one.
@@ -67,7 +65,7 @@ impl<'a> View<'a> {
     #[cfg(test)]
     pub(crate) fn of(states: &'a dyn States, live: PathMask) -> Self {
         let random_time = &[0.0; real::WIDTH];
-        Self { time: 1, first_path: 0, states, statuses: &[], clipped: &[], random_time, live }
+        Self { time: 1, first_path: 0, states, clipped: &[], random_time, live }
     }
 
     /// Number of runs.

@@ -161,17 +161,13 @@ impl Stepper for Paths<'_> {
     }
 }
 
-/// The state of path 0.
-fn first_path(y: &[Row]) -> Vec<f64> {
-    y.iter().map(|row| row[0]).collect()
-}
-
-/// The formulas of a system at single states.
+/// The formulas of a system at single states, on all places of a row.
+///
+/// # Panics
+/// If there is no memory.
 struct OnRows<'a>(&'a dyn System);
 
 impl OnRows<'_> {
-    /// # Panics
-    /// If there is no memory.
     fn scratch(&self) -> Rows {
         Rows::zero(self.0.description().scratch_rows()).unwrap_or_else(|error| panic!("{error}"))
     }
@@ -183,16 +179,17 @@ impl OnRows<'_> {
     }
 }
 
+/// The state of path 0.
+fn first_path(y: &[Row]) -> Vec<f64> {
+    y.iter().map(|row| row[0]).collect()
+}
+
 impl Formulas for OnRows<'_> {
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
-        let (mut out, dw) = (splat(&[0.0]), splat(dw));
-        self.0.energy(
-            &splat(y),
-            Weights { dt, dw: &dw, areas: &[] },
-            &mut out[0],
-            &mut self.scratch(),
-        );
-        out[0][0]
+        let (mut out, dw) = ([0.0; real::WIDTH], splat(dw));
+        let h = Weights { dt, dw: &dw, areas: &[] };
+        self.0.energy(&splat(y), h, &mut out, &mut self.scratch());
+        out[0]
     }
 
     fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64> {
@@ -207,8 +204,8 @@ impl Formulas for OnRows<'_> {
     }
 
     fn law(&self, index: usize, y: &[f64]) -> f64 {
-        let mut out = splat(&[0.0]);
-        self.0.invariant(index, &splat(y), &mut out[0], &mut self.scratch());
-        out[0][0]
+        let mut out = [0.0; real::WIDTH];
+        self.0.invariant(index, &splat(y), &mut out, &mut self.scratch());
+        out[0]
     }
 }

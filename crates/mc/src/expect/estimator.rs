@@ -9,7 +9,7 @@ use super::{
     Candidate, ExpectSettings, Orders,
     extrapolation::{Extrapolation, extrapolation, seen_orders},
     judge::Evidence,
-    level::{PathValues, Samples, Values, hull},
+    level::{PathValues, Samples, Values},
     rates,
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
     resolution::{LARGEST_EXPONENT, Motion, unresolved},
@@ -94,8 +94,6 @@ pub struct Estimator<'a> {
     noisy: bool,
     /// Whether points are Sobol points.
     sobol: bool,
-    /// The least and the largest value of each test function so far.
-    ranges: Vec<Option<(f64, f64)>>,
     /// All levels so far.
     levels: Vec<Samples>,
     /// The ladder of each, and the nodes of its replicates so far.
@@ -124,7 +122,6 @@ impl<'a> Estimator<'a> {
             damping: DampingResolution::new(&candidate.setup, coarsest_steps),
             noisy,
             sobol: noisy && !request.settings.random_points && !scheme.reads_areas(),
-            ranges: vec![None; request.observables.len()],
             levels: Vec::new(),
             ladders: Vec::new(),
             first: 0,
@@ -305,10 +302,6 @@ impl<'a> Estimator<'a> {
             replicates.map(|(nodes, more)| ladder.join(nodes, more, &empty)).collect();
         let samples = &mut self.levels[level];
         let first = replicates.iter().find_map(|replicate| replicate.failures.first().copied());
-        for replicate in &replicates {
-            let ranges = self.ranges.iter_mut().zip(&replicate.statistic.values);
-            ranges.for_each(|(range, values)| *range = hull(*range, values.range()));
-        }
         spent.set(spent.get() + new_cost);
         samples.take(replicates, points);
         if samples.count() < 1 + u64::from(self.noisy) {
@@ -327,7 +320,9 @@ impl<'a> Estimator<'a> {
     /// How far test function number k may spread: as on all levels so far, or by one if it is the
     /// same on all; not at all without noise.
     fn range(&self, k: usize) -> f64 {
-        let spread = self.ranges[k].map_or(0.0, |(least, largest)| largest - least);
+        let ranges = self.levels.iter().filter_map(|level| level.values.get(k)?.range());
+        let range = ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let spread = range.map_or(0.0, |(least, largest)| largest - least);
         match self.noisy {
             true if spread > 0.0 => spread,
             noisy => f64::from(u8::from(noisy)),
@@ -450,21 +445,14 @@ impl<'a> Estimator<'a> {
         let order = orders.fold(f64::INFINITY, f64::min);
         let [fewest, most] = [&used[0], &used[used.len() - 1]].map(|of| self.steps(of.level));
         let points: Vec<String> = used.iter().map(|samples| samples.points.to_string()).collect();
+        let (replicates, points) = (self.replicates, points.join(", "));
         let points = match (self.noisy, self.sobol) {
             (false, _) => "one path: there is no noise".into(),
-            (_, true) => format!(
-                "{} scrambles of {} Sobol points on them",
-                self.replicates,
-                points.join(", ")
-            ),
-            (_, false) => {
-                format!("{} times {} random points on them", self.replicates, points.join(", "))
-            }
+            (_, true) => format!("{replicates} scrambles of {points} Sobol points on them"),
+            (_, false) => format!("{replicates} times {points} random points on them"),
         };
-        vec![
-            format!("levels of {fewest} to {most} steps, extrapolated with order {order:.2}"),
-            points,
-        ]
+        let levels = format!("levels of {fewest} to {most} steps");
+        vec![format!("{levels}, extrapolated with order {order:.2}"), points]
     }
 }
 

@@ -70,22 +70,3 @@ fn decay(points: &[(usize, f64, f64)]) -> Option<Rate> {
     let half_width = QUANTILE * (excess / spread).sqrt();
     Some(Rate { value: -slope, lower: -slope - half_width, upper: -slope + half_width })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_is_found_and_a_bend_widens_it() {
-        let line: Vec<_> = (1..5usize).map(|l| (l, 3.0 - 1.5 * l as f64, 0.01)).collect();
-        let rate = decay(&line).unwrap();
-        assert!((rate.value - 1.5).abs() < 1e-12);
-        // Σ(x − x̄)² = 5 with weights 100.
-        assert!((rate.upper - rate.value - QUANTILE / 500f64.sqrt()).abs() < 1e-12);
-        let bent: Vec<_> =
-            line.iter().map(|&(l, y, v)| (l, y + if l == 2 { 1.0 } else { 0.0 }, v)).collect();
-        let bent = decay(&bent).unwrap();
-        assert!(bent.upper - bent.lower > 3.0 * (rate.upper - rate.lower));
-        assert_eq!(decay(&line[..1]), None);
-    }
-}

@@ -343,33 +343,4 @@ mod tests {
         });
         assert!(!vanishes(motions), "{motions:?}");
     }
-
-    #[test]
-    fn order_one_half_is_resolved_and_chance_is_not() {
-        for [a, b, c] in [[0.6, 0.42, 0.3], [1e-3, 1e-3, 5e-4], [0.1, 0.2, 0.0]] {
-            assert!(resolved([a, b, c]));
-        }
-        for [a, b, c] in [[1.2, 1.3, 0.3], [1e-4, 4e-4, 1.6e-3], [0.9, 0.7, 0.55]] {
-            assert!(!resolved([a, b, c]));
-        }
-    }
-
-    #[test]
-    fn events_of_fine_paths_alone_are_not_coupled() {
-        // One path in a hundred has an event: on both paths, or on the fine one only.
-        let values = |both: bool| {
-            let mut values = Values::default();
-            for n in 0..1000 {
-                let event = f64::from(u8::from(n % 100 == 0));
-                let coarse = if both { event } else { 0.0 };
-                values.fine.add(event);
-                values.coarse.add(coarse);
-                values.sample.add(event - coarse);
-            }
-            values
-        };
-        assert!(coupled(&values(true), 0.1) && !coupled(&values(false), 0.1));
-        // They do not matter to an accuracy that is as large as they are.
-        assert!(coupled(&values(false), 1.0));
-    }
 }

@@ -50,22 +50,6 @@ fn difference(number: usize, mean: f64, deviations: &[f64], times: usize) -> Sam
 }
 
 #[test]
-fn moments_of_four_numbers() {
-    // Deviations −2, −1, 0, 3 of 3: Σx² = 14, Σx⁴ = 98.
-    let four = moments(&[1.0, 2.0, 3.0, 6.0]);
-    assert_eq!((four.mean(), four.range()), (3.0, Some((1.0, 6.0))));
-    assert!(close(four.variance(), 14.0 / 3.0) && close(four.variance_of_mean(), 14.0 / 12.0));
-    assert!(close(four.kurtosis(), 4.0 * 98.0 / 196.0));
-    assert_eq!(four.largest_deviation(), 3.0);
-    assert_eq!(moments(&[-1.0, -2.0, -3.0, -6.0]).largest_deviation(), 3.0);
-    // Two numbers whose mean is rounded are equal all the same.
-    assert_eq!(moments(&[0.1, 0.1, 0.1]).largest_deviation(), 0.0);
-    let limit = (14.0f64 / 3.0).sqrt() / ROUND_OFF;
-    assert!(four.is_spread(0.999 * limit) && !four.is_spread(1.001 * limit));
-    assert_eq!(CentralMoments::default().range(), None);
-}
-
-#[test]
 fn values_know_their_range_and_what_never_differs() {
     let values = pairs(&[1.0, 4.0], &[0.0, 2.0]);
     assert_eq!((values.range(), values.spread()), (Some((0.0, 4.0)), 4.0));

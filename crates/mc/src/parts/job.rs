@@ -187,3 +187,17 @@ impl Job {
         })
     }
 }
+
+/// Limits the threads of everything that is computed from now on in this process.
+///
+/// # Errors
+/// [`JobError::Argument`] for no thread, or if work has begun already.
+pub fn limit_threads(threads: u64) -> Result<(), JobError> {
+    let refused =
+        |why: String| JobError::Argument(format!("cannot compute with {threads} threads: {why}"));
+    if threads == 0 {
+        return Err(refused("at least one is needed".into()));
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
+    pool.build_global().map_err(|error| refused(error.to_string()))
+}

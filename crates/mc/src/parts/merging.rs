@@ -169,13 +169,10 @@ impl Merging {
                 continue;
             }
             if header.groups.start < next {
-                return Err(JobError::Refused(format!(
-                    "{} and {} both have paths of {}: they are parts of different numbers of parts. \
-                     Delete those of one number",
-                    before.path.display(),
-                    path.display(),
-                    work.name
-                )));
+                let [one, other] = [before, place].map(|place| place.path.display());
+                let text =
+                    format!("{one} and {other} both have paths of {}: delete one", work.name);
+                return Err(JobError::Refused(text));
             }
             all &= header.groups.start == next && header.is_complete();
             (before, next) = (place, header.groups.end);

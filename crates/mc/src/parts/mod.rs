@@ -54,7 +54,6 @@
 //! | `part-03-of-64.bin` | the nodes of a part; while it runs, its checkpoint |
 //! | `merged.bin` | the nodes of all works that were merged, for extensions |
 
-mod arguments;
 mod atomic;
 mod error;
 mod file;
@@ -67,11 +66,10 @@ mod stop;
 mod work;
 
 pub use crate::driver::GROUP_PATHS;
-pub use arguments::limit_threads;
 pub use atomic::{folder, replace};
 pub use error::JobError;
 pub use file::Program;
-pub use job::Job;
+pub use job::{Job, limit_threads};
 pub use merging::merged_paths;
 pub use part::remove;
 pub use plan::Planned;

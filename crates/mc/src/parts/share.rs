@@ -84,12 +84,6 @@ mod tests {
     }
 
     #[test]
-    fn only_parts_that_exist_are_taken() {
-        assert!(Share::new(3, 64).is_ok());
-        assert!([(0, 4), (5, 4), (1, 0)].iter().all(|&(k, n)| Share::new(k, n).is_err()));
-    }
-
-    #[test]
     fn numbers_become_an_array_specification() {
         assert_eq!(array(&[3]), "3");
         assert_eq!(array(&[1, 2, 3, 7, 9, 10]), "1-3,7,9-10");

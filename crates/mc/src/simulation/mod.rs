@@ -6,13 +6,12 @@ mod write;
 use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
 use noise::{StreamKey, Truncation};
-use real::WIDTH;
+use real::{PathMask, Row, WIDTH};
 use schemes::Step;
-use systems::Damping;
 
 use crate::{
     ConformalLaw, Ladder, LadderError, Observe, PathFailure, Recording, Run, RunError, Setup,
-    Statistic, View, observable::value, parts::Stop,
+    Statistic, View, observable::splat, parts::Stop,
 };
 
 pub use series::{Column, NoiseOrigin, TimeSeries};
@@ -101,8 +100,7 @@ impl<'a> Simulation<'a> {
     /// [`RunError::Ladder`] as in [`Ladder::new`]. [`RunError::Setting`] if `every` is zero, or two
     /// columns have the same name.
     pub fn path(&self, steps: u64, key: StreamKey, path: u64) -> Result<TimeSeries, RunError> {
-        let mut series = self.paths(steps, key, path..path + 1)?;
-        Ok(series.swap_remove(0))
+        Ok(self.paths(steps, key, path..path + 1)?.swap_remove(0))
     }
 
     /// The tables of many paths in the order of their numbers, computed in parallel on the current
@@ -127,11 +125,10 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// As for [`path`](Self::path), and those of [`Ladder::with_noise`].
     pub fn recorded(&self, recording: &Recording) -> Result<TimeSeries, RunError> {
-        let steps = recording.rows().len() as u64;
+        let steps = recording.rows.len() as u64;
         let ladder = self.ladder(steps, StreamKey { seed: 0, experiment: 0 })?;
         let ladder = ladder.with_noise(recording)?;
-        let mut series = self.run(ladder, 0..1, &|_| NoiseOrigin::Recorded)?;
-        Ok(series.swap_remove(0))
+        Ok(self.run(ladder, 0..1, &|_| NoiseOrigin::Recorded)?.swap_remove(0))
     }
 
     fn ladder(&self, steps: u64, key: StreamKey) -> Result<Ladder<'_>, LadderError> {
@@ -177,48 +174,41 @@ impl<'a> Simulation<'a> {
             return Err(RunError::Setting(text.into()));
         }
         let (Setup { problem, scheme }, tau) = (&self.setup, ladder.tau(0));
-        let names = self.names()?;
-        let initial = |index| problem.formulas.law(index, &problem.y0);
-        let initial: Vec<f64> = (0..problem.laws.len()).map(initial).collect();
-        // The row of step n, where `damped` is ∫γ up to its end.
-        let row = |n: u64, damped: f64, y: &[f64], observed: &mut dyn Iterator<Item = f64>| {
-            let mut row = vec![n as f64 * tau];
-            row.extend(y);
-            row.extend(observed);
-            for (index, ConformalLaw { degree, .. }) in problem.laws.iter().enumerate() {
-                let (value, initial) = (problem.formulas.law(index, y), initial[index]);
-                let law = (-degree * damped).exp() * initial;
-                row.extend([value, if initial == 0.0 { value } else { (value - law) / law.abs() }]);
-            }
-            row
-        };
-        let steps = ladder.coarse_steps();
-        let saved = |n: u64| n.is_multiple_of(self.every) || n == steps;
-        let damped = damping_integrals(problem.damping, steps, tau, &saved)?;
-        let saved_rows = |view: &View<'_>| {
-            if !saved(view.time) {
-                return Vec::new();
-            }
-            let (state, live) = (view.state(0), view.live);
+        let (names, steps) = (self.names()?, ladder.coarse_steps());
+        let law = |index, y: &[f64]| problem.formulas.law(index, y);
+        let initial: Vec<f64> = (0..problem.laws.len()).map(|k| law(k, &problem.y0)).collect();
+        // The rows of the paths `live` of a block after n steps, with ∫γ up to then.
+        let rows = |n: u64, damped: f64, state: &[Row], live: PathMask| {
             let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
             let observables = self.observables.iter().zip(&mut observed);
             observables.for_each(|(phi, values)| phi.evaluate(state, live, values));
             let row = |p: usize| {
                 let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
-                let mut observed = observed.iter().map(|values| values[p]);
-                (p, row(view.time, damped[&view.time], &y, &mut observed))
+                let mut row = vec![n as f64 * tau];
+                row.extend(y.iter().copied().chain(observed.iter().map(|values| values[p])));
+                for (k, ConformalLaw { degree, .. }) in problem.laws.iter().enumerate() {
+                    let (value, law) = (law(k, &y), (-degree * damped).exp() * initial[k]);
+                    let relative = (value - law) / law.abs();
+                    row.extend([value, if initial[k] == 0.0 { value } else { relative }]);
+                }
+                (p, row)
             };
-            live.paths().map(row).collect()
+            live.paths().map(row).collect::<Vec<_>>()
+        };
+        let damped = self.damping_integrals(steps, tau)?;
+        let of_block = |view: &View<'_>| match damped.get(&view.time) {
+            Some(&damped) => rows(view.time, damped, view.state(0), view.live),
+            None => Vec::new(),
         };
         let count = paths.end.saturating_sub(paths.start);
         let ladder = ladder.describing(count as usize);
-        let new = || PathRows { of_block: &saved_rows, of_path: BTreeMap::new() };
+        let new = || PathRows { of_block: &of_block, of_path: BTreeMap::new() };
         let measured = ladder.run_until(&self.stop, paths.start, count, new, &|_| ());
         let mut of_path = measured.statistic.of_path;
+        let start = rows(0, 0.0, &splat(&problem.y0), PathMask::first(1));
         let series = paths.map(|path| {
-            let mut observed = self.observables.iter().map(|phi| value(&**phi, &problem.y0));
-            let mut rows = vec![row(0, 0.0, &problem.y0, &mut observed)];
-            rows.extend(of_path.remove(&path).unwrap_or_default());
+            let later = of_path.remove(&path).unwrap_or_default();
+            let rows: Vec<&Vec<f64>> = start.iter().map(|(_, row)| row).chain(&later).collect();
             let columns = names.iter().enumerate().map(|(number, name)| Column {
                 name: name.clone(),
                 values: rows.iter().map(|row| row[number]).collect(),
@@ -242,9 +232,27 @@ impl<'a> Simulation<'a> {
         });
         Ok(series.collect())
     }
+
+    /// ∫γ from 0 to the end of every saved step. Compensated summation (Kahan 1965) of the
+    /// integrals over the steps keeps rounding errors from accumulating in the conformal law.
+    fn damping_integrals(&self, steps: u64, tau: f64) -> Result<BTreeMap<u64, f64>, LadderError> {
+        let (mut damped, mut lost, mut integrals) = (0.0, 0.0, BTreeMap::new());
+        for n in 1..=steps {
+            let step = Step::new(self.setup.problem.damping, n - 1, tau)?;
+            let term = step.damping_integral() - lost;
+            let sum = damped + term;
+            lost = (sum - damped) - term;
+            damped = sum;
+            if n.is_multiple_of(self.every) || n == steps {
+                integrals.insert(n, damped);
+            }
+        }
+        Ok(integrals)
+    }
 }
 
-/// The rows of a block at one time, each with the number of its path in the block.
+/// The rows of a block at one time, each with the number of its path in the block; none where
+/// nothing is saved.
 type SavedRows<'a> = dyn Fn(&View<'_>) -> Vec<(usize, Vec<f64>)> + Sync + 'a;
 
 /// The saved rows of every path.
@@ -263,26 +271,4 @@ impl Statistic for PathRows<'_> {
     fn merge(&mut self, later: Self) {
         self.of_path.extend(later.of_path);
     }
-}
-
-/// ∫γ from 0 to the end of every saved step. Compensated summation (Kahan 1965)
-/// of the integrals over the steps keeps rounding errors from accumulating in the conformal law.
-fn damping_integrals(
-    damping: &dyn Damping,
-    steps: u64,
-    tau: f64,
-    saved: &dyn Fn(u64) -> bool,
-) -> Result<BTreeMap<u64, f64>, LadderError> {
-    let (mut damped, mut lost) = (0.0, 0.0);
-    let mut integrals = BTreeMap::new();
-    for n in 1..=steps {
-        let term = Step::new(damping, n - 1, tau)?.damping_integral() - lost;
-        let sum = damped + term;
-        lost = (sum - damped) - term;
-        damped = sum;
-        if saved(n) {
-            integrals.insert(n, damped);
-        }
-    }
-    Ok(integrals)
 }

@@ -60,33 +60,33 @@ impl StudyResult {
             failures: measured.failures.iter().map(ToString::to_string).collect(),
             clipped: measured.clipped.iter().sum(),
         };
+        let (names, planned) = (record.observables.iter().zip(&record.initial), record.paths);
         let last = record.times.len().saturating_sub(1) * record.observables.len();
-        let done = sums.moments(last).count() + sums.not_finite(last) + losses.failed;
-        let planned = record.paths;
-        let record = &Record { paths: done, ..record.clone() };
-        let levels = &record.quantiles;
-        let ranks = |count| levels.iter().map(move |&level| (level, quantile_ranks(count, level)));
+        let paths = sums.moments(last).count() + sums.not_finite(last) + losses.failed;
+        let record = Record { paths, ..record.clone() };
         // They are kept, since most counts are the same.
         let mut known = BTreeMap::<u64, Vec<Ranks>>::new();
-        let observables = record.observables.iter().zip(&record.initial).enumerate();
-        let series = observables.map(|(k, (name, initial))| {
-            let later = record.times.iter().enumerate().map(|(time, &step)| {
+        let series = names.enumerate().map(|(k, (name, initial))| {
+            let mut points = vec![Summary::exact(*initial, paths, &record.quantiles)];
+            for (time, &step) in record.times.iter().enumerate() {
                 let cell = time * record.observables.len() + k;
                 let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
-                let at = (step, record.time(step));
                 let count = sums.moments(cell).count();
-                let ranks = known.entry(count).or_insert_with(|| ranks(count).collect());
-                Summary::new(at, sums, cell, histogram, ranks)
-            });
-            let first = Summary::exact(*initial, record.paths, &record.quantiles);
-            Series { observable: name.clone(), points: [first].into_iter().chain(later).collect() }
+                let ranks = known.entry(count).or_insert_with(|| {
+                    let levels = record.quantiles.iter();
+                    levels.map(|&level| (level, quantile_ranks(count, level))).collect()
+                });
+                let at = (step, record.time(step));
+                points.push(Summary::new(at, sums, cell, histogram, ranks));
+            }
+            Series { observable: name.clone(), points }
         });
         let series: Vec<_> = series.collect();
-        let mut warnings = warnings(record, &losses, &series);
-        if done < planned {
-            warnings.push(format!("stopped after {done} of {planned} paths"));
+        let mut warnings = warnings(&losses, paths, &series);
+        if paths < planned {
+            warnings.push(format!("stopped after {paths} of {planned} paths"));
         }
-        Self { record: record.clone(), losses, warnings, series }
+        Self { record, losses, warnings, series }
     }
 
     /// The series of the observable with this name, if there is one.
@@ -103,33 +103,30 @@ impl Series {
     }
 }
 
-fn warnings(record: &Record, losses: &Losses, series: &[Series]) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if losses.failed > 0 {
-        warnings.push(format!(
-            "{} of {} paths failed: what is left is no fair sample",
-            losses.failed, record.paths
-        ));
-    }
+fn warnings(losses: &Losses, paths: u64, series: &[Series]) -> Vec<String> {
+    let failed = losses.failed;
+    let lost = format!("{failed} of {paths} paths failed: what is left is no fair sample");
+    let mut warnings: Vec<String> = (failed > 0).then_some(lost).into_iter().collect();
+    let at = |point: &Summary, of: &[Place]| point.quantiles.iter().any(|q| of.contains(&q.place));
+    let concerns: [(&str, &dyn Fn(&Summary) -> bool); 4] = [
+        ("values that are not finite, left out", &|point| point.not_finite > 0),
+        (TOO_FEW, &|point| point.interval_note.as_deref() == Some(TOO_FEW)),
+        (
+            "a quantile lies outside of the grid: a larger pilot would choose a wider one",
+            &|point| at(point, &[Place::BelowGrid, Place::AboveGrid]),
+        ),
+        (CROWDED, &|point| at(point, &[Place::Crowded])),
+    ];
     for Series { observable, points } in series {
-        let mut warn = |what: &str, concerns: &dyn Fn(&Summary) -> bool| {
-            let times = points.iter().filter(|point| concerns(point));
-            let (mut times, number) = (times.clone().map(|point| point.time), times.count());
-            if let Some(first) = times.next() {
+        for (what, concerns) in concerns {
+            let times: Vec<f64> =
+                points.iter().filter(|point| concerns(point)).map(|point| point.time).collect();
+            if let [first, ..] = times[..] {
+                let number = times.len();
                 warnings
                     .push(format!("{observable}: {what} at {number} times, first t = {first:.6}"));
             }
-        };
-        warn("values that are not finite, left out", &|point| point.not_finite > 0);
-        warn(TOO_FEW, &|point| point.interval_note.as_deref() == Some(TOO_FEW));
-        warn(
-            "a quantile lies outside of the grid: a larger pilot would choose a wider one",
-            &|p| {
-                let outside = |place| matches!(place, Place::BelowGrid | Place::AboveGrid);
-                p.quantiles.iter().any(|quantile| outside(quantile.place))
-            },
-        );
-        warn(CROWDED, &|point| point.quantiles.iter().any(|q| q.place == Place::Crowded));
+        }
     }
     warnings
 }

@@ -85,73 +85,48 @@ impl StudySettings {
     /// The steps at whose ends observables are evaluated.
     pub(super) fn time_steps(&self) -> Result<Vec<u64>, RunError> {
         let steps = self.steps;
-        let wrong = |text: String| Err(RunError::Setting(text));
-        let at: Vec<u64> = match &self.times {
-            Times::Even(0) => Vec::new(),
-            Times::Even(times) if steps.is_multiple_of(*times) => {
-                return Ok((1..=*times).map(|n| n * (steps / times)).collect());
+        let at = match &self.times {
+            &Times::Even(times) if times > 0 && !steps.is_multiple_of(times) => {
+                return Err(RunError::Setting(format!(
+                    "{steps} steps cannot be divided into {times} equal parts; take a number that \
+                     divides them, or list the steps"
+                )));
             }
-            Times::Even(times) => {
-                let divides = |n: &u64| steps.is_multiple_of(*n);
-                let below = (1..=(*times).min(steps)).rev().find(divides).unwrap_or(1);
-                let above = (*times..=steps).find(divides).unwrap_or(below);
-                let nearest = if times - below <= above.abs_diff(*times) { below } else { above };
-                return wrong(format!(
-                    "{steps} steps cannot be divided into {times} equal parts; the nearest possible \
-                     number is {nearest}, or list the steps"
-                ));
-            }
+            &Times::Even(times) => (1..=times).map(|n| n * (steps / times)).collect(),
             Times::AtSteps(at) => at.clone(),
         };
-        if at.is_empty() {
-            return wrong("a study needs at least one time after t = 0, got none".into());
-        }
-        if let Some(step) = at.iter().find(|step| !(1..=steps).contains(*step)) {
-            return wrong(format!(
-                "a time must be the number of a step from 1 to {steps}, got {step}; t = 0 is always \
-                 in the result"
-            ));
-        }
-        match at.windows(2).find(|pair| pair[1] <= pair[0]) {
-            Some(&[before, step]) => {
-                wrong(format!("the times must increase, got step {step} after step {before}"))
-            }
-            _ => Ok(at),
+        let increase = at.windows(2).all(|pair| pair[0] < pair[1]);
+        match (at.first(), at.last()) {
+            (Some(1..), Some(last)) if *last <= steps && increase => Ok(at),
+            _ => Err(RunError::Setting(format!(
+                "the times of a study must be one or more numbers of steps, from 1 to {steps} and \
+                 increasing, got {at:?}; t = 0 is always in the result"
+            ))),
         }
     }
 
     /// Checks all but the times, the steps and the truncation.
     pub(super) fn check(&self, observables: &[&dyn Observe]) -> Result<(), RunError> {
-        let Self { paths, key, bins, pilot, .. } = *self;
-        let mut requirements = vec![
+        let Self { steps, paths, key: StreamKey { experiment, .. }, bins, pilot, .. } = *self;
+        let first = experiment >> EXPERIMENT_BITS == 0;
+        let (some, number) = (!observables.is_empty(), observables.len() as f64);
+        let few = (2..=1 << 16).contains(&bins);
+        RunError::unmet([
+            (steps > 0, "number of steps", "at least 1", steps as f64),
             (paths > 0, "number of paths", "at least 1", paths as f64),
-            (
-                key.experiment >> EXPERIMENT_BITS == 0,
-                "experiment number",
-                "below 2^40",
-                key.experiment as f64,
-            ),
-            ((2..=1 << 16).contains(&bins), "number of bins", "from 2 to 65536", f64::from(bins)),
+            (first, "experiment number", "below 2^40", experiment as f64),
+            (few, "number of bins", "from 2 to 65536", f64::from(bins)),
             (pilot >= 128, "number of pilot paths", "at least 128", pilot as f64),
-        ];
-        for &level in &self.quantiles {
-            let inside = level > 0.0 && level < 1.0;
-            requirements.push((inside, "level of a quantile", "between 0 and 1", level));
-        }
-        let wrong = |text: String| Err(RunError::Setting(text));
-        RunError::unmet(requirements)?;
-        if observables.is_empty() {
-            return wrong("a study needs at least one observable, got none".into());
-        }
-        for (n, name) in observables.iter().map(|observable| observable.name()).enumerate() {
-            if observables[..n].iter().any(|before| before.name() == name) {
-                return wrong(format!("two observables have the name {name:?}; rename one"));
-            }
+            (some, "number of observables", "at least 1", number),
+        ])?;
+        let names: Vec<&str> = observables.iter().map(|observable| observable.name()).collect();
+        if let Some(n) = (0..names.len()).find(|&n| names[..n].contains(&names[n])) {
+            let text = format!("two observables have the name {:?}; rename one", names[n]);
+            return Err(RunError::Setting(text));
         }
         for (n, level) in self.quantiles.iter().enumerate() {
-            if self.quantiles[..n].contains(level) {
-                return wrong(format!("the quantile of level {level} is asked for twice"));
-            }
+            let met = 0.0 < *level && *level < 1.0 && !self.quantiles[..n].contains(level);
+            RunError::unmet([(met, "level of a quantile", "between 0 and 1, once each", *level)])?;
         }
         Ok(())
     }

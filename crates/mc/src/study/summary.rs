@@ -17,7 +17,7 @@ const MORE: u64 = 16;
 
 /// Statistics of one observable at one time, over the paths that have not failed by then and on
 /// which it is finite.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Number of steps done; 0 for the initial value, which is exact.
     pub step: u64,
@@ -40,8 +40,6 @@ pub struct Summary {
     pub variance: Option<f64>,
     /// The standard deviation.
     pub deviation: Option<f64>,
-    /// N/κ with the kurtosis κ: how many values carry the variance. `None` if all are the same.
-    pub effective: Option<f64>,
     /// The smallest value.
     pub least: Option<f64>,
     /// The largest value.
@@ -110,21 +108,18 @@ impl Summary {
         let place = if value.is_some() { Place::Inside } else { Place::NoValues };
         let quantile = |&level| Quantile { level, value, lo: value, hi: value, place };
         let zero = value.map(|_| 0.0);
+        let (count, not_finite) = if value.is_some() { (count, 0) } else { (0, count) };
         Self {
-            step: 0,
-            time: 0.0,
-            count: if value.is_some() { count } else { 0 },
-            not_finite: if value.is_some() { 0 } else { count },
+            count,
+            not_finite,
             mean: value,
             mean_interval: value.zip(value),
-            interval_note: None,
             variance: zero,
             deviation: zero,
-            effective: None,
             least: value,
             largest: value,
             quantiles: levels.iter().map(quantile).collect(),
-            histogram: None,
+            ..Self::default()
         }
     }
 
@@ -138,8 +133,8 @@ impl Summary {
     ) -> Self {
         let finite = |x: f64| x.is_finite().then_some(x);
         let (moments, unit) = (sums.moments(cell), histogram.grid.unit());
-        let count = moments.count();
-        let range = moments.range().map(|(least, largest)| (least * unit, largest * unit));
+        let scaled = |(lo, hi): (f64, f64)| (lo * unit, hi * unit);
+        let (count, range) = (moments.count(), moments.range().map(scaled));
         let (least, largest) = range.unzip();
         let spread = range.map_or(0.0, |(least, largest)| largest - least);
         let size = range.map_or(0.0, |(least, largest)| least.abs().max(largest.abs()));
@@ -147,16 +142,11 @@ impl Summary {
         // A spread whose square is zero is not known.
         let known = |x: &f64| count > 1 && (*x > 0.0 || spread == 0.0);
         let variance = moments.variance();
-        let deviation = finite(variance.sqrt() * unit).filter(known);
-        let interval = moments.mean_interval().filter(|_| !equal);
-        let interval = interval.map(|(lo, hi)| (lo * unit, hi * unit));
-        let note = || match equal {
-            true if count > 2 => {
-                format!("all equal; others < 1 path in {}", count / 3)
-            }
-            _ => TOO_FEW.into(),
+        let mean_interval = moments.mean_interval().filter(|_| !equal).map(scaled);
+        let note = || match equal && count > 2 {
+            true => format!("all equal; others < 1 path in {}", count / 3),
+            false => TOO_FEW.into(),
         };
-        let ends = sums.moments(cell).at_ends();
         let quantile = |&(level, (l, u)): &Ranks| match equal && count > 0 {
             // All of them, but for rounding errors.
             true => Quantile {
@@ -166,7 +156,7 @@ impl Summary {
                 hi: largest.filter(|_| u <= count),
                 place: Place::Inside,
             },
-            false => histogram.quantile((level, (l, u)), range, ends),
+            false => histogram.quantile((level, (l, u)), range, moments.at_ends()),
         };
         Self {
             step,
@@ -174,11 +164,10 @@ impl Summary {
             count,
             not_finite: sums.not_finite(cell),
             mean: finite(moments.mean() * unit).filter(|_| count > 0),
-            interval_note: (count > 0 && interval.is_none()).then(note),
-            mean_interval: interval,
+            interval_note: (count > 0 && mean_interval.is_none()).then(note),
+            mean_interval,
             variance: finite(variance * unit * unit).filter(known),
-            deviation,
-            effective: finite(moments.effective_samples()),
+            deviation: finite(variance.sqrt() * unit).filter(known),
             least,
             largest,
             quantiles: ranks.iter().map(quantile).collect(),

@@ -1,15 +1,10 @@
 //! What the driver shows to schemes and to statistics: raw and clipped increments, noise from
 //! elsewhere, and how each step was solved.
 
-use std::collections::BTreeSet;
-
-use mc::{
-    Ladder, LadderError, NextNoise, NoiseSource, Recording, Run, Statistic, View, bind, parts::Stop,
-};
-use noise::{Noise, NoiseError, StreamKey, Truncation, WienerPath, WienerRows};
-use nonlin::Outcome;
+use mc::{Ladder, LadderError, Recording, Run, Statistic, View, bind, parts::Stop};
+use noise::{NoiseError, Truncation, WienerPath};
 use real::Real;
-use schemes::{Explicit, Implicit, Increment, Scheme, Sexp, SexpLevy, Step};
+use schemes::{Explicit, Implicit, Increment, Scheme, Sexp, SexpLevy};
 use systems::{Constant, PoissonSystem, Problem};
 
 use crate::ladder::{KEY, Keep, body};
@@ -120,42 +115,6 @@ fn raw_increments_need_no_bound() {
     assert_eq!(ladder(&Euler::<true>), Err(refused));
 }
 
-/// Increments drawn outside the ladder.
-struct Streams {
-    key: StreamKey,
-    tau: f64,
-}
-
-impl NoiseSource for Streams {
-    fn block(&self, first_path: u64) -> NextNoise<'_> {
-        let mut wiener = WienerRows::new(self.key, first_path);
-        Box::new(move |noise| wiener.increments(self.tau.sqrt(), &mut noise.increments))
-    }
-}
-
-#[test]
-fn noise_from_elsewhere_drives_every_path_of_a_ladder() {
-    let (problem, sexp) = (body(), Sexp);
-    let run = |source: Option<Streams>| {
-        let runs = vec![
-            Run::new(bind(&problem, &sexp), 0),
-            Run::new(bind(&problem, &sexp), 2),
-            Run::swapped(bind(&problem, &sexp), 1),
-        ];
-        let k = Truncation::new(2).unwrap();
-        let ladder = Ladder::new(&mc::Problem::of(&problem), 32, 2, k, KEY, runs).unwrap();
-        let ladder = match source {
-            Some(source) => ladder.with_noise(source).unwrap(),
-            None => ladder,
-        };
-        ladder.run(150, || Keep::<3>::new(8, 3), &|_| ()).statistic.runs
-    };
-    let (drawn, tau) = (run(None), 1.0 / 32.0);
-    assert_eq!(run(Some(Streams { key: KEY, tau })), drawn);
-    let other = StreamKey { seed: KEY.seed + 1, ..KEY };
-    assert_ne!(run(Some(Streams { key: other, tau })), drawn);
-}
-
 #[test]
 fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
     let (problem, sexp) = (body(), Sexp);
@@ -184,58 +143,8 @@ fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
     };
     assert!(refusal(16, 1.0, true).ends_with("the finest level, 32, got 16"));
     assert!(refusal(32, 2.0, true).ends_with("T = 1 of the problem, got 2"));
-    assert!(refusal(32, 1.0, false).starts_with("sexp-levy reads Levy areas"));
-    let one = Recording::new(1.0 / 32.0, 1, vec![vec![0.1]; 32]).unwrap();
+    assert!(refusal(32, 1.0, false).ends_with("3 areas for sexp-levy in each row, got 3"));
+    let one = Recording { tau: 1.0 / 32.0, noises: 1, rows: vec![vec![0.1]; 32] };
     let refused = ladder().with_noise(&one).err().unwrap().to_string();
     assert_eq!(refused, "the recording must have the 3 noises of the problem, got 1");
-}
-
-/// The steps, as (path, number from 1), that needed the robust method.
-#[derive(Default)]
-struct Robust(BTreeSet<(u64, u64)>);
-
-impl Statistic for Robust {
-    fn observe(&mut self, view: &View<'_>) {
-        let robust = view.statuses[0].robust.and(view.live);
-        self.0.extend(robust.paths().map(|p| (view.first_path + p as u64, view.time)));
-    }
-    fn merge(&mut self, later: Self) {
-        self.0.extend(later.0);
-    }
-}
-
-#[test]
-fn a_statistic_sees_which_steps_needed_the_robust_method() {
-    const STEPS: u64 = 4;
-    const PATHS: u64 = 200;
-    // A fast rotation, large steps and raw increments.
-    let (system, damping, ..) = body().into_parts();
-    let problem = Problem::new(system, damping, [2.0, 1.0, 3.0], 2.0).unwrap();
-    let sexp = Sexp;
-    let tau = problem.t_end() / STEPS as f64;
-    let runs = vec![Run::new(bind(&problem, &sexp), 0)];
-    let ladder =
-        Ladder::new(&mc::Problem::of(&problem), STEPS, 0, Truncation::none(), KEY, runs).unwrap();
-    let seen = ladder.run(PATHS, Robust::default, &|_| ()).statistic.0;
-
-    let mut alone = BTreeSet::new();
-    for path in 0..PATHS {
-        let (mut wiener, mut y) = (WienerPath::<3>::new(KEY, path), problem.y0());
-        for n in 0..STEPS {
-            let step = Step::new(problem.damping(), n, tau).unwrap();
-            let noise = Noise::increments(wiener.increments(tau.sqrt()));
-            let solution = sexp.step(problem.system(), &step, &noise, y);
-            match solution.outcome {
-                Outcome::Fast { .. } => {}
-                Outcome::Robust { .. } => {
-                    alone.insert((path, n + 1));
-                }
-                Outcome::Failed { .. } => break,
-            }
-            y = solution.z;
-        }
-    }
-    assert_eq!(seen, alone);
-    let count = seen.len() as u64;
-    assert!(count > 5 && count < PATHS * STEPS, "{count}");
 }

@@ -121,7 +121,6 @@ fn summary(time: f64, quantiles: &[(f64, Option<f64>)], counts: &[u64]) -> Summa
         interval_note: None,
         variance: None,
         deviation: None,
-        effective: None,
         least: None,
         largest: None,
         quantiles: quantiles.iter().map(quantile).collect(),
