@@ -35,29 +35,23 @@ use crate::{Cause, NextNoise, NoiseSource, Run, TimeChange, View, observable::sp
 
 /// The truncation bounds of increments and areas.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) struct Bounds {
-    pub(crate) increment: f64,
-    pub(crate) area: f64,
+pub struct Bounds {
+    pub increment: f64,
+    pub area: f64,
 }
 
 /// Runs of one level with the same noise.
-pub(crate) struct Batch {
+pub struct Batch {
     level: usize,
     /// Whether they exchange the two halves of each step of the level above.
-    pub(crate) swapped: bool,
-    pub(crate) bounds: Bounds,
+    pub swapped: bool,
+    pub bounds: Bounds,
     runs: Vec<usize>,
 }
 
 impl Batch {
     /// Adds run number `run` to its batch.
-    pub(crate) fn add(
-        batches: &mut Vec<Self>,
-        level: usize,
-        swapped: bool,
-        bounds: Bounds,
-        run: usize,
-    ) {
+    pub fn add(batches: &mut Vec<Self>, level: usize, swapped: bool, bounds: Bounds, run: usize) {
         let same = |batch: &&mut Self| {
             (batch.level, batch.swapped, batch.bounds) == (level, swapped, bounds)
         };
@@ -68,41 +62,41 @@ impl Batch {
     }
 
     /// The runs advance at the end of each step of this level.
-    pub(crate) fn due_level(&self) -> usize {
+    pub fn due_level(&self) -> usize {
         self.level + usize::from(self.swapped)
     }
 }
 
 /// The input of the loop over time.
-pub(crate) struct Driver<'a> {
-    pub(crate) damping: &'a dyn Damping,
+pub struct Driver<'a> {
+    pub damping: &'a dyn Damping,
     /// Number of noises.
-    pub(crate) noises: usize,
-    pub(crate) y0: Vec<f64>,
-    pub(crate) t_end: f64,
-    pub(crate) finest_steps: u64,
-    pub(crate) levels: usize,
-    pub(crate) key: StreamKey,
-    pub(crate) noise: Box<dyn NoiseSource + 'a>,
+    pub noises: usize,
+    pub y0: Vec<f64>,
+    pub t_end: f64,
+    pub finest_steps: u64,
+    pub levels: usize,
+    pub key: StreamKey,
+    pub noise: Box<dyn NoiseSource + 'a>,
     /// The first scheme that reads Lévy areas, if one does.
-    pub(crate) area_reader: Option<&'static str>,
-    pub(crate) runs: Vec<Run<'a>>,
-    pub(crate) batches: Vec<Batch>,
-    pub(crate) time_change: Option<&'a dyn TimeChange>,
-    pub(crate) described_failures: usize,
-    pub(crate) steps: StepTable,
+    pub area_reader: Option<&'static str>,
+    pub runs: Vec<Run<'a>>,
+    pub batches: Vec<Batch>,
+    pub time_change: Option<&'a dyn TimeChange>,
+    pub described_failures: usize,
+    pub steps: StepTable,
 }
 
 /// The steps of the levels of a ladder, found once and not for every group of paths; none where
 /// there are too many.
-pub(crate) struct StepTable(Vec<Vec<OnceLock<Step>>>);
+pub struct StepTable(Vec<Vec<OnceLock<Step>>>);
 
 /// Most steps in a table, of a few megabytes.
 const MOST_STEPS: u64 = 1 << 14;
 
 impl StepTable {
     /// The table of a ladder, before any step is known.
-    pub(crate) fn new(finest_steps: u64, levels: usize) -> Self {
+    pub fn new(finest_steps: u64, levels: usize) -> Self {
         let of_level = |level| (0..finest_steps >> level).map(|_| OnceLock::new()).collect();
         let levels = if finest_steps > MOST_STEPS { 0..0 } else { 0..levels + 1 };
         Self(levels.map(of_level).collect())
@@ -111,20 +105,20 @@ impl StepTable {
 
 /// A failed path: which run failed when and why.
 #[derive(Clone, Copy, Serialize, Deserialize)]
-pub(crate) struct Failed {
-    pub(crate) run: usize,
-    pub(crate) path: u64,
-    pub(crate) step: u64,
-    pub(crate) cause: Cause,
+pub struct Failed {
+    pub run: usize,
+    pub path: u64,
+    pub step: u64,
+    pub cause: Cause,
 }
 
 /// Counts of failed paths and clipped increments.
 #[derive(Clone, Serialize, Deserialize)]
-pub(crate) struct Tally {
-    pub(crate) failed: u64,
-    pub(crate) failures: Vec<Failed>,
+pub struct Tally {
+    pub failed: u64,
+    pub failures: Vec<Failed>,
     /// Number of clipped increments of each level.
-    pub(crate) clipped: Vec<u64>,
+    pub clipped: Vec<u64>,
     described: usize,
 }
 
@@ -136,7 +130,7 @@ impl Tally {
         }
     }
 
-    pub(crate) fn merge(&mut self, later: Self) {
+    pub fn merge(&mut self, later: Self) {
         self.failed += later.failed;
         let room = self.described - self.failures.len();
         self.failures.extend(later.failures.into_iter().take(room));
@@ -167,22 +161,22 @@ struct StepPair {
 
 impl Driver<'_> {
     /// No noise, with areas if a scheme reads them.
-    pub(crate) fn no_noise(&self) -> StepNoise {
+    pub fn no_noise(&self) -> StepNoise {
         match self.area_reader {
             Some(_) => StepNoise::with_areas(self.noises),
             None => StepNoise::zero(self.noises),
         }
     }
 
-    pub(crate) fn tau(&self, level: usize) -> f64 {
+    pub fn tau(&self, level: usize) -> f64 {
         self.t_end * (1u64 << level) as f64 / self.finest_steps as f64
     }
 
-    pub(crate) fn steps_per_path(&self) -> u64 {
+    pub fn steps_per_path(&self) -> u64 {
         self.runs.iter().map(|run| self.finest_steps >> run.level).sum()
     }
 
-    pub(crate) fn tally(&self) -> Tally {
+    pub fn tally(&self) -> Tally {
         Tally {
             failed: 0,
             failures: Vec::new(),
@@ -207,7 +201,7 @@ impl Driver<'_> {
     /// Advances `paths` paths from `first_path` on to the final time. Calls `observe` for each
     /// block at the end of every coarsest step. `Err` with what was counted if `stop` asks for the
     /// end before.
-    pub(crate) fn march(
+    pub fn march(
         &self,
         first_path: u64,
         paths: u64,
@@ -404,7 +398,7 @@ impl<'a> Marcher<'a> {
 }
 
 /// Whether all numbers are finite: asked once in each coarsest step.
-pub(crate) struct AreFinite<'a>(pub(crate) &'a [Row]);
+pub struct AreFinite<'a>(pub &'a [Row]);
 
 impl Kernel for AreFinite<'_> {
     type Output = bool;

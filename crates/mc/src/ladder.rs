@@ -49,25 +49,7 @@ impl States for Vec<Box<dyn Stepper + '_>> {
     }
 }
 
-#[cfg(test)]
-impl<const D: usize> States for Vec<real::Block<D>> {
-    fn runs(&self) -> usize {
-        self.len()
-    }
-
-    fn state(&self, run: usize) -> &[Row] {
-        &self[run].0
-    }
-}
-
 impl<'a> View<'a> {
-    /// The view of states at the first time.
-    #[cfg(test)]
-    pub(crate) fn of(states: &'a dyn States, live: PathMask) -> Self {
-        let random_time = &[0.0; real::WIDTH];
-        Self { time: 1, first_path: 0, states, clipped: &[], random_time, live }
-    }
-
     /// Number of runs.
     pub fn runs(&self) -> usize {
         self.states.runs()
@@ -486,4 +468,29 @@ fn on_stack<R: Send>(stack: usize, work: impl FnOnce() -> R + Send) -> R {
         });
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use real::{Block, PathMask, Row, WIDTH};
+
+    use super::{States, View};
+
+    impl<const D: usize> States for Vec<Block<D>> {
+        fn runs(&self) -> usize {
+            self.len()
+        }
+
+        fn state(&self, run: usize) -> &[Row] {
+            &self[run].0
+        }
+    }
+
+    impl<'a> View<'a> {
+        /// The view of states at the first time.
+        pub(crate) fn of(states: &'a dyn States, live: PathMask) -> Self {
+            let random_time = &[0.0; WIDTH];
+            Self { time: 1, first_path: 0, states, clipped: &[], random_time, live }
+        }
+    }
 }

@@ -62,8 +62,8 @@ struct Place {
 /// The parts in a folder, by piece of work.
 pub struct Merging {
     works: BTreeMap<String, Vec<Place>>,
-    /// The parts that have a file.
-    parts: BTreeSet<Share>,
+    /// The largest number of parts that a file says.
+    of: u64,
     program: Program,
     known: Known,
     missing: BTreeSet<u64>,
@@ -72,7 +72,7 @@ pub struct Merging {
 impl Merging {
     pub fn open(folder: &Path, program: &Program) -> Result<Self, JobError> {
         let known = Known::open(folder, program)?;
-        let (mut works, mut parts) = (BTreeMap::<String, Vec<_>>::new(), BTreeSet::new());
+        let (mut works, mut of) = (BTreeMap::<String, Vec<_>>::new(), 0);
         for entry in fs::read_dir(folder).map_err(file_error("read", folder))? {
             let path = entry.map_err(file_error("read", folder))?.path();
             let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -81,18 +81,18 @@ impl Merging {
             }
             let file = PartFile::open(path.clone(), program, None)?;
             let Some(part) = file.part else { continue };
-            parts.insert(part);
+            of = of.max(part.of);
             for (name, entry) in file.works {
                 let place = Place { path: path.clone(), part, header: entry.header };
                 works.entry(name).or_default().push(place);
             }
         }
-        if parts.is_empty() && known.0.works.is_empty() {
+        if of == 0 && known.0.works.is_empty() {
             let folder = folder.display();
             return Err(JobError::Refused(format!("there are no parts in {folder}")));
         }
         let program = program.clone();
-        Ok(Self { works, parts, program, known, missing: BTreeSet::new() })
+        Ok(Self { works, of, program, known, missing: BTreeSet::new() })
     }
 
     pub fn finish(self) -> Result<(), JobError> {
@@ -140,19 +140,8 @@ impl Merging {
         known: u64,
         places: &[Place],
     ) -> Result<bool, JobError> {
-        let Some(first) = places.first() else {
-            // No part has begun it: its paths are more than those that were merged, or all parts
-            // are missing that have no file.
-            let of = self.parts.iter().map(|part| part.of).max().unwrap_or(0);
-            let exists = |number| self.parts.iter().any(|part| part.number == number);
-            self.missing.extend((1..=of).filter(|&number| !exists(number)));
-            if self.missing.is_empty() {
-                self.missing.extend(1..=of.max(1));
-            }
-            return Ok(false);
-        };
-        let (of, mut before, mut next, mut all) = (first.part.of, first, known, true);
-        let mut complete = BTreeSet::new();
+        let of = places.first().map_or(self.of.max(1), |place| place.part.of);
+        let (mut before, mut next, mut all, mut complete) = (None, known, true, BTreeSet::new());
         for place in places {
             let Place { path, part, header } = place;
             work.check(path, header)?;
@@ -169,13 +158,13 @@ impl Merging {
                 continue;
             }
             if header.groups.start < next {
-                let [one, other] = [before, place].map(|place| place.path.display());
+                let (one, other) = (before.unwrap_or(path).display(), path.display());
                 let text =
                     format!("{one} and {other} both have paths of {}: delete one", work.name);
                 return Err(JobError::Refused(text));
             }
             all &= header.groups.start == next && header.is_complete();
-            (before, next) = (place, header.groups.end);
+            (before, next) = (Some(path), header.groups.end);
         }
         if all && next == work.groups() {
             return Ok(true);

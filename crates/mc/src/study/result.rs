@@ -103,12 +103,15 @@ impl Series {
     }
 }
 
+/// Whether a warning concerns a time.
+type Concerns<'a> = &'a dyn Fn(&Summary) -> bool;
+
 fn warnings(losses: &Losses, paths: u64, series: &[Series]) -> Vec<String> {
     let failed = losses.failed;
     let lost = format!("{failed} of {paths} paths failed: what is left is no fair sample");
     let mut warnings: Vec<String> = (failed > 0).then_some(lost).into_iter().collect();
     let at = |point: &Summary, of: &[Place]| point.quantiles.iter().any(|q| of.contains(&q.place));
-    let concerns: [(&str, &dyn Fn(&Summary) -> bool); 4] = [
+    let concerns: [(&str, Concerns<'_>); 4] = [
         ("values that are not finite, left out", &|point| point.not_finite > 0),
         (TOO_FEW, &|point| point.interval_note.as_deref() == Some(TOO_FEW)),
         (

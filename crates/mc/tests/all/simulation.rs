@@ -123,17 +123,6 @@ fn tables_read_back_to_the_same_bits() {
 }
 
 #[test]
-fn recorded_increments_give_the_drawn_path_bit_for_bit() {
-    let (problem, sexp) = (body(), Sexp);
-    let simulation = Simulation::new(Setup::of(&problem, &sexp), k4());
-    let recording = Recording::draw(KEY, 4, 32, 1.0, 3, false).unwrap();
-    let (drawn, recorded) =
-        (simulation.path(32, KEY, 4).unwrap(), simulation.recorded(&recording).unwrap());
-    assert_eq!(recorded.columns, drawn.columns);
-    assert_eq!(recorded.noise, NoiseOrigin::Recorded);
-}
-
-#[test]
 fn bad_recordings_and_simulations_are_refused() {
     assert!(Recording::draw(KEY, 0, 0, 1.0, 2, false).is_err());
     for t_end in [-1.0, 0.0, f64::INFINITY, f64::NAN] {
