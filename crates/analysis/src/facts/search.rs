@@ -28,8 +28,6 @@ pub struct Candidates {
     pub forms: Vec<Form>,
     /// Whether there can be no others.
     pub complete: bool,
-    /// Whether quadratic ones were sought in every part of the state.
-    pub quadratic: bool,
 }
 
 /// Points, and B there.
@@ -56,7 +54,7 @@ pub fn casimirs(
     };
     more(probe, &mut states);
     let mut found = [const { Vec::new() }; 3];
-    let mut all = Candidates { forms: Vec::new(), complete: true, quadratic: true };
+    let mut all = Candidates { forms: Vec::new(), complete: true };
     for part in parts(probe, &states[0]) {
         let size = part.len();
         let (ones, least) =
@@ -65,7 +63,7 @@ pub fn casimirs(
         let (unknowns, rank) = (size * (size + 1) / 2, size - ones.len());
         let mut twos = Matrix::new();
         if unknowns > UNKNOWNS {
-            all.quadratic = false;
+            all.complete = false;
         } else if probe.description().linearity != Linearity::Constant && rank > 0 {
             let enough = |states: &[AtPoints]| {
                 states.iter().map(|state| state.0.len()).sum::<usize>() * rank >= SURPLUS * unknowns
@@ -111,7 +109,6 @@ pub fn casimirs(
         }
     }
     all.forms = found.concat();
-    all.complete &= all.quadratic;
     all
 }
 

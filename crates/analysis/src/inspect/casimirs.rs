@@ -42,12 +42,11 @@ pub struct Casimirs {
     /// A basis of the linear ones, then one of the quadratic ones that are no products of these. A
     /// scheme that preserves these preserves their linear combinations.
     pub found: Vec<FoundCasimir>,
-    /// Whether it is clear that there are no other linear or quadratic ones.
+    /// Whether it is clear that there are no other linear or quadratic ones. Quadratic ones are sought
+    /// where B joins no more than 23 components.
     pub complete: bool,
     /// The sum of the quadratic ones, which bounds all paths, if it is positive definite.
     pub definite: Option<FoundCasimir>,
-    /// Whether quadratic Casimirs were searched for: where B joins no more than 23 components.
-    pub quadratic_sought: bool,
     /// Sums of logarithms, as B of Lotka–Volterra systems has. Exact flows keep them, see
     /// `schemes::Split`; schemes that keep quadratic Casimirs do not.
     pub logarithmic: Vec<FoundCasimir>,
@@ -60,7 +59,7 @@ impl Casimirs {
             _ => sight.locals.iter().map(|local| local.b.clone()).collect(),
         };
         let mut chunks = sight.points.for_suprema.chunks(WIDTH);
-        let Candidates { forms, complete, quadratic } = casimirs(&mut sight.probe, |_| {
+        let Candidates { forms, complete } = casimirs(&mut sight.probe, |_| {
             chunks.next().map(<[Vec<f64>]>::to_vec).unwrap_or_default()
         });
         let evaluated = |form| FoundCasimir::new(form, sight, &matrices);
@@ -73,7 +72,7 @@ impl Casimirs {
         // The others being Casimirs, one that fails is in no combination that is one.
         let failing = others.iter().filter(|c| c.casimir.fails()).count();
         let complete = complete && failing == others.len().min(1);
-        Self { found, complete, definite, quadratic_sought: quadratic, logarithmic }
+        Self { found, complete, definite, logarithmic }
     }
 }
 

@@ -291,17 +291,16 @@ fn some(lines: impl Iterator<Item = String>) -> Vec<String> {
 
 impl Casimirs {
     fn lines(&self) -> Vec<String> {
-        let Self { found, complete, definite, quadratic_sought, logarithmic } = self;
-        let sought = if *quadratic_sought { "linear or quadratic" } else { "linear" };
-        let none = match (found.is_empty(), complete) {
+        let Self { found, complete, definite, logarithmic } = self;
+        let others = match (found.is_empty(), complete) {
             (true, true) => ": none",
-            (true, false) => ": none found",
-            _ => "",
+            (false, true) => "",
+            (_, false) => "; there may be others",
         };
         let line = |FoundCasimir { formula, minimum, casimir, .. }: &FoundCasimir| {
             format!("    {formula}; m = {minimum}; B∇C = 0 {casimir}")
         };
-        let mut lines = vec![format!("  Casimirs of B, {sought}{none}")];
+        let mut lines = vec![format!("  Casimirs of B, linear or quadratic{others}")];
         lines.extend(some(found.iter().map(line)));
         for FoundCasimir { formula, minimum, .. } in definite.iter().filter(|_| found.len() > 1) {
             let formula = if found.len() > LISTED { "of all" } else { formula };

@@ -220,15 +220,6 @@ fn without_noise_orders_are_those_of_differential_equations() {
 }
 
 #[test]
-fn states_that_underflow_are_no_mistake() {
-    let quartic = plane("(x^2 + y^2)/2 + x^4/4", &["x^2"]);
-    for rate in [340.0, 350.0, 360.0, 365.0, 370.0, 375.0, 400.0, 800.0] {
-        let report = with(&quartic, &[1.0, 0.3], &constant(rate));
-        assert!(report.mistakes.is_empty() && report.undecided.is_empty(), "{rate}: {report}");
-    }
-}
-
-#[test]
 fn an_order_on_special_paths_is_not_told() {
     // The second noise turns one oscillator by what the other does. No path leaves c = d = 0, where
     // the noises commute.

@@ -8,7 +8,6 @@ mod false_answers;
 mod generated;
 mod inspect;
 mod orders;
-mod run_time;
 
 use std::sync::Arc;
 

@@ -25,12 +25,12 @@ fn sizes(coarsest_steps: u64, seed: u64) -> StepSizes {
     StepSizes::new(coarsest_steps, Truncation::new(4).unwrap(), key)
 }
 
-pub fn strong(scheme: &dyn Scheme, problem: &Problem, sizes: &StepSizes) -> Order {
+fn strong(scheme: &dyn Scheme, problem: &Problem, sizes: &StepSizes) -> Order {
     let setup = Setup::at_run_time(problem, scheme).unwrap();
     strong_order(&setup, sizes).unwrap()
 }
 
-pub fn weak(scheme: &dyn Scheme, problem: &Problem, phi: &dyn Observe, sizes: &StepSizes) -> Order {
+fn weak(scheme: &dyn Scheme, problem: &Problem, phi: &dyn Observe, sizes: &StepSizes) -> Order {
     let setup = Setup::at_run_time(problem, scheme).unwrap();
     weak_order(&setup, phi, sizes, None).unwrap()
 }
