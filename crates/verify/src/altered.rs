@@ -1,4 +1,4 @@
-//! Methods on another step or other increments than they are given.
+//! Methods on another step or other noise than they are given.
 
 use std::sync::Arc;
 
@@ -8,26 +8,25 @@ use nonlin::BlockStatus;
 use real::Row;
 use schemes::{Method, Step, Stepper};
 
-/// A method without areas that gets another step, and multiples of the increments.
-pub struct Altered<'a> {
-    /// The method.
-    pub method: Arc<dyn Method + 'a>,
-    /// The step that it gets in the place of a step.
-    pub step: fn(Step) -> Step,
-    /// What increments are multiplied by, after they were clipped.
-    pub factor: f64,
-    /// Whether they are clipped.
-    pub clips: bool,
+/// What is made of a step and its noise, after increments were clipped.
+pub trait Change: Fn(&mut Step, &mut StepNoise) + Send + Sync {}
+
+impl<F: Fn(&mut Step, &mut StepNoise) + Send + Sync> Change for F {}
+
+/// A method that gets another step or other noise.
+struct Altered<'a> {
+    method: Arc<dyn Method + 'a>,
+    clips: bool,
+    change: Box<dyn Change + 'a>,
 }
 
-impl<'a> Altered<'a> {
-    /// A set-up whose method is altered by `alter`, which is given one that is as it was.
-    pub fn setup(setup: Setup<'a>, alter: impl FnOnce(&mut Self)) -> Setup<'a> {
-        let (method, clips) = (setup.scheme.clone(), setup.scheme.clips_increments());
-        let mut altered = Self { method, step: |step| step, factor: 1.0, clips };
-        alter(&mut altered);
-        Setup { scheme: Arc::new(altered), ..setup }
-    }
+/// A set-up whose method gets what `change` makes of a step and its noise, and says of itself
+/// whether its increments are clipped if `clips` does.
+pub fn altered<'a>(setup: Setup<'a>, clips: Option<bool>, change: impl Change + 'a) -> Setup<'a> {
+    let method = setup.scheme;
+    let clips = clips.unwrap_or(method.clips_increments());
+    let scheme = Arc::new(Altered { method, clips, change: Box::new(change) });
+    Setup { scheme, ..setup }
 }
 
 impl Method for Altered<'_> {
@@ -36,7 +35,7 @@ impl Method for Altered<'_> {
     }
 
     fn reads_areas(&self) -> bool {
-        false
+        self.method.reads_areas()
     }
 
     fn clips_increments(&self) -> bool {
@@ -48,29 +47,26 @@ impl Method for Altered<'_> {
     }
 
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
-        Box::new(AlteredStepper { stepper: self.method.start(y), altered: self })
+        Box::new(AlteredStepper(self.method.start(y), &*self.change))
     }
 }
 
-struct AlteredStepper<'a> {
-    stepper: Box<dyn Stepper + 'a>,
-    altered: &'a Altered<'a>,
-}
+struct AlteredStepper<'a>(Box<dyn Stepper + 'a>, &'a dyn Change);
 
 impl Stepper for AlteredStepper<'_> {
     fn state(&self) -> &[Row] {
-        self.stepper.state()
+        self.0.state()
     }
 
     fn state_mut(&mut self) -> &mut [Row] {
-        self.stepper.state_mut()
+        self.0.state_mut()
     }
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
-        let mut other = StepNoise::zero(noise.increments.len());
-        for (other, row) in other.increments.iter_mut().zip(noise.increments.iter()) {
-            *other = row.map(|dw| self.altered.factor * dw);
-        }
-        self.stepper.step(&(self.altered.step)(*step), &other, status);
+        let new = if noise.areas.is_empty() { StepNoise::zero } else { StepNoise::with_areas };
+        let (mut step, mut other) = (*step, new(noise.increments.len()));
+        other.copy_from(noise);
+        (self.1)(&mut step, &mut other);
+        self.0.step(&step, &other, status);
     }
 }

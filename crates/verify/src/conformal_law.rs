@@ -34,14 +34,13 @@ pub fn largest_defect(problem: &Problem<'_>, index: usize, path: &Path) -> f64 {
 const PATHS: u64 = 32;
 /// How much finer the second step is.
 const REFINEMENT: u64 = 64;
-/// Between the order 0 of a scheme that solves another equation and the order ½ that every scheme
-/// here has at least.
-const LEAST_ORDER: f64 = 0.25;
 /// The part of the experiment's noise that belongs to the first of the two step sizes.
 const PART: u64 = 8;
 
 /// Whether a scheme with the defect `largest` along one path returns to the law as τ → 0: the order
-/// (mean ln d(τ) − mean ln d(τ/64))/ln 64 of the largest relative defect d along a path.
+/// (mean ln d(τ) − mean ln d(τ/64))/ln 64 of the largest relative defect d along a path. It must
+/// exceed ¼, between the order 0 of a scheme that solves another equation and the order ½ that
+/// every scheme here has at least.
 pub fn approach(
     conditions: &Conditions,
     setup: &Setup<'_>,
@@ -49,27 +48,23 @@ pub fn approach(
     steps: u64,
     largest: f64,
 ) -> Evidence {
-    // ln of the largest relative defect along a path, over the paths; none if a path fails or has
-    // no defect.
-    let logarithms = |part, steps| {
+    // ln of the largest relative defect along a path, over the paths.
+    let [coarse, fine] = [(PART, steps), (PART + 1, REFINEMENT * steps)].map(|(part, steps)| {
         let mut logarithms = Moments::default();
         for path in 0..PATHS {
             let path = conditions.path(part, setup, steps, path);
-            let logarithm = largest_defect(&setup.problem, index, &path).ln();
-            if path.len() as u64 <= steps || !logarithm.is_finite() {
-                return None;
-            }
-            logarithms.add(logarithm);
+            let failed = path.len() as u64 <= steps;
+            let defect = largest_defect(&setup.problem, index, &path);
+            logarithms.add(if failed { f64::NAN } else { defect.ln() });
         }
-        Some(logarithms)
-    };
-    let fine = logarithms(PART + 1, REFINEMENT * steps);
-    let Some((coarse, fine)) = logarithms(PART, steps).zip(fine) else {
-        return Evidence::Undecided {
-            reason: "a path failed, or obeys the law without any defect".into(),
-        };
-    };
+        logarithms
+    });
     let scale = (REFINEMENT as f64).ln();
+    let order = (coarse.mean() - fine.mean()) / scale;
+    if !order.is_finite() {
+        let reason = "a path failed, or obeys the law without any defect".into();
+        return Evidence::Undecided { reason };
+    }
     Evidence::Approach {
         invariant: setup.problem.laws[index].name.clone(),
         largest,
@@ -77,8 +72,8 @@ pub fn approach(
         refinement: REFINEMENT,
         coarse: coarse.mean().exp(),
         fine: fine.mean().exp(),
-        order: (coarse.mean() - fine.mean()) / scale,
+        order,
         half_width: DEVIATIONS * coarse.standard_error().hypot(fine.standard_error()) / scale,
-        least: LEAST_ORDER,
+        least: 0.25,
     }
 }

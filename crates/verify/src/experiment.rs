@@ -1,52 +1,37 @@
 //! What an experiment is, what it is given and what it returns.
 
-use mc::{Problem, Setup, Simulation, parts::GROUP_PATHS};
+use mc::{Problem, Setup, Simulation};
 use noise::{StreamKey, Truncation};
-use plot::Progress;
 use schemes::BuiltIn;
 use systems::paper::valid;
 
 use crate::{
     Compiled, Curve,
     results::{Claim, Kind, Panel},
-    settings::{Mode, Settings},
     streams,
 };
 
 /// What an experiment is given.
 pub struct Conditions<'a> {
-    /// Seed, mode and number of paths.
-    pub settings: Settings,
+    /// Master seed.
+    pub seed: u64,
+    /// Fewer steps and samples than the paper has, for continuous integration: intervals are wide
+    /// and verdicts often undecided.
+    pub quick: bool,
     /// Number of the experiment ([`streams`]), so that no two share noise.
     pub experiment: u64,
-    /// The ids that are wanted of those that the experiment can make.
-    pub wanted: &'a [&'a str],
-    /// Schemes that are not in the paper and are to be further series of its panels.
-    pub further: &'a [BuiltIn],
-    /// Is told how far it is.
-    pub progress: &'a dyn Progress,
+    /// The id of what is made, where that is a single panel or statement.
+    pub id: &'a str,
 }
-
-/// The schemes that are not in the paper and can be further series of its panels.
-pub const FURTHER: [BuiltIn; 4] =
-    [BuiltIn::SexpLevy, BuiltIn::SexpLi, BuiltIn::SexpLiLevy, BuiltIn::Split];
 
 /// The truncation order of the reproduction. The theorems ask k ≥ 2; with k = 2 a handful of
 /// clipped increments dominates the mean-square error, with k = 4 none is clipped.
 pub const TRUNCATION_ORDER: u32 = 4;
 
 impl Conditions<'_> {
-    /// The id of what is made, where that is a single panel or statement.
-    ///
-    /// # Panics
-    /// When nothing is wanted, as of twins.
-    pub fn id(&self) -> &str {
-        self.wanted[0]
-    }
-
     /// The streams of part number `part` of the experiment.
     pub fn key(&self, part: u64) -> StreamKey {
-        streams::key(self.settings.seed, self.experiment, part)
+        streams::key(self.seed, self.experiment, part)
     }
 
     /// Path number `path` of a scheme on the streams of part number `part`, in `steps` steps.
@@ -57,37 +42,15 @@ impl Conditions<'_> {
         followed(setup, steps, truncation(), self.key(part), path)
     }
 
-    /// The schemes of the paper in the order of its legends, then the further ones without areas
-    /// that are for this system.
-    pub fn curves<'a>(&self, compiled: &Compiled<'a>) -> Vec<Curve<'a>> {
-        let further = self.further.iter().filter(|scheme| !scheme.is_for_areas());
-        let paper = [BuiltIn::Sexp, BuiltIn::EulerMaruyama, BuiltIn::Midpoint];
-        compiled.curves(&paper.iter().chain(further).copied().collect::<Vec<_>>())
-    }
-
-    /// A number of paths, as often as the settings want it, in whole groups; the number itself
-    /// where they want nothing.
-    pub fn paths(&self, paths: u64) -> u64 {
-        self.settings.samples_times.map_or(paths, |times| {
-            let groups = (times * paths as f64 / GROUP_PATHS as f64).ceil();
-            groups as u64 * GROUP_PATHS
-        })
-    }
-
-    /// How often there are these paths, in words after a comma; nothing where nothing was wanted.
-    pub fn times_in_words(&self) -> String {
-        let whose = self.choose("paper's", "quick mode's");
-        let times = self.settings.samples_times;
-        times.map_or(String::new(), |times| format!(", {times} times the {whose} paths"))
-    }
-
     /// `paper` at the paper's sizes, `quick` for continuous integration.
     pub fn choose<T>(&self, paper: T, quick: T) -> T {
-        match self.settings.mode {
-            Mode::Paper => paper,
-            Mode::Quick => quick,
-        }
+        if self.quick { quick } else { paper }
     }
+}
+
+/// The schemes of the paper in the order of its legends.
+pub fn of_paper<'a>(compiled: &Compiled<'a>) -> Vec<Curve<'a>> {
+    compiled.curves(&[BuiltIn::Sexp, BuiltIn::EulerMaruyama, BuiltIn::Midpoint])
 }
 
 /// The times and states of a path, up to a step that fails.
@@ -135,55 +98,36 @@ impl From<Vec<Claim>> for Findings {
     }
 }
 
-/// One set of runs, which makes panels, claims or both.
-#[derive(Clone, Copy)]
-pub struct Experiment {
-    /// The ids of what it makes: of panels, or of a statement.
-    pub ids: &'static [&'static str],
-    /// Runs it.
-    pub run: fn(&Conditions) -> Findings,
-}
+/// One set of runs, which makes panels, claims or both: the ids of what it makes, of panels or of a
+/// statement, and what runs it.
+pub type Experiment = (&'static [&'static str], fn(&Conditions<'_>) -> Findings);
 
-impl Experiment {
-    pub(crate) const fn new(
-        ids: &'static [&'static str],
-        run: fn(&Conditions) -> Findings,
-    ) -> Self {
-        Self { ids, run }
-    }
-}
-
-/// A figure in words.
-#[derive(Clone, Copy)]
-pub struct Words {
-    pub title: &'static str,
-    /// The system and its parameters.
-    pub system: &'static str,
-    /// What the paper says that the figure shows.
-    pub paper: &'static str,
-}
+/// A figure in words: its title, the system and its parameters, and what the paper says that it
+/// shows.
+pub type Words = [&'static str; 3];
 
 /// The paper's systems and their parameters in words.
-pub mod in_words {
-    pub const PENDULUM: &str = "pendulum, c = 1";
-    pub const BODY_3: &str = "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)";
-    pub const BODY_1: &str = "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1";
-    pub const BODY_ENERGY: &str = "rigid body, one noise H₀, I = (2, 1, 2/3)";
-    pub const VOLTERRA: &str = "Lotka–Volterra, a = −1, b = −1, c = 1";
-    pub const POISSON: &str = "three-dimensional Poisson system, c = 1";
-}
+pub const PENDULUM: &str = "pendulum, c = 1";
+pub const BODY_3: &str = "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)";
+pub const BODY_1: &str = "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1";
+pub const BODY_ENERGY: &str = "rigid body, one noise H₀, I = (2, 1, 2/3)";
+pub const VOLTERRA: &str = "Lotka–Volterra, a = −1, b = −1, c = 1";
+pub const POISSON: &str = "three-dimensional Poisson system, c = 1";
 
 /// How increments are truncated in most panels, in words.
 pub const TRUNCATED: &str = "increments truncated with k = 4";
 
-impl Words {
-    /// A panel without curves, whose set-up is "system, γ = …, y₀ = …, T = …, steps".
-    pub fn panel(&self, id: &str, kind: Kind, problem: &Problem<'_>, steps: &str) -> Panel {
-        let [id, title, paper] = [id, self.title, self.paper].map(str::to_owned);
-        let start = problem.y0.iter().map(|y| ((1e4 * y).round() / 1e4).to_string());
-        let (start, damping) = (start.collect::<Vec<_>>().join(", "), problem.damping.describe());
-        let (system, t_end) = (self.system, problem.t_end);
-        let setup = format!("{system}, {damping}, y₀ = ({start}), T = {t_end}, {steps}");
-        Panel { id, kind, title, setup, paper, ..Panel::default() }
+/// A panel without curves, whose set-up is "system, γ = …, y₀ = …, T = …, steps".
+pub fn panel(words: Words, id: &str, kind: Kind, problem: &Problem<'_>, steps: &str) -> Panel {
+    let start = problem.y0.iter().map(|y| ((1e4 * y).round() / 1e4).to_string());
+    let (start, damping) = (start.collect::<Vec<_>>().join(", "), problem.damping.describe());
+    let (t_end, [title, system, paper]) = (problem.t_end, words);
+    Panel {
+        id: id.into(),
+        kind,
+        title: title.into(),
+        setup: format!("{system}, {damping}, y₀ = ({start}), T = {t_end}, {steps}"),
+        paper: paper.into(),
+        ..Panel::default()
     }
 }

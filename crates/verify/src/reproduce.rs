@@ -2,60 +2,58 @@
 
 use std::{collections::BTreeMap, time::Instant};
 
-use plot::Progress;
-use schemes::BuiltIn;
-
 use crate::{
     Conditions, EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS,
     results::{Provenance, Results, SCHEMA},
-    settings::Settings,
     streams,
 };
 
 /// The ids of what experiments make.
 pub fn ids(experiments: &[Experiment]) -> impl Iterator<Item = &'static str> {
-    experiments.iter().flat_map(|experiment| experiment.ids).copied()
+    experiments.iter().flat_map(|(ids, _)| *ids).copied()
 }
 
 /// Runs the panels, statements and supplements in `only`, or all of them when it is empty, on the
-/// current rayon pool. The schemes in `further` are series of the panels that they are for, beside
-/// those of the paper, whose numbers do not depend on them.
+/// current rayon pool, at the paper's sizes or at `quick` ones, and says on the standard error what
+/// is running.
 ///
 /// Of the provenance, the seed, the mode, the threads and the timings by id are filled in; the rest
 /// is left to the caller.
-pub fn reproduce(
-    settings: Settings,
-    only: &[&str],
-    further: &[BuiltIn],
-    progress: &dyn Progress,
-) -> Results {
+pub fn reproduce(seed: u64, quick: bool, only: &[&str]) -> Results {
+    let mode = if quick { "quick" } else { "paper" };
+    let mut results = Results {
+        schema: SCHEMA,
+        provenance: Provenance::of_run(seed, mode),
+        panels: Vec::new(),
+        supplements: Vec::new(),
+        claims: Vec::new(),
+    };
     let mut wall_s_by_id = BTreeMap::new();
-    let (mut panels, mut supplements, mut claims) = (Vec::new(), Vec::new(), Vec::new());
     let families = [
-        (streams::PANELS, EXPERIMENTS, true),
-        (streams::STATEMENTS, STATEMENTS, false),
-        (streams::SUPPLEMENTS, SUPPLEMENTS, false),
+        (streams::PANELS, EXPERIMENTS, &mut results.panels),
+        (streams::STATEMENTS, STATEMENTS, &mut Vec::new()),
+        (streams::SUPPLEMENTS, SUPPLEMENTS, &mut results.supplements),
     ];
-    for (first, family, of_paper) in families {
-        for (experiment, member) in (first..).zip(family) {
-            let mut wanted = member.ids.to_vec();
-            wanted.retain(|id| only.is_empty() || only.contains(id));
-            if wanted.is_empty() {
+    for (first, family, panels) in families {
+        for (experiment, (ids, run)) in (first..).zip(family) {
+            let wanted = |id: &str| only.is_empty() || only.contains(&id);
+            let mut names = ids.to_vec();
+            names.retain(|id| wanted(id));
+            if names.is_empty() {
                 continue;
             }
-            let (names, start) = (wanted.join(", "), Instant::now());
-            let wanted = &wanted;
-            let conditions = Conditions { settings, experiment, wanted, further, progress };
-            progress.begin(&names, 0);
-            let found = (member.run)(&conditions);
-            progress.end();
-            if of_paper { &mut panels } else { &mut supplements }.extend(found.panels);
-            claims.extend(found.claims);
+            let (names, start) = (names.join(", "), Instant::now());
+            eprintln!("{names}");
+            let mut found = run(&Conditions { seed, quick, experiment, id: ids[0] });
+            // Of panels that are made together all are made.
+            let other = |id: &str| ids.contains(&id) && !wanted(id);
+            found.panels.retain(|panel| !other(&panel.id));
+            found.claims.retain(|claim| !other(&claim.panel));
+            panels.extend(found.panels);
+            results.claims.extend(found.claims);
             wall_s_by_id.insert(names, start.elapsed().as_secs_f64());
         }
     }
-    let run = Provenance::of_run(settings.seed, settings.mode.id());
-    let samples_times = settings.samples_times;
-    let provenance = Provenance { wall_s_by_id, samples_times, ..run };
-    Results { schema: SCHEMA, provenance, panels, supplements, claims }
+    results.provenance.wall_s_by_id = wall_s_by_id;
+    results
 }

@@ -4,7 +4,7 @@
 //! All timings live in [`Provenance`], so that everything else is bit-identical for the same seed
 //! on any number of threads and any instruction set.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 pub use plot::{Kind, Provenance, Series};
 pub use stats::{Point, Rate};
@@ -17,7 +17,7 @@ pub use crate::verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};
 pub const SCHEMA: u32 = 2;
 
 /// A whole run.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Results {
     /// [`SCHEMA`].
     pub schema: u32,
@@ -26,14 +26,14 @@ pub struct Results {
     /// The panels, in the order of the paper.
     pub panels: Vec<Panel>,
     /// Figures that are not in the paper, for example the effect of the truncation order.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub supplements: Vec<Panel>,
     /// The statements of the paper, each with a verdict.
     pub claims: Vec<Claim>,
 }
 
 /// One figure of the paper.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Panel {
     /// Identifier, for example `pendulum-strong`.
     pub id: String,
@@ -56,16 +56,16 @@ pub struct Panel {
     pub series: Vec<Series>,
     /// Where increments were clipped: how many, and what share they have in the errors. Empty where
     /// none was.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub clipped: Vec<Clipped>,
     /// Of a weak panel, the sample paths of each difference between neighbouring step sizes,
     /// coarsest first.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub differences: Vec<DifferenceSamples>,
 }
 
 /// The sample paths of one difference of a weak panel.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DifferenceSamples {
     /// The coarser step size; the finer one is half of it.
     pub tau: f64,
@@ -74,7 +74,7 @@ pub struct DifferenceSamples {
 }
 
 /// Clipped increments of one curve at one step size.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Clipped {
     /// Scheme id, as that of the curve.
     pub scheme: String,
@@ -87,7 +87,7 @@ pub struct Clipped {
 }
 
 /// A statement, what was measured about it, and the verdict.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Claim {
     /// Identifier, for example `strong-one`.
     pub id: String,
@@ -106,7 +106,7 @@ pub struct Claim {
     /// Whether the paper proves it: a refuted proven claim fails the run.
     pub proven: bool,
     /// The documented reason why a refutation is expected (a misprint in the statement), or empty.
-    #[serde(skip_serializing_if = "String::is_empty", default)]
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub erratum: String,
 }
 
@@ -124,6 +124,17 @@ impl Claim {
             measured,
             proven: true,
             erratum: String::new(),
+        }
+    }
+
+    /// The verdict in a word: a refutation that a documented misprint explains is
+    /// set apart.
+    pub fn outcome(&self) -> &'static str {
+        match self.verdict {
+            Verdict::Refuted if self.erratum.is_empty() => "refuted",
+            Verdict::Undecided => "undecided",
+            Verdict::Holds => "holds",
+            Verdict::Refuted => "misprint",
         }
     }
 

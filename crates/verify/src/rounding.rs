@@ -47,11 +47,11 @@ pub fn law_bound(steps: u64, damping: f64) -> f64 {
 
 /// What a residual ‖z − ψ(z)‖₁ adds at most: F(z) − F(ẑ) = (z + ẑ)·(z − ψ(z))/2, at most |z| times
 /// the residual, and F = ½|z|².
-pub fn residual_share<const D: usize>(residual: f64, z: [f64; D]) -> f64 {
+pub fn residual_share(residual: f64, z: &[f64]) -> f64 {
     if residual == 0.0 { 0.0 } else { 2.0 * residual / length(z) }
 }
 
 /// |y|, without overflow or underflow of the squares.
-pub fn length<const D: usize>(y: [f64; D]) -> f64 {
-    y.into_iter().fold(0.0, f64::hypot)
+pub fn length(y: &[f64]) -> f64 {
+    y.iter().fold(0.0, |sum, y| f64::hypot(sum, *y))
 }

@@ -25,19 +25,6 @@ pub(crate) fn spin_pair<G: Damping>(damping: G) -> Problem<TwoSpins, G, 6> {
     valid(Problem::new(spins, damping, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
 }
 
-/// The same function of both spins.
-#[inline(always)]
-fn on_each<R: Real>(y: [R; 6], v: [R; 6], f: impl Fn([R; 3], [R; 3]) -> [R; 3]) -> [R; 6] {
-    let [a, b, c] = f([y[0], y[1], y[2]], [v[0], v[1], v[2]]);
-    let [d, e, f] = f([y[3], y[4], y[5]], [v[3], v[4], v[5]]);
-    [a, b, c, d, e, f]
-}
-
-#[inline(always)]
-fn cross<R: Real>(s: [R; 3], v: [R; 3]) -> [R; 3] {
-    [s[1] * v[2] - s[2] * v[1], s[2] * v[0] - s[0] * v[2], s[0] * v[1] - s[1] * v[0]]
-}
-
 impl PoissonSystem<6, 3> for TwoSpins {
     fn name(&self) -> &'static str {
         "spin-chain"
@@ -45,7 +32,11 @@ impl PoissonSystem<6, 3> for TwoSpins {
 
     #[inline(always)]
     fn structure<R: Real>(&self, y: [R; 6], v: [R; 6]) -> [R; 6] {
-        on_each(y, v, cross)
+        let component = |i: usize| {
+            let (spin, j, k) = (i / 3 * 3, (i + 1) % 3, (i + 2) % 3);
+            y[spin + j] * v[spin + k] - y[spin + k] * v[spin + j]
+        };
+        [0, 1, 2, 3, 4, 5].map(component)
     }
 
     #[inline(always)]
@@ -72,9 +63,9 @@ impl PoissonSystem<6, 3> for TwoSpins {
     /// spins about one axis.
     #[inline(always)]
     fn commutators<R: Real>(&self, y: [R; 6], areas: [[f64; 3]; 3]) -> [R; 6] {
-        let axis = [areas[1][2], -areas[0][2], areas[0][1]]
+        let [a, b, c] = [areas[1][2], -areas[0][2], areas[0][1]]
             .map(|area| R::constant(self.field * self.field * area));
-        on_each(y, y, |s, _| cross(s, axis))
+        self.structure(y, [a, b, c, a, b, c])
     }
 
     fn invariants(&self) -> Vec<Invariant> {

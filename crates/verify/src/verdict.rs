@@ -1,10 +1,10 @@
 //! Verdicts, and when an order is said to hold.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use stats::Rate;
 
 /// The answer to a statement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// The measurement supports the statement.

@@ -54,29 +54,6 @@ fn results_are_the_same_bits_however_they_are_computed() {
         assert_eq!(find(&reference, id), find(&part, id));
         assert_ne!(find(&reference, id), find(&other_seed, id));
     }
-
-    // Further series leave the others as they are.
-    let ids = ["poisson3-strong", "maxwell-bloch-casimir"];
-    let only: Vec<&str> = ids.iter().flat_map(|&id| ["--only", id]).collect();
-    let more = run("more", &[&only[..], &["--with", "sexp-li,split"]].concat());
-    for id in ids {
-        let series = |results: &Value| find(results, id)["series"].as_array().unwrap().clone();
-        let (mut all, paper) = (series(&more), series(&reference));
-        assert_eq!(3 * all.len(), 5 * paper.len());
-        all.retain(|series| !["sexp-li", "split"].iter().any(|id| series["scheme"] == *id));
-        assert_eq!(all, paper);
-    }
-}
-
-#[test]
-fn paths_are_multiplied_in_whole_groups() {
-    let dir = tempfile::tempdir().unwrap();
-    let arguments = ["--only", "poisson3-strong", "--samples-times", "1.3"];
-    assert!(reproduce(dir.path(), &arguments).status.success());
-    let panel = results(dir.path())["panels"][0].clone();
-    // 512·1.3 = 665.6 paths are six groups of 128.
-    assert_eq!(panel["samples"], 768);
-    assert!(panel["setup"].as_str().unwrap().contains("1.3 times the quick mode's paths"));
 }
 
 #[test]
@@ -90,7 +67,6 @@ fn wrong_requests_are_refused_before_any_computing() {
         (&out, &["--only", "pendulum-weak"][..], &known[..]),
         (&below, &[], &["a-file"]),
         (&out, &["--threads", "0"], &["0"]),
-        (&out, &["--samples-times", "0.5"], &["from 1"]),
     ] {
         let output = reproduce(out, arguments);
         let message = String::from_utf8_lossy(&output.stderr);

@@ -1,21 +1,19 @@
 //! The report of a run: a page with verdicts, figures, measured orders and provenance, in one file
 //! that needs no network and no script; a figure and a table of numbers for each panel.
 
-mod csv;
-mod outcome;
-
 use std::{io::Result, path::Path};
 
 use plot::{
     Document, Kind,
+    csv::field,
     figure::{convergence, evolution},
     files,
+    series::relative_defect,
 };
 use schemes::BuiltIn;
+use stats::Point;
 
-use crate::results::{Claim, Clipped, Panel, Results};
-
-pub use outcome::{Outcome, counts, verdicts};
+use crate::results::{Claim, Panel, Results};
 
 /// Writes the report of a run into a folder.
 ///
@@ -36,7 +34,7 @@ pub fn write_report(results: &Results, folder: &Path) -> Result<()> {
     files::prepare(&data)?;
     for panel in results.panels.iter().chain(&results.supplements) {
         files::write(&figures.join(format!("{}.svg", panel.id)), figure(panel))?;
-        files::write(&data.join(format!("{}.csv", panel.id)), csv::csv(panel))?;
+        files::write(&data.join(format!("{}.csv", panel.id)), csv(panel))?;
     }
     files::write(&folder.join("index.html"), page(results))
 }
@@ -49,51 +47,96 @@ fn figure(panel: &Panel) -> String {
     }
 }
 
+/// The numbers of a panel as comma-separated values (RFC 4180): one row per point, with a header
+/// row. A point of another kind has no row.
+///
+/// | column | meaning |
+/// |---|---|
+/// | `scheme`, `quantity` | as in [`Series`](plot::Series) |
+/// | `tau`, `value` | step size; root-mean-square error (strong) or signed weak error (weak) |
+/// | `se`, `lo`, `hi` | standard error, ends of the interval, empty where it is value ± 1.96 se |
+/// | `t`, `value`, `exact` | time, value along the path, value by the conformal law |
+/// | `relative_defect` | \|value − exact\| / \|exact\| |
+/// | `accuracy`, `path_steps` | half-width asked for, path-steps taken |
+fn csv(panel: &Panel) -> String {
+    let columns = match panel.kind {
+        Kind::Strong | Kind::Weak => "tau,value,se,lo,hi",
+        Kind::Invariant => "t,value,exact,relative_defect",
+        Kind::Cost => "accuracy,path_steps",
+    };
+    let mut table = format!("scheme,quantity,{columns}\n");
+    for series in &panel.series {
+        let name = format!("{},{}", field(&series.scheme), field(&series.quantity));
+        for point in &series.points {
+            let row = match (panel.kind, point) {
+                (Kind::Strong | Kind::Weak, Point::Error { tau, value, se, lo, hi, .. }) => {
+                    let [lo, hi] =
+                        [lo, hi].map(|end| end.map_or(String::new(), |x| format!("{x:e}")));
+                    format!("{tau:e},{value:e},{se:e},{lo},{hi}")
+                }
+                (Kind::Invariant, Point::Value { t, value, exact }) => {
+                    format!("{t:e},{value:e},{exact:e},{:e}", relative_defect(*value, *exact))
+                }
+                (Kind::Cost, Point::Cost { accuracy, path_steps }) => {
+                    format!("{accuracy:e},{path_steps}")
+                }
+                _ => continue,
+            };
+            table += &format!("{name},{row}\n");
+        }
+    }
+    table
+}
+
+/// How many claims have each outcome, in words.
+pub fn counts<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
+    let count = |one: &str| claims.clone().filter(|claim| claim.outcome() == one).count();
+    let words = ["holds", "refuted", "misprint", "undecided"];
+    words.map(|one| format!("{} {one}", count(one))).join(", ")
+}
+
 fn page(results: &Results) -> String {
     let title = "Structure-preserving simulation of damped stochastic Poisson systems";
     let mut page = Document::new("Casimir · reproduction report", title);
-    let groups = groups(&results.claims);
-    let kinds = [("What the paper proves", true), ("What is observed, without a proof", false)];
-    let of_kind = |kind| groups.iter().filter(move |group| group[0].proven == kind);
     page.section("Summary");
-    for (what, proven) in kinds {
-        let worst = of_kind(proven).map(|group| worst(group));
-        let (holding, others): (Vec<_>, Vec<_>) =
-            worst.partition(|claim| Outcome::of(claim) == Outcome::Holds);
-        let (hold, all) = (holding.len(), holding.len() + others.len());
-        let words = |claim: &Claim| {
-            format!("; {}: {} {}", Outcome::of(claim).word(), claim.id, claim.scheme)
-        };
-        let others: String = others.into_iter().map(words).collect();
-        page.paragraph(&format!("{what}: {hold} of {all} statements hold{others}."));
+    for (what, proven) in [("What the paper proves", true), ("What is observed", false)] {
+        let checks = results.claims.iter().filter(|claim| claim.proven == proven);
+        page.paragraph(&format!("{what}: {}.", counts(checks.clone())));
+        let other = checks.filter(|claim| !["holds", "misprint"].contains(&claim.outcome()));
+        page.table(HEAD, other.map(row));
     }
     page.paragraph("A statement is undecided, never passed, where an interval is too wide.");
-    for claim in results.claims.iter().filter(|claim| Outcome::of(claim) == Outcome::Misprint) {
+    for claim in results.claims.iter().filter(|claim| claim.outcome() == "misprint") {
         let Claim { id, erratum, statement, .. } = claim;
         page.warning(&format!(
             "Misprint in the paper ({id}): {erratum} The statement as printed is refuted: \
              {statement}."
         ));
     }
-    for (what, proven) in kinds {
-        page.section(what);
-        let head = ["Checks that hold", "Verdict", "Id", "Scheme", "Statement", "Evidence"];
-        page.table(
-            head,
-            of_kind(proven).map(|group| {
-                let scheme = if proven { "" } else { &group[0].scheme };
-                let hold =
-                    format!("{} of {}", Outcome::Holds.count(group.iter().copied()), group.len());
-                let [verdict, id, _, _, evidence] = row(worst(group));
-                [hold, verdict, id, scheme.into(), group[0].statement.clone(), evidence]
-            }),
-        );
-    }
     for panel in results.panels.iter().chain(&results.supplements) {
-        show(&mut page, panel, &results.claims);
+        page.section(&panel.title);
+        page.figures([(figure(panel), caption(panel.kind).into())]);
+        // Where clipped increments matter.
+        let clipped = panel.clipped.iter().map(|clipped| {
+            let (exponent, percent) = (clipped.tau.log2(), 100.0 * clipped.share);
+            format!(
+                "{} at τ = 2^{exponent}: {}, {percent:.0} % of the mean-square error. ",
+                clipped.scheme, clipped.increments
+            )
+        });
+        page.facts([
+            ("Panel", &panel.id),
+            ("What the paper says", &panel.paper),
+            ("Set-up", &panel.setup),
+            ("Sample paths", &panel.samples.to_string()),
+            ("Reference", &panel.reference),
+            ("Clipped increments", &clipped.collect()),
+            ("Paths left out", &panel.failures.join("; ")),
+        ]);
+        page.table(HEAD, results.claims.iter().filter(|claim| claim.panel == panel.id).map(row));
     }
     page.section("Checks without a figure");
-    checks(&mut page, results.claims.iter().filter(|claim| claim.panel.is_empty()));
+    page.table(HEAD, results.claims.iter().filter(|claim| claim.panel.is_empty()).map(row));
     page.section("Schemes and provenance");
     page.facts(BuiltIn::ALL.map(|scheme| (scheme.id(), scheme.properties().long_times)));
     let from = &results.provenance;
@@ -115,62 +158,11 @@ fn page(results: &Results) -> String {
     page.html()
 }
 
-/// Claims about one statement: proven ones by statement, others by statement and scheme.
-type Group<'a> = Vec<&'a Claim>;
-
-/// The groups in the order in which the statements first appear.
-fn groups(claims: &[Claim]) -> Vec<Group<'_>> {
-    let key = |claim: &Claim| {
-        let scheme = if claim.proven { String::new() } else { claim.scheme.clone() };
-        (claim.id.clone(), claim.proven, scheme)
-    };
-    let mut groups: Vec<Group> = Vec::new();
-    for claim in claims {
-        match groups.iter_mut().find(|group| key(group[0]) == key(claim)) {
-            Some(group) => group.push(claim),
-            None => groups.push(vec![claim]),
-        }
-    }
-    groups
-}
-
-/// The claim that decides: refuted if one is, else undecided if one is; a misprint counts only
-/// where nothing else is left.
-fn worst<'a>(group: &Group<'a>) -> &'a Claim {
-    group.iter().min_by_key(|claim| Outcome::of(claim)).expect("a group has claims")
-}
-
-/// A section with a figure, what the paper says of it, and the checks on it.
-fn show(page: &mut Document, panel: &Panel, claims: &[Claim]) {
-    page.section(&panel.title);
-    page.figures([(figure(panel), caption(panel.kind).into())]);
-    // Where clipped increments matter.
-    let clipped = panel.clipped.iter().map(|Clipped { scheme, tau, increments, share }| {
-        let (exponent, percent) = (tau.log2(), 100.0 * share);
-        format!(
-            "{scheme} at τ = 2^{exponent}: {increments}, {percent:.0} % of the mean-square error. "
-        )
-    });
-    page.facts([
-        ("Panel", &panel.id),
-        ("What the paper says", &panel.paper),
-        ("Set-up", &panel.setup),
-        ("Sample paths", &panel.samples.to_string()),
-        ("Reference", &panel.reference),
-        ("Clipped increments", &clipped.collect()),
-        ("Paths left out", &panel.failures.join("; ")),
-    ]);
-    checks(page, claims.iter().filter(|claim| claim.panel == panel.id));
-}
-
-/// A table of claims.
-fn checks<'a>(page: &mut Document, claims: impl Iterator<Item = &'a Claim>) {
-    page.table(["Verdict", "Id", "Scheme", "Statement", "Evidence"], claims.map(row));
-}
+const HEAD: [&str; 5] = ["Verdict", "Id", "Scheme", "Statement", "Evidence"];
 
 fn row(claim: &Claim) -> [String; 5] {
     let Claim { id, scheme, statement, evidence, .. } = claim;
-    [Outcome::of(claim).word(), id, scheme, statement, evidence].map(str::to_owned)
+    [claim.outcome(), id, scheme, statement, evidence].map(str::to_owned)
 }
 
 /// How to read the figure.

@@ -4,9 +4,9 @@ use schemes::{BuiltIn, Energy};
 use stats::Point;
 
 use crate::{
-    Compiled, Conditions, Curve, Findings, TRUNCATED, Words,
+    Compiled, Conditions, Findings, TRUNCATED, Words,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
-    experiment::Path,
+    experiment::{of_paper, panel},
     results::{Claim, Evidence, Kind, Panel, Series},
 };
 
@@ -22,33 +22,32 @@ pub fn follow(
     invariants: &[usize],
     compiled: &Compiled<'_>,
 ) -> Findings {
-    let (id, problem) = (conditions.id(), &compiled.problem);
-    let curves = conditions.curves(compiled);
-    conditions.progress.begin(id, steps * curves.len() as u64);
-    let path = |curve| {
-        let path = conditions.path(0, curve, steps, 0);
-        conditions.progress.advance(steps);
-        path
+    let (id, problem) = (conditions.id, &compiled.problem);
+    let of_steps = format!("τ = {}, {TRUNCATED}", problem.t_end / steps as f64);
+    let mut panel = Panel {
+        samples: 1,
+        reference: "the conformal law exp(−p ∫γ) F(y₀)".into(),
+        ..panel(words, id, Kind::Invariant, problem, &of_steps)
     };
-    let paths: Vec<_> = curves.iter().map(|curve| path(&curve.setup)).collect();
-    conditions.progress.end();
-    let failure = |curve: &Curve<'_>, path: &Path| {
+    let curves = of_paper(compiled).into_iter().map(|curve| {
+        let path = conditions.path(0, &curve.setup, steps, 0);
         let (t, _) = path[path.len() - 1];
         let failed = path.len() as u64 <= steps;
-        failed.then(|| format!("{}: the step after t = {t} failed", curve.name))
-    };
-
-    let (mut series, mut claims) = (Vec::new(), Vec::new());
+        let failure = failed.then(|| format!("{}: the step after t = {t} failed", curve.name));
+        panel.failures.extend(failure.clone());
+        (curve, path, failure)
+    });
+    let (curves, mut claims) = (curves.collect::<Vec<_>>(), Vec::new());
     for &index in invariants {
         let law = &problem.laws[index];
         let (statement_id, function) = match law.casimir {
             true => ("conformal-casimir", "the Casimir"),
             false => ("energy-balance", "H"),
         };
-        for (curve, path) in curves.iter().zip(&paths) {
+        for (curve, path, failure) in &curves {
             let largest = largest_defect(problem, index, path);
             let point = |(t, value, exact)| Point::Value { t, value, exact };
-            series.push(Series {
+            panel.series.push(Series {
                 scheme: curve.name.into(),
                 quantity: law.name.clone(),
                 points: along(problem, index, path).into_iter().map(point).collect(),
@@ -63,7 +62,7 @@ pub fn follow(
                 (_, BuiltIn::EulerMaruyama) => (VISIBLE, "visibly leaves the conformal law"),
                 _ => (ROUND_OFF, "leaves the conformal law, and returns to it as τ → 0"),
             };
-            let measured = match failure(curve, path) {
+            let measured = match failure.clone() {
                 // A path that ended early proves nothing about the rest.
                 Some(reason) => Evidence::Undecided { reason },
                 None if !obeys && tolerance == ROUND_OFF && largest > ROUND_OFF => {
@@ -78,14 +77,5 @@ pub fn follow(
             claims.push(claim.about(id, curve.name).proven(curve.method == BuiltIn::Sexp));
         }
     }
-    let of_steps = format!("τ = {}, {TRUNCATED}", problem.t_end / steps as f64);
-    let failures = curves.iter().zip(&paths).filter_map(|(curve, path)| failure(curve, path));
-    let panel = Panel {
-        samples: 1,
-        reference: "the conformal law exp(−p ∫γ) F(y₀)".into(),
-        failures: failures.collect(),
-        series,
-        ..words.panel(id, Kind::Invariant, problem, &of_steps)
-    };
     Findings { panels: vec![panel], claims }
 }

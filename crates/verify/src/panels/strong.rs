@@ -7,11 +7,12 @@ use mc::{Ladder, Measured, Run, View};
 use noise::Truncation;
 use real::Row;
 use schemes::{BuiltIn, StrongOrder};
-use stats::{Rate, fit_strong, root_mean_squares};
+use stats::{CrossMoments, fit_strong, root_mean_squares};
 use systems::paper::valid;
 
 use crate::{
     Compiled, Conditions, Curve, Findings, TRUNCATED, Words,
+    experiment::{of_paper, panel},
     results::{Claim, Clipped, Evidence, Kind, Panel, Series},
     streams, truncation,
 };
@@ -23,39 +24,12 @@ const WORST_TIMES: u64 = streams::PARTS - 1;
 /// Paths that find them.
 const PILOT_PATHS: u64 = 512;
 
-/// Step sizes 2⁻⁵ … 2^−last with a reference at 2^−(last + 2), and the number of paths.
-#[derive(Clone, Copy)]
-pub struct Grid {
-    pub last: u32,
-    pub samples: u64,
-}
-
-impl Grid {
-    /// Exponents of the step sizes, coarsest first.
-    fn exponents(self) -> RangeInclusive<u32> {
-        FIRST..=self.last
-    }
-
-    /// The exponent of the reference's step size.
-    fn reference(self) -> u32 {
-        self.last + 2
-    }
-
-    /// The level of a step size above that of the reference.
-    fn level(self, exponent: u32) -> usize {
-        (self.reference() - exponent) as usize
-    }
-
-    /// Steps of the reference on [0, T].
-    pub fn finest_steps(self, t_end: f64) -> u64 {
-        (t_end * 2f64.powi(self.reference() as i32)).round() as u64
-    }
-}
-
-/// What a strong panel is made of.
+/// What a strong panel is made of: step sizes 2⁻⁵ … 2^−last with a reference at 2^−(last + 2).
 pub struct StrongPanel<'a> {
     pub words: Words,
-    pub grid: Grid,
+    pub last: u32,
+    /// Paths.
+    pub samples: u64,
     /// How increments are truncated.
     pub truncation: Truncation,
     /// The same in words.
@@ -68,9 +42,19 @@ pub struct StrongPanel<'a> {
 
 impl StrongPanel<'_> {
     /// With the truncation of the reproduction, and without an exact solution.
-    pub fn new(words: Words, grid: Grid) -> Self {
-        let truncated = TRUNCATED;
-        Self { words, grid, truncation: truncation(), truncated, exact: None, bound: None }
+    pub fn new(words: Words, (last, samples): (u32, u64)) -> Self {
+        let (truncation, truncated) = (truncation(), TRUNCATED);
+        Self { words, last, samples, truncation, truncated, exact: None, bound: None }
+    }
+
+    /// Exponents of the step sizes, coarsest first.
+    fn exponents(&self) -> RangeInclusive<u32> {
+        FIRST..=self.last
+    }
+
+    /// The level of a step size above that of the reference.
+    fn level(&self, exponent: u32) -> usize {
+        (self.last + 2 - exponent) as usize
     }
 
     /// A panel with a claim for each curve. Its series are the errors at the final time of each
@@ -79,113 +63,123 @@ impl StrongPanel<'_> {
     /// The curve with areas, or else the first, runs at the finest step, too; the errors are
     /// differences from that unless the solution is exact.
     pub fn measure<'a>(&self, conditions: &Conditions, curves: &[Curve<'a>]) -> Findings {
-        let (id, problem) = (conditions.id(), &curves[0].setup.problem);
-        let grid = Grid { samples: conditions.paths(self.grid.samples), ..self.grid };
+        let (id, problem) = (conditions.id, &curves[0].setup.problem);
         let finest = curves.iter().find(|curve| curve.method.is_for_areas()).unwrap_or(&curves[0]);
         let run = |curve: &Curve<'a>, level| Run::new(curve.setup.scheme.clone(), level);
+        let of_curve =
+            |curve| self.exponents().map(move |exponent| run(curve, self.level(exponent)));
         let mut runs = vec![run(finest, 0)];
-        let mut series = Vec::new();
-        for curve in curves {
-            let first = runs.len();
-            runs.extend(grid.exponents().map(|exponent| run(curve, grid.level(exponent))));
-            series.push((first..runs.len()).collect::<Vec<_>>());
+        runs.extend(curves.iter().flat_map(of_curve));
+        let taus: Vec<f64> = self.exponents().map(power_of_half).collect();
+        let sizes = taus.len();
+        let (steps, coarsest) = (finest_steps(self.last, problem.t_end), self.level(FIRST));
+        let key = conditions.key(0);
+        let mut ladder = valid(Ladder::new(problem, steps, coarsest, self.truncation, key, runs));
+        let last = ladder.coarse_steps();
+        // What is measured when: the first run and the number of runs of a curve; of an exact
+        // solution, the error of the reference; else all curves again, at times of their own.
+        let first = |s: usize| 1 + s * sizes;
+        let mut when: Vec<_> = (0..curves.len()).map(|s| (last, first(s), sizes)).collect();
+        match &self.exact {
+            Some(exact) => {
+                ladder = ladder.with_time_change(exact.time_change);
+                when.push((last, 0, 1));
+            }
+            None => {
+                let times = self.worst_times(conditions, curves);
+                when.extend(times.into_iter().enumerate().map(|(s, time)| (time, first(s), sizes)));
+            }
         }
         let solution = self.exact.as_ref().map(|exact| &*exact.solution);
-        if solution.is_some() {
-            series.push(vec![0]);
-        }
-        let (steps, key) = (grid.finest_steps(problem.t_end), conditions.key(0));
-        let coarsest = grid.level(FIRST);
-        let mut ladder = valid(Ladder::new(problem, steps, coarsest, self.truncation, key, runs));
-        if let Some(exact) = &self.exact {
-            ladder = ladder.with_time_change(exact.time_change);
-        }
-        let over_time = self.exact.is_none();
-        // All series at the final time, then those with a time of their own.
-        let last = ladder.coarse_steps();
-        let mut when: Vec<_> = series.iter().map(|runs| (last, runs)).collect();
-        if over_time {
-            when.extend(self.worst_times(conditions, curves).into_iter().zip(&series));
-        }
-        let squares = when.iter().map(|&(_, runs)| {
-            move |view: &View<'_>, rows: &mut [Row]| write_squares(runs, solution, view, rows)
+        let squares = when.iter().map(|&(_, first, runs)| {
+            move |view: &View<'_>, rows: &mut [Row]| {
+                write_squares(first, runs, solution, view, rows)
+            }
         });
         let squares: Vec<_> = squares.collect();
-        let statistic = || {
-            let moments = when.iter().zip(&squares).map(|(&(time, runs), squares)| {
-                FinalMoments::new(time, 3 * runs.len() - 1, squares)
-            });
-            moments.collect::<Vec<_>>()
+        let statistic = || -> Vec<_> {
+            let each = when.iter().zip(&squares);
+            each.map(|(&(time, _, runs), squares)| FinalMoments::new(time, 3 * runs - 1, squares))
+                .collect()
         };
-        conditions.progress.begin(id, ladder.steps_per_path() * grid.samples);
-        let advance = |work| conditions.progress.advance(work);
-        let measured = ladder.run(grid.samples, statistic, &advance);
-        conditions.progress.end();
+        let measured = ladder.run(self.samples, statistic, &|_| ());
+        let moments: Vec<&CrossMoments> =
+            measured.statistic.iter().map(|found| &found.moments).collect();
 
-        let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
-        let more = conditions.times_in_words();
-        let runs = taus.len();
-        let moments = |n: usize| &measured.statistic[n].moments;
-        let (mut series, mut claims, mut clipped) = (Vec::new(), Vec::new(), Vec::new());
-        for at_end in [true, false].into_iter().filter(|at_end| *at_end || over_time) {
-            for (s, curve) in curves.iter().enumerate() {
-                let (quantity, when, squares) = match at_end {
-                    true => ("y(T)", "at the final time", moments(s)),
-                    false => {
-                        ("sup y", "largest over the common time grid", moments(curves.len() + s))
-                    }
-                };
-                let errors = squares.part(0..runs);
-                let differences = squares.part(runs..2 * runs - 1);
-                let rate = fit_strong(&taus[..runs - 1], &differences);
-                let elsewhere = wrong_limit(&errors, &differences);
-                let when = format!("{when}{more}");
-                let one_noise = problem.noises == 1;
-                let claim = self.claim(curve.method, one_noise, &when, rate.clone(), elsewhere);
-                claims.push(claim.about(id, curve.method.id()));
-                series.push(Series {
-                    scheme: curve.name.into(),
-                    quantity: quantity.into(),
-                    points: root_mean_squares(&taus, &errors),
-                    rate,
-                    ..Series::default()
-                });
-            }
-        }
-        let curve_clips = |(_, curve): &(_, &Curve<'_>)| curve.setup.scheme.clips_increments();
-        for (s, curve) in curves.iter().enumerate().filter(curve_clips) {
-            for (r, exponent) in grid.exponents().enumerate() {
-                let increments = measured.clipped[grid.level(exponent)];
-                if increments > 0 {
-                    let [all, clipped_paths] =
-                        [r, 2 * runs - 1 + r].map(|number| moments(s).mean(number));
-                    let share = if all > 0.0 { clipped_paths / all } else { 0.0 };
-                    let tau = taus[r];
-                    clipped.push(Clipped { scheme: curve.name.into(), tau, increments, share });
-                }
-            }
-        }
-        let at_finest = format!("{} at τ = 2^-{}", finest.method.id(), grid.reference());
-        let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}{more}", grid.last, self.truncated);
+        let at_finest = format!("{} at τ = 2^-{}", finest.method.id(), self.last + 2);
+        let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}", self.last, self.truncated);
         let mut panel = Panel {
-            samples: grid.samples,
+            samples: self.samples,
             reference: format!("{at_finest} on the same noise"),
             failures: describe_failures(&measured),
-            series,
-            clipped,
-            ..self.words.panel(id, Kind::Strong, problem, &steps)
+            ..panel(self.words, id, Kind::Strong, problem, &steps)
         };
-        if !over_time {
-            panel.reference = "the exact solution by a change of time, path by path".into();
-            let error = |series: usize, level| moments(series).mean(level).sqrt();
-            let own = error(curves.len(), 0);
-            panel.paper += &format!(
-                " {at_finest}, the kind of reference that the paper takes, is itself {own:.1e} \
-                 (root mean square) away from the exact solution, {:.0} % of the error of sexp at \
-                 τ = 2^-{}",
-                100.0 * own / error(0, runs - 1),
-                grid.last
-            );
+        let mut claims = Vec::new();
+        for (n, (squares, &(_, _, runs))) in moments.iter().zip(&when).enumerate() {
+            let (s, at_end) = (n % curves.len(), n < curves.len());
+            if runs < sizes {
+                panel.reference = "the exact solution by a change of time, path by path".into();
+                let own = squares.mean(0).sqrt();
+                panel.paper += &format!(
+                    " {at_finest}, the kind of reference that the paper takes, is itself {own:.1e} \
+                     (root mean square) away from the exact solution, {:.0} % of the error of sexp \
+                     at τ = 2^-{}",
+                    100.0 * own / moments[0].mean(sizes - 1).sqrt(),
+                    self.last
+                );
+                break;
+            }
+            let curve = &curves[s];
+            let (quantity, when) = match at_end {
+                true => ("y(T)", "at the final time"),
+                false => ("sup y", "largest over the common time grid"),
+            };
+            let errors = squares.part(0..sizes);
+            let differences = squares.part(sizes..2 * sizes - 1);
+            let rate = fit_strong(&taus[..sizes - 1], &differences);
+            // A single noise commutes with itself.
+            let (claim_id, order, bound) =
+                match (curve.method.properties().strong, problem.noises == 1) {
+                    (StrongOrder::Areas, _) => ("strong-one-levy", 1.0, ""),
+                    (StrongOrder::Commuting, true) => {
+                        ("strong-one", 1.0, "C τ for one noise (k ≥ 2)")
+                    }
+                    (_, true) => ("strong-one", 0.5, ""),
+                    (_, false) => ("strong-half", 0.5, "C τ^½ for several noises (k ≥ 1)"),
+                };
+            let bounded = self.bound.filter(|_| curve.method == BuiltIn::Sexp);
+            let statement = match bounded {
+                Some(_) => format!("sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ {bound} ({when})"),
+                None => format!("{} has strong order {order} ({when})", curve.method.id()),
+            };
+            let measured_order = Evidence::Order {
+                order,
+                one_sided: bounded.is_some(),
+                rate: rate.clone(),
+                wrong_limit: wrong_limit(&errors, &differences),
+            };
+            let claim =
+                Claim::new(claim_id, statement, measured_order).about(id, curve.method.id());
+            claims.push(claim.proven(bounded == Some(true)));
+            panel.series.push(Series {
+                scheme: curve.name.into(),
+                quantity: quantity.into(),
+                points: root_mean_squares(&taus, &errors),
+                rate,
+                ..Series::default()
+            });
+            if !(at_end && curve.setup.scheme.clips_increments()) {
+                continue;
+            }
+            for (r, exponent) in self.exponents().enumerate() {
+                let increments = measured.clipped[self.level(exponent)];
+                if increments > 0 {
+                    let [all, clipped] = [r, 2 * sizes - 1 + r].map(|number| squares.mean(number));
+                    let share = if all > 0.0 { clipped / all } else { 0.0 };
+                    let (scheme, tau) = (curve.name.into(), taus[r]);
+                    panel.clipped.push(Clipped { scheme, tau, increments, share });
+                }
+            }
         }
         Findings { panels: vec![panel], claims }
     }
@@ -195,11 +189,10 @@ impl StrongPanel<'_> {
     /// so that the times do not depend on the errors that are measured there.
     fn worst_times(&self, conditions: &Conditions, curves: &[Curve<'_>]) -> Vec<u64> {
         let problem = &curves[0].setup.problem;
-        let runs = curves
-            .iter()
-            .flat_map(|curve| [2, 0].map(|level| Run::new(curve.setup.scheme.clone(), level)));
-        let steps = (problem.t_end * 2f64.powi(FIRST as i32 + 2)).round() as u64;
+        let runs =
+            curves.iter().flat_map(|curve| [2, 0].map(|n| Run::new(curve.setup.scheme.clone(), n)));
         let (key, runs) = (conditions.key(WORST_TIMES), runs.collect());
+        let steps = finest_steps(FIRST, problem.t_end);
         let ladder = valid(Ladder::new(problem, steps, 2, self.truncation, key, runs));
         let differences = |view: &View<'_>, rows: &mut [Row]| {
             for (s, row) in rows.iter_mut().enumerate() {
@@ -211,45 +204,24 @@ impl StrongPanel<'_> {
         let found = ladder.run(PILOT_PATHS, new, &|_| ()).statistic;
         let worst = |s: usize| {
             // Sums: a path that failed counts no more.
-            let square =
-                |found: &FinalMoments<'_>| found.moments.mean(s) * found.moments.count() as f64;
-            let squares = (1..).zip(found.iter().map(square));
-            squares.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(time, _)| time)
+            let sums = found.iter().map(|f| f.moments.mean(s) * f.moments.count() as f64);
+            (1..).zip(sums).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(time, _)| time)
         };
         (0..curves.len()).map(worst).collect()
     }
+}
 
-    /// The order of a scheme whose errors are taken at the time `when`. A single noise commutes
-    /// with itself.
-    fn claim(
-        &self,
-        method: BuiltIn,
-        one_noise: bool,
-        when: &str,
-        rate: Option<Rate>,
-        wrong_limit: Option<f64>,
-    ) -> Claim {
-        let (id, order, bound) = match (method.properties().strong, one_noise) {
-            (StrongOrder::Areas, _) => ("strong-one-levy", 1.0, ""),
-            (StrongOrder::Commuting, true) => ("strong-one", 1.0, "C τ for one noise (k ≥ 2)"),
-            (_, true) => ("strong-one", 0.5, ""),
-            (_, false) => ("strong-half", 0.5, "C τ^½ for several noises (k ≥ 1)"),
-        };
-        let bounded = self.bound.filter(|_| method == BuiltIn::Sexp);
-        let statement = match bounded {
-            Some(_) => format!("sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ {bound} ({when})"),
-            None => format!("{} has strong order {order} ({when})", method.id()),
-        };
-        let measured = Evidence::Order { order, one_sided: bounded.is_some(), rate, wrong_limit };
-        Claim::new(id, statement, measured).proven(bounded == Some(true))
-    }
+/// Steps of 2^−(last + 2) on [0, T].
+pub fn finest_steps(last: u32, t_end: f64) -> u64 {
+    (t_end * 2f64.powi(last as i32 + 2)).round() as u64
 }
 
 /// The squared errors |y − y_ref|² of these runs, the squares of the differences of each run but
 /// the last from the next one, and the errors again where an increment was clipped, zero elsewhere.
 /// y_ref is the exact solution at the random time of a path, or run 0.
 fn write_squares(
-    runs: &[usize],
+    first: usize,
+    runs: usize,
     solution: Option<&(dyn Fn(f64) -> Vec<f64> + Sync)>,
     view: &View<'_>,
     rows: &mut [Row],
@@ -261,15 +233,15 @@ fn write_squares(
             reference.iter_mut().zip(exact).for_each(|(row, x)| row[p] = x);
         }
     }
-    let (errors, rest) = rows.split_at_mut(runs.len());
-    let (differences, clipped) = rest.split_at_mut(runs.len() - 1);
-    for (r, &run) in runs.iter().enumerate() {
-        errors[r] = squared_distance(view.state(run), &reference, view.live);
-        let clips = |p| if view.clipped[run].contains(p) { errors[r][p] } else { 0.0 };
-        clipped[r] = std::array::from_fn(clips);
-    }
-    for (difference, pair) in differences.iter_mut().zip(runs.windows(2)) {
-        *difference = squared_distance(view.state(pair[0]), view.state(pair[1]), view.live);
+    for r in 0..runs {
+        let run = first + r;
+        rows[r] = squared_distance(view.state(run), &reference, view.live);
+        let clips = |p| if view.clipped[run].contains(p) { rows[r][p] } else { 0.0 };
+        rows[2 * runs - 1 + r] = std::array::from_fn(clips);
+        if r + 1 < runs {
+            let difference = squared_distance(view.state(run), view.state(run + 1), view.live);
+            rows[runs + r] = difference;
+        }
     }
 }
 
@@ -286,16 +258,12 @@ pub fn describe_failures<T>(Measured { failed, failures, .. }: &Measured<T>) -> 
     lines
 }
 
-/// Sizes of the quick mode.
-const QUICK: Grid = Grid { last: 10, samples: 512 };
-
-/// The schemes of the paper, and the further ones that are wanted, with a claim for each curve:
-/// step sizes down to 2^−last and so many paths at the paper's sizes, and whether the paper proves
-/// the order of `sexp` here.
+/// The schemes of the paper, and `sexp-levy` where noises do not commute, with a claim for each
+/// curve: step sizes down to 2^−last and so many paths at the paper's sizes, and whether the paper
+/// proves the order of `sexp` here.
 ///
-/// Schemes with areas have the first of them at a finer step as reference. Drawing areas costs as
-/// many normals as the square root of the step count, so their steps end three levels before those
-/// of the others.
+/// `sexp-levy` has itself at a finer step as reference. Drawing areas costs as many normals as the
+/// square root of the step count, so its steps end three levels before those of the others.
 pub fn compare(
     conditions: &Conditions,
     words: Words,
@@ -304,14 +272,12 @@ pub fn compare(
     compiled: &Compiled<'_>,
 ) -> Findings {
     let measure = |fewer: u32, curves: &[Curve<'_>]| {
-        let grid = conditions.choose(Grid { last: last - fewer, samples }, QUICK);
+        let sizes = conditions.choose((last - fewer, samples), (10, 512));
         let bound = Some(proven);
-        StrongPanel { bound, ..StrongPanel::new(words, grid) }.measure(conditions, curves)
+        StrongPanel { bound, ..StrongPanel::new(words, sizes) }.measure(conditions, curves)
     };
-    let mut findings = measure(0, &conditions.curves(compiled));
-    let mut areas = conditions.further.to_vec();
-    areas.retain(|scheme| scheme.is_for_areas());
-    let areas = compiled.curves(&areas);
+    let mut findings = measure(0, &of_paper(compiled));
+    let areas = compiled.curves(&[BuiltIn::SexpLevy]);
     if !areas.is_empty() {
         let Findings { panels, claims } = measure(3, &areas);
         findings.claims.extend(claims);

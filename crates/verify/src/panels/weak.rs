@@ -1,5 +1,4 @@
-//! Weak convergence of `sexp`, and of schemes without iteration where they are wanted, for twelve
-//! test functions of the rigid body with three noises.
+//! Weak convergence of `sexp` for twelve test functions of the rigid body with three noises.
 //!
 //! d_l = E[φ(y_τ)] − E[φ(y_{τ/2})] with τ = 2^−l is measured for every l from the coarsest step
 //! size to the finest, on paths of its own, as the mean of φ(coarse) − ½(φ(fine) + φ(swapped)). The
@@ -42,50 +41,54 @@ use analysis::FinalMoments;
 use mc::{Ladder, Observable, Problem, Run, View};
 use noise::StreamKey;
 use real::Row;
-use schemes::BuiltIn;
 use stats::{CrossMoments, Expansion, weak_errors};
 use systems::paper::{rigid_body_three_noises, valid};
 
-use super::strong::{describe_failures, power_of_half};
+use super::{
+    strong::{describe_failures, power_of_half},
+    weak_observables,
+};
 use crate::{
-    Compiled, Conditions, Findings, TRUNCATED, Words, in_words,
+    Compiled, Conditions, Findings, TRUNCATED,
+    experiment::{BODY_3, panel},
     results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
     truncation,
 };
 
-/// One panel: a name and the test functions on it.
-pub struct WeakPanel {
-    pub id: &'static str,
-    pub title: &'static str,
-    pub functions: [Observable<3>; 3],
-}
+/// One set of runs makes these panels.
+pub const WEAK_IDS: &[&str] =
+    &["rigid-body-weak-y", "rigid-body-weak-y2", "rigid-body-weak-cos", "rigid-body-weak-sin"];
+const TITLES: [&str; 4] = [
+    "Rigid body, three noises: weak error of E[y_j]",
+    "Rigid body, three noises: weak error of E[y_j²]",
+    "Rigid body, three noises: weak error of E[cos y_j]",
+    "Rigid body, three noises: weak error of E[sin y_j]",
+];
 
 /// Coarsest step size 2⁻⁶.
 const FIRST: u32 = 6;
 
-/// Step sizes 2⁻⁶ … 2^−last, each with the paths of the difference between it and half of it:
-/// `most`·√(τ/2⁻⁶), rounded upwards, as often as the settings want it.
-fn grid(conditions: &Conditions, last: u32, most: u64) -> Vec<DifferenceSamples> {
-    let samples = |l: u32| (most as f64 * power_of_half(l - FIRST).sqrt()).ceil() as u64;
-    let samples = |l| conditions.paths(samples(l));
-    let difference = |l| DifferenceSamples { tau: power_of_half(l), samples: samples(l) };
-    (FIRST..=last).map(difference).collect()
-}
-
-/// The panels that are wanted, which one set of runs makes.
-pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
+/// All panels. Of the step sizes 2⁻⁶ … 2^−last the difference between one and half of it has
+/// most·√(τ/2⁻⁶) paths, rounded upwards.
+pub fn measure(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
-    let compiled = Compiled::of(&problem);
-    let (last, most) = conditions.choose((12, 500_000), (9, 65_536));
-    let grid = grid(conditions, last, most);
-    let wanted = |panel: &&WeakPanel| conditions.wanted.contains(&panel.id);
-    let panels: Vec<&WeakPanel> = panels.iter().filter(wanted).collect();
-    let observables: Vec<_> = panels.iter().flat_map(|panel| panel.functions).collect();
-    let mut schemes = conditions.further.to_vec();
-    schemes.retain(|scheme| !scheme.is_for_areas());
-    schemes.insert(0, BuiltIn::Sexp);
-    let more = conditions.times_in_words();
-    let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}{more}");
+    let sexp = Compiled::of(&problem).sexp();
+    let (last, most): (_, u32) = conditions.choose((12, 500_000), (9, 65_536));
+    let samples = |l: u32| (f64::from(most) * power_of_half(l - FIRST).sqrt()).ceil() as u64;
+    let difference = |l| DifferenceSamples { tau: power_of_half(l), samples: samples(l) };
+    let grid: Vec<_> = (FIRST..=last).map(difference).collect();
+    let observables = weak_observables();
+    let (mut moments, mut failures) = (Vec::new(), Vec::new());
+    for (part, DifferenceSamples { tau, samples }) in (0..).zip(&grid) {
+        let scheme = || sexp.scheme.clone();
+        let runs = vec![Run::new(scheme(), 1), Run::new(scheme(), 0), Run::swapped(scheme(), 0)];
+        let ladder = difference_ladder(&sexp.problem, *tau, conditions.key(part), runs);
+        let difference = |phi: &dyn Fn(usize) -> f64| phi(0) - 0.5 * (phi(1) + phi(2));
+        let (found, failed) = moments_of(&ladder, *samples, &observables, difference);
+        moments.push(found);
+        failures.extend(failed);
+    }
+    let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");
     let samples: Vec<String> = grid.iter().map(|level| level.samples.to_string()).collect();
     let (samples, finer) = (samples.join(", "), last + 1);
     let reference = format!(
@@ -93,56 +96,23 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
          ({samples}); below 2^-{finer} a Richardson tail, the difference between 2^-{last} and \
          2^-{finer} once more. The order is fitted to the differences, without the tail."
     );
-    let drawn = panels.iter().map(|panel| {
-        let (title, system) = (panel.title, in_words::BODY_3);
-        let paper = "sexp has weak order 1 for every test function.";
-        let words = Words { title, system, paper };
-        Panel {
+    let series = series("sexp", &grid, &moments, &observables, Expansion::EveryPower);
+    let mut findings = Findings::default();
+    for ((id, title), series) in WEAK_IDS.iter().zip(TITLES).zip(series.chunks(3)) {
+        let words = [title, BODY_3, "sexp has weak order 1 for every test function."];
+        findings.claims.extend(series.iter().map(|Series { quantity, rate, .. }| {
+            let statement = format!("|E φ(y_N) − E φ(y(T))| ≤ C τ for φ = {quantity} (k ≥ 2)");
+            let measured = Evidence::order_bound(1.0, rate.clone());
+            Claim::new("weak-one", statement, measured).about(id, "sexp")
+        }));
+        findings.panels.push(Panel {
             samples: grid[0].samples,
             reference: reference.clone(),
             differences: grid.clone(),
-            ..words.panel(panel.id, Kind::Weak, &compiled.problem, &steps)
-        }
-    });
-    let mut findings = Findings { panels: drawn.collect(), claims: Vec::new() };
-    for curve in compiled.curves(&schemes) {
-        let (mut moments, mut failures) = (Vec::new(), Vec::new());
-        for (part, DifferenceSamples { tau, samples }) in (0..).zip(&grid) {
-            let scheme = || curve.setup.scheme.clone();
-            let runs =
-                vec![Run::new(scheme(), 1), Run::new(scheme(), 0), Run::swapped(scheme(), 0)];
-            let ladder = difference_ladder(&compiled.problem, *tau, conditions.key(part), runs);
-            let id = conditions.wanted.join(", ");
-            conditions.progress.begin(&id, samples * ladder.steps_per_path());
-            let difference = |phi: &dyn Fn(usize) -> f64| phi(0) - 0.5 * (phi(1) + phi(2));
-            let advance = |work| conditions.progress.advance(work);
-            let (found, failed) = moments_of(&ladder, *samples, &observables, difference, &advance);
-            moments.push(found);
-            failures.extend(failed);
-        }
-        conditions.progress.end();
-        let series = series(curve.name, &grid, &moments, &observables, Expansion::EveryPower);
-        let of_panels = series.chunks(panels[0].functions.len());
-        for ((panel, drawn), series) in panels.iter().zip(&mut findings.panels).zip(of_panels) {
-            // The paper's bound for `sexp`; the order of any other scheme.
-            let paper = curve.method == BuiltIn::Sexp;
-            findings.claims.extend(series.iter().map(
-                |Series { scheme, quantity, rate, .. }| {
-                    let statement = match paper {
-                        true => {
-                            format!("|E φ(y_N) − E φ(y(T))| ≤ C τ for φ = {quantity} (k ≥ 2{more})")
-                        }
-                        false => format!("{scheme} has weak order 1 for φ = {quantity}{more}"),
-                    };
-                    let measured = Evidence::order_bound(1.0, rate.clone());
-                    Claim::new("weak-one", statement, measured)
-                        .about(panel.id, scheme)
-                        .proven(paper)
-                },
-            ));
-            drawn.series.extend_from_slice(series);
-            drawn.failures.extend_from_slice(&failures);
-        }
+            series: series.to_vec(),
+            failures: failures.clone(),
+            ..panel(words, id, Kind::Weak, &sexp.problem, &steps)
+        });
     }
     findings
 }
@@ -182,7 +152,6 @@ pub fn moments_of(
     samples: u64,
     observables: &[Observable<3>],
     combination: impl Fn(&dyn Fn(usize) -> f64) -> f64 + Sync,
-    advance: &(dyn Fn(u64) + Sync),
 ) -> (CrossMoments, Vec<String>) {
     let values = |view: &View<'_>, rows: &mut [Row]| {
         for (row, observable) in rows.iter_mut().zip(observables) {
@@ -192,7 +161,7 @@ pub fn moments_of(
         }
     };
     let new = || FinalMoments::new(ladder.coarse_steps(), observables.len(), &values);
-    let measured = ladder.run(samples, new, advance);
+    let measured = ladder.run(samples, new, &|_| ());
     let failures = describe_failures(&measured);
     (measured.statistic.moments, failures)
 }

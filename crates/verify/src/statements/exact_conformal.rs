@@ -41,8 +41,7 @@ pub(super) fn measure(conditions: &Conditions) -> Findings {
 /// Linear pieces of the noise on [0, 1].
 const PIECES: u64 = 64;
 /// Runge–Kutta steps on each piece.
-const COARSE: u32 = 4;
-const FINE: u32 = 32;
+const SUBSTEPS: [u32; 2] = [4, 32];
 /// Eight times more steps reduce a fourth-order defect by 4096; this leaves room for higher orders
 /// of the error.
 const REDUCTION: f64 = 1000.0;
@@ -60,7 +59,7 @@ pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     let (system, erased) = (problem.system(), mc::Problem::of(problem));
     let tau = problem.t_end() / PIECES as f64;
     // The states at the ends of the pieces.
-    let path = |substeps: u32| {
+    let paths = SUBSTEPS.map(|substeps| {
         let mut noise = WienerPath::<M>::new(conditions.key(part), 0);
         let mut y = problem.y0();
         let mut path = vec![(0.0, y.to_vec())];
@@ -70,29 +69,26 @@ pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
             path.push(((n + 1) as f64 * tau, y.to_vec()));
         }
         path
-    };
-    let (coarse, fine) = (path(COARSE), path(FINE));
+    });
     let claim = |(index, invariant): (usize, &systems::Invariant)| {
         let variation = |path: &Path| {
             let values = along(&erased, index, path);
-            let defects: Vec<f64> =
-                values.iter().map(|(_, value, exact)| value / exact - 1.0).collect();
+            let defects = values.iter().map(|(_, value, exact)| value / exact - 1.0);
+            let defects: Vec<f64> = defects.collect();
             defects.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>()
         };
-        let (before, after) = (variation(&coarse), variation(&fine));
-        let words = |steps| {
-            format!("variation of the relative defect of Runge–Kutta with {steps} steps a piece")
-        };
+        let [before, after] = paths.each_ref().map(variation);
+        let [coarse, fine] = SUBSTEPS.map(|n| {
+            format!("variation of the relative defect of Runge–Kutta with {n} steps a piece")
+        });
         let quantities = vec![
-            Bounded::reported(words(COARSE), before),
-            Bounded::at_most(words(FINE), after, f64::max(before / REDUCTION, ROUND_OFF)),
+            Bounded::reported(coarse, before),
+            Bounded::at_most(fine, after, f64::max(before / REDUCTION, ROUND_OFF)),
         ];
+        let systems::Invariant { name, formula, degree, .. } = invariant;
         let statement = format!(
-            "{}: {} = {} obeys the conformal law of degree {} on the exact flow",
-            system.name(),
-            invariant.name,
-            invariant.formula,
-            invariant.degree
+            "{}: {name} = {formula} obeys the conformal law of degree {degree} on the exact flow",
+            system.name()
         );
         Claim::new("exact-conformal", statement, Evidence::bounds(quantities))
     };

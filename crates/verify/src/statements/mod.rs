@@ -8,20 +8,24 @@ pub mod solvability;
 pub mod truncation;
 pub mod without_iteration;
 
-use schemes::{Sexp, Split};
+use schemes::{Sexp, SexpLi, Split};
+use systems::paper::valid;
 
 use crate::Experiment;
 
 /// In the order of the paper, then the others.
 pub const STATEMENTS: &[Experiment] = &[
-    Experiment::new(&["truncation-moments"], truncation::measure),
-    Experiment::new(&["solvability"], solvability::measure),
-    Experiment::new(&["exact-conformal"], exact_conformal::measure),
-    Experiment::new(&["moment-bound"], moment_bound::measure),
-    Experiment::new(&["local-exact"], local::measure_exact),
-    Experiment::new(&["local-sexp"], |conditions| local::of_scheme(conditions, &Sexp, true)),
-    Experiment::new(&["local-sexp-li"], local::measure_sexp_li),
-    Experiment::new(&["local-split"], |conditions| local::of_scheme(conditions, &Split, false)),
-    Experiment::new(&["any-increment"], without_iteration::any_increment),
-    Experiment::new(&["no-noise"], without_iteration::no_noise),
+    (&["truncation-moments"], truncation::measure),
+    (&["solvability"], solvability::measure),
+    (&["exact-conformal"], exact_conformal::measure),
+    (&["moment-bound"], moment_bound::measure),
+    (&["local-exact"], local::of_exact_flow),
+    (&["local-sexp"], |conditions| local::of_scheme(conditions, &Sexp, true)),
+    (&["local-sexp-li"], |conditions| {
+        let (body, _, y0, _) = local::problem().into_parts();
+        local::of_scheme(conditions, &valid(SexpLi::new(&body, y0)), false)
+    }),
+    (&["local-split"], |conditions| local::of_scheme(conditions, &Split, false)),
+    (&["any-increment"], without_iteration::any_increment),
+    (&["no-noise"], without_iteration::no_noise),
 ];

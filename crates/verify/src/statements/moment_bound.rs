@@ -36,11 +36,8 @@ pub fn undamped() -> Problem<RigidBody<3>, Constant, 3> {
 /// cancelled.
 const ROUND_OFF: f64 = 16_000.0 * f64::EPSILON;
 
-/// Steps on [0, 10]: τ = 0.5, 0.1 and 0.01.
-const STEPS: [u64; 3] = [20, 100, 1000];
-
-/// The largest ‖y_n‖ over the bound at t_n, over many paths and all n ≥ 1, for a quadratic F with
-/// minimum m.
+/// The largest ‖y_n‖ over the bound at t_n on [0, 10], over many paths and all n ≥ 1, for a
+/// quadratic F with minimum m.
 pub fn bound(
     conditions: &Conditions,
     part: u64,
@@ -54,31 +51,27 @@ pub fn bound(
     let absolute = valid(DampingFunction::new(|t| problem.damping.rate(t).abs(), 8));
     let start = (problem.formulas.law(index, &problem.y0) / minimum).sqrt();
     let (mut largest, mut failed) = (0.0, 0);
-    for steps in STEPS {
-        let tau = problem.t_end / steps as f64;
-        let mut total = 0.0;
-        let bounds: Vec<f64> = (0..steps)
-            .map(|n| {
-                total += absolute.integral(n as f64 * tau, (n + 1) as f64 * tau);
-                start * f64::exp(total)
-            })
-            .collect();
+    for steps in [20, 100, 1000] {
+        let (tau, mut total) = (problem.t_end / steps as f64, 0.0);
+        let bounds = (0..steps).map(|n| {
+            total += absolute.integral(n as f64 * tau, (n + 1) as f64 * tau);
+            start * f64::exp(total)
+        });
+        let bounds: Vec<f64> = bounds.collect();
         for path in 0..paths {
             let path = conditions.path(part, setup, steps, path);
             failed += u64::from(path.len() as u64 <= steps);
             for ((_, y), bound) in path[1..].iter().zip(&bounds) {
-                let norm = y.iter().map(|component| component * component).sum::<f64>().sqrt();
-                largest = worse(largest, norm / bound);
+                let square: f64 = y.iter().map(|component| component * component).sum();
+                largest = worse(largest, square.sqrt() / bound);
             }
         }
     }
     let words = format!("largest ‖y_n‖ over its bound, {paths} paths with τ = 0.5, 0.1 and 0.01");
     let quantities = vec![Bounded::at_most(words, largest, 1.0 + ROUND_OFF)];
-    let statement = format!(
-        "{}, {}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {}",
-        problem.name,
-        problem.damping.describe(),
-        problem.laws[index].name
-    );
+    let (name, damping) = (&problem.name, problem.damping.describe());
+    let law = &problem.laws[index].name;
+    let statement =
+        format!("{name}, {damping}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {law}");
     Claim::new("moment-bound", statement, Evidence::Bounds { quantities, failed })
 }

@@ -23,16 +23,9 @@ use crate::{
 };
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
-    vec![
-        contraction(conditions, 0, pendulum().system(), 1.0, 1.0),
-        contraction(conditions, 1, poisson3_strong().system(), 3f64.sqrt(), 1.0),
-    ]
-    .into()
-}
-
-/// C_{k,τ} for constant B and ‖∇²H‖ ≤ 1, one noise of size 1.
-fn constant(tau: f64, structure: f64) -> f64 {
-    structure * (tau + (2.0 * f64::from(TRUNCATION_ORDER) * tau * tau.ln().abs()).sqrt())
+    let of_pendulum = contraction(conditions, 0, pendulum().system(), 1.0, 1.0);
+    let poisson = poisson3_strong();
+    vec![of_pendulum, contraction(conditions, 1, poisson.system(), 3f64.sqrt(), 1.0)].into()
 }
 
 /// Points are drawn with this spread: several periods of the sines.
@@ -49,15 +42,20 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
     structure: f64,
     reach: f64,
 ) -> Claim {
-    // The constant rises from 0, and below one there is a largest step.
-    let exponent = (1..60).find(|&j| constant(0.5f64.powi(j), structure) < 1.0).unwrap_or(60);
+    // C_{k,τ} for constant B and ‖∇²H‖ ≤ 1, one noise of size 1. It rises from 0, and below one
+    // there is a largest step.
+    let constant = |tau: f64| {
+        structure * (tau + (2.0 * f64::from(TRUNCATION_ORDER) * tau * tau.ln().abs()).sqrt())
+    };
+    let exponent = (1..60).find(|&j| constant(0.5f64.powi(j)) < 1.0).unwrap_or(60);
     let tau = 0.5f64.powi(exponent);
-    let lipschitz = constant(tau, structure);
+    let lipschitz = constant(tau);
     let bound = reach * valid(truncation().bound(tau));
     let mut noise = WienerPath::<1>::new(conditions.key(part), 0);
     let mut point = || -> [f64; D] { std::array::from_fn(|_| noise.normal() * SPREAD) };
     let pairs = conditions.choose(5_000, 500);
     let (mut quotient, mut apart) = (0.0, 0.0);
+    let between = |a: [f64; D], b: [f64; D]| squared_distance(&a, &b).sqrt();
     for pair in 0..pairs {
         let (z_hat, mut one, mut other) = (point(), point(), point());
         // Increments sweep the whole truncated range, its ends included.
@@ -67,27 +65,19 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
             let change = system.averaged_field(z_hat, z, tau, [dw]);
             std::array::from_fn(|i| z_hat[i] + change[i])
         };
-        let distance = squared_distance(&one, &other).sqrt();
-        quotient = worse(quotient, squared_distance(&psi(one), &psi(other)).sqrt() / distance);
+        let distance = between(one, other);
+        quotient = worse(quotient, between(psi(one), psi(other)) / distance);
         // Cⁿ·distance below round-off.
-        let sweeps = (ln(AGREEMENT * 1e-3 / distance) / ln(lipschitz)).ceil() as u32;
-        for _ in 0..sweeps {
-            one = psi(one);
-            other = psi(other);
+        for _ in 0..(ln(AGREEMENT * 1e-3 / distance) / ln(lipschitz)).ceil() as u32 {
+            (one, other) = (psi(one), psi(other));
         }
-        apart = worse(apart, squared_distance(&one, &other).sqrt());
+        apart = worse(apart, between(one, other));
     }
+    let words = format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}");
+    let limits = format!("largest distance between limits from {pairs} pairs of starts");
     let quantities = vec![
-        Bounded::at_most(
-            format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}"),
-            quotient,
-            lipschitz,
-        ),
-        Bounded::at_most(
-            format!("largest distance between limits from {pairs} pairs of starts"),
-            apart,
-            AGREEMENT,
-        ),
+        Bounded::at_most(words, quotient, lipschitz),
+        Bounded::at_most(limits, apart, AGREEMENT),
     ];
     let statement = format!("{}: the step has a unique solution once C(k, τ) < 1", system.name());
     Claim::new("solvability", statement, Evidence::bounds(quantities))

@@ -5,19 +5,18 @@ use analysis::{Exact, FinalMoments, StepSizes, weak_order};
 use kernels::Tuned;
 use mc::{Ladder, View};
 use real::Row;
-use schemes::BuiltIn;
 use systems::{
     Damping, Problem,
     paper::{self, valid},
 };
 
 use crate::{
-    Compiled, Conditions, Findings, Words,
+    Compiled, Conditions, Findings,
     exact::{RandomTime, expectation, solution},
-    in_words,
+    experiment::{BODY_ENERGY, VOLTERRA, of_paper},
     panels::{
         phi,
-        strong::{Grid, StrongPanel},
+        strong::{StrongPanel, finest_steps},
     },
     results::{Claim, Evidence},
     truncation,
@@ -25,12 +24,12 @@ use crate::{
 
 pub fn lotka_volterra(conditions: &Conditions) -> Findings {
     let title = "Lotka–Volterra against its exact solution: strong convergence";
-    compare(conditions, title, in_words::VOLTERRA, &paper::lotka_volterra_1_1())
+    compare(conditions, title, VOLTERRA, &paper::lotka_volterra_1_1())
 }
 
 pub fn rigid_body(conditions: &Conditions) -> Findings {
     let title = "Rigid body with noise H₀ against its exact solution: strong convergence";
-    compare(conditions, title, in_words::BODY_ENERGY, &paper::rigid_body_energy(1.0))
+    compare(conditions, title, BODY_ENERGY, &paper::rigid_body_energy(1.0))
 }
 
 /// Strong errors, weak errors of `sexp` against the exact solution path by path, and the mean of
@@ -48,14 +47,12 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
     };
     let solution = |s: f64| solution(problem, s);
     let compiled = Compiled::of(problem);
-    let grid = conditions.choose(Grid { last: 12, samples: 500 }, Grid { last: 10, samples: 200 });
-    let words = Words { title, system, paper: "Not in the paper." };
-    let finest = time(grid.finest_steps(problem.t_end()));
-    let exact = Some(Exact::new(&finest, solution));
-    let strong = StrongPanel { exact, ..StrongPanel::new(words, grid) };
-    let mut findings = strong.measure(conditions, &conditions.curves(&compiled));
+    let words = [title, system, "Not in the paper."];
+    let panel = StrongPanel::new(words, conditions.choose((12, 500), (10, 200)));
+    let finest = time(finest_steps(panel.last, problem.t_end()));
+    let strong = StrongPanel { exact: Some(Exact::new(&finest, solution)), ..panel };
+    let mut findings = strong.measure(conditions, &of_paper(&compiled));
 
-    let observables = [phi("y2", |y| y[1]), phi("cos y3", |y| real::elementary::cos(y[2]))];
     let sizes = StepSizes {
         levels: 5,
         refinement: 0,
@@ -64,15 +61,12 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
     };
     let steps = sizes.coarsest_steps << (sizes.levels - 1);
     let time = time(steps);
-    let exact = || Exact::new(&time, solution);
-    let claims = observables.map(|observable| {
-        let (name, exact) = (observable.name, exact());
+    let exact = Exact::new(&time, solution);
+    for observable in [phi("y2", |y| y[1]), phi("cos y3", |y| real::elementary::cos(y[2]))] {
+        let name = observable.name;
         let order = valid(weak_order(&compiled.sexp(), &observable, &sizes, Some(&exact)));
         let statement = format!("sexp has weak order 1 against the exact solution for φ = {name}");
-        let measured = Evidence::of_order(order, 1.0);
-        let weak = Claim::new("weak-one", statement, measured)
-            .about(conditions.id(), BuiltIn::Sexp.id())
-            .proven(false);
+        let weak = Claim::new("weak-one", statement, Evidence::of_order(order, 1.0));
 
         // Two ways to the same number, of which one uses the noise of this project and the
         // other a quadrature.
@@ -88,14 +82,13 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
         let moments = ladder.run(conditions.choose(20_000, 1_000), new, &|_| ()).statistic.moments;
         let (value, error) = (moments.mean(0), moments.covariance_of_means(0, 0).sqrt());
         let expected = expectation(problem, &time, steps, observable.function);
-        let measured = Evidence::mean(format!("E[{name}]"), value, error, expected);
         let statement = format!(
-            "E[{name}] over sampled exact solutions is the Gaussian integral over the random \
-             time"
+            "E[{name}] over sampled exact solutions is the Gaussian integral over the random time"
         );
+        let measured = Evidence::mean(format!("E[{name}]"), value, error, expected);
         let mean = Claim::new("exact-expectation", statement, measured);
-        [weak, mean.about(conditions.id(), "").proven(false)]
-    });
-    findings.claims.extend(claims.concat());
+        let both = [weak.about(conditions.id, "sexp"), mean.about(conditions.id, "")];
+        findings.claims.extend(both.map(|claim| claim.proven(false)));
+    }
     findings
 }

@@ -5,12 +5,12 @@ use mc::{
     Expect, ExpectSettings, Observable, Observe,
     expect::{Estimate, Expectation},
 };
-use schemes::BuiltIn;
 use stats::{CONFIDENCE, Point, two_sided};
 use systems::paper::{rigid_body_three_noises, valid};
 
 use crate::{
-    Compiled, Conditions, Findings, Words, in_words,
+    Compiled, Conditions, Findings, Words,
+    experiment::{BODY_3, panel},
     panels::{phi, weak_observables},
     results::{Claim, Evidence, Kind, Panel, Series},
     sphere::rigid_body_expectations,
@@ -24,36 +24,41 @@ fn exact(conditions: &Conditions, observables: &[Observable<3>]) -> Vec<f64> {
     rigid_body_expectations(&rigid_body_three_noises(1.0), degree, observables)
 }
 
+/// How expectations are computed.
+const RANDOM: &str = "random points";
+const SOBOL: &str = "Sobol points";
+const CHOSEN: &str = "Expect";
+
 /// Expectations with the noise of part number `part`: by `sexp` on random or Sobol points, or by
 /// `nv` on Sobol points, as `mc::Expect` chooses them.
 fn expectation(
     conditions: &Conditions,
-    (method, random): (BuiltIn, bool),
+    way: &str,
     part: u64,
     observables: &[Observable<3>],
     accuracy: f64,
 ) -> Expectation {
     let problem = rigid_body_three_noises(1.0);
     let (mut expect, key) = (Expect::by_parts(&problem), conditions.key(part));
-    let mut settings = ExpectSettings { key, random_points: random, ..Default::default() };
-    if method == BuiltIn::Sexp {
+    let random_points = way == RANDOM;
+    let mut settings = ExpectSettings { key, random_points, ..Default::default() };
+    if way != CHOSEN {
         expect = Expect::with_scheme(Compiled::of(&problem).sexp());
         (settings.truncation, settings.max_cost) = (truncation(), 1 << 40);
     }
     let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
-    let advance = |work| conditions.progress.advance(work);
-    valid(expect.with(settings).run(&observables, accuracy, &advance))
+    valid(expect.with(settings).run(&observables, accuracy, &|_| ()))
 }
 
 /// E[φ] of `estimate` against its value by the Kolmogorov equation. Where the interval has
 /// Student's quantile the standard error is that of a normal law with the same interval.
-fn claim(estimate: &Estimate, of: &Expectation, exact: f64, statement: String) -> Claim {
+fn claim(estimate: &Estimate, of: &Expectation, expected: f64, statement: String) -> Claim {
     let measured = Evidence::Deviation {
         quantity: format!("E[{}]", estimate.name),
         value: estimate.value,
         standard_error: estimate.standard_error * estimate.quantile / two_sided(CONFIDENCE, None),
         bias: estimate.bias_bound + estimate.missed,
-        expected: exact,
+        expected,
         path_steps: Some(of.cost),
         warnings: of.warnings.iter().map(ToString::to_string).collect(),
     };
@@ -64,60 +69,58 @@ fn claim(estimate: &Estimate, of: &Expectation, exact: f64, statement: String) -
 /// `mc::Expect` against the Kolmogorov equation.
 pub fn measure(conditions: &Conditions) -> Findings {
     let (accuracy, observables) = (conditions.choose(2e-5, 2e-4), weak_observables());
-    let measured = expectation(conditions, (BuiltIn::Nv, false), 0, &observables, accuracy);
+    let measured = expectation(conditions, CHOSEN, 0, &observables, accuracy);
     let exact = exact(conditions, &observables);
     let claims = measured.estimates.iter().zip(exact).map(|(estimate, exact)| {
         let name = &estimate.name;
         let statement = format!("E[{name}] of the rigid body with three noises at T = 1");
-        claim(estimate, &measured, exact, statement).about("", BuiltIn::Nv.id())
+        claim(estimate, &measured, exact, statement).about("", "nv")
     });
     claims.collect::<Vec<_>>().into()
 }
 
-const COS_Y3: [Observable<3>; 1] = [phi("cos y3", |y| real::elementary::cos(y[2]))];
-
-const COST: Words = Words {
-    title: "E[cos y_3] of the rigid body with three noises: cost against accuracy",
-    system: in_words::BODY_3,
-    paper: "Not in the paper, which takes single paths. With weak order 1 they cost ε⁻³; on \
-            antithetic levels random points cost ε⁻², since the variance of a level falls like \
-            τ²; scrambled Sobol points take fewer. Expect takes nv, of weak order 2, on Sobol points.",
-};
+const WORDS: Words = [
+    "E[cos y_3] of the rigid body with three noises: cost against accuracy",
+    BODY_3,
+    "Not in the paper, which takes single paths. With weak order 1 they cost ε⁻³; on antithetic \
+     levels random points cost ε⁻², since the variance of a level falls like τ²; scrambled Sobol \
+     points take fewer. Expect takes nv, of weak order 2, on Sobol points.",
+];
 
 /// Path-steps for E[cos y₃] at several accuracies: what points and scheme contribute.
 pub fn cost(conditions: &Conditions) -> Findings {
-    let problem = rigid_body_three_noises(1.0);
+    let observables = [phi("cos y3", |y| real::elementary::cos(y[2]))];
     let accuracies = conditions
         .choose([1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5], [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]);
-    let exact = exact(conditions, &COS_Y3)[0];
+    let exact = exact(conditions, &observables)[0];
     let (mut series, mut claims) = (Vec::new(), Vec::new());
     // A part of the streams for each accuracy. On Sobol points a coarser one costs what the pilot
     // costs.
     let ways: [(_, _, &[u64]); 3] = [
-        ("random points", (BuiltIn::Sexp, true), &[2, 4, 1, 3, 5, 7]),
-        ("Sobol points", (BuiltIn::Sexp, false), &[9, 11, 13, 15]),
-        ("Expect", (BuiltIn::Nv, false), &[8, 10, 12, 14]),
+        (RANDOM, "sexp", &[2, 4, 1, 3, 5, 7]),
+        (SOBOL, "sexp", &[9, 11, 13, 15]),
+        (CHOSEN, "nv", &[8, 10, 12, 14]),
     ];
-    for (name, way, parts) in ways {
+    for (way, scheme, parts) in ways {
         let mut points = Vec::new();
         let finest = &accuracies[accuracies.len() - parts.len()..];
         for (&part, &accuracy) in parts.iter().zip(finest) {
-            let result = expectation(conditions, way, part, &COS_Y3, accuracy);
+            let result = expectation(conditions, way, part, &observables, accuracy);
             points.push(Point::Cost { accuracy, path_steps: result.cost });
-            let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
+            let statement = format!("E[cos y3] to ± {accuracy:.0e} by {way}");
             let claim = claim(&result.estimates[0], &result, exact, statement);
-            claims.push(claim.about(conditions.id(), way.0.id()));
+            claims.push(claim.about(conditions.id, scheme));
         }
-        let quantity = "cos y3".into();
-        series.push(Series { scheme: name.into(), quantity, points, ..Series::default() });
+        let (scheme, quantity) = (way.into(), "cos y3".into());
+        series.push(Series { scheme, quantity, points, ..Series::default() });
     }
-    let reference = "half-width ε of the 95 % interval, bias included".into();
+    let problem = rigid_body_three_noises(1.0);
     let steps = "random and Sobol points: sexp, on random ones with antithetic differences; all \
                  pilots are part of the cost";
     let panel = Panel {
-        reference,
+        reference: "half-width ε of the 95 % interval, bias included".into(),
         series,
-        ..COST.panel(conditions.id(), Kind::Cost, &mc::Problem::of(&problem), steps)
+        ..panel(WORDS, conditions.id, Kind::Cost, &mc::Problem::of(&problem), steps)
     };
     Findings { panels: vec![panel], claims }
 }

@@ -10,11 +10,11 @@ use crate::Experiment;
 
 /// All of them.
 pub const SUPPLEMENTS: &[Experiment] = &[
-    Experiment::new(&["truncation-orders"], truncation_orders::measure),
-    Experiment::new(&["lotka-volterra-exact"], exact_references::lotka_volterra),
-    Experiment::new(&["rigid-body-energy-exact"], exact_references::rigid_body),
-    Experiment::new(&["spin-pair-levy"], levy::measure),
-    Experiment::new(&["rigid-body-expectations"], expectations::measure),
-    Experiment::new(&["expectation-cost"], expectations::cost),
-    Experiment::new(&["rigid-body-weak-two"], weak_two::measure),
+    (&["truncation-orders"], truncation_orders::measure),
+    (&["lotka-volterra-exact"], exact_references::lotka_volterra),
+    (&["rigid-body-energy-exact"], exact_references::rigid_body),
+    (&["spin-pair-levy"], levy::measure),
+    (&["rigid-body-expectations"], expectations::measure),
+    (&["expectation-cost"], expectations::cost),
+    (&["rigid-body-weak-two"], weak_two::measure),
 ];

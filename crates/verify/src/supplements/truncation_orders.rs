@@ -5,22 +5,20 @@ use schemes::BuiltIn;
 use systems::paper::{rigid_body_one_noise, valid};
 
 use crate::{
-    Compiled, Conditions, Curve, Findings, Words, in_words,
-    panels::strong::{Grid, StrongPanel},
+    Compiled, Conditions, Curve, Findings, Words, experiment::BODY_1, panels::strong::StrongPanel,
 };
 
-const WORDS: Words = Words {
-    title: "What the truncation order k does: sexp on the rigid body, only W₁",
-    system: in_words::BODY_1,
-    paper: "The theorems ask k ≥ 2 for order 1; the k of the experiments is not stated. With k = 1 \
-            clipped increments spoil the order, with k = 2 a handful of them dominates the \
-            mean-square error of coarse steps.",
-};
+const WORDS: Words = [
+    "What the truncation order k does: sexp on the rigid body, only W₁",
+    BODY_1,
+    "The theorems ask k ≥ 2 for order 1; the k of the experiments is not stated. With k = 1 \
+     clipped increments spoil the order, with k = 2 a handful of them dominates the mean-square \
+     error of coarse steps.",
+];
 
 /// Strong errors of `sexp` with k = 1, 2, 4 and without truncation, on the same noise.
 pub fn measure(conditions: &Conditions) -> Findings {
     let problem = rigid_body_one_noise();
-    let grid = conditions.choose(Grid { last: 12, samples: 1000 }, Grid { last: 10, samples: 512 });
     let rules = [
         ("sexp, k = 1", Truncation::new(1)),
         ("sexp, k = 2", Truncation::new(2)),
@@ -28,14 +26,14 @@ pub fn measure(conditions: &Conditions) -> Findings {
         ("sexp, not truncated", Ok(Truncation::none())),
     ];
     let panels = rules.into_iter().flat_map(|(name, rule)| {
-        let setup = Compiled::of(&problem).sexp();
+        let curve = Curve { name, method: BuiltIn::Sexp, setup: Compiled::of(&problem).sexp() };
         let panel = StrongPanel {
             truncation: valid(rule),
             truncated: "increments truncated with k = 1, 2, 4 and not at all, those of the \
                         reference by the same rule",
-            ..StrongPanel::new(WORDS, grid)
+            ..StrongPanel::new(WORDS, conditions.choose((12, 1000), (10, 512)))
         };
-        panel.measure(conditions, &[Curve { name, method: BuiltIn::Sexp, setup }]).panels
+        panel.measure(conditions, &[curve]).panels
     });
     let together = panels.reduce(|mut all, panel| {
         all.series.extend(panel.series);

@@ -7,17 +7,16 @@
 //! order, and of the other order on swapped increments: its variance falls like τ². Each difference
 //! has scrambles of its own, whose means are the samples.
 
-use std::ops::RangeInclusive;
-
 use mc::{NextNoise, Observable, Problem, Run, bind_owned};
 use noise::{QuasiWiener, StreamKey};
 use real::WIDTH;
-use schemes::{BuiltIn, Nv, Sweep};
+use schemes::{Nv, Sweep};
 use stats::{CrossMoments, Expansion};
 use systems::paper::{rigid_body_three_noises, valid};
 
 use crate::{
-    Conditions, Findings, Words, in_words,
+    Conditions, Findings,
+    experiment::{BODY_3, panel},
     panels::{
         phi,
         strong::power_of_half,
@@ -26,14 +25,6 @@ use crate::{
     results::{Claim, DifferenceSamples, Evidence, Kind, Panel},
 };
 
-const WORDS: Words = Words {
-    title: "Rigid body, three noises: weak error of nv",
-    system: in_words::BODY_3,
-    paper: "Not in the paper, whose scheme has weak order 1.",
-};
-
-/// Step sizes 2⁻¹ … 2⁻⁵.
-const EXPONENTS: RangeInclusive<u32> = 1..=4;
 /// Scrambles: many, so that the normal law is that of their mean.
 const SCRAMBLES: u64 = 64;
 
@@ -46,36 +37,39 @@ const OBSERVABLES: [Observable<3>; 3] =
 pub fn measure(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
     let points: u64 = conditions.choose(1 << 15, 1 << 9);
-    let grid =
-        EXPONENTS.map(|l| DifferenceSamples { tau: power_of_half(l), samples: SCRAMBLES * points });
-    let grid: Vec<DifferenceSamples> = grid.collect();
+    let samples = SCRAMBLES * points;
+    // Step sizes 2⁻¹ … 2⁻⁵.
+    let grid = [1, 2, 3, 4].map(|l| DifferenceSamples { tau: power_of_half(l), samples });
     let (mut moments, mut failures) = (Vec::new(), Vec::new());
     for (part, difference) in (0..).zip(&grid) {
         let (found, failed) = differences(conditions.key(part), difference.tau, points);
         moments.push(found);
         failures.extend(failed);
     }
-    let scheme = BuiltIn::Nv.id();
-    let series = series(scheme, &grid, &moments, &OBSERVABLES, Expansion::EvenPowers);
+    let series = series("nv", &grid, &moments, &OBSERVABLES, Expansion::EvenPowers);
     let claims = series.iter().map(|series| {
         let statement = format!("nv has weak order 2 for φ = {}", series.quantity);
         let measured = Evidence::order_bound(2.0, series.rate.clone());
-        Claim::new("weak-two", statement, measured).about(conditions.id(), scheme).proven(false)
+        Claim::new("weak-two", statement, measured).about(conditions.id, "nv").proven(false)
     });
     let claims = claims.collect();
-    let steps = format!("τ = 2^-{} … 2^-{}", EXPONENTS.start(), EXPONENTS.end());
+    let words = [
+        "Rigid body, three noises: weak error of nv",
+        BODY_3,
+        "Not in the paper, whose scheme has weak order 1.",
+    ];
     let reference = format!(
         "sums of differences between neighbouring steps, of means over both orders of the noises; \
          {SCRAMBLES} scrambles of {points} Sobol points for each; below the finest step a \
          Richardson tail. The order is fitted to the differences, without the tail."
     );
     let panel = Panel {
-        samples: SCRAMBLES * points,
+        samples,
         reference,
-        differences: grid,
+        differences: grid.to_vec(),
         failures,
         series,
-        ..WORDS.panel(conditions.id(), Kind::Weak, &Problem::of(&problem), &steps)
+        ..panel(words, conditions.id, Kind::Weak, &Problem::of(&problem), "τ = 2^-1 … 2^-4")
     };
     Findings { panels: vec![panel], claims }
 }
@@ -97,22 +91,21 @@ fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<Stri
         ];
         let wiener = valid(QuasiWiener::new(key, scramble, steps, 3, problem.t_end()));
         let ladder = difference_ladder(&Problem::of(&problem), tau, key, runs);
-        let ladder = valid(ladder.with_noise(move |path| increments(&wiener, path)));
+        // The increments of 32 points of the scramble, step by step.
+        let increments = move |first_point| -> NextNoise<'static> {
+            let mut all = vec![[0.0; WIDTH]; wiener.dimensions()];
+            wiener.block(first_point, &mut all);
+            let mut next = 0;
+            Box::new(move |noise| {
+                noise.increments.copy_from_slice(&all[next..next + 3]);
+                next += 3;
+            })
+        };
+        let ladder = valid(ladder.with_noise(increments));
         let difference = |phi: &dyn Fn(usize) -> f64| 0.5 * (phi(0) + phi(1) - (phi(2) + phi(3)));
-        let (found, failed) = moments_of(&ladder, points, &OBSERVABLES, difference, &|_| ());
+        let (found, failed) = moments_of(&ladder, points, &OBSERVABLES, difference);
         failures.extend(failed);
         moments.add(&found.means());
     }
     (moments, failures)
-}
-
-/// The increments of 32 points of a scramble, step by step.
-fn increments(wiener: &QuasiWiener, first_point: u64) -> NextNoise<'static> {
-    let mut all = vec![[0.0; WIDTH]; wiener.dimensions()];
-    wiener.block(first_point, &mut all);
-    let mut next = 0;
-    Box::new(move |noise| {
-        noise.increments.copy_from_slice(&all[next..next + 3]);
-        next += 3;
-    })
 }

@@ -64,20 +64,18 @@ fn every_scheme_is_measured_on_every_system() {
 
 #[test]
 fn no_guarantee_is_refuted_and_schemes_fail_where_they_must() {
-    let (code, text, _) = run(HARD_CASES, &["--quick"]);
+    let (code, text, _) = run(HARD_CASES, &[]);
     assert!(code == Some(0) && text.contains(", 0 refuted\n"), "{text}");
-    assert!(!text.contains("REFUTED") && !text.contains("NaN"), "{text}");
+    assert!(!text.contains("REFUTED"), "{text}");
     let cases: Vec<&str> = text.split("\n\n").collect();
-    assert_eq!(cases.len(), 13, "twelve cases and the counts");
+    assert_eq!(cases.len(), 10, "nine cases and the counts");
     // Whether a scheme fails in any setting of a case.
     let fails = |id: &str, scheme: &str| {
-        let is = |case: &&&str| case.lines().next() == Some(id);
-        let case = cases.iter().find(is).unwrap_or_else(|| panic!("no case {id}"));
+        let case = cases.iter().find(|case| case.starts_with(id)).expect("the case");
         let cells = |line: &str| line.split('|').map(|c| c.trim().to_owned()).collect::<Vec<_>>();
         let mut rows = case.lines().filter(|line| line.starts_with('|')).map(cells);
         let column = rows.next().and_then(|head| head.iter().position(|name| name == scheme));
-        let column = column.unwrap_or_else(|| panic!("{id} has no {scheme}"));
-        rows.any(|row| row[column].ends_with('✗'))
+        rows.any(|row| row[column.expect("the scheme")].contains('✗'))
     };
     for (id, scheme) in [
         ("stiff-damping", "em"),
@@ -93,7 +91,7 @@ fn no_guarantee_is_refuted_and_schemes_fail_where_they_must() {
     assert!(!fails("stiff-damping", "sexp"));
 
     // The same seed gives the same bits.
-    let case = |seed| run(HARD_CASES, &["--quick", "--only", "big-steps", "--seed", seed]).1;
+    let case = |seed| run(HARD_CASES, &["--only", "big-steps", "--seed", seed]).1;
     assert_eq!(case("1"), case("1"));
     assert_ne!(case("1"), case("2"));
 }
@@ -107,9 +105,8 @@ fn what_cannot_be_done_is_refused_in_words() {
     let below = ["--quick", "--json", below.to_str().unwrap()];
     let mut refused: Vec<(_, &[&str], &[&str])> = vec![
         (BENCH, &below, &["a-file"]),
-        (BENCH, &["--repetitions", "0"], &["--repetitions"]),
         (BENCH, &["--simd", "mmx"], &["this machine does not have it, only"]),
-        (HARD_CASES, &["--only", "equilibrium"], &["'equilibrium'", "equilibria", "near-singular"]),
+        (HARD_CASES, &["--only", "big"], &["'big'", "big-steps", "near-singular"]),
     ];
     if Level::available() < Level::Avx512 {
         refused.push((BENCH, &["--simd", "avx512"], &["this machine does not have it"]));

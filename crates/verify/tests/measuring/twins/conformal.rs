@@ -1,9 +1,10 @@
 //! Twins of the conformal laws and of the bounds that follow from them.
 
 use mc::Setup;
+use real::Real;
 use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp};
 use systems::{
-    Damping, PoissonSystem, Problem, RigidBody,
+    Damping, Invariant, PoissonSystem, Problem, RigidBody,
     paper::{lotka_volterra_2_2, rigid_body_three_noises, valid},
 };
 use verify::{
@@ -13,7 +14,45 @@ use verify::{
     statements::{exact_conformal, moment_bound},
 };
 
-use super::wrong_systems::WrongSystem;
+/// A system whose discrete gradient is the gradient at the midpoint, and whose last component of
+/// B(y)v is multiplied by `last`.
+///
+/// The discrete gradient is a mistake unless the Hamiltonians are quadratic, and so is any factor
+/// but 1: with −1, B is no longer skew.
+struct WrongSystem<S> {
+    /// The right system.
+    right: S,
+    /// Factor of the last component.
+    last: f64,
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
+    for WrongSystem<S>
+{
+    fn name(&self) -> &'static str {
+        self.right.name()
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
+        let mut product = self.right.structure(y, v);
+        product[D - 1] = product[D - 1] * self.last;
+        product
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
+        self.right.energy(y, dt, dw)
+    }
+    #[inline(always)]
+    fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
+        self.right.gradient(dgrad::midpoint(a, b), dt, dw)
+    }
+    fn invariants(&self) -> Vec<Invariant> {
+        self.right.invariants()
+    }
+    fn invariant<R: Real>(&self, index: usize, y: [R; D]) -> R {
+        self.right.invariant(index, y)
+    }
+}
 
 /// The problem with a wrong system.
 fn wrong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(

@@ -2,15 +2,18 @@
 
 use analysis::{Order, StepSizes, strong_order, weak_order};
 use mc::{Observable, Setup};
-use noise::{BlockNoise, Noise, StreamKey, WienerPath};
+use noise::{Noise, StepNoise, StreamKey, WienerPath};
 use real::WIDTH;
 use schemes::{EulerMaruyama, Explicit, Increment, Scheme, Sexp, SexpLevy, Step};
 use systems::{
     Damping, PoissonSystem, Problem,
     paper::{rigid_body_one_noise, rigid_body_three_noises, valid},
 };
-use verify::results::{Claim, Evidence};
-use verify::{Conditions, OtherNoise, truncation};
+use verify::{
+    Conditions, altered,
+    results::{Claim, Evidence},
+    truncation,
+};
 
 /// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
 /// every seed.
@@ -26,10 +29,23 @@ pub fn strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     scheme: &dyn Scheme<S, D, M>,
     order: f64,
 ) -> Claim {
+    altered_strong(conditions, id, problem, scheme, order, |_, _| ())
+}
+
+/// The strong order of a scheme on another noise than it should have.
+fn altered_strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    conditions: &Conditions,
+    id: &str,
+    problem: &Problem<S, G, D>,
+    scheme: &dyn Scheme<S, D, M>,
+    order: f64,
+    change: impl Fn(&mut Step, &mut StepNoise) + Send + Sync,
+) -> Claim {
     // Areas cost more normals the finer the steps: 2⁻⁴ … 2⁻¹¹ and a reference at 2⁻¹³ will do.
     let coarsest_steps = if scheme.reads_areas() { 16 } else { 32 };
     let sizes = StepSizes { coarsest_steps, ..step_sizes(conditions) };
-    let measured = valid(strong_order(&Setup::of(problem, scheme), &sizes));
+    let setup = altered(Setup::of(problem, scheme), None, change);
+    let measured = valid(strong_order(&setup, &sizes));
     order_claim(id, &format!("strong order {order}"), measured, order)
 }
 
@@ -70,22 +86,19 @@ pub fn weak_with_correction(conditions: &Conditions, factor: f64) -> Claim {
 /// The strong order of `sexp` on the wrong noise, three of them.
 fn half(
     conditions: &Conditions,
-    noise: impl Fn(&Step, &BlockNoise<3>, usize) -> Noise<3> + Send + Sync,
+    change: impl Fn(&mut Step, &mut StepNoise) + Send + Sync,
 ) -> Claim {
-    let wrong = OtherNoise { scheme: &Sexp, noise };
-    strong(conditions, "strong-half", &rigid_body_three_noises(1.0), &wrong, 0.5)
+    let problem = rigid_body_three_noises(1.0);
+    altered_strong::<_, _, 3, 3>(conditions, "strong-half", &problem, &Sexp, 0.5, change)
 }
 
 pub fn shared_stream(conditions: &Conditions) -> Claim {
-    half(conditions, |_, noise, p| {
-        let [first, _, third] = noise.increments_of(p);
-        Noise::increments([first, first, third])
-    })
+    half(conditions, |_, noise| noise.increments[1] = noise.increments[0])
 }
 
 /// `sexp` on the increments of the neighbouring path: the right law, drawn afresh.
 pub fn fresh_increments(conditions: &Conditions) -> Claim {
-    half(conditions, |_, noise, p| noise.path((p + 1) % WIDTH))
+    half(conditions, |_, noise| noise.increments.iter_mut().for_each(|row| row.rotate_left(1)))
 }
 
 pub fn explicit(conditions: &Conditions) -> Claim {
@@ -93,34 +106,29 @@ pub fn explicit(conditions: &Conditions) -> Claim {
 }
 
 pub fn truncated_too_early(conditions: &Conditions) -> Claim {
-    let noise = |step: &Step, noise: &BlockNoise<1>, p: usize| {
+    let problem = rigid_body_one_noise();
+    let clamp = |step: &mut Step, noise: &mut StepNoise| {
         let bound = 0.5 * step.tau.sqrt();
-        Noise::increments(noise.increments_of(p).map(|dw| dw.clamp(-bound, bound)))
+        noise.increments[0].iter_mut().for_each(|dw| *dw = dw.clamp(-bound, bound));
     };
-    let wrong = OtherNoise { scheme: &Sexp, noise };
-    strong(conditions, "strong-one", &rigid_body_one_noise(), &wrong, 1.0)
+    altered_strong::<_, _, 3, 1>(conditions, "strong-one", &problem, &Sexp, 1.0, clamp)
 }
 
 /// The strong order of `sexp-levy` on the right increments and the wrong areas.
 fn with_areas(
     conditions: &Conditions,
-    areas: impl Fn(&Step, &Noise<3>) -> [[f64; 3]; 3] + Send + Sync,
+    change: impl Fn(&mut Step, &mut StepNoise) + Send + Sync,
 ) -> Claim {
     let problem = rigid_body_three_noises(1.0);
-    let noise = |step: &Step, noise: &BlockNoise<3>, p: usize| {
-        let right = noise.path(p);
-        Noise { areas: areas(step, &right), ..right }
-    };
-    let wrong = OtherNoise { scheme: &SexpLevy::new(problem.system(), problem.y0()), noise };
-    strong(conditions, "strong-one-levy", &problem, &wrong, 1.0)
+    let levy = SexpLevy::new(problem.system(), problem.y0());
+    altered_strong::<_, _, 3, 3>(conditions, "strong-one-levy", &problem, &levy, 1.0, change)
 }
 
-pub fn areas_of_the_wrong_sign(conditions: &Conditions) -> Claim {
-    with_areas(conditions, |_, noise| noise.areas.map(|row| row.map(|area| -area)))
-}
-
-pub fn without_areas(conditions: &Conditions) -> Claim {
-    with_areas(conditions, |_, _| [[0.0; 3]; 3])
+/// Areas times a factor: of the wrong sign, or none.
+pub fn scaled_areas(conditions: &Conditions, factor: f64) -> Claim {
+    with_areas(conditions, move |_, noise| {
+        noise.areas.as_flattened_mut().iter_mut().for_each(|area| *area *= factor);
+    })
 }
 
 /// Normal areas with the right variance given the increments, (τ² + τ(ΔWₘ² + ΔW_l²))/12, drawn for
@@ -128,16 +136,17 @@ pub fn without_areas(conditions: &Conditions) -> Claim {
 /// that the twin is reproducible.
 pub fn fresh_areas(conditions: &Conditions) -> Claim {
     with_areas(conditions, |step, noise| {
-        let [a, b, c] = noise.increments.map(f64::to_bits);
-        let key = StreamKey { seed: a ^ b.rotate_left(21), experiment: c ^ step.tau.to_bits() };
-        let mut normals = WienerPath::<3>::new(key, 0);
-        let mut areas = [[0.0; 3]; 3];
-        for (m, l) in [(0, 1), (0, 2), (1, 2)] {
-            let squares = noise.increments[m].powi(2) + noise.increments[l].powi(2);
-            let deviation = (step.tau * (step.tau + squares) / 12.0).sqrt();
-            areas[m][l] = deviation * normals.normal();
-            areas[l][m] = -areas[m][l];
+        for p in 0..WIDTH {
+            let Noise { increments, mut areas } = noise.path::<3>(p);
+            let [a, b, c] = increments.map(f64::to_bits);
+            let key = StreamKey { seed: a ^ b.rotate_left(21), experiment: c ^ step.tau.to_bits() };
+            let mut normals = WienerPath::<3>::new(key, 0);
+            for (m, l) in [(0, 1), (0, 2), (1, 2)] {
+                let squares = increments[m].powi(2) + increments[l].powi(2);
+                let deviation = (step.tau * (step.tau + squares) / 12.0).sqrt();
+                areas[m][l] = deviation * normals.normal();
+            }
+            noise.set_path(p, &Noise { increments, areas });
         }
-        areas
     })
 }
