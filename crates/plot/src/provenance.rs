@@ -3,10 +3,10 @@
 use std::{collections::BTreeMap, fs, process::Command, time::Instant};
 
 use real::Level;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Where a run comes from and how long it took.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Provenance {
     /// Commit of the workspace, with `-dirty` appended when the tree differs from it.
     pub git: String,
@@ -22,9 +22,6 @@ pub struct Provenance {
     pub seed: u64,
     /// `paper` or `quick`.
     pub mode: String,
-    /// How often the mode's numbers of paths there are, where that was asked for.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub samples_times: Option<f64>,
     /// The command line.
     pub command: String,
     /// Wall time of the whole run in seconds.
@@ -54,24 +51,13 @@ pub fn complete(known: Provenance, program: &str, start: Instant) -> Provenance 
         rustc: first_line("rustc", &["--version"]),
         cpu: fact("/proc/cpuinfo", "model name").unwrap_or(std::env::consts::ARCH.into()),
         simd: Level::current().name().into(),
-        command: command_line(program, std::env::args().skip(1)),
+        command: std::iter::once(program.into())
+            .chain(std::env::args().skip(1))
+            .collect::<Vec<_>>()
+            .join(" "),
         wall_s: start.elapsed().as_secs_f64(),
         ..known
     }
-}
-
-/// The command as a user types it, without the files and folders to write to.
-fn command_line(program: &str, arguments: impl Iterator<Item = String>) -> String {
-    let mut words = vec![program.into()];
-    let mut skip = false;
-    for word in arguments {
-        let target = ["--out", "--json"].contains(&word.split('=').next().unwrap_or(""));
-        if !(skip || target) {
-            words.push(word.clone());
-        }
-        skip = target && !word.contains('=');
-    }
-    words.join(" ")
 }
 
 /// First line that a command prints, or `unknown`.
@@ -100,12 +86,6 @@ pub fn peak_memory_mb() -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_command_does_not_say_where_it_writes() {
-        let words = "verify --quick --out a --json=b --seed 2".split(' ').map(str::to_owned);
-        assert_eq!(command_line("cargo xtask", words), "cargo xtask verify --quick --seed 2");
-    }
 
     #[test]
     fn every_fact_is_found() {

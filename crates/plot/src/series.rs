@@ -2,11 +2,11 @@
 
 use std::hash::Hash;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use stats::{Point, Rate};
 
 /// What curves show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// Root-mean-square error against the step size.
@@ -21,7 +21,7 @@ pub enum Kind {
 }
 
 /// One curve.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Series {
     /// The scheme.
     pub scheme: String,

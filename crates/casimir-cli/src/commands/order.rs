@@ -42,7 +42,7 @@ pub fn order(arguments: &arguments::Order) -> Done {
         ("weak.svg", convergence("Weak errors", Kind::Weak, &weak_series)),
     ];
     for (file, figure) in figures {
-        files::write(&folder.join(file), figure.svg())?;
+        files::write(&folder.join(file), figure)?;
     }
     let described = |(quantity, order): &Found| {
         json!({

@@ -1,14 +1,5 @@
 //! From a value to a position on the page: linear and logarithmic axes and the ranges they cover.
 
-/// How values are spaced.
-#[derive(Clone, Copy)]
-pub enum Scale {
-    /// Equal differences are equally far apart.
-    Linear,
-    /// Equal ratios are equally far apart.
-    Logarithmic,
-}
-
 /// The range of values an axis covers, `lo < hi`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
@@ -46,7 +37,7 @@ impl Range {
     }
 
     /// Widened by `share` of its length at both ends; a single value gets a range of its own
-    /// magnitude.
+    /// magnitude, whatever the share.
     pub fn padded(self, share: f64) -> Self {
         let length = self.hi - self.lo;
         let pad = match self.hi.abs() {
@@ -55,11 +46,6 @@ impl Range {
             size => 0.1 * size,
         };
         Self { lo: self.lo - pad, hi: self.hi + pad }
-    }
-
-    /// Padded if it is a single value.
-    pub fn or_padded(self) -> Self {
-        if self.lo < self.hi { self } else { self.padded(0.1) }
     }
 
     /// Widened until it holds two powers of ten, because one labelled tick does not define a scale.
@@ -75,8 +61,8 @@ impl Range {
 /// An axis: a range of values laid over a stretch of the page.
 #[derive(Clone, Copy)]
 pub struct Axis {
-    /// Spacing of the values.
-    pub scale: Scale,
+    /// Whether equal ratios are equally far apart, and not equal differences.
+    pub logarithmic: bool,
     /// Values covered.
     pub range: Range,
     /// Position of `range.lo` on the page.
@@ -90,12 +76,12 @@ impl Axis {
     /// axis.
     pub fn position(&self, value: f64) -> f64 {
         let Range { lo, hi } = self.range;
+        if self.logarithmic && value <= 0.0 {
+            return self.start;
+        }
         // Differences of logarithms, because the ratio of two values may overflow.
-        let [value, lo, hi] = match self.scale {
-            Scale::Linear => [value, lo, hi],
-            Scale::Logarithmic if value <= 0.0 => return self.start,
-            Scale::Logarithmic => [value, lo, hi].map(f64::ln),
-        };
+        let scale = if self.logarithmic { f64::ln } else { |value| value };
+        let [value, lo, hi] = [value, lo, hi].map(scale);
         self.start + (value - lo) / (hi - lo) * (self.end - self.start)
     }
 }

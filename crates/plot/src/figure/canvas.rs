@@ -1,11 +1,16 @@
 //! Lines, markers and text on an SVG page, measured in CSS pixels at column width.
 
-use super::{
-    look::Look,
-    scripts::markup,
-    stroke::{Color, Position, Stroke},
+use super::look::Look;
+use crate::{
+    escape,
+    label::{Label, SCRIPT_SIZE},
 };
-use crate::{escape, label::Label};
+
+/// A place on the page in CSS pixels, from the upper left corner.
+pub type Position = (f64, f64);
+
+/// A colour in the notation of SVG.
+pub type Color = &'static str;
 
 /// Ink of axes and text.
 pub const INK: Color = "#222222";
@@ -13,18 +18,30 @@ pub const INK: Color = "#222222";
 pub const FAINT: Color = "#E2E2E2";
 /// Ink of reference lines.
 pub const GREY: Color = "#696969";
-const PAPER: Color = "#FFFFFF";
 
 /// Coordinates are integers on a grid that is so many times finer than a pixel.
 const GRID: f64 = 20.0;
 
-/// Pixels to a centimetre, by the definition of the CSS pixel.
-const PER_CENTIMETRE: f64 = 96.0 / 2.54;
+/// Colour, width in pixels, opacity and continuity of a line.
+#[derive(Clone, Copy)]
+pub struct Stroke {
+    pub color: Color,
+    pub width: f64,
+    pub opacity: f64,
+    pub dashed: bool,
+}
 
-/// Length of a dash in pixels.
-const DASH: f64 = 4.0;
-/// Length of a gap in pixels; round line ends shorten what is seen of it.
-const GAP: f64 = 3.2;
+impl Stroke {
+    /// An opaque stroke without gaps.
+    pub fn new(color: Color, width: f64) -> Self {
+        Self { color, width, opacity: 1.0, dashed: false }
+    }
+
+    /// The same stroke in dashes.
+    pub fn dashed(self) -> Self {
+        Self { dashed: true, ..self }
+    }
+}
 
 /// Which point of a text lies at the position given.
 pub enum Align {
@@ -44,82 +61,88 @@ pub struct Canvas {
     elements: Vec<String>,
 }
 
+/// What is far outside of the page stays outside.
 fn grid(length: f64) -> i32 {
-    (length * GRID).round() as i32
+    (length * GRID).clamp(-1e6, 1e6).round() as i32
 }
 
-fn list(points: impl Iterator<Item = Position>) -> String {
-    points.map(|(x, y)| format!("{},{}", grid(x), grid(y))).collect::<Vec<_>>().join(" ")
+fn list(points: &[Position]) -> String {
+    let points = points.iter().map(|(x, y)| format!("{},{}", grid(*x), grid(*y)));
+    points.collect::<Vec<_>>().join(" ")
 }
 
 impl Canvas {
     /// The page of the given size as a stand-alone SVG document. `title` is what a screen reader
     /// says in place of the picture.
-    pub fn page(self, (width, height): (f64, f64), title: &str) -> String {
-        let [wide, high] = [width, height].map(|length| length / PER_CENTIMETRE);
+    pub fn page(self, (width, height): Position, title: &str) -> String {
+        // 96 pixels are an inch.
+        let [wide, high] = [width, height].map(|length| length * 2.54 / 96.0);
         let size = format!(r#"width="{wide:.2}cm" height="{high:.2}cm""#);
         let view = format!(r#"viewBox="0 0 {} {}""#, grid(width), grid(height));
         // With mitred joints a noisy curve would turn into needles.
         let joints = r#"stroke-linejoin="round" stroke-linecap="round""#;
+        let (title, elements) = (escape(title), self.elements.join("\n"));
         format!(
             r##"<svg xmlns="http://www.w3.org/2000/svg" role="img" {size} {view} {joints}>
-<title>{}</title>
+<title>{title}</title>
 <rect width="100%" height="100%" fill="#fff"/>
-{}
+{elements}
 </svg>
-"##,
-            escape(title),
-            self.elements.join("\n")
+"##
         )
     }
 
-    /// A line through `points`.
+    /// Shows of what is drawn only what lies between two corners of a box.
+    pub fn clipped(&mut self, from: Position, to: Position, draw: impl FnOnce(&mut Self)) {
+        let [x, y, width, height] = [from.0, from.1, to.0 - from.0, to.1 - from.1].map(grid);
+        self.elements.push(format!(
+            r#"<svg x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}">"#
+        ));
+        draw(self);
+        self.elements.push("</svg>".into());
+    }
+
+    /// A line through `points`; one that is not finite interrupts it.
     pub fn polyline(&mut self, points: &[Position], stroke: Stroke) {
-        if points.len() < 2 {
-            return;
-        }
         let Stroke { color, width, opacity, dashed } = stroke;
-        let dashes = match dashed {
-            true => format!(r#" stroke-dasharray="{} {}""#, grid(DASH), grid(GAP)),
-            false => String::new(),
-        };
-        let (width, points) = (grid(width), list(points.iter().copied()));
+        // Round line ends shorten what is seen of a gap.
+        let dashes = if dashed { r#" stroke-dasharray="80 64""# } else { "" };
+        let width = grid(width);
         let paint = format!(r#"opacity="{opacity}" stroke="{color}" stroke-width="{width}""#);
-        let line = format!(r#"<polyline fill="none" {paint}{dashes} points="{points}"/>"#);
-        self.elements.push(line);
+        let runs = points.split(|(x, y)| !(x.is_finite() && y.is_finite()));
+        self.elements.extend(runs.filter(|run| run.len() > 1).map(|run| {
+            format!(r#"<polyline fill="none" {paint}{dashes} points="{}"/>"#, list(run))
+        }));
     }
 
     /// An area without a border.
     pub fn area(&mut self, corners: &[Position], color: Color, opacity: f64) {
-        let points = list(corners.iter().copied());
+        let points = list(corners);
         let area = format!(r#"<polygon fill="{color}" opacity="{opacity}" points="{points}"/>"#);
         self.elements.push(area);
     }
 
     /// A marker; a hollow one shows the paper inside.
     pub fn marker(&mut self, at: Position, look: Look, radius: f64, hollow: bool) {
-        let shape = match look.marker {
-            [] => {
-                let (x, y, r) = (grid(at.0), grid(at.1), grid(radius));
-                format!(r#"circle cx="{x}" cy="{y}" r="{r}""#)
-            }
-            corners => {
-                let corners = corners.iter().map(|(x, y)| (at.0 + radius * x, at.1 + radius * y));
-                format!(r#"polygon points="{}""#, list(corners))
-            }
+        let shape = if look.marker.is_empty() {
+            let [x, y, r] = [at.0, at.1, radius].map(grid);
+            format!(r#"circle cx="{x}" cy="{y}" r="{r}""#)
+        } else {
+            let corner = |(x, y): &Position| (at.0 + radius * x, at.1 + radius * y);
+            let corners: Vec<_> = look.marker.iter().map(corner).collect();
+            format!(r#"polygon points="{}""#, list(&corners))
         };
-        let (color, width) = (look.color, grid(1.1));
-        let paint = match hollow {
-            true => format!(r#"fill="{PAPER}" stroke="{color}" stroke-width="{width}""#),
-            false => format!(r#"fill="{color}""#),
-        };
-        self.elements.push(format!("<{shape} {paint}/>"));
+        let color = look.color;
+        self.elements.push(match hollow {
+            true => format!(r##"<{shape} fill="#FFFFFF" stroke="{color}" stroke-width="22"/>"##),
+            false => format!(r#"<{shape} fill="{color}"/>"#),
+        });
     }
 
     /// A label on one line, centred vertically at `at`; one that reads upwards is centred both
     /// ways.
     pub fn label(&mut self, label: &Label, at: Position, size: f64, align: Align) {
-        let (x, y, size, text) = (grid(at.0), grid(at.1), grid(size), markup(label));
+        let ([x, y, size], text) = ([at.0, at.1, size].map(grid), markup(label));
         let (anchor, turn) = match align {
             Align::Left => ("start", 0),
             Align::Middle => ("middle", 0),
@@ -131,4 +154,25 @@ impl Canvas {
         let font = format!(r#"font-family="sans-serif" font-size="{size}" fill="{INK}""#);
         self.elements.push(format!("<text {place} {font}>{text}</text>"));
     }
+}
+
+/// How far an index stands below the line and an exponent above, in units of the base.
+const SINK: f64 = 0.28 * SCRIPT_SIZE;
+const RISE: f64 = 0.5 * SCRIPT_SIZE;
+
+/// The content of a `text` element. The browser places indices and exponents by the true width of
+/// the base, whatever the font.
+pub fn markup(label: &Label) -> String {
+    // A shift holds for all that follows: each part is moved from where the one before it stands.
+    let (mut markup, mut height) = (escape(&label.base), 0.0);
+    let scripts = [(&label.index, -SINK, SCRIPT_SIZE), (&label.exponent, RISE, SCRIPT_SIZE)];
+    for (text, level, size) in scripts.into_iter().chain([(&label.tail, 0.0, 1.0)]) {
+        if !text.is_empty() {
+            let (shift, percent, text) = ((height - level) / size, 100.0 * size, escape(text));
+            markup +=
+                &format!("<tspan dy=\"{shift:.2}em\" font-size=\"{percent}%\">{text}</tspan>");
+            height = level;
+        }
+    }
+    markup
 }

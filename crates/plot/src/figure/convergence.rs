@@ -2,16 +2,14 @@
 
 use stats::{Point, Rate};
 
-use super::{
-    chart::{COLUMN, Curve, Figure, Line, Measured, Plot, Style},
-    ticks::Spacing,
-};
+use super::chart::{Curve, Figure, Line, Measured, Plot};
 use crate::{
     Kind, Series,
     series::{QUANTILE, distinct, main_quantity},
 };
 
-/// The figure of strong or weak errors against the step size, or of path-steps against accuracy.
+/// The figure of strong or weak errors against the step size, or of path-steps against accuracy, as
+/// an SVG document.
 ///
 /// Of strong errors it shows the error at the final time, of weak errors all quantities, in a plot
 /// for each scheme. Fitted orders stand in the legend, unless it is that of several plots; grey
@@ -30,72 +28,61 @@ use crate::{
 ///     rate: None,
 ///     max_relative_defect: None,
 /// };
-/// let svg = convergence("Errors of my scheme", Kind::Strong, &[series]).svg();
+/// let svg = convergence("Errors of my scheme", Kind::Strong, &[series]);
 /// assert!(svg.starts_with("<svg") && svg.contains("my-scheme") && svg.contains("slope 1"));
 /// ```
-pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
+pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> String {
     let (weak, cost) = (kind == Kind::Weak, kind == Kind::Cost);
     let quantity = main_quantity(series);
-    let drawn: Vec<&Series> = series.iter().filter(|s| weak || s.quantity == quantity).collect();
-    let schemes = distinct(drawn.iter().map(|series| series.scheme.as_str()));
+    let drawn = || series.iter().filter(|s| weak || s.quantity == quantity);
+    let schemes = distinct(drawn().map(|series| series.scheme.as_str()));
     let several = weak && schemes.len() > 1;
-    let curve = |series: &&Series| Curve {
-        name: if weak { series.quantity.clone() } else { series.scheme.clone() },
-        note: rate(series).filter(|_| !several).map_or(String::new(), order),
-        points: series.points.iter().filter_map(measured).collect(),
+    let rate = |series: &Series| series.rate.clone().filter(|rate| rate.estimate.is_finite());
+    let curve = |series: &Series| {
+        let name = if weak { &series.quantity } else { &series.scheme };
+        let note = rate(series).filter(|_| !several).as_ref().map_or(String::new(), order);
+        Curve { note, ..Curve::new(name, series.points.iter().filter_map(measured)) }
     };
-    let curves: Vec<Curve> = drawn.iter().map(curve).collect();
-    let trends = drawn.iter().zip(&curves).map(|(series, curve)| {
-        let points = curve.trend();
-        let fitted = || rate(series).map_or_else(|| overall_order(&points), |rate| rate.estimate);
+    let trends = drawn().filter(|_| !cost).map(|series| {
+        let (points, rate) = (curve(series).trend(), rate(series));
+        let fitted = || rate.as_ref().map_or_else(|| overall_order(&points), |rate| rate.estimate);
         // Intervals of weak orders are too wide to choose between slopes 1/2 and 1.
-        let two = rate(series).is_some_and(|rate| rate.lo > 1.5);
         let order = match weak {
-            true if two => 2.0,
+            true if rate.as_ref().is_some_and(|rate| rate.lo > 1.5) => 2.0,
             false if fitted() < 0.75 => 0.5,
             _ => 1.0,
         };
         (order, points)
     });
-    let lines = reference_slopes(&trends.filter(|_| !cost).collect::<Vec<_>>());
     let (x_title, y_title) = match kind {
         Kind::Cost => ("half-width ε of the 95 % interval", "path-steps".into()),
         Kind::Weak => ("step size τ", "|weak error|".into()),
         _ => ("step size τ", format!("RMS error of {quantity}")),
     };
-    let spacing = if cost { Spacing::Decades } else { Spacing::Doublings };
-    let plot = |x_title: String, curves| Plot { x_title, spacing, lines: lines.clone(), curves };
+    let plot = |x_title, curves| Plot { x_title, decades: cost, curves };
     let of_scheme = |scheme: &&str| {
-        let own = drawn.iter().filter(|series| series.scheme == *scheme);
+        let own = drawn().filter(|series| series.scheme == *scheme);
         plot(format!("{x_title}, {scheme}"), own.map(curve).collect())
     };
     let plots = match several {
         true => schemes.iter().map(of_scheme).collect(),
-        false => vec![plot(x_title.into(), curves)],
+        false => vec![plot(x_title.into(), drawn().map(curve).collect())],
     };
-    Figure {
-        title: title.into(),
-        y_title,
-        size: COLUMN,
-        style: if weak { Style::Signed } else { Style::Schemes },
-        plots,
-    }
-}
-
-fn rate(series: &Series) -> Option<&Rate> {
-    series.rate.as_ref().filter(|rate| rate.estimate.is_finite())
+    let lines = reference_slopes(&trends.collect::<Vec<_>>());
+    Figure { title: title.into(), y_title, signed: weak, lines, plots }.svg()
 }
 
 fn measured(point: &Point) -> Option<Measured> {
+    let exact = |x, y| Measured { x, x_hi: x, y, lo: y, hi: y };
     match *point {
         Point::Error { tau, value, se, lo, hi, .. } => {
             let half = QUANTILE * se.abs();
             let ends = lo.zip(hi).filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
-            let ends = ends.unwrap_or((value - half, value + half));
-            let interval = (half.is_finite() && half != 0.0).then_some(ends);
-            Some(Measured { interval, ..Measured::new(tau, value) })
+            let (lo, hi) = ends.unwrap_or((value - half, value + half));
+            let known = half.is_finite() && half != 0.0;
+            Some(if known { Measured { lo, hi, ..exact(tau, value) } } else { exact(tau, value) })
         }
-        Point::Cost { accuracy, path_steps } => Some(Measured::new(accuracy, path_steps as f64)),
+        Point::Cost { accuracy, path_steps } => Some(exact(accuracy, path_steps as f64)),
         Point::Value { .. } => None,
     }
 }
@@ -123,17 +110,16 @@ pub fn overall_order(points: &[(f64, f64)]) -> f64 {
 pub fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
     /// The distance of a line from the nearest point, as a factor.
     const CLEARANCE: f64 = 1.8;
-    let shown = [(2.0, "slope 2"), (1.0, "slope 1"), (0.5, "slope 1/2")]
-        .into_iter()
-        .filter(|(power, _)| trends.iter().any(|(order, _)| order == power));
-    let line = |(place, (power, name)): (usize, (f64, &str))| {
+    let mut lines = Vec::new();
+    for (power, name) in [(2.0, "slope 2"), (1.0, "slope 1"), (0.5, "slope 1/2")] {
         let points = trends.iter().flat_map(|(_, points)| points);
         let ratios = points.map(|(tau, error)| error / tau.powf(power));
-        let constant = match place {
-            0 => ratios.reduce(f64::min)? / CLEARANCE,
-            _ => ratios.reduce(f64::max)? * CLEARANCE,
+        let constant = match lines.is_empty() {
+            true => ratios.reduce(f64::min).map(|ratio| ratio / CLEARANCE),
+            false => ratios.reduce(f64::max).map(|ratio| ratio * CLEARANCE),
         };
-        Some(Line { name: name.into(), constant, power })
-    };
-    shown.enumerate().filter_map(line).collect()
+        let shown = trends.iter().any(|(order, _)| *order == power);
+        lines.extend(constant.filter(|_| shown).map(|constant| Line { name, constant, power }));
+    }
+    lines
 }

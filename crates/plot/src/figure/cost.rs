@@ -1,41 +1,34 @@
 //! Figures of error against cost.
 
-use analysis::compare::{Candidate, Comparison, ErrorPoint};
+use analysis::compare::{Comparison, ErrorPoint};
 
-use super::{Curve, Figure, Measured, Plot, Spacing, Style};
-
-fn plot(x_title: String, spacing: Spacing, curves: impl Iterator<Item = Curve>) -> Plot {
-    Plot { x_title, spacing, lines: Vec::new(), curves: curves.collect() }
-}
+use super::chart::{Curve, Figure, Measured, Plot};
 
 /// The strong errors of a comparison with their intervals against the time and against the steps of
 /// a path, as an SVG document. Points that the reference does not resolve are left out.
 pub fn comparison(comparison: &Comparison) -> String {
-    let curves = |cost: fn(&ErrorPoint) -> Option<(f64, f64)>| {
-        let measured = move |point: &ErrorPoint| {
-            let (x, x_hi) = cost(point)?;
-            Some(Measured { x, x_hi, y: point.error, interval: Some((point.lo, point.hi)) })
-        };
-        let curve = move |candidate: &Candidate| {
+    let plot = |x_title: &str, decades, cost: fn(&ErrorPoint) -> Option<[f64; 2]>| {
+        let curves = comparison.candidates.iter().map(|candidate| {
             let resolved = candidate.points.iter().filter(|point| point.resolved);
+            let measured = |point: &ErrorPoint| {
+                let [x, x_hi] = cost(point)?;
+                Some(Measured { x, x_hi, y: point.error, lo: point.lo, hi: point.hi })
+            };
             Curve::new(&candidate.scheme, resolved.filter_map(measured))
-        };
-        comparison.candidates.iter().map(curve)
+        });
+        Plot { x_title: x_title.into(), decades, curves: curves.collect() }
     };
-    let by_time = curves(|point| {
-        let time = point.time?;
-        Some((1e6 * time.best, 1e6 * time.median))
-    });
-    let by_steps = curves(|point| Some((point.steps as f64, point.steps as f64)));
     let plots = vec![
-        plot("processor time of a path, μs".into(), Spacing::Decades, by_time),
-        plot("steps of a path".into(), Spacing::Doublings, by_steps),
+        plot("processor time of a path, μs", true, |point| {
+            point.time.map(|time| [time.best, time.median].map(|seconds| 1e6 * seconds))
+        }),
+        plot("steps of a path", false, |point| Some([point.steps as f64; 2])),
     ];
     Figure {
         title: format!("{}: strong error against cost", comparison.system),
         y_title: "RMS error of y(T)".into(),
-        size: (268.0, 214.0),
-        style: Style::Schemes,
+        signed: false,
+        lines: Vec::new(),
         plots,
     }
     .svg()

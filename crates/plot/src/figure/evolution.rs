@@ -4,13 +4,11 @@
 use stats::Point;
 
 use super::{
-    axis::{Axis, Range, Scale},
-    canvas::INK,
-    frame::Frame,
+    axis::{Axis, Range},
+    canvas::{INK, Stroke},
+    frame::{Frame, Plain, UNIT},
     legend::Sample,
     look,
-    plain::{Plain, UNIT},
-    stroke::Stroke,
     ticks::Ticks,
 };
 use crate::{
@@ -27,58 +25,54 @@ const VALUE_HEIGHT: f64 = 112.0;
 const DEFECT_HEIGHT: f64 = 132.0;
 const BETWEEN: f64 = 10.0;
 
-/// Values that differ by less than this part of them are drawn as one.
-const ROUNDING: f64 = 1e-9;
-
-/// A point of the path.
-struct Sampled {
-    time: f64,
-    value: f64,
-    law: f64,
-    defect: f64,
-}
-
 /// The figure of an invariant along one path as an SVG document; of several quantities the first
 /// is drawn.
 pub fn evolution(title: &str, series: &[Series]) -> String {
     let quantity = main_quantity(series);
     let drawn: Vec<&Series> = series.iter().filter(|s| s.quantity == quantity).collect();
     let looks = look::of_schemes(&drawn.iter().map(|s| s.scheme.as_str()).collect::<Vec<_>>());
+    // Times, values and laws.
     let point = |point: &Point| match *point {
-        Point::Value { t: time, value, exact: law } if time.is_finite() => {
-            Some(Sampled { time, value, law, defect: relative_defect(value, law) })
-        }
+        Point::Value { t, value, exact } if t.is_finite() => Some([t, value, exact]),
         _ => None,
     };
-    let sampled = |series: &&Series| series.points.iter().filter_map(point).collect();
-    let curves: Vec<Vec<Sampled>> = drawn.iter().map(sampled).collect();
+    let points = |series: &&Series| series.points.iter().filter_map(point).collect::<Vec<_>>();
+    let curves: Vec<_> = drawn.iter().map(points).collect();
+    let all = || curves.iter().flatten();
+    let defect = |[_, value, law]: [f64; 3]| relative_defect(value, law);
 
     let law = Stroke::new(INK, 0.7);
     let names = drawn.iter().map(|series| Label::words(&series.scheme));
     let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
     let entries = entries.chain([(Sample::Line(law), Label::words("conformal law"))]);
-    let times = Range::of(curves.iter().flatten().map(|p| p.time), UNIT).or_padded();
-    let (x, y) = ((times, None), (value_range(&curves), quantity));
-    let mut plain = Plain::new(entries, VALUE_HEIGHT, x, y);
-    let value = plain.frame;
-    let (range, end) = (defect_range(&curves), value.y.start + BETWEEN);
-    let y = Axis { scale: Scale::Logarithmic, range, start: end + DEFECT_HEIGHT, end };
-    let defect = Frame { y, ..value };
+    let times = Range::of(all().map(|p| p[0]), UNIT).padded(0.0);
+    let mut plain =
+        Plain::new(entries, VALUE_HEIGHT, (times, None), (value_range(&curves), quantity));
+    let values = plain.frame;
+    let largest = Range::of_positive(all().map(|p| defect(*p)), UNIT).hi;
+    let range = Range { lo: 0.4 * FLOOR, hi: (4.0 * largest).max(1e-14) };
+    let end = values.y.start + BETWEEN;
+    let y = Axis { logarithmic: true, range, start: end + DEFECT_HEIGHT, end };
+    let defects = Frame { y, ..values };
+    // Decades, and a zero at the floor with room around it.
+    let mut ticks = Ticks::decades(range, 7);
+    ticks.major.retain(|(value, _)| *value > 20.0 * FLOOR);
+    ticks.minor.retain(|value| *value > 2.0 * FLOOR);
+    ticks.major.push((FLOOR, Label::words("0")));
     let x = (&Ticks::decimal(times, 6), Some("time t"));
-    defect.draw(&mut plain.canvas, x, (&defect_ticks(range), Some("relative defect")));
-    plain.frame = defect;
+    defects.draw(&mut plain.canvas, x, (&ticks, Some("relative defect")));
+    plain.frame = defects;
     let canvas = &mut plain.canvas;
     let mut from_below: Vec<_> = curves.iter().zip(looks).enumerate().collect();
     from_below.sort_by_key(|(_, (_, look))| look.layer);
     for (n, (curve, look)) in from_below {
-        let values = curve.iter().map(|p| value.place(p.time, p.value));
         // A clamped NaN stays one.
-        let floored = |p: &Sampled| p.defect.clamp(FLOOR, f64::INFINITY);
-        let defects = curve.iter().map(|p| defect.place(p.time, floored(p)));
+        let floored = |p: &[f64; 3]| defects.place(p[0], defect(*p).clamp(FLOOR, f64::INFINITY));
         // About ten markers, which no two curves carry at the same times.
         let stride = (curve.len() / 10).max(1);
         let first = (n * stride / 3 + stride / 6) % stride;
-        for (frame, path) in [(&value, values.collect::<Vec<_>>()), (&defect, defects.collect())] {
+        let path: Vec<_> = curve.iter().map(|p| values.place(p[0], p[1])).collect();
+        for (frame, path) in [(values, path), (defects, curve.iter().map(floored).collect())] {
             frame.polyline(canvas, &path, look.line(1.1));
             for at in path.iter().skip(first).step_by(stride).filter(|at| frame.holds(**at)) {
                 canvas.marker(*at, look, look.radius(2.6), look.hollow());
@@ -87,42 +81,25 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     }
     // The law is drawn last and thin, so that it stays visible on the curves that follow it.
     let longest = curves.iter().max_by_key(|curve| curve.len()).into_iter().flatten();
-    let path: Vec<_> = longest.map(|p| value.place(p.time, p.law)).collect();
-    value.polyline(canvas, &path, law);
+    let path: Vec<_> = longest.map(|p| values.place(p[0], p[2])).collect();
+    values.polyline(canvas, &path, law);
     if path.is_empty() {
-        value.say(canvas, "no data");
+        values.say(canvas, "no data");
     }
     plain.page(title, false)
 }
 
 /// Covers the law and the curves, except where a curve runs away so far that the law would become a
 /// flat line.
-fn value_range(curves: &[Vec<Sampled>]) -> Range {
-    const EXCURSION: f64 = 2.0;
-    let law = Range::of(curves.iter().flatten().map(|p| p.law), UNIT);
-    let all = Range::of(curves.iter().flatten().flat_map(|p| [p.value, p.law]), UNIT);
-    let reach = match EXCURSION * (law.hi - law.lo).max(0.1 * law.hi.abs()) {
-        0.0 => f64::INFINITY,
-        reach => reach,
-    };
-    let range = Range { lo: all.lo.max(law.lo - reach), hi: all.hi.min(law.hi + reach) };
+fn value_range(curves: &[Vec<[f64; 3]>]) -> Range {
+    let law = Range::of(curves.iter().flatten().map(|p| p[2]), UNIT);
+    let all = Range::of(curves.iter().flatten().flat_map(|p| [p[1], p[2]]), UNIT);
+    let mut reach = 2.0 * (law.hi - law.lo).max(0.1 * law.hi.abs());
+    if reach == 0.0 {
+        reach = f64::INFINITY;
+    }
+    let (lo, hi) = (all.lo.max(law.lo - reach), all.hi.min(law.hi + reach));
     // Rounding errors of a constant are no range.
-    let constant = range.hi - range.lo <= ROUNDING * range.hi.abs();
-    let range = if constant { Range { lo: range.hi, hi: range.hi } } else { range };
-    range.padded(0.06)
-}
-
-fn defect_range(curves: &[Vec<Sampled>]) -> Range {
-    let defects = curves.iter().flatten().map(|p| p.defect);
-    let hi = Range::of_positive(defects, Range { lo: FLOOR, hi: 1.0 }).hi;
-    Range { lo: 0.4 * FLOOR, hi: (4.0 * hi).max(1e-14) }
-}
-
-/// Decades, and a zero at the floor with room around it.
-fn defect_ticks(range: Range) -> Ticks {
-    let mut ticks = Ticks::decades(range, 7);
-    ticks.major.retain(|(value, _)| *value > 20.0 * FLOOR);
-    ticks.minor.retain(|value| *value > 2.0 * FLOOR);
-    ticks.major.push((FLOOR, Label::words("0")));
-    ticks
+    let constant = hi - lo <= 1e-9 * hi.abs();
+    Range { lo: if constant { hi } else { lo }, hi }.padded(0.06)
 }

@@ -1,24 +1,24 @@
-//! The box of a plot: its axes, marks and titles, and the clipping of what leaves it.
+//! The box of a plot with its axes, marks and titles, and a page with one box under a legend.
 
 use super::{
-    axis::Axis,
-    canvas::{Align, Canvas, FAINT, INK},
-    stroke::{Position, Stroke},
+    axis::{Axis, Range},
+    canvas::{Align, Canvas, FAINT, INK, Position, Stroke},
+    legend::{Sample, legend},
     ticks::Ticks,
 };
 use crate::label::Label;
 
 /// Font size of tick labels in pixels.
 const TICK_SIZE: f64 = 10.0;
-/// Font size of axis titles in pixels.
-const TITLE_SIZE: f64 = 10.5;
+/// Room to the right of a plot.
+pub const RIGHT: f64 = 10.0;
+/// Room for labels and title below a plot.
+pub const BELOW: f64 = 33.0;
 
-/// A box with two axes.
+/// A box with a horizontal axis, left to right, and a vertical one, bottom to top.
 #[derive(Clone, Copy)]
 pub struct Frame {
-    /// Horizontal axis, left to right.
     pub x: Axis,
-    /// Vertical axis, bottom to top.
     pub y: Axis,
 }
 
@@ -28,50 +28,17 @@ impl Frame {
         (self.x.position(x), self.y.position(y))
     }
 
-    /// Whether a position lies in the box, borders included.
+    /// Whether a position lies in the box, borders included, in spite of rounding.
     pub fn holds(&self, (x, y): Position) -> bool {
-        // A point on the border stays inside in spite of the rounding of its position.
         const ROUNDING: f64 = 1e-6;
         (self.x.start - ROUNDING..=self.x.end + ROUNDING).contains(&x)
             && (self.y.end - ROUNDING..=self.y.start + ROUNDING).contains(&y)
     }
 
-    /// The part of a segment that lies in the box (Liang and Barsky); none if an end is not finite.
-    pub fn clip(&self, a: Position, b: Position) -> Option<(Position, Position)> {
-        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-        if !(dx.is_finite() && dy.is_finite()) {
-            return None;
-        }
-        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-        let borders = [
-            (-dx, a.0 - self.x.start),
-            (dx, self.x.end - a.0),
-            (-dy, a.1 - self.y.end),
-            (dy, self.y.start - a.1),
-        ];
-        for (speed, distance) in borders {
-            match distance / speed {
-                s if speed < 0.0 => enter = enter.max(s),
-                s if speed > 0.0 => leave = leave.min(s),
-                _ if distance < 0.0 => return None,
-                _ => {}
-            }
-        }
-        let at = |s: f64| (a.0 + s * dx, a.1 + s * dy);
-        (enter <= leave).then(|| (at(enter), at(leave)))
-    }
-
-    /// Draws the part of a line that lies in the box; a point that is not finite interrupts it.
+    /// Draws the part of a line that lies in the box.
     pub fn polyline(&self, canvas: &mut Canvas, points: &[Position], stroke: Stroke) {
-        let mut run: Vec<Position> = Vec::new();
-        for (a, b) in points.windows(2).filter_map(|pair| self.clip(pair[0], pair[1])) {
-            if run.last() != Some(&a) {
-                canvas.polyline(&run, stroke);
-                run = vec![a];
-            }
-            run.push(b);
-        }
-        canvas.polyline(&run, stroke)
+        let (from, to) = ((self.x.start, self.y.end), (self.x.end, self.y.start));
+        canvas.clipped(from, to, |canvas| canvas.polyline(points, stroke));
     }
 
     /// Draws grid, marks, border and labels, the title of the horizontal axis below the labels and
@@ -83,10 +50,6 @@ impl Frame {
         (x, x_title): (&Ticks, Option<&str>),
         (y, y_title): (&Ticks, Option<&str>),
     ) {
-        const MAJOR: f64 = 3.5;
-        const MINOR: f64 = 2.0;
-        // Digits are taller than the letters by whose height text is centred.
-        const DIGIT_SHIFT: f64 = 0.08 * TICK_SIZE;
         let (left, right) = (self.x.start, self.x.end);
         let (bottom, top) = (self.y.start, self.y.end);
         let (grid, ink) = (Stroke::new(FAINT, 0.6), Stroke::new(INK, 0.8));
@@ -101,8 +64,8 @@ impl Frame {
             }
         }
         for (ticks, place, _) in sides {
-            let major = ticks.major.iter().map(|(value, _)| (*value, MAJOR));
-            for (value, length) in major.chain(ticks.minor.iter().map(|value| (*value, MINOR))) {
+            let major = ticks.major.iter().map(|(value, _)| (*value, 3.5));
+            for (value, length) in major.chain(ticks.minor.iter().map(|value| (*value, 2.0))) {
                 canvas.polyline(&[place(value, 0.0), place(value, length)], ink);
             }
         }
@@ -110,36 +73,81 @@ impl Frame {
         canvas.polyline(&corners, ink);
         let mut label = |label: &Label, at, align| canvas.label(label, at, TICK_SIZE, align);
         for (value, text) in &y.major {
+            // Digits are taller than the letters by whose height text is centred.
             let (x, y) = row(*value, -4.0);
-            label(text, (x, y + DIGIT_SHIFT), Align::Right);
+            label(text, (x, y + 0.08 * TICK_SIZE), Align::Right);
         }
-        if let Some(factor) = &y.factor {
-            label(factor, (left - 4.0, top - 11.0), Align::Right);
-        }
+        y.factor.iter().for_each(|text| label(text, (left - 4.0, top - 11.0), Align::Right));
+        let below = bottom + 23.5;
         if let Some(title) = x_title {
             for (value, text) in &x.major {
                 label(text, column(*value, -9.5), Align::Middle);
             }
-            if let Some(factor) = &x.factor {
-                label(factor, (right, bottom + 23.5), Align::Right);
-            }
-            write(canvas, title, (middle(self.x), bottom + 23.5), Align::Middle);
+            x.factor.iter().for_each(|text| label(text, (right, below), Align::Right));
+            write(canvas, title, (self.middle().0, below), Align::Middle);
         }
         if let Some(title) = y_title {
-            write(canvas, title, (7.5, middle(self.y)), Align::Upward);
+            write(canvas, title, (7.5, self.middle().1), Align::Upward);
         }
     }
 
     /// Writes words into the middle of the box.
     pub fn say(&self, canvas: &mut Canvas, words: &str) {
-        write(canvas, words, (middle(self.x), middle(self.y)), Align::Middle);
+        write(canvas, words, self.middle(), Align::Middle);
+    }
+
+    fn middle(&self) -> Position {
+        (0.5 * (self.x.start + self.x.end), 0.5 * (self.y.start + self.y.end))
     }
 }
 
 fn write(canvas: &mut Canvas, words: &str, at: Position, align: Align) {
-    canvas.label(&Label::words(words), at, TITLE_SIZE, align);
+    canvas.label(&Label::words(words), at, 10.5, align);
 }
 
-fn middle(axis: Axis) -> f64 {
-    0.5 * (axis.start + axis.end)
+const WIDTH: f64 = 340.0;
+/// Room for the labels on the left.
+const LEFT: f64 = 52.0;
+/// The range of an axis without data.
+pub const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
+
+/// A page with one plot under a legend, with linear axes; another may be set below it.
+pub struct Plain {
+    pub canvas: Canvas,
+    pub frame: Frame,
+}
+
+impl Plain {
+    /// Draws legend and axes; each axis has a range and a title, but for one above another plot.
+    pub fn new(
+        entries: impl Iterator<Item = (Sample, Label)>,
+        height: f64,
+        (x, x_title): (Range, Option<&str>),
+        (y, y_title): (Range, &str),
+    ) -> Self {
+        let mut canvas = Canvas::default();
+        let top = legend(&mut canvas, entries, LEFT, WIDTH - LEFT - RIGHT);
+        let axis = |range, start, end| Axis { logarithmic: false, range, start, end };
+        let frame = Frame { x: axis(x, LEFT, WIDTH - RIGHT), y: axis(y, top + height, top) };
+        let x = (&Ticks::decimal(x, 6), x_title);
+        frame.draw(&mut canvas, x, (&Ticks::decimal(y, 5), Some(y_title)));
+        Self { canvas, frame }
+    }
+
+    pub fn places(&self, points: impl IntoIterator<Item = Position>) -> Vec<Position> {
+        points.into_iter().map(|(x, y)| self.frame.place(x, y)).collect()
+    }
+
+    pub fn line(&mut self, points: impl IntoIterator<Item = Position>, stroke: Stroke) {
+        let places = self.places(points);
+        self.frame.polyline(&mut self.canvas, &places, stroke);
+    }
+
+    /// The page as an SVG document, which says so where it is empty.
+    pub fn page(mut self, title: &str, empty: bool) -> String {
+        if empty {
+            self.frame.say(&mut self.canvas, "no data");
+        }
+        self.canvas.page((WIDTH, self.frame.y.start + BELOW), title)
+    }
 }

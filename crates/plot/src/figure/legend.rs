@@ -1,9 +1,8 @@
 //! The legend: rows above the plot, where no curve can reach it.
 
 use super::{
-    canvas::{Align, Canvas},
+    canvas::{Align, Canvas, Color, Stroke},
     look::Look,
-    stroke::{Color, Stroke},
 };
 use crate::label::Label;
 

@@ -2,16 +2,12 @@
 
 use super::{
     axis::Range,
+    canvas::Stroke,
+    frame::{Plain, UNIT},
     legend::Sample,
     look,
-    plain::{Plain, UNIT},
-    stroke::Stroke,
 };
 use crate::label::Label;
-
-const HEIGHT: f64 = 190.0;
-/// Radius of the marker at the first point of a curve.
-const START: f64 = 2.8;
 
 /// A curve with its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,12 +31,12 @@ pub fn lines(title: &str, x_title: &str, y_title: &str, traces: &[Trace]) -> Str
     let of_time = traces.iter().all(|trace| trace.points.is_sorted_by(|a, b| a.0 <= b.0));
     let x = if x.lo < x.hi && of_time { x } else { x.padded(0.04) };
     let y = Range::of(points().map(|point| point.1), UNIT).padded(0.06);
-    let mut plain = Plain::new(entries.take(several), HEIGHT, (x, Some(x_title)), (y, y_title));
+    let mut plain = Plain::new(entries.take(several), 190.0, (x, Some(x_title)), (y, y_title));
     for (trace, look) in traces.iter().zip(looks) {
         plain.line(trace.points.iter().copied(), Stroke::new(look.color, 1.1));
         let first = plain.places(trace.points.first().copied());
         for at in first.into_iter().filter(|at| plain.frame.holds(*at)) {
-            plain.canvas.marker(at, look, START, false);
+            plain.canvas.marker(at, look, 2.8, false);
         }
     }
     plain.page(title, points().next().is_none())

@@ -6,7 +6,7 @@
 
 use Layer::{Over, Plain, Under};
 
-use super::stroke::{Color, Position, Stroke};
+use super::canvas::{Color, Position, Stroke};
 
 /// Corners of a marker of radius one, none of a circle. The areas are about that of the circle, so
 /// that no curve looks more important than another.
@@ -60,7 +60,7 @@ impl Look {
         let plain = Stroke::new(self.color, width);
         match self.layer {
             // Pale, so that dashes of a colour as dark as its own stand out on it.
-            Under => Stroke { width: 2.3 * width, ..plain.faded(0.5) },
+            Under => Stroke { width: 2.3 * width, opacity: 0.5, ..plain },
             Plain => plain,
             Over => plain.dashed(),
         }

@@ -6,14 +6,13 @@ use mc::study::{Grid, Histogram, Place, Quantile, Series, Summary};
 use stats::Rate;
 
 use super::{
-    axis::{Axis, Range, Scale},
-    bands::{pairs, percent},
-    chart::COLUMN,
+    axis::{Axis, Range},
+    canvas::markup,
+    chart::{Curve, Figure, Line, Measured, Plot},
     convergence::{order, overall_order, reference_slopes},
     frame::Frame,
-    histogram::{MOST_BARS, bars},
     look::of_schemes,
-    scripts::markup,
+    study::{MOST_BARS, bars, pairs, percent},
     ticks::Ticks,
     *,
 };
@@ -29,24 +28,22 @@ fn is_whole(svg: &str, words: &[&str]) {
 
 #[test]
 fn awkward_data_still_make_a_figure() {
-    let point = |x, y| Measured { x, x_hi: 2.0 * x, y, interval: Some((0.5 * y, 2.0 * y)) };
+    let point = |x, y| Measured { x, x_hi: 2.0 * x, y, lo: 0.5 * y, hi: 2.0 * y };
     for points in [
         vec![],
         vec![point(1.0, 0.1)],
         vec![point(0.0, 0.0), point(f64::NAN, 1.0), point(1.0, f64::INFINITY)],
         vec![point(1.0, f64::MAX), point(1e-300, 1e-300), point(1e9, -1.0)],
     ] {
-        let plot = |spacing| Plot {
-            x_title: "time".into(),
-            spacing,
-            lines: vec![Line { name: "n".into(), constant: 1e-300, power: 1.0 }],
-            curves: vec![Curve::new("a stranger", points.clone())],
+        let plot = |decades| {
+            let curves = vec![Curve::new("a stranger", points.clone())];
+            Plot { x_title: "time".into(), decades, curves }
         };
-        for style in [Style::Schemes, Style::Signed] {
+        for signed in [true, false] {
             let (title, y_title) = ("A & B".into(), "error".into());
-            let plots = [Spacing::Decades, Spacing::Doublings].map(plot).to_vec();
-            let figure = Figure { title, y_title, size: COLUMN, style, plots };
-            is_whole(&figure.svg(), &["A &amp; B"]);
+            let lines = vec![Line { name: "n", constant: 1e-300, power: 1.0 }];
+            let plots = [true, false].map(plot).into();
+            is_whole(&Figure { title, y_title, signed, lines, plots }.svg(), &["A &amp; B"]);
         }
     }
     let trace =
@@ -161,7 +158,7 @@ fn bars_hold_all_values_inside() {
     for bins in [1, 63, 64, 65, 300, 1000] {
         let counts: Vec<u64> = (0..bins).map(|k| u64::from(k > 2 || bins < 4) * (k % 7)).collect();
         let summary = summary(1.0, &[(0.5, Some(0.0))], &counts);
-        let bars = bars(summary.histogram.as_ref().unwrap(), &summary);
+        let bars = bars(&summary);
         assert!(bars.len() <= MOST_BARS + 1, "{bins}");
         let all: f64 = bars.iter().map(|&(lo, hi, density)| (hi - lo) * density).sum();
         assert!(bins == 1 || (all - 1.0).abs() < 1e-12, "{bins}: {all}");
@@ -207,36 +204,24 @@ fn each_order_is_drawn_once_and_clear_of_the_data() {
     assert!(reference_slopes(&[]).is_empty());
 }
 
-fn axis(scale: Scale, (lo, hi): (f64, f64), start: f64, end: f64) -> Axis {
-    Axis { scale, range: Range { lo, hi }, start, end }
-}
-
-#[test]
-fn segments_are_cut_at_the_border() {
-    let linear = |start, end| axis(Scale::Linear, (0.0, 1.0), start, end);
-    let frame = Frame { x: linear(0.0, 10.0), y: linear(10.0, 0.0) };
-    for (from, to, clipped) in [
-        ((1.0, 1.0), (2.0, 2.0), Some(((1.0, 1.0), (2.0, 2.0)))),
-        ((-5.0, 5.0), (15.0, 5.0), Some(((0.0, 5.0), (10.0, 5.0)))),
-        ((5.0, 5.0), (5.0, 50.0), Some(((5.0, 5.0), (5.0, 10.0)))),
-        ((-5.0, -1.0), (15.0, -1.0), None),
-        ((11.0, 0.0), (20.0, 9.0), None),
-    ] {
-        assert_eq!(frame.clip(from, to), clipped);
-    }
-    // The border belongs to the box.
-    assert!(frame.holds((0.0, 10.0)) && frame.holds((10.0, 0.0)) && !frame.holds((10.1, 5.0)));
+fn axis(logarithmic: bool, (lo, hi): (f64, f64), start: f64, end: f64) -> Axis {
+    Axis { logarithmic, range: Range { lo, hi }, start, end }
 }
 
 #[test]
 fn positions_and_ranges() {
-    let log = axis(Scale::Logarithmic, (1.0, 100.0), 200.0, 0.0);
+    let linear = |start, end| axis(false, (0.0, 1.0), start, end);
+    let frame = Frame { x: linear(0.0, 10.0), y: linear(10.0, 0.0) };
+    // The border belongs to the box.
+    assert!(frame.holds((0.0, 10.0)) && frame.holds((10.0, 0.0)) && !frame.holds((10.1, 5.0)));
+
+    let log = axis(true, (1.0, 100.0), 200.0, 0.0);
     // What is not positive sits at the floor.
     for (value, at) in [(1.0, 200.0), (10.0, 100.0), (100.0, 0.0), (0.0, 200.0), (-3.0, 200.0)] {
         assert!((log.position(value) - at).abs() < 1e-12, "{value}");
     }
     assert!(log.position(f64::NAN).is_nan());
-    assert_eq!(axis(Scale::Linear, (1.0, 100.0), 200.0, 0.0).position(50.5), 100.0);
+    assert_eq!(axis(false, (1.0, 100.0), 200.0, 0.0).position(50.5), 100.0);
 
     let unit = Range { lo: 1.0, hi: 100.0 };
     let values = [f64::NAN, 3.0, -1.0, 0.0, f64::INFINITY, 7.0];

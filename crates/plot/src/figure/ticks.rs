@@ -3,15 +3,6 @@
 use super::axis::Range;
 use crate::label::Label;
 
-/// Where a logarithmic axis is marked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spacing {
-    /// At powers of ten.
-    Decades,
-    /// At powers of two, for step sizes and numbers of steps.
-    Doublings,
-}
-
 /// The marks of an axis.
 #[derive(Default)]
 pub struct Ticks {

@@ -43,7 +43,7 @@ pub fn write_report(results: &Results, folder: &Path) -> Result<()> {
 fn figure(panel: &Panel) -> String {
     match panel.kind {
         Kind::Invariant => evolution(&panel.title, &panel.series),
-        kind => convergence(&panel.title, kind, &panel.series).svg(),
+        kind => convergence(&panel.title, kind, &panel.series),
     }
 }
 

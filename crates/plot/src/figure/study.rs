@@ -1,0 +1,141 @@
+//! The law of an observable: in time, as bands between quantiles, median and mean; and at one time,
+//! as a histogram.
+
+use mc::study::{Series, Summary};
+
+use super::{
+    axis::Range,
+    canvas::{Color, INK, Stroke},
+    frame::{Plain, UNIT},
+    legend::Sample,
+    look::BLUE,
+};
+use crate::label::Label;
+
+/// The colour of bands, bars and median.
+const COLOR: Color = BLUE;
+/// Opacity of one band; bands inside of others are darker.
+const OPACITY: f64 = 0.22;
+
+fn mean_line() -> Stroke {
+    Stroke::new(INK, 1.1).dashed()
+}
+
+fn median_line() -> Stroke {
+    Stroke::new(COLOR, 1.6)
+}
+
+/// The figure of an observable in time as an SVG document: a band between each two quantiles of
+/// levels p and 1 − p, the median and the mean. A band is interrupted where a quantile lies outside
+/// of the grid of its histogram.
+pub fn bands(title: &str, series: &Series) -> String {
+    let points = &series.points;
+    let pairs = pairs(points);
+    let areas = pairs.iter().enumerate().map(|(n, &(low, high))| {
+        let [low, high] = [low, high].map(|k| percent(points[0].quantiles[k].level));
+        let opacity = 1.0 - (1.0 - OPACITY).powi(n as i32 + 1);
+        (Sample::Area(COLOR, opacity), Label::words(&format!("{low}–{high} %")))
+    });
+    let median = points.first().and_then(|p| p.quantiles.iter().position(|q| q.level == 0.5));
+    let median_entry = median.map(|_| (Sample::Line(median_line()), Label::words("median")));
+    let mean_entry = (Sample::Line(mean_line()), Label::words("mean"));
+    let entries = areas.chain(median_entry).chain([mean_entry]);
+    let quantile = |k: usize| move |point: &Summary| point.quantiles.get(k)?.value;
+    let shown = points.iter().flat_map(|point| {
+        point.quantiles.iter().filter_map(|quantile| quantile.value).chain(point.mean)
+    });
+    let times = Range::of(points.iter().map(|point| point.time), UNIT).padded(0.0);
+    let values = Range::of(shown, UNIT).padded(0.06);
+    let x = (times, Some("time t"));
+    let mut plain = Plain::new(entries, 190.0, x, (values, &series.observable));
+    for (low, high) in pairs {
+        let both = |point: &Summary| quantile(low)(point).zip(quantile(high)(point));
+        // Stretches of times at which there are both.
+        for run in points.split(|point| both(point).is_none()).filter(|run| run.len() > 1) {
+            let ends = |point: &Summary| both(point).map(|both| (point.time, both));
+            let ends: Vec<_> = run.iter().filter_map(ends).collect();
+            let lower = ends.iter().map(|&(t, (low, _))| (t, low));
+            let upper = ends.iter().rev().map(|&(t, (_, high))| (t, high));
+            let corners = plain.places(lower.chain(upper));
+            plain.canvas.area(&corners, COLOR, OPACITY);
+        }
+    }
+    // Where there is no value a line is interrupted.
+    let mut line = |value: &dyn Fn(&Summary) -> Option<f64>, stroke: Stroke| {
+        plain.line(points.iter().map(|p| (p.time, value(p).unwrap_or(f64::NAN))), stroke);
+    };
+    if let Some(median) = median {
+        line(&quantile(median), median_line());
+    }
+    line(&|point| point.mean, mean_line());
+    plain.page(title, points.iter().all(|point| point.mean.is_none()))
+}
+
+/// Pairs of quantiles with levels p and 1 − p, from the outside to the inside.
+pub fn pairs(points: &[Summary]) -> Vec<(usize, usize)> {
+    let levels = points.first().map_or(Vec::new(), |first| first.quantiles.clone());
+    let opposite = |k: usize| {
+        let same = |l: &usize| (levels[*l].level + levels[k].level - 1.0).abs() < 1e-9;
+        (0..levels.len()).find(same).map(|l| (k, l))
+    };
+    (0..levels.len()).filter(|&k| levels[k].level < 0.5).filter_map(opposite).collect()
+}
+
+/// A level in percent, without digits that are rounding errors.
+pub fn percent(level: f64) -> f64 {
+    (1e8 * level).round() / 1e6
+}
+
+/// Bars are joined, two and two, until there are no more than this.
+pub const MOST_BARS: usize = 64;
+
+/// The histogram of an observable with this name at one time as an SVG document: the density in
+/// bins, median and mean. Values outside of the bins are counted in the title of the axis.
+pub fn histogram(title: &str, observable: &str, summary: &Summary) -> String {
+    let median = summary.quantiles.iter().find(|q| q.level == 0.5).and_then(|q| q.value);
+    let lines = [("median", median, median_line()), ("mean", summary.mean, mean_line())];
+    let entries = lines.iter().map(|(name, _, stroke)| (Sample::Line(*stroke), Label::words(name)));
+    let bars = bars(summary);
+    let values = Range::of(bars.iter().flat_map(|&(lo, hi, _)| [lo, hi]), UNIT).padded(0.04);
+    let highest = Range::of(bars.iter().map(|&(_, _, density)| density), UNIT).hi;
+    let densities = Range { lo: 0.0, hi: 1.06 * if highest > 0.0 { highest } else { 1.0 } };
+    let outside = summary.histogram.as_ref().map_or(0, |found| found.below + found.above);
+    let mut x_title = format!("{observable} at t = {}", summary.time);
+    if outside > 0 {
+        x_title += &format!(", {outside} of {} outside", summary.count);
+    }
+    let mut plain = Plain::new(entries, 170.0, (values, Some(&*x_title)), (densities, "density"));
+    let mut outline: Vec<_> = bars.iter().flat_map(|&(lo, hi, d)| [(lo, d), (hi, d)]).collect();
+    if let (Some(first), Some(last)) = (bars.first(), bars.last()) {
+        outline.insert(0, (first.0, 0.0));
+        outline.push((last.1, 0.0));
+        let corners = plain.places(outline.iter().copied());
+        plain.canvas.area(&corners, COLOR, 0.25);
+        plain.line(outline, Stroke::new(COLOR, 0.9));
+        for (_, value, stroke) in lines {
+            let ends = value.map(|x| [0.0, densities.hi].map(|y| (x, y)));
+            plain.line(ends.into_iter().flatten(), stroke);
+        }
+    }
+    plain.page(title, bars.is_empty())
+}
+
+/// Ends and density of each bar, from the first to the last with a count.
+pub fn bars(summary: &Summary) -> Vec<(f64, f64, f64)> {
+    let Some(histogram) = &summary.histogram else { return Vec::new() };
+    let counts = &histogram.counts;
+    let mut filled = (0..counts.len()).filter(|&k| counts[k] > 0);
+    let Some(first) = filled.next() else { return Vec::new() };
+    let last = filled.next_back().unwrap_or(first);
+    let mut joined = 1;
+    while (last / joined - first / joined) >= MOST_BARS {
+        joined *= 2;
+    }
+    let bar = |n: usize| {
+        let bins = n * joined..(n + 1) * joined;
+        let [lo, hi] = [bins.start, bins.end].map(|k| histogram.grid.edge(k as u32));
+        let count: u64 = counts[bins.start..bins.end.min(counts.len())].iter().sum();
+        (lo, hi, count as f64 / (summary.count as f64 * (hi - lo)))
+    };
+    (first / joined..=last / joined).map(bar).collect()
+}
