@@ -1,12 +1,10 @@
 //! What was measured about a statement, as data: the verdict and the sentence follow from it.
 
-use std::fmt;
-
 use analysis::{Limit, Order};
 use serde::Serialize;
 use stats::Rate;
 
-use crate::verdict::{Verdict, bound_verdict, order_verdict};
+use crate::verdict::{Verdict, order_verdict};
 
 /// Standard errors beyond which a measured mean contradicts its known value: the two-sided normal
 /// quantile of a false alarm once in 1e5 runs.
@@ -136,11 +134,6 @@ impl Bounded {
 }
 
 impl Evidence {
-    /// A fitted order that must be `order`, of a scheme whose limit is right.
-    pub fn order(order: f64, rate: Option<Rate>) -> Self {
-        Self::Order { order, one_sided: false, rate, wrong_limit: None }
-    }
-
     /// A measured order as evidence for this one; what converges to something else refutes it.
     pub fn of_order(measured: Order, order: f64) -> Self {
         let wrong_limit = match measured.limit {
@@ -152,7 +145,7 @@ impl Evidence {
         Self::Order { order, one_sided: false, rate: measured.rate, wrong_limit }
     }
 
-    /// The same for an order that must be at least `order`.
+    /// A fitted order that must be at least `order`, of a scheme whose limit is right.
     pub fn order_bound(order: f64, rate: Option<Rate>) -> Self {
         Self::Order { order, one_sided: true, rate, wrong_limit: None }
     }
@@ -170,65 +163,65 @@ impl Evidence {
 
     /// The verdict that the measurement gives. A NaN refutes, except where a path failed.
     ///
-    /// Orders: [`order_verdict`], or [`bound_verdict`] where `one_sided`; a wrong limit refutes. A
-    /// deviation refutes beyond [`DEVIATIONS`] standard errors and the bias. Bounds that hold on
-    /// some paths while others failed are undecided.
+    /// Orders: [`order_verdict`]; a wrong limit refutes. A deviation refutes beyond [`DEVIATIONS`]
+    /// standard errors and the bias. Bounds that hold on some paths while others failed are
+    /// undecided.
     pub fn verdict(&self) -> Verdict {
-        let decided = |holds| if holds { Verdict::Holds } else { Verdict::Refuted };
-        match self {
-            Self::Order { wrong_limit: Some(_), .. } => Verdict::Refuted,
-            Self::Order { order, one_sided: true, rate, .. } => {
-                bound_verdict(rate.as_ref(), *order)
+        let holds = match self {
+            Self::Order { wrong_limit: Some(_), .. } => false,
+            Self::Order { order, one_sided, rate, .. } => {
+                return order_verdict(rate.as_ref(), *order, *one_sided);
             }
-            Self::Order { order, rate, .. } => order_verdict(rate.as_ref(), *order),
-            Self::Defect { largest, tolerance, obeys: true, .. } => decided(largest <= tolerance),
-            Self::Defect { largest, tolerance, .. } => decided(largest > tolerance),
+            Self::Defect { largest, tolerance, obeys: true, .. } => largest <= tolerance,
+            Self::Defect { largest, tolerance, .. } => largest > tolerance,
             // False for NaN.
             Self::Approach { order, half_width, least, .. }
                 if (order - least).abs() > *half_width =>
             {
-                decided(order > least)
+                order > least
             }
-            Self::Approach { .. } | Self::Undecided { .. } => Verdict::Undecided,
+            Self::Approach { .. } | Self::Undecided { .. } => return Verdict::Undecided,
             Self::Deviation { value, standard_error, bias, expected, .. } => {
-                decided((value - expected).abs() <= DEVIATIONS * standard_error + bias)
+                (value - expected).abs() <= DEVIATIONS * standard_error + bias
             }
-            Self::Bounds { quantities, failed } => match quantities.iter().all(Bounded::holds) {
-                true if *failed > 0 => Verdict::Undecided,
-                holds => decided(holds),
-            },
-        }
+            Self::Bounds { quantities, failed } => {
+                let hold = quantities.iter().all(Bounded::holds);
+                if hold && *failed > 0 {
+                    return Verdict::Undecided;
+                }
+                hold
+            }
+        };
+        if holds { Verdict::Holds } else { Verdict::Refuted }
     }
-}
 
-/// The only place that words a measurement.
-impl fmt::Display for Evidence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// The measurement as a sentence: the only place that words one.
+    pub fn sentence(&self) -> String {
+        let warned = |warnings: &[String]| -> String {
+            warnings.iter().map(|warning| format!("; warning: {warning}")).collect()
+        };
         match self {
             Self::Order { wrong_limit: Some(distance), rate, .. } => {
-                write!(f, "the scheme converges to something else, {distance:.1e} away")?;
-                let slope =
-                    |rate: &Rate| write!(f, "; its differences fall with {:.2}", rate.estimate);
-                rate.iter().try_for_each(slope)
+                let slope = rate.as_ref().map_or(String::new(), |rate| {
+                    format!("; its differences fall with {:.2}", rate.estimate)
+                });
+                format!("the scheme converges to something else, {distance:.1e} away{slope}")
             }
-            Self::Order { rate: None, .. } => f.write_str(
-                "no order can be named: the errors are within their noise, or there are too \
-                     few paths",
-            ),
+            Self::Order { rate: None, .. } => {
+                "no order can be named: the errors are within their noise, or there are too few \
+                 paths"
+                    .into()
+            }
             Self::Order { rate: Some(rate), .. } => {
                 let Rate { estimate, lo, hi, confidence, method, warning, .. } = rate;
-                let percent = 100.0 * confidence;
-                write!(
-                    f,
-                    "order {estimate:.3}, {percent:.0} % interval [{lo:.3}, {hi:.3}]; {method}"
-                )?;
-                warning.iter().try_for_each(|warning| write!(f, "; warning: {warning}"))
+                let (percent, warning) = (100.0 * confidence, warned(warning.as_slice()));
+                format!("order {estimate:.3}, {percent:.0} % interval [{lo:.3}, {hi:.3}]; {method}")
+                    + &warning
             }
             Self::Defect { invariant, paths, steps, largest, tolerance, obeys } => {
                 let path = if *paths == 1 { "path" } else { "paths" };
                 let limit = if *obeys { "at most" } else { "expected above" };
-                write!(
-                    f,
+                format!(
                     "largest relative defect of {invariant} over {paths} {path} of {steps} steps: \
                      {largest:.1e}, {limit} {tolerance:.1e}"
                 )
@@ -243,8 +236,7 @@ impl fmt::Display for Evidence {
                 order,
                 half_width,
                 ..
-            } => write!(
-                f,
+            } => format!(
                 "largest relative defect of {invariant} on the path: {largest:.1e}; geometric mean \
                  over {paths} paths {coarse:.1e} at τ and {fine:.1e} at τ/{refinement}, order \
                  {order:.2} ± {half_width:.2}"
@@ -261,28 +253,30 @@ impl fmt::Display for Evidence {
                 // Two more digits than the standard error has zeros.
                 let digits = (2.0 - standard_error.log10().floor()).clamp(2.0, 15.0) as usize;
                 let deviations = (value - expected) / standard_error;
-                write!(f, "{quantity} = {value:.digits$} ± {standard_error:.1e} (standard error")?;
-                if *bias > 0.0 {
-                    write!(f, ", bias at most {bias:.1e}")?;
-                }
-                write!(f, ") against {expected:.digits$}: {deviations:+.1} standard errors")?;
-                path_steps.iter().try_for_each(|steps| write!(f, "; {steps} path-steps"))?;
-                warnings.iter().try_for_each(|warning| write!(f, "; warning: {warning}"))
+                let bias = match *bias > 0.0 {
+                    true => format!(", bias at most {bias:.1e}"),
+                    false => String::new(),
+                };
+                let cost = path_steps.map_or(String::new(), |n| format!("; {n} path-steps"));
+                format!(
+                    "{quantity} = {value:.digits$} ± {standard_error:.1e} (standard error{bias}) \
+                     against {expected:.digits$}: {deviations:+.1} standard errors{cost}{}",
+                    warned(warnings)
+                )
             }
             Self::Bounds { quantities, failed } => {
-                for (n, bounded) in quantities.iter().enumerate() {
-                    let separator = if n == 0 { "" } else { "; " };
-                    write!(f, "{separator}{}: {}", bounded.quantity, short(bounded.value))?;
-                    for (word, bound) in [("least", bounded.at_least), ("most", bounded.at_most)] {
-                        bound.iter().try_for_each(|&x| write!(f, ", at {word} {}", short(x)))?;
-                    }
-                }
-                if *failed > 0 {
-                    write!(f, "; {failed} paths failed")?;
-                }
-                Ok(())
+                let bounded = |bounded: &Bounded| {
+                    let limits = [("least", bounded.at_least), ("most", bounded.at_most)];
+                    let limits = limits.map(|(word, bound)| {
+                        bound.map_or(String::new(), |x| format!(", at {word} {}", short(x)))
+                    });
+                    format!("{}: {}{}", bounded.quantity, short(bounded.value), limits.concat())
+                };
+                let failed = (*failed > 0).then(|| format!("{failed} paths failed"));
+                let words = quantities.iter().map(bounded).chain(failed);
+                words.collect::<Vec<_>>().join("; ")
             }
-            Self::Undecided { reason } => f.write_str(reason),
+            Self::Undecided { reason } => reason.clone(),
         }
     }
 }
@@ -435,9 +429,9 @@ mod tests {
             (Evidence::Undecided { reason: "no time".into() }, "no time"),
         ];
         for (evidence, sentence) in sentences {
-            assert_eq!(evidence.to_string(), sentence);
+            assert_eq!(evidence.sentence(), sentence);
         }
-        assert!(order(None, 1.0, None)[0].to_string().starts_with("no order can be named"));
+        assert!(order(None, 1.0, None)[0].sentence().starts_with("no order can be named"));
         assert!(serde_json::to_string(&defect(1.0, true)).unwrap().contains(r#""kind":"defect""#));
         // Numbers of four digits in sight are written out.
         let sizes = [0.0, 0.01, 0.0099, 9999.0, 1e4, -0.5, -1e-5].map(short);

@@ -150,7 +150,7 @@ pub fn expectation<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
 mod tests {
     use super::*;
     use systems::paper::{INERTIA, rigid_body_start};
-    use systems::{Constant, RigidBodyEnergy, Sine};
+    use systems::{RigidBodyEnergy, Sine};
 
     #[test]
     fn the_flow_keeps_invariants_and_runs_backwards() {
@@ -179,32 +179,6 @@ mod tests {
         }
         fn energy<R: real::Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
             (y[0] * y[0] + y[1] * y[1]) * (0.5 * (dt + dw[0]))
-        }
-    }
-
-    #[test]
-    fn one_step_of_random_time_is_a_normal_with_the_moments_of_the_weight() {
-        // g = e^{−2γt} for degree three: ḡ and ∫(g − ḡ)² on [nτ, (n + 1)τ].
-        let (gamma, tau, noise) = (0.7f64, 0.125, 1.5);
-        let damping = valid(Constant::new(gamma));
-        let time = RandomTime::new(&damping, 3.0, noise, tau);
-        for n in [0, 5] {
-            let start = (-2.0 * gamma * tau * n as f64).exp();
-            let primitive = |k: f64| (1.0 - (-k * gamma * tau).exp()) / (k * gamma);
-            let mean = start * primitive(2.0) / tau;
-            let spread = start * start * primitive(4.0) - mean * mean * tau;
-            let found = time.step(n);
-            assert!((found.0 / mean - 1.0).abs() < 1e-12, "{found:?} {mean}");
-            assert!((found.1 / spread - 1.0).abs() < 1e-6, "{found:?} {spread}");
-            let mut s = [0.25; WIDTH];
-            let dw: Row = std::array::from_fn(|p| 0.1 * p as f64);
-            let normals: Row = std::array::from_fn(|p| 2.0 - 0.2 * p as f64);
-            time.advance(n, &[dw], &normals, &mut s);
-            for p in 0..WIDTH {
-                let own = noise * spread.sqrt() * normals[p];
-                let exact = 0.25 + mean * tau + noise * mean * dw[p] + own;
-                assert!((s[p] - exact).abs() < 1e-7, "{n} {p}");
-            }
         }
     }
 

@@ -10,7 +10,7 @@ pub use plot::{Kind, Provenance, Series};
 pub use stats::{Point, Rate};
 
 pub use crate::evidence::{Bounded, DEVIATIONS, Evidence};
-pub use crate::verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};
+pub use crate::verdict::{ORDER_MARGIN, Verdict, order_verdict};
 
 /// Version of the contract. 2: claims have [`Claim::measured`], and the sentences of
 /// [`Claim::evidence`] are worded anew.
@@ -120,7 +120,7 @@ impl Claim {
             scheme: String::new(),
             statement: statement.into(),
             verdict: measured.verdict(),
-            evidence: measured.to_string(),
+            evidence: measured.sentence(),
             measured,
             proven: true,
             erratum: String::new(),

@@ -12,8 +12,7 @@
 //! # Which estimator
 //!
 //! Work for a given standard error is variance times cost. For the rigid body, with the cost
-//! counted in path-steps and the median taken over the twelve test functions (`cargo test -p
-//! casimir-verify antithetic -- --nocapture`):
+//! counted in path-steps and the median taken over the twelve test functions:
 //!
 //! | τ | independent paths | plain difference | antithetic difference | its variance / τ² |
 //! |---|---|---|---|---|
@@ -33,9 +32,6 @@
 //! e_l alone, to an absolute accuracy, would ask for N_l ∝ √(V_l/c_l) ∝ τ_l^{3/2}, as in multilevel
 //! Monte Carlo, and the finest errors would drown.) The paper's 500 000 paths are kept at the
 //! coarsest difference; with seven differences the finest gets an eighth of them.
-
-#[cfg(test)]
-mod tests;
 
 use analysis::FinalMoments;
 use mc::{Ladder, Observable, Problem, Run, View};

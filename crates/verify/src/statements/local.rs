@@ -83,7 +83,8 @@ pub fn remainder_claims(
         let every = Expansion::EveryPower;
         let rate = fit_weak(&taus, &values, &covariance, Against::Exact, every);
         let statement = format!("one-step remainder of {of}: {bound}");
-        Claim::new(id, statement, Evidence::order(order, rate))
+        let measured = Evidence::Order { order, one_sided: false, rate, wrong_limit: None };
+        Claim::new(id, statement, measured)
     })
 }
 

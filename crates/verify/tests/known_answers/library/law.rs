@@ -2,21 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// P(N > x) for a standard normal N. For |x| < 4 by the series Φ(x) = ½ + φ(x)·Σ x^{2k+1}/(2k+1)!!;
-/// beyond, by the continued fraction of Mills' ratio, φ(x)/(x + 1/(x + 2/(x + …))).
+use statrs::distribution::ContinuousCDF;
+
+/// P(N > x) for a standard normal N.
 pub fn above(x: f64) -> f64 {
-    let density = (-0.5 * x * x).exp() / TAU.sqrt();
-    if x.abs() < 4.0 {
-        let (mut term, mut sum) = (x, x);
-        for k in 1..80 {
-            term *= x * x / f64::from(2 * k + 1);
-            sum += term;
-        }
-        return 0.5 - density * sum;
-    }
-    let fraction = (1..60).rev().fold(x.abs(), |rest, k| x.abs() + f64::from(k) / rest);
-    let tail = density / fraction;
-    if x > 0.0 { tail } else { 1.0 - tail }
+    statrs::distribution::Normal::standard().sf(x)
 }
 
 /// A normal law.
@@ -60,16 +50,5 @@ impl Normal {
     /// E e^{kθ} = e^{kμ + k²s²/2}.
     pub fn exp(self, k: f64) -> f64 {
         (k * self.mean + 0.5 * (k * self.deviation).powi(2)).exp()
-    }
-
-    /// E f(θ) of an analytic f by the trapezoidal rule on ±12 standard deviations, which is exact
-    /// to rounding.
-    pub fn expect(self, f: impl Fn(f64) -> f64) -> f64 {
-        const STEP: f64 = 1.0 / 64.0;
-        let value = |k: i32| {
-            let x = STEP * f64::from(k);
-            (-0.5 * x * x).exp() / TAU.sqrt() * STEP * f(self.mean + self.deviation * x)
-        };
-        (-768..=768).map(value).sum()
     }
 }

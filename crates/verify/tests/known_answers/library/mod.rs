@@ -6,7 +6,6 @@
 //! [`Question::tolerated`] at most. An answer that is *undecided* says so and is not false, but too
 //! many of them are no use.
 
-mod errors;
 mod kubo;
 mod law;
 mod normal;
@@ -33,8 +32,6 @@ pub enum Question {
     StrongOrder,
     /// Its weak order.
     WeakOrder,
-    /// Its root-mean-square error at a step size.
-    StrongError,
     /// E[φ(y(T))] with a given scheme, on random points.
     Expectation,
     /// E[φ(y(T))] with everything chosen, by [`mc::Expect`].
@@ -47,7 +44,7 @@ impl Question {
     pub fn tolerated(self) -> f64 {
         match self {
             Self::StrongOrder | Self::WeakOrder => 0.01,
-            Self::StrongError | Self::Expectation | Self::Chosen => 0.07,
+            Self::Expectation | Self::Chosen => 0.07,
         }
     }
 }
@@ -141,14 +138,9 @@ impl Entry {
 /// All entries.
 pub fn entries() -> Vec<Entry> {
     let mut entries = Vec::new();
-    for part in [
-        orders::entries,
-        errors::entries,
-        kubo::entries,
-        normal::entries,
-        sphere::entries,
-        normal::rare_entries,
-    ] {
+    for part in
+        [orders::entries, kubo::entries, normal::entries, sphere::entries, normal::rare_entries]
+    {
         entries.extend(part());
     }
     let chosen: Vec<Entry> = entries.iter_mut().filter_map(Entry::take_chosen).collect();
@@ -221,28 +213,25 @@ impl Total {
         (width, 0.5 * ((fourth / (square * square) - 1.0) / n).sqrt())
     }
 
-    /// Whether more than `tolerated` of the answers are undecided, as [`refuted`](Self::refuted).
-    pub fn too_often_undecided(&self, tolerated: f64, chance: f64) -> bool {
-        let undecided =
-            Self { stated: self.asked, missed: self.asked - self.stated, ..Self::default() };
-        undecided.refuted(tolerated, chance)
-    }
-
-    /// Whether the share of false answers is above `tolerated`: with that share, so many among the
-    /// stated ones have a probability of at most `chance`.
+    /// Whether the share of false answers is above `tolerated`.
     pub fn refuted(&self, tolerated: f64, chance: f64) -> bool {
-        let at_least = || Binomial::new(tolerated, self.stated).map(|law| law.sf(self.missed - 1));
-        self.missed > 0 && at_least().is_ok_and(|probability| probability <= chance)
+        above(tolerated, chance, self.missed, self.stated)
     }
+}
+
+/// Whether a share is above `tolerated`: with that share, so many of all have a probability of at
+/// most `chance`.
+pub fn above(tolerated: f64, chance: f64, these: u64, all: u64) -> bool {
+    let at_least = || Binomial::new(tolerated, all).map(|law| law.sf(these - 1));
+    these > 0 && at_least().is_ok_and(|probability| probability <= chance)
 }
 
 #[test]
 fn binomial_tails() {
-    let of = |missed| Total { asked: 20, stated: 20, missed, ..Total::default() };
-    assert!(!of(1).refuted(0.07, 0.01) && of(6).refuted(0.07, 0.01));
+    assert!(!above(0.07, 0.01, 1, 20) && above(0.07, 0.01, 6, 20));
     // P(X ≥ 1) = 1 − 0.93²⁰.
     let tail = 1.0 - 0.93f64.powi(20);
-    assert!(of(1).refuted(0.07, 1.0001 * tail) && !of(1).refuted(0.07, 0.9999 * tail));
+    assert!(above(0.07, 1.0001 * tail, 1, 20) && !above(0.07, 0.9999 * tail, 1, 20));
 }
 
 /// How E[φ] is asked for.

@@ -36,11 +36,6 @@ impl Explicit for Uncorrected {
     }
 }
 
-/// Path-steps of a scheme at all step sizes of these.
-pub fn cost(sizes: &StepSizes) -> u64 {
-    sizes.samples * 2 * sizes.reference_steps()
-}
-
 /// A question about an order, which is measured on these step sizes.
 fn order_entry<E: Display>(
     kind: &'static str,
@@ -61,7 +56,7 @@ fn order_entry<E: Display>(
             Decision::WrongLimit => Stated::NoOrder,
             decision => Stated::undecided(decision),
         };
-        (stated, cost(&sizes))
+        (stated, sizes.samples * 2 * sizes.reference_steps())
     };
     Entry::new(kind, name, question, truth, ask)
 }

@@ -32,10 +32,7 @@ struct Refused;
 type Target = (&'static str, u64, fn(&mut Bits) -> Fed);
 
 /// All targets; the place of a target in this list decides which bits it is fed.
-const TARGETS: [Target; 9] = [
-    ("elementary functions", 1, numbers::elementary_functions),
-    ("discrete gradients of sines", 1, numbers::means),
-    ("quadrature rules", 2000, numbers::rules),
+const TARGETS: [Target; 6] = [
     ("systems, dampings, problems", 1, |bits| steps::any_system(bits, Job::Problem, 2)),
     ("steps and truncation", 1, numbers::steps),
     ("Lévy areas: error bounds and terms", 1, numbers::areas),
@@ -118,19 +115,4 @@ fn answer<T, E: Display>(result: Result<T, E>) -> Result<Option<T>> {
             Ok(None)
         }
     }
-}
-
-#[test]
-fn a_target_that_breaks_is_caught() {
-    fn breaks(bits: &mut Bits) -> Fed {
-        match bits.below(4) {
-            0 => panic!("on purpose"),
-            1 => Err(anyhow!("a NaN")),
-            2 => accepted(Err("no such number")),
-            _ => Ok(0),
-        }
-    }
-    let broken = feed(breaks, 1, 0, 30);
-    assert!(broken.failures > 0 && broken.accepted > 0 && broken.refused > 0);
-    assert!(!broken.examples.is_empty());
 }
