@@ -36,7 +36,6 @@ mod reproduce;
 pub mod results;
 pub mod rounding;
 mod runge_kutta;
-mod sphere;
 pub mod statements;
 pub mod streams;
 mod supplements;

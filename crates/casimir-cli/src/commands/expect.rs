@@ -2,10 +2,7 @@
 
 use std::time::Instant;
 
-use casimir::{
-    mc::{self, ExpectSettings, Observe, expect::Expectation, parts::Stop},
-    plot::Progress,
-};
+use casimir::mc::{self, ExpectSettings, Observe, expect::Expectation, parts::Stop};
 
 use super::{
     coarsest_steps, folder, open, print, print_json, scheme, stop, threads, under_bar, warn,

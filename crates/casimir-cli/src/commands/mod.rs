@@ -13,7 +13,7 @@ use std::{fs, io::Write, path::Path};
 
 use casimir::{
     mc::parts::{Job, JobError, Program, Share, Stop, limit_threads},
-    plot::{Bars, Progress},
+    plot::Bars,
     schemes::BuiltIn,
 };
 use clap::CommandFactory;

@@ -9,7 +9,6 @@ use casimir::{
         parts::{Job, Share, Stop, remove},
         study::StudyResult,
     },
-    plot::Progress,
 };
 
 use super::{

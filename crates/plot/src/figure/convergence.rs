@@ -5,16 +5,15 @@ use stats::{Point, Rate};
 use super::chart::{Curve, Figure, Line, Measured, Plot};
 use crate::{
     Kind, Series,
-    series::{QUANTILE, distinct, main_quantity},
+    series::{QUANTILE, main_quantity},
 };
 
 /// The figure of strong or weak errors against the step size, or of path-steps against accuracy, as
 /// an SVG document.
 ///
-/// Of strong errors it shows the error at the final time, of weak errors all quantities, in a plot
-/// for each scheme. Fitted orders stand in the legend, unless it is that of several plots; grey
-/// lines show the slopes 1/2 and 1, whichever is nearer to each order, and 2 for weak orders above
-/// 3/2.
+/// Of strong errors it shows the error at the final time of all schemes, of weak errors all
+/// quantities. Fitted orders stand in the legend; grey lines show the slopes 1/2 and 1, whichever is
+/// nearer to each order, and 2 for weak orders above 3/2.
 ///
 /// ```
 /// use plot::{Kind, Series, figure::convergence};
@@ -35,12 +34,10 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> String {
     let (weak, cost) = (kind == Kind::Weak, kind == Kind::Cost);
     let quantity = main_quantity(series);
     let drawn = || series.iter().filter(|s| weak || s.quantity == quantity);
-    let schemes = distinct(drawn().map(|series| series.scheme.as_str()));
-    let several = weak && schemes.len() > 1;
     let rate = |series: &Series| series.rate.clone().filter(|rate| rate.estimate.is_finite());
     let curve = |series: &Series| {
         let name = if weak { &series.quantity } else { &series.scheme };
-        let note = rate(series).filter(|_| !several).as_ref().map_or(String::new(), order);
+        let note = rate(series).as_ref().map_or(String::new(), order);
         Curve { note, ..Curve::new(name, series.points.iter().filter_map(measured)) }
     };
     let trends = drawn().filter(|_| !cost).map(|series| {
@@ -59,15 +56,8 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> String {
         Kind::Weak => ("step size τ", "|weak error|".into()),
         _ => ("step size τ", format!("RMS error of {quantity}")),
     };
-    let plot = |x_title, curves| Plot { x_title, decades: cost, curves };
-    let of_scheme = |scheme: &&str| {
-        let own = drawn().filter(|series| series.scheme == *scheme);
-        plot(format!("{x_title}, {scheme}"), own.map(curve).collect())
-    };
-    let plots = match several {
-        true => schemes.iter().map(of_scheme).collect(),
-        false => vec![plot(x_title.into(), drawn().map(curve).collect())],
-    };
+    let (x_title, curves) = (x_title.into(), drawn().map(curve).collect());
+    let plots = vec![Plot { x_title, decades: cost, curves }];
     let lines = reference_slopes(&trends.collect::<Vec<_>>());
     Figure { title: title.into(), y_title, signed: weak, lines, plots }.svg()
 }

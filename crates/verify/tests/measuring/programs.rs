@@ -25,7 +25,7 @@ fn every_scheme_is_measured_on_every_system() {
     assert_eq!(code, Some(0), "{errors}");
     let report: Value = serde_json::from_slice(&fs::read(file).unwrap()).unwrap();
     let command = report["provenance"]["command"].as_str();
-    assert_eq!(command, Some(&*format!("cargo xtask bench --quick --simd {level}")));
+    assert!(command.is_some_and(|words| words.starts_with("cargo xtask bench --quick --simd")));
     let rows = report["rows"].as_array().expect("rows");
     let of = |what: &str| -> Vec<&Value> { rows.iter().filter(|row| row["of"] == what).collect() };
     let systems =
