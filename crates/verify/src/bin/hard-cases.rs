@@ -26,8 +26,8 @@ use schemes::{
     Energy, SexpLi, Step,
 };
 use systems::{
-    Constant, Damping, IntegerExponents, Invariant, LotkaVolterra, PoissonSystem, Problem,
-    RigidBody, RigidBodyEnergy,
+    Constant, Damping, Invariant, LotkaVolterra, PoissonSystem, Problem, RigidBody,
+    RigidBodyEnergy,
     paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, rigid_body_three_noises, sine},
 };
 use verify::{
@@ -390,7 +390,7 @@ fn stiff_hamiltonian(table: &mut Table) -> Result<()> {
 fn volterra(table: &mut Table) -> Result<()> {
     for y0 in [[1e-12, 0.4, 0.6], [0.2, 1e-12, 0.6], [0.2, 0.4, 1e-12], [1e-12; 3]] {
         for steps in [32, 128, 512] {
-            let system = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)?;
+            let system = LotkaVolterra::<2, 2>::new(1.0)?;
             let problem = Problem::new::<1>(system, sine(), y0, 2.0)?;
             let setting = Setting::of(format!("{y0:?}, 2/{steps}"), &problem, steps);
             let allowed = |_: &[f64], rounding| 2.0 * rounding;
