@@ -38,11 +38,6 @@ impl Bars {
         self.bar.inc(work);
     }
 
-    /// Prints a line on the standard error, also where there is no bar.
-    pub fn note(&self, line: &str) {
-        self.bar.suspend(|| eprintln!("{line}"));
-    }
-
     /// Takes the bar off the terminal.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

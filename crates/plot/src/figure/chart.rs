@@ -16,12 +16,11 @@ use crate::{
     series::{QUANTILE, distinct},
 };
 
-/// A measured point: a step size, cost or number of steps x with the upper end of its spread, and
-/// the value y, whose size is drawn, with the ends of its 95 % interval; spreads may be empty.
+/// A measured point: a step size, cost or number of steps x, and the value y, whose size is drawn,
+/// with the ends of its 95 % interval, which may be empty.
 #[derive(Clone, Copy)]
 pub struct Measured {
     pub x: f64,
-    pub x_hi: f64,
     pub y: f64,
     pub lo: f64,
     pub hi: f64,
@@ -207,11 +206,11 @@ impl Plot {
             let shift = if signed { 2.4 * (n as f64 - middle) } else { 0.0 };
             // A point below the range shows its whole marker at the floor.
             let radius = look.radius(3.0);
-            let place = |x: f64, point: &Measured| {
-                let (x, y) = frame.place(x, point.y.abs());
+            let place = |point: &Measured| {
+                let (x, y) = frame.place(point.x, point.y.abs());
                 (x + shift, y.clamp(frame.y.end, frame.y.start - radius))
             };
-            let places: Vec<_> = curve.points.iter().map(|point| place(point.x, point)).collect();
+            let places: Vec<_> = curve.points.iter().map(place).collect();
             let (width, opacity) = if signed { (0.8, 0.45) } else { (1.2, 1.0) };
             let line = look.line(width);
             let opacity = opacity * line.opacity;
@@ -228,9 +227,6 @@ impl Plot {
                             canvas.polyline(&[(x - CAP, y), (x + CAP, y)], bar);
                         }
                     }
-                }
-                if point.x_hi > point.x {
-                    frame.polyline(canvas, &[at, place(point.x_hi, point)], bar);
                 }
                 canvas.marker(at, look, radius, look.hollow() || signed && point.y < 0.0);
             }

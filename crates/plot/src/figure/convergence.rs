@@ -63,7 +63,7 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> String {
 }
 
 fn measured(point: &Point) -> Option<Measured> {
-    let exact = |x, y| Measured { x, x_hi: x, y, lo: y, hi: y };
+    let exact = |x, y| Measured { x, y, lo: y, hi: y };
     match *point {
         Point::Error { tau, value, se, lo, hi, .. } => {
             let half = QUANTILE * se.abs();

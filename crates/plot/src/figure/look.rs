@@ -95,18 +95,10 @@ const SCHEMES: [(&str, Look); 7] = [
     ("sexp", look(BLUE, CIRCLE, Under)),
     ("em", look(VERMILLION, SQUARE, Plain)),
     ("midpoint", look(GREEN, DIAMOND, Over)),
-    ("sexp-levy", SPARE[0]),
-    ("heun", SPARE[1]),
-    ("sexp-li", SPARE[2]),
-    ("split", SPARE[3]),
-];
-
-/// Looks of all other schemes, in the order of their appearance.
-const SPARE: [Look; 4] = [
-    look(PURPLE, TRIANGLE, Plain),
-    look(ORANGE, WEDGE, Plain),
-    look(SKY, CIRCLE, Under),
-    look(BLACK, STAR, Over),
+    ("sexp-levy", look(PURPLE, TRIANGLE, Plain)),
+    ("heun", look(ORANGE, WEDGE, Plain)),
+    ("sexp-li", look(SKY, CIRCLE, Under)),
+    ("split", look(BLACK, STAR, Over)),
 ];
 
 /// Looks of quantities.
@@ -118,14 +110,14 @@ const QUANTITIES: [Look; 5] = [
     look(GREEN, WEDGE, Plain),
 ];
 
-/// One look for each of the different schemes in `names`: an unknown one takes the first look that
-/// no scheme has yet.
+/// One look for each of the different schemes in `names`: an unknown one takes the first look but
+/// the first three that no scheme has yet.
 pub fn of_schemes(names: &[&str]) -> Vec<Look> {
-    let known = |name: &&str| SCHEMES.iter().find(|(id, _)| id == name).map(|(_, look)| *look);
-    let taken: Vec<Look> = names.iter().filter_map(known).collect();
-    let free = SPARE.into_iter().filter(|look| !taken.contains(look));
-    let mut unknown = free.chain(SPARE.into_iter().cycle());
-    names.iter().filter_map(|name| known(name).or_else(|| unknown.next())).collect()
+    let spare = &SCHEMES[3..];
+    let free = spare.iter().filter(|(id, _)| !names.contains(id));
+    let mut unknown = free.chain(spare.iter().cycle());
+    let known = |name: &&str| SCHEMES.iter().find(|(id, _)| id == name);
+    names.iter().filter_map(|name| Some(known(name).or_else(|| unknown.next())?.1)).collect()
 }
 
 /// Looks for the quantities in `names`, the same again where there are more than looks.

@@ -28,7 +28,7 @@ fn is_whole(svg: &str, words: &[&str]) {
 
 #[test]
 fn awkward_data_still_make_a_figure() {
-    let point = |x, y| Measured { x, x_hi: 2.0 * x, y, lo: 0.5 * y, hi: 2.0 * y };
+    let point = |x, y| Measured { x, y, lo: 0.5 * y, hi: 2.0 * y };
     for points in [
         vec![],
         vec![point(1.0, 0.1)],

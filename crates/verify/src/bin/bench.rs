@@ -5,8 +5,8 @@
 //! and more levels. Nothing here decides whether a number is good.
 
 use std::{
-    fs, hint::black_box, iter::successors, path::PathBuf, process::ExitCode,
-    thread::available_parallelism, time::Instant,
+    fs, hint::black_box, path::PathBuf, process::ExitCode, thread::available_parallelism,
+    time::Instant,
 };
 
 use analysis::{FinalMoments, Spread, Stopwatch, number};
@@ -86,13 +86,13 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
             add(of, &curve.setup, workload)?;
         }
     }
-    // More threads up to all processors, then more samples, steps and levels; the coarsest step
-    // must be smaller than one, or truncation is not defined.
-    let processors = available_parallelism().map_or(1, usize::from);
-    let fewer = successors(Some(1), |threads| Some(2 * threads)).take_while(|&n| n < processors);
-    let threads = fewer.chain([processors]);
+    // All processors, then more samples, steps and levels; the coarsest step must be smaller than
+    // one, or truncation is not defined.
+    let threads = available_parallelism().map_or(1, usize::from);
     let few = Workload { paths: paths.div_ceil(16), ..workload };
     let growing = [
+        ("threads", workload),
+        ("threads", Workload { threads, ..workload }),
         ("samples", few),
         ("samples", workload),
         ("steps", few),
@@ -100,8 +100,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         ("levels", few),
         ("levels", Workload { levels: steps.trailing_zeros().min(6) as usize, ..few }),
     ];
-    let threads = threads.map(|threads| ("threads", Workload { threads, ..workload }));
-    for (of, workload) in threads.chain(growing) {
+    for (of, workload) in growing {
         let problem = paper::rigid_body_three_noises(workload.steps as f64 * TAU);
         add(of, &Compiled::of(&problem).sexp(), workload)?;
     }

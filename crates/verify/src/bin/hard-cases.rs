@@ -16,6 +16,7 @@ use std::process::ExitCode;
 use analysis::{number, worse};
 use anyhow::Result;
 use clap::{Parser, builder::PossibleValuesParser};
+use comfy_table::presets::ASCII_MARKDOWN;
 use kernels::Tuned;
 use mc::Setup;
 use noise::{StreamKey, WienerRows};
@@ -255,7 +256,8 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
             table.key.experiment = experiment;
             case(&mut table)?;
             let head = ["setting", "bound"].into_iter().chain(BuiltIn::ALL.map(BuiltIn::id));
-            let rows = command::table(head, usize::MAX, table.rows.drain(..));
+            let mut rows = comfy_table::Table::new();
+            rows.load_style(ASCII_MARKDOWN).set_header(head).add_rows(table.rows.drain(..));
             println!("{id}\nguaranteed: {guaranteed}\n{rows}\n");
         }
     }

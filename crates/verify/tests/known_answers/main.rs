@@ -87,14 +87,6 @@ fn chosen_intervals_cover_and_are_not_too_wide() {
 /// seven widths on both sides.
 const MARGIN: f64 = 3.8;
 
-#[test]
-fn answers_are_functions_of_the_seed() {
-    let some = || -> Vec<Entry> { entries().into_iter().filter(|e| e.kind == "damping").collect() };
-    let all = ask(&some(), 2, u64::MAX);
-    let last: Vec<Entry> = some().into_iter().skip(all.len() - 1).collect();
-    assert_eq!(ask(&last, 2, u64::MAX)[0], all[all.len() - 1]);
-}
-
 /// An order is refuted by chance with a probability of at most 0.05 % (a 99.9 % interval misses on
 /// one side), any other check of at most 1e-5. Of so many verdicts more than four are refuted with
 /// a probability below 1e-3 (Poisson of mean 0.75).

@@ -53,10 +53,6 @@ enum Expected {
     Raised,
     /// The warning is raised on nearly none.
     Silent,
-    /// Nothing: the figure is stated for comparison. Either the interval is not in use, or what
-    /// spoils it is absent from most data sets, so that neither an interval nor a warning can know
-    /// of it.
-    Stated,
 }
 
 impl Expected {
@@ -70,7 +66,6 @@ impl Expected {
             Self::Miscovers => !near(CONFIDENCE),
             Self::Raised => near(1.0),
             Self::Silent => near(0.0),
-            Self::Stated => true,
         }
     }
 }
@@ -115,16 +110,13 @@ fn normal_covers(value: f64, se: f64, truth: f64) -> bool {
 
 /// The intervals of a rate.
 fn rate_checks(rate: Option<&Rate>, order: f64, expected: Expected) -> Vec<Check> {
+    let bootstrap = |rate: &Rate| {
+        rate.bootstrap_lo.is_some_and(|lo| lo <= order)
+            && rate.bootstrap_hi.is_some_and(|hi| order <= hi)
+    };
     vec![
         ("rate", expected, rate.is_some_and(|rate| rate.covers(order))),
-        (
-            "rate, bootstrap-t",
-            expected,
-            rate.is_some_and(|rate| {
-                rate.bootstrap_lo.is_some_and(|lo| lo <= order)
-                    && rate.bootstrap_hi.is_some_and(|hi| order <= hi)
-            }),
-        ),
+        ("rate, bootstrap-t", expected, rate.is_some_and(bootstrap)),
     ]
 }
 
