@@ -71,8 +71,6 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     println!("ns for one step of one path on a core, {}", Level::current().name());
     println!("of, scheme, paths, steps, threads, levels: best, median");
     let mut rows = Vec::new();
-    let mut add =
-        |of, setup: &Setup<'_>, workload| anyhow::Ok(rows.push(measure(of, setup, workload)?));
     for (of, compiled) in [
         ("pendulum", Compiled::of(&paper::pendulum())),
         ("rigid-body-1", Compiled::of(&paper::rigid_body_one_noise())),
@@ -83,7 +81,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     ] {
         for mut curve in compiled.curves(&BuiltIn::ALL) {
             curve.setup.problem.t_end = steps as f64 * TAU;
-            add(of, &curve.setup, workload)?;
+            rows.push(measure(of, &curve.setup, workload)?);
         }
     }
     // All processors, then more samples, steps and levels; the coarsest step must be smaller than
@@ -102,7 +100,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     ];
     for (of, workload) in growing {
         let problem = paper::rigid_body_three_noises(workload.steps as f64 * TAU);
-        add(of, &Compiled::of(&problem).sexp(), workload)?;
+        rows.push(measure(of, &Compiled::of(&problem).sexp(), workload)?);
     }
     if let Some(file) = &arguments.json {
         let provenance = Provenance::of_run(KEY.seed, mode);
