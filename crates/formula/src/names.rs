@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::graph::Unary;
+use crate::graph::{Binary, Unary};
 
 /// What a name stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,13 +11,17 @@ pub(crate) enum Meaning {
     Variable(usize),
     /// A constant.
     Value(f64),
+    /// A function of one number.
+    Unary(Unary),
+    /// A function of two numbers.
+    Binary(Binary),
 }
 
 /// Variables in their order, and parameters with their values, which become constants.
 ///
 /// A name is a letter or `_`, then letters, digits and `_`, of any alphabet. `pi` and the names of
 /// functions are taken.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Names {
     variables: Vec<String>,
     meanings: HashMap<String, Meaning>,
@@ -28,22 +32,18 @@ pub struct Names {
 #[error("{0}")]
 pub struct NameError(pub String);
 
-/// The names of all functions.
-pub(crate) fn functions() -> impl Iterator<Item = String> {
-    Unary::NAMED.iter().map(Unary::to_string).chain(["min", "max"].map(String::from))
-}
-
-pub(crate) fn is_function(name: &str) -> bool {
-    functions().any(|function| function == name)
-}
-
 impl Names {
     /// No names but `pi` and the functions.
     #[must_use]
     pub fn new() -> Self {
-        let mut names = Self::default();
-        names.meanings.insert("pi".to_owned(), Meaning::Value(std::f64::consts::PI));
-        names
+        let unary = Unary::NAMED.map(|function| (function.to_string(), Meaning::Unary(function)));
+        let more = [
+            ("min", Meaning::Binary(Binary::Min)),
+            ("max", Meaning::Binary(Binary::Max)),
+            ("pi", Meaning::Value(std::f64::consts::PI)),
+        ];
+        let more = more.map(|(name, meaning)| (name.to_owned(), meaning));
+        Self { variables: Vec::new(), meanings: unary.into_iter().chain(more).collect() }
     }
 
     /// The variables, input 0 first.
@@ -80,15 +80,16 @@ impl Names {
     }
 
     fn insert(&mut self, name: &str, meaning: Meaning) -> Result<(), NameError> {
-        let wrong = if !crate::parse::is_name(name) {
-            "is no name: a name is a letter, then letters, digits and _"
-        } else if name == "pi" || is_function(name) {
-            "is the name of a function or a constant: choose another"
-        } else if self.meanings.contains_key(name) {
-            "is given twice"
-        } else {
-            self.meanings.insert(name.to_owned(), meaning);
-            return Ok(());
+        let wrong = match self.meanings.get(name) {
+            _ if !crate::parse::is_name(name) => {
+                "is no name: a name is a letter, then letters, digits and _"
+            }
+            Some(Meaning::Unary(_) | Meaning::Binary(_)) => "is the name of a function",
+            Some(_) => "is given twice, or a constant",
+            None => {
+                self.meanings.insert(name.to_owned(), meaning);
+                return Ok(());
+            }
         };
         Err(NameError(format!("`{name}` {wrong}")))
     }
@@ -103,9 +104,12 @@ impl Names {
         self.meanings.get(name).copied()
     }
 
-    /// The names that are known.
-    pub(crate) fn known(&self) -> impl Iterator<Item = &String> {
-        self.meanings.keys()
+    /// The nearest name of a function, or of what is none.
+    pub(crate) fn nearest(&self, name: &str, of_function: bool) -> String {
+        let is_function =
+            |meaning: &Meaning| !matches!(meaning, Meaning::Variable(_) | Meaning::Value(_));
+        let known = self.meanings.iter().filter(|(_, meaning)| is_function(meaning) == of_function);
+        nearest(name, known.map(|(name, _)| name))
     }
 }
 

@@ -13,8 +13,8 @@ use std::ops::Range;
 use crate::{
     FormulaError, Id, Names,
     error::short,
-    graph::{Binary, Graph, Unary},
-    names::{self, Meaning},
+    graph::{Graph, Unary},
+    names::Meaning,
 };
 
 /// The largest length of a text in bytes.
@@ -249,13 +249,11 @@ impl<'a> Parser<'a> {
         match self.names.meaning(name) {
             Some(Meaning::Variable(k)) => self.finish(span, |graph| graph.input(k)),
             Some(Meaning::Value(value)) => self.finish(span, |graph| graph.constant(value)),
-            None if names::is_function(name) => {
-                self.error(format!("`{name}` is a function: write {name}(…)"), span)
-            }
+            Some(_) => self.error(format!("`{name}` is a function: write {name}(…)"), span),
             None => {
                 let hint = match name {
                     "e" => "; the nearest is `exp(1)`".to_owned(),
-                    _ => names::nearest(name, self.names.known()),
+                    _ => self.names.nearest(name, false),
                 };
                 let message = format!("unknown name `{}`{hint}", short(name));
                 let error = FormulaError::new(message, self.text, span);
@@ -265,10 +263,10 @@ impl<'a> Parser<'a> {
     }
 
     fn call(&mut self, function: &str, at: Range<usize>) -> Result<Placed, FormulaError> {
-        let unary = Unary::NAMED.into_iter().find(|unary| unary.to_string() == function);
-        let expected = match (unary, function) {
-            (Some(_), _) => 1,
-            (_, "min" | "max") => 2,
+        let meaning = self.names.meaning(function);
+        let expected = match meaning {
+            Some(Meaning::Unary(_)) => 1,
+            Some(Meaning::Binary(_)) => 2,
             _ => return self.error(self.unknown_function(function), at),
         };
         let (arguments, end) = self.bracket()?;
@@ -279,12 +277,10 @@ impl<'a> Parser<'a> {
             let message = format!("`{function}` takes {expected} argument{s}, got {found}");
             return self.error(message, span);
         }
-        self.finish(span, |graph| match unary {
-            Some(unary) => graph.unary(unary, arguments[0]),
-            None => {
-                let binary = if function == "min" { Binary::Min } else { Binary::Max };
-                graph.binary(binary, arguments[0], arguments[1])
-            }
+        self.finish(span, |graph| match meaning {
+            Some(Meaning::Unary(unary)) => graph.unary(unary, arguments[0]),
+            Some(Meaning::Binary(binary)) => graph.binary(binary, arguments[0], arguments[1]),
+            _ => arguments[0],
         })
     }
 
@@ -296,7 +292,7 @@ impl<'a> Parser<'a> {
         let hint = match name {
             "log" => "; the nearest is `ln`".to_owned(),
             "pow" => "; the nearest is `x^p`".to_owned(),
-            _ => names::nearest(name, names::functions()),
+            _ => self.names.nearest(name, true),
         };
         format!("unknown function `{}`{hint}", short(name))
     }

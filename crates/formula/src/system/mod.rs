@@ -19,7 +19,7 @@ use systems::{
 
 pub use definition::{Definition, DefinitionError, Which};
 
-use crate::{Formula, Names, Tape};
+use crate::{Names, Tape};
 use definition::Formulas;
 use expressions::Expressions;
 use program::Programs;
@@ -63,8 +63,7 @@ const MOST_EXPRESSIONS: usize = 100_000;
 /// ```
 pub struct FormulaSystem {
     description: Description,
-    names: Names,
-    checked: Vec<Formula>,
+    formulas: Formulas,
     energy: Tape,
     guard: Option<Tape>,
     expressions: Expressions,
@@ -121,12 +120,7 @@ impl FormulaSystem {
             guard: has_guard.then(|| expressions.guard_tape()),
             expressions,
             programs: Programs::default(),
-            names: formulas.names,
-            checked: formulas
-                .hamiltonians
-                .into_iter()
-                .chain(formulas.structure.into_iter().flatten())
-                .collect(),
+            formulas,
         };
         // One more row has dt.
         let guard = system.guard.as_ref().map_or(0, Tape::scratch_rows);
@@ -137,14 +131,14 @@ impl FormulaSystem {
     /// The names of components and parameters, for more formulas.
     #[must_use]
     pub fn names(&self) -> &Names {
-        &self.names
+        &self.formulas.names
     }
 
     /// The equation dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ as it was understood, a line for each
     /// component, with the values of the parameters: `dp = -q dt + 0.5 ∘ dW1`.
     #[must_use]
     pub fn equations(&self, damped: bool) -> Vec<String> {
-        self.expressions.clone().equations(self.names.variables(), damped)
+        self.expressions.clone().equations(self.formulas.names.variables(), damped)
     }
 }
 
@@ -203,7 +197,9 @@ impl System for FormulaSystem {
     /// The formulas of B, H₀ and Hₘ must be finite. The error names the first component that the
     /// formula uses which is not.
     fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
-        match self.checked.iter().find(|formula| !formula.value(y).is_finite()) {
+        let Formulas { structure, hamiltonians, .. } = &self.formulas;
+        let mut all = hamiltonians.iter().chain(structure.iter().flatten());
+        match all.find(|formula| !formula.value(y).is_finite()) {
             None => Ok(()),
             Some(formula) => {
                 let i = (0..y.len()).find(|&i| formula.depends_on(i)).unwrap_or(0);

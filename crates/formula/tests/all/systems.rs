@@ -190,7 +190,7 @@ fn error(change: impl FnOnce(&mut Definition)) -> DefinitionError {
 fn wrong_definitions_are_named() {
     type Change = fn(&mut Definition);
     let table: [(Change, &str); 11] = [
-        (|d| d.state[1] = "p".into(), "`p` is given twice"),
+        (|d| d.state[1] = "p".into(), "`p` is given twice, or a constant"),
         (|d| d.parameters[0].1 = f64::INFINITY, "the parameter `c` must be finite, got inf"),
         (|d| d.state.truncate(1), "the initial value must have 1 components, got 2"),
         (
