@@ -32,10 +32,8 @@ pub struct Names {
 #[error("{0}")]
 pub struct NameError(pub String);
 
-impl Names {
-    /// No names but `pi` and the functions.
-    #[must_use]
-    pub fn new() -> Self {
+impl Default for Names {
+    fn default() -> Self {
         let unary = Unary::NAMED.map(|function| (function.to_string(), Meaning::Unary(function)));
         let more = [
             ("min", Meaning::Binary(Binary::Min)),
@@ -44,6 +42,14 @@ impl Names {
         ];
         let more = more.map(|(name, meaning)| (name.to_owned(), meaning));
         Self { variables: Vec::new(), meanings: unary.into_iter().chain(more).collect() }
+    }
+}
+
+impl Names {
+    /// No names but `pi` and the functions.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
     }
 
     /// The variables, input 0 first.
@@ -84,7 +90,9 @@ impl Names {
             _ if !crate::parse::is_name(name) => {
                 "is no name: a name is a letter, then letters, digits and _"
             }
-            Some(Meaning::Unary(_) | Meaning::Binary(_)) => "is the name of a function",
+            Some(Meaning::Unary(_) | Meaning::Binary(_)) => {
+                "is the name of a function: choose another"
+            }
             Some(_) => "is given twice, or a constant",
             None => {
                 self.meanings.insert(name.to_owned(), meaning);

@@ -143,7 +143,10 @@ fn names_are_checked() {
     let message = |result: Result<(), NameError>| result.unwrap_err().to_string();
     assert_eq!(message(names.variable("y1")), "`y1` is given twice, or a constant");
     assert_eq!(message(names.parameter("pi", 1.0)), "`pi` is given twice, or a constant");
-    assert_eq!(message(names.parameter("sin", 1.0)), "`sin` is the name of a function");
+    assert_eq!(
+        message(names.parameter("sin", 1.0)),
+        "`sin` is the name of a function: choose another"
+    );
     for wrong in ["", "1x", "a b", "a-b", " a", "a ", "x²'", "min("] {
         let message = message(names.variable(wrong));
         assert!(message.starts_with(&format!("`{wrong}` is no name")), "{message}");
