@@ -46,33 +46,3 @@ pub fn clip_areas(noises: usize, areas: &[Row], bound: f64, clipped: &mut [Row])
         clip(&areas[above.clone()], bound, &mut clipped[above]);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Noise, StepNoise};
-    use approx::assert_relative_eq;
-
-    #[test]
-    fn clipping_keeps_signs() {
-        let mut noise = StepNoise::with_areas(3);
-        let areas = [[0.0, 5.0, -7.0], [0.0, 0.0, 0.5], [0.0; 3]];
-        noise.set_path(0, &Noise { increments: [0.0; 3], areas });
-        let mut clipped = StepNoise::with_areas(3);
-        clip_areas(3, &noise.areas, 1.0, &mut clipped.areas);
-        let expected = [[0.0, 1.0, -1.0], [-1.0, 0.0, 0.5], [1.0, -0.5, 0.0]];
-        assert_eq!(clipped.path::<3>(0).areas, expected);
-        clip_areas(3, &noise.areas, f64::INFINITY, &mut clipped.areas);
-        assert_eq!(clipped.areas[..], noise.areas[..]);
-    }
-
-    #[test]
-    fn the_bound_is_the_one_of_the_increments_squared() {
-        let tau: f64 = 1.0 / 512.0;
-        let expected = 2.0 / std::f64::consts::PI * tau * tau.ln().abs();
-        let bound = Truncation::new(2).unwrap().area_bound(tau).unwrap();
-        assert_relative_eq!(bound, expected, epsilon = 0.0, max_relative = 1e-15);
-        assert!(Truncation::new(2).unwrap().area_bound(1.0).is_err());
-        assert_eq!(Truncation::none().area_bound(0.5), Ok(f64::INFINITY));
-    }
-}

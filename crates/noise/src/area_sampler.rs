@@ -6,7 +6,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use real::{Kernel, Row, Rows, dispatch};
 
 use crate::{
-    StreamKey, area_terms::trigamma_after, box_muller::fill_pair, step::zero_rows,
+    StreamKey, area_terms::trigamma_after, box_muller::fill_pair, skew, step::zero_rows,
     stream::BlockStreams,
 };
 
@@ -150,13 +150,7 @@ impl<const M: usize> AreaPath<M> {
             }
             .run();
         }
-        let mut areas = [[0.0; M]; M];
-        for i in 0..M {
-            for j in 0..M {
-                areas[i][j] = upper[i][j][0] - upper[j][i][0];
-            }
-        }
-        areas
+        skew(&upper.each_ref(), 0)
     }
 }
 
@@ -209,15 +203,20 @@ impl<const L: usize> Kernel for Draw<'_, L> {
         }
         // Ψ, then g; an odd number of normals is made even.
         let normals = noises * (noises + 1) / 2;
-        draw_tail(words, &mut tail[..normals.next_multiple_of(2)], tail_amplitude);
+        let mut places = &mut tail[..normals.next_multiple_of(2)];
+        while let [first, second, rest @ ..] = places {
+            fill_pair(words, first, second, tail_amplitude, tail_amplitude);
+            places = rest;
+        }
         add_wedges(areas, w, tail);
-        add_pairs(areas, noises, &tail[noises..]);
-        let scale = step / TAU;
+        let (mut place, scale) = (noises, step / TAU);
         for i in 0..noises {
             for j in i + 1..noises {
+                let (area, g) = (&mut areas[i * noises + j], &tail[place]);
                 for p in 0..L {
-                    areas[i * noises + j][p] *= scale;
+                    area[p] = (area[p] + g[p]) * scale;
                 }
+                place += 1;
             }
         }
     }
@@ -233,48 +232,6 @@ fn add_wedges<const L: usize>(areas: &mut [[f64; L]], x: &[[f64; L]], z: &[[f64;
             for p in 0..L {
                 area[p] += x[i][p] * z[j][p] - x[j][p] * z[i][p];
             }
-        }
-    }
-}
-
-/// Draws normals for all places, an even number, and multiplies them by `amplitude`.
-#[inline(always)]
-fn draw_tail<const L: usize>(
-    words: &mut [[u64; L]; 4],
-    mut places: &mut [[f64; L]],
-    amplitude: f64,
-) {
-    while let [first, second, rest @ ..] = places {
-        fill_pair(words, first, second, amplitude, amplitude);
-        places = rest;
-    }
-}
-
-/// A_ij += a g_ij, pair by pair.
-#[inline(always)]
-fn add_pairs<const L: usize>(areas: &mut [[f64; L]], noises: usize, tail: &[[f64; L]]) {
-    let mut place = 0;
-    for i in 0..noises {
-        for j in i + 1..noises {
-            let (area, g) = (&mut areas[i * noises + j], &tail[place]);
-            for p in 0..L {
-                area[p] += g[p];
-            }
-            place += 1;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_two_experiments_share_the_streams_of_their_areas() {
-        for experiment in [0, 5, AREA_STREAM, AREA_STREAM | 5, u64::MAX] {
-            let areas = StreamKey { seed: 3, experiment }.of_areas();
-            assert_eq!(areas, StreamKey { seed: 3, experiment: experiment ^ (1 << 62) });
-            assert_eq!(areas.of_areas().experiment, experiment);
         }
     }
 }

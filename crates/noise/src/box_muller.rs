@@ -139,7 +139,6 @@ mod tests {
             let (one, other) = normal_pair(word, angle_word);
             worst = worst.max((one / radius - cos).abs()).max((other / radius - sin).abs());
         }
-        println!("worst distance {worst:e}");
         assert!(worst < 1.5e-15 + 4e-16, "{worst:e}");
     }
 }

@@ -101,16 +101,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn areas_of_the_finest_steps_are_added() {
-        let mut ladder = DyadicLadder::new(1, || StepNoise::with_areas(2));
-        for area in [2.0, -0.5] {
-            let mut finest = StepNoise::with_areas(2);
-            finest.set_path(3, &Noise { increments: [0.0; 2], areas: [[7.0, area], [7.0; 2]] });
-            ladder.push(&finest);
-        }
-        assert_eq!(ladder.whole(1).path::<2>(3).areas, [[0.0, 1.5], [-1.5, 0.0]]);
-        assert_eq!(ladder.whole(1).path::<2>(4).areas, [[0.0; 2]; 2]);
-    }
 }

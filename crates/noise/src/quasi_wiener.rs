@@ -245,12 +245,4 @@ mod tests {
             assert!(error.to_string().contains(&format!("{steps} steps of {noises} noises")));
         }
     }
-
-    #[test]
-    fn without_noises_there_is_nothing_to_write() {
-        let noise = QuasiWiener::new(KEY, 0, u64::MAX, 0, 1.0).unwrap();
-        assert_eq!(noise.dimensions(), 0);
-        noise.block(32, &mut []);
-        assert_eq!(noise.path(1), []);
-    }
 }

@@ -149,7 +149,7 @@ impl<'a, const M: usize> BlockNoise<'a, M> {
 
 /// The skew matrix of path `p`, of which the rows have the part above the diagonal.
 #[inline(always)]
-pub fn skew<const M: usize>(rows: &[&[Row; M]; M], p: usize) -> [[f64; M]; M] {
+pub fn skew<const M: usize, const L: usize>(rows: &[&[[f64; L]; M]; M], p: usize) -> [[f64; M]; M] {
     let mut areas = [[0.0; M]; M];
     for m in 0..M {
         for l in 0..M {

@@ -108,6 +108,7 @@ impl Kernel for Clip<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{StepNoise, clip_areas};
     use real::Block;
 
     #[test]
@@ -118,10 +119,7 @@ mod tests {
             assert!(error.to_string().contains(&format!("tau = {tau}")), "{error}");
         }
         assert_eq!(Truncation::none().bound(3.0), Ok(f64::INFINITY));
-        assert_eq!(
-            (Truncation::none().order(), Truncation::new(2).unwrap().order()),
-            (None, Some(2))
-        );
+        assert_eq!(Truncation::none().area_bound(0.5), Ok(f64::INFINITY));
     }
 
     #[test]
@@ -148,5 +146,15 @@ mod tests {
         assert_eq!((clipped.0[0][3], clipped.0[1][4], clipped.0[1][5]), (1.0, -1.0, 0.5));
         assert_eq!(clip(&dw.0, f64::INFINITY, &mut clipped.0), 0);
         assert_eq!(clipped, dw);
+        // Areas above the diagonal, with a bound (k/π) τ|log τ|.
+        let mut noise = StepNoise::with_areas(2);
+        noise.areas[1] = dw.0[1];
+        let mut clipped = StepNoise::with_areas(2);
+        clip_areas(2, &noise.areas, 1.0, &mut clipped.areas);
+        assert_eq!((clipped.areas[1][4], clipped.path::<2>(4).areas[1][0]), (-1.0, 1.0));
+        let (tau, truncation) = (1.0 / 512.0, Truncation::new(2).unwrap());
+        let expected = 2.0 / std::f64::consts::PI * tau * f64::ln(tau).abs();
+        assert!((truncation.area_bound(tau).unwrap() / expected - 1.0).abs() < 1e-15);
+        assert!(truncation.area_bound(1.0).is_err());
     }
 }

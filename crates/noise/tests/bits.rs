@@ -132,15 +132,6 @@ const PINNED_QUASI: [f64; 6] = [
 ];
 
 #[test]
-fn one_noise_has_no_areas() {
-    let mut areas = [[f64::NAN; WIDTH]];
-    let mut sampler = AreaSampler::new(KEY, 0, 1, 3);
-    sampler.areas(1.0, &[[1.0; WIDTH]], &mut areas);
-    assert_eq!(areas, [[0.0; WIDTH]]);
-    assert_eq!(AreaPath::<0>::new(KEY, 0, 3).areas(1.0, []), [[0.0; 0]; 0]);
-}
-
-#[test]
 fn the_first_areas_are_pinned() {
     // A change here changes every published number: it is a value-breaking change.
     let key = StreamKey { seed: 1, experiment: 1 };
@@ -150,40 +141,13 @@ fn the_first_areas_are_pinned() {
         let a = path.areas(0.5, [0.5, -0.25, 1.0]);
         areas.push([a[0][1], a[0][2], a[1][2]]);
     }
-    for (n, (areas, pinned)) in areas.iter().zip(PINNED_AREAS).enumerate() {
-        assert_eq!(areas.map(f64::to_bits), pinned.map(f64::to_bits), "{n}: {areas:?}");
-    }
-    assert_eq!(areas.len(), PINNED_AREAS.len());
+    assert_eq!(areas, PINNED_AREAS);
 }
 
 const PINNED_AREAS: [[f64; 3]; 2] = [
     [-0.11222549423521401, 0.15278648700086347, -0.08053545733925623],
     [-0.1564441842148171, 0.025960342247222143, 0.18669002879909163],
 ];
-
-#[test]
-fn the_noises_share_one_sequence_of_normals() {
-    // Step by step, noise by noise: three noises over two steps are six normals, in order.
-    let mut normals = WienerPath::<1>::new(KEY, 5);
-    let mut path = WienerPath::<3>::new(KEY, 5);
-    for _ in 0..50 {
-        let dw = path.increments(0.5);
-        assert_eq!(dw, [(); 3].map(|()| normals.normal() * 0.5));
-    }
-}
-
-#[test]
-fn seed_experiment_and_path_all_matter() {
-    let first = |seed, experiment, path| {
-        WienerPath::<1>::new(StreamKey { seed, experiment }, path).normal()
-    };
-    let all = [first(1, 1, 1), first(2, 1, 1), first(1, 2, 1), first(1, 1, 2)];
-    for i in 0..4 {
-        for j in 0..i {
-            assert_ne!(all[i], all[j]);
-        }
-    }
-}
 
 #[test]
 fn the_first_normals_are_pinned() {

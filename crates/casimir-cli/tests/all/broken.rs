@@ -121,18 +121,22 @@ fn broken_scenes_have_a_place_and_a_way_out() {
 }
 
 #[test]
-fn what_is_no_scene_is_refused() {
+fn what_is_no_scene_or_argument_is_refused() {
     let folder = with_scene("");
+    fails(folder.path(), &["run", "scene.toml"], 2, &["missing key `system`"]);
+    let folder = with_scene(OSCILLATOR);
     for (arguments, words) in [
-        (&["run", "nowhere.toml"][..], "cannot read the scene nowhere.toml"),
-        (&["run", "scene.toml"], "missing key `system`"),
-        (&["run"], "<SCENE>"),
-        (&["rum", "scene.toml"], "'run'"),
-        (&["new", "nothing"], "there are empty"),
-        (&["run", "scene.toml", "--paths", "few"], "not a whole number"),
-        (&["merge", "."], "does not say what its parts are"),
+        ("run nowhere.toml", "cannot read the scene nowhere.toml"),
+        ("run", "<SCENE>"),
+        ("rum scene.toml", "'run'"),
+        ("new nothing", "there are empty"),
+        ("run scene.toml --paths few", "not a whole number"),
+        ("merge .", "does not say what its parts are"),
+        ("compare scene.toml --error -1", "must be positive and finite, got -1"),
+        ("compare scene.toml --budget nan", "must be positive and finite"),
+        ("order scene.toml --path-steps 0", "at least 1"),
     ] {
-        fails(folder.path(), arguments, 2, &[words]);
+        fails(folder.path(), &arguments.split(' ').collect::<Vec<_>>(), 2, &[words]);
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }

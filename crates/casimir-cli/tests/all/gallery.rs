@@ -33,20 +33,6 @@ fn number(scene: &str, key: &str) -> f64 {
 }
 
 #[test]
-fn every_scene_is_listed_with_a_headline() {
-    let folder = tempfile::tempdir().unwrap();
-    let list = succeeds(folder.path(), &["new", "--list"]);
-    let scenes_only = list.split("\nSystems of the project").next().unwrap();
-    let mut listed = BTreeSet::new();
-    for line in scenes_only.lines().skip(1) {
-        let (name, headline) = line.trim().split_once(' ').expect("a headline");
-        assert!(headline.trim().len() > 10, "{line}");
-        listed.insert(name.to_owned());
-    }
-    assert_eq!(listed, scenes());
-}
-
-#[test]
 #[ignore = "long: run by the gate"]
 fn every_scene_runs_and_has_expectations() {
     let folder = tempfile::tempdir().unwrap();
@@ -83,25 +69,17 @@ fn keys(schema: &Value, found: &mut BTreeSet<String>) {
 }
 
 #[test]
-fn the_page_has_every_key_of_a_scene() {
+fn the_page_has_every_key_and_every_system() {
     let folder = tempfile::tempdir().unwrap();
     let mut all = BTreeSet::new();
     keys(&json(folder.path(), &["schema"]), &mut all);
     assert!(all.contains("H0") && all.contains("truncation"), "{all:?}");
-    let page = read("docs/scenes.md");
-    for key in all {
-        assert!(page.contains(&format!("| `{key}` |")), "no row for {key}");
-    }
-}
-
-#[test]
-fn the_page_has_every_system_of_the_project() {
-    let folder = tempfile::tempdir().unwrap();
     let list = succeeds(folder.path(), &["new", "--list"]);
-    let page = read("docs/scenes.md");
     let systems = list.split("and their parameters:\n").nth(1).expect("systems");
-    for line in systems.lines().filter(|line| !line.starts_with("   ")) {
-        let name = line.split_whitespace().next().expect("a name");
+    let systems = systems.lines().filter(|line| !line.starts_with("   "));
+    all.extend(systems.map(|line| line.split_whitespace().next().expect("a name").to_owned()));
+    let page = read("docs/scenes.md");
+    for name in all {
         assert!(page.contains(&format!("| `{name}` |")), "no row for {name}");
     }
 }
@@ -157,15 +135,25 @@ fn reads_in_python(programs: &[String], folder: &Path) {
 }
 
 #[test]
-fn the_gallery_shows_every_scene() {
+fn every_scene_is_listed_and_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = succeeds(folder.path(), &["new", "--list"]);
+    let scenes_only = list.split("\nSystems of the project").next().unwrap();
+    let listed = scenes_only.lines().skip(1).map(|line| {
+        let (name, headline) = line.trim().split_once(' ').expect("a headline");
+        assert!(headline.trim().len() > 10, "{line}");
+        name
+    });
     let page = read("docs/scenes.md");
-    let names = page.lines().filter_map(|line| line.strip_prefix("<!-- figure "));
-    let names: BTreeSet<String> =
-        names.map(|figure| figure.split(' ').next().unwrap().to_owned()).collect();
-    assert_eq!(names, scenes());
+    let figures = page.lines().filter_map(|line| line.strip_prefix("<!-- figure "));
+    let shown = figures.map(|figure| figure.split(' ').next().unwrap());
+    let names = scenes();
+    assert_eq!(listed.map(str::to_owned).collect::<BTreeSet<_>>(), names);
+    assert_eq!(shown.map(str::to_owned).collect::<BTreeSet<_>>(), names);
     for name in names {
         assert!(project(&format!("docs/figures/gallery-{name}.svg")).is_file(), "{name}");
-        assert!(page.contains(&format!("`casimir new {name}`")), "{name}");
-        assert!(page.contains(&format!("(figures/gallery-{name}.svg)")), "{name}");
+        for words in [format!("`casimir new {name}`"), format!("(figures/gallery-{name}.svg)")] {
+            assert!(page.contains(&words), "{words}");
+        }
     }
 }

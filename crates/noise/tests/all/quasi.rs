@@ -107,7 +107,6 @@ fn the_mean_of_u_has_the_variance_of_nested_uniform_scrambling() {
             }
             let ratio = |sum: f64| sum / SCRAMBLES as f64 * 12.0 * n.powi(3);
             let error = ((2.0 - 1.2 / n) / SCRAMBLES as f64).sqrt();
-            println!("2^{m} points: ratios {:.3?} ± {error:.3}", squares.map(ratio));
             for square in squares {
                 assert!(!rejects((ratio(square) - 1.0) / error), "2^{m}: {}", ratio(square));
             }
@@ -254,7 +253,6 @@ fn a_smooth_functional_has_a_small_error() {
         let error = means.iter().map(|mean| (mean - exact).powi(2)).sum::<f64>() / 64.0;
         let random = exact * exact * (variance.exp() - 1.0) / POINTS as f64;
         let ratio = (random / error).sqrt();
-        println!("error {:.2e}, of Monte Carlo {:.2e}", error.sqrt(), random.sqrt());
         assert!(ratio > 20.0, "{ratio}");
     }
 }
