@@ -23,10 +23,11 @@ impl Truncation {
     /// Truncation of order k ≥ 1. The theorems on `sexp` need k ≥ 2.
     ///
     /// # Errors
-    /// [`NoiseError::TruncationOrderZero`] for k = 0.
+    /// [`NoiseError::Argument`] for k = 0.
     pub fn new(k: u32) -> Result<Self, NoiseError> {
         if k == 0 {
-            Err(NoiseError::TruncationOrderZero)
+            let needs = "must be at least 1 (the theorems ask k >= 2)";
+            Err(NoiseError::Argument(format!("the truncation order k {needs}, got k = 0")))
         } else {
             Ok(Self { order: Some(k), wide: false })
         }
@@ -113,7 +114,7 @@ mod tests {
 
     #[test]
     fn bad_requests_name_the_value() {
-        assert_eq!(Truncation::new(0), Err(NoiseError::TruncationOrderZero));
+        assert!(Truncation::new(0).unwrap_err().to_string().ends_with("got k = 0"));
         for tau in [0.0, -0.5, 1.0, 2.0, f64::NAN, f64::INFINITY] {
             let error = Truncation::new(2).unwrap().bound(tau).unwrap_err();
             assert!(error.to_string().contains(&format!("tau = {tau}")), "{error}");

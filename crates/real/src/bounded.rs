@@ -268,16 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn pieces_are_seen() {
-        let piecewise =
-            |f: fn(Bounded) -> Bounded| Bounded::piecewise(|| f(Bounded::variable(0.3))).1;
-        assert!(piecewise(|x| Bounded::where_less(Bounded::one(), x, x, -x)));
-        assert!(piecewise(|x| (x * x).sqrt()) && piecewise(|x| (x * x).powf(0.5)));
-        assert!(!piecewise(|x| (x * x + x.exp()).sin() / x));
-    }
-
-    #[test]
-    fn a_formula_within_another_hides_no_pieces() {
+    fn pieces_are_seen_and_not_hidden_by_a_formula_within_another() {
         let x = Bounded::variable(0.3);
         let nested = |first: fn(Bounded) -> Bounded, second: fn(Bounded) -> Bounded| {
             let (inner, outer) = Bounded::piecewise(|| {
@@ -286,9 +277,17 @@ mod tests {
             });
             [inner, outer]
         };
-        assert_eq!(nested(|x| x.sqrt(), |x| x * x), [false, true]);
-        assert_eq!(nested(|x| x * x, |x| x.sqrt()), [true, true]);
-        assert_eq!(nested(|x| x * x, |x| x + x), [false, false]);
+        let smooth = |x: Bounded| (x * x + x.exp()).sin() / x;
+        assert_eq!(nested(smooth, smooth), [false, false]);
+        let pieces: [fn(Bounded) -> Bounded; 3] = [
+            |x| Bounded::where_less(Bounded::one(), x, x, -x),
+            |x| (x * x).sqrt(),
+            |x| (x * x).powf(0.5),
+        ];
+        for piece in pieces {
+            assert_eq!(nested(piece, smooth), [false, true]);
+            assert_eq!(nested(smooth, piece), [true, true]);
+        }
     }
 
     #[test]

@@ -277,23 +277,6 @@ mod tests {
     }
 
     #[test]
-    fn what_levels_share_cancels_unless_they_are_taken_for_independent() {
-        // One factor for all levels of a path: of the errors the model's alone are left.
-        let mut squares = CrossMoments::new(4);
-        for path in 0..PATHS {
-            let factor = if path % 2 == 0 { 1.5 } else { 0.5 };
-            squares.add(&[1.0, 0.25, 0.0625, 0.015625].map(|mean| factor * mean));
-        }
-        let taus = [0.5, 0.25, 0.125, 0.0625];
-        let new = || LogMeanSquares::new(&taus, &squares, (0..4).collect()).unwrap();
-        let se = |logarithms: LogMeanSquares<'_>| logarithms.fit(None).unwrap().se;
-        let length = 202f64.sqrt() / (62.0 * LN_2);
-        let independent = (0.25 / 63.0 + 1e-4f64).sqrt() * length;
-        assert!((se(new()) / (0.01 * length) - 1.0).abs() < 1e-9);
-        assert!((se(new().independent()) / independent - 1.0).abs() < 1e-9);
-    }
-
-    #[test]
     fn levels_are_chosen_by_number_and_their_means_must_be_positive() {
         let (taus, squares) = (
             [0.5, 0.25, 0.125, 0.0625, 0.03125],

@@ -3,7 +3,7 @@
 //!
 //! Nets are checked exactly, everything else by standardised statistics.
 
-use noise::{QuasiWiener, ScrambledSobol, StreamKey, inverse_normal};
+use noise::{QuasiWiener, ScrambledSobol, StreamKey};
 use real::{Row, WIDTH};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -254,20 +254,5 @@ fn a_smooth_functional_has_a_small_error() {
         let random = exact * exact * (variance.exp() - 1.0) / POINTS as f64;
         let ratio = (random / error).sqrt();
         assert!(ratio > 20.0, "{ratio}");
-    }
-}
-
-#[test]
-fn the_first_dimensions_are_the_last_values() {
-    // W_m(T) is √T times the normal of dimension m of the points.
-    let (noises, steps) = (3, 8);
-    let noise = QuasiWiener::new(KEYS[0], 5, steps, noises, 4.0).unwrap();
-    let sobol = ScrambledSobol::new(KEYS[0], 5, noise.dimensions());
-    for point in [0, 1, 77, 4_294_967_295] {
-        let (path, words) = (noise.path(point), sobol.point(point));
-        for m in 0..noises {
-            let end: f64 = (0..steps as usize).map(|n| path[n * noises + m]).sum();
-            assert!((end - 2.0 * inverse_normal(words[m])).abs() < 1e-13);
-        }
     }
 }

@@ -40,10 +40,8 @@ impl Rotation {
     }
 }
 
-fn determinant(a: [[f64; 3]; 3]) -> f64 {
-    a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1])
-        - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0])
-        + a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0])
+fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+    [b * z - c * y, c * x - a * z, a * y - b * x]
 }
 
 /// Steps in s of the reference.
@@ -52,29 +50,25 @@ const STEPS: u32 = 4000;
 const REGULAR: f64 = 0.1;
 
 /// The solution on the branch of the start by brute force: thousands of steps in s, Newton by
-/// Cramer's rule. `None` where the branch comes close to a fold.
+/// cofactors. `None` where the branch comes close to a fold.
 fn fine_continuation(equation: &Rotation) -> Option<[f64; 3]> {
     let mut z = equation.start;
     for n in 1..=STEPS {
         let before = z;
         let partial = Rotation { s: equation.s * f64::from(n) / f64::from(STEPS), ..*equation };
         for _ in 0..6 {
-            let (value, mut matrix) = partial.jacobian(z);
-            for i in 0..3 {
-                matrix[i] = matrix[i].map(|x| -x);
-                matrix[i][i] += 1.0;
-            }
-            let all = determinant(matrix);
-            if all < REGULAR {
+            let (value, jacobian) = partial.jacobian(z);
+            let identity = |i, j| f64::from(u8::from(i == j));
+            let [u, v, w] = [0, 1, 2].map(|i| [0, 1, 2].map(|j| identity(i, j) - jacobian[i][j]));
+            let defect = [0, 1, 2].map(|i| z[i] - value[i]);
+            let columns = [cross(v, w), cross(w, u), cross(u, v)];
+            let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let determinant = dot(u, columns[0]);
+            if determinant < REGULAR {
                 return None;
             }
-            let defect = [0, 1, 2].map(|i| z[i] - value[i]);
             for j in 0..3 {
-                let mut replaced = matrix;
-                for i in 0..3 {
-                    replaced[i][j] = defect[i];
-                }
-                z[j] -= determinant(replaced) / all;
+                z[j] -= dot(columns.map(|column| column[j]), defect) / determinant;
             }
         }
         if difference(z, before) > REGULAR {
