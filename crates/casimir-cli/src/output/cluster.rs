@@ -79,42 +79,31 @@ fn quoted(path: &Path) -> String {
 mod tests {
     use super::*;
 
-    fn script(options: &[String]) -> Script<'_> {
-        Script {
+    #[test]
+    fn a_script_has_what_the_scheduler_needs_and_there_are_lines_for_everybody() {
+        let script = Script {
             parts: 64,
             program: Path::new("/opt/casimir/it's"),
             folder: Path::new("/scratch/my run"),
             minutes: 30,
             cpus: 2,
-            options,
-        }
-    }
-
-    #[test]
-    fn a_script_has_what_the_scheduler_needs() {
-        let options = ["--account=physics".to_owned()];
-        let text = script(&options).slurm();
-        assert!(text.starts_with("#!/bin/bash\n"));
-        for line in [
-            "#SBATCH --array=1-64",
-            "#SBATCH --time=30",
-            "#SBATCH --cpus-per-task=2",
-            "#SBATCH --account=physics",
-            "#SBATCH --output='/scratch/my run/part-%a.log'",
-            "cd '/scratch/my run' || exit 2",
-        ] {
-            assert!(text.lines().any(|found| found == line), "{line} in\n{text}");
-        }
-        let exec = r"exec '/opt/casimir/it'\''s' part '/scratch/my run' --part";
-        assert!(text.contains(exec), "{text}");
+            options: &["--account=physics".to_owned()],
+        };
         // Options come before the first command.
-        let last = text.rfind("#SBATCH").unwrap();
-        assert!(last < text.find("\npart=").unwrap());
-    }
-
-    #[test]
-    fn there_are_lines_for_everybody() {
-        let lines = script(&[]).lines();
+        let expected = r"#!/bin/bash
+#SBATCH --array=1-64
+#SBATCH --time=30
+#SBATCH --cpus-per-task=2
+#SBATCH --account=physics
+#SBATCH --output='/scratch/my run/part-%a.log'
+cd '/scratch/my run' || exit 2
+exec '/opt/casimir/it'\''s' part '/scratch/my run' --part";
+        let text = script.slurm();
+        for line in expected.lines() {
+            assert!(text.contains(line), "{line} in\n{text}");
+        }
+        assert!(text.rfind("#SBATCH").unwrap() < text.find("\npart=").unwrap());
+        let lines = script.lines();
         for line in ["sbatch '/scratch/my run/job.sh'", "seq 64 |", "hq submit", "from 1 to 64"] {
             assert!(lines.contains(line), "{lines}");
         }

@@ -10,53 +10,11 @@ use std::{
 
 use crate::common::{BODY, OSCILLATOR, casimir, fails, json, read_json, succeeds, with_scene};
 
-fn csv(folder: &Path) -> String {
-    fs::read_to_string(folder.join("study.csv")).unwrap()
-}
-
-#[test]
-fn parts_give_the_bits_of_the_whole() {
-    let folder = with_scene(BODY);
-    let path = folder.path();
-    let whole = |paths: &str, out: &str| {
-        let arguments = ["run", "scene.toml", "--paths", paths, "--write", "csv", "--out", out];
-        succeeds(path, &arguments);
-        csv(&path.join(out))
-    };
-    let told =
-        succeeds(path, &["plan", "scene.toml", "--paths", "2048", "--parts", "3", "--out", "big"]);
-    assert!(told.contains("2048 paths of 64 steps") && told.contains("sbatch"), "{told}");
-    let job = fs::read_to_string(path.join("big/job.sh")).unwrap();
-    assert!(job.contains("#SBATCH --array=1-3") && job.contains(" part "), "{job}");
-    let part = |number: &str| succeeds(path, &["part", "big", "--part", number, "--threads", "1"]);
-    part("3");
-    fails(path, &["merge", "big"], 1, &["1-2"]);
-    // A part by the script, as a scheduler calls it.
-    let script = Command::new("bash").arg(path.join("big/job.sh")).arg("1").status().unwrap();
-    assert!(script.success());
-    part("2");
-    succeeds(path, &["merge", "big", "--write", "csv"]);
-    assert_eq!(csv(&path.join("big")), whole("2048", "whole"));
-
-    // More paths: what is there is not computed again.
-    fails(path, &["extend", "big", "--paths", "2000"], 2, &["more than 2048 paths"]);
-    succeeds(path, &["extend", "big", "--paths", "4096"]);
-    for number in ["1", "2", "3"] {
-        part(number);
+/// Runs parts of the folder `big`.
+fn parts(path: &Path, numbers: &[&str]) {
+    for number in numbers {
+        succeeds(path, &["part", "big", "--part", number, "--threads", "1"]);
     }
-    succeeds(path, &["merge", "big", "--write", "csv"]);
-    assert_eq!(csv(&path.join("big")), whole("4096", "more"));
-}
-
-/// Runs one part, which is killed twice before.
-#[cfg(unix)]
-fn killed_part(path: &Path, number: u64) {
-    let number = number.to_string();
-    let arguments = ["part", "big", "--part", &number, "--threads", "1"];
-    for (signal, milliseconds) in [("-KILL", 9), ("-TERM", 31)] {
-        signalled(path, &arguments, signal, milliseconds);
-    }
-    succeeds(path, &arguments);
 }
 
 /// Every file that `--write` makes of a run.
@@ -66,29 +24,43 @@ const WRITTEN: [&str; 6] =
 #[cfg(unix)]
 #[test]
 fn any_number_of_paths_extends_to_the_bits_of_one_run() {
-    for (of, numbers) in [(3, &["127", "128", "3000", "5000"][..]), (7, &["127", "3001"])] {
+    for (count, numbers) in [("3", &["127", "128", "3000"][..]), ("7", &["3001"])] {
         let folder = with_scene(BODY);
         let path = folder.path();
-        let parts = of.to_string();
         let plan =
-            |paths| ["plan", "scene.toml", "--paths", paths, "--parts", &parts, "--out", "big"];
+            |paths| ["plan", "scene.toml", "--paths", paths, "--parts", count, "--out", "big"];
         // A few paths are no study, and leave nothing behind.
         fails(path, &plan("1"), 2, &["at least 100"]);
         assert!(!path.join("big").exists());
         for (n, &paths) in numbers.iter().enumerate() {
-            match n {
+            let told = match n {
                 0 => succeeds(path, &plan(paths)),
                 _ => succeeds(path, &["extend", "big", "--paths", paths]),
             };
-            // Not before it is merged.
+            assert!(n > 0 || told.contains(" paths of 64 steps"), "{told}");
+            // Not before it is merged, and not to fewer.
             fails(path, &["extend", "big", "--paths", "1e6"], 2, &["not merged yet"]);
-            (1..=of).for_each(|number| killed_part(path, number));
+            for number in 2..=count.parse::<u32>().unwrap() {
+                // Killed twice before.
+                let number = number.to_string();
+                let arguments = ["part", "big", "--part", &number, "--threads", "1"];
+                signalled(path, &arguments, "-KILL", 9);
+                signalled(path, &arguments, "-TERM", 31);
+                succeeds(path, &arguments);
+            }
+            if count == "7" {
+                fails(path, &["merge", "big"], 1, &["--array=1"]);
+            }
+            // The last one by the script, as a scheduler calls it.
+            let script = Command::new("bash").arg(path.join("big/job.sh")).arg("1").status();
+            assert!(script.unwrap().success());
             succeeds(path, &["merge", "big", "--write", "csv,json,npz"]);
+            fails(path, &["extend", "big", "--paths", "101"], 2, &["more than"]);
             let whole = ["run", "scene.toml", "--paths", paths, "--write", "csv,json,npz"];
             succeeds(path, &whole);
             for name in WRITTEN {
                 let read = |folder: &str| fs::read(path.join(folder).join(name)).unwrap();
-                assert!(read("big") == read("scene-run"), "{name}, {paths} in {of} parts");
+                assert!(read("big") == read("scene-run"), "{name}, {paths} in {count} parts");
             }
         }
     }
@@ -98,32 +70,18 @@ fn any_number_of_paths_extends_to_the_bits_of_one_run() {
 fn a_folder_of_parts_may_have_any_results() {
     let folder = with_scene(BODY);
     let path = folder.path();
-    succeeds(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"]);
-    let parts = || {
-        for number in ["1", "2"] {
-            succeeds(path, &["part", "big", "--part", number]);
-        }
-    };
-    parts();
-    let all = ["csv", "json", "npz"];
-    for formats in 0..8 {
-        let wanted: Vec<&str> = (0..3).filter(|n| formats >> n & 1 > 0).map(|n| all[n]).collect();
-        let wanted = wanted.join(",");
-        for _ in 0..2 {
-            match formats {
-                0 => succeeds(path, &["merge", "big"]),
-                _ => succeeds(path, &["merge", "big", "--write", &wanted]),
-            };
-        }
+    let plan = ["plan", "scene.toml", "--parts", "2", "--out", "big"];
+    succeeds(path, &plan);
+    parts(path, &["1", "2"]);
+    let merge = ["merge", "big", "--write", "csv,json,npz"];
+    for arguments in [&merge[..2], &merge, &merge, &["merge", "big", "--write", "json"]] {
+        succeeds(path, arguments);
     }
     assert!(fs::read_to_string(path.join("big/study.json")).unwrap().contains("series"));
-    fails(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"], 2, &["has parts"]);
+    fails(path, &plan, 2, &["has parts"]);
     succeeds(path, &["extend", "big", "--paths", "300"]);
-    parts();
-    succeeds(path, &["merge", "big", "--write", "csv"]);
-    let whole = ["run", "scene.toml", "--paths", "300", "--write", "csv", "--out", "whole"];
-    succeeds(path, &whole);
-    assert_eq!(csv(&path.join("big")), csv(&path.join("whole")));
+    parts(path, &["1", "2"]);
+    succeeds(path, &merge);
 }
 
 /// `plan` settles what `auto` means, and parts do not ask again.
@@ -141,14 +99,9 @@ fn parts_take_the_scheme_that_was_settled() {
     // Another version of the program might choose another scheme.
     divided["settled"] = serde_json::json!(["em", "it was chosen then"]);
     fs::write(&plan, divided.to_string()).unwrap();
-    for number in ["1", "2"] {
-        succeeds(path, &["part", "big", "--part", number]);
-    }
+    parts(path, &["1", "2"]);
     let merged = json(path, &["merge", "big", "--json"]);
-    assert_eq!(
-        (&merged["scheme"], &merged["because"]),
-        (&"em".into(), &"it was chosen then".into())
-    );
+    assert_eq!([&merged["scheme"], &merged["because"]], ["em", "it was chosen then"]);
     let em = json(path, &["run", "scene.toml", "--scheme", "em", "--json"]);
     assert_eq!(merged["at_end"], em["at_end"]);
 }
@@ -205,25 +158,18 @@ fn what_is_complete_is_written_when_it_is_interrupted() {
 
 #[cfg(unix)]
 #[test]
-fn nothing_is_said_of_no_path() {
-    // The bins are still being chosen.
+#[ignore = "long: run by the gate"]
+fn what_has_no_whole_path_is_named() {
+    // The bins of a study are still being chosen: nothing is said.
     let text = BODY.replace("= 256", "= 3e5").replace("= 64", "= 200000");
     let folder = with_scene(&text);
-    let arguments = ["run", "scene.toml", "--threads", "1"];
-    let code = signalled(folder.path(), &arguments, "-INT", 500);
-    assert_eq!(code, Some(130));
+    let arguments = ["run", "scene.toml", "--threads", "1", "--write", "json"];
+    assert_eq!(signalled(folder.path(), &arguments, "-INT", 500), Some(130));
     assert!(!folder.path().join("scene-run/index.html").exists());
-}
-
-#[cfg(unix)]
-#[test]
-#[ignore = "long: run by the gate"]
-fn a_long_path_ends_where_it_is_interrupted() {
-    let folder =
-        with_scene(&BODY.replace("paths = 256", "paths = 1").replace("= 64", "= 40000000"));
-    let arguments = ["run", "scene.toml", "--write", "json"];
-    let code = signalled(folder.path(), &arguments, "-INT", 700);
-    assert_eq!(code, Some(130));
+    // A long path ends where it is interrupted.
+    let text = BODY.replace("paths = 256", "paths = 1").replace("= 64", "= 40000000");
+    let folder = with_scene(&text);
+    assert_eq!(signalled(folder.path(), &arguments, "-INT", 700), Some(130));
     let json = read_json(folder.path().join("scene-run/paths.json"));
     assert!(json[0]["halted"].as_str().unwrap().starts_with("stopped after t = "));
 }
