@@ -46,7 +46,9 @@ impl Sums {
     /// Adds the values of the paths `live` of a block.
     fn add(&mut self, cell: usize, values: &[f64; WIDTH], live: PathMask, grid: Option<&Grid>) {
         let sum = &mut self.moments[cell];
-        let finite = sum.add_block(values, 1.0 / grid.map_or(1.0, Grid::unit), live);
+        let unit = grid.map_or(1.0, Grid::unit);
+        let scale = if unit == 1.0 { 1.0 } else { 1.0 / unit };
+        let finite = sum.add_block(values, scale, live);
         let count = sum.count();
         self.not_finite[cell] += u64::from(live.without(finite).len());
         let Some(grid) = grid else { return };
