@@ -208,6 +208,10 @@ struct OfBlock<'a> {
 /// Lanes of a sum.
 const LANES: usize = 8;
 
+/// In one line of the cache, where they can be read as soon as they are written.
+#[repr(align(64))]
+struct Lanes([f64; LANES]);
+
 /// All values of a block by an operation, in a fixed order.
 #[inline(always)]
 fn reduce(x: &[f64; WIDTH], op: impl Fn(f64, f64) -> f64) -> f64 {
@@ -216,7 +220,7 @@ fn reduce(x: &[f64; WIDTH], op: impl Fn(f64, f64) -> f64) -> f64 {
         lanes[p] = op(op(x[p], x[p + LANES]), op(x[p + 2 * LANES], x[p + 3 * LANES]));
     }
     // Through memory: shuffles in registers, which the compiler takes else, cost twice as much.
-    let [a, b, c, d, e, f, g, h] = black_box(lanes);
+    let Lanes([a, b, c, d, e, f, g, h]) = black_box(Lanes(lanes));
     op(op(op(a, e), op(c, g)), op(op(b, f), op(d, h)))
 }
 
