@@ -1,7 +1,5 @@
 //! The instructions of a tape, and the loop that runs them.
 
-use std::array::from_fn;
-
 use real::elementary;
 
 use crate::{functions, graph::Unary};
@@ -75,11 +73,12 @@ pub struct Instruction {
 
 #[inline(always)]
 fn find<'a, const W: usize>(
-    place: Place,
+    place: Option<&Place>,
     inputs: &[&'a [[f64; W]]],
     scratch: &'a [[f64; W]],
     out: &'a [[f64; W]],
 ) -> &'a [f64; W] {
+    let place = place.copied().unwrap_or_default();
     let bank = match place.bank {
         SCRATCH => scratch,
         OUT => out,
@@ -106,8 +105,10 @@ pub fn run<const W: usize>(
             ($($operation:pat, [$($row:ident)*], [$($number:ident)*] => $value:expr;)*) => {
                 match operation {
                     $($operation => {
-                        let [$($row),*] = from_fn(|k| find(from[k], inputs, scratch, out));
-                        let [$($number),*] = from_fn(|k| numbers[at[k] as usize]);
+                        // One after the other: a function that makes arrays is not always inlined.
+                        let (mut _from, mut _at) = (from.iter(), at.iter());
+                        $(let $row = find(_from.next(), inputs, scratch, out);)*
+                        $(let $number = _at.next().map_or(1.0, |&at| numbers[at as usize]);)*
                         let mut value = [0.0; W];
                         for p in 0..W {
                             $(let $row = $row[p];)*
