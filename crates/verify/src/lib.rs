@@ -49,5 +49,5 @@ use experiment::{TRUNCATED, TRUNCATION_ORDER, Words};
 pub use panels::EXPERIMENTS;
 pub use reproduce::{ids, reproduce};
 pub use statements::STATEMENTS;
-pub use supplements::SUPPLEMENTS;
+pub use supplements::{KOLMOGOROV, SUPPLEMENTS};
 pub use two_spins::TwoSpins;

@@ -6,6 +6,8 @@ mod levy;
 mod truncation_orders;
 mod weak_two;
 
+pub use expectations::KOLMOGOROV;
+
 use crate::Experiment;
 
 /// All of them.

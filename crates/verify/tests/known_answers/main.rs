@@ -4,6 +4,7 @@
 //! The tests take minutes and are ignored: `cargo xtask verify` runs them and prints the tables.
 
 mod coverage;
+mod kolmogorov;
 mod library;
 
 use verify::reproduce;
