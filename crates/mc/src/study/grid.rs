@@ -61,6 +61,11 @@ impl Grid {
         if (1.0 / FAR..FAR).contains(&length) { 1.0 } else { power_of_two_below(length) }
     }
 
+    /// 1/[`unit`](Self::unit), exactly and without a division: with the opposite exponent.
+    pub(super) fn scale(&self) -> f64 {
+        f64::from_bits((2046 << 52) - self.unit().to_bits())
+    }
+
     /// Number of counts: bins, underflow and overflow.
     pub(super) fn cells(&self) -> usize {
         self.bins as usize + 2
@@ -147,6 +152,10 @@ mod tests {
             }
         }
         assert!(place(&Grid::covering(None, 8), f64::NAN) <= 9);
+        let units = ranges
+            .map(|range| Grid::covering(Some(range), 512))
+            .map(|grid| (grid.unit(), grid.scale()));
+        assert!(units.iter().all(|(unit, scale)| unit * scale == 1.0), "{units:?}");
     }
 
     #[test]

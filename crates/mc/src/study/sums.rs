@@ -46,9 +46,7 @@ impl Sums {
     /// Adds the values of the paths `live` of a block.
     fn add(&mut self, cell: usize, values: &[f64; WIDTH], live: PathMask, grid: Option<&Grid>) {
         let sum = &mut self.moments[cell];
-        let unit = grid.map_or(1.0, Grid::unit);
-        let scale = if unit == 1.0 { 1.0 } else { 1.0 / unit };
-        let finite = sum.add_block(values, scale, live);
+        let finite = sum.add_block(values, grid.map_or(1.0, Grid::scale), live);
         let count = sum.count();
         self.not_finite[cell] += u64::from(live.without(finite).len());
         let Some(grid) = grid else { return };
@@ -81,8 +79,8 @@ pub struct StudyStatistic<'a> {
     times: &'a [u64],
     /// The grids of all cells, or none in a pilot.
     grids: &'a [Grid],
-    /// Number of the time that is expected next.
-    next: usize,
+    /// Number of the time that was seen last.
+    last: usize,
 }
 
 impl<'a> StudyStatistic<'a> {
@@ -97,20 +95,20 @@ impl<'a> StudyStatistic<'a> {
             observables,
             times,
             grids,
-            next: 0,
+            last: 0,
         }
     }
 
-    /// The number of a step among the times. Steps come in order, so the next time is remembered;
+    /// The number of a step among the times. Steps come in order, so the last one is remembered;
     /// where they do not, it is searched for.
     fn number(&mut self, step: u64) -> Option<usize> {
-        let before = self.next.checked_sub(1).map_or(0, |before| self.times[before]);
-        let after = self.times.get(self.next).copied().unwrap_or(u64::MAX);
-        if before < step && step < after {
-            return None;
+        let time = |n: usize| self.times.get(n).copied().unwrap_or(u64::MAX);
+        if step == time(self.last + 1) {
+            self.last += 1;
+        } else if step < time(self.last) || step > time(self.last + 1) {
+            self.last = self.times.partition_point(|&time| time < step);
         }
-        self.next = self.times.partition_point(|&time| time < step);
-        (self.times.get(self.next) == Some(&step)).then_some(self.next)
+        (time(self.last) == step).then_some(self.last)
     }
 }
 
