@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use schemes::BuiltIn;
-
-use super::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Stopped};
+use super::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Stopped, verdict::asked};
 use crate::number;
 
 /// The head of the table.
@@ -16,58 +14,44 @@ impl Comparison {
         let Self { sampled, t_end, candidates, .. } = self;
         // The scheme that keeps most, and the fewest steps of several.
         let needs = candidates.iter().filter_map(|one| match one.outcome {
-            Outcome::NotReached { needs, .. } => Some((one, needs?)),
+            Outcome::NotReached { needs } => Some((one, needs?)),
             _ => None,
         });
         let most = needs.max_by(|(a, x), (b, y)| a.keeps.cmp(&b.keeps).then(y.total_cmp(x)));
         if sampled.parts() && self.wanted < sampled.last_difference {
             format!(
-                ": paths part. {} ends {} from itself with half as many steps; two independent paths \
-                 end {} apart.\nSingle paths are not predictable up to T = {t_end} then, but \
-                 expectations may be: ask `casimir expect`, or `compare` at a shorter final time.",
-                sampled.reference,
+                ": paths part, by {} for half the step, where independent ones are {} apart. \
+                 Expectations may be predictable up to T = {t_end}: ask `casimir expect`.",
                 number(sampled.last_difference),
                 number(sampled.spread),
             )
         } else if let Some((Candidate { scheme, .. }, needs)) = most {
             let needs = number(needs);
-            format!(".\n{scheme} would need about {needs} steps: extrapolated, not measured.")
+            format!("; {scheme} would need about {needs} steps: extrapolated, not measured.")
         } else {
             "; take a longer budget or a shorter final time.".into()
         }
     }
 
-    /// Why this scheme is taken, and what others would cost.
-    fn taken(&self, scheme: usize, cheapest: usize) -> String {
-        let (taken, least) = (&self.candidates[scheme], &self.candidates[cheapest]);
+    /// Why this scheme is taken.
+    fn taken(&self, taken: &Candidate, least: &Candidate) -> String {
         let ratio = |one: &Candidate, other| one.ratio(other).map_or(String::new(), interval);
-        let mut words = match self.lacks(&taken.keeps, &Keeps::default()) {
-            kept if kept.is_empty() => "keeps nothing over long times".into(),
-            kept => format!("keeps {kept}"),
-        };
-        words += &match scheme == cheapest {
+        let kept = self.lacks(&taken.keeps, &Keeps::default());
+        let mut words = format!("keeps {}", if kept.is_empty() { "nothing" } else { &kept });
+        words += &match taken == least {
             true => ", and is the cheapest".into(),
             false => format!(", and costs {} times {}", ratio(taken, least), least.scheme),
         };
-        // The cheapest of those that keep more cost significantly more.
-        let more = self.candidates.iter().filter(|one| one.keeps > taken.keeps);
-        let more = more.filter_map(|one| Some((one, one.ratio(taken)?.0)));
-        if let Some((more, _)) = more.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        let reached = self.candidates.iter().filter(|one| one.cost().is_some());
+        if let Some(more) = reached.max_by_key(|one| one.keeps)
+            && more.keeps > taken.keeps
+        {
+            let (lost, scheme) = (self.lacks(&more.keeps, &taken.keeps), &more.scheme);
             words += &format!(
-                ".\nGiven up: {}. {} keeps that and costs {} times as much; take it for long times",
-                self.lacks(&more.keeps, &taken.keeps),
-                more.scheme,
+                ".\nGiven up: {lost}. {scheme} keeps that at {} times the cost; take it for long \
+                 times",
                 ratio(more, taken)
             );
-        }
-        let cost = taken.cost().map_or(f64::INFINITY, |cost| cost.0);
-        let untried = self.candidates.iter().filter_map(|one| match one.outcome {
-            Outcome::NotReached { at_least_s, .. } if at_least_s < cost => Some(&one.scheme[..]),
-            _ => None,
-        });
-        let untried: Vec<&str> = untried.collect();
-        if !untried.is_empty() {
-            words += &format!(".\nPerhaps cheaper, with more steps: {}", untried.join(", "));
         }
         words + "."
     }
@@ -92,13 +76,12 @@ impl Candidate {
         let about = |x: f64| format!("≈ {}", number(x));
         let [mut steps, mut cost] = [const { String::new() }; 2];
         let error = match (&self.outcome, point) {
-            (Outcome::NotMeasured, _) => "not measured in this time".into(),
             (Outcome::Inconsistent(defect), _) => {
                 format!("wrong limit: steps are off by {}", number(*defect))
             }
             (Outcome::Fails(failure), _) => format!("fails: {failure}"),
-            (_, None) => "not measured: all paths failed".into(),
-            (Outcome::NotReached { needs, .. }, Some(point)) => {
+            (Outcome::NotMeasured, _) | (_, None) => "not measured".into(),
+            (Outcome::NotReached { needs }, Some(point)) => {
                 steps = needs.map_or(format!("> {}", point.steps), about);
                 let step_s = point.time.map(|time| time.best / point.steps as f64);
                 let needed = needs.zip(step_s).zip(cheapest.and_then(Self::cost));
@@ -112,11 +95,9 @@ impl Candidate {
                 point.words()
             }
         };
-        let casimirs = match point.and_then(|point| point.defect) {
-            Some(defect) if self.keeps.casimirs => format!("kept, {}", number(defect)),
-            Some(defect) => format!("off by {}", number(defect)),
-            None => String::new(),
-        };
+        let kept = if self.keeps.casimirs { "kept" } else { "off by" };
+        let casimirs = point.and_then(|point| point.defect);
+        let casimirs = casimirs.map_or(String::new(), |by| format!("{kept} {}", number(by)));
         [self.scheme.clone(), steps, error, cost, casimirs]
     }
 }
@@ -162,11 +143,13 @@ impl fmt::Display for Comparison {
         }
         let goal = format!("an error of {} in y(T)", number(self.wanted));
         writeln!(f, "\n{goal}")?;
-        let cheapest = match self.choice {
-            Choice::Take { cheapest, .. } => Some(&candidates[cheapest]),
+        let taken = match self.choice {
+            Choice::Take { scheme, cheapest } => {
+                Some([scheme, cheapest].map(|index| &candidates[index]))
+            }
             _ => None,
         };
-        let rows = candidates.iter().map(|one| one.row(cheapest));
+        let rows = candidates.iter().map(|one| one.row(taken.map(|[_, cheapest]| cheapest)));
         let rows: Vec<_> = [HEAD.map(str::to_owned)].into_iter().chain(rows).collect();
         let width = |c: usize| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0);
         let widths: [usize; 5] = std::array::from_fn(width);
@@ -174,33 +157,22 @@ impl fmt::Display for Comparison {
             let cells = row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}"));
             writeln!(f, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end())?;
         }
-        let for_areas =
-            |one: &Candidate| BuiltIn::named(&one.scheme).is_some_and(BuiltIn::is_for_areas);
-        let notes = [
-            (rows.iter().any(|row| row[1].starts_with('≈')), "≈ extrapolated from the errors"),
-            (
-                rows.iter().any(|row| row[2].starts_with("about")),
-                "about: the distance from a reference that is not exact enough",
-            ),
-            (candidates.iter().any(for_areas), "-levy: errors with exact Lévy areas"),
-        ];
-        for (_, note) in notes.iter().filter(|(applies, _)| *applies) {
-            writeln!(f, "  {note}")?;
+        write!(f, "  ≈: extrapolated; about: the reference is not exact enough")?;
+        if candidates.iter().any(|one| asked(&one.scheme, 1.0) < 1.0) {
+            write!(f, "; -levy: with nearly exact areas, so half of the error is asked")?;
         }
-        match self.choice {
-            Choice::Take { scheme, cheapest } => {
-                let (id, taken) = (&candidates[scheme].scheme, self.taken(scheme, cheapest));
-                write!(f, "\nTake {id} for {goal}: it {taken}")
+        match (&self.choice, taken) {
+            (_, Some([taken, least])) => {
+                let because = self.taken(taken, least);
+                write!(f, "\n\nTake {} for {goal}: it {because}", taken.scheme)
             }
-            Choice::NoneReaches => {
-                write!(f, "\nNo scheme reaches {goal}{within}{}", self.out_of_reach())
-            }
-            Choice::WrongReference(defect) => write!(
+            (Choice::WrongReference(defect), _) => write!(
                 f,
-                "\nNo scheme is recommended: the reference, {reference}, converges to something \
+                "\n\nNo scheme is recommended: the reference, {reference}, converges to something \
                  else; its steps miss the coefficients of the equation by {}.",
-                number(defect)
+                number(*defect)
             ),
+            _ => write!(f, "\n\nNo scheme reaches {goal}{within}{}", self.out_of_reach()),
         }
     }
 }

@@ -29,8 +29,8 @@
 //! **Errors.** All schemes see the same noise. An error is (E|y_N − y_ref|²)^½ at the final time,
 //! with a bootstrap-t interval of 95 %. The reference is one of strong order one; its own error is
 //! bounded by its differences at three step sizes and widens every interval. Points that are less
-//! than four times that error are marked and not used. A scheme that reads Lévy areas has those of the
-//! finest steps, which are practically exact; drawn at its own step they have an error of order τ.
+//! than four times that error are marked and not used. A scheme that reads Lévy areas has those of
+//! the finest steps, which are practically exact: half of the error is asked of it.
 //!
 //! **Limits.** Of the reference and of every scheme, single steps are compared with the
 //! coefficients of the equation as τ → 0 ([`Limit::Consistent`](crate::Limit)). One that misses
@@ -46,8 +46,9 @@
 //!
 //! **Budget.** Pilots, errors and times each get a part of it, and end when it is over.
 //!
-//! **Costs** are processor times of the block kernels on one thread with their noise, and with
-//! areas where a scheme reads them; between points they are interpolated in the logarithms.
+//! **Costs** are processor times of the block kernels on one thread (wall times where threads have
+//! no clock) with their noise, and with areas where a scheme reads them; between points they are
+//! interpolated in the logarithms.
 //!
 //! | item | job |
 //! |---|---|
@@ -62,7 +63,6 @@ mod laws;
 mod pilot;
 mod search;
 mod settings;
-mod time;
 mod verdict;
 
 use mc::Problem;
@@ -100,8 +100,6 @@ pub struct Comparison {
     pub choice: Choice,
     /// What the budget cut short.
     pub stopped: Option<Stopped>,
-    /// What the times are, in words.
-    pub clock: String,
     /// Seconds of wall time that the comparison took.
     pub wall_s: f64,
 }

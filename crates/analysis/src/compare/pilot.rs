@@ -12,7 +12,7 @@ use schemes::Method;
 
 use super::{Outcome, search::Search};
 use crate::{
-    FinalMoments, Limit, StepSizes, Stopwatch,
+    FinalMoments, Limit, StepSizes,
     orders::{Subject, single_steps},
 };
 
@@ -26,8 +26,6 @@ const FINEST: u32 = 8;
 pub struct Known {
     /// The coarsest step size at which no path fails.
     pub first: u32,
-    /// Seconds of a step of one path on one thread, noise included.
-    pub seconds: f64,
     /// Why the scheme is not recommended: paths fail at all step sizes, there is no time, or it
     /// converges to something else.
     pub excluded: Option<Outcome>,
@@ -41,16 +39,14 @@ impl Known {
         stop: &Stop,
     ) -> Result<Self, LadderError> {
         let (problem, truncation) = (search.problem, search.settings.truncation);
-        let (mut excluded, mut seconds) = (Outcome::NotMeasured, 0.0);
+        let mut excluded = Outcome::NotMeasured;
         for first in 0..=FINEST {
             let steps = search.base << first;
             let runs = vec![Run::new(Arc::clone(scheme), 0)];
             let ladder = Ladder::new(problem, steps, 0, truncation, search.key(1), runs)?;
             let nothing = |_: &View<'_>, _: &mut [_]| ();
             let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
-            let watch = Stopwatch::start();
             let failures = ladder.run_until(stop, 0, PATHS, new, &|_| ()).failures;
-            seconds = watch.wall_s() / (PATHS * steps) as f64;
             if let Some(failure) = failures.first() {
                 excluded = Outcome::Fails(failure.to_string());
             } else if !stop.is_asked() {
@@ -60,13 +56,13 @@ impl Known {
                     Limit::Inconsistent { defect } => Some(Outcome::Inconsistent(defect)),
                     _ => None,
                 };
-                return Ok(Self { first, seconds, excluded });
+                return Ok(Self { first, excluded });
             }
             if stop.is_asked() {
                 break;
             }
         }
-        Ok(Self { first: FINEST, seconds, excluded: Some(excluded) })
+        Ok(Self { first: FINEST, excluded: Some(excluded) })
     }
 
     /// Whether it has errors.

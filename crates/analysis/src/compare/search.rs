@@ -1,9 +1,10 @@
 //! Step sizes, paths and times of a comparison.
 
-use std::{cell::Cell, sync::Arc};
+use std::{hint::black_box, sync::Arc};
 
-use mc::{Problem, parts::Stop};
+use mc::{Ladder, LadderError, Problem, Run, View, parts::Stop};
 use noise::StreamKey;
+use rayon::ThreadPoolBuilder;
 use schemes::Method;
 
 use super::{
@@ -12,10 +13,9 @@ use super::{
     errors::{ErrorPoint, Errors, Plan},
     pilot::{Known, within},
     settings::LEAST_SAMPLES,
-    time::{PATH_STEPS, PATHS, path_times},
-    verdict::choose,
+    verdict::{asked, choose},
 };
-use crate::{Spread, Stopwatch};
+use crate::{FinalMoments, Spread, Stopwatch};
 
 /// The least number of coarsest steps.
 const LEAST_STEPS: u64 = 4;
@@ -27,14 +27,17 @@ const LONGEST: f64 = 0.5;
 const REACH: u32 = 6;
 /// A reference is not refined if its error is at most this part of the wanted one.
 const ENOUGH: f64 = 1.0 / 8.0;
-/// Halvings of the step sizes at first, of schemes and of the reference, and if these take long.
-const AHEAD: [[u32; 2]; 2] = [[1, 4], [0, 2]];
+/// Halvings of the step sizes of schemes and of the reference, on few paths and then on all.
+const AHEAD: [[u32; 2]; 2] = [[0, 2], [1, 4]];
 /// Errors that are that many times the wanted one are refined by two halvings at once.
 const FAR: f64 = 16.0;
 /// The part of the time left that errors may take.
 const ERRORS: f64 = 0.75;
 /// How often times are measured.
-const REPETITIONS: f64 = 3.0;
+const REPETITIONS: usize = 3;
+/// Paths that are timed together, and steps that a time takes at least over all its paths.
+const PATHS: u64 = 128;
+const PATH_STEPS: u64 = 1 << 14;
 
 /// A comparison under way.
 pub struct Search<'a> {
@@ -44,8 +47,6 @@ pub struct Search<'a> {
     /// Number of the longest steps.
     pub base: u64,
     watch: Stopwatch,
-    /// Whether the budget has cut something short.
-    cut: Cell<bool>,
 }
 
 impl<'a> Search<'a> {
@@ -56,8 +57,7 @@ impl<'a> Search<'a> {
     ) -> Result<Self, CompareError> {
         settings.check(candidates.schemes.len(), problem.t_end)?;
         let base = ((problem.t_end / LONGEST).ceil() as u64).max(LEAST_STEPS).next_power_of_two();
-        let (watch, cut) = (Stopwatch::start(), Cell::new(false));
-        Ok(Self { problem, settings, candidates, base, watch, cut })
+        Ok(Self { problem, settings, candidates, base, watch: Stopwatch::start() })
     }
 
     /// The noise of a part of the comparison: errors, pilots, times.
@@ -70,33 +70,34 @@ impl<'a> Search<'a> {
         (self.settings.budget_s - self.watch.wall_s()).max(0.0)
     }
 
-    /// Notes that the budget cuts something short, if so.
-    fn cut_if(&self, cut: bool) {
-        self.cut.set(self.cut.get() || cut);
-    }
-
     pub fn run(self) -> Result<Comparison, CompareError> {
         let Self { problem, settings, candidates, .. } = self;
-        let reference = self.known(&candidates.reference, 2)?;
+        // So many pilots share a third of the time left.
+        let known = |scheme: &Arc<dyn Method + 'a>, waiting: usize| {
+            let seconds = self.left_s() / (3 * waiting) as f64;
+            within(seconds, |stop| Known::new(scheme, &self, stop))
+        };
+        let reference = known(&candidates.reference, 2)?;
         if let Some(Outcome::Fails(failure)) = reference.excluded {
             let scheme = candidates.reference.id();
             let steps = self.base << reference.first;
             return Err(CompareError::Reference { scheme, steps, failure });
         }
-        let waiting = (1..=candidates.schemes.len()).rev();
-        let known = candidates.schemes.iter().zip(waiting);
-        let known = known.map(|(scheme, waiting)| self.known(scheme, waiting));
-        let known: Vec<Known> = known.collect::<Result<_, _>>()?;
-        let found = within(ERRORS * self.left_s(), |stop| self.errors(&known, &reference, stop))?;
+        let all = candidates.schemes.iter().zip((1..=candidates.schemes.len()).rev());
+        let all: Vec<Known> =
+            all.map(|(scheme, waiting)| known(scheme, waiting)).collect::<Result<_, _>>()?;
+        let (found, cut) =
+            within(ERRORS * self.left_s(), |stop| self.errors(&all, &reference, stop))?;
         let Errors { sampled, of_reference, mut points } = found.unwrap_or_else(|| Errors {
             sampled: Sampled::default(),
             of_reference: f64::INFINITY,
-            points: vec![Vec::new(); known.len()],
+            points: vec![Vec::new(); all.len()],
         });
-        within(self.left_s(), |stop| self.time(&known, &mut points, stop))?;
+        within(self.left_s(), |stop| self.time(&mut points, stop))?;
+        let cut = cut || all.iter().any(|known| known.excluded == Some(Outcome::NotMeasured));
         let steps = points.iter().flatten().map(|point| point.steps).max().unwrap_or(0);
         let damped = problem.damping.integral(0.0, problem.t_end) != 0.0;
-        let schemes = candidates.schemes.iter().zip(known).zip(points);
+        let schemes = candidates.schemes.iter().zip(all).zip(points);
         let candidate = |((scheme, known), points): ((&Arc<dyn Method>, Known), _)| {
             Candidate::new(scheme.id(), points, settings.error, known.excluded, damped)
         };
@@ -105,7 +106,6 @@ impl<'a> Search<'a> {
             Some(Outcome::Inconsistent(defect)) => Choice::WrongReference(defect),
             _ => choose(&candidates),
         };
-        let clock = if Stopwatch::MEASURES_PROCESSOR { "processor time" } else { "wall time" };
         Ok(Comparison {
             system: problem.name.clone(),
             dimension: problem.y0.len(),
@@ -117,57 +117,48 @@ impl<'a> Search<'a> {
             reference_error: of_reference,
             candidates,
             choice,
-            stopped: self.cut.get().then_some(Stopped { budget_s: settings.budget_s, steps }),
-            clock: clock.to_owned(),
+            stopped: cut.then_some(Stopped { budget_s: settings.budget_s, steps }),
             wall_s: self.watch.wall_s(),
         })
     }
 
-    /// What a pilot shows of a scheme, where so many pilots share a third of the time left.
-    fn known(&self, scheme: &Arc<dyn Method + 'a>, waiting: usize) -> Result<Known, CompareError> {
-        within(self.left_s() / (3 * waiting) as f64, |stop| {
-            let known = Known::new(scheme, self, stop)?;
-            self.cut_if(!known.runs() && stop.is_asked());
-            Ok(known)
-        })
-    }
-
-    /// Errors on either side of the wanted one: at T/2ᵏ, with finer steps until it is reached, or
-    /// the next errors would take too long.
+    /// Errors at T/2ᵏ, first on few paths, then with finer and finer steps until the wanted one is
+    /// reached or the time is over; and whether it was over.
     fn errors(
         &self,
         known: &[Known],
         reference: &Known,
         stop: &Stop,
-    ) -> Result<Option<Errors>, CompareError> {
-        let (mut found, room, watch) = (None, ERRORS * self.left_s(), Stopwatch::start());
+    ) -> Result<(Option<Errors>, bool), CompareError> {
+        let mut found = None;
         let plan = |[scheme, ahead]: [u32; 2], samples| Plan {
             sizes: known.iter().map(|known| known.sizes(scheme)).collect(),
             reference: reference.first + ahead,
             samples,
         };
-        let mut next = plan(AHEAD[0], self.settings.samples);
-        if self.work(known, reference, &next) > room {
-            next = plan(AHEAD[1], LEAST_SAMPLES);
-        }
+        let (mut next, all) =
+            (plan(AHEAD[0], LEAST_SAMPLES), plan(AHEAD[1], self.settings.samples));
         while reference.runs() {
-            let (plan, before) = (next, watch.wall_s());
+            let (plan, watch) = (next, Stopwatch::start());
             let errors = self.measure(&plan, stop)?;
             if stop.is_asked() {
                 break;
             }
-            next = self.refined(known, found.insert(errors), &plan);
+            let errors = found.insert(errors);
+            next = match plan.samples < all.samples || plan.reference < all.reference {
+                true => all.clone(),
+                false => self.refined(known, errors, &plan),
+            };
             // Errors against a wrong reference are no errors.
             if reference.excluded.is_some() || next == plan {
-                return Ok(found);
+                return Ok((found, false));
             }
-            let each = (watch.wall_s() - before) / self.work(known, reference, &plan);
-            if watch.wall_s() + each * self.work(known, reference, &next) > room {
+            // The next ones take twice as long at least.
+            if 2.0 * watch.wall_s() > self.left_s() {
                 break;
             }
         }
-        self.cut_if(true);
-        Ok(found)
+        Ok((found, true))
     }
 
     /// Finer step sizes for schemes whose errors are above the wanted one, and for the reference.
@@ -178,7 +169,8 @@ impl<'a> Search<'a> {
         let sound: Vec<usize> = (0..known.len()).filter(|&s| known[s].excluded.is_none()).collect();
         for &s in &sound {
             // The whole interval is at most the wanted error.
-            let reached = |point: &ErrorPoint| point.resolved && point.hi <= wanted;
+            let asked = asked(self.candidates.schemes[s].id(), wanted);
+            let reached = |point: &ErrorPoint| point.resolved && point.hi <= asked;
             match errors.points[s].last() {
                 Some(last) if !errors.points[s].iter().any(reached) => match last.resolved {
                     true => next.sizes[s].end += by(last.error),
@@ -200,46 +192,49 @@ impl<'a> Search<'a> {
         next
     }
 
-    /// Seconds of a plan on one thread, by what steps of the pilots took.
-    fn work(&self, known: &[Known], reference: &Known, plan: &Plan) -> f64 {
-        let steps = |end: u32| 2.0 * self.base as f64 * f64::from(end).exp2();
-        let schemes = known.iter().zip(&plan.sizes).filter(|(_, sizes)| !sizes.is_empty());
-        let schemes = schemes.map(|(known, sizes)| steps(sizes.end - 1) * known.seconds);
-        plan.samples as f64 * (schemes.sum::<f64>() + steps(plan.reference) * reference.seconds)
-    }
-
-    /// Times paths. Where there is no time, a step costs what one of the finest timed ones does, or
-    /// of the pilot.
-    fn time(
-        &self,
-        known: &[Known],
-        points: &mut [Vec<ErrorPoint>],
-        stop: &Stop,
-    ) -> Result<(), CompareError> {
-        let of_scheme = |(points, known): (&Vec<ErrorPoint>, &Known)| {
-            let timed = points.iter().filter(|_| known.excluded.is_none());
-            timed.map(|point| point.steps).collect::<Vec<u64>>()
-        };
-        let steps: Vec<_> = points.iter().zip(known).map(of_scheme).collect();
-        // One repetition at least, and as many as the budget has room for.
-        let of_scheme = |(steps, known): (&Vec<u64>, &Known)| {
-            let steps = steps.iter().map(|steps| PATH_STEPS.max(steps * PATHS));
-            steps.sum::<u64>() as f64 * known.seconds
-        };
-        let once: f64 = steps.iter().zip(known).map(of_scheme).sum();
-        let repetitions = (self.left_s() / once).clamp(1.0, REPETITIONS) as usize;
-        let noise = (self.settings.truncation, self.key(2));
-        let (schemes, problem) = (&self.candidates.schemes, self.problem);
-        let times = path_times(schemes, problem, &steps, noise, repetitions, stop)?;
-        self.cut_if(stop.is_asked());
-        for (((points, times), steps), known) in points.iter_mut().zip(times).zip(steps).zip(known)
-        {
-            let mut step_s = known.seconds;
-            for (k, (point, &steps)) in points.iter_mut().zip(&steps).enumerate() {
-                let s = step_s * steps as f64;
-                let time = times.get(k).copied();
-                let time = time.unwrap_or(Spread { best: s, median: s, worst: s });
-                (point.time, step_s) = (Some(time), time.best / steps as f64);
+    /// Times paths on one thread, coarse steps first, each in turn, so that a disturbance hits all
+    /// of them. Where there is no time, a step costs what one of the finest timed ones does.
+    fn time(&self, points: &mut [Vec<ErrorPoint>], stop: &Stop) -> Result<(), LadderError> {
+        let (problem, truncation) = (self.problem, self.settings.truncation);
+        let mut ladders = Vec::new();
+        for (scheme, points) in self.candidates.schemes.iter().zip(points.iter_mut()) {
+            for point in points {
+                let runs = vec![Run::new(Arc::clone(scheme), 0)];
+                let ladder = Ladder::new(problem, point.steps, 0, truncation, self.key(2), runs)?;
+                ladders.push((ladder, point));
+            }
+        }
+        ladders.sort_by_key(|(_, point)| point.steps);
+        let mut measured = vec![Vec::new(); ladders.len()];
+        let nothing = |_: &View<'_>, _: &mut [_]| ();
+        // The clock of the thread is read on the thread that works.
+        let one = ThreadPoolBuilder::new().num_threads(1).build();
+        let one = one.unwrap_or_else(|error| panic!("cannot start a thread: {error}"));
+        one.install(|| {
+            for _ in 0..REPETITIONS {
+                for ((ladder, point), seconds) in ladders.iter().zip(&mut measured) {
+                    let paths = PATH_STEPS.div_ceil(PATHS * point.steps).max(1) * PATHS;
+                    let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
+                    let watch = Stopwatch::start();
+                    black_box(ladder.run_until(stop, 0, paths, new, &|_| ()));
+                    if stop.is_asked() {
+                        return;
+                    }
+                    let used =
+                        if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() };
+                    seconds.push(used / paths as f64);
+                }
+            }
+        });
+        for ((_, point), seconds) in ladders.into_iter().zip(measured) {
+            point.time = (!seconds.is_empty()).then(|| Spread::of(seconds));
+        }
+        for points in points {
+            let mut step: Option<Spread> = None;
+            for point in points {
+                let steps = point.steps as f64;
+                point.time = point.time.or(step.map(|step| step.scaled(steps)));
+                step = point.time.map(|time| time.scaled(1.0 / steps));
             }
         }
         Ok(())

@@ -49,8 +49,6 @@ pub enum Outcome {
     },
     /// It does not with the steps that were measured.
     NotReached {
-        /// Seconds of processor time that the wanted error costs at least.
-        at_least_s: f64,
         /// Steps that the wanted error needs, extrapolated from the last errors; none
         /// where these do not fall.
         needs: Option<f64>,
@@ -99,7 +97,7 @@ impl Candidate {
         excluded: Option<Outcome>,
         damped: bool,
     ) -> Self {
-        let outcome = excluded.unwrap_or_else(|| outcome(&points, wanted));
+        let outcome = excluded.unwrap_or_else(|| outcome(&points, asked(scheme, wanted)));
         let keeps = Keeps::default();
         let mut candidate = Self { scheme: scheme.to_owned(), points, outcome, keeps };
         let defect = candidate.point().and_then(|point| point.defect);
@@ -144,17 +142,23 @@ impl Candidate {
     }
 }
 
+/// The error that is asked of a scheme: half of the wanted one where it reads Lévy areas, since those
+/// of finest steps are better than the ones that it would draw.
+pub(super) fn asked(scheme: &str, wanted: f64) -> f64 {
+    if BuiltIn::named(scheme).is_some_and(BuiltIn::is_for_areas) { 0.5 * wanted } else { wanted }
+}
+
 fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     let resolved: Vec<&ErrorPoint> = points.iter().filter(|point| point.resolved).collect();
     let Some(last) = resolved.last().copied().or(points.last()) else {
         return Outcome::NotMeasured;
     };
-    let least = cost(points, wanted, |point| point.lo, |time| time.best).map(|least| least.1);
     if let Some((steps, cost_s)) = cost(points, wanted, |point| point.error, |time| time.best) {
+        let least = cost(points, wanted, |point| point.lo, |time| time.best);
         return Outcome::Reached {
             steps,
             cost_s,
-            cost_lo: least.map_or(0.0, |least| least.min(cost_s)),
+            cost_lo: least.map_or(0.0, |least| least.1.min(cost_s)),
             cost_hi: cost(points, wanted, |point| point.hi, |time| time.median).map(|most| most.1),
         };
     }
@@ -166,8 +170,7 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
         let factor = (last.error / wanted).powf(1.0 / p.clamp(0.5, 1.0));
         (p >= FALLS).then_some(last.steps as f64 * factor.max(1.0))
     });
-    let of_last = last.time.map_or(0.0, |time| time.best);
-    Outcome::NotReached { at_least_s: least.unwrap_or(of_last), needs }
+    Outcome::NotReached { needs }
 }
 
 /// Steps and seconds of the wanted error: those of the coarsest steps if all are below it, or

@@ -133,15 +133,13 @@ fn usable(rate: Option<&Rate>, limit: Limit) -> Result<&Rate, Decision> {
 
 impl Decision {
     /// Widens the interval of a rate to the order that is named, or adds the warning that none is.
-    /// Returns the order, or the estimate.
-    pub fn settle(&self, rate: &mut Rate) -> f64 {
+    pub fn settle(&self, rate: &mut Rate) {
         if let &Self::Order { order, .. } = self {
             (rate.lo, rate.hi) = (rate.lo.min(order), rate.hi.max(order));
-            return order;
+        } else {
+            let before = rate.warning.take().map_or(String::new(), |warning| warning + "; ");
+            rate.warning = Some(format!("{before}{self}"));
         }
-        let before = rate.warning.take().map_or(String::new(), |warning| format!("{warning}; "));
-        rate.warning = Some(format!("{before}{self}"));
-        rate.estimate
     }
 }
 
@@ -170,10 +168,9 @@ impl fmt::Display for Order {
         }
         match (decision, one_step) {
             (Decision::Order { shown: false, .. }, Some(OneStep { tau, amplification, .. })) => {
-                let times = format!("{amplification} times the noise");
                 write!(
                     f,
-                    "; the points fall faster, one step at τ = {tau:.0e} and {times} shows it"
+                    "; shown by one step at τ = {tau:.0e} and {amplification} times the noise"
                 )
             }
             (Decision::Order { shown: false, .. }, None) => {
@@ -182,18 +179,12 @@ impl fmt::Display for Order {
             _ => Ok(()),
         }?;
         match limit {
-            Limit::Consistent { defect } => {
-                write!(f, "; one step has the coefficients of the equation to {defect:.0e}")
-            }
-            Limit::Inconsistent { defect } => {
-                write!(f, "; one step misses the coefficients of the equation by {defect:.0e}")
-            }
+            Limit::Consistent { defect } => write!(f, "; right in one step to {defect:.0e}"),
+            Limit::Inconsistent { defect } => write!(f, "; wrong in one step by {defect:.0e}"),
             Limit::Agrees { distance } | Limit::Unclear { distance } => {
-                write!(f, "; its limit is at most {distance:.1e} from the exact solution")
+                write!(f, "; at most {distance:.1e} from the exact solution")
             }
-            Limit::Differs { distance } => {
-                write!(f, "; its limit is {distance:.1e} from the exact solution")
-            }
+            Limit::Differs { distance } => write!(f, "; {distance:.1e} from the exact solution"),
             Limit::Unchecked => f.write_str("; its limit was not compared"),
         }?;
         match failed {

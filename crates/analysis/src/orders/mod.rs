@@ -19,7 +19,6 @@
 
 mod consistency;
 mod decision;
-mod errors;
 mod exact;
 mod limit;
 mod one_step;
@@ -31,17 +30,16 @@ mod steps;
 mod tests;
 mod within;
 
-use mc::{LadderError, Observe, parts::Stop};
+use mc::{LadderError, parts::Stop};
 use stats::{Point, Rate};
 
-pub use errors::squared_distance;
 pub(crate) use steps::Subject;
 
 pub use decision::{Decision, More};
 pub use exact::Exact;
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
-pub use order::{strong_order, weak_order};
+pub use order::{squared_distance, strong_order, weak_order};
 pub use step_sizes::StepSizes;
 
 /// The order of one scheme, with what it rests on.
@@ -49,8 +47,9 @@ pub use step_sizes::StepSizes;
 /// [`Display`](std::fmt::Display) words it.
 #[derive(Clone, Debug)]
 pub struct Order {
-    /// Error against the limit at each of the `levels` step sizes, coarsest first, with a 95 %
-    /// interval. The error that is left at the finest step is extrapolated and widens the interval.
+    /// What the order is fitted to, coarsest step size first, with intervals of 95 %: differences
+    /// y_τ − y_{τ/2} in the root mean square or in the mean of the function, or errors against an
+    /// exact solution.
     pub points: Vec<Point>,
     /// The fitted order; `None` if the differences are zero or inside their noise. Its interval
     /// reaches to the order that is named.
@@ -73,13 +72,6 @@ impl Order {
             _ => None,
         }
     }
-}
-
-/// What an order is measured of: the states themselves, or a test function.
-#[derive(Clone, Copy)]
-enum Measure<'a> {
-    Strong,
-    Weak(&'a dyn Observe),
 }
 
 /// Compares single steps of the scheme with the coefficients of the equation as τ → 0, at states

@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use mc::{Ladder, LadderError, Problem, Run, Statistic, TimeChange, View, parts::Stop};
-use schemes::Method;
-use stats::CrossMoments;
+use mc::{
+    Ladder, LadderError, Measured, PathFailure, Run, Statistic, TimeChange, View, parts::Stop,
+};
 
 use super::{
     Limit, Order, StepSizes,
@@ -14,66 +14,34 @@ use super::{
 };
 use crate::{FinalMoments, FinalRows, number};
 
-/// The scheme at every step size, coarsest first.
-pub fn at_all_sizes<'a>(scheme: &Arc<dyn Method + 'a>, sizes: &StepSizes) -> Vec<Run<'a>> {
-    let run = |index| Run::new(Arc::clone(scheme), sizes.sizes() - 1 - index);
-    (0..sizes.sizes()).map(run).collect()
-}
-
-/// Paths that were left out.
-#[derive(Clone, Copy)]
-pub struct Failed {
-    /// Their number.
-    pub paths: u64,
-    /// When the first of them failed.
-    pub t: f64,
-}
-
-/// Moments of a vector of this length at the final time, and the paths that were left out.
+/// Moments of a vector of this length, made of the final states of the scheme at every step size,
+/// coarsest first.
 pub fn measure<'a>(
-    problem: &Problem<'a>,
+    Subject { problem, scheme }: Subject<'a>,
     sizes: &StepSizes,
-    runs: Vec<Run<'a>>,
-    time_change: Option<&'a dyn TimeChange>,
+    time_change: Option<&dyn TimeChange>,
     length: usize,
-    values: &FinalRows<'_>,
-) -> Result<(CrossMoments, Failed), LadderError> {
-    sizes.check()?;
+    values: &'a FinalRows<'a>,
+) -> Result<Measured<FinalMoments<'a>>, LadderError> {
     let (steps, top) = (sizes.reference_steps(), sizes.level(0));
+    let runs = (0..=top).rev().map(|level| Run::new(Arc::clone(scheme), level)).collect();
     let mut ladder = Ladder::new(problem, steps, top, sizes.truncation, sizes.key, runs)?;
     if let Some(time_change) = time_change {
         ladder = ladder.with_time_change(time_change);
     }
     let none = || FinalMoments::new(ladder.coarse_steps(), length, values);
-    let measured = ladder.run(sizes.samples, none, &|_| ());
-    let t = measured.failures.first().map_or(problem.t_end, |first| first.step as f64 * first.tau);
-    Ok((measured.statistic.moments, Failed { paths: measured.failed, t }))
+    Ok(ladder.run(sizes.samples, none, &|_| ()))
 }
 
-impl Failed {
-    /// What is said where too many of these paths failed: the rest says little about the scheme.
-    pub fn order(self, samples: u64) -> Order {
-        let (Self { paths: failed, t }, limit) = (self, Limit::Unchecked);
-        let t = number(t);
-        let because = format!(
-            "{failed} of {samples} paths failed, the first at t = {t}, where the solution may end"
-        );
-        let decision = undecided(More::Steps, because);
-        Order { points: Vec::new(), rate: None, one_step: None, limit, decision, failed }
-    }
-}
-
-/// Paths that show whether most fail: one block.
-const FEW: u64 = 32;
-
-/// What is said where half of a few paths fail. More of them decide nothing, and steps that fail
-/// take longest.
-pub fn failing(subject: Subject<'_>, sizes: &StepSizes) -> Result<Option<Order>, LadderError> {
-    let few = StepSizes { samples: sizes.samples.min(FEW), ..*sizes };
-    let runs = at_all_sizes(subject.scheme, sizes);
-    let (_, failed) = measure(subject.problem, &few, runs, None, 0, &|_, _| ())?;
-    let most = failed.paths > 0 && 2 * failed.paths >= few.samples;
-    Ok(most.then(|| failed.order(few.samples)))
+/// What is said where so many of all paths failed: the rest says little about the scheme.
+pub fn failing(failures: &[PathFailure], [failed, paths]: [u64; 2]) -> Order {
+    let t = failures.first().map_or(0.0, |first| first.step as f64 * first.tau);
+    let because = format!(
+        "{failed} of {paths} paths failed, the first at t = {}, where the solution may end",
+        number(t)
+    );
+    let (decision, limit) = (undecided(More::Steps, because), Limit::Unchecked);
+    Order { points: Vec::new(), rate: None, one_step: None, limit, decision, failed }
 }
 
 /// A state of a path.

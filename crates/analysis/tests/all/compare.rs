@@ -156,7 +156,15 @@ fn flows_of_parts_and_their_casimirs_are_compared() {
     let expected =
         ["sexp", "sexp-levy", "sexp-li", "sexp-li-levy", "split", "nv", "midpoint", "heun", "em"];
     assert_eq!(names(&found), expected);
+    assert!(found.to_string().contains("half of the error is asked"), "{found}");
     for one in &found.candidates {
+        if one.scheme.ends_with("-levy") && matches!(one.outcome, Outcome::Reached { .. }) {
+            assert!(one.point().unwrap().error <= 0.05, "{found}");
+        }
+        for time in one.points.iter().map(|point| point.time.unwrap()) {
+            assert!(0.0 < time.best && time.best <= time.median, "{time:?}");
+            assert!(time.median <= time.worst, "{time:?}");
+        }
         let keeps = !["midpoint", "heun", "em"].contains(&&one.scheme[..]);
         assert_eq!(one.keeps.casimirs, keeps, "{found}");
     }
@@ -264,7 +272,7 @@ fn what_was_not_reached_is_extrapolated_and_marked() {
     let text = found.to_string();
     // Heun has order one here, so that steps times error stay.
     let heun = found.candidates.iter().find(|one| one.scheme == "heun").unwrap();
-    let Outcome::NotReached { needs, .. } = heun.outcome else { panic!("{text}") };
+    let Outcome::NotReached { needs } = heun.outcome else { panic!("{text}") };
     let &ErrorPoint { steps, error, resolved, .. } = heun.point().unwrap();
     let predicted = steps as f64 * error / 1e-8;
     assert!(resolved && error > 1e-8, "{text}");

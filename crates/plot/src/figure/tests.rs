@@ -85,12 +85,11 @@ pub(crate) fn small_comparison() -> Comparison {
         candidates: vec![Candidate {
             scheme: "heun".into(),
             points: vec![point(8, true), point(16, false)],
-            outcome: Outcome::NotReached { at_least_s: 1e-6, needs: None },
+            outcome: Outcome::NotReached { needs: None },
             keeps: Keeps::default(),
         }],
         choice: Choice::NoneReaches,
         stopped: None,
-        clock: "processor time".into(),
         wall_s: 1.0,
     }
 }
