@@ -1,11 +1,12 @@
 //! The systems of the paper as formulas, in the set-ups of its panels, against compiled ones.
 
 use formula::{Definition, FormulaSystem};
+use kernels::Tuned;
 use noise::{StepNoise, StreamKey, Truncation, WienerRows, clip};
 use nonlin::BlockStatus;
 use real::{Block, Level, PathMask, Row, WIDTH, limit_to};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLi, Step, run_time};
-use systems::{Damping, PoissonSystem, Problem, paper};
+use schemes::{BuiltIn, Step, run_time};
+use systems::{Damping, Problem, paper};
 
 use crate::paper as texts;
 
@@ -44,32 +45,26 @@ fn bits(row: &Row) -> [u64; WIDTH] {
     row.map(|x| if x.is_nan() { u64::MAX } else { x.to_bits() })
 }
 
-fn check<S, G, const D: usize, const M: usize>(
+fn check<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     panel: &str,
     problem: Problem<S, G, D>,
     definition: &Definition,
     steps: &[u64],
-) where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+) {
     let (system, y0) = (problem.system(), problem.y0());
     let formulas = FormulaSystem::new(definition, &y0).unwrap();
-    let mut schemes: Vec<(&dyn Scheme<S, D, M>, &dyn run_time::Scheme)> = vec![
-        (&Sexp, &Sexp),
-        (&Midpoint, &Midpoint),
-        (&EulerMaruyama, &EulerMaruyama),
-        (&Heun, &Heun),
-    ];
+    use BuiltIn::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi};
     // A system from texts names no Casimir, so that sexp-li is for constant and affine B.
-    let pair = (SexpLi::new(system, y0), SexpLi::at_run_time(&formulas));
-    if let (Ok(compiled), Ok(at_run_time)) = &pair {
-        assert_eq!(compiled, at_run_time);
-        schemes.push((compiled, at_run_time));
-    }
+    let schemes = [Sexp, Midpoint, EulerMaruyama, Heun, SexpLi].into_iter();
+    let schemes: Vec<_> = schemes
+        .filter_map(|kind| {
+            Some((S::scheme(kind, system, y0).ok()?, kind.at_run_time(&formulas).ok()?))
+        })
+        .collect();
+    assert!(schemes.len() >= 4);
     for &steps in steps {
         let tau = problem.t_end() / steps as f64;
-        for &(compiled, at_run_time) in &schemes {
+        for (compiled, at_run_time) in &schemes {
             let mut wiener = WienerRows::new(KEY, 0);
             let (mut drawn, mut noise) = (Block::<M>::zero(), StepNoise::zero(M));
             let (mut y, mut status) = (Block::splat(y0), BlockStatus::explicit());
@@ -86,7 +81,7 @@ fn check<S, G, const D: usize, const M: usize>(
             let what = format!("{panel}, {}, {steps} steps", compiled.id());
             let setup = (problem.damping() as &dyn Damping, &y0[..], tau);
             let order = std::array::from_fn(|p| p);
-            let (found, failed) = simulate::<M>((at_run_time, &formulas), setup, steps, order);
+            let (found, failed) = simulate::<M>((&**at_run_time, &formulas), setup, steps, order);
             assert_eq!(failed, lost, "{what}");
             let live = PathMask::ALL.without(lost);
             // Rounding errors of a step, some ε of the size, grow along a path by a factor that is
@@ -102,13 +97,13 @@ fn check<S, G, const D: usize, const M: usize>(
             // A path has the same bits at any place of a block, with any neighbours, and on every
             // instruction set.
             let moved = std::array::from_fn(|p| (7 * p + 5) % WIDTH);
-            let (elsewhere, _) = simulate::<M>((at_run_time, &formulas), setup, steps, moved);
+            let (elsewhere, _) = simulate::<M>((&**at_run_time, &formulas), setup, steps, moved);
             for (row, other) in found.iter().zip(&elsewhere) {
                 assert_eq!(bits(&moved.map(|p| row[p])), bits(other), "{what}: neighbours");
             }
             for &level in Level::BUILT {
                 limit_to(level);
-                let (same, _) = simulate::<M>((at_run_time, &formulas), setup, steps, order);
+                let (same, _) = simulate::<M>((&**at_run_time, &formulas), setup, steps, order);
                 let equal = same.iter().zip(&found).all(|(a, b)| bits(a) == bits(b));
                 assert!(equal, "{what}: {}", level.name());
             }

@@ -1,15 +1,14 @@
 //! A block is 32 paths and nothing else: same bits for every scheme, every system and every level
 //! of instructions, whether a path is easy, needs the robust method or cannot be solved.
 
-use crate::common::{Numbers, Visit, body, every_system, populations_2};
+use crate::common::{Numbers, Visit, body, every_system, populations_2, schemes_of};
 use crate::levy::Rotations;
 use crate::own_schemes::{ConformalMidpoint, EulerWithAreas};
+use kernels::Tuned;
 use noise::{BlockNoise, Noise, StepNoise, StreamKey, Truncation, WienerRows, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
-use schemes::{
-    EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, WithSolver,
-};
+use schemes::{BuiltIn, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
 use systems::{Cosine, PoissonSystem};
 
 const TAU: f64 = 0.05;
@@ -92,15 +91,12 @@ impl SideBySide {
 }
 
 impl Visit for SideBySide {
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        &mut self,
-        system: &S,
-        y0: [f64; D],
-    ) {
-        self.compare(&Sexp, system, y0);
-        self.compare(&SexpLi::with_areas(system, y0).unwrap(), system, y0);
-        self.compare(&EulerMaruyama, system, y0);
-        self.compare(&Heun, system, y0);
+    fn visit<S: Tuned<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+        use BuiltIn::{EulerMaruyama, Heun, Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split};
+        let schemes = [Sexp, SexpLevy, SexpLi, SexpLiLevy, EulerMaruyama, Heun, Split, Nv];
+        for scheme in schemes_of(&schemes, system, y0) {
+            self.compare(&*scheme, system, y0);
+        }
     }
 }
 
@@ -126,15 +122,11 @@ fn a_block_is_its_paths_at_every_level() {
             // Somebody else's formula goes through the same kernel.
             side_by_side.compare(&ConformalMidpoint { solver }, &body, y0);
         }
-        let (body, y0) = (body(), [0.6, 0.0, 0.8]);
-        let levy = SexpLevy::new(&body, y0);
-        side_by_side.compare(&levy, &body, y0);
-        // The same without closed forms: commutators and gradients by dual numbers. The system has
+        let y0 = [0.6, 0.0, 0.8];
+        // `sexp-levy` without closed forms: commutators and gradients by dual numbers. The system has
         // two noises, since a kernel for three takes five times as long to compile.
         side_by_side.compare(&SexpLevy::new(&Rotations, y0), &Rotations, y0);
-        side_by_side.compare(&Split, &body, y0);
-        side_by_side.compare(&Nv::of_parts(), &body, y0);
-        side_by_side.compare(&EulerWithAreas, &body, y0);
+        side_by_side.compare(&EulerWithAreas, &body(), y0);
         seen.push(side_by_side.ways);
     }
     let [fast, robust, failed] = seen[0];

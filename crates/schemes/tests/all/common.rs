@@ -1,8 +1,9 @@
 //! Systems, dampings and the conformal defect that the tests share.
 
+use kernels::Tuned;
 use noise::Truncation;
 use real::{Real, ScalarFunction, gradient};
-use schemes::Step;
+use schemes::{BuiltIn, Scheme, SchemeError, Step};
 use systems::{
     Constant, Cosine, Damping, ImplicitStep, Invariant, Linear, LotkaVolterra, MaxwellBloch,
     Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy, Sine,
@@ -18,11 +19,7 @@ pub fn body() -> RigidBody<3> {
 /// Something to do with every system.
 pub trait Visit {
     /// `y0` is the paper's initial value where the system is one of the paper.
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        &mut self,
-        system: &S,
-        y0: [f64; D],
-    );
+    fn visit<S: Tuned<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]);
 }
 
 /// The systems whose discrete gradient is exact.
@@ -106,6 +103,30 @@ impl<const D: usize> PoissonSystem<D, 3> for Spins<D> {
 
     const IMPLICIT_STEP: ImplicitStep =
         if D <= 6 { ImplicitStep::UnrolledFixedPoint } else { ImplicitStep::FixedPoint };
+}
+
+// As `kernels` does it for the systems of the paper.
+impl Tuned<6, 3> for Spins<6> {
+    fn scheme(
+        scheme: BuiltIn,
+        system: &Self,
+        y0: [f64; 6],
+    ) -> Result<Box<dyn Scheme<Self, 6, 3>>, SchemeError> {
+        scheme.compiled(system, y0)
+    }
+}
+
+/// Those of the schemes that the system has; with areas only where its noises do not commute.
+pub fn schemes_of<S: Tuned<D, M>, const D: usize, const M: usize>(
+    schemes: &[BuiltIn],
+    system: &S,
+    y0: [f64; D],
+) -> Vec<Box<dyn Scheme<S, D, M>>> {
+    let made = schemes.iter().filter_map(|&kind| {
+        let scheme = S::scheme(kind, system, y0).ok()?;
+        (scheme.reads_areas() || !kind.is_for_areas()).then_some(scheme)
+    });
+    made.collect()
 }
 
 /// a = b = −1: H = y₁y₂y₃.

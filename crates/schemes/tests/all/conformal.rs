@@ -6,10 +6,11 @@ use crate::common::{
     INERTIA, Numbers, Visit, any_damping, any_increments, any_state, any_step, body,
     conformal_defect, every_system, populations_1, populations_2,
 };
+use kernels::Tuned;
 use noise::Noise;
 use nonlin::{Method, Outcome, Solver};
 use real::Real;
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step, WithSolver};
+use schemes::{BuiltIn, EulerMaruyama, Midpoint, Scheme, Sexp, Step, WithSolver};
 use systems::{
     Constant, ImplicitStep, Invariant, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
     RigidBodyEnergy, vector_field,
@@ -33,17 +34,14 @@ struct KeepsTheLaw {
 }
 
 impl Visit for KeepsTheLaw {
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        &mut self,
-        system: &S,
-        y0: [f64; D],
-    ) {
+    fn visit<S: Tuned<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
         let allowed = match S::IMPLICIT_STEP {
             ImplicitStep::FixedPoint | ImplicitStep::UnrolledFixedPoint => FIXED_POINT,
             ImplicitStep::Newton | ImplicitStep::Predicted => NEWTON,
         };
         let mut numbers = Numbers(5);
         let claims = system.invariants();
+        let sexp = S::scheme(BuiltIn::Sexp, system, y0).unwrap();
         let mut defects = vec![Vec::new(); claims.len()];
         let mut unsolved = 0;
         for _ in 0..SAMPLES {
@@ -51,7 +49,7 @@ impl Visit for KeepsTheLaw {
             let step = any_step(&mut numbers, damping.as_ref());
             let dw = any_increments(&mut numbers, step.tau);
             let y = any_state(&mut numbers, system, y0);
-            let solution = Sexp.step(system, &step, &Noise::increments(dw), y);
+            let solution = sexp.step(system, &step, &Noise::increments(dw), y);
             if let Outcome::Failed { .. } = solution.outcome {
                 unsolved += 1;
                 continue;

@@ -1,59 +1,32 @@
-//! `sexp-levy` and `sexp-li-levy`: what they keep, what areas add, and that they add nothing where
+//! `sexp-levy` and `sexp-li-levy`: what areas add, and that they add nothing where
 //! noises commute.
 
-use crate::common::{
-    Numbers, Spins, Visit, any_areas, any_increments, any_state, body, every_system,
-};
-use crate::without_iteration::{MOMENTUM, largest_defect};
+use crate::common::{Numbers, Visit, any_areas, any_increments, any_state, every_system};
+use kernels::Tuned;
 use noise::Noise;
 use real::Real;
-use schemes::{Scheme, Sexp, SexpLevy, SexpLi, Step};
+use schemes::{BuiltIn, Scheme, Sexp, SexpLevy, SexpLi, Step};
 use systems::{Constant, PoissonSystem, jacobi_holds};
-
-/// Newton solves to the rounding of the equation, of which the commutators are three more terms of
-/// the size of those that [`conformal_defect`] counts; the areas reach twice the increments
-/// squared.
-const ALLOWED: f64 = 8.0;
-
-#[test]
-fn casimirs_are_kept_whatever_the_areas() {
-    let (body, spins) = (body(), [1.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
-    for largest in [
-        largest_defect(&SexpLevy::new(&body, MOMENTUM), &body, MOMENTUM),
-        largest_defect(&SexpLi::with_areas(&body, MOMENTUM).unwrap(), &body, MOMENTUM),
-        largest_defect(&SexpLevy::new(&Spins::<6>, spins), &Spins::<6>, spins),
-        largest_defect(&SexpLi::with_areas(&Spins::<6>, spins).unwrap(), &Spins::<6>, spins),
-    ] {
-        assert!(largest <= ALLOWED, "{largest}");
-    }
-}
 
 struct NothingToAdd(usize);
 
 impl Visit for NothingToAdd {
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        &mut self,
-        system: &S,
-        y0: [f64; D],
-    ) {
+    fn visit<S: Tuned<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
         let levy = SexpLevy::new(system, y0);
+        let [sexp, stepper, li] = [BuiltIn::Sexp, BuiltIn::SexpLevy, BuiltIn::SexpLiLevy]
+            .map(|scheme| S::scheme(scheme, system, y0).unwrap());
         let mut numbers = Numbers(8);
         for _ in 0..50 {
             let step = Step::new(&Constant::new(0.3).unwrap(), 0, 0.01).unwrap();
             let dw = any_increments(&mut numbers, step.tau);
             let areas = any_areas(&mut numbers, step.tau);
             let y = any_state(&mut numbers, system, y0);
-            let without = Sexp.step(system, &step, &Noise::increments(dw), y).z;
-            let with = levy.step(system, &step, &Noise { increments: dw, areas }, y).z;
-            assert_eq!(
-                levy.step(system, &step, &Noise::increments(dw), y).z,
-                without,
-                "without areas it is sexp"
-            );
+            let none = Noise::increments(dw);
+            let without = sexp.step(system, &step, &none, y).z;
+            let with = stepper.step(system, &step, &Noise { increments: dw, areas }, y).z;
+            assert_eq!(stepper.step(system, &step, &none, y).z, without);
             assert_eq!(with == without, levy.commuting(), "{}", system.name());
-            assert_eq!(Scheme::<S, D, M>::reads_areas(&levy), !levy.commuting());
-            let li = SexpLi::with_areas(system, y0).unwrap();
-            assert_eq!(Scheme::<S, D, M>::reads_areas(&li), !levy.commuting());
+            assert_eq!([&stepper, &li].map(|x| x.reads_areas()), [!levy.commuting(); 2]);
             self.0 += usize::from(levy.commuting());
         }
     }

@@ -7,10 +7,14 @@
 //! - `nv` of the same parts: ½σ²(1 − ⅛s), for the same reason with half of the step;
 //! - `heun` and `sexp-li`, which is explicit here, grow by the factor 1 + 4s² in a step.
 
+use kernels::Tuned;
 use noise::Noise;
 use nonlin::{Method, Solver};
 use real::Real;
-use schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLi, Split, Step, WithSolver};
+use schemes::{
+    BuiltIn, EulerMaruyama, Heun, Midpoint, Nv, Scheme, SchemeError, Sexp, SexpLi, Split, Step,
+    WithSolver,
+};
 use systems::{Constant, Flows, PoissonSystem};
 
 const TAU: f64 = 0.01;
@@ -57,27 +61,31 @@ impl Flows<2, 1> for Oscillator {
     }
 }
 
+impl Tuned<2, 1> for Oscillator {
+    fn scheme(
+        scheme: BuiltIn,
+        system: &Self,
+        y0: [f64; 2],
+    ) -> Result<Box<dyn Scheme<Self, 2, 1>>, SchemeError> {
+        scheme.by_parts(system, y0)
+    }
+}
+
 impl Oscillator {
     pub fn new(tau_omega: f64) -> Self {
         Self { square: (tau_omega / TAU).powi(2) }
     }
 }
 
-/// A step from y with the increment dw.
-type Advance<'a> = &'a dyn Fn([f64; 2], f64) -> [f64; 2];
-
-fn with(
-    oscillator: &Oscillator,
-    scheme: &dyn Scheme<Oscillator, 2, 1>,
-    work: &mut dyn FnMut(Advance<'_>),
-) {
-    let step = Step::new(&Constant::new(0.0).unwrap(), 0, TAU).unwrap();
-    work(&|y, dw| scheme.step(oscillator, &step, &Noise::increments([dw]), y).z);
-}
-
 /// E[H₀] after 10⁵ steps and after half of them, without sampling: z = My + gΔW is read off, and
 /// P = E[yyᵀ] becomes MPMᵀ + τggᵀ.
-fn mean_energies(oscillator: &Oscillator, advance: Advance<'_>, y0: [f64; 2]) -> [f64; 2] {
+fn mean_energies(
+    oscillator: &Oscillator,
+    scheme: &dyn Scheme<Oscillator, 2, 1>,
+    y0: [f64; 2],
+) -> [f64; 2] {
+    let step = Step::new(&Constant::new(0.0).unwrap(), 0, TAU).unwrap();
+    let advance = |y, dw| scheme.step(oscillator, &step, &Noise::increments([dw]), y).z;
     let columns = [advance([1.0, 0.0], 0.0), advance([0.0, 1.0], 0.0)];
     let g = advance([0.0, 0.0], 1.0);
     let m = |i: usize, k: usize| columns[k][i];
@@ -109,15 +117,8 @@ fn exact_slopes_over_a_hundred_thousand_steps() {
         let (oscillator, y0) = (Oscillator::new(tau_omega), start(tau_omega));
         let s = tau_omega * tau_omega / 4.0;
         let nv = Nv::of_parts();
-        let energies = |scheme: &dyn Scheme<Oscillator, 2, 1>| {
-            let mut energies = [0.0; 2];
-            with(&oscillator, scheme, &mut |advance| {
-                energies = mean_energies(&oscillator, advance, y0);
-            });
-            energies
-        };
         let slope = |scheme| {
-            let [half, end] = energies(scheme);
+            let [half, end] = mean_energies(&oscillator, scheme, y0);
             (end - half) / (TAU * EXACT * (STEPS / 2) as f64)
         };
         // Energies oscillate by less than the start's, 0.125 of 125 and more.
