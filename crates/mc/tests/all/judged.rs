@@ -110,6 +110,7 @@ fn what_is_the_same_on_every_path_is_not_believed() {
 }
 
 #[test]
+#[ignore = "long: run by the gate"]
 fn rare_events_are_found_or_allowed_for() {
     // P(W > 3.09) = 10⁻³: the 4096 paths of the pilot see four events on average.
     let problem = Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
@@ -129,6 +130,7 @@ fn of_state(kind: WarningKind) -> bool {
 }
 
 #[test]
+#[ignore = "long: run by the gate"]
 fn motion_that_the_steps_do_not_resolve_is_named() {
     // ωτ = 7 on the coarsest level; the fast angle is wrong by whole turns.
     let (omega, sigma) = (55.6, 0.3);
