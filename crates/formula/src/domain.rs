@@ -4,8 +4,8 @@ use crate::{Formula, FormulaError};
 
 impl Formula {
     /// Why the formula has no finite value at a point: its first operation that is not finite
-    /// although its operands are, as `this is NaN for -0.3`. None if it has one: an infinite operand
-    /// that is divided by does no harm.
+    /// although its operands are, as `this is NaN for -0.3`. None if it has one: an infinite
+    /// operand that is divided by does no harm.
     ///
     /// # Panics
     /// Unless the point has a number for each variable.

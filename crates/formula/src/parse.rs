@@ -1,5 +1,5 @@
-//! From text to a graph, by recursive descent. It is written by hand for its messages: the errors of
-//! a generated parser list rules of its grammar, these say what is missing and what to write.
+//! From text to a graph, by recursive descent. It is written by hand for its messages: the errors
+//! of a generated parser list rules of its grammar, these say what is missing and what to write.
 //!
 //! ```text
 //! expression = [sign] operand, or two expressions with an operator between them

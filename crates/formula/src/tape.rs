@@ -55,8 +55,8 @@ impl Tape {
         Self::with_numbers(graph, outputs, groups, 0..0)
     }
 
-    /// As [`new`](Self::new), with inputs that are the same at all points. [`evaluate_with`](Self::evaluate_with) takes
-    /// their numbers.
+    /// As [`new`](Self::new), with inputs that are the same at all points.
+    /// [`evaluate_with`](Self::evaluate_with) takes their numbers.
     pub(crate) fn with_numbers(
         graph: &Graph,
         outputs: &[Id],

@@ -114,7 +114,9 @@ fn evaluate<const D: usize>(
         return;
     }
     for p in (0..WIDTH).step_by(8) {
-        let eight: [[f64; D]; 8] = std::array::from_fn(|k| path(y, p + k));
-        values[p..p + 8].copy_from_slice(&eight.map(phi));
+        let [a, b, c, d] = [path(y, p), path(y, p + 1), path(y, p + 2), path(y, p + 3)];
+        let [e, f, g, h] = [path(y, p + 4), path(y, p + 5), path(y, p + 6), path(y, p + 7)];
+        let eight = [phi(a), phi(b), phi(c), phi(d), phi(e), phi(f), phi(g), phi(h)];
+        values[p..p + 8].copy_from_slice(&eight);
     }
 }

@@ -124,6 +124,8 @@ impl NoiseSource for &Recording {
             format!(
                 "have {noises} increments and {areas} areas for {scheme} in each row, got {got}"
             )
+        } else if let Some(number) = rows.iter().flatten().find(|number| !number.is_finite()) {
+            format!("have finite numbers, got {number}")
         } else {
             return Ok(());
         };

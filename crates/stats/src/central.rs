@@ -197,8 +197,8 @@ impl CentralMoments {
     }
 }
 
-/// The moments of some values of a block, times `scale`. Sums run over eight lanes, which are added in a fixed
-/// order, so that every instruction set gives the same bits.
+/// The moments of some values of a block, times `scale`. Sums run over eight lanes, which are added
+/// in a fixed order, so that every instruction set gives the same bits.
 struct OfBlock<'a> {
     values: &'a [f64; WIDTH],
     scale: f64,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Stopped, verdict::asked};
+use super::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Stopped};
 use crate::number;
 
 /// The head of the table.
@@ -158,8 +158,8 @@ impl fmt::Display for Comparison {
             writeln!(f, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end())?;
         }
         write!(f, "  ≈: extrapolated; about: the reference is not exact enough")?;
-        if candidates.iter().any(|one| asked(&one.scheme, 1.0) < 1.0) {
-            write!(f, "; -levy: with nearly exact areas, so half of the error is asked")?;
+        if candidates.iter().any(|one| one.asked < self.wanted) {
+            write!(f, "; with Lévy areas: nearly exact ones, so half of the error is asked")?;
         }
         match (&self.choice, taken) {
             (_, Some([taken, least])) => {

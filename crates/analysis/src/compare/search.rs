@@ -13,7 +13,7 @@ use super::{
     errors::{ErrorPoint, Errors, Plan},
     pilot::{Known, within},
     settings::LEAST_SAMPLES,
-    verdict::{asked, choose},
+    verdict::choose,
 };
 use crate::{FinalMoments, Spread, Stopwatch};
 
@@ -99,7 +99,8 @@ impl<'a> Search<'a> {
         let damped = problem.damping.integral(0.0, problem.t_end) != 0.0;
         let schemes = candidates.schemes.iter().zip(all).zip(points);
         let candidate = |((scheme, known), points): ((&Arc<dyn Method>, Known), _)| {
-            Candidate::new(scheme.id(), points, settings.error, known.excluded, damped)
+            let asked = self.asked(&**scheme);
+            Candidate::new(scheme.id(), points, asked, known.excluded, damped)
         };
         let candidates: Vec<Candidate> = schemes.map(candidate).collect();
         let choice = match reference.excluded {
@@ -161,7 +162,12 @@ impl<'a> Search<'a> {
         Ok((found, true))
     }
 
-    /// Finer step sizes for schemes whose errors are above the wanted one, and for the reference.
+    /// The error that is asked of a scheme.
+    fn asked(&self, scheme: &dyn Method) -> f64 {
+        if scheme.reads_areas() { 0.5 * self.settings.error } else { self.settings.error }
+    }
+
+    /// Finer step sizes for schemes whose errors are above those asked, and for the reference.
     fn refined(&self, known: &[Known], errors: &Errors, plan: &Plan) -> Plan {
         let (mut next, wanted) = (plan.clone(), self.settings.error);
         let by = |error: f64| if error.is_finite() && error > FAR * wanted { 2 } else { 1 };
@@ -169,7 +175,7 @@ impl<'a> Search<'a> {
         let sound: Vec<usize> = (0..known.len()).filter(|&s| known[s].excluded.is_none()).collect();
         for &s in &sound {
             // The whole interval is at most the wanted error.
-            let asked = asked(self.candidates.schemes[s].id(), wanted);
+            let asked = self.asked(&*self.candidates.schemes[s]);
             let reached = |point: &ErrorPoint| point.resolved && point.hi <= asked;
             match errors.points[s].last() {
                 Some(last) if !errors.points[s].iter().any(reached) => match last.resolved {

@@ -11,6 +11,9 @@ use crate::Spread;
 pub struct Candidate {
     /// Its identifier.
     pub scheme: String,
+    /// The error that is asked of it: half of the wanted one where it reads Lévy areas, since it
+    /// is measured with better ones than it would draw.
+    pub asked: f64,
     /// Its errors, coarsest step size first.
     pub points: Vec<ErrorPoint>,
     /// Whether it reaches the error, and at which price.
@@ -93,13 +96,13 @@ impl Candidate {
     pub(super) fn new(
         scheme: &str,
         points: Vec<ErrorPoint>,
-        wanted: f64,
+        asked: f64,
         excluded: Option<Outcome>,
         damped: bool,
     ) -> Self {
-        let outcome = excluded.unwrap_or_else(|| outcome(&points, asked(scheme, wanted)));
+        let outcome = excluded.unwrap_or_else(|| outcome(&points, asked));
         let keeps = Keeps::default();
-        let mut candidate = Self { scheme: scheme.to_owned(), points, outcome, keeps };
+        let mut candidate = Self { scheme: scheme.to_owned(), asked, points, outcome, keeps };
         let defect = candidate.point().and_then(|point| point.defect);
         let casimirs = defect.is_some_and(|defect| defect <= KEPT);
         candidate.keeps = Keeps { casimirs, ..Keeps::default() };
@@ -140,12 +143,6 @@ impl Candidate {
         let hi = a_hi.filter(|_| b_lo > 0.0).map(|hi| hi / b_lo);
         Some((a / b, b_hi.map_or(0.0, |hi| a_lo / hi), hi))
     }
-}
-
-/// The error that is asked of a scheme: half of the wanted one where it reads Lévy areas, since those
-/// of finest steps are better than the ones that it would draw.
-pub(super) fn asked(scheme: &str, wanted: f64) -> f64 {
-    if BuiltIn::named(scheme).is_some_and(BuiltIn::is_for_areas) { 0.5 * wanted } else { wanted }
 }
 
 fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {

@@ -42,8 +42,8 @@ pub struct Casimirs {
     /// A basis of the linear ones, then one of the quadratic ones that are no products of these. A
     /// scheme that preserves these preserves their linear combinations.
     pub found: Vec<FoundCasimir>,
-    /// Whether it is clear that there are no other linear or quadratic ones. Quadratic ones are sought
-    /// where B joins no more than 23 components.
+    /// Whether it is clear that there are no other linear or quadratic ones. Quadratic ones are
+    /// sought where B joins no more than 23 components.
     pub complete: bool,
     /// The sum of the quadratic ones, which bounds all paths, if it is positive definite.
     pub definite: Option<FoundCasimir>,

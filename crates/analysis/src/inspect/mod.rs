@@ -127,9 +127,9 @@ impl<'a> InspectSettings<'a> {
 /// One of more than 64 components is looked at near its initial value only.
 ///
 /// # Errors
-/// [`InspectError::NoPoints`] if too little of the region is in the domain, or if a large system has
-/// no initial value; [`InspectError::NotFinite`] if B or the energy is NaN or infinite at a point of
-/// the domain.
+/// [`InspectError::NoPoints`] if too little of the region is in the domain, or if a large system
+/// has no initial value; [`InspectError::NotFinite`] if B or the energy is NaN or infinite at a
+/// point of the domain.
 pub fn inspect(
     system: &dyn System,
     settings: &InspectSettings<'_>,

@@ -89,8 +89,8 @@ impl<'a> Sight<'a> {
         (0..points.len()).flat_map(segment).collect()
     }
 
-    /// Whether h(y + s) − h(y) = ∫₀¹ ∇h(y + ηs)·s dη along segments, by Gauss–Legendre quadrature on
-    /// segments short enough for it.
+    /// Whether h(y + s) − h(y) = ∫₀¹ ∇h(y + ηs)·s dη along segments, by Gauss–Legendre quadrature
+    /// on segments short enough for it.
     pub fn gradient(&mut self, weights: &[f64]) -> Finding {
         let mut finding = Finding::default();
         let points = &self.points.for_identities;

@@ -38,7 +38,8 @@ pub fn contraction_below(probe: &mut Probe<'_>, points: &[Vec<f64>]) -> f64 {
     largest_step(lipschitz(&h[0]), h[1..].iter().map(lipschitz).sum())
 }
 
-/// The largest τ̄ ≤ 1/e with τ·`drift` + √(2kτ|log τ|)·`noises` < 1 for all τ < τ̄: both grow there.
+/// The largest τ̄ ≤ 1/e with τ·`drift` + √(2kτ|log τ|)·`noises` < 1 for all τ < τ̄: both grow
+/// there.
 fn largest_step(drift: f64, noises: f64) -> f64 {
     // False for NaN.
     let contracts =

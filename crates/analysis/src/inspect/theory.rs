@@ -11,8 +11,8 @@ use super::{finding::Status, report::Inspection};
 pub enum Applies {
     /// It applies: its assumptions hold wherever they were looked at.
     Yes,
-    /// It applies under a condition that points cannot decide: that paths or steps stay in a ball or
-    /// in the domain, or what round-off hides.
+    /// It applies under a condition that points cannot decide: that paths or steps stay in a ball
+    /// or in the domain, or what round-off hides.
     Conditionally,
     /// It does not apply.
     No,

@@ -39,8 +39,8 @@ const KNOWN: f64 = 1e-3;
 const STAYS: f64 = 0.1;
 
 /// Compares steps from these states with the coefficients of the equation, for paths or for their
-/// law alone: the limit is consistent, inconsistent or unchecked. It is unchecked where steps fail or
-/// `stop` asks for the end.
+/// law alone: the limit is consistent, inconsistent or unchecked. It is unchecked where steps fail
+/// or `stop` asks for the end.
 pub fn consistency(
     subject: Subject<'_>,
     sizes: &StepSizes,

@@ -78,8 +78,8 @@ pub fn wrong_limit(errors: &CrossMoments, differences: &CrossMoments) -> Option<
         .then_some(near.sqrt())
 }
 
-/// The distance of the limit, |E[φ(y) − φ(x)]|, from the means of φ(y_k) − φ(y_{k+1}) and of that at
-/// the finest step, more than [`SPAN`] in all. The error is at most its last difference, as for
+/// The distance of the limit, |E[φ(y) − φ(x)]|, from the means of φ(y_k) − φ(y_{k+1}) and of that
+/// at the finest step, more than [`SPAN`] in all. The error is at most its last difference, as for
 /// order one, or half of the one before.
 pub fn weak_limit(differences: &CrossMoments) -> Limit {
     let last = differences.length() - 1;
@@ -126,8 +126,8 @@ mod tests {
     /// Half the width of the interval of a mean of one that is spread by a half.
     const HALF: f64 = 0.5 * 1.96 / 7.937_253_933_193_772;
 
-    /// Whether this is A, D or U, for agrees, differs or unclear, with the distance; up to rounding,
-    /// whose root is the standard error of what is not spread.
+    /// Whether this is A, D or U, for agrees, differs or unclear, with the distance; up to
+    /// rounding, whose root is the standard error of what is not spread.
     fn is(limit: Limit, what: char, distance: f64) -> bool {
         let (found, of) = match limit {
             Limit::Agrees { distance } => ('A', distance),

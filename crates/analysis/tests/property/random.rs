@@ -36,8 +36,8 @@ impl<const D: usize, const M: usize> PoissonSystem<D, M> for Several<D, M> {
         }
         sum
     }
-    /// Two nodes, exact for polynomials of degree four, and not for sines and exponentials: a Casimir
-    /// must not notice.
+    /// Two nodes, exact for polynomials of degree four, and not for sines and exponentials: a
+    /// Casimir must not notice.
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         averaged::<2, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
     }

@@ -55,13 +55,16 @@ fn check<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     let formulas = FormulaSystem::new(definition, &y0).unwrap();
     use BuiltIn::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi};
     // A system from texts names no Casimir, so that sexp-li is for constant and affine B.
-    let schemes = [Sexp, Midpoint, EulerMaruyama, Heun, SexpLi].into_iter();
-    let schemes: Vec<_> = schemes
-        .filter_map(|kind| {
-            Some((S::scheme(kind, system, y0).ok()?, kind.at_run_time(&formulas).ok()?))
-        })
-        .collect();
-    assert!(schemes.len() >= 4);
+    let mut schemes = Vec::new();
+    for kind in [Sexp, Midpoint, EulerMaruyama, Heun, SexpLi] {
+        match (S::scheme(kind, system, y0), kind.at_run_time(&formulas)) {
+            (Ok(compiled), Ok(at_run_time)) => schemes.push((compiled, at_run_time)),
+            (compiled, at_run_time) => {
+                let one_names_casimirs = compiled.is_ok() && system.name() == "lotka-volterra";
+                assert!(kind == SexpLi && at_run_time.is_err() && one_names_casimirs);
+            }
+        }
+    }
     for &steps in steps {
         let tau = problem.t_end() / steps as f64;
         for (compiled, at_run_time) in &schemes {

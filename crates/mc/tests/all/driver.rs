@@ -147,4 +147,8 @@ fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
     let one = Recording { tau: 1.0 / 32.0, noises: 1, rows: vec![vec![0.1]; 32] };
     let refused = ladder().with_noise(&one).err().unwrap().to_string();
     assert_eq!(refused, "the recording must have the 3 noises of the problem, got 1");
+    let mut wrong = Recording::draw(KEY, 4, 32, 1.0, 3, true).unwrap();
+    wrong.rows[7][2] = f64::NAN;
+    let refused = ladder().with_noise(&wrong).err().unwrap().to_string();
+    assert_eq!(refused, "the recording must have finite numbers, got NaN");
 }

@@ -80,8 +80,8 @@ fn langevin(x: f64) -> f64 {
     1.0 / x.tanh() - 1.0 / x
 }
 
-/// The average over time of `observable`, in steps of size τ after a tenth of them, and its standard
-/// error from 33 batches, each of some fifteen times of decorrelation.
+/// The average over time of `observable`, in steps of size τ after a tenth of them, and its
+/// standard error from 33 batches, each of some fifteen times of decorrelation.
 fn average(
     lattice: &SpinLattice,
     scheme: &dyn Scheme,

@@ -217,7 +217,8 @@ impl Plot {
             frame.polyline(canvas, &places, Stroke { opacity, ..line });
             let bar = Stroke::new(look.color, 1.0);
             for (point, at) in curve.points.iter().zip(places) {
-                // Where an interval reaches zero or leaves the frame it ends at the border, uncapped.
+                // Where an interval reaches zero or leaves the frame it ends at the border,
+                // uncapped.
                 let (lo, hi) = point.ends();
                 if lo < hi {
                     let [low, high] = [lo, hi].map(|value| (at.0, frame.y.position(value)));

@@ -12,8 +12,8 @@ use crate::{
 /// an SVG document.
 ///
 /// Of strong errors it shows the error at the final time of all schemes, of weak errors all
-/// quantities. Fitted orders stand in the legend; grey lines show the slopes 1/2 and 1, whichever is
-/// nearer to each order, and 2 for weak orders above 3/2.
+/// quantities. Fitted orders stand in the legend; grey lines show the slopes 1/2 and 1, whichever
+/// is nearer to each order, and 2 for weak orders above 3/2.
 ///
 /// ```
 /// use plot::{Kind, Series, figure::convergence};

@@ -4,8 +4,8 @@
 //!
 //! [`Implicit`](crate::Implicit) formula → `record` (a list of operations) → `plan` (stages and
 //! memory), or a [`Program`](systems::run_time::Program) of the system → `machine` (runs it on
-//! rows, tile by tile) → `stepper` (with fixed-point iteration if implicit) and, where that does not
-//! converge, `krylov` (Newton's method with continuation) with `derivative`.
+//! rows, tile by tile) → `stepper` (with fixed-point iteration if implicit) and, where that does
+//! not converge, `krylov` (Newton's method with continuation) with `derivative`.
 //!
 //! **Stages.** Operations are computed tile by tile, each tile in memory of its own that fits a
 //! cache. ∇h on a tile reads all of its argument, which therefore has to be complete: operations

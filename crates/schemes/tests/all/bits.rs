@@ -123,8 +123,8 @@ fn a_block_is_its_paths_at_every_level() {
             side_by_side.compare(&ConformalMidpoint { solver }, &body, y0);
         }
         let y0 = [0.6, 0.0, 0.8];
-        // `sexp-levy` without closed forms: commutators and gradients by dual numbers. The system has
-        // two noises, since a kernel for three takes five times as long to compile.
+        // `sexp-levy` without closed forms: commutators and gradients by dual numbers. The system
+        // has two noises, since a kernel for three takes five times as long to compile.
         side_by_side.compare(&SexpLevy::new(&Rotations, y0), &Rotations, y0);
         side_by_side.compare(&EulerWithAreas, &body(), y0);
         seen.push(side_by_side.ways);

@@ -118,7 +118,8 @@ fn damping_at_the_wrong_time_has_order_one() {
             scheme.step(&body(), &step, &Noise::increments([0.0; 3]), y).z
         });
         assert!(in_window(observed, 1.0), "{}: {observed}", scheme.id());
-    } // Flows in a row, and not there and back.
+    }
+    // Flows in a row, and not there and back.
     let y0 = [1.0, 2.0, 3.0];
     let in_a_row = order(y0, reference(&MaxwellBloch, y0, false), |step, y| {
         let damped = y.map(|x| x * step.first_decay);

@@ -18,7 +18,8 @@ const STRENGTHS: [f64; 13] = [1e-3, 1e-2, 0.1, 0.5, 1.0, 2.0, 4.0, 10.0, 100.0, 
 const TAU: f64 = 1.0 / 64.0;
 const STEPS: u64 = 32;
 /// Largest defect of a Casimir in units of `conformal_defect`: the fixed point leaves up to 256 of
-/// them in rare cases, `nv` and areas less than that, see `conformal.rs` and `without_iteration.rs`.
+/// them in rare cases, `nv` and areas less than that, see `conformal.rs` and
+/// `without_iteration.rs`.
 const LAW: f64 = 256.0;
 
 /// What became of a scheme on a system.

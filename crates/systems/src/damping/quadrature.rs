@@ -9,9 +9,9 @@ use crate::paper::valid;
 const CELLS: u32 = 8;
 /// Nodes of the quadrature.
 const NODES: usize = 8;
-/// Nodes of the first half of [0, 1] and weights of the rule of Clenshaw and Curtis with nine nodes,
-/// which has both ends: Gauss's rule does not see a jump beside its first node. The middle counts
-/// twice.
+/// Nodes of the first half of [0, 1] and weights of the rule of Clenshaw and Curtis with nine
+/// nodes, which has both ends: Gauss's rule does not see a jump beside its first node. The middle
+/// counts twice.
 const CLOSED: [(f64, f64); 5] = [
     (0.0, 0.007_936_507_936_507_936),
     (0.038_060_233_744_356_62, 0.073_109_324_608_009_08),

@@ -112,11 +112,11 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 /// The time of a scheme on every level, with a small statistic, the mean of the final state; once
-/// to warm up and then as often as wanted. A row says what it is of: the system, or of `sexp` on the
-/// rigid body with three noises `threads`, `samples`, `steps` or `levels`, the number that grows;
-/// nanoseconds for one step of one path on a core, by the clock of the thread where there is one,
-/// and by the clock on the wall; and the largest memory meanwhile, null where the system does not
-/// tell.
+/// to warm up and then as often as wanted. A row says what it is of: the system, or of `sexp` on
+/// the rigid body with three noises `threads`, `samples`, `steps` or `levels`, the number that
+/// grows; nanoseconds for one step of one path on a core, by the clock of the thread where there is
+/// one, and by the clock on the wall; and the largest memory meanwhile, null where the system does
+/// not tell.
 fn measure(of: &str, setup: &Setup<'_>, workload: Workload) -> Result<Value> {
     let (Setup { problem, scheme }, id) = (setup, setup.scheme.id());
     let Workload { paths, steps, threads, levels, repetitions } = workload;

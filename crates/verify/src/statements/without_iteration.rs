@@ -68,9 +68,9 @@ const PATHS: u64 = 16;
 const LONG_STEP: f64 = 0.9;
 const LONG_STEPS: u64 = 16;
 
-/// All steps with increments of 1, 10 and 100 standard deviations are solved, the first invariant is
-/// kept to what counts as round-off on as many steps, and a path with long steps is the same with
-/// and without truncation.
+/// All steps with increments of 1, 10 and 100 standard deviations are solved, the first invariant
+/// is kept to what counts as round-off on as many steps, and a path with long steps is the same
+/// with and without truncation.
 pub fn keeps_casimir(conditions: &Conditions, part: u64, mut setup: Setup<'_>) -> Claim {
     let mut quantities = Vec::new();
     setup.problem.t_end = STEPS as f64 * TAU;
