@@ -48,7 +48,7 @@ impl Comparison {
         {
             let (lost, scheme) = (self.lacks(&more.keeps, &taken.keeps), &more.scheme);
             words += &format!(
-                ".\nGiven up: {lost}. {scheme} keeps that at {} times the cost; take it for long \
+                ".\nGiven up: {lost}.\n  {scheme} keeps that at {} times the cost; take it for long \
                  times",
                 ratio(more, taken)
             );
@@ -159,12 +159,12 @@ impl fmt::Display for Comparison {
         }
         write!(f, "  ≈: extrapolated; about: the reference is not exact enough")?;
         if candidates.iter().any(|one| one.asked < self.wanted) {
-            write!(f, "; with Lévy areas: nearly exact ones, so half of the error is asked")?;
+            write!(f, "\n  with Lévy areas: nearly exact ones, so half of the error is asked")?;
         }
         match (&self.choice, taken) {
             (_, Some([taken, least])) => {
                 let because = self.taken(taken, least);
-                write!(f, "\n\nTake {} for {goal}: it {because}", taken.scheme)
+                write!(f, "\n\nTake {} for {goal}:\n  it {because}", taken.scheme)
             }
             (Choice::WrongReference(defect), _) => write!(
                 f,

@@ -84,6 +84,7 @@ pub(crate) fn small_comparison() -> Comparison {
         reference_error: 1e-3,
         candidates: vec![Candidate {
             scheme: "heun".into(),
+            asked: 1e-3,
             points: vec![point(8, true), point(16, false)],
             outcome: Outcome::NotReached { needs: None },
             keeps: Keeps::default(),
