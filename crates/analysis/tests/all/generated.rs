@@ -428,7 +428,7 @@ fn judge_fifty(seed: u64) -> [u32; 2] {
 
 /// Forty times fifty: `cargo test -p casimir-analysis --test all -- --ignored two_thousand`.
 #[test]
-#[ignore = "minutes"]
+#[ignore = "long: run by the gate"]
 fn nothing_false_is_said_of_two_thousand_systems() {
     let judged = (1..=40).map(|seed| std::panic::catch_unwind(|| judge_fifty(seed)));
     let judged: Vec<_> = judged.collect();
