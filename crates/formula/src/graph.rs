@@ -480,15 +480,14 @@ impl Graph {
         self.intern(Node::Binary(function, a, b))
     }
 
-    /// The node with other operands, by the identities.
-    pub(crate) fn make(&mut self, node: Node, mut of: impl FnMut(Id) -> Id) -> Id {
+    /// The expression, by the identities.
+    fn make(&mut self, node: Node) -> Id {
         match node {
-            Node::Constant(bits) => self.constant(f64::from_bits(bits)),
-            Node::Input(k) => self.input(k as usize),
-            Node::Unary(function, a) => self.unary(function, of(a)),
-            Node::Binary(function, a, b) => self.binary(function, of(a), of(b)),
-            Node::Power(a, n) => self.power_of_size(of(a), n),
-            Node::Where([x, y, a, b]) => self.where_less(of(x), of(y), of(a), of(b)),
+            Node::Constant(_) | Node::Input(_) => self.intern(node),
+            Node::Unary(function, a) => self.unary(function, a),
+            Node::Binary(function, a, b) => self.binary(function, a, b),
+            Node::Power(a, n) => self.power_of_size(a, n),
+            Node::Where([x, y, a, b]) => self.where_less(x, y, a, b),
         }
     }
 
@@ -500,7 +499,7 @@ impl Graph {
         for index in (0..needed.len()).filter(|&index| needed[index]) {
             copies[index] = match other.unwrap_or(self).nodes[index] {
                 Node::Input(k) => inputs[k as usize],
-                node => self.make(node, |operand| copies[operand.index()]),
+                node => self.make(node.with_operands(|operand| copies[operand.index()])),
             };
         }
         roots.iter().map(|root| copies[root.index()]).collect()

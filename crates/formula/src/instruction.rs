@@ -24,25 +24,20 @@ pub enum Operation {
     Min,
     Max,
     Where,
-    NegMul,
     MulMul,
     ScaleMul,
     AddMul,
-    DifferenceMul,
     MulAdd,
     MulSub,
     SubMul,
     MulAddNumber,
     NumberSubMul,
     ScaleAdd,
-    ScaleSub,
     ScaleAddNumber,
     ScaleAddScale,
     MulAddMul,
     MulSubMul,
-    MulAddMulAdd,
     MulSubMulAdd,
-    MulAddAddMul,
     Dot,
 }
 
@@ -147,25 +142,20 @@ pub fn run<const W: usize>(
             Min, [a b], [] => functions::min(a, b);
             Max, [a b], [] => functions::max(a, b);
             Where, [a b c d], [] => if a < b { c } else { d };
-            NegMul, [a b], [] => -(a * b);
             MulMul, [a b c], [] => (a * b) * c;
             ScaleMul, [a b], [k] => (a * k) * b;
             AddMul, [a b c], [] => (a + b) * c;
-            DifferenceMul, [a b c], [] => (a - b) * c;
             MulAdd, [a b c], [k] => (a * b + c) * k;
             MulSub, [a b c], [k] => (a * b - c) * k;
             SubMul, [a b c], [k] => (c - a * b) * k;
             MulAddNumber, [a b], [k] => a * b + k;
             NumberSubMul, [a b], [k] => k - a * b;
             ScaleAdd, [a b], [k l] => (a * k + b) * l;
-            ScaleSub, [a b], [k l] => (a * k - b) * l;
             ScaleAddNumber, [a], [k l] => a * k + l;
             ScaleAddScale, [a b], [k l] => a * k + b * l;
             MulAddMul, [a b c d], [k] => (a * b + c * d) * k;
             MulSubMul, [a b c d], [k] => (a * b - c * d) * k;
-            MulAddMulAdd, [a b c d e], [k] => ((a * b + c * d) + e) * k;
             MulSubMulAdd, [a b c d e], [k] => ((a * b - c * d) + e) * k;
-            MulAddAddMul, [a b c d e], [k] => ((a * b + c) + d * e) * k;
             Dot, [a b c d e f], [k] => ((a * b + c * d) + e * f) * k;
         }
     }

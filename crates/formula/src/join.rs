@@ -2,7 +2,7 @@
 
 use crate::{
     Id,
-    graph::{Binary, Graph, Node, Unary},
+    graph::{Binary, Graph, Node},
     instruction::Operation,
     uniform::Number,
 };
@@ -27,8 +27,8 @@ impl Joined {
         use Operation::*;
         let factor = match self.operation {
             Add | Sub | Mul | MulAdd | MulSub | SubMul | MulAddMul | MulSubMul => 0,
-            MulAddMulAdd | MulSubMulAdd | MulAddAddMul | Dot => 0,
-            AddNumber | ScaleAdd | ScaleSub => 1,
+            MulSubMulAdd | Dot => 0,
+            AddNumber | ScaleAdd => 1,
             _ => return None,
         };
         self.numbers[factor] = Some(k);
@@ -123,10 +123,6 @@ impl Join<'_> {
         }
         Some(match self.graph.node(id) {
             Node::Input(_) => return None,
-            Node::Unary(Unary::Neg, a) => match self.term(a) {
-                Term::Product(a, b) => Joined::new(Operation::NegMul, [a, b], &[]),
-                _ => Joined::new(Operation::Of(Unary::Neg), [a], &[]),
-            },
             Node::Unary(function, a) => Joined::new(Operation::Of(function), [a], &[]),
             Node::Binary(Binary::Add, a, b) => self.long_sum(a, b),
             Node::Binary(Binary::Sub, a, b) => self.difference(a, b),
@@ -162,14 +158,8 @@ impl Join<'_> {
             (MulAddMul, &[p, q, r, s], Term::Product(x, y)) => {
                 Joined::new(Dot, [p, q, r, s, x, y], &[])
             }
-            (MulAddMul, &[p, q, r, s], Term::Other) => {
-                Joined::new(MulAddMulAdd, [p, q, r, s, b], &[])
-            }
             (MulSubMul, &[p, q, r, s], Term::Other) => {
                 Joined::new(MulSubMulAdd, [p, q, r, s, b], &[])
-            }
-            (MulAdd, &[p, q, r], Term::Product(x, y)) => {
-                Joined::new(MulAddAddMul, [p, q, r, x, y], &[])
             }
             _ => return None,
         })
@@ -209,7 +199,6 @@ impl Join<'_> {
             (_, Term::Product(x, y)) => Joined::new(SubMul, [x, y, a], &[]),
             (term, Term::Scaled(x, k)) => self.sum_of((a, term), (b, Term::Scaled(x, -k))),
             (term, Term::Number(k)) => self.sum_of((a, term), (b, Term::Number(-k))),
-            (Term::Scaled(x, k), _) => Joined::new(ScaleSub, [x, b], &[k]),
             (Term::Number(k), _) => Joined::new(NumberSub, [b], &[k]),
             _ => Joined::new(Sub, [a, b], &[]),
         }
@@ -227,21 +216,13 @@ impl Join<'_> {
                 Term::Scaled(x, k) => return Joined::new(ScaleMul, [x, b], &[k]),
                 _ => {}
             }
-            match (self.alone(a, Binary::Add), self.alone(a, Binary::Sub)) {
-                (Some((x, y)), _) if self.are_plain(x, y) => {
-                    return Joined::new(AddMul, [x, y, b], &[]);
-                }
-                (_, Some((x, y))) if self.are_plain(x, y) => {
-                    return Joined::new(DifferenceMul, [x, y, b], &[]);
-                }
-                _ => {}
+            // Neither term is a number or would become part of the sum.
+            if let Some((x, y)) = self.alone(a, Binary::Add)
+                && [x, y].into_iter().all(|term| matches!(self.term(term), Term::Other))
+            {
+                return Joined::new(AddMul, [x, y, b], &[]);
             }
         }
         Joined::new(Mul, [a, b], &[])
-    }
-
-    /// Whether neither term of a sum is a number or would become part of the sum.
-    fn are_plain(&self, x: Id, y: Id) -> bool {
-        [x, y].into_iter().all(|term| matches!(self.term(term), Term::Other))
     }
 }

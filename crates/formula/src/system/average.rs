@@ -112,9 +112,6 @@ fn by_quadrature(graph: &mut Graph, gradient: &[Id], nodes: usize, a: &[Id], b: 
         let point = point(graph, a, b, distance);
         at(graph, gradient, &point)
     };
-    if nodes == 1 {
-        return at_distance(graph, 0.0);
-    }
     let mut sum = vec![graph.constant(0.0); gradient.len()];
     for k in 0..nodes.div_ceil(2) {
         let distance = 0.5 - rule.nodes()[k];
