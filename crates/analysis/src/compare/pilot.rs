@@ -7,14 +7,11 @@ use std::{
     time::Duration,
 };
 
-use mc::{Ladder, LadderError, Run, View, parts::Stop};
+use mc::{Ladder, LadderError, Run, Setup, View, parts::Stop};
 use schemes::Method;
 
 use super::{Outcome, search::Search};
-use crate::{
-    FinalMoments, Limit, StepSizes,
-    orders::{Subject, single_steps},
-};
+use crate::{FinalMoments, Limit, StepSizes, orders::single_steps};
 
 /// Paths of a pilot.
 const PATHS: u64 = 64;
@@ -52,7 +49,8 @@ impl Known {
             } else if !stop.is_asked() {
                 let sizes = StepSizes::new(steps, truncation, search.key(1));
                 let sizes = StepSizes { levels: 1, ..sizes };
-                let excluded = match single_steps(Subject { problem, scheme }, &sizes, stop)? {
+                let setup = Setup { problem: problem.clone(), scheme: Arc::clone(scheme) };
+                let excluded = match single_steps(&setup, &sizes, stop)? {
                     Limit::Inconsistent { defect } => Some(Outcome::Inconsistent(defect)),
                     _ => None,
                 };

@@ -10,16 +10,12 @@
 //! A law is the right one, whatever the paths, if the covariance of a step replaces its noise:
 //! |Eδ| = o(τ) and |E[ΔyΔyᵀ] − Σ fₘfₘᵀτ| = o(τ) (Milstein, *Theory Probab. Appl.* 30, 1986).
 
-use mc::parts::Stop;
+use mc::{Setup, parts::Stop};
 use noise::{StepNoise, StreamKey, WienerRows};
 use real::{PathMask, WIDTH};
 use schemes::Step;
 
-use super::{
-    Limit, StepSizes,
-    runs::Visit,
-    steps::{Steps, Subject},
-};
+use super::{Limit, StepSizes, runs::Visit, steps::Steps};
 
 /// Paths whose states are taken.
 pub const VISITS: usize = 64;
@@ -42,15 +38,15 @@ const STAYS: f64 = 0.1;
 /// law alone: the limit is consistent, inconsistent or unchecked. It is unchecked where steps fail
 /// or `stop` asks for the end.
 pub fn consistency(
-    subject: Subject<'_>,
+    setup: &Setup<'_>,
     sizes: &StepSizes,
     visits: &[Visit],
     law: bool,
     stop: &Stop,
 ) -> Limit {
-    let visits = visits.iter().take(VISITS).map(|visit| Coefficients::new(subject, visit));
-    let (visits, mut steps) = (visits.collect::<Vec<_>>(), Steps::new(subject));
-    let t_end = subject.problem.t_end;
+    let visits = visits.iter().take(VISITS).map(|visit| Coefficients::new(setup, visit));
+    let (visits, mut steps) = (visits.collect::<Vec<_>>(), Steps::new(setup));
+    let t_end = setup.problem.t_end;
     let coarsest = t_end / sizes.coarsest_steps as f64;
     let (mut drift, mut noise, mut motion) = (Vec::new(), Vec::new(), 0.0f64);
     for scale in 0..SCALES {
@@ -129,8 +125,8 @@ struct Coefficients<'a> {
 }
 
 impl<'a> Coefficients<'a> {
-    fn new(subject: Subject<'_>, visit: &'a Visit) -> Self {
-        let (formulas, noises) = (&subject.problem.formulas, subject.problem.noises);
+    fn new(setup: &Setup<'_>, visit: &'a Visit) -> Self {
+        let (formulas, noises) = (&setup.problem.formulas, setup.problem.noises);
         let field = |dt: f64, dw: &dyn Fn(usize) -> f64| {
             formulas.field(&visit.state, dt, &(0..noises).map(dw).collect::<Vec<_>>())
         };
@@ -152,7 +148,7 @@ fn errors(
     tau: f64,
     stop: &Stop,
 ) -> Option<Errors> {
-    let problem = steps.subject.problem;
+    let problem = &steps.setup.problem;
     let (mut drift, mut noise, mut covariance, mut motion) = (0.0, 0.0, 0.0, 0.0);
     let (mut size, mut scale, mut failed) = (0.0, 0.0, 0);
     // Normal increments, then signs.
@@ -247,7 +243,6 @@ fn signs(noises: usize) -> impl Iterator<Item = impl Iterator<Item = f64>> {
 
 #[cfg(test)]
 mod tests {
-    use mc::Setup;
     use noise::WienerPath;
     use systems::{Constant, Problem, paper::valid};
 
@@ -332,15 +327,8 @@ mod tests {
         let setup = Setup::of(&problem, &scheme);
         let of = |good_ones: usize, others: &[Visit]| {
             let visits = [vec![good(); good_ones], others.to_vec()].concat();
-            let subject = Subject::from(&setup);
-            let known = visits.iter().map(|visit| Coefficients::new(subject, visit));
-            errors(
-                &mut Steps::new(subject),
-                key,
-                &known.collect::<Vec<_>>(),
-                0.25,
-                &Stop::default(),
-            )
+            let known = visits.iter().map(|visit| Coefficients::new(&setup, visit));
+            errors(&mut Steps::new(&setup), key, &known.collect::<Vec<_>>(), 0.25, &Stop::default())
         };
         let found = of(2, &[]).unwrap();
         let close = |found: f64, exact: f64| {
@@ -363,7 +351,7 @@ mod tests {
         let sizes = StepSizes::new(4, noise::Truncation::none(), key);
         let told = |scheme: &Single| {
             let setup = Setup::of(&problem, scheme);
-            consistency(Subject::from(&setup), &sizes, &vec![good(); 4], false, &Stop::default())
+            consistency(&setup, &sizes, &vec![good(); 4], false, &Stop::default())
         };
         let Limit::Inconsistent { defect: part } = told(&scheme) else {
             panic!("{:?}", told(&scheme))

@@ -30,10 +30,8 @@ mod steps;
 mod tests;
 mod within;
 
-use mc::{LadderError, parts::Stop};
+use mc::{LadderError, Setup, parts::Stop};
 use stats::{Point, Rate};
-
-pub(crate) use steps::Subject;
 
 pub use decision::{Decision, More};
 pub use exact::Exact;
@@ -77,10 +75,10 @@ impl Order {
 /// Compares single steps of the scheme with the coefficients of the equation as τ → 0, at states
 /// that its paths visit, until `stop` asks for the end.
 pub(crate) fn single_steps(
-    subject: Subject<'_>,
+    setup: &Setup<'_>,
     sizes: &StepSizes,
     stop: &Stop,
 ) -> Result<Limit, LadderError> {
-    let visits = runs::visits(subject, sizes, consistency::VISITS as u64, stop)?;
-    Ok(consistency::consistency(subject, sizes, &visits, false, stop))
+    let visits = runs::visits(setup, sizes, consistency::VISITS as u64, stop)?;
+    Ok(consistency::consistency(setup, sizes, &visits, false, stop))
 }

@@ -7,13 +7,14 @@
 //! sizes at which whole paths can run, where a small term of low order may not show yet. The same
 //! steps with stronger noise find such a term where the noise is weak.
 
+use mc::Setup;
 use noise::{AreaSampler, StepNoise, StreamKey, WienerRows};
 use real::WIDTH;
 
 use super::{
     StepSizes,
     runs::Visit,
-    steps::{OneAndTwo, Steps, Subject},
+    steps::{OneAndTwo, Steps},
 };
 
 /// The order of the error of one step, a multiple of ½: E|δ|² ∝ τ^{2q}.
@@ -51,9 +52,9 @@ const TOLERANCE: f64 = 0.05;
 
 /// The smallest order that one step of a scheme shows with the noise of the problem or an amplified
 /// one, from these states at their times; `None` if it is not clear.
-pub fn one_step(subject: Subject<'_>, sizes: &StepSizes, visits: &[Visit]) -> Option<OneStep> {
-    let mut steps = Steps::new(subject);
-    least_order(subject.problem.t_end, sizes, &mut |tau, amplifications| {
+pub fn one_step(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit]) -> Option<OneStep> {
+    let mut steps = Steps::new(setup);
+    least_order(setup.problem.t_end, sizes, &mut |tau, amplifications| {
         differences(&mut steps, sizes.key, visits, tau, amplifications)
     })
 }
@@ -119,11 +120,11 @@ fn differences(
     tau: f64,
     amplifications: &[f64],
 ) -> Vec<(f64, f64)> {
-    let subject = steps.subject;
+    let setup = steps.setup;
     let mut sums = vec![(0.0, 0.0, 0.0); amplifications.len()];
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
         let first_path = block * WIDTH as u64;
-        let draw = |&factor: &f64| two_steps(subject, key, first_path, 0.5 * tau, factor);
+        let draw = |&factor: &f64| two_steps(setup, key, first_path, 0.5 * tau, factor);
         let drawn: Vec<[StepNoise; 2]> = amplifications.iter().map(draw).collect();
         for (p, visit) in visits.iter().enumerate() {
             for (lane, drawn) in drawn.iter().enumerate() {
@@ -146,7 +147,7 @@ fn differences(
 /// The noise of two steps τ of 32 paths, times a factor. Areas have one term of their series, since
 /// one step and two half steps share them and only their law is that of the series.
 fn two_steps(
-    Subject { problem, scheme }: Subject<'_>,
+    Setup { problem, scheme }: &Setup<'_>,
     key: StreamKey,
     first_path: u64,
     tau: f64,
@@ -169,7 +170,6 @@ fn two_steps(
 
 #[cfg(test)]
 mod tests {
-    use mc::Setup;
     use noise::Truncation;
     use systems::{Constant, Problem, paper::valid};
 
@@ -240,7 +240,7 @@ mod tests {
         let visit = Visit { t: 0.5, state: vec![1.0, -2.0] };
         let problem = problem();
         let setup = Setup::of(&problem, &scheme);
-        let mut steps = Steps::new(Subject::from(&setup));
+        let mut steps = Steps::new(&setup);
         for (noise, dw) in steps.noises.iter_mut().zip([0.25, -0.5]) {
             noise.increments[0][..2].copy_from_slice(&[7.0, dw]);
         }
@@ -258,7 +258,7 @@ mod tests {
             [[1.0, 0.0], [0.5, 1.0], [3.0, 0.0]].map(|y| Visit { t: 0.0, state: y.into() });
         let key = StreamKey { seed: 1, experiment: 1 };
         let setup = Setup::of(&problem, &partly);
-        let mut steps = Steps::new(Subject::from(&setup));
+        let mut steps = Steps::new(&setup);
         let mut of = |visits: &[Visit]| differences(&mut steps, key, visits, 0.04, &[1.0])[0];
         let (square, size) = of(&visits);
         let (one, two) = (0.2, 2.0 * 0.02f64.sqrt());

@@ -13,7 +13,6 @@ use super::{
     limit::weak_limit,
     one_step::one_step as one_step_of,
     runs::{failing, measure, visits},
-    steps::Subject,
     within::within,
 };
 
@@ -93,7 +92,6 @@ fn once(
     // Three differences and their order, or four.
     let (number, weak) = (sizes.sizes(), usize::from(observable.is_some()));
     sizes.check_order(4 + weak)?;
-    let subject = Subject::from(setup);
     let values = |view: &View<'_>, numbers: &mut [Row]| {
         let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
         let Some(observable) = observable else {
@@ -103,7 +101,7 @@ fn once(
             return;
         };
         // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the solution.
-        let solution = exact.map(|exact| exact.rows(view, subject.problem.y0.len()));
+        let solution = exact.map(|exact| exact.rows(view, setup.problem.y0.len()));
         let states = states.into_iter().chain(solution.as_deref());
         let phi: Vec<Row> = states.map(|y| evaluate(observable, y, view.live)).collect();
         for (number, pair) in numbers.iter_mut().zip(phi.windows(2)) {
@@ -112,7 +110,7 @@ fn once(
     };
     let measured = |samples| {
         let sizes = StepSizes { samples, ..*sizes };
-        measure(subject, &sizes, exact.map(|exact| exact.time_change), number - 1 + weak, &values)
+        measure(setup, &sizes, exact.map(|exact| exact.time_change), number - 1 + weak, &values)
     };
     let mut measurement = measured(sizes.samples.min(FEW))?;
     if 2 * measurement.failed <= sizes.samples.min(FEW) {
@@ -123,12 +121,12 @@ fn once(
     if 10 * failed > paths {
         return Ok(failing(&measurement.failures, [failed, paths]));
     }
-    let visits = visits(subject, sizes, VISITS, &Stop::default())?;
+    let visits = visits(setup, sizes, VISITS, &Stop::default())?;
     let limit = match exact {
         Some(_) => weak_limit(&moments),
-        None => consistency(subject, sizes, &visits, weak > 0, &Stop::default()),
+        None => consistency(setup, sizes, &visits, weak > 0, &Stop::default()),
     };
-    let taus = sizes.taus(subject.problem.t_end);
+    let taus = sizes.taus(setup.problem.t_end);
     let (points, mut rate, one_step, mut decision);
     if let Some(observable) = observable {
         // Errors at all step sizes, or differences at all but the finest.
@@ -145,7 +143,7 @@ fn once(
         rate = fit_weak(taus, &means, &covariance, against, Expansion::EveryPower);
         one_step = None;
         let share = |order| lower_share(taus, &means, &covariance, order, against);
-        let y0: Vec<Row> = subject.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
+        let y0: Vec<Row> = setup.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
         let size = evaluate(observable, &y0, PathMask::first(1))[0];
         decision = match decision::weak(rate.as_ref(), share, limit) {
             Decision::WrongLimit => Decision::WrongLimit,
@@ -156,7 +154,7 @@ fn once(
         let taus = &taus[..number - 1];
         points = root_mean_squares(taus, &moments);
         rate = fit_strong(taus, &moments);
-        one_step = one_step_of(subject, sizes, &visits);
+        one_step = one_step_of(setup, sizes, &visits);
         decision = decision::strong(rate.as_ref(), one_step, limit);
     }
     if let Some(defect) = sizes.damping(setup) {

@@ -4,20 +4,20 @@
 use std::sync::Arc;
 
 use mc::{
-    Ladder, LadderError, Measured, PathFailure, Run, Statistic, TimeChange, View, parts::Stop,
+    Ladder, LadderError, Measured, PathFailure, Run, Setup, Statistic, TimeChange, View,
+    parts::Stop,
 };
 
 use super::{
     Limit, Order, StepSizes,
     decision::{More, undecided},
-    steps::Subject,
 };
 use crate::{FinalMoments, FinalRows, number};
 
 /// Moments of a vector of this length, made of the final states of the scheme at every step size,
 /// coarsest first.
 pub fn measure<'a>(
-    Subject { problem, scheme }: Subject<'a>,
+    Setup { problem, scheme }: &'a Setup<'a>,
     sizes: &StepSizes,
     time_change: Option<&dyn TimeChange>,
     length: usize,
@@ -53,12 +53,11 @@ pub struct Visit {
 
 /// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives.
 pub fn visits(
-    subject: Subject<'_>,
+    Setup { problem, scheme }: &Setup<'_>,
     sizes: &StepSizes,
     paths: u64,
     stop: &Stop,
 ) -> Result<Vec<Visit>, LadderError> {
-    let Subject { problem, scheme } = subject;
     let steps = sizes.coarsest_steps << (sizes.levels - 1);
     let runs = vec![Run::new(Arc::clone(scheme), 0)];
     let ladder = Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?;

@@ -1,32 +1,17 @@
 //! Single steps of a scheme, 32 at once.
 
-use std::sync::Arc;
-
-use mc::{Problem, Setup};
+use mc::Setup;
 use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{PathMask, Row, WIDTH};
-use schemes::{Method, Step, Stepper};
+use schemes::{Step, Stepper};
 
 use super::runs::Visit;
-
-/// A scheme on the system of a problem.
-#[derive(Clone, Copy)]
-pub struct Subject<'a> {
-    pub problem: &'a Problem<'a>,
-    pub scheme: &'a Arc<dyn Method + 'a>,
-}
-
-impl<'a> From<&'a Setup<'_>> for Subject<'a> {
-    fn from(setup: &'a Setup<'_>) -> Self {
-        Self { problem: &setup.problem, scheme: &setup.scheme }
-    }
-}
 
 /// Steps from one state on 32 noises. Lanes that nobody sets have none.
 pub struct Steps<'a> {
     /// What is stepped.
-    pub subject: Subject<'a>,
+    pub setup: &'a Setup<'a>,
     /// The noise of a step, or of the two halves of one.
     pub noises: [StepNoise; 2],
     /// No noise, and that of both halves.
@@ -45,17 +30,16 @@ pub struct OneAndTwo<'a> {
 }
 
 impl<'a> Steps<'a> {
-    pub fn new(subject: Subject<'a>) -> Self {
-        let start: Vec<Row> = subject.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
-        let noises = subject.problem.noises;
-        let none = || subject.scheme.no_noise(noises);
+    pub fn new(setup: &'a Setup<'a>) -> Self {
+        let start: Vec<Row> = setup.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
+        let none = || setup.scheme.no_noise(setup.problem.noises);
         Self {
             noises: [none(), none()],
             zero: none(),
             both: none(),
-            state: subject.scheme.start(&start),
+            state: setup.scheme.start(&start),
             one: start,
-            subject,
+            setup,
         }
     }
 
@@ -88,7 +72,7 @@ impl<'a> Steps<'a> {
         self.take_noise(PathMask::ALL.without(PathMask::first(count)));
         // Times are multiples of the step size.
         let n = (visit.t / tau).round() as u64;
-        let damping = self.subject.problem.damping;
+        let damping = self.setup.problem.damping;
         let step = |n: u64, tau: f64| Step::new(damping, n, tau).ok();
         let (whole, first) = (step(n, tau)?, step(2 * n, 0.5 * tau)?);
         let second = step(2 * n + 1, 0.5 * tau)?;
