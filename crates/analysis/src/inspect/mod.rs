@@ -53,6 +53,8 @@ mod spectrum;
 mod structure;
 mod theory;
 
+use std::collections::BTreeMap;
+
 use systems::{
     Damping, Problem,
     run_time::{self, Lanes, System},
@@ -75,7 +77,7 @@ pub use noises::Noises;
 pub use points::Region;
 pub use problem::{Bound, ProblemFindings};
 pub use recommendation::Recommendation;
-pub use report::{Inspection, Schemes};
+pub use report::Inspection;
 pub use shape::{Minimum, Shape};
 pub use structure::Structure;
 pub use theory::{Applies, ExpectedOrder, Theorem};
@@ -151,13 +153,13 @@ pub fn inspect(
     let mut sight = Sight::new(probe, &points);
     check_finite(&mut sight)?;
     let structure = Structure::of(&mut sight);
-    let hamiltonians = Hamiltonians::of(&mut sight);
+    let mut hamiltonians = Hamiltonians::of(&mut sight);
     let noise = Noises::of(&mut sight);
     let invariants = ClaimedInvariant::all(&mut sight);
     let casimirs = rows_of_paths.then(|| Casimirs::of(&mut sight));
     let of_bound = casimirs.as_ref().filter(|_| structure.sound().holds());
     let bound = of_bound.and_then(|casimirs| Bound::of(&hamiltonians, casimirs));
-    let own_methods = own_methods(&sight);
+    hamiltonians.methods.extend(own_methods(&sight));
     let few = !sight.locals.is_empty();
     let mut probe = sight.probe;
     let problem = y0
@@ -181,9 +183,7 @@ pub fn inspect(
         problem,
         theorems: Vec::new(),
         orders: Vec::new(),
-        schemes: Schemes::of(system, settings.areas),
         recommended: Vec::new(),
-        own_methods,
         mistakes: Vec::new(),
         undecided: Vec::new(),
         structure,
@@ -193,9 +193,9 @@ pub fn inspect(
         casimirs,
         bound,
     };
-    report.orders = theory::orders(&report, finite_rates);
+    report.orders = theory::orders(&report, settings.areas, finite_rates);
     report.theorems = theory::theorems(&report, damped);
-    report.recommended = recommendation::recommendations(&report, damped);
+    report.recommended = recommendation::recommendations(&report, system, settings.areas, damped);
     Ok(report.with_mistakes())
 }
 
@@ -217,22 +217,17 @@ fn check_finite(sight: &mut Sight<'_>) -> Result<(), InspectError> {
 }
 
 /// What the methods that a compiled system has written out should be.
-fn own_methods(sight: &Sight<'_>) -> Vec<(&'static str, Finding)> {
-    let mut found: Vec<(&'static str, Finding)> = Vec::new();
+fn own_methods(sight: &Sight<'_>) -> BTreeMap<&'static str, Finding> {
+    let mut found: BTreeMap<_, Finding> = BTreeMap::new();
     let mut random = random::Random::new(random::Purpose::Weights);
     let points = &sight.points.for_identities;
     for (at, members) in points.iter().zip(sight.states.chunks(CLUSTER)) {
         let weights = sight.weights(&mut random);
         let of = |y: &Vec<f64>| sight.probe.system.own_methods(y, weights[0], &weights[1..]);
         let cluster: Vec<_> = members.iter().map(of).collect();
-        for (k, &(what, _)) in cluster[0].iter().enumerate() {
+        for (k, (what, _)) in cluster[0].iter().enumerate() {
             let terms: Vec<_> = cluster.iter().map(|own| own[k].1.clone()).collect();
-            let known = found.iter().position(|(same, _)| *same == what);
-            let place = known.unwrap_or(found.len());
-            if known.is_none() {
-                found.push((what, Finding::default()));
-            }
-            found[place].1.record(at, &terms, 0.0);
+            found.entry(*what).or_default().record(at, &terms, 0.0);
         }
     }
     found

@@ -1,6 +1,8 @@
 //! Which scheme to take for a system, for what.
 
+use schemes::SexpLi;
 use serde::Serialize;
+use systems::{Linearity, run_time::System};
 
 use super::{finding::Status, report::Inspection};
 use crate::facts::Kept;
@@ -17,8 +19,13 @@ pub struct Recommendation {
 }
 
 /// The schemes to take for a system with damping or without, that for paths first.
-pub fn recommendations(report: &Inspection, damped: bool) -> Vec<Recommendation> {
-    let Inspection { structure, hamiltonians, casimirs, noise, schemes, .. } = report;
+pub fn recommendations(
+    report: &Inspection,
+    system: &dyn System,
+    areas: bool,
+    damped: bool,
+) -> Vec<Recommendation> {
+    let Inspection { structure, hamiltonians, casimirs, noise, .. } = report;
     let sound = structure.sound() != Status::Fails;
     let claims = report.invariants.iter().any(|i| i.claimed_casimir && i.status().holds());
     let found = casimirs.as_ref().map_or(claims, |casimirs| !casimirs.found.is_empty());
@@ -26,7 +33,7 @@ pub fn recommendations(report: &Inspection, damped: bool) -> Vec<Recommendation>
     let kept = Kept {
         casimirs: sound && found,
         energy: sound && hamiltonians.proportional.holds() && lawful,
-        areas: !noise.commute.holds() && schemes.draws_areas,
+        areas: areas && !noise.commute.holds(),
     };
     let (scheme, mut because) = kept.scheme();
     if !hamiltonians.discrete_gradient.holds() {
@@ -36,10 +43,10 @@ pub fn recommendations(report: &Inspection, damped: bool) -> Vec<Recommendation>
         because += "; split alone keeps the Casimir with logarithms";
     }
     let mut found = vec![Recommendation { purpose: "paths", scheme, because }];
-    let linear = schemes.sexp_li_refused.is_none();
+    let linear = SexpLi::at_run_time(system).is_ok();
     if !hamiltonians.silent && (linear || kept.areas) {
         // Without iteration a step is explicit where B is constant.
-        let implicit = linear && schemes.structure == "affine";
+        let implicit = linear && system.description().linearity == Linearity::Affine;
         let scheme = if implicit { "sexp-li" } else { "sexp" };
         let because = "weak order 1 is extrapolated; with flows of parts take nv".into();
         found.push(Recommendation { purpose: "expectations", scheme, because });

@@ -2,9 +2,7 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use schemes::{SexpLi, run_time::Scheme};
 use serde::Serialize;
-use systems::run_time::System;
 
 use super::{
     casimirs::{Casimirs, FoundCasimir},
@@ -54,14 +52,10 @@ pub struct Inspection {
     pub contraction_below: Option<f64>,
     /// What damping and initial value add; `None` for a system alone.
     pub problem: Option<ProblemFindings>,
-    /// Methods that a compiled system has written out, with what they should be.
-    pub own_methods: Vec<(&'static str, Finding)>,
     /// Which statements of the paper apply.
     pub theorems: Vec<Theorem>,
     /// The orders that theory predicts for the schemes.
     pub orders: Vec<ExpectedOrder>,
-    /// Which schemes apply to the system.
-    pub schemes: Schemes,
     /// The schemes to take, that for paths first.
     pub recommended: Vec<Recommendation>,
     /// Every property that a system must have or claims and that was found wrong, in words; empty
@@ -71,70 +65,20 @@ pub struct Inspection {
     pub undecided: Vec<String>,
 }
 
-/// Which of the schemes that are not for every system apply to one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Schemes {
-    /// How B depends on y: `constant`, `affine` or `other`.
-    pub structure: String,
-    /// Why `sexp-li` refuses the system, if it does.
-    pub sexp_li_refused: Option<String>,
-    /// Whether it truncates increments, since a step may have no solution.
-    pub truncates: bool,
-    /// Why `split` refuses the system.
-    pub split_refused: Option<String>,
-    /// Whether Lévy areas are drawn for the system.
-    pub draws_areas: bool,
-}
-
-impl Schemes {
-    pub(super) fn of(system: &dyn System, draws_areas: bool) -> Self {
-        let (scheme, description) = (SexpLi::at_run_time(system), system.description());
-        Self {
-            structure: format!("{:?}", description.linearity).to_lowercase(),
-            truncates: scheme.as_ref().is_ok_and(Scheme::clips_increments),
-            sexp_li_refused: scheme.err().map(|refused| refused.to_string()),
-            split_refused: description.parts.clone().err(),
-            draws_areas,
-        }
-    }
-}
-
-/// Least relative error of `averaged_gradient` that is a mistake and not that of a quadrature: the
-/// points of the check are further apart than a step is long.
-const POOR_QUADRATURE: f64 = 1e-3;
-
 /// Most Casimirs and claims that are printed.
 const LISTED: usize = 12;
 
 impl Inspection {
     /// Lists what is wrong, and what cannot be told.
     pub(super) fn with_mistakes(mut self) -> Self {
-        let Self { structure, hamiltonians: h, .. } = &self;
-        let mut checks = vec![
-            ("structure(y, v) is not linear in v", &structure.linear),
-            ("B(y) is not skew-symmetric", &structure.skew),
-            ("energy(y, dt, dw) is not linear in (dt, dw)", &h.linear),
-            (
-                "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))",
-                &h.averaged_field,
-            ),
+        let structure = [
+            ("structure(y, v) is not linear in v", &self.structure.linear),
+            ("B(y) is not skew-symmetric", &self.structure.skew),
         ];
-        checks.extend(h.gradient.iter().map(|g| ("gradient is not the gradient of energy", g)));
-        // What follows from a wrong gradient is the same mistake.
-        if !h.gradient.as_ref().is_some_and(Finding::fails) {
-            let what = "averaged_gradient(y, y) is not the gradient at y";
-            checks.push((what, &h.averaged_gradient));
-            // The error of a quadrature is no mistake.
-            let poor = h.own_average && h.quadrature_error > POOR_QUADRATURE;
-            if !h.discrete_gradient.fails() || poor {
-                let what = "averaged_gradient(a, b)·(b − a) is not the change of energy";
-                checks.push((what, &h.discrete_gradient));
-            }
-        }
-        checks.extend(self.own_methods.iter().map(|(what, finding)| (*what, finding)));
+        let methods = self.hamiltonians.methods.iter().map(|(what, finding)| (*what, finding));
         let words =
             |(what, finding): (&str, &Finding)| (finding.status, format!("{what}: {finding}"));
-        let mut checks: Vec<(Status, String)> = checks.into_iter().map(words).collect();
+        let mut checks: Vec<_> = structure.into_iter().chain(methods).map(words).collect();
         if let Some(ProblemFindings { integral, .. }) = &self.problem {
             let what = "the integral of the damping is not the integral of its rate";
             checks.push((integral.agrees, format!("{what}: {integral}")));
@@ -248,18 +192,8 @@ impl Inspection {
                 "Implicit steps of sexp are contractions for τ < {tau:.1e} (k = 4) with {region}"
             ));
         }
-        let Schemes { structure, sexp_li_refused, truncates, split_refused, .. } = &self.schemes;
-        let solved =
-            if *truncates { "a step may have no solution" } else { "every step is solved" };
-        let applies = format!(
-            "sexp-li applies: B is {structure} in y, {solved}; at the price of heun, the energy drifts"
-        );
-        lines.push(sexp_li_refused.clone().unwrap_or(applies));
         for Recommendation { purpose, scheme, because } in &self.recommended {
             lines.push(format!("Take {scheme} for {purpose}: {because}"));
-        }
-        if split_refused.is_none() {
-            lines.push("split applies: the flows of parts are known".into());
         }
         lines
     }

@@ -43,7 +43,7 @@ pub struct ExpectedOrder {
 /// Orders of the [built-in schemes](BuiltIn) for smooth B and H, of those with Lévy areas if
 /// `areas` are drawn, of those that read rates of the damping if these are finite. Strong order one
 /// takes Lévy areas where noises do not commute. That of `em` is ½ at least.
-pub fn orders(report: &Inspection, finite_rates: bool) -> Vec<ExpectedOrder> {
+pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<ExpectedOrder> {
     let noise = &report.noise;
     // A counterexample shows that the order is ½, unless paths stay where there is none.
     let commuting = match noise.commute.status {
@@ -56,7 +56,6 @@ pub fn orders(report: &Inspection, finite_rates: bool) -> Vec<ExpectedOrder> {
     };
     let expected = |scheme: BuiltIn| {
         let Properties { id, strong, weak, without_noise, exact_damping, .. } = scheme.properties();
-        let areas = !scheme.is_for_areas() || report.schemes.draws_areas;
         let ((strong, known), weak) = match strong {
             _ if report.hamiltonians.silent => ((without_noise, Status::Holds), without_noise),
             StrongOrder::Areas => ((1.0, Status::Holds), weak),
@@ -64,7 +63,7 @@ pub fn orders(report: &Inspection, finite_rates: bool) -> Vec<ExpectedOrder> {
             StrongOrder::Additive => ((0.5, Status::Unknown), weak),
         };
         let expected = ExpectedOrder { scheme: id, strong, weak, known };
-        (areas && (exact_damping || finite_rates)).then_some(expected)
+        ((areas || !scheme.is_for_areas()) && (exact_damping || finite_rates)).then_some(expected)
     };
     BuiltIn::ALL.into_iter().filter_map(expected).collect()
 }
