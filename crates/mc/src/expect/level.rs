@@ -3,14 +3,8 @@
 use real::{PathMask, Row, WIDTH};
 use stats::{CentralMoments, FEW_SAMPLES};
 
-use super::{
-    extremes::Extremes,
-    resolution::{Motion, compares_at},
-};
+use super::resolution::{Motion, compares_at};
 use crate::{Measured, Observe, Statistic, View};
-
-/// Below this tail index a sample does not know its variance.
-const LEAST_INDEX: f64 = 2.0;
 
 /// Moments of one test function on one level.
 #[derive(Clone, Default)]
@@ -21,8 +15,6 @@ pub struct Values {
     pub fine: CentralMoments,
     /// φ on the coarse path, or its average over two.
     pub coarse: CentralMoments,
-    /// The extreme φ on the fine path.
-    pub extremes: Extremes,
 }
 
 impl Values {
@@ -31,7 +23,6 @@ impl Values {
         let of = |values: &Row| CentralMoments::of_block(values, paths);
         let of_fine = of(fine);
         self.fine.merge(&of_fine);
-        self.extremes.add(fine, paths);
         match coarse {
             None => self.sample.merge(&of_fine),
             Some(coarse) => {
@@ -45,7 +36,6 @@ impl Values {
         self.sample.merge(&later.sample);
         self.fine.merge(&later.fine);
         self.coarse.merge(&later.coarse);
-        self.extremes.merge(&later.extremes);
     }
 
     /// The least and the largest φ on fine and coarse paths.
@@ -64,13 +54,10 @@ impl Values {
         same(&self.fine) && same(&self.coarse)
     }
 
-    /// Whether fewer than thirty fine paths carry the variance of φ, or the largest deviations are
-    /// too frequent for a variance, and the events are not of one size: larger ones may be missing,
-    /// whose size is not known.
+    /// Whether fewer than thirty fine paths carry the variance of φ and the events are not of one
+    /// size: larger ones may be missing, whose size is not known.
     pub fn is_heavy(&self) -> bool {
-        let index = || self.extremes.tail_index(self.fine.count(), self.fine.mean());
-        let few = self.fine.effective_samples() < FEW_SAMPLES;
-        (few || index() < LEAST_INDEX) && !self.fine.is_two_valued()
+        self.fine.effective_samples() < FEW_SAMPLES && !self.fine.is_two_valued()
     }
 
     /// Whether the samples vary by more than round-off.

@@ -29,8 +29,7 @@
 //! - *Variance.* N/κ samples carry the variance, with the kurtosis κ. Below thirty, or where no
 //!   sample differs, the interval is widened by 3.69·R/N: without an event in N samples up to −ln
 //!   0.025 of them are expected, each no larger than R, the largest that was seen. Below thirty
-//!   single paths of a φ of more than two values, or where the largest of them fall like a power
-//!   that has no variance (Hill's estimate), larger events may be missing, and nobody can tell.
+//!   single paths of a φ of more than two values larger events may be missing, and nobody can tell.
 //!   If φ is the same to the bit on every path of a level that decides, nothing is known of R.
 //! - *Bias.* Three differences bound it; the observed order must not lie below ½ or half of the
 //!   weak order; coarse and fine means of neighbouring levels must agree.
@@ -59,7 +58,6 @@
 
 mod estimator;
 mod extrapolation;
-mod extremes;
 mod judge;
 mod level;
 mod rates;

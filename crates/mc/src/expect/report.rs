@@ -154,9 +154,8 @@ pub struct Warning {
 #[non_exhaustive]
 pub enum WarningKind {
     /// A few samples decide, so that nobody can tell how φ varies: fewer than thirty carry its
-    /// variance, or the largest are too frequent for one (Hill's estimate of the exponent of their
-    /// tail is below two), and events larger than all that were seen may be missing; or none does,
-    /// since φ is the same to the bit on all of them. Blocks [`Judged::variance`].
+    /// variance, and events larger than all that were seen may be missing; or none does, since φ is
+    /// the same to the bit on all of them. Blocks [`Judged::variance`].
     FewSamples,
     /// The steps of the finest level do not resolve this component of the state, counted from one.
     /// Fine and coarse paths differ by more than half of its motion in root mean square, or by no
