@@ -360,39 +360,37 @@ impl<'a> Marcher<'a> {
     /// as it was drawn, which saves copying it.
     #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, as_drawn: bool, tally: &mut Tally) {
-        let noise = if as_drawn { &self.drawn } else { &self.truncated };
         for &number in &batch.runs {
+            let noise = if as_drawn { &self.drawn } else { &self.truncated };
             let status = &mut self.statuses[number];
             self.states[number].step(step, noise, status);
-            let failed = status.failed.and(self.live);
-            if !failed.is_empty() {
-                let n = step.number();
-                for p in failed.paths() {
-                    let cause = Cause::of_residual(self.statuses[number].residual(p));
-                    let path = self.first_path + p as u64;
-                    tally.record(Failed { run: number, path, step: n, cause });
-                }
-                self.live = self.live.without(failed);
+            if !status.failed.and(self.live).is_empty() {
+                let status = *status;
+                self.drop_failed(number, step.number(), &status, tally);
             }
         }
+    }
+
+    /// Records the paths on which a step of a run failed; they live no more.
+    fn drop_failed(&mut self, run: usize, step: u64, status: &BlockStatus, tally: &mut Tally) {
+        let failed = status.failed.and(self.live);
+        for p in failed.paths() {
+            let cause = Cause::of_residual(status.residual(p));
+            tally.record(Failed { run, path: self.first_path + p as u64, step, cause });
+        }
+        self.live = self.live.without(failed);
     }
 
     /// Marks paths with a state that is not finite as failed, for schemes that do not do so
     /// themselves. Called once in each coarsest step.
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
-        for (number, state) in self.states.iter().enumerate() {
-            if dispatch(AreFinite(state.state())) {
-                continue;
+        for (number, run) in self.driver.runs.iter().enumerate() {
+            let state = self.states[number].state();
+            if !dispatch(AreFinite(state)) {
+                let mut status = BlockStatus::explicit();
+                status.fail_where_not_finite(state);
+                self.drop_failed(number, (n >> run.level).saturating_sub(1), &status, tally);
             }
-            let mut status = BlockStatus::explicit();
-            status.fail_where_not_finite(state.state());
-            let failed = status.failed.and(self.live);
-            for p in failed.paths() {
-                let step = (n >> self.driver.runs[number].level).saturating_sub(1);
-                let (path, cause) = (self.first_path + p as u64, Cause::NotFinite);
-                tally.record(Failed { run: number, path, step, cause });
-            }
-            self.live = self.live.without(failed);
         }
     }
 }

@@ -24,7 +24,7 @@ pub struct View<'a> {
     pub time: u64,
     /// Number of the first path of the block.
     pub first_path: u64,
-    pub(crate) states: &'a (dyn States + 'a),
+    pub(crate) states: &'a [Box<dyn Stepper + 'a>],
     /// For each run the paths with a clipped increment so far.
     pub clipped: &'a [PathMask],
     /// The random time of each path by the [`TimeChange`] of the ladder; zero without one.
@@ -33,31 +33,15 @@ pub struct View<'a> {
     pub live: PathMask,
 }
 
-/// The states of several runs.
-pub(crate) trait States {
-    fn runs(&self) -> usize;
-    fn state(&self, run: usize) -> &[Row];
-}
-
-impl States for Vec<Box<dyn Stepper + '_>> {
-    fn runs(&self) -> usize {
-        self.len()
-    }
-
-    fn state(&self, run: usize) -> &[Row] {
-        self[run].state()
-    }
-}
-
 impl<'a> View<'a> {
     /// Number of runs.
     pub fn runs(&self) -> usize {
-        self.states.runs()
+        self.states.len()
     }
 
     /// The states of a run; row i is component i of 32 paths.
     pub fn state(&self, run: usize) -> &'a [Row] {
-        self.states.state(run)
+        self.states[run].state()
     }
 
     /// The state of path `p` < 32 of a run.
@@ -472,25 +456,47 @@ fn on_stack<R: Send>(stack: usize, work: impl FnOnce() -> R + Send) -> R {
 
 #[cfg(test)]
 mod tests {
+    use noise::StepNoise;
+    use nonlin::BlockStatus;
     use real::{Block, PathMask, Row, WIDTH};
+    use schemes::{Step, Stepper};
 
-    use super::{States, View};
+    use super::View;
 
-    impl<const D: usize> States for Vec<Block<D>> {
-        fn runs(&self) -> usize {
-            self.len()
+    /// States that are given.
+    struct Given<const D: usize>(Block<D>);
+
+    impl<const D: usize> Stepper for Given<D> {
+        fn step(&mut self, _: &Step, _: &StepNoise, _: &mut BlockStatus) {}
+
+        fn state(&self) -> &[Row] {
+            &self.0.0
         }
 
-        fn state(&self, run: usize) -> &[Row] {
-            &self[run].0
+        fn state_mut(&mut self) -> &mut [Row] {
+            &mut self.0.0
         }
     }
 
-    impl<'a> View<'a> {
-        /// The view of states at the first time.
-        pub(crate) fn of(states: &'a dyn States, live: PathMask) -> Self {
+    impl View<'_> {
+        /// Shows the states of runs at a time.
+        pub(crate) fn show<const D: usize>(
+            states: &[Block<D>],
+            time: u64,
+            live: PathMask,
+            observe: &mut dyn FnMut(&View<'_>),
+        ) {
+            let states: Vec<_> =
+                states.iter().map(|&state| Box::new(Given(state)) as Box<dyn Stepper>).collect();
             let random_time = &[0.0; WIDTH];
-            Self { time: 1, first_path: 0, states, clipped: &[], random_time, live }
+            observe(&View {
+                time,
+                first_path: 0,
+                states: &states,
+                clipped: &[],
+                random_time,
+                live,
+            });
         }
     }
 }

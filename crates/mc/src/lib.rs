@@ -81,7 +81,7 @@ mod tree;
 
 pub use damping_resolution::DampingResolution;
 pub use error::{LadderError, RunError};
-pub use expect::{Expect, ExpectSettings, expect};
+pub use expect::{Expect, ExpectSettings};
 pub use failure::{Cause, PathFailure};
 pub use ladder::{Kept, Ladder, Measured, Statistic, TimeChange, View};
 pub use large_path::LargePath;

@@ -49,8 +49,7 @@ impl<F: Fn([f64; D]) -> f64 + Sync, const D: usize> Observe for StateFunction<F,
     }
 
     fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
-        let y = components(y);
-        live.paths().for_each(|p| values[p] = (self.function)(path(y, p)));
+        evaluate(&self.function, components(y), live, values);
     }
 }
 
@@ -104,7 +103,7 @@ pub(crate) fn path<const D: usize>(y: &[Row; D], p: usize) -> [f64; D] {
 /// States are copied eight at a time: a function that reads what was stored just before, in other
 /// pieces, waits.
 fn evaluate<const D: usize>(
-    phi: fn([f64; D]) -> f64,
+    phi: impl Fn([f64; D]) -> f64,
     y: &[Row; D],
     live: PathMask,
     values: &mut Row,

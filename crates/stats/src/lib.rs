@@ -20,7 +20,7 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`Moments`], [`CrossMoments`] | means and covariances |
+//! | [`CrossMoments`] | means and covariances |
 //! | [`CentralMoments`] | mean with interval, variance, kurtosis and range, without cancellation |
 //! | [`quantile_ranks`] | order statistics that enclose a quantile |
 //! | [`fit_strong`] | strong orders, from squared differences that share paths |
@@ -49,7 +49,7 @@ mod weak;
 pub use central::{CentralMoments, ROUND_OFF};
 pub use least_squares::diagonal;
 pub use mean_squares::{Bend, Estimate, LogMeanSquares};
-pub use moments::{BATCHES, CrossMoments, FEW_SAMPLES, Moments};
+pub use moments::{BATCHES, CrossMoments, FEW_SAMPLES};
 pub use point::Point;
 pub use quantile::{CONFIDENCE, two_sided};
 pub use quantile_ranks::quantile_ranks;

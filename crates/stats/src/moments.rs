@@ -7,47 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::least_squares::{dot, matrix};
 
-/// Mean and variance of one quantity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Moments {
-    count: u64,
-    sum: f64,
-    sum_of_squares: f64,
-}
-
-impl Moments {
-    /// Adds a sample.
-    pub fn add(&mut self, x: f64) {
-        self.count += 1;
-        self.sum += x;
-        self.sum_of_squares += x * x;
-    }
-
-    /// Adds all samples of `other`.
-    pub fn merge(&mut self, other: Self) {
-        self.count += other.count;
-        self.sum += other.sum;
-        self.sum_of_squares += other.sum_of_squares;
-    }
-
-    /// Number of samples.
-    pub fn count(&self) -> u64 {
-        self.count
-    }
-
-    /// Sample mean; NaN without samples.
-    pub fn mean(&self) -> f64 {
-        self.sum / self.count as f64
-    }
-
-    /// Standard error of the mean; NaN with fewer than two samples.
-    pub fn standard_error(&self) -> f64 {
-        let n = self.count as f64;
-        let variance = f64::max(self.sum_of_squares - self.sum * self.sum / n, 0.0) / (n - 1.0);
-        (variance / n).sqrt()
-    }
-}
-
 /// Number of batches that [`CrossMoments`] keeps apart: enough that a bootstrap over batches is one
 /// over paths for all practical purposes (with up to 256 samples it is one), few enough that memory
 /// does not matter.
@@ -142,6 +101,12 @@ impl CrossMoments {
         (self.product(i, j) - self.sum[i] * self.sum[j] / n) / (n - 1.0) / n
     }
 
+    /// Standard error of the mean of component i; NaN with fewer than two samples.
+    pub fn standard_error(&self, i: usize) -> f64 {
+        let variance = self.covariance_of_means(i, i);
+        if variance < 0.0 { 0.0 } else { variance.sqrt() }
+    }
+
     /// All sample means.
     pub fn means(&self) -> Vec<f64> {
         (0..self.length()).map(|i| self.mean(i)).collect()
@@ -214,12 +179,7 @@ mod tests {
     fn moments_are_the_textbook_ones() {
         let samples = [[1.0, 2.0, 0.5], [3.0, -1.0, 0.5], [2.0, 4.0, 0.25], [5.0, 0.0, 8.0]];
         let mut all = CrossMoments::new(3);
-        let [mut single, mut later] = [Moments::default(); 2];
-        for (n, x) in samples.iter().enumerate() {
-            all.add(x);
-            if n < 2 { single.add(x[2]) } else { later.add(x[2]) }
-        }
-        single.merge(later);
+        samples.iter().for_each(|x| all.add(x));
         assert_eq!((all.count(), all.length(), all.means()), (4, 3, vec![2.75, 1.25, 2.3125]));
         let matrix = all.covariances_of_means();
         for i in 0..3 {
@@ -228,12 +188,11 @@ mod tests {
                 assert!(close(matrix[i][j], samples.iter().map(product).sum::<f64>() / 12.0));
             }
         }
-        assert_eq!((single.count(), single.mean()), (4, all.mean(2)));
-        assert!(close(single.standard_error().powi(2), all.covariance_of_means(2, 2)));
+        assert!(close(all.standard_error(2).powi(2), matrix[2][2]));
         // Round-off does not make the variance negative.
-        let mut same = Moments::default();
-        (0..3).for_each(|_| same.add(0.1));
-        assert!(same.standard_error() >= 0.0);
+        let mut same = CrossMoments::new(1);
+        (0..3).for_each(|_| same.add(&[0.1]));
+        assert!(same.covariance_of_means(0, 0) < 0.0 && same.standard_error(0) == 0.0);
     }
 
     #[test]

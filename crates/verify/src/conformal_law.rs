@@ -2,7 +2,7 @@
 
 use analysis::worse;
 use mc::{Problem, Setup};
-use stats::Moments;
+use stats::CrossMoments;
 
 use crate::{Conditions, evidence::DEVIATIONS, experiment::Path, results::Evidence};
 
@@ -50,17 +50,17 @@ pub fn approach(
 ) -> Evidence {
     // ln of the largest relative defect along a path, over the paths.
     let [coarse, fine] = [(PART, steps), (PART + 1, REFINEMENT * steps)].map(|(part, steps)| {
-        let mut logarithms = Moments::default();
+        let mut logarithms = CrossMoments::new(1);
         for path in 0..PATHS {
             let path = conditions.path(part, setup, steps, path);
             let failed = path.len() as u64 <= steps;
             let defect = largest_defect(&setup.problem, index, &path);
-            logarithms.add(if failed { f64::NAN } else { defect.ln() });
+            logarithms.add(&[if failed { f64::NAN } else { defect.ln() }]);
         }
         logarithms
     });
     let scale = (REFINEMENT as f64).ln();
-    let order = (coarse.mean() - fine.mean()) / scale;
+    let order = (coarse.mean(0) - fine.mean(0)) / scale;
     if !order.is_finite() {
         let reason = "a path failed, or obeys the law without any defect".into();
         return Evidence::Undecided { reason };
@@ -70,10 +70,10 @@ pub fn approach(
         largest,
         paths: PATHS,
         refinement: REFINEMENT,
-        coarse: coarse.mean().exp(),
-        fine: fine.mean().exp(),
+        coarse: coarse.mean(0).exp(),
+        fine: fine.mean(0).exp(),
         order,
-        half_width: DEVIATIONS * coarse.standard_error().hypot(fine.standard_error()) / scale,
+        half_width: DEVIATIONS * coarse.standard_error(0).hypot(fine.standard_error(0)) / scale,
         least: 0.25,
     }
 }

@@ -57,7 +57,6 @@ pub fn expectation_json(scene: &Scene, results: &Expected) -> Value {
         "title": scene.title, "scheme": expectation.scheme, "because": because,
         "accuracy": expectation.accuracy, "reached": expectation.reached(),
         "estimates": expectation.estimates.iter().map(estimate).collect::<Vec<_>>(),
-        "decisions": expectation.decisions,
         "levels": expectation.levels.iter().map(level).collect::<Vec<_>>(),
         "path_steps": expectation.cost, "warnings": warnings, "seconds": seconds,
     })

@@ -9,7 +9,7 @@ use super::{
     Candidate, ExpectSettings, Orders,
     extrapolation::{Extrapolation, extrapolation, seen_orders},
     judge::Evidence,
-    level::{PathValues, Samples, Values},
+    level::{PathValues, Samples, Values, hull},
     rates,
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
     resolution::{LARGEST_EXPONENT, Motion, unresolved},
@@ -320,8 +320,8 @@ impl<'a> Estimator<'a> {
     /// How far test function number k may spread: as on all levels so far, or by one if it is the
     /// same on all; not at all without noise.
     fn range(&self, k: usize) -> f64 {
-        let ranges = self.levels.iter().filter_map(|level| level.values.get(k)?.range());
-        let range = ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let ranges = self.levels.iter().filter_map(|level| level.values.get(k)).map(Values::range);
+        let range = ranges.fold(None, hull);
         let spread = range.map_or(0.0, |(least, largest)| largest - least);
         match self.noisy {
             true if spread > 0.0 => spread,
@@ -434,25 +434,7 @@ impl<'a> Estimator<'a> {
             levels: levels.iter().map(level).collect(),
             warnings,
             estimates,
-            decisions: self.decisions(),
         }
-    }
-
-    /// Says which levels and how many points were chosen.
-    fn decisions(&self) -> Vec<String> {
-        let used = &self.levels[self.first..];
-        let orders = self.numbers().map(|k| self.sum(k).extrapolation.order);
-        let order = orders.fold(f64::INFINITY, f64::min);
-        let [fewest, most] = [&used[0], &used[used.len() - 1]].map(|of| self.steps(of.level));
-        let points: Vec<String> = used.iter().map(|samples| samples.points.to_string()).collect();
-        let (replicates, points) = (self.replicates, points.join(", "));
-        let points = match (self.noisy, self.sobol) {
-            (false, _) => "one path: there is no noise".into(),
-            (_, true) => format!("{replicates} scrambles of {points} Sobol points on them"),
-            (_, false) => format!("{replicates} times {points} random points on them"),
-        };
-        let levels = format!("levels of {fewest} to {most} steps");
-        vec![format!("{levels}, extrapolated with order {order:.2}"), points]
     }
 }
 

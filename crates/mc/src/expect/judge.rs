@@ -60,17 +60,14 @@ impl Evidence<'_> {
             });
             let found: Vec<_> = few.into_iter().chain(apart).chain(order).collect();
             let good = |bad: &[WarningKind]| !found.iter().any(|(kind, _)| bad.contains(kind));
-            let of_this = |warning: &Warning| {
-                warning.observable.as_ref().is_none_or(|observable| *observable == estimate.name)
-            };
             estimate.judged = Judged {
                 variance: good(&[WarningKind::FewSamples]),
                 bias: good(&[WarningKind::Telescope, WarningKind::Slow]),
-                resolution: !self.unresolved.iter().any(of_this),
+                resolution: !self.unresolved.iter().any(|warning| warning.concerns(&estimate.name)),
             };
-            let named =
-                found.into_iter().map(|(kind, text)| Warning::of(&estimate.name, kind, text));
-            warnings.extend(named);
+            for (kind, text) in found {
+                Warning::add(&mut warnings, &estimate.name, kind, text);
+            }
         }
         warnings
     }

@@ -75,25 +75,22 @@ use schemes::{
 };
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
-use crate::{
-    Observable, Observe, Problem, RunError, Setup, bind_owned, observable::erased, parts::Stop,
-};
+use crate::{Observe, Problem, RunError, Setup, bind_owned, parts::Stop};
 use estimator::{Estimator, Request};
 
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
 
-/// E[φ(y(T))] of every φ to the half-width `accuracy`: value, interval, cost and decisions.
-///
-/// The same as [`Expect::new`] with default settings.
+/// The computation of expectations: the scheme is chosen or given, everything else may be
+/// [set](ExpectSettings). See [the module](self) for the algorithm.
 ///
 /// ```
-/// use mc::{Observable, expect};
+/// use mc::{Expect, Observable};
 /// use systems::{Constant, Problem, RigidBody};
 ///
 /// let body = RigidBody::one_noise([1.0, 1.0, 1.0], 1.0)?;
 /// let problem = Problem::new(body, Constant::new(0.0)?, [1.0, 0.5, 0.0], 1.0)?;
-/// let y2 = [Observable { name: "y2", function: |y| y[1] }];
-/// let found = expect(&problem, &y2, 1e-4)?;
+/// let y2 = Observable { name: "y2", function: |y: [f64; 3]| y[1] };
+/// let found = Expect::new(&problem).run(&[&y2], 1e-4, &|_| ())?;
 ///
 /// // A symmetric top with noise about its axis: y₂ + iy₃ turns by a normal angle.
 /// let (lower, upper) = found.estimates[0].interval();
@@ -101,19 +98,6 @@ pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKin
 /// assert!(found.reached() && lower < exact && exact < upper && upper - lower <= 2e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-///
-/// # Errors
-/// Those of [`Expect::run`].
-pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    problem: &systems::Problem<S, G, D>,
-    observables: &[Observable<D>],
-    accuracy: f64,
-) -> Result<Expectation, RunError> {
-    Expect::new(problem).run(&erased(observables), accuracy, &|_| ())
-}
-
-/// The computation of expectations: the scheme is chosen or given, everything else may be
-/// [set](ExpectSettings). See [the module](self) for the algorithm.
 ///
 /// **Scheme.** By [`by_parts`](Self::by_parts) `nv` of weak order two ([`Nv`]), with the mean of φ
 /// over both orders of the noises, which has an expansion in even powers of τ. Without flows of
@@ -294,7 +278,7 @@ impl<'a> Expect<'a> {
         Self { settings, ..self }
     }
 
-    /// The expectations. `progress` is called now and then, from any thread, with the number of
+    /// E[φ(y(T))] of every φ to the half-width `accuracy`. `progress` is called now and then, from any thread, with the number of
     /// path-steps done since.
     ///
     /// # Errors
@@ -319,14 +303,13 @@ impl<'a> Expect<'a> {
             (0..=REFINEMENTS).map(move |doubled| (candidate, steps << doubled))
         });
         let mut attempts = attempts.peekable();
-        let (mut decisions, mut best) = (Vec::new(), Err(RunError::Stopped));
+        let mut best = Err(RunError::Stopped);
         while let Some((candidate, steps)) = attempts.next() {
             let orders = settings.weak_order.map(|weak| Orders { weak, next: weak + 1.0 });
             let orders = orders.unwrap_or(candidate.orders);
             settings.check(accuracy, orders.weak)?;
             match Estimator::new(candidate, request, orders, steps).expectation() {
-                Ok(mut found) => {
-                    found.decisions.splice(0..0, decisions.iter().cloned());
+                Ok(found) => {
                     if attempts.peek().is_none() || found.is_final() {
                         return Ok(found);
                     }
@@ -341,9 +324,6 @@ impl<'a> Expect<'a> {
                 }
                 Err(error) => return Err(error),
             }
-            let scheme = candidate.setup.scheme.id();
-            decisions.retain(|before: &String| !before.contains(scheme));
-            decisions.push(format!("paths of {scheme} fail with {steps} steps or fewer"));
         }
         best
     }

@@ -18,8 +18,6 @@ pub struct Expectation {
     pub cost: u64,
     /// The levels that were sampled.
     pub levels: Vec<Level>,
-    /// What was decided, and why, in words.
-    pub decisions: Vec<String>,
     /// Assumptions of the intervals that do not hold, and limits that were reached; usually none.
     /// What is not [`Judged`] good is named here.
     pub warnings: Vec<Warning>,
@@ -143,9 +141,9 @@ pub struct Level {
 pub struct Warning {
     /// Which.
     pub kind: WarningKind,
-    /// The φ that is concerned; `None` if all are.
-    pub observable: Option<String>,
-    /// The same in words, with numbers.
+    /// The φ that are concerned; none if all are.
+    pub observables: Vec<String>,
+    /// The same in words, with the numbers of the first of them.
     pub text: String,
 }
 
@@ -193,26 +191,40 @@ pub enum WarningKind {
 
 impl Warning {
     pub(super) fn of_all(kind: WarningKind, text: String) -> Self {
-        Self { kind, observable: None, text }
+        Self { kind, observables: Vec::new(), text }
     }
 
-    pub(super) fn of(observable: &str, kind: WarningKind, text: String) -> Self {
-        Self { kind, observable: Some(observable.to_owned()), text }
+    /// Adds a φ to the warning of its kind.
+    pub(super) fn add(warnings: &mut Vec<Self>, observable: &str, kind: WarningKind, text: String) {
+        let known = warnings.iter().position(|warning| warning.kind == kind);
+        let n = known.unwrap_or(warnings.len());
+        if known.is_none() {
+            warnings.push(Self::of_all(kind, text));
+        }
+        let names = &mut warnings[n].observables;
+        if names.last().is_none_or(|last| last != observable) {
+            names.push(observable.to_owned());
+        }
+    }
+
+    /// Whether it concerns this φ.
+    pub(super) fn concerns(&self, observable: &String) -> bool {
+        self.observables.is_empty() || self.observables.contains(observable)
     }
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let of = self.observable.iter().map(|name| format!("{name}: ")).collect::<String>();
-        write!(f, "{of}{}", self.text)
+        let Self { observables, text, .. } = self;
+        let separator = if observables.is_empty() { "" } else { ": " };
+        write!(f, "{}{separator}{text}", observables.join(", "))
     }
 }
 
-/// Each expectation with its interval and the parts of it, what it cost, decisions and warnings;
-/// one warning of each kind for all functions that it concerns.
+/// Each expectation with its interval and the parts of it, what it cost, and warnings.
 impl fmt::Display for Expectation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { scheme, estimates, accuracy, cost, levels, decisions, warnings } = self;
+        let Self { scheme, estimates, accuracy, cost, levels, warnings } = self;
         let longest = estimates.iter().map(|one| one.name.chars().count()).max().unwrap_or(0);
         for estimate in estimates {
             let name = format!("E[{}]", estimate.name);
@@ -221,18 +233,7 @@ impl fmt::Display for Expectation {
         let finest = levels.iter().map(|level| level.tau).fold(f64::INFINITY, f64::min);
         let cost = *cost as f64;
         writeln!(f, "{scheme} with steps down to {finest:.2e}, {cost:.2e} path-steps")?;
-        decisions.iter().try_for_each(|decision| writeln!(f, "{decision}"))?;
-        for (n, Warning { kind, observable, text }) in warnings.iter().enumerate() {
-            let alike = |other: &&Warning| other.kind == *kind && other.observable.is_some();
-            if observable.is_some() && warnings[..n].iter().any(|before| alike(&before)) {
-                continue;
-            }
-            let names = warnings[n..].iter().filter(alike).filter_map(|w| w.observable.as_deref());
-            let mut names: Vec<&str> = names.collect();
-            names.dedup();
-            let of = if observable.is_some() { names.join(", ") + ": " } else { String::new() };
-            writeln!(f, "warning: {of}{text}")?;
-        }
+        warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
         if !self.reached() {
             writeln!(f, "the accuracy {accuracy:.1e} was NOT reached")?;
         }

@@ -228,11 +228,14 @@ pub fn unresolved(
     let damping = damping.map(|(kind, how)| (kind, "the damping".to_owned(), how));
     let of_all = component.into_iter().chain(damping);
     let of_all = of_all.map(|(kind, what, how)| Warning::of_all(kind, text(&what, how)));
-    let function = |(k, name): (usize, &&str)| {
-        let by = unresolved_function(differences, k, accuracy)?;
-        Some(Warning::of(name, WarningKind::Function, text("it", differ(by))))
-    };
-    of_all.chain(names.iter().enumerate().filter_map(function)).collect()
+    let mut warnings: Vec<_> = of_all.collect();
+    for (k, name) in names.iter().enumerate() {
+        if let Some(by) = unresolved_function(differences, k, accuracy) {
+            let text = text("it", differ(by));
+            Warning::add(&mut warnings, name, WarningKind::Function, text);
+        }
+    }
+    warnings
 }
 
 /// How far fine and coarse paths of the last level differ in test function number k, if its motion
@@ -289,7 +292,7 @@ mod tests {
         for k in 1..=n {
             let fine = Block([[(f64::from(2 * k) * step(2 * n)).cos(); WIDTH]]);
             let coarse = Block([[(f64::from(k) * step(n)).cos(); WIDTH]]);
-            motion.add(&View::of(&vec![fine, coarse], PathMask::ALL));
+            View::show(&[fine, coarse], 1, PathMask::ALL, &mut |view| motion.add(view));
         }
         motion.difference(0)
     }
@@ -315,7 +318,7 @@ mod tests {
         let mut motion = Motion::new(&[1.0, 0.0]);
         for k in 1..=8 {
             let at = |sign: f64| Block([[1.0 + f64::from(k) / 8.0; WIDTH], [sign * 1e-17; WIDTH]]);
-            motion.add(&View::of(&vec![at(1.0), at(-1.0)], PathMask::ALL));
+            View::show(&[at(1.0), at(-1.0)], 1, PathMask::ALL, &mut |view| motion.add(view));
         }
         assert_eq!([motion.difference(0), motion.difference(1)], [0.0, 0.0]);
     }
@@ -337,7 +340,7 @@ mod tests {
                     let angle = f64::from(k) * midpoint(1e4, steps) / f64::from(steps);
                     Block([[0.9 + 0.1 * angle.cos(); WIDTH]])
                 };
-                motion.add(&View::of(&vec![at(2 * n), at(n)], PathMask::ALL));
+                View::show(&[at(2 * n), at(n)], 1, PathMask::ALL, &mut |view| motion.add(view));
             }
             motion.displacement(0)
         });

@@ -95,7 +95,7 @@ impl<'a> Study<'a> {
             let runs = vec![Run::new(Arc::clone(&setup.scheme), 0)];
             Ladder::new(&setup.problem, settings.steps, 0, settings.truncation, key, runs)
         };
-        let pilot = ladder(settings.pilot_key())?.describing(0);
+        let pilot = ladder(settings.pilot_key())?;
         let new = || StudyStatistic::new(&observables, &record.times, &[]);
         let seen = pilot.run(settings.pilot, new, &|_| ()).statistic.sums;
         let cells = 0..record.times.len() * observables.len();

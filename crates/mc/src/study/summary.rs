@@ -187,17 +187,17 @@ impl Histogram {
     }
 
     /// The bin, underflow or overflow of the value that `reached` says of the number of values up
-    /// to it: its number among them all, the number of values below it, and its own.
-    fn find(&self, reached: impl Fn(u64) -> bool) -> (usize, u64, u64) {
+    /// to it: its number among them all, and the number of values below it.
+    fn find(&self, reached: impl Fn(u64) -> bool) -> (usize, u64) {
         let mut before = 0;
         let places = [self.below].into_iter().chain(self.counts.iter().copied());
         for (place, count) in places.enumerate() {
             if count > 0 && reached(before + count) {
-                return (place, before, count);
+                return (place, before);
             }
             before += count;
         }
-        (self.counts.len() + 1, before, self.above)
+        (self.counts.len() + 1, before)
     }
 
     /// The edges of a bin. Those of the underflow begin at the least value, those of the overflow
@@ -232,7 +232,7 @@ impl Histogram {
             let known = [(first, low), (last, high)].map(|(at, n)| if at == place { n } else { 0 });
             count.saturating_sub(known[0] + known[1])
         };
-        let (place, before, _) = self.find(|up_to| up_to as f64 >= rank);
+        let (place, before) = self.find(|up_to| up_to as f64 >= rank);
         let (before, count) = (before.max(low), others(place));
         let ends = |rank: u64| match rank {
             _ if rank <= low => (range.0, range.0),

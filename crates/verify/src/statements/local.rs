@@ -13,7 +13,7 @@
 
 use noise::{Noise, Truncation, WienerPath};
 use schemes::{Scheme, Step};
-use stats::{Against, CrossMoments, Expansion, Moments, diagonal, fit_weak};
+use stats::{Against, CrossMoments, Expansion, diagonal, fit_weak};
 use systems::{
     Cosine, Damping, Problem, RigidBody,
     paper::{rigid_body_three_noises, valid},
@@ -58,23 +58,23 @@ pub fn remainder_claims(
     // (E‖R‖²)^½ and ‖E R‖ with the relative variances of both.
     let measured = taus.map(|tau| {
         let mut noise = WienerPath::<3>::new(conditions.key(0), -tau.log2() as u64);
-        let (mut square, mut mean) = (Moments::default(), CrossMoments::new(3));
+        let (mut square, mut mean) = (CrossMoments::new(1), CrossMoments::new(3));
         for _ in 0..conditions.choose(4000, 1000) {
             let pieces: [Vector; PIECES] =
                 std::array::from_fn(|_| noise.increments((tau / PIECES as f64).sqrt()));
             let plus = remainder(tau, &pieces);
             let minus = remainder(tau, &pieces.map(|dw| dw.map(|w| -w)));
             // Both signs have the same law: their average square is one sample of E‖R‖².
-            square.add(0.5 * (dot(plus, plus) + dot(minus, minus)));
+            square.add(&[0.5 * (dot(plus, plus) + dot(minus, minus))]);
             mean.add(&[0, 1, 2].map(|i| 0.5 * (plus[i] + minus[i])));
         }
-        let root = square.mean().sqrt();
+        let root = square.mean(0).sqrt();
         let m = [0, 1, 2].map(|i| mean.mean(i));
         let length = dot(m, m).sqrt();
         // mᵀΣm/|m|², the variance of |m| along m.
         let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
         let variance: f64 = pairs.map(|(i, j)| m[i] * mean.covariance_of_means(i, j) * m[j]).sum();
-        let of_root = (square.standard_error() / (2.0 * root)).powi(2);
+        let of_root = (square.standard_error(0) / (2.0 * root)).powi(2);
         [(root, of_root), (length, variance / (length * length))]
     });
     [(0, "(E‖R‖²)^½ ≤ C τ^(3/2)", 1.5), (1, "‖E R‖ ≤ C τ²", 2.0)].map(|(which, bound, order)| {

@@ -9,7 +9,7 @@
 use analysis::worse;
 use dgrad::Rule;
 use noise::{Truncation, WienerPath};
-use stats::Moments;
+use stats::CrossMoments;
 use systems::paper::valid;
 
 use crate::{
@@ -84,15 +84,15 @@ const SAMPLED_ORDER: u32 = 1;
 pub fn sampled_variance(conditions: &Conditions, bound: f64) -> Claim {
     let samples = conditions.choose(4_000_000, 200_000);
     let mut noise = WienerPath::<1>::new(conditions.key(0), 0);
-    let mut lost = Moments::default();
+    let mut lost = CrossMoments::new(1);
     for _ in 0..samples {
         let [dw] = noise.increments(SAMPLED_STEP.sqrt());
         let clipped = dw.clamp(-bound, bound);
-        lost.add(dw * dw - clipped * clipped);
+        lost.add(&[dw * dw - clipped * clipped]);
     }
     let quantity = format!("E[ΔW²] − E[ΔŴ²] ({samples} increments, τ = 1/4, k = 1)");
     let expected = SAMPLED_STEP * lost_variance(SAMPLED_STEP, SAMPLED_ORDER);
-    let measured = Evidence::mean(quantity, lost.mean(), lost.standard_error(), expected);
+    let measured = Evidence::mean(quantity, lost.mean(0), lost.standard_error(0), expected);
     Claim::new(ID, "sampled increments lose the variance of the closed form", measured)
 }
 

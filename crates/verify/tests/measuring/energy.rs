@@ -17,7 +17,7 @@ use nonlin::BlockStatus;
 use rayon::prelude::*;
 use real::{Block, Real, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLi, Split, Step};
-use stats::Moments;
+use stats::CrossMoments;
 use systems::{Constant, Flows, ImplicitStep, PoissonSystem};
 use verify::streams;
 
@@ -222,11 +222,11 @@ fn energies<V: Potential<D>, const D: usize>(
         }
         let [early, .., last] = &rows[rows.len() - 1 - EARLIER..] else { unreachable!() };
         let grown = rate * tau * 0.75 * (last.0 - early.0) as f64;
-        let mut change = Moments::default();
-        last.1.iter().zip(&early.1).for_each(|(last, early)| change.add((last - early) / grown));
+        let mut change = CrossMoments::new(1);
+        last.1.iter().zip(&early.1).for_each(|(last, early)| change.add(&[(last - early) / grown]));
         let mean = |d: Values<'_>| d.sum::<f64>() / PATHS as f64;
-        let (end, drift) = (mean(&mut last.1.iter().copied()), change.mean());
-        let error = change.standard_error();
+        let (end, drift) = (mean(&mut last.1.iter().copied()), change.mean(0));
+        let error = change.standard_error(0);
         let failed = last.1.iter().filter(|d| !d.is_finite()).count();
         let drifts = drift.abs() > ALLOWED + STANDARD_ERRORS * error || end.abs() > NEAR;
         let outcome = if failed > 0 { "fails" } else { ["bounded", "drifts"][usize::from(drifts)] };
