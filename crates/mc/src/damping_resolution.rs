@@ -55,11 +55,10 @@ impl<'a> DampingResolution<'a> {
         }
         let per_time = LEAST_PARTS.div_ceil(times);
         let parts = RateQuadrature::new(damping, t_end, (times * per_time) as u32).parts;
-        let net =
-            parts.chunks(per_time as usize).map(|parts| parts.iter().map(|part| part.net).sum());
-        let exact = net.scan(0.0, |sum, net: f64| {
-            *sum += net;
-            Some(*sum)
+        let mut sum = 0.0;
+        let exact = parts.chunks(per_time as usize).map(|parts| {
+            sum += parts.iter().map(|part| part.net).sum::<f64>();
+            sum
         });
         let (exact, sizes) = (exact.collect(), parts.iter().map(|part| part.size).collect());
         let known = RefCell::default();
@@ -88,10 +87,8 @@ impl<'a> DampingResolution<'a> {
     }
 
     fn measure(&self, halvings: usize) -> f64 {
-        let mut steps = self.coarsest_steps;
-        for _ in 0..halvings {
-            steps = if steps < MOST_STEPS { 2 * steps } else { steps };
-        }
+        let double = |steps, _| if steps < MOST_STEPS { 2 * steps } else { steps };
+        let steps = (0..halvings).fold(self.coarsest_steps, double);
         let (tau, per_time) = (self.t_end / steps as f64, steps / self.exact.len() as u64);
         let (mut sums, mut defect) = ([0.0; 4], 0.0f64);
         for n in 0..steps {

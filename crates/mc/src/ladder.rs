@@ -333,7 +333,7 @@ impl<'a> Ladder<'a> {
         };
         let mut tree = MergeTree::new(merge);
         grow(&mut tree, groups, &compute, &mut |_, _| true);
-        tree.into_nodes()
+        tree.nodes
     }
 
     /// Adds the nodes of more groups to those before, and gives the sum of all.
@@ -345,7 +345,7 @@ impl<'a> Ladder<'a> {
     ) -> Measured<T> {
         let mut tree = MergeTree::new(merge);
         nodes.drain(..).chain(more).for_each(|node| tree.push(node));
-        nodes.extend_from_slice(tree.nodes());
+        nodes.extend_from_slice(&tree.nodes);
         self.measured(tree.finish(), new)
     }
 
@@ -377,14 +377,13 @@ impl<'a> Ladder<'a> {
 
     fn measured<T>(&self, sum: Option<Sum<T>>, new: &dyn Fn() -> T) -> Measured<T> {
         let (statistic, tally) = sum.unwrap_or_else(|| self.nothing(new));
-        let failures = tally.failures.iter().map(|failed| self.failure(failed)).collect();
+        let failure = |&Failed { run, path, step, cause }: &Failed| {
+            let Run { ref scheme, level, swapped } = self.driver.runs[run];
+            let (scheme, key, tau) = (scheme.id(), self.driver.key, self.tau(level));
+            PathFailure { path, key, scheme, swapped, tau, step, cause }
+        };
+        let failures = tally.failures.iter().map(failure).collect();
         Measured { statistic, failed: tally.failed, failures, clipped: tally.clipped }
-    }
-
-    fn failure(&self, &Failed { run, path, step, cause }: &Failed) -> PathFailure {
-        let Run { ref scheme, level, swapped } = self.driver.runs[run];
-        let (scheme, key, tau) = (scheme.id(), self.driver.key, self.driver.tau(level));
-        PathFailure { path, key, scheme, swapped, tau, step, cause }
     }
 
     /// A hash that tells this ladder and a statistic from others: of the key, the damping, and what

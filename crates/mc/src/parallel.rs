@@ -41,14 +41,14 @@ pub fn grow<T: Send, F: Fn(&mut T, T) + Sync>(
         let end = items.end.min(next + wave);
         // A power of two, and tasks that begin at multiples of it: each is a node of the tree.
         let size = wave.div_ceil(TASKS * threads).next_power_of_two();
-        let (merge, whole) = tree.merging();
+        let (merge, whole) = (&tree.merge, tree.whole);
         let task = |number: u64| {
             let mut own = MergeTree::of_whole(merge, whole);
             for item in next.max(number * size)..end.min((number + 1) * size) {
                 let Some(sum) = compute(item) else { break };
                 own.push(Node::leaf(item, sum));
             }
-            own.into_nodes()
+            own.nodes
         };
         let results = in_parallel(next / size..end.div_ceil(size), &task);
         for node in results.into_iter().flatten() {
@@ -58,7 +58,7 @@ pub fn grow<T: Send, F: Fn(&mut T, T) + Sync>(
                 tree.push(node);
             }
         }
-        if !after(tree.nodes(), next) || next < end {
+        if !after(&tree.nodes, next) || next < end {
             break;
         }
         let per_second = wave as f64 / start.elapsed().as_secs_f64();
@@ -103,7 +103,7 @@ mod tests {
             let compute = |item: u64| Some(item.to_string());
             let next = grow(&mut grown, items.clone(), &compute, &mut |_, _| true);
             assert_eq!(next, items.end);
-            assert!(grown.into_nodes() == single.into_nodes());
+            assert!(grown.nodes == single.nodes);
         }
     }
 
@@ -114,7 +114,7 @@ mod tests {
             let (mut tree, mut single) = (MergeTree::new(join), MergeTree::new(join));
             assert_eq!(grow(&mut tree, 0..10_000, &compute, &mut |_, _| true), first);
             (0..first).for_each(|item| single.push(Node::leaf(item, item.to_string())));
-            assert!(tree.into_nodes() == single.into_nodes());
+            assert!(tree.nodes == single.nodes);
         }
     }
 

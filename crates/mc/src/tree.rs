@@ -35,10 +35,11 @@ impl<T> Node<T> {
 /// are logarithmic.
 pub struct MergeTree<T, F> {
     /// The largest nodes of the tree that cover the leaves so far.
-    nodes: Vec<Node<T>>,
-    merge: F,
+    pub nodes: Vec<Node<T>>,
+    /// How two sums become one.
+    pub merge: F,
     /// Leaves from this one on are no part of larger nodes.
-    whole: u64,
+    pub whole: u64,
 }
 
 impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
@@ -61,20 +62,6 @@ impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
             node = Node { level: left.level + 1, ..left };
         }
         self.nodes.push(node);
-    }
-
-    /// How two sums become one, and the first leaf that is merged at the end only.
-    pub fn merging(&self) -> (&F, u64) {
-        (&self.merge, self.whole)
-    }
-
-    /// The nodes so far.
-    pub fn nodes(&self) -> &[Node<T>] {
-        &self.nodes
-    }
-
-    pub fn into_nodes(self) -> Vec<Node<T>> {
-        self.nodes
     }
 
     /// The sum of all leaves, which begin with leaf 0; `None` without leaves.
@@ -101,7 +88,7 @@ mod tests {
     fn nodes(leaves: Range<u64>) -> Vec<Node<String>> {
         let mut tree = MergeTree::new(join);
         leaves.for_each(|leaf| tree.push(Node::leaf(leaf, leaf.to_string())));
-        tree.into_nodes()
+        tree.nodes
     }
 
     fn finished(nodes: impl IntoIterator<Item = Node<String>>) -> String {
@@ -134,7 +121,7 @@ mod tests {
             let mut tree = MergeTree::of_whole(join, leaves - 1);
             nodes(0..leaves - 1).into_iter().for_each(|node| tree.push(node));
             tree.push(Node::leaf(leaves - 1, (leaves - 1).to_string()));
-            assert_eq!(tree.nodes().last().map(|node| node.level), Some(0));
+            assert_eq!(tree.nodes.last().map(|node| node.level), Some(0));
             assert_eq!(tree.finish().unwrap(), finished(nodes(0..leaves)), "{leaves}");
         }
     }

@@ -159,13 +159,11 @@ impl<'a> Estimator<'a> {
             let least = self.least_cost(&sums, finer);
             if least > max_cost as f64 {
                 let text = format!(
-                    "it takes {least:.0e} path-steps or more, {:.0e} are allowed",
+                    "the accuracy is out of reach: it takes {least:.0e} path-steps or more, {:.0e} \
+                     are allowed",
                     max_cost as f64
                 );
-                break Some((
-                    WarningKind::OutOfReach,
-                    format!("the accuracy is out of reach: {text}"),
-                ));
+                break Some((WarningKind::OutOfReach, text));
             }
             let (level, points) = if finer && last < self.max_level {
                 self.add_level()?;

@@ -170,7 +170,7 @@ impl Job {
                 let mut tree = work.tree();
                 let end = work.grow(&mut tree, 0..work.groups(), &mut |_, _| true);
                 let done = end == work.groups() || self.incomplete;
-                done.then(|| Some(tree.into_nodes())).ok_or(JobError::Stopped)
+                done.then(|| Some(tree.nodes)).ok_or(JobError::Stopped)
             }
             Mode::Part(part) => part.collect(work, self.interval, self.incomplete),
             Mode::Merge(merging) => merging.collect(work),

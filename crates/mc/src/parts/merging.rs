@@ -106,7 +106,7 @@ impl Merging {
     pub fn collect<T: Kept>(&mut self, work: &Work<'_, T>) -> Result<Option<Nodes<T>>, JobError> {
         let mut tree = work.tree();
         self.known.nodes(work)?.into_iter().for_each(|node| tree.push(node));
-        let known = tree.nodes().last().map_or(0, Node::end);
+        let known = tree.nodes.last().map_or(0, Node::end);
         if known < work.groups() {
             let mut places = self.works.remove(work.name).unwrap_or_default();
             places.retain(|place| !self.known.has(work, &place.header, known));
@@ -128,7 +128,7 @@ impl Merging {
                 work.nodes(&path, entry)?.into_iter().for_each(|node| tree.push(node));
             }
         }
-        let (header, nodes) = (work.header(0..work.groups(), work.groups()), tree.into_nodes());
+        let (header, nodes) = (work.header(0..work.groups(), work.groups()), tree.nodes);
         self.known.0.works.insert(work.name.to_owned(), work.entry(header, &nodes)?);
         Ok(Some(nodes))
     }

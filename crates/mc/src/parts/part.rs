@@ -14,6 +14,7 @@ use super::{
 };
 use crate::{
     Kept,
+    driver::GROUP_PATHS,
     ladder::{Nodes, Sum},
     tree::{MergeTree, Node},
 };
@@ -95,9 +96,11 @@ impl Part {
         let groups = self.share.range(&(first..work.groups()));
         let mut header = work.header(groups.clone(), groups.start);
         header.done = self.resume(work, first, &header, &mut tree)?;
-        work.skip(first + header.done - header.groups.start);
+        // Reports the steps of groups that need not be computed.
+        let before = first + header.done - header.groups.start;
+        (work.progress)(before * GROUP_PATHS * work.ladder.steps_per_path());
         // What cannot be read back is known before the computing.
-        work.entry(header.clone(), &[work.empty()])?;
+        work.entry(header.clone(), &[Node::leaf(0, work.ladder.nothing(work.new))])?;
         let mut kept = Ok(());
         let rest = header.done..header.groups.end;
         header.done = work.grow(&mut tree, rest, &mut |nodes, done| {
@@ -112,14 +115,14 @@ impl Part {
         });
         kept?;
         let stopped = !header.is_complete();
-        self.record(work, header, tree.nodes())?;
+        self.record(work, header, &tree.nodes)?;
         if stopped {
             self.write()?;
             if !(incomplete && is_whole) {
                 return Err(JobError::Stopped);
             }
         }
-        nodes.extend(tree.into_nodes());
+        nodes.extend(tree.nodes);
         Ok((is_whole || first == work.groups()).then_some(nodes))
     }
 

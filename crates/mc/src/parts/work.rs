@@ -52,20 +52,10 @@ impl<T: Kept> Work<'_, T> {
         grow(tree, groups, &compute, after)
     }
 
-    /// Reports the steps of groups that need not be computed.
-    pub fn skip(&self, groups: u64) {
-        (self.progress)(groups * GROUP_PATHS * self.ladder.steps_per_path());
-    }
-
     /// An empty tree for its nodes. The last group stays apart if it is not full, since it is
     /// computed again when there are more paths.
     pub fn tree(&self) -> MergeTree<Sum<T>, impl Fn(&mut Sum<T>, Sum<T>) + Sync> {
         MergeTree::of_whole(merge, self.paths / GROUP_PATHS)
-    }
-
-    /// A node with the sums of no path.
-    pub fn empty(&self) -> Node<Sum<T>> {
-        Node::leaf(0, self.ladder.nothing(self.new))
     }
 
     /// The nodes as a file has them. What cannot be read back must be known before hours of

@@ -56,14 +56,6 @@ impl TimeSeries {
         Some(&column.values)
     }
 
-    /// The state in saved row n.
-    ///
-    /// # Panics
-    /// If there are fewer rows, or fewer than D components.
-    pub fn state<const D: usize>(&self, n: usize) -> [f64; D] {
-        std::array::from_fn(|i| self.columns[1 + i].values[n])
-    }
-
     /// The saved times.
     pub fn times(&self) -> &[f64] {
         self.column("t").unwrap_or_default()

@@ -98,9 +98,8 @@ impl<'a> Study<'a> {
         let pilot = ladder(settings.pilot_key())?;
         let new = || StudyStatistic::new(&observables, &record.times, &[]);
         let seen = pilot.run(settings.pilot, new, &|_| ()).statistic.sums;
-        let cells = 0..record.times.len() * observables.len();
-        let grids =
-            cells.map(|cell| Grid::covering(seen.moments(cell).range(), settings.bins)).collect();
+        let ranges = seen.moments.iter().map(|moments| moments.range());
+        let grids = ranges.map(|range| Grid::covering(range, settings.bins)).collect();
         let ladder = ladder(settings.key)?;
         Ok(Self { ladder, observables, record, grids })
     }

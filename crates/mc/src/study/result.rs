@@ -62,7 +62,7 @@ impl StudyResult {
         };
         let (names, planned) = (record.observables.iter().zip(&record.initial), record.paths);
         let last = record.times.len().saturating_sub(1) * record.observables.len();
-        let paths = sums.moments(last).count() + sums.not_finite(last) + losses.failed;
+        let paths = sums.moments[last].count() + sums.not_finite[last] + losses.failed;
         let record = Record { paths, ..record.clone() };
         // They are kept, since most counts are the same.
         let mut known = BTreeMap::<u64, Vec<Ranks>>::new();
@@ -71,7 +71,7 @@ impl StudyResult {
             for (time, &step) in record.times.iter().enumerate() {
                 let cell = time * record.observables.len() + k;
                 let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
-                let count = sums.moments(cell).count();
+                let count = sums.moments[cell].count();
                 let ranks = known.entry(count).or_insert_with(|| {
                     let levels = record.quantiles.iter();
                     levels.map(|&level| (level, quantile_ranks(count, level))).collect()

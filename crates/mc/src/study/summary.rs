@@ -132,7 +132,7 @@ impl Summary {
         ranks: &[Ranks],
     ) -> Self {
         let finite = |x: f64| x.is_finite().then_some(x);
-        let (moments, unit) = (sums.moments(cell), histogram.grid.unit());
+        let (moments, unit) = (&sums.moments[cell], histogram.grid.unit());
         let scaled = |(lo, hi): (f64, f64)| (lo * unit, hi * unit);
         let (count, range) = (moments.count(), moments.range().map(scaled));
         let (least, largest) = range.unzip();
@@ -162,7 +162,7 @@ impl Summary {
             step,
             time,
             count,
-            not_finite: sums.not_finite(cell),
+            not_finite: sums.not_finite[cell],
             mean: finite(moments.mean() * unit).filter(|_| count > 0),
             interval_note: (count > 0 && mean_interval.is_none()).then(note),
             mean_interval,

@@ -14,9 +14,9 @@ use crate::{Kept, Observe, Statistic, View, parts::hash};
 pub struct Sums {
     /// Of the finite values, in the unit of the grid; time by time, and for each time observable by
     /// observable.
-    moments: Vec<CentralMoments>,
+    pub(super) moments: Vec<CentralMoments>,
     /// Number of values that are not finite, of paths that had not failed.
-    not_finite: Vec<u64>,
+    pub(super) not_finite: Vec<u64>,
     counts: Counts,
 }
 
@@ -53,16 +53,6 @@ impl Sums {
         let mut places = [0; WIDTH];
         grid.place(values, &mut places);
         self.counts.add(cell * grid.cells(), &places, finite, count);
-    }
-
-    /// Moments of the finite values of a cell, in the unit of its grid.
-    pub(super) fn moments(&self, cell: usize) -> &CentralMoments {
-        &self.moments[cell]
-    }
-
-    /// Number of values of a cell that are not finite.
-    pub(super) fn not_finite(&self, cell: usize) -> u64 {
-        self.not_finite[cell]
     }
 
     /// Underflow, bins and overflow of a cell.

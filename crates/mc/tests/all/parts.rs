@@ -22,6 +22,18 @@ fn pendulum(c: f64) -> Pendulums {
     Problem::new(Pendulum::new(c).unwrap(), Constant::new(0.5).unwrap(), [0.2, 1.0], 1.0).unwrap()
 }
 
+/// A scheme on its problem in so many steps.
+fn ladder<'a, G: Damping>(
+    problem: &'a Problem<Pendulum, G, 2>,
+    scheme: &'a dyn Scheme<Pendulum, 2, 1>,
+    steps: u64,
+    seed: u64,
+) -> Ladder<'a> {
+    let (truncation, key) = (Truncation::new(4).unwrap(), StreamKey { seed, experiment: 5 });
+    let runs = vec![Run::new(bind(problem, scheme), 0)];
+    Ladder::new(&mc::Problem::of(problem), steps, 3, truncation, key, runs).unwrap()
+}
+
 /// Σ cos(ωy₁) + y₂³: a sum whose rounding depends on the order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Sums {
@@ -96,34 +108,14 @@ impl Study {
     }
 
     fn run_with(self, job: Job, progress: &(dyn Fn(u64) + Sync)) -> Result<Option<Sums>, JobError> {
-        let sums = self.run_in(&job, progress);
+        let sums = self.run_as(&job, "sum", progress);
         job.finish().map(|()| sums)
     }
 
-    fn run_in(self, job: &Job, progress: &(dyn Fn(u64) + Sync)) -> Option<Sums> {
-        self.run_as(job, "sum", 8, progress)
-    }
-
-    fn run_as(
-        self,
-        job: &Job,
-        name: &str,
-        steps: u64,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Option<Sums> {
+    fn run_as(self, job: &Job, name: &str, progress: &(dyn Fn(u64) + Sync)) -> Option<Sums> {
         let problem = pendulum(self.c);
         let scheme: &dyn Scheme<Pendulum, 2, 1> = if self.heun { &Heun } else { &EulerMaruyama };
-        let key = StreamKey { seed: self.seed, experiment: 5 };
-        let runs = vec![Run::new(bind(&problem, scheme), 0)];
-        let ladder = Ladder::new(
-            &mc::Problem::of(&problem),
-            steps,
-            3,
-            Truncation::new(4).unwrap(),
-            key,
-            runs,
-        )
-        .unwrap();
+        let ladder = ladder(&problem, scheme, 8, self.seed);
         let new = || Sum::new(self.frequency);
         let found = ladder.run_in(job, name, self.paths, new, progress);
         found.map(|measured: Measured<Sum>| measured.statistic.sums)
@@ -356,10 +348,7 @@ fn files_of_a_larger_array_that_never_began_do_not_count() {
 fn work_inside_other_work_is_an_error_and_not_a_deadlock() {
     let job = Job::here();
     let problem = pendulum(1.0);
-    let key = StreamKey { seed: 1, experiment: 5 };
-    let runs = vec![Run::new(bind(&problem, &Heun), 0)];
-    let ladder =
-        Ladder::new(&mc::Problem::of(&problem), 8, 3, Truncation::none(), key, runs).unwrap();
+    let ladder = ladder(&problem, &Heun, 8, 1);
     let inner = |_| drop(ladder.run_in(&job, "inner", 1, || Sum::new(1.0), &|_| ()));
     ladder.run_in(&job, "outer", 1, || Sum::new(1.0), &inner).unwrap();
 }
@@ -451,11 +440,7 @@ impl Kept for Forgetful {
 #[test]
 fn sums_that_do_not_come_back_and_names_given_twice_are_errors() {
     let problem = pendulum(1.0);
-    let key = StreamKey { seed: 1, experiment: 1 };
-    let runs = vec![Run::new(bind(&problem, &Heun), 0)];
-    let ladder =
-        Ladder::new(&mc::Problem::of(&problem), 8, 3, Truncation::new(4).unwrap(), key, runs)
-            .unwrap();
+    let ladder = ladder(&problem, &Heun, 8, 1);
     let folder = tempfile::tempdir().unwrap();
     let job = STUDY.part(folder.path(), 1, 1).unwrap();
     assert!(ladder.run_in(&job, "none", 500, Forgetful::default, &|_| ()).is_none());
@@ -475,15 +460,15 @@ fn a_run_that_is_stopped_between_two_works_keeps_the_first() {
     let whole = || STUDY.part(folder.path(), 1, 1).unwrap();
     let stop = Stop::default();
     let job = whole().stopped_by(&stop);
-    assert!(!job.resumes() && STUDY.run_as(&job, "first", 8, &|_| ()).is_some());
+    assert!(!job.resumes() && STUDY.run_as(&job, "first", &|_| ()).is_some());
     stop.now();
-    assert_eq!(STUDY.run_as(&job, "second", 8, &|_| ()), None);
+    assert_eq!(STUDY.run_as(&job, "second", &|_| ()), None);
     assert!(matches!(job.finish(), Err(JobError::Stopped)));
     let job = whole();
     assert!(job.resumes());
     let reports = AtomicU64::new(0);
     let count = |_| _ = reports.fetch_add(1, Ordering::Relaxed);
-    assert_eq!(STUDY.run_as(&job, "first", 8, &count), Some(STUDY.here()));
+    assert_eq!(STUDY.run_as(&job, "first", &count), Some(STUDY.here()));
     assert_eq!(reports.into_inner(), 1);
     drop(job);
     remove(folder.path(), Share::WHOLE).unwrap();
@@ -494,7 +479,7 @@ fn a_run_that_is_stopped_between_two_works_keeps_the_first() {
 #[test]
 fn a_plan_says_how_long_parts_take() {
     let job = Job::pilot(Duration::from_millis(10));
-    assert_eq!(STUDY.run_in(&job, &|_| ()), None);
+    assert_eq!(STUDY.run_as(&job, "sum", &|_| ()), None);
     let plan = job.plan().unwrap();
     let [sum] = &plan[..] else { panic!("{plan:?}") };
     assert_eq!((sum.paths, sum.steps, sum.groups), (STUDY.paths, 8, STUDY.paths.div_ceil(128)));
@@ -530,11 +515,9 @@ fn a_long_path_is_not_computed_twice_to_tell_it_from_others() {
     let asked = |job: Job| {
         let damping = Counting(AtomicU64::new(0));
         let problem = Problem::new(Pendulum::new(1.0).unwrap(), &damping, [0.2, 1.0], 1.0).unwrap();
-        let runs = vec![Run::new(bind(&problem, &Heun), 0)];
-        let (truncation, key) = (Truncation::none(), StreamKey { seed: 1, experiment: 5 });
-        let of = mc::Problem::of(&problem);
-        let ladder = Ladder::new(&of, steps, 3, truncation, key, runs).unwrap();
-        ladder.run_in(&job, "sum", 32, || Sum::new(3.0), &|_| ()).unwrap();
+        ladder(&problem, &Heun, steps, 1)
+            .run_in(&job, "sum", 32, || Sum::new(3.0), &|_| ())
+            .unwrap();
         job.finish().unwrap();
         damping.0.load(Ordering::Relaxed) as f64
     };

@@ -171,24 +171,14 @@ fn check_coverage(name: &str, run: impl Fn(u64) -> Expectation) {
 #[ignore = "long: run by the gate"]
 fn intervals_cover_the_truth() {
     let problem = rotations();
-    check_coverage("random points", |seed| {
-        run(
-            Setup::of(&problem, &Sexp),
-            ExpectSettings { coarsest_steps: 2, ..random(seed) },
-            &MOMENTS,
-            0.015,
-        )
-        .unwrap()
-    });
-    check_coverage("Sobol points", |seed| {
-        run(
-            Setup::of(&problem, &Sexp),
-            ExpectSettings { coarsest_steps: 2, ..sobol(seed) },
-            &MOMENTS,
-            2e-3,
-        )
-        .unwrap()
-    });
+    for (name, random_points, accuracy) in
+        [("random points", true, 0.015), ("Sobol points", false, 2e-3)]
+    {
+        check_coverage(name, |seed| {
+            let settings = ExpectSettings { coarsest_steps: 2, random_points, ..sobol(seed) };
+            run(Setup::of(&problem, &Sexp), settings, &MOMENTS, accuracy).unwrap()
+        });
+    }
 }
 
 #[test]
@@ -532,41 +522,37 @@ fn bad_requests_are_refused_and_name_the_value() {
     let refuse = |accuracy: f64, observables: &[Observable<3>], settings: ExpectSettings| {
         run(Setup::of(&problem, &Sexp), settings, observables, accuracy).unwrap_err()
     };
-    let (good, key) = (|| random(14), |experiment| StreamKey { seed: 14, experiment });
-    for (accuracy, settings, told) in [
-        (0.0, good(), "accuracy must be from 1e-70 to 1e70 (else scale the function), got 0"),
-        (-1.0, good(), "got -1"),
-        (f64::INFINITY, good(), "got inf"),
-        (f64::NAN, good(), "got NaN"),
+    let good = || random(14);
+    for accuracy in [0.0, -1.0, f64::INFINITY, f64::NAN] {
+        let error = refuse(accuracy, &COS_Y3, good()).to_string();
+        let told = "the accuracy must be from 1e-70 to 1e70 (else scale the function), got";
+        assert_eq!(error, format!("{told} {accuracy}"));
+    }
+    type Change = fn(&mut ExpectSettings);
+    let changes: [(Change, &str); 6] = [
         (
-            0.1,
-            ExpectSettings { key: key(1 << 40), ..good() },
-            "the experiment number must be below 2^40, got 1099511627776",
+            |with| with.key.experiment = 1 << 40,
+            "experiment number must be below 2^40, got 1099511627776",
         ),
-        (
-            0.1,
-            ExpectSettings { coarsest_steps: 0, weak_order: Some(1.0), ..good() },
-            "the number of coarsest steps must be from 1 to 2^24, got 0",
-        ),
-        (0.1, ExpectSettings { coarsest_steps: (1 << 24) + 1, ..good() }, "to 2^24, got 16777217"),
-        (
-            0.1,
-            ExpectSettings { weak_order: Some(-1.0), ..good() },
-            "the weak order must be from 1/16 to 16, got -1",
-        ),
-        (
-            0.1,
-            ExpectSettings { max_level: 2, ..good() },
-            "the finest level must be from 3 to 24, got 2",
-        ),
-        (0.1, ExpectSettings { max_level: 25, ..good() }, "to 24, got 25"),
-    ] {
-        let error = refuse(accuracy, &COS_Y3, settings).to_string();
+        (|with| with.coarsest_steps = 0, "number of coarsest steps must be from 1 to 2^24, got 0"),
+        (|with| with.coarsest_steps = (1 << 24) + 1, "to 2^24, got 16777217"),
+        (|with| with.weak_order = Some(-1.0), "the weak order must be from 1/16 to 16, got -1"),
+        (|with| with.max_level = 2, "the finest level must be from 3 to 24, got 2"),
+        (|with| with.max_level = 25, "to 24, got 25"),
+    ];
+    for (change, told) in changes {
+        let mut settings = good();
+        change(&mut settings);
+        let error = refuse(0.1, &COS_Y3, settings).to_string();
         assert!(error.ends_with(told), "{error}");
     }
     assert!(refuse(0.1, &[], good()).to_string().ends_with("one test function, got none"));
     // Up to the limits.
-    let limits = ExpectSettings { key: key((1 << 40) - 1), max_level: 24, ..good() };
+    let limits = ExpectSettings {
+        key: StreamKey { seed: 14, experiment: (1 << 40) - 1 },
+        max_level: 24,
+        ..good()
+    };
     assert!(run(Setup::of(&problem, &Sexp), limits, &COS_Y3, 0.1).is_ok());
     // The underflow of a step is found before the first one.
     let short = Problem::new(*problem.system(), Cosine::new(0.5, 2.0).unwrap(), START, 1e-323);
