@@ -175,13 +175,12 @@ pub fn compares_at(time: u64, steps: u64, first_path: u64) -> bool {
     time == steps || chosen && time.is_multiple_of((steps / TIMES).max(1))
 }
 
-/// The quotients of component i on the last three levels, the last one last. Zero if the component
-/// moves by errors of the scheme alone, as one does that the equations keep.
-fn quotients(differences: &[Samples], i: usize) -> Option<[f64; 3]> {
-    let [.., a, b, c] = differences else { return None };
-    let motions = [a, b, c].map(|samples| &samples.motion);
+/// The quotients of component i on three levels. Zero if the component moves by errors of the
+/// scheme alone, as one does that the equations keep.
+fn quotients(levels: [&Samples; 3], i: usize) -> [f64; 3] {
+    let motions = levels.map(|samples| &samples.motion);
     let vanishes = vanishes(motions.map(|motion| motion.displacement(i)));
-    Some(if vanishes { [0.0; 3] } else { motions.map(|motion| motion.difference(i)) })
+    if vanishes { [0.0; 3] } else { motions.map(|motion| motion.difference(i)) }
 }
 
 /// Whether motions on three levels fall to zero.
@@ -201,8 +200,8 @@ pub fn unresolved(
     names: &[&str],
     accuracy: f64,
 ) -> Vec<Warning> {
-    let [.., last] = differences else { return Vec::new() };
-    let level = last.level;
+    let [.., a, b, last] = differences else { return Vec::new() };
+    let (levels, level) = ([a, b, last], last.level);
     let text = |what: &str, how: String| {
         format!(
             "the steps do not resolve {what}: on level {level} {how}; take more coarsest steps, or a \
@@ -210,13 +209,11 @@ pub fn unresolved(
         )
     };
     let differ = |by: f64| format!("fine and coarse paths differ by {by:.1e} of its motion");
-    let components = (0..last.motion.start.len()).filter_map(|i| {
-        let quotients = quotients(differences, i).filter(|quotients| !resolved(*quotients))?;
-        Some((i + 1, quotients[2]))
-    });
-    let component = components.max_by(|one, other| one.1.total_cmp(&other.1));
+    let components = (0..last.motion.start.len()).map(|i| (i + 1, quotients(levels, i)));
+    let unresolved = components.filter(|(_, quotients)| !resolved(*quotients));
+    let component = unresolved.max_by(|one, other| one.1[2].total_cmp(&other.1[2]));
     let component =
-        component.map(|(i, by)| (WarningKind::Component(i), format!("y{i}"), differ(by)));
+        component.map(|(i, [.., by])| (WarningKind::Component(i), format!("y{i}"), differ(by)));
     let exponent = damping.lasting_exponent(level);
     let damping = match exponent > LARGEST_EXPONENT {
         true => Some((WarningKind::StrongDamping, format!("it is e^-{exponent:.1} in one step"))),
@@ -230,7 +227,7 @@ pub fn unresolved(
     let of_all = of_all.map(|(kind, what, how)| Warning::of_all(kind, text(&what, how)));
     let mut warnings: Vec<_> = of_all.collect();
     for (k, name) in names.iter().enumerate() {
-        if let Some(by) = unresolved_function(differences, k, accuracy) {
+        if let Some(by) = unresolved_function(levels, k, accuracy) {
             let text = text("it", differ(by));
             Warning::add(&mut warnings, name, WarningKind::Function, text);
         }
@@ -241,12 +238,11 @@ pub fn unresolved(
 /// How far fine and coarse paths of the last level differ in test function number k, if its motion
 /// is not resolved, since a φ that multiplies phases needs finer steps than the state; or if it is
 /// not the same event on both.
-fn unresolved_function(differences: &[Samples], k: usize, accuracy: f64) -> Option<f64> {
-    let [.., a, b, c] = differences else { return None };
-    let quotients = [a, b, c].map(|level| level.functions.of_function(k, accuracy));
+fn unresolved_function(levels: [&Samples; 3], k: usize, accuracy: f64) -> Option<f64> {
+    let quotients = levels.map(|level| level.functions.of_function(k, accuracy));
     // An event is the same on fine and coarse paths if this is below √½: see `coupled`.
     let scaled = quotients.map(|quotient| std::f64::consts::FRAC_1_SQRT_2 * quotient);
-    let values = &c.values[k];
+    let values = &levels[2].values[k];
     let uncoupled = (!coupled(values, accuracy)).then(|| (2.0 * share(values)).sqrt());
     if near(scaled) { uncoupled } else { Some(quotients[2]) }
 }

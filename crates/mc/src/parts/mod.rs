@@ -65,7 +65,6 @@ mod share;
 mod stop;
 mod work;
 
-pub use crate::driver::GROUP_PATHS;
 pub use atomic::{folder, replace};
 pub use error::JobError;
 pub use file::Program;
