@@ -32,13 +32,8 @@ impl Graph {
                 }
             }
         }
-        inputs
-            .iter()
-            .map(|x| match adjoints[x.index()] {
-                Some(adjoint) => adjoint,
-                None => self.constant(0.0),
-            })
-            .collect()
+        let zero = self.constant(0.0);
+        inputs.iter().map(|x| adjoints[x.index()].unwrap_or(zero)).collect()
     }
 
     fn accumulate(&mut self, adjoints: &mut [Option<Id>], varies: &[bool], f: Id, part: Id) {
@@ -166,13 +161,8 @@ impl Graph {
                 tangents[index] = self.tangent(id, &tangents);
             }
         }
-        roots
-            .iter()
-            .map(|root| match tangents[root.index()] {
-                Some(tangent) => tangent,
-                None => self.constant(0.0),
-            })
-            .collect()
+        let zero = self.constant(0.0);
+        roots.iter().map(|root| tangents[root.index()].unwrap_or(zero)).collect()
     }
 
     /// The derivative of f from those of its operands; none if it does not vary.

@@ -4,7 +4,7 @@ use std::slice::{from_mut, from_ref};
 
 use real::{Row, WIDTH};
 
-use crate::{FormulaError, Graph, Id, Names, Tape, parse};
+use crate::{FormulaError, Graph, Id, Names, Node, Tape, parse};
 
 /// A formula in named variables.
 ///
@@ -87,6 +87,6 @@ impl Formula {
     /// Whether the formula uses variable number k.
     #[must_use]
     pub fn depends_on(&self, k: usize) -> bool {
-        self.graph.depends_on(self.root, k)
+        self.graph.uses(&[self.root], |node| node == Node::Input(k as u32))
     }
 }

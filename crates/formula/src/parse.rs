@@ -265,23 +265,22 @@ impl<'a> Parser<'a> {
     fn call(&mut self, function: &str, at: Range<usize>) -> Result<Placed, FormulaError> {
         let meaning = self.names.meaning(function);
         let expected = match meaning {
-            Some(Meaning::Unary(_)) => 1,
-            Some(Meaning::Binary(_)) => 2,
+            Some(Meaning::Unary(_)) => "1 argument",
+            Some(Meaning::Binary(_)) => "2 arguments",
             _ => return self.error(self.unknown_function(function), at),
         };
         let (arguments, end) = self.bracket()?;
         let span = at.start..end;
-        let found = arguments.len();
-        if found != expected {
-            let s = if expected == 1 { "" } else { "s" };
-            let message = format!("`{function}` takes {expected} argument{s}, got {found}");
-            return self.error(message, span);
+        match (meaning, &arguments[..]) {
+            (Some(Meaning::Unary(unary)), &[a]) => self.finish(span, |graph| graph.unary(unary, a)),
+            (Some(Meaning::Binary(binary)), &[a, b]) => {
+                self.finish(span, |graph| graph.binary(binary, a, b))
+            }
+            (_, found) => {
+                let found = found.len();
+                self.error(format!("`{function}` takes {expected}, got {found}"), span)
+            }
         }
-        self.finish(span, |graph| match meaning {
-            Some(Meaning::Unary(unary)) => graph.unary(unary, arguments[0]),
-            Some(Meaning::Binary(binary)) => graph.binary(binary, arguments[0], arguments[1]),
-            _ => arguments[0],
-        })
     }
 
     fn unknown_function(&self, name: &str) -> String {

@@ -28,10 +28,4 @@ impl Graph {
         let needed = self.needed(roots);
         self.ids().any(|id| needed[id.index()] && is(self.node(id)))
     }
-
-    /// Whether an expression uses input number k.
-    #[must_use]
-    pub fn depends_on(&self, root: Id, k: usize) -> bool {
-        self.uses(&[root], |node| node == Node::Input(k as u32))
-    }
 }

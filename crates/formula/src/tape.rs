@@ -39,7 +39,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Tape {
     code: Vec<Instruction>,
-    numbers: Numbers,
+    /// [`Numbers::set`] sets those inputs that are the same at all points.
+    pub(crate) numbers: Numbers,
     inputs: Vec<usize>,
     outputs: usize,
     scratch: usize,
@@ -73,11 +74,6 @@ impl Tape {
         let (code, numbers, scratch) = compile(graph, outputs, &inputs, &numbers);
         let inputs = groups.iter().map(ExactSizeIterator::len).collect();
         Self { code, numbers, inputs, outputs: outputs.len(), scratch }
-    }
-
-    /// The numbers of the tape: [`Numbers::set`] has the inputs that are the same at all points.
-    pub(crate) fn numbers(&self) -> &Numbers {
-        &self.numbers
     }
 
     /// The rows of scratch that an evaluation needs.

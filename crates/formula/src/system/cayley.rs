@@ -35,7 +35,6 @@ pub fn right_side(graph: &mut Graph, y: &[Id], field: &[Id], constant: &[Id]) ->
 /// x with A x = b; none if it takes too many expressions.
 pub fn solve(graph: &mut Graph, a: Vec<Vec<Id>>, b: Vec<Id>) -> Option<Vec<Id>> {
     Some(match a.len() {
-        1 => vec![graph.div(b[0], a[0][0])],
         2 => {
             let determinant = graph.minor([a[0][0], a[0][1]], [a[1][0], a[1][1]]);
             let adjugate = [[a[1][1], graph.neg(a[0][1])], [graph.neg(a[1][0]), a[0][0]]];

@@ -36,7 +36,7 @@ impl Programs {
             }
         }?;
         let scratch = Rows::zero(compiled.tape.scratch_rows()).ok()?;
-        Some(FormulaProgram { numbers: compiled.tape.numbers().clone(), compiled, scratch })
+        Some(FormulaProgram { numbers: compiled.tape.numbers.clone(), compiled, scratch })
     }
 }
 

@@ -115,24 +115,15 @@ impl Expression {
 
     /// The exponent, if it is a constant that makes a power a product or a root.
     fn constant(&self) -> Option<f64> {
+        (!self.varies()).then(|| self.value(&[0.0; 3]))
+    }
+
+    fn varies(&self) -> bool {
         match self {
-            Number(text) => text.parse().ok(),
-            Variable(_) => None,
-            Neg(a) => Some(-a.constant()?),
-            Function(name, a) => Some(host(name, a.constant()?)),
-            Pair("min", a, b) => Some(a.constant()?.min(b.constant()?)),
-            Pair(_, a, b) => Some(a.constant()?.max(b.constant()?)),
-            Power(a, n) => Some(a.constant()?.powi(*n)),
-            Binary(operator, a, b) => {
-                let (a, b) = (a.constant()?, b.constant()?);
-                Some(match operator {
-                    '+' => a + b,
-                    '-' => a - b,
-                    '*' => a * b,
-                    '/' => a / b,
-                    _ => a.powf(b),
-                })
-            }
+            Number(_) => false,
+            Variable(_) => true,
+            Neg(a) | Function(_, a) | Power(a, _) => a.varies(),
+            Pair(_, a, b) | Binary(_, a, b) => a.varies() || b.varies(),
         }
     }
 
@@ -264,21 +255,5 @@ impl Expression {
                 high || pole || a.is_at_an_edge(x) || b.is_at_an_edge(x)
             }
         }
-    }
-}
-
-fn host(name: &str, a: f64) -> f64 {
-    match name {
-        "sin" => a.sin(),
-        "cos" => a.cos(),
-        "tan" => a.tan(),
-        "exp" => a.exp(),
-        "ln" => a.ln(),
-        "sqrt" => a.sqrt(),
-        "sinh" => a.sinh(),
-        "cosh" => a.cosh(),
-        "tanh" => a.tanh(),
-        "sinc" => a.sin() / a,
-        _ => a.abs(),
     }
 }
