@@ -16,10 +16,6 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Whether [`thread_s`](Self::thread_s) is processor time; wall time where the system does not
-    /// measure that of a thread.
-    pub const MEASURES_PROCESSOR: bool = cfg!(unix);
-
     /// Starts on the thread that works.
     pub fn start() -> Self {
         let start = Instant::now();
@@ -31,8 +27,8 @@ impl Stopwatch {
         self.start.elapsed().as_secs_f64()
     }
 
-    /// Seconds of processor time of this thread since the start. Work on other threads is not in
-    /// it.
+    /// Seconds of processor time of this thread since the start, without work on other threads; of
+    /// wall time where the system does not measure that of a thread.
     pub fn thread_s(&self) -> f64 {
         processor_seconds(self.start) - self.used
     }
@@ -112,6 +108,6 @@ mod tests {
         let asleep = Stopwatch::start();
         std::thread::sleep(std::time::Duration::from_millis(50));
         assert!(asleep.wall_s() >= 0.05);
-        assert!(!Stopwatch::MEASURES_PROCESSOR || asleep.thread_s() < 0.02);
+        assert!(!cfg!(unix) || asleep.thread_s() < 0.02);
     }
 }

@@ -4,12 +4,12 @@ use serde::Serialize;
 use systems::InvariantKind;
 
 use super::{
-    algebra::{axis, dot, largest, moved},
+    algebra::{axis, largest},
     finding::{Finding, Status, Term},
-    probe::{Batch, Probe},
+    probe::Batch,
     random::{Purpose, Random},
     shape::{Shape, Values},
-    sight::Sight,
+    sight::{Sight, slopes},
 };
 
 /// An invariant that a system claims, and what was found.
@@ -35,8 +35,6 @@ pub struct ClaimedInvariant {
 
 /// Noises whose flows are looked at.
 const NOISES: usize = 8;
-/// Below this part of the terms the error of a derivative is taken for round-off.
-const ROUNDING: f64 = 1e-14;
 
 impl ClaimedInvariant {
     pub(super) fn all(sight: &mut Sight<'_>) -> Vec<Self> {
@@ -61,7 +59,12 @@ impl ClaimedInvariant {
         for (finding, vectors) in [(&mut casimir, columns), (&mut conserved, flows)] {
             let along = |v: &Batch| {
                 let field = sight.probe.structure(&states, v);
-                slopes(&mut sight.probe, &states, &field, f)
+                // Relative to the size of a state.
+                let length = |(y, along): (&Vec<f64>, &Vec<f64>)| {
+                    0.1 * largest(y).max(f64::MIN_POSITIVE) / largest(along).max(1e-300)
+                };
+                let lengths: Vec<f64> = states.iter().zip(&field).map(length).collect();
+                slopes(&mut sight.probe, &states, &field, &lengths, f)
             };
             let all: Vec<Vec<Term>> = vectors.iter().map(along).collect();
             let at = |n: usize| all.iter().map(|terms| terms[n]).collect();
@@ -125,46 +128,4 @@ impl ClaimedInvariant {
         }
         mistakes
     }
-}
-
-/// Weights of the differences F(y + kh) − F(y − kh) in the derivative, of orders eight and six.
-const WEIGHTS: [[f64; 4]; 2] =
-    [[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0], [3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0, 0.0]];
-/// Steps relative to the size of a state, of which the best is taken.
-const STEPS: i32 = 8;
-
-/// The derivative of F along vectors, at each state, and a size whose round-off is its error.
-fn slopes(probe: &mut Probe<'_>, y: &Batch, along: &[Vec<f64>], f: Values<'_>) -> Vec<Term> {
-    let direction = |n: usize| &along[n % along.len()];
-    let lengths: Vec<f64> = (0..y.len())
-        .map(|n| 0.1 * largest(&y[n]).max(f64::MIN_POSITIVE) / largest(direction(n)).max(1e-300))
-        .collect();
-    let mut best = vec![(0.0, f64::INFINITY); y.len()];
-    for halvings in 0..STEPS {
-        let length = |n: usize| lengths[n] * f64::powi(0.5, halvings);
-        let at = |k: i32| -> Batch {
-            (0..y.len()).map(|n| moved(&y[n], f64::from(k) * length(n), direction(n))).collect()
-        };
-        let mut side = |k: i32| {
-            let states = at(k);
-            let values = f(probe, &states);
-            (states, values)
-        };
-        let sides = [1, 2, 3, 4].map(|k| [k, -k].map(&mut side));
-        for n in 0..y.len() {
-            let mut inside = sides.iter().flatten().map(|(states, _)| &states[n]);
-            if !inside.all(|y| probe.in_domain(y)) {
-                continue;
-            }
-            let differences: Vec<f64> =
-                sides.iter().map(|[up, down]| up.1[n] - down.1[n]).collect();
-            let [fine, coarse] = WEIGHTS.map(|weights| dot(&weights, &differences) / length(n));
-            let size = largest(sides.iter().flatten().map(|(_, values)| &values[n])) / length(n);
-            let error = (fine - coarse).abs() / ROUNDING + 0.1 * size;
-            if error < best[n].1 {
-                best[n] = (fine, error);
-            }
-        }
-    }
-    best.into_iter().map(|(slope, error)| (slope, slope.abs() + error)).collect()
 }

@@ -15,8 +15,6 @@ use crate::facts::{DampingIntegral, Form};
 /// ‖y(t)‖ ≤ (F(y₀)/m(F))^{1/p} e^{−∫γ}.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bound {
-    /// F.
-    pub function: String,
     /// p.
     pub degree: f64,
     /// m(F).
@@ -30,8 +28,7 @@ impl Bound {
     /// Of a skew-symmetric B. Prefers a bound that holds everywhere to one in the domain, and a
     /// Casimir to the energy.
     pub(super) fn of(hamiltonians: &Hamiltonians, casimirs: &Casimirs) -> Option<Self> {
-        let casimir = |FoundCasimir { formula, form, minimum, .. }: &FoundCasimir| Self {
-            function: formula.clone(),
+        let casimir = |FoundCasimir { form, minimum, .. }: &FoundCasimir| Self {
             degree: f64::from(form.degree),
             minimum: *minimum,
             casimir: Some(form.clone()),
@@ -39,12 +36,7 @@ impl Bound {
         let shape = &hamiltonians.shapes[0];
         let energy = shape.degree.zip(shape.minimum);
         let energy = energy.filter(|_| hamiltonians.proportional.holds());
-        let energy = energy.map(|(degree, minimum)| Self {
-            function: "H₀".into(),
-            degree,
-            minimum,
-            casimir: None,
-        });
+        let energy = energy.map(|(degree, minimum)| Self { degree, minimum, casimir: None });
         let all = casimirs.definite.iter().chain(&casimirs.found).map(casimir).chain(energy);
         let positive = all.filter(|bound| bound.minimum.positive.holds());
         positive.min_by_key(|bound| bound.minimum.in_domain_only)

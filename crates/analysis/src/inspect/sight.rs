@@ -1,13 +1,12 @@
 //! What all checks look at: a system at clusters of points, and identities of derivatives.
 
-use dgrad::Rule;
-
 use super::{
     algebra::{dot, largest, moved},
-    finding::{CLUSTER, Finding, Term, differences},
+    finding::{CLUSTER, Finding, Term, differences, product},
     points::Points,
     probe::{Batch, Local, Probe},
     random::Random,
+    shape::Values,
 };
 
 /// A system at clusters of points.
@@ -23,13 +22,8 @@ pub struct Sight<'a> {
 
 /// Most components of a system whose matrices are looked at.
 const MATRICES: usize = 24;
-/// Nodes of the quadrature of a derivative, and of the one that tells its error.
-const NODES: [usize; 2] = [16, 8];
-/// Above this part of the terms the difference of the two is not resolved.
-const RESOLVED: f64 = 1e-13;
-/// Halvings of a segment until it is in the domain, and until the quadrature resolves it.
+/// Halvings of a segment until it is in the domain.
 const HALVINGS: usize = 40;
-const SHORTER: usize = 6;
 /// The length of a segment, relative to the distance of two points.
 const SEGMENT: f64 = 0.1;
 
@@ -89,50 +83,73 @@ impl<'a> Sight<'a> {
         (0..points.len()).flat_map(segment).collect()
     }
 
-    /// Whether h(y + s) − h(y) = ∫₀¹ ∇h(y + ηs)·s dη along segments, by Gauss–Legendre quadrature
-    /// on segments short enough for it.
+    /// Whether `gradient` is the derivative of h along segments, where that is resolved.
     pub fn gradient(&mut self, weights: &[f64]) -> Finding {
-        let mut finding = Finding::default();
-        let points = &self.points.for_identities;
-        let (mut steps, mut open) = (self.segments(), vec![true; points.len()]);
-        let start = self.probe.energy(&self.states, weights);
-        for _ in 0..SHORTER {
-            let end = self.probe.energy(&self.moved(1.0, &steps), weights);
-            let [fine, coarse] = NODES.map(|nodes| {
-                let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
-                let mut sums = vec![(0.0, 0.0); start.len()];
-                for (&node, &weight) in rule.nodes().iter().zip(rule.weights()) {
-                    let slopes = self.probe.gradient(&self.moved(node, &steps), weights);
-                    for (sum, (slope, step)) in sums.iter_mut().zip(slopes.iter().zip(&steps)) {
-                        let slope = dot(slope, step);
-                        *sum = (sum.0 + weight * slope, sum.1 + weight * slope.abs());
-                    }
-                }
-                sums
-            });
-            let mut resolved = Vec::new();
-            for (k, at) in points.iter().enumerate().filter(|(k, _)| open[*k]) {
-                let members = CLUSTER * k..CLUSTER * (k + 1);
-                let term = |n: usize| -> Term {
-                    let (sum, size) = fine[n];
-                    (end[n] - start[n] - sum, end[n].abs() + start[n].abs() + size)
-                };
-                let cluster: Vec<Term> = members.clone().map(term).collect();
-                let size = largest(cluster.iter().map(|term| &term.1));
-                let apart = members.clone().map(|n| (fine[n].0 - coarse[n].0).abs());
-                if apart.fold(0.0, f64::max) <= RESOLVED * size {
-                    let terms: Vec<_> = cluster.into_iter().map(|term| vec![term]).collect();
-                    finding.record(at, &terms, 0.0);
-                    resolved.push(k);
-                } else {
-                    steps[members].iter_mut().flatten().for_each(|x| *x *= 0.25);
-                }
-            }
-            resolved.into_iter().for_each(|k| open[k] = false);
-            if !open.contains(&true) {
-                break;
+        let steps = self.segments();
+        let (middles, mut finding) = (self.moved(0.5, &steps), Finding::default());
+        let energy: Values<'_> = &|probe, y| probe.energy(y, weights);
+        // All values are on the segments.
+        let slopes = slopes(&mut self.probe, &middles, &steps, &vec![0.125; steps.len()], energy);
+        let gradients = self.probe.gradient(&middles, weights);
+        let term = |((slope, size), (gradient, step)): (Term, (&Vec<f64>, &Vec<f64>))| {
+            let (along, terms) = product(gradient, step);
+            vec![(slope - along, size + terms)]
+        };
+        let terms: Vec<_> =
+            slopes.into_iter().zip(gradients.iter().zip(&steps)).map(term).collect();
+        for (at, cluster) in self.points.for_identities.iter().zip(terms.chunks(CLUSTER)) {
+            if cluster.iter().all(|terms| terms[0].1 < f64::INFINITY) {
+                finding.record(at, cluster, 0.0);
             }
         }
         finding.seen()
     }
+}
+
+/// Weights of the differences F(y + kh) − F(y − kh) in the derivative, of orders eight and six.
+const WEIGHTS: [[f64; 4]; 2] =
+    [[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0], [3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0, 0.0]];
+/// Lengths h, each half of the one before, of which the best is taken.
+const LENGTHS: i32 = 8;
+/// Below this part of the terms the error of a derivative is taken for round-off.
+const ROUNDING: f64 = 1e-14;
+/// A derivative with an error above this part of its terms is not resolved.
+const RESOLVED: f64 = 1e-9;
+
+/// The derivative of F along vectors at each state, from these lengths on, and a size whose
+/// round-off is its error: infinite where the domain is too narrow or no length resolves F.
+pub fn slopes(
+    probe: &mut Probe<'_>,
+    y: &Batch,
+    along: &Batch,
+    lengths: &[f64],
+    f: Values<'_>,
+) -> Vec<Term> {
+    let mut best = vec![(0.0, f64::INFINITY); y.len()];
+    for halvings in 0..LENGTHS {
+        let length = |n: usize| lengths[n] * f64::powi(0.5, halvings);
+        let mut side = |k: i32| {
+            let at = |n: usize| moved(&y[n], f64::from(k) * length(n), &along[n]);
+            let states: Batch = (0..y.len()).map(at).collect();
+            let values = f(probe, &states);
+            (states, values)
+        };
+        let sides = [1, 2, 3, 4].map(|k| [k, -k].map(&mut side));
+        for n in 0..y.len() {
+            let mut inside = sides.iter().flatten().map(|(states, _)| &states[n]);
+            if !inside.all(|y| probe.in_domain(y)) {
+                continue;
+            }
+            let differences: Vec<f64> =
+                sides.iter().map(|[up, down]| up.1[n] - down.1[n]).collect();
+            let [fine, coarse] = WEIGHTS.map(|weights| dot(&weights, &differences) / length(n));
+            let size = largest(sides.iter().flatten().map(|(_, values)| &values[n])) / length(n);
+            let apart = (fine - coarse).abs();
+            let error = apart / ROUNDING + 0.1 * size;
+            if error < best[n].1 && apart <= RESOLVED * size {
+                best[n] = (fine, error);
+            }
+        }
+    }
+    best.into_iter().map(|(slope, error)| (slope, slope.abs() + error)).collect()
 }

@@ -91,7 +91,7 @@ fn once(
 ) -> Result<Order, LadderError> {
     // Three differences and their order, or four.
     let (number, weak) = (sizes.sizes(), usize::from(observable.is_some()));
-    sizes.check_order(4 + weak)?;
+    sizes.check(4 + weak)?;
     let values = |view: &View<'_>, numbers: &mut [Row]| {
         let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
         let Some(observable) = observable else {

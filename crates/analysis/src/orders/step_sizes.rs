@@ -73,13 +73,8 @@ impl StepSizes {
         DampingResolution::new(setup, self.coarsest_steps).unresolved(self.sizes() - 1)
     }
 
-    /// Refuses sizes without a step or a step size, or with too many.
-    pub(crate) fn check(&self) -> Result<(), LadderError> {
-        self.check_order(1)
-    }
-
-    /// The same for an order, which needs so many step sizes.
-    pub(super) fn check_order(&self, from: usize) -> Result<(), LadderError> {
+    /// Refuses sizes without a step, with fewer step sizes than these, or with too many of either.
+    pub(super) fn check(&self, from: usize) -> Result<(), LadderError> {
         let given = self.levels.saturating_add(self.refinement as usize);
         if self.levels == 0 || !(from..=MOST_SIZES).contains(&given) {
             return Err(LadderError::StepSizes { given, from, to: MOST_SIZES });

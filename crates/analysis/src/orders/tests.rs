@@ -147,7 +147,7 @@ fn step_sizes_halve_down_to_the_reference() {
     assert_eq!(sizes.taus(2.0), [5.0, 10.0, 20.0, 40.0, 80.0].map(|steps| 2.0 / steps));
     // One run at the finest size and its halves: twice the reference.
     assert_eq!(sizes.cost(), 160 * sizes.samples);
-    let allowed = |sizes: StepSizes| sizes.check().is_ok();
+    let allowed = |sizes: StepSizes| sizes.check(1).is_ok();
     assert!(allowed(sizes) && allowed(StepSizes { levels: 46, coarsest_steps: 1, ..sizes }));
     assert!(!allowed(StepSizes { levels: 47, coarsest_steps: 1, ..sizes }));
     assert!(!allowed(StepSizes { levels: 0, ..sizes }));
@@ -155,7 +155,7 @@ fn step_sizes_halve_down_to_the_reference() {
     // Sixteen times as many steps, and twice that, fit 64 bits.
     assert!(allowed(StepSizes { coarsest_steps: 1 << 58, ..sizes }));
     assert!(!allowed(StepSizes { coarsest_steps: 1 << 59, ..sizes }));
-    assert!(sizes.check_order(5).is_ok() && sizes.check_order(6).is_err());
+    assert!(sizes.check(5).is_ok() && sizes.check(6).is_err());
 }
 
 #[test]

@@ -26,7 +26,7 @@ pub fn within(
             }
             _ => return Ok(order),
         }
-        if spent.saturating_add(sizes.cost()) > sizes.path_steps || sizes.check().is_err() {
+        if spent.saturating_add(sizes.cost()) > sizes.path_steps || sizes.check(1).is_err() {
             return Ok(order);
         }
     }
