@@ -1,7 +1,7 @@
 //! **Figures and pages of numerical experiments, for anybody's program.**
 //!
 //! [`figure`] draws as SVG, [`Document`] makes an HTML page of one file, [`files`]
-//! writes whole files or none, [`Bars`] shows progress.
+//! writes whole files or none, [`under_bar`] shows progress.
 //!
 //! The figures are written as SVG without a library such as plotters: it rounds coordinates to
 //! integers, dashes one by one, and has no indices and exponents in the font of a text. A page of
@@ -15,7 +15,7 @@
 //! | [`comparison_csv`], [`csv`] | the numbers of a comparison of schemes; fields of any table |
 //! | [`files`] | whole files, folders that are checked before the computing |
 //! | [`provenance`], [`Provenance`] | commit, compiler, processor, command, memory |
-//! | [`Bars`] | progress on the terminal |
+//! | [`under_bar`] | progress on the terminal |
 //! | [`Label`] | indices and exponents in names of quantities |
 //! | [`escape()`] | text made safe for HTML and SVG |
 
@@ -29,7 +29,7 @@ mod label;
 pub mod provenance;
 pub mod series;
 
-pub use bars::Bars;
+pub use bars::under_bar;
 pub use csv::comparison_csv;
 pub use document::Document;
 pub use escape::escape;

@@ -46,7 +46,7 @@ pub fn compare(arguments: &Compare) -> Done {
     files::write(&folder.join("compare.csv"), comparison_csv(&found))?;
     files::write_json(&folder.join("compare.json"), &found)?;
     if arguments.output.json {
-        return print_json(&serde_json::to_value(&found)?);
+        return print_json(&found);
     }
     let rule = match found.recommended() {
         Some(scheme) if scheme == auto => format!("`casimir run` takes {auto}, too"),

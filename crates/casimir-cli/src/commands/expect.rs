@@ -46,15 +46,18 @@ pub fn expect(arguments: &Expect) -> Done {
     let (start, stop) = (Instant::now(), stop());
     let expect = expect.with(ExpectSettings { stop: stop.clone(), ..settings });
     let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
-    let expectation = under_bar("sampling until the accuracy is reached", 0, |bars| {
-        expect.run(&phi, accuracy, &|work| bars.advance(work))
+    let expectation = under_bar("sampling until the accuracy is reached", 0, |done| {
+        expect.run(&phi, accuracy, done)
     });
     if let (true, Err(_)) = (stop.is_asked(), &expectation) {
         return Err(Failure::stopped("before the first estimates"));
     }
     let seconds = start.elapsed().as_secs_f64();
     let results = Results { because, expectation: expectation?, seconds };
-    report(&scene, &results, arguments.output.json)?;
+    match arguments.output.json {
+        true => print_json(&output::expectation_json(&scene, &results)),
+        false => print(&output::expectation_text(&scene, &results)),
+    }?;
     folder.map_or(Ok(()), |folder| output::write_expectation(&scene, &results, folder))?;
     if stop.is_asked() { Err(Failure::stopped("the samples are not kept")) } else { Ok(()) }
 }
@@ -75,12 +78,4 @@ fn chosen(scene: &Scene) -> Done<(mc::Expect<'_>, ExpectSettings, Option<String>
     };
     with.coarsest_steps = settings.coarsest_steps.unwrap_or(with.coarsest_steps);
     Ok((expect, with, because))
-}
-
-/// Says what was found.
-fn report(scene: &Scene, results: &Results, json: bool) -> Done {
-    match json {
-        true => print_json(&output::expectation_json(scene, results)),
-        false => print(&output::expectation_text(scene, results)),
-    }
 }

@@ -15,7 +15,7 @@ pub fn inspect(arguments: &Inspect) -> Done {
     });
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
     if arguments.json {
-        return print_json(&serde_json::to_value(&findings)?);
+        return print_json(&findings);
     }
     let text = with_names(&findings.to_string(), &scene.components);
     print(&format!("{}{}\n", known.equation(), text.trim_end()))

@@ -13,10 +13,11 @@ use std::{fs, io::Write, path::Path};
 
 use casimir::{
     mc::parts::{Job, JobError, Program, Share, Stop, limit_threads},
-    plot::Bars,
+    plot::under_bar,
     schemes::BuiltIn,
 };
 use clap::CommandFactory;
+use serde::Serialize;
 
 pub use compare::compare;
 pub use expect::{Results as Expected, expect};
@@ -64,15 +65,6 @@ fn warn(scene: &Scene) -> Known {
     let known = scene.model.known();
     known.mistake.iter().for_each(|mistake| eprintln!("warning: {mistake}"));
     known
-}
-
-/// Does some work under a bar, of so many path-steps if that is known.
-fn under_bar<R>(what: &str, path_steps: u64, work: impl FnOnce(&Bars) -> R) -> R {
-    let bars = Bars::default();
-    bars.begin(what, path_steps);
-    let result = work(&bars);
-    bars.finish();
-    result
 }
 
 /// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from
@@ -134,13 +126,13 @@ fn print(text: &str) -> Done {
     }
 }
 
-fn print_json(value: &serde_json::Value) -> Done {
+fn print_json(value: &impl Serialize) -> Done {
     print(&format!("{}\n", serde_json::to_string_pretty(value)?))
 }
 
 /// Prints the JSON schema of scenes.
 pub fn schema() -> Done {
-    print_json(&serde_json::to_value(crate::scene::schema())?)
+    print_json(&crate::scene::schema())
 }
 
 /// Prints completions for a shell.

@@ -32,7 +32,7 @@ struct Divided {
     #[serde(flatten)]
     changes: Changes,
     /// The scheme that `auto` means in all parts, and why.
-    settled: Option<Settled>,
+    settled: Settled,
 }
 
 const PLAN: &str = "plan.json";
@@ -68,8 +68,7 @@ impl Folder {
 
     /// Does with a job what the folder is for; the results if there are some here.
     fn compute(&self, job: &Job, stop: &Stop) -> Done<Option<run::Results>> {
-        let (scene, settled) = (&self.scene, self.divided.settled.as_ref());
-        run::Ready::new(scene, settled)?.compute(job, stop)
+        run::Ready::new(&self.scene, self.divided.settled.clone())?.compute(job, stop)
     }
 }
 
@@ -92,7 +91,7 @@ pub fn plan(arguments: &Plan) -> Done {
     folder::prepare(out)?;
     files::write(&out.join(SCENE), &scene.source.text)?;
     let (parts, changes) = (arguments.parts, arguments.changes.clone());
-    let divided = Divided { parts, changes, settled: Some(settled) };
+    let divided = Divided { parts, changes, settled };
     let folder = Folder { folder: out.clone(), divided, scene };
     let job = Job::pilot(MEASURED);
     folder.compute(&job, &Stop::default())?;

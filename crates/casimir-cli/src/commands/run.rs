@@ -47,7 +47,7 @@ pub fn run(arguments: &Run) -> Done {
     let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "run");
     check_size(&scene, &arguments.write, arguments.large)?;
     // The scene is checked before the folder is made.
-    let ready = Ready::new(&scene, None)?;
+    let ready = Ready::new(&scene, scheme(&scene))?;
     folder::prepare(&folder)?;
     let kept = scene.settings.is_study().then_some(&*folder);
     let (results, stopped) = until_stopped(kept, |job, stop| ready.compute(job, stop))?;
@@ -111,9 +111,8 @@ pub struct Ready<'a> {
 }
 
 impl<'a> Ready<'a> {
-    /// Chooses the scheme unless it is settled, and checks that it can be run.
-    pub fn new(scene: &'a Scene, settled: Option<&Settled>) -> Done<Self> {
-        let (scheme, because) = settled.cloned().unwrap_or_else(|| scheme(scene));
+    /// Checks that the scheme can be run.
+    pub fn new(scene: &'a Scene, (scheme, because): Settled) -> Done<Self> {
         let (setup, settings) = (scene.setup(&scheme)?, &scene.settings);
         if setup.scheme.clips_increments()
             && let Err(error) = settings.truncation.bound(settings.until / settings.steps as f64)
@@ -140,8 +139,8 @@ impl<'a> Ready<'a> {
             let wanted = StudySettings::new(steps, settings.times, settings.paths, truncation, key);
             let of_all = Study::new(&setup, observables, &wanted);
             let of_all = of_all.map_err(|error| scene.steps_error(error))?;
-            study = under_bar("paths", settings.paths * steps, |bars| {
-                of_all.run_in(job, "study", &|work| bars.advance(work))
+            study = under_bar("paths", settings.paths * steps, |done| {
+                of_all.run_in(job, "study", done)
             });
         }
         let checked = checked_paths(settings.paths, setup.problem.noises);

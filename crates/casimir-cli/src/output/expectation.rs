@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use casimir::{
-    mc::expect::{Estimate, Level, WarningKind},
+    mc::expect::{Estimate, WarningKind},
     plot::files,
 };
 use serde_json::{Value, json};
@@ -30,34 +30,19 @@ pub fn expectation_text(scene: &Scene, results: &Expected) -> String {
 /// The expectations for programs.
 pub fn expectation_json(scene: &Scene, results: &Expected) -> Value {
     let Expected { because, expectation, seconds } = results;
-    let finite = |x: f64| x.is_finite().then_some(x);
     let estimate = |estimate: &Estimate| {
-        let (lo, hi) = estimate.interval();
-        json!({
-            "of": estimate.name, "value": estimate.value, "lo": lo, "hi": hi,
-            "half_width": estimate.half_width(), "standard_error": estimate.standard_error,
-            "quantile": estimate.quantile, "bias_bound": estimate.bias_bound, "missed": estimate.missed,
-            "judged": {
-                "variance": estimate.judged.variance, "bias": estimate.judged.bias,
-                "resolution": estimate.judged.resolution,
-            },
-            "failed_paths": estimate.failed,
-        })
-    };
-    let level = |level: &Level| {
-        let variances: Vec<_> = level.variances.iter().map(|&variance| finite(variance)).collect();
-        json!({
-            "level": level.level, "tau": level.tau, "samples": level.samples,
-            "failed": level.failed, "path_steps_each": level.cost_per_path,
-            "variances": variances,
-        })
+        let (mut json, (lo, hi)) = (json!(estimate), estimate.interval());
+        json["lo"] = lo.into();
+        json["hi"] = hi.into();
+        json["half_width"] = estimate.half_width().into();
+        json
     };
     let warnings: Vec<String> = expectation.warnings.iter().map(ToString::to_string).collect();
     json!({
         "title": scene.title, "scheme": expectation.scheme, "because": because,
         "accuracy": expectation.accuracy, "reached": expectation.reached(),
         "estimates": expectation.estimates.iter().map(estimate).collect::<Vec<_>>(),
-        "levels": expectation.levels.iter().map(level).collect::<Vec<_>>(),
+        "levels": expectation.levels,
         "path_steps": expectation.cost, "warnings": warnings, "seconds": seconds,
     })
 }

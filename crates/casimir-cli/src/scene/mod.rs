@@ -173,8 +173,3 @@ fn expected(
     }
     Ok(expected)
 }
-
-/// The value and the place of something that may be left out.
-pub fn or<T: Clone>(value: Option<&At<T>>, otherwise: T) -> T {
-    value.map_or(otherwise, |value| T::clone(value))
-}

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     file::RunTable,
-    or,
     read::Constants,
     source::{Read, Source},
     values::{At, Count, count},
@@ -102,7 +101,7 @@ impl Settings {
             let message = format!("the final time must be positive, got {until}");
             return Err(source.error(run.until.span(), message));
         }
-        let number = |count: Option<&At<Count>>, otherwise| or(count, Count(otherwise)).0;
+        let number = |count: Option<&At<Count>>, otherwise| count.map_or(otherwise, |count| count.0);
         let steps = changes.steps.unwrap_or(run.steps.0);
         let paths = changes.paths.unwrap_or(number(run.paths.as_ref(), 1));
         let divides = |times: &u64| steps.is_multiple_of(*times);
@@ -147,7 +146,7 @@ impl Settings {
             initial_place: run.initial.span(),
             steps_place: run.steps.span(),
             scheme_place: run.scheme.as_ref().filter(|_| changed.is_none()).map(At::span),
-            scheme: changed.unwrap_or_else(|| or(run.scheme.as_ref(), AUTO.into())),
+            scheme: changed.or(run.scheme.as_deref().cloned()).unwrap_or(AUTO.into()),
         })
     }
 

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 /// P(|N(0, 1)| ≤ this) = 95 %.
 pub const QUANTILE: f64 = 1.959_963_984_540_054;
 
@@ -41,7 +43,7 @@ impl Expectation {
 
 /// What the samples say about the three assumptions of an interval; each `false` has a
 /// [`Warning`], whose kind names the assumption.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Judged {
     /// Thirty samples or more carry the variance.
     pub variance: bool,
@@ -60,9 +62,10 @@ impl Judged {
 }
 
 /// E[φ(y(T))] for one φ.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// Name of φ.
+    #[serde(rename = "of")]
     pub name: String,
     /// The estimate, extrapolated to τ → 0.
     pub value: f64,
@@ -88,6 +91,7 @@ pub struct Estimate {
     /// Observed β in Var ∝ τ^β of the differences; `None` where they do not vary.
     pub beta: Option<Rate>,
     /// Failed paths of the levels that make the estimate: they are in none of its means.
+    #[serde(rename = "failed_paths")]
     pub failed: u64,
     /// Whether the interval may be believed.
     pub judged: Judged,
@@ -109,7 +113,7 @@ impl Estimate {
 }
 
 /// An exponent with its 95 % interval, which is widened when the points do not lie on a line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Rate {
     /// The slope.
     pub value: f64,
@@ -120,7 +124,7 @@ pub struct Rate {
 }
 
 /// The samples of one level: φ itself on level 0, differences to the level below on others.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Level {
     /// Its number.
     pub level: usize,
@@ -131,6 +135,7 @@ pub struct Level {
     /// Paths that failed.
     pub failed: u64,
     /// Path-steps of one sample.
+    #[serde(rename = "path_steps_each")]
     pub cost_per_path: u64,
     /// The variance of the samples of each test function.
     pub variances: Vec<f64>,
