@@ -18,6 +18,13 @@ impl<'a> Problem<'a> {
     pub fn at_run_time(problem: &'a run_time::Problem) -> Self {
         let system = problem.system();
         let description = system.description();
+        let law = |(index, &invariant)| {
+            ConformalLaw::new(invariant, move |y| {
+                let mut out = [0.0; real::WIDTH];
+                system.invariant(index, &splat(y), &mut out, &mut OnRows(system).scratch());
+                out[0]
+            })
+        };
         Self {
             name: description.name.clone(),
             parameters: description.parameters.clone(),
@@ -25,7 +32,7 @@ impl<'a> Problem<'a> {
             y0: problem.y0().into(),
             t_end: problem.t_end(),
             damping: problem.damping(),
-            laws: description.invariants.iter().copied().map(ConformalLaw::from).collect(),
+            laws: description.invariants.iter().enumerate().map(law).collect(),
             formulas: Arc::new(OnRows(system)),
         }
     }
@@ -201,11 +208,5 @@ impl Formulas for OnRows<'_> {
 
     fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
         first_path(&self.apply(Op::ItoCorrection { y: &splat(y) }, Weights::NONE))
-    }
-
-    fn law(&self, index: usize, y: &[f64]) -> f64 {
-        let mut out = [0.0; real::WIDTH];
-        self.0.invariant(index, &splat(y), &mut out, &mut self.scratch());
-        out[0]
     }
 }

@@ -30,26 +30,31 @@ pub struct Problem<'a> {
     /// The damping γ.
     pub damping: &'a dyn Damping,
     /// The functions that obey the conformal law, which tables have as columns.
-    pub laws: Vec<ConformalLaw>,
+    pub laws: Vec<ConformalLaw<'a>>,
     /// The formulas of the system.
     pub formulas: Arc<dyn Formulas + 'a>,
 }
 
 /// A function F that obeys the conformal law F(y(t)) = e^{−p∫γ}F(y(0)).
-#[derive(Clone, Debug, PartialEq)]
-pub struct ConformalLaw {
+#[derive(Clone)]
+pub struct ConformalLaw<'a> {
     /// Its symbol in results, for example `C` or `H`.
     pub name: String,
     /// The degree p.
     pub degree: f64,
     /// Whether F is a Casimir.
     pub casimir: bool,
+    /// F.
+    pub value: Arc<dyn Fn(&[f64]) -> f64 + Send + Sync + 'a>,
 }
 
-impl From<Invariant> for ConformalLaw {
-    fn from(invariant: Invariant) -> Self {
-        let Invariant { name, degree, kind, .. } = invariant;
-        Self { name: name.into(), degree, casimir: kind == InvariantKind::Casimir }
+impl<'a> ConformalLaw<'a> {
+    pub(crate) fn new(
+        Invariant { name, degree, kind, .. }: Invariant,
+        value: impl Fn(&[f64]) -> f64 + Send + Sync + 'a,
+    ) -> Self {
+        let (casimir, value) = (kind == InvariantKind::Casimir, Arc::new(value));
+        Self { name: name.into(), degree, casimir, value }
     }
 }
 
@@ -61,8 +66,6 @@ pub trait Formulas: Send + Sync {
     fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64>;
     /// ½Σₘ fₘ′(y)fₘ(y) with fₘ = B∇Hₘ, the drift that Itô's form of the equation has besides.
     fn ito_correction(&self, y: &[f64]) -> Vec<f64>;
-    /// The value at y of the function number `index` among [`Problem::laws`].
-    fn law(&self, index: usize, y: &[f64]) -> f64;
 }
 
 /// A problem and a scheme for it: what a simulation, a study, an expectation or an order is of.
@@ -104,7 +107,6 @@ pub trait Formulas: Send + Sync {
 ///     }
 ///     fn field(&self, _y: &[f64], _dt: f64, dw: &[f64]) -> Vec<f64> { dw.to_vec() }
 ///     fn ito_correction(&self, y: &[f64]) -> Vec<f64> { vec![0.0; y.len()] }
-///     fn law(&self, _index: usize, _y: &[f64]) -> f64 { unreachable!("there are no laws") }
 /// }
 ///
 /// let (dimension, damping) = (5, Constant::new(0.0)?);
@@ -161,6 +163,9 @@ impl<'a> Problem<'a> {
         problem: &'a systems::Problem<S, G, D>,
     ) -> Self {
         let system = problem.system();
+        let law = |(index, invariant)| {
+            ConformalLaw::new(invariant, move |y| system.invariant(index, array(y)))
+        };
         Self {
             name: system.name().into(),
             parameters: system.parameters(),
@@ -168,7 +173,7 @@ impl<'a> Problem<'a> {
             y0: problem.y0().into(),
             t_end: problem.t_end(),
             damping: problem.damping(),
-            laws: system.invariants().into_iter().map(ConformalLaw::from).collect(),
+            laws: system.invariants().into_iter().enumerate().map(law).collect(),
             formulas: Arc::new(Compiled::<_, D, M> { system }),
         }
     }
@@ -217,10 +222,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Formulas for Compil
 
     fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
         ito_correction::<_, f64, D, M>(self.system, array(y)).into()
-    }
-
-    fn law(&self, index: usize, y: &[f64]) -> f64 {
-        self.system.invariant(index, array(y))
     }
 }
 

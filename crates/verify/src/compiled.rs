@@ -5,7 +5,7 @@ use mc::{Setup, bind_owned};
 use schemes::{BuiltIn, Scheme, SchemeError};
 use systems::{Damping, Problem};
 
-use crate::TwoSpins;
+use crate::two_spins::TwoSpins;
 
 impl Tuned<6, 3> for TwoSpins {
     #[inline(never)]

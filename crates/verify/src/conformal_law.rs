@@ -1,7 +1,7 @@
 //! Invariants along paths, beside their conformal law exp(−p∫γ)F(y₀).
 
 use analysis::worse;
-use mc::{Problem, Setup};
+use mc::{ConformalLaw, Problem, Setup};
 use stats::CrossMoments;
 
 use crate::{Conditions, evidence::DEVIATIONS, experiment::Path, results::Evidence};
@@ -14,8 +14,8 @@ pub const ROUND_OFF: f64 = 2e-13;
 
 /// (t, F(y(t)), exp(−p∫γ)F(y₀)) along a path, for the invariant number `index` of the system.
 pub fn along(problem: &Problem<'_>, index: usize, path: &Path) -> Vec<(f64, f64, f64)> {
-    let value = |y: &[f64]| problem.formulas.law(index, y);
-    let (degree, initial) = (problem.laws[index].degree, value(&problem.y0));
+    let ConformalLaw { degree, value, .. } = &problem.laws[index];
+    let initial = value(&problem.y0);
     let values = path.iter().map(|(t, y)| {
         let exact = (-degree * problem.damping.integral(0.0, *t)).exp() * initial;
         (*t, value(y), exact)

@@ -14,7 +14,6 @@
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
 //! | [`Compiled`], [`Curve`] | the schemes of [`kernels`] on a problem |
 //! | [`altered()`] | a method on another step or other noise |
-//! | [`TwoSpins`] | a system in six dimensions |
 //! | [`streams`] | which noise belongs to which experiment |
 //! | [`results`] | the `results.json` contract: measurements as data, verdicts in words |
 //! | [`page`] | the report of a run |
@@ -50,4 +49,3 @@ pub use panels::EXPERIMENTS;
 pub use reproduce::{ids, reproduce};
 pub use statements::STATEMENTS;
 pub use supplements::{KOLMOGOROV, SUPPLEMENTS};
-pub use two_spins::TwoSpins;

@@ -9,20 +9,17 @@ use systems::{Damping, ImplicitStep, Invariant, PoissonSystem, Problem, paper::v
 /// Lévy areas are drawn for compiled systems only. Where none are needed, take
 /// [`SpinLattice`](systems::lattice::SpinLattice). The three noises do not commute: \[fₓ, f_y\]
 /// rotates about z. Casimirs: ½|sᵢ|².
-#[derive(Clone, Copy, Debug)]
-pub struct TwoSpins {
-    /// J.
-    pub exchange: f64,
-    /// K.
-    pub anisotropy: f64,
-    /// σ.
-    pub field: f64,
-}
+pub struct TwoSpins;
 
-/// Two spins with exchange and anisotropy in a field that fluctuates about all three axes.
-pub(crate) fn spin_pair<G: Damping>(damping: G) -> Problem<TwoSpins, G, 6> {
-    let spins = TwoSpins { exchange: 1.0, anisotropy: 0.5, field: 0.8 };
-    valid(Problem::new(spins, damping, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
+/// J.
+const EXCHANGE: f64 = 1.0;
+/// K.
+const ANISOTROPY: f64 = 0.5;
+/// σ.
+const FIELD: f64 = 0.8;
+
+pub fn spin_pair<G: Damping>(damping: G) -> Problem<TwoSpins, G, 6> {
+    valid(Problem::new(TwoSpins, damping, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
 }
 
 impl PoissonSystem<6, 3> for TwoSpins {
@@ -43,18 +40,17 @@ impl PoissonSystem<6, 3> for TwoSpins {
     fn energy<R: Real>(&self, y: [R; 6], dt: f64, dw: [f64; 3]) -> R {
         let exchange = y[0] * y[3] + y[1] * y[4] + y[2] * y[5];
         let anisotropy = y[2] * y[2] + y[5] * y[5];
-        let mut energy =
-            exchange * (-self.exchange * dt) - anisotropy * (0.5 * self.anisotropy * dt);
+        let mut energy = exchange * (-EXCHANGE * dt) - anisotropy * (0.5 * ANISOTROPY * dt);
         for m in 0..3 {
-            energy = energy - (y[m] + y[m + 3]) * (self.field * dw[m]);
+            energy = energy - (y[m] + y[m + 3]) * (FIELD * dw[m]);
         }
         energy
     }
 
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 6], dt: f64, dw: [f64; 3]) -> [R; 6] {
-        let component = |i: usize| y[(i + 3) % 6] * (-self.exchange * dt) - self.field * dw[i % 3];
-        let weight = self.anisotropy * dt;
+        let component = |i: usize| y[(i + 3) % 6] * (-EXCHANGE * dt) - FIELD * dw[i % 3];
+        let weight = ANISOTROPY * dt;
         let (third, sixth) = (component(2) - y[2] * weight, component(5) - y[5] * weight);
         [component(0), component(1), third, component(3), component(4), sixth]
     }
@@ -63,8 +59,8 @@ impl PoissonSystem<6, 3> for TwoSpins {
     /// spins about one axis.
     #[inline(always)]
     fn commutators<R: Real>(&self, y: [R; 6], areas: [[f64; 3]; 3]) -> [R; 6] {
-        let [a, b, c] = [areas[1][2], -areas[0][2], areas[0][1]]
-            .map(|area| R::constant(self.field * self.field * area));
+        let [a, b, c] =
+            [areas[1][2], -areas[0][2], areas[0][1]].map(|area| R::constant(FIELD * FIELD * area));
         self.structure(y, [a, b, c, a, b, c])
     }
 

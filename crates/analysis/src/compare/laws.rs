@@ -10,9 +10,9 @@ pub type Value<'a> = Box<dyn Fn(&[f64]) -> f64 + Sync + 'a>;
 /// For each Casimir C of degree p that the system names or that was found, the relative defect
 /// (C(y) − c)/c of a final state, with c = e^{−p∫γ}C(y₀); relative to e^{−p∫γ} where c is zero.
 pub fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>> {
-    let named = problem.laws.iter().enumerate().filter(|(_, law)| law.casimir);
-    let named = named.map(|(index, law)| {
-        let value: Value<'a> = Box::new(move |y| problem.formulas.law(index, y));
+    let named = problem.laws.iter().filter(|law| law.casimir);
+    let named = named.map(|law| {
+        let value: Value<'a> = Box::new(|y| (law.value)(y));
         (law.degree, value)
     });
     let found = found.iter().map(|casimir| {

@@ -40,8 +40,7 @@ pub fn compare(arguments: &Compare) -> Done {
     let problem = scene.model.problem();
     let found = under_bar(&what, 0, |_| analysis::compare(&problem, &candidates, &wanted));
     let found = found.map_err(|error| wrong(&error))?;
-    let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "compare");
-    folder::prepare(&folder)?;
+    let folder = folder::of(arguments.output.out.clone(), &arguments.scene, "compare")?;
     files::write(&folder.join("compare.svg"), comparison(&found))?;
     files::write(&folder.join("compare.csv"), comparison_csv(&found))?;
     files::write_json(&folder.join("compare.json"), &found)?;

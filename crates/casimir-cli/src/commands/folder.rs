@@ -6,12 +6,12 @@ use casimir::plot::files;
 
 use crate::failure::{Done, Failure};
 
-/// The folder of results: the one asked for, or `<scene>-<command>` here.
-pub fn of(out: Option<&PathBuf>, scene: &Path, command: &str) -> PathBuf {
-    out.cloned().unwrap_or_else(|| {
-        let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
-        PathBuf::from(format!("{stem}-{command}"))
-    })
+/// The folder of results: the one asked for, or `<scene>-<command>` here; prepared.
+pub fn of(out: Option<PathBuf>, scene: &Path, command: &str) -> Done<PathBuf> {
+    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
+    let folder = out.unwrap_or_else(|| format!("{stem}-{command}").into());
+    prepare(&folder)?;
+    Ok(folder)
 }
 
 /// Checks that a folder can be written, and says which results it has that will be replaced.

@@ -27,14 +27,13 @@ pub fn order(arguments: &arguments::Order) -> Done {
     let (scheme, because) = scheme(&scene);
     let (strong, weak) = measure(&scene, &scheme, arguments.path_steps)?;
     let seconds = start.elapsed().as_secs_f64();
-    let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "order");
-    folder::prepare(&folder)?;
+    let folder = folder::of(arguments.output.out.clone(), &arguments.scene, "order")?;
     let series = |(quantity, order): &Found| Series {
         scheme: scheme.clone(),
         quantity: quantity.clone(),
         points: order.points.clone(),
         rate: order.rate.clone(),
-        max_relative_defect: None,
+        ..Series::default()
     };
     let weak_series = weak.iter().map(series).collect::<Vec<_>>();
     let figures = [

@@ -44,11 +44,10 @@ pub struct Results {
 pub fn run(arguments: &Run) -> Done {
     let scene = open(&arguments.scene, &arguments.changes)?;
     threads(arguments.output.threads)?;
-    let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "run");
     check_size(&scene, &arguments.write, arguments.large)?;
     // The scene is checked before the folder is made.
     let ready = Ready::new(&scene, scheme(&scene))?;
-    folder::prepare(&folder)?;
+    let folder = folder::of(arguments.output.out.clone(), &arguments.scene, "run")?;
     let kept = scene.settings.is_study().then_some(&*folder);
     let (results, stopped) = until_stopped(kept, |job, stop| ready.compute(job, stop))?;
     if stopped && results.as_ref().is_some_and(|results| results.paths() == 0) {

@@ -181,8 +181,7 @@ fn laws(results: &Results) -> Vec<Drawn> {
                 scheme: format!("path {path}"),
                 quantity: name.into(),
                 points: points.collect(),
-                rate: None,
-                max_relative_defect: None,
+                ..Series::default()
             })
         };
         let tables = results.tables.iter().enumerate().take(SHOWN_PATHS);

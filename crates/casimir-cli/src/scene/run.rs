@@ -101,7 +101,8 @@ impl Settings {
             let message = format!("the final time must be positive, got {until}");
             return Err(source.error(run.until.span(), message));
         }
-        let number = |count: Option<&At<Count>>, otherwise| count.map_or(otherwise, |count| count.0);
+        let number =
+            |count: Option<&At<Count>>, otherwise| count.map_or(otherwise, |count| count.0);
         let steps = changes.steps.unwrap_or(run.steps.0);
         let paths = changes.paths.unwrap_or(number(run.paths.as_ref(), 1));
         let divides = |times: &u64| steps.is_multiple_of(*times);

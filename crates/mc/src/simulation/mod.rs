@@ -175,8 +175,7 @@ impl<'a> Simulation<'a> {
         }
         let (Setup { problem, scheme }, tau) = (&self.setup, ladder.tau(0));
         let (names, steps) = (self.names()?, ladder.coarse_steps());
-        let law = |index, y: &[f64]| problem.formulas.law(index, y);
-        let initial: Vec<f64> = (0..problem.laws.len()).map(|k| law(k, &problem.y0)).collect();
+        let initial: Vec<f64> = problem.laws.iter().map(|law| (law.value)(&problem.y0)).collect();
         // The rows of the paths `live` of a block after n steps, with ∫γ up to then.
         let rows = |n: u64, damped: f64, state: &[Row], live: PathMask| {
             let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
@@ -186,10 +185,12 @@ impl<'a> Simulation<'a> {
                 let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
                 let mut row = vec![n as f64 * tau];
                 row.extend(y.iter().copied().chain(observed.iter().map(|values| values[p])));
-                for (k, ConformalLaw { degree, .. }) in problem.laws.iter().enumerate() {
-                    let (value, law) = (law(k, &y), (-degree * damped).exp() * initial[k]);
+                for (ConformalLaw { degree, value, .. }, initial) in
+                    problem.laws.iter().zip(&initial)
+                {
+                    let (value, law) = (value(&y), (-degree * damped).exp() * initial);
                     let relative = (value - law) / law.abs();
-                    row.extend([value, if initial[k] == 0.0 { value } else { relative }]);
+                    row.extend([value, if *initial == 0.0 { value } else { relative }]);
                 }
                 (p, row)
             };

@@ -135,7 +135,7 @@ impl<'a> Setting<'a> {
         let start: Vec<Row> = problem.y0.iter().map(|y| [*y; WIDTH]).collect();
         let (mut stepper, mut status) = (method.start(&start), BlockStatus::explicit());
         let (law, properties) = (&problem.laws[self.invariant], scheme.properties());
-        let value = |y: &[f64]| problem.formulas.law(self.invariant, y);
+        let value = &law.value;
         let rounding = match scheme {
             BuiltIn::SexpLi | SexpLiLevy => LINEARLY_IMPLICIT,
             Split => rotations(5),
@@ -181,15 +181,14 @@ impl<'a> Setting<'a> {
         }
         let ended = cause.is_some();
         let keeps = law.casimir || properties.energy == Energy::Kept;
-        let verdict = if properties.exact_damping && keeps {
-            if kept && !(ended && self.solved.contains(scheme)) { HOLDS } else { REFUTED }
-        } else if !self.fails.0.contains(scheme) {
-            if ended || !f64::is_nan(largest) { OBSERVED } else { REFUTED }
-        } else if ended || largest > self.fails.1 {
-            FAILS
+        let (expected, found) = if properties.exact_damping && keeps {
+            (HOLDS, kept && !(ended && self.solved.contains(scheme)))
+        } else if self.fails.0.contains(scheme) {
+            (FAILS, ended || largest > self.fails.1)
         } else {
-            REFUTED
+            (OBSERVED, ended || !f64::is_nan(largest))
         };
+        let verdict = if found { expected } else { REFUTED };
         let mut words = number(largest) + verdict;
         if let Some(cause) = cause {
             words += &format!("; {} of {WIDTH} paths: {cause}", WIDTH as u32 - live.len());

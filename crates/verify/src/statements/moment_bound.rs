@@ -49,7 +49,7 @@ pub fn bound(
     let paths = conditions.choose(400, 40);
     // |γ| has kinks, so each step of the finest grid is integrated on its own.
     let absolute = valid(DampingFunction::new(|t| problem.damping.rate(t).abs(), 8));
-    let start = (problem.formulas.law(index, &problem.y0) / minimum).sqrt();
+    let start = ((problem.laws[index].value)(&problem.y0) / minimum).sqrt();
     let (mut largest, mut failed) = (0.0, 0);
     for steps in [20, 100, 1000] {
         let (tau, mut total) = (problem.t_end / steps as f64, 0.0);
