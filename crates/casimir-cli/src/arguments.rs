@@ -87,7 +87,7 @@ pub struct Inspect {
 }
 
 /// What a run writes beside its report.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(ValueEnum, Clone, Copy, Debug)]
 pub enum Format {
     /// Tables as text
     Csv,
@@ -119,7 +119,7 @@ pub struct Run {
     /// What to write beside the report
     #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
     pub write: Vec<Format>,
-    /// Write tables of more than a gigabyte
+    /// Keep tables that are more than a gigabyte of text
     #[arg(long)]
     pub large: bool,
     #[command(flatten)]

@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`reproduce()`] | run everything, or a selection |
 //! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`] | panels, statements, other figures |
+//! | [`weak_observables()`] | the test functions of the weak panels |
 //! | [`ids`] | what there is to run |
 //! | [`Experiment`], [`Conditions`], [`Findings`] | what an experiment is, is given and returns |
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
@@ -45,7 +46,7 @@ pub use altered::altered;
 pub use compiled::{Compiled, Curve};
 pub use experiment::{Conditions, Experiment, Findings, truncation};
 use experiment::{TRUNCATED, TRUNCATION_ORDER, Words};
-pub use panels::EXPERIMENTS;
+pub use panels::{EXPERIMENTS, weak_observables};
 pub use reproduce::{ids, reproduce};
 pub use statements::STATEMENTS;
 pub use supplements::{KOLMOGOROV, SUPPLEMENTS};

@@ -1,6 +1,6 @@
 //! `casimir inspect`: what a system is.
 
-use casimir::analysis;
+use casimir::analysis::{self, InspectSettings};
 
 use super::{open, print, print_json, under_bar};
 use crate::{arguments::Inspect, failure::Done, model::with_names, scene::Changes};
@@ -9,10 +9,15 @@ use crate::{arguments::Inspect, failure::Done, model::with_names, scene::Changes
 pub fn inspect(arguments: &Inspect) -> Done {
     let scene = open(&arguments.scene, &Changes::default())?;
     let model = &scene.model;
+    let (problem, system) = (model.problem(), model.system());
+    let settings = InspectSettings {
+        y0: Some(problem.y0),
+        damping: Some((problem.damping, problem.t_end)),
+        areas: system.description().jacobi_holds,
+    };
     let what = "evaluating B and the Hamiltonians at many points";
-    let (known, findings) = under_bar(what, 0, |_| {
-        (model.known(), analysis::inspect(model.system(), &model.inspect_settings()))
-    });
+    let (known, findings) =
+        under_bar(what, 0, |_| (model.known(), analysis::inspect(system, &settings)));
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
     if arguments.json {
         return print_json(&findings);

@@ -15,6 +15,7 @@ use casimir::{
     mc::parts::{Job, JobError, Program, Share, Stop, limit_threads},
     plot::under_bar,
     schemes::BuiltIn,
+    systems::Linearity,
 };
 use clap::CommandFactory;
 use serde::Serialize;
@@ -50,7 +51,7 @@ fn scheme(scene: &Scene) -> Settled {
     if named == AUTO {
         return (auto.into(), Some(because));
     }
-    let constant = scene.model.constant_structure();
+    let constant = scene.model.system().description().linearity == Linearity::Constant;
     let explicit = BuiltIn::named(named).filter(|scheme| scheme.is_explicit(constant));
     let loses = |scheme: BuiltIn| format!("{}; auto takes {auto}", scheme.long_times(constant));
     (named.clone(), explicit.map(loses))

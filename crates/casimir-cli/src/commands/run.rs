@@ -15,7 +15,7 @@ use super::{
     Settled, folder, open, print, print_json, scheme, threads, under_bar, until_stopped, warn,
 };
 use crate::{
-    arguments::{Format, Run},
+    arguments::Run,
     failure::{Done, Failure},
     model::Known,
     output,
@@ -44,7 +44,7 @@ pub struct Results {
 pub fn run(arguments: &Run) -> Done {
     let scene = open(&arguments.scene, &arguments.changes)?;
     threads(arguments.output.threads)?;
-    check_size(&scene, &arguments.write, arguments.large)?;
+    check_size(&scene, arguments.large)?;
     // The scene is checked before the folder is made.
     let ready = Ready::new(&scene, scheme(&scene))?;
     let folder = folder::of(arguments.output.out.clone(), &arguments.scene, "run")?;
@@ -165,18 +165,15 @@ impl<'a> Ready<'a> {
 }
 
 /// Refuses to write gigabytes by mistake.
-fn check_size(scene: &Scene, formats: &[Format], allowed: bool) -> Done {
+fn check_size(scene: &Scene, allowed: bool) -> Done {
     let (settings, columns) = (&scene.settings, scene.columns());
     let (tables, times) = (settings.tables, settings.times);
-    let gigabytes = 1e-9 * tables as f64 * (times + 1) as f64 * columns as f64;
     // A number in a text takes 20 bytes.
-    let bytes = |format: &Format| if *format == Format::Npz { 8.0 } else { 20.0 };
-    let written = gigabytes * formats.iter().map(bytes).sum::<f64>();
-    let held = 8.0 * gigabytes;
-    if written.max(held) > 1.0 && !allowed {
+    let gigabytes = 2e-8 * tables as f64 * (times + 1) as f64 * columns as f64;
+    if gigabytes > 1.0 && !allowed {
         return Err(Failure::usage(format!(
-            "{tables} tables of {times} times and {columns} columns take {held:.1} GB of memory and \
-             {written:.1} GB of files: take fewer `tables` or `times`, or say --large"
+            "{tables} tables of {times} times and {columns} columns are {gigabytes:.1} GB of text: \
+             take fewer `tables` or `times`, or say --large"
         )));
     }
     Ok(())

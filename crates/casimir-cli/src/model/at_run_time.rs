@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use casimir::{
     analysis::{
-        Candidates, InspectSettings,
+        Candidates,
         facts::{Facts, Form, fastest},
     },
     formula::FormulaSystem,
@@ -105,9 +105,5 @@ impl Model for AtRunTime {
 
     fn system(&self) -> &dyn System {
         self.problem.system()
-    }
-
-    fn inspect_settings(&self) -> InspectSettings<'_> {
-        InspectSettings::at_run_time(&self.problem)
     }
 }

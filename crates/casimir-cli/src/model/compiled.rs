@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use casimir::{
-    analysis::{Candidates, InspectSettings},
+    analysis::Candidates,
     mc::{self, Expect, bind_owned},
     schemes::{BuiltIn, Method, SchemeError},
     systems::{
@@ -49,9 +49,5 @@ impl<S: Tuned<D, M> + Copy + 'static, const D: usize, const M: usize> Model for 
 
     fn system(&self) -> &dyn System {
         &self.at_run_time
-    }
-
-    fn inspect_settings(&self) -> InspectSettings<'_> {
-        InspectSettings::of(&self.problem)
     }
 }

@@ -12,13 +12,13 @@ use std::sync::Arc;
 
 use casimir::{
     analysis::{
-        Candidates, InspectSettings,
+        Candidates,
         facts::{Kept, fastest},
     },
     formula::{Formula, FormulaDamping, Names},
     mc::{Expect, Problem, Setup},
     schemes::{BuiltIn, Method, SchemeError},
-    systems::{Constant, Damping, InvariantKind, Linearity, run_time::System},
+    systems::{Constant, Damping, InvariantKind, run_time::System},
 };
 
 use crate::scene::{Observable, Quantity, Read, Reading};
@@ -49,9 +49,6 @@ pub trait Model: Send + Sync {
     /// The system, for what is asked of any.
     fn system(&self) -> &dyn System;
 
-    /// What `inspect` has to know of the problem.
-    fn inspect_settings(&self) -> InspectSettings<'_>;
-
     /// The same with the laws that were found as columns of tables.
     fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
         setup
@@ -74,11 +71,6 @@ pub trait Model: Send + Sync {
     /// known.
     fn fastest(&self) -> f64 {
         fastest(self.system(), &self.problem().y0)
-    }
-
-    /// Whether B does not depend on y.
-    fn constant_structure(&self) -> bool {
-        self.system().description().linearity == Linearity::Constant
     }
 }
 

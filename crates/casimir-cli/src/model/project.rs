@@ -56,13 +56,9 @@ pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>
             let inertia = p.three("inertia", [2.0, 1.0, 2.0 / 3.0])?;
             let wrong = |error: SystemError| p.error("inertia", error);
             match p.list("noise", &[1.0, 2.0, 3.0])?[..] {
-                [noise] => {
-                    let system = RigidBody::one_noise(inertia, noise).map_err(wrong)?;
-                    built(run, system)
-                }
+                [noise] => built(run, RigidBody::one_noise(inertia, noise).map_err(wrong)?),
                 [a, b, c] => {
-                    let system = RigidBody::three_noises(inertia, [a, b, c]).map_err(wrong)?;
-                    built(run, system)
+                    built(run, RigidBody::three_noises(inertia, [a, b, c]).map_err(wrong)?)
                 }
                 ref list => {
                     let message = format!("`noise` has one or three numbers, got {}", list.len());
@@ -70,10 +66,7 @@ pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>
                 }
             }
         }
-        "lotka-volterra" => {
-            let system = with_c(reading, LotkaVolterra::<1, 1>::new)?;
-            built(run, system)
-        }
+        "lotka-volterra" => built(run, with_c(reading, LotkaVolterra::<1, 1>::new)?),
         "maxwell-bloch" => {
             parameters(&[])?;
             built(run, MaxwellBloch)

@@ -71,11 +71,10 @@ impl Scene {
         let quantity = |text: &At<Text>| {
             observe::quantity(&source, text, (&names, &energy), &settings.initial)
         };
+        let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
         let mut observables = Vec::new();
         if components.len() <= MOST_COMPONENTS {
-            let named = components.iter().enumerate();
-            observables
-                .extend(named.map(|(i, name)| Observable::new(name, Quantity::Component(i))));
+            observables.extend((0..components.len()).map(component));
         }
         observables.extend(quantities);
         for (name, formula) in &file.observe {
@@ -93,11 +92,8 @@ impl Scene {
         let known = |text: &At<Text>| {
             let name = text.0.as_str();
             let known = observables.iter().find(|known| known.name == name).cloned();
-            let component = || {
-                let component = components.iter().position(|component| component == name)?;
-                Some(Observable::new(name, Quantity::Component(component)))
-            };
-            match known.or_else(component) {
+            let place = || components.iter().position(|component| component == name);
+            match known.or_else(|| place().map(component)) {
                 Some(known) => Ok(known),
                 None => Ok(Observable::new(name, quantity(text)?)),
             }

@@ -30,13 +30,15 @@ fn median_line() -> Stroke {
 /// of the grid of its histogram.
 pub fn bands(title: &str, series: &Series) -> String {
     let points = &series.points;
-    let pairs = pairs(points);
+    let levels = points.first().map_or(&[][..], |first| &first.quantiles);
+    let levels: Vec<f64> = levels.iter().map(|quantile| quantile.level).collect();
+    let pairs = pairs(&levels);
     let areas = pairs.iter().enumerate().map(|(n, &(low, high))| {
-        let [low, high] = [low, high].map(|k| percent(points[0].quantiles[k].level));
+        let [low, high] = [low, high].map(|k| percent(levels[k]));
         let opacity = 1.0 - (1.0 - OPACITY).powi(n as i32 + 1);
         (Sample::Area(COLOR, opacity), Label::words(&format!("{low}–{high} %")))
     });
-    let median = points.first().and_then(|p| p.quantiles.iter().position(|q| q.level == 0.5));
+    let median = levels.iter().position(|level| *level == 0.5);
     let median_entry = median.map(|_| (Sample::Line(median_line()), Label::words("median")));
     let mean_entry = (Sample::Line(mean_line()), Label::words("mean"));
     let entries = areas.chain(median_entry).chain([mean_entry]);
@@ -71,14 +73,13 @@ pub fn bands(title: &str, series: &Series) -> String {
     plain.page(title, points.iter().all(|point| point.mean.is_none()))
 }
 
-/// Pairs of quantiles with levels p and 1 − p, from the outside to the inside.
-pub fn pairs(points: &[Summary]) -> Vec<(usize, usize)> {
-    let levels = points.first().map_or(Vec::new(), |first| first.quantiles.clone());
+/// Pairs of levels p and 1 − p, from the outside to the inside.
+pub fn pairs(levels: &[f64]) -> Vec<(usize, usize)> {
     let opposite = |k: usize| {
-        let same = |l: &usize| (levels[*l].level + levels[k].level - 1.0).abs() < 1e-9;
-        (0..levels.len()).find(same).map(|l| (k, l))
+        let l = levels.iter().position(|level| (level + levels[k] - 1.0).abs() < 1e-9)?;
+        Some((k, l))
     };
-    (0..levels.len()).filter(|&k| levels[k].level < 0.5).filter_map(opposite).collect()
+    (0..levels.len()).filter(|&k| levels[k] < 0.5).filter_map(opposite).collect()
 }
 
 /// A level in percent, without digits that are rounding errors.

@@ -182,20 +182,7 @@ fn one_noise_and_no_drift_turn_about_an_axis() {
 /// The values that the statements about expectations compare with.
 #[test]
 fn values_of_the_weak_problem_settle_with_the_degree() {
-    let functions: [fn([f64; 3]) -> f64; 12] = [
-        |y| y[0],
-        |y| y[1],
-        |y| y[2],
-        |y| y[0] * y[0],
-        |y| y[1] * y[1],
-        |y| y[2] * y[2],
-        |y| y[0].cos(),
-        |y| y[1].cos(),
-        |y| y[2].cos(),
-        |y| y[0].sin(),
-        |y| y[1].sin(),
-        |y| y[2].sin(),
-    ];
+    let functions = verify::weak_observables().map(|phi| phi.function);
     for (degree, tolerance) in [(24, 4e-7), (48, 2e-10), (64, 2e-12)] {
         let found = expectations(&rigid_body_three_noises(1.0), degree, &functions);
         let difference = largest_difference(&found, &verify::KOLMOGOROV);

@@ -63,14 +63,8 @@ enum Followed {
     Light,
 }
 
-/// A long run of one scheme.
-struct LongRun<'a> {
-    id: &'static str,
-    damping: &'a dyn Damping,
-    tau: f64,
-    rule: Rule,
-    followed: Followed,
-}
+/// A long run of one scheme: its name, damping, step, rule, and what is followed.
+type LongRun<'a> = (&'static str, &'a dyn Damping, f64, Rule, Followed);
 
 #[test]
 fn roundings_make_a_random_walk() -> Result<()> {
@@ -99,7 +93,7 @@ fn all(steps: u64) -> Result<()> {
     // Maxwell–Bloch turns by an angle that grows like √t, and with it what a step rounds: steps are
     // so short that the angle stays small.
     let short = 1.0 / 1024.0;
-    let runs: [(_, &dyn Damping, _, _, _); 21] = [
+    let runs: [LongRun<'_>; 21] = [
         ("default solver, undamped", none, dyadic, default, Body),
         ("undamped", none, dyadic, settled, Body),
         ("undamped, Newton", none, dyadic, newton, Body),
@@ -122,22 +116,10 @@ fn all(steps: u64) -> Result<()> {
         ("split, Maxwell–Bloch", none, short, split, Light),
         ("nv, γ = ½cos 2t", cosine, dyadic, Rule::Nv, Body),
     ];
-    let growth = |((id, damping, tau, rule, followed), number)| {
-        let run = LongRun { id, damping, tau, rule, followed };
-        match followed {
-            Body => {
-                let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
-                growth(steps, number, &run, (body, y0))
-            }
-            Volterra(_) => {
-                let (system, _, y0, _) = lotka_volterra_1_1().into_parts();
-                growth(steps, number, &run, (system, y0))
-            }
-            Light => {
-                let (system, _, y0, _) = maxwell_bloch(1.0).into_parts();
-                growth(steps, number, &run, (system, y0))
-            }
-        }
+    let growth = |(run, number): (LongRun<'_>, u64)| match run.4 {
+        Body => growth(steps, number, run, &rigid_body_three_noises(1.0)),
+        Volterra(_) => growth(steps, number, run, &lotka_volterra_1_1()),
+        Light => growth(steps, number, run, &maxwell_bloch(1.0)),
     };
     runs.into_iter().zip(0..).try_for_each(growth)
 }
@@ -157,40 +139,40 @@ fn scheme<S: Tuned<D, M> + 'static, G, const D: usize, const M: usize>(
     })
 }
 
-fn growth<S: Tuned<D, M> + 'static, const D: usize, const M: usize>(
+fn growth<S: Tuned<D, M> + Copy + 'static, G, const D: usize, const M: usize>(
     steps: u64,
     number: u64,
-    run: &LongRun<'_>,
-    (system, y0): (S, [f64; D]),
+    (id, damping, tau, rule, followed): LongRun<'_>,
+    of: &Problem<S, G, D>,
 ) -> Result<()> {
     let key = StreamKey { seed: SEED, experiment: streams::GROWTH + number };
-    let problem = Problem::new::<M>(system, run.damping, y0, steps as f64 * run.tau)?;
-    let index = if let Followed::Volterra(index) = run.followed { index } else { 0 };
+    let y0 = of.y0();
+    let problem = Problem::new::<M>(*of.system(), damping, y0, steps as f64 * tau)?;
+    let index = if let Followed::Volterra(index) = followed { index } else { 0 };
     let invariant = problem.system().invariants()[index];
     let value = |y| problem.system().invariant(index, y);
     let defect = |n: u64, y| {
-        let damping = run.damping.integral(0.0, n as f64 * run.tau);
+        let damping = damping.integral(0.0, n as f64 * tau);
         value(y) / (value(y0) * elementary::exp(-invariant.degree * damping)) - 1.0
     };
-    let (scheme, name, rounding) = scheme(run.rule, &problem)?;
+    let (scheme, name, rounding) = scheme(rule, &problem)?;
     let runs = vec![Run::new(bind(&problem, scheme.as_ref()), 0)];
     let ladder =
         Ladder::new(&mc::Problem::of(&problem), steps, 0, verify::truncation(), key, runs)?;
     let new = || Defects::<_, D> { steps, defect: &defect, rows: Vec::new() };
-    let paths = if let Rule::Sexp(..) = run.rule { PATHS } else { MANY_PATHS };
+    let paths = if let Rule::Sexp(..) = rule { PATHS } else { MANY_PATHS };
     let measured = ladder.run(paths as u64, new, &|_| ());
     let rows = measured.statistic.rows;
     let bits = &mut Bits::new(SEED, streams::GROWTH, number);
     let (exponent, lo, hi) = bootstrap(&rows, bits, rms);
     let d = &rows.last().context("no steps")?.1;
     let (end, mean) = (rms(&mut d.iter().copied()), d.iter().sum::<f64>() / paths as f64);
-    let id = run.id;
     println!(
         "{id:38} {name:22} {end:.2e} mean {mean:+.1e} exponent {exponent:.3} [{lo:.3}, {hi:.3}]"
     );
     // A walk whose steps are independent, each no larger than the worst case of a step; NaN is not.
     let walk = end <= rounding * PER_STEP * f64::EPSILON * (steps as f64).sqrt();
-    match run.rule {
+    match rule {
         Rule::SexpLi | Rule::Split | Rule::Nv => {
             assert!(walk && (steps < TELLING || hi <= MOST_EXPONENT), "{id}: {end:e}, {hi}");
         }
