@@ -1,7 +1,5 @@
 //! Errors against step sizes, invariants in time, costs: what a curve of a figure is, as data.
 
-use std::hash::Hash;
-
 use serde::Serialize;
 use stats::{Point, Rate};
 
@@ -54,12 +52,6 @@ pub fn main_quantity(series: &[Series]) -> &str {
 /// |value − exact| / |exact|, and zero where the two agree.
 pub fn relative_defect(value: f64, exact: f64) -> f64 {
     if value == exact { 0.0 } else { ((value - exact) / exact).abs() }
-}
-
-/// The different entries in the order of their first appearance.
-pub(crate) fn distinct<T: Eq + Hash + Clone>(entries: impl IntoIterator<Item = T>) -> Vec<T> {
-    let mut seen = std::collections::HashSet::new();
-    entries.into_iter().filter(|entry| seen.insert(entry.clone())).collect()
 }
 
 #[cfg(test)]

@@ -9,20 +9,22 @@ use real::Row;
 use schemes::{Method, Step, Stepper};
 
 /// What is made of a step and its noise, after increments were clipped.
-pub trait Change: Fn(&mut Step, &mut StepNoise) + Send + Sync {}
-
-impl<F: Fn(&mut Step, &mut StepNoise) + Send + Sync> Change for F {}
+type Change<'a> = dyn Fn(&mut Step, &mut StepNoise) + Send + Sync + 'a;
 
 /// A method that gets another step or other noise.
 struct Altered<'a> {
     method: Arc<dyn Method + 'a>,
     clips: bool,
-    change: Box<dyn Change + 'a>,
+    change: Box<Change<'a>>,
 }
 
 /// A set-up whose method gets what `change` makes of a step and its noise, and says of itself
 /// whether its increments are clipped if `clips` does.
-pub fn altered<'a>(setup: Setup<'a>, clips: Option<bool>, change: impl Change + 'a) -> Setup<'a> {
+pub fn altered<'a>(
+    setup: Setup<'a>,
+    clips: Option<bool>,
+    change: impl Fn(&mut Step, &mut StepNoise) + Send + Sync + 'a,
+) -> Setup<'a> {
     let method = setup.scheme;
     let clips = clips.unwrap_or(method.clips_increments());
     let scheme = Arc::new(Altered { method, clips, change: Box::new(change) });
@@ -51,7 +53,7 @@ impl Method for Altered<'_> {
     }
 }
 
-struct AlteredStepper<'a>(Box<dyn Stepper + 'a>, &'a dyn Change);
+struct AlteredStepper<'a>(Box<dyn Stepper + 'a>, &'a Change<'a>);
 
 impl Stepper for AlteredStepper<'_> {
     fn state(&self) -> &[Row] {

@@ -9,6 +9,7 @@ use casimir::{
     stats::Point,
 };
 
+use super::digits;
 use crate::{
     commands::Results,
     scene::{MOST_COMPONENTS, Scene},
@@ -88,7 +89,7 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
 
 /// `5 %, 25 %, …`
 fn percent(levels: &[f64]) -> String {
-    let words = levels.iter().map(|level| format!("{} %", (1e8 * level).round() / 1e6));
+    let words = levels.iter().map(|level| format!("{} %", digits(Some(100.0 * level))));
     words.collect::<Vec<_>>().join(", ")
 }
 

@@ -1,7 +1,7 @@
 //! Curves in logarithmic coordinates: plots side by side under one legend and with one vertical
 //! axis.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::{
     axis::{Axis, Range},
@@ -11,10 +11,7 @@ use super::{
     look::{self, CIRCLE, Layer, Look},
     ticks::Ticks,
 };
-use crate::{
-    label::Label,
-    series::{QUANTILE, distinct},
-};
+use crate::{label::Label, series::QUANTILE};
 
 /// A measured point: a step size, cost or number of steps x, and the value y, whose size is drawn,
 /// with the ends of its 95 % interval, which may be empty.
@@ -130,7 +127,9 @@ impl Figure {
     /// The figure as an SVG document.
     pub fn svg(&self) -> String {
         let curves = || self.plots.iter().flat_map(|plot| &plot.curves);
-        let names = distinct(curves().map(|curve| curve.name.as_str()));
+        let mut names: Vec<&str> = curves().map(|curve| &*curve.name).collect();
+        let mut seen = HashSet::new();
+        names.retain(|name| seen.insert(*name));
         let signed = self.signed;
         let looks = if signed { look::of_quantities(&names) } else { look::of_schemes(&names) };
         let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
