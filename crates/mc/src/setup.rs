@@ -45,8 +45,11 @@ pub struct ConformalLaw<'a> {
     /// Whether F is a Casimir.
     pub casimir: bool,
     /// F.
-    pub value: Arc<dyn Fn(&[f64]) -> f64 + Send + Sync + 'a>,
+    pub value: Arc<Function<'a>>,
 }
+
+/// A function of the state.
+type Function<'a> = dyn Fn(&[f64]) -> f64 + Send + Sync + 'a;
 
 impl<'a> ConformalLaw<'a> {
     pub(crate) fn new(
