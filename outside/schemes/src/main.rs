@@ -1,13 +1,13 @@
-//! Two schemes of a user, outside the workspace: their cost beside that of `heun` and `sexp`, the
-//! Casimir, and their strong orders.
+//! Two schemes of a user, outside the workspace: their cost beside that of `heun` and `sexp`,
+//! and the Casimir.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use casimir::mc::{self, Ladder, Run, Statistic, View};
-use casimir::prelude::*;
-use casimir::schemes::Heun;
-use casimir::systems::{Cosine, RigidBody};
+use mc::{Ladder, Run, Setup, Simulation, Statistic, View, bind};
+use noise::{StreamKey, Truncation};
+use schemes::{Explicit, Heun, Implicit, Increment, Scheme, Sexp};
+use systems::{Cosine, Problem, RigidBody};
 
 /// Heun's method between two halves of exact damping:
 /// ẑ = e^{−∫γ, first half} y_n, z = ẑ + ½(f(ẑ) + f(ẑ + f(ẑ))), y_{n+1} = e^{−∫γ, second half} z.

@@ -10,7 +10,7 @@ use casimir::mc::{
     Column, TimeSeries,
     study::{Series, StudyResult, Summary},
 };
-use zip::{DateTime, ZipWriter, write::SimpleFileOptions};
+use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
 /// Writes arrays with their names and shapes, in row-major order.
 fn write(
@@ -19,7 +19,9 @@ fn write(
 ) -> io::Result<()> {
     let mut out = ZipWriter::new(BufWriter::new(File::create(file)?));
     // Without the time of day: the same results are the same bytes.
-    let options = SimpleFileOptions::default().last_modified_time(DateTime::default());
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(DateTime::default());
     for (name, shape, values) in arrays {
         out.start_file(format!("{name}.npy"), options)?;
         out.write_all(&header(&shape))?;
