@@ -142,6 +142,7 @@ fn message<T>(result: Result<T, JobError>) -> String {
 }
 
 #[test]
+#[ignore = "long: run by the gate"]
 fn any_number_of_parts_in_any_order_on_any_threads_gives_the_same_bits() {
     let whole = STUDY.here();
     assert_eq!(whole.blocks.len() as u64, STUDY.paths.div_ceil(32));
@@ -243,6 +244,7 @@ fn an_extended_study_has_the_bits_of_one_planned_so() {
 /// From any number of paths to any larger one, within the last group too, and again. Only groups
 /// that were not full are computed again. Parts that are stopped go on.
 #[test]
+#[ignore = "long: run by the gate"]
 fn any_number_of_paths_can_be_extended() {
     let series: [&[u64]; 4] =
         [&[1, 2, 127, 128, 129], &[1, 3000], &[127, 3000, 3050, 5000], &[3000, 3072]];
