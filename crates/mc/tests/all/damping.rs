@@ -9,7 +9,7 @@ use noise::StreamKey;
 use schemes::{Heun, Scheme, Sexp};
 use systems::{Constant, Cosine, Damping, DampingFunction, Problem};
 
-use crate::judged::Kubo;
+use crate::{judged::Kubo, random_points};
 
 fn problem<G: Damping>(damping: G) -> Problem<Kubo, G, 2> {
     Problem::new(Kubo { omega: 1.0, sigma: 0.5 }, damping, [1.0, 0.0], 1.0).unwrap()
@@ -50,8 +50,7 @@ fn of<G: Damping>(
 }
 
 fn warns(expectation: &Expectation) -> bool {
-    let is = |warning: &mc::expect::Warning| warning.kind == WarningKind::Damping;
-    expectation.warnings.iter().any(is)
+    random_points::warns(expectation, WarningKind::Damping)
 }
 
 fn covers(expectation: &Expectation, exact: f64) -> bool {

@@ -1,30 +1,14 @@
 //! What the driver shows to schemes and to statistics: raw and clipped increments, noise from
 //! elsewhere, and how each step was solved.
 
-use mc::{Ladder, LadderError, Recording, Run, Statistic, View, bind, parts::Stop};
+use mc::{LadderError, Recording, Run, Statistic, View, bind, parts::Stop};
 use noise::{NoiseError, Truncation, WienerPath};
-use real::Real;
 use schemes::{Explicit, Implicit, Increment, Scheme, Sexp, SexpLevy};
-use systems::{Constant, PoissonSystem, Problem};
 
-use crate::ladder::{KEY, Keep, body};
-
-/// y₂ = W: H = y₁W and B the rotation by a right angle.
-struct Walk;
-
-impl PoissonSystem<2, 1> for Walk {
-    fn name(&self) -> &'static str {
-        "walk"
-    }
-    #[inline(always)]
-    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
-        [-v[1], v[0]]
-    }
-    #[inline(always)]
-    fn energy<R: Real>(&self, y: [R; 2], _dt: f64, dw: [f64; 1]) -> R {
-        y[0] * dw[0]
-    }
-}
+use crate::{
+    judged::{Additive, additive},
+    ladder::{KEY, Keep, body, ladder},
+};
 
 /// Euler's method with Lévy areas, on clipped noise or on raw noise: an explicit scheme of a user.
 pub struct Euler<const CLIPS: bool>;
@@ -53,10 +37,6 @@ impl Implicit for BackwardEuler {
     }
 }
 
-fn walk(t_end: f64) -> Problem<Walk, Constant, 2> {
-    Problem::new(Walk, Constant::new(0.0).unwrap(), [0.0, 0.0], t_end).unwrap()
-}
-
 /// For every path the final W of each run, and whether an increment of the run was clipped.
 struct Walks(Vec<[(f64, bool); 2]>);
 
@@ -74,12 +54,13 @@ impl Statistic for Walks {
 
 #[test]
 fn raw_and_clipped_increments_side_by_side() {
-    let problem = walk(1.0);
-    let (raw, clipped) = (Euler::<false>, Euler::<true>);
-    let truncation = Truncation::new(1).unwrap();
-    let bound = truncation.bound(0.25).unwrap();
-    let runs = vec![Run::new(bind(&problem, &raw), 0), Run::new(bind(&problem, &clipped), 0)];
-    let ladder = Ladder::new(&mc::Problem::of(&problem), 4, 0, truncation, KEY, runs).unwrap();
+    let problem = additive(1.0);
+    let bound = Truncation::new(1).unwrap().bound(0.25).unwrap();
+    let runs = vec![
+        Run::new(bind(&problem, &Euler::<false>), 0),
+        Run::new(bind(&problem, &Euler::<true>), 0),
+    ];
+    let ladder = ladder(&problem, (4, 0), 1, runs).unwrap();
     let measured = ladder.run(500, || Walks(Vec::new()), &|_| ());
     let mut beyond = 0;
     for (path, [raw, clipped]) in measured.statistic.0.iter().enumerate() {
@@ -101,33 +82,30 @@ fn raw_and_clipped_increments_side_by_side() {
 
 #[test]
 fn raw_increments_need_no_bound() {
-    let problem = walk(8.0);
-    let ladder = |scheme: &dyn Scheme<Walk, 2, 1>| {
-        let runs = vec![Run::new(bind(&problem, scheme), 0)];
-        let ladder =
-            Ladder::new(&mc::Problem::of(&problem), 4, 0, Truncation::new(4).unwrap(), KEY, runs)?;
-        Ok(ladder.run(1, || Keep::new(4, 1), &|_| ()).statistic.runs[0][0])
+    let problem = additive(8.0);
+    let last = |scheme: &dyn Scheme<Additive, 2, 1>| {
+        let ladder = ladder(&problem, (4, 0), 4, vec![Run::new(bind(&problem, scheme), 0)])?;
+        Ok(ladder.run(1, || Keep::<2>::new(4, 1), &|_| ()).statistic.runs[0][0][1])
     };
     let mut wiener = WienerPath::<1>::new(KEY, 0);
     let w: f64 = (0..4).map(|_| wiener.increments(2f64.sqrt())[0]).sum();
-    assert_eq!(ladder(&Euler::<false>), Ok([0.0, w]));
+    assert_eq!(last(&Euler::<false>), Ok(w));
     let refused = LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 2.0 });
-    assert_eq!(ladder(&Euler::<true>), Err(refused));
+    assert_eq!(last(&Euler::<true>), Err(refused));
 }
 
 #[test]
 fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
-    let (problem, sexp) = (body(), Sexp);
+    let problem = body();
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let ladder = || {
         let runs = vec![
-            Run::new(bind(&problem, &sexp), 0),
+            Run::new(bind(&problem, &Sexp), 0),
             Run::new(bind(&problem, &levy), 0),
             Run::new(bind(&problem, &levy), 2),
             Run::swapped(bind(&problem, &levy), 1),
         ];
-        Ladder::new(&mc::Problem::of(&problem), 32, 2, Truncation::new(2).unwrap(), KEY, runs)
-            .unwrap()
+        ladder(&problem, (32, 2), 2, runs).unwrap()
     };
     let keep = || Keep::<3>::new(8, 4);
     let drawn = ladder().run_until(&Stop::default(), 4, 1, keep, &|_| ()).statistic.runs;

@@ -5,15 +5,16 @@ use std::sync::Arc;
 
 use mc::{
     Expect, ExpectSettings, Ladder, Observable, Run, Setup, Simulation, StateFunction, Statistic,
-    Study, StudySettings, View, bind,
-    parts::{Job, Program, Share},
-    study,
+    Study, StudySettings, View,
 };
 use noise::Truncation;
 use schemes::Heun;
 use systems::run_time::{Compiled, Problem};
 
-use crate::ladder::{Body, KEY, body};
+use crate::{
+    ladder::{Body, KEY, body},
+    study::{merged, run_part},
+};
 
 /// The bits of all states at all times, path by path.
 #[derive(Default, Debug, PartialEq)]
@@ -48,18 +49,17 @@ fn k() -> Truncation {
 fn ladders_have_the_bits_of_compiled_systems() {
     let one = body();
     let other = at_run_time(&one);
-    let Setup { problem, scheme } = Setup::at_run_time(&other, &Heun).unwrap();
-    let bits = |problem: &mc::Problem<'_>, scheme: &Arc<_>| {
-        let run = |level| Run::new(Arc::clone(scheme), level);
-        let runs = vec![run(0), run(2), Run::swapped(Arc::clone(scheme), 1)];
-        let ladder = Ladder::new(problem, 32, 2, k(), KEY, runs).unwrap();
+    let bits = |Setup { problem, scheme }: Setup<'_>| {
+        let run = |level| Run::new(Arc::clone(&scheme), level);
+        let runs = vec![run(0), run(2), Run::swapped(Arc::clone(&scheme), 1)];
+        let ladder = Ladder::new(&problem, 32, 2, k(), KEY, runs).unwrap();
         ladder.run(200, Bits::default, &|_| ()).statistic
     };
-    assert_eq!(bits(&mc::Problem::of(&one), &bind(&one, &Heun)), bits(&problem, &scheme));
+    assert_eq!(bits(Setup::of(&one, &Heun)), bits(Setup::at_run_time(&other, &Heun).unwrap()));
 }
 
 #[test]
-fn tables_have_the_bits_of_compiled_systems() {
+fn tables_and_expectations_have_the_bits_of_compiled_systems() {
     let one = body();
     let other = at_run_time(&one);
     let tables = |setup| {
@@ -67,7 +67,17 @@ fn tables_have_the_bits_of_compiled_systems() {
         let product = StateFunction::new("y1 y2", |y: [f64; 3]| y[0] * y[1]);
         simulation.observing(product).paths(16, KEY, 5..40).unwrap()
     };
-    assert_eq!(tables(Setup::of(&one, &Heun)), tables(Setup::at_run_time(&other, &Heun).unwrap()));
+    let run_time = || Setup::at_run_time(&other, &Heun).unwrap();
+    assert_eq!(tables(Setup::of(&one, &Heun)), tables(run_time()));
+    for random_points in [true, false] {
+        let expected = |setup| {
+            let settings =
+                ExpectSettings { coarsest_steps: 4, random_points, ..Default::default() };
+            let expect = Expect::with_scheme(setup).with(settings);
+            expect.run(&[&PRODUCT], 0.02, &|_| ()).unwrap()
+        };
+        assert_eq!(expected(Setup::of(&one, &Heun)), expected(run_time()));
+    }
 }
 
 /// A study, and parts of it: its files do not tell the two systems apart.
@@ -77,35 +87,11 @@ fn studies_and_their_parts_have_the_bits_of_compiled_systems() {
     let other = at_run_time(&one);
     let (one, other) = (Setup::of(&one, &Heun), Setup::at_run_time(&other, &Heun).unwrap());
     let settings = StudySettings::new(16, 4, 1000, k(), KEY);
-    let result = study(&one, &[PRODUCT], &settings, &|_| ()).unwrap();
     let [one, other] = [&one, &other].map(|it| Study::new(it, &[PRODUCT], &settings).unwrap());
+    let result = one.run(&|_| ());
     assert_eq!(other.run(&|_| ()), result);
-
     let folder = tempfile::tempdir().unwrap();
-    let program = || Program { name: "study".into(), version: "1".into() };
-    for (study, number) in [(&one, 1), (&other, 2)] {
-        let share = Share::new(number, 2).unwrap();
-        let job = Job::part(folder.path(), share, program()).unwrap();
-        assert!(study.run_in(&job, "study", &|_| ()).is_none());
-        job.finish().unwrap();
-    }
-    let job = Job::merge(folder.path(), program()).unwrap();
-    assert_eq!(other.run_in(&job, "study", &|_| ()), Some(result));
-    job.finish().unwrap();
-}
-
-#[test]
-fn expectations_have_the_bits_of_compiled_systems() {
-    let one = body();
-    let other = at_run_time(&one);
-    for random_points in [true, false] {
-        let expected = |setup| {
-            let settings =
-                ExpectSettings { coarsest_steps: 4, random_points, ..Default::default() };
-            let expect = Expect::with_scheme(setup).with(settings);
-            expect.run(&[&PRODUCT], 0.02, &|_| ()).unwrap()
-        };
-        let compiled = expected(Setup::of(&one, &Heun));
-        assert_eq!(compiled, expected(Setup::at_run_time(&other, &Heun).unwrap()));
-    }
+    run_part(&one, folder.path(), 1, 2);
+    run_part(&other, folder.path(), 2, 2);
+    assert_eq!(merged(&other, folder.path()).unwrap(), result);
 }

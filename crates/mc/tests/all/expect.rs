@@ -6,16 +6,12 @@ use std::sync::{
     atomic::{AtomicU64, Ordering},
 };
 
-use mc::{
-    Expect, ExpectSettings, Observable, RunError, Setup,
-    expect::{Expectation, WarningKind},
-    parts::Stop,
-};
+use mc::{Expect, ExpectSettings, Observable, RunError, Setup, expect::WarningKind, parts::Stop};
 use real::Real;
 use schemes::Sexp;
 use systems::{Constant, LotkaVolterra, PoissonSystem, Problem, run_time::Compiled};
 
-use crate::ladder::body;
+use crate::{explosive::Explosive, ladder::body, random_points::warns};
 
 /// E cos y₃ of [`body`], by eigenfunctions on the sphere (`analysis::sphere`).
 const EXACT: f64 = 0.797_719_94;
@@ -111,10 +107,6 @@ fn oscillator<const M: usize>(gamma: f64, t_end: f64) -> Problem<Oscillator<M>, 
     Problem::new(Oscillator(0.5), damping, [1.0, 0.0], t_end).unwrap()
 }
 
-fn warns(found: &Expectation, kind: WarningKind) -> bool {
-    found.warnings.iter().any(|warning| warning.kind == kind)
-}
-
 const Q: Observable<2> = Observable { name: "q", function: |y| y[0] };
 const P: Observable<2> = Observable { name: "p", function: |y| y[1] };
 const P_SQUARED: Observable<2> = Observable { name: "p²", function: |y| y[1] * y[1] };
@@ -184,12 +176,6 @@ fn what_is_out_of_reach_is_said_early() {
     }
 }
 
-/// [`Explosive`](crate::explosive::Explosive) from θ₀ = −0.46 on, where y₂ = tan(θ₀ + t + W).
-fn explosive(t_end: f64) -> Problem<crate::explosive::Explosive, Constant, 2> {
-    let damping = Constant::new(0.0).unwrap();
-    Problem::new(crate::explosive::Explosive, damping, [0.1, -0.5], t_end).unwrap()
-}
-
 const COS_SQUARED: Observable<2> =
     Observable { name: "cos²", function: |y| 1.0 / (1.0 + y[1] * y[1]) };
 
@@ -197,10 +183,10 @@ const COS_SQUARED: Observable<2> =
 fn the_limit_is_for_all_attempts_together() {
     for max_cost in [300_000, 1_000_000] {
         let done = AtomicU64::new(0);
-        let progress = |work: u64| {
-            done.fetch_add(work, Ordering::Relaxed);
-        };
-        let problem = explosive(1.0);
+        let progress = |work| _ = done.fetch_add(work, Ordering::Relaxed);
+        // y₂ = tan(θ₀ + t + W) from θ₀ = −0.46 on.
+        let damping = Constant::new(0.0).unwrap();
+        let problem = Problem::new(Explosive, damping, [0.1, -0.5], 1.0).unwrap();
         let expect = Expect::new(&problem).with(ExpectSettings { max_cost, ..Default::default() });
         let found = expect.run(&[&COS_SQUARED], 1e-2, &progress);
         let done = done.into_inner();

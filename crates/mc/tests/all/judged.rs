@@ -48,6 +48,10 @@ impl PoissonSystem<2, 1> for Additive {
     }
 }
 
+pub fn additive(t_end: f64) -> Problem<Additive, Constant, 2> {
+    Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], t_end).unwrap()
+}
+
 /// Random points for `sexp`, from eight coarsest steps on.
 fn random(seed: u64) -> ExpectSettings {
     let key = StreamKey { seed, experiment: 3 };
@@ -113,10 +117,10 @@ fn what_is_the_same_on_every_path_is_not_believed() {
 #[ignore = "long: run by the gate"]
 fn rare_events_are_found_or_allowed_for() {
     // P(W > 3.09) = 10⁻³: the 4096 paths of the pilot see four events on average.
-    let problem = Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
     let phi = Observable { name: "rare", function: |y: [f64; 2]| f64::from(y[1] > 3.090_232_3) };
-    let of =
-        |seed: u64| run(&problem, ExpectSettings { coarsest_steps: 2, ..random(seed) }, phi, 1e-3);
+    let of = |seed: u64| {
+        run(&additive(1.0), ExpectSettings { coarsest_steps: 2, ..random(seed) }, phi, 1e-3)
+    };
     let results: Vec<Expectation> = (0..20).map(of).collect();
     let wrong = results.iter().filter(|result| result.reached() && outside(result, 1e-3)).count();
     assert!(wrong <= MOST_MISSES, "{wrong}");
@@ -173,10 +177,14 @@ fn a_function_of_high_degree_needs_finer_steps_than_the_state() {
 #[test]
 fn a_variance_that_no_sample_shows_is_not_believed() {
     // E e^{σW} = e^{σ²/2}: with σ = 1 the paths show the variance, with σ = 3 two in a million do.
-    let problem = Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
     let of = |function, exact: f64, seed| {
         let phi = Observable { name: "phi", function };
-        run(&problem, ExpectSettings { max_cost: 3_000_000, ..random(seed) }, phi, 0.05 * exact)
+        run(
+            &additive(1.0),
+            ExpectSettings { max_cost: 3_000_000, ..random(seed) },
+            phi,
+            0.05 * exact,
+        )
     };
     for seed in 0..20 {
         let light = of(|y: [f64; 2]| y[1].exp(), 0.5f64.exp(), seed);

@@ -11,7 +11,6 @@ use noise::{
 };
 use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
-use stats::CrossMoments;
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
 use crate::driver::{BackwardEuler, Euler};
@@ -52,6 +51,22 @@ impl<const D: usize> Statistic for Keep<D> {
             kept.extend(more);
         }
     }
+}
+
+/// So many finest steps and levels, with increments clipped by `k`.
+pub fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    problem: &'a Problem<S, G, D>,
+    (steps, levels): (u64, usize),
+    k: u32,
+    runs: Vec<Run<'a>>,
+) -> Result<Ladder<'a>, LadderError> {
+    let truncation = Truncation::new(k).unwrap();
+    Ladder::new(&mc::Problem::of(problem), steps, levels, truncation, KEY, runs)
+}
+
+/// What `run` gives on so many threads.
+pub fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
 }
 
 /// A path of a problem, from a table.
@@ -124,10 +139,9 @@ fn by_hand(
 #[test]
 fn every_run_is_the_path_that_one_would_follow_by_hand() {
     let problem = body();
-    let (sexp, em, midpoint) = (Sexp, EulerMaruyama, Midpoint);
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let schemes: [&dyn Scheme<RigidBody<3>, 3, 3>; 6] =
-        [&sexp, &em, &midpoint, &levy, &Euler::<false>, &BackwardEuler];
+        [&Sexp, &EulerMaruyama, &Midpoint, &levy, &Euler::<false>, &BackwardEuler];
     let mut runs = Vec::new();
     let mut expected = Vec::new();
     for scheme in schemes {
@@ -140,14 +154,16 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
             expected.push((scheme, level as u32, true));
         }
     }
-    let ladder =
-        Ladder::new(&mc::Problem::of(&problem), 32, 3, Truncation::new(2).unwrap(), KEY, runs)
-            .unwrap();
+    let ladder = ladder(&problem, (32, 3), 2, runs).unwrap();
     // Not a multiple of the block, more than one group.
-    let samples = 150;
+    let (samples, done) = (150, AtomicU64::new(0));
+    let progress = |work| _ = done.fetch_add(work, Ordering::Relaxed);
     let measured =
-        ladder.run(samples, || Keep::new(ladder.coarse_steps(), expected.len()), &|_| ());
+        ladder.run(samples, || Keep::new(ladder.coarse_steps(), expected.len()), &progress);
     assert_eq!(measured.failed, 0);
+    // Every path-step of the six schemes: 32, 8 and 4, and the swapped ones.
+    assert_eq!(ladder.steps_per_path(), 6 * (32 + 8 + 4 + 32 + 8));
+    assert_eq!(done.into_inner(), ladder.steps_per_path() * samples);
     // Some increments of the largest steps are clipped, for the schemes that want it.
     assert!(measured.clipped[3] > 0);
     for (kept, (scheme, level, swapped)) in measured.statistic.runs.iter().zip(&expected) {
@@ -171,111 +187,38 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
 }
 
 #[test]
-fn threads_do_not_change_a_bit() {
-    let problem = body();
-    let (sexp, em) = (Sexp, EulerMaruyama);
-    let mean_squares = |threads: usize| {
-        let runs = vec![
-            Run::new(bind(&problem, &sexp), 0),
-            Run::new(bind(&problem, &sexp), 2),
-            Run::new(bind(&problem, &em), 3),
-        ];
-        let ladder =
-            Ladder::new(&mc::Problem::of(&problem), 64, 3, Truncation::new(4).unwrap(), KEY, runs)
-                .unwrap();
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let new = || [3, 5, 8].map(Errors::new).to_vec();
-        let all = pool.install(|| ladder.run(2000, new, &|_| ())).statistic;
-        all.into_iter().map(|errors| errors.moments).collect::<Vec<_>>()
-    };
-    let one = mean_squares(1);
-    assert_eq!(one[2].count(), 2000);
-    for threads in [2, 3, 7] {
-        assert_eq!(one, mean_squares(threads), "{threads} threads");
-    }
-}
-
-/// Squared distances of two runs from the first at one time.
-#[derive(Clone)]
-struct Errors {
-    time: u64,
-    moments: CrossMoments,
-}
-
-impl Errors {
-    fn new(time: u64) -> Self {
-        Self { time, moments: CrossMoments::new(2) }
-    }
-}
-
-impl Statistic for Errors {
-    fn observe(&mut self, view: &View<'_>) {
-        for p in view.live.paths().filter(|_| view.time == self.time) {
-            let [x, a, b] = [0, 1, 2].map(|run| view.path::<3>(run, p));
-            let square = |y: [f64; 3]| (0..3).map(|i| (y[i] - x[i]).powi(2)).sum();
-            self.moments.add(&[square(a), square(b)]);
-        }
-    }
-    fn merge(&mut self, later: Self) {
-        self.moments.merge(&later.moments);
-    }
-}
-
-#[test]
-fn progress_adds_up_to_the_work() {
-    let problem = body();
-    let sexp = Sexp;
-    let ladder = Ladder::new(
-        &mc::Problem::of(&problem),
-        96,
-        5,
-        Truncation::none(),
-        KEY,
-        vec![Run::new(bind(&problem, &sexp), 0), Run::new(bind(&problem, &sexp), 5)],
-    )
-    .unwrap();
-    assert_eq!(ladder.steps_per_path(), 99);
-    let done = AtomicU64::new(0);
-    ladder.run(70, || Keep::<3>::new(0, 2), &|work| {
-        done.fetch_add(work, Ordering::Relaxed);
-    });
-    assert_eq!(done.into_inner(), 99 * 70);
-}
-
-#[test]
 fn impossible_ladders_are_refused() {
     let problem = body();
-    let sexp = Sexp;
-    let refuse = |steps, levels, truncation, run| {
-        Ladder::new(&mc::Problem::of(&problem), steps, levels, truncation, KEY, vec![run]).err()
+    let refuse = |steps, levels, level, swapped| {
+        let run = Run { scheme: bind(&problem, &Sexp), level, swapped };
+        ladder(&problem, (steps, levels), 2, vec![run]).err()
     };
-    let k = Truncation::new(2).unwrap();
     for steps in [0, 10] {
         let expected = LadderError::Steps { steps, multiple_of: 4 };
-        assert_eq!(refuse(steps, 2, k, Run::new(bind(&problem, &sexp), 0)), Some(expected));
+        assert_eq!(refuse(steps, 2, 0, false), Some(expected));
     }
     for (levels, level, swapped) in [(2, 3, false), (2, 2, true), (0, 0, true)] {
-        let run = Run { scheme: bind(&problem, &sexp), level, swapped };
         let expected = LadderError::Level { level, swapped, levels };
-        assert_eq!(refuse(8, levels, k, run), Some(expected));
+        assert_eq!(refuse(8, levels, level, swapped), Some(expected));
     }
-    let error = refuse(4, 2, k, Run::new(bind(&problem, &sexp), 2));
-    assert_eq!(error, Some(LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 1.0 })));
+    let error = LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 1.0 });
+    assert_eq!(refuse(4, 2, 2, false), Some(error));
+    // Found by fuzzing: the finest step of a tiny final time is zero.
+    let short = body().until(5e-324).unwrap();
+    let run = Run::new(bind(&short, &EulerMaruyama), 0);
+    assert!(matches!(ladder(&short, (4, 0), 2, vec![run]).err(), Some(LadderError::Step(_))));
 }
 
 #[test]
 fn paths_without_a_solution_are_left_out_counted_and_described() {
     let problem = Problem::new(Explosive, Constant::new(0.0).unwrap(), [0.1, 0.5], 1.0).unwrap();
-    let (sexp, em) =
-        (WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) }, EulerMaruyama);
+    let sexp = WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) };
     let runs = vec![
         Run::new(bind(&problem, &sexp), 0),
         Run::new(bind(&problem, &sexp), 2),
-        Run::new(bind(&problem, &em), 0),
+        Run::new(bind(&problem, &EulerMaruyama), 0),
     ];
-    let ladder =
-        Ladder::new(&mc::Problem::of(&problem), 16, 2, Truncation::new(4).unwrap(), KEY, runs)
-            .unwrap();
+    let ladder = ladder(&problem, (16, 2), 4, runs).unwrap();
     let samples = 400;
     let measured = ladder.run(samples, || Keep::<2>::new(ladder.coarse_steps(), 3), &|_| ());
     let kept = measured.statistic.runs[0].len() as u64;
@@ -304,30 +247,17 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
     }
 }
 
-/// Found by fuzzing: the finest step of a tiny final time is zero.
-#[test]
-fn steps_that_underflow_are_refused() {
-    let problem = body().until(5e-324).unwrap();
-    let ladder = Ladder::new(
-        &mc::Problem::of(&problem),
-        4,
-        0,
-        Truncation::none(),
-        KEY,
-        vec![Run::new(bind(&problem, &EulerMaruyama), 0)],
-    );
-    assert!(matches!(ladder.err(), Some(LadderError::Step(_))));
-}
-
-/// An explicit scheme that blows up says so in the step in which it does.
+/// An explicit scheme that blows up says so in the step in which it does, the first one too.
 #[test]
 fn a_blown_up_path_names_its_step() {
-    let system = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
-    let problem =
-        Problem::new::<3>(system, Constant::new(1e4).unwrap(), [1.0, 1.0, 1.0], 1.0).unwrap();
-    let path = path(&problem, &EulerMaruyama, 16, Truncation::new(4).unwrap(), 0).unwrap();
-    let words = path.halted.as_ref().expect("the step is far from stable");
-    let step = path.times().len() - 1;
-    assert!(words.starts_with(&format!("step {step} of")) && words.ends_with("is not finite"));
-    assert!(path.columns[1..4].iter().flat_map(|column| &column.values).all(|y| y.is_finite()));
+    for (rate, y0) in [(1e4, [1.0, 1.0, 1.0]), (0.0, [1e200, 1e200, 1.0])] {
+        let damping = Constant::new(rate).unwrap();
+        let problem = Problem::new::<3>(*body().system(), damping, y0, 1.0).unwrap();
+        let path = path(&problem, &EulerMaruyama, 16, Truncation::new(4).unwrap(), 0).unwrap();
+        let (step, t) = (path.times().len() - 1, path.times().last().unwrap());
+        assert_eq!(step == 0, rate == 0.0);
+        let words = format!("step {step} of size 0.0625, at t = {t}: the state is not finite");
+        assert_eq!(path.halted, Some(words));
+        assert!(path.columns[1..4].iter().flat_map(|column| &column.values).all(|y| y.is_finite()));
+    }
 }

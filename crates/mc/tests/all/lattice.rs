@@ -13,6 +13,8 @@ use systems::{
     run_time::Problem,
 };
 
+use crate::ladder::on_threads;
+
 const KEY: StreamKey = StreamKey { seed: 20_261_122, experiment: 0 };
 
 fn truncation() -> Truncation {
@@ -113,16 +115,17 @@ fn tau(beta: f64) -> f64 {
     f64::min(0.004 * beta / ALPHA, 0.01)
 }
 
-/// Independent spins in a field along z, at the temperature 1/β.
+/// Open chains of spins at the temperature 1/β.
+fn at_temperature(beta: f64, noise: f64, sites: usize, energy: Couplings) -> SpinLattice {
+    let noise = noise * noise_at_temperature(ALPHA, 1.0 / beta);
+    let couplings = Couplings { noise, local: true, damping: ALPHA, ..energy };
+    SpinLattice::one_path(Shape::open(&[sites]).unwrap(), couplings).unwrap()
+}
+
+/// Independent spins in a field along z.
 fn in_a_field(beta: f64, noise: f64) -> SpinLattice {
-    let couplings = Couplings {
-        field: [0.0, 0.0, 1.0],
-        noise: noise * noise_at_temperature(ALPHA, 1.0 / beta),
-        local: true,
-        damping: ALPHA,
-        ..Couplings::default()
-    };
-    SpinLattice::one_path(Shape::open(&[64]).unwrap(), couplings).unwrap()
+    let energy = Couplings { field: [0.0, 0.0, 1.0], ..Couplings::default() };
+    at_temperature(beta, noise, 64, energy)
 }
 
 fn mean_z(path: &LargePath<'_>) -> f64 {
@@ -131,14 +134,7 @@ fn mean_z(path: &LargePath<'_>) -> f64 {
 
 /// An open Heisenberg chain without field.
 fn chain(beta: f64, noise: f64) -> SpinLattice {
-    let couplings = Couplings {
-        exchange: 1.0,
-        noise: noise * noise_at_temperature(ALPHA, 1.0 / beta),
-        local: true,
-        damping: ALPHA,
-        ..Couplings::default()
-    };
-    SpinLattice::one_path(Shape::open(&[65]).unwrap(), couplings).unwrap()
+    at_temperature(beta, noise, 65, Couplings { exchange: 1.0, ..Couplings::default() })
 }
 
 fn mean_bond(path: &LargePath<'_>) -> f64 {
@@ -241,8 +237,7 @@ fn local_noise_is_the_same(shape: Shape) {
     let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
     let problem = problem(lattice, 0.1, 1.0);
     let run = |threads, pieces: u64, path| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
+        on_threads(threads, || {
             let path = LargePath::new(&problem, &sexp_li, 30, truncation(), KEY, path);
             let mut path = path.unwrap();
             (0..pieces).for_each(|_| path.advance(30 / pieces).unwrap());

@@ -16,6 +16,8 @@ use schemes::{EulerMaruyama, Heun, Scheme};
 use serde::{Deserialize, Serialize};
 use systems::{Constant, Damping, Pendulum, Problem};
 
+use crate::ladder::on_threads;
+
 type Pendulums = Problem<Pendulum, Constant, 2>;
 
 fn pendulum(c: f64) -> Pendulums {
@@ -129,6 +131,18 @@ impl Study {
         Ok(self.run(Job::merge(folder, self.program())?)?.unwrap())
     }
 
+    /// And what progress was told of.
+    fn counted(self, job: Job) -> (Option<Sums>, u64) {
+        let computed = AtomicU64::new(0);
+        let count = |work| _ = computed.fetch_add(work, Ordering::Relaxed);
+        (self.run_with(job, &count).unwrap(), computed.into_inner())
+    }
+
+    /// The path-steps of all groups.
+    fn work(self) -> u64 {
+        self.paths.div_ceil(128) * 128 * 8
+    }
+
     /// Runs parts, in this order.
     fn run_parts(self, folder: &Path, numbers: impl IntoIterator<Item = u64>, of: u64) {
         for number in numbers {
@@ -148,12 +162,11 @@ fn any_number_of_parts_in_any_order_on_any_threads_gives_the_same_bits() {
     assert_eq!(whole.blocks.len() as u64, STUDY.paths.div_ceil(32));
     for of in [1, 2, 7, 64, 200] {
         let folder = tempfile::tempdir().unwrap();
-        let pools = [1, 2].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
         for n in 1..=of {
             // Another order: multiples of a number without a common factor.
             let number = n * 11 % of + 1;
             let part = STUDY.part(folder.path(), number, of).unwrap();
-            let sums = pools[n as usize % 2].install(|| STUDY.run(part)).unwrap();
+            let sums = on_threads(1 + n as usize % 2, || STUDY.run(part)).unwrap();
             assert_eq!(sums.is_some(), of == 1);
         }
         assert_eq!(STUDY.merged(folder.path()).unwrap(), whole, "{of}");
@@ -199,13 +212,8 @@ fn a_run_with_checkpoints_gives_its_result_at_once() {
     let whole = || STUDY.part(folder.path(), 1, 1).unwrap();
     let job = whole().with_checkpoints_every(Duration::ZERO);
     assert_eq!(STUDY.run(job).unwrap(), Some(STUDY.here()));
-    // And again without computing.
-    let computed = AtomicU64::new(0);
-    let count = |work| _ = computed.fetch_add(work, Ordering::Relaxed);
-    let found = STUDY.run_with(whole(), &count);
-    assert_eq!(found.unwrap(), Some(STUDY.here()));
-    // One report: all of it was done before.
-    assert_eq!(computed.into_inner(), STUDY.paths.div_ceil(128) * 128 * 8);
+    // And again without computing: one report, of what was done before.
+    assert_eq!(STUDY.counted(whole()), (Some(STUDY.here()), STUDY.work()));
 }
 
 #[test]
@@ -234,11 +242,8 @@ fn an_extended_study_has_the_bits_of_one_planned_so() {
     STUDY.run_parts(folder.path(), 1..=5, 5);
     assert_eq!(STUDY.merged(folder.path()).unwrap(), STUDY.here());
     // A part that comes late has nothing to do: one report, of what was done before.
-    let computed = AtomicU64::new(0);
     let late = STUDY.part(folder.path(), 2, 3).unwrap();
-    let count = |work| _ = computed.fetch_add(work, Ordering::Relaxed);
-    assert_eq!(STUDY.run_with(late, &count).unwrap(), Some(STUDY.here()));
-    assert_eq!(computed.into_inner(), STUDY.paths.div_ceil(128) * 128 * 8);
+    assert_eq!(STUDY.counted(late), (Some(STUDY.here()), STUDY.work()));
 }
 
 /// From any number of paths to any larger one, within the last group too, and again. Only groups
@@ -294,11 +299,12 @@ fn any_number_of_paths_can_be_extended() {
 
 #[test]
 fn parts_of_another_study_are_refused_by_name() {
+    let fingerprint = "sum has the fingerprint";
     let changes: [(Study, &str); 6] = [
-        (Study { seed: 2, ..STUDY }, "sum has the fingerprint"),
-        (Study { c: 1.0 + 1e-15, ..STUDY }, "sum has the fingerprint"),
-        (Study { heun: false, ..STUDY }, "sum has the fingerprint"),
-        (Study { frequency: 3.0 + 1e-13, ..STUDY }, "sum has the fingerprint"),
+        (Study { seed: 2, ..STUDY }, fingerprint),
+        (Study { c: 1.0 + 1e-15, ..STUDY }, fingerprint),
+        (Study { heun: false, ..STUDY }, fingerprint),
+        (Study { frequency: 3.0 + 1e-13, ..STUDY }, fingerprint),
         (Study { paths: 999, ..STUDY }, "sum has a number of paths 999, here it is 19217"),
         (
             Study { version: "0.9", ..STUDY },
@@ -334,11 +340,16 @@ fn parts_of_two_numbers_of_parts_are_refused() {
     assert!(refused.contains("both have paths") && refused.contains("copy"), "{refused}");
 }
 
+/// Files of a larger array that never began do not count, and temporary ones of a killed process
+/// are removed.
 #[test]
-fn files_of_a_larger_array_that_never_began_do_not_count() {
+fn what_others_left_in_the_folder_does_no_harm() {
     let folder = tempfile::tempdir().unwrap();
     drop(STUDY.part(folder.path(), 9, 64).unwrap());
+    let left = folder.path().join(".part-1-of-3.bin.x1Yz");
+    fs::write(&left, "half of a checkp").unwrap();
     STUDY.run_parts(folder.path(), [1, 3], 3);
+    assert!(!left.exists());
     let missing = message(STUDY.merged(folder.path()));
     assert!(missing.ends_with("--array=2"), "{missing}");
     STUDY.run_parts(folder.path(), [2], 3);
@@ -379,18 +390,7 @@ fn damaged_files_are_named() {
 }
 
 #[test]
-fn a_part_is_computed_by_one_process_at_a_time() {
-    let folder = tempfile::tempdir().unwrap();
-    let first = STUDY.part(folder.path(), 1, 2).unwrap();
-    let refused = message(STUDY.part(folder.path(), 1, 2));
-    assert!(refused.contains("part 1 of 2") && refused.contains("process"), "{refused}");
-    assert!(STUDY.part(folder.path(), 2, 2).is_ok());
-    drop(first);
-    assert!(STUDY.part(folder.path(), 1, 2).is_ok());
-}
-
-#[test]
-fn folders_that_are_none_are_refused_at_once() {
+fn folders_that_are_none_and_parts_that_run_are_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "text").unwrap();
@@ -398,15 +398,12 @@ fn folders_that_are_none_are_refused_at_once() {
     assert!(message(STUDY.merged(folder.path())).contains("there are no parts in"));
     assert!(message(STUDY.merged(&folder.path().join("nowhere"))).contains("cannot read"));
     assert!(message(STUDY.part(folder.path(), 3, 2)).contains("no part 3 of 2"));
-}
-
-#[test]
-fn temporary_files_of_a_killed_process_are_removed() {
-    let folder = tempfile::tempdir().unwrap();
-    let left = folder.path().join(".part-1-of-2.bin.x1Yz");
-    fs::write(&left, "half of a checkp").unwrap();
-    STUDY.run_parts(folder.path(), [1], 2);
-    assert!(!left.exists());
+    let first = STUDY.part(folder.path(), 1, 2).unwrap();
+    let refused = message(STUDY.part(folder.path(), 1, 2));
+    assert!(refused.contains("part 1 of 2") && refused.contains("process"), "{refused}");
+    assert!(STUDY.part(folder.path(), 2, 2).is_ok());
+    drop(first);
+    assert!(STUDY.part(folder.path(), 1, 2).is_ok());
 }
 
 /// A statistic with a field that does not come back.

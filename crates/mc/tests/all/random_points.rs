@@ -21,7 +21,10 @@ use real::{Real, Row};
 use schemes::{Sexp, SexpLevy, Step, Stepper, WithSolver};
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
-use crate::{explosive::Explosive, ladder::body};
+use crate::{
+    explosive::Explosive,
+    ladder::{body, on_threads},
+};
 
 /// Random points from four coarsest steps on.
 fn random(seed: u64) -> ExpectSettings {
@@ -44,7 +47,7 @@ fn run<const D: usize>(
     Expect::with_scheme(setup).with(settings).run(&observables, accuracy, &|_| ())
 }
 
-fn warns(result: &Expectation, kind: WarningKind) -> bool {
+pub fn warns(result: &Expectation, kind: WarningKind) -> bool {
     result.warnings.iter().any(|warning| warning.kind == kind)
 }
 
@@ -208,8 +211,7 @@ fn the_interval_holds_where_the_bias_is_most_of_it() {
 fn threads_do_not_change_a_bit_and_keys_do() {
     let problem = body();
     let of = |threads: usize, seed: u64| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
+        on_threads(threads, || {
             [random(seed), sobol(seed)]
                 .map(|settings| run(Setup::of(&problem, &Sexp), settings, &COS_Y3, 2e-3).unwrap())
         })
@@ -369,9 +371,8 @@ fn levels_that_do_not_telescope_are_noticed() {
     const MOST: u64 = 60_000_000;
     let problem = body();
     let of = |setup: Setup<'_>| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         let settings = ExpectSettings { max_cost: MOST, ..random(8) };
-        pool.install(|| run(setup, settings, &COS_Y3, 3e-4).unwrap())
+        on_threads(1, || run(setup, settings, &COS_Y3, 3e-4).unwrap())
     };
     let wrong = of(altered(&problem, remembering));
     assert!(warns(&wrong, WarningKind::Telescope), "{:?}", wrong.warnings);
@@ -387,9 +388,7 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
     let problem = body();
     let limited = |max_cost: u64| {
         let done = AtomicU64::new(0);
-        let progress = |steps: u64| {
-            done.fetch_add(steps, Ordering::Relaxed);
-        };
+        let progress = |steps| _ = done.fetch_add(steps, Ordering::Relaxed);
         let settings = ExpectSettings { max_cost, ..random(9) };
         let expect = Expect::with_scheme(Setup::of(&problem, &Sexp)).with(settings);
         let result = expect.run(&[&COS_Y3[0]], 5e-5, &progress);

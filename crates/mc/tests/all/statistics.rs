@@ -1,11 +1,11 @@
 //! What a ladder shows to statistics: clipped paths and random times.
 
-use mc::{Ladder, Recording, Run, Statistic, TimeChange, View, bind};
+use mc::{Recording, Run, Statistic, TimeChange, View, bind};
 use noise::Truncation;
 use real::{Row, WIDTH};
 use schemes::EulerMaruyama;
 
-use crate::ladder::{KEY, body};
+use crate::ladder::{KEY, body, ladder};
 
 const PATHS: u64 = 70;
 
@@ -42,8 +42,7 @@ fn statistics_see_random_times_and_clipped_paths() {
         Run::new(bind(&problem, &EulerMaruyama), 0),
         Run::new(bind(&problem, &EulerMaruyama), 3),
     ];
-    let ladder = Ladder::new(&mc::Problem::of(&problem), 64, 3, k, KEY, runs).unwrap();
-    let ladder = ladder.with_time_change(&Steps);
+    let ladder = ladder(&problem, (64, 3), 2, runs).unwrap().with_time_change(&Steps);
     let two = ladder.run(PATHS, || vec![Seen(Vec::new()), Seen(Vec::new())], &|_| ()).statistic;
     let [seen, same] = &two[..] else { panic!("two statistics") };
     assert_eq!(seen.0, same.0);

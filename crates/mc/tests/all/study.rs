@@ -3,10 +3,12 @@
 //! p of [`Additive`] is W, so it is normal with variance t at any step size. The bounds of a test
 //! are each exceeded by a right program with the probability that stands there.
 
+use std::path::Path;
+
 use mc::{
     LadderError, Observable, RunError, Setup, Simulation, StateFunction, Study, StudyResult,
     StudySettings, Times,
-    parts::{Job, Program, Share},
+    parts::{Job, JobError, Program, Share},
     study,
     study::Place,
     write_json,
@@ -16,11 +18,11 @@ use nonlin::{Method, Solver};
 use schemes::{Sexp, WithSolver};
 use systems::{Constant, Problem};
 
-use crate::{explosive::Explosive, judged::Additive, ladder::body};
-
-fn additive() -> Problem<Additive, Constant, 2> {
-    Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap()
-}
+use crate::{
+    explosive::Explosive,
+    judged::additive,
+    ladder::{body, on_threads},
+};
 
 fn settings(steps: u64, times: impl Into<Times>, paths: u64, seed: u64) -> StudySettings {
     let key = StreamKey { seed, experiment: 4 };
@@ -32,7 +34,7 @@ const OFFSET: Observable<2> = Observable { name: "1e8 + p", function: |y| 1e8 + 
 const ROOT: Observable<2> = Observable { name: "√p", function: |y| y[1].sqrt() };
 
 fn run(observables: &[Observable<2>], settings: &StudySettings) -> StudyResult {
-    study(&Setup::of(&additive(), &Sexp), observables, settings, &|_| ()).unwrap()
+    study(&Setup::of(&additive(1.0), &Sexp), observables, settings, &|_| ()).unwrap()
 }
 
 /// Quantiles of the normal law at the default levels, and its density there.
@@ -171,13 +173,10 @@ fn a_study_is_made_of_the_values_of_its_paths() {
 fn threads_change_no_bit_of_a_study() {
     let json = |threads: usize| {
         let done = std::sync::atomic::AtomicU64::new(0);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let count = |steps| {
-            done.fetch_add(steps, std::sync::atomic::Ordering::Relaxed);
-        };
+        let count = |steps| _ = done.fetch_add(steps, std::sync::atomic::Ordering::Relaxed);
         let settings = settings(6, 3, 3000, 2);
-        let result = pool.install(|| {
-            study(&Setup::of(&additive(), &Sexp), &[P, OFFSET], &settings, &count).unwrap()
+        let result = on_threads(threads, || {
+            study(&Setup::of(&additive(1.0), &Sexp), &[P, OFFSET], &settings, &count).unwrap()
         });
         assert_eq!(done.into_inner(), 6 * 3000);
         let mut json = Vec::new();
@@ -185,30 +184,39 @@ fn threads_change_no_bit_of_a_study() {
         json
     };
     let one = json(1);
-    assert!(json(2) == one && json(3) == one);
+    assert!([2, 3, 7].into_iter().all(|threads| json(threads) == one));
+}
+
+fn program() -> Program {
+    Program { name: "study".into(), version: "1".into() }
+}
+
+pub fn run_part(study: &Study<'_>, folder: &Path, number: u64, of: u64) {
+    let job = Job::part(folder, Share::new(number, of).unwrap(), program()).unwrap();
+    assert!(study.run_in(&job, "study", &|_| ()).is_none());
+    job.finish().unwrap();
+}
+
+pub fn merged(study: &Study<'_>, folder: &Path) -> Result<StudyResult, JobError> {
+    let job = Job::merge(folder, program())?;
+    let found = study.run_in(&job, "study", &|_| ());
+    job.finish().map(|()| found.unwrap())
 }
 
 #[test]
 fn a_study_in_parts_has_the_same_bits() {
-    let (problem, observables) = (additive(), [P, ROOT]);
+    let (problem, observables) = (additive(1.0), [P, ROOT]);
     let study = |paths: u64, times: u64| {
         Study::new(&Setup::of(&problem, &Sexp), &observables, &settings(8, times, paths, 3))
             .unwrap()
     };
     let whole = study(1700, 4).run(&|_| ());
-    let (folder, program) =
-        (tempfile::tempdir().unwrap(), || Program { name: "study".into(), version: "1".into() });
+    let folder = tempfile::tempdir().unwrap();
     for number in [3, 1, 2] {
-        let job = Job::part(folder.path(), Share::new(number, 3).unwrap(), program()).unwrap();
-        assert!(study(1700, 4).run_in(&job, "study", &|_| ()).is_none());
-        job.finish().unwrap();
+        run_part(&study(1700, 4), folder.path(), number, 3);
     }
-    let merge_as = |study: Study<'_>| {
-        let job = Job::merge(folder.path(), program()).unwrap();
-        let found = study.run_in(&job, "study", &|_| ());
-        job.finish().map(|_| found)
-    };
-    assert_eq!(merge_as(study(1700, 4)).unwrap().as_ref(), Some(&whole));
+    let merge_as = |study: Study<'_>| merged(&study, folder.path());
+    assert_eq!(merge_as(study(1700, 4)).unwrap(), whole);
     // Other times, and other bins, are another study.
     let bins = StudySettings { bins: 255, ..settings(8, 4, 1700, 3) };
     let binned = Study::new(&Setup::of(&problem, &Sexp), &observables, &bins).unwrap();
@@ -313,13 +321,17 @@ fn values_that_are_not_finite_are_counted_and_in_no_mean() {
     assert!(result.warnings.iter().any(|text| text == warning), "{:?}", result.warnings);
 }
 
+fn csv(result: &StudyResult) -> String {
+    let mut csv = Vec::new();
+    result.write_csv(&mut csv).unwrap();
+    String::from_utf8(csv).unwrap()
+}
+
 #[test]
 fn a_table_has_a_row_for_each_quantity() {
     let quoted = Observable { name: "p, again", function: |y: [f64; 2]| y[1] };
     let result = run(&[P, quoted], &settings(4, vec![1, 4], 1000, 7));
-    let mut csv = Vec::new();
-    result.write_csv(&mut csv).unwrap();
-    let csv = String::from_utf8(csv).unwrap();
+    let csv = csv(&result);
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines[0], "t,observable,quantity,value,lo,hi,note");
     assert_eq!(lines.len(), 1 + 2 * (12 + 14 + 14));
@@ -348,7 +360,7 @@ fn a_table_has_a_row_for_each_quantity() {
 fn impossible_studies_are_refused() {
     let good = || settings(12, 4, 100, 1);
     let refuse = |settings: StudySettings, observables: &[Observable<2>]| {
-        study(&Setup::of(&additive(), &Sexp), observables, &settings, &|_| ()).unwrap_err()
+        study(&Setup::of(&additive(1.0), &Sexp), observables, &settings, &|_| ()).unwrap_err()
     };
     let message = |settings| refuse(settings, &[P]).to_string();
     let with = |times: Times| message(StudySettings { times, ..good() });
@@ -368,24 +380,23 @@ fn impossible_studies_are_refused() {
         );
     }
     assert_eq!(with(Times::AtSteps(vec![])), with(Times::Even(0)));
-    assert_eq!(
-        message(StudySettings { paths: 0, ..good() }),
-        "the number of paths must be at least 1, got 0"
-    );
-    assert!(message(StudySettings { pilot: 127, ..good() }).contains("128, got 127"));
-    for bins in [1, 65_537] {
-        assert!(message(StudySettings { bins, ..good() }).contains("from 2 to 65536"));
+    let key = StreamKey { seed: 0, experiment: 1 << 40 };
+    for (settings, told) in [
+        (StudySettings { paths: 0, ..good() }, "the number of paths must be at least 1, got 0"),
+        (StudySettings { pilot: 127, ..good() }, "128, got 127"),
+        (StudySettings { bins: 1, ..good() }, "from 2 to 65536"),
+        (StudySettings { bins: 65_537, ..good() }, "from 2 to 65536"),
+        (StudySettings { quantiles: vec![0.5, 0.1, 0.5], ..good() }, "once each, got 0.5"),
+        (StudySettings { key, ..good() }, "below 2^40"),
+        (StudySettings { steps: 0, ..good() }, "at least 1, got 0"),
+    ] {
+        let text = message(settings);
+        assert!(text.contains(told), "{text}");
     }
     for level in [0.0, 1.0, -0.5, f64::NAN] {
         let text = message(StudySettings { quantiles: vec![0.5, level], ..good() });
         assert!(text.ends_with(&format!("between 0 and 1, once each, got {level}")), "{text}");
     }
-    let twice = StudySettings { quantiles: vec![0.5, 0.1, 0.5], ..good() };
-    assert!(message(twice).ends_with("once each, got 0.5"));
-    let key = StreamKey { seed: 0, experiment: 1 << 40 };
-    assert!(message(StudySettings { key, ..good() }).contains("below 2^40"));
-    let steps = StudySettings { steps: 0, ..good() };
-    assert!(message(steps).ends_with("at least 1, got 0"));
     let coarse = StudySettings { truncation: Truncation::new(4).unwrap(), ..settings(1, 1, 9, 1) };
     assert!(matches!(refuse(coarse, &[P]), RunError::Ladder(LadderError::Noise(_))));
 }
@@ -455,9 +466,7 @@ fn what_was_not_seen_is_not_excluded() {
         let note = last.interval_note.as_deref();
         assert_eq!(note, Some("all equal; others < 1 path in 33"));
     }
-    let mut csv = Vec::new();
-    result.write_csv(&mut csv).unwrap();
-    let csv = String::from_utf8(csv).unwrap();
+    let csv = csv(&result);
     assert!(csv.contains("1.0,p > 4,mean,0.0,,,all equal; others < 1 path in 33\n"));
     // One event of 100.
     let one = (1..100).map(|seed| run(&[seldom], &settings(2, 1, 100, seed)));
