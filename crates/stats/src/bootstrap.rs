@@ -130,12 +130,10 @@ mod tests {
 
     /// Skewed squares at two step sizes, which share a part.
     fn skewed(paths: u32) -> CrossMoments {
-        let mut squares = CrossMoments::new(2);
-        for path in 0..paths {
+        CrossMoments::of((0..paths).map(|path| {
             let (shared, own) = (f64::from(path * path % 11), f64::from(path % 5));
-            squares.add(&[1.0 + shared * shared, 3.0 + 0.5 * shared + own]);
-        }
-        squares
+            [1.0 + shared * shared, 3.0 + 0.5 * shared + own]
+        }))
     }
 
     /// The ends of the interval by the steps 1 to 3 of this module, word for word.
@@ -182,10 +180,8 @@ mod tests {
     fn an_interval_without_an_end_is_none() {
         // Of 32 squares one is 33 and the others are 1. A third of the resamples has only ones, at
         // which the standard error is zero and the lower end is infinite; the upper end is not.
-        let mut squares = CrossMoments::new(2);
-        for path in 0..32 {
-            squares.add(&[if path == 5 { 33.0 } else { 1.0 }, 2.0]);
-        }
+        let square = |path| [if path == 5 { 33.0 } else { 1.0 }, 2.0];
+        let squares = CrossMoments::of((0..32).map(square));
         assert_eq!(reach(&squares, &[0], &[1.0]), None);
         // Nor has it ends where all squares are the same.
         assert_eq!(reach(&squares, &[1], &[1.0]), None);

@@ -302,6 +302,12 @@ pub const ROUND_OFF: f64 = 4096.0 * f64::EPSILON;
 mod tests {
     use super::*;
 
+    fn of(samples: impl IntoIterator<Item = f64>) -> CentralMoments {
+        let mut moments = CentralMoments::default();
+        samples.into_iter().for_each(|x| moments.add(x));
+        moments
+    }
+
     #[test]
     fn merged_moments_are_those_of_all_samples() {
         // A mean of 10⁶ spreads: sums of squares would keep four digits of the variance, sums of
@@ -312,11 +318,7 @@ mod tests {
         let power = |k: i32| samples.iter().map(|x| (x - mean).powi(k)).sum::<f64>() / n;
         for size in [1, 7, 128, 300] {
             let mut all = CentralMoments::default();
-            for group in samples.chunks(size) {
-                let mut part = CentralMoments::default();
-                group.iter().for_each(|&x| part.add(x));
-                all.merge(&part);
-            }
+            samples.chunks(size).for_each(|group| all.merge(&of(group.iter().copied())));
             assert_eq!(all.count(), 300);
             assert!((all.mean() - mean).abs() < 1e-8);
             assert_eq!(all.range(), Some((1e6, 1e6 + 96.0 / 97.0)));
@@ -328,11 +330,7 @@ mod tests {
 
     #[test]
     fn constants_and_two_values_are_told_from_three() {
-        let of = |value: fn(u32) -> f64| {
-            let mut moments = CentralMoments::default();
-            (0..100_000).for_each(|n| moments.add(value(n)));
-            moments
-        };
+        let of = |value: fn(u32) -> f64| of((0..100_000).map(value));
         assert!(of(|n| if n % 20_000 == 7 { 1.0 } else { 0.0 }).is_two_valued());
         assert!(
             !of(|n| if n % 20_000 == 7 { 1.0 } else { 0.01 * f64::from(n % 2) }).is_two_valued()

@@ -175,11 +175,18 @@ mod tests {
         (found - exact).abs() <= 1e-14 * exact.abs().max(1.0)
     }
 
+    impl CrossMoments {
+        pub(crate) fn of<const N: usize>(samples: impl IntoIterator<Item = [f64; N]>) -> Self {
+            let mut moments = Self::new(N);
+            samples.into_iter().for_each(|x| moments.add(&x));
+            moments
+        }
+    }
+
     #[test]
     fn moments_are_the_textbook_ones() {
         let samples = [[1.0, 2.0, 0.5], [3.0, -1.0, 0.5], [2.0, 4.0, 0.25], [5.0, 0.0, 8.0]];
-        let mut all = CrossMoments::new(3);
-        samples.iter().for_each(|x| all.add(x));
+        let all = CrossMoments::of(samples);
         assert_eq!((all.count(), all.length(), all.means()), (4, 3, vec![2.75, 1.25, 2.3125]));
         let matrix = all.covariances_of_means();
         for i in 0..3 {
@@ -190,8 +197,7 @@ mod tests {
         }
         assert!(close(all.standard_error(2).powi(2), matrix[2][2]));
         // Round-off does not make the variance negative.
-        let mut same = CrossMoments::new(1);
-        (0..3).for_each(|_| same.add(&[0.1]));
+        let same = CrossMoments::of([[0.1]; 3]);
         assert!(same.covariance_of_means(0, 0) < 0.0 && same.standard_error(0) == 0.0);
     }
 
@@ -199,21 +205,15 @@ mod tests {
     fn combinations_have_the_moments_of_combined_samples() {
         // Integers, so that nothing is rounded.
         let rows = [vec![1.0, 2.0, -1.0], vec![0.0, 3.0, 1.0]];
-        let (mut all, mut direct) = (CrossMoments::new(3), CrossMoments::new(2));
-        for n in 0..300 {
-            let x = [f64::from(n), f64::from(n * n % 13), f64::from(n % 7)];
-            all.add(&x);
-            direct.add(&[0, 1].map(|i| dot(&rows[i], &x)));
-        }
-        assert_eq!(all.combined(&rows), direct);
+        let samples = (0..300).map(|n| [f64::from(n), f64::from(n * n % 13), f64::from(n % 7)]);
+        let direct = CrossMoments::of(samples.clone().map(|x| [0, 1].map(|i| dot(&rows[i], &x))));
+        assert_eq!(CrossMoments::of(samples).combined(&rows), direct);
     }
 
     #[test]
     fn effective_samples_are_counted_as_they_carry_the_sum() {
-        let mut moments = CrossMoments::new(2);
-        for n in 0..100 {
-            moments.add(&[3.0, if n == 50 { 1e6 } else { 1e-3 }]);
-        }
+        let sample = |n| [3.0, if n == 50 { 1e6 } else { 1e-3 }];
+        let moments = CrossMoments::of((0..100).map(sample));
         assert!(close(moments.effective_samples(0), 100.0));
         assert!((moments.effective_samples(1) - 1.0).abs() < 1e-6);
     }
@@ -226,9 +226,7 @@ mod tests {
         let grouped = |size: usize| {
             let mut all = CrossMoments::new(2);
             for group in samples.chunks(size) {
-                let mut part = CrossMoments::new(2);
-                group.iter().for_each(|sample| part.add(sample));
-                all.merge(&part);
+                all.merge(&CrossMoments::of(group.iter().copied()));
             }
             all
         };

@@ -43,12 +43,8 @@ mod tests {
 
     /// Squares 1 + (n mod 7), exact zeros, and one that a single path carries.
     fn squares() -> CrossMoments {
-        let mut squares = CrossMoments::new(3);
-        for path in 0..70 {
-            let carried = if path == 3 { 700.0 } else { 1.0 };
-            squares.add(&[1.0 + f64::from(path % 7), 0.0, carried]);
-        }
-        squares
+        let carried = |path| if path == 3 { 700.0 } else { 1.0 };
+        CrossMoments::of((0..70).map(|path| [1.0 + f64::from(path % 7), 0.0, carried(path)]))
     }
 
     #[test]

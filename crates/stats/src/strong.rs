@@ -160,17 +160,14 @@ mod tests {
         // One of n equal squares counts as n; 30 are enough and 29 are not, and of few reliable
         // levels all are used.
         let levels = |paths: u64, carried: usize| {
-            let (taus, mut squares) =
-                (vec![0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625], CrossMoments::new(6));
-            for path in 0..128u64 {
-                let level = |l: usize| {
-                    let sign = if path >> l & 1 == 0 { 1.0 + 1e-6 } else { 1.0 - 1e-6 };
-                    let share = if l < carried && path >= paths { 1e-9 } else { 1.0 };
-                    taus[l] * taus[l] * sign * share
-                };
-                squares.add(&std::array::from_fn::<f64, 6, _>(level));
-            }
-            fit_strong(&taus, &squares).unwrap()
+            let taus = [0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625];
+            let level = |path: u64, l: usize| {
+                let sign = if path >> l & 1 == 0 { 1.0 + 1e-6 } else { 1.0 - 1e-6 };
+                let share = if l < carried && path >= paths { 1e-9 } else { 1.0 };
+                taus[l] * taus[l] * sign * share
+            };
+            let path = |path| std::array::from_fn(|l| level(path, l));
+            fit_strong(&taus, &CrossMoments::of::<6>((0..128).map(path))).unwrap()
         };
         assert!(levels(31, 2).left_out.is_empty());
         assert_eq!(levels(29, 2).left_out, [0.5, 0.25]);

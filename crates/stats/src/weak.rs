@@ -267,9 +267,7 @@ mod tests {
         // 64 differences ±1 about 8, 4 and 2, and ±2 about 1: their means have the variances 1/63
         // and 4/63. The last counts twice, and of order two a third more.
         let all = [(8.0, 1.0), (4.0, 1.0), (2.0, 1.0), (1.0, 2.0)].map(|(mean, spread)| {
-            let mut moments = CrossMoments::new(1);
-            (0..64).for_each(|n| moments.add(&[mean + if n % 2 == 0 { spread } else { -spread }]));
-            moments
+            CrossMoments::of((0..64).map(|n| [mean + if n % 2 == 0 { spread } else { -spread }]))
         });
         for (expansion, last, square) in
             [(Expansion::EveryPower, 2.0, 16.0), (Expansion::EvenPowers, 4.0 / 3.0, 64.0 / 9.0)]
