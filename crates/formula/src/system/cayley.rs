@@ -21,17 +21,6 @@ pub fn matrix(graph: &mut Graph, field: &[Id]) -> Vec<Vec<Id>> {
     matrix
 }
 
-/// y + ½(B(y)v + B(0)v), from B(y)v and B(0)v.
-pub fn right_side(graph: &mut Graph, y: &[Id], field: &[Id], constant: &[Id]) -> Vec<Id> {
-    let mut right = Vec::new();
-    for ((&y, &field), &constant) in y.iter().zip(field).zip(constant) {
-        let sum = graph.add(field, constant);
-        let half = graph.scale(sum, 0.5);
-        right.push(graph.add(y, half));
-    }
-    right
-}
-
 /// x with A x = b; none if it takes too many expressions.
 pub fn solve(graph: &mut Graph, a: Vec<Vec<Id>>, b: Vec<Id>) -> Option<Vec<Id>> {
     Some(match a.len() {

@@ -187,7 +187,7 @@ impl Expressions {
 
     /// Σ_{m<l} A_ml ∇{Hₘ, H_l}.
     fn bracketed(&mut self) -> Vec<Id> {
-        let fields: Vec<(Vec<Id>, Vec<Id>)> = (1..=self.noises).map(|m| self.field_of(m)).collect();
+        let fields = self.noise_fields();
         let mut brackets = Vec::new();
         for (m, (slope, _)) in fields.iter().enumerate() {
             for (l, (_, field)) in fields.iter().enumerate().skip(m + 1) {
@@ -204,7 +204,7 @@ impl Expressions {
         if !(2..=MOST_NOISES).contains(&self.noises) {
             return [self.noises < 2; 2];
         }
-        let fields: Vec<(Vec<Id>, Vec<Id>)> = (1..=self.noises).map(|m| self.field_of(m)).collect();
+        let fields = self.noise_fields();
         let (y, one) = (self.y(), self.graph.constant(1.0));
         let (mut commutators, mut defects) = (Vec::new(), Vec::new());
         for (m, (slope, f)) in fields.iter().enumerate() {
@@ -235,7 +235,12 @@ impl Expressions {
         roots.iter().map(|root| values[root.index()]).collect()
     }
 
-    /// ∇Hₘ and B∇Hₘ.
+    /// ∇Hₘ and B∇Hₘ of all noises.
+    fn noise_fields(&mut self) -> Vec<(Vec<Id>, Vec<Id>)> {
+        (1..=self.noises).map(|m| self.field_of(m)).collect()
+    }
+
+    /// The same of one.
     fn field_of(&mut self, m: usize) -> (Vec<Id>, Vec<Id>) {
         let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
         unit[m] = self.graph.constant(1.0);
@@ -287,7 +292,10 @@ impl Expressions {
     fn solved(&mut self, y: &[Id]) -> Option<Vec<Id>> {
         let zero = vec![self.graph.constant(0.0); self.dimension];
         let constant = self.field_at(Y, &zero);
-        let right = cayley::right_side(&mut self.graph, y, &self.field, &constant);
+        // y + ½(B(y)v + B(0)v).
+        let (mut sum, mut right) = (self.field.clone(), y.to_vec());
+        average::add(&mut self.graph, &mut sum, &constant, 1.0);
+        average::add(&mut self.graph, &mut right, &sum, 0.5);
         let matrix = cayley::matrix(&mut self.graph, &self.field);
         cayley::solve(&mut self.graph, matrix, right)
     }
