@@ -3,7 +3,7 @@
 //! prints the errors that the module documents.
 
 use real::elementary::{
-    cos, deficit_versine, exp, half_turn, ln, ln_unit, sin, sin_cos_absolute, sin_cos_turn, sinc,
+    cos, deficit_versine, exp, half_turn, ln, minus_two_ln, sin, sin_cos_absolute, sinc, split_unit,
 };
 
 /// A small generator of equidistributed numbers.
@@ -21,17 +21,15 @@ impl Uniform {
 
 type Function = (&'static str, fn(f64) -> f64);
 
-const FUNCTIONS: [Function; 14] = [
+const FUNCTIONS: [Function; 12] = [
     ("sin", sin),
     ("cos", cos),
     ("sinc", sinc),
-    ("sin_turn", |u| sin_cos_turn(u).0),
-    ("cos_turn", |u| sin_cos_turn(u).1),
     ("sin_half_turn", |r| half_turn(r).1 / half_turn(r).2),
     ("cos_half_turn", |r| half_turn(r).0 / half_turn(r).2),
     ("exp", exp),
     ("ln", ln),
-    ("ln_unit", ln_unit),
+    ("ln_unit", |u| -0.5 * minus_two_ln(split_unit(u).0, split_unit(u).1)),
     ("sin_absolute", |x| sin_cos_absolute(x).0),
     ("cos_absolute", |x| sin_cos_absolute(x).1),
     ("deficit", |x| deficit_versine(x).0),

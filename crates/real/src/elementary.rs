@@ -12,17 +12,16 @@
 //! | function | range | measured error | asserted bound |
 //! |---|---|---|---|
 //! | [`sin`], [`cos`], [`sin_cos`] | `abs(x) <= 2^20` | 1.02 ulp | 1.1 ulp |
-//! | [`sin_cos_turn`] | `0 <= u <= 1` | 1.9e-16 absolute | 2.1e-16 |
 //! | [`half_turn`] | `abs(r) <= 1/2` | 5.2e-16 absolute | 5.5e-16 |
 //! | [`exp`] | all `x`, also subnormal results | 0.99 ulp | 1.1 ulp |
 //! | [`exp_with_remainder`] | normal results | | 2^-55 of the result |
 //! | [`ln`] | all `x > 0`, also subnormal | 0.78 ulp | 1 ulp |
-//! | [`ln_unit`] | normal `u` in `(0, 1)` | 3.9 ulp | 4.2 ulp |
+//! | [`split_unit`], [`minus_two_ln`] | normal `u` in `(0, 1)` | 3.9 ulp | 4.2 ulp |
 //! | [`sin_cos_absolute`] | `abs(x) <= 2^20` | 1.7e-16 absolute | 2.2e-16 |
 //! | [`deficit_versine`] | `x² <= ½` | 1.2e-16, 6.4e-16 absolute | 1.4e-16, 7e-16 |
 //! | [`sinc`] | `abs(x) <= 2^20` | 1.73 ulp | 2 ulp |
 
-use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, LN_2, LOG2_E, TAU};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, LN_2, LOG2_E};
 
 /// The low bits of `x + ROUND` are the integer nearest to `x`, if `|x| < 2^51`.
 const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
@@ -57,25 +56,6 @@ const COS: [f64; 6] = [
     -2.755731421616815e-07,
     2.0875705255421646e-09,
     -1.1358741008317159e-11,
-];
-// SIN_TURN: 7 coefficients, error 2^-54.51
-const SIN_TURN: [f64; 7] = [
-    TAU,
-    -41.34170224039859,
-    81.60524927516164,
-    -76.70585948847365,
-    42.05865827863962,
-    -15.09227798447883,
-    3.748221633277355,
-];
-// COS_TURN: 6 coefficients, error 2^-54.11
-const COS_TURN: [f64; 6] = [
-    -19.739208802178513,
-    64.93939402241418,
-    -85.45681710126159,
-    60.24462126539122,
-    -26.424317949931748,
-    7.811498236156049,
 ];
 // HALF_TANGENT: degrees 3 and 3, relative error 2^-53.67
 const HALF_TANGENT_ABOVE: [f64; 4] =
@@ -227,23 +207,6 @@ pub fn cos(x: f64) -> f64 {
     sin_cos(x).1
 }
 
-/// `(sin 2πu, cos 2πu)` for `u` in `[0, 1]`.
-///
-/// The reduction `u = k/4 + r` with `|r| <= 1/8` has no rounding error. The polynomials contain the
-/// factor `2π`. Absolute error at most 1.9e-16 (measured). Quarter turns are exact and all values
-/// are in `[-1, 1]`. The formula also holds outside `[0, 1]` while `|u| < 2^49`. An infinite `u` or
-/// NaN gives NaN.
-#[inline(always)]
-pub fn sin_cos_turn(u: f64) -> (f64, f64) {
-    const QUARTERS: f64 = 0.25 * ROUND;
-    let t = u + QUARTERS;
-    let r = u - (t - QUARTERS);
-    let z = r * r;
-    let s = r * polynomial(SIN_TURN, z);
-    let c = 1.0 + z * polynomial(COS_TURN, z);
-    turn(t.to_bits(), s, c)
-}
-
 /// `(x, y, n)` with `cos πr = x / n` and `sin πr = y / n`, for `|r| <= ½`.
 ///
 /// With `t = tan(πr/2) = r A(r²) / B(r²)`, `(x, y, n) = (B² - r² A², 2 r A B, B² + r² A²)`. `A` and
@@ -370,9 +333,8 @@ pub fn ln(x: f64) -> f64 {
 
 /// `(l, s)` with `-2 ln u = l - 4 artanh s` and `|s| < 0.172`, for a normal `u` in `(0, 1)`.
 ///
-/// With the reduction of [`ln`], `l = -2 e ln 2` and `s = f / (2 + f)`. This is the first half of
-/// [`ln_unit`]. The second half is [`minus_two_ln`]; a loop for each is faster than one for both,
-/// since no chain of dependent operations then is longer than the processor looks ahead. Normal
+/// With the reduction of [`ln`], `l = -2 e ln 2` and `s = f / (2 + f)`. The second half is
+/// [`minus_two_ln`]; a loop for each is faster than one for both, since no chain of dependent operations then is longer than the processor looks ahead. Normal
 /// `u >= 1` are allowed as well. Zero, subnormal, negative, infinite and NaN arguments give
 /// meaningless values.
 #[inline(always)]
@@ -387,15 +349,6 @@ pub fn split_unit(u: f64) -> (f64, f64) {
 pub fn minus_two_ln(l: f64, s: f64) -> f64 {
     let z = s * s;
     l + s * (z * polynomial(MINUS_TWO_LN, z) - 4.0)
-}
-
-/// `ln u` for a normal `u` in `(0, 1)`, without the special cases of [`ln`].
-///
-/// Error at most 3.9 ulp (measured), also next to 1. See [`split_unit`] for other arguments.
-#[inline(always)]
-pub fn ln_unit(u: f64) -> f64 {
-    let (l, s) = split_unit(u);
-    -0.5 * minus_two_ln(l, s)
 }
 
 /// `sin(x) / x`, and 1 for `x = ±0`.

@@ -160,19 +160,6 @@ def main():
         lambda z: z**2 / cos(sqrt(z)),
         tiny, q, 5,
     )
-    e = one / 64
-    polynomial(
-        "SIN_TURN",
-        lambda z: sin(2 * pi * sqrt(z)) / sqrt(z),
-        lambda z: sqrt(z) / sin(2 * pi * sqrt(z)),
-        tiny, e, 6,
-    )
-    polynomial(
-        "COS_TURN",
-        lambda z: (cos(2 * pi * sqrt(z)) - 1) / z,
-        lambda z: z,
-        tiny, e, 5,
-    )
     half_tangent("HALF_TANGENT", 3)
     s = (sqrt(mpf(2)) - 1) / (sqrt(mpf(2)) + 1)
     atanh2 = lambda z: log((1 + sqrt(z)) / (1 - sqrt(z))) / sqrt(z)

@@ -81,8 +81,6 @@ EXACT = {
     "sin": sin,
     "cos": cos,
     "sinc": lambda x: sin(x) / x,
-    "sin_turn": lambda u: sin(2 * pi * u),
-    "cos_turn": lambda u: cos(2 * pi * u),
     "sin_half_turn": lambda r: sin(pi * r),
     "cos_half_turn": lambda r: cos(pi * r),
     "exp": exp,
@@ -129,13 +127,6 @@ def main():
     emit("sin", sin, trig)
     emit("cos", cos, trig)
     emit("sinc", EXACT["sinc"], trig)
-
-    u = [random.random() for _ in range(180)] + log_uniform(-60, 0, 60)
-    for i in range(1, 16):
-        u += near(mpf(i) / 16, (-1, 0, 1))
-    u += [0.0, 2.0**-53, 1.0 - 2.0**-53]
-    emit("sin_turn", EXACT["sin_turn"], u)
-    emit("cos_turn", EXACT["cos_turn"], u)
 
     e = [random.uniform(-745.2, 709.78) for _ in range(150)]
     e += [random.uniform(-745.2, -708.0) for _ in range(60)]

@@ -218,7 +218,7 @@ impl BuiltIn {
     ) -> Result<Box<dyn Scheme<S, D, M>>, SchemeError> {
         match self {
             Split => Ok(Box::new(crate::Split)),
-            Nv => Ok(Box::new(crate::Nv::of_parts())),
+            Nv => Ok(Box::new(crate::Nv::default())),
             _ => self.compiled(system, y0),
         }
     }
@@ -235,8 +235,8 @@ impl BuiltIn {
         Ok(match (self, &description.parts) {
             (Sexp, _) => Box::new(crate::Sexp),
             (SexpLevy, _) => Box::new(crate::SexpLevy::at_run_time(system)?),
-            (SexpLi, _) => Box::new(crate::SexpLi::at_run_time(system)?),
-            (SexpLiLevy, _) => Box::new(crate::SexpLi::at_run_time_with_areas(system)?),
+            (SexpLi, _) => Box::new(crate::SexpLi::of(description, false)?),
+            (SexpLiLevy, _) => Box::new(crate::SexpLi::of(description, true)?),
             (Midpoint, _) => Box::new(crate::Midpoint),
             (Heun, _) => Box::new(crate::Heun),
             (EulerMaruyama, _) => Box::new(crate::EulerMaruyama),

@@ -26,9 +26,10 @@ use crate::{Composition, Paths, Scheme, Step, Times};
 ///   [precise flow](Flows::precise_flow) of that part; of others a symmetric composition makes a
 ///   triple jump.
 /// - Cost per step: M + 2 flows. Explicit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Nv {
-    sweep: Sweep,
+    /// The order of the noises.
+    pub sweep: Sweep,
 }
 
 /// In which order the noises of a step follow each other.
@@ -42,19 +43,6 @@ pub enum Sweep {
     /// Last to first in every step. The mean of a function over this and [`Forward`](Self::Forward)
     /// with the same increments is of weak order two.
     Backward,
-}
-
-impl Nv {
-    /// The scheme with the flows of the parts of a system.
-    pub fn of_parts() -> Self {
-        Self { sweep: Sweep::default() }
-    }
-
-    /// The scheme with the noises in another order.
-    #[must_use]
-    pub fn with_sweep(self, sweep: Sweep) -> Self {
-        Self { sweep }
-    }
 }
 
 impl Sweep {

@@ -3,10 +3,7 @@
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Solution};
 use real::Block;
-use systems::{
-    Form, Invariant, InvariantKind, Linearity, PoissonSystem,
-    run_time::{Description, System},
-};
+use systems::{Form, Invariant, InvariantKind, Linearity, PoissonSystem, run_time::Description};
 
 use crate::{Explicit, Increment, Scheme, SchemeError, Step};
 
@@ -74,24 +71,11 @@ impl SexpLi {
         Self::of(&Description::of(system, y0), true)
     }
 
-    /// The scheme for a system known at run time, which says how B depends on y and whether every
-    /// step has a solution.
+    /// The scheme for a system of this description, with Lévy areas or without.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
-    pub fn at_run_time(system: &dyn System) -> Result<Self, SchemeError> {
-        Self::of(system.description(), false)
-    }
-
-    /// The scheme with Lévy areas for a system known at run time.
-    ///
-    /// # Errors
-    /// As [`with_areas`](Self::with_areas).
-    pub fn at_run_time_with_areas(system: &dyn System) -> Result<Self, SchemeError> {
-        Self::of(system.description(), true)
-    }
-
-    fn of(system: &Description, areas: bool) -> Result<Self, SchemeError> {
+    /// As [`new`](Self::new), or [`with_areas`](Self::with_areas).
+    pub fn of(system: &Description, areas: bool) -> Result<Self, SchemeError> {
         let Description { name, linearity, noises_commute, .. } = system;
         let is_casimir = |function: &&Invariant| function.kind == InvariantKind::Casimir;
         let mut casimirs = system.invariants.iter().filter(is_casimir).peekable();

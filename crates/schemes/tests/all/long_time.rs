@@ -116,7 +116,7 @@ fn exact_slopes_over_a_hundred_thousand_steps() {
     for tau_omega in FREQUENCIES {
         let (oscillator, y0) = (Oscillator::new(tau_omega), start(tau_omega));
         let s = tau_omega * tau_omega / 4.0;
-        let nv = Nv::of_parts();
+        let nv = Nv::default();
         let slope = |scheme| {
             let [half, end] = mean_energies(&oscillator, scheme, y0);
             (end - half) / (TAU * EXACT * (STEPS / 2) as f64)

@@ -37,16 +37,16 @@ fn flows_of_noises_have_order_four_or_more() {
     let poisson = Poisson3::new(1.0).unwrap();
     let start = [1.0, 2.0, 3.0];
     for order in [
-        order_of_flows(&Nv::of_parts(), &along, MOMENTUM, 0),
-        order_of_flows(&Nv::of_parts(), &pendulum, [0.2, 1.0], 0),
-        order_of_flows(&Nv::of_parts(), &poisson, start, 0),
+        order_of_flows(&Nv::default(), &along, MOMENTUM, 0),
+        order_of_flows(&Nv::default(), &pendulum, [0.2, 1.0], 0),
+        order_of_flows(&Nv::default(), &poisson, start, 0),
     ] {
         assert!((order - 5.0).abs() < 0.1, "{order}");
     }
     // A rotation is exact to the ninth order: nothing is left at this size.
     let step = Step::new(&Constant::new(0.0).unwrap(), 0, 1e-200).unwrap();
     let noise = Noise::increments([0.3, 0.0, 0.0]);
-    let z = Nv::of_parts().step(&body(), &step, &noise, MOMENTUM).z;
+    let z = Nv::default().step(&body(), &step, &noise, MOMENTUM).z;
     let (sin, cos) = (0.3 * MOMENTUM[0]).sin_cos();
     assert!((z[1] - sin * MOMENTUM[2]).abs() < 1e-15 && (z[2] - cos * MOMENTUM[2]).abs() < 1e-15);
 }
@@ -59,8 +59,7 @@ fn noises_go_forward_and_backward_in_turn() {
         let step = Step::new(&gamma, n, 0.1).unwrap();
         assert_eq!(step.number(), n);
         let noise = Noise::increments(any_increments(&mut numbers, 0.1));
-        let advance =
-            |sweep| Nv::of_parts().with_sweep(sweep).step(&body, &step, &noise, MOMENTUM).z;
+        let advance = |sweep| Nv { sweep }.step(&body, &step, &noise, MOMENTUM).z;
         let (forward, backward) = (advance(Sweep::Forward), advance(Sweep::Backward));
         assert_ne!(forward, backward);
         assert_eq!(advance(Sweep::Alternating), if n % 2 == 0 { forward } else { backward });

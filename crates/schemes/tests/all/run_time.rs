@@ -9,8 +9,9 @@ use schemes::{
     BuiltIn, Heun, Implicit, Midpoint, Scheme, Sexp, SexpLi, Split, Step, WithSolver, run_time,
 };
 use systems::{
-    Cosine, Flows, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
-    run_time::{Compiled, System},
+    Cosine, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
+    lattice::{Couplings, Shape, SpinLattice},
+    run_time::{Compiled, System, Weights},
 };
 
 use crate::{
@@ -57,12 +58,13 @@ fn difference<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     largest
 }
 
-fn check<S: Flows<D, M> + Tuned<D, M> + Clone, const D: usize, const M: usize>(
+fn check<S: PoissonSystem<D, M> + Tuned<D, M> + Clone, const D: usize, const M: usize>(
     system: S,
     y0: [f64; D],
 ) {
-    let adapter = Compiled::with_flows(system.clone(), y0);
-    for kind in BuiltIn::ALL.into_iter().filter(|&kind| kind != BuiltIn::Nv) {
+    let adapter = Compiled::new(system.clone(), y0);
+    let flows = |kind: &BuiltIn| matches!(kind, BuiltIn::Nv | BuiltIn::Split);
+    for kind in BuiltIn::ALL.into_iter().filter(|kind| !flows(kind)) {
         let compiled = S::scheme(kind, &system, y0).unwrap();
         let at_run_time = kind.at_run_time(&adapter).unwrap();
         let found = difference(&system, (&*compiled, &*at_run_time), &adapter, y0, 1.0 / 64.0);
@@ -77,8 +79,8 @@ fn check<S: Flows<D, M> + Tuned<D, M> + Clone, const D: usize, const M: usize>(
         assert!(found <= allowed, "{} on {}: {found:e}", kind.id(), system.name());
     }
     let (li, with_areas) = (SexpLi::new(&system, y0), SexpLi::with_areas(&system, y0));
-    assert_eq!(SexpLi::at_run_time(&adapter).as_ref(), li.as_ref());
-    assert_eq!(SexpLi::at_run_time_with_areas(&adapter).as_ref(), with_areas.as_ref());
+    assert_eq!(SexpLi::of(adapter.description(), false).as_ref(), li.as_ref());
+    assert_eq!(SexpLi::of(adapter.description(), true).as_ref(), with_areas.as_ref());
 }
 
 #[test]
@@ -89,6 +91,30 @@ fn schemes_at_run_time_are_those_of_compiled_systems() {
     check(RigidBody::one_noise(INERTIA, 1.0).unwrap(), momentum);
     check(MaxwellBloch, [1.0, 2.0, 3.0]);
     check(Poisson3::new(1.0).unwrap(), [1.0, 2.0, 3.0]);
+}
+
+/// φ₀(½) φ₁(½) φ₂(1) φ₁(½) φ₀(½) between two halves of the damping, to the bit.
+#[test]
+fn a_split_step_composes_the_flows_of_the_system() {
+    let couplings = Couplings { exchange: 0.8, noise: 0.5, ..Couplings::default() };
+    let chain = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), couplings).unwrap();
+    assert_eq!(chain.description().parts, Ok(3));
+    let mut paths = run_time::Scheme::stepper(&Split, &chain).unwrap();
+    let mut numbers = Numbers(2);
+    paths.state_mut().iter_mut().flatten().for_each(|y| *y = numbers.next());
+    let mut y = Rows::zero(12).unwrap();
+    y.copy_from_slice(paths.state());
+    let (dw, half) = (Rows::splat(&[0.2, -0.3, 0.4]), Rows::splat(&[0.1, -0.15, 0.2]));
+    let (noise, half) = (StepNoise::from(dw.unwrap()), half.unwrap());
+    let step = Step::new(&Cosine::new(0.5, 2.0).unwrap(), 3, 0.1).unwrap();
+    paths.step(&step, &noise, &mut BlockStatus::explicit());
+    y.iter_mut().flatten().for_each(|y| *y *= step.first_decay);
+    for part in [0, 1, 2, 1, 0] {
+        let (dt, dw) = if part == 2 { (0.1, &noise.increments) } else { (0.05, &half) };
+        chain.flow(part, &mut y, Weights { dt, dw, areas: &[] }, &mut []);
+    }
+    y.iter_mut().flatten().for_each(|y| *y *= step.second_decay);
+    assert_eq!(paths.state(), &y[..]);
 }
 
 /// Explicit schemes in nine dimensions are the same to the bit, and fixed-point iteration in single
@@ -200,5 +226,5 @@ fn schemes_that_cannot_run_say_why() {
     };
     let nv = BuiltIn::Nv.at_run_time(&adapter).map(|_| ()).unwrap_err().to_string();
     assert!(nv.starts_with("nv needs a sum of parts with flows"), "{nv}");
-    assert!(error(&Split).contains("flows were not given"), "{}", error(&Split));
+    assert!(error(&Split).contains("are for compiled schemes"), "{}", error(&Split));
 }

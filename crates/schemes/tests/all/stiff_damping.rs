@@ -196,7 +196,7 @@ fn damping_that_acts_alone_is_exact() {
     let y0 = [0.7, -1.3];
     let levy = SexpLevy::new(&Alone, y0);
     let li = SexpLi::new(&Alone, y0).unwrap();
-    let parts = Nv::of_parts();
+    let parts = Nv::default();
     let schemes: [&dyn Scheme<Alone, 2, 1>; 5] = [&Sexp, &levy, &li, &Split, &parts];
     let largest = |scheme: &dyn Scheme<Alone, 2, 1>, damping: &dyn Damping| {
         let (mut y, mut worst) = (y0, 0.0f64);

@@ -2,8 +2,8 @@
 
 use super::LatticeError;
 
-/// A chain, a square or a cubic lattice, periodic or open along each axis. Site x + L₁(y + L₂z) is
-/// that of the coordinates (x, y, z).
+/// A chain, a square or a cubic lattice, periodic or open. Site x + L₁(y + L₂z) is that of the
+/// coordinates (x, y, z).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Shape {
     sizes: [usize; 3],
@@ -47,13 +47,6 @@ impl Shape {
         }
         sizes[..given.len()].copy_from_slice(given);
         Ok(Self { sizes, periodic: sizes.map(|size| periodic && size > 2) })
-    }
-
-    /// The same lattice, periodic or open along one axis. An axis of size one or two stays open.
-    #[must_use]
-    pub fn with_axis(mut self, axis: usize, periodic: bool) -> Self {
-        self.periodic[axis] = periodic && self.sizes[axis] > 2;
-        self
     }
 
     /// The sizes; 1 for axes that the lattice does not have.

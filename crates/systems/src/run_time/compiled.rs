@@ -7,31 +7,26 @@ use real::{Kernel, Row, WIDTH, along, derivatives, dispatch, fixed};
 
 use super::{Description, Op, System, Weights, derived};
 use crate::{
-    Flows, PoissonSystem, SystemError, always_solvable, area_gradient, is_quadratic,
-    ito_correction, jacobi_holds, linearity, noises_commute, paper::valid, unit_noise,
-    vector_field, vector_field_derivative,
+    PoissonSystem, SystemError, always_solvable, area_gradient, is_quadratic, ito_correction,
+    jacobi_holds, linearity, noises_commute, paper::valid, unit_noise, vector_field,
+    vector_field_derivative,
 };
 
 /// Nodes of the rule for derivatives of the averaged gradient. The gradient itself is that of the
 /// compiled system.
 const NODES: usize = 8;
 
-/// The flow of a part of a compiled system.
-type Flow<S, const D: usize, const M: usize> = fn(&S, usize, [f64; D], f64, [f64; M]) -> [f64; D];
-
 /// A [`PoissonSystem`] as a [`System`]: every method has the same bits as that of the compiled
 /// system on each path.
 pub struct Compiled<S, const D: usize, const M: usize> {
     system: S,
     description: Description,
-    flow: Flow<S, D, M>,
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
     /// The system; how B depends on y is found at `y0`.
     pub fn new(system: S, y0: [f64; D]) -> Self {
-        let description = Description::of(&system, y0);
-        Self { system, description, flow: |_, _, y, _, _| y }
+        Self { description: Description::of(&system, y0), system }
     }
 }
 
@@ -48,21 +43,12 @@ impl Description {
             parameters: system.parameters(),
             linearity: linearity(system, y0),
             always_solvable: always_solvable(system, y0),
-            parts: Err("its flows were not given".into()),
+            parts: Err("flows of compiled systems are for compiled schemes".into()),
             invariants: system.invariants(),
             jacobi_holds: jacobi_holds(system, y0),
             noises_commute: noises_commute(system, y0),
             ..Self::new(system.name(), D, M, rule)
         }
-    }
-}
-
-impl<S: Flows<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
-    /// The system with its flows; how B depends on y is found at `y0`.
-    pub fn with_flows(system: S, y0: [f64; D]) -> Self {
-        let mut new = Self { flow: S::flow, ..Self::new(system, y0) };
-        new.description.parts = Ok(S::PARTS);
-        new
     }
 }
 
@@ -191,16 +177,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, _: &mut [Row]) {
         for p in 0..WIDTH {
             out[p] = self.system.energy(path(array(y), p), h.dt, path(array(h.dw), p));
-        }
-    }
-
-    fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, _: &mut [Row]) {
-        for p in 0..WIDTH {
-            let moved =
-                (self.flow)(&self.system, part, path(array(y), p), h.dt, path(array(h.dw), p));
-            for i in 0..D {
-                y[i][p] = moved[i];
-            }
         }
     }
 

@@ -78,7 +78,7 @@ pub fn measure(conditions: &Conditions) -> Findings {
 /// that failed.
 fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<String>) {
     let problem = rigid_body_three_noises(1.0);
-    let nv = |sweep| bind_owned(&problem, Box::new(Nv::of_parts().with_sweep(sweep)));
+    let nv = |sweep| bind_owned(&problem, Box::new(Nv { sweep }));
     let [forward, backward] = [Sweep::Forward, Sweep::Backward].map(nv);
     let steps = (2.0 * problem.t_end() / tau).round() as u64;
     let (mut moments, mut failures) = (CrossMoments::new(OBSERVABLES.len()), Vec::new());

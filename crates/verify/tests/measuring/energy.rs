@@ -204,7 +204,7 @@ fn energies<V: Potential<D>, const D: usize>(
         ("sexp", Box::new(Sexp)),
         ("midpoint", Box::new(Midpoint)),
         ("split", Box::new(Split)),
-        ("nv", Box::new(Nv::of_parts())),
+        ("nv", Box::new(Nv::default())),
         ("sexp-li", Box::new(SexpLi::new(&system, y0)?)),
         ("heun", Box::new(Heun)),
         ("em", Box::new(EulerMaruyama)),
