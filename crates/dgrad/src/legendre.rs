@@ -5,24 +5,16 @@ use std::fmt;
 /// The largest number of nodes of a [`Rule`].
 pub const MAX_NODES: usize = 512;
 
-/// An invalid quadrature rule.
+/// A number of quadrature nodes that is zero or exceeds [`MAX_NODES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum QuadratureError {
-    /// The number of nodes is zero or exceeds [`MAX_NODES`].
-    Nodes {
-        /// The requested number.
-        nodes: usize,
-    },
+pub struct QuadratureError {
+    /// The requested number.
+    pub nodes: usize,
 }
 
 impl fmt::Display for QuadratureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Nodes { nodes } => {
-                write!(f, "a Gauss-Legendre rule has 1 to {MAX_NODES} nodes, got {nodes}")
-            }
-        }
+        write!(f, "a Gauss-Legendre rule has 1 to {MAX_NODES} nodes, got {}", self.nodes)
     }
 }
 
@@ -61,10 +53,10 @@ impl Rule {
     /// The rule with n nodes.
     ///
     /// # Errors
-    /// [`QuadratureError::Nodes`] unless 1 ≤ n ≤ [`MAX_NODES`].
+    /// [`QuadratureError`] unless 1 ≤ n ≤ [`MAX_NODES`].
     pub fn new(n: usize) -> Result<Self, QuadratureError> {
         if n == 0 || n > MAX_NODES {
-            return Err(QuadratureError::Nodes { nodes: n });
+            return Err(QuadratureError { nodes: n });
         }
         let (nodes, weights) = (0..n).map(|i| node(n, i)).unzip();
         Ok(Self { nodes, weights })
@@ -185,7 +177,7 @@ mod tests {
 
     #[test]
     fn impossible_rules_are_refused() {
-        assert_eq!(Rule::new(0).unwrap_err(), QuadratureError::Nodes { nodes: 0 });
+        assert_eq!(Rule::new(0).unwrap_err(), QuadratureError { nodes: 0 });
         assert!(Rule::new(513).unwrap_err().to_string().contains("got 513"));
     }
 }

@@ -117,8 +117,9 @@ impl QuasiWiener {
     /// dimension. Nothing is written then.
     #[inline]
     pub fn block(&self, first_point: u64, increments: &mut [Row]) {
-        let points = self.sobol.block_points(first_point, increments.len());
-        dispatch(Fill { noise: self, points, rows: increments });
+        assert_eq!(increments.len(), self.dimensions(), "there is a row for every dimension");
+        assert!(first_point.is_multiple_of(WIDTH as u64), "blocks begin at multiples of 32");
+        dispatch(Fill { noise: self, points: Points::new(first_point), rows: increments });
     }
 
     /// The increments of one point, with the same bits: number n·M + m is ΔW_m over step n.

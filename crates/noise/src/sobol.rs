@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use real::{Kernel, WIDTH, dispatch};
+use real::WIDTH;
 
 use crate::{
     StreamKey,
@@ -47,12 +47,9 @@ const LOW_DIGITS: usize = WIDTH.trailing_zeros() as usize;
 /// use noise::{ScrambledSobol, StreamKey};
 ///
 /// let points = ScrambledSobol::new(StreamKey { seed: 1, experiment: 7 }, 0, 2);
-/// let mut words = [[0; 32]; 2];
-/// points.block(64, &mut words);
-/// assert_eq!(points.point(67), [words[0][3], words[1][3]]);
-///
-/// // In each dimension the 32 points have one number in every interval of length 1/32.
-/// let mut cells = words[1].map(|word| (32.0 * ScrambledSobol::uniform(word)) as usize);
+/// // In each dimension 32 points have one number in every interval of length 1/32.
+/// let uniform = |point| ScrambledSobol::uniform(points.point(point)[1]);
+/// let mut cells: Vec<_> = (64..96).map(|point| (32.0 * uniform(point)) as usize).collect();
 /// cells.sort();
 /// assert!(cells.into_iter().eq(0..32));
 /// ```
@@ -89,24 +86,19 @@ impl ScrambledSobol {
         self.dimensions
     }
 
-    /// The words of points `first_point` .. `first_point + 32`: `words[d][p]` is coordinate d of
-    /// point `first_point + p`.
-    ///
-    /// # Panics
-    /// For points from 2³² on, unless 32 divides `first_point`, and unless there is a row of words
-    /// for every dimension.
-    pub fn block(&self, first_point: u64, words: &mut [[u64; WIDTH]]) {
-        let points = self.block_points(first_point, words.len());
-        dispatch(Fill { sobol: self, points, words });
-    }
-
-    /// The words of one point, with the same bits.
+    /// The words of one point.
     ///
     /// # Panics
     /// For points from 2³² on.
     pub fn point(&self, point: u64) -> Vec<u64> {
-        let mut words = vec![[0]; self.dimensions()];
-        Fill { sobol: self, points: Points::new(point), words: &mut words }.run();
+        let points = Points::<1>::new(point);
+        let (mut high, mut words) = ([0; WIDTH], vec![[0]; self.dimensions]);
+        for (d, word) in words.iter_mut().enumerate() {
+            if d % WIDTH == 0 {
+                high = self.high_digits(d / WIDTH, points);
+            }
+            self.fill(d, &high, points, word);
+        }
         words.into_flattened()
     }
 
@@ -114,13 +106,6 @@ impl ScrambledSobol {
     #[inline(always)]
     pub fn uniform(word: u64) -> f64 {
         open_unit(word >> 12)
-    }
-
-    /// The points of a block, for as many `rows` as there are dimensions.
-    pub(crate) fn block_points(&self, first_point: u64, rows: usize) -> Points<WIDTH> {
-        assert_eq!(rows, self.dimensions(), "there is a row for every dimension");
-        assert!(first_point.is_multiple_of(WIDTH as u64), "blocks begin at multiples of 32");
-        Points::new(first_point)
     }
 
     /// The Sobol numbers of the first of the points without its lowest five digits, in dimensions
@@ -186,27 +171,6 @@ impl<const L: usize> Points<L> {
     pub(crate) fn new(first: u64) -> Self {
         let first = u32::try_from(first);
         Self { first: first.unwrap_or_else(|_| panic!("a scramble has the points 0 to 2^32 - 1")) }
-    }
-}
-
-/// The words of all dimensions.
-struct Fill<'a, const L: usize> {
-    sobol: &'a ScrambledSobol,
-    points: Points<L>,
-    words: &'a mut [[u64; L]],
-}
-
-impl<const L: usize> Kernel for Fill<'_, L> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        let Self { sobol, points, words } = self;
-        for (g, group) in words.chunks_mut(WIDTH).enumerate() {
-            let high = sobol.high_digits(g, points);
-            for (d, words) in group.iter_mut().enumerate() {
-                sobol.fill(g * WIDTH + d, &high, points, words);
-            }
-        }
     }
 }
 

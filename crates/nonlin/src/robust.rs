@@ -30,10 +30,10 @@ pub fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> Solution<
     }
     while s < 1.0 {
         let target = f64::min(s + step, 1.0);
-        let attempt = newton(equation, &start, z, target);
-        iterations += attempt.iterations;
-        if attempt.converged && changed_little(&jacobian, &attempt.jacobian) {
-            (z, s, jacobian) = (attempt.z, target, attempt.jacobian);
+        let found = newton(equation, &start, z, target, &mut iterations)
+            .filter(|(_, found)| changed_little(&jacobian, found));
+        if let Some(found) = found {
+            ((z, jacobian), s) = (found, target);
             step *= 2.0;
         } else {
             step *= 0.5;
@@ -61,25 +61,18 @@ fn changed_little<const D: usize>(before: &[[f64; D]; D], after: &[[f64; D]; D])
     })
 }
 
-struct Attempt<const D: usize> {
-    z: [f64; D],
-    /// I − sψ′ at the last iterate but one.
-    jacobian: [[f64; D]; D],
-    converged: bool,
-    iterations: u32,
-}
-
-/// Newton's method for z − z₀ − s(ψ(z) − z₀) = 0.
+/// Newton's method for z − z₀ − s(ψ(z) − z₀) = 0: the solution and I − sψ′ at the last iterate but
+/// one, if it converges. Iterations are added to `iterations`.
 fn newton<E: FixedPoint<D>, const D: usize>(
     equation: &E,
     start: &[f64; D],
     mut z: [f64; D],
     s: f64,
-) -> Attempt<D> {
+    iterations: &mut u32,
+) -> Option<([f64; D], [[f64; D]; D])> {
     let mut before = f64::INFINITY;
-    let mut iterations = 0;
-    loop {
-        iterations += 1;
+    for _ in 0..MOST_ITERATIONS {
+        *iterations += 1;
         // I − sψ′ = (1 − s)I + s(I − ψ′), and likewise for the residual.
         let (mut jacobian, mut defect) = linearised(equation, z);
         for i in 0..D {
@@ -98,18 +91,15 @@ fn newton<E: FixedPoint<D>, const D: usize>(
         let solved = length <= TOLERANCE * size;
         let contracts = length <= CONTRACTION * before;
         // With a NaN both are false, with an infinite change both are true.
-        if solved || !contracts || iterations == MOST_ITERATIONS {
+        if solved || !contracts {
             // Small changes that no longer decrease are round-off, amplified by the condition of
             // I − sψ′.
-            return Attempt {
-                z,
-                jacobian,
-                converged: size.is_finite() && (solved || !contracts && length <= ROUND_OFF * size),
-                iterations,
-            };
+            let converged = size.is_finite() && (solved || length <= ROUND_OFF * size);
+            return converged.then_some((z, jacobian));
         }
         before = length;
     }
+    None
 }
 
 fn residual<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> f64 {

@@ -29,19 +29,6 @@ fn rejects_mean(estimates: &[f64], expected: f64) -> bool {
     compare((mean - expected) / (variance / count).sqrt(), critical).is_err()
 }
 
-/// Calls `f` with the words of each of `count` points from `first` on.
-fn for_each_point(sobol: &ScrambledSobol, first: u64, count: u64, mut f: impl FnMut(&[u64])) {
-    let mut words = vec![[0; WIDTH]; sobol.dimensions()];
-    let mut point = vec![0; sobol.dimensions()];
-    for block in 0..count.div_ceil(WIDTH as u64) {
-        sobol.block(first + block * WIDTH as u64, &mut words);
-        for p in 0..WIDTH.min((count - block * WIDTH as u64) as usize) {
-            point.iter_mut().zip(&words).for_each(|(coordinate, row)| *coordinate = row[p]);
-            f(&point);
-        }
-    }
-}
-
 /// The first `bits` bits of a word.
 fn cell(word: u64, bits: u32) -> usize {
     word.checked_shr(64 - bits).unwrap_or(0) as usize
@@ -53,8 +40,8 @@ fn every_dimension_is_a_net() {
         let sobol = ScrambledSobol::new(KEYS[0], scramble, ScrambledSobol::DIMENSIONS);
         for m in [0, 1, 2, 3, 5, 8, 10] {
             let mut seen = vec![vec![false; 1 << m]; sobol.dimensions()];
-            for_each_point(&sobol, first, 1 << m, |point| {
-                for (seen, &word) in seen.iter_mut().zip(point) {
+            (first..first + (1 << m)).map(|n| sobol.point(n)).for_each(|point| {
+                for (seen, word) in seen.iter_mut().zip(point) {
                     seen[cell(word, m)] = true;
                 }
             });
@@ -70,7 +57,7 @@ fn the_first_two_dimensions_are_a_net() {
         for m in 0..=12 {
             for a in 0..=m {
                 let mut seen = vec![false; 1 << m];
-                for_each_point(&sobol, 0, 1 << m, |point| {
+                (0..1 << m).map(|n| sobol.point(n)).for_each(|point| {
                     seen[cell(point[0], a) << (m - a) | cell(point[1], m - a)] = true;
                 });
                 assert!(seen.iter().all(|&seen| seen), "scramble {scramble}, {a} of {m} digits");
@@ -93,7 +80,7 @@ fn the_mean_of_u_has_the_variance_of_nested_uniform_scrambling() {
             for scramble in 0..SCRAMBLES {
                 let sobol = ScrambledSobol::new(key, scramble, 3);
                 let mut sums = [0.0; 3];
-                for_each_point(&sobol, 0, 1 << m, |point| {
+                (0..1 << m).map(|n| sobol.point(n)).for_each(|point| {
                     for d in 0..3 {
                         sums[d] += ScrambledSobol::uniform(point[d]) - 0.5;
                     }
