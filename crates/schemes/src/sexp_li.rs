@@ -3,7 +3,10 @@
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Solution};
 use real::Block;
-use systems::{Form, Invariant, InvariantKind, Linearity, PoissonSystem, run_time::Description};
+use systems::{
+    Form, Invariant, InvariantKind, Linearity, PoissonSystem,
+    run_time::{Description, System},
+};
 
 use crate::{Explicit, Increment, Scheme, SchemeError, Step};
 
@@ -71,11 +74,15 @@ impl SexpLi {
         Self::of(&Description::of(system, y0), true)
     }
 
-    /// The scheme for a system of this description, with Lévy areas or without.
+    /// The scheme for a system known at run time, with Lévy areas or without.
     ///
     /// # Errors
     /// As [`new`](Self::new), or [`with_areas`](Self::with_areas).
-    pub fn of(system: &Description, areas: bool) -> Result<Self, SchemeError> {
+    pub fn at_run_time(system: &dyn System, areas: bool) -> Result<Self, SchemeError> {
+        Self::of(system.description(), areas)
+    }
+
+    fn of(system: &Description, areas: bool) -> Result<Self, SchemeError> {
         let Description { name, linearity, noises_commute, .. } = system;
         let is_casimir = |function: &&Invariant| function.kind == InvariantKind::Casimir;
         let mut casimirs = system.invariants.iter().filter(is_casimir).peekable();

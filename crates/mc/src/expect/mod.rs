@@ -240,7 +240,7 @@ impl<'a> Expect<'a> {
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let system = problem.system();
         let constant = system.description().linearity == Linearity::Constant;
-        let first = SexpLi::of(system.description(), false).ok().filter(|_| !constant);
+        let first = SexpLi::at_run_time(system, false).ok().filter(|_| !constant);
         let first = first.map(|first| Box::new(first) as Box<dyn AtRunTime>);
         let schemes = first.into_iter().chain([Box::new(Sexp) as _]);
         let candidates = schemes.map(|scheme| Ok(Setup::owning(problem, scheme)?.into()));

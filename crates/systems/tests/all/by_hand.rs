@@ -45,46 +45,10 @@ fn times<const D: usize>(c: f64, v: [f64; D]) -> [f64; D] {
     v.map(|x| c * x)
 }
 
-#[test]
-fn pendulum() {
-    compare(&Pendulum::new(0.7).unwrap(), Region::Box, |[p, q]| {
-        let f = [-q.sin(), p];
-        (f, [times(0.7, f)])
-    });
-}
-
 /// The free rigid body: Euler's equations.
 fn euler([x, y, z]: [f64; 3]) -> [f64; 3] {
     let [i1, i2, i3] = INERTIA;
     [(1.0 / i3 - 1.0 / i2) * y * z, (1.0 / i1 - 1.0 / i3) * z * x, (1.0 / i2 - 1.0 / i1) * x * y]
-}
-
-#[test]
-fn rigid_body_with_three_noises() {
-    let [j1, j2, j3] = NOISE_INERTIA;
-    compare(&RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap(), Region::Box, |y| {
-        let [a, b, c] = y;
-        // The paper has the last component of the first with the wrong sign.
-        let first = [0.0, a * c / j1, -a * b / j1];
-        let second = [-b * c / j2, 0.0, a * b / j2];
-        let third = [b * c / j3, -a * c / j3, 0.0];
-        (euler(y), [first, second, third])
-    });
-}
-
-#[test]
-fn rigid_body_with_one_noise() {
-    compare(&RigidBody::one_noise(INERTIA, 1.5).unwrap(), Region::Box, |y| {
-        let [a, b, c] = y;
-        (euler(y), [[0.0, a * c / 1.5, -a * b / 1.5]])
-    });
-}
-
-#[test]
-fn rigid_body_whose_noise_is_its_energy() {
-    compare(&RigidBodyEnergy::new(INERTIA, 0.7).unwrap(), Region::Box, |y| {
-        (euler(y), [times(0.7, euler(y))])
-    });
 }
 
 /// c·(y₁(y₂ − ab y₃), −ab y₂(y₁ + a y₃), −ab y₃(b y₁ + y₂)) with p = ab: the powers have cancelled.
@@ -122,13 +86,29 @@ fn the_discrete_gradient_of_a_polynomial_is_exact_however_far() {
 }
 
 #[test]
-fn maxwell_bloch() {
+fn fields_are_those_written_out() {
+    compare(&Pendulum::new(0.7).unwrap(), Region::Box, |[p, q]| {
+        let f = [-q.sin(), p];
+        (f, [times(0.7, f)])
+    });
+    let [j1, j2, j3] = NOISE_INERTIA;
+    compare(&RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap(), Region::Box, |y| {
+        let [a, b, c] = y;
+        // The paper has the last component of the first with the wrong sign.
+        let first = [0.0, a * c / j1, -a * b / j1];
+        let second = [-b * c / j2, 0.0, a * b / j2];
+        let third = [b * c / j3, -a * c / j3, 0.0];
+        (euler(y), [first, second, third])
+    });
+    compare(&RigidBody::one_noise(INERTIA, 1.5).unwrap(), Region::Box, |y| {
+        let [a, b, c] = y;
+        (euler(y), [[0.0, a * c / 1.5, -a * b / 1.5]])
+    });
+    compare(&RigidBodyEnergy::new(INERTIA, 0.7).unwrap(), Region::Box, |y| {
+        (euler(y), [times(0.7, euler(y))])
+    });
     // The paper's first drift component is y₂y₃; B∇H₀ says y₂.
     compare(&MaxwellBloch, Region::Box, |[a, b, c]| ([b, c * a, -b * a], [[b, 0.0, 0.0]]));
-}
-
-#[test]
-fn poisson3() {
     // The paper's third component is cos y₁ − cos y₃; B∇H says cos y₁ − cos y₂.
     compare(&Poisson3::new(0.7).unwrap(), Region::Box, |y| {
         let [a, b, c] = y.map(f64::cos);

@@ -13,15 +13,23 @@ const POINTS: usize = 500;
 /// to the sum of the absolute values.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
+/// The largest defect at random points.
+fn worst<const D: usize>(
+    region: Region,
+    seed: u64,
+    defect: impl Fn([f64; D], &mut Numbers) -> f64,
+) -> f64 {
+    let mut numbers = Numbers(seed);
+    (0..POINTS).map(|_| defect(region.point(&mut numbers), &mut numbers)).fold(0.0, f64::max)
+}
+
 /// Largest |vᵀBv|, relative to its terms.
 fn skew_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     region: Region,
 ) -> f64 {
-    let mut numbers = Numbers(1);
-    let mut worst = 0.0;
-    for _ in 0..POINTS {
-        let (y, v) = (region.point(&mut numbers), numbers.vector::<D>());
+    worst(region, 1, |y, numbers| {
+        let v = numbers.vector::<D>();
         let (b, field) = (matrix(system, y), system.structure(y, v));
         for i in 0..D {
             // It is a matrix. An infinite entry is no round-off.
@@ -29,9 +37,8 @@ fn skew_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
             let defect = (field[i] - dot(b[i], v)).abs();
             assert!(defect <= ROUND_OFF * terms && terms.is_finite(), "{}", system.name());
         }
-        worst = f64::max(worst, dot(v, field).abs() / size(v, b, v));
-    }
-    worst
+        dot(v, field).abs() / size(v, b, v)
+    })
 }
 
 /// Largest |∇CᵀBv|, relative to its terms.
@@ -40,15 +47,10 @@ fn casimir_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     region: Region,
     index: usize,
 ) -> f64 {
-    let mut numbers = Numbers(2);
-    let mut worst = 0.0;
-    for _ in 0..POINTS {
-        let (y, v) = (region.point(&mut numbers), numbers.vector::<D>());
-        let slope = invariant_gradient(system, index, y);
-        let defect = dot(slope, system.structure(y, v));
-        worst = f64::max(worst, defect.abs() / size(slope, matrix(system, y), v));
-    }
-    worst
+    worst(region, 2, |y, numbers| {
+        let (v, slope) = (numbers.vector::<D>(), invariant_gradient(system, index, y));
+        dot(slope, system.structure(y, v)).abs() / size(slope, matrix(system, y), v)
+    })
 }
 
 /// Largest |∇F·B∇h|, relative to its terms, for random weights of drift and noise.
@@ -57,17 +59,12 @@ fn energy_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     region: Region,
     index: usize,
 ) -> f64 {
-    let mut numbers = Numbers(3);
-    let mut worst = 0.0;
-    for _ in 0..POINTS {
-        let y = region.point(&mut numbers);
+    worst(region, 3, |y, numbers| {
         let (dt, dw) = (numbers.next(), numbers.vector());
         let slope = invariant_gradient(system, index, y);
-        let defect = dot(slope, vector_field(system, y, dt, dw));
         let terms = size(slope, matrix(system, y), system.gradient(y, dt, dw));
-        worst = f64::max(worst, defect.abs() / terms);
-    }
-    worst
+        dot(slope, vector_field(system, y, dt, dw)).abs() / terms
+    })
 }
 
 /// Largest |∇F·y − pF|, relative to its terms: Euler's identity.
@@ -77,16 +74,12 @@ fn degree_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     index: usize,
     degree: f64,
 ) -> f64 {
-    let mut numbers = Numbers(4);
-    let mut worst = 0.0;
-    for _ in 0..POINTS {
-        let y: [f64; D] = region.point(&mut numbers);
+    worst(region, 4, |y: [f64; D], _| {
         let slope = invariant_gradient(system, index, y);
         let value = degree * system.invariant(index, y);
         let terms: f64 = (0..D).map(|i| (slope[i] * y[i]).abs()).sum();
-        worst = f64::max(worst, (dot(slope, y) - value).abs() / terms);
-    }
-    worst
+        (dot(slope, y) - value).abs() / terms
+    })
 }
 
 struct Claims {

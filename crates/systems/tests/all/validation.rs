@@ -19,27 +19,26 @@ fn named(error: SystemError, name: &str, value: f64) {
     assert_eq!(boxed.to_string(), text);
 }
 
-fn not_finite<T: std::fmt::Debug>(name: &str, make: impl Fn(f64) -> Result<T, SystemError>) {
-    for bad in NOT_FINITE {
+/// Refuses every `bad` value, since it must be something else, and takes every `good` one.
+fn refuses<T: std::fmt::Debug>(
+    (name, what): (&str, &str),
+    (bad, good): (&[f64], &[f64]),
+    make: impl Fn(f64) -> Result<T, SystemError>,
+) {
+    for &bad in bad {
         let error = make(bad).unwrap_err();
-        assert!(matches!(error, SystemError::Parameter { must: "finite", .. }), "{error:?}");
+        assert!(matches!(error, SystemError::Parameter { must, .. } if must == what), "{error:?}");
         named(error, name, bad);
     }
-    for good in [-1.5, 0.0, 2.0] {
-        assert!(make(good).is_ok());
-    }
+    assert!(good.iter().all(|&good| make(good).is_ok()));
+}
+
+fn not_finite<T: std::fmt::Debug>(name: &str, make: impl Fn(f64) -> Result<T, SystemError>) {
+    refuses((name, "finite"), (&NOT_FINITE, &[-1.5, 0.0, 2.0]), make);
 }
 
 fn not_positive<T: std::fmt::Debug>(name: &str, make: impl Fn(f64) -> Result<T, SystemError>) {
-    for bad in NOT_POSITIVE {
-        let error = make(bad).unwrap_err();
-        assert!(
-            matches!(error, SystemError::Parameter { must: "positive and finite", .. }),
-            "{error:?}"
-        );
-        named(error, name, bad);
-    }
-    assert!(make(0.5).is_ok());
+    refuses((name, "positive and finite"), (&NOT_POSITIVE, &[0.5]), make);
 }
 
 #[test]
@@ -48,10 +47,6 @@ fn systems_refuse_parameters() {
     not_finite("c", Poisson3::new);
     not_finite("c", |c| RigidBodyEnergy::new([2.0, 1.0, 0.5], c));
     not_finite("c must", LotkaVolterra::<2, 2>::new);
-}
-
-#[test]
-fn moments_of_inertia_are_positive() {
     for i in 0..3 {
         let with = |value| {
             let mut inertia = [2.0, 1.0, 0.5];
@@ -98,46 +93,34 @@ fn dampings_say_what_they_are() {
 }
 
 #[test]
-fn problems_refuse_initial_values() {
+fn problems_refuse_initial_values_and_final_times() {
     let damping = Constant::new(1.0).unwrap();
-    for bad in NOT_FINITE {
-        for i in 0..3 {
-            let mut y0 = [1.0, 2.0, 3.0];
+    let populations = LotkaVolterra::<1, 1>::new(1.0).unwrap();
+    let outside = |error: SystemError, i: usize, name: &str, bad: f64| {
+        let component =
+            matches!(error, SystemError::OutsideDomain { component, .. } if component == i + 1);
+        assert!(component, "{error:?}");
+        named(error, name, bad);
+    };
+    for i in 0..3 {
+        let with = |mut y0: [f64; 3], bad: f64| {
             y0[i] = bad;
+            y0
+        };
+        for bad in NOT_FINITE {
+            let y0 = with([1.0, 2.0, 3.0], bad);
             let error = Problem::new(MaxwellBloch, damping, y0, 1.0).unwrap_err();
-            assert!(
-                matches!(error, SystemError::OutsideDomain { component: c, .. } if c == i + 1),
-                "{error:?}"
-            );
-            named(error, &format!("y{}", i + 1), bad);
+            outside(error, i, &format!("y{}", i + 1), bad);
+        }
+        for bad in [0.0, -0.25] {
+            let y0 = with([0.2, 0.4, 0.6], bad);
+            let error = Problem::new(populations, damping, y0, 1.0).unwrap_err();
+            outside(error, i, "y1 > 0, y2 > 0 and y3 > 0", bad);
         }
     }
-}
-
-#[test]
-fn problems_refuse_final_times() {
-    let damping = Constant::new(1.0).unwrap();
     for bad in NOT_POSITIVE {
         let error = Problem::new(MaxwellBloch, damping, [1.0, 2.0, 3.0], bad).unwrap_err();
         named(error, "the final time T must be positive and finite", bad);
-    }
-}
-
-#[test]
-fn populations_are_positive() {
-    let damping = Constant::new(1.0).unwrap();
-    for bad in [0.0, -0.25] {
-        for i in 0..3 {
-            let mut y0 = [0.2, 0.4, 0.6];
-            y0[i] = bad;
-            let populations = LotkaVolterra::<1, 1>::new(1.0).unwrap();
-            let error = Problem::new(populations, damping, y0, 1.0).unwrap_err();
-            assert!(
-                matches!(error, SystemError::OutsideDomain { component: c, .. } if c == i + 1),
-                "{error:?}"
-            );
-            named(error, "y1 > 0, y2 > 0 and y3 > 0", bad);
-        }
     }
     assert!(Problem::new(LotkaVolterra::<2, 2>::new(1.0).unwrap(), damping, [0.2; 3], 1.0).is_ok());
 }
