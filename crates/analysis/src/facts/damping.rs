@@ -97,6 +97,8 @@ impl fmt::Display for DampingIntegral {
 
 #[cfg(test)]
 mod tests {
+    use systems::{Cosine, DampingFunction};
+
     use super::*;
 
     /// A rate and an integral that need not belong together.
@@ -181,6 +183,70 @@ mod tests {
         assert!(nothing.none && nothing.finite && nothing.agrees.holds());
         let integral = of(|_| 0.0, |a, b| b - a, 1.0);
         assert!(!integral.none && integral.relative == f64::INFINITY, "{integral:?}");
+        assert_eq!(integral.agrees, Status::Fails);
         assert!(!of(|t| 0.5 / t.sqrt(), |a, b| b.sqrt() - a.sqrt(), 1.0).finite);
+        let nowhere = of(|t| if t > 0.5 { f64::NAN } else { 1.0 }, |a, b| b - a, 1.0);
+        assert_eq!(nowhere.agrees, Status::Fails, "{nowhere:?}");
+    }
+
+    /// A pulse of the integral 1.5 from `start` on, of this width, with its integral.
+    fn pulse(start: f64, width: f64) -> impl Damping {
+        let height = 1.5 / width;
+        let rate = move |t: f64| if t >= start && t < start + width { height } else { 0.0 };
+        let until = move |t: f64| height * (t - start).clamp(0.0, width);
+        Given(rate, move |a, b| until(b) - until(a))
+    }
+
+    #[test]
+    fn a_pulse_that_a_quadrature_misses_is_seen_and_its_integral_is_no_mistake() {
+        for (start, width) in [(0.37, 1e-4), (0.123_456, 1e-3), (0.5, 0.01), (0.6123, 0.3)] {
+            let right = DampingIntegral::of(&pulse(start, width), 1.0);
+            assert_eq!(right.agrees, Status::Holds, "{start} {width}: {right}");
+            let pulse = pulse(start, width);
+            let missed = DampingFunction::new(move |t| pulse.rate(t), 8).unwrap();
+            let missed = DampingIntegral::of(&missed, 1.0);
+            assert_eq!(missed.agrees, Status::Unknown, "{start} {width}: {missed}");
+            assert!((missed.expected - 1.5).abs() < 1e-9, "{missed}");
+            assert!(missed.to_string().contains("DISAGREE"));
+        }
+    }
+
+    #[test]
+    fn what_the_quadrature_misses_is_no_mistake() {
+        let judge = |damping: &dyn Damping, resolved: bool| {
+            let found = DampingIntegral::of(damping, 1.0);
+            assert_ne!(found.agrees, Status::Fails, "{found:?}");
+            assert!(!resolved || found.agrees == Status::Holds, "{found:?}");
+        };
+        // Pulses far narrower than the distance of the nodes.
+        for width in [1e-6, 1e-7, 1e-8, 1e-9, 1e-12] {
+            judge(&pulse(0.371_23, width), width >= 1e-8);
+        }
+        // Oscillations faster than the nodes.
+        for frequency in [1e4, 1e5, 1e6, 1e8] {
+            judge(&Cosine::new(1.0, frequency).unwrap(), frequency <= 1e5);
+        }
+        for periods in [4.0, 1024.0, 3000.0, 1e5] {
+            let on = move |t: f64| if (t * periods).fract() < 0.5 { 2.0 } else { 0.0 };
+            let until = move |t: f64| {
+                let x = t * periods;
+                (x.floor() + (2.0 * x.fract()).min(1.0)) / periods
+            };
+            judge(&Given(on, move |a, b| until(b) - until(a)), false);
+        }
+    }
+
+    #[test]
+    fn a_wrong_integral_is_still_a_mistake() {
+        for factor in [1.01, 1.0 + 1e-5, 0.0, -1.0] {
+            let until = |t: f64| t + t * t * t / 3.0;
+            let smooth = Given(|t: f64| 1.0 + t * t, move |a, b| factor * (until(b) - until(a)));
+            let until = |t: f64| (30.0 * t).sin() / 30.0;
+            let wave = Given(|t: f64| (30.0 * t).cos(), move |a, b| factor * (until(b) - until(a)));
+            for damping in [&smooth as &dyn Damping, &wave] {
+                let found = DampingIntegral::of(damping, 1.0);
+                assert_eq!(found.agrees, Status::Fails, "{factor}: {found:?}");
+            }
+        }
     }
 }

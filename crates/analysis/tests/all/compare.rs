@@ -21,7 +21,7 @@ fn settings(error: f64, seed: u64) -> CompareSettings {
 }
 
 /// These schemes against a reference, with its comparison.
-fn try_compared(
+fn compared(
     problem: &Problem,
     reference: &dyn Scheme,
     schemes: &[&dyn Scheme],
@@ -31,15 +31,6 @@ fn try_compared(
     let none = Candidates::against(scheme(reference));
     let all = schemes.iter().fold(none, |all, one| all.and(scheme(*one)));
     compare(&mc::Problem::at_run_time(problem), &all, settings)
-}
-
-fn compared(
-    problem: &Problem,
-    reference: &dyn Scheme,
-    schemes: &[&dyn Scheme],
-    settings: &CompareSettings,
-) -> Comparison {
-    try_compared(problem, reference, schemes, settings).unwrap()
 }
 
 fn names(comparison: &Comparison) -> Vec<&str> {
@@ -96,7 +87,7 @@ fn intervals_contain_the_strong_errors_that_are_known() {
     let schemes: [&dyn Scheme; 4] = [&Sexp, &Midpoint, &Heun, &EulerMaruyama];
     let (mut points, mut misses) = (0, Vec::new());
     for seed in 1..=6 {
-        let comparison = compared(&problem, &Sexp, &schemes, &settings(0.02, seed));
+        let comparison = compared(&problem, &Sexp, &schemes, &settings(0.02, seed)).unwrap();
         assert!(comparison.recommended().is_some(), "{comparison}");
         for (one, a) in comparison.candidates.iter().zip([cayley, cayley, heun, em]) {
             // Truncated increments are those of coarse steps.
@@ -197,7 +188,7 @@ fn a_wrong_scheme_is_not_recommended_and_a_wrong_reference_is_named() {
     let failing = Wrong { correction: f64::NAN, damping: 1.0 };
     let li = SexpLi::at_run_time(problem.system(), false).unwrap();
     let settings = settings(0.02, 1);
-    let comparison = compared(&problem, &Midpoint, &[&wrong, &failing, &li], &settings);
+    let comparison = compared(&problem, &Midpoint, &[&wrong, &failing, &li], &settings).unwrap();
     let [first, second, third] = &comparison.candidates[..] else { panic!() };
     assert!(matches!(first.outcome, Outcome::Inconsistent(_)), "{comparison}");
     assert!(matches!(second.outcome, Outcome::Fails(_)), "{comparison}");
@@ -206,11 +197,11 @@ fn a_wrong_scheme_is_not_recommended_and_a_wrong_reference_is_named() {
     // No path of the others is lost to the scheme that fails.
     assert_eq!(comparison.sampled.failed, 0);
 
-    let comparison = compared(&problem, &wrong, &[&Sexp], &settings);
+    let comparison = compared(&problem, &wrong, &[&Sexp], &settings).unwrap();
     assert!(matches!(comparison.choice, Choice::WrongReference(_)), "{comparison}");
     assert!(comparison.recommended().is_none());
     assert!(comparison.to_string().contains("converges to something else"), "{comparison}");
-    let refused = try_compared(&problem, &failing, &[&Sexp], &settings).unwrap_err();
+    let refused = compared(&problem, &failing, &[&Sexp], &settings).unwrap_err();
     assert!(matches!(refused, CompareError::Reference { .. }), "{refused}");
 }
 
@@ -285,7 +276,7 @@ fn what_was_not_reached_is_extrapolated_and_marked() {
 fn a_scheme_that_keeps_more_is_taken_and_the_words_say_so() {
     let pendulum = texts("p q", &["-1"], "p^2/2 - cos(q)", &["0.5*(p^2/2 - cos(q))"]);
     let pendulum = problem(&pendulum, 0.3, &[0.2, 1.0], 1.0);
-    let found = compared(&pendulum, &Sexp, &[&Heun, &Sexp], &settings(0.01, 1));
+    let found = compared(&pendulum, &Sexp, &[&Heun, &Sexp], &settings(0.01, 1)).unwrap();
     let Choice::Take { scheme: taken, cheapest } = found.choice else { panic!("{found}") };
     let [heun, sexp] = &found.candidates[..] else { panic!("{found}") };
     assert!(!heun.keeps.conformal && sexp.keeps.conformal && sexp.keeps > heun.keeps);
@@ -302,7 +293,7 @@ fn a_scheme_that_keeps_more_is_taken_and_the_words_say_so() {
 fn bad_requests_are_refused_and_the_value_is_named() {
     let (problem, right) = (kubo(OMEGA, SIGMA), settings(0.01, 1));
     let refused = |settings: CompareSettings| {
-        try_compared(&problem, &Sexp, &[&Heun], &settings).unwrap_err().to_string()
+        compared(&problem, &Sexp, &[&Heun], &settings).unwrap_err().to_string()
     };
     for error in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
         let words = format!("the wanted error must be positive and finite, got {error}");
@@ -312,8 +303,8 @@ fn bad_requests_are_refused_and_the_value_is_named() {
     assert_eq!(message, "the budget must be positive and finite, got -2");
     let message = refused(CompareSettings { samples: 31, ..right });
     assert_eq!(message, "the number of paths must be at least 32, got 31");
-    let none = try_compared(&problem, &Sexp, &[], &right).unwrap_err();
+    let none = compared(&problem, &Sexp, &[], &right).unwrap_err();
     assert_eq!(none.to_string(), "the number of schemes must be at least one, got 0");
-    let refused = try_compared(&pushed(1e300), &Sexp, &[&Heun], &right).unwrap_err().to_string();
+    let refused = compared(&pushed(1e300), &Sexp, &[&Heun], &right).unwrap_err().to_string();
     assert!(refused.starts_with("the final time must be below 1e9"), "{refused}");
 }

@@ -3,8 +3,8 @@
 use analysis::inspect::{Applies, InspectError, InspectSettings, Inspection};
 use real::{Real, elementary};
 use systems::{
-    Constant, Form, Invariant, InvariantKind, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine, SystemError,
+    Constant, Form, HamiltonianIncrement, Invariant, InvariantKind, LotkaVolterra, MaxwellBloch,
+    Pendulum, Poisson3, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine, SystemError,
 };
 
 use super::{
@@ -242,7 +242,7 @@ impl PoissonSystem<3, 3> for Spoiled {
         }
     }
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
-        let mut gradient = real::gradient(&Energy { system: self, dt, dw }, y);
+        let mut gradient = real::gradient(&HamiltonianIncrement { system: self, dt, dw }, y);
         if self.0 == Fault::Gradient {
             gradient[1] = gradient[1] * 1.000_001;
         }
@@ -251,7 +251,7 @@ impl PoissonSystem<3, 3> for Spoiled {
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
         let at = if self.0 == Fault::OneSided { b } else { dgrad::midpoint(a, b) };
         let dt = if self.0 == Fault::AveragedGradient { 1.01 * dt } else { dt };
-        real::gradient(&Energy { system: self, dt, dw }, at)
+        real::gradient(&HamiltonianIncrement { system: self, dt, dw }, at)
     }
     fn averaged_field<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
         let at = if self.0 == Fault::AveragedField { a } else { dgrad::midpoint(a, b) };
@@ -303,18 +303,6 @@ impl PoissonSystem<3, 3> for Spoiled {
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
         let refused = SystemError::OutsideDomain { component: 1, value: y[0], domain: "nothing" };
         if self.0 == Fault::Nowhere { Err(refused) } else { Ok(()) }
-    }
-}
-
-struct Energy<'a> {
-    system: &'a Spoiled,
-    dt: f64,
-    dw: [f64; 3],
-}
-
-impl real::ScalarFunction<3> for Energy<'_> {
-    fn value<R: Real>(&self, y: [R; 3]) -> R {
-        self.system.energy(y, self.dt, self.dw)
     }
 }
 
