@@ -7,5 +7,4 @@ mod defaults;
 mod gallery;
 mod parts;
 mod results;
-mod statistics;
 mod truths;
