@@ -379,13 +379,8 @@ mod tests {
         }
         assert_eq!(approach(f64::NAN).verdict(), Undecided);
         // Orders are held to both sides or one, and a wrong limit refutes.
-        for (evidence, verdicts) in [
-            (order(range, 1.0, None), [Holds, Holds]),
-            (order(range, 0.5, None), [Refuted, Holds]),
-            (order(range, 1.5, None), [Refuted, Refuted]),
-            (order(None, 1.0, None), [Undecided, Undecided]),
-            (order(range, 1.0, Some(0.25)), [Refuted, Refuted]),
-        ] {
+        for (wrong_limit, verdicts) in [(None, [Refuted, Holds]), (Some(0.25), [Refuted; 2])] {
+            let evidence = order(range, 0.5, wrong_limit);
             assert_eq!(evidence.each_ref().map(Evidence::verdict), verdicts, "{evidence:?}");
         }
     }

@@ -73,9 +73,9 @@ pub fn followed(
     table.times().iter().enumerate().map(|(n, &t)| (t, state(n))).collect()
 }
 
-/// |y − x|².
-pub fn squared_distance(y: &[f64], x: &[f64]) -> f64 {
-    y.iter().zip(x).map(|(y, x)| (y - x) * (y - x)).sum()
+/// |y − x|.
+pub fn distance(y: &[f64], x: &[f64]) -> f64 {
+    y.iter().zip(x).map(|(y, x)| (y - x) * (y - x)).sum::<f64>().sqrt()
 }
 
 /// The truncation of the reproduction.

@@ -8,7 +8,7 @@ pub struct Exact<'a> {
     /// The random time, carried along each path.
     pub time_change: &'a dyn TimeChange,
     /// y(T) as a function of the random time at T.
-    pub solution: Box<dyn Fn(f64) -> Vec<f64> + Sync + 'a>,
+    solution: Box<dyn Fn(f64) -> Vec<f64> + Sync + 'a>,
 }
 
 impl<'a> Exact<'a> {
@@ -22,7 +22,7 @@ impl<'a> Exact<'a> {
     }
 
     /// The solutions of the paths of a block that are live; zero on the others.
-    pub(super) fn rows(&self, view: &View<'_>, dimension: usize) -> Vec<Row> {
+    pub fn rows(&self, view: &View<'_>, dimension: usize) -> Vec<Row> {
         let mut rows = vec![[0.0; WIDTH]; dimension];
         for p in view.live.paths() {
             let solution = (self.solution)(view.random_time[p]);

@@ -90,11 +90,9 @@ impl StrongPanel<'_> {
                 when.extend(times.into_iter().enumerate().map(|(s, time)| (time, first(s), sizes)));
             }
         }
-        let solution = self.exact.as_ref().map(|exact| &*exact.solution);
+        let exact = self.exact.as_ref();
         let squares = when.iter().map(|&(_, first, runs)| {
-            move |view: &View<'_>, rows: &mut [Row]| {
-                write_squares(first, runs, solution, view, rows)
-            }
+            move |view: &View<'_>, rows: &mut [Row]| write_squares(first, runs, exact, view, rows)
         });
         let squares: Vec<_> = squares.collect();
         let statistic = || -> Vec<_> {
@@ -222,20 +220,16 @@ pub fn finest_steps(last: u32, t_end: f64) -> u64 {
 fn write_squares(
     first: usize,
     runs: usize,
-    solution: Option<&(dyn Fn(f64) -> Vec<f64> + Sync)>,
+    exact: Option<&Exact<'_>>,
     view: &View<'_>,
     rows: &mut [Row],
 ) {
-    let mut reference = view.state(0).to_vec();
-    if let Some(solution) = solution {
-        for p in view.live.paths() {
-            let exact = solution(view.random_time[p]);
-            reference.iter_mut().zip(exact).for_each(|(row, x)| row[p] = x);
-        }
-    }
+    let finest = view.state(0);
+    let solution = exact.map(|exact| exact.rows(view, finest.len()));
+    let reference = solution.as_deref().unwrap_or(finest);
     for r in 0..runs {
         let run = first + r;
-        rows[r] = squared_distance(view.state(run), &reference, view.live);
+        rows[r] = squared_distance(view.state(run), reference, view.live);
         let clips = |p| if view.clipped[run].contains(p) { rows[r][p] } else { 0.0 };
         rows[2 * runs - 1 + r] = std::array::from_fn(clips);
         if r + 1 < runs {

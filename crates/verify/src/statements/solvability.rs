@@ -17,7 +17,7 @@ use systems::{
 
 use crate::{
     Conditions, Findings, TRUNCATION_ORDER,
-    experiment::squared_distance,
+    experiment::distance,
     results::{Bounded, Claim, Evidence},
     truncation,
 };
@@ -55,7 +55,6 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
     let mut point = || -> [f64; D] { std::array::from_fn(|_| noise.normal() * SPREAD) };
     let pairs = conditions.choose(5_000, 500);
     let (mut quotient, mut apart) = (0.0, 0.0);
-    let between = |a: [f64; D], b: [f64; D]| squared_distance(&a, &b).sqrt();
     for pair in 0..pairs {
         let (z_hat, mut one, mut other) = (point(), point(), point());
         // Increments sweep the whole truncated range, its ends included.
@@ -65,13 +64,13 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
             let change = system.averaged_field(z_hat, z, tau, [dw]);
             std::array::from_fn(|i| z_hat[i] + change[i])
         };
-        let distance = between(one, other);
-        quotient = worse(quotient, between(psi(one), psi(other)) / distance);
+        let before = distance(&one, &other);
+        quotient = worse(quotient, distance(&psi(one), &psi(other)) / before);
         // Cⁿ·distance below round-off.
-        for _ in 0..(ln(AGREEMENT * 1e-3 / distance) / ln(lipschitz)).ceil() as u32 {
+        for _ in 0..(ln(AGREEMENT * 1e-3 / before) / ln(lipschitz)).ceil() as u32 {
             (one, other) = (psi(one), psi(other));
         }
-        apart = worse(apart, between(one, other));
+        apart = worse(apart, distance(&one, &other));
     }
     let words = format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}");
     let limits = format!("largest distance between limits from {pairs} pairs of starts");

@@ -16,7 +16,7 @@ use systems::paper::{maxwell_bloch, pendulum, poisson3_strong, rigid_body_three_
 use crate::{
     Compiled, Conditions, Findings, altered,
     conformal_law::{ROUND_OFF, largest_defect},
-    experiment::{Path, followed, squared_distance},
+    experiment::{Path, distance, followed},
     results::{Bounded, Claim, Evidence},
     truncation,
 };
@@ -91,7 +91,7 @@ pub fn keeps_casimir(conditions: &Conditions, part: u64, mut setup: Setup<'_>) -
     let [clipped, free] = [truncation(), Truncation::none()]
         .map(|truncation| followed(&setup, LONG_STEPS, truncation, conditions.key(part), 0));
     let words = format!("what clipping increments would change at τ = {LONG_STEP}");
-    quantities.push(Bounded::at_most(words, distance(&clipped, &free), 0.0));
+    quantities.push(Bounded::at_most(words, apart(&clipped, &free), 0.0));
     let statement = format!(
         "{}: every step is solved and the Casimir obeys the conformal law for any increments, of \
          which none is clipped",
@@ -101,9 +101,8 @@ pub fn keeps_casimir(conditions: &Conditions, part: u64, mut setup: Setup<'_>) -
 }
 
 /// How far apart two paths end.
-fn distance(one: &Path, other: &Path) -> f64 {
-    let [one, other] = [one, other].map(|path| &path[path.len() - 1].1);
-    squared_distance(one, other).sqrt()
+fn apart(one: &Path, other: &Path) -> f64 {
+    distance(&one[one.len() - 1].1, &other[other.len() - 1].1)
 }
 
 /// Steps of the coarsest of three runs.
@@ -115,7 +114,7 @@ pub fn order_two(conditions: &Conditions, _part: u64, setup: Setup<'_>) -> Claim
     let setup = scaled(setup, 0.0);
     let [coarse, middle, fine] =
         [1, 2, 4].map(|finer| conditions.path(0, &setup, finer * COARSE, 0));
-    let order = (distance(&coarse, &middle) / distance(&middle, &fine)).log2();
+    let order = (apart(&coarse, &middle) / apart(&middle, &fine)).log2();
     let words = format!("order from {COARSE}, {} and {} steps", 2 * COARSE, 4 * COARSE);
     let quantities =
         vec![Bounded::at_least(words.clone(), order, 1.75), Bounded::at_most(words, order, 2.25)];
