@@ -59,7 +59,7 @@ pub fn rows(tally: &mut Tally) {
         // As if the tail below the finest step had no error.
         let [before, finest] = [taus.len() - 2, taus.len() - 1];
         let value = differences[before].mean(0) + 2.0 * differences[finest].mean(0);
-        let se = differences[before].covariance_of_means(0, 0).sqrt();
+        let se = differences[before].standard_error(0);
         let [coarse_covers, ..] = point_checks(points.first(), truth(0));
         let [fine_covers, ..] = point_checks(points.last(), truth(finest));
         let without_tail = "weak point, finest but one, with the reference taken for exact";

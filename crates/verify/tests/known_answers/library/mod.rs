@@ -66,14 +66,6 @@ pub enum Stated {
 const ROUNDING: f64 = 1e-13;
 
 impl Stated {
-    fn order(order: f64) -> Self {
-        Self::Interval(order, order)
-    }
-
-    fn undecided(reason: impl Display) -> Self {
-        Self::Undecided(reason.to_string())
-    }
-
     /// Whether something false is stated.
     fn misses(&self, truth: Truth) -> bool {
         match (self, truth) {
@@ -91,7 +83,7 @@ type Answer = (Stated, u64);
 
 /// Of a question that is refused.
 fn refused(error: impl Display) -> Answer {
-    (Stated::undecided(error), 0)
+    (Stated::Undecided(error.to_string()), 0)
 }
 
 /// Answers with the noise of a key.
@@ -241,9 +233,9 @@ struct How {
     steps: u64,
 }
 
-impl How {
-    /// With eight coarsest steps.
-    fn to(accuracy: f64) -> Self {
+/// With eight coarsest steps.
+impl From<f64> for How {
+    fn from(accuracy: f64) -> Self {
         Self { accuracy, steps: 8 }
     }
 }
@@ -268,14 +260,14 @@ fn expected<S, X, const D: usize, const M: usize>(
     scheme: X,
     problem: Problem<S, Rate, D>,
     function: fn([f64; D]) -> f64,
-    how: How,
+    how: impl Into<How>,
     truth: f64,
 ) -> Entry
 where
     S: Chosen<D, M> + Clone + 'static,
     X: Scheme<S, D, M> + 'static,
 {
-    let observable = Observable { name: "φ", function };
+    let (observable, how) = (Observable { name: "φ", function }, how.into());
     let answer = move |expect: Expect<'_>| match expect.run(&[&observable], how.accuracy, &|_| ()) {
         Ok(result) => (stated(&result), result.cost),
         Err(error) => refused(error),

@@ -4,7 +4,7 @@
 use schemes::{EulerMaruyama, Heun, Sexp};
 
 use super::{
-    Entry, How, expected, indicator,
+    Entry, expected, indicator,
     law::{Normal, above},
     system::{Plane, Rate, UNDAMPED, growth, integrated, kubo, problem},
 };
@@ -15,7 +15,7 @@ const ROOT: f64 = 1.189_207_115_002_721 * 1.225_416_702_465_177_6 / 1.772_453_85
 pub fn entries() -> Vec<Entry> {
     let sexp = Sexp;
     let walk = |kind, name, function, accuracy, truth| {
-        expected((kind, name), sexp, integrated(), function, How::to(accuracy), truth)
+        expected((kind, name), sexp, integrated(), function, accuracy, truth)
     };
     // dp = −q dt − γp dt + dW, dq = p dt − γq dt. With a = b = ω the state is e^{−γT} times y₀
     // turned, plus a normal of covariance ∫ e^{−2γs}(sin² ωs, sin ωs cos ωs; cos² ωs) ds.
@@ -38,19 +38,12 @@ pub fn entries() -> Vec<Entry> {
     let distance = s * (2.0 / std::f64::consts::PI).sqrt() * (-0.5 * m * m / (s * s)).exp()
         + m * (1.0 - 2.0 * above(m / s));
     let heun = |name, rate, function, accuracy, truth| {
-        expected(("geometric", name), Heun, growth(rate), function, How::to(accuracy), truth)
+        expected(("geometric", name), Heun, growth(rate), function, accuracy, truth)
     };
     // ln x = bT + βW and ln y = −aT − αW − ∫γ.
     let x = Normal::new(0.3, 0.36);
     vec![
-        expected(
-            ("additive noise", "(∫W)²"),
-            Heun,
-            integrated(),
-            |y| y[0] * y[0],
-            How::to(0.01),
-            1.0 / 3.0,
-        ),
+        expected(("additive noise", "(∫W)²"), Heun, integrated(), |y| y[0] * y[0], 0.01, 1.0 / 3.0),
         // E|q|^½ = (1/3)^{1/4} E|N|^½: a cusp where the density is largest.
         walk("kinks", "|∫W|^½", |y| y[0].abs().sqrt(), 0.01, (1.0f64 / 3.0).powf(0.25) * ROOT),
         // E p² = mean² + variance.
@@ -59,7 +52,7 @@ pub fn entries() -> Vec<Entry> {
             sexp,
             langevin.clone(),
             |y| y[1] * y[1],
-            How::to(0.01),
+            0.01,
             p.mean * p.mean + p.deviation * p.deviation,
         ),
         expected(
@@ -67,7 +60,7 @@ pub fn entries() -> Vec<Entry> {
             sexp,
             relaxed,
             |y| (y[1] - 0.5).abs(),
-            How::to(0.01),
+            0.01,
             distance,
         ),
         heun("x, Heun", UNDAMPED, |y| y[0], 0.02, x.exp(1.0)),
@@ -76,7 +69,7 @@ pub fn entries() -> Vec<Entry> {
             EulerMaruyama,
             growth(UNDAMPED),
             |y| indicator(y[0] > 2.0),
-            How::to(0.02),
+            0.02,
             x.above(2.0f64.ln()),
         ),
     ]
@@ -87,19 +80,12 @@ pub fn rare_entries() -> Vec<Entry> {
     let sexp = Sexp;
     let walk = problem(Plane::additive(0.0, 0.0), UNDAMPED, [0.0; 2], 1.0);
     let w = |name, function, accuracy, truth| {
-        expected(("rare events", name), sexp, walk.clone(), function, How::to(accuracy), truth)
+        expected(("rare events", name), sexp, walk.clone(), function, accuracy, truth)
     };
     // cos θ below −x, for θ of variance σ².
     let q = |name, sigma, function, x: f64| {
         let truth = 1.0 - Normal::new(0.0, sigma * sigma).cos_above(-x);
-        expected(
-            ("rare events", name),
-            sexp,
-            kubo(0.0, sigma, 1.0),
-            function,
-            How::to(0.004),
-            truth,
-        )
+        expected(("rare events", name), sexp, kubo(0.0, sigma, 1.0), function, 0.004, truth)
     };
     vec![
         w("W > 2.33", |y| indicator(y[1] > 2.33), 5e-3, above(2.33)),

@@ -52,9 +52,9 @@ fn order_entry<E: Display>(
             Err(error) => return refused(error),
         };
         let stated = match order.decision {
-            Decision::Order { order, .. } => Stated::order(order),
+            Decision::Order { order, .. } => Stated::Interval(order, order),
             Decision::WrongLimit => Stated::NoOrder,
-            decision => Stated::undecided(decision),
+            decision => Stated::Undecided(decision.to_string()),
         };
         (stated, sizes.samples * 2 * sizes.reference_steps())
     };

@@ -9,7 +9,7 @@
 use schemes::{Sexp, SexpLevy};
 
 use super::{
-    Entry, How, expected,
+    Entry, expected,
     law::Normal,
     system::{Body, Rate, START, on_sphere, problem},
 };
@@ -24,7 +24,7 @@ pub fn entries() -> Vec<Entry> {
     let first = |y: [f64; 3]| y[0];
     // One noise.
     let one = |kind, name, problem, function, accuracy, truth| {
-        expected((kind, name), sexp, problem, function, How::to(accuracy), truth)
+        expected((kind, name), sexp, problem, function, accuracy, truth)
     };
     // A symmetric top with H₁ = cH₀: θ = (a₃ − a₁)y₃(T + cW).
     let top = Body::top(0.0, 1.4);
@@ -45,10 +45,10 @@ pub fn entries() -> Vec<Entry> {
     let about = Normal::new(0.5 + START[2], (0.8 + 0.5 * START[2]).powi(2));
     // Two noises: Σσσᵀ − |σ|²I = −σ² diag(1, 1, 2).
     let plane = Body::linear([[0.8, 0.0, 0.0], [0.0, 0.8, 0.0]]);
-    let how = How::to(0.005);
+    let accuracy = 0.005;
     let three = |name, sigma: f64, function, truth| {
         let problem = on_sphere(Body::isotropic(sigma));
-        expected(("sphere", name), sexp, problem, function, how, truth)
+        expected(("sphere", name), sexp, problem, function, accuracy, truth)
     };
     let linear = (-0.49f64).exp();
     let third = START[2];
@@ -67,7 +67,7 @@ pub fn entries() -> Vec<Entry> {
             SexpLevy::new(&plane, START),
             on_sphere(plane),
             |y| y[2],
-            How::to(0.01),
+            0.01,
             third * (-0.64f64).exp(),
         ),
         three("y₃, three noises", 0.7, |y| y[2], third * linear),
@@ -77,7 +77,7 @@ pub fn entries() -> Vec<Entry> {
             sexp,
             on_sphere(Body { c: [0.0, 0.0, 2.0], ..Body::isotropic(0.5) }),
             first,
-            How::to(0.01),
+            0.01,
             (-0.25f64).exp() * turned(Normal::new(2.0, 0.0)),
         ),
         // H₁ is a Casimir, which does nothing; and the same with weak noise about the axis of the
