@@ -36,21 +36,16 @@ pub type BodyScheme = dyn Scheme<RigidBody<3>, 3, 3>;
 /// Linear pieces of the noise in a step.
 pub const PIECES: usize = 64;
 
-pub(super) fn of_exact_flow(conditions: &Conditions) -> Findings {
-    remainder_claims(conditions, "local-exact", "the exact flow", exact_remainder).to_vec().into()
-}
-
 /// Both claims about the remainder of a scheme, which the paper proves or does not.
 pub(super) fn of_scheme(conditions: &Conditions, scheme: &BodyScheme, proven: bool) -> Findings {
     let remainder = |tau: f64, pieces: &_| scheme_remainder(scheme, tau, pieces);
-    let claims = remainder_claims(conditions, conditions.id, scheme.id(), remainder);
+    let claims = remainder_claims(conditions, scheme.id(), remainder);
     claims.map(|claim| claim.proven(proven)).to_vec().into()
 }
 
 /// Both claims about a remainder, at steps τ = 2⁻² … 2⁻⁹.
 pub fn remainder_claims(
     conditions: &Conditions,
-    id: &str,
     of: &str,
     remainder: impl Fn(f64, &[Vector; PIECES]) -> Vector,
 ) -> [Claim; 2] {
@@ -84,7 +79,7 @@ pub fn remainder_claims(
         let rate = fit_weak(&taus, &values, &covariance, Against::Exact, every);
         let statement = format!("one-step remainder of {of}: {bound}");
         let measured = Evidence::Order { order, one_sided: false, rate, wrong_limit: None };
-        Claim::new(id, statement, measured)
+        Claim::new(conditions.id, statement, measured)
     })
 }
 
@@ -105,7 +100,7 @@ pub fn difference(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+pub(super) fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     difference(exact_end(tau, pieces), expansion(tau, pieces))
 }
 

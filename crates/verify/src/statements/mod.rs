@@ -8,6 +8,7 @@ pub mod solvability;
 pub mod truncation;
 pub mod without_iteration;
 
+use local::{exact_remainder, remainder_claims};
 use schemes::{Sexp, SexpLi, Split};
 use systems::paper::valid;
 
@@ -19,7 +20,9 @@ pub const STATEMENTS: &[Experiment] = &[
     (&["solvability"], solvability::measure),
     (&["exact-conformal"], exact_conformal::measure),
     (&["moment-bound"], moment_bound::measure),
-    (&["local-exact"], local::of_exact_flow),
+    (&["local-exact"], |conditions| {
+        remainder_claims(conditions, "the exact flow", exact_remainder).to_vec().into()
+    }),
     (&["local-sexp"], |conditions| local::of_scheme(conditions, &Sexp, true)),
     (&["local-sexp-li"], |conditions| {
         let (body, _, y0, _) = local::problem().into_parts();

@@ -2,16 +2,15 @@
 
 use mc::Setup;
 use real::Real;
-use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp};
+use schemes::{Implicit, Increment, Scheme};
 use systems::{
     Damping, Invariant, PoissonSystem, Problem, RigidBody,
-    paper::{lotka_volterra_2_2, rigid_body_three_noises, valid},
+    paper::{rigid_body_three_noises, valid},
 };
 use verify::{
     Conditions,
     conformal_law::{ROUND_OFF, approach, largest_defect},
     results::{Claim, Evidence},
-    statements::{exact_conformal, moment_bound},
 };
 
 /// A system whose discrete gradient is the gradient at the midpoint, and whose last component of
@@ -55,7 +54,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
 }
 
 /// The problem with a wrong system.
-fn wrong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
+pub fn wrong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
     problem: Problem<S, G, 3>,
     last: f64,
 ) -> Problem<WrongSystem<S>, G, 3> {
@@ -67,7 +66,7 @@ fn wrong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
 const STEPS: u64 = 100;
 
 /// The claim of the invariant panels about one scheme, first invariant of the system.
-pub fn obeys_law(conditions: &Conditions, id: &str, setup: &Setup<'_>) -> Claim {
+pub fn obeys_law(conditions: &Conditions, setup: &Setup<'_>) -> Claim {
     let path = conditions.path(0, setup, STEPS, 0);
     let measured = Evidence::Defect {
         invariant: setup.problem.laws[0].name.clone(),
@@ -77,28 +76,17 @@ pub fn obeys_law(conditions: &Conditions, id: &str, setup: &Setup<'_>) -> Claim 
         tolerance: ROUND_OFF,
         obeys: true,
     };
-    Claim::new(id, "the conformal law holds at every step", measured)
+    Claim::new(conditions.id, "the conformal law holds at every step", measured)
 }
 
 /// [`obeys_law`] of the Casimir of the rigid body.
 pub fn casimir(conditions: &Conditions, scheme: &dyn Scheme<RigidBody<3>, 3, 3>) -> Claim {
-    let problem = rigid_body_three_noises(10.0);
-    obeys_law(conditions, "conformal-casimir", &Setup::of(&problem, scheme))
-}
-
-pub fn sign_in_exact_flow(conditions: &Conditions) -> Claim {
-    let problem = wrong::<_, _, 3>(rigid_body_three_noises(1.0), -1.0);
-    exact_conformal::law(conditions, 0, &problem).swap_remove(0)
-}
-
-pub fn sign_in_structure(conditions: &Conditions) -> Claim {
-    let problem = wrong::<_, _, 3>(rigid_body_three_noises(10.0), -1.0);
-    obeys_law(conditions, "conformal-casimir", &Setup::of::<_, _, 3, 3>(&problem, &Sexp))
+    obeys_law(conditions, &Setup::of(&rigid_body_three_noises(10.0), scheme))
 }
 
 /// `sexp` with e^{−∫γ} over the first half for both halves: with δ that factor, the equation of
 /// z = y_{n+1} is z = δ(ẑ + B((ẑ + w)/2)∇̄h(ẑ, w)), ẑ = δy_n, w = z/δ.
-struct FirstHalfTwice;
+pub struct FirstHalfTwice;
 
 impl Implicit for FirstHalfTwice {
     const ID: &'static str = "sexp, first half twice";
@@ -111,13 +99,9 @@ impl Implicit for FirstHalfTwice {
     }
 }
 
-pub fn damping_of_the_wrong_half(conditions: &Conditions) -> Claim {
-    casimir(conditions, &FirstHalfTwice)
-}
-
 /// `sexp` with B at the beginning of the step, z = ẑ + B(ẑ)∇̄h(ẑ, z): the noise is multiplied by
 /// an old state, as in the Itô form.
-struct OldStructure;
+pub struct OldStructure;
 
 impl Implicit for OldStructure {
     const ID: &'static str = "sexp, old structure";
@@ -129,10 +113,6 @@ impl Implicit for OldStructure {
     }
 }
 
-pub fn old_structure(conditions: &Conditions) -> Claim {
-    casimir(conditions, &OldStructure)
-}
-
 pub fn old_structure_at_small_steps(conditions: &Conditions) -> Claim {
     // Up to T = 1: the Casimir of the wrong method drifts away.
     let problem = rigid_body_three_noises(1.0);
@@ -141,16 +121,5 @@ pub fn old_structure_at_small_steps(conditions: &Conditions) -> Claim {
     let largest = largest_defect(&wrong.problem, 0, &path);
     let measured = approach(conditions, &wrong, 0, steps, largest);
     let statement = "the Casimir returns to the conformal law as τ → 0";
-    Claim::new("conformal-casimir", statement, measured)
-}
-
-pub fn midpoint_quadrature(conditions: &Conditions) -> Claim {
-    let problem = wrong::<_, _, 1>(lotka_volterra_2_2(10.0), 1.0);
-    obeys_law(conditions, "energy-balance", &Setup::of::<_, _, 3, 1>(&problem, &Sexp))
-}
-
-pub fn unbounded_scheme(conditions: &Conditions) -> Claim {
-    let problem = moment_bound::undamped();
-    let setup = Setup::of::<_, _, 3, 3>(&problem, &EulerMaruyama);
-    moment_bound::bound(conditions, 0, &setup, 0, 0.5)
+    Claim::new(conditions.id, statement, measured)
 }

@@ -1,12 +1,12 @@
 //! Twins of the convergence orders.
 
-use analysis::{Order, StepSizes, strong_order, weak_order};
+use analysis::{StepSizes, strong_order, weak_order};
 use mc::{Observable, Setup};
 use noise::{Noise, StepNoise, StreamKey, WienerPath};
 use real::WIDTH;
-use schemes::{EulerMaruyama, Explicit, Increment, Scheme, Sexp, SexpLevy, Step};
+use schemes::{Explicit, Increment, Scheme, Sexp, SexpLevy, Step};
 use systems::{
-    Damping, PoissonSystem, Problem,
+    Damping, PoissonSystem, Problem, RigidBody,
     paper::{rigid_body_one_noise, rigid_body_three_noises, valid},
 };
 use verify::{
@@ -22,20 +22,18 @@ fn step_sizes(conditions: &Conditions) -> StepSizes {
     StepSizes { levels: 8, refinement: 2, samples: 512, ..sizes }
 }
 
+/// The strong order one of a scheme.
 pub fn strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions,
-    id: &str,
     problem: &Problem<S, G, D>,
     scheme: &dyn Scheme<S, D, M>,
-    order: f64,
 ) -> Claim {
-    altered_strong(conditions, id, problem, scheme, order, |_, _| ())
+    altered_strong(conditions, problem, scheme, 1.0, |_, _| ())
 }
 
 /// The strong order of a scheme on another noise than it should have.
 fn altered_strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions,
-    id: &str,
     problem: &Problem<S, G, D>,
     scheme: &dyn Scheme<S, D, M>,
     order: f64,
@@ -45,17 +43,13 @@ fn altered_strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     let coarsest_steps = if scheme.reads_areas() { 16 } else { 32 };
     let sizes = StepSizes { coarsest_steps, ..step_sizes(conditions) };
     let setup = altered(Setup::of(problem, scheme), None, change);
-    let measured = valid(strong_order(&setup, &sizes));
-    order_claim(id, &format!("strong order {order}"), measured, order)
-}
-
-fn order_claim(id: &str, statement: &str, measured: Order, order: f64) -> Claim {
-    Claim::new(id, statement, Evidence::of_order(measured, order))
+    let measured = Evidence::of_order(valid(strong_order(&setup, &sizes)), order);
+    Claim::new(conditions.id, format!("strong order {order}"), measured)
 }
 
 /// Euler–Maruyama with the Itô correction taken `factor` times.
-struct Miscorrected {
-    factor: f64,
+pub struct Miscorrected {
+    pub factor: f64,
 }
 
 impl Explicit for Miscorrected {
@@ -69,40 +63,23 @@ impl Explicit for Miscorrected {
     }
 }
 
-pub fn strong_with_correction(conditions: &Conditions, factor: f64) -> Claim {
-    let problem = rigid_body_three_noises(1.0);
-    strong::<_, _, 3, 3>(conditions, "strong-half", &problem, &Miscorrected { factor }, 0.5)
-}
-
-pub fn weak_with_correction(conditions: &Conditions, factor: f64) -> Claim {
+/// The weak order one of it.
+pub fn weak(conditions: &Conditions, factor: f64) -> Claim {
     let observable = Observable { name: "y3", function: |y: [f64; 3]| y[2] };
     let sizes = StepSizes { levels: 6, samples: 2048, ..step_sizes(conditions) };
-    let problem = rigid_body_three_noises(1.0);
-    let wrong = Miscorrected { factor };
+    let (problem, wrong) = (rigid_body_three_noises(1.0), Miscorrected { factor });
     let measured = valid(weak_order(&Setup::of(&problem, &wrong), &observable, &sizes, None));
-    order_claim("weak-one", "weak order 1 for φ = y3", measured, 1.0)
+    let measured = Evidence::of_order(measured, 1.0);
+    Claim::new(conditions.id, "weak order 1 for φ = y3", measured)
 }
 
-/// The strong order of `sexp` on the wrong noise, three of them.
-fn half(
+/// The strong order ½ of a scheme on another noise than it should have, three of them.
+pub fn half(
     conditions: &Conditions,
+    scheme: &dyn Scheme<RigidBody<3>, 3, 3>,
     change: impl Fn(&mut Step, &mut StepNoise) + Send + Sync,
 ) -> Claim {
-    let problem = rigid_body_three_noises(1.0);
-    altered_strong::<_, _, 3, 3>(conditions, "strong-half", &problem, &Sexp, 0.5, change)
-}
-
-pub fn shared_stream(conditions: &Conditions) -> Claim {
-    half(conditions, |_, noise| noise.increments[1] = noise.increments[0])
-}
-
-/// `sexp` on the increments of the neighbouring path: the right law, drawn afresh.
-pub fn fresh_increments(conditions: &Conditions) -> Claim {
-    half(conditions, |_, noise| noise.increments.iter_mut().for_each(|row| row.rotate_left(1)))
-}
-
-pub fn explicit(conditions: &Conditions) -> Claim {
-    strong::<_, _, 3, 1>(conditions, "strong-one", &rigid_body_one_noise(), &EulerMaruyama, 1.0)
+    altered_strong(conditions, &rigid_body_three_noises(1.0), scheme, 0.5, change)
 }
 
 pub fn truncated_too_early(conditions: &Conditions) -> Claim {
@@ -111,7 +88,7 @@ pub fn truncated_too_early(conditions: &Conditions) -> Claim {
         let bound = 0.5 * step.tau.sqrt();
         noise.increments[0].iter_mut().for_each(|dw| *dw = dw.clamp(-bound, bound));
     };
-    altered_strong::<_, _, 3, 1>(conditions, "strong-one", &problem, &Sexp, 1.0, clamp)
+    altered_strong::<_, _, 3, 1>(conditions, &problem, &Sexp, 1.0, clamp)
 }
 
 /// The strong order of `sexp-levy` on the right increments and the wrong areas.
@@ -121,7 +98,7 @@ fn with_areas(
 ) -> Claim {
     let problem = rigid_body_three_noises(1.0);
     let levy = SexpLevy::new(problem.system(), problem.y0());
-    altered_strong::<_, _, 3, 3>(conditions, "strong-one-levy", &problem, &levy, 1.0, change)
+    altered_strong::<_, _, 3, 3>(conditions, &problem, &levy, 1.0, change)
 }
 
 /// Areas times a factor: of the wrong sign, or none.

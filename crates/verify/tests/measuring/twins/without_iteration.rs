@@ -3,10 +3,10 @@
 use kernels::Tuned;
 use mc::Setup;
 use noise::StepNoise;
-use schemes::{BuiltIn, Composed, Composition, Explicit, Increment, Paths, Sexp, Step, Times};
+use schemes::{BuiltIn, Composition, Explicit, Increment, Paths, Sexp, Step, Times};
 use systems::{
     Damping, Flows, Problem,
-    paper::{maxwell_bloch, pendulum, poisson3_strong, rigid_body_energy, rigid_body_three_noises},
+    paper::{pendulum, rigid_body_three_noises},
 };
 use verify::{
     Compiled, Conditions, altered,
@@ -17,10 +17,7 @@ use verify::{
     },
 };
 
-use super::{
-    conformal::{casimir, obeys_law},
-    orders::strong,
-};
+use super::conformal::obeys_law;
 
 /// The increment over the whole step.
 fn whole(pieces: &[Vector; PIECES]) -> Vector {
@@ -34,7 +31,7 @@ pub fn local_without_areas(conditions: &Conditions) -> Claim {
         let straight = whole(pieces).map(|w| w / PIECES as f64);
         difference(local::exact_end(tau, pieces), local::expansion(tau, &[straight; PIECES]))
     };
-    let [claim, _] = remainder_claims(conditions, "local-exact", "the exact flow", remainder);
+    let [claim, _] = remainder_claims(conditions, "the exact flow", remainder);
     claim
 }
 
@@ -43,7 +40,7 @@ pub fn local_without_second_order(conditions: &Conditions) -> Claim {
     let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
         difference(local::scheme_end(&Sexp, tau, pieces)[0], local::first_order(tau, whole(pieces)))
     };
-    let [claim, _] = remainder_claims(conditions, "local-sexp", "sexp", remainder);
+    let [claim, _] = remainder_claims(conditions, "sexp", remainder);
     claim
 }
 
@@ -70,8 +67,8 @@ fn right<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
 }
 
 /// `sexp-li` with v = ∇h(ẑ + shift·B(ẑ)∇h(ẑ)), where ½ is right.
-struct Shifted {
-    shift: f64,
+pub struct Shifted {
+    pub shift: f64,
 }
 
 impl Explicit for Shifted {
@@ -86,7 +83,7 @@ impl Explicit for Shifted {
 }
 
 /// `sexp-li` with ẑ + a − b for Cayley's ẑ + a + b, where a is odd in v and b even.
-struct Sign;
+pub struct Sign;
 
 impl Explicit for Sign {
     const ID: &'static str = "sexp-li, sign";
@@ -100,35 +97,10 @@ impl Explicit for Sign {
 }
 
 /// The first claim about the remainder of a scheme.
-fn local(conditions: &Conditions, id: &str, scheme: &BodyScheme) -> Claim {
+pub fn local(conditions: &Conditions, scheme: &BodyScheme) -> Claim {
     let remainder = |tau: f64, pieces: &_| scheme_remainder(scheme, tau, pieces);
-    let [claim, _] = remainder_claims(conditions, id, scheme.id(), remainder);
+    let [claim, _] = remainder_claims(conditions, scheme.id(), remainder);
     claim
-}
-
-pub fn local_shifted(conditions: &Conditions, shift: f64) -> Claim {
-    local(conditions, "local-sexp-li", &Shifted { shift })
-}
-
-pub fn local_in_a_row(conditions: &Conditions) -> Claim {
-    local(conditions, "local-split", &Composed(InARow))
-}
-
-pub fn strong_shifted(conditions: &Conditions) -> Claim {
-    // About a fixed axis, as of a single noise of the other bodies, v does not change.
-    strong(conditions, "strong-one", &rigid_body_energy(1.0), &Shifted { shift: 0.0 }, 1.0)
-}
-
-pub fn pendulum_in_a_row(conditions: &Conditions) -> Claim {
-    strong(conditions, "strong-one", &pendulum(), &Composed(InARow), 1.0)
-}
-
-pub fn poisson_in_a_row(conditions: &Conditions) -> Claim {
-    strong(conditions, "strong-one", &poisson3_strong(), &Composed(InARow), 1.0)
-}
-
-pub fn sign_in_cayley(conditions: &Conditions) -> Claim {
-    casimir(conditions, &Sign)
 }
 
 /// The damping of the first half for both halves.
@@ -136,31 +108,16 @@ pub fn first_half_twice(conditions: &Conditions, scheme: BuiltIn) -> Claim {
     let problem = rigid_body_three_noises(10.0);
     let change = |step: &mut Step, _: &mut StepNoise| step.second_decay = step.first_decay;
     let wrong = altered(right(&problem, scheme), None, change);
-    obeys_law(conditions, "conformal-casimir", &wrong)
+    obeys_law(conditions, &wrong)
 }
 
-pub fn clipped_body(conditions: &Conditions) -> Claim {
-    let problem = rigid_body_three_noises(1.0);
-    let clipped = altered(right(&problem, BuiltIn::SexpLi), Some(true), |_, _| ());
-    keeps_casimir(conditions, 0, clipped)
-}
-
-pub fn clipped_light(conditions: &Conditions) -> Claim {
-    let problem = maxwell_bloch(1.0);
-    let clipped = altered(right(&problem, BuiltIn::Split), Some(true), |_, _| ());
-    keeps_casimir(conditions, 0, clipped)
-}
-
-pub fn sign_in_cayley_with_large_noise(conditions: &Conditions) -> Claim {
-    let problem = rigid_body_three_noises(1.0);
-    keeps_casimir(conditions, 0, Setup::of::<_, _, 3, 3>(&problem, &Sign))
-}
-
-pub fn order_in_a_row<S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
+/// The right scheme on clipped increments.
+pub fn clipped<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions,
     problem: &Problem<S, G, D>,
+    scheme: BuiltIn,
 ) -> Claim {
-    order_two(conditions, 0, Setup::of(problem, &Composed(InARow)))
+    keeps_casimir(conditions, 0, altered(right(problem, scheme), Some(true), |_, _| ()))
 }
 
 /// `sexp-li` with all of the damping before the rest.
