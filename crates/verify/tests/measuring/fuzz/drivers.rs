@@ -61,5 +61,5 @@ pub fn drivers(bits: &mut Bits) -> Fed {
             ensure!(!lower.is_nan() && !upper.is_nan(), "interval [{lower}, {upper}]");
         }
     }
-    Ok(0)
+    Ok(())
 }

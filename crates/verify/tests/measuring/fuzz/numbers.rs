@@ -37,7 +37,7 @@ pub fn steps(bits: &mut Bits) -> Fed {
     let step = accepted(Step::new(damping.as_ref(), n, tau))?;
     let sound = [step.first_decay, step.second_decay].iter().all(|decay| *decay >= 0.0);
     ensure!(sound || step.damping_integral().is_nan(), "{step:?}");
-    Ok(0)
+    Ok(())
 }
 
 pub fn areas(bits: &mut Bits) -> Fed {
@@ -49,5 +49,5 @@ pub fn areas(bits: &mut Bits) -> Fed {
         terms <= MOST_AREA_TERMS && bound <= error * (1.0 + 1e-9),
         "{noises} noises, step {step:e}: {terms} terms for {error:e}: {bound:e}"
     );
-    Ok(0)
+    Ok(())
 }
