@@ -18,7 +18,7 @@ use verify::{
 ///
 /// The discrete gradient is a mistake unless the Hamiltonians are quadratic, and so is any factor
 /// but 1: with −1, B is no longer skew.
-struct WrongSystem<S> {
+pub struct WrongSystem<S> {
     /// The right system.
     right: S,
     /// Factor of the last component.
