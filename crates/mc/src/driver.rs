@@ -77,7 +77,7 @@ pub struct Driver<'a> {
     pub finest_steps: u64,
     pub levels: usize,
     pub key: StreamKey,
-    pub noise: Box<dyn NoiseSource + 'a>,
+    pub noise: NoiseSource<'a>,
     /// The first scheme that reads Lévy areas, if one does.
     pub area_reader: Option<&'static str>,
     pub runs: Vec<Run<'a>>,
@@ -249,7 +249,7 @@ struct Marcher<'a> {
     driver: &'a Driver<'a>,
     first_path: u64,
     live: PathMask,
-    next_noise: NextNoise<'a>,
+    next_noise: NextNoise,
     /// Noise of the finest step.
     drawn: StepNoise,
     ladder: DyadicLadder,
@@ -275,7 +275,7 @@ impl<'a> Marcher<'a> {
             driver,
             first_path,
             live: PathMask::first(paths),
-            next_noise: driver.noise.block(first_path),
+            next_noise: (driver.noise)(first_path),
             drawn: driver.no_noise(),
             ladder: DyadicLadder::new(driver.levels, || driver.no_noise()),
             truncated: driver.no_noise(),

@@ -34,9 +34,6 @@ pub enum LadderError {
     /// Noise cannot be truncated, or areas cannot be drawn, at one of the step sizes.
     #[error(transparent)]
     Noise(#[from] NoiseError),
-    /// A recording does not fit the problem, the steps or the schemes. The text says how.
-    #[error("{0}")]
-    Recording(String),
     /// A measurement has too few step sizes, or too many.
     #[error("the number of step sizes must be from {from} to {to}, got {given}")]
     StepSizes {

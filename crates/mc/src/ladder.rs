@@ -8,9 +8,9 @@ use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
-    LadderError, NoiseSource, PathFailure, Problem, Run,
+    LadderError, NextNoise, PathFailure, Problem, Run,
     driver::{Batch, Bounds, Driver, Failed, GROUP_PATHS, StepTable, Tally},
-    noise_source::Drawn,
+    noise_source::drawn,
     observable::{components, path},
     parallel::grow,
     parts::{Job, Stop, Work, hash},
@@ -181,7 +181,7 @@ impl<'a> Ladder<'a> {
             finest_steps,
             levels,
             key,
-            noise: Box::new(Drawn::new(key, finest, area_noises)?),
+            noise: drawn(key, finest, area_noises)?,
             area_reader,
             runs: Vec::new(),
             batches: Vec::new(),
@@ -214,16 +214,12 @@ impl<'a> Ladder<'a> {
         self
     }
 
-    /// Takes the noise of the finest steps from `source` instead of drawing it.
-    ///
-    /// # Errors
-    /// Those of [`NoiseSource::check`]: a recording must have the finest steps of the ladder, and
-    /// areas if a scheme reads them.
-    pub fn with_noise(mut self, source: impl NoiseSource + 'a) -> Result<Self, LadderError> {
-        let Driver { noises, t_end, finest_steps, area_reader, .. } = self.driver;
-        source.check(noises, t_end, finest_steps, area_reader)?;
+    /// Takes the noise of the finest steps from `source` instead of drawing it: a
+    /// [`NoiseSource`](crate::NoiseSource).
+    #[must_use]
+    pub fn with_noise(mut self, source: impl Fn(u64) -> NextNoise + Sync + 'a) -> Self {
         self.driver.noise = Box::new(source);
-        Ok(self)
+        self
     }
 
     /// Describes the first `failures` failed paths in [`Measured::failures`]; eight by default.

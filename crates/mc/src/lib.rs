@@ -52,7 +52,6 @@
 //! | [`mod@study`], [`StudySettings`] | means, quantiles and histograms of many paths in time |
 //! | [`Problem`], [`bind`], [`Setup`] | a problem, a scheme on its system, and both |
 //! | [`LargePath`] | one path of a large system |
-//! | [`Recording`] | the increments of a path, to exchange with other programs |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`mod@expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme chosen or given |
 //! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
@@ -72,7 +71,6 @@ mod noise_source;
 mod observable;
 mod parallel;
 pub mod parts;
-mod recording;
 mod run_time;
 mod setup;
 mod simulation;
@@ -87,7 +85,6 @@ pub use ladder::{Kept, Ladder, Measured, Statistic, TimeChange, View};
 pub use large_path::LargePath;
 pub use noise_source::{NextNoise, NoiseSource};
 pub use observable::{Observable, Observe, StateFunction};
-pub use recording::Recording;
 pub use setup::{ConformalLaw, Formulas, Problem, Run, Setup, bind, bind_owned};
 pub use simulation::{Column, NoiseOrigin, Simulation, TimeSeries, write_csv, write_json};
 pub use study::{Study, StudyResult, StudySettings, Times, study};

@@ -5,73 +5,30 @@ use noise::{AreaSampler, StepNoise, StreamKey, WienerRows, area_terms, strong_or
 use crate::LadderError;
 
 /// Writes the noise of the next finest step of a block; areas if there are rows for them.
-pub type NextNoise<'a> = Box<dyn FnMut(&mut StepNoise) + Send + 'a>;
+pub type NextNoise = Box<dyn FnMut(&mut StepNoise) + Send>;
 
-/// A source of increments and Lévy areas, for noise that is not drawn from the streams of a key.
-pub trait NoiseSource: Sync {
-    /// The untruncated noise of the 32 paths from `first_path` on, one finest step per call.
-    fn block(&self, first_path: u64) -> NextNoise<'_>;
+/// The untruncated noise of the 32 paths from a number on, one finest step per call.
+pub type NoiseSource<'a> = Box<dyn Fn(u64) -> NextNoise + Sync + 'a>;
 
-    /// Checks that the source has so many noises on `steps` equal steps of [0, `t_end`], with areas
-    /// if the scheme `area_reader` reads them. By default it has.
-    ///
-    /// # Errors
-    /// [`LadderError::Recording`].
-    fn check(
-        &self,
-        noises: usize,
-        t_end: f64,
-        steps: u64,
-        area_reader: Option<&'static str>,
-    ) -> Result<(), LadderError> {
-        let _ = (noises, t_end, steps, area_reader);
-        Ok(())
-    }
-}
-
-/// A function of `first_path` is a source.
-impl<F: Fn(u64) -> NextNoise<'static> + Sync> NoiseSource for F {
-    fn block(&self, first_path: u64) -> NextNoise<'_> {
-        self(first_path)
-    }
-}
-
-/// Increments drawn from the streams of a key, and their Lévy areas if a scheme reads them.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Drawn {
+/// Increments drawn from the streams of a key; with `area_noises` the Lévy areas of so many noises,
+/// whose error is at most τ^{3/2}, as strong order 1 requires.
+pub(crate) fn drawn(
     key: StreamKey,
     tau: f64,
-    /// The number of noises that have areas, and of the terms of these.
-    areas: Option<(usize, usize)>,
-}
-
-impl Drawn {
-    /// Without areas, or with those of so many noises. Their error is at most τ^{3/2}, as strong
-    /// order 1 requires.
-    pub(crate) fn new(
-        key: StreamKey,
-        tau: f64,
-        area_noises: Option<usize>,
-    ) -> Result<Self, LadderError> {
-        let areas = area_noises.map(|noises| {
-            let terms = area_terms(strong_order_one_error(tau), tau, noises)?;
-            Ok::<_, LadderError>((noises, terms))
-        });
-        Ok(Self { key, tau, areas: areas.transpose()? })
-    }
-}
-
-impl NoiseSource for Drawn {
-    fn block(&self, first_path: u64) -> NextNoise<'_> {
-        let mut increments = WienerRows::new(self.key, first_path);
-        let areas = self.areas;
+    area_noises: Option<usize>,
+) -> Result<NoiseSource<'static>, LadderError> {
+    let terms = |noises| area_terms(strong_order_one_error(tau), tau, noises);
+    let areas = area_noises.map(|noises| Ok::<_, LadderError>((noises, terms(noises)?)));
+    let areas = areas.transpose()?;
+    Ok(Box::new(move |first_path| {
+        let mut increments = WienerRows::new(key, first_path);
         let mut areas =
-            areas.map(|(noises, terms)| AreaSampler::new(self.key, first_path, noises, terms));
+            areas.map(|(noises, terms)| AreaSampler::new(key, first_path, noises, terms));
         Box::new(move |noise| {
-            increments.increments(self.tau.sqrt(), &mut noise.increments);
+            increments.increments(tau.sqrt(), &mut noise.increments);
             if let Some(areas) = &mut areas {
-                areas.areas(self.tau, &noise.increments, &mut noise.areas);
+                areas.areas(tau, &noise.increments, &mut noise.areas);
             }
         })
-    }
+    }))
 }

@@ -16,8 +16,8 @@ use super::{
     sum::{BIAS_LEVELS, Sum, Term},
 };
 use crate::{
-    DampingResolution, Ladder, LadderError, NextNoise, NoiseSource, Observe, Run, RunError,
-    driver::GROUP_PATHS, ladder::Nodes, observable::value, parallel::in_parallel,
+    DampingResolution, Ladder, LadderError, NextNoise, Observe, Run, RunError, driver::GROUP_PATHS,
+    ladder::Nodes, observable::value, parallel::in_parallel,
 };
 
 /// The highest level of the pilot.
@@ -51,18 +51,12 @@ const MOST_DIMENSIONS: u64 = 1 << 16;
 
 /// The increments of the points of all scrambles. A path has the number of its replicate times
 /// [`ScrambledSobol::POINTS`], plus that of its point.
-struct Points {
-    scrambles: Vec<QuasiWiener>,
-    noises: usize,
-}
-
-impl NoiseSource for Points {
-    fn block(&self, first_path: u64) -> NextNoise<'_> {
-        let scramble = (first_path / ScrambledSobol::POINTS) as usize;
-        let wiener = &self.scrambles[scramble];
+fn points(scrambles: Vec<QuasiWiener>, noises: usize) -> impl Fn(u64) -> NextNoise {
+    move |first_path| {
+        let wiener = &scrambles[(first_path / ScrambledSobol::POINTS) as usize];
         let mut increments = vec![[0.0; WIDTH]; wiener.dimensions()];
         wiener.block(first_path % ScrambledSobol::POINTS, &mut increments);
-        let (mut next, noises) = (0, self.noises);
+        let mut next = 0;
         Box::new(move |noise| {
             noise.increments.copy_from_slice(&increments[next..next + noises]);
             next += noises;
@@ -256,8 +250,7 @@ impl<'a> Estimator<'a> {
             let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end);
             let wiener = wiener.map_err(LadderError::from)?;
             let scrambles = (0..self.replicates).map(|number| wiener.of_scramble(number));
-            let points = Points { scrambles: scrambles.collect(), noises: problem.noises };
-            ladder = ladder.with_noise(points)?;
+            ladder = ladder.with_noise(points(scrambles.collect(), problem.noises));
         }
         let cost_per_path = ladder.steps_per_path();
         self.levels.push(Samples { level, cost_per_path, ..Samples::default() });

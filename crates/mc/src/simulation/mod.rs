@@ -10,8 +10,8 @@ use real::{PathMask, Row, WIDTH};
 use schemes::Step;
 
 use crate::{
-    ConformalLaw, Ladder, LadderError, Observe, PathFailure, Recording, Run, RunError, Setup,
-    Statistic, View, observable::splat, parts::Stop,
+    ConformalLaw, Ladder, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Run, RunError,
+    Setup, Statistic, View, observable::splat, parts::Stop,
 };
 
 pub use series::{Column, NoiseOrigin, TimeSeries};
@@ -50,6 +50,7 @@ pub struct Simulation<'a> {
     truncation: Truncation,
     every: u64,
     observables: Vec<Box<dyn Observe + 'a>>,
+    noise: Option<NoiseSource<'a>>,
     components: Option<Vec<String>>,
     stop: Stop,
 }
@@ -58,7 +59,7 @@ impl<'a> Simulation<'a> {
     /// A simulation that saves every step and has no observables.
     pub fn new(setup: Setup<'a>, truncation: Truncation) -> Self {
         let (observables, stop) = (Vec::new(), Stop::default());
-        Self { setup, truncation, every: 1, observables, components: None, stop }
+        Self { setup, truncation, every: 1, observables, noise: None, components: None, stop }
     }
 
     /// Names the columns of the state, which are `y1` … `yD` otherwise.
@@ -94,6 +95,34 @@ impl<'a> Simulation<'a> {
         self
     }
 
+    /// Takes the increments from `source` instead of drawing them, for example those of another
+    /// program: a [`NoiseSource`]. They are truncated like drawn increments, unless the simulation
+    /// has [`Truncation::none`].
+    ///
+    /// ```
+    /// use mc::{NextNoise, Setup, Simulation};
+    /// use noise::{StreamKey, Truncation, WienerPath};
+    /// use schemes::Sexp;
+    /// use systems::{Constant, Pendulum, Problem};
+    ///
+    /// let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
+    /// let drawn = Simulation::new(Setup::of(&problem, &Sexp), Truncation::new(4)?);
+    /// let key = StreamKey { seed: 1, experiment: 0 };
+    /// // Those of path 7, on every path.
+    /// let source = |_first_path| -> NextNoise {
+    ///     let mut wiener = WienerPath::<1>::new(key, 7);
+    ///     Box::new(move |noise| noise.increments[0].fill(wiener.increments(0.125)[0]))
+    /// };
+    /// let given = Simulation::new(Setup::of(&problem, &Sexp), Truncation::new(4)?).with_noise(source);
+    /// assert_eq!(given.path(64, key, 0)?.columns, drawn.path(64, key, 7)?.columns);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_noise(mut self, source: impl Fn(u64) -> NextNoise + Sync + 'a) -> Self {
+        self.noise = Some(Box::new(source));
+        self
+    }
+
     /// The table of path number `path` in `steps` steps to the final time.
     ///
     /// # Errors
@@ -114,27 +143,13 @@ impl<'a> Simulation<'a> {
         key: StreamKey,
         paths: Range<u64>,
     ) -> Result<Vec<TimeSeries>, RunError> {
-        let StreamKey { seed, experiment } = key;
-        let drawn = |path| NoiseOrigin::Drawn { seed, experiment, path };
-        self.run(self.ladder(steps, key)?, paths, &drawn)
-    }
-
-    /// The table of the path with recorded increments. They are truncated like drawn increments,
-    /// unless the simulation has [`Truncation::none`].
-    ///
-    /// # Errors
-    /// As for [`path`](Self::path), and those of [`Ladder::with_noise`].
-    pub fn recorded(&self, recording: &Recording) -> Result<TimeSeries, RunError> {
-        let steps = recording.rows.len() as u64;
-        let ladder = self.ladder(steps, StreamKey { seed: 0, experiment: 0 })?;
-        let ladder = ladder.with_noise(recording)?;
-        Ok(self.run(ladder, 0..1, &|_| NoiseOrigin::Recorded)?.swap_remove(0))
-    }
-
-    fn ladder(&self, steps: u64, key: StreamKey) -> Result<Ladder<'_>, LadderError> {
         let Setup { problem, scheme } = &self.setup;
         let runs = vec![Run::new(Arc::clone(scheme), 0)];
-        Ladder::new(problem, steps, 0, self.truncation, key, runs)
+        let mut ladder = Ladder::new(problem, steps, 0, self.truncation, key, runs)?;
+        if let Some(source) = &self.noise {
+            ladder = ladder.with_noise(source);
+        }
+        self.run(ladder, key, paths)
     }
 
     /// The names of the columns.
@@ -166,8 +181,8 @@ impl<'a> Simulation<'a> {
     fn run(
         &self,
         ladder: Ladder<'_>,
+        StreamKey { seed, experiment }: StreamKey,
         paths: Range<u64>,
-        origin: &dyn Fn(u64) -> NoiseOrigin,
     ) -> Result<Vec<TimeSeries>, RunError> {
         if self.every == 0 {
             let text = "to save every k-th step, k must be at least 1, got k = 0";
@@ -226,7 +241,7 @@ impl<'a> Simulation<'a> {
                 damping: problem.damping.describe(),
                 scheme: scheme.id().into(),
                 tau,
-                noise: origin(path),
+                noise: NoiseOrigin { seed, experiment, path },
                 halted: halted.or(stopped),
                 columns: columns.collect(),
             }

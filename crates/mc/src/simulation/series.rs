@@ -13,7 +13,7 @@ pub struct TimeSeries {
     pub scheme: String,
     /// Step size.
     pub tau: f64,
-    /// Origin of the increments.
+    /// The stream of its noise, unless that was given.
     pub noise: NoiseOrigin,
     /// The failure of the path, or that it was stopped, if it ends before the final time.
     pub halted: Option<String>,
@@ -23,21 +23,15 @@ pub struct TimeSeries {
     pub columns: Vec<Column>,
 }
 
-/// The origin of the increments of a path.
+/// The stream of the noise of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum NoiseOrigin {
-    /// Drawn from a stream.
-    Drawn {
-        /// Master seed.
-        seed: u64,
-        /// Number of the experiment.
-        experiment: u64,
-        /// Number of the path.
-        path: u64,
-    },
-    /// From a recording.
-    Recorded,
+pub struct NoiseOrigin {
+    /// Master seed.
+    pub seed: u64,
+    /// Number of the experiment.
+    pub experiment: u64,
+    /// Number of the path.
+    pub path: u64,
 }
 
 /// One quantity at the saved times.

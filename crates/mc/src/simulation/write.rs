@@ -4,10 +4,10 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
-use super::{NoiseOrigin, TimeSeries};
+use super::TimeSeries;
 
 /// Writes the tables of all paths as one CSV table with the columns `scheme`, `path` and those of
-/// the tables. `path` is the number of the path, or `recorded`. Numbers are written in the shortest
+/// the tables. `path` is the number of the path. Numbers are written in the shortest
 /// form that is read back to the same bits.
 ///
 /// # Errors
@@ -26,10 +26,7 @@ pub fn write_csv(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()> 
             let message = format!("all paths must have the columns {header}, got {found}");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
-        let path = match one.noise {
-            NoiseOrigin::Drawn { path, .. } => path.to_string(),
-            NoiseOrigin::Recorded => "recorded".into(),
-        };
+        let path = one.noise.path;
         for row in 0..one.times().len() {
             write!(out, "{},{path}", quoted(&one.scheme))?;
             for column in &one.columns {

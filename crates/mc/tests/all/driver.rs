@@ -1,8 +1,10 @@
 //! What the driver shows to schemes and to statistics: raw and clipped increments, noise from
 //! elsewhere, and how each step was solved.
 
-use mc::{LadderError, Recording, Run, Statistic, View, bind, parts::Stop};
-use noise::{NoiseError, Truncation, WienerPath};
+use mc::{LadderError, NextNoise, Run, Statistic, View, bind, parts::Stop};
+use noise::{
+    AreaSampler, NoiseError, Truncation, WienerPath, WienerRows, area_terms, strong_order_one_error,
+};
 use schemes::{Explicit, Implicit, Increment, Scheme, Sexp, SexpLevy};
 
 use crate::{
@@ -95,7 +97,7 @@ fn raw_increments_need_no_bound() {
 }
 
 #[test]
-fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
+fn given_noise_drives_a_ladder_like_the_path_that_has_it() {
     let problem = body();
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let ladder = || {
@@ -109,24 +111,19 @@ fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
     };
     let keep = || Keep::<3>::new(8, 4);
     let drawn = ladder().run_until(&Stop::default(), 4, 1, keep, &|_| ()).statistic.runs;
-    let of_recording = |path| {
-        let recording = Recording::draw(KEY, path, 32, 1.0, 3, true).unwrap();
-        ladder().with_noise(&recording).unwrap().run(1, keep, &|_| ()).statistic.runs
+    let tau = 1.0 / 32.0;
+    let terms = area_terms(strong_order_one_error(tau), tau, 3).unwrap();
+    let given = |path| {
+        let source = move |_| -> NextNoise {
+            let mut increments = WienerRows::new(KEY, path);
+            let mut areas = AreaSampler::new(KEY, path, 3, terms);
+            Box::new(move |noise| {
+                increments.increments(tau.sqrt(), &mut noise.increments);
+                areas.areas(tau, &noise.increments, &mut noise.areas);
+            })
+        };
+        ladder().with_noise(source).run(1, keep, &|_| ()).statistic.runs
     };
-    assert_eq!(of_recording(4), drawn);
-    assert_ne!(of_recording(5), drawn);
-    let refusal = |steps, t_end, areas| {
-        let recording = Recording::draw(KEY, 4, steps, t_end, 3, areas).unwrap();
-        ladder().with_noise(&recording).err().unwrap().to_string()
-    };
-    assert!(refusal(16, 1.0, true).ends_with("the finest level, 32, got 16"));
-    assert!(refusal(32, 2.0, true).ends_with("T = 1 of the problem, got 2"));
-    assert!(refusal(32, 1.0, false).ends_with("3 areas for sexp-levy in each row, got 3"));
-    let one = Recording { tau: 1.0 / 32.0, noises: 1, rows: vec![vec![0.1]; 32] };
-    let refused = ladder().with_noise(&one).err().unwrap().to_string();
-    assert_eq!(refused, "the recording must have the 3 noises of the problem, got 1");
-    let mut wrong = Recording::draw(KEY, 4, 32, 1.0, 3, true).unwrap();
-    wrong.rows[7][2] = f64::NAN;
-    let refused = ladder().with_noise(&wrong).err().unwrap().to_string();
-    assert_eq!(refused, "the recording must have finite numbers, got NaN");
+    assert_eq!(given(4), drawn);
+    assert_ne!(given(5), drawn);
 }

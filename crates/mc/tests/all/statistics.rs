@@ -1,7 +1,7 @@
 //! What a ladder shows to statistics: clipped paths and random times.
 
-use mc::{Recording, Run, Statistic, TimeChange, View, bind};
-use noise::Truncation;
+use mc::{Run, Statistic, TimeChange, View, bind};
+use noise::{Truncation, WienerPath};
 use real::{Row, WIDTH};
 use schemes::EulerMaruyama;
 
@@ -48,13 +48,13 @@ fn statistics_see_random_times_and_clipped_paths() {
     assert_eq!(seen.0, same.0);
     let (mut clipped, bounds) = (0, [64.0, 8.0].map(|steps: f64| k.bound(1.0 / steps).unwrap()));
     for (path, (time, found)) in seen.0.iter().enumerate() {
-        let recording = Recording::draw(KEY, path as u64, 64, 1.0, 3, false).unwrap();
-        let w: f64 = recording.rows.iter().map(|dw| dw[0]).sum();
+        let mut wiener = WienerPath::<3>::new(KEY, path as u64);
+        let steps: Vec<[f64; 3]> = (0..64).map(|_| wiener.increments(0.125)).collect();
+        let w: f64 = steps.iter().map(|dw| dw[0]).sum();
         assert!((time - 64.0 - w).abs() < 1e-12);
         let beyond = [(1, bounds[0]), (8, bounds[1])].map(|(fine, bound)| {
-            let sum = |steps: &[Vec<f64>], m: usize| steps.iter().map(|dw| dw[m]).sum::<f64>();
-            let mut steps = recording.rows.chunks(fine);
-            steps.any(|steps| (0..3).any(|m| sum(steps, m).abs() > bound))
+            let sum = |steps: &[[f64; 3]], m: usize| steps.iter().map(|dw| dw[m]).sum::<f64>();
+            steps.chunks(fine).any(|steps| (0..3).any(|m| sum(steps, m).abs() > bound))
         });
         assert_eq!(*found, beyond, "path {path}");
         clipped += u64::from(beyond[1]);

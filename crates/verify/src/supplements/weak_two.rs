@@ -92,7 +92,7 @@ fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<Stri
         let wiener = valid(QuasiWiener::new(key, scramble, steps, 3, problem.t_end()));
         let ladder = difference_ladder(&Problem::of(&problem), tau, key, runs);
         // The increments of 32 points of the scramble, step by step.
-        let increments = move |first_point| -> NextNoise<'static> {
+        let increments = move |first_point| -> NextNoise {
             let mut all = vec![[0.0; WIDTH]; wiener.dimensions()];
             wiener.block(first_point, &mut all);
             let mut next = 0;
@@ -101,7 +101,7 @@ fn differences(key: StreamKey, tau: f64, points: u64) -> (CrossMoments, Vec<Stri
                 next += 3;
             })
         };
-        let ladder = valid(ladder.with_noise(increments));
+        let ladder = ladder.with_noise(increments);
         let difference = |phi: &dyn Fn(usize) -> f64| 0.5 * (phi(0) + phi(1) - (phi(2) + phi(3)));
         let (found, failed) = moments_of(&ladder, points, &OBSERVABLES, difference);
         failures.extend(failed);

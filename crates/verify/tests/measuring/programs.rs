@@ -104,7 +104,7 @@ fn what_cannot_be_done_is_refused_in_words() {
     let mut refused: Vec<(_, &[&str], &[&str])> = vec![
         (BENCH, &below, &["a-file"]),
         (BENCH, &["--simd", "mmx"], &["this machine does not have it, only"]),
-        (HARD_CASES, &["--only", "big"], &["'big'", "large-noise", "near-singular"]),
+        (HARD_CASES, &["--only", "big"], &["'big'", "large-noise", "stiff-damping"]),
     ];
     if Level::available() < Level::Avx512 {
         refused.push((BENCH, &["--simd", "avx512"], &["this machine does not have it"]));
