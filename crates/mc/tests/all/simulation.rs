@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use mc::{
-    LadderError, NoiseOrigin, Recording, RunError, Setup, Simulation, StateFunction, write_csv,
-    write_json,
+    LadderError, NoiseOrigin, RunError, Setup, Simulation, StateFunction, write_csv, write_json,
 };
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
@@ -49,7 +48,7 @@ fn a_table_holds_the_trajectory_and_the_conformal_defect() {
         assert!((table.column("C defect").unwrap()[row] - defect).abs() < 128.0 * f64::EPSILON);
     }
     assert_eq!(table.column("energy"), None);
-    assert_eq!(table.noise, NoiseOrigin::Drawn { seed: 5, experiment: 2, path: 7 });
+    assert_eq!(table.noise, NoiseOrigin { seed: 5, experiment: 2, path: 7 });
     assert_eq!(
         (table.scheme.as_str(), table.system.as_str(), table.tau),
         ("sexp", "rigid-body", 1.0 / 64.0)
