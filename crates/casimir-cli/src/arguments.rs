@@ -58,14 +58,6 @@ pub enum Command {
     Extend(Extend),
     /// Print the JSON schema of scenes, for editors
     Schema,
-    /// Print completions for a shell
-    #[command(
-        after_help = "Example: casimir completions bash > ~/.local/share/bash-completion/completions/casimir"
-    )]
-    Completions {
-        /// The shell
-        shell: clap_complete::Shell,
-    },
 }
 
 #[derive(Args, Debug)]

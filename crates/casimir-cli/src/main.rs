@@ -25,7 +25,6 @@ fn main() -> ExitCode {
         Command::Merge(arguments) => commands::merge(&arguments),
         Command::Extend(arguments) => commands::extend(&arguments),
         Command::Schema => commands::schema(),
-        Command::Completions { shell } => commands::completions(shell),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -24,9 +24,6 @@ pub enum Operation {
     Min,
     Max,
     Where,
-    MulMul,
-    ScaleMul,
-    AddMul,
     MulAdd,
     MulSub,
     SubMul,
@@ -37,8 +34,6 @@ pub enum Operation {
     ScaleAddScale,
     MulAddMul,
     MulSubMul,
-    MulSubMulAdd,
-    Dot,
 }
 
 /// The rows that an instruction finds, by number: groups of inputs are counted from zero.
@@ -46,7 +41,7 @@ pub const SCRATCH: u32 = u32::MAX - 1;
 pub const OUT: u32 = u32::MAX;
 
 /// The most rows that an operation reads.
-pub const MOST_ROWS: usize = 6;
+pub const MOST_ROWS: usize = 4;
 
 /// A row of a bank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -142,9 +137,6 @@ pub fn run<const W: usize>(
             Min, [a b], [] => functions::min(a, b);
             Max, [a b], [] => functions::max(a, b);
             Where, [a b c d], [] => if a < b { c } else { d };
-            MulMul, [a b c], [] => (a * b) * c;
-            ScaleMul, [a b], [k] => (a * k) * b;
-            AddMul, [a b c], [] => (a + b) * c;
             MulAdd, [a b c], [k] => (a * b + c) * k;
             MulSub, [a b c], [k] => (a * b - c) * k;
             SubMul, [a b c], [k] => (c - a * b) * k;
@@ -155,8 +147,6 @@ pub fn run<const W: usize>(
             ScaleAddScale, [a b], [k l] => a * k + b * l;
             MulAddMul, [a b c d], [k] => (a * b + c * d) * k;
             MulSubMul, [a b c d], [k] => (a * b - c * d) * k;
-            MulSubMulAdd, [a b c d e], [k] => ((a * b - c * d) + e) * k;
-            Dot, [a b c d e f], [k] => ((a * b + c * d) + e * f) * k;
         }
     }
 }

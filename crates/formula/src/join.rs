@@ -27,7 +27,6 @@ impl Joined {
         use Operation::*;
         let factor = match self.operation {
             Add | Sub | Mul | MulAdd | MulSub | SubMul | MulAddMul | MulSubMul => 0,
-            MulSubMulAdd | Dot => 0,
             AddNumber | ScaleAdd => 1,
             _ => return None,
         };
@@ -37,7 +36,7 @@ impl Joined {
 }
 
 /// For every expression that needs an instruction, its step. A product that one sum or product uses
-/// alone becomes part of that, and so does a sum of products, or a sum that is multiplied.
+/// alone becomes part of that.
 pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Joined>> {
     let mut uses = vec![0_u32; graph.len()];
     outputs.iter().for_each(|output| uses[output.index()] += 2);
@@ -89,7 +88,7 @@ impl Join<'_> {
     fn inner(&self, id: Id) -> Option<Joined> {
         let of = |function| self.alone(id, function);
         match (of(Binary::Add), of(Binary::Sub), of(Binary::Mul)) {
-            (Some((a, b)), ..) => Some(self.long_sum(a, b)),
+            (Some((a, b)), ..) => Some(self.sum(a, b)),
             (_, Some((a, b)), _) => Some(self.difference(a, b)),
             (.., Some((a, b))) if self.scaled(a, b).is_none() => Some(self.product(a, b)),
             _ => None,
@@ -124,7 +123,7 @@ impl Join<'_> {
         Some(match self.graph.node(id) {
             Node::Input(_) => return None,
             Node::Unary(function, a) => Joined::new(Operation::Of(function), [a], &[]),
-            Node::Binary(Binary::Add, a, b) => self.long_sum(a, b),
+            Node::Binary(Binary::Add, a, b) => self.sum(a, b),
             Node::Binary(Binary::Sub, a, b) => self.difference(a, b),
             Node::Binary(Binary::Mul, a, b) => self.product(a, b),
             Node::Binary(Binary::Div, a, b) => match (self.number(a), self.number(b)) {
@@ -137,31 +136,6 @@ impl Join<'_> {
             Node::Where(all) => Joined::new(Operation::Where, all, &[]),
             Node::Constant(_) => unreachable!("constants are numbers"),
             Node::Power(..) => unreachable!("powers are written out"),
-        })
-    }
-
-    /// The step for a + b, one of which may be a sum that is used here alone.
-    fn long_sum(&self, a: Id, b: Id) -> Joined {
-        let longer = self.longer(a, b).or_else(|| self.longer(b, a));
-        longer.unwrap_or_else(|| self.sum(a, b))
-    }
-
-    /// The step for b and a sum of products that is used here alone.
-    fn longer(&self, a: Id, b: Id) -> Option<Joined> {
-        use Operation::*;
-        let inner = match (self.alone(a, Binary::Add), self.alone(a, Binary::Sub)) {
-            (Some((x, y)), _) => self.sum(x, y),
-            (_, Some((x, y))) => self.difference(x, y),
-            _ => return None,
-        };
-        Some(match (inner.operation, &inner.operands[..], self.term(b)) {
-            (MulAddMul, &[p, q, r, s], Term::Product(x, y)) => {
-                Joined::new(Dot, [p, q, r, s, x, y], &[])
-            }
-            (MulSubMul, &[p, q, r, s], Term::Other) => {
-                Joined::new(MulSubMulAdd, [p, q, r, s, b], &[])
-            }
-            _ => return None,
         })
     }
 
@@ -209,19 +183,6 @@ impl Join<'_> {
         if let Some((x, k)) = self.scaled(a, b) {
             let inner = self.inner(x).and_then(|step| step.times(k));
             return inner.unwrap_or_else(|| Joined::new(Scale, [x], &[k]));
-        }
-        for (a, b) in [(a, b), (b, a)] {
-            match self.term(a) {
-                Term::Product(x, y) => return Joined::new(MulMul, [x, y, b], &[]),
-                Term::Scaled(x, k) => return Joined::new(ScaleMul, [x, b], &[k]),
-                _ => {}
-            }
-            // Neither term is a number or would become part of the sum.
-            if let Some((x, y)) = self.alone(a, Binary::Add)
-                && [x, y].into_iter().all(|term| matches!(self.term(term), Term::Other))
-            {
-                return Joined::new(AddMul, [x, y, b], &[]);
-            }
         }
         Joined::new(Mul, [a, b], &[])
     }

@@ -69,11 +69,7 @@ fn packed(level: Level, instruction_set: &str, vector: usize) {
 }
 
 #[test]
-fn avx512_works_on_eight_paths_at_a_time() {
+fn avx512_works_on_eight_paths_at_a_time_and_avx2_on_four() {
     packed(Level::Avx512, "up_to_avx512_avx512", 2);
-}
-
-#[test]
-fn avx2_works_on_four_paths_at_a_time() {
     packed(Level::Avx2, "_avx2_version", 1);
 }

@@ -24,8 +24,6 @@ pub const TWINS: u64 = 3000;
 pub const HARD_CASES: u64 = 1 << 33;
 /// Growth of the defect over long runs.
 pub const GROWTH: u64 = HARD_CASES + (1 << 16);
-/// Energies over long runs.
-pub const ENERGY: u64 = GROWTH + (1 << 15);
 /// Entries of the library, one number each; expectations need numbers below 2⁴⁰.
 pub const LIBRARY: u64 = 1 << 34;
 /// Coverage: case number n takes the numbers from n times this on.
@@ -48,7 +46,7 @@ mod tests {
     fn ranges_are_disjoint() {
         let families = [PANELS, STATEMENTS, SUPPLEMENTS, TWINS, TWINS + 100];
         let ends = families.map(|first| first * PARTS).into_iter();
-        let further = [HARD_CASES, GROWTH, ENERGY, LIBRARY, COVERAGE];
+        let further = [HARD_CASES, GROWTH, LIBRARY, COVERAGE];
         let starts: Vec<u64> = ends.chain(further).collect();
         // Fewer experiments in each family than there are numbers.
         assert!(starts.windows(2).all(|pair| pair[0] + 16 <= pair[1]), "{starts:?}");

@@ -17,7 +17,6 @@ use casimir::{
     schemes::BuiltIn,
     systems::Linearity,
 };
-use clap::CommandFactory;
 use serde::Serialize;
 
 pub use compare::compare;
@@ -29,7 +28,6 @@ pub use parts::{extend, merge, part, plan};
 pub use run::{Results, run};
 
 use crate::{
-    arguments::Arguments,
     failure::{Done, Failure},
     model::Known,
     scene::{AUTO, Changes, Scene, Source},
@@ -134,11 +132,4 @@ fn print_json(value: &impl Serialize) -> Done {
 /// Prints the JSON schema of scenes.
 pub fn schema() -> Done {
     print_json(&crate::scene::schema())
-}
-
-/// Prints completions for a shell.
-pub fn completions(shell: clap_complete::Shell) -> Done {
-    let mut text = Vec::new();
-    clap_complete::generate(shell, &mut Arguments::command(), "casimir", &mut text);
-    print(&String::from_utf8_lossy(&text))
 }

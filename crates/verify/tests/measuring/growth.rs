@@ -164,9 +164,9 @@ fn growth<S: Tuned<D, M> + Copy + 'static, G, const D: usize, const M: usize>(
     let measured = ladder.run(paths as u64, new, &|_| ());
     let rows = measured.statistic.rows;
     let bits = &mut Bits::new(SEED, streams::GROWTH, number);
-    let (exponent, lo, hi) = bootstrap(&rows, bits, rms);
+    let (exponent, lo, hi) = bootstrap(&rows, bits);
     let d = &rows.last().context("no steps")?.1;
-    let (end, mean) = (rms(&mut d.iter().copied()), d.iter().sum::<f64>() / paths as f64);
+    let (end, mean) = (rms(d.iter().copied()), d.iter().sum::<f64>() / paths as f64);
     println!(
         "{id:38} {name:22} {end:.2e} mean {mean:+.1e} exponent {exponent:.3} [{lo:.3}, {hi:.3}]"
     );
@@ -184,7 +184,7 @@ fn growth<S: Tuned<D, M> + Copy + 'static, G, const D: usize, const M: usize>(
 }
 
 /// d_n of every path for one n; NaN of a path that failed.
-pub type Row = (u64, Vec<f64>);
+type Row = (u64, Vec<f64>);
 
 /// d of every path at powers of two of n and at the end.
 struct Defects<'a, F, const D: usize> {
@@ -219,35 +219,28 @@ impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic for Defects<'
     }
 }
 
-fn rms(d: Values<'_>) -> f64 {
+fn rms(d: impl Iterator<Item = f64>) -> f64 {
     let (sum, paths) = d.fold((0.0, 0.0), |(sum, paths), d| (sum + d * d, paths + 1.0));
     (sum / paths).sqrt()
 }
 
-/// d of some paths.
-pub type Values<'a> = &'a mut dyn Iterator<Item = f64>;
-
-/// The exponent of the `size` of d, with the percentile interval of the bootstrap over paths.
-pub fn bootstrap(
-    rows: &[Row],
-    bits: &mut Bits,
-    size: impl Fn(Values<'_>) -> f64,
-) -> (f64, f64, f64) {
+/// The exponent of the size of d, with the percentile interval of the bootstrap over paths.
+fn bootstrap(rows: &[Row], bits: &mut Bits) -> (f64, f64, f64) {
     let paths = rows[0].1.len();
     let mut resampled =
         || (0..paths).map(|_| bits.below(paths as u64) as usize).collect::<Vec<_>>();
-    let mut slopes: Vec<f64> = (0..RESAMPLES).map(|_| slope(rows, &resampled(), &size)).collect();
+    let mut slopes: Vec<f64> = (0..RESAMPLES).map(|_| slope(rows, &resampled())).collect();
     slopes.sort_unstable_by(f64::total_cmp);
-    let all = slope(rows, &(0..paths).collect::<Vec<_>>(), &size);
+    let all = slope(rows, &(0..paths).collect::<Vec<_>>());
     (all, slopes[RESAMPLES / 40], slopes[RESAMPLES - 1 - RESAMPLES / 40])
 }
 
 /// The slope of the logarithm of the size over ln n by least squares, over the given paths.
-fn slope(rows: &[Row], paths: &[usize], size: impl Fn(Values<'_>) -> f64) -> f64 {
+fn slope(rows: &[Row], paths: &[usize]) -> f64 {
     let points: Vec<(f64, f64)> = rows
         .iter()
         .filter(|(n, _)| *n >= FIRST)
-        .map(|(n, d)| ((*n as f64).ln(), size(&mut paths.iter().map(|&path| d[path])).ln()))
+        .map(|(n, d)| ((*n as f64).ln(), rms(paths.iter().map(|&path| d[path])).ln()))
         .filter(|(_, y)| y.is_finite())
         .collect();
     let count = points.len() as f64;

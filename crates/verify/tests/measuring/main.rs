@@ -1,13 +1,11 @@
 //! Tests of what the feature `measuring` builds: the programs that measure, wrong methods that
-//! statements must refute, the conformal law over ten million steps, the energy over a million
-//! periods, and arbitrary inputs.
+//! statements must refute, the conformal law over ten million steps, and arbitrary inputs.
 //!
 //! Long runs and inputs are few here; the ignored tests have all of them:
 //! `cargo test --release -p casimir-verify --features measuring --test measuring -- --ignored
 //! --nocapture`.
 
 mod bits;
-mod energy;
 mod fuzz;
 mod growth;
 mod programs;

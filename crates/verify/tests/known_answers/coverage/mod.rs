@@ -12,7 +12,6 @@
 //! them together with less than 10⁻³. A warning has to be raised on at least 98 % of the data sets,
 //! or on at most 2 %: one that fails in 1 % of them misses that with probability 4·10⁻⁵, too.
 
-mod motion;
 mod synthetic;
 
 use noise::StreamKey;
@@ -30,8 +29,6 @@ const TOLERANCE: f64 = 0.02;
 fn intervals_cover_as_often_as_they_say() {
     let mut tally = Tally::default();
     synthetic::rows(&mut tally);
-    tally.case = MOTION;
-    motion::rows(&mut tally);
     let wrong: Vec<_> = tally.rows.iter().filter(|row| !row.2.allows(row.1)).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
     use Expected::{Calibrated, Covers, Miscovers, Raised, Silent};
@@ -69,9 +66,6 @@ impl Expected {
         }
     }
 }
-
-/// Number of the first case of geometric Brownian motion, so that no two cases share noise.
-const MOTION: u64 = 100;
 
 /// An interval or a warning, what is required of it, and whether it covers the truth or is raised
 /// on one data set.
