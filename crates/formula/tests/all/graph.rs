@@ -152,7 +152,7 @@ fn products_are_joined_with_sums() {
         ("(x + y)/2", 1),
         ("3*(x*y - x)", 1),
         ("x*y + x^2 + y^2", 2),
-        ("sin(x) + (x*y - y^2)", 2),
+        ("sin(x) + (x*y - y^2)", 3),
         ("x*y/3", 2),
         ("x^8", 3),
         ("sin(x)*sin(x) + sin(x)", 2),
