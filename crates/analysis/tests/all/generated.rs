@@ -429,7 +429,6 @@ fn judge_fifty(seed: u64) -> [u32; 2] {
     [*told, *untold]
 }
 
-/// Forty times fifty: `cargo test -p casimir-analysis --test all -- --ignored two_thousand`.
 #[test]
 #[ignore = "long: run by the gate"]
 fn nothing_false_is_said_of_two_thousand_systems() {
@@ -439,9 +438,4 @@ fn nothing_false_is_said_of_two_thousand_systems() {
     let bad = judged.iter().filter(|counts| counts.is_err()).count();
     println!("{} told, {} not; something false with {bad} of 40 seeds", of(0), of(1));
     assert_eq!(bad, 0);
-}
-
-#[test]
-fn nothing_false_is_said_of_a_hundred_systems() {
-    (1..=2).for_each(|seed| println!("{:?}", judge_fifty(seed)));
 }

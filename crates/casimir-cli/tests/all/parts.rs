@@ -23,6 +23,7 @@ const WRITTEN: [&str; 6] =
 
 #[cfg(unix)]
 #[test]
+#[ignore = "long: run by the gate"]
 fn any_number_of_paths_extends_to_the_bits_of_one_run() {
     for (count, numbers) in [("3", &["127", "128", "3000"][..]), ("7", &["3001"])] {
         let folder = with_scene(BODY);

@@ -113,7 +113,8 @@ impl<'a> Simulation<'a> {
     ///     let mut wiener = WienerPath::<1>::new(key, 7);
     ///     Box::new(move |noise| noise.increments[0].fill(wiener.increments(0.125)[0]))
     /// };
-    /// let given = Simulation::new(Setup::of(&problem, &Sexp), Truncation::new(4)?).with_noise(source);
+    /// let given = Simulation::new(Setup::of(&problem, &Sexp), Truncation::new(4)?);
+    /// let given = given.with_noise(source);
     /// assert_eq!(given.path(64, key, 0)?.columns, drawn.path(64, key, 7)?.columns);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -328,6 +328,7 @@ fn paths_that_do_not_share_their_noise_are_noticed() {
 }
 
 #[test]
+#[ignore = "long: run by the gate"]
 fn a_lower_weak_order_is_noticed() {
     let problem = rotations();
     // Noise that is too large by √τ/2: E[φ] is off by a multiple of √τ.
