@@ -117,7 +117,7 @@ fn compare<S: PoissonSystem<D, M> + Clone, const D: usize, const M: usize>(
     let sexp = at_run_time::<M>(&Sexp, &formulas, &y0);
     row("sexp", compiled(&Sexp, system, y0), compiled(&Sexp, &two, y0), sexp);
     if let (Ok(tuned), Ok(at_run_time_scheme)) =
-        (SexpLi::new(system, y0), SexpLi::at_run_time(&formulas, false))
+        (SexpLi::new(system, y0), SexpLi::at_run_time(&formulas))
     {
         let of_two = SexpLi::new(&two, y0).map(|scheme| compiled(&scheme, &two, y0));
         let formula = at_run_time::<M>(&at_run_time_scheme, &formulas, &y0);

@@ -35,8 +35,8 @@ impl Joined {
     }
 }
 
-/// For every expression that needs an instruction, its step. A product that one sum or product uses
-/// alone becomes part of that.
+/// For every expression that needs an instruction, its step. A product that one sum uses alone
+/// becomes part of that.
 pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Joined>> {
     let mut uses = vec![0_u32; graph.len()];
     outputs.iter().for_each(|output| uses[output.index()] += 2);

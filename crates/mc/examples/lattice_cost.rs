@@ -62,7 +62,7 @@ fn main() {
             Couplings { exchange: 1.0, noise: 0.1, local: true, ..Couplings::default() };
         let shape = Shape::periodic(&[side, side, side]).unwrap();
         let lattice = SpinLattice::one_path(shape, couplings).unwrap();
-        let sexp_li = SexpLi::at_run_time(&lattice, false).unwrap();
+        let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
         let y0 = [0.6, 0.0, 0.8].repeat(spins);
         let damping = Arc::new(Constant::new(0.0).unwrap());
         let problem = Problem::new(Arc::new(lattice), damping, y0, 10.0).unwrap();

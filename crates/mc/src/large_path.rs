@@ -31,7 +31,7 @@ use crate::{Cause, LadderError, PathFailure, driver::AreFinite};
 ///
 /// let couplings = Couplings { exchange: 1.0, noise: 0.3, local: true, ..Couplings::default() };
 /// let lattice = SpinLattice::one_path(Shape::periodic(&[20, 20, 20])?, couplings)?;
-/// let scheme = SexpLi::at_run_time(&lattice, false)?;
+/// let scheme = SexpLi::at_run_time(&lattice)?;
 /// let (lattice, y0) = (Arc::new(lattice), [0.0, 0.0, 1.0].repeat(8000));
 /// let problem = Problem::new(lattice, Arc::new(Constant::new(0.0)?), y0, 1.0)?;
 /// let key = StreamKey { seed: 1, experiment: 0 };

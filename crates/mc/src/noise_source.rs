@@ -4,10 +4,12 @@ use noise::{AreaSampler, StepNoise, StreamKey, WienerRows, area_terms, strong_or
 
 use crate::LadderError;
 
-/// Writes the noise of the next finest step of a block; areas if there are rows for them.
+/// Writes the noise of the next finest step τ of a block: increments, row m of variance τ on each
+/// of 32 paths, and Lévy areas if there are rows for them, which are zero otherwise. Paths with
+/// numbers that are not finite fail.
 pub type NextNoise = Box<dyn FnMut(&mut StepNoise) + Send>;
 
-/// The untruncated noise of the 32 paths from a number on, one finest step per call.
+/// From the number of the first path of a block to the untruncated noise of its 32 paths.
 pub type NoiseSource<'a> = Box<dyn Fn(u64) -> NextNoise + Sync + 'a>;
 
 /// Increments drawn from the streams of a key; with `area_noises` the Lévy areas of so many noises,

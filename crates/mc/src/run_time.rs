@@ -53,7 +53,7 @@ impl<'a> Setup<'a> {
     /// let couplings =
     ///     Couplings { exchange: 1.0, noise: 0.3, local: true, ..Couplings::default() };
     /// let ring = SpinLattice::on_paths(Shape::periodic(&[4])?, couplings)?;
-    /// let scheme = SexpLi::at_run_time(&ring, false)?;
+    /// let scheme = SexpLi::at_run_time(&ring)?;
     /// let y0 = [1.0, 0.0, 0.0].repeat(4);
     /// let problem = Problem::new(Arc::new(ring), Arc::new(Constant::new(0.1)?), y0, 1.0)?;
     /// let setup = Setup::at_run_time(&problem, &scheme)?;

@@ -334,7 +334,8 @@ pub fn ln(x: f64) -> f64 {
 /// `(l, s)` with `-2 ln u = l - 4 artanh s` and `|s| < 0.172`, for a normal `u` in `(0, 1)`.
 ///
 /// With the reduction of [`ln`], `l = -2 e ln 2` and `s = f / (2 + f)`. The second half is
-/// [`minus_two_ln`]; a loop for each is faster than one for both, since no chain of dependent operations then is longer than the processor looks ahead. Normal
+/// [`minus_two_ln`]; a loop for each is faster than one for both, since no chain of dependent
+/// operations then is longer than the processor looks ahead. Normal
 /// `u >= 1` are allowed as well. Zero, subnormal, negative, infinite and NaN arguments give
 /// meaningless values.
 #[inline(always)]

@@ -235,8 +235,8 @@ impl BuiltIn {
         Ok(match (self, &description.parts) {
             (Sexp, _) => Box::new(crate::Sexp),
             (SexpLevy, _) => Box::new(crate::SexpLevy::at_run_time(system)?),
-            (SexpLi, _) => Box::new(crate::SexpLi::at_run_time(system, false)?),
-            (SexpLiLevy, _) => Box::new(crate::SexpLi::at_run_time(system, true)?),
+            (SexpLi, _) => Box::new(crate::SexpLi::at_run_time(system)?),
+            (SexpLiLevy, _) => Box::new(crate::SexpLi::at_run_time_with_areas(system)?),
             (Midpoint, _) => Box::new(crate::Midpoint),
             (Heun, _) => Box::new(crate::Heun),
             (EulerMaruyama, _) => Box::new(crate::EulerMaruyama),

@@ -74,12 +74,20 @@ impl SexpLi {
         Self::of(&Description::of(system, y0), true)
     }
 
-    /// The scheme for a system known at run time, with Lévy areas or without.
+    /// The scheme for a system known at run time.
     ///
     /// # Errors
-    /// As [`new`](Self::new), or [`with_areas`](Self::with_areas).
-    pub fn at_run_time(system: &dyn System, areas: bool) -> Result<Self, SchemeError> {
-        Self::of(system.description(), areas)
+    /// As [`new`](Self::new).
+    pub fn at_run_time(system: &dyn System) -> Result<Self, SchemeError> {
+        Self::of(system.description(), false)
+    }
+
+    /// The scheme with Lévy areas for a system known at run time.
+    ///
+    /// # Errors
+    /// As [`with_areas`](Self::with_areas).
+    pub fn at_run_time_with_areas(system: &dyn System) -> Result<Self, SchemeError> {
+        Self::of(system.description(), true)
     }
 
     fn of(system: &Description, areas: bool) -> Result<Self, SchemeError> {

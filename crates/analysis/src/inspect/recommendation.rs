@@ -43,7 +43,7 @@ pub fn recommendations(
         because += "; split alone keeps the Casimir with logarithms";
     }
     let mut found = vec![Recommendation { purpose: "paths", scheme, because }];
-    let linear = SexpLi::at_run_time(system, false).is_ok();
+    let linear = SexpLi::at_run_time(system).is_ok();
     if !hamiltonians.silent && (linear || kept.areas) {
         // Without iteration a step is explicit where B is constant.
         let implicit = linear && system.description().linearity == Linearity::Affine;

@@ -186,7 +186,7 @@ fn a_wrong_scheme_is_not_recommended_and_a_wrong_reference_is_named() {
     // Half of the Itô correction: it converges to something else.
     let wrong = Wrong { correction: 0.5, damping: 1.0 };
     let failing = Wrong { correction: f64::NAN, damping: 1.0 };
-    let li = SexpLi::at_run_time(problem.system(), false).unwrap();
+    let li = SexpLi::at_run_time(problem.system()).unwrap();
     let settings = settings(0.02, 1);
     let comparison = compared(&problem, &Midpoint, &[&wrong, &failing, &li], &settings).unwrap();
     let [first, second, third] = &comparison.candidates[..] else { panic!() };

@@ -57,7 +57,7 @@ fn covers(order: &Order, exact: f64) -> bool {
 #[ignore = "long: run by the gate"]
 fn orders_of_schemes_on_a_turning_plane() {
     let problem = kubo(1.0, 1.0);
-    let li = SexpLi::at_run_time(problem.system(), false).unwrap();
+    let li = SexpLi::at_run_time(problem.system()).unwrap();
     let schemes: [(&dyn Scheme, f64); 5] =
         [(&Sexp, 1.0), (&li, 1.0), (&Midpoint, 1.0), (&Heun, 1.0), (&EulerMaruyama, 0.5)];
     for (scheme, order) in schemes {

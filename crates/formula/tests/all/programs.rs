@@ -80,7 +80,7 @@ fn a_formula_in_one_piece_has_the_bits_of_its_operations() {
     ];
     for (definition, y0) in definitions {
         let system = FormulaSystem::new(&definition, y0).unwrap();
-        let linear = SexpLi::at_run_time(&system, false);
+        let linear = SexpLi::at_run_time(&system);
         let mut schemes: Vec<&dyn Scheme> = vec![&EulerMaruyama, &Heun, &Sexp, &Midpoint];
         schemes.extend(linear.iter().map(|linear| linear as &dyn Scheme));
         for scheme in schemes {

@@ -240,7 +240,7 @@ impl<'a> Expect<'a> {
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let system = problem.system();
         let constant = system.description().linearity == Linearity::Constant;
-        let first = SexpLi::at_run_time(system, false).ok().filter(|_| !constant);
+        let first = SexpLi::at_run_time(system).ok().filter(|_| !constant);
         let first = first.map(|first| Box::new(first) as Box<dyn AtRunTime>);
         let schemes = first.into_iter().chain([Box::new(Sexp) as _]);
         let candidates = schemes.map(|scheme| Ok(Setup::owning(problem, scheme)?.into()));
@@ -278,8 +278,8 @@ impl<'a> Expect<'a> {
         Self { settings, ..self }
     }
 
-    /// E[φ(y(T))] of every φ to the half-width `accuracy`. `progress` is called now and then, from any thread, with the number of
-    /// path-steps done since.
+    /// E[φ(y(T))] of every φ to the half-width `accuracy`. `progress` is called now and then, from
+    /// any thread, with the number of path-steps done since.
     ///
     /// # Errors
     /// [`RunError`] if a setting is out of range, a level cannot be run or has no paths left, φ is

@@ -52,7 +52,7 @@ fn every_length_is_on_its_law_after_100_000_steps() {
     let lattice = SpinLattice::one_path(Shape::periodic(&[4, 4, 2]).unwrap(), couplings).unwrap();
     let damped = Couplings { damping: 0.2, ..couplings };
     let transverse = SpinLattice::one_path(lattice.shape().clone(), damped).unwrap();
-    let sexp_li = SexpLi::at_run_time(&lattice, false).unwrap();
+    let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
     // The residual of a step is at most 2ε of all spins together, of one sign for long, and may
     // fall on one of them. One more sweep leaves round-off.
     let settled = WithSolver { formula: Sexp, solver: Solver::default().settled() };
@@ -161,7 +161,7 @@ fn the_equilibrium_is_that_of_the_temperature() {
     for (n, beta) in [0.5, 2.0, 6.0].into_iter().enumerate() {
         let key = StreamKey { experiment: n as u64, ..KEY };
         let (spins, bonds) = (in_a_field(beta, 1.0), chain(beta, 1.0));
-        let sexp_li = SexpLi::at_run_time(&spins, false).unwrap();
+        let sexp_li = SexpLi::at_run_time(&spins).unwrap();
         for (what, (mean, se)) in [
             ("a field", average(&spins, &sexp_li, (tau(beta), STEPS), key, &mean_z)),
             ("a chain", average(&bonds, &sexp_li, (tau(beta), STEPS), key, &mean_bond)),
@@ -193,7 +193,7 @@ fn wrong_noise_is_not_at_the_temperature() {
         (in_a_field(beta, misplaced), &mean_z as &dyn Fn(&LargePath<'_>) -> f64),
         (chain(beta, misplaced), &mean_bond),
     ] {
-        let sexp_li = SexpLi::at_run_time(&lattice, false).unwrap();
+        let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
         let (mean, se) = average(&lattice, &sexp_li, (tau(beta), STEPS), KEY, observable);
         assert!((mean - langevin(beta)).abs() > 2.0 * MOST_ERRORS * se, "{mean} ± {se}");
     }
@@ -211,7 +211,7 @@ fn one_path_has_the_common_noise_of_the_path_with_its_number() {
         Couplings { exchange: 0.7, anisotropy: 0.2, noise: 0.5, ..Couplings::default() };
     let shape = Shape::periodic(&[6, 5]).unwrap();
     let on_paths = SpinLattice::on_paths(shape.clone(), couplings).unwrap();
-    let sexp_li = SexpLi::at_run_time(&on_paths, false).unwrap();
+    let sexp_li = SexpLi::at_run_time(&on_paths).unwrap();
     let many = problem(on_paths, 0.1, 1.0);
     let simulation = Simulation::new(Setup::at_run_time(&many, &sexp_li).unwrap(), truncation());
     let table = simulation.paths(50, KEY, 33..34).unwrap();
@@ -235,7 +235,7 @@ fn local_noise_depends_on_neither_threads_nor_pieces_of_time() {
 fn local_noise_is_the_same(shape: Shape) {
     let couplings = Couplings { exchange: 0.7, noise: 0.5, local: true, ..Couplings::default() };
     let lattice = SpinLattice::one_path(shape, couplings).unwrap();
-    let sexp_li = SexpLi::at_run_time(&lattice, false).unwrap();
+    let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
     let problem = problem(lattice, 0.1, 1.0);
     let run = |threads, pieces: u64, path| {
         on_threads(threads, || {
@@ -278,7 +278,7 @@ fn long_chains_need_no_large_stack() {
     let shape = Shape::open(&[100]).unwrap();
     let many = problem(SpinLattice::on_paths(shape.clone(), couplings).unwrap(), 0.1, 4.0);
     let one = problem(SpinLattice::one_path(shape, couplings).unwrap(), 0.1, 4.0);
-    let sexp_li = SexpLi::at_run_time(many.system(), false).unwrap();
+    let sexp_li = SexpLi::at_run_time(many.system()).unwrap();
     for (scheme, steps) in [(&sexp_li as &dyn Scheme, 8), (&Heun, 64), (&Sexp, 64), (&Sexp, 6)] {
         let setup = Setup::at_run_time(&many, scheme).unwrap();
         let paths = Simulation::new(setup, truncation()).paths(steps, KEY, 0..2).unwrap();

@@ -79,8 +79,8 @@ fn check<S: PoissonSystem<D, M> + Tuned<D, M> + Clone, const D: usize, const M: 
         assert!(found <= allowed, "{} on {}: {found:e}", kind.id(), system.name());
     }
     let (li, with_areas) = (SexpLi::new(&system, y0), SexpLi::with_areas(&system, y0));
-    assert_eq!(SexpLi::at_run_time(&adapter, false).as_ref(), li.as_ref());
-    assert_eq!(SexpLi::at_run_time(&adapter, true).as_ref(), with_areas.as_ref());
+    assert_eq!(SexpLi::at_run_time(&adapter).as_ref(), li.as_ref());
+    assert_eq!(SexpLi::at_run_time_with_areas(&adapter).as_ref(), with_areas.as_ref());
 }
 
 #[test]

@@ -158,7 +158,7 @@ fn run(scheme: &dyn Scheme, system: &Chain, threads: usize, tau: f64) -> (Vec<Ro
 fn bits_depend_neither_on_tiles_nor_on_threads() {
     const SPINS: usize = 2000;
     let one_tile = Chain::new(SPINS, 3 * SPINS.div_ceil(WIDTH));
-    let sexp_li = SexpLi::at_run_time(&one_tile, false).unwrap();
+    let sexp_li = SexpLi::at_run_time(&one_tile).unwrap();
     let forced = Solver { max_sweeps: 1, ..Solver::new(Method::FixedPoint) };
     let krylov = WithSolver { formula: Sexp, solver: forced };
     let schemes: [(&dyn Scheme, usize); 7] = [
@@ -207,7 +207,7 @@ fn formulas_whose_derivative_is_not_known_are_refused() {
             assert!(refused.unwrap().to_string().contains("derivatives"));
         }
         // Of ẑ they are constants.
-        assert!(SexpLi::at_run_time(&system, false).unwrap().stepper(&system).is_ok());
+        assert!(SexpLi::at_run_time(&system).unwrap().stepper(&system).is_ok());
     }
 }
 

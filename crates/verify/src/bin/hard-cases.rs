@@ -246,8 +246,8 @@ fn body<G: Damping>(damping: G, t_end: f64) -> Result<Problem<RigidBody<3>, G, 3
 }
 
 /// Constant γ, so many steps with x = γτ: |y|² is multiplied by e^(−2x) in each. From |x| = `least`
-/// on rational functions of x are off by more than `off`: Euler's factor 1 − x, Heun's 1 − x + x²/2,
-/// and that of the midpoint rule, (1 − x/2)/(1 + x/2), which tends to −1. For γ < 0 the solution
+/// on rational functions of x are off by more than `off`: Euler's factor 1 − x, Heun's
+/// 1 − x + x²/2, and that of the midpoint rule, (1 − x/2)/(1 + x/2), which tends to −1. For γ < 0 the solution
 /// overflows in finite time; long before, a step is large for a body that turns so fast.
 fn damped(table: &mut Table, xs: &[f64], steps: u64, (least, off): (f64, f64)) -> Result<()> {
     for &x in xs {
@@ -292,9 +292,9 @@ fn rough(table: &mut Table) -> Result<()> {
     Ok(())
 }
 
-/// Increments past the contraction bound, not truncated, γ = ½cos 2t: 64 steps of τ = 0.1. While the
-/// map contracts, for sure while max|kᵢ − kⱼ| < 1 with k = τ/I + ΔW/Î, there is one solution; beyond,
-/// there may be several. A scheme keeps the law wherever its equation has a solution.
+/// Increments past the contraction bound, not truncated, γ = ½cos 2t: 64 steps of τ = 0.1. While
+/// the map contracts, for sure while max|kᵢ − kⱼ| < 1 with k = τ/I + ΔW/Î, there is one solution;
+/// beyond, there may be several. A scheme keeps the law wherever its equation has a solution.
 fn large_noise(table: &mut Table) -> Result<()> {
     for size in [0.1, 1.0, 10.0, 100.0] {
         let problem = body(half_cosine(), 6.4)?;
