@@ -143,7 +143,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S
         if matches!(times.noises, Noises::None) && !self.system.drifts(part) {
             return;
         }
-        let (start, mut next) = (self.y, self.y);
+        let start = self.y;
         for p in 0..N {
             let mut y = [0.0; D];
             for i in 0..D {
@@ -165,10 +165,9 @@ impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S
                 self.system.flow(part, y, times.dt, dw)
             };
             for i in 0..D {
-                next[i][p] = z[i];
+                self.y[i][p] = z[i];
             }
         }
-        self.y = next;
     }
 }
 
