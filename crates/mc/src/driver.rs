@@ -250,8 +250,6 @@ struct Marcher<'a> {
     first_path: u64,
     live: PathMask,
     next_noise: NextNoise,
-    /// Noise of the finest step.
-    drawn: StepNoise,
     ladder: DyadicLadder,
     /// The truncated noise of the current step. It is reused, since zeroing it in every step takes
     /// as long as a tenth of a step.
@@ -276,7 +274,6 @@ impl<'a> Marcher<'a> {
             first_path,
             live: PathMask::first(paths),
             next_noise: (driver.noise)(first_path),
-            drawn: driver.no_noise(),
             ladder: DyadicLadder::new(driver.levels, || driver.no_noise()),
             truncated: driver.no_noise(),
             states: driver.runs.iter().map(|run| run.scheme.start(&start)).collect(),
@@ -296,15 +293,14 @@ impl<'a> Marcher<'a> {
         observe: &mut dyn FnMut(&View<'_>),
     ) {
         let driver = self.driver;
-        (self.next_noise)(&mut self.drawn);
+        let complete = self.ladder.push(&mut self.next_noise);
         if let (Some(time_change), Some(noise)) = (driver.time_change, &mut self.time_change_noise)
         {
             let mut normals = [[0.0; WIDTH]];
             noise.increments(1.0, &mut normals);
-            let (dw, [time]) = (&self.drawn.increments[..], &mut self.random_time.0);
+            let (dw, [time]) = (&self.ladder.whole(0).increments[..], &mut self.random_time.0);
             time_change.advance(n - 1, dw, &normals[0], time);
         }
-        let complete = self.ladder.push(&self.drawn);
         for batch in driver.batches.iter().filter(|batch| batch.due_level() <= complete) {
             let StepPair { before, now } = steps[batch.level];
             if batch.swapped {
@@ -361,7 +357,7 @@ impl<'a> Marcher<'a> {
     #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, as_drawn: bool, tally: &mut Tally) {
         for &number in &batch.runs {
-            let noise = if as_drawn { &self.drawn } else { &self.truncated };
+            let noise = if as_drawn { self.ladder.whole(0) } else { &self.truncated };
             let status = &mut self.statuses[number];
             self.states[number].step(step, noise, status);
             if !status.failed.and(self.live).is_empty() {

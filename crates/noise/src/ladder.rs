@@ -23,14 +23,11 @@ impl DyadicLadder {
         Self { first_half: zero(), whole: zero(), pushed: 0 }
     }
 
-    /// Adds the noise of the next finest step. Returns the highest level whose step is now
-    /// complete; all lower levels are complete as well.
-    ///
-    /// # Panics
-    /// Unless `noise` has the rows of the ladder.
+    /// Adds the next finest step, whose noise `draw` writes over that of the step before. Returns the
+    /// highest level whose step is now complete; all lower levels are complete as well.
     #[inline]
-    pub fn push(&mut self, noise: &StepNoise) -> usize {
-        self.whole[0].copy_from(noise);
+    pub fn push(&mut self, draw: impl FnOnce(&mut StepNoise)) -> usize {
+        draw(&mut self.whole[0]);
         self.pushed += 1;
         for level in 1..self.whole.len() {
             let (below, whole) = self.whole.split_at_mut(level);
@@ -86,9 +83,7 @@ mod tests {
         let pieces = pieces();
         let mut ladder = DyadicLadder::new(3, || StepNoise::with_areas(3));
         for (n, piece) in pieces.iter().enumerate() {
-            let mut finest = StepNoise::with_areas(3);
-            finest.set_path(5, &noise_of(&[*piece]));
-            let complete = ladder.push(&finest);
+            let complete = ladder.push(|finest| finest.set_path(5, &noise_of(&[*piece])));
             assert_eq!(complete, ((n + 1).trailing_zeros() as usize).min(3));
             for level in 0..=complete {
                 let step = &pieces[n + 1 - (1 << level)..=n];

@@ -169,12 +169,10 @@ fn ladder_sums_can_be_recomputed_from_a_path() {
     let scale = 2f64.powi(-7);
     let mut wiener = WienerRows::new(KEY, 96);
     let mut ladder = DyadicLadder::new(LEVELS, || StepNoise::zero(3));
-    let mut noise = StepNoise::zero(3);
     let path = |p| WienerPath::<3>::new(KEY, 96 + p as u64);
     let mut replay = [(); LEVELS + 1].map(|()| [0, 13, 31].map(|p| (p, path(p))));
     for _ in 0..1 << 9 {
-        wiener.increments(scale, &mut noise.increments);
-        let top = ladder.push(&noise);
+        let top = ladder.push(|finest| wiener.increments(scale, &mut finest.increments));
         for (level, paths) in replay[..=top].iter_mut().enumerate() {
             for (p, path) in paths {
                 let sum = tree(path, level, scale);

@@ -1,15 +1,13 @@
 //! The exact flows of a lattice, for splitting.
 
-use real::{Kernel, Row};
+use real::{Kernel, Row, WIDTH};
 
 use super::{
     formulas::Couplings,
+    layout::place,
     shape::{Direction, Shape},
 };
-use crate::{
-    cayley::cayley_cross,
-    run_time::{Layout, Weights},
-};
+use crate::{cayley::cayley_cross, run_time::Weights};
 
 /// The parts: field and noise, the anisotropy, and for each axis the bonds from even and from odd
 /// coordinates. All flows are rotations, by Cayley's map; a bond turns both spins about their sum.
@@ -40,28 +38,33 @@ impl Part {
     }
 }
 
-/// The spins of L paths at a site.
+/// The spins of L paths at a site: of 32, or of one.
 #[inline(always)]
-fn get<const L: usize>(layout: &Layout, y: &[Row], site: usize) -> [[f64; L]; 3] {
+fn get<const L: usize>(sites: usize, y: &[Row], site: usize) -> [[f64; L]; 3] {
+    let ((begin, plane), numbers) = (first::<L>(sites, site), y.as_flattened());
     let mut spins = [[0.0; L]; 3];
     for c in 0..3 {
-        let (row, lane) = layout.place(3 * site + c);
-        spins[c].copy_from_slice(&y[row][lane..lane + L]);
+        spins[c].copy_from_slice(&numbers[begin + c * plane..][..L]);
     }
     spins
 }
 
 #[inline(always)]
-fn put<const L: usize>(layout: &Layout, y: &mut [Row], site: usize, spins: [[f64; L]; 3]) {
+fn put<const L: usize>(sites: usize, y: &mut [Row], site: usize, spins: [[f64; L]; 3]) {
+    let ((begin, plane), numbers) = (first::<L>(sites, site), y.as_flattened_mut());
     for c in 0..3 {
-        let (row, lane) = layout.place(3 * site + c);
-        y[row][lane..lane + L].copy_from_slice(&spins[c]);
+        numbers[begin + c * plane..][..L].copy_from_slice(&spins[c]);
     }
+}
+
+/// The number of the first x at a site, and how many numbers further the first y is.
+#[inline(always)]
+fn first<const L: usize>(sites: usize, site: usize) -> (usize, usize) {
+    if L == WIDTH { (3 * WIDTH * site, WIDTH) } else { place(sites, site) }
 }
 
 /// The flow of a part on L paths.
 pub struct Flow<'a, const L: usize> {
-    pub layout: &'a Layout,
     pub shape: &'a Shape,
     pub couplings: Couplings,
     pub part: Part,
@@ -74,29 +77,30 @@ impl<const L: usize> Kernel for Flow<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { layout, shape, couplings, part, h, y } = self;
+        let Self { shape, couplings, part, h, y } = self;
+        let sites = shape.sites();
         let Couplings { exchange, anisotropy, field, noise, local, .. } = couplings;
         let mut dw = [[0.0; L]; 3];
         for m in 0..if local { 0 } else { 3 } {
             dw[m].copy_from_slice(&h.dw[m][..L]);
         }
-        for site in 0..shape.sites() {
-            let mut spins: [[f64; L]; 3] = get(layout, y, site);
+        for site in 0..sites {
+            let mut spins: [[f64; L]; 3] = get(sites, y, site);
             if let Part::Bonds { axis, odd } = part {
                 let begins = shape.coordinate(site, axis) % 2 == usize::from(odd);
                 let up = Direction { axis, up: true };
                 let next = if begins { shape.neighbour(site, up) } else { None };
                 let Some(next) = next else { continue };
-                let mut other: [[f64; L]; 3] = get(layout, y, next);
+                let mut other: [[f64; L]; 3] = get(sites, y, next);
                 for p in 0..L {
                     let (a, b) = turned(lane(&spins, p), lane(&other, p), -exchange * h.dt);
                     set(&mut spins, p, a);
                     set(&mut other, p, b);
                 }
-                put(layout, y, next, other);
+                put(sites, y, next, other);
             } else {
                 if local && part == Part::Field {
-                    dw = get(layout, h.dw, site);
+                    dw = get(sites, h.dw, site);
                 }
                 for p in 0..L {
                     let (s, dw) = (lane(&spins, p), lane(&dw, p));
@@ -107,7 +111,7 @@ impl<const L: usize> Kernel for Flow<'_, L> {
                     set(&mut spins, p, cayley_cross(s, axis));
                 }
             }
-            put(layout, y, site, spins);
+            put(sites, y, site, spins);
         }
     }
 }

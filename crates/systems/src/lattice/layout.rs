@@ -8,7 +8,6 @@ use std::ops::Range;
 use real::{Row, WIDTH};
 
 use super::shape::{Direction, Shape};
-use crate::run_time::Layout;
 
 /// Sites of a tile of one large path; a power of two. Its states take 24 KiB each.
 pub const TILE_SITES: usize = 1024;
@@ -63,12 +62,21 @@ impl SpinRows for OnPaths<'_> {
 /// last tile has as many groups of 32 as are left.
 #[derive(Clone, Copy)]
 pub struct OnePath<'a> {
-    pub layout: &'a Layout,
     pub sites: usize,
     /// Offsets inside and across a periodic end, and whether the axis is periodic.
     pub offsets: &'a [((isize, isize), bool)],
     /// For each group of 32 sites and direction, the sites that are the last ones.
     pub ends: &'a [u32],
+}
+
+/// The number of the x of a site among those of one path, and how many numbers further its y is, as
+/// [`Layout::place`](crate::run_time::Layout::place) says: by constants, which saves divisions.
+#[inline(always)]
+pub fn place(sites: usize, site: usize) -> (usize, usize) {
+    let tile = site / TILE_SITES;
+    let left = (sites - tile * TILE_SITES).next_multiple_of(WIDTH);
+    let plane = if left < TILE_SITES { left } else { TILE_SITES };
+    (tile * TILE_ROWS * WIDTH + site % TILE_SITES, plane)
 }
 
 impl OnePath<'_> {
@@ -78,14 +86,10 @@ impl OnePath<'_> {
         if first < 0 || first as usize + WIDTH > self.sites {
             return None;
         }
-        let (tile, inside) = (first as usize / TILE_SITES, first as usize % TILE_SITES);
-        // Numbers of one component on the tile.
-        let left = (self.sites - tile * TILE_SITES).next_multiple_of(WIDTH);
-        let plane = if left < TILE_SITES { left } else { TILE_SITES };
-        if inside + WIDTH > plane {
+        let (begin, plane) = place(self.sites, first as usize);
+        if first as usize % TILE_SITES + WIDTH > plane {
             return None;
         }
-        let begin = tile * TILE_ROWS * WIDTH + inside;
         let numbers = y.as_flattened();
         Some([
             numbers[begin..].first_chunk()?,
@@ -107,13 +111,13 @@ impl OnePath<'_> {
     #[cold]
     #[inline(never)]
     fn load_each(self, first: isize, y: &[Row]) -> Spins {
-        let mut spins = [[0.0; WIDTH]; 3];
+        let (numbers, mut spins) = (y.as_flattened(), [[0.0; WIDTH]; 3]);
         for lane in 0..WIDTH {
             let site = first + lane as isize;
             if site >= 0 && (site as usize) < self.sites {
+                let (begin, plane) = place(self.sites, site as usize);
                 for c in 0..3 {
-                    let (row, place) = self.layout.place(3 * site as usize + c);
-                    spins[c][lane] = y[row][place];
+                    spins[c][lane] = numbers[begin + c * plane];
                 }
             }
         }

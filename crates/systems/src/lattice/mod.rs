@@ -235,8 +235,8 @@ impl System for SpinLattice {
                 dispatch(OnTile { layout, directions, couplings, tile, op, h, out });
             }
             Some(ends) => {
-                let (layout, sites) = (&self.description.layout, self.shape.sites());
-                let layout = OnePath { layout, sites, offsets: &self.offsets, ends };
+                let sites = self.shape.sites();
+                let layout = OnePath { sites, offsets: &self.offsets, ends };
                 dispatch(OnTile { layout, directions, couplings, tile, op, h, out });
             }
         }
@@ -264,10 +264,9 @@ impl System for SpinLattice {
 
     fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, _: &mut [Row]) {
         let (shape, couplings, part) = (&self.shape, self.couplings, self.parts[part]);
-        let layout = &self.description.layout;
-        match layout.lanes {
-            Lanes::Paths => dispatch(Flow::<WIDTH> { layout, shape, couplings, part, h, y }),
-            Lanes::Components => dispatch(Flow::<1> { layout, shape, couplings, part, h, y }),
+        match self.description.layout.lanes {
+            Lanes::Paths => dispatch(Flow::<WIDTH> { shape, couplings, part, h, y }),
+            Lanes::Components => dispatch(Flow::<1> { shape, couplings, part, h, y }),
         }
     }
 
