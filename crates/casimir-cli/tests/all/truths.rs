@@ -159,10 +159,10 @@ impl Judged {
 
 #[test]
 #[ignore = "statistical: run by the gate"]
-fn default_answers_are_true_with_eleven_seeds() {
+fn default_answers_are_true_with_five_seeds() {
     let mut judged = Judged::default();
     for problem in problems() {
-        (1..=11).for_each(|seed| judged.ask(&problem, seed, &[]));
+        (1..=5).for_each(|seed| judged.ask(&problem, seed, &[]));
     }
     judged.hold();
 }

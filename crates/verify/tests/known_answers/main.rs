@@ -9,16 +9,20 @@ mod library;
 
 use verify::reproduce;
 
-use library::{Entry, Question, above, ask, entries};
+use library::{
+    Entry,
+    Question::{self, Chosen, Expectation, StrongOrder, WeakOrder},
+    Total, above, ask, entries,
+};
 
 /// Probability of a failure of a test if everything is as it should be.
 const CHANCE: f64 = 1e-3;
 
-/// No problem is answered falsely more often than it may be.
+/// No problem is answered falsely more often than it may be, nor is a question over all problems.
 #[test]
 #[ignore = "statistical: minutes"]
 fn stated_answers_are_true() {
-    const SEEDS: u64 = 20;
+    const SEEDS: u64 = 10;
     let (entries, mut wrong) = (entries(), Vec::new());
     let totals = ask(&entries, SEEDS, 100_000_000);
     println!("question, kind, problem: stated, false, undecided, cost, undecided because");
@@ -34,9 +38,20 @@ fn stated_answers_are_true() {
             wrong.push(line);
         }
     }
+    for question in [StrongOrder, WeakOrder, Expectation, Chosen] {
+        let sum = |count: fn(&Total) -> u64| -> u64 {
+            let both = entries.iter().zip(&totals);
+            both.filter(|(entry, _)| entry.question == question).map(|(_, t)| count(t)).sum()
+        };
+        let (missed, stated) = (sum(|total| total.missed), sum(|total| total.stated));
+        println!("{question:?}: {missed} of {stated} false");
+        if above(question.tolerated(), CHANCE / 4.0, missed, stated) {
+            wrong.push(format!("{question:?}: {missed} of {stated}"));
+        }
+    }
     assert!(wrong.is_empty(), "answered falsely too often: {wrong:#?}");
     // Most answers are of use.
-    let sum = |count: fn(&library::Total) -> u64| totals.iter().map(count).sum::<u64>();
+    let sum = |count: fn(&Total) -> u64| totals.iter().map(count).sum::<u64>();
     assert!(2 * sum(|total| total.stated) > sum(|total| total.asked));
 }
 
@@ -89,13 +104,13 @@ fn chosen_intervals_cover_and_are_not_too_wide() {
 const MARGIN: f64 = 3.8;
 
 /// An order is refuted by chance with a probability of at most 0.05 % (a 99.9 % interval misses on
-/// one side), any other check of at most 1e-5. Of so many verdicts more than four are refuted with
-/// a probability below 1e-3 (Poisson of mean 0.75).
+/// one side), any other check of at most 1e-5. Of so many verdicts more than three are refuted with
+/// a probability below 1e-3 (Poisson of mean 0.375).
 #[test]
 #[ignore = "statistical: minutes"]
 fn statements_hold_for_other_seeds() {
     let mut alarms = Vec::new();
-    for seed in 2..=11 {
+    for seed in 2..=6 {
         let claims = reproduce(seed, true, &[]).claims;
         println!("seed {seed}: {}", verify::page::counts(claims.iter()));
         alarms.extend(claims.into_iter().filter(|claim| claim.outcome() == "refuted"));
@@ -103,5 +118,5 @@ fn statements_hold_for_other_seeds() {
     for claim in &alarms {
         println!("{} on {}: {}", claim.id, claim.panel, claim.evidence);
     }
-    assert!(alarms.len() <= 4, "{} false alarms", alarms.len());
+    assert!(alarms.len() <= 3, "{} false alarms", alarms.len());
 }
