@@ -14,7 +14,7 @@ const NEWTON_TOLERANCE: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// Margin for the contraction estimate in a long Newton sweep. Its two steps may contract more than
 /// the next one, which has another direction. With this margin residuals on random maps are at most
-/// 4ε (`tests/all/contraction.rs`).
+/// 4ε (`tests/iteration/contraction.rs`).
 const NEWTON_MARGIN: f64 = 256.0;
 
 /// The next iterate and its excess over the tolerance: at most zero if it has converged, NaN if a
