@@ -2,6 +2,7 @@
 //! between 1e-10 and 1: nothing that it says may be false.
 
 use analysis::inspect::{Finding, Inspection};
+use rayon::prelude::*;
 use real::Real;
 use systems::{Form, HamiltonianIncrement, Invariant, InvariantKind, PoissonSystem};
 
@@ -432,8 +433,8 @@ fn judge_fifty(seed: u64) -> [u32; 2] {
 #[test]
 #[ignore = "long: run by the gate"]
 fn nothing_false_is_said_of_two_thousand_systems() {
-    let judged = (1..=40).map(|seed| std::panic::catch_unwind(|| judge_fifty(seed)));
-    let judged: Vec<_> = judged.collect();
+    let judge = |seed| std::panic::catch_unwind(|| judge_fifty(seed));
+    let judged: Vec<_> = (1..=40).into_par_iter().map(judge).collect();
     let of = |k: usize| judged.iter().flatten().map(|counts| counts[k]).sum::<u32>();
     let bad = judged.iter().filter(|counts| counts.is_err()).count();
     println!("{} told, {} not; something false with {bad} of 40 seeds", of(0), of(1));

@@ -78,7 +78,7 @@ fn covered(entry: &Entry) -> bool {
 #[test]
 #[ignore = "statistical: a minute"]
 fn chosen_intervals_cover_and_are_not_too_wide() {
-    const SEEDS: u64 = 400;
+    const SEEDS: u64 = 200;
     let entries: Vec<Entry> = entries().into_iter().filter(covered).collect();
     assert_eq!(entries.len(), 7);
     let totals = ask(&entries, SEEDS, u64::MAX);
