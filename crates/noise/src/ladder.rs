@@ -23,7 +23,7 @@ impl DyadicLadder {
         Self { first_half: zero(), whole: zero(), pushed: 0 }
     }
 
-    /// Adds the next finest step, whose noise `draw` writes over that of the step before. Returns the
+    /// Adds the next finest step. `draw` writes its noise over that of the step before. Returns the
     /// highest level whose step is now complete; all lower levels are complete as well.
     #[inline]
     pub fn push(&mut self, draw: impl FnOnce(&mut StepNoise)) -> usize {

@@ -335,9 +335,8 @@ pub fn ln(x: f64) -> f64 {
 ///
 /// With the reduction of [`ln`], `l = -2 e ln 2` and `s = f / (2 + f)`. The second half is
 /// [`minus_two_ln`]; a loop for each is faster than one for both, since no chain of dependent
-/// operations then is longer than the processor looks ahead. Normal
-/// `u >= 1` are allowed as well. Zero, subnormal, negative, infinite and NaN arguments give
-/// meaningless values.
+/// operations then is longer than the processor looks ahead. Normal `u >= 1` are allowed as well.
+/// Zero, subnormal, negative, infinite and NaN arguments give meaningless values.
 #[inline(always)]
 pub fn split_unit(u: f64) -> (f64, f64) {
     let (e, f) = exponent_fraction(u);

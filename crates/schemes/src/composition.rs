@@ -143,6 +143,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S
         if matches!(times.noises, Noises::None) && !self.system.drifts(part) {
             return;
         }
+        // From a copy: in place, `nv` on Maxwell–Bloch takes a fifth longer.
         let start = self.y;
         for p in 0..N {
             let mut y = [0.0; D];

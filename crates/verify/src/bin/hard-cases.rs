@@ -247,8 +247,9 @@ fn body<G: Damping>(damping: G, t_end: f64) -> Result<Problem<RigidBody<3>, G, 3
 
 /// Constant γ, so many steps with x = γτ: |y|² is multiplied by e^(−2x) in each. From |x| = `least`
 /// on rational functions of x are off by more than `off`: Euler's factor 1 − x, Heun's
-/// 1 − x + x²/2, and that of the midpoint rule, (1 − x/2)/(1 + x/2), which tends to −1. For γ < 0 the solution
-/// overflows in finite time; long before, a step is large for a body that turns so fast.
+/// 1 − x + x²/2, and that of the midpoint rule, (1 − x/2)/(1 + x/2), which tends to −1. For γ < 0
+/// the solution overflows in finite time; long before, a step is large for a body that turns so
+/// fast.
 fn damped(table: &mut Table, xs: &[f64], steps: u64, (least, off): (f64, f64)) -> Result<()> {
     for &x in xs {
         let problem = body(Constant::new(16.0 * x * steps as f64)?, 1.0 / 16.0)?;

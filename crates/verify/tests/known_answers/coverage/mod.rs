@@ -1,8 +1,8 @@
 //! How often the intervals of `stats` cover the truth, measured on data whose law is known.
 //!
-//! Every data set is drawn from a law with a known order or mean-square error. An
-//! interval is computed as for any experiment, and it is counted whether the truth lies inside.
-//! Warnings are counted likewise: where a few paths carry an error, or a model does not fit, they
+//! Every data set is drawn from a law with a known order or mean-square error. An interval is
+//! computed as for any experiment, and it is counted whether the truth lies inside. Warnings are
+//! counted likewise: where a few paths carry an error, or a model does not fit, they
 //! have to be raised, elsewhere not. Beside the intervals in use stand some that ignore something
 //! (the covariance between levels, the error of a reference, heavy tails) and have to miscover, or
 //! the measurement could not tell.
