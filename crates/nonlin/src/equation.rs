@@ -55,7 +55,7 @@ pub enum FirstSweep {
     Plain,
     /// Eleven evaluations of ψ, or two steps of Newton's method from ψ(ψ(start)), written out for
     /// two paths at a time. It is fast if ψ is a few dozen operations. Otherwise it is long code
-    /// that takes time to compile. `cargo bench -p casimir-schemes` shows the gain: with eleven
+    /// that takes time to compile. `cargo bench -p casimir-verify` shows the gain: with eleven
     /// evaluations the rigid body at τ = 2⁻⁸ converges in the first sweep on nearly every block.
     Long,
     /// [`FixedPoint::predict`], accepted if its residual bound is below the tolerance. Otherwise

@@ -7,7 +7,7 @@ use real::{Block, PathMask, Row, WIDTH};
 pub enum Method {
     /// Fixed-point iteration z ← ψ(z), three evaluations per sweep and eleven in a long first
     /// sweep. It converges linearly with the Lipschitz constant of ψ. It is the faster method if ψ
-    /// is a few products (`cargo bench -p casimir-schemes`).
+    /// is a few products (`cargo bench -p casimir-verify`).
     FixedPoint,
     /// Newton's method z ← z − (I − ψ′(z))⁻¹(z − ψ(z)), one iteration per sweep. A long first sweep
     /// makes two steps with the same matrix from ψ(ψ(start)). It is the faster method if ψ is
