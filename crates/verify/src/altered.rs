@@ -19,14 +19,14 @@ struct Altered<'a> {
 }
 
 /// A set-up whose method gets what `change` makes of a step and its noise, and says of itself
-/// whether its increments are clipped if `clips` does.
+/// that its increments are clipped if it does already or `clips`.
 pub fn altered<'a>(
     setup: Setup<'a>,
-    clips: Option<bool>,
+    clips: bool,
     change: impl Fn(&mut Step, &mut StepNoise) + Send + Sync + 'a,
 ) -> Setup<'a> {
     let method = setup.scheme;
-    let clips = clips.unwrap_or(method.clips_increments());
+    let clips = clips || method.clips_increments();
     let scheme = Arc::new(Altered { method, clips, change: Box::new(change) });
     Setup { scheme, ..setup }
 }

@@ -169,7 +169,7 @@ fn what_has_no_whole_path_is_named() {
     assert_eq!(signalled(folder.path(), &arguments, "-INT", 500), Some(130));
     assert!(!folder.path().join("scene-run/index.html").exists());
     // A long path ends where it is interrupted.
-    let text = BODY.replace("paths = 256", "paths = 1").replace("= 64", "= 40000000");
+    let text = BODY.replace("paths = 256", "paths = 1").replace("= 64", "= 10000000");
     let folder = with_scene(&text);
     assert_eq!(signalled(folder.path(), &arguments, "-INT", 700), Some(130));
     let json = read_json(folder.path().join("scene-run/paths.json"));

@@ -4,6 +4,7 @@ use std::{cell::Cell, sync::Arc};
 
 use noise::{QuasiWiener, ScrambledSobol};
 use real::WIDTH;
+use stats::CONFIDENCE;
 
 use super::{
     Candidate, ExpectSettings, Orders,
@@ -37,6 +38,9 @@ const MOST_BIAS: f64 = 0.5;
 const MAX_POINTS: u64 = 1 << 31;
 /// Independent replicates of the points of a level.
 const REPLICATES: u64 = 32;
+/// The confidence for random points. Their number depends on the same samples, and more points gain
+/// little: with 95 % 3.7 % of the known answers were missed, with this 1.4 % for 7 % more work.
+const OF_RANDOM_POINTS: f64 = 0.98;
 /// The error of scrambled points falls as N^{−3/2} at most (Owen 1997): as many more are needed.
 const LEAST_GROWTH: f64 = 2.0 / 3.0;
 /// More samples of the first level do not show a variance that so many have not shown.
@@ -346,7 +350,8 @@ impl<'a> Estimator<'a> {
         terms.extend_from_slice(&differences[first..]);
         let share = |samples: &Samples| samples.failed as f64 / samples.paths as f64;
         let lost = self.levels[first..].iter().map(share).sum::<f64>() * range;
-        Sum { terms, extrapolation, replicates: self.replicates as f64, lost }
+        let confidence = if self.sobol { CONFIDENCE } else { OF_RANDOM_POINTS };
+        Sum { terms, extrapolation, replicates: self.replicates as f64, confidence, lost }
     }
 
     /// The level to begin with, for which an accuracy costs least: Σ√(VC) is least (Giles 2008),

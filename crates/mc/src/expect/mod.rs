@@ -12,9 +12,9 @@
 //! Nothing else depends on which points there are.
 //!
 //! **Accuracy.** The half-width of the 95 % interval of each test function: Student's quantile over
-//! the replicates (L'Ecuyer, Nakayama, Owen and Tuffin 2023), corrected for skewness, times the
-//! standard error, and in quadrature what events that the samples missed may add
-//! ([`Estimate::missed`]), plus a bound on the bias that extrapolation leaves
+//! the replicates (L'Ecuyer, Nakayama, Owen and Tuffin 2023; that of 98 % for random points),
+//! corrected for skewness, times the standard error, and in quadrature what events that the samples
+//! missed may add ([`Estimate::missed`]), plus a bound on the bias that extrapolation leaves
 //! ([`Estimate::bias_bound`]). The 95 % hold for each interval alone, not for all of them together.
 //!
 //! **Algorithm.** A pilot on the levels 0 to 3; finer levels until the bound on the bias is half of

@@ -1,7 +1,7 @@
 //! The sum over the levels for one test function: value, interval, cost.
 
 use real::elementary;
-use stats::{CONFIDENCE, FEW_SAMPLES, two_sided};
+use stats::{FEW_SAMPLES, two_sided};
 
 use super::{extrapolation::Extrapolation, level::Samples, report::QUANTILE};
 
@@ -85,6 +85,8 @@ pub struct Sum {
     pub extrapolation: Extrapolation,
     /// Number of replicates.
     pub replicates: f64,
+    /// That of Student's quantile.
+    pub confidence: f64,
     /// How much paths that failed may add: their share of each level times the range of φ.
     pub lost: f64,
 }
@@ -123,13 +125,10 @@ impl Sum {
     pub fn quantile(&self) -> f64 {
         let variance = self.replicates * self.standard_error().powi(2);
         let student = |confidence| two_sided(confidence, Some(self.replicates - 1.0));
-        if variance == 0.0 {
-            return student(CONFIDENCE);
-        }
         let third = self.over(|weight, term| weight * weight * weight * term.third);
         let few = self.over(|weight, term| weight * weight * term.ends) > FEW_DECIDE * variance;
-        let x = student(if few { HIGH_CONFIDENCE } else { CONFIDENCE });
-        let skewness = third * third / variance.powi(3);
+        let x = student(if few { HIGH_CONFIDENCE } else { self.confidence });
+        let skewness = third * third / variance.powi(3).max(f64::MIN_POSITIVE);
         x + x * (x.powi(4) + 2.0 * x * x - 3.0) * skewness / (18.0 * self.replicates)
     }
 

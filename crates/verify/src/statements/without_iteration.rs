@@ -56,7 +56,7 @@ fn of_each(
 
 /// The same on increments times a factor.
 fn scaled(setup: Setup<'_>, factor: f64) -> Setup<'_> {
-    altered(setup, None, move |_: &mut Step, noise: &mut StepNoise| {
+    altered(setup, false, move |_: &mut Step, noise: &mut StepNoise| {
         noise.increments.as_flattened_mut().iter_mut().for_each(|dw| *dw *= factor);
     })
 }

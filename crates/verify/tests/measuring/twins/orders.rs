@@ -42,7 +42,7 @@ fn altered_strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     // Areas cost more normals the finer the steps: 2⁻⁴ … 2⁻¹¹ and a reference at 2⁻¹³ will do.
     let coarsest_steps = if scheme.reads_areas() { 16 } else { 32 };
     let sizes = StepSizes { coarsest_steps, ..step_sizes(conditions) };
-    let setup = altered(Setup::of(problem, scheme), None, change);
+    let setup = altered(Setup::of(problem, scheme), false, change);
     let measured = Evidence::of_order(valid(strong_order(&setup, &sizes)), order);
     Claim::new(conditions.id, format!("strong order {order}"), measured)
 }

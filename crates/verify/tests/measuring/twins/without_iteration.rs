@@ -107,7 +107,7 @@ pub fn local(conditions: &Conditions, scheme: &BodyScheme) -> Claim {
 pub fn first_half_twice(conditions: &Conditions, scheme: BuiltIn) -> Claim {
     let problem = rigid_body_three_noises(10.0);
     let change = |step: &mut Step, _: &mut StepNoise| step.second_decay = step.first_decay;
-    let wrong = altered(right(&problem, scheme), None, change);
+    let wrong = altered(right(&problem, scheme), false, change);
     obeys_law(conditions, &wrong)
 }
 
@@ -117,7 +117,7 @@ pub fn clipped<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     scheme: BuiltIn,
 ) -> Claim {
-    keeps_casimir(conditions, 0, altered(right(problem, scheme), Some(true), |_, _| ()))
+    keeps_casimir(conditions, 0, altered(right(problem, scheme), true, |_, _| ()))
 }
 
 /// `sexp-li` with all of the damping before the rest.
@@ -126,7 +126,7 @@ pub fn order_damped_before(conditions: &Conditions) -> Claim {
     let before = |step: &mut Step, _: &mut StepNoise| {
         (step.first_decay, step.second_decay) = (step.first_decay * step.second_decay, 1.0);
     };
-    order_two(conditions, 0, altered(right(&problem, BuiltIn::SexpLi), None, before))
+    order_two(conditions, 0, altered(right(&problem, BuiltIn::SexpLi), false, before))
 }
 
 /// `split` with all of the damping after the rest.
