@@ -392,7 +392,7 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
         let progress = |steps| _ = done.fetch_add(steps, Ordering::Relaxed);
         let settings = ExpectSettings { max_cost, ..random(9) };
         let expect = Expect::with_scheme(Setup::of(&problem, &Sexp)).with(settings);
-        let result = expect.run(&[&COS_Y3[0]], 5e-5, &progress);
+        let result = expect.run(&[&COS_Y3[0]], 6e-5, &progress);
         if let Ok(result) = &result {
             // Every path-step is counted, and those that progress was told of are all.
             assert_eq!(done.into_inner(), result.cost);
