@@ -134,5 +134,5 @@ pub fn order_damped_after(conditions: &Conditions) -> Claim {
     let after = |step: &mut Step, _: &mut StepNoise| {
         (step.first_decay, step.second_decay) = (1.0, step.first_decay * step.second_decay);
     };
-    order_two(conditions, 0, altered(right(&pendulum(), BuiltIn::Split), None, after))
+    order_two(conditions, 0, altered(right(&pendulum(), BuiltIn::Split), false, after))
 }
