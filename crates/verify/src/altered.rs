@@ -18,8 +18,8 @@ struct Altered<'a> {
     change: Box<Change<'a>>,
 }
 
-/// A set-up whose method gets what `change` makes of a step and its noise, and says of itself
-/// that its increments are clipped if it does already or `clips`.
+/// A set-up whose method gets what `change` makes of a step and its noise. Its increments are
+/// clipped if those of the method are, or if `clips` is set.
 pub fn altered<'a>(
     setup: Setup<'a>,
     clips: bool,
