@@ -11,16 +11,11 @@ const CHORES: [(&str, &str, &str); 4] = [
     ("reproduce", "run --bin reproduce --", "Run the paper's experiments and write the report"),
     (
         "verify",
-        "test --features measuring --test known_answers -- --include-ignored --nocapture \
-         --test-threads 1",
+        "test --test known_answers -- --include-ignored --nocapture --test-threads 1",
         "Ask for known answers with many seeds, and print the tables",
     ),
-    (
-        "stability",
-        "run --features measuring --bin hard-cases --",
-        "Run every scheme on hard inputs",
-    ),
-    ("bench", "run --features measuring --bin bench --", "Measure what a path-step costs"),
+    ("stability", "run --bin hard-cases --", "Run every scheme on hard inputs"),
+    ("bench", "run --bin bench --", "Measure what a path-step costs"),
 ];
 
 fn main() -> ExitCode {

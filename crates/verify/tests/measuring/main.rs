@@ -1,9 +1,8 @@
-//! Tests of what the feature `measuring` builds: the programs that measure, wrong methods that
-//! statements must refute, the conformal law over ten million steps, and arbitrary inputs.
+//! Tests that run where they are named: the programs that measure, wrong methods that statements
+//! must refute, the conformal law over ten million steps, and arbitrary inputs.
 //!
 //! Long runs and inputs are few here; the ignored tests have all of them:
-//! `cargo test --release -p casimir-verify --features measuring --test measuring -- --ignored
-//! --nocapture`.
+//! `cargo test --release -p casimir-verify --test measuring -- --ignored --nocapture`.
 
 mod bits;
 mod fuzz;
