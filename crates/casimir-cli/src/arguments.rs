@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::scene::{Changes, SchemeAndSeed, count};
+use crate::scene::{Changes, SchemeAndSeed, Set, count};
 
 /// Damped stochastic Poisson systems from a text file:
 /// dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ
@@ -33,7 +33,8 @@ pub enum Command {
     /// Simulate paths: tables, figures, a report in HTML
     #[command(after_help = "Examples:
   casimir run top.toml
-  casimir run top.toml --paths 1e6 --write csv,npz --out top-million")]
+  casimir run top.toml --paths 1e6 --write csv,npz --out top-million
+  casimir run top.toml --set sigma=0.1,0.2,0.5 --set k=0.5:1.5:11")]
     Run(Run),
     /// Compute expectations with 95 % intervals
     #[command(after_help = "Example: casimir expect top.toml --accuracy 1e-4")]
@@ -73,6 +74,9 @@ pub struct New {
 pub struct Inspect {
     /// The file of the scene
     pub scene: PathBuf,
+    /// A parameter of the scene: NAME=VALUE
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub sets: Vec<Set>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -157,6 +161,9 @@ pub struct Compare {
     /// Seconds that it may take
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = 60.0)]
     pub budget: f64,
+    /// A parameter of the scene: NAME=VALUE
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub sets: Vec<Set>,
     /// Seed of the random numbers, instead of that of the scene
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,

@@ -308,7 +308,7 @@ impl<'a> Ladder<'a> {
     ) -> Option<Measured<T>> {
         let (paths, study) = (samples, OnceLock::new());
         let work = Work { name, paths, ladder: self, study, new: &new, progress, stop: job.stop() };
-        let nodes = job.collect(&work)?;
+        let nodes = job.collect(work)?;
         let mut tree = MergeTree::new(merge);
         nodes.into_iter().for_each(|node| tree.push(node));
         Some(self.measured(tree.finish(), &new))

@@ -23,7 +23,7 @@ pub fn compare(arguments: &Compare) -> Done {
             return Err(Failure::usage(message));
         }
     }
-    let seed = SchemeAndSeed { scheme: None, seed: arguments.seed };
+    let seed = SchemeAndSeed { scheme: None, seed: arguments.seed, sets: arguments.sets.clone() };
     let scene = open(&arguments.scene, &Changes::from(&seed))?;
     threads(arguments.output.threads)?;
     let (settings, start) = (&scene.settings, Instant::now());

@@ -3,11 +3,17 @@
 use casimir::analysis::{self, InspectSettings};
 
 use super::{open, print, print_json, under_bar};
-use crate::{arguments::Inspect, failure::Done, model::with_names, scene::Changes};
+use crate::{
+    arguments::Inspect,
+    failure::Done,
+    model::with_names,
+    scene::{Changes, SchemeAndSeed},
+};
 
 /// Prints the findings. The scheme of the scene is not asked for.
 pub fn inspect(arguments: &Inspect) -> Done {
-    let scene = open(&arguments.scene, &Changes::default())?;
+    let scheme = SchemeAndSeed { sets: arguments.sets.clone(), ..SchemeAndSeed::default() };
+    let scene = open(&arguments.scene, &Changes::from(&scheme))?;
     let model = &scene.model;
     let (problem, system) = (model.problem(), model.system());
     let settings = InspectSettings {

@@ -25,7 +25,7 @@ pub use inspect::inspect;
 pub use new::new;
 pub use order::order;
 pub use parts::{extend, merge, part, plan};
-pub use run::{Results, run};
+pub use run::{Outcomes, Results, run};
 
 use crate::{
     failure::{Done, Failure},
@@ -35,10 +35,15 @@ use crate::{
 
 /// Reads a scene and checks it.
 fn open(file: &Path, changes: &Changes) -> Done<Scene> {
+    Ok(Scene::new(source(file)?, changes)?)
+}
+
+/// The text of a scene.
+fn source(file: &Path) -> Done<Source> {
     let name = file.display().to_string();
     let text = fs::read_to_string(file)
         .map_err(|error| Failure::usage(format!("cannot read the scene {name}: {error}")))?;
-    Ok(Scene::new(Source { name, text }, changes)?)
+    Ok(Source { name, text })
 }
 
 /// The scheme of a scene, and why it was chosen if that was left to the program, or what it loses

@@ -12,15 +12,12 @@ use casimir::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::{Settled, folder, open, print, program, run, stop, threads};
+use super::{Outcomes, Settled, folder, print, program, run, source, stop, threads};
 use crate::{
     arguments::{Extend, Merge, Part, Plan},
     failure::{Done, Failure},
-    output::{
-        self,
-        cluster::{JOB, Script},
-    },
-    scene::{Changes, Scene},
+    output::cluster::{JOB, Script},
+    scene::{Changes, Sweep},
 };
 
 /// What is divided into parts: `plan.json` in the folder of the parts, beside the scene.
@@ -31,8 +28,8 @@ struct Divided {
     /// What the command line changed.
     #[serde(flatten)]
     changes: Changes,
-    /// The scheme that `auto` means in all parts, and why.
-    settled: Settled,
+    /// The scheme that `auto` means in all parts, and why; for each combination.
+    settled: Vec<Settled>,
 }
 
 const PLAN: &str = "plan.json";
@@ -44,7 +41,7 @@ const MEASURED: Duration = Duration::from_millis(300);
 struct Folder {
     folder: PathBuf,
     divided: Divided,
-    scene: Scene,
+    sweep: Sweep,
 }
 
 impl Folder {
@@ -58,8 +55,8 @@ impl Folder {
                 "{file} does not say what its parts are: {error}; see casimir plan"
             ))
         })?;
-        let scene = open(&folder.join(SCENE), &divided.changes)?;
-        Ok(Self { folder: folder.to_owned(), divided, scene })
+        let sweep = Sweep::new(&source(&folder.join(SCENE))?, &divided.changes)?;
+        Ok(Self { folder: folder.to_owned(), divided, sweep })
     }
 
     fn write(&self) -> Done {
@@ -67,15 +64,17 @@ impl Folder {
     }
 
     /// Does with a job what the folder is for; the results if there are some here.
-    fn compute(&self, job: &Job, stop: &Stop) -> Done<Option<run::Results>> {
-        run::Ready::new(&self.scene, self.divided.settled.clone())?.compute(job, stop)
+    fn compute(&self, job: &Job, stop: &Stop) -> Done<Outcomes<'_>> {
+        let ready = run::ready(&self.sweep, self.divided.settled.clone())?;
+        Ok(Outcomes { sweep: &self.sweep, results: run::compute(ready, job, stop)? })
     }
 }
 
 /// Writes what there is to be done, and a job script.
 pub fn plan(arguments: &Plan) -> Done {
-    let scene = open(&arguments.scene, &arguments.changes)?;
-    if !scene.settings.is_study() {
+    let source = source(&arguments.scene)?;
+    let sweep = Sweep::new(&source, &arguments.changes)?;
+    if !sweep.combinations[0].scene.settings.is_study() {
         let message = "a few paths are not divided: take at least 100 `paths`, or `casimir run`";
         return Err(Failure::usage(message));
     }
@@ -87,12 +86,12 @@ pub fn plan(arguments: &Plan) -> Done {
             format!("{out} has parts already: take another folder, or casimir extend {out}");
         return Err(Failure::usage(message));
     }
-    let settled = super::scheme(&scene);
+    let settled = sweep.combinations.iter().map(|one| super::scheme(&one.scene)).collect();
     folder::prepare(out)?;
-    files::write(&out.join(SCENE), &scene.source.text)?;
+    files::write(&out.join(SCENE), &source.text)?;
     let (parts, changes) = (arguments.parts, arguments.changes.clone());
     let divided = Divided { parts, changes, settled };
-    let folder = Folder { folder: out.clone(), divided, scene };
+    let folder = Folder { folder: out.clone(), divided, sweep };
     let job = Job::pilot(MEASURED);
     folder.compute(&job, &Stop::default())?;
     let planned = job.plan()?;
@@ -153,23 +152,21 @@ pub fn merge(arguments: &Merge) -> Done {
     let job = Job::merge(&folder.folder, program())?.stopped_by(&stop);
     let found = folder.compute(&job, &stop)?;
     job.finish()?;
-    let (scene, out) = (&folder.scene, &folder.folder);
-    found.map_or(Ok(()), |results| {
-        output::write(scene, &results, out, &arguments.write)?;
-        run::report(scene, &results, out, arguments.json)
-    })
+    found.write(&folder.folder, &arguments.write, arguments.json)
 }
 
 /// Asks for more in a folder.
 pub fn extend(arguments: &Extend) -> Done {
     let mut folder = Folder::open(&arguments.folder)?;
-    let (parts, paths) = (folder.divided.parts, folder.scene.settings.paths);
+    let scene = &folder.sweep.combinations[0].scene;
+    let (parts, paths) = (folder.divided.parts, scene.settings.paths);
     if arguments.paths <= paths {
         return Err(Failure::usage(format!("ask for more than {paths} paths: --paths N")));
     }
     folder.divided.changes.paths = Some(arguments.paths);
     let merged = merged_paths(&folder.folder, &program())?;
-    let is_merged = merged.get("study") == Some(&paths);
+    let mut studies = merged.iter().filter(|(name, _)| name.ends_with("study"));
+    let is_merged = !merged.is_empty() && studies.all(|(_, merged)| *merged == paths);
     let name = arguments.folder.display();
     if !is_merged {
         let message = format!("the parts are not merged yet: casimir merge {name}, then extend");

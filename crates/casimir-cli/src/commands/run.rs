@@ -12,14 +12,14 @@ use casimir::{
 };
 
 use super::{
-    Settled, folder, open, print, print_json, scheme, threads, under_bar, until_stopped, warn,
+    Settled, folder, print, print_json, scheme, source, threads, under_bar, until_stopped, warn,
 };
 use crate::{
-    arguments::Run,
+    arguments::{Format, Run},
     failure::{Done, Failure},
     model::Known,
     output,
-    scene::Scene,
+    scene::{Combination, Scene, Sweep},
 };
 
 /// What a run found.
@@ -40,23 +40,23 @@ pub struct Results {
     pub seconds: f64,
 }
 
-/// Runs a scene and writes its results.
+/// Runs a scene, at every combination of what is varied, and writes the results.
 pub fn run(arguments: &Run) -> Done {
-    let scene = open(&arguments.scene, &arguments.changes)?;
+    let sweep = Sweep::new(&source(&arguments.scene)?, &arguments.changes)?;
     threads(arguments.output.threads)?;
-    check_size(&scene, arguments.large)?;
-    // The scene is checked before the folder is made.
-    let ready = Ready::new(&scene, scheme(&scene))?;
+    check_size(&sweep, arguments.large)?;
+    // The scenes are checked before the folder is made.
+    let settled = sweep.combinations.iter().map(|combination| scheme(&combination.scene)).collect();
+    let ready = ready(&sweep, settled)?;
     let folder = folder::of(arguments.output.out.clone(), &arguments.scene, "run")?;
-    let kept = scene.settings.is_study().then_some(&*folder);
-    let (results, stopped) = until_stopped(kept, |job, stop| ready.compute(job, stop))?;
-    if stopped && results.as_ref().is_some_and(|results| results.paths() == 0) {
+    let is_study = sweep.combinations[0].scene.settings.is_study();
+    let kept = is_study.then_some(&*folder);
+    let (results, stopped) = until_stopped(kept, |job, stop| compute(ready, job, stop).map(Some))?;
+    let results = Outcomes { sweep: &sweep, results: results.unwrap_or_default() };
+    if stopped && results.paths() == 0 {
         return Err(Failure::stopped("before the first path: nothing was computed"));
     }
-    if let Some(results) = &results {
-        output::write(&scene, results, &folder, &arguments.write)?;
-        report(&scene, results, &folder, arguments.output.json)?;
-    }
+    results.write(&folder, &arguments.write, arguments.output.json)?;
     if stopped {
         let folder = folder.display();
         let words = format!("{folder} has what is complete; the same command goes on from there");
@@ -65,11 +65,65 @@ pub fn run(arguments: &Run) -> Done {
     if let Some(folder) = kept {
         remove(folder, Share::WHOLE)?;
     }
-    match results.and_then(Results::all_failed) {
+    match results.all_failed() {
         Some(failure) => Err(Failure::run(format!(
             "all paths failed: take more steps, or another scheme; {failure}"
         ))),
         None => Ok(()),
+    }
+}
+
+/// The runs of all combinations, checked.
+pub fn ready(sweep: &Sweep, settled: Vec<Settled>) -> Done<Vec<Ready<'_>>> {
+    let both = sweep.combinations.iter().zip(settled);
+    both.map(|(combination, settled)| Ready::new(combination, settled)).collect()
+}
+
+/// Computes runs one after the other; none where another part has it, or it was not begun.
+pub fn compute(ready: Vec<Ready<'_>>, job: &Job, stop: &Stop) -> Done<Vec<Option<Results>>> {
+    let one = |ready: Ready<'_>| if stop.is_asked() { Ok(None) } else { ready.compute(job, stop) };
+    ready.into_iter().map(one).collect()
+}
+
+/// What was found at each combination of a sweep.
+pub struct Outcomes<'a> {
+    /// What was varied.
+    pub sweep: &'a Sweep,
+    /// The results, in the order of the combinations; none of those that are not here.
+    pub results: Vec<Option<Results>>,
+}
+
+impl Outcomes<'_> {
+    /// Combinations with their results.
+    pub fn found(&self) -> impl Iterator<Item = (&Combination, &Results)> {
+        let both = self.sweep.combinations.iter().zip(&self.results);
+        both.filter_map(|(combination, results)| Some((combination, results.as_ref()?)))
+    }
+
+    /// Number of paths of all.
+    fn paths(&self) -> u64 {
+        self.found().map(|(_, results)| results.paths()).sum()
+    }
+
+    /// The first failure, if no path came to its end.
+    fn all_failed(&self) -> Option<String> {
+        self.found().map(|(_, results)| results.all_failed()).collect::<Option<Vec<_>>>()?.pop()
+    }
+
+    /// Writes what was found, and says it.
+    pub fn write(&self, folder: &Path, formats: &[Format], json: bool) -> Done {
+        if !self.sweep.varied.is_empty() {
+            output::write_sweep(self, folder, formats)?;
+            return match json {
+                true => print_json(&output::sweep_summary(self, folder)?),
+                false => print(&output::sweep_text(self, folder)),
+            };
+        }
+        for (Combination { scene, .. }, results) in self.found() {
+            output::write(scene, results, folder, formats)?;
+            report(scene, results, folder, json)?;
+        }
+        Ok(())
     }
 }
 
@@ -80,13 +134,15 @@ impl Results {
     }
 
     /// The first failure, if no path came to its end.
-    fn all_failed(self) -> Option<String> {
-        let failures = match self.study {
-            Some(study) if study.losses.failed < study.record.paths => return None,
-            Some(study) => study.losses.failures,
-            None => self.tables.into_iter().map(|table| table.halted).collect::<Option<_>>()?,
-        };
-        failures.into_iter().next()
+    fn all_failed(&self) -> Option<String> {
+        match &self.study {
+            Some(study) if study.losses.failed < study.record.paths => None,
+            Some(study) => study.losses.failures.first().cloned(),
+            None => {
+                let halted = self.tables.iter().map(|table| table.halted.clone());
+                halted.collect::<Option<Vec<_>>>()?.into_iter().next()
+            }
+        }
     }
 
     /// What a reader must know of single paths, of the steps and of the statistics.
@@ -103,6 +159,7 @@ impl Results {
 
 /// A run that was checked.
 pub struct Ready<'a> {
+    label: &'a str,
     scene: &'a Scene,
     scheme: String,
     setup: Setup<'a>,
@@ -111,7 +168,8 @@ pub struct Ready<'a> {
 
 impl<'a> Ready<'a> {
     /// Checks that the scheme can be run.
-    pub fn new(scene: &'a Scene, (scheme, because): Settled) -> Done<Self> {
+    pub fn new(combination: &'a Combination, (scheme, because): Settled) -> Done<Self> {
+        let Combination { label, scene, .. } = combination;
         let (setup, settings) = (scene.setup(&scheme)?, &scene.settings);
         if setup.scheme.clips_increments()
             && let Err(error) = settings.truncation.bound(settings.until / settings.steps as f64)
@@ -124,13 +182,15 @@ impl<'a> Ready<'a> {
             );
             return Err(scene.steps_error(message).into());
         }
-        Ok(Self { scene, scheme, setup, because })
+        Ok(Self { label, scene, scheme, setup, because })
     }
 
     /// Computes tables and statistics; none if another part has them.
     pub fn compute(self, job: &Job, stop: &Stop) -> Done<Option<Results>> {
         let start = Instant::now();
-        let Self { scene, scheme, setup, because } = self;
+        let Self { label, scene, scheme, setup, because } = self;
+        let of_label = if label.is_empty() { String::new() } else { format!("{label}: ") };
+        job.section(&of_label);
         let Scene { components, observables, settings, model, .. } = scene;
         let (steps, truncation, key) = (settings.steps, settings.truncation, settings.key);
         let mut study = None;
@@ -138,7 +198,7 @@ impl<'a> Ready<'a> {
             let wanted = StudySettings::new(steps, settings.times, settings.paths, truncation, key);
             let of_all = Study::new(&setup, observables, &wanted);
             let of_all = of_all.map_err(|error| scene.steps_error(error))?;
-            study = under_bar("paths", settings.paths * steps, |done| {
+            study = under_bar(&format!("{of_label}paths"), settings.paths * steps, |done| {
                 of_all.run_in(job, "study", done)
             });
         }
@@ -165,9 +225,10 @@ impl<'a> Ready<'a> {
 }
 
 /// Refuses to write gigabytes by mistake.
-fn check_size(scene: &Scene, allowed: bool) -> Done {
+fn check_size(sweep: &Sweep, allowed: bool) -> Done {
+    let Combination { scene, .. } = &sweep.combinations[0];
     let (settings, columns) = (&scene.settings, scene.columns());
-    let (tables, times) = (settings.tables, settings.times);
+    let (tables, times) = (settings.tables * sweep.combinations.len() as u64, settings.times);
     // A number in a text takes 20 bytes.
     let gigabytes = 2e-8 * tables as f64 * (times + 1) as f64 * columns as f64;
     if gigabytes > 1.0 && !allowed {
@@ -180,7 +241,7 @@ fn check_size(scene: &Scene, allowed: bool) -> Done {
 }
 
 /// Says what was computed and where it is.
-pub fn report(scene: &Scene, results: &Results, folder: &Path, json: bool) -> Done {
+fn report(scene: &Scene, results: &Results, folder: &Path, json: bool) -> Done {
     if json {
         return print_json(&output::summary(scene, results, folder)?);
     }

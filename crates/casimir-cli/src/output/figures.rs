@@ -103,7 +103,7 @@ fn paths(shown: usize, results: &Results) -> String {
 }
 
 /// A name of a file.
-fn file(what: &str, name: &str) -> String {
+pub fn file(what: &str, name: &str) -> String {
     let plain = |c: char| if c.is_alphanumeric() { c } else { '-' };
     format!("{what}-{}", name.chars().map(plain).collect::<String>())
 }

@@ -6,6 +6,7 @@ mod figures;
 mod npz;
 mod page;
 mod steps;
+mod sweep;
 
 use std::path::Path;
 
@@ -19,6 +20,7 @@ use serde_json::{Value, json};
 use steps::{step_cell, step_errors};
 
 pub use steps::step_lines;
+pub use sweep::{sweep_summary, sweep_text, write_sweep};
 
 pub use expectation::{expectation_json, expectation_text, write_expectation};
 
@@ -116,12 +118,19 @@ pub fn rows_at_end(study: &StudyResult, check: Option<&StepCheck>) -> Vec<[Strin
 pub fn table_at_end(study: &StudyResult, check: Option<&StepCheck>) -> String {
     let all: Vec<_> =
         [AT_END.map(String::from)].into_iter().chain(rows_at_end(study, check)).collect();
-    let width = |k: usize| all.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
-    let line = |row: &[String; 7]| {
-        let cells = row.iter().enumerate().map(|(k, cell)| format!("{cell:<0$}", width(k)));
+    aligned(&all)
+}
+
+/// Lines of cells, with columns as wide as their widest cell.
+fn aligned<R: AsRef<[String]>>(rows: &[R]) -> String {
+    let cell = |row: &R, k: usize| row.as_ref().get(k).map_or(0, |cell| cell.chars().count());
+    let width = |k: usize| rows.iter().map(|row| cell(row, k)).max().unwrap_or(0);
+    let line = |row: &R| {
+        let cells = row.as_ref().iter().enumerate();
+        let cells = cells.map(|(k, cell)| format!("{cell:<0$}", width(k)));
         format!("{}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
     };
-    all.iter().map(line).collect()
+    rows.iter().map(line).collect()
 }
 
 /// The results of a run for programs.

@@ -13,7 +13,7 @@ use casimir::mc::{
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
 /// Writes arrays with their names and shapes, in row-major order.
-fn write(
+pub fn write(
     file: &Path,
     arrays: impl IntoIterator<Item = (String, Vec<usize>, Vec<f64>)>,
 ) -> io::Result<()> {

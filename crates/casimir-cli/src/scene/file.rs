@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::{At, Count, Parameter, Text};
+use super::values::{At, Count, Parameter, Text, Values};
 
 /// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -23,6 +23,10 @@ pub struct SceneFile {
     pub observe: IndexMap<At<String>, At<Text>>,
     /// Expectations for `casimir expect`.
     pub expect: Option<ExpectTable>,
+    /// Values of parameters that `casimir run` varies, one run for each combination: a list, or
+    /// `"from:to:number"`.
+    #[serde(default)]
+    pub sweep: IndexMap<At<String>, At<Values>>,
 }
 
 /// A row of a matrix.

@@ -5,6 +5,7 @@ mod observe;
 mod read;
 mod run;
 mod source;
+mod sweep;
 mod values;
 
 pub use file::{ExpectTable, SceneFile, schema};
@@ -12,6 +13,7 @@ pub use observe::{Observable, Quantity};
 pub use read::{Constants, Parameters, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use source::{Read, SceneError, Source};
+pub use sweep::{Combination, Set, Sweep, Varied};
 pub use values::{At, Parameter, Text, count};
 
 use std::{fmt::Display, path::Path};
@@ -49,7 +51,8 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with line and column of what is wrong.
     pub fn new(source: Source, changes: &Changes) -> Read<Self> {
-        let file = read::parse(&source)?;
+        let mut file = read::parse(&source)?;
+        sweep::settle(&source, &mut file, &changes.scheme.sets)?;
         let constants = Constants::new(&source, &file.system)?;
         let settings = Settings::new(&source, &file.run, &constants, changes)?;
         let taken = |name: &str, place| {

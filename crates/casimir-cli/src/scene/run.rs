@@ -10,6 +10,7 @@ use super::{
     file::RunTable,
     read::Constants,
     source::{Read, Source},
+    sweep::Set,
     values::{At, Count, count},
 };
 
@@ -22,6 +23,10 @@ pub struct Changes {
     /// Number of steps, instead of that of the scene
     #[arg(long, value_name = "N", value_parser = count)]
     pub steps: Option<u64>,
+    /// Draw other random numbers for each combination of a sweep, not the same for all
+    #[arg(long)]
+    #[serde(default)]
+    pub independent: bool,
     /// Scheme and seed.
     #[command(flatten)]
     #[serde(flatten)]
@@ -37,6 +42,10 @@ pub struct SchemeAndSeed {
     /// Seed of the random numbers, instead of that of the scene
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+    /// A parameter of the scene; `run` and `plan` vary several values: a=0.1,0.2 or a=0:1:11
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    #[serde(default)]
+    pub sets: Vec<Set>,
 }
 
 impl From<&SchemeAndSeed> for Changes {
@@ -133,7 +142,7 @@ impl Settings {
             let place = run.truncation.as_ref().map(At::span);
             return Err(source.error(place, format!("the order must be below 2^32, got {order}")));
         };
-        let SchemeAndSeed { scheme: changed, seed } = changes.scheme.clone();
+        let SchemeAndSeed { scheme: changed, seed, .. } = changes.scheme.clone();
         Ok(Self {
             initial,
             until,

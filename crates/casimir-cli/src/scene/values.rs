@@ -3,6 +3,7 @@
 use std::{
     borrow::Cow,
     ops::{Deref, Range},
+    str::FromStr,
 };
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -74,6 +75,57 @@ pub enum Parameter {
     /// `true` or `false`.
     Switch(bool),
 }
+
+/// The values of a parameter that is varied: a list, or `"from:to:number"`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub struct Values(pub Vec<Text>);
+
+impl TryFrom<Value> for Values {
+    type Error = String;
+
+    fn try_from(value: Value) -> Result<Self, String> {
+        match value {
+            Value::Array(list) => {
+                list.into_iter().map(Text::try_from).collect::<Result<_, _>>().map(Self)
+            }
+            Value::String(text) => text.parse(),
+            other => Text::try_from(other).map(|one| Self(vec![one])),
+        }
+    }
+}
+
+impl FromStr for Values {
+    type Err = String;
+
+    /// `0.1,0.2,1/3`, or `from:to:number`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let ends: Vec<&str> = text.split(':').map(str::trim).collect();
+        let values: Vec<String> = match ends[..] {
+            [_] => text.split(',').map(|value| value.trim().into()).collect(),
+            [from, to, number] => {
+                let number_of = |end: &str| {
+                    let number = end.parse().ok().filter(|end: &f64| end.is_finite());
+                    number.ok_or_else(|| format!("`{end}` in {text} is not a number"))
+                };
+                let (from, to, number) = (number_of(from)?, number_of(to)?, count(number)?);
+                let last = (number - 1).max(1) as f64;
+                // Ten digits, so that no value ends with rounding errors.
+                let value = |k: u64| format!("{:.9e}", from + (to - from) * k as f64 / last);
+                let value =
+                    |k| value(k).parse().map_or_else(|_| value(k), |x: f64| format!("{x:?}"));
+                (0..number.min(MOST_VALUES + 1)).map(value).collect()
+            }
+            _ => {
+                return Err(format!("{text} is neither values such as 0.1,0.2 nor from:to:number"));
+            }
+        };
+        Ok(Self(values.into_iter().map(Text).collect()))
+    }
+}
+
+/// More combinations than these take more files and pages than anybody reads.
+pub const MOST_VALUES: u64 = 10_000;
 
 fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     let text = Text::try_from(Value::deserialize(deserializer)?);
@@ -148,6 +200,10 @@ macro_rules! schema {
 
 schema!(Text, "Formula", { "type": ["string", "number"] });
 schema!(Count, "Count", { "type": "number", "minimum": 1, "multipleOf": 1 });
+schema!(Values, "Values", {
+    "type": ["array", "string", "number"],
+    "items": { "type": ["string", "number"] }
+});
 schema!(Parameter, "Parameter", {
     "type": ["string", "number", "boolean", "array"],
     "items": { "type": ["string", "number"] }

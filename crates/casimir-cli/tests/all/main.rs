@@ -7,4 +7,5 @@ mod defaults;
 mod gallery;
 mod parts;
 mod results;
+mod sweeps;
 mod truths;

@@ -96,9 +96,9 @@ fn parts_take_the_scheme_that_was_settled() {
     let plan = path.join("big/plan.json");
     let mut divided = read_json(&plan);
     let run = json(path, &["run", "scene.toml", "--json"]);
-    assert_eq!(divided["settled"][0], run["scheme"]);
+    assert_eq!(divided["settled"][0][0], run["scheme"]);
     // Another version of the program might choose another scheme.
-    divided["settled"] = serde_json::json!(["em", "it was chosen then"]);
+    divided["settled"] = serde_json::json!([["em", "it was chosen then"]]);
     fs::write(&plan, divided.to_string()).unwrap();
     parts(path, &["1", "2"]);
     let merged = json(path, &["merge", "big", "--json"]);

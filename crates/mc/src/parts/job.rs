@@ -41,6 +41,8 @@ struct State {
     error: Option<JobError>,
     /// Names of works so far.
     names: BTreeSet<String>,
+    /// What the names begin with.
+    section: String,
 }
 
 enum Mode {
@@ -86,7 +88,8 @@ impl Job {
     }
 
     fn new(mode: Mode) -> Self {
-        let state = Mutex::new(State { mode, error: None, names: BTreeSet::new() });
+        let state =
+            Mutex::new(State { mode, error: None, names: BTreeSet::new(), section: String::new() });
         Self { stop: Stop::default(), interval: INTERVAL, incomplete: false, state }
     }
 
@@ -107,6 +110,12 @@ impl Job {
     pub fn with_checkpoints_every(mut self, interval: Duration) -> Self {
         self.interval = interval;
         self
+    }
+
+    /// Begins a section: the names of works begin with that of their section from now on.
+    pub fn section(&self, name: &str) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        name.clone_into(&mut state.section);
     }
 
     /// Whether this job goes on from a checkpoint.
@@ -151,16 +160,18 @@ impl Job {
     }
 
     /// The nodes of all groups of a piece of work, if they are known here: computed, or merged.
-    pub(crate) fn collect<T: Kept>(&self, work: &Work<'_, T>) -> Option<Nodes<T>> {
+    pub(crate) fn collect<T: Kept>(&self, work: Work<'_, T>) -> Option<Nodes<T>> {
         // Waiting would be for ever: this thread may be at work on the other one.
         let state = self.state.try_lock();
         let mut state = state
             .unwrap_or_else(|_| panic!("{} was begun inside another piece of work", work.name));
-        let State { mode, error, names } = &mut *state;
+        let State { mode, error, names, section } = &mut *state;
         if error.is_some() {
             return None;
         }
-        let is_new = names.insert(work.name.to_owned());
+        let name = format!("{section}{}", work.name);
+        let work = &Work { name: &name, ..work };
+        let is_new = names.insert(name.clone());
         let found = match mode {
             _ if !is_new => Err(JobError::Refused(format!(
                 "the name {:?} is given to two pieces of work; names tell them apart in files",

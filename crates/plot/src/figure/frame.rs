@@ -105,7 +105,8 @@ fn write(canvas: &mut Canvas, words: &str, at: Position, align: Align) {
     canvas.label(&Label::words(words), at, 10.5, align);
 }
 
-const WIDTH: f64 = 340.0;
+/// Width of a page in pixels.
+pub const WIDTH: f64 = 340.0;
 /// Room for the labels on the left.
 const LEFT: f64 = 52.0;
 /// The range of an axis without data.

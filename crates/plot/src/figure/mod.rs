@@ -2,7 +2,8 @@
 //!
 //! [`convergence`] draws series of errors against the step size; [`comparison`] errors against
 //! cost; [`evolution`] an invariant along a path; [`bands`] and [`histogram`] what a study found of
-//! an observable, [`lines()`] any curves in plain coordinates.
+//! an observable, [`against`] and [`multiples`] how it depends on a parameter, [`lines()`] any curves
+//! in plain coordinates.
 
 mod axis;
 mod canvas;
@@ -15,6 +16,7 @@ mod legend;
 mod lines;
 mod look;
 mod study;
+mod sweep;
 mod ticks;
 
 pub use convergence::convergence;
@@ -22,6 +24,7 @@ pub use cost::comparison;
 pub use evolution::evolution;
 pub use lines::{Trace, lines};
 pub use study::{bands, histogram};
+pub use sweep::{Sampled, against, multiples};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -5,8 +5,8 @@ use mc::study::{Series, Summary};
 
 use super::{
     axis::Range,
-    canvas::{Color, INK, Stroke},
-    frame::{Plain, UNIT},
+    canvas::{Canvas, Color, INK, Stroke},
+    frame::{Frame, Plain, UNIT},
     legend::Sample,
     look::BLUE,
 };
@@ -38,39 +38,51 @@ pub fn bands(title: &str, series: &Series) -> String {
         let opacity = 1.0 - (1.0 - OPACITY).powi(n as i32 + 1);
         (Sample::Area(COLOR, opacity), Label::words(&format!("{low}–{high} %")))
     });
-    let median = levels.iter().position(|level| *level == 0.5);
-    let median_entry = median.map(|_| (Sample::Line(median_line()), Label::words("median")));
+    let median_entry =
+        levels.contains(&0.5).then(|| (Sample::Line(median_line()), Label::words("median")));
     let mean_entry = (Sample::Line(mean_line()), Label::words("mean"));
     let entries = areas.chain(median_entry).chain([mean_entry]);
-    let quantile = |k: usize| move |point: &Summary| point.quantiles.get(k)?.value;
-    let shown = points.iter().flat_map(|point| {
-        point.quantiles.iter().filter_map(|quantile| quantile.value).chain(point.mean)
-    });
-    let times = Range::of(points.iter().map(|point| point.time), UNIT).padded(0.0);
-    let values = Range::of(shown, UNIT).padded(0.06);
+    let [times, values] = ranges(points.iter());
     let x = (times, Some("time t"));
     let mut plain = Plain::new(entries, 190.0, x, (values, &series.observable));
-    for (low, high) in pairs {
+    draw_bands(&mut plain.canvas, &plain.frame, points);
+    plain.page(title, points.iter().all(|point| point.mean.is_none()))
+}
+
+/// The ranges of times and of values.
+pub fn ranges<'a>(points: impl Iterator<Item = &'a Summary> + Clone) -> [Range; 2] {
+    let shown = points.clone().flat_map(|point| {
+        point.quantiles.iter().filter_map(|quantile| quantile.value).chain(point.mean)
+    });
+    let times = Range::of(points.map(|point| point.time), UNIT).padded(0.0);
+    [times, Range::of(shown, UNIT).padded(0.06)]
+}
+
+/// Bands, median and mean in a frame.
+pub fn draw_bands(canvas: &mut Canvas, frame: &Frame, points: &[Summary]) {
+    let levels = points.first().map_or(&[][..], |first| &first.quantiles);
+    let levels: Vec<f64> = levels.iter().map(|quantile| quantile.level).collect();
+    let quantile = |k: usize| move |point: &Summary| point.quantiles.get(k)?.value;
+    for (low, high) in pairs(&levels) {
         let both = |point: &Summary| quantile(low)(point).zip(quantile(high)(point));
         // Stretches of times at which there are both.
         for run in points.split(|point| both(point).is_none()).filter(|run| run.len() > 1) {
             let ends = |point: &Summary| both(point).map(|both| (point.time, both));
             let ends: Vec<_> = run.iter().filter_map(ends).collect();
-            let lower = ends.iter().map(|&(t, (low, _))| (t, low));
-            let upper = ends.iter().rev().map(|&(t, (_, high))| (t, high));
-            let corners = plain.places(lower.chain(upper));
-            plain.canvas.area(&corners, COLOR, OPACITY);
+            let lower = ends.iter().map(|&(t, (low, _))| frame.place(t, low));
+            let upper = ends.iter().rev().map(|&(t, (_, high))| frame.place(t, high));
+            canvas.area(&lower.chain(upper).collect::<Vec<_>>(), COLOR, OPACITY);
         }
     }
     // Where there is no value a line is interrupted.
     let mut line = |value: &dyn Fn(&Summary) -> Option<f64>, stroke: Stroke| {
-        plain.line(points.iter().map(|p| (p.time, value(p).unwrap_or(f64::NAN))), stroke);
+        let place = |point: &Summary| frame.place(point.time, value(point).unwrap_or(f64::NAN));
+        frame.polyline(canvas, &points.iter().map(place).collect::<Vec<_>>(), stroke);
     };
-    if let Some(median) = median {
+    if let Some(median) = levels.iter().position(|level| *level == 0.5) {
         line(&quantile(median), median_line());
     }
     line(&|point| point.mean, mean_line());
-    plain.page(title, points.iter().all(|point| point.mean.is_none()))
 }
 
 /// Pairs of levels p and 1 − p, from the outside to the inside.

@@ -1,0 +1,100 @@
+//! One scene at several values of its parameters.
+
+use std::fs;
+
+use serde_json::{Value, json};
+
+use crate::common::{OSCILLATOR, fails, json as run_json, read_json, succeeds, with_scene};
+
+/// Many paths, two parameters.
+fn study() -> String {
+    OSCILLATOR.replace("paths = 4", "paths = 300")
+}
+
+fn runs(summary: &Value) -> &[Value] {
+    summary["runs"].as_array().expect("runs")
+}
+
+#[test]
+fn each_combination_is_a_run_of_its_own() {
+    let folder = with_scene(&(study() + "\n[sweep]\nk = \"0.5:1.5:3\"\n"));
+    let path = folder.path();
+    let sweep = run_json(path, &["run", "scene.toml", "--set", "s=0.2,1/4", "--json"]);
+    assert_eq!(sweep["sweep"], json!({ "k": [0.5, 1.0, 1.5], "s": [0.2, 0.25] }));
+    assert_eq!(runs(&sweep).len(), 6);
+    // The last one changes fastest.
+    assert_eq!(runs(&sweep)[1]["parameters"], json!({ "k": 0.5, "s": 0.25 }));
+    let other = ["run", "scene.toml", "--set", "s=0.2,1/4", "--independent", "--json"];
+    let other = run_json(path, &other);
+    for (n, (run, other)) in runs(&sweep).iter().zip(runs(&other)).enumerate() {
+        let [k, s] = ["k", "s"].map(|name| format!("{name}={}", run["parameters"][name]));
+        let alone = run_json(path, &["run", "scene.toml", "--set", &k, "--set", &s, "--json"]);
+        for key in ["at_end", "step_check", "scheme", "paths"] {
+            assert_eq!(run[key], alone[key], "{k}, {s}: {key}");
+        }
+        // The same numbers for the first, others for the rest.
+        assert_eq!(run["at_end"] == other["at_end"], n == 0);
+    }
+    succeeds(path, &["run", "scene.toml", "--write", "csv,npz,json"]);
+    let csv = fs::read_to_string(path.join("scene-run/sweep.csv")).unwrap();
+    assert!(
+        csv.starts_with(
+            "k,observable,t,count,mean,lo,hi,deviation,median\n0.5,q,0,300,1,1,1,0,1\n"
+        )
+    );
+    assert_eq!(csv.lines().count(), 1 + 3 * 3 * 65);
+    let npz = fs::read(path.join("scene-run/sweep.npz")).unwrap();
+    let has = |words: &str| npz.windows(words.len()).any(|window| window == words.as_bytes());
+    assert!(has("energy mean.npy") && has("'shape': (3, 65)"));
+    let written = read_json(path.join("scene-run/sweep.json"));
+    assert_eq!(written[2]["parameters"]["k"], 1.5);
+    let page = fs::read_to_string(path.join("scene-run/index.html")).unwrap();
+    assert!(page.contains("against k") && page.contains("the same for all combinations"));
+    // A few paths have no intervals.
+    let few = succeeds(path, &["run", "scene.toml", "--paths", "2", "--write", "csv,npz"]);
+    assert!(few.contains("k = 1.5  energy") && few.contains("path 0"), "{few}");
+}
+
+#[test]
+fn a_sweep_in_parts_has_the_bits_of_a_whole_one() {
+    let folder = with_scene(&study());
+    let path = folder.path();
+    let set = ["--set", "k=1,2", "--set", "s=0.1,0.3"];
+    succeeds(path, &[&["plan", "scene.toml", "--parts", "3", "--out", "big"], &set[..]].concat());
+    for part in ["3", "1", "2"] {
+        succeeds(path, &["part", "big", "--part", part]);
+    }
+    let write = ["--write", "csv,npz,json"];
+    succeeds(path, &[&["merge", "big"], &write[..]].concat());
+    succeeds(path, &[&["run", "scene.toml"], &write[..], &set].concat());
+    for name in ["sweep.csv", "sweep.npz", "sweep.json"] {
+        let [one, other] =
+            ["big", "scene-run"].map(|of| fs::read(path.join(of).join(name)).unwrap());
+        assert!(one == other, "{name}");
+    }
+}
+
+#[test]
+fn what_cannot_be_varied_is_named() {
+    let folder = with_scene(OSCILLATOR);
+    let path = folder.path();
+    for (set, words) in [
+        ("kk=1,2", &["no parameter `kk`", "there are k, s"][..]),
+        ("k=1,x", &["k = x: unknown name `x`"]),
+        ("k=1/0", &["k = 1/0"]),
+        ("k", &["NAME=VALUE"]),
+        ("k=0:1", &["from:to:number"]),
+        ("k=0:b:3", &["`b`", "is not a number"]),
+        ("k=0:1:1e9", &["too many"]),
+        ("k=", &["k = "]),
+    ] {
+        fails(path, &["run", "scene.toml", "--set", set], 2, words);
+    }
+    fails(path, &["run", "scene.toml", "--set", "k=1", "--set", "k=2"], 2, &["twice"]);
+    for command in ["expect", "order", "inspect", "compare"] {
+        fails(path, &[command, "scene.toml", "--set", "k=1,2"], 2, &["choose one by --set k=1"]);
+    }
+    assert!(!path.join("scene-run").exists());
+    let folder = with_scene(&(OSCILLATOR.to_owned() + "\n[sweep]\nz = [1, 2]\n"));
+    fails(folder.path(), &["run", "scene.toml"], 2, &["line", "no parameter `z`", "z = [1, 2]"]);
+}
