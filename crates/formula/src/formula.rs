@@ -84,6 +84,17 @@ impl Formula {
         self.graph.degree(self.root, variables)
     }
 
+    /// The first condition, which has no derivatives, as an error at its place.
+    pub(crate) fn condition(&self) -> Option<FormulaError> {
+        let needed = self.graph.needed(&[self.root]);
+        let is_condition =
+            |id: &Id| needed[id.index()] && matches!(self.graph.node(*id), Node::Where(_));
+        let place = self.graph.place(self.graph.ids().find(is_condition)?);
+        let message = "a condition is not smooth, and derivatives are needed here: take tanh(x/d) \
+                       for a smooth step of width d";
+        Some(FormulaError::new(message, &self.text, place.unwrap_or(0..self.text.len())))
+    }
+
     /// Whether the formula uses variable number k.
     #[must_use]
     pub fn depends_on(&self, k: usize) -> bool {

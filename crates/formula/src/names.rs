@@ -15,6 +15,10 @@ pub(crate) enum Meaning {
     Unary(Unary),
     /// A function of two numbers.
     Binary(Binary),
+    /// A number for a condition, and another if it is false.
+    If,
+    /// A word between conditions.
+    Word,
 }
 
 /// Variables in their order, and parameters with their values, which become constants.
@@ -39,6 +43,10 @@ impl Default for Names {
             ("min", Meaning::Binary(Binary::Min)),
             ("max", Meaning::Binary(Binary::Max)),
             ("pi", Meaning::Value(std::f64::consts::PI)),
+            ("if", Meaning::If),
+            ("and", Meaning::Word),
+            ("or", Meaning::Word),
+            ("not", Meaning::Word),
         ];
         let more = more.map(|(name, meaning)| (name.to_owned(), meaning));
         Self { variables: Vec::new(), meanings: unary.into_iter().chain(more).collect() }
@@ -90,8 +98,8 @@ impl Names {
             _ if !crate::parse::is_name(name) => {
                 "is no name: a name is a letter, then letters, digits and _"
             }
-            Some(Meaning::Unary(_) | Meaning::Binary(_)) => {
-                "is the name of a function: choose another"
+            Some(Meaning::Unary(_) | Meaning::Binary(_) | Meaning::If | Meaning::Word) => {
+                "is a word of formulas: choose another name"
             }
             Some(_) => "is given twice, or a constant",
             None => {

@@ -2,13 +2,13 @@
 //! of a generated parser list rules of its grammar, these say what is missing and what to write.
 //!
 //! ```text
-//! expression = [sign] operand, or two expressions with an operator between them
+//! expression = [sign | "not"] operand, or two expressions with an operator between them
 //! operand    = number | name | name "(" expression ("," expression)* ")" | "(" expression ")"
 //! number     = digits ["." [digits]] [exponent] | "." digits [exponent]
 //! name       = a letter or _, then letters, digits and _
 //! ```
 
-use std::ops::Range;
+use std::{collections::HashSet, ops::Range};
 
 use crate::{
     FormulaError, Id, Names,
@@ -26,10 +26,14 @@ pub const MAX_DEPTH: usize = 64;
 
 /// How tightly operators bind, from the weakest to the strongest. So −x² is −(x²), 2^−x is 2^(−x)
 /// and a^b^c is a^(b^c).
-const SUM: u32 = 0;
-const PRODUCT: u32 = 1;
-const SIGN: u32 = 2;
-const POWER: u32 = 3;
+const OR: u32 = 0;
+const AND: u32 = 1;
+const NOT: u32 = 2;
+const COMPARISON: u32 = 3;
+const SUM: u32 = 4;
+const PRODUCT: u32 = 5;
+const SIGN: u32 = 6;
+const POWER: u32 = 7;
 
 /// Adds the expression that the text means to a graph, with the variables as inputs.
 ///
@@ -45,9 +49,10 @@ pub fn parse(text: &str, names: &Names, graph: &mut Graph) -> Result<Id, Formula
         let message = "the formula is empty: write a number or an expression";
         return Err(FormulaError::new(message, text, 0..0));
     }
-    let mut parser = Parser { text, names, graph, at: 0, last: "", depth: 0 };
+    let conditions = HashSet::new();
+    let mut parser = Parser { text, names, graph, at: 0, last: "", depth: 0, conditions };
     parser.skip("");
-    let (id, _) = parser.expression(SUM)?;
+    let (id, _) = parser.expression(OR)?;
     match parser.token() {
         "" => Ok(id),
         _ => parser.unexpected(true),
@@ -75,6 +80,7 @@ fn first_token(text: &str) -> &str {
         }
         _ if fraction > 0 => whole + 1 + fraction,
         _ if whole > 0 => whole + usize::from(text[whole..].starts_with('.')),
+        Some('<' | '>') => return &text[..1 + usize::from(text[1..].starts_with('='))],
         c => return &text[..c.map_or(0, char::len_utf8)],
     };
     if text[end..].starts_with(['e', 'E']) {
@@ -86,8 +92,19 @@ fn first_token(text: &str) -> &str {
 }
 
 /// Characters that typesetters have, and what to write.
-const INSTEAD: [(char, &str); 6] =
-    [('−', "-"), ('·', "*"), ('×', "*"), ('²', "^2"), ('³', "^3"), ('√', "sqrt(…)")];
+const INSTEAD: [(char, &str); 11] = [
+    ('−', "-"),
+    ('·', "*"),
+    ('×', "*"),
+    ('²', "^2"),
+    ('³', "^3"),
+    ('√', "sqrt(…)"),
+    ('≤', "<="),
+    ('≥', ">="),
+    ('&', "and"),
+    ('|', "or"),
+    ('!', "not"),
+];
 
 struct Parser<'a> {
     text: &'a str,
@@ -99,6 +116,8 @@ struct Parser<'a> {
     last: &'a str,
     /// Open brackets, signs and powers.
     depth: usize,
+    /// Expressions that are one where something is true, and else zero.
+    conditions: HashSet<Id>,
 }
 
 /// An expression and its place in the text.
@@ -139,16 +158,19 @@ impl<'a> Parser<'a> {
         let message = match token.chars().next() {
             None => format!("{MISSING} at the end"),
             Some('*') if last == "*" => "unknown operator: write ^ for a power".into(),
+            Some('<' | '>') if after_operand => {
+                "comparisons stand alone: write a < b and b < c for a < b < c".into()
+            }
             Some(c) if after_operand && (is_word(c) || c == '(') => {
                 format!("an operator is missing: write {}*{}", shown(last), shown(token))
             }
             Some(',') if after_operand => {
-                "a comma stands only between arguments of min and max; decimals have a point".into()
+                "a comma stands only between arguments of functions; decimals have a point".into()
             }
             Some(')') if after_operand || self.depth == 0 => {
                 "this bracket was not opened: remove it or write `(` before it".into()
             }
-            Some(c) if is_word(c) && c != '.' || "+-*/^,)".contains(c) => {
+            Some(c) if is_word(c) && c != '.' || "+-*/^,)<>".contains(c) => {
                 format!("{MISSING} before `{}`", short(token))
             }
             Some(c) => {
@@ -169,11 +191,22 @@ impl<'a> Parser<'a> {
                 let (id, span) = self.deeper(SIGN)?;
                 self.finish(start..span.end, |graph| if sign == "-" { graph.neg(id) } else { id })?
             }
+            "not" => {
+                let start = self.at;
+                self.skip("not");
+                let (id, span) = self.deeper(NOT)?;
+                let [one, zero] = self.truths();
+                self.condition((id, span.clone()))?;
+                self.chosen(id, [zero, one], start..span.end)?
+            }
             _ => self.operand()?,
         };
         loop {
             let operator = self.token();
             let (binding, of_right) = match operator {
+                "or" => (OR, AND),
+                "and" => (AND, NOT),
+                "<" | ">" | "<=" | ">=" if !self.conditions.contains(&left.0) => (COMPARISON, SUM),
                 "+" | "-" => (SUM, PRODUCT),
                 "*" | "/" => (PRODUCT, SIGN),
                 "^" => (POWER, SIGN),
@@ -187,8 +220,74 @@ impl<'a> Parser<'a> {
                 POWER => self.deeper(of_right)?,
                 _ => self.expression(of_right)?,
             };
-            left = self.combined(operator, left, right)?;
+            left = match binding {
+                OR | AND => self.joined(operator, left, right)?,
+                COMPARISON => self.compared(operator, left, right)?,
+                _ => self.combined(operator, left, right)?,
+            };
         }
+    }
+
+    /// One and zero.
+    fn truths(&mut self) -> [Id; 2] {
+        [1.0, 0.0].map(|value| self.graph.constant(value))
+    }
+
+    /// Demands a condition.
+    fn condition(&self, (id, span): Placed) -> Result<(), FormulaError> {
+        match self.conditions.contains(&id) {
+            true => Ok(()),
+            false => self.error("this is a number, where a condition is wanted: write x > 0", span),
+        }
+    }
+
+    /// The first expression where a condition is true, else the second; a condition if both are.
+    fn chosen(
+        &mut self,
+        condition: Id,
+        of: [Id; 2],
+        span: Range<usize>,
+    ) -> Result<Placed, FormulaError> {
+        let truths = self.truths();
+        let [a, b] = of;
+        let chosen = self.finish(span, |graph| {
+            let half = graph.constant(0.5);
+            graph.where_less(half, condition, a, b)
+        })?;
+        if of.iter().all(|id| truths.contains(id) || self.conditions.contains(id)) {
+            self.conditions.insert(chosen.0);
+        }
+        Ok(chosen)
+    }
+
+    fn joined(
+        &mut self,
+        operator: &str,
+        left: Placed,
+        right: Placed,
+    ) -> Result<Placed, FormulaError> {
+        let (a, b, span) = (left.0, right.0, left.1.start..right.1.end);
+        self.condition(left)?;
+        self.condition(right)?;
+        let [one, zero] = self.truths();
+        self.chosen(a, if operator == "and" { [b, zero] } else { [one, b] }, span)
+    }
+
+    fn compared(
+        &mut self,
+        operator: &str,
+        (a, left): Placed,
+        (b, right): Placed,
+    ) -> Result<Placed, FormulaError> {
+        let [one, zero] = self.truths();
+        let compared = self.finish(left.start..right.end, |graph| match operator {
+            "<" => graph.where_less(a, b, one, zero),
+            ">" => graph.where_less(b, a, one, zero),
+            "<=" => graph.where_less(b, a, zero, one),
+            _ => graph.where_less(a, b, zero, one),
+        })?;
+        self.conditions.insert(compared.0);
+        Ok(compared)
     }
 
     /// An expression in one more bracket, sign or power.
@@ -207,7 +306,7 @@ impl<'a> Parser<'a> {
         let (token, span) = (self.token(), self.place());
         if token == "(" {
             let (mut inner, end) = self.bracket()?;
-            return Ok((inner.remove(0), span.start..end));
+            return Ok((inner.remove(0).0, span.start..end));
         }
         if token.starts_with(is_letter) {
             self.skip(token);
@@ -226,12 +325,12 @@ impl<'a> Parser<'a> {
     }
 
     /// The expressions in a bracket, with commas between them, and its end.
-    fn bracket(&mut self) -> Result<(Vec<Id>, usize), FormulaError> {
+    fn bracket(&mut self) -> Result<(Vec<Placed>, usize), FormulaError> {
         let (open, is_call) = (self.place(), self.last.starts_with(is_letter));
         self.skip("(");
         let mut inner = Vec::new();
         loop {
-            inner.push(self.deeper(SUM)?.0);
+            inner.push(self.deeper(OR)?);
             let end = self.place().end;
             match self.token() {
                 token @ ")" => {
@@ -249,6 +348,9 @@ impl<'a> Parser<'a> {
         match self.names.meaning(name) {
             Some(Meaning::Variable(k)) => self.finish(span, |graph| graph.input(k)),
             Some(Meaning::Value(value)) => self.finish(span, |graph| graph.constant(value)),
+            Some(Meaning::Word) => {
+                self.error(format!("`{name}` stands between conditions, such as x > 0"), span)
+            }
             Some(_) => self.error(format!("`{name}` is a function: write {name}(…)"), span),
             None => {
                 let hint = match name {
@@ -267,14 +369,21 @@ impl<'a> Parser<'a> {
         let expected = match meaning {
             Some(Meaning::Unary(_)) => "1 argument",
             Some(Meaning::Binary(_)) => "2 arguments",
+            Some(Meaning::If) => "3 arguments",
             _ => return self.error(self.unknown_function(function), at),
         };
         let (arguments, end) = self.bracket()?;
         let span = at.start..end;
         match (meaning, &arguments[..]) {
-            (Some(Meaning::Unary(unary)), &[a]) => self.finish(span, |graph| graph.unary(unary, a)),
-            (Some(Meaning::Binary(binary)), &[a, b]) => {
-                self.finish(span, |graph| graph.binary(binary, a, b))
+            (Some(Meaning::Unary(unary)), [(a, _)]) => {
+                self.finish(span, |graph| graph.unary(unary, *a))
+            }
+            (Some(Meaning::Binary(binary)), [(a, _), (b, _)]) => {
+                self.finish(span, |graph| graph.binary(binary, *a, *b))
+            }
+            (Some(Meaning::If), [condition, (a, _), (b, _)]) => {
+                self.condition(condition.clone())?;
+                self.chosen(condition.0, [*a, *b], span)
             }
             (_, found) => {
                 let found = found.len();

@@ -96,7 +96,8 @@ impl Formulas {
                 let reason = formula.explain(y0);
                 let at_y0 = |message| format!("{message} at the initial value");
                 let wrong = |e: FormulaError| FormulaError { message: at_y0(e.message), ..e };
-                reason.map_or(Ok(formula), |error| Err(wrong(error)))
+                let reason = formula.condition().or(reason.map(wrong));
+                reason.map_or(Ok(formula), Err)
             });
             formula.map_err(|error| DefinitionError {
                 formula: Some(Box::new(error.clone())),

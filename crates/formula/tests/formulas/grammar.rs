@@ -93,18 +93,65 @@ fn errors_name_the_place_and_what_would_be_right() {
             "1,5*y1",
             1,
             2,
-            "a comma stands only between arguments of min and max; decimals have a point",
+            "a comma stands only between arguments of functions; decimals have a point",
         ),
         ("1e999", 1, 1, "this is not a finite number but inf"),
         ("y1 + ln(-1)", 1, 6, "this is not a finite number but NaN"),
         ("y1 + 1/(k - 0.5)", 1, 8, "division by zero"),
         ("y1 + (k - 0.5)^-2", 1, 6, "this is not a finite number but inf"),
+        ("y1 < y2 < θ", 1, 9, "comparisons stand alone: write a < b and b < c for a < b < c"),
+        ("y1 <", 1, 5, "a number, a name or a bracket is missing at the end"),
+        ("< y1", 1, 1, "a number, a name or a bracket is missing before `<`"),
+        ("y1 and y2 > 1", 1, 1, "this is a number, where a condition is wanted: write x > 0"),
+        ("y1 > 1 or y2", 1, 11, "this is a number, where a condition is wanted: write x > 0"),
+        ("not y1", 1, 5, "this is a number, where a condition is wanted: write x > 0"),
+        ("if(y1, 1, 2)", 1, 4, "this is a number, where a condition is wanted: write x > 0"),
+        ("if(y1 > 0, 1)", 1, 1, "`if` takes 3 arguments, got 2"),
+        ("y1 > 0 && y2 > 0", 1, 8, "unexpected character `&`: write `and`"),
+        ("y1 ≤ 2", 1, 4, "unexpected character `≤`: write `<=`"),
+        ("and", 1, 1, "`and` stands between conditions, such as x > 0"),
+        ("if", 1, 1, "`if` is a function: write if(…)"),
     ];
     for (text, line, column, message) in table {
         let error = Formula::parse(text, &names()).expect_err(text);
         let found = (error.line, error.column, error.message);
         assert_eq!(found, (line, column, message.to_owned()), "{text}");
     }
+}
+
+fn truth(holds: bool) -> f64 {
+    f64::from(u8::from(holds))
+}
+
+#[test]
+fn conditions_are_one_or_zero() {
+    type Meaning = fn(f64, f64) -> f64;
+    let table: [(&str, Meaning); 12] = [
+        ("y1 < y2", |a, b| truth(a < b)),
+        ("y1 > y2", |a, b| truth(a > b)),
+        ("y1 <= y2", |a, b| truth(a <= b)),
+        ("y1 >= y2", |a, b| truth(a >= b)),
+        ("not y1 < y2", |a, b| truth(a >= b)),
+        ("y1 > 0 and y2 > 0 or y1 < -1", |a, b| truth(a > 0.0 && b > 0.0 || a < -1.0)),
+        ("y1 > 0 or y2 > 0 and y1 < -1", |a, b| truth(a > 0.0 || b > 0.0 && a < -1.0)),
+        ("not (y1 > 0 or y2 > 0)", |a, b| truth(a <= 0.0 && b <= 0.0)),
+        ("not y1 > 0 and y2 > 0", |a, b| truth(a <= 0.0 && b > 0.0)),
+        ("if(y1 + 1 > y2*y2, y1, -y2)", |a, b| if a + 1.0 > b * b { a } else { -b }),
+        ("2*(y1 > 0) - 1", |a, _| if a > 0.0 { 1.0 } else { -1.0 }),
+        ("if(if(y1 > 0, y2 > 0, y2 < 0), 5, 7)", |a, b| {
+            if if a > 0.0 { b > 0.0 } else { b < 0.0 } { 5.0 } else { 7.0 }
+        }),
+    ];
+    for (text, meaning) in table {
+        let formula = Formula::parse(text, &names()).unwrap_or_else(|error| panic!("{error}"));
+        for a in [-2.0, -1.0, -0.0, 0.0, 0.5, 2.0] {
+            for b in [-2.0, -1.0, -0.0, 0.0, 0.5, 2.0] {
+                assert_eq!(formula.value(&[a, b, 0.0]), meaning(a, b), "{text} at {a}, {b}");
+            }
+        }
+    }
+    let constant = Formula::parse("1 < 2 and not 2 < 1", &names()).unwrap();
+    assert_eq!(constant.value(&POINT), 1.0);
 }
 
 #[test]
@@ -145,7 +192,7 @@ fn names_are_checked() {
     assert_eq!(message(names.parameter("pi", 1.0)), "`pi` is given twice, or a constant");
     assert_eq!(
         message(names.parameter("sin", 1.0)),
-        "`sin` is the name of a function: choose another"
+        "`sin` is a word of formulas: choose another name"
     );
     for wrong in ["", "1x", "a b", "a-b", " a", "a ", "x²'", "min("] {
         let message = message(names.variable(wrong));

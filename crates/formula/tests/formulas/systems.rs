@@ -312,3 +312,24 @@ fn jacobi_is_shown_or_not() {
     // Pieces may act where no point is.
     assert!(!holds(body, &["x*abs(y*z - x)", "y*z + x^2"]));
 }
+
+#[test]
+fn conditions_are_refused_where_derivatives_are_needed() {
+    let definition = |entry: &str, energy: &str| Definition {
+        state: vec!["q".into(), "p".into()],
+        structure: vec![vec![entry.into()]],
+        energy: energy.into(),
+        ..Definition::default()
+    };
+    assert!(FormulaSystem::new(&definition("1", "p^2/2 + abs(q)"), &[1.0, 0.0]).is_ok());
+    for (entry, energy, which, place) in [
+        ("1", "p^2/2 + if(q > 0, q, -q)", Which::Energy, 11..16),
+        ("if(q < 2, 1, 2)", "p^2/2", Which::Structure(1, 2), 3..8),
+    ] {
+        let error = FormulaSystem::new(&definition(entry, energy), &[1.0, 0.0]).err().unwrap();
+        let formula = error.formula.unwrap();
+        assert_eq!(error.which, which);
+        assert!(formula.message.contains("not smooth"), "{formula}");
+        assert_eq!(formula.span, place);
+    }
+}
