@@ -113,10 +113,12 @@ impl Outcomes<'_> {
     /// Writes what was found, and says it.
     pub fn write(&self, folder: &Path, formats: &[Format], json: bool) -> Done {
         if !self.sweep.varied.is_empty() {
-            output::write_sweep(self, folder, formats)?;
+            let found = output::SweepReport::new(self);
+            let keys = self.sweep.combinations.iter().map(|one| one.scene.settings.key);
+            found.write(folder, formats, keys.is_sorted_by(|a, b| a == b))?;
             return match json {
-                true => print_json(&output::sweep_summary(self, folder)?),
-                false => print(&output::sweep_text(self, folder)),
+                true => print_json(&found.summary(folder)?),
+                false => print(&found.text(folder)),
             };
         }
         for (Combination { scene, .. }, results) in self.found() {

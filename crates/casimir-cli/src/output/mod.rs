@@ -12,7 +12,10 @@ use std::path::Path;
 
 use casimir::{
     analysis::StepCheck,
-    mc::{study::StudyResult, write_csv},
+    mc::{
+        study::{Series, StudyResult},
+        write_csv,
+    },
     plot::files,
 };
 use serde_json::{Value, json};
@@ -20,7 +23,7 @@ use serde_json::{Value, json};
 use steps::{step_cell, step_errors};
 
 pub use steps::step_lines;
-pub use sweep::{sweep_summary, sweep_text, write_sweep};
+pub use sweep::SweepReport;
 
 pub use expectation::{expectation_json, expectation_text, write_expectation};
 
@@ -90,8 +93,11 @@ pub const AT_END: [&str; 7] =
     ["at the end", "mean", "95 % interval", "step error", "deviation", "median", "5 % … 95 %"];
 
 /// The statistics at the final time.
-pub fn rows_at_end(study: &StudyResult, check: Option<&StepCheck>) -> Vec<[String; 7]> {
-    let row = |series: &casimir::mc::study::Series| {
+pub fn rows_at_end(
+    series: &[Series],
+    checked: Option<(&StudyResult, &StepCheck)>,
+) -> Vec<[String; 7]> {
+    let row = |series: &Series| {
         let last = series.last();
         let between = |(lo, hi)| format!("[{}, {}]", digits(Some(lo)), digits(Some(hi)));
         let quantile = |level: f64| {
@@ -105,19 +111,23 @@ pub fn rows_at_end(study: &StudyResult, check: Option<&StepCheck>) -> Vec<[Strin
             series.observable.clone(),
             digits(last.mean),
             last.mean_interval.map_or_else(why, between),
-            step_cell(check.and_then(|check| step_errors(check, study, &series.observable))),
+            step_cell(
+                checked.and_then(|(study, check)| step_errors(check, study, &series.observable)),
+            ),
             digits(last.deviation),
             quantile(0.5),
             format!("{} … {}", quantile(0.05), quantile(0.95)),
         ]
     };
-    study.series.iter().map(row).collect()
+    series.iter().map(row).collect()
 }
 
 /// The same as text, with columns as wide as their widest cell.
 pub fn table_at_end(study: &StudyResult, check: Option<&StepCheck>) -> String {
-    let all: Vec<_> =
-        [AT_END.map(String::from)].into_iter().chain(rows_at_end(study, check)).collect();
+    let all: Vec<_> = [AT_END.map(String::from)]
+        .into_iter()
+        .chain(rows_at_end(&study.series, Some(study).zip(check)))
+        .collect();
     aligned(&all)
 }
 
@@ -137,7 +147,7 @@ fn aligned<R: AsRef<[String]>>(rows: &[R]) -> String {
 pub fn summary(scene: &Scene, results: &Results, folder: &Path) -> serde_json::Result<Value> {
     let Results { scheme, because, tables, study, check, seconds, .. } = results;
     let last = |study: &StudyResult| {
-        let last = |series: &casimir::mc::study::Series| {
+        let last = |series: &Series| {
             let mut last = serde_json::to_value(series.last())?;
             let check = check.as_ref();
             let errors = check.and_then(|check| step_errors(check, study, &series.observable));

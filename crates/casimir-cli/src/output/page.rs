@@ -32,7 +32,7 @@ pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
     for (title, figures) in figures {
         page.section(title);
         if let (Some(study), "At the end") = (study, *title) {
-            page.table(AT_END, rows_at_end(study, check.as_ref()));
+            page.table(AT_END, rows_at_end(&study.series, Some(study).zip(check.as_ref())));
             page.note(
                 "The interval is that of sampling. The step error of the mean, and in brackets that \
                  of the deviation, follows from a few paths with half the step; ? where these are \
