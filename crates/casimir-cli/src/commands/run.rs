@@ -247,7 +247,7 @@ fn report(scene: &Scene, results: &Results, folder: &Path, json: bool) -> Done {
     if json {
         return print_json(&output::summary(scene, results, folder)?);
     }
-    let Results { scheme, because, study, check, seconds, .. } = results;
+    let Results { scheme, because, tables, study, check, seconds, .. } = results;
     let mut text: String =
         results.warnings(scene).iter().map(|warning| format!("warning: {warning}\n")).collect();
     let (paths, steps) = (results.paths(), scene.settings.steps);
@@ -256,9 +256,10 @@ fn report(scene: &Scene, results: &Results, folder: &Path, json: bool) -> Done {
     if let Some(because) = because {
         text += &format!("{scheme}: {because}\n");
     }
-    if let Some(study) = study {
-        text += &output::table_at_end(study, check.as_ref());
-    }
+    text += &match study {
+        Some(study) => output::table_at_end(study, check.as_ref()),
+        None => output::paths_at_end(scene, tables),
+    };
     text += &format!("report: {}\n", folder.join(folder::REPORT).display());
     print(&text)
 }

@@ -13,6 +13,7 @@ use std::path::Path;
 use casimir::{
     analysis::StepCheck,
     mc::{
+        TimeSeries,
         study::{Series, StudyResult},
         write_csv,
     },
@@ -27,7 +28,12 @@ pub use sweep::SweepReport;
 
 pub use expectation::{expectation_json, expectation_text, write_expectation};
 
-use crate::{arguments::Format, commands::Results, failure::Done, scene::Scene};
+use crate::{
+    arguments::Format,
+    commands::Results,
+    failure::Done,
+    scene::{Observable, Scene},
+};
 
 /// Writes the report with its figures, and what else is asked for.
 pub fn write(scene: &Scene, results: &Results, folder: &Path, formats: &[Format]) -> Done {
@@ -129,6 +135,24 @@ pub fn table_at_end(study: &StudyResult, check: Option<&StepCheck>) -> String {
         .chain(rows_at_end(&study.series, Some(study).zip(check)))
         .collect();
     aligned(&all)
+}
+
+/// Paths whose values at the end are shown.
+const SHOWN_PATHS: usize = 5;
+
+/// The values at the end of the first of a few paths as text.
+pub fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> String {
+    let shown = &tables[..tables.len().min(SHOWN_PATHS)];
+    let header = (0..shown.len()).map(|path| format!("path {path}"));
+    let row = |observable: &Observable| {
+        let last = |table: &TimeSeries| table.column(&observable.name)?.last().copied();
+        let values = shown.iter().map(|table| digits(last(table)));
+        [observable.name.clone()].into_iter().chain(values).collect()
+    };
+    let mut rows: Vec<Vec<String>> =
+        vec![["at the end".into()].into_iter().chain(header).collect()];
+    rows.extend(scene.observables.iter().map(row));
+    aligned(&rows)
 }
 
 /// Lines of cells, with columns as wide as their widest cell.

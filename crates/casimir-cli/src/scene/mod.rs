@@ -9,6 +9,7 @@ mod sweep;
 mod values;
 
 pub use file::{ExpectTable, SceneFile, schema};
+use observe::Vocabulary;
 pub use observe::{Observable, Quantity};
 pub use read::{Constants, Parameters, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
@@ -71,22 +72,26 @@ impl Scene {
                 constants: &constants,
                 settings: &settings,
             })?;
-        let quantity = |text: &At<Text>| {
-            observe::quantity(&source, text, (&names, &energy), &settings.initial)
-        };
+        let mut vocabulary = Vocabulary::new(names, energy);
+        let y0 = model.problem().y0;
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
         let mut observables = Vec::new();
         if components.len() <= MOST_COMPONENTS {
             observables.extend((0..components.len()).map(component));
         }
-        observables.extend(quantities);
+        for quantity in quantities {
+            vocabulary.add(&quantity.name, quantity.quantity.clone());
+            observables.push(quantity);
+        }
         for (name, formula) in &file.observe {
             let known =
                 components.contains(name) || observables.iter().any(|known| known.name == **name);
             if known || is_column(name) {
                 return Err(taken(name, name.span()));
             }
-            observables.push(Observable::new(name.as_str(), quantity(formula)?));
+            let quantity = vocabulary.quantity(&source, formula, &y0)?;
+            vocabulary.add(name, quantity.clone());
+            observables.push(Observable::new(name.as_str(), quantity));
         }
         if observables.is_empty() {
             let message = "a system of so many components needs observables: add [observe]";
@@ -98,7 +103,7 @@ impl Scene {
             let place = || components.iter().position(|component| component == name);
             match known.or_else(|| place().map(component)) {
                 Some(known) => Ok(known),
-                None => Ok(Observable::new(name, quantity(text)?)),
+                None => Ok(Observable::new(name, vocabulary.quantity(&source, text, &y0)?)),
             }
         };
         let expected = match &file.expect {

@@ -1,11 +1,11 @@
 //! Functions of the state that are of interest.
 
-use std::sync::Arc;
+use std::{slice::from_mut, sync::Arc};
 
 use casimir::{
-    formula::{Formula, Names},
+    formula::{Formula, Names, Tape},
     mc::Observe,
-    real::{PathMask, Row},
+    real::{PathMask, Row, WIDTH},
 };
 
 use super::{
@@ -25,12 +25,22 @@ pub enum Quantity {
     Function(Arc<OfRows>),
 }
 
+impl Quantity {
+    fn evaluate(&self, y: &[Row], values: &mut Row) {
+        match self {
+            Self::Component(i) => *values = y[*i],
+            Self::Function(function) => function(y, values),
+        }
+    }
+}
+
 /// A function of the state with its name.
 #[derive(Clone)]
 pub struct Observable {
     /// Its name.
     pub name: String,
-    quantity: Quantity,
+    /// What it is.
+    pub quantity: Quantity,
 }
 
 impl From<Formula> for Quantity {
@@ -57,30 +67,60 @@ impl Observe for Observable {
     }
 
     fn evaluate(&self, y: &[Row], _: PathMask, values: &mut Row) {
-        match &self.quantity {
-            Quantity::Component(i) => *values = y[*i],
-            Quantity::Function(function) => function(y, values),
-        }
+        self.quantity.evaluate(y, values);
     }
 }
 
-/// The quantity of a formula, which must have a value at the initial value; `H0` is the energy.
-pub fn quantity(
-    source: &Source,
-    text: &At<Text>,
-    (names, energy): (&Names, &Quantity),
-    y0: &[f64],
-) -> Read<Quantity> {
-    if text.0.trim() == "H0" {
-        return Ok(energy.clone());
+/// What formulas of observables may use.
+pub struct Vocabulary {
+    /// The components of y and the parameters.
+    names: Names,
+    /// Further quantities, inputs after the components: H₀, and observables that are known.
+    quantities: Vec<Quantity>,
+}
+
+impl Vocabulary {
+    /// Components, parameters, and `H0`.
+    pub fn new(names: Names, energy: Quantity) -> Self {
+        let mut vocabulary = Self { names, quantities: Vec::new() };
+        vocabulary.add("H0", energy);
+        vocabulary
     }
-    let formula = Formula::parse(&text.0, names);
-    let formula = formula.map_err(|error| source.formula_error(text, &error))?;
-    match formula.explain(y0) {
-        Some(error) => {
-            let message = format!("{} at the initial value", error.message);
-            Err(source.error_in(text, &error, message))
+
+    /// One more quantity, unless its name has a meaning.
+    pub fn add(&mut self, name: &str, quantity: Quantity) {
+        if self.names.variable(name).is_ok() {
+            self.quantities.push(quantity);
         }
-        None => Ok(formula.into()),
+    }
+
+    /// The quantity of a formula, which must have a value at the initial value.
+    pub fn quantity(&self, source: &Source, text: &At<Text>, y0: &[f64]) -> Read<Quantity> {
+        let formula = Formula::parse(&text.0, &self.names);
+        let formula = formula.map_err(|error| source.formula_error(text, &error))?;
+        let (dimension, all) = (y0.len(), y0.len() + self.quantities.len());
+        let used: Vec<(usize, Quantity)> = self.quantities.iter().cloned().enumerate().collect();
+        let used: Vec<_> =
+            used.into_iter().filter(|(k, _)| formula.depends_on(dimension + k)).collect();
+        let rows: Vec<Row> = y0.iter().map(|&y| [y; WIDTH]).collect();
+        let mut point = y0.to_vec();
+        point.resize(all, 0.0);
+        for (k, quantity) in &used {
+            let mut values = [0.0; WIDTH];
+            quantity.evaluate(&rows, &mut values);
+            point[dimension + k] = values[0];
+        }
+        if let Some(error) = formula.explain(&point) {
+            let message = format!("{} at the initial value", error.message);
+            return Err(source.error_in(text, &error, message));
+        }
+        let tape = Tape::new(&formula.graph, &[formula.root], &[0..dimension, dimension..all]);
+        let further = all - dimension;
+        Ok(Quantity::Function(Arc::new(move |y: &[Row], values: &mut Row| {
+            let mut others = vec![[0.0; WIDTH]; further + tape.scratch_rows()];
+            let (others, scratch) = others.split_at_mut(further);
+            used.iter().for_each(|(k, quantity)| quantity.evaluate(y, &mut others[*k]));
+            tape.evaluate(&[y, others], from_mut(values), scratch);
+        })))
     }
 }

@@ -43,7 +43,6 @@ impl Source {
     pub fn formula_error(&self, formula: &At<Text>, error: &FormulaError) -> SceneError {
         let message = match error.unknown_name.as_deref() {
             Some("t") => "unknown name `t`: time is known in the rate of damping only",
-            Some("H0") => "`H0` stands alone in an observable: write its formula here",
             _ => &error.message,
         };
         self.error_in(formula, error, message)

@@ -159,3 +159,42 @@ scheme = "heun"
     // With short steps nothing is left.
     succeeds(with_scene(&text.replace("100", "10000")).path(), &["run", "scene.toml"]);
 }
+
+/// Formulas of observables use H₀, observables above them, and what a lattice has by itself.
+#[test]
+fn observables_use_observables() {
+    let more = "paths = 2\n[observe]\nenergy = \"H0\"\ntwice = \"energy + H0 + 0*q\"\nright = \"if(twice > 0 and q > -9, twice/2, 7)\"";
+    let text = OSCILLATOR.replace("paths = 4\n[observe]\nenergy = \"H0\"", more);
+    assert_ne!(text, OSCILLATOR);
+    let folder = with_scene(&text);
+    let path = folder.path();
+    let said = succeeds(path, &["run", "scene.toml", "--write", "json"]);
+    assert!(said.contains("at the end  path 0") && said.contains("\ntwice"), "{said}");
+    let tables = read_json(path.join("scene-run/paths.json"));
+    let column = |name: &str| {
+        let columns = tables[1]["columns"].as_array().unwrap().iter();
+        let values =
+            columns.clone().find(|column| column["name"] == name).unwrap()["values"].clone();
+        serde_json::from_value::<Vec<f64>>(values).unwrap()
+    };
+    let (energy, twice, right) = (column("energy"), column("twice"), column("right"));
+    assert!(energy.iter().zip(&twice).all(|(energy, twice)| 2.0 * energy == *twice));
+    assert_eq!(energy, right);
+    let later = text.replace("energy = \"H0\"", "early = \"twice\"");
+    let folder = with_scene(&later);
+    fails(folder.path(), &["run", "scene.toml"], 2, &["unknown name `twice`"]);
+    let lattice = with_scene(LATTICE);
+    let said = succeeds(lattice.path(), &["run", "scene.toml"]);
+    assert!(said.contains("\nsquare"), "{said}");
+}
+
+const LATTICE: &str = r#"[system]
+name = "spin-lattice"
+parameters = { sizes = [3, 3], noise = 0.1 }
+[run]
+initial = [0, 0, 1]
+until = 1
+steps = 16
+[observe]
+square = "mx^2 + my^2 + mz^2 + 0*(energy - H0)"
+"#;
