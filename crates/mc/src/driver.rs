@@ -31,7 +31,7 @@ use schemes::{Step, Stepper};
 use serde::{Deserialize, Serialize};
 use systems::Damping;
 
-use crate::{Cause, NextNoise, NoiseSource, Run, TimeChange, View, observable::splat, parts::Stop};
+use crate::{Cause, NextNoise, NoiseSource, Run, TimeChange, View, parts::Stop};
 
 /// The truncation bounds of increments and areas.
 #[derive(Clone, Copy, PartialEq)]
@@ -72,7 +72,10 @@ pub struct Driver<'a> {
     pub damping: &'a dyn Damping,
     /// Number of noises.
     pub noises: usize,
-    pub y0: Vec<f64>,
+    /// From the number of the first path of a block to its states at time 0.
+    pub start: Box<dyn Fn(u64) -> Vec<Row> + Sync + 'a>,
+    /// Whether statistics see these states.
+    pub from_start: bool,
     pub t_end: f64,
     pub finest_steps: u64,
     pub levels: usize,
@@ -214,6 +217,9 @@ impl Driver<'_> {
         let mut blocks: Vec<Marcher<'_>> = offsets
             .map(|offset| Marcher::new(self, first_path + offset, (paths - offset) as usize))
             .collect();
+        if self.from_start {
+            blocks.iter().for_each(|block| block.show(0, observe));
+        }
         let levels = 0..=self.levels;
         let is_used = |level| self.batches.iter().any(|batch| batch.level == level);
         let used: Vec<bool> = levels.clone().map(is_used).collect();
@@ -268,7 +274,7 @@ impl<'a> Marcher<'a> {
         let runs = driver.runs.len();
         let experiment = driver.key.experiment ^ TIME_CHANGE_STREAM;
         let key = StreamKey { experiment, ..driver.key };
-        let start = splat(&driver.y0);
+        let start = (driver.start)(first_path);
         Self {
             driver,
             first_path,
@@ -282,6 +288,18 @@ impl<'a> Marcher<'a> {
             random_time: Block::zero(),
             time_change_noise: driver.time_change.map(|_| WienerRows::new(key, first_path)),
         }
+    }
+
+    /// Shows the states after so many coarsest steps.
+    fn show(&self, time: u64, observe: &mut dyn FnMut(&View<'_>)) {
+        observe(&View {
+            time,
+            first_path: self.first_path,
+            states: &self.states,
+            clipped: &self.clipped,
+            random_time: &self.random_time.0[0],
+            live: self.live,
+        });
     }
 
     /// Finest step number n, counted from 1, and every coarser step that ends at the same time.
@@ -319,14 +337,7 @@ impl<'a> Marcher<'a> {
         }
         if complete == driver.levels {
             self.drop_non_finite(n, tally);
-            observe(&View {
-                time: n >> driver.levels,
-                first_path: self.first_path,
-                states: &self.states,
-                clipped: &self.clipped,
-                random_time: &self.random_time.0[0],
-                live: self.live,
-            });
+            self.show(n >> driver.levels, observe);
         }
     }
 

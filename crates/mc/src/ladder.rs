@@ -8,7 +8,7 @@ use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
-    LadderError, NextNoise, PathFailure, Problem, Run,
+    Initial, LadderError, NextNoise, PathFailure, Problem, Run,
     driver::{Batch, Bounds, Driver, Failed, GROUP_PATHS, StepTable, Tally},
     noise_source::drawn,
     observable::{components, path},
@@ -137,6 +137,12 @@ const DESCRIBED_FAILURES: usize = 8;
 const PROBES: u64 = 4;
 const PROBE_STEPS: u64 = 16;
 
+/// The states of blocks at time 0.
+fn start<'a>(problem: &Problem<'a>, key: StreamKey) -> Box<dyn Fn(u64) -> Vec<Row> + Sync + 'a> {
+    let (initial, y0) = (problem.initial.clone(), problem.y0.clone());
+    Box::new(move |first| Initial::start(initial.as_ref(), &y0, key, first))
+}
+
 impl<'a> Ladder<'a> {
     /// A ladder with `finest_steps` steps on [0, T] at level 0 and `levels` levels above it, for
     /// schemes on the system of `problem`. The noise is drawn from the streams of `key`.
@@ -176,7 +182,8 @@ impl<'a> Ladder<'a> {
         let mut driver = Driver {
             damping: problem.damping,
             noises: problem.noises,
-            y0: problem.y0.clone(),
+            start: start(problem, key),
+            from_start: false,
             t_end: problem.t_end,
             finest_steps,
             levels,
@@ -219,6 +226,12 @@ impl<'a> Ladder<'a> {
     #[must_use]
     pub fn with_noise(mut self, source: impl Fn(u64) -> NextNoise + Sync + 'a) -> Self {
         self.driver.noise = Box::new(source);
+        self
+    }
+
+    /// Shows statistics the states at time 0, too.
+    pub(crate) fn from_start(mut self) -> Self {
+        self.driver.from_start = true;
         self
     }
 

@@ -85,6 +85,6 @@ pub use ladder::{Kept, Ladder, Measured, Statistic, TimeChange, View};
 pub use large_path::LargePath;
 pub use noise_source::{NextNoise, NoiseSource};
 pub use observable::{Observable, Observe, StateFunction};
-pub use setup::{ConformalLaw, Formulas, Problem, Run, Setup, bind, bind_owned};
+pub use setup::{ConformalLaw, Formulas, Initial, Problem, Run, Setup, bind, bind_owned};
 pub use simulation::{Column, NoiseOrigin, Simulation, TimeSeries, write_csv, write_json};
 pub use study::{Study, StudyResult, StudySettings, Times, study};

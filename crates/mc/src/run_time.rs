@@ -30,6 +30,7 @@ impl<'a> Problem<'a> {
             parameters: description.parameters.clone(),
             noises: description.noises,
             y0: problem.y0().into(),
+            initial: None,
             t_end: problem.t_end(),
             damping: problem.damping(),
             laws: description.invariants.iter().enumerate().map(law).collect(),

@@ -2,13 +2,13 @@
 
 use std::{ops::Deref, sync::Arc};
 
-use noise::StepNoise;
+use noise::{StepNoise, StreamKey};
 use nonlin::BlockStatus;
 use real::{Block, Row};
 use schemes::{Method, Scheme, Step, Stepper};
 use systems::{Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, vector_field};
 
-use crate::observable::components;
+use crate::observable::{components, splat};
 
 /// A problem of any dimension with any number of noises: what a driver needs of it beside the steps
 /// of schemes. [`of`](Self::of) makes that of a [`systems::Problem`],
@@ -23,8 +23,10 @@ pub struct Problem<'a> {
     pub parameters: String,
     /// Number of noises.
     pub noises: usize,
-    /// The initial value; its length is the dimension.
+    /// The initial value; its length is the dimension. One that may occur, if they are random.
     pub y0: Vec<f64>,
+    /// Random initial values in its place.
+    pub initial: Option<Initial<'a>>,
     /// The final time T.
     pub t_end: f64,
     /// The damping γ.
@@ -33,6 +35,41 @@ pub struct Problem<'a> {
     pub laws: Vec<ConformalLaw<'a>>,
     /// The formulas of the system.
     pub formulas: Arc<dyn Formulas + 'a>,
+}
+
+/// Random initial values.
+#[derive(Clone)]
+pub struct Initial<'a> {
+    /// Their law in words.
+    pub law: String,
+    /// From the key of streams of their own and the number of the first path of a block to the
+    /// states of its 32 paths.
+    pub draw: Arc<Draw<'a>>,
+}
+
+type Draw<'a> = dyn Fn(StreamKey, u64, &mut [Row]) + Send + Sync + 'a;
+
+/// The bit of the experiment number that separates the streams of initial values.
+const INITIAL_STREAM: u64 = 1 << 59;
+
+impl Initial<'_> {
+    /// The states of 32 paths at time 0, of a problem with these initial values or with `y0`.
+    pub(crate) fn start(
+        initial: Option<&Self>,
+        y0: &[f64],
+        key: StreamKey,
+        first: u64,
+    ) -> Vec<Row> {
+        let mut rows = splat(y0);
+        if let Some(Self { draw, .. }) = initial {
+            draw(
+                StreamKey { experiment: key.experiment ^ INITIAL_STREAM, ..key },
+                first,
+                &mut rows,
+            );
+        }
+        rows
+    }
 }
 
 /// A function F that obeys the conformal law F(y(t)) = e^{−p∫γ}F(y(0)).
@@ -174,6 +211,7 @@ impl<'a> Problem<'a> {
             parameters: system.parameters(),
             noises: M,
             y0: problem.y0().into(),
+            initial: None,
             t_end: problem.t_end(),
             damping: problem.damping(),
             laws: system.invariants().into_iter().enumerate().map(law).collect(),

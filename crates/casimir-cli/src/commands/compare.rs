@@ -37,7 +37,7 @@ pub fn compare(arguments: &Compare) -> Done {
     let wrong = |error: &dyn Display| scene.source.error(None, error);
     let candidates = scene.model.candidates().map_err(|error| wrong(&error))?;
     let what = format!("errors and times of all schemes, {budget} s at most");
-    let problem = scene.model.problem();
+    let problem = scene.problem();
     let found = under_bar(&what, 0, |_| analysis::compare(&problem, &candidates, &wanted));
     let found = found.map_err(|error| wrong(&error))?;
     let folder = folder::of(arguments.output.out.clone(), &arguments.scene, "compare")?;

@@ -68,7 +68,7 @@ fn chosen(scene: &Scene) -> Done<(mc::Expect<'_>, ExpectSettings, Option<String>
     let mut with = ExpectSettings { key: settings.key, ..ExpectSettings::default() };
     let is_auto = settings.scheme == AUTO;
     let (expect, because) = match scene.model.expect().filter(|_| is_auto) {
-        Some(chosen) => (chosen, None),
+        Some(chosen) => (chosen.starting(settings.random.clone()), None),
         None => {
             let (scheme, because) = scheme(scene);
             with.truncation = settings.truncation;

@@ -10,6 +10,8 @@ pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
     let Results { scheme, because, known, tables, study, check, seconds } = results;
     let paths = results.paths();
     let settings = &scene.settings;
+    let law = settings.random.as_ref().map(|random| random.law.clone());
+    let initial = law.unwrap_or_else(|| numbers(&settings.initial));
     let mut page = Document::new("casimir run", &scene.title);
     let first = tables.first();
     page.section("What was computed");
@@ -20,7 +22,7 @@ pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
     page.facts([
         ("system", first.map_or(String::new(), |table| table.system.clone())),
         ("damping", first.map_or(String::new(), |table| table.damping.clone())),
-        ("initial value", numbers(&settings.initial)),
+        ("initial value", initial),
         ("time", steps),
         ("scheme", format!("{scheme}{reason}")),
         ("paths", format!("{paths}, seed {}", settings.key.seed)),

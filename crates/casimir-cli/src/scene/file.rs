@@ -66,8 +66,9 @@ pub struct DampingTable {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunTable {
-    /// The initial value y(0): a number or a formula of the parameters for each component. For
-    /// spins on a lattice three numbers may stand for all.
+    /// The initial value y(0): a number or a formula of the parameters for each component, and of
+    /// random numbers: z1, z2, … are standard normals, u1, u2, … uniform on (0, 1). For spins on a
+    /// lattice three may stand for all.
     pub initial: At<Vec<At<Text>>>,
     /// The final time T > 0; paths begin at time 0.
     pub until: At<Text>,

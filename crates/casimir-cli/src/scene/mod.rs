@@ -1,6 +1,7 @@
 //! A scene: read from its file, checked, and ready to be run.
 
 mod file;
+mod initial;
 mod observe;
 mod read;
 mod run;
@@ -19,7 +20,11 @@ pub use values::{At, Parameter, Text, count};
 
 use std::{fmt::Display, path::Path};
 
-use casimir::{formula::nearest, mc::Setup, schemes::BuiltIn};
+use casimir::{
+    formula::nearest,
+    mc::{Problem, Setup},
+    schemes::BuiltIn,
+};
 
 use crate::model::{self, Model};
 
@@ -129,7 +134,12 @@ impl Scene {
             return Err(wrong(format!("no scheme `{name}`; there are auto, {known}{hint}")));
         };
         let scheme = self.model.scheme(scheme).map_err(|error| wrong(error.to_string()))?;
-        Ok(Setup { problem: self.model.problem(), scheme })
+        Ok(Setup { problem: self.problem(), scheme })
+    }
+
+    /// The problem with its initial values.
+    pub fn problem(&self) -> Problem<'_> {
+        Problem { initial: self.settings.random.clone(), ..self.model.problem() }
     }
 
     /// An error about the steps.

@@ -2,12 +2,16 @@
 
 use std::ops::Range;
 
-use casimir::noise::{StreamKey, Truncation};
+use casimir::{
+    mc::Initial,
+    noise::{StreamKey, Truncation},
+};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::{
     file::RunTable,
+    initial::initial,
     read::Constants,
     source::{Read, Source},
     sweep::Set,
@@ -55,10 +59,12 @@ impl From<&SchemeAndSeed> for Changes {
 }
 
 /// Checked settings of a run.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Settings {
-    /// The initial value as it is written.
+    /// The initial value as it is written; one that may occur, if they are random.
     pub initial: Vec<f64>,
+    /// Random initial values.
+    pub random: Option<Initial<'static>>,
     /// The final time.
     pub until: f64,
     /// Number of steps.
@@ -103,8 +109,9 @@ impl Settings {
         constants: &Constants,
         changes: &Changes,
     ) -> Read<Self> {
-        let initial = run.initial.iter().map(|text| constants.value(source, text));
-        let initial = initial.collect::<Read<Vec<f64>>>()?;
+        let SchemeAndSeed { scheme: changed, seed, .. } = changes.scheme.clone();
+        let key = StreamKey { seed: seed.or(run.seed).unwrap_or(1), experiment: 0 };
+        let (initial, random) = initial(source, &run.initial, constants, key)?;
         let until = constants.value(source, &run.until)?;
         if until <= 0.0 {
             let message = format!("the final time must be positive, got {until}");
@@ -142,16 +149,16 @@ impl Settings {
             let place = run.truncation.as_ref().map(At::span);
             return Err(source.error(place, format!("the order must be below 2^32, got {order}")));
         };
-        let SchemeAndSeed { scheme: changed, seed, .. } = changes.scheme.clone();
         Ok(Self {
             initial,
+            random,
             until,
             steps,
             coarsest_steps: changes.steps,
             paths,
             tables,
             times,
-            key: StreamKey { seed: seed.or(run.seed).unwrap_or(1), experiment: 0 },
+            key,
             truncation,
             initial_place: run.initial.span(),
             steps_place: run.steps.span(),

@@ -5,6 +5,7 @@ mod broken;
 mod common;
 mod defaults;
 mod gallery;
+mod initial;
 mod parts;
 mod results;
 mod sweeps;

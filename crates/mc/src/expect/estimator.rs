@@ -109,7 +109,7 @@ impl<'a> Estimator<'a> {
         coarsest_steps: u64,
     ) -> Self {
         let (problem, scheme) = (&candidate.setup.problem, &candidate.setup.scheme);
-        let noisy = problem.noises > 0;
+        let noisy = problem.noises > 0 || problem.initial.is_some();
         let halvings = MOST_HALVINGS.saturating_sub(coarsest_steps.ilog2() as usize);
         Self {
             candidate,
@@ -120,7 +120,7 @@ impl<'a> Estimator<'a> {
             replicates: if noisy { REPLICATES } else { 1 },
             damping: DampingResolution::new(&candidate.setup, coarsest_steps),
             noisy,
-            sobol: noisy && !request.settings.random_points && !scheme.reads_areas(),
+            sobol: problem.noises > 0 && !request.settings.random_points && !scheme.reads_areas(),
             levels: Vec::new(),
             ladders: Vec::new(),
             first: 0,

@@ -75,7 +75,7 @@ use schemes::{
 };
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
-use crate::{Observe, Problem, RunError, Setup, bind_owned, parts::Stop};
+use crate::{Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop};
 use estimator::{Estimator, Request};
 
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
@@ -276,6 +276,15 @@ impl<'a> Expect<'a> {
     #[must_use]
     pub fn with(self, settings: ExpectSettings) -> Self {
         Self { settings, ..self }
+    }
+
+    /// Takes these initial values.
+    #[must_use]
+    pub fn starting(mut self, initial: Option<Initial<'a>>) -> Self {
+        for candidate in &mut self.candidates {
+            candidate.setup.problem.initial.clone_from(&initial);
+        }
+        self
     }
 
     /// E[φ(y(T))] of every φ to the half-width `accuracy`. `progress` is called now and then, from

@@ -10,8 +10,8 @@ use real::{PathMask, Row, WIDTH};
 use schemes::Step;
 
 use crate::{
-    ConformalLaw, Ladder, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Run, RunError,
-    Setup, Statistic, View, observable::splat, parts::Stop,
+    ConformalLaw, Initial, Ladder, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Run,
+    RunError, Setup, Statistic, View, observable::splat, parts::Stop,
 };
 
 pub use series::{Column, NoiseOrigin, TimeSeries};
@@ -191,9 +191,16 @@ impl<'a> Simulation<'a> {
         }
         let (Setup { problem, scheme }, tau) = (&self.setup, ladder.tau(0));
         let (names, steps) = (self.names()?, ladder.coarse_steps());
-        let initial: Vec<f64> = problem.laws.iter().map(|law| (law.value)(&problem.y0)).collect();
+        let key = StreamKey { seed, experiment };
+        let random = problem.initial.as_ref();
+        let initial = |first: u64, p: usize| -> Vec<f64> {
+            let start = Initial::start(random, &problem.y0, key, first);
+            let start: Vec<f64> = start.iter().map(|row| row[p]).collect();
+            problem.laws.iter().map(|law| (law.value)(&start)).collect()
+        };
+        let of_all = initial(0, 0);
         // The rows of the paths `live` of a block after n steps, with ∫γ up to then.
-        let rows = |n: u64, damped: f64, state: &[Row], live: PathMask| {
+        let rows = |(n, first): (u64, u64), damped: f64, state: &[Row], live: PathMask| {
             let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
             let observables = self.observables.iter().zip(&mut observed);
             observables.for_each(|(phi, values)| phi.evaluate(state, live, values));
@@ -201,8 +208,10 @@ impl<'a> Simulation<'a> {
                 let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
                 let mut row = vec![n as f64 * tau];
                 row.extend(y.iter().copied().chain(observed.iter().map(|values| values[p])));
+                let own = random.map(|_| initial(first, p));
+                let initial = own.as_ref().unwrap_or(&of_all);
                 for (ConformalLaw { degree, value, .. }, initial) in
-                    problem.laws.iter().zip(&initial)
+                    problem.laws.iter().zip(initial)
                 {
                     let (value, law) = (value(&y), (-degree * damped).exp() * initial);
                     let relative = (value - law) / law.abs();
@@ -212,9 +221,11 @@ impl<'a> Simulation<'a> {
             };
             live.paths().map(row).collect::<Vec<_>>()
         };
-        let damped = self.damping_integrals(steps, tau)?;
+        let mut damped = self.damping_integrals(steps, tau)?;
+        let ladder = if random.is_some() { ladder.from_start() } else { ladder };
+        damped.extend(random.map(|_| (0, 0.0)));
         let of_block = |view: &View<'_>| match damped.get(&view.time) {
-            Some(&damped) => rows(view.time, damped, view.state(0), view.live),
+            Some(&damped) => rows((view.time, view.first_path), damped, view.state(0), view.live),
             None => Vec::new(),
         };
         let count = paths.end.saturating_sub(paths.start);
@@ -222,7 +233,10 @@ impl<'a> Simulation<'a> {
         let new = || PathRows { of_block: &of_block, of_path: BTreeMap::new() };
         let measured = ladder.run_until(&self.stop, paths.start, count, new, &|_| ());
         let mut of_path = measured.statistic.of_path;
-        let start = rows(0, 0.0, &splat(&problem.y0), PathMask::first(1));
+        let start = match random {
+            None => rows((0, 0), 0.0, &splat(&problem.y0), PathMask::first(1)),
+            Some(_) => Vec::new(),
+        };
         let series = paths.map(|path| {
             let later = of_path.remove(&path).unwrap_or_default();
             let rows: Vec<&Vec<f64>> = start.iter().map(|(_, row)| row).chain(&later).collect();

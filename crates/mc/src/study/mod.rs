@@ -93,7 +93,9 @@ impl<'a> Study<'a> {
         let record = Record::new(setup, &observables, settings)?;
         let ladder = |key| {
             let runs = vec![Run::new(Arc::clone(&setup.scheme), 0)];
-            Ladder::new(&setup.problem, settings.steps, 0, settings.truncation, key, runs)
+            let ladder =
+                Ladder::new(&setup.problem, settings.steps, 0, settings.truncation, key, runs);
+            ladder.map(|ladder| if record.start.is_some() { ladder.from_start() } else { ladder })
         };
         let pilot = ladder(settings.pilot_key())?;
         let new = || StudyStatistic::new(&observables, &record.times, &[]);

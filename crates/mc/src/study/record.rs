@@ -19,8 +19,10 @@ pub struct Record {
     pub parameters: String,
     /// Formula of γ.
     pub damping: String,
-    /// The initial value y(0).
+    /// The initial value y(0); one that may occur, if they are random.
     pub y0: Vec<f64>,
+    /// The law of random initial values.
+    pub start: Option<String>,
     /// The final time T.
     pub t_end: f64,
     /// Identifier of the scheme.
@@ -29,7 +31,8 @@ pub struct Record {
     pub truncation: Option<u32>,
     /// Number of steps on [0, T].
     pub steps: u64,
-    /// The steps at whose ends observables are evaluated, counted from 1.
+    /// The steps at whose ends observables are evaluated, counted from 1; before the first of them
+    /// zero, if initial values are random.
     pub times: Vec<u64>,
     /// Master seed.
     pub seed: u64,
@@ -58,17 +61,19 @@ impl Record {
         let mut quantiles = settings.quantiles.clone();
         quantiles.sort_by(f64::total_cmp);
         let initial = observables.iter().map(|observable| value(*observable, &problem.y0));
+        let start = problem.initial.as_ref();
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").into(),
             system: problem.name.clone(),
             parameters: problem.parameters.clone(),
             damping: problem.damping.describe(),
             y0: problem.y0.clone(),
+            start: start.map(|initial| initial.law.clone()),
             t_end: problem.t_end,
             scheme: scheme.id().into(),
             truncation: settings.truncation.order(),
             steps: settings.steps,
-            times: settings.time_steps()?,
+            times: start.map(|_| 0).into_iter().chain(settings.time_steps()?).collect(),
             seed: settings.key.seed,
             experiment: settings.key.experiment,
             paths: settings.paths,

@@ -67,7 +67,8 @@ impl StudyResult {
         // They are kept, since most counts are the same.
         let mut known = BTreeMap::<u64, Vec<Ranks>>::new();
         let series = names.enumerate().map(|(k, (name, initial))| {
-            let mut points = vec![Summary::exact(*initial, paths, &record.quantiles)];
+            let exact = Summary::exact(*initial, paths, &record.quantiles);
+            let mut points = Vec::from_iter(record.start.is_none().then_some(exact));
             for (time, &step) in record.times.iter().enumerate() {
                 let cell = time * record.observables.len() + k;
                 let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
