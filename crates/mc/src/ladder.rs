@@ -230,7 +230,7 @@ impl<'a> Ladder<'a> {
     }
 
     /// Shows statistics the states at time 0, too.
-    pub(crate) fn from_start(mut self) -> Self {
+    pub(crate) fn with_start(mut self) -> Self {
         self.driver.from_start = true;
         self
     }

@@ -155,6 +155,7 @@ pub trait Formulas: Send + Sync {
 ///     parameters: String::new(),
 ///     noises: dimension,
 ///     y0: vec![0.0; dimension],
+///     initial: None,
 ///     t_end: 1.0,
 ///     damping: &damping,
 ///     laws: Vec::new(),

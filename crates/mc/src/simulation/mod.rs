@@ -222,7 +222,7 @@ impl<'a> Simulation<'a> {
             live.paths().map(row).collect::<Vec<_>>()
         };
         let mut damped = self.damping_integrals(steps, tau)?;
-        let ladder = if random.is_some() { ladder.from_start() } else { ladder };
+        let ladder = if random.is_some() { ladder.with_start() } else { ladder };
         damped.extend(random.map(|_| (0, 0.0)));
         let of_block = |view: &View<'_>| match damped.get(&view.time) {
             Some(&damped) => rows((view.time, view.first_path), damped, view.state(0), view.live),

@@ -95,7 +95,7 @@ impl<'a> Study<'a> {
             let runs = vec![Run::new(Arc::clone(&setup.scheme), 0)];
             let ladder =
                 Ladder::new(&setup.problem, settings.steps, 0, settings.truncation, key, runs);
-            ladder.map(|ladder| if record.start.is_some() { ladder.from_start() } else { ladder })
+            ladder.map(|ladder| if record.start.is_some() { ladder.with_start() } else { ladder })
         };
         let pilot = ladder(settings.pilot_key())?;
         let new = || StudyStatistic::new(&observables, &record.times, &[]);
