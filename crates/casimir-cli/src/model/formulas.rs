@@ -52,6 +52,7 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
         .map_err(|error| reading.initial_error(error))?;
     Ok(Built {
+        of_vector: 1,
         model: Box::new(AtRunTime::new(problem, Some(system))),
         components: definition.state,
         names,

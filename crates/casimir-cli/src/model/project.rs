@@ -111,6 +111,7 @@ where
     };
     let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
     Ok(Built {
+        of_vector: 1,
         model: Box::new(Compiled::new(problem)),
         names: numbered(&components),
         components,

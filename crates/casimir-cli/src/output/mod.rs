@@ -44,12 +44,22 @@ pub fn write(scene: &Scene, results: &Results, folder: &Path, formats: &[Format]
         files::write(&drawings.join(format!("{}.svg", figure.file)), &figure.svg)?;
     }
     for format in formats {
-        write_as(*format, results, folder)?;
+        write_as(*format, scene, results, folder)?;
     }
     Ok(files::write(&folder.join("index.html"), page::page(scene, results, &figures))?)
 }
 
-fn write_as(format: Format, Results { tables, study, .. }: &Results, folder: &Path) -> Done {
+fn write_as(format: Format, scene: &Scene, results: &Results, folder: &Path) -> Done {
+    let Results { tables, study, .. } = results;
+    let mut tables = tables.clone();
+    // Of thousands of components it is found once for all tables.
+    let columns = tables.first().map_or(&[][..], |table| &table.columns);
+    let kept: Vec<bool> = columns.iter().map(|column| scene.keeps(&column.name)).collect();
+    for table in &mut tables {
+        let mut kept = kept.iter();
+        table.columns.retain(|_| kept.next().is_some_and(|kept| *kept));
+    }
+    let tables = &tables[..];
     let file = |name: &str| folder.join(name);
     let mut text = Vec::new();
     match format {
@@ -69,7 +79,7 @@ fn write_as(format: Format, Results { tables, study, .. }: &Results, folder: &Pa
             }
         }
         Format::Npz => {
-            npz::paths(&file("paths.npz"), tables)?;
+            npz::paths(&file("paths.npz"), scene, tables)?;
             study.iter().try_for_each(|study| npz::study(&file("study.npz"), study))?;
         }
     }

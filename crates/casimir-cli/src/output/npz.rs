@@ -6,6 +6,7 @@ use std::{
     path::Path,
 };
 
+use crate::scene::Scene;
 use casimir::mc::{
     Column, TimeSeries,
     study::{Series, StudyResult, Summary},
@@ -47,9 +48,9 @@ fn header(shape: &[usize]) -> Vec<u8> {
     header
 }
 
-/// The tables of paths: `t`, and for each column an array [path, time]. A path that ended early has
-/// NaN from there on.
-pub fn paths(file: &Path, tables: &[TimeSeries]) -> io::Result<()> {
+/// The tables of paths: `t`, and for each column an array [path, time]; spins on a lattice are one
+/// array [path, time, spin, 3]. A path that ended early has NaN from there on.
+pub fn paths(file: &Path, scene: &Scene, tables: &[TimeSeries]) -> io::Result<()> {
     let longest = tables.iter().max_by_key(|table| table.times().len());
     let Some(longest) = longest else { return Ok(()) };
     let times = longest.times();
@@ -65,7 +66,30 @@ pub fn paths(file: &Path, tables: &[TimeSeries]) -> io::Result<()> {
             (name.into(), vec![tables.len(), times.len()], values.collect())
         }
     };
-    write(file, longest.columns.iter().enumerate().map(array))
+    let (components, of_vector) = (&scene.components, scene.of_vector);
+    let is_first = |column: &Column| column.name == components[0];
+    let first = longest.columns.iter().position(is_first);
+    // All components are there, or some by name.
+    let are_spins = |first: &usize| {
+        let columns = longest.columns[*first..].iter().map(|column| &column.name);
+        of_vector > 1 && columns.zip(components).filter(|(a, b)| a == b).count() == components.len()
+    };
+    let spins = first.filter(are_spins).map(|first| first..first + components.len());
+    let vectors = spins.clone().map(|spins| {
+        let of_path = |table: &TimeSeries| {
+            let columns = &table.columns[spins.clone()];
+            let time = |k: usize| {
+                columns.iter().map(move |c| c.values.get(k).copied().unwrap_or(f64::NAN))
+            };
+            (0..times.len()).flat_map(time).collect::<Vec<_>>()
+        };
+        let values = tables.iter().flat_map(of_path).collect();
+        let sites = components.len() / of_vector;
+        ("spins".to_owned(), vec![tables.len(), times.len(), sites, of_vector], values)
+    });
+    let columns = longest.columns.iter().enumerate();
+    let alone = columns.filter(|(k, _)| !spins.as_ref().is_some_and(|spins| spins.contains(k)));
+    write(file, alone.map(array).chain(vectors))
 }
 
 /// A statistic of a summary, if it is known.

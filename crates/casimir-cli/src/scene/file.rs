@@ -83,6 +83,9 @@ pub struct RunTable {
     pub paths: Option<At<Count>>,
     /// Number of paths of which tables are kept beside the statistics. Default: 3.
     pub tables: Option<At<Count>>,
+    /// The columns of tables: names of components, observables and laws, `components` for all of
+    /// them, `laws` likewise. Default: all, but not more than twelve components.
+    pub columns: Option<Vec<At<String>>>,
     /// Number of saved times, evenly spaced; it divides the number of steps. Default: the largest
     /// number up to 200 that does.
     pub times: Option<At<Count>>,

@@ -36,6 +36,10 @@ pub struct Scene {
     pub title: String,
     /// The names of the components.
     pub components: Vec<String>,
+    /// How many components make a vector: three of a spin on a lattice, else one.
+    pub of_vector: usize,
+    /// The columns of tables, if they are chosen.
+    chosen: Option<Vec<String>>,
     /// The system with its damping and initial value.
     pub model: Box<dyn Model>,
     /// How it is simulated.
@@ -70,7 +74,7 @@ impl Scene {
         if let Some(name) = state.find(|name| is_column(name)) {
             return Err(taken(name, name.span()));
         }
-        let model::Built { model, components, names, energy, quantities } =
+        let model::Built { model, components, of_vector, names, energy, quantities } =
             model::build(&Reading {
                 source: &source,
                 file: &file,
@@ -102,6 +106,16 @@ impl Scene {
             let message = "a system of so many components needs observables: add [observe]";
             return Err(source.error(None, message));
         }
+        for name in file.run.columns.iter().flatten() {
+            let others = observables.iter().map(|observable| &*observable.name);
+            let known = components.iter().map(|name| &**name).chain(others).chain(GROUPS);
+            if !is_column(name) && !known.clone().any(|known| known == &***name) {
+                let message = format!("no column `{}`{}", **name, nearest(name, known));
+                return Err(source.error(name.span(), message));
+            }
+        }
+        let chosen = file.run.columns;
+        let chosen = chosen.map(|names| names.iter().map(|name| name.to_string()).collect());
         let known = |text: &At<Text>| {
             let name = text.0.as_str();
             let known = observables.iter().find(|known| known.name == name).cloned();
@@ -119,7 +133,18 @@ impl Scene {
         let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
         let name = file.system.name.as_deref().cloned();
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
-        Ok(Self { source, title, components, model, settings, observables, expected, accuracy })
+        Ok(Self {
+            source,
+            title,
+            components,
+            of_vector,
+            chosen,
+            model,
+            settings,
+            observables,
+            expected,
+            accuracy,
+        })
     }
 
     /// The problem and a scheme for it by its name.
@@ -147,12 +172,29 @@ impl Scene {
         self.source.error(self.settings.steps_place.clone(), message)
     }
 
+    /// Whether tables have the column.
+    pub fn keeps(&self, column: &str) -> bool {
+        let is_component = self.components.iter().any(|name| name == column);
+        let is_law = !is_component && is_column(column);
+        match &self.chosen {
+            _ if column == "t" => true,
+            Some(chosen) => chosen.iter().any(|name| {
+                let of_group = [is_component, is_law];
+                name == column || GROUPS.iter().zip(of_group).any(|(group, of)| of && name == group)
+            }),
+            None => !is_component || self.components.len() <= MOST_COMPONENTS,
+        }
+    }
+
     /// Columns of a table: the time, components and other observables.
     pub fn columns(&self) -> usize {
         let others = self.observables.iter().filter(|observable| !observable.is_component());
         1 + self.components.len() + others.count()
     }
 }
+
+/// Names of columns together.
+const GROUPS: [&str; 2] = ["components", "laws"];
 
 /// Whether tables may have a column of this name beside components and observables: what a row is
 /// of, or a conformal law C, C1, …, H and H0 and its defect.

@@ -198,3 +198,32 @@ steps = 16
 [observe]
 square = "mx^2 + my^2 + mz^2 + 0*(energy - H0)"
 "#;
+
+/// Thousands of components are in no table unless they are asked for, and then the spins of a
+/// lattice are one array.
+#[test]
+fn tables_have_the_columns_that_are_chosen() {
+    let header = |text: &str| {
+        let folder = with_scene(text);
+        succeeds(folder.path(), &["run", "scene.toml", "--write", "csv,npz"]);
+        let csv = fs::read_to_string(folder.path().join("scene-run/paths.csv")).unwrap();
+        let npz = fs::read(folder.path().join("scene-run/paths.npz")).unwrap();
+        (csv.lines().next().unwrap().to_owned(), String::from_utf8_lossy(&npz).into_owned())
+    };
+    let (csv, npz) = header(LATTICE);
+    assert!(csv.starts_with("scheme,path,t,mx,my,mz,energy,square,C1,"), "{csv}");
+    assert!(!npz.contains("spins"));
+    let with =
+        |columns: &str| LATTICE.replace("steps = 16", &format!("steps = 16\ncolumns = {columns}"));
+    let (csv, npz) = header(&with("[\"components\", \"mz\"]"));
+    assert!(csv.starts_with("scheme,path,t,s1x,s1y") && csv.ends_with("s9z,mz"), "{csv}");
+    assert!(npz.contains("spins.npy") && npz.contains("'shape': (1, 17, 9, 3)"));
+    assert!(!npz.contains("s1x.npy"));
+    let (csv, npz) = header(&with("[\"s2y\", \"energy\"]"));
+    assert_eq!(csv, "scheme,path,t,s2y,energy");
+    assert!(npz.contains("s2y.npy"));
+    let laws = OSCILLATOR.replace("paths = 4", "paths = 4\ncolumns = [\"p\", \"laws\"]");
+    assert_eq!(header(&laws).0, "scheme,path,t,p,H0,H0 defect");
+    let folder = with_scene(&with("[\"mq\"]"));
+    fails(folder.path(), &["run", "scene.toml"], 2, &["line", "no column `mq`; the nearest is"]);
+}
