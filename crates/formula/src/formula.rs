@@ -84,6 +84,19 @@ impl Formula {
         self.graph.degree(self.root, variables)
     }
 
+    /// Whether the formula is a condition: one where something is true, else zero.
+    #[must_use]
+    pub fn is_condition(&self) -> bool {
+        let mut is_truth = vec![false; self.graph.len()];
+        for id in self.graph.ids() {
+            is_truth[id.index()] = match self.graph.node(id) {
+                Node::Where([.., a, b]) => is_truth[a.index()] && is_truth[b.index()],
+                _ => self.graph.as_constant(id).is_some_and(|value| value == 0.0 || value == 1.0),
+            };
+        }
+        is_truth[self.root.index()]
+    }
+
     /// The first condition, which has no derivatives, as an error at its place.
     pub(crate) fn condition(&self) -> Option<FormulaError> {
         let needed = self.graph.needed(&[self.root]);

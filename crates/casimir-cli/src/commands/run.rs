@@ -9,6 +9,7 @@ use casimir::{
         parts::{Job, Share, Stop, remove},
         study::StudyResult,
     },
+    stats::proportion,
 };
 
 use super::{
@@ -203,6 +204,7 @@ impl<'a> Ready<'a> {
             study = under_bar(&format!("{of_label}paths"), settings.paths * steps, |done| {
                 of_all.run_in(job, "study", done)
             });
+            study.iter_mut().for_each(|study| with_probabilities(study, &scene.probabilities));
         }
         let checked = checked_paths(settings.paths, setup.problem.noises);
         let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
@@ -223,6 +225,17 @@ impl<'a> Ready<'a> {
         let tables = tables.map_err(|error| scene.steps_error(error))?;
         let (known, seconds) = (warn(scene), start.elapsed().as_secs_f64());
         Ok(Some(Results { scheme, because, known, tables, study, check, seconds }))
+    }
+}
+
+/// Gives means that are probabilities their intervals.
+fn with_probabilities(study: &mut StudyResult, names: &[String]) {
+    let series = study.series.iter_mut().filter(|series| names.contains(&series.observable));
+    for point in series.flat_map(|series| &mut series.points).filter(|point| point.step > 0) {
+        let Some(mean) = point.mean else { continue };
+        let count = (mean * point.count as f64).round() as u64;
+        point.mean_interval = Some(proportion(count, point.count));
+        point.interval_note = None;
     }
 }
 

@@ -21,6 +21,9 @@ pub struct SceneFile {
     /// Functions of the state that are of interest, by name.
     #[serde(default)]
     pub observe: IndexMap<At<String>, At<Text>>,
+    /// Conditions whose probabilities in time are of interest, by name.
+    #[serde(default)]
+    pub probabilities: IndexMap<At<String>, At<Text>>,
     /// Expectations for `casimir expect`.
     pub expect: Option<ExpectTable>,
     /// Values of parameters that `casimir run` varies, one run for each combination: a list, or

@@ -46,6 +46,8 @@ pub struct Scene {
     pub settings: Settings,
     /// The observables, after the components if there are few.
     pub observables: Vec<Observable>,
+    /// The names of those that are conditions with probabilities.
+    pub probabilities: Vec<String>,
     /// The test functions of expectations.
     pub expected: Vec<Observable>,
     /// The half-width of their intervals.
@@ -92,11 +94,14 @@ impl Scene {
             vocabulary.add(&quantity.name, quantity.quantity.clone());
             observables.push(quantity);
         }
-        for (name, formula) in &file.observe {
+        for (name, formula) in file.observe.iter().chain(&file.probabilities) {
             let known =
                 components.contains(name) || observables.iter().any(|known| known.name == **name);
             if known || is_column(name) {
                 return Err(taken(name, name.span()));
+            }
+            if file.probabilities.contains_key(name) {
+                vocabulary.demand_condition(&source, formula)?;
             }
             let quantity = vocabulary.quantity(&source, formula, &y0)?;
             vocabulary.add(name, quantity.clone());
@@ -114,6 +119,7 @@ impl Scene {
                 return Err(source.error(name.span(), message));
             }
         }
+        let probabilities = file.probabilities.keys().map(|name| name.to_string()).collect();
         let chosen = file.run.columns;
         let chosen = chosen.map(|names| names.iter().map(|name| name.to_string()).collect());
         let known = |text: &At<Text>| {
@@ -142,6 +148,7 @@ impl Scene {
             model,
             settings,
             observables,
+            probabilities,
             expected,
             accuracy,
         })

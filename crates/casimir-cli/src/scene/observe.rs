@@ -94,6 +94,17 @@ impl Vocabulary {
         }
     }
 
+    /// Demands that a formula is a condition.
+    pub fn demand_condition(&self, source: &Source, text: &At<Text>) -> Read<()> {
+        match Formula::parse(&text.0, &self.names) {
+            Ok(formula) if !formula.is_condition() => {
+                let message = "a probability is that of a condition, such as \"x > 0\"";
+                Err(source.error(text.span(), message))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The quantity of a formula, which must have a value at the initial value.
     pub fn quantity(&self, source: &Source, text: &At<Text>, y0: &[f64]) -> Read<Quantity> {
         let formula = Formula::parse(&text.0, &self.names);

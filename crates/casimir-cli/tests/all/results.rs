@@ -222,8 +222,63 @@ fn tables_have_the_columns_that_are_chosen() {
     let (csv, npz) = header(&with("[\"s2y\", \"energy\"]"));
     assert_eq!(csv, "scheme,path,t,s2y,energy");
     assert!(npz.contains("s2y.npy"));
-    let laws = OSCILLATOR.replace("paths = 4", "paths = 4\ncolumns = [\"p\", \"laws\"]");
-    assert_eq!(header(&laws).0, "scheme,path,t,p,H0,H0 defect");
+    let (csv, _) = header(&with("[\"laws\"]"));
+    assert!(
+        csv.starts_with("scheme,path,t,C1,C1 defect,C2") && csv.ends_with("C9 defect"),
+        "{csv}"
+    );
     let folder = with_scene(&with("[\"mq\"]"));
     fails(folder.path(), &["run", "scene.toml"], 2, &["line", "no column `mq`; the nearest is"]);
+}
+
+/// P(q(t) < −½) of the Kubo oscillator without damping: q = cos(t + W(t)/2).
+#[test]
+fn probabilities_have_intervals_that_cover() {
+    let scene = r#"[system]
+state = ["q", "p"]
+B = [["1"]]
+H0 = "(q^2 + p^2)/2"
+H = ["0.5*(q^2 + p^2)/2"]
+[run]
+initial = [1, 0]
+until = 2
+steps = 64
+paths = 2000
+[probabilities]
+left = "q < -0.5"
+never = "q > 2"
+"#;
+    let folder = with_scene(scene);
+    let path = folder.path();
+    // The angle is normal with mean 2 and variance ½; in (2π/3, 4π/3) the cosine is below −½.
+    let below = |x: f64| 0.5 * erfc(-(x - 2.0));
+    let third = std::f64::consts::TAU / 3.0;
+    let truth = below(2.0 * third) - below(third);
+    let mut missed = 0;
+    for seed in 1..=40 {
+        let run = json(path, &["run", "scene.toml", "--seed", &seed.to_string(), "--json"]);
+        let interval = |name: &str| {
+            let interval = run["at_end"][name]["mean_interval"].clone();
+            serde_json::from_value::<[f64; 2]>(interval).unwrap()
+        };
+        let ([lo, hi], [none, few]) = (interval("left"), interval("never"));
+        missed += usize::from(!(lo..=hi).contains(&truth));
+        assert!(none == 0.0 && few > 1.5e-3 && few < 3e-3);
+    }
+    // More than seven of forty have a probability below 10⁻³ (binomial, 5 %).
+    assert!(missed <= 7, "{missed}");
+    for (wrong, words) in [("q", "a condition"), ("q <", "missing"), ("zz > 1", "unknown name")] {
+        let folder = with_scene(&scene.replace("q < -0.5", wrong));
+        fails(folder.path(), &["run", "scene.toml"], 2, &["line", words]);
+    }
+}
+
+/// By the series of erf.
+fn erfc(x: f64) -> f64 {
+    let (mut term, mut sum) = (x, x);
+    for n in 1..200 {
+        term *= -x * x / f64::from(n);
+        sum += term / f64::from(2 * n + 1);
+    }
+    1.0 - sum * 2.0 / std::f64::consts::PI.sqrt()
 }
