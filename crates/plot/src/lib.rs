@@ -15,7 +15,7 @@
 //! | [`comparison_csv`], [`csv`] | the numbers of a comparison of schemes; fields of any table |
 //! | [`files`] | whole files, folders that are checked before the computing |
 //! | [`provenance`], [`Provenance`] | commit, compiler, processor, command, memory |
-//! | [`under_bar`] | progress on the terminal |
+//! | [`under_bar`], [`under_words`] | progress on the terminal |
 //! | [`Label`] | indices and exponents in names of quantities |
 //! | [`escape()`] | text made safe for HTML and SVG |
 
@@ -29,7 +29,7 @@ mod label;
 pub mod provenance;
 pub mod series;
 
-pub use bars::under_bar;
+pub use bars::{under_bar, under_words};
 pub use csv::comparison_csv;
 pub use document::Document;
 pub use escape::escape;

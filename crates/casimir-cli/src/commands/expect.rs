@@ -2,11 +2,15 @@
 
 use std::time::Instant;
 
-use casimir::mc::{self, ExpectSettings, Observe, expect::Expectation};
-
-use super::{
-    coarsest_steps, folder, open, print, print_json, scheme, stop, threads, under_bar, warn,
+use casimir::{
+    mc::{
+        self, ExpectSettings, Observe,
+        expect::{Expectation, SoFar},
+    },
+    plot::under_words,
 };
+
+use super::{coarsest_steps, folder, open, print, print_json, scheme, stop, threads, warn};
 use crate::{
     arguments::Expect,
     failure::{Done, Failure},
@@ -46,8 +50,15 @@ pub fn expect(arguments: &Expect) -> Done {
     let (start, stop) = (Instant::now(), stop());
     let expect = expect.with(ExpectSettings { stop: stop.clone(), ..settings });
     let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
-    let expectation = under_bar("sampling until the accuracy is reached", 0, |done| {
-        expect.run(&phi, accuracy, done)
+    let expectation = under_words("the first estimates", |say| {
+        let told = |SoFar { half_width, path_steps, needed }| {
+            let left = start.elapsed().as_secs_f64() * (needed as f64 / path_steps as f64 - 1.0);
+            say(format!(
+                "±{half_width:.1e} so far, ±{accuracy:.1e} wanted, about {:.0} s left",
+                left.max(0.0)
+            ));
+        };
+        expect.telling(told).run(&phi, accuracy, &|_| ())
     });
     if let (true, Err(_)) = (stop.is_asked(), &expectation) {
         return Err(Failure::stopped("before the first estimates"));

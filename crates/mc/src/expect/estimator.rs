@@ -3,11 +3,11 @@
 use std::{cell::Cell, sync::Arc};
 
 use noise::{QuasiWiener, ScrambledSobol};
-use real::WIDTH;
+use real::{WIDTH, elementary};
 use stats::CONFIDENCE;
 
 use super::{
-    Candidate, ExpectSettings, Orders,
+    Candidate, ExpectSettings, Orders, SoFar,
     extrapolation::{Extrapolation, extrapolation, seen_orders},
     judge::Evidence,
     level::{PathValues, Samples, Values, hull},
@@ -76,6 +76,7 @@ pub struct Request<'a> {
     pub observables: &'a [&'a dyn Observe],
     pub accuracy: f64,
     pub progress: &'a (dyn Fn(u64) + Sync),
+    pub told: &'a dyn Fn(SoFar),
     /// Path-steps of all attempts so far, which the limit is for.
     pub spent: &'a Cell<u64>,
 }
@@ -147,6 +148,7 @@ impl<'a> Estimator<'a> {
                 self.first = self.levels.len() - BIAS_LEVELS;
             }
             let sums: Vec<Sum> = self.numbers().map(|k| self.sum(k)).collect();
+            self.tell(&sums);
             let last = self.levels.len() - 1;
             let wide = |sum: &Sum| sum.half_width() > accuracy;
             let biased = |sum: &Sum| if self.noisy { self.is_biased(sum) } else { wide(sum) };
@@ -199,6 +201,17 @@ impl<'a> Estimator<'a> {
             break Some(limit);
         };
         Ok(self.report(limit))
+    }
+
+    /// Tells how far the round is.
+    fn tell(&self, sums: &[Sum]) {
+        let Request { accuracy, told, spent, .. } = self.request;
+        let half_width = sums.iter().map(Sum::half_width).fold(0.0, f64::max);
+        // Errors fall as N^{−1/2} for random points, and as N^{−2/3} or faster for Sobol points.
+        let growth = if self.sobol { 1.5 } else { 2.0 };
+        let more = elementary::exp(growth * elementary::ln((half_width / accuracy).max(1.0)));
+        let needed = spent.get() as f64 * more;
+        told(SoFar { half_width, path_steps: spent.get(), needed: needed as u64 });
     }
 
     /// Whether a finer level is wanted: the bias has more than its share, significantly.

@@ -111,6 +111,18 @@ pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKin
 pub struct Expect<'a> {
     candidates: Vec<Candidate<'a>>,
     settings: ExpectSettings,
+    told: Box<dyn Fn(SoFar) + 'a>,
+}
+
+/// How far a computation is.
+#[derive(Clone, Copy, Debug)]
+pub struct SoFar {
+    /// The largest half-width of the intervals.
+    pub half_width: f64,
+    /// Path-steps done.
+    pub path_steps: u64,
+    /// About as many as it takes, by this half-width.
+    pub needed: u64,
 }
 
 /// Settings of [`Expect`].
@@ -269,13 +281,19 @@ impl<'a> Expect<'a> {
     }
 
     fn among(candidates: Vec<Candidate<'a>>) -> Self {
-        Self { candidates, settings: ExpectSettings::default() }
+        Self { candidates, settings: ExpectSettings::default(), told: Box::new(|_| ()) }
     }
 
     /// Takes these settings.
     #[must_use]
     pub fn with(self, settings: ExpectSettings) -> Self {
         Self { settings, ..self }
+    }
+
+    /// Tells after each round how far it is.
+    #[must_use]
+    pub fn telling(self, told: impl Fn(SoFar) + 'a) -> Self {
+        Self { told: Box::new(told), ..self }
     }
 
     /// Takes these initial values.
@@ -304,9 +322,9 @@ impl<'a> Expect<'a> {
             let none = "an expectation needs at least one test function, got none";
             return Err(RunError::Setting(none.into()));
         }
-        let Self { candidates, settings } = self;
+        let Self { candidates, settings, told } = self;
         let spent = Cell::new(0);
-        let request = Request { settings, observables, accuracy, progress, spent: &spent };
+        let request = Request { settings, observables, accuracy, progress, told, spent: &spent };
         let attempts = candidates.iter().flat_map(|candidate| {
             let steps = settings.coarsest_steps.max(candidate.least_steps());
             (0..=REFINEMENTS).map(move |doubled| (candidate, steps << doubled))
