@@ -154,7 +154,7 @@ pub fn step_check(
     let key = StreamKey { experiment: key.experiment | CHECK_STREAM, ..key };
     let (twice, runs) = (steps.saturating_mul(2), vec![run(1), run(0)]);
     let ladder = Ladder::new(&setup.problem, twice, 1, truncation, key, runs)?;
-    let initial: Vec<Row> = setup.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
+    let initial = setup.start();
     let center = |phi: &&dyn Observe| {
         let mut values = [0.0; WIDTH];
         phi.evaluate(&initial, real::PathMask::ALL, &mut values);

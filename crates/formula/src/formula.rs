@@ -4,7 +4,7 @@ use std::slice::{from_mut, from_ref};
 
 use real::{Row, WIDTH};
 
-use crate::{FormulaError, Graph, Id, Names, Node, Tape, parse};
+use crate::{Binary, FormulaError, Graph, Id, Names, Node, Tape, parse};
 
 /// A formula in named variables.
 ///
@@ -97,6 +97,16 @@ impl Formula {
         is_truth[self.root.index()]
     }
 
+    /// A formula that is positive where this condition is true and negative where it is false: a − b
+    /// for a > b, the smaller for `and`, the larger for `or`. None of what is no condition.
+    #[must_use]
+    pub fn excess(&self) -> Option<Self> {
+        let mut graph = self.graph.clone();
+        let root = excess(&mut graph, self.root)?;
+        let tape = Tape::new(&graph, &[root], from_ref(&(0..self.variables.len())));
+        Some(Self { root, tape, graph, ..self.clone() })
+    }
+
     /// The first condition, which has no derivatives, as an error at its place.
     pub(crate) fn condition(&self) -> Option<FormulaError> {
         let needed = self.graph.needed(&[self.root]);
@@ -112,5 +122,28 @@ impl Formula {
     #[must_use]
     pub fn depends_on(&self, k: usize) -> bool {
         self.graph.uses(&[self.root], |node| node == Node::Input(k as u32))
+    }
+}
+
+/// [`Formula::excess`] of an expression.
+fn excess(graph: &mut Graph, id: Id) -> Option<Id> {
+    let Node::Where([p, q, a, b]) = graph.node(id) else { return None };
+    let truths = [a, b].map(|id| graph.as_constant(id));
+    // Of `and`, `or` and `not`, p is ½ and q a condition.
+    let first = (graph.as_constant(p) == Some(0.5)).then(|| excess(graph, q)).flatten();
+    match (first, truths) {
+        (Some(first), [Some(1.0), Some(0.0)]) => Some(first),
+        (Some(first), [Some(0.0), Some(1.0)]) => Some(graph.neg(first)),
+        (Some(first), [_, Some(0.0)]) => {
+            let second = excess(graph, a)?;
+            Some(graph.binary(Binary::Min, first, second))
+        }
+        (Some(first), [Some(1.0), _]) => {
+            let second = excess(graph, b)?;
+            Some(graph.binary(Binary::Max, first, second))
+        }
+        (None, [Some(1.0), Some(0.0)]) => Some(graph.sub(q, p)),
+        (None, [Some(0.0), Some(1.0)]) => Some(graph.sub(p, q)),
+        _ => None,
     }
 }

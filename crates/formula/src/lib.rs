@@ -36,6 +36,8 @@
 //! | names | variables, parameters, `pi`; letters of any alphabet, digits, `_` |
 //! | operators | `+ - * / ^`; −x² is −(x²), a^b^c is a^(b^c), 2^-x is 2^(−x) |
 //! | functions | `sin cos tan exp ln sqrt abs sinh cosh tanh sinc`, and `min max` of two numbers |
+//! | vectors | `a + b`, `2*a`, `cross(a, b)`, `dot(a, b)`, `norm(a)`; `q[i]` is a component, or `q2` for i = 2 |
+//! | sums | `sum(i in 1..3, q[i]^2)` |
 //!
 //! The logarithm is `ln`; there is no `log`, which means several things. A product needs its `*`.
 //! `^` with a constant integer is a product by repeated squaring, `x^0.5` is `sqrt(x)`, any other

@@ -15,10 +15,27 @@ pub(crate) enum Meaning {
     Unary(Unary),
     /// A function of two numbers.
     Binary(Binary),
+    /// Inputs that make a vector.
+    Vector,
+    /// A function of vectors.
+    OfVectors(OfVectors),
+    /// Σ of an expression over an index.
+    Sum,
     /// A number for a condition, and another if it is false.
     If,
     /// A word between conditions.
     Word,
+}
+
+/// A function of vectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum OfVectors {
+    /// a × b.
+    Cross,
+    /// a·b.
+    Dot,
+    /// |a|.
+    Norm,
 }
 
 /// Variables in their order, and parameters with their values, which become constants.
@@ -29,6 +46,8 @@ pub(crate) enum Meaning {
 pub struct Names {
     variables: Vec<String>,
     meanings: HashMap<String, Meaning>,
+    /// The inputs of vectors.
+    vectors: HashMap<String, Vec<usize>>,
 }
 
 /// A name that cannot be given, or a parameter that is not finite: what is wrong with it.
@@ -43,13 +62,18 @@ impl Default for Names {
             ("min", Meaning::Binary(Binary::Min)),
             ("max", Meaning::Binary(Binary::Max)),
             ("pi", Meaning::Value(std::f64::consts::PI)),
+            ("cross", Meaning::OfVectors(OfVectors::Cross)),
+            ("dot", Meaning::OfVectors(OfVectors::Dot)),
+            ("norm", Meaning::OfVectors(OfVectors::Norm)),
+            ("sum", Meaning::Sum),
             ("if", Meaning::If),
             ("and", Meaning::Word),
             ("or", Meaning::Word),
             ("not", Meaning::Word),
         ];
         let more = more.map(|(name, meaning)| (name.to_owned(), meaning));
-        Self { variables: Vec::new(), meanings: unary.into_iter().chain(more).collect() }
+        let meanings = unary.into_iter().chain(more).collect();
+        Self { variables: Vec::new(), meanings, vectors: HashMap::new() }
     }
 }
 
@@ -93,15 +117,35 @@ impl Names {
         self.insert(name, Meaning::Value(value))
     }
 
+    /// A vector of variables that are there.
+    ///
+    /// # Errors
+    /// [`NameError`].
+    pub fn vector<S: AsRef<str>>(&mut self, name: &str, of: &[S]) -> Result<(), NameError> {
+        let component = |of: &S| match self.meaning(of.as_ref()) {
+            Some(Meaning::Variable(k)) => Ok(k),
+            _ => Err(NameError(format!("`{}` in the vector `{name}` is no variable", of.as_ref()))),
+        };
+        let components = of.iter().map(component).collect::<Result<_, _>>()?;
+        self.insert(name, Meaning::Vector)?;
+        self.vectors.insert(name.to_owned(), components);
+        Ok(())
+    }
+
+    /// The inputs of a vector.
+    pub(crate) fn components(&self, vector: &str) -> Option<&[usize]> {
+        self.vectors.get(vector).map(Vec::as_slice)
+    }
+
     fn insert(&mut self, name: &str, meaning: Meaning) -> Result<(), NameError> {
         let wrong = match self.meanings.get(name) {
             _ if !crate::parse::is_name(name) => {
                 "is no name: a name is a letter, then letters, digits and _"
             }
-            Some(Meaning::Unary(_) | Meaning::Binary(_) | Meaning::If | Meaning::Word) => {
-                "is a word of formulas: choose another name"
+            Some(Meaning::Variable(_) | Meaning::Value(_) | Meaning::Vector) => {
+                "is given twice, or a constant"
             }
-            Some(_) => "is given twice, or a constant",
+            Some(_) => "is a word of formulas: choose another name",
             None => {
                 self.meanings.insert(name.to_owned(), meaning);
                 return Ok(());
@@ -122,8 +166,9 @@ impl Names {
 
     /// The nearest name of a function, or of what is none.
     pub(crate) fn nearest(&self, name: &str, of_function: bool) -> String {
-        let is_function =
-            |meaning: &Meaning| !matches!(meaning, Meaning::Variable(_) | Meaning::Value(_));
+        let is_function = |meaning: &Meaning| {
+            !matches!(meaning, Meaning::Variable(_) | Meaning::Value(_) | Meaning::Vector)
+        };
         let known = self.meanings.iter().filter(|(_, meaning)| is_function(meaning) == of_function);
         nearest(name, known.map(|(name, _)| name))
     }

@@ -3,7 +3,9 @@
 //!
 //! ```text
 //! expression = [sign | "not"] operand, or two expressions with an operator between them
-//! operand    = number | name | name "(" expression ("," expression)* ")" | "(" expression ")"
+//! operand    = number | name | name "[" expression "]" | "(" expression ")"
+//!            | name "(" expression ("," expression)* ")"
+//!            | "sum" "(" name "in" expression ".." expression "," expression ")"
 //! number     = digits ["." [digits]] [exponent] | "." digits [exponent]
 //! name       = a letter or _, then letters, digits and _
 //! ```
@@ -14,7 +16,7 @@ use crate::{
     FormulaError, Id, Names,
     error::short,
     graph::{Graph, Unary},
-    names::Meaning,
+    names::{Meaning, OfVectors},
 };
 
 /// The largest length of a text in bytes.
@@ -23,6 +25,9 @@ pub const MAX_BYTES: usize = 100_000;
 /// The deepest nesting: open brackets, with a chain of signs and powers in each. It bounds the
 /// recursion of the parser; everything after it is a loop.
 pub const MAX_DEPTH: usize = 64;
+
+/// The most terms of all sums of a formula.
+const MAX_TERMS: usize = 100_000;
 
 /// How tightly operators bind, from the weakest to the strongest. So −x² is −(x²), 2^−x is 2^(−x)
 /// and a^b^c is a^(b^c).
@@ -50,11 +55,21 @@ pub fn parse(text: &str, names: &Names, graph: &mut Graph) -> Result<Id, Formula
         return Err(FormulaError::new(message, text, 0..0));
     }
     let conditions = HashSet::new();
-    let mut parser = Parser { text, names, graph, at: 0, last: "", depth: 0, conditions };
+    let mut parser = Parser {
+        text,
+        names,
+        graph,
+        at: 0,
+        last: "",
+        depth: 0,
+        conditions,
+        indices: Vec::new(),
+        terms: 0,
+    };
     parser.skip("");
-    let (id, _) = parser.expression(OR)?;
+    let value = parser.expression(OR)?;
     match parser.token() {
-        "" => Ok(id),
+        "" => parser.number(value).map(|(id, _)| id),
         _ => parser.unexpected(true),
     }
 }
@@ -79,7 +94,9 @@ fn first_token(text: &str) -> &str {
             return &text[..text.find(is_other).unwrap_or(text.len())];
         }
         _ if fraction > 0 => whole + 1 + fraction,
+        _ if whole > 0 && text[whole..].starts_with("..") => return &text[..whole],
         _ if whole > 0 => whole + usize::from(text[whole..].starts_with('.')),
+        Some('.') if text.starts_with("..") => return &text[..2],
         Some('<' | '>') => return &text[..1 + usize::from(text[1..].starts_with('='))],
         c => return &text[..c.map_or(0, char::len_utf8)],
     };
@@ -118,10 +135,17 @@ struct Parser<'a> {
     depth: usize,
     /// Expressions that are one where something is true, and else zero.
     conditions: HashSet<Id>,
+    /// Indices of sums with their values.
+    indices: Vec<(&'a str, u32)>,
+    /// Terms of sums so far.
+    terms: usize,
 }
 
-/// An expression and its place in the text.
-type Placed = (Id, Range<usize>);
+/// A number, or the components of a vector, and its place in the text.
+type Placed = (Vec<Id>, Range<usize>);
+
+/// A number and its place in the text.
+type Number = (Id, Range<usize>);
 
 impl<'a> Parser<'a> {
     fn error<T>(&self, message: impl Into<String>, span: Range<usize>) -> Result<T, FormulaError> {
@@ -188,15 +212,16 @@ impl<'a> Parser<'a> {
             sign @ ("-" | "+") => {
                 let start = self.at;
                 self.skip(sign);
-                let (id, span) = self.deeper(SIGN)?;
-                self.finish(start..span.end, |graph| if sign == "-" { graph.neg(id) } else { id })?
+                let (ids, span) = self.deeper(SIGN)?;
+                let signed = |graph: &mut Graph, id| if sign == "-" { graph.neg(id) } else { id };
+                self.each(&ids, start..span.end, signed)?
             }
             "not" => {
                 let start = self.at;
                 self.skip("not");
-                let (id, span) = self.deeper(NOT)?;
+                let inner = self.deeper(NOT)?;
                 let [one, zero] = self.truths();
-                self.condition((id, span.clone()))?;
+                let (id, span) = self.condition(inner)?;
                 self.chosen(id, [zero, one], start..span.end)?
             }
             _ => self.operand()?,
@@ -206,7 +231,7 @@ impl<'a> Parser<'a> {
             let (binding, of_right) = match operator {
                 "or" => (OR, AND),
                 "and" => (AND, NOT),
-                "<" | ">" | "<=" | ">=" if !self.conditions.contains(&left.0) => (COMPARISON, SUM),
+                "<" | ">" | "<=" | ">=" if !self.conditions.contains(&left.0[0]) => (COMPARISON, SUM),
                 "+" | "-" => (SUM, PRODUCT),
                 "*" | "/" => (PRODUCT, SIGN),
                 "^" => (POWER, SIGN),
@@ -233,10 +258,33 @@ impl<'a> Parser<'a> {
         [1.0, 0.0].map(|value| self.graph.constant(value))
     }
 
+    /// Demands a number.
+    fn number(&self, (ids, span): Placed) -> Result<Number, FormulaError> {
+        match ids[..] {
+            [id] => Ok((id, span)),
+            _ => {
+                let message = "this is a vector, where a number is wanted: write one of its \
+                               components, or dot(a, b)";
+                self.error(message, span)
+            }
+        }
+    }
+
+    /// Demands a whole number that is known.
+    fn whole(&self, value: Placed) -> Result<u32, FormulaError> {
+        let (id, span) = self.number(value)?;
+        let whole = |x: &f64| x.fract() == 0.0 && (0.0..=1e6).contains(x);
+        match self.graph.as_constant(id).filter(whole) {
+            Some(number) => Ok(number as u32),
+            None => self.error("this must be a whole number, such as 3, i or i + 1", span),
+        }
+    }
+
     /// Demands a condition.
-    fn condition(&self, (id, span): Placed) -> Result<(), FormulaError> {
+    fn condition(&self, value: Placed) -> Result<Number, FormulaError> {
+        let (id, span) = self.number(value)?;
         match self.conditions.contains(&id) {
-            true => Ok(()),
+            true => Ok((id, span)),
             false => self.error("this is a number, where a condition is wanted: write x > 0", span),
         }
     }
@@ -250,14 +298,14 @@ impl<'a> Parser<'a> {
     ) -> Result<Placed, FormulaError> {
         let truths = self.truths();
         let [a, b] = of;
-        let chosen = self.finish(span, |graph| {
+        let (chosen, span) = self.finish(span, |graph| {
             let half = graph.constant(0.5);
             graph.where_less(half, condition, a, b)
         })?;
         if of.iter().all(|id| truths.contains(id) || self.conditions.contains(id)) {
-            self.conditions.insert(chosen.0);
+            self.conditions.insert(chosen);
         }
-        Ok(chosen)
+        Ok((vec![chosen], span))
     }
 
     fn joined(
@@ -266,9 +314,8 @@ impl<'a> Parser<'a> {
         left: Placed,
         right: Placed,
     ) -> Result<Placed, FormulaError> {
-        let (a, b, span) = (left.0, right.0, left.1.start..right.1.end);
-        self.condition(left)?;
-        self.condition(right)?;
+        let ((a, left), (b, right)) = (self.condition(left)?, self.condition(right)?);
+        let span = left.start..right.end;
         let [one, zero] = self.truths();
         self.chosen(a, if operator == "and" { [b, zero] } else { [one, b] }, span)
     }
@@ -276,18 +323,19 @@ impl<'a> Parser<'a> {
     fn compared(
         &mut self,
         operator: &str,
-        (a, left): Placed,
-        (b, right): Placed,
+        left: Placed,
+        right: Placed,
     ) -> Result<Placed, FormulaError> {
+        let ((a, left), (b, right)) = (self.number(left)?, self.number(right)?);
         let [one, zero] = self.truths();
-        let compared = self.finish(left.start..right.end, |graph| match operator {
+        let (compared, span) = self.finish(left.start..right.end, |graph| match operator {
             "<" => graph.where_less(a, b, one, zero),
             ">" => graph.where_less(b, a, one, zero),
             "<=" => graph.where_less(b, a, zero, one),
             _ => graph.where_less(a, b, zero, one),
         })?;
-        self.conditions.insert(compared.0);
-        Ok(compared)
+        self.conditions.insert(compared);
+        Ok((vec![compared], span))
     }
 
     /// An expression in one more bracket, sign or power.
@@ -306,19 +354,20 @@ impl<'a> Parser<'a> {
         let (token, span) = (self.token(), self.place());
         if token == "(" {
             let (mut inner, end) = self.bracket()?;
-            return Ok((inner.remove(0).0, span.start..end));
+            return Ok((inner.swap_remove(0).0, span.start..end));
         }
         if token.starts_with(is_letter) {
             self.skip(token);
             return match self.token() {
                 "(" => self.call(token, span),
+                "[" => self.indexed(token, span),
                 _ => self.name(token, span),
             };
         }
         match token.parse() {
             Ok(number) => {
                 self.skip(token);
-                self.finish(span, |graph| graph.constant(number))
+                self.alone(span, |graph| graph.constant(number))
             }
             Err(_) => self.unexpected(false),
         }
@@ -345,9 +394,17 @@ impl<'a> Parser<'a> {
     }
 
     fn name(&mut self, name: &str, span: Range<usize>) -> Result<Placed, FormulaError> {
+        if let Some((_, value)) = self.indices.iter().rev().find(|(index, _)| *index == name) {
+            let value = f64::from(*value);
+            return self.alone(span, |graph| graph.constant(value));
+        }
         match self.names.meaning(name) {
-            Some(Meaning::Variable(k)) => self.finish(span, |graph| graph.input(k)),
-            Some(Meaning::Value(value)) => self.finish(span, |graph| graph.constant(value)),
+            Some(Meaning::Variable(k)) => self.alone(span, |graph| graph.input(k)),
+            Some(Meaning::Value(value)) => self.alone(span, |graph| graph.constant(value)),
+            Some(Meaning::Vector) => {
+                let components = self.names.components(name).unwrap_or_default();
+                Ok((components.iter().map(|&k| self.graph.input(k)).collect(), span))
+            }
             Some(Meaning::Word) => {
                 self.error(format!("`{name}` stands between conditions, such as x > 0"), span)
             }
@@ -364,26 +421,142 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// `q[i]`: component i of the vector q, or else the name q and the number i, `q2`.
+    fn indexed(&mut self, name: &str, at: Range<usize>) -> Result<Placed, FormulaError> {
+        let open = self.place();
+        self.skip("[");
+        let inner = self.deeper(OR)?;
+        let (place, end) = (inner.1.clone(), self.place().end);
+        let index = self.whole(inner)?;
+        match self.token() {
+            token @ "]" => self.skip(token),
+            _ => return self.error("this bracket is not closed: `]` is missing", open),
+        }
+        let Some(components) = self.names.components(name) else {
+            return self.name(&format!("{name}{index}"), at.start..end);
+        };
+        match components.get((index as usize).wrapping_sub(1)) {
+            Some(&k) => self.alone(at.start..end, |graph| graph.input(k)),
+            None => {
+                let count = components.len();
+                self.error(format!("`{name}` has components 1 to {count}, got {index}"), place)
+            }
+        }
+    }
+
+    /// `sum(i in 1..3, q[i]^2)`: the expression is read for each i.
+    fn sum(&mut self, at: Range<usize>) -> Result<Placed, FormulaError> {
+        const FORM: &str = "a sum is written sum(i in 1..3, q[i]^2)";
+        self.skip("(");
+        let (index, place) = (self.token(), self.place());
+        if !is_name(index) {
+            return self.error(FORM, place);
+        }
+        if self.names.meaning(index).is_some() || self.indices.iter().any(|(i, _)| *i == index) {
+            let message = format!("`{index}` has a meaning already: choose another index");
+            return self.error(message, place);
+        }
+        self.skip(index);
+        self.expect("in", FORM)?;
+        let first = self.deeper(SUM)?;
+        let first = self.whole(first)?;
+        self.expect("..", FORM)?;
+        let last = self.deeper(SUM)?;
+        let place = last.1.clone();
+        let last = self.whole(last)?;
+        self.expect(",", FORM)?;
+        if last < first {
+            return self.error(format!("this sum from {first} to {last} has no term"), place);
+        }
+        let begin = self.at;
+        let mut sum = None;
+        for k in first..=last {
+            self.terms += 1;
+            if self.terms > MAX_TERMS {
+                let message = format!("the sums have more than {MAX_TERMS} terms");
+                return self.error(message, at);
+            }
+            self.at = begin;
+            self.indices.push((index, k));
+            let term = self.deeper(OR);
+            self.indices.pop();
+            let term = term?;
+            sum = Some(match sum {
+                None => term,
+                Some(sum) => self.combined("+", sum, term)?,
+            });
+        }
+        let end = self.place().end;
+        self.expect(")", "this sum is not closed: `)` is missing")?;
+        Ok((sum.map_or_else(Vec::new, |(ids, _)| ids), at.start..end))
+    }
+
+    /// Goes behind a token that must stand here.
+    fn expect(&mut self, token: &str, message: &str) -> Result<(), FormulaError> {
+        match self.token() {
+            found if found == token => {
+                self.skip(found);
+                Ok(())
+            }
+            _ => self.error(message, self.place()),
+        }
+    }
+
+    fn of_vectors(
+        &mut self,
+        function: OfVectors,
+        a: &[Id],
+        b: &[Id],
+        span: Range<usize>,
+    ) -> Result<Placed, FormulaError> {
+        match function {
+            _ if a.len() != b.len() => {
+                let (a, b) = (a.len(), b.len());
+                self.error(format!("these vectors have {a} and {b} components"), span)
+            }
+            OfVectors::Cross if a.len() != 3 => {
+                let message = format!("a cross product is of three components, got {}", a.len());
+                self.error(message, span)
+            }
+            OfVectors::Cross => Ok((self.graph.cross(a, b).to_vec(), span)),
+            OfVectors::Dot => self.alone(span, |graph| graph.dot(a, b)),
+            OfVectors::Norm => self.alone(span, |graph| {
+                let square = graph.dot(a, b);
+                graph.unary(Unary::Sqrt, square)
+            }),
+        }
+    }
+
     fn call(&mut self, function: &str, at: Range<usize>) -> Result<Placed, FormulaError> {
         let meaning = self.names.meaning(function);
         let expected = match meaning {
-            Some(Meaning::Unary(_)) => "1 argument",
-            Some(Meaning::Binary(_)) => "2 arguments",
+            Some(Meaning::Sum) => return self.sum(at),
+            Some(Meaning::Unary(_) | Meaning::OfVectors(OfVectors::Norm)) => "1 argument",
+            Some(Meaning::Binary(_) | Meaning::OfVectors(_)) => "2 arguments",
             Some(Meaning::If) => "3 arguments",
             _ => return self.error(self.unknown_function(function), at),
         };
         let (arguments, end) = self.bracket()?;
         let span = at.start..end;
         match (meaning, &arguments[..]) {
-            (Some(Meaning::Unary(unary)), [(a, _)]) => {
-                self.finish(span, |graph| graph.unary(unary, *a))
+            (Some(Meaning::OfVectors(norm @ OfVectors::Norm)), [(a, _)]) => {
+                self.of_vectors(norm, a, a, span)
             }
-            (Some(Meaning::Binary(binary)), [(a, _), (b, _)]) => {
-                self.finish(span, |graph| graph.binary(binary, *a, *b))
+            (Some(Meaning::OfVectors(function)), [(a, _), (b, _)]) => {
+                self.of_vectors(function, a, b, span)
             }
-            (Some(Meaning::If), [condition, (a, _), (b, _)]) => {
-                self.condition(condition.clone())?;
-                self.chosen(condition.0, [*a, *b], span)
+            (Some(Meaning::Unary(unary)), [a]) => {
+                let (a, _) = self.number(a.clone())?;
+                self.alone(span, |graph| graph.unary(unary, a))
+            }
+            (Some(Meaning::Binary(binary)), [a, b]) => {
+                let ((a, _), (b, _)) = (self.number(a.clone())?, self.number(b.clone())?);
+                self.alone(span, |graph| graph.binary(binary, a, b))
+            }
+            (Some(Meaning::If), [condition, a, b]) => {
+                let (condition, _) = self.condition(condition.clone())?;
+                let ((a, _), (b, _)) = (self.number(a.clone())?, self.number(b.clone())?);
+                self.chosen(condition, [a, b], span)
             }
             (_, found) => {
                 let found = found.len();
@@ -411,10 +584,33 @@ impl<'a> Parser<'a> {
         (a, left): Placed,
         (b, right): Placed,
     ) -> Result<Placed, FormulaError> {
-        if operator == "/" && self.graph.is_zero(b) {
+        let span = left.start..right.end;
+        let fits = match operator {
+            "+" | "-" => a.len() == b.len(),
+            "*" => a.len() == 1 || b.len() == 1,
+            "/" => b.len() == 1,
+            _ => a.len() == 1 && b.len() == 1,
+        };
+        if !fits {
+            let message = match operator {
+                "+" | "-" => {
+                    let kind = |ids: &[Id]| match ids.len() {
+                        1 => "a number".to_owned(),
+                        count => format!("a vector of {count}"),
+                    };
+                    format!("{} {operator} {} has no meaning", kind(&a), kind(&b))
+                }
+                _ => "a product of vectors is dot(a, b) or cross(a, b)".into(),
+            };
+            return self.error(message, span);
+        }
+        if operator == "/" && self.graph.is_zero(b[0]) {
             return self.error("division by zero", right);
         }
-        self.finish(left.start..right.end, |graph| match operator {
+        let pairs: Vec<(Id, Id)> = (0..a.len().max(b.len()))
+            .map(|k| (a[k.min(a.len() - 1)], b[k.min(b.len() - 1)]))
+            .collect();
+        self.each(&pairs, span, |graph, (a, b)| match operator {
             "+" => graph.add(a, b),
             "-" => graph.sub(a, b),
             "*" => graph.mul(a, b),
@@ -423,12 +619,32 @@ impl<'a> Parser<'a> {
         })
     }
 
+    /// Expressions of each of these, made at this place.
+    fn each<T: Copy>(
+        &mut self,
+        of: &[T],
+        span: Range<usize>,
+        make: impl Fn(&mut Graph, T) -> Id,
+    ) -> Result<Placed, FormulaError> {
+        let one = |&of: &T| Ok(self.finish(span.clone(), |graph| make(graph, of))?.0);
+        Ok((of.iter().map(one).collect::<Result<_, FormulaError>>()?, span))
+    }
+
+    /// A number made at this place.
+    fn alone(
+        &mut self,
+        span: Range<usize>,
+        make: impl FnOnce(&mut Graph) -> Id,
+    ) -> Result<Placed, FormulaError> {
+        self.finish(span, make).map(|(id, span)| (vec![id], span))
+    }
+
     /// An expression made at this place; constants must be finite.
     fn finish(
         &mut self,
         span: Range<usize>,
         make: impl FnOnce(&mut Graph) -> Id,
-    ) -> Result<Placed, FormulaError> {
+    ) -> Result<Number, FormulaError> {
         self.graph.set_place(span.clone());
         let id = make(self.graph);
         match self.graph.as_constant(id) {

@@ -51,6 +51,7 @@
 //! | [`write_csv`], [`write_json`] | tables as files |
 //! | [`mod@study`], [`StudySettings`] | means, quantiles and histograms of many paths in time |
 //! | [`Problem`], [`bind`], [`Setup`] | a problem, a scheme on its system, and both |
+//! | [`Collecting`], [`Along`] | integrals, averages and first passages along paths |
 //! | [`LargePath`] | one path of a large system |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`mod@expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme chosen or given |
@@ -60,6 +61,7 @@
 //! [`bind`] take what the compiler knows, [`Problem::at_run_time`] and [`Setup::at_run_time`]
 //! systems known at run time, such as formulas.
 
+mod along;
 mod damping_resolution;
 mod driver;
 mod error;
@@ -77,6 +79,7 @@ mod simulation;
 pub mod study;
 mod tree;
 
+pub use along::{Along, Collecting, OfStates, Passage, VarianceRate, variance_rate};
 pub use damping_resolution::DampingResolution;
 pub use error::{LadderError, RunError};
 pub use expect::{Expect, ExpectSettings};

@@ -68,10 +68,10 @@ pub(crate) fn erased<O: Observe>(observables: &[O]) -> Vec<&dyn Observe> {
     observables.iter().map(|observable| observable as &dyn Observe).collect()
 }
 
-/// φ of one state.
-pub(crate) fn value(observable: &dyn Observe, y: &[f64]) -> f64 {
-    let (rows, mut values) = (splat(y), [0.0; WIDTH]);
-    observable.evaluate(&rows, PathMask::first(1), &mut values);
+/// φ of the first path of a block.
+pub(crate) fn value(observable: &dyn Observe, rows: &[Row]) -> f64 {
+    let mut values = [0.0; WIDTH];
+    observable.evaluate(rows, PathMask::first(1), &mut values);
     values[0]
 }
 

@@ -229,6 +229,12 @@ impl<'a> Setup<'a> {
     ) -> Self {
         Self { problem: Problem::of(problem), scheme: bind(problem, scheme) }
     }
+
+    /// The states of 32 paths at time 0, of which the initial value may be random, and what they
+    /// have [collected](crate::Collecting).
+    pub fn start(&self) -> Vec<Row> {
+        self.scheme.start(&splat(&self.problem.y0)).state().to_vec()
+    }
 }
 
 /// A scheme on the system of a problem.

@@ -78,13 +78,14 @@ fn chosen(scene: &Scene) -> Done<(mc::Expect<'_>, ExpectSettings, Option<String>
     let settings = &scene.settings;
     let mut with = ExpectSettings { key: settings.key, ..ExpectSettings::default() };
     let is_auto = settings.scheme == AUTO;
-    let (expect, because) = match scene.model.expect().filter(|_| is_auto) {
+    let whole = scene.model.expect().filter(|_| is_auto && !scene.collects());
+    let (expect, because) = match whole {
         Some(chosen) => (chosen.starting(settings.random.clone()), None),
         None => {
             let (scheme, because) = scheme(scene);
             with.truncation = settings.truncation;
             with.coarsest_steps = coarsest_steps(settings.until);
-            (mc::Expect::with_scheme(scene.setup(&scheme)?), because)
+            (mc::Expect::with_scheme(scene.collecting(scene.setup(&scheme)?)), because)
         }
     };
     with.coarsest_steps = settings.coarsest_steps.unwrap_or(with.coarsest_steps);

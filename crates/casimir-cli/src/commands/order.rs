@@ -79,6 +79,7 @@ fn measure(scene: &Scene, scheme: &str, path_steps: u64) -> Done<(Found, Vec<Fou
     let strong = under_bar(&format!("strong order of {scheme}"), 0, |_| {
         found("y(T)".into(), strong_order(&measured, &sizes))
     })?;
+    let measured = scene.collecting(measured);
     let first = usize::from(scene.expected.is_empty());
     let weak = scene.observables.iter().take(first).chain(&scene.expected).map(|phi| {
         let quantity = format!("E[{}]", phi.name);

@@ -173,7 +173,8 @@ impl<'a> Ready<'a> {
     /// Checks that the scheme can be run.
     pub fn new(combination: &'a Combination, (scheme, because): Settled) -> Done<Self> {
         let Combination { label, scene, .. } = combination;
-        let (setup, settings) = (scene.setup(&scheme)?, &scene.settings);
+        let setup = scene.collecting(scene.setup(&scheme)?);
+        let settings = &scene.settings;
         if setup.scheme.clips_increments()
             && let Err(error) = settings.truncation.bound(settings.until / settings.steps as f64)
         {

@@ -8,7 +8,9 @@ use casimir::{
 };
 
 use super::{Built, at_run_time::AtRunTime};
-use crate::scene::{At, Parameter, Read, Reading, SceneError, Text};
+use crate::scene::{
+    At, Parameter, Read, Reading, SceneError, State, Structure, Text, structure as entries,
+};
 
 /// The model of formulas.
 pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
@@ -35,17 +37,19 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
         return Err(source.error(value.span(), message));
     }
     let words = |text: &At<Text>| text.0.clone();
+    let state = State::new(source, state)?;
     let definition = Definition {
         name: file.title.clone().unwrap_or("formulas".into()),
-        state: state.iter().map(|name| name.to_string()).collect(),
+        state: state.components.iter().map(|name| name.to_string()).collect(),
+        vectors: state.vectors.clone(),
         parameters: constants.numbers.clone(),
-        structure: structure.iter().map(|row| row.iter().map(words).collect()).collect(),
+        structure: entries(source, &state, structure)?,
         energy: words(energy),
         noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
     };
     let y0 = &settings.initial;
     let system = FormulaSystem::new(&definition, y0);
-    let system = Arc::new(system.map_err(|error| misdefined(reading, &error))?);
+    let system = Arc::new(system.map_err(|error| misdefined(reading, &state, &error))?);
     let h0 = Formula::parse(&definition.energy, system.names());
     let h0 = h0.map_err(|error| source.formula_error(energy, &error))?;
     let names = system.names().clone();
@@ -62,18 +66,18 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
 }
 
 /// What is wrong with a definition, at its place.
-fn misdefined(reading: &Reading<'_>, error: &DefinitionError) -> SceneError {
+fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> SceneError {
     let (source, table) = (reading.source, &reading.file.system);
-    let (state, structure) = (table.state.as_ref(), table.structure.as_ref());
+    let structure = table.structure.as_ref();
     let (mut formula, mut place) = (None, structure.map(At::span));
     match error.which {
         Which::Matrix => {}
         Which::Structure(row, column) => {
-            let rows = structure.map_or(&[][..], |rows| rows);
-            // All of B is given, or what stands above the diagonal.
-            let is_full = state.is_some_and(|state| rows.len() == state.len());
-            let first = if is_full { 0 } else { row };
-            formula = rows.get(row - 1).and_then(|row| row.get(column - 1 - first));
+            if let Some(Structure::Rows(rows)) = structure.map(|structure| &**structure) {
+                // All of B is given, or what stands above the diagonal.
+                let first = if rows.len() == state.components.len() { 0 } else { row };
+                formula = rows.get(row - 1).and_then(|row| row.get(column - 1 - first));
+            }
         }
         Which::Energy => formula = table.energy.as_ref(),
         Which::Noise(m) => {
@@ -82,10 +86,9 @@ fn misdefined(reading: &Reading<'_>, error: &DefinitionError) -> SceneError {
         Which::InitialValue => place = Some(reading.settings.initial_place.clone()),
         Which::State => {
             // A name in the message is in quotes.
-            let mut names = state.iter().flat_map(|state| state.iter());
             let is_named = |name: &&At<String>| error.message.contains(&format!("`{}`", ***name));
-            let name = names.rfind(is_named);
-            place = name.map(At::span).or(state.map(At::span));
+            let name = state.components.iter().rfind(is_named);
+            place = name.map(At::span).or(table.state.as_ref().map(At::span));
         }
     }
     match (formula, &error.formula) {

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::{At, Count, Parameter, Text, Values};
+use super::values::{At, Count, Event, Parameter, Structure, Text, Values};
 
 /// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -24,6 +24,10 @@ pub struct SceneFile {
     /// Conditions whose probabilities in time are of interest, by name.
     #[serde(default)]
     pub probabilities: IndexMap<At<String>, At<Text>>,
+    /// What happens to a path, by name: the condition when it does, `"q > 2"`, or a table of `when`
+    /// and `stop`. An observable of this name is one from then on, `… time` is its time.
+    #[serde(default)]
+    pub events: IndexMap<At<String>, At<Event>>,
     /// Expectations for `casimir expect`.
     pub expect: Option<ExpectTable>,
     /// Values of parameters that `casimir run` varies, one run for each combination: a list, or
@@ -31,9 +35,6 @@ pub struct SceneFile {
     #[serde(default)]
     pub sweep: IndexMap<At<String>, At<Values>>,
 }
-
-/// A row of a matrix.
-pub type Entries = At<Vec<At<Text>>>;
 
 /// A system of the project by its `name`, or formulas: `state`, `B`, `H0` and `H`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -44,11 +45,13 @@ pub struct SystemTable {
     /// Values of names in formulas, or of the parameters of a system of the project.
     #[serde(default)]
     pub parameters: IndexMap<At<String>, At<Parameter>>,
-    /// The names of the components of y.
+    /// The names of the components of y. `q[1..3]` stands for q1, q2, q3 and makes them a vector q,
+    /// `s[xyz]` stands for sx, sy, sz, and `s[1..2][xyz]` for two such vectors s1 and s2.
     pub state: Option<At<Vec<At<String>>>>,
-    /// The skew-symmetric matrix B(y), row by row: all of it, or the entries above the diagonal.
+    /// The skew-symmetric matrix B(y), row by row: all of it, or the entries above the diagonal. Or
+    /// a sum of blocks: `canonical(q, p)`, `spins(s1, s2)` and `rigid`, which is B(y)v = y × v.
     #[serde(rename = "B")]
-    pub structure: Option<At<Vec<Entries>>>,
+    pub structure: Option<At<Structure>>,
     /// The Hamiltonian H₀(y).
     #[serde(rename = "H0")]
     pub energy: Option<At<Text>>,

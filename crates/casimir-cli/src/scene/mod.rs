@@ -1,28 +1,32 @@
 //! A scene: read from its file, checked, and ready to be run.
 
+mod collected;
 mod file;
 mod initial;
 mod observe;
 mod read;
 mod run;
+mod shorthand;
 mod source;
 mod sweep;
 mod values;
 
 pub use file::{ExpectTable, SceneFile, schema};
+use collected::{Collected, Kind};
 use observe::Vocabulary;
 pub use observe::{Observable, Quantity};
 pub use read::{Constants, Parameters, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
+pub use shorthand::{State, structure};
 pub use source::{Read, SceneError, Source};
 pub use sweep::{Combination, Set, Sweep, Varied};
-pub use values::{At, Parameter, Text, count};
+pub use values::{At, Parameter, Structure, Text, count};
 
-use std::{fmt::Display, path::Path};
+use std::{fmt::Display, ops::Range, path::Path, sync::Arc};
 
 use casimir::{
     formula::nearest,
-    mc::{Problem, Setup},
+    mc::{Collecting, Problem, Setup},
     schemes::BuiltIn,
 };
 
@@ -46,6 +50,8 @@ pub struct Scene {
     pub settings: Settings,
     /// The observables, after the components if there are few.
     pub observables: Vec<Observable>,
+    /// What paths collect for them.
+    collected: Vec<Collected>,
     /// The names of those that are conditions with probabilities.
     pub probabilities: Vec<String>,
     /// The test functions of expectations.
@@ -67,15 +73,6 @@ impl Scene {
         sweep::settle(&source, &mut file, &changes.scheme.sets)?;
         let constants = Constants::new(&source, &file.system)?;
         let settings = Settings::new(&source, &file.run, &constants, changes)?;
-        let taken = |name: &str, place| {
-            let message =
-                format!("`{name}` is a column of the tables already: choose another name");
-            source.error(place, message)
-        };
-        let mut state = file.system.state.iter().flat_map(|names| names.iter());
-        if let Some(name) = state.find(|name| is_column(name)) {
-            return Err(taken(name, name.span()));
-        }
         let model::Built { model, components, of_vector, names, energy, quantities } =
             model::build(&Reading {
                 source: &source,
@@ -83,27 +80,57 @@ impl Scene {
                 constants: &constants,
                 settings: &settings,
             })?;
-        let mut vocabulary = Vocabulary::new(names, energy);
         let y0 = model.problem().y0;
+        let (dimension, system_names) = (y0.len(), names.clone());
+        let mut vocabulary = Vocabulary::new(names, energy.of_state(dimension), &y0);
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
         let mut observables = Vec::new();
         if components.len() <= MOST_COMPONENTS {
             observables.extend((0..components.len()).map(component));
         }
-        for quantity in quantities {
-            vocabulary.add(&quantity.name, quantity.quantity.clone());
-            observables.push(quantity);
+        for Observable { name, quantity } in quantities {
+            let quantity = quantity.of_state(dimension);
+            vocabulary.add(&name, quantity.clone());
+            observables.push(Observable { name, quantity });
         }
-        for (name, formula) in file.observe.iter().chain(&file.probabilities) {
+        let free = |name: &At<String>, observables: &[Observable]| {
             let known =
                 components.contains(name) || observables.iter().any(|known| known.name == **name);
             if known || is_column(name) {
-                return Err(taken(name, name.span()));
+                return Err(taken(&source, name, name.span()));
             }
+            Ok(())
+        };
+        let mut collected = Vec::new();
+        for (name, event) in &file.events {
+            free(name, &observables)?;
+            let passage = collected::passage(&source, event, &system_names, &vocabulary)?;
+            let begun = f64::from(u8::from(vocabulary.at_start(&passage.phi) > 0.0));
+            let rows = [vocabulary.collect(begun), vocabulary.collect(0.0)];
+            collected.push(Collected::Passage(passage));
+            for (name, quantity) in [name.to_string(), format!("{} time", **name)].into_iter().zip(rows)
+            {
+                vocabulary.add(&name, quantity.clone());
+                observables.push(Observable { name, quantity });
+            }
+        }
+        for (name, formula) in file.observe.iter().chain(&file.probabilities) {
+            free(name, &observables)?;
             if file.probabilities.contains_key(name) {
                 vocabulary.demand_condition(&source, formula)?;
             }
-            let quantity = vocabulary.quantity(&source, formula, &y0)?;
+            let quantity = match collected::of(formula) {
+                Some((kind, inner)) => {
+                    let quantity = vocabulary.quantity(&source, &inner)?;
+                    let begun = match kind {
+                        Kind::Integral => 0.0,
+                        Kind::Average => vocabulary.at_start(&quantity),
+                    };
+                    collected.push(Collected::Mean(kind, quantity));
+                    vocabulary.collect(begun)
+                }
+                None => vocabulary.quantity(&source, formula)?,
+            };
             vocabulary.add(name, quantity.clone());
             observables.push(Observable::new(name.as_str(), quantity));
         }
@@ -119,7 +146,8 @@ impl Scene {
                 return Err(source.error(name.span(), message));
             }
         }
-        let probabilities = file.probabilities.keys().map(|name| name.to_string()).collect();
+        let probabilities = file.probabilities.keys().chain(file.events.keys());
+        let probabilities = probabilities.map(|name| name.to_string()).collect();
         let chosen = file.run.columns;
         let chosen = chosen.map(|names| names.iter().map(|name| name.to_string()).collect());
         let known = |text: &At<Text>| {
@@ -128,7 +156,7 @@ impl Scene {
             let place = || components.iter().position(|component| component == name);
             match known.or_else(|| place().map(component)) {
                 Some(known) => Ok(known),
-                None => Ok(Observable::new(name, vocabulary.quantity(&source, text, &y0)?)),
+                None => Ok(Observable::new(name, vocabulary.quantity(&source, text)?)),
             }
         };
         let expected = match &file.expect {
@@ -148,6 +176,7 @@ impl Scene {
             model,
             settings,
             observables,
+            collected,
             probabilities,
             expected,
             accuracy,
@@ -167,6 +196,22 @@ impl Scene {
         };
         let scheme = self.model.scheme(scheme).map_err(|error| wrong(error.to_string()))?;
         Ok(Setup { problem: self.problem(), scheme })
+    }
+
+    /// The same with what paths collect.
+    pub fn collecting<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
+        if self.collected.is_empty() {
+            return setup;
+        }
+        let system = self.model.system();
+        let quantities = self.collected.iter().map(|one| one.along(system)).collect();
+        let method = Collecting { method: setup.scheme, quantities };
+        Setup { scheme: Arc::new(method), ..setup }
+    }
+
+    /// Whether paths collect something, so that states alone do not say what is observed.
+    pub fn collects(&self) -> bool {
+        !self.collected.is_empty()
     }
 
     /// The problem with its initial values.
@@ -210,6 +255,12 @@ fn is_column(name: &str) -> bool {
     let number = law.strip_prefix('C').or(law.strip_prefix('H'));
     ["scheme", "path", "t"].contains(&name)
         || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
+/// A name that a column has already.
+fn taken(source: &Source, name: &str, place: Range<usize>) -> SceneError {
+    let message = format!("`{name}` is a column of the tables already: choose another name");
+    source.error(place, message)
 }
 
 /// The test functions of `[expect]`, whose accuracy is checked.

@@ -23,12 +23,24 @@ pub enum Quantity {
     Component(usize),
     /// A formula, or a function of the system such as its energy.
     Function(Arc<OfRows>),
+    /// What a path has collected in this row after its state.
+    Collected(usize),
 }
 
 impl Quantity {
+    /// The same of the first rows, which are those of the state.
+    pub fn of_state(self, dimension: usize) -> Self {
+        match self {
+            Self::Function(function) => Self::Function(Arc::new(move |y: &[Row], values: &mut Row| {
+                function(&y[..dimension], values);
+            })),
+            other => other,
+        }
+    }
+
     fn evaluate(&self, y: &[Row], values: &mut Row) {
         match self {
-            Self::Component(i) => *values = y[*i],
+            Self::Component(row) | Self::Collected(row) => *values = y[*row],
             Self::Function(function) => function(y, values),
         }
     }
@@ -45,7 +57,10 @@ pub struct Observable {
 
 impl From<Formula> for Quantity {
     fn from(formula: Formula) -> Self {
-        Self::Function(Arc::new(move |y: &[Row], values: &mut Row| formula.values(y, values)))
+        let inputs = formula.variables.len();
+        Self::Function(Arc::new(move |y: &[Row], values: &mut Row| {
+            formula.values(&y[..inputs], values);
+        }))
     }
 }
 
@@ -77,12 +92,16 @@ pub struct Vocabulary {
     names: Names,
     /// Further quantities, inputs after the components: H₀, and observables that are known.
     quantities: Vec<Quantity>,
+    /// The initial value, and what paths have collected there.
+    start: Vec<f64>,
+    dimension: usize,
 }
 
 impl Vocabulary {
     /// Components, parameters, and `H0`.
-    pub fn new(names: Names, energy: Quantity) -> Self {
-        let mut vocabulary = Self { names, quantities: Vec::new() };
+    pub fn new(names: Names, energy: Quantity, y0: &[f64]) -> Self {
+        let (quantities, start, dimension) = (Vec::new(), y0.to_vec(), y0.len());
+        let mut vocabulary = Self { names, quantities, start, dimension };
         vocabulary.add("H0", energy);
         vocabulary
     }
@@ -92,6 +111,20 @@ impl Vocabulary {
         if self.names.variable(name).is_ok() {
             self.quantities.push(quantity);
         }
+    }
+
+    /// A row that is collected, with its value at time zero.
+    pub fn collect(&mut self, at_start: f64) -> Quantity {
+        self.start.push(at_start);
+        Quantity::Collected(self.start.len() - 1)
+    }
+
+    /// The value of a quantity at time zero.
+    pub fn at_start(&self, quantity: &Quantity) -> f64 {
+        let rows: Vec<Row> = self.start.iter().map(|&y| [y; WIDTH]).collect();
+        let mut values = [0.0; WIDTH];
+        quantity.evaluate(&rows, &mut values);
+        values[0]
     }
 
     /// Demands that a formula is a condition.
@@ -106,20 +139,17 @@ impl Vocabulary {
     }
 
     /// The quantity of a formula, which must have a value at the initial value.
-    pub fn quantity(&self, source: &Source, text: &At<Text>, y0: &[f64]) -> Read<Quantity> {
+    pub fn quantity(&self, source: &Source, text: &At<Text>) -> Read<Quantity> {
         let formula = Formula::parse(&text.0, &self.names);
         let formula = formula.map_err(|error| source.formula_error(text, &error))?;
-        let (dimension, all) = (y0.len(), y0.len() + self.quantities.len());
+        let (dimension, all) = (self.dimension, self.dimension + self.quantities.len());
         let used: Vec<(usize, Quantity)> = self.quantities.iter().cloned().enumerate().collect();
         let used: Vec<_> =
             used.into_iter().filter(|(k, _)| formula.depends_on(dimension + k)).collect();
-        let rows: Vec<Row> = y0.iter().map(|&y| [y; WIDTH]).collect();
-        let mut point = y0.to_vec();
+        let mut point = self.start[..dimension].to_vec();
         point.resize(all, 0.0);
         for (k, quantity) in &used {
-            let mut values = [0.0; WIDTH];
-            quantity.evaluate(&rows, &mut values);
-            point[dimension + k] = values[0];
+            point[dimension + k] = self.at_start(quantity);
         }
         if let Some(error) = formula.explain(&point) {
             let message = format!("{} at the initial value", error.message);
@@ -131,7 +161,7 @@ impl Vocabulary {
             let mut others = vec![[0.0; WIDTH]; further + tape.scratch_rows()];
             let (others, scratch) = others.split_at_mut(further);
             used.iter().for_each(|(k, quantity)| quantity.evaluate(y, &mut others[*k]));
-            tape.evaluate(&[y, others], from_mut(values), scratch);
+            tape.evaluate(&[&y[..dimension], others], from_mut(values), scratch);
         })))
     }
 }

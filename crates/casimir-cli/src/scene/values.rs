@@ -2,12 +2,16 @@
 
 use std::{
     borrow::Cow,
+    fmt::{self, Formatter},
     ops::{Deref, Range},
     str::FromStr,
 };
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Deserializer, de::Error};
+use serde::{
+    Deserialize, Deserializer,
+    de::{Error, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer},
+};
 use toml::{Spanned, Value};
 
 /// A value at its place in the text.
@@ -74,6 +78,92 @@ pub enum Parameter {
     Many(Vec<Text>),
     /// `true` or `false`.
     Switch(bool),
+}
+
+/// The matrix B: rows of entries, or blocks such as `"spins(s1, s2) + canonical(q, p)"`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Structure {
+    /// All rows, or the entries above the diagonal.
+    Rows(Vec<Entries>),
+    /// A sum of blocks.
+    Blocks(String),
+}
+
+/// A row of a matrix.
+pub type Entries = At<Vec<At<Text>>>;
+
+impl<'de> Deserialize<'de> for Structure {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(OfStructure)
+    }
+}
+
+/// Reads a [`Structure`], whose rows keep their places.
+struct OfStructure;
+
+impl<'de> Visitor<'de> for OfStructure {
+    type Value = Structure;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("rows of entries, or blocks such as \"canonical(q, p)\"")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Structure, E> {
+        Ok(Structure::Blocks(text.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Structure, A::Error> {
+        let mut rows = Vec::new();
+        while let Some(row) = seq.next_element()? {
+            rows.push(row);
+        }
+        Ok(Structure::Rows(rows))
+    }
+}
+
+/// An event: the condition when it happens, or a table of it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// The condition.
+    When(Text),
+    /// The condition and what follows.
+    Table(EventTable),
+}
+
+/// An event in a table.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EventTable {
+    /// The condition.
+    pub when: At<Text>,
+    /// Whether the path stays where it is from then on.
+    #[serde(default)]
+    pub stop: bool,
+}
+
+impl<'de> Deserialize<'de> for Event {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(OfEvent)
+    }
+}
+
+/// Reads an [`Event`].
+struct OfEvent;
+
+impl<'de> Visitor<'de> for OfEvent {
+    type Value = Event;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("a condition such as \"q > 2\", or a table of `when` and `stop`")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Event, E> {
+        Ok(Event::When(Text(text.to_owned())))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Event, A::Error> {
+        EventTable::deserialize(MapAccessDeserializer::new(map)).map(Event::Table)
+    }
 }
 
 /// The values of a parameter that is varied: a list, or `"from:to:number"`.
@@ -203,6 +293,16 @@ schema!(Count, "Count", { "type": "number", "minimum": 1, "multipleOf": 1 });
 schema!(Values, "Values", {
     "type": ["array", "string", "number"],
     "items": { "type": ["string", "number"] }
+});
+schema!(Event, "Event", {
+    "type": ["string", "object"],
+    "properties": { "when": { "type": "string" }, "stop": { "type": "boolean" } },
+    "required": ["when"],
+    "additionalProperties": false
+});
+schema!(Structure, "Structure", {
+    "type": ["string", "array"],
+    "items": { "type": "array", "items": { "type": ["string", "number"] } }
 });
 schema!(Parameter, "Parameter", {
     "type": ["string", "number", "boolean", "array"],

@@ -1,5 +1,6 @@
 //! The program as a user calls it.
 
+mod along;
 mod areas;
 mod broken;
 mod common;
@@ -8,5 +9,6 @@ mod gallery;
 mod initial;
 mod parts;
 mod results;
+mod shorthand;
 mod sweeps;
 mod truths;

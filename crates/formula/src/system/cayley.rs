@@ -99,7 +99,7 @@ impl Graph {
     }
 
     /// u × v.
-    fn cross(&mut self, u: &[Id], v: &[Id]) -> [Id; 3] {
+    pub fn cross(&mut self, u: &[Id], v: &[Id]) -> [Id; 3] {
         [(1, 2), (2, 0), (0, 1)].map(|(i, j)| self.minor([u[i], u[j]], [v[i], v[j]]))
     }
 

@@ -11,6 +11,8 @@ pub struct Definition {
     pub name: String,
     /// The names of the components of y.
     pub state: Vec<String>,
+    /// Vectors of components: their names and the names of their components.
+    pub vectors: Vec<(String, Vec<String>)>,
     /// Names and values of parameters.
     pub parameters: Vec<(String, f64)>,
     /// B, row by row: all D×D entries, or the entries above the diagonal, in rows of D − 1, …, 1.
@@ -86,8 +88,11 @@ pub(super) struct Formulas {
 
 impl Formulas {
     pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
-        let Definition { state, parameters, structure, energy, noises, .. } = definition;
+        let Definition { state, vectors, parameters, structure, energy, noises, .. } = definition;
         let mut names = Names::with_variables(state)?;
+        for (name, components) in vectors {
+            names.vector(name, components)?;
+        }
         for (name, value) in parameters {
             names.parameter(name, *value)?;
         }

@@ -288,7 +288,8 @@ impl<'a> Estimator<'a> {
         let Request { settings, observables, progress, spent, .. } = self.request;
         let (ladder, nodes) = &mut self.ladders[level];
         let y0 = &self.candidate.setup.problem.y0;
-        let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, y0)).collect();
+        let rows = self.candidate.setup.start();
+        let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, &rows)).collect();
         let empty = || PathValues {
             observables,
             last_time: ladder.coarse_steps(),

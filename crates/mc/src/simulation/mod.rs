@@ -205,7 +205,7 @@ impl<'a> Simulation<'a> {
             let observables = self.observables.iter().zip(&mut observed);
             observables.for_each(|(phi, values)| phi.evaluate(state, live, values));
             let row = |p: usize| {
-                let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
+                let y: Vec<f64> = state[..problem.y0.len()].iter().map(|row| row[p]).collect();
                 let mut row = vec![n as f64 * tau];
                 row.extend(y.iter().copied().chain(observed.iter().map(|values| values[p])));
                 let own = random.map(|_| initial(first, p));
@@ -234,7 +234,7 @@ impl<'a> Simulation<'a> {
         let measured = ladder.run_until(&self.stop, paths.start, count, new, &|_| ());
         let mut of_path = measured.statistic.of_path;
         let start = match random {
-            None => rows((0, 0), 0.0, &splat(&problem.y0), PathMask::first(1)),
+            None => rows((0, 0), 0.0, &self.setup.start(), PathMask::first(1)),
             Some(_) => Vec::new(),
         };
         let series = paths.map(|path| {

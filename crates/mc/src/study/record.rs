@@ -60,7 +60,8 @@ impl Record {
         let Setup { problem, scheme } = setup;
         let mut quantiles = settings.quantiles.clone();
         quantiles.sort_by(f64::total_cmp);
-        let initial = observables.iter().map(|observable| value(*observable, &problem.y0));
+        let rows = setup.start();
+        let initial = observables.iter().map(|observable| value(*observable, &rows));
         let start = problem.initial.as_ref();
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").into(),

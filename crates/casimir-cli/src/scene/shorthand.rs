@@ -1,0 +1,214 @@
+//! Short forms of a state and of B: vectors, and blocks.
+
+use std::ops::Range;
+
+use casimir::formula::nearest;
+
+use super::{
+    is_column,
+    source::{Read, Source},
+    taken,
+    values::{At, Entries, Structure},
+};
+
+/// The components of a state, and vectors of them.
+pub struct State {
+    /// The names of the components, each where it is written.
+    pub components: Vec<At<String>>,
+    /// The names of vectors and of their components.
+    pub vectors: Vec<(String, Vec<String>)>,
+}
+
+/// What an entry of `state` may be.
+const FORMS: &str = "a name, or vectors such as q[1..3], s[xyz] or s[1..4][xyz]";
+
+/// The most components that one entry makes.
+const MOST: u32 = 100_000;
+
+impl State {
+    /// The state that `state` means: a name is a component, `q[1..3]` the vector q of q1, q2 and
+    /// q3, `s[xyz]` the vector s of sx, sy and sz, `s[1..2][xyz]` the vectors s1 and s2 of such
+    /// components.
+    pub fn new(source: &Source, entries: &[At<String>]) -> Read<Self> {
+        let mut state = Self { components: Vec::new(), vectors: Vec::new() };
+        for entry in entries {
+            let wrong = || source.error(entry.span(), format!("`{}` is neither {FORMS}", **entry));
+            let (name, brackets) = entry.split_once('[').unwrap_or((entry, ""));
+            let brackets: Vec<&str> = match brackets.strip_suffix(']') {
+                _ if brackets.is_empty() => Vec::new(),
+                Some(inner) => inner.split("][").collect(),
+                None => return Err(wrong()),
+            };
+            let mut add = |vector: Option<&str>, components: Vec<String>| {
+                if let Some(vector) = vector {
+                    state.vectors.push((vector.to_owned(), components.clone()));
+                }
+                let at = |name| At::new(entry.span(), name);
+                state.components.extend(components.into_iter().map(at));
+            };
+            let lettered = |name: &str, letters: &str| -> Vec<String> {
+                letters.chars().map(|letter| format!("{name}{letter}")).collect()
+            };
+            let is_letters = |text: &str| text.chars().count() > 1 && text.chars().all(char::is_alphabetic);
+            match brackets[..] {
+                [] => add(None, vec![name.to_owned()]),
+                [letters] if is_letters(letters) => add(Some(name), lettered(name, letters)),
+                [numbers] => {
+                    let all = range(numbers).ok_or_else(wrong)?;
+                    add(Some(name), all.map(|k| format!("{name}{k}")).collect());
+                }
+                [numbers, letters] if is_letters(letters) => {
+                    for k in range(numbers).ok_or_else(wrong)? {
+                        let vector = format!("{name}{k}");
+                        add(Some(&vector), lettered(&vector, letters));
+                    }
+                }
+                _ => return Err(wrong()),
+            }
+        }
+        match state.components.iter().find(|name| is_column(name)) {
+            Some(name) => Err(taken(source, name, name.span())),
+            None => Ok(state),
+        }
+    }
+
+    /// The components of what an argument names: a component, a vector, or several, `s[1..3]`.
+    fn of(&self, argument: &str) -> Option<Vec<Vec<usize>>> {
+        let place = |name: &str| self.components.iter().position(|known| **known == *name);
+        let one = |name: &str| -> Option<Vec<usize>> {
+            match self.vectors.iter().find(|(vector, _)| vector == name) {
+                Some((_, components)) => components.iter().map(|name| place(name)).collect(),
+                None => Some(vec![place(name)?]),
+            }
+        };
+        match argument.split_once('[') {
+            Some((name, numbers)) => {
+                let mut numbers = range(numbers.strip_suffix(']')?)?;
+                numbers.try_fold(Vec::new(), |mut all, k| {
+                    all.push(one(&format!("{name}{k}"))?);
+                    Some(all)
+                })
+            }
+            None => one(argument).map(|one| vec![one]),
+        }
+    }
+}
+
+/// `1..3`.
+fn range(text: &str) -> Option<impl Iterator<Item = u32> + use<>> {
+    let (first, last) = text.split_once("..")?;
+    let (first, last) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
+    (first <= last && last <= MOST).then_some(first..=last)
+}
+
+/// The entries of B as texts, in rows.
+pub fn structure(source: &Source, state: &State, at: &At<Structure>) -> Read<Vec<Vec<String>>> {
+    match &**at {
+        Structure::Rows(rows) => {
+            let row = |row: &Entries| row.iter().map(|text| text.0.clone()).collect();
+            Ok(rows.iter().map(row).collect())
+        }
+        Structure::Blocks(text) => blocks(source, state, text, at.span()),
+    }
+}
+
+/// A sum of blocks, each with a factor, as the entries above the diagonal.
+fn blocks(
+    source: &Source,
+    state: &State,
+    text: &str,
+    place: Range<usize>,
+) -> Read<Vec<Vec<String>>> {
+    let wrong = |message: String| source.error(place.clone(), message);
+    let dimension = state.components.len();
+    let mut entries: Vec<Vec<String>> =
+        (1..dimension).rev().map(|length| vec![String::new(); length]).collect();
+    for term in split(text, '+') {
+        let factors = split(term, '*');
+        let (block, factors) = factors.split_last().unwrap_or((&"", &[]));
+        let factor = match factors {
+            [] => String::new(),
+            _ => format!("({})*", factors.join("*")),
+        };
+        for (i, j, entry) in block_of(state, block).map_err(wrong)? {
+            let (i, j, sign) = if i < j { (i, j, "") } else { (j, i, "-") };
+            let sum = &mut entries[i][j - i - 1];
+            let plus = if sum.is_empty() { "" } else { " + " };
+            *sum += &format!("{plus}{sign}{factor}{entry}");
+        }
+    }
+    for entry in entries.iter_mut().flatten().filter(|entry| entry.is_empty()) {
+        entry.push('0');
+    }
+    Ok(entries)
+}
+
+/// Entries of B by their rows and columns.
+type Block = Vec<(usize, usize, String)>;
+
+/// The entries of one block.
+fn block_of(state: &State, text: &str) -> Result<Block, String> {
+    const KNOWN: [&str; 3] = ["canonical", "spins", "rigid"];
+    let (kind, arguments) = match text.split_once('(') {
+        Some((kind, inner)) => {
+            let inner = inner.strip_suffix(')').ok_or_else(|| format!("`{text}` ends without `)`"))?;
+            (kind.trim(), split(inner, ','))
+        }
+        None => (text, Vec::new()),
+    };
+    if !KNOWN.contains(&kind) {
+        let hint = nearest(kind, KNOWN);
+        return Err(format!(
+            "unknown block `{kind}`: B is rows of entries, or a sum of canonical(q, p), \
+             spins(s1, s2, …) and rigid{hint}"
+        ));
+    }
+    let mut vectors = Vec::new();
+    for argument in arguments {
+        let found = state.of(argument).ok_or_else(|| {
+            let known = state.vectors.iter().map(|(name, _)| name.as_str());
+            let known = known.chain(state.components.iter().map(|name| name.as_str()));
+            format!("`{argument}` is no part of the state{}", nearest(argument, known))
+        })?;
+        vectors.extend(found);
+    }
+    let all: Vec<usize> = (0..state.components.len()).collect();
+    if kind == "canonical" {
+        let half = all.len() / 2;
+        let [q, p] = match &vectors[..] {
+            [] => [all[..half].to_vec(), all[half..].to_vec()],
+            [q, p] => [q.clone(), p.clone()],
+            _ => return Err("write canonical(q, p): positions and their momenta".into()),
+        };
+        if q.len() != p.len() {
+            let (q, p) = (q.len(), p.len());
+            return Err(format!("canonical takes as many momenta as positions, got {q} and {p}"));
+        }
+        return Ok(q.into_iter().zip(p).map(|(q, p)| (q, p, "1".into())).collect());
+    }
+    if vectors.is_empty() {
+        vectors = all.chunks(3).map(<[usize]>::to_vec).collect();
+    }
+    let mut block = Vec::new();
+    for vector in vectors {
+        let [x, y, z] = vector[..] else {
+            let length = vector.len();
+            return Err(format!("{kind} takes vectors of three components, got {length}"));
+        };
+        // B(s)v = s × v.
+        for (i, j, k) in [(x, y, z), (y, z, x), (z, x, y)] {
+            block.push((j, i, state.components[k].to_string()));
+        }
+    }
+    Ok(block)
+}
+
+/// The parts of a text between characters that stand in no bracket.
+fn split(text: &str, at: char) -> Vec<&str> {
+    let mut depth = 0;
+    let outside = |c: char| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        c == at && depth == 0
+    };
+    text.split(outside).map(str::trim).collect()
+}

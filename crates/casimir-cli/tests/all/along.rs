@@ -1,0 +1,122 @@
+//! Integrals, averages and events along paths.
+
+use serde_json::Value;
+
+use crate::common::{fails, json, with_scene};
+
+/// q is a Brownian motion with drift: dq = ∂H₀/∂p dt + ∂H₁/∂p dW.
+const WALK: &str = r#"[system]
+state = ["q", "p"]
+parameters = { mu = 0.3, sigma = 0.8 }
+B = "canonical(q, p)"
+H0 = "mu*p"
+H = ["sigma*p"]
+[run]
+initial = [0, 0]
+until = 2
+steps = 32
+scheme = "heun"
+paths = 40000
+"#;
+
+const MU: f64 = 0.3;
+const SIGMA: f64 = 0.8;
+const T: f64 = 2.0;
+
+/// The standard normal distribution function, by Simpson's rule.
+fn normal(x: f64) -> f64 {
+    let (from, n) = (-9.0, 2000);
+    let h = (x - from) / f64::from(n);
+    let density = |x: f64| (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
+    let weight = |k: i32| if k == 0 || k == n { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
+    (0..=n).map(|k| weight(k) * density(from + f64::from(k) * h)).sum::<f64>() * h / 3.0
+}
+
+/// P(q has been above 1 before t): the inverse Gaussian law.
+fn passed_before(t: f64) -> f64 {
+    let root = SIGMA * t.sqrt();
+    normal((MU * t - 1.0) / root)
+        + (2.0 * MU / (SIGMA * SIGMA)).exp() * normal((-1.0 - MU * t) / root)
+}
+
+fn at_end(scene: &str, seed: &str) -> Value {
+    let folder = with_scene(scene);
+    json(folder.path(), &["run", "scene.toml", "--json", "--seed", seed])["at_end"].clone()
+}
+
+/// How many standard errors a mean is from its truth.
+fn deviations(point: &Value, truth: f64) -> f64 {
+    let number = |key: &str| point[key].as_f64().expect("a number");
+    (number("mean") - truth) / (number("deviation") / number("count").sqrt())
+}
+
+/// Within 4.5 standard errors, 7e-6 by chance.
+#[track_caller]
+fn holds(point: &Value, truth: f64) {
+    let distance = deviations(point, truth);
+    assert!(distance.abs() < 4.5, "{distance} standard errors from {truth}: {point}");
+}
+
+#[test]
+fn first_passages_of_brownian_motion_have_the_inverse_gaussian_law() {
+    let events = "[events]\nhit = \"q > 1\"\n[observe]\nfar = \"q\"\n";
+    let found = at_end(&format!("{WALK}{events}"), "1");
+    holds(&found["hit"], passed_before(T));
+    // E min(T₁, t) = ∫(1 − P) dt, by the middles of many intervals.
+    let mean: f64 = (0..4000).map(|k| (1.0 - passed_before((f64::from(k) + 0.5) * T / 4000.0)) * T / 4000.0).sum();
+    // The time within a step is known to a quarter of it.
+    let time = &found["hit time"];
+    let error = (time["mean"].as_f64().unwrap() - mean).abs();
+    assert!(error < 4.5 * time["deviation"].as_f64().unwrap() / 200.0 + T / 32.0 / 4.0, "{time}");
+    let interval = &found["hit"]["mean_interval"];
+    assert!(interval[0].as_f64().unwrap() < passed_before(T));
+    assert!(interval[1].as_f64().unwrap() > passed_before(T));
+}
+
+/// The wrong method: an observable hides from the event what the noise does to it.
+#[test]
+fn passages_that_are_seen_at_the_ends_of_steps_are_too_few() {
+    let events = "[observe]\nfar = \"q\"\n[events]\nhit = \"far > 1\"\n";
+    let distance = deviations(&at_end(&format!("{WALK}{events}"), "1")["hit"], passed_before(T));
+    assert!(distance < -9.0, "{distance}");
+}
+
+#[test]
+fn integrals_and_averages_of_brownian_motion() {
+    let observe = "[observe]\narea = \"integral(q)\"\nmean = \"average( (q - mu)*q )\"\n\
+                   square = \"area^2\"\n";
+    let found = at_end(&format!("{WALK}{observe}"), "2");
+    let (tau, s2) = (T / 32.0, SIGMA * SIGMA);
+    holds(&found["area"], MU * T * T / 2.0);
+    // ∫∫ min(s, t), by the trapezoidal rule: T³/3 + Tτ²/6.
+    let variance = s2 * (T.powi(3) / 3.0 + T * tau * tau / 6.0);
+    holds(&found["square"], variance + (MU * T * T / 2.0).powi(2));
+    // The trapezoidal rule for t² has the error τ²/6.
+    let of_square = s2 * T / 2.0 + MU * MU * (T * T / 3.0 + tau * tau / 6.0);
+    holds(&found["mean"], of_square - MU * MU * T / 2.0);
+}
+
+#[test]
+fn a_path_stays_where_it_stops() {
+    let events = "[events]\nhit = { when = \"q > 1\", stop = true }\n";
+    let found = at_end(&format!("{WALK}{events}"), "3");
+    // Wald: E q(T₁ ∧ T) = μ E(T₁ ∧ T), but for the step in which it stops.
+    let (q, time) = (&found["q"], found["hit time"]["mean"].as_f64().unwrap());
+    let slack = 4.5 * q["deviation"].as_f64().unwrap() / 200.0 + SIGMA * (T / 32.0f64).sqrt();
+    assert!((q["mean"].as_f64().unwrap() - MU * time).abs() < slack, "{q} {time}");
+    assert!(q["quantiles"][4].as_f64().unwrap_or(0.0) < 2.0);
+}
+
+#[test]
+fn events_must_be_conditions() {
+    for (event, words) in [
+        ("\"q\"", "a probability is that of a condition"),
+        ("{ when = \"q > r\" }", "unknown name `r`"),
+        ("{ stop = true }", "missing"),
+        ("3", "a condition such as"),
+    ] {
+        let folder = with_scene(&format!("{WALK}[events]\nhit = {event}\n"));
+        fails(folder.path(), &["run", "scene.toml"], 2, &[words]);
+        assert!(!folder.path().join("scene-run").exists());
+    }
+}
