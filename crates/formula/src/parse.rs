@@ -231,7 +231,9 @@ impl<'a> Parser<'a> {
             let (binding, of_right) = match operator {
                 "or" => (OR, AND),
                 "and" => (AND, NOT),
-                "<" | ">" | "<=" | ">=" if !self.conditions.contains(&left.0[0]) => (COMPARISON, SUM),
+                "<" | ">" | "<=" | ">=" if !self.conditions.contains(&left.0[0]) => {
+                    (COMPARISON, SUM)
+                }
                 "+" | "-" => (SUM, PRODUCT),
                 "*" | "/" => (PRODUCT, SIGN),
                 "^" => (POWER, SIGN),

@@ -234,7 +234,7 @@ impl Passage<'_> {
         for p in (0..WIDTH).filter(|&p| crossed[p] == 0.0).collect::<Vec<_>>() {
             let share = if b[p] > 0.0 {
                 // Where a straight line passes.
-                -a[p] / (b[p] - a[p])
+                if a[p] < 0.0 { a[p] / (a[p] - b[p]) } else { 0.5 }
             } else if rate[p] > 0.0
                 && uniform(noise, step, p) < (-2.0 * a[p] * b[p] / (rate[p] * step.tau)).exp()
             {
@@ -251,7 +251,8 @@ impl Passage<'_> {
 
 /// A number that is uniform on (0, 1), from the bits of the increments of path p in a step.
 fn uniform(noise: &StepNoise, step: &Step, p: usize) -> f64 {
-    let mixed = noise.increments.iter().fold(step.number(), |hash, row| mix(hash ^ row[p].to_bits()));
+    let mixed =
+        noise.increments.iter().fold(step.number(), |hash, row| mix(hash ^ row[p].to_bits()));
     ((mixed >> 11) as f64 + 0.5) * 2f64.powi(-53)
 }
 

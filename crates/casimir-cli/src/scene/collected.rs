@@ -33,6 +33,16 @@ pub enum Kind {
     Average,
 }
 
+impl Kind {
+    /// The mean at time zero, where the function has this value.
+    pub fn at_start(self, value: f64) -> f64 {
+        match self {
+            Self::Integral => 0.0,
+            Self::Average => value,
+        }
+    }
+}
+
 /// The event that a function is positive.
 #[derive(Clone)]
 pub struct EventOf {
@@ -49,7 +59,8 @@ pub fn of(text: &At<Text>) -> Option<(Kind, At<Text>)> {
     let trimmed = text.0.trim();
     let kinds = [("integral", Kind::Integral), ("average", Kind::Average)];
     kinds.iter().find_map(|&(word, kind)| {
-        let inner = trimmed.strip_prefix(word)?.trim_start().strip_prefix('(')?.strip_suffix(')')?;
+        let inner =
+            trimmed.strip_prefix(word)?.trim_start().strip_prefix('(')?.strip_suffix(')')?;
         let mut depth = 0;
         let closes = |c: char| {
             depth += i32::from(c == '(') - i32::from(c == ')');

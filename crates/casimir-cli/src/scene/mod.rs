@@ -11,8 +11,8 @@ mod source;
 mod sweep;
 mod values;
 
+use collected::Collected;
 pub use file::{ExpectTable, SceneFile, schema};
-use collected::{Collected, Kind};
 use observe::Vocabulary;
 pub use observe::{Observable, Quantity};
 pub use read::{Constants, Parameters, Reading};
@@ -20,6 +20,7 @@ pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use shorthand::{State, structure};
 pub use source::{Read, SceneError, Source};
 pub use sweep::{Combination, Set, Sweep, Varied};
+use values::Event;
 pub use values::{At, Parameter, Structure, Text, count};
 
 use std::{fmt::Display, ops::Range, path::Path, sync::Arc};
@@ -93,46 +94,46 @@ impl Scene {
             vocabulary.add(&name, quantity.clone());
             observables.push(Observable { name, quantity });
         }
-        let free = |name: &At<String>, observables: &[Observable]| {
+        let mut collected = Vec::new();
+        let entries = file.observe.iter().map(|(name, text)| (name, Entry::Formula(text)));
+        let entries = entries.chain(file.events.iter().map(|(name, it)| (name, Entry::Event(it))));
+        let conditions = file.probabilities.iter();
+        let entries = entries.chain(conditions.map(|(name, text)| (name, Entry::Condition(text))));
+        for (name, entry) in entries {
             let known =
                 components.contains(name) || observables.iter().any(|known| known.name == **name);
             if known || is_column(name) {
                 return Err(taken(&source, name, name.span()));
             }
-            Ok(())
-        };
-        let mut collected = Vec::new();
-        for (name, event) in &file.events {
-            free(name, &observables)?;
-            let passage = collected::passage(&source, event, &system_names, &vocabulary)?;
-            let begun = f64::from(u8::from(vocabulary.at_start(&passage.phi) > 0.0));
-            let rows = [vocabulary.collect(begun), vocabulary.collect(0.0)];
-            collected.push(Collected::Passage(passage));
-            for (name, quantity) in [name.to_string(), format!("{} time", **name)].into_iter().zip(rows)
-            {
+            if let Entry::Condition(formula) = entry {
+                vocabulary.demand_condition(&source, formula)?;
+            }
+            let quantities = match entry {
+                Entry::Event(event) => {
+                    let passage = collected::passage(&source, event, &system_names, &vocabulary)?;
+                    let begun = vocabulary.at_start(&passage.phi) > 0.0;
+                    collected.push(Collected::Passage(passage));
+                    let happened = vocabulary.collect(f64::from(u8::from(begun)));
+                    let time = (format!("{} time", **name), vocabulary.collect(0.0));
+                    vec![(name.to_string(), happened), time]
+                }
+                Entry::Formula(formula) | Entry::Condition(formula) => {
+                    let quantity = match collected::of(formula) {
+                        Some((kind, inner)) => {
+                            let quantity = vocabulary.quantity(&source, &inner)?;
+                            let begun = kind.at_start(vocabulary.at_start(&quantity));
+                            collected.push(Collected::Mean(kind, quantity));
+                            vocabulary.collect(begun)
+                        }
+                        None => vocabulary.quantity(&source, formula)?,
+                    };
+                    vec![(name.to_string(), quantity)]
+                }
+            };
+            for (name, quantity) in quantities {
                 vocabulary.add(&name, quantity.clone());
                 observables.push(Observable { name, quantity });
             }
-        }
-        for (name, formula) in file.observe.iter().chain(&file.probabilities) {
-            free(name, &observables)?;
-            if file.probabilities.contains_key(name) {
-                vocabulary.demand_condition(&source, formula)?;
-            }
-            let quantity = match collected::of(formula) {
-                Some((kind, inner)) => {
-                    let quantity = vocabulary.quantity(&source, &inner)?;
-                    let begun = match kind {
-                        Kind::Integral => 0.0,
-                        Kind::Average => vocabulary.at_start(&quantity),
-                    };
-                    collected.push(Collected::Mean(kind, quantity));
-                    vocabulary.collect(begun)
-                }
-                None => vocabulary.quantity(&source, formula)?,
-            };
-            vocabulary.add(name, quantity.clone());
-            observables.push(Observable::new(name.as_str(), quantity));
         }
         if observables.is_empty() {
             let message = "a system of so many components needs observables: add [observe]";
@@ -255,6 +256,13 @@ fn is_column(name: &str) -> bool {
     let number = law.strip_prefix('C').or(law.strip_prefix('H'));
     ["scheme", "path", "t"].contains(&name)
         || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
+/// What an observable is.
+enum Entry<'a> {
+    Formula(&'a At<Text>),
+    Condition(&'a At<Text>),
+    Event(&'a At<Event>),
 }
 
 /// A name that a column has already.

@@ -31,9 +31,11 @@ impl Quantity {
     /// The same of the first rows, which are those of the state.
     pub fn of_state(self, dimension: usize) -> Self {
         match self {
-            Self::Function(function) => Self::Function(Arc::new(move |y: &[Row], values: &mut Row| {
-                function(&y[..dimension], values);
-            })),
+            Self::Function(function) => {
+                Self::Function(Arc::new(move |y: &[Row], values: &mut Row| {
+                    function(&y[..dimension], values);
+                }))
+            }
             other => other,
         }
     }

@@ -49,7 +49,8 @@ impl State {
             let lettered = |name: &str, letters: &str| -> Vec<String> {
                 letters.chars().map(|letter| format!("{name}{letter}")).collect()
             };
-            let is_letters = |text: &str| text.chars().count() > 1 && text.chars().all(char::is_alphabetic);
+            let is_letters =
+                |text: &str| text.chars().count() > 1 && text.chars().all(char::is_alphabetic);
             match brackets[..] {
                 [] => add(None, vec![name.to_owned()]),
                 [letters] if is_letters(letters) => add(Some(name), lettered(name, letters)),
@@ -151,7 +152,8 @@ fn block_of(state: &State, text: &str) -> Result<Block, String> {
     const KNOWN: [&str; 3] = ["canonical", "spins", "rigid"];
     let (kind, arguments) = match text.split_once('(') {
         Some((kind, inner)) => {
-            let inner = inner.strip_suffix(')').ok_or_else(|| format!("`{text}` ends without `)`"))?;
+            let inner =
+                inner.strip_suffix(')').ok_or_else(|| format!("`{text}` ends without `)`"))?;
             (kind.trim(), split(inner, ','))
         }
         None => (text, Vec::new()),

@@ -63,7 +63,9 @@ fn first_passages_of_brownian_motion_have_the_inverse_gaussian_law() {
     let found = at_end(&format!("{WALK}{events}"), "1");
     holds(&found["hit"], passed_before(T));
     // E min(T₁, t) = ∫(1 − P) dt, by the middles of many intervals.
-    let mean: f64 = (0..4000).map(|k| (1.0 - passed_before((f64::from(k) + 0.5) * T / 4000.0)) * T / 4000.0).sum();
+    let mean: f64 = (0..4000)
+        .map(|k| (1.0 - passed_before((f64::from(k) + 0.5) * T / 4000.0)) * T / 4000.0)
+        .sum();
     // The time within a step is known to a quarter of it.
     let time = &found["hit time"];
     let error = (time["mean"].as_f64().unwrap() - mean).abs();

@@ -27,7 +27,7 @@ fn long() -> String {
     for i in 0..9 {
         let entry = |j: usize| {
             let (a, b) = (i % 3, j % 3);
-            let third = &names[3 * (i / 3) + (3 - a - b) % 3];
+            let third = &names[3 * (i / 3) + (6 - a - b) % 3];
             match (i / 3 == j / 3 && a != b, (3 + b - a) % 3 == 1) {
                 (false, _) => "\"0\"".to_owned(),
                 (true, true) => format!("\"-{third}\""),
@@ -115,7 +115,7 @@ fn wrong_short_forms_are_named() {
         (with("\"spins\"", "\"spins(s1x)\""), "vectors of three components"),
         (with("dot(s[i], s[i+1])", "dot(s[i], s[i+2])"), "unknown name `s4`"),
         (with("dot(s[i], s[i+1])", "s[i]*s[i+1]"), "a product of vectors is dot"),
-        (with("dot(s[i], s[i+1])", "s[i]"), "this is a vector, where a number is wanted"),
+        (with("dot(s[i], s[i+1])", "s[i]"), "a vector of 3 - a number has no meaning"),
         (with("i in 1..2", "i in 2..1"), "has no term"),
         (with("i in 1..2", "J in 1..2"), "`J` has a meaning already"),
         (with("i in 1..2,", "i = 1..2,"), "a sum is written"),

@@ -21,6 +21,7 @@ fn definition(
         structure: structure.iter().map(|row| words(row)).collect(),
         energy: energy.to_owned(),
         noises: words(noises),
+        ..Definition::default()
     }
 }
 

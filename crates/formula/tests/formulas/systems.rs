@@ -177,6 +177,7 @@ fn harmonic() -> Definition {
         structure: vec![words(&["0", "-c*q"]), words(&["c*q", "0"])],
         energy: "(p^2 + q^2)/2".into(),
         noises: words(&["q"]),
+        ..Definition::default()
     }
 }
 
@@ -294,10 +295,10 @@ fn jacobi_is_shown_or_not() {
     let definition = |structure: [&[&str]; 2], noises: &[&str]| Definition {
         name: "three".into(),
         state: words(&["x", "y", "z"]),
-        parameters: vec![],
         structure: structure.map(words).to_vec(),
         energy: "x^2/2 + y^2 + z".into(),
         noises: words(noises),
+        ..Definition::default()
     };
     let holds = |structure, noises| {
         let system = FormulaSystem::new(&definition(structure, noises), &[0.6, 0.7, 0.8]).unwrap();

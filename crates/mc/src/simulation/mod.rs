@@ -11,7 +11,7 @@ use schemes::Step;
 
 use crate::{
     ConformalLaw, Initial, Ladder, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Run,
-    RunError, Setup, Statistic, View, observable::splat, parts::Stop,
+    RunError, Setup, Statistic, View, parts::Stop,
 };
 
 pub use series::{Column, NoiseOrigin, TimeSeries};
