@@ -1,5 +1,5 @@
-//! Quantities that a path collects along its way: integrals over time, averages, and the first
-//! passage of a function through zero.
+//! Quantities that a path collects along its way: the time, integrals over it, averages, and the
+//! first passage of a function through zero.
 //!
 //! [`Collecting`] is a method whose states have their rows after those of another method, so that
 //! whatever reads states can read them: tables, studies, expectations and step checks.
@@ -28,6 +28,8 @@ pub type OfStates<'a> = Arc<dyn Observe + Send + Sync + 'a>;
 /// What a path collects.
 #[derive(Clone)]
 pub enum Along<'a> {
+    /// t.
+    Time,
     /// ∫₀ᵗ v(y(s)) ds by the trapezoidal rule.
     Integral(OfStates<'a>),
     /// (1/t)∫₀ᵗ v(y(s)) ds; v(y(0)) at t = 0.
@@ -49,8 +51,8 @@ pub struct Passage<'a> {
     pub stops: bool,
 }
 
-/// From the states of 32 paths to a number for each.
-pub type VarianceRate<'a> = dyn Fn(&[Row], &mut Row) + Send + Sync + 'a;
+/// From the states of 32 paths and the middle of the step to a number for each.
+pub type VarianceRate<'a> = dyn Fn(&[Row], f64, &mut Row) + Send + Sync + 'a;
 
 /// s(y) = Σₘ(∇φ·B∇Hₘ)², for a system with one tile. `gradient` writes ∇φ.
 pub fn variance_rate<'a>(
@@ -60,7 +62,7 @@ pub fn variance_rate<'a>(
     let description = system.description();
     let (dimension, noises) = (description.dimension, description.noises);
     let scratch_rows = description.scratch_rows();
-    Arc::new(move |y: &[Row], rate: &mut Row| {
+    Arc::new(move |y: &[Row], t: f64, rate: &mut Row| {
         let zero = [0.0; WIDTH];
         let (mut slope, mut v, mut field) =
             (vec![zero; dimension], vec![zero; dimension], vec![zero; dimension]);
@@ -70,7 +72,7 @@ pub fn variance_rate<'a>(
         for m in 0..noises {
             dw.fill(zero);
             dw[m] = [1.0; WIDTH];
-            let h = Weights { dt: 0.0, dw: &dw, areas: &[] };
+            let h = Weights { t, dw: &dw, ..Weights::NONE };
             system.apply(Op::Gradient { y }, 0..dimension, h, &mut v, &mut scratch);
             let along = Op::Structure { y, v: &v };
             system.apply(along, 0..dimension, Weights::NONE, &mut field, &mut scratch);
@@ -86,17 +88,20 @@ impl Along<'_> {
     /// How many numbers it has.
     pub fn rows(&self) -> usize {
         match self {
-            Self::Integral(_) | Self::Average(_) => 1,
+            Self::Time | Self::Integral(_) | Self::Average(_) => 1,
             Self::Passage(_) => 2,
         }
     }
 
-    /// The function that is followed.
-    fn function(&self) -> &OfStates<'_> {
+    /// The function that is followed, of the state and of what is collected before; none of time.
+    fn value(&self, rows: &[Row]) -> Row {
+        let mut value = [0.0; WIDTH];
         match self {
-            Self::Integral(v) | Self::Average(v) => v,
-            Self::Passage(passage) => &passage.phi,
+            Self::Time => {}
+            Self::Integral(v) | Self::Average(v) => v.evaluate(rows, PathMask::ALL, &mut value),
+            Self::Passage(passage) => passage.phi.evaluate(rows, PathMask::ALL, &mut value),
         }
+        value
     }
 }
 
@@ -130,18 +135,16 @@ impl Method for Collecting<'_> {
         let mut rows = inner.state().to_vec();
         let mut values = Vec::new();
         for quantity in &self.quantities {
-            let mut value = [0.0; WIDTH];
-            quantity.function().evaluate(inner.state(), PathMask::ALL, &mut value);
+            let value = quantity.value(&rows);
             match quantity {
-                Along::Integral(_) => rows.push([0.0; WIDTH]),
+                Along::Time | Along::Integral(_) => rows.push([0.0; WIDTH]),
                 Along::Average(_) => rows.push(value),
                 Along::Passage(_) => rows.extend([value.map(passed), [0.0; WIDTH]]),
             }
             values.push(value);
         }
-        let (dimension, stopped) = (inner.state().len(), PathMask::NONE);
-        let quantities = &self.quantities[..];
-        Box::new(Collector { inner, quantities, dimension, rows, values, stopped })
+        let (before, stopped) = (inner.state().to_vec(), PathMask::NONE);
+        Box::new(Collector { inner, quantities: &self.quantities, before, rows, values, stopped })
     }
 }
 
@@ -152,7 +155,8 @@ fn passed(phi: f64) -> f64 {
 struct Collector<'a> {
     inner: Box<dyn Stepper + 'a>,
     quantities: &'a [Along<'a>],
-    dimension: usize,
+    /// The state before the last step.
+    before: Vec<Row>,
     /// The state and what was collected.
     rows: Vec<Row>,
     /// The functions at the state.
@@ -172,15 +176,20 @@ impl Stepper for Collector<'_> {
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         self.inner.step(step, noise, status);
-        let (before, collected) = self.rows.split_at_mut(self.dimension);
-        let (tau, number) = (step.tau, step.number() as f64);
-        let (mut first, mut stopped) = (0, PathMask::NONE);
+        let (before, tau, number) = (&mut self.before, step.tau, step.number() as f64);
+        let mut first = before.len();
+        before.copy_from_slice(&self.rows[..first]);
+        let state = self.inner.state_mut();
+        for p in self.stopped.paths() {
+            state.iter_mut().zip(&*before).for_each(|(y, before)| y[p] = before[p]);
+        }
+        self.rows[..first].copy_from_slice(state);
         for (quantity, value) in self.quantities.iter().zip(&mut self.values) {
-            let rows = &mut collected[first..first + quantity.rows()];
+            let next = quantity.value(&self.rows);
+            let rows = &mut self.rows[first..first + quantity.rows()];
             first += rows.len();
-            let mut next = [0.0; WIDTH];
-            quantity.function().evaluate(self.inner.state(), PathMask::ALL, &mut next);
             match (quantity, rows) {
+                (Along::Time, [time]) => time.fill(step.t + tau),
                 (Along::Integral(_), [sum]) => {
                     for p in 0..WIDTH {
                         sum[p] += tau * (0.5 * (value[p] + next[p]));
@@ -196,21 +205,14 @@ impl Stepper for Collector<'_> {
                     let ends = (&*value, &next);
                     passage.advance(before, ends, step, noise, crossed, time);
                     if passage.stops {
-                        (0..WIDTH).filter(|&p| crossed[p] > 0.0).for_each(|p| stopped.insert(p));
+                        let passed = (0..WIDTH).filter(|&p| crossed[p] > 0.0);
+                        passed.for_each(|p| self.stopped.insert(p));
                     }
                 }
                 _ => unreachable!("each quantity has its number of rows"),
             }
             *value = next;
         }
-        for p in stopped.paths() {
-            if self.stopped.contains(p) {
-                let state = self.inner.state_mut();
-                (0..self.dimension).for_each(|i| state[i][p] = before[i][p]);
-            }
-        }
-        self.stopped = stopped;
-        before.copy_from_slice(self.inner.state());
     }
 }
 
@@ -225,11 +227,10 @@ impl Passage<'_> {
         crossed: &mut Row,
         time: &mut Row,
     ) {
-        let start = step.number() as f64 * step.tau;
         let between = |p: usize| a[p] < 0.0 && b[p] < 0.0 && crossed[p] == 0.0;
         let mut rate = [0.0; WIDTH];
         if let Some(variance) = self.variance.as_ref().filter(|_| (0..WIDTH).any(between)) {
-            variance(before, &mut rate);
+            variance(before, step.t + 0.5 * step.tau, &mut rate);
         }
         for p in (0..WIDTH).filter(|&p| crossed[p] == 0.0).collect::<Vec<_>>() {
             let share = if b[p] > 0.0 {
@@ -240,11 +241,11 @@ impl Passage<'_> {
             {
                 0.5
             } else {
-                time[p] = start + step.tau;
+                time[p] = step.t + step.tau;
                 continue;
             };
             crossed[p] = 1.0;
-            time[p] = start + step.tau * share.clamp(0.0, 1.0);
+            time[p] = step.t + step.tau * share.clamp(0.0, 1.0);
         }
     }
 }

@@ -155,7 +155,7 @@ impl Stepper for Paths<'_> {
         self.stepper.step(step, noise, status);
         if let Some(scratch) = &mut self.guard {
             let mut guard = [0.0; real::WIDTH];
-            self.system.guard(self.stepper.state(), &mut guard, scratch);
+            self.system.guard(self.stepper.state(), step.t + step.tau, &mut guard, scratch);
             status.fail_where_not_finite(&[guard]);
         }
     }
@@ -195,14 +195,14 @@ fn first_path(y: &[Row]) -> Vec<f64> {
 impl Formulas for OnRows<'_> {
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
         let (mut out, dw) = ([0.0; real::WIDTH], splat(dw));
-        let h = Weights { dt, dw: &dw, areas: &[] };
+        let h = Weights { dt, dw: &dw, ..Weights::NONE };
         self.0.energy(&splat(y), h, &mut out, &mut self.scratch());
         out[0]
     }
 
     fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64> {
         let (y, dw) = (splat(y), splat(dw));
-        let h = Weights { dt, dw: &dw, areas: &[] };
+        let h = Weights { dt, dw: &dw, ..Weights::NONE };
         let gradient = self.apply(Op::Gradient { y: &y }, h);
         first_path(&self.apply(Op::Structure { y: &y, v: &gradient }, h))
     }

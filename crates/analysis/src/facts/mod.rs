@@ -36,7 +36,7 @@ pub use scheme::Kept;
 pub struct Facts {
     /// Linear Casimirs, then quadratic ones that are no products of these.
     pub casimirs: Vec<Form>,
-    /// Whether every Hₘ is a multiple of H₀, up to a constant.
+    /// Whether every Hₘ is a multiple of H₀, up to a constant, and none depends on time.
     pub proportional: bool,
     /// The degree of H₀, if it is homogeneous.
     pub degree: Option<f64>,
@@ -58,8 +58,8 @@ impl Facts {
             probe.gradient(&y, &weights).concat()
         };
         let drift = slopes(&mut probe, 0);
-        let proportional =
-            (1..=probe.noises()).all(|m| multiple(&drift, &slopes(&mut probe, m)).is_some());
+        let proportional = !probe.description().depends_on_time
+            && (1..=probe.noises()).all(|m| multiple(&drift, &slopes(&mut probe, m)).is_some());
         let weights = probe.weights(0);
         let energy = probe.energy(&y, &weights);
         // Euler's identity y·∇H₀ = pH₀.

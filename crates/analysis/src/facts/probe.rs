@@ -7,6 +7,9 @@ use systems::run_time::{Description, Lanes, Op, System, Weights, derived};
 
 use super::algebra::{Matrix, axis, transposed};
 
+/// The time at which Hamiltonians are looked at that depend on it.
+pub const TIME: f64 = 0.618;
+
 /// States or vectors, one for each point.
 pub type Batch = Vec<Vec<f64>>;
 
@@ -100,7 +103,7 @@ impl<'a> Probe<'a> {
     fn evaluate(&mut self, op: Op<&[Vec<f64>]>, weights: &[f64], by_quadrature: bool) -> Batch {
         let (dt, dw) =
             weights.split_first().map_or((0.0, Vec::new()), |(dt, dw)| (*dt, self.noise(dw)));
-        let h = Weights { dt, dw: &dw, areas: &[] };
+        let h = Weights { t: TIME, dt, dw: &dw, areas: &[] };
         let mut all = Batch::new();
         self.chunks(&op.arguments().collect::<Vec<_>>(), |this, rows, chunk| {
             let layout = this.description().layout;
@@ -178,7 +181,7 @@ impl<'a> Probe<'a> {
 
     /// h(y).
     pub fn energy(&mut self, y: &[Vec<f64>], weights: &[f64]) -> Vec<f64> {
-        let h = Weights { dt: weights[0], dw: &self.noise(&weights[1..]), areas: &[] };
+        let h = Weights { t: TIME, dt: weights[0], dw: &self.noise(&weights[1..]), areas: &[] };
         self.numbers(y, |system, y, out, scratch| system.energy(y, h, out, scratch))
     }
 

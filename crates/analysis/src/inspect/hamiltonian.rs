@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     algebra::{dot, moved, norm, scaled},
-    finding::{Finding, Term, product, sum},
+    finding::{Finding, Status, Term, product, sum},
     probe::Batch,
     random::{Purpose, Random},
     shape::Shape,
@@ -18,7 +18,10 @@ pub struct Hamiltonians {
     pub shapes: Vec<Shape>,
     /// Whether there is no noise.
     pub silent: bool,
+    /// Whether one depends on time.
+    pub depend_on_time: bool,
     /// ∇Hₘ = cₘ∇H₀ for every m: such a system has an energy law.
+    /// It fails where one depends on time.
     pub proportional: Finding,
     /// ∇̄h(a, b)·(b − a) = h(b) − h(a), for points a tenth of the region apart.
     pub discrete_gradient: Finding,
@@ -43,7 +46,8 @@ impl Hamiltonians {
         let mut random = Random::new(Purpose::Weights);
         let weights = sight.weights(&mut random);
         let (proportional, silent) = proportional(sight, &mut random, few);
-        let mut found = Self { proportional, silent, ..Self::default() };
+        let depend_on_time = sight.probe.description().depends_on_time;
+        let mut found = Self { proportional, silent, depend_on_time, ..Self::default() };
         for m in 0..=if few { noises } else { 0 } {
             let unit = sight.probe.weights(m);
             let shape = Shape::of(sight, &|probe, y| probe.energy(y, &unit));
@@ -131,5 +135,8 @@ fn proportional(sight: &mut Sight<'_>, random: &mut Random, few: bool) -> (Findi
         silent &= c == 0.0;
     }
     silent &= proportional.holds();
+    if sight.probe.description().depends_on_time {
+        proportional.status = Status::Fails;
+    }
     (proportional, silent)
 }

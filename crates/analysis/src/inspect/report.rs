@@ -11,6 +11,7 @@ use super::{
     invariants::ClaimedInvariant,
     noises::Noises,
     points::Region,
+    probe::TIME,
     problem::{Bound, ProblemFindings},
     recommendation::Recommendation,
     shape::{Minimum, Shape},
@@ -147,6 +148,10 @@ impl Inspection {
             let (yes, no) = ("commute", "do not commute: strong order 1 needs Lévy areas");
             lines.push(row("noises", energy));
             lines.push(row("", self.noise.commute.words(yes, no)));
+        }
+        if h.depend_on_time {
+            let words = "H depends on it, B does not: Casimirs are kept, energies are not";
+            lines.push(row("time", format!("{words}; seen at t = {TIME}")));
         }
         let claims = self.invariants.iter().map(|invariant| {
             let ClaimedInvariant { name, formula, shape, .. } = invariant;

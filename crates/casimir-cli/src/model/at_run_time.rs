@@ -61,10 +61,14 @@ impl Model for AtRunTime {
     }
 
     fn recommended(&self) -> (&'static str, String) {
-        if let Some(facts) = self.facts() {
-            return facts.kept().scheme();
-        }
         let system = self.problem.system().description();
+        if let Some(facts) = self.facts() {
+            let (scheme, why) = facts.kept().scheme();
+            return match system.depends_on_time {
+                true => (scheme, why.replace("the noise", "what noise and time do")),
+                false => (scheme, why),
+            };
+        }
         let (scheme, why) = match &system.parts {
             Ok(_) => ("split", "the energy stays near".into()),
             Err(_) if system.is_transverse => {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use casimir::{
-    formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
+    formula::{Definition, DefinitionError, FormulaSystem, Which},
     systems::{Damping, run_time::Problem},
 };
 
@@ -50,8 +50,6 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
     let y0 = &settings.initial;
     let system = FormulaSystem::new(&definition, y0);
     let system = Arc::new(system.map_err(|error| misdefined(reading, &state, &error))?);
-    let h0 = Formula::parse(&definition.energy, system.names());
-    let h0 = h0.map_err(|error| source.formula_error(energy, &error))?;
     let names = system.names().clone();
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
         .map_err(|error| reading.initial_error(error))?;
@@ -60,7 +58,7 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
         model: Box::new(AtRunTime::new(problem, Some(system))),
         components: definition.state,
         names,
-        energy: h0.into(),
+        energy: None,
         quantities: Vec::new(),
     })
 }

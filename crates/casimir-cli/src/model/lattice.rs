@@ -86,7 +86,7 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
     let per_spin = move |y: &[Row], values: &mut Row| {
         let dw = vec![[0.0; WIDTH]; system.description().noises];
         let mut scratch = vec![[0.0; WIDTH]; system.description().scratch_rows()];
-        system.energy(y, Weights { dt: 1.0, dw: &dw, areas: &[] }, values, &mut scratch);
+        system.energy(y, Weights { dt: 1.0, dw: &dw, ..Weights::NONE }, values, &mut scratch);
         values.iter_mut().for_each(|value| *value /= sites as f64);
     };
     let energy = Quantity::Function(Arc::new(per_spin));
@@ -108,7 +108,7 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
         model: Box::new(AtRunTime::new(problem, None)),
         names: numbered(&components),
         components,
-        energy,
+        energy: Some(energy),
         quantities,
     })
 }

@@ -111,8 +111,8 @@ pub struct Built {
     pub of_vector: usize,
     /// The names that formulas of observables may use.
     pub names: Names,
-    /// H₀.
-    pub energy: Quantity,
+    /// H₀; none of formulas, where it is a text.
+    pub energy: Option<Quantity>,
     /// Observables that come by themselves.
     pub quantities: Vec<Observable>,
 }

@@ -115,7 +115,7 @@ where
         model: Box::new(Compiled::new(problem)),
         names: numbered(&components),
         components,
-        energy: Quantity::Function(Arc::new(energy)),
+        energy: Some(Quantity::Function(Arc::new(energy))),
         quantities: Vec::new(),
     })
 }

@@ -1,4 +1,4 @@
-//! What paths collect: integrals, averages and events.
+//! What paths collect: the time, integrals, averages and events.
 
 use std::{slice::from_ref, sync::Arc};
 
@@ -18,6 +18,8 @@ use super::{
 /// What a path collects.
 #[derive(Clone)]
 pub enum Collected {
+    /// The time.
+    Time,
     /// An integral or average over time.
     Mean(Kind, Quantity),
     /// An event.
@@ -75,7 +77,7 @@ pub fn passage(
     source: &Source,
     event: &At<Event>,
     names: &Names,
-    vocabulary: &Vocabulary,
+    vocabulary: &mut Vocabulary,
 ) -> Read<EventOf> {
     let (text, stops) = match &**event {
         Event::When(text) => (At::new(event.span(), text.clone()), false),
@@ -102,6 +104,7 @@ impl Collected {
     pub fn along<'a>(&self, system: &'a dyn System) -> Along<'a> {
         let function = |quantity: &Quantity| Arc::new(Observable::new("", quantity.clone()));
         match self {
+            Self::Time => Along::Time,
             Self::Mean(Kind::Integral, quantity) => Along::Integral(function(quantity)),
             Self::Mean(Kind::Average, quantity) => Along::Average(function(quantity)),
             Self::Passage(EventOf { phi, gradient, stops }) => {

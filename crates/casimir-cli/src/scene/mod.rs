@@ -13,7 +13,7 @@ mod values;
 
 use collected::Collected;
 pub use file::{ExpectTable, SceneFile, schema};
-use observe::Vocabulary;
+use observe::{Further, Vocabulary};
 pub use observe::{Observable, Quantity};
 pub use read::{Constants, Parameters, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
@@ -83,7 +83,11 @@ impl Scene {
             })?;
         let y0 = model.problem().y0;
         let (dimension, system_names) = (y0.len(), names.clone());
-        let mut vocabulary = Vocabulary::new(names, energy.of_state(dimension), &y0);
+        let energy = match (energy, &file.system.energy) {
+            (None, Some(text)) => Further::Energy(text.clone()),
+            (energy, _) => Further::Quantity(energy.unwrap_or(Quantity::Component(0)).of_state(dimension)),
+        };
+        let mut vocabulary = Vocabulary::new(names, energy, &y0);
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
         let mut observables = Vec::new();
         if components.len() <= MOST_COMPONENTS {
@@ -91,10 +95,9 @@ impl Scene {
         }
         for Observable { name, quantity } in quantities {
             let quantity = quantity.of_state(dimension);
-            vocabulary.add(&name, quantity.clone());
+            vocabulary.add(&name, Further::Quantity(quantity.clone()));
             observables.push(Observable { name, quantity });
         }
-        let mut collected = Vec::new();
         let entries = file.observe.iter().map(|(name, text)| (name, Entry::Formula(text)));
         let entries = entries.chain(file.events.iter().map(|(name, it)| (name, Entry::Event(it))));
         let conditions = file.probabilities.iter();
@@ -110,20 +113,20 @@ impl Scene {
             }
             let quantities = match entry {
                 Entry::Event(event) => {
-                    let passage = collected::passage(&source, event, &system_names, &vocabulary)?;
-                    let begun = vocabulary.at_start(&passage.phi) > 0.0;
-                    collected.push(Collected::Passage(passage));
-                    let happened = vocabulary.collect(f64::from(u8::from(begun)));
-                    let time = (format!("{} time", **name), vocabulary.collect(0.0));
-                    vec![(name.to_string(), happened), time]
+                    let passage =
+                        collected::passage(&source, event, &system_names, &mut vocabulary)?;
+                    let begun = f64::from(u8::from(vocabulary.at_start(&passage.phi) > 0.0));
+                    let passage = Collected::Passage(passage);
+                    let [happened, time] = vocabulary.collect(passage, [begun, 0.0]);
+                    vec![(name.to_string(), happened), (format!("{} time", **name), time)]
                 }
                 Entry::Formula(formula) | Entry::Condition(formula) => {
                     let quantity = match collected::of(formula) {
                         Some((kind, inner)) => {
                             let quantity = vocabulary.quantity(&source, &inner)?;
                             let begun = kind.at_start(vocabulary.at_start(&quantity));
-                            collected.push(Collected::Mean(kind, quantity));
-                            vocabulary.collect(begun)
+                            let [row] = vocabulary.collect(Collected::Mean(kind, quantity), [begun]);
+                            row
                         }
                         None => vocabulary.quantity(&source, formula)?,
                     };
@@ -131,7 +134,7 @@ impl Scene {
                 }
             };
             for (name, quantity) in quantities {
-                vocabulary.add(&name, quantity.clone());
+                vocabulary.add(&name, Further::Quantity(quantity.clone()));
                 observables.push(Observable { name, quantity });
             }
         }
@@ -177,7 +180,7 @@ impl Scene {
             model,
             settings,
             observables,
-            collected,
+            collected: vocabulary.collected,
             probabilities,
             expected,
             accuracy,
@@ -275,7 +278,7 @@ fn taken(source: &Source, name: &str, place: Range<usize>) -> SceneError {
 fn expected(
     source: &Source,
     table: &ExpectTable,
-    known: impl Fn(&At<Text>) -> Read<Observable>,
+    mut known: impl FnMut(&At<Text>) -> Read<Observable>,
 ) -> Read<Vec<Observable>> {
     let accuracy = *table.accuracy;
     if !(accuracy > 0.0 && accuracy.is_finite()) {

@@ -9,6 +9,7 @@ use casimir::{
 };
 
 use super::{
+    collected::Collected,
     source::{Read, Source},
     values::{At, Text},
 };
@@ -92,33 +93,60 @@ impl Observe for Observable {
 pub struct Vocabulary {
     /// The components of y and the parameters.
     names: Names,
-    /// Further quantities, inputs after the components: H₀, and observables that are known.
-    quantities: Vec<Quantity>,
+    /// Further inputs after the components.
+    further: Vec<Further>,
+    /// What paths collect.
+    pub collected: Vec<Collected>,
     /// The initial value, and what paths have collected there.
     start: Vec<f64>,
     dimension: usize,
 }
 
+/// What formulas may use beside components and parameters.
+#[derive(Clone)]
+pub enum Further {
+    /// A quantity that is known.
+    Quantity(Quantity),
+    /// The time, which paths collect if it is used.
+    Time,
+    /// The formula of H₀, which may depend on time.
+    Energy(At<Text>),
+}
+
 impl Vocabulary {
-    /// Components, parameters, and `H0`.
-    pub fn new(names: Names, energy: Quantity, y0: &[f64]) -> Self {
-        let (quantities, start, dimension) = (Vec::new(), y0.to_vec(), y0.len());
-        let mut vocabulary = Self { names, quantities, start, dimension };
+    /// Components, parameters, `H0` and `t`.
+    pub fn new(names: Names, energy: Further, y0: &[f64]) -> Self {
+        let (further, start, collected) = (Vec::new(), y0.to_vec(), Vec::new());
+        let mut vocabulary = Self { names, further, collected, start, dimension: y0.len() };
+        vocabulary.add("t", Further::Time);
         vocabulary.add("H0", energy);
         vocabulary
     }
 
-    /// One more quantity, unless its name has a meaning.
-    pub fn add(&mut self, name: &str, quantity: Quantity) {
+    /// One more input, unless its name has a meaning.
+    pub fn add(&mut self, name: &str, further: Further) {
         if self.names.variable(name).is_ok() {
-            self.quantities.push(quantity);
+            self.further.push(further);
         }
     }
 
-    /// A row that is collected, with its value at time zero.
-    pub fn collect(&mut self, at_start: f64) -> Quantity {
-        self.start.push(at_start);
-        Quantity::Collected(self.start.len() - 1)
+    /// Collects something, whose rows have these values at time zero.
+    pub fn collect<const N: usize>(&mut self, what: Collected, at_start: [f64; N]) -> [Quantity; N] {
+        let first = self.start.len();
+        self.start.extend(at_start);
+        self.collected.push(what);
+        std::array::from_fn(|k| Quantity::Collected(first + k))
+    }
+
+    /// The quantity of a further input.
+    fn known(&mut self, source: &Source, k: usize) -> Read<Quantity> {
+        let quantity = match self.further[k].clone() {
+            Further::Quantity(quantity) => quantity,
+            Further::Time => self.collect(Collected::Time, [0.0])[0].clone(),
+            Further::Energy(text) => self.quantity(source, &text)?,
+        };
+        self.further[k] = Further::Quantity(quantity.clone());
+        Ok(quantity)
     }
 
     /// The value of a quantity at time zero.
@@ -141,13 +169,12 @@ impl Vocabulary {
     }
 
     /// The quantity of a formula, which must have a value at the initial value.
-    pub fn quantity(&self, source: &Source, text: &At<Text>) -> Read<Quantity> {
+    pub fn quantity(&mut self, source: &Source, text: &At<Text>) -> Read<Quantity> {
         let formula = Formula::parse(&text.0, &self.names);
         let formula = formula.map_err(|error| source.formula_error(text, &error))?;
-        let (dimension, all) = (self.dimension, self.dimension + self.quantities.len());
-        let used: Vec<(usize, Quantity)> = self.quantities.iter().cloned().enumerate().collect();
-        let used: Vec<_> =
-            used.into_iter().filter(|(k, _)| formula.depends_on(dimension + k)).collect();
+        let (dimension, all) = (self.dimension, self.dimension + self.further.len());
+        let used = (0..self.further.len()).filter(|k| formula.depends_on(dimension + k));
+        let used = used.map(|k| Ok((k, self.known(source, k)?))).collect::<Read<Vec<_>>>()?;
         let mut point = self.start[..dimension].to_vec();
         point.resize(all, 0.0);
         for (k, quantity) in &used {

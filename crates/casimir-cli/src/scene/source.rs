@@ -42,7 +42,7 @@ impl Source {
     /// Something wrong with a formula, at its place in the file.
     pub fn formula_error(&self, formula: &At<Text>, error: &FormulaError) -> SceneError {
         let message = match error.unknown_name.as_deref() {
-            Some("t") => "unknown name `t`: time is known in the rate of damping only",
+            Some("t") => "unknown name `t`: time is known in the rate of damping, in H0 and H, and in observables",
             _ => &error.message,
         };
         self.error_in(formula, error, message)

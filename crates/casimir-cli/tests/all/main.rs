@@ -11,4 +11,5 @@ mod parts;
 mod results;
 mod shorthand;
 mod sweeps;
+mod time;
 mod truths;

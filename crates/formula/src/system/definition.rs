@@ -82,7 +82,7 @@ pub(super) struct Formulas {
     pub names: Names,
     /// Row i has the entries i + 1, … of that row of B.
     pub structure: Vec<Vec<Formula>>,
-    /// H₀, H₁, ….
+    /// H₀, H₁, …, whose last variable is the time.
     pub hamiltonians: Vec<Formula>,
 }
 
@@ -96,9 +96,13 @@ impl Formulas {
         for (name, value) in parameters {
             names.parameter(name, *value)?;
         }
+        let (mut timed, start) = (names.clone(), [y0, &[0.0]].concat());
+        timed.variable("t")?;
         let parsed = |which: Which, text: &str| -> Result<Formula, DefinitionError> {
-            let formula = Formula::parse(text, &names).and_then(|formula| {
-                let reason = formula.explain(y0);
+            let is_entry = matches!(which, Which::Structure(..));
+            let names = if is_entry { &names } else { &timed };
+            let formula = Formula::parse(text, names).and_then(|formula| {
+                let reason = formula.explain(&start[..formula.variables.len()]);
                 let at_y0 = |message| format!("{message} at the initial value");
                 let wrong = |e: FormulaError| FormulaError { message: at_y0(e.message), ..e };
                 let reason = formula.condition().or(reason.map(wrong));
@@ -112,7 +116,7 @@ impl Formulas {
         let hamiltonian = |(m, text): (usize, &String)| {
             let which = if m == 0 { Which::Energy } else { Which::Noise(m) };
             let formula = parsed(which, text)?;
-            has_gradient(which, &formula, y0)?;
+            has_gradient(which, &formula, &start)?;
             Ok(formula)
         };
         check_initial_value(state, y0)?;
@@ -137,11 +141,11 @@ fn check_initial_value(state: &[String], y0: &[f64]) -> Result<(), DefinitionErr
     Err(DefinitionError::new(Which::InitialValue, format!("the initial value must {what}")))
 }
 
-/// Checks that all derivatives of a formula are finite.
-fn has_gradient(which: Which, formula: &Formula, y0: &[f64]) -> Result<(), DefinitionError> {
-    let all: Vec<usize> = (0..y0.len()).collect();
-    let mut gradient = vec![0.0; y0.len()];
-    formula.gradient(&all).evaluate_one(&[y0], &mut gradient);
+/// Checks that all derivatives of a formula by components are finite.
+fn has_gradient(which: Which, formula: &Formula, start: &[f64]) -> Result<(), DefinitionError> {
+    let all: Vec<usize> = (0..start.len() - 1).collect();
+    let mut gradient = vec![0.0; all.len()];
+    formula.gradient(&all).evaluate_one(&[start], &mut gradient);
     match gradient.iter().zip(&formula.variables).find(|(slope, _)| !slope.is_finite()) {
         Some((slope, variable)) => {
             let message =

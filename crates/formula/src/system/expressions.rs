@@ -12,7 +12,7 @@ use crate::{
     words::{self, Binding},
 };
 
-/// What a system is asked for, in groups of inputs: y, u, v, dt, dw and areas.
+/// What a system is asked for, in groups of inputs: y, u, v, dt, dw, areas and t.
 #[derive(Clone)]
 pub struct Expressions {
     pub graph: Graph,
@@ -38,6 +38,11 @@ const DT: usize = 3;
 const DW: usize = 4;
 /// The matrix of Lévy areas, of which the part above the diagonal is read.
 const AREAS: usize = 5;
+/// The time.
+const TIME: usize = 6;
+
+/// Times at which noises that depend on it are asked whether they commute.
+const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
 
 /// The most noises whose Lévy areas are used.
 const MOST_NOISES: usize = 16;
@@ -47,8 +52,10 @@ impl Expressions {
         let (dimension, noises) = (formulas.structure.len(), formulas.hamiltonians.len() - 1);
         let mut graph = Graph::new();
         let y: Vec<Id> = (0..dimension).map(|k| graph.input(k)).collect();
+        let t = graph.input(3 * dimension + 1 + noises + noises * noises);
+        let variables = [&y[..], &[t]].concat();
         let mut import =
-            |formula: &Formula| graph.copy(Some(&formula.graph), &[formula.root], &y)[0];
+            |formula: &Formula| graph.copy(Some(&formula.graph), &[formula.root], &variables)[0];
         let hamiltonians: Vec<Id> = formulas.hamiltonians.iter().map(&mut import).collect();
         let entries: Vec<Vec<Id>> =
             formulas.structure.iter().map(|row| row.iter().map(&mut import).collect()).collect();
@@ -93,7 +100,8 @@ impl Expressions {
     /// The inputs of a group.
     fn group(&self, group: usize) -> Range<usize> {
         let (d, m) = (self.dimension, self.noises);
-        let ends = [0, d, 2 * d, 3 * d, 3 * d + 1, 3 * d + 1 + m, 3 * d + 1 + m + m * m];
+        let areas = 3 * d + 1 + m;
+        let ends = [0, d, 2 * d, 3 * d, 3 * d + 1, areas, areas + m * m, areas + m * m + 1];
         ends[group]..ends[group + 1]
     }
 
@@ -131,6 +139,12 @@ impl Expressions {
         })
     }
 
+    /// Whether a Hamiltonian depends on time.
+    pub fn depend_on_time(&self) -> bool {
+        let t = self.group(TIME).start as u32;
+        self.graph.uses(&self.hamiltonians, |node| node == Node::Input(t))
+    }
+
     /// H₀ + H₁ + … and the components of B(y)(1, 2, …), a sum that is finite where all are.
     pub fn guard_tape(&mut self) -> Tape {
         let ones = vec![self.graph.constant(1.0); self.hamiltonians.len()];
@@ -140,7 +154,7 @@ impl Expressions {
         for component in self.field_at(V, &v) {
             sum = self.graph.add(sum, component);
         }
-        self.tape(&[sum], [Y])
+        self.tape(&[sum], [Y, TIME])
     }
 
     /// The largest degree of B(y) in y.
@@ -224,14 +238,19 @@ impl Expressions {
             }
         }
         [commutators, defects].map(|expressions| {
-            let in_domain = |y: &[f64]| self.numbers(&expressions, y).iter().all(|x| x.is_finite());
-            systems::vanish(y0, in_domain, |y| self.numbers(&expressions, y))
+            let times = if self.depend_on_time() { &TIMES[..] } else { &TIMES[..1] };
+            times.iter().all(|&t| {
+                let finite = |y: &[f64]| self.numbers(&expressions, y, t).iter().all(|x| x.is_finite());
+                systems::vanish(y0, finite, |y| self.numbers(&expressions, y, t))
+            })
         })
     }
 
-    /// Functions of y in any numbers.
-    fn numbers<R: Real>(&self, roots: &[Id], y: &[R]) -> Vec<R> {
-        let values = self.graph.values(roots, y);
+    /// Functions of y at a time in any numbers.
+    fn numbers<R: Real>(&self, roots: &[Id], y: &[R], t: f64) -> Vec<R> {
+        let mut inputs = y.to_vec();
+        inputs.resize(self.group(TIME).end, R::constant(t));
+        let values = self.graph.values(roots, &inputs);
         roots.iter().map(|root| values[root.index()]).collect()
     }
 
@@ -253,6 +272,8 @@ impl Expressions {
     pub fn equations(mut self, state: &[String], damped: bool) -> Vec<String> {
         let fields: Vec<Vec<Id>> =
             (0..self.hamiltonians.len()).map(|m| self.field_of(m).1).collect();
+        let mut names = state.to_vec();
+        names.resize(self.group(TIME).end, "t".into());
         let equation = |(i, name): (usize, &String)| {
             let mut text = format!("d{name} =");
             for (m, field) in fields.iter().enumerate() {
@@ -268,7 +289,7 @@ impl Expressions {
                 };
                 let factor = minus.unwrap_or(field[i]);
                 if self.graph.as_constant(factor) != Some(1.0) {
-                    text += &(words::text(&self.graph, factor, state, Binding::Product) + " ");
+                    text += &(words::text(&self.graph, factor, &names, Binding::Product) + " ");
                 }
                 text += &if m == 0 { "dt".into() } else { format!("∘ dW{m}") };
             }
@@ -307,9 +328,9 @@ impl Expressions {
         self.operations.iter().find(|(known, _)| known.map(|_| ()) == op)
     }
 
-    /// h from y, dt and dw.
+    /// h from y, dt, dw and t.
     pub fn energy_tape(&self) -> Tape {
-        self.tape(&[self.energy], [Y, DT, DW])
+        self.tape(&[self.energy], [Y, DT, DW, TIME])
     }
 
     /// The entries of I − ½A(v) from v, row by row.

@@ -19,7 +19,7 @@ use systems::{
 
 pub use definition::{Definition, DefinitionError, Which};
 
-use crate::{Names, Tape};
+use crate::{Formula, Names, Tape};
 use definition::Formulas;
 use expressions::Expressions;
 use program::Programs;
@@ -56,7 +56,7 @@ const MOST_EXPRESSIONS: usize = 100_000;
 ///
 /// let (y, dw) = (Rows::splat(&[0.6, 0.0, 0.8])?, Rows::splat(&[0.3])?);
 /// let mut scratch = Rows::zero(body.description().scratch_rows())?;
-/// let (mut gradient, h) = (Rows::zero(3)?, Weights { dt: 0.01, dw: &dw, areas: &[] });
+/// let (mut gradient, h) = (Rows::zero(3)?, Weights { dt: 0.01, dw: &dw, ..Weights::NONE });
 /// body.apply(Op::Gradient { y: &y }, 0..3, h, &mut gradient, &mut scratch);
 /// assert!((gradient[0][5] - 0.6 * (0.005 + 0.5 * 0.3)).abs() < 1e-16);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -110,6 +110,7 @@ impl FormulaSystem {
             linearity,
             always_solvable,
             has_guard,
+            depends_on_time: expressions.depend_on_time(),
             jacobi_holds,
             noises_commute,
             ..Description::new(&definition.name, dimension, noises, rule)
@@ -122,9 +123,9 @@ impl FormulaSystem {
             programs: Programs::default(),
             formulas,
         };
-        // One more row has dt.
+        // More rows have dt and t.
         let guard = system.guard.as_ref().map_or(0, Tape::scratch_rows);
-        system.description.own_scratch_rows = guard.max(system.energy.scratch_rows() + 1);
+        system.description.own_scratch_rows = guard.max(system.energy.scratch_rows() + 1) + 1;
         Ok(system)
     }
 
@@ -181,15 +182,20 @@ impl System for FormulaSystem {
     }
 
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
-        let (dt, scratch) = scratch.split_at_mut(1);
-        dt[0] = [h.dt; WIDTH];
-        self.energy.evaluate(&[y, dt, h.dw], std::slice::from_mut(out), scratch);
+        let (times, scratch) = scratch.split_at_mut(2);
+        times.copy_from_slice(&[[h.dt; WIDTH], [h.t; WIDTH]]);
+        let inputs = [y, &times[..1], h.dw, &times[1..]];
+        self.energy.evaluate(&inputs, std::slice::from_mut(out), scratch);
     }
 
     /// H₀ + H₁ + … and the entries of B.
-    fn guard(&self, y: &[Row], out: &mut Row, scratch: &mut [Row]) {
+    fn guard(&self, y: &[Row], t: f64, out: &mut Row, scratch: &mut [Row]) {
         match &self.guard {
-            Some(guard) => guard.evaluate(&[y], std::slice::from_mut(out), scratch),
+            Some(guard) => {
+                let (time, scratch) = scratch.split_at_mut(1);
+                time[0] = [t; WIDTH];
+                guard.evaluate(&[y, time], std::slice::from_mut(out), scratch);
+            }
             None => out.fill(0.0),
         }
     }
@@ -199,7 +205,9 @@ impl System for FormulaSystem {
     fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
         let Formulas { structure, hamiltonians, .. } = &self.formulas;
         let mut all = hamiltonians.iter().chain(structure.iter().flatten());
-        match all.find(|formula| !formula.value(y).is_finite()) {
+        let start = [y, &[0.0]].concat();
+        let at_start = |formula: &Formula| formula.value(&start[..formula.variables.len()]);
+        match all.find(|formula| !at_start(formula).is_finite()) {
             None => Ok(()),
             Some(formula) => {
                 let i = (0..y.len()).find(|&i| formula.depends_on(i)).unwrap_or(0);

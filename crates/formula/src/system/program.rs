@@ -53,6 +53,8 @@ struct SchemeTape {
     multiples: Vec<usize>,
     reads_noise: bool,
     reads_areas: bool,
+    /// Whether the last number is the time.
+    reads_time: bool,
 }
 
 impl SchemeTape {
@@ -61,12 +63,14 @@ impl SchemeTape {
         let is_multiple = |n: &usize| matches!(nodes[*n], Recorded::Multiple(_));
         let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
         let numbers = inputs * system.dimension;
-        let noise = numbers + 1 + multiples.len();
+        let (t, reads_time) = (numbers + 1 + multiples.len(), system.depend_on_time());
+        let noise = t + 1;
         let mut graph = Graph::new();
         let dt = graph.input(numbers);
         let areas = noise + system.noises;
         let end = areas + system.noises * system.noises;
-        let weights = once(dt).chain((noise..end).map(|k| graph.input(k))).collect();
+        let more = (noise..end).chain([t]).map(|k| graph.input(k));
+        let weights = once(dt).chain(more).collect();
         let mut builder = SchemeBuilder { system, rule, graph, weights, states: Vec::new() };
         for (n, &node) in nodes.iter().enumerate() {
             let factor = multiples.iter().position(|&multiple| multiple == n);
@@ -90,16 +94,17 @@ impl SchemeTape {
             return None;
         }
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
-        let tape = Tape::with_numbers(&builder.graph, &results, &groups, numbers..noise);
-        Some(Self { tape, multiples, reads_noise, reads_areas })
+        let uniform = numbers..t + usize::from(reads_time);
+        let tape = Tape::with_numbers(&builder.graph, &results, &groups, uniform);
+        Some(Self { tape, multiples, reads_noise, reads_areas, reads_time })
     }
 }
 
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
-        let SchemeTape { tape, multiples, reads_noise, reads_areas } = &*self.compiled;
+        let SchemeTape { tape, multiples, reads_noise, reads_areas, reads_time } = &*self.compiled;
         let factors = multiples.iter().map(|&multiple| factors[multiple]);
-        self.numbers.set(once(h.dt).chain(factors));
+        self.numbers.set(once(h.dt).chain(factors).chain(reads_time.then_some(h.t)));
         let mut groups = [&[][..]; MOST_INPUTS + 2];
         let given = inputs
             .iter()
@@ -116,7 +121,7 @@ struct SchemeBuilder<'a> {
     system: &'a Expressions,
     rule: &'a Rule,
     graph: Graph,
-    /// dt, dw₁, …, and the areas.
+    /// dt, dw₁, …, the areas, and t.
     weights: Vec<Id>,
     states: Vec<Vec<Id>>,
 }

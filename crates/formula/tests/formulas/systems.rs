@@ -49,7 +49,7 @@ impl Pair {
         let (u, v) = (rows(&mut random, d, 1.0, 0.0), rows(&mut random, d, 0.1, 0.0));
         let dw = rows(&mut random, ours.noises, 0.1, 0.0);
         let areas = rows(&mut random, ours.noises * ours.noises, 1.0, 0.0);
-        let h = Weights { dt: 0.01, dw: &dw, areas: &areas };
+        let h = Weights { dt: 0.01, dw: &dw, areas: &areas, ..Weights::NONE };
         let affine = theirs.linearity != Linearity::Other;
         let (y, u, v): (&[Row], &[Row], &[Row]) = (&y, &u, &v);
         let mut ops = vec![
@@ -274,7 +274,7 @@ fn averaged_gradients_keep_the_energy() {
     let mut random = Random::new(23);
     let (a, b) = (rows(&mut random, 2, 0.7, 0.0), rows(&mut random, 2, 0.7, 0.5));
     let dw = rows(&mut random, 2, 1.0, 0.0);
-    let h = Weights { dt: 0.3, dw: &dw, areas: &[] };
+    let h = Weights { dt: 0.3, dw: &dw, ..Weights::NONE };
     let mut scratch = Rows::zero(system.description().scratch_rows()).unwrap();
     let (mut mean, mut start, mut end) = (Rows::zero(2).unwrap(), [0.0; WIDTH], [0.0; WIDTH]);
     system.apply(Op::AveragedGradient { a: &a, b: &b }, 0..2, h, &mut mean, &mut scratch);

@@ -140,7 +140,8 @@ impl<F: Implicit> Stepper for FormulaStepper<'_, F> {
         if self.record(step).is_err() {
             return status.fail_everywhere();
         }
-        let h = Weights { dt: step.tau, dw: &noise.increments, areas: &noise.areas };
+        let t = step.t + 0.5 * step.tau;
+        let h = Weights { t, dt: step.tau, dw: &noise.increments, areas: &noise.areas };
         if F::EXPLICIT {
             self.machine.execute(h);
             self.machine.feed_back(0);

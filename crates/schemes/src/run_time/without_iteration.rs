@@ -107,8 +107,8 @@ impl Stepper for SplitStepper<'_> {
         let Self { system, parts, state, half_dw, scratch } = self;
         let halves = half_dw.iter_mut().flatten().zip(noise.increments.iter().flatten());
         halves.for_each(|(half, dw)| *half = 0.5 * dw);
-        let whole = Weights { dt: step.tau, dw: &noise.increments, areas: &[] };
-        let half = Weights { dt: 0.5 * step.tau, dw: half_dw, areas: &[] };
+        let whole = Weights { dt: step.tau, dw: &noise.increments, ..Weights::NONE };
+        let half = Weights { dt: 0.5 * step.tau, dw: half_dw, ..Weights::NONE };
         state.iter_mut().flatten().for_each(|y| *y *= step.first_decay);
         let last = *parts - 1;
         for part in (0..=last).chain((0..last).rev()) {

@@ -111,7 +111,7 @@ fn a_split_step_composes_the_flows_of_the_system() {
     y.iter_mut().flatten().for_each(|y| *y *= step.first_decay);
     for part in [0, 1, 2, 1, 0] {
         let (dt, dw) = if part == 2 { (0.1, &noise.increments) } else { (0.05, &half) };
-        chain.flow(part, &mut y, Weights { dt, dw, areas: &[] }, &mut []);
+        chain.flow(part, &mut y, Weights { dt, dw, ..Weights::NONE }, &mut []);
     }
     y.iter_mut().flatten().for_each(|y| *y *= step.second_decay);
     assert_eq!(paths.state(), &y[..]);

@@ -104,6 +104,8 @@ pub struct Description {
     /// The Gauss–Legendre rule for ∇̄h: n nodes are exact if ∇h is a polynomial of degree at most
     /// 2n − 1.
     pub rule: Rule,
+    /// Whether Hamiltonians depend on time. B does not.
+    pub depends_on_time: bool,
     /// Whether [`Op::Gradient`](super::Op::Gradient) is more than ∇h.
     pub is_transverse: bool,
     /// The number of parts with exact flows, see [`Flows`](crate::Flows), or why there are none.
@@ -139,6 +141,7 @@ impl Description {
             linearity: Linearity::Other,
             always_solvable: false,
             rule,
+            depends_on_time: false,
             is_transverse: false,
             parts: Err("it names no parts".into()),
             invariants: Vec::new(),

@@ -10,6 +10,9 @@ use crate::SystemError;
 /// The weights of the Hamiltonian increment h = H₀·dt + Σₘ Hₘ·dwₘ.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights<'a> {
+    /// The time of Hamiltonians that [depend on it](Description::depends_on_time): the middle of
+    /// the step.
+    pub t: f64,
     /// The weight of H₀.
     pub dt: f64,
     /// The weights of H₁, …: as many rows as [`Layout::noise_rows`](super::Layout::noise_rows).
@@ -21,7 +24,7 @@ pub struct Weights<'a> {
 
 impl Weights<'_> {
     /// No time and no noise, for operations that do not read them.
-    pub const NONE: Self = Self { dt: 0.0, dw: &[], areas: &[] };
+    pub const NONE: Self = Self { t: 0.0, dt: 0.0, dw: &[], areas: &[] };
 }
 
 /// A Poisson system dy = B∇H₀ dt + Σₘ B∇Hₘ ∘ dWₘ whose dimension and number of noises are known at
@@ -77,10 +80,10 @@ pub trait System: Send + Sync {
         crate::system::no_invariant(&self.description().name, index)
     }
 
-    /// Writes numbers that are finite on the paths that are in the domain. Only asked for if the
+    /// Writes numbers that are finite on the paths that are in the domain at time t. Only asked for if the
     /// system [has a guard](Description::has_guard).
-    fn guard(&self, y: &[Row], out: &mut Row, scratch: &mut [Row]) {
-        let _ = (y, scratch);
+    fn guard(&self, y: &[Row], t: f64, out: &mut Row, scratch: &mut [Row]) {
+        let _ = (y, t, scratch);
         out.fill(0.0);
     }
 

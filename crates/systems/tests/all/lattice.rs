@@ -171,7 +171,7 @@ fn both_layouts_are_the_lattice_spin_by_spin() {
                     let what = format!("{} of {}", system.description().parameters, layout.rows);
                     let y = rows(system, &s);
                     let dw = if local { rows(system, &w) } else { Rows::splat(&w[0]).unwrap() };
-                    let h = Weights { dt, dw: &dw, areas: &[] };
+                    let h = Weights { dt, dw: &dw, ..Weights::NONE };
                     let gradient = tiles(system, Op::Gradient { y: &y }, h);
                     near(&vectors(system, &gradient), &v, tolerance, &what);
                     let turned = tiles(system, Op::Structure { y: &y, v: &gradient }, h);
@@ -240,8 +240,8 @@ fn flows_turn_spins_and_lengths_stay() {
             let small = rows(&system, &small);
             let mut moved = rows(&system, &s);
             for part in 0..6 {
-                system.flow(part, &mut y, Weights { dt: 0.3, dw: &dw, areas: &[] }, &mut []);
-                let h = Weights { dt: step, dw: &small, areas: &[] };
+                system.flow(part, &mut y, Weights { dt: 0.3, dw: &dw, ..Weights::NONE }, &mut []);
+                let h = Weights { dt: step, dw: &small, ..Weights::NONE };
                 system.flow(part, &mut moved, h, &mut []);
             }
             for (i, moved) in vectors(&system, &moved).into_iter().enumerate() {

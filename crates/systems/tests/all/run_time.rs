@@ -37,7 +37,7 @@ where
     let (a, b) = (around(&y0, 0.1, 0), around(&y0, 0.1, 1000));
     let (u, dw) = (around(&[0.0; D], 1.0, 77), around(&[0.0; M], 0.1, 5));
     let areas = around(&vec![0.0; M * M], 1.0, 99);
-    let h = Weights { dt: 0.03, dw: &dw, areas: &areas };
+    let h = Weights { dt: 0.03, dw: &dw, areas: &areas, ..Weights::NONE };
     let each = |found: &[Row], expected: &dyn Fn(usize) -> [f64; D], rounding: f64| {
         for p in 0..WIDTH {
             let (found, expected) = (path::<D>(found, p), expected(p));
