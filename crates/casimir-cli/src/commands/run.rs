@@ -7,7 +7,7 @@ use casimir::{
     mc::{
         Observe, Setup, Simulation, Study, StudySettings, TimeSeries,
         parts::{Job, Share, Stop, remove},
-        study::StudyResult,
+        study::{StudyResult, Wanted},
     },
     stats::proportion,
 };
@@ -156,7 +156,10 @@ impl Results {
         let halted = tables.iter().enumerate().filter_map(|(path, table)| {
             table.halted.as_ref().map(|halted| format!("path {path}: {halted}"))
         });
-        steps.chain(warnings).chain(halted).collect()
+        let is_few = study.is_none() && scene.wanted != Wanted::default();
+        let few = "pairs and autocorrelations are of 100 paths or more: take more `paths`";
+        let few = is_few.then(|| few.to_owned());
+        steps.chain(warnings).chain(halted).chain(few).collect()
     }
 }
 
@@ -199,7 +202,10 @@ impl<'a> Ready<'a> {
         let (steps, truncation, key) = (settings.steps, settings.truncation, settings.key);
         let mut study = None;
         if settings.is_study() {
-            let wanted = StudySettings::new(steps, settings.times, settings.paths, truncation, key);
+            let wanted = StudySettings {
+                wanted: scene.wanted.clone(),
+                ..StudySettings::new(steps, settings.times, settings.paths, truncation, key)
+            };
             let of_all = Study::new(&setup, observables, &wanted);
             let of_all = of_all.map_err(|error| scene.steps_error(error))?;
             study = under_bar(&format!("{of_label}paths"), settings.paths * steps, |done| {
@@ -229,11 +235,13 @@ impl<'a> Ready<'a> {
     }
 }
 
-/// Gives means that are probabilities their intervals.
+/// Gives means that are probabilities their intervals. Quantiles of zeros and ones say nothing.
 fn with_probabilities(study: &mut StudyResult, names: &[String]) {
     let series = study.series.iter_mut().filter(|series| names.contains(&series.observable));
-    for point in series.flat_map(|series| &mut series.points).filter(|point| point.step > 0) {
-        let Some(mean) = point.mean else { continue };
+    for point in series.flat_map(|series| &mut series.points) {
+        point.quantiles.clear();
+        point.histogram = None;
+        let Some(mean) = point.mean.filter(|_| point.step > 0) else { continue };
         let count = (mean * point.count as f64).round() as u64;
         point.mean_interval = Some(proportion(count, point.count));
         point.interval_note = None;

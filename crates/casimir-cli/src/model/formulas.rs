@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use casimir::{
-    formula::{Definition, DefinitionError, FormulaSystem, Which},
+    formula::{Definition, DefinitionError, Difference, Equation, Formula, FormulaSystem, Which},
     systems::{Damping, run_time::Problem},
 };
 
 use super::{Built, at_run_time::AtRunTime};
 use crate::scene::{
-    At, Parameter, Read, Reading, SceneError, State, Structure, Text, structure as entries,
+    At, Calculus, Parameter, Read, Reading, SceneError, State, Structure, SystemTable, Text,
+    structure as entries,
 };
 
 /// The model of formulas.
@@ -51,16 +52,60 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
     let system = FormulaSystem::new(&definition, y0);
     let system = Arc::new(system.map_err(|error| misdefined(reading, &state, &error))?);
     let names = system.names().clone();
+    compare(reading, &system, &*damping)?;
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
         .map_err(|error| reading.initial_error(error))?;
     Ok(Built {
-        of_vector: 1,
+        sizes: Vec::new(),
         model: Box::new(AtRunTime::new(problem, Some(system))),
         components: definition.state,
         names,
         energy: None,
         quantities: Vec::new(),
     })
+}
+
+/// Compares an equation that is given as well.
+fn compare(reading: &Reading<'_>, system: &FormulaSystem, damping: &dyn Damping) -> Read<()> {
+    let Reading { source, file, settings, .. } = reading;
+    let SystemTable { calculus, drift, noise, noises, .. } = &file.system;
+    let (Some(drift), noise) = (drift, noise.as_deref().unwrap_or_default()) else {
+        let noise = noise.as_ref().and_then(|all| all.first());
+        let place = calculus.as_ref().map(At::span).or(noise.map(At::span));
+        return place.map_or(Ok(()), |place| {
+            let message = "`calculus` and `noise` are for an equation: give its `drift` as well";
+            Err(source.error(place, message))
+        });
+    };
+    let (dimension, number) = (settings.initial.len(), noises.as_ref().map_or(0, |all| all.len()));
+    if noise.len() != number {
+        let message = format!("H has {number} noises, and `noise` has {}", noise.len());
+        return Err(source.error(noise.last().unwrap_or(drift).span(), message));
+    }
+    let mut names = system.names().clone();
+    names.variable("t").map_err(|error| source.error(drift.span(), error))?;
+    let parse = |texts: &At<Vec<At<Text>>>| {
+        if texts.len() != dimension {
+            let message = format!("one formula for each of {dimension} components, got {}", texts.len());
+            return Err(source.error(texts.span(), message));
+        }
+        let formula = |text: &At<Text>| {
+            Formula::parse(&text.0, &names).map_err(|error| source.formula_error(text, &error))
+        };
+        texts.iter().map(formula).collect::<Read<Vec<_>>>()
+    };
+    let given = Equation {
+        drift: parse(drift)?,
+        noises: noise.iter().map(parse).collect::<Read<_>>()?,
+        ito: calculus.as_ref().is_some_and(|calculus| **calculus == Calculus::Ito),
+    };
+    match system.difference(&given, &|t| damping.rate(t), &settings.initial) {
+        Some(Difference { noise: m, component, message }) => {
+            let texts = if m == 0 { drift } else { &noise[m - 1] };
+            Err(source.error(texts[component].span(), message))
+        }
+        None => Ok(()),
+    }
 }
 
 /// What is wrong with a definition, at its place.

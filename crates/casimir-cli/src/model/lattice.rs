@@ -104,7 +104,7 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
     let mut quantities: Vec<Observable> = (0..3).map(mean).collect();
     quantities.push(Observable::new("energy", energy.clone()));
     Ok(Built {
-        of_vector: 3,
+        sizes: whole,
         model: Box::new(AtRunTime::new(problem, None)),
         names: numbered(&components),
         components,

@@ -107,8 +107,8 @@ pub struct Built {
     pub model: Box<dyn Model>,
     /// The names of the components.
     pub components: Vec<String>,
-    /// How many components make a vector: three of a spin on a lattice, else one.
-    pub of_vector: usize,
+    /// The sizes of a lattice; none of other systems.
+    pub sizes: Vec<usize>,
     /// The names that formulas of observables may use.
     pub names: Names,
     /// H₀; none of formulas, where it is a text.

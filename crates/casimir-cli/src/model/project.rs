@@ -41,6 +41,8 @@ pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>
         table.structure.as_ref().map(|key| ("B", key.span())),
         table.energy.as_ref().map(|key| ("H0", key.span())),
         table.noises.as_ref().map(|key| ("H", key.span())),
+        table.drift.as_ref().map(|key| ("drift", key.span())),
+        table.calculus.as_ref().map(|key| ("calculus", key.span())),
     ];
     if let Some((key, place)) = formulas.into_iter().flatten().next() {
         let name = name.as_str();
@@ -111,7 +113,7 @@ where
     };
     let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
     Ok(Built {
-        of_vector: 1,
+        sizes: Vec::new(),
         model: Box::new(Compiled::new(problem)),
         names: numbered(&components),
         components,

@@ -1,10 +1,13 @@
 //! The figures of a run.
 
 use casimir::{
-    mc::TimeSeries,
+    mc::{
+        TimeSeries,
+        study::{Joint, Series, StudyResult},
+    },
     plot::{
-        Series,
-        figure::{Trace, bands, evolution, histogram, lines},
+        self,
+        figure::{Title, Trace, bands, evolution, histogram, lines, picture, strip},
     },
     stats::Point,
 };
@@ -32,6 +35,10 @@ pub type Section = (&'static str, Vec<Drawn>);
 const SHOWN_PATHS: usize = 4;
 /// Laws in a report.
 const SHOWN_LAWS: usize = 6;
+/// Pictures of a lattice.
+const PICTURES: usize = 6;
+/// How long a dot runs along a path.
+const RUN_SECONDS: f64 = 12.0;
 /// Phase portraits in a report.
 const PORTRAITS: usize = 3;
 
@@ -43,20 +50,32 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
             sections.push((title, figures));
         }
     };
+    let drawn = &scene.drawn;
+    let title = |words| Title { words, logarithmic: drawn.is_logarithmic(words) };
     match &results.study {
         Some(study) => {
             let levels = percent(&study.record.quantiles);
-            let bands = study.series.iter().map(|series| Drawn {
-                file: file("time", &series.observable),
-                svg: bands(&series.observable, series),
-                caption: format!(
-                    "{} in time, {} paths. Bands between the quantiles {levels}; line: median; \
-                     dashes: mean.",
-                    series.observable, study.record.paths
-                ),
+            let all = || study.series.iter();
+            let series: Vec<&Series> = match &drawn.show {
+                Some(show) => show.iter().filter_map(|name| study.series(name)).collect(),
+                None => all().collect(),
+            };
+            let bands = series.iter().map(|Series { observable: name, points }| {
+                let paths = study.record.paths;
+                let is_estimate = points.iter().all(|point| point.quantiles.is_empty());
+                let band = match is_estimate {
+                    true => "Band: 95 % intervals; dashes: estimate.".into(),
+                    false => format!("Bands between the quantiles {levels}; line: median; dashes: mean."),
+                };
+                Drawn {
+                    file: file("time", name),
+                    svg: bands(name, "time t", title(name), points),
+                    caption: format!("{name} in time, {paths} paths. {band}"),
+                }
             });
             add("In time", bands.collect());
-            let histograms = study.series.iter().map(|series| Drawn {
+            let with_histogram = series.iter().filter(|series| series.last().histogram.is_some());
+            let histograms = with_histogram.map(|series| Drawn {
                 file: file("end", &series.observable),
                 svg: histogram(&series.observable, &series.observable, series.last()),
                 caption: format!(
@@ -67,15 +86,17 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
                 ),
             });
             add("At the end", histograms.collect());
+            add("Dependence", dependence(study));
         }
         None => {
-            let columns = scene.observables.iter().map(|observable| {
-                let name = &observable.name;
+            let all = || scene.observables.iter().map(|observable| &observable.name).collect();
+            let names: Vec<&String> = drawn.show.as_ref().map_or_else(all, |show| show.iter().collect());
+            let columns = names.into_iter().map(|name| {
                 let traces = traces(results, |table| table.times().to_vec(), name);
                 let shown = traces.len();
                 Drawn {
                     file: file("time", name),
-                    svg: lines(name, "time t", name, &traces),
+                    svg: lines(name, "time t", title(name), &traces, None),
                     caption: format!("{name} in time on {}.", paths(shown, results)),
                 }
             });
@@ -83,6 +104,7 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
         }
     }
     add("Phase portraits", portraits(scene, results));
+    add("The lattice", lattice(scene, results).into_iter().collect());
     add("Conserved but for the damping", laws(results));
     sections
 }
@@ -122,29 +144,88 @@ fn traces(results: &Results, x: impl Fn(&TimeSeries) -> Vec<f64>, y: &str) -> Ve
 
 fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
     let names = &scene.components;
-    if names.len() > MOST_COMPONENTS || names.len() < 2 {
-        return Vec::new();
-    }
     let pairs: Vec<(usize, usize)> = match names.len() {
+        0 | 1 => Vec::new(),
         2 => vec![(0, 1)],
         3 => vec![(0, 1), (1, 2), (0, 2)],
+        dimension if dimension > MOST_COMPONENTS => Vec::new(),
         dimension => (0..dimension - 1).step_by(2).map(|i| (i, i + 1)).collect(),
     };
-    let portrait = |&(i, j): &(usize, usize)| {
-        let (x, y) = (&names[i], &names[j]);
+    let few = pairs.iter().take(PORTRAITS).map(|&(i, j)| [names[i].clone(), names[j].clone()]);
+    let pairs = scene.drawn.portraits.clone().unwrap_or_else(|| few.collect());
+    let seconds = scene.drawn.animate.then_some(RUN_SECONDS);
+    let portrait = |[x, y]: &[String; 2]| {
         let of = |table: &TimeSeries| table.column(x).unwrap_or_default().to_vec();
         let traces = traces(results, of, y);
         let shown = traces.len();
         Drawn {
             file: file("portrait", &format!("{x} {y}")),
-            svg: lines(&format!("{y} against {x}"), x, y, &traces),
+            svg: lines(&format!("{y} against {x}"), x, &**y, &traces, seconds),
             caption: format!(
                 "{y} against {x} on {}; the marker is the initial value.",
                 paths(shown, results)
             ),
         }
     };
-    pairs.iter().take(PORTRAITS).map(portrait).collect()
+    pairs.iter().map(portrait).collect()
+}
+
+/// Joint laws, autocorrelations and spectra.
+fn dependence(study: &StudyResult) -> Vec<Drawn> {
+    let joint = study.joint.iter().map(|Joint { names: [a, b], grids, counts, outside }| {
+        let [x, y] = grids.map(|grid| (grid.edge(0), grid.edge(grid.bins)));
+        let [columns, rows] = grids.map(|grid| grid.bins as usize);
+        // Roots, so that the tails are seen.
+        let root = |k: usize| (counts[(k % columns) * rows + k / columns] as f64).sqrt();
+        let values: Vec<f64> = (0..columns * rows).map(root).collect();
+        Drawn {
+            file: file("joint", &format!("{a} {b}")),
+            svg: picture(&format!("{b} and {a}"), (x, a), (y, b), columns, &values),
+            caption: format!(
+                "The joint law of {a} and {b} at the end, {} paths, {outside} outside: the darker \
+                 the larger the root of the density.",
+                study.record.paths
+            ),
+        }
+    });
+    let lagged = study.lagged.iter().enumerate().map(|(k, Series { observable: name, points })| {
+        let (axis, what) = match k % 2 {
+            0 => ("lag", "against the lag"),
+            _ => ("angular frequency ω", "against the angular frequency; its integral over all ω is the variance"),
+        };
+        Drawn {
+            file: file("lag", name),
+            svg: bands(name, axis, name.as_str(), points),
+            caption: format!("{name} {what}. Band: 95 % intervals."),
+        }
+    });
+    joint.chain(lagged).collect()
+}
+
+/// The third components of the spins of path 0: a plane at several times, or a chain in time.
+fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
+    let (table, &columns) = (results.tables.first()?, scene.sizes.first()?);
+    let times = table.times();
+    let plane = scene.sizes.iter().take(2).product::<usize>();
+    let spins = (0..plane).map(|site| table.column(&scene.components[3 * site + 2]));
+    let spins = spins.collect::<Option<Vec<_>>>()?;
+    let (svg, what) = if scene.sizes.len() == 1 {
+        let ends = (0.0, times.last().copied().unwrap_or(0.0));
+        let values = spins.concat();
+        let spins = (1.0, (spins.len() + 1) as f64);
+        (picture("spins", (ends, "time t"), (spins, "spin"), times.len(), &values), "in time")
+    } else {
+        let at = |k: usize| k * (times.len() - 1) / (PICTURES - 1).max(1);
+        let picture = |k: usize| {
+            let values = spins.iter().map(|spin| spin[at(k)]).collect();
+            (format!("t = {}", digits(Some(times[at(k)]))), values)
+        };
+        let pictures: Vec<(String, Vec<f64>)> = (0..PICTURES).map(picture).collect();
+        (strip("spins", columns, &pictures), "at several times")
+    };
+    let caption =
+        format!("z components of the spins of path 0 {what}: blue is up, red is down, pale is small.");
+    Some(Drawn { file: "lattice".into(), svg, caption })
 }
 
 /// Casimirs and energies with their conformal law and the defect from it.
@@ -178,15 +259,15 @@ fn laws(results: &Results) -> Vec<Drawn> {
                 let law = if value == defect { 0.0 } else { law_of(value, defect) };
                 Point::Value { t, value, exact: law }
             });
-            Some(Series {
+            Some(plot::Series {
                 scheme: format!("path {path}"),
                 quantity: name.into(),
                 points: points.collect(),
-                ..Series::default()
+                ..plot::Series::default()
             })
         };
         let tables = results.tables.iter().enumerate().take(SHOWN_PATHS);
-        let series: Vec<Series> = tables.filter_map(series).collect();
+        let series: Vec<plot::Series> = tables.filter_map(series).collect();
         Drawn {
             file: file("law", name),
             svg: evolution(name, &series),

@@ -70,6 +70,12 @@ fn write_as(format: Format, scene: &Scene, results: &Results, folder: &Path) -> 
                 text.clear();
                 study.write_csv(&mut text)?;
                 files::write(&file("study.csv"), &text)?;
+                if !study.lagged.is_empty() {
+                    text.clear();
+                    let series = study.lagged.clone();
+                    StudyResult { series, ..study.clone() }.write_csv(&mut text)?;
+                    files::write(&file("lags.csv"), &text)?;
+                }
             }
         }
         Format::Json => {
@@ -132,7 +138,10 @@ pub fn rows_at_end(
             ),
             digits(last.deviation),
             quantile(0.5),
-            format!("{} … {}", quantile(0.05), quantile(0.95)),
+            match last.quantiles.is_empty() {
+                true => "–".into(),
+                false => format!("{} … {}", quantile(0.05), quantile(0.95)),
+            },
         ]
     };
     series.iter().map(row).collect()

@@ -9,7 +9,7 @@ use std::{
 use crate::scene::Scene;
 use casimir::mc::{
     Column, TimeSeries,
-    study::{Series, StudyResult, Summary},
+    study::{Joint, Series, StudyResult, Summary},
 };
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
@@ -66,13 +66,13 @@ pub fn paths(file: &Path, scene: &Scene, tables: &[TimeSeries]) -> io::Result<()
             (name.into(), vec![tables.len(), times.len()], values.collect())
         }
     };
-    let (components, of_vector) = (&scene.components, scene.of_vector);
+    let components = &scene.components;
     let is_first = |column: &Column| column.name == components[0];
     let first = longest.columns.iter().position(is_first);
     // All components are there, or some by name.
     let are_spins = |first: &usize| {
         let columns = longest.columns[*first..].iter().map(|column| &column.name);
-        of_vector > 1 && columns.zip(components).filter(|(a, b)| a == b).count() == components.len()
+        !scene.sizes.is_empty() && columns.zip(components).filter(|(a, b)| a == b).count() == components.len()
     };
     let spins = first.filter(are_spins).map(|first| first..first + components.len());
     let vectors = spins.clone().map(|spins| {
@@ -84,8 +84,7 @@ pub fn paths(file: &Path, scene: &Scene, tables: &[TimeSeries]) -> io::Result<()
             (0..times.len()).flat_map(time).collect::<Vec<_>>()
         };
         let values = tables.iter().flat_map(of_path).collect();
-        let sites = components.len() / of_vector;
-        ("spins".to_owned(), vec![tables.len(), times.len(), sites, of_vector], values)
+        ("spins".to_owned(), vec![tables.len(), times.len(), components.len() / 3, 3], values)
     });
     let columns = longest.columns.iter().enumerate();
     let alone = columns.filter(|(k, _)| !spins.as_ref().is_some_and(|spins| spins.contains(k)));
@@ -97,7 +96,8 @@ type Statistic = fn(&Summary) -> Option<f64>;
 
 /// Statistics: `t`, `quantile levels`, and for each observable `<name> mean`, `<name> lo` and
 /// `<name> hi` (the 95 % interval of the mean), `<name> deviation` and `<name> quantiles`, an array
-/// [time, level]. What is not known is NaN.
+/// [time, level]; autocorrelations and spectra likewise, with `lag` and `omega`; joint laws as
+/// counts with the edges of their bins. What is not known is NaN.
 pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
     let Some(first) = result.series.first() else { return Ok(()) };
     let times: Vec<f64> = first.points.iter().map(|point| point.time).collect();
@@ -112,16 +112,32 @@ pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
     let arrays = |Series { observable, points }: &Series| {
         let column = |(what, of): (&str, Statistic)| {
             let values = points.iter().map(|point| known(of(point)));
-            (format!("{observable} {what}"), vec![count], values.collect())
+            (format!("{observable} {what}"), vec![points.len()], values.collect())
         };
         let quantiles = points.iter().flat_map(|point| &point.quantiles);
-        let quantiles = quantiles.map(|quantile| known(quantile.value)).collect();
-        let quantiles = (format!("{observable} quantiles"), vec![count, levels.len()], quantiles);
-        columns.map(column).into_iter().chain([quantiles]).collect::<Vec<_>>()
+        let quantiles: Vec<f64> = quantiles.map(|quantile| known(quantile.value)).collect();
+        let shape = vec![count, levels.len()];
+        let quantiles = (format!("{observable} quantiles"), shape, quantiles);
+        let quantiles = (quantiles.2.len() == count * levels.len()).then_some(quantiles);
+        columns.map(column).into_iter().chain(quantiles).collect::<Vec<_>>()
     };
     let level = ("quantile levels".into(), vec![levels.len()], levels.clone());
-    let all = [("t".into(), vec![count], times), level].into_iter();
-    write(file, all.chain(result.series.iter().flat_map(arrays)))
+    let axes = ["lag", "omega"].into_iter().zip(&result.lagged).map(|(name, series)| {
+        let places: Vec<f64> = series.points.iter().map(|point| point.time).collect();
+        (name.into(), vec![places.len()], places)
+    });
+    let joint = result.joint.iter().flat_map(|Joint { names: [a, b], grids, counts, .. }| {
+        let name = format!("joint({a}, {b})");
+        let [x, y] = grids.map(|grid| (0..=grid.bins).map(|k| grid.edge(k)).collect::<Vec<_>>());
+        let values = counts.iter().map(|&count| count as f64).collect();
+        let sides = [("x", &x), ("y", &y)].map(|(side, edges)| {
+            (format!("{name} {side}"), vec![edges.len()], edges.clone())
+        });
+        [(name, vec![x.len() - 1, y.len() - 1], values)].into_iter().chain(sides)
+    });
+    let all = [("t".into(), vec![count], times), level].into_iter().chain(axes);
+    let series = result.series.iter().chain(&result.lagged);
+    write(file, all.chain(series.flat_map(arrays)).chain(joint))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use casimir::{
     plot::{
         Document,
         csv::field,
-        figure::{Sampled, against, multiples},
+        figure::{Sampled, Title, against, multiples},
         files,
     },
 };
@@ -92,6 +92,11 @@ impl<'a> SweepReport<'a> {
         }
     }
 
+    /// What is known of each combination.
+    fn names(&self) -> impl Iterator<Item = &Series> {
+        self.runs.first().into_iter().flat_map(|run| run.series.iter())
+    }
+
     /// Figures with their files and captions: for each observable one against the parameter that
     /// has most values, and one in time.
     fn figures(&self) -> Vec<(String, String, String)> {
@@ -117,7 +122,9 @@ impl<'a> SweepReport<'a> {
             curves.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
             let all = curves.len();
             let curves = spread(curves, MOST_CURVES);
-            let svg = against(&format!("{name} against {parameter}"), parameter, name, &curves);
+            let title = |words| Title { words, logarithmic: self.scene.drawn.is_logarithmic(words) };
+            let words = format!("{name} against {parameter}");
+            let svg = against(&words, title(parameter), title(name), &curves);
             let caption = format!(
                 "The mean of {name} at the end on {of_paths} paths against {parameter}; bars: 95 % \
                  intervals. {} of {all} curves.",
@@ -133,10 +140,10 @@ impl<'a> SweepReport<'a> {
             );
             [
                 (file("against", name), svg, caption),
-                (file("time", name), multiples(name, &panels), in_time),
+                (file("time", name), multiples(name, title(name), &panels), in_time),
             ]
         };
-        let names = self.scene.observables.iter().map(|observable| &*observable.name);
+        let names = self.names().map(|series| &*series.observable);
         names.enumerate().flat_map(of).collect()
     }
 
@@ -291,7 +298,7 @@ impl<'a> SweepReport<'a> {
         let (times, until) = (self.scene.settings.times as usize, self.scene.settings.until);
         let time = |k: usize| until * k as f64 / times as f64;
         arrays.push(("t".into(), vec![times + 1], (0..=times).map(time).collect()));
-        for (k, observable) in self.scene.observables.iter().enumerate() {
+        for (k, Series { observable, .. }) in self.names().enumerate() {
             for (what, of) in STATISTICS {
                 let mut values = vec![f64::NAN; self.all * (times + 1)];
                 for Run { one, series, .. } in &self.runs {
@@ -302,7 +309,7 @@ impl<'a> SweepReport<'a> {
                     row.zip(known).for_each(|(value, known)| *value = known);
                 }
                 let shape = [&axes[..], &[times + 1]].concat();
-                arrays.push((format!("{} {what}", observable.name), shape, values));
+                arrays.push((format!("{observable} {what}"), shape, values));
             }
         }
         arrays

@@ -28,6 +28,12 @@ pub struct SceneFile {
     /// and `stop`. An observable of this name is one from then on, `… time` is its time.
     #[serde(default)]
     pub events: IndexMap<At<String>, At<Event>>,
+    /// How observables depend on each other and on their past.
+    #[serde(default)]
+    pub statistics: StatisticsTable,
+    /// Which figures are drawn, and how.
+    #[serde(default)]
+    pub figures: FiguresTable,
     /// Expectations for `casimir expect`.
     pub expect: Option<ExpectTable>,
     /// Values of parameters that `casimir run` varies, one run for each combination: a list, or
@@ -58,6 +64,23 @@ pub struct SystemTable {
     /// The Hamiltonians Hₘ(y), one for each noise. Default: none.
     #[serde(rename = "H")]
     pub noises: Option<At<Vec<At<Text>>>>,
+    /// The sense of `drift` and `noise`. Default: `stratonovich`.
+    pub calculus: Option<At<Calculus>>,
+    /// The drift of the whole equation, damping included, a formula for each component. It is
+    /// compared with B, H0 and the damping.
+    pub drift: Option<At<Vec<At<Text>>>>,
+    /// The noise fields, a list of formulas for each noise, likewise.
+    pub noise: Option<Vec<At<Vec<At<Text>>>>>,
+}
+
+/// The sense of a stochastic equation.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Calculus {
+    /// Itô's.
+    Ito,
+    /// Stratonovich's.
+    Stratonovich,
 }
 
 /// Linear damping −γ(t)y.
@@ -110,6 +133,40 @@ pub struct ExpectTable {
     pub of: At<Vec<At<Text>>>,
     /// Half-width of the 95 % intervals.
     pub accuracy: At<f64>,
+}
+
+/// How observables depend on each other and on their past, from 100 paths on.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StatisticsTable {
+    /// Pairs of components or names of `observe`: covariance, correlation, and joint law at the end.
+    #[serde(default)]
+    pub pairs: Vec<Pair>,
+    /// Components or names of `observe`: autocorrelation and spectrum along paths.
+    #[serde(default)]
+    pub autocorrelation: Vec<At<String>>,
+    /// The time from which autocorrelations count. Default: 0.
+    pub from: Option<At<Text>>,
+}
+
+/// Two columns of tables.
+pub type Pair = [At<String>; 2];
+
+/// Which figures are drawn, and how.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FiguresTable {
+    /// Pairs of components or names of `observe` that are drawn against each other. Default: a few
+    /// pairs of components.
+    pub portraits: Option<Vec<Pair>>,
+    /// The columns that are drawn, in this order. Default: all observables.
+    pub show: Option<Vec<At<String>>>,
+    /// Columns, and parameters of a sweep, with logarithmic axes.
+    #[serde(default)]
+    pub log: Vec<At<String>>,
+    /// Whether a dot runs along path 0 in portraits.
+    #[serde(default)]
+    pub animate: bool,
 }
 
 /// The JSON schema of a scene file.

@@ -1,6 +1,7 @@
 //! A scene: read from its file, checked, and ready to be run.
 
 mod collected;
+mod drawn;
 mod file;
 mod initial;
 mod observe;
@@ -12,7 +13,8 @@ mod sweep;
 mod values;
 
 use collected::Collected;
-pub use file::{ExpectTable, SceneFile, schema};
+pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
+pub use drawn::Drawn;
 use observe::{Further, Vocabulary};
 pub use observe::{Observable, Quantity};
 pub use read::{Constants, Parameters, Reading};
@@ -27,7 +29,7 @@ use std::{fmt::Display, ops::Range, path::Path, sync::Arc};
 
 use casimir::{
     formula::nearest,
-    mc::{Collecting, Problem, Setup},
+    mc::{Collecting, Problem, Setup, study::Wanted},
     schemes::BuiltIn,
 };
 
@@ -41,18 +43,22 @@ pub struct Scene {
     pub title: String,
     /// The names of the components.
     pub components: Vec<String>,
-    /// How many components make a vector: three of a spin on a lattice, else one.
-    pub of_vector: usize,
+    /// The sizes of a lattice; none of other systems.
+    pub sizes: Vec<usize>,
     /// The columns of tables, if they are chosen.
     chosen: Option<Vec<String>>,
     /// The system with its damping and initial value.
     pub model: Box<dyn Model>,
     /// How it is simulated.
     pub settings: Settings,
-    /// The observables, after the components if there are few.
+    /// The observables, before the components if there are few.
     pub observables: Vec<Observable>,
     /// What paths collect for them.
     collected: Vec<Collected>,
+    /// What is wanted of their dependence.
+    pub wanted: Wanted,
+    /// Which figures are drawn.
+    pub drawn: Drawn,
     /// The names of those that are conditions with probabilities.
     pub probabilities: Vec<String>,
     /// The test functions of expectations.
@@ -74,7 +80,7 @@ impl Scene {
         sweep::settle(&source, &mut file, &changes.scheme.sets)?;
         let constants = Constants::new(&source, &file.system)?;
         let settings = Settings::new(&source, &file.run, &constants, changes)?;
-        let model::Built { model, components, of_vector, names, energy, quantities } =
+        let model::Built { model, components, sizes, names, energy, quantities } =
             model::build(&Reading {
                 source: &source,
                 file: &file,
@@ -89,14 +95,14 @@ impl Scene {
         };
         let mut vocabulary = Vocabulary::new(names, energy, &y0);
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
-        let mut observables = Vec::new();
-        if components.len() <= MOST_COMPONENTS {
-            observables.extend((0..components.len()).map(component));
-        }
+        let (mut observables, mut given) = (Vec::<Observable>::new(), Vec::new());
         for Observable { name, quantity } in quantities {
             let quantity = quantity.of_state(dimension);
             vocabulary.add(&name, Further::Quantity(quantity.clone()));
-            observables.push(Observable { name, quantity });
+            given.push(Observable { name, quantity });
+        }
+        if components.len() <= MOST_COMPONENTS {
+            given.extend((0..components.len()).map(component));
         }
         let entries = file.observe.iter().map(|(name, text)| (name, Entry::Formula(text)));
         let entries = entries.chain(file.events.iter().map(|(name, it)| (name, Entry::Event(it))));
@@ -104,7 +110,7 @@ impl Scene {
         let entries = entries.chain(conditions.map(|(name, text)| (name, Entry::Condition(text))));
         for (name, entry) in entries {
             let known =
-                components.contains(name) || observables.iter().any(|known| known.name == **name);
+                components.contains(name) || observables.iter().chain(&given).any(|known| known.name == **name);
             if known || is_column(name) {
                 return Err(taken(&source, name, name.span()));
             }
@@ -138,18 +144,18 @@ impl Scene {
                 observables.push(Observable { name, quantity });
             }
         }
+        observables.extend(given);
         if observables.is_empty() {
             let message = "a system of so many components needs observables: add [observe]";
             return Err(source.error(None, message));
         }
-        for name in file.run.columns.iter().flatten() {
-            let others = observables.iter().map(|observable| &*observable.name);
-            let known = components.iter().map(|name| &**name).chain(others).chain(GROUPS);
-            if !is_column(name) && !known.clone().any(|known| known == &***name) {
-                let message = format!("no column `{}`{}", **name, nearest(name, known));
-                return Err(source.error(name.span(), message));
-            }
+        let columns = Columns { source: &source, components: &components, observables: &observables };
+        for name in file.run.columns.iter().flatten().filter(|name| !is_column(name)) {
+            columns.check(name, &GROUPS)?;
         }
+        let wanted = drawn::wanted(&file.statistics, &columns, (&settings, &constants))?;
+        let varied: Vec<&str> = file.system.parameters.keys().map(|key| key.as_str()).collect();
+        let drawn = Drawn::new(&file.figures, &columns, &varied)?;
         let probabilities = file.probabilities.keys().chain(file.events.keys());
         let probabilities = probabilities.map(|name| name.to_string()).collect();
         let chosen = file.run.columns;
@@ -175,12 +181,14 @@ impl Scene {
             source,
             title,
             components,
-            of_vector,
+            sizes,
             chosen,
             model,
             settings,
             observables,
             collected: vocabulary.collected,
+            wanted,
+            drawn,
             probabilities,
             expected,
             accuracy,
@@ -259,6 +267,38 @@ fn is_column(name: &str) -> bool {
     let number = law.strip_prefix('C').or(law.strip_prefix('H'));
     ["scheme", "path", "t"].contains(&name)
         || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
+/// The columns that a scene may name.
+pub struct Columns<'a> {
+    source: &'a Source,
+    components: &'a [String],
+    observables: &'a [Observable],
+}
+
+impl Columns<'_> {
+    /// Checks that a name is a component, an observable, or one of others.
+    fn check(&self, name: &At<String>, others: &[&str]) -> Read<String> {
+        let observables = self.observables.iter().map(|observable| &*observable.name);
+        let known = self.components.iter().map(|name| &**name).chain(observables);
+        let known = known.chain(others.iter().copied());
+        match known.clone().any(|known| known == name.as_str()) {
+            true => Ok(name.to_string()),
+            false => {
+                let message = format!("no column `{}`{}", **name, nearest(name, known));
+                Err(self.source.error(name.span(), message))
+            }
+        }
+    }
+
+    /// The number of an observable.
+    fn observable(&self, name: &At<String>) -> Read<usize> {
+        self.check(name, &[])?;
+        self.observables.iter().position(|known| known.name == **name).ok_or_else(|| {
+            let message = format!("add `{0} = \"{0}\"` to [observe] first", **name);
+            self.source.error(name.span(), message)
+        })
+    }
 }
 
 /// What an observable is.

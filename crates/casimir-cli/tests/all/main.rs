@@ -7,6 +7,7 @@ mod common;
 mod defaults;
 mod gallery;
 mod initial;
+mod ito;
 mod parts;
 mod results;
 mod shorthand;

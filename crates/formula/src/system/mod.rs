@@ -3,6 +3,7 @@
 mod average;
 mod cayley;
 mod definition;
+mod equation;
 mod expressions;
 mod program;
 mod skew;
@@ -18,6 +19,7 @@ use systems::{
 };
 
 pub use definition::{Definition, DefinitionError, Which};
+pub use equation::{Difference, Equation};
 
 use crate::{Formula, Names, Tape};
 use definition::Formulas;

@@ -18,6 +18,9 @@
 //! **Nothing is dropped silently.** A path that fails is left out from then on, counted and
 //! described. Values that are not finite are counted apart. [`StudyResult::warnings`] has both.
 //!
+//! **Dependence.** Covariances, joint laws, autocorrelations and spectra of the observables that
+//! are [`Wanted`].
+//!
 //! The intervals are those of sampling. The error of the step size is not in them:
 //! [`Expect`](crate::Expect) bounds it.
 //!
@@ -47,6 +50,7 @@
 //! ```
 
 mod counts;
+mod dependence;
 mod grid;
 mod record;
 mod result;
@@ -60,6 +64,7 @@ use std::sync::Arc;
 use crate::{Ladder, Measured, Observe, Run, RunError, Setup, observable::erased, parts::Job};
 use sums::StudyStatistic;
 
+pub use dependence::{Joint, Wanted};
 pub use grid::Grid;
 pub use record::Record;
 pub use result::{Losses, Series, StudyResult};
@@ -73,6 +78,7 @@ pub use summary::{Histogram, Place, Quantile, Summary};
 pub struct Study<'a> {
     ladder: Ladder<'a>,
     observables: Vec<&'a dyn Observe>,
+    wanted: Wanted,
     record: Record,
     /// The bins of every observable at every time, time by time.
     grids: Vec<Grid>,
@@ -98,16 +104,17 @@ impl<'a> Study<'a> {
             ladder.map(|ladder| if record.start.is_some() { ladder.with_start() } else { ladder })
         };
         let pilot = ladder(settings.pilot_key())?;
-        let new = || StudyStatistic::new(&observables, &record.times, &[]);
+        let new = || StudyStatistic::new(&observables, &record.times, &[], &settings.wanted);
         let seen = pilot.run(settings.pilot, new, &|_| ()).statistic.sums;
         let ranges = seen.moments.iter().map(|moments| moments.range());
         let grids = ranges.map(|range| Grid::covering(range, settings.bins)).collect();
         let ladder = ladder(settings.key)?;
-        Ok(Self { ladder, observables, record, grids })
+        let wanted = settings.wanted.clone();
+        Ok(Self { ladder, observables, wanted, record, grids })
     }
 
     fn statistic(&self) -> StudyStatistic<'_> {
-        StudyStatistic::new(&self.observables, &self.record.times, &self.grids)
+        StudyStatistic::new(&self.observables, &self.record.times, &self.grids, &self.wanted)
     }
 
     /// Simulates all paths in parallel on the current rayon pool. The bits do not depend on the
@@ -138,7 +145,7 @@ impl<'a> Study<'a> {
     }
 
     fn result(&self, measured: &Measured<StudyStatistic<'_>>) -> StudyResult {
-        StudyResult::new(&self.record, &self.grids, measured)
+        StudyResult::new(&self.record, &self.grids, &self.wanted, measured)
     }
 }
 

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use stats::quantile_ranks;
 
 use super::{
-    Grid,
+    Grid, Joint, Wanted,
+    dependence::Found,
     record::Record,
     summary::{CROWDED, Histogram, Place, Ranks, Summary, TOO_FEW},
     sums::StudyStatistic,
@@ -23,8 +24,13 @@ pub struct StudyResult {
     /// What a reader must know before believing the rest: failed paths, values that are not finite,
     /// means and quantiles that are not known well.
     pub warnings: Vec<String>,
-    /// One for each observable.
+    /// One for each observable, then covariance and correlation of each pair that was wanted.
     pub series: Vec<Series>,
+    /// The joint law of each pair.
+    pub joint: Vec<Joint>,
+    /// Autocorrelation and spectrum of each observable of which they were wanted: `time` is the lag
+    /// or the frequency.
+    pub lagged: Vec<Series>,
 }
 
 /// One observable at all times.
@@ -52,6 +58,7 @@ impl StudyResult {
     pub(super) fn new(
         record: &Record,
         grids: &[Grid],
+        wanted: &Wanted,
         measured: &Measured<StudyStatistic<'_>>,
     ) -> Self {
         let sums = &measured.statistic.sums;
@@ -82,12 +89,22 @@ impl StudyResult {
             }
             Series { observable: name.clone(), points }
         });
-        let series: Vec<_> = series.collect();
+        let mut series: Vec<_> = series.collect();
         let mut warnings = warnings(&losses, paths, &series);
         if paths < planned {
             warnings.push(format!("stopped after {paths} of {planned} paths"));
         }
-        Self { record, losses, warnings, series }
+        let found = Found {
+            wanted,
+            names: &record.observables,
+            at: record.times.iter().map(|&step| (step, record.time(step))).collect(),
+            grids,
+            sums: &sums.batches,
+            joint: &sums.joint,
+        };
+        series.extend(found.pairs(record.start.is_none().then_some(paths)));
+        let (joint, lagged) = (found.joint(), found.lagged());
+        Self { record, losses, warnings, series, joint, lagged }
     }
 
     /// The series of the observable with this name, if there is one.

@@ -2,6 +2,7 @@
 
 use noise::{StreamKey, Truncation};
 
+use super::Wanted;
 use crate::{Observe, RunError};
 
 /// The times of a study. The initial value is in the result without being asked for.
@@ -48,6 +49,9 @@ pub struct StudySettings {
     /// Paths of the pilot that chooses the bins, at least 128. Default 1024. A study that is
     /// extended keeps its bins, and so its pilot.
     pub pilot: u64,
+    /// Covariances, joint laws and autocorrelations; none unless set. Times are evenly spaced for
+    /// the latter.
+    pub wanted: Wanted,
 }
 
 /// The experiment number of the pilot differs from that of the study in this bit. Levels of
@@ -74,6 +78,7 @@ impl StudySettings {
             quantiles: vec![0.05, 0.25, 0.5, 0.75, 0.95],
             bins: 256,
             pilot: 1024,
+            wanted: Wanted::default(),
         }
     }
 

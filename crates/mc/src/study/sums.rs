@@ -1,10 +1,17 @@
 //! What a study adds up.
 
-use real::{PathMask, WIDTH};
+use std::collections::BTreeMap;
+
+use real::{PathMask, Row, WIDTH};
 use serde::{Deserialize, Serialize};
 use stats::CentralMoments;
 
-use super::{counts::Counts, grid::Grid};
+use super::{
+    Wanted,
+    counts::Counts,
+    dependence::{Adding, Past},
+    grid::Grid,
+};
 use crate::{Kept, Observe, Statistic, View, parts::hash};
 
 /// The sums of a study: moments and counts of every observable at every time. Counts are the same
@@ -18,15 +25,20 @@ pub struct Sums {
     /// Number of values that are not finite, of paths that had not failed.
     pub(super) not_finite: Vec<u64>,
     counts: Counts,
+    /// Sums of dependence in 32 batches, and counts of joint laws.
+    pub(super) batches: Vec<Row>,
+    pub(super) joint: Vec<u64>,
 }
 
 impl Sums {
     /// No paths. `cells` is the number of times and observables, `places` that of counts for each.
-    pub(super) fn new(cells: usize, places: usize) -> Self {
+    pub(super) fn new(cells: usize, places: usize, batches: usize, joint: usize) -> Self {
         Self {
             moments: vec![CentralMoments::default(); cells],
             not_finite: vec![0; cells],
             counts: Counts::new(cells * places),
+            batches: vec![[0.0; WIDTH]; batches],
+            joint: vec![0; joint],
         }
     }
 
@@ -41,6 +53,9 @@ impl Sums {
             *sum += more;
         }
         self.counts.merge(&later.counts, most);
+        let batches = self.batches.iter_mut().flatten().zip(later.batches.iter().flatten());
+        batches.for_each(|(sum, more)| *sum += more);
+        self.joint.iter_mut().zip(&later.joint).for_each(|(sum, more)| *sum += more);
     }
 
     /// Adds the values of the paths `live` of a block.
@@ -69,6 +84,10 @@ pub struct StudyStatistic<'a> {
     times: &'a [u64],
     /// The grids of all cells, or none in a pilot.
     grids: &'a [Grid],
+    wanted: &'a Wanted,
+    /// The values of all observables, and those of each block so far.
+    values: Vec<Row>,
+    past: BTreeMap<u64, Past>,
     /// Number of the time that was seen last.
     last: usize,
 }
@@ -78,13 +97,18 @@ impl<'a> StudyStatistic<'a> {
         observables: &'a [&'a dyn Observe],
         times: &'a [u64],
         grids: &'a [Grid],
+        wanted: &'a Wanted,
     ) -> Self {
         let places = grids.first().map_or(0, Grid::cells);
+        let batches = if places > 0 { wanted.rows(times.len()) } else { 0 };
         Self {
-            sums: Sums::new(times.len() * observables.len(), places),
+            sums: Sums::new(times.len() * observables.len(), places, batches, wanted.cells()),
             observables,
             times,
             grids,
+            wanted,
+            values: vec![[0.0; WIDTH]; observables.len()],
+            past: BTreeMap::new(),
             last: 0,
         }
     }
@@ -107,10 +131,21 @@ impl Statistic for StudyStatistic<'_> {
         let Some(time) = self.number(view.time) else { return };
         let state = view.state(0);
         let first = time * self.observables.len();
-        let mut values = [0.0; WIDTH];
-        for (k, observable) in self.observables.iter().enumerate() {
-            observable.evaluate(state, view.live, &mut values);
-            self.sums.add(first + k, &values, view.live, self.grids.get(first + k));
+        for (k, (observable, values)) in self.observables.iter().zip(&mut self.values).enumerate() {
+            observable.evaluate(state, view.live, values);
+            self.sums.add(first + k, values, view.live, self.grids.get(first + k));
+        }
+        if !self.sums.batches.is_empty() {
+            let mut adding = Adding {
+                wanted: self.wanted,
+                grids: self.grids,
+                observables: self.observables.len(),
+                times: self.times.len(),
+                sums: &mut self.sums.batches,
+                joint: &mut self.sums.joint,
+            };
+            let past = self.past.entry(view.first_path).or_default();
+            adding.add(time, &self.values, view.live, past);
         }
     }
 
@@ -131,7 +166,8 @@ impl Kept for StudyStatistic<'_> {
     }
 
     fn fixed(&self) -> String {
-        hash(&(self.times, self.grids))
+        let Wanted { pairs, lagged, from } = self.wanted;
+        hash(&(self.times, self.grids, pairs, lagged, from))
     }
 
     fn some_times(&self, _: u64) -> Vec<u64> {

@@ -112,7 +112,45 @@ const LEFT: f64 = 52.0;
 /// The range of an axis without data.
 pub const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
 
-/// A page with one plot under a legend, with linear axes; another may be set below it.
+/// The title of an axis, and whether the axis is logarithmic.
+#[derive(Clone, Copy, Debug)]
+pub struct Title<'a> {
+    /// The words.
+    pub words: &'a str,
+    /// Whether equal ratios are equally far apart.
+    pub logarithmic: bool,
+}
+
+impl<'a> From<&'a str> for Title<'a> {
+    fn from(words: &'a str) -> Self {
+        Self { words, logarithmic: false }
+    }
+}
+
+impl Title<'_> {
+    /// The range of values on the axis, with this share of its length at both ends.
+    pub fn range(&self, values: impl Iterator<Item = f64>, share: f64) -> Range {
+        match self.logarithmic {
+            true => Range::of_positive(values, Range { lo: 0.1, hi: 10.0 }).times(1.1),
+            false => Range::of(values, UNIT).padded(share),
+        }
+    }
+
+    /// The axis from and to places on the page.
+    pub fn axis(&self, range: Range, start: f64, end: f64) -> Axis {
+        Axis { logarithmic: self.logarithmic, range, start, end }
+    }
+
+    /// About so many marks.
+    pub fn ticks(&self, range: Range, most: usize) -> Ticks {
+        match self.logarithmic {
+            true if range.hi >= 20.0 * range.lo => Ticks::decades(range, most),
+            _ => Ticks::decimal(range, most),
+        }
+    }
+}
+
+/// A page with one plot under a legend; another may be set below it.
 pub struct Plain {
     pub canvas: Canvas,
     pub frame: Frame,
@@ -120,18 +158,20 @@ pub struct Plain {
 
 impl Plain {
     /// Draws legend and axes; each axis has a range and a title, but for one above another plot.
-    pub fn new(
+    pub fn new<'a>(
         entries: impl Iterator<Item = (Sample, Label)>,
         height: f64,
-        (x, x_title): (Range, Option<&str>),
-        (y, y_title): (Range, &str),
+        (x, x_title): (Range, Option<impl Into<Title<'a>>>),
+        (y, y_title): (Range, impl Into<Title<'a>>),
     ) -> Self {
         let mut canvas = Canvas::default();
         let top = legend(&mut canvas, entries, LEFT, WIDTH - LEFT - RIGHT);
-        let axis = |range, start, end| Axis { logarithmic: false, range, start, end };
-        let frame = Frame { x: axis(x, LEFT, WIDTH - RIGHT), y: axis(y, top + height, top) };
-        let x = (&Ticks::decimal(x, 6), x_title);
-        frame.draw(&mut canvas, x, (&Ticks::decimal(y, 5), Some(y_title)));
+        let (x_title, y_title) = (x_title.map(Into::into), y_title.into());
+        let of_x = x_title.unwrap_or(Title::from(""));
+        let (across, up) = (of_x.axis(x, LEFT, WIDTH - RIGHT), y_title.axis(y, top + height, top));
+        let frame = Frame { x: across, y: up };
+        let x = (&of_x.ticks(x, 6), x_title.map(|title| title.words));
+        frame.draw(&mut canvas, x, (&y_title.ticks(y, 5), Some(y_title.words)));
         Self { canvas, frame }
     }
 

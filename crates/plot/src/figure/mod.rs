@@ -2,11 +2,12 @@
 //!
 //! [`convergence`] draws series of errors against the step size; [`comparison`] errors against
 //! cost; [`evolution`] an invariant along a path; [`bands`] and [`histogram`] what a study found of
-//! an observable, [`against`] and [`multiples`] how it depends on a parameter, [`lines()`] any curves
-//! in plain coordinates.
+//! an observable, [`against`] and [`multiples`] how it depends on a parameter, [`picture`] and
+//! [`strip`] numbers as colours, [`lines()`] any curves in plain coordinates.
 
 mod axis;
 mod canvas;
+mod cells;
 mod chart;
 mod convergence;
 mod cost;
@@ -19,9 +20,11 @@ mod study;
 mod sweep;
 mod ticks;
 
+pub use cells::{picture, strip};
 pub use convergence::convergence;
 pub use cost::comparison;
 pub use evolution::evolution;
+pub use frame::Title;
 pub use lines::{Trace, lines};
 pub use study::{bands, histogram};
 pub use sweep::{Sampled, against, multiples};

@@ -1,12 +1,12 @@
 //! The law of an observable: in time, as bands between quantiles, median and mean; and at one time,
 //! as a histogram.
 
-use mc::study::{Series, Summary};
+use mc::study::Summary;
 
 use super::{
     axis::Range,
     canvas::{Canvas, Color, INK, Stroke},
-    frame::{Frame, Plain, UNIT},
+    frame::{Frame, Plain, Title, UNIT},
     legend::Sample,
     look::BLUE,
 };
@@ -26,12 +26,16 @@ fn median_line() -> Stroke {
 }
 
 /// The figure of an observable in time as an SVG document: a band between each two quantiles of
-/// levels p and 1 − p, the median and the mean. A band is interrupted where a quantile lies outside
-/// of the grid of its histogram.
-pub fn bands(title: &str, series: &Series) -> String {
-    let points = &series.points;
-    let levels = points.first().map_or(&[][..], |first| &first.quantiles);
-    let levels: Vec<f64> = levels.iter().map(|quantile| quantile.level).collect();
+/// levels p and 1 − p, the median and the mean; without quantiles that between the ends of the 95 %
+/// intervals. A band is interrupted where a quantile lies outside of the grid of its histogram.
+pub fn bands<'a>(
+    title: &str,
+    x_title: impl Into<Title<'a>>,
+    y_title: impl Into<Title<'a>>,
+    points: &[Summary],
+) -> String {
+    let (x_title, y_title) = (x_title.into(), y_title.into());
+    let levels = levels(points);
     let pairs = pairs(&levels);
     let areas = pairs.iter().enumerate().map(|(n, &(low, high))| {
         let [low, high] = [low, high].map(|k| percent(levels[k]));
@@ -40,31 +44,48 @@ pub fn bands(title: &str, series: &Series) -> String {
     });
     let median_entry =
         levels.contains(&0.5).then(|| (Sample::Line(median_line()), Label::words("median")));
-    let mean_entry = (Sample::Line(mean_line()), Label::words("mean"));
-    let entries = areas.chain(median_entry).chain([mean_entry]);
-    let [times, values] = ranges(points.iter());
-    let x = (times, Some("time t"));
-    let mut plain = Plain::new(entries, 190.0, x, (values, &series.observable));
+    let interval = (Sample::Area(COLOR, OPACITY), Label::words("95 % interval"));
+    let interval = levels.is_empty().then_some(interval);
+    let mean = if levels.is_empty() { "estimate" } else { "mean" };
+    let mean_entry = (Sample::Line(mean_line()), Label::words(mean));
+    let entries = areas.chain(median_entry).chain([mean_entry]).chain(interval);
+    let [times, values] = ranges(points.iter(), x_title, y_title);
+    let mut plain = Plain::new(entries, 190.0, (times, Some(x_title)), (values, y_title));
     draw_bands(&mut plain.canvas, &plain.frame, points);
     plain.page(title, points.iter().all(|point| point.mean.is_none()))
 }
 
+/// The levels of quantiles.
+fn levels(points: &[Summary]) -> Vec<f64> {
+    let first = points.iter().map(|point| &point.quantiles).find(|all| !all.is_empty());
+    first.into_iter().flatten().map(|quantile| quantile.level).collect()
+}
+
 /// The ranges of times and of values.
-pub fn ranges<'a>(points: impl Iterator<Item = &'a Summary> + Clone) -> [Range; 2] {
+pub fn ranges<'a>(
+    points: impl Iterator<Item = &'a Summary> + Clone,
+    x_title: Title<'_>,
+    y_title: Title<'_>,
+) -> [Range; 2] {
     let shown = points.clone().flat_map(|point| {
-        point.quantiles.iter().filter_map(|quantile| quantile.value).chain(point.mean)
+        let ends = point.mean_interval.filter(|_| point.quantiles.is_empty());
+        let ends = ends.into_iter().flat_map(|(lo, hi)| [lo, hi]);
+        point.quantiles.iter().filter_map(|quantile| quantile.value).chain(point.mean).chain(ends)
     });
-    let times = Range::of(points.map(|point| point.time), UNIT).padded(0.0);
-    [times, Range::of(shown, UNIT).padded(0.06)]
+    let y = y_title.range(shown, 0.06);
+    [x_title.range(points.map(|point| point.time), 0.0), y]
 }
 
 /// Bands, median and mean in a frame.
 pub fn draw_bands(canvas: &mut Canvas, frame: &Frame, points: &[Summary]) {
-    let levels = points.first().map_or(&[][..], |first| &first.quantiles);
-    let levels: Vec<f64> = levels.iter().map(|quantile| quantile.level).collect();
+    let levels = levels(points);
     let quantile = |k: usize| move |point: &Summary| point.quantiles.get(k)?.value;
-    for (low, high) in pairs(&levels) {
-        let both = |point: &Summary| quantile(low)(point).zip(quantile(high)(point));
+    let bands = pairs(&levels).into_iter().map(Some).chain(levels.is_empty().then_some(None));
+    for band in bands {
+        let both = |point: &Summary| match band {
+            Some((low, high)) => quantile(low)(point).zip(quantile(high)(point)),
+            None => point.mean_interval,
+        };
         // Stretches of times at which there are both.
         for run in points.split(|point| both(point).is_none()).filter(|run| run.len() > 1) {
             let ends = |point: &Summary| both(point).map(|both| (point.time, both));

@@ -3,9 +3,8 @@
 use mc::study::Series;
 
 use super::{
-    axis::{Axis, Range},
     canvas::{Align, Canvas, Stroke},
-    frame::{BELOW, Frame, Plain, RIGHT, UNIT, WIDTH},
+    frame::{BELOW, Frame, Plain, RIGHT, Title, WIDTH},
     legend::Sample,
     look,
     study::{draw_bands, ranges},
@@ -18,12 +17,13 @@ pub type Sampled = (f64, f64, Option<(f64, f64)>);
 
 /// Curves of values against a parameter as an SVG document, each with its name in the legend; a
 /// single one has none.
-pub fn against(
+pub fn against<'a>(
     title: &str,
-    x_title: &str,
-    y_title: &str,
+    x_title: impl Into<Title<'a>>,
+    y_title: impl Into<Title<'a>>,
     curves: &[(String, Vec<Sampled>)],
 ) -> String {
+    let (x_title, y_title) = (x_title.into(), y_title.into());
     let names: Vec<&str> = curves.iter().map(|(name, _)| &**name).collect();
     let looks = look::of_quantities(&names);
     let entries = looks
@@ -32,9 +32,9 @@ pub fn against(
         .zip(names.iter().map(|name| Label::words(name)));
     let several = usize::from(curves.len() > 1) * curves.len();
     let points = || curves.iter().flat_map(|(_, points)| points);
-    let x = Range::of(points().map(|point| point.0), UNIT).padded(0.04);
+    let x = x_title.range(points().map(|point| point.0), 0.04);
     let ends = |&(_, value, interval): &Sampled| interval.map_or([value; 2], |(lo, hi)| [lo, hi]);
-    let y = Range::of(points().flat_map(ends), UNIT).padded(0.06);
+    let y = y_title.range(points().flat_map(ends), 0.06);
     let mut plain = Plain::new(entries.take(several), 190.0, (x, Some(x_title)), (y, y_title));
     for ((_, points), look) in curves.iter().zip(looks) {
         plain.line(points.iter().map(|point| (point.0, point.1)), Stroke::new(look.color, 0.8));
@@ -59,20 +59,24 @@ const HEIGHT: f64 = 74.0;
 
 /// Small multiples of an observable in time as an SVG document: bands, median and mean as in
 /// [`bands`](super::bands()), a plot for each name, all with the same axes.
-pub fn multiples(title: &str, panels: &[(String, &Series)]) -> String {
+pub fn multiples<'a>(
+    title: &str,
+    y_title: impl Into<Title<'a>>,
+    panels: &[(String, &Series)],
+) -> String {
+    let (x_title, y_title) = (Title::from(""), y_title.into());
     let all = panels.iter().flat_map(|(_, series)| &series.points);
-    let [times, values] = ranges(all);
+    let [times, values] = ranges(all, x_title, y_title);
     let columns = COLUMNS.min(panels.len()).max(1);
     let width = (WIDTH - LEFT - RIGHT - GAP * (columns - 1) as f64) / columns as f64;
     let mut canvas = Canvas::default();
-    let axis = |range, start, end| Axis { logarithmic: false, range, start, end };
     let pitch = NAME + HEIGHT + GAP;
     for (k, (name, series)) in panels.iter().enumerate() {
         let (row, column) = (k / columns, k % columns);
         let (left, top) = (LEFT + (width + GAP) * column as f64, NAME + pitch * row as f64);
         let frame =
-            Frame { x: axis(times, left, left + width), y: axis(values, top + HEIGHT, top) };
-        let mut y = Ticks::decimal(values, 3);
+            Frame { x: x_title.axis(times, left, left + width), y: y_title.axis(values, top + HEIGHT, top) };
+        let mut y = y_title.ticks(values, 3);
         if column > 0 {
             y.major.iter_mut().for_each(|(_, label)| *label = Label::words(""));
             y.factor = None;

@@ -2,7 +2,7 @@ use analysis::{
     Spread,
     compare::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Sampled},
 };
-use mc::study::{Grid, Histogram, Place, Quantile, Series, Summary};
+use mc::study::{Grid, Histogram, Place, Quantile, Summary};
 use stats::Rate;
 
 use super::{
@@ -50,15 +50,15 @@ fn awkward_data_still_make_a_figure() {
         |name: &str, points: &[(f64, f64)]| Trace { name: name.into(), points: points.into() };
     let gap = [(0.0, 1.0), (1.0, f64::NAN), (2.0, f64::INFINITY), (3.0, 1.0)];
     for traces in [vec![], vec![trace("", &[])], vec![trace("", &gap)]] {
-        is_whole(&lines("", "x", "y", &traces), &[]);
+        is_whole(&lines("", "x", "y", &traces, Some(1.0)), &[]);
     }
     // Names where there are several.
     let mut traces = vec![trace("a<b", &[(0.0, 1.0), (1.0, 2.0)])];
-    let svg = lines("A & B", "time t", "y", &traces);
+    let svg = lines("A & B", "time t", "y", &traces, None);
     is_whole(&svg, &["A &amp; B", "time t"]);
     assert!(!svg.contains("a&lt;b"));
     traces.push(trace("c", &[(0.0, 0.0)]));
-    is_whole(&lines("", "t", "y", &traces), &["a&lt;b"]);
+    is_whole(&lines("", "t", "y", &traces, Some(1.0)), &["a&lt;b", "<animate"]);
 }
 
 /// Two points of one scheme, of which one is not resolved.
@@ -131,7 +131,7 @@ fn a_band_is_between_opposite_quantiles_and_ends_outside_of_the_grid() {
         [(0.05, Some(-1.0)), (0.25, Some(-0.5)), (0.5, Some(0.0)), (0.75, Some(0.5)), (0.95, high)]
     };
     let at = |t: f64, high| summary(t, &levels(high), &[1, 2]);
-    let drawn = |points| bands("A & B", &Series { observable: "a<b".into(), points });
+    let drawn = |points: Vec<Summary>| bands("A & B", "time t", "a<b", &points);
     let mut all = (0..6).map(|t| at(f64::from(t), Some(1.0))).collect::<Vec<_>>();
     assert_eq!(pairs(&[0.05, 0.25, 0.5, 0.75, 0.95]), [(0, 4), (1, 3)]);
     let svg = drawn(all.clone());
@@ -172,6 +172,42 @@ fn bars_hold_all_values_inside() {
         is_whole(&histogram("A & B", "a<b", summary), &["A &amp; B", "a&lt;b"]);
     }
     is_whole(&histogram("", "x", &outside), &["x at t = 2, 2 of 5 outside"]);
+}
+
+#[test]
+fn axes_may_be_logarithmic_and_intervals_are_bands() {
+    let point = |t: f64| Summary {
+        mean_interval: Some((0.5 * (-t).exp(), 2.0 * (-t).exp())),
+        mean: Some((-t).exp()),
+        ..summary(t, &[], &[])
+    };
+    let points: Vec<Summary> = (0..9).map(|t| point(f64::from(t))).collect();
+    let y = Title { words: "y", logarithmic: true };
+    let svg = bands("A", "lag", y, &points);
+    is_whole(&svg, &["lag", "estimate", "95 % interval", "<polygon"]);
+    // A decaying exponential is a straight line.
+    let line = svg.split("<polyline").find(|line| line.contains("stroke-dasharray=\"80 64\" points") && line.matches(',').count() > 5);
+    let line = line.and_then(|line| line.split("points=\"").nth(1)).unwrap();
+    let places: Vec<f64> = line.split('"').next().unwrap().split([' ', ',']).map(|x| x.parse().unwrap()).collect();
+    let slope = |k: usize| (places[2 * k + 3] - places[2 * k + 1]) / (places[2 * k + 2] - places[2 * k]);
+    assert!((slope(0) - slope(7)).abs() < 0.02, "{places:?}");
+}
+
+#[test]
+fn numbers_are_cells() {
+    let values = [1.0, 0.0, -1.0, 0.25, f64::NAN, 1.0];
+    let svg = picture("A & B", ((0.0, 1.0), "x"), ((0.0, 2.0), "y"), 2, &values);
+    is_whole(&svg, &["A &amp; B"]);
+    // Zero and what is no number are the paper.
+    let cells = |svg: &str| svg.split("<path").skip(1).map(|path| path.matches('M').count()).sum::<usize>();
+    assert_eq!(cells(&svg), 4);
+    let pictures = [("t = 0".to_owned(), values.to_vec()), ("t = 1".to_owned(), vec![1.0; 6])];
+    let svg = strip("spins", 3, &pictures);
+    is_whole(&svg, &["t = 0", "t = 1"]);
+    assert_eq!(cells(&svg), 10);
+    for empty in [picture("", ((0.0, 1.0), "x"), ((0.0, 1.0), "y"), 1, &[]), strip("", 1, &[])] {
+        is_whole(&empty, &[]);
+    }
 }
 
 #[test]

@@ -1,0 +1,64 @@
+//! Equations that are given by drift and noise.
+
+use crate::common::{fails, succeeds, with_scene};
+
+/// A Kubo oscillator in Itô's sense.
+const KUBO: &str = r#"[system]
+state = ["q", "p"]
+parameters = { s = 0.4, w = 2 }
+B = "canonical"
+H0 = "(q^2 + p^2)/2 - cos(w*t)*q"
+H = ["s*(q^2 + p^2)/2"]
+calculus = "ito"
+drift = ["p - s^2/2*q - q*t/5", "cos(w*t) - q - s^2/2*p - t/5*p"]
+noise = [["s*p", "-s*q"]]
+[damping]
+rate = "t/5"
+[run]
+initial = [1, 0]
+until = 1
+steps = 16
+"#;
+
+fn with(from: &str, to: &str) -> String {
+    assert!(KUBO.contains(from), "{from}");
+    KUBO.replace(from, to)
+}
+
+#[test]
+fn an_equation_of_ito_is_converted_and_compared() {
+    let folder = with_scene(KUBO);
+    succeeds(folder.path(), &["run", "scene.toml"]);
+    // The same in Stratonovich's sense.
+    let same = with("\"ito\"", "\"stratonovich\"").replace("- s^2/2*q", "").replace("- s^2/2*p", "");
+    let folder = with_scene(&same);
+    succeeds(folder.path(), &["run", "scene.toml"]);
+    // Nothing is required that is not there.
+    let folder = with_scene(&same.replace("calculus = \"stratonovich\"\n", ""));
+    succeeds(folder.path(), &["inspect", "scene.toml"]);
+}
+
+#[test]
+fn what_is_not_of_this_form_is_named() {
+    for (scene, words) in [
+        (
+            with("\"ito\"", "\"stratonovich\""),
+            "line 8, column 10: the drift of q is p - 0.08 q - q t/5, and B∇H0 gives p - γ q",
+        ),
+        (
+            with("p - s^2/2*q - q*t/5", "p - q*t/5"),
+            "the drift in Stratonovich's sense of q is p - q t/5 + 0.08 q, and B∇H0 gives p - γ q",
+        ),
+        (with("[[\"s*p\", \"-s*q\"]]", "[[\"s*q\", \"-s*q\"]]"), "the noise of q is 0.4 q, and B∇H1 gives 0.4 p"),
+        (with("cos(w*t) - q", "cos(w*t) - 1.0000001*q"), "the drift in Stratonovich's sense of p"),
+        (with("noise = [[\"s*p\", \"-s*q\"]]\n", ""), "H has 1 noises, and `noise` has 0"),
+        (with("noise = [[\"s*p\", \"-s*q\"]]", "noise = [[\"s*p\"]]"), "one formula for each of 2 components"),
+        (with("drift = [\"p - s^2/2*q - q*t/5\", \"cos(w*t) - q - s^2/2*p - t/5*p\"]\n", ""), "give its `drift` as well"),
+        (with("\"s*p\"", "\"s*r\""), "unknown name `r`"),
+        (with("\"ito\"", "\"itô\""), "unknown variant `itô`"),
+    ] {
+        let folder = with_scene(&scene);
+        fails(folder.path(), &["run", "scene.toml"], 2, &[words]);
+        assert!(!folder.path().join("scene-run").exists());
+    }
+}

@@ -1,0 +1,320 @@
+//! How observables depend on each other and on their past: covariances, joint laws,
+//! autocorrelations and spectra.
+//!
+//! **Intervals.** The 32 places of a block of paths are 32 independent batches: sums are rows. What
+//! is a smooth function of sums has its 95 % interval from the jackknife over these batches (Efron
+//! and Tibshirani 1993): with θ₍ₚ₎ without batch p and g batches the mean of g·θ − (g − 1)θ₍ₚ₎ has
+//! a bias of order 1/n², and their spread gives Student's interval with g − 1 degrees of freedom.
+//! That of a correlation r is an interval of artanh r.
+//!
+//! **Autocorrelation** of v at lag s = kΔ: r(s) = c(s)/c(0), where c(s) is the mean of
+//! (v(t) − m)(v(t + s) − m) over paths and over the saved times t, t + s from
+//! [`from`](super::StudySettings::from) on, and m the mean of v. That is of use if v is stationary.
+//! Lags go up to half of these times.
+//!
+//! **Spectrum**: S(ω) = (Δ/2π) Σₖ w(k) c(kΔ) cos(kωΔ), two-sided, so that ∫S dω is the variance.
+//! The window w(k) = cos²(πk/2K) leaves a resolution of about 2π/KΔ (Blackman and Tukey 1958).
+
+use std::f64::consts::PI;
+
+use real::{PathMask, Row, WIDTH, elementary};
+use stats::two_sided;
+
+use super::{Grid, Series, Summary};
+
+/// What is asked for of the observables of these numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wanted {
+    /// Their covariance, correlation and joint law.
+    pub pairs: Vec<(usize, usize)>,
+    /// Their autocorrelation and spectrum.
+    pub lagged: Vec<usize>,
+    /// Number of the time from which on lags are counted.
+    pub from: usize,
+}
+
+/// The joint law of two observables at the final time: counts in bins.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Joint {
+    /// Their names.
+    pub names: [String; 2],
+    /// The bins of each.
+    pub grids: [Grid; 2],
+    /// Counts: those of the first bin of the first observable, then of the second one, and so on.
+    pub counts: Vec<u64>,
+    /// Number of values outside of the bins.
+    pub outside: u64,
+}
+
+/// Rows of a pair at a time: n, Σa, Σb, Σab, Σa², Σb².
+const OF_PAIR: usize = 6;
+/// Bins of a joint law on each side, or fewer.
+const BINS: u32 = 64;
+
+/// Where the numbers of observables have the size one.
+#[derive(Clone, Copy)]
+struct Unit {
+    middle: f64,
+    scale: f64,
+}
+
+impl Unit {
+    fn of(grid: &Grid) -> Self {
+        Self { middle: grid.edge(grid.bins / 2), scale: grid.scale() }
+    }
+
+    fn row(self, values: &Row) -> Row {
+        values.map(|x| (x - self.middle) * self.scale)
+    }
+}
+
+impl Wanted {
+    /// Number of lags among so many times, lag zero included.
+    fn lags(&self, times: usize) -> usize {
+        times.saturating_sub(self.from) / 2 + 1
+    }
+
+    /// Number of rows of sums.
+    pub(super) fn rows(&self, times: usize) -> usize {
+        self.pairs.len() * times * OF_PAIR + self.lagged.len() * (2 + self.lags(times))
+    }
+
+    /// Number of counts of joint laws: bins and what lies outside of them.
+    pub(super) fn cells(&self) -> usize {
+        self.pairs.len() * ((BINS * BINS) as usize + 1)
+    }
+}
+
+/// Bins of the grid of a study that make one of a joint law.
+fn joined(grid: &Grid) -> u32 {
+    grid.bins.div_ceil(BINS)
+}
+
+/// The values of one block so far.
+pub type Past = Vec<Row>;
+
+/// Sums of dependence, and what adds to them.
+pub struct Adding<'a> {
+    pub wanted: &'a Wanted,
+    pub grids: &'a [Grid],
+    pub observables: usize,
+    pub times: usize,
+    pub sums: &'a mut [Row],
+    pub joint: &'a mut [u64],
+}
+
+impl Adding<'_> {
+    /// Adds the values of all observables on a block at a time.
+    pub fn add(&mut self, time: usize, values: &[Row], live: PathMask, past: &mut Past) {
+        let Self { wanted, grids, observables, times, sums, joint } = self;
+        let grid = |k: usize| &grids[time * *observables + k];
+        let pairs = wanted.pairs.iter().enumerate();
+        for (n, &(k, l)) in pairs {
+            let [a, b] = [k, l].map(|k| Unit::of(grid(k)).row(&values[k]));
+            let rows = &mut sums[(time * wanted.pairs.len() + n) * OF_PAIR..][..OF_PAIR];
+            for p in live.paths().filter(|&p| (a[p] * b[p]).is_finite()) {
+                let terms = [1.0, a[p], b[p], a[p] * b[p], a[p] * a[p], b[p] * b[p]];
+                rows.iter_mut().zip(terms).for_each(|(row, term)| row[p] += term);
+            }
+            if time + 1 == *times {
+                let cells = &mut joint[n * ((BINS * BINS) as usize + 1)..];
+                let places = [k, l].map(|k| {
+                    let mut places = [0; WIDTH];
+                    grid(k).place(&values[k], &mut places);
+                    places
+                });
+                for p in live.paths().filter(|&p| (a[p] * b[p]).is_finite()) {
+                    let bin = |side: usize, k: usize| {
+                        let inside = (1..=grid(k).bins).contains(&places[side][p]);
+                        inside.then(|| (places[side][p] - 1) / joined(grid(k)))
+                    };
+                    let cell = bin(0, k).zip(bin(1, l)).map_or(BINS * BINS, |(i, j)| i * BINS + j);
+                    cells[cell as usize] += 1;
+                }
+            }
+        }
+        if time >= wanted.from && !wanted.lagged.is_empty() {
+            // Of the same unit at all times.
+            let last = (*times - 1) * *observables;
+            past.extend(wanted.lagged.iter().map(|&k| Unit::of(&grids[last + k]).row(&values[k])));
+            if time + 1 == *times {
+                self.add_lags(std::mem::take(past), live);
+            }
+        }
+    }
+
+    /// Adds the products of all lags on a block: n, the mean over times, and for each lag the sum.
+    fn add_lags(&mut self, past: Past, live: PathMask) {
+        let Self { wanted, sums, times, .. } = self;
+        let (number, lags) = (wanted.lagged.len(), wanted.lags(*times));
+        let first = wanted.pairs.len() * *times * OF_PAIR;
+        for n in 0..number {
+            let mut x: Vec<Row> = past.iter().skip(n).step_by(number).copied().collect();
+            let is_whole = |p: &usize| x.iter().map(|row| row[*p]).sum::<f64>().is_finite();
+            let counted: Vec<usize> = live.paths().filter(is_whole).collect();
+            let others = (0..WIDTH).filter(|p| !counted.contains(p));
+            others.for_each(|p| x.iter_mut().for_each(|row| row[p] = 0.0));
+            let rows = &mut sums[first + n * (2 + lags)..][..2 + lags];
+            counted.iter().for_each(|&p| rows[0][p] += 1.0);
+            let length = x.len() as f64;
+            for p in 0..WIDTH {
+                rows[1][p] += x.iter().map(|row| row[p]).sum::<f64>() / length;
+            }
+            for k in 0..lags.min(x.len()) {
+                let sum = &mut rows[2 + k];
+                for (a, b) in x.iter().zip(&x[k..]) {
+                    for p in 0..WIDTH {
+                        sum[p] += a[p] * b[p];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Values with their 95 % intervals, by the jackknife over the batches of `sums` that have paths in
+/// their first row; none of what is not finite.
+fn jackknife(sums: &[Row], functions: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Option<[f64; 3]>> {
+    let batches: Vec<usize> = (0..WIDTH).filter(|&p| sums[0][p] > 0.0).collect();
+    let g = batches.len() as f64;
+    let total: Vec<f64> = sums.iter().map(|row| batches.iter().map(|&p| row[p]).sum()).collect();
+    let whole = functions(&total);
+    let without = batches.iter().map(|&p| {
+        let rest: Vec<f64> = total.iter().zip(sums).map(|(total, row)| total - row[p]).collect();
+        functions(&rest)
+    });
+    let without: Vec<Vec<f64>> = without.collect();
+    let quantile = two_sided(0.95, Some((g - 1.0).max(1.0)));
+    let of = |(k, &whole): (usize, &f64)| {
+        let pseudo: Vec<f64> = without.iter().map(|one| g * whole - (g - 1.0) * one[k]).collect();
+        let mean = pseudo.iter().sum::<f64>() / g;
+        let square = pseudo.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
+        let half = quantile * (square / (g * (g - 1.0))).sqrt();
+        (mean + half).is_finite().then_some([mean, mean - half, mean + half])
+    };
+    whole.iter().enumerate().map(of).collect()
+}
+
+/// A summary of a value with its interval.
+fn summary(step: u64, time: f64, count: u64, value: Option<[f64; 3]>) -> Summary {
+    let (mean, mean_interval) = (value.map(|[mean, ..]| mean), value.map(|[_, lo, hi]| (lo, hi)));
+    Summary { step, time, count, mean, mean_interval, ..Summary::default() }
+}
+
+/// Times with their steps.
+type At = (u64, f64);
+
+/// What was found of the dependence of observables.
+pub struct Found<'a> {
+    pub wanted: &'a Wanted,
+    pub names: &'a [String],
+    pub at: Vec<At>,
+    pub grids: &'a [Grid],
+    pub sums: &'a [Row],
+    pub joint: &'a [u64],
+}
+
+impl Found<'_> {
+    /// Covariance and correlation of each pair in time; before it none at a fixed initial value.
+    pub fn pairs(&self, start: Option<u64>) -> Vec<Series> {
+        let number = self.wanted.pairs.len();
+        let of = |(n, &(k, l)): (usize, &(usize, usize))| {
+            let point = |(time, &(step, t)): (usize, &At)| {
+                let sums = &self.sums[(time * number + n) * OF_PAIR..][..OF_PAIR];
+                let [a, b] =
+                    [k, l].map(|k| Unit::of(&self.grids[time * self.names.len() + k]).scale);
+                let found = jackknife(sums, |s| {
+                    let product = |sum: f64, x: f64, y: f64| (sum - x * y / s[0]) / (s[0] - 1.0);
+                    let covariance = product(s[3], s[1], s[2]);
+                    let variances = product(s[4], s[1], s[1]) * product(s[5], s[2], s[2]);
+                    let (r, unit) = (covariance / variances.sqrt(), 1.0 / (a * b));
+                    vec![covariance * unit, 0.5 * ((1.0 + r) / (1.0 - r)).ln()]
+                });
+                let count = sums[0].iter().sum::<f64>() as u64;
+                let correlation = found[1].map(|ends| ends.map(f64::tanh));
+                [found[0], correlation].map(|value| summary(step, t, count, value))
+            };
+            let points: Vec<_> = self.at.iter().enumerate().map(point).collect();
+            let names = format!("({}, {})", self.names[k], self.names[l]);
+            [("cov", 0), ("corr", 1)].map(|(what, column)| Series {
+                observable: format!("{what}{names}"),
+                points: start
+                    .map(|paths| summary(0, 0.0, paths, (column == 0).then_some([0.0; 3])))
+                    .into_iter()
+                    .chain(points.iter().map(|point| point[column].clone()))
+                    .collect(),
+            })
+        };
+        self.wanted.pairs.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// Autocorrelations against the lag, and spectra against the frequency.
+    pub fn lagged(&self) -> Vec<Series> {
+        let (times, names) = (self.at.len(), self.names);
+        let (lags, number) = (self.wanted.lags(times), times.saturating_sub(self.wanted.from));
+        let (Some(last), Some(before)) = (self.at.last(), self.at.get(times.wrapping_sub(2))) else {
+            return Vec::new();
+        };
+        let (delta, most) = (last.1 - before.1, lags - 1);
+        let first = self.wanted.pairs.len() * times * OF_PAIR;
+        let of = |(n, &k): (usize, &usize)| {
+            let unit = Unit::of(&self.grids[(times - 1) * names.len() + k]).scale;
+            let sums = &self.sums[first + n * (2 + lags)..][..2 + lags];
+            let covariances = |s: &[f64]| -> Vec<f64> {
+                let mean = s[1] / s[0];
+                let of_lag = |(k, sum): (usize, &f64)| sum / (s[0] * (number - k) as f64);
+                s[2..].iter().enumerate().map(|lag| of_lag(lag) - mean * mean).collect()
+            };
+            let correlations = jackknife(sums, |s| {
+                let c = covariances(s);
+                c.iter().map(|x| x / c[0]).collect()
+            });
+            let spectrum = jackknife(sums, |s| {
+                let c = covariances(s);
+                let of = |j: usize| {
+                    let term = |(k, c): (usize, &f64)| {
+                        let window = elementary::cos(0.5 * PI * k as f64 / most.max(1) as f64);
+                        let twice = if k == 0 { 1.0 } else { 2.0 };
+                        let wave = elementary::cos(PI * (j * k % (2 * most.max(1))) as f64 / most.max(1) as f64);
+                        twice * window * window * c * wave
+                    };
+                    delta / (2.0 * PI) * c.iter().enumerate().map(term).sum::<f64>() / (unit * unit)
+                };
+                (0..=most).map(of).collect()
+            });
+            let count = sums[0].iter().sum::<f64>() as u64;
+            let series = |what: &str, axis: f64, values: Vec<Option<[f64; 3]>>| Series {
+                observable: format!("{what}({})", names[k]),
+                points: (0..).zip(values).map(|(k, x)| summary(k, axis * k as f64, count, x)).collect(),
+            };
+            let frequency = PI / (delta * most.max(1) as f64);
+            [
+                series("autocorrelation", delta, correlations),
+                series("spectrum", frequency, spectrum),
+            ]
+        };
+        self.wanted.lagged.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// The joint laws at the final time.
+    pub fn joint(&self) -> Vec<Joint> {
+        let last = self.at.len().saturating_sub(1) * self.names.len();
+        let all = self.joint.chunks((BINS * BINS) as usize + 1);
+        let of = |(&(k, l), counts): (&(usize, usize), &[u64])| {
+            let grids = [k, l].map(|k| {
+                let Grid { lo, width, bins } = self.grids[last + k];
+                let joined = joined(&self.grids[last + k]);
+                Grid { lo, width: width * f64::from(joined), bins: bins.div_ceil(joined) }
+            });
+            let [x, y] = grids.map(|grid| grid.bins as usize);
+            let cells = (0..x).flat_map(|i| &counts[i * BINS as usize..][..y]);
+            Joint {
+                names: [k, l].map(|k| self.names[k].clone()),
+                grids,
+                counts: cells.copied().collect(),
+                outside: counts[(BINS * BINS) as usize],
+            }
+        };
+        self.wanted.pairs.iter().zip(all).map(of).collect()
+    }
+}

@@ -1,0 +1,214 @@
+//! Covariances, autocorrelations and spectra beside closed forms, and how often their intervals
+//! cover.
+
+use std::{f64::consts::PI, sync::Arc};
+
+use mc::{
+    Formulas, Initial, Observable, Problem, Setup, StudySettings,
+    study::{StudyResult, Summary, Wanted},
+    study,
+};
+use noise::{StepNoise, StreamKey, Truncation, WienerRows};
+use nonlin::BlockStatus;
+use real::{Row, WIDTH};
+use schemes::{Method, Step, Stepper};
+use systems::Constant;
+
+/// Two stationary Ornstein–Uhlenbeck processes with unit variance, e^{−γt} and the correlation ρ,
+/// exactly: x(t + τ) = ax(t) + √(1 − a²)·(noises with correlation ρ).
+struct Ou;
+struct OuState(Vec<Row>);
+
+const GAMMA: f64 = 1.5;
+const RHO: f64 = 0.6;
+const STEPS: u64 = 32;
+const T: f64 = 4.0;
+
+impl Method for Ou {
+    fn id(&self) -> &'static str {
+        "exact"
+    }
+    fn reads_areas(&self) -> bool {
+        false
+    }
+    fn clips_increments(&self) -> bool {
+        false
+    }
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        Box::new(OuState(y.to_vec()))
+    }
+}
+
+impl Stepper for OuState {
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        let a = (-GAMMA * step.tau).exp();
+        let size = ((1.0 - a * a) / step.tau).sqrt();
+        for p in 0..WIDTH {
+            let [z, w] = [noise.increments[0][p], noise.increments[1][p]];
+            self.0[0][p] = a * self.0[0][p] + size * z;
+            self.0[1][p] = a * self.0[1][p] + size * (RHO * z + (1.0 - RHO * RHO).sqrt() * w);
+        }
+        *status = BlockStatus::explicit();
+    }
+    fn state(&self) -> &[Row] {
+        &self.0
+    }
+    fn state_mut(&mut self) -> &mut [Row] {
+        &mut self.0
+    }
+}
+
+impl Formulas for Ou {
+    fn energy(&self, _: &[f64], _: f64, _: &[f64]) -> f64 {
+        0.0
+    }
+    fn field(&self, y: &[f64], _: f64, _: &[f64]) -> Vec<f64> {
+        vec![0.0; y.len()]
+    }
+    fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
+        vec![0.0; y.len()]
+    }
+}
+
+/// Statistics of x, 3 + 2y and x² on so many paths.
+fn found(seed: u64, paths: u64) -> StudyResult {
+    let damping = Constant::new(0.0).unwrap();
+    let draw = |key, first, rows: &mut [Row]| {
+        let mut normals = vec![[0.0; WIDTH]; 2];
+        WienerRows::new(key, first).increments(1.0, &mut normals);
+        for p in 0..WIDTH {
+            rows[0][p] = normals[0][p];
+            rows[1][p] = RHO * normals[0][p] + (1.0 - RHO * RHO).sqrt() * normals[1][p];
+        }
+    };
+    let problem = Problem {
+        name: "OU".into(),
+        parameters: String::new(),
+        noises: 2,
+        y0: vec![0.0; 2],
+        initial: Some(Initial { law: "stationary".into(), draw: Arc::new(draw) }),
+        t_end: T,
+        damping: &damping,
+        laws: Vec::new(),
+        formulas: Arc::new(Ou),
+    };
+    let setup = Setup { problem, scheme: Arc::new(Ou) };
+    let observables = [
+        Observable { name: "x", function: |y: [f64; 2]| y[0] },
+        Observable { name: "z", function: |y: [f64; 2]| 3.0 + 2.0 * y[1] },
+        Observable { name: "x2", function: |y: [f64; 2]| y[0] * y[0] },
+    ];
+    let key = StreamKey { seed, experiment: 0 };
+    let settings = StudySettings {
+        pilot: 128,
+        bins: 128,
+        wanted: Wanted { pairs: vec![(0, 1), (0, 2)], lagged: vec![1], from: 0 },
+        ..StudySettings::new(STEPS, STEPS, paths, Truncation::none(), key)
+    };
+    study(&setup, &observables, &settings, &|_| ()).unwrap()
+}
+
+/// Autocovariance of z at lag number k, and the mean of the estimated spectrum at frequency number
+/// j: with the window and the lags that are there.
+fn covariance(gamma: f64, k: usize) -> f64 {
+    4.0 * (-gamma * k as f64 * T / STEPS as f64).exp()
+}
+
+fn spectrum(gamma: f64, j: usize) -> f64 {
+    // Time zero is among the times.
+    let (most, delta) = ((STEPS as usize + 1) / 2, T / STEPS as f64);
+    let window = |k: usize| (PI * k as f64 / (2 * most) as f64).cos().powi(2);
+    let wave = |k: usize| (PI * (j * k) as f64 / most as f64).cos();
+    let term = |k: usize| window(k) * wave(k) * covariance(gamma, k);
+    delta / (2.0 * PI) * (term(0) + 2.0 * (1..=most).map(term).sum::<f64>())
+}
+
+type Truth<'a> = (&'a str, Box<dyn Fn(&StudyResult) -> Summary>, f64);
+
+fn truths(gamma: f64, rho: f64) -> Vec<Truth<'static>> {
+    let of = |name: &'static str, k: usize| -> Box<dyn Fn(&StudyResult) -> Summary> {
+        Box::new(move |found: &StudyResult| {
+            let all = found.series.iter().chain(&found.lagged);
+            all.into_iter().find(|series| series.observable == name).unwrap().points[k].clone()
+        })
+    };
+    let last = STEPS as usize;
+    let mut all = vec![
+        ("covariance", of("cov(x, z)", last), 2.0 * rho),
+        ("at the start", of("cov(x, z)", 0), 2.0 * rho),
+        ("correlation", of("corr(x, z)", last), rho),
+        ("none", of("cov(x, x2)", 9), 0.0),
+    ];
+    for k in [1, 4, 12] {
+        let name = "autocorrelation(z)";
+        all.push((name, of(name, k), covariance(gamma, k) / covariance(gamma, 0)));
+    }
+    for j in [0, 1, 5] {
+        all.push(("spectrum(z)", of("spectrum(z)", j), spectrum(gamma, j)));
+    }
+    all
+}
+
+/// How many intervals of so many seeds cover each truth.
+fn covered(seeds: u64, paths: u64, gamma: f64, rho: f64) -> Vec<(&'static str, u64)> {
+    let truths = truths(gamma, rho);
+    let mut covered: Vec<(&str, u64)> = truths.iter().map(|truth| (truth.0, 0)).collect();
+    for seed in 0..seeds {
+        let found = found(1000 + seed, paths);
+        for ((_, point, truth), (_, count)) in truths.iter().zip(&mut covered) {
+            let (lo, hi) = point(&found).mean_interval.unwrap();
+            *count += u64::from(lo <= *truth && *truth <= hi);
+        }
+    }
+    covered
+}
+
+/// Of 200 intervals that cover with 0.94 to 0.95 each, 175 to 199 do with a probability of 0.9997.
+#[test]
+fn intervals_of_dependence_cover() {
+    for (what, count) in covered(200, 128, GAMMA, RHO) {
+        assert!((175..=199).contains(&count), "{what}: {count} of 200");
+    }
+}
+
+/// The wrong truths: another rate, another correlation.
+#[test]
+fn intervals_of_dependence_do_not_cover_what_is_wrong() {
+    for (what, count) in covered(40, 1024, 1.25 * GAMMA, 0.9 * RHO) {
+        let is_same = ["none", "spectrum(z)"].contains(&what);
+        assert!(is_same || count < 30, "{what}: {count} of 40");
+    }
+}
+
+#[test]
+#[ignore = "long: run by the gate"]
+fn intervals_of_dependence_cover_as_often_as_they_say() {
+    // Two-sided with 4.5 standard errors: 7e-6 each. The jackknife of 128 and 4096 paths.
+    for (seeds, paths, least) in [(4000, 128, 0.93), (1000, 4096, 0.94)] {
+        let slack = 4.5 * (0.05f64 * 0.95 / seeds as f64).sqrt();
+        for (what, count) in covered(seeds, paths, GAMMA, RHO) {
+            let share = count as f64 / seeds as f64;
+            println!("{what}, {paths} paths: {share}");
+            assert!(share > least - slack && share < 0.96 + slack, "{what}, {paths}: {share}");
+        }
+    }
+}
+
+#[test]
+fn joint_laws_have_all_paths_and_their_moments() {
+    let found = found(5, 4096);
+    let joint = &found.joint[0];
+    assert_eq!(joint.names, ["x", "z"]);
+    assert_eq!(joint.counts.iter().sum::<u64>() + joint.outside, 4096);
+    // The covariance of the middles of bins is that of the values to the width of a bin.
+    let middle = |side: usize, k: usize| joint.grids[side].edge(k as u32) + joint.grids[side].width / 2.0;
+    let rows = joint.grids[1].bins as usize;
+    let of = |f: &dyn Fn(f64, f64) -> f64| {
+        let cell = |(k, &count): (usize, &u64)| count as f64 * f(middle(0, k / rows), middle(1, k % rows));
+        joint.counts.iter().enumerate().map(cell).sum::<f64>() / 4096.0
+    };
+    let covariance = of(&|x, z| x * z) - of(&|x, _| x) * of(&|_, z| z);
+    let value = found.series("cov(x, z)").unwrap().last().mean.unwrap();
+    let width = joint.grids[0].width + joint.grids[1].width;
+    assert!((covariance - value).abs() < 0.1 * width + 0.02, "{covariance} {value}");
+}
