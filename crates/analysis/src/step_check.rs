@@ -57,6 +57,8 @@ pub struct Halved {
     pub standard_error: f64,
     /// What rounding may make of the difference.
     pub rounding: f64,
+    /// The step error over the difference: 1/(1 − 2^{−p}) at order p, two at order one.
+    pub of_error: f64,
 }
 
 /// What is known of a step error.
@@ -84,8 +86,6 @@ const MOST_FAILED: f64 = 0.1;
 const SEEN: f64 = 3.0;
 /// Standard errors that a difference which was not seen may hide.
 const HIDDEN: f64 = 2.0;
-/// A difference of order τ is half of the error.
-const OF_ERROR: f64 = 2.0;
 /// A step error below this part of the sampling error is not worth a word.
 const WORTH: f64 = 0.1;
 /// Rounding relative to the terms of a mean, and of the root of a difference of their squares.
@@ -109,13 +109,13 @@ impl StepCheck {
     /// What is known of a step error where the half-width of the sampling error is `sampling`, and
     /// the deviation of the values is `spread`.
     pub fn step_error(&self, halved: Halved, sampling: f64, spread: f64) -> StepError {
-        let Halved { difference, standard_error, rounding, .. } = halved;
+        let Halved { difference, standard_error, rounding, of_error, .. } = halved;
         let (size, noise) = (difference.abs(), standard_error.max(rounding));
-        let hidden = OF_ERROR * (size + HIDDEN * noise);
+        let hidden = of_error * (size + HIDDEN * noise);
         if !self.resolves() {
             StepError::CannotTell
-        } else if size > SEEN * noise && OF_ERROR * size > WORTH * sampling {
-            StepError::About(OF_ERROR * size)
+        } else if size > SEEN * noise && of_error * size > WORTH * sampling {
+            StepError::About(of_error * size)
         } else if hidden <= sampling.max(10.0 * rounding) {
             StepError::Fine(hidden)
         } else if hidden <= spread {
@@ -175,7 +175,7 @@ pub fn step_check(
     let new = || FinalMoments::new(steps, 3 * observables.len(), &numbers);
     let Some(measured) = ladder.run_in(job, "steps", paths, new, &|_| ()) else { return Ok(None) };
     let moments = &measured.statistic.moments;
-    let of = |(k, phi): (usize, &&dyn Observe)| errors(phi.name(), centers[k], moments, 3 * k);
+    let of = |(k, phi): (usize, &&dyn Observe)| errors(*phi, centers[k], moments, 3 * k);
     let end = setup.problem.t_end;
     let last = end - end / steps as f64;
     Ok(Some(StepCheck {
@@ -188,7 +188,7 @@ pub fn step_check(
 }
 
 /// The step errors from the moments of a = φ_τ − c, b = φ_{τ/2} − c and a² − b².
-fn errors(name: &str, center: f64, moments: &CrossMoments, first: usize) -> StepErrors {
+fn errors(phi: &dyn Observe, center: f64, moments: &CrossMoments, first: usize) -> StepErrors {
     let count = moments.count() as f64;
     let mean = |k| moments.mean(first + k);
     // Of one path there is no variance, and without noise none is needed.
@@ -210,6 +210,7 @@ fn errors(name: &str, center: f64, moments: &CrossMoments, first: usize) -> Step
         difference: a - b,
         standard_error: above(error([1.0, -1.0, 0.0])),
         rounding: ROUNDING[0] * (center.abs() + a.abs()),
+        of_error: 1.0 / (1.0 - 0.5f64.powf(phi.weak_order())),
     };
     let deviations = [0, 1].map(|k| above((count * covariance(k, k)).max(0.0).sqrt()));
     let sum = deviations[0] + deviations[1];
@@ -219,7 +220,8 @@ fn errors(name: &str, center: f64, moments: &CrossMoments, first: usize) -> Step
         // Of the variance, by its linear part in the three means.
         standard_error: if sum > 0.0 { error([-2.0 * a, 2.0 * b, 1.0]) / sum } else { 0.0 },
         rounding: mean.rounding + root,
+        of_error: mean.of_error,
     };
     let along_paths = (mean.difference.powi(2) + count * mean.standard_error.powi(2)).sqrt();
-    StepErrors { observable: name.into(), mean, deviation, along_paths }
+    StepErrors { observable: phi.name().into(), mean, deviation, along_paths }
 }

@@ -18,6 +18,11 @@ pub trait Observe: Sync {
 
     /// Writes φ of the paths `live`, and anything for the others. Row i of `y` is component i.
     fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row);
+
+    /// The order with which the error of its mean falls, with a scheme of weak order one.
+    fn weak_order(&self) -> f64 {
+        1.0
+    }
 }
 
 impl<const D: usize> Observe for Observable<D> {
@@ -60,6 +65,10 @@ impl<T: Observe + ?Sized> Observe for &T {
 
     fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
         (**self).evaluate(y, live, values);
+    }
+
+    fn weak_order(&self) -> f64 {
+        (**self).weak_order()
     }
 }
 

@@ -136,5 +136,30 @@ pub fn compare(
     candidates: &Candidates<'_>,
     settings: &CompareSettings,
 ) -> Result<Comparison, CompareError> {
-    search::Search::new(problem, candidates, settings)?.run()
+    compare_telling(problem, candidates, settings, &|_| ())
+}
+
+/// [`compare`], which tells now and then how far it is.
+///
+/// # Errors
+/// Those of [`compare`].
+///
+/// # Panics
+/// When no thread can be started.
+pub fn compare_telling(
+    problem: &Problem<'_>,
+    candidates: &Candidates<'_>,
+    settings: &CompareSettings,
+    told: &dyn Fn(SoFar),
+) -> Result<Comparison, CompareError> {
+    search::Search::new(problem, candidates, settings, told)?.run()
+}
+
+/// How far a comparison is.
+#[derive(Clone, Copy, Debug)]
+pub struct SoFar {
+    /// The least error of a scheme so far: the upper end of its interval.
+    pub error: f64,
+    /// Seconds that are left at most.
+    pub left_s: f64,
 }

@@ -9,7 +9,7 @@ use schemes::Method;
 
 use super::{
     Candidate, Candidates, Choice, CompareError, CompareSettings, Comparison, Outcome, Sampled,
-    Stopped,
+    SoFar, Stopped,
     errors::{ErrorPoint, Errors, Plan},
     pilot::{Known, within},
     settings::LEAST_SAMPLES,
@@ -47,6 +47,7 @@ pub struct Search<'a> {
     /// Number of the longest steps.
     pub base: u64,
     watch: Stopwatch,
+    told: &'a dyn Fn(SoFar),
 }
 
 impl<'a> Search<'a> {
@@ -54,10 +55,11 @@ impl<'a> Search<'a> {
         problem: &'a Problem<'a>,
         candidates: &'a Candidates<'a>,
         settings: &'a CompareSettings,
+        told: &'a dyn Fn(SoFar),
     ) -> Result<Self, CompareError> {
         settings.check(candidates.schemes.len(), problem.t_end)?;
         let base = ((problem.t_end / LONGEST).ceil() as u64).max(LEAST_STEPS).next_power_of_two();
-        Ok(Self { problem, settings, candidates, base, watch: Stopwatch::start() })
+        Ok(Self { problem, settings, candidates, base, watch: Stopwatch::start(), told })
     }
 
     /// The noise of a part of the comparison: errors, pilots, times.
@@ -146,6 +148,8 @@ impl<'a> Search<'a> {
                 break;
             }
             let errors = found.insert(errors);
+            let ends = errors.points.iter().flatten().map(|point| point.hi);
+            (self.told)(SoFar { error: ends.fold(f64::INFINITY, f64::min), left_s: self.left_s() });
             next = match plan.samples < all.samples || plan.reference < all.reference {
                 true => all.clone(),
                 false => self.refined(known, errors, &plan),

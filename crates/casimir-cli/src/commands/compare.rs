@@ -3,11 +3,14 @@
 use std::{fmt::Display, time::Instant};
 
 use casimir::{
-    analysis::{self, CompareSettings},
-    plot::{comparison_csv, figure::comparison, files},
+    analysis::{
+        CompareSettings,
+        compare::{SoFar, compare_telling},
+    },
+    plot::{comparison_csv, figure::comparison, files, under_words},
 };
 
-use super::{folder, open, print, print_json, threads, under_bar};
+use super::{folder, open, print, print_json, threads};
 use crate::{
     arguments::Compare,
     failure::{Done, Failure},
@@ -38,7 +41,12 @@ pub fn compare(arguments: &Compare) -> Done {
     let candidates = scene.model.candidates().map_err(|error| wrong(&error))?;
     let what = format!("errors and times of all schemes, {budget} s at most");
     let problem = scene.problem();
-    let found = under_bar(&what, 0, |_| analysis::compare(&problem, &candidates, &wanted));
+    let found = under_words(&what, |say| {
+        let told = |SoFar { error: least, left_s }| {
+            say(format!("error {least:.1e} so far, {error:.1e} wanted, {left_s:.0} s left at most"));
+        };
+        compare_telling(&problem, &candidates, &wanted, &told)
+    });
     let found = found.map_err(|error| wrong(&error))?;
     let folder = folder::of(arguments.output.out.clone(), &arguments.scene, "compare")?;
     files::write(&folder.join("compare.svg"), comparison(&found))?;

@@ -1,11 +1,11 @@
 //! `casimir expect`: expectations with intervals.
 
-use std::time::Instant;
+use std::{path::PathBuf, time::Instant};
 
 use casimir::{
     mc::{
         self, ExpectSettings, Observe,
-        expect::{Expectation, SoFar},
+        expect::{Expectation, Keeping, SoFar},
     },
     plot::under_words,
 };
@@ -48,7 +48,12 @@ pub fn expect(arguments: &Expect) -> Done {
     let folder = arguments.output.out.as_deref();
     folder.map_or(Ok(()), folder::prepare)?;
     let (start, stop) = (Instant::now(), stop());
-    let expect = expect.with(ExpectSettings { stop: stop.clone(), ..settings });
+    let keeping = keeping(arguments, &scene)?;
+    if keeping.holds() {
+        eprintln!("going on from {}; to begin anew, delete it", keeping.file.display());
+    }
+    let kept = keeping.file.clone();
+    let expect = expect.with(ExpectSettings { stop: stop.clone(), ..settings }).keeping(keeping);
     let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
     let expectation = under_words("the first estimates", |say| {
         let told = |SoFar { half_width, path_steps, needed }| {
@@ -70,7 +75,25 @@ pub fn expect(arguments: &Expect) -> Done {
         false => print(&output::expectation_text(&scene, &results)),
     }?;
     folder.map_or(Ok(()), |folder| output::write_expectation(&scene, &results, folder))?;
-    if stop.is_asked() { Err(Failure::stopped("the samples are not kept")) } else { Ok(()) }
+    match stop.is_asked() {
+        true => Err(Failure::stopped(format!(
+            "the samples are in {}: the same command goes on from them",
+            kept.display()
+        ))),
+        false => Ok(()),
+    }
+}
+
+/// Where samples are kept, and what they depend on.
+fn keeping(arguments: &Expect, scene: &Scene) -> Done<Keeping> {
+    let stem = arguments.scene.file_stem().unwrap_or_default().to_string_lossy();
+    let folder = arguments.output.out.clone();
+    let folder = folder.unwrap_or_else(|| PathBuf::from(format!("{stem}-expect")));
+    let changes = serde_json::to_string(&(&arguments.scheme, arguments.steps))?;
+    let law = scene.settings.random.as_ref().map_or("", |random| &random.law);
+    let version = env!("CARGO_PKG_VERSION");
+    let study = [version, &changes, law, &scene.source.text].join("\n");
+    Ok(Keeping { file: folder.join("samples.bin"), study })
 }
 
 /// The scheme that is named; or all that go with it is chosen: points, levels and order.
@@ -80,12 +103,14 @@ fn chosen(scene: &Scene) -> Done<(mc::Expect<'_>, ExpectSettings, Option<String>
     let is_auto = settings.scheme == AUTO;
     let whole = scene.model.expect().filter(|_| is_auto && !scene.collects());
     let (expect, because) = match whole {
-        Some(chosen) => (chosen.starting(settings.random.clone()), None),
+        Some(chosen) => (chosen.starting(scene.initial_of_any()), None),
         None => {
             let (scheme, because) = scheme(scene);
             with.truncation = settings.truncation;
             with.coarsest_steps = coarsest_steps(settings.until);
-            (mc::Expect::with_scheme(scene.collecting(scene.setup(&scheme)?)), because)
+            let setup = scene.collecting(scene.setup(&scheme)?);
+            let expect = mc::Expect::with_scheme(setup).starting(scene.initial_of_any());
+            (expect, because)
         }
     };
     with.coarsest_steps = settings.coarsest_steps.unwrap_or(with.coarsest_steps);

@@ -89,6 +89,11 @@ pub fn plan(arguments: &Plan) -> Done {
     let settled = sweep.combinations.iter().map(|one| super::scheme(&one.scene)).collect();
     folder::prepare(out)?;
     files::write(&out.join(SCENE), &source.text)?;
+    if let Some(states) = &sweep.combinations[0].scene.settings.states {
+        let copy = out.join(states);
+        files::prepare(files::folder(&copy))?;
+        fs::copy(arguments.scene.with_file_name(states), copy)?;
+    }
     let (parts, changes) = (arguments.parts, arguments.changes.clone());
     let divided = Divided { parts, changes, settled };
     let folder = Folder { folder: out.clone(), divided, sweep };

@@ -9,7 +9,7 @@ use casimir::{
 
 use super::{Built, at_run_time::AtRunTime};
 use crate::scene::{
-    At, Calculus, Parameter, Read, Reading, SceneError, State, Structure, SystemTable, Text,
+    At, Calculus, Listed, Parameter, Read, Reading, SceneError, State, SystemTable, Text,
     structure as entries,
 };
 
@@ -116,7 +116,7 @@ fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> 
     match error.which {
         Which::Matrix => {}
         Which::Structure(row, column) => {
-            if let Some(Structure::Rows(rows)) = structure.map(|structure| &**structure) {
+            if let Some(Listed::List(rows)) = structure.map(|structure| &**structure) {
                 // All of B is given, or what stands above the diagonal.
                 let first = if rows.len() == state.components.len() { 0 } else { row };
                 formula = rows.get(row - 1).and_then(|row| row.get(column - 1 - first));

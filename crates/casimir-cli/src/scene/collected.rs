@@ -51,7 +51,7 @@ pub struct EventOf {
     /// The function.
     pub phi: Quantity,
     /// Its gradient; none if it is seen at the ends of steps only.
-    gradient: Option<Arc<Tape>>,
+    pub gradient: Option<Arc<Tape>>,
     stops: bool,
 }
 

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::{At, Count, Event, Parameter, Structure, Text, Values};
+use super::values::{At, Count, Event, Parameter, Start, Structure, Text, Values};
 
 /// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -97,8 +97,9 @@ pub struct DampingTable {
 pub struct RunTable {
     /// The initial value y(0): a number or a formula of the parameters for each component, and of
     /// random numbers: z1, z2, … are standard normals, u1, u2, … uniform on (0, 1). For spins on a
-    /// lattice three may stand for all.
-    pub initial: At<Vec<At<Text>>>,
+    /// lattice three may stand for all. Or the name of a file of states, one in a line: paths take
+    /// them in turn.
+    pub initial: At<Start>,
     /// The final time T > 0; paths begin at time 0.
     pub until: At<Text>,
     /// Number of steps on [0, T].

@@ -1,6 +1,6 @@
-//! Initial values: numbers, or formulas of random numbers.
+//! Initial values: numbers, formulas of random numbers, or a file of states.
 
-use std::{slice::from_mut, sync::Arc};
+use std::{fs, path::Path, slice::from_mut, sync::Arc};
 
 use casimir::{
     formula::Formula,
@@ -12,7 +12,7 @@ use casimir::{
 use super::{
     read::Constants,
     source::{Read, Source},
-    values::{At, Text},
+    values::{At, Listed, Start, Text},
 };
 
 /// Fewest names z1, z2, … and u1, u2, … that there are.
@@ -36,13 +36,9 @@ impl Random {
         let mut point = vec![[0.0; WIDTH]; self.variables];
         for site in rows.chunks_mut(self.formulas.len()) {
             for &(k, is_uniform) in &self.used {
-                normals.increments(1.0, from_mut(&mut point[k]));
-                if is_uniform {
-                    // The squared radius of two normals is exponential.
-                    let mut second = [0.0; WIDTH];
-                    normals.increments(1.0, from_mut(&mut second));
-                    let uniform = |z: f64, w: f64| elementary::exp(-0.5 * (z * z + w * w));
-                    point[k].iter_mut().zip(second).for_each(|(z, w)| *z = uniform(*z, w));
+                match is_uniform {
+                    true => point[k] = uniform(&mut normals),
+                    false => normals.increments(1.0, from_mut(&mut point[k])),
                 }
             }
             for (formula, row) in self.formulas.iter().zip(site) {
@@ -52,13 +48,86 @@ impl Random {
     }
 }
 
-/// The initial values of a scene: one that may occur, and their law if they are random.
+/// Numbers on (0, 1): the squared radius of two normals is exponential.
+fn uniform(normals: &mut WienerRows) -> Row {
+    let mut both = [[0.0; WIDTH]; 2];
+    normals.increments(1.0, &mut both[..1]);
+    normals.increments(1.0, &mut both[1..]);
+    let [z, w] = both;
+    std::array::from_fn(|p| elementary::exp(-0.5 * (z[p] * z[p] + w[p] * w[p])))
+}
+
+/// Initial values.
+pub struct Begun {
+    /// One that may occur.
+    pub y0: Vec<f64>,
+    /// Their law, if they are random.
+    pub random: Option<Initial<'static>>,
+    /// The law of those of a file taken at random, where paths have no order.
+    pub of_any: Option<Initial<'static>>,
+}
+
+/// The states of a file, one in a line: numbers with blanks or commas between them. Lines that
+/// begin with # and a first line of names do not count.
+fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Vec<Vec<f64>>> {
+    let wrong = |message: String| source.error(at.span(), message);
+    let path = Path::new(&source.name).with_file_name(file);
+    let text = fs::read_to_string(&path);
+    let text = text.map_err(|error| wrong(format!("cannot read the states {file}: {error}")))?;
+    let mut states: Vec<Vec<f64>> = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let words = line.split([',', ' ', '\t']).filter(|word| !word.is_empty());
+        let state: Result<Vec<f64>, _> = words.map(str::parse).collect();
+        let finite = state.ok().filter(|state| state.iter().all(|x: &f64| x.is_finite()));
+        match finite {
+            _ if line.trim().is_empty() || line.starts_with('#') => {}
+            Some(state) if states.first().is_none_or(|first| first.len() == state.len()) => {
+                states.push(state);
+            }
+            None if number == 0 => {}
+            _ => {
+                let number = number + 1;
+                return Err(wrong(format!("line {number} of {file} is no state: {line}")));
+            }
+        }
+    }
+    if states.is_empty() { Err(wrong(format!("{file} has no state"))) } else { Ok(states) }
+}
+
+/// The initial values that a file has.
+fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
+    let states = Arc::new(states(source, file, at)?);
+    let law = format!("the {} states of {file}", states.len());
+    let fill = |rows: &mut [Row], p: usize, state: &[f64]| {
+        rows.iter_mut().zip(state).for_each(|(row, y)| row[p] = *y);
+    };
+    let (y0, in_turn, any) = (states[0].clone(), Arc::clone(&states), states);
+    let draw = move |_, first: u64, rows: &mut [Row]| {
+        for p in 0..WIDTH {
+            fill(rows, p, &in_turn[((first + p as u64) % in_turn.len() as u64) as usize]);
+        }
+    };
+    let draw_any = move |key, first, rows: &mut [Row]| {
+        let places = uniform(&mut WienerRows::new(key, first));
+        for p in 0..WIDTH {
+            fill(rows, p, &any[((places[p] * any.len() as f64) as usize).min(any.len() - 1)]);
+        }
+    };
+    let random = Some(Initial { law: law.clone(), draw: Arc::new(draw) });
+    Ok(Begun { y0, random, of_any: Some(Initial { law, draw: Arc::new(draw_any) }) })
+}
+
+/// The initial values of a scene.
 pub fn initial(
     source: &Source,
-    texts: &[At<Text>],
+    at: &At<Start>,
     constants: &Constants,
     key: StreamKey,
-) -> Read<(Vec<f64>, Option<Initial<'static>>)> {
+) -> Read<Begun> {
+    let texts = match &**at {
+        Listed::List(texts) => texts,
+        Listed::Text(file) => return of_file(source, file, at),
+    };
     let (mut names, number) = (constants.names.clone(), texts.len().max(LEAST_NAMES));
     for name in ["z", "u"].iter().flat_map(|kind| (1..=number).map(move |k| format!("{kind}{k}"))) {
         // A parameter may have the name.
@@ -82,5 +151,5 @@ pub fn initial(
     let words = texts.iter().map(|text| &*text.0).collect::<Vec<_>>().join(", ");
     let draw = move |key, first, rows: &mut [Row]| random.draw(key, first, rows);
     let law = Initial { law: format!("({words})"), draw: Arc::new(draw) };
-    Ok((y0, is_random.then_some(law)))
+    Ok(Begun { y0, random: is_random.then_some(law), of_any: None })
 }

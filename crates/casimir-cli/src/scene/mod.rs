@@ -23,13 +23,13 @@ pub use shorthand::{State, structure};
 pub use source::{Read, SceneError, Source};
 pub use sweep::{Combination, Set, Sweep, Varied};
 use values::Event;
-pub use values::{At, Parameter, Structure, Text, count};
+pub use values::{At, Listed, Parameter, Text, count};
 
 use std::{fmt::Display, ops::Range, path::Path, sync::Arc};
 
 use casimir::{
     formula::nearest,
-    mc::{Collecting, Problem, Setup, study::Wanted},
+    mc::{Collecting, Initial, Problem, Setup, study::Wanted},
     schemes::BuiltIn,
 };
 
@@ -122,8 +122,12 @@ impl Scene {
                     let passage =
                         collected::passage(&source, event, &system_names, &mut vocabulary)?;
                     let begun = f64::from(u8::from(vocabulary.at_start(&passage.phi) > 0.0));
-                    let passage = Collected::Passage(passage);
-                    let [happened, time] = vocabulary.collect(passage, [begun, 0.0]);
+                    let is_crude = passage.gradient.is_none();
+                    let rows = vocabulary.collect(Collected::Passage(passage), [begun, 0.0]);
+                    let [happened, time] = rows.map(|row| match row {
+                        Quantity::Collected(row) if is_crude => Quantity::Monitored(row),
+                        row => row,
+                    });
                     vec![(name.to_string(), happened), (format!("{} time", **name), time)]
                 }
                 Entry::Formula(formula) | Entry::Condition(formula) => {
@@ -224,6 +228,11 @@ impl Scene {
     /// Whether paths collect something, so that states alone do not say what is observed.
     pub fn collects(&self) -> bool {
         !self.collected.is_empty()
+    }
+
+    /// The initial values for expectations.
+    pub fn initial_of_any(&self) -> Option<Initial<'static>> {
+        self.settings.of_any.clone().or(self.settings.random.clone())
     }
 
     /// The problem with its initial values.

@@ -26,6 +26,8 @@ pub enum Quantity {
     Function(Arc<OfRows>),
     /// What a path has collected in this row after its state.
     Collected(usize),
+    /// The same, seen at the ends of steps only: its error is of order √τ.
+    Monitored(usize),
 }
 
 impl Quantity {
@@ -43,7 +45,7 @@ impl Quantity {
 
     fn evaluate(&self, y: &[Row], values: &mut Row) {
         match self {
-            Self::Component(row) | Self::Collected(row) => *values = y[*row],
+            Self::Component(row) | Self::Collected(row) | Self::Monitored(row) => *values = y[*row],
             Self::Function(function) => function(y, values),
         }
     }
@@ -86,6 +88,10 @@ impl Observe for Observable {
 
     fn evaluate(&self, y: &[Row], _: PathMask, values: &mut Row) {
         self.quantity.evaluate(y, values);
+    }
+
+    fn weak_order(&self) -> f64 {
+        if let Quantity::Monitored(_) = self.quantity { 0.5 } else { 1.0 }
     }
 }
 

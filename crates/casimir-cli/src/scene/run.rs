@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     file::RunTable,
-    initial::initial,
+    initial::{Begun, initial},
     read::Constants,
     source::{Read, Source},
     sweep::Set,
-    values::{At, Count, count},
+    values::{At, Count, Listed, count},
 };
 
 /// What a command line changes in a scene.
@@ -65,6 +65,10 @@ pub struct Settings {
     pub initial: Vec<f64>,
     /// Random initial values.
     pub random: Option<Initial<'static>>,
+    /// Those of a file at random, for expectations.
+    pub of_any: Option<Initial<'static>>,
+    /// The file, if there is one.
+    pub states: Option<String>,
     /// The final time.
     pub until: f64,
     /// Number of steps.
@@ -111,7 +115,7 @@ impl Settings {
     ) -> Read<Self> {
         let SchemeAndSeed { scheme: changed, seed, .. } = changes.scheme.clone();
         let key = StreamKey { seed: seed.or(run.seed).unwrap_or(1), experiment: 0 };
-        let (initial, random) = initial(source, &run.initial, constants, key)?;
+        let Begun { y0: initial, random, of_any } = initial(source, &run.initial, constants, key)?;
         let until = constants.value(source, &run.until)?;
         if until <= 0.0 {
             let message = format!("the final time must be positive, got {until}");
@@ -152,6 +156,11 @@ impl Settings {
         Ok(Self {
             initial,
             random,
+            of_any,
+            states: match &*run.initial {
+                Listed::Text(file) => Some(file.clone()),
+                Listed::List(_) => None,
+            },
             until,
             steps,
             coarsest_steps: changes.steps,

@@ -8,7 +8,7 @@ use super::{
     is_column,
     source::{Read, Source},
     taken,
-    values::{At, Entries, Structure},
+    values::{At, Entries, Listed, Structure},
 };
 
 /// The components of a state, and vectors of them.
@@ -105,11 +105,11 @@ fn range(text: &str) -> Option<impl Iterator<Item = u32> + use<>> {
 /// The entries of B as texts, in rows.
 pub fn structure(source: &Source, state: &State, at: &At<Structure>) -> Read<Vec<Vec<String>>> {
     match &**at {
-        Structure::Rows(rows) => {
+        Listed::List(rows) => {
             let row = |row: &Entries| row.iter().map(|text| text.0.clone()).collect();
             Ok(rows.iter().map(row).collect())
         }
-        Structure::Blocks(text) => blocks(source, state, text, at.span()),
+        Listed::Text(text) => blocks(source, state, text, at.span()),
     }
 }
 

@@ -41,7 +41,11 @@ impl Source {
 
     /// Something wrong with a formula, at its place in the file.
     pub fn formula_error(&self, formula: &At<Text>, error: &FormulaError) -> SceneError {
+        let is_mean = |word: &str| error.message == format!("unknown function `{word}`");
         let message = match error.unknown_name.as_deref() {
+            _ if is_mean("integral") || is_mean("average") => {
+                "this is an observable of its own: give it a name in [observe]"
+            }
             Some("t") => "unknown name `t`: time is known in the rate of damping, in H0 and H, and in observables",
             _ => &error.message,
         };

@@ -3,6 +3,7 @@
 use std::{
     borrow::Cow,
     fmt::{self, Formatter},
+    marker::PhantomData,
     ops::{Deref, Range},
     str::FromStr,
 };
@@ -80,44 +81,51 @@ pub enum Parameter {
     Switch(bool),
 }
 
-/// The matrix B: rows of entries, or blocks such as `"spins(s1, s2) + canonical(q, p)"`.
+/// A list, or a text that stands for one.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Structure {
-    /// All rows, or the entries above the diagonal.
-    Rows(Vec<Entries>),
-    /// A sum of blocks.
-    Blocks(String),
+pub enum Listed<T> {
+    /// The list.
+    List(Vec<T>),
+    /// The text.
+    Text(String),
 }
 
-/// A row of a matrix.
+/// A row of a matrix, or another list of formulas.
 pub type Entries = At<Vec<At<Text>>>;
 
-impl<'de> Deserialize<'de> for Structure {
+/// The matrix B: all rows or the entries above the diagonal; or blocks such as
+/// `"spins(s1, s2) + canonical(q, p)"`.
+pub type Structure = Listed<Entries>;
+
+/// The initial value: a number or a formula for each component, or a file of states.
+pub type Start = Listed<At<Text>>;
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Listed<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(OfStructure)
+        deserializer.deserialize_any(OfListed(PhantomData))
     }
 }
 
-/// Reads a [`Structure`], whose rows keep their places.
-struct OfStructure;
+/// Reads a [`Listed`], whose items keep their places.
+struct OfListed<T>(PhantomData<T>);
 
-impl<'de> Visitor<'de> for OfStructure {
-    type Value = Structure;
+impl<'de, T: Deserialize<'de>> Visitor<'de> for OfListed<T> {
+    type Value = Listed<T>;
 
     fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str("rows of entries, or blocks such as \"canonical(q, p)\"")
+        f.write_str("a list, or a text that stands for it such as \"canonical(q, p)\"")
     }
 
-    fn visit_str<E: Error>(self, text: &str) -> Result<Structure, E> {
-        Ok(Structure::Blocks(text.to_owned()))
+    fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
+        Ok(Listed::Text(text.to_owned()))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Structure, A::Error> {
-        let mut rows = Vec::new();
-        while let Some(row) = seq.next_element()? {
-            rows.push(row);
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+        let mut items = Vec::new();
+        while let Some(item) = seq.next_element()? {
+            items.push(item);
         }
-        Ok(Structure::Rows(rows))
+        Ok(Listed::List(items))
     }
 }
 
@@ -303,6 +311,10 @@ schema!(Event, "Event", {
 schema!(Structure, "Structure", {
     "type": ["string", "array"],
     "items": { "type": "array", "items": { "type": ["string", "number"] } }
+});
+schema!(Start, "Start", {
+    "type": ["string", "array"],
+    "items": { "type": ["string", "number"] }
 });
 schema!(Parameter, "Parameter", {
     "type": ["string", "number", "boolean", "array"],

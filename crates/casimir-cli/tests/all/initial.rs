@@ -124,3 +124,54 @@ fn spins_have_random_numbers_of_their_own() {
     let tables = read_json(folder.path().join("scene-run/paths.json"));
     assert_eq!(tables[0]["columns"][1]["values"][0], 2.0);
 }
+
+/// Paths take the states of a file in turn; expectations take them at random.
+#[test]
+fn a_file_has_initial_states() {
+    let states: Vec<[f64; 2]> = (0..5).map(|k| [1.0 + f64::from(k), 0.5 * f64::from(k * k)]).collect();
+    let line = |state: &[f64; 2]| format!("{}, {}\n", state[0], state[1]);
+    let text = states.iter().map(line).collect::<String>();
+    let scene = KUBO.replace("[\"1 + w*z1\", \"u1 - 0.5\"]", "\"states.csv\"").replace("3e-3", "0.02");
+    let folder = with_scene(&scene);
+    let path = folder.path();
+    fs::write(path.join("states.csv"), format!("q, p\n# five\n{text}")).unwrap();
+    succeeds(path, &["run", "scene.toml", "--paths", "7", "--write", "json"]);
+    let tables = read_json(path.join("scene-run/paths.json"));
+    for (k, table) in tables.as_array().unwrap().iter().enumerate() {
+        for (i, name) in ["q", "p"].iter().enumerate() {
+            let columns = table["columns"].as_array().unwrap();
+            let column = columns.iter().find(|column| column["name"] == *name).unwrap();
+            assert_eq!(column["values"][0].as_f64().unwrap(), states[k % 5][i]);
+        }
+    }
+    let mean = |f: &dyn Fn(&[f64; 2]) -> f64| states.iter().map(f).sum::<f64>() / 5.0;
+    let (shrunk, turned) = ((-0.2f64).exp(), (-0.25f64).exp());
+    let truth = shrunk * turned * (2f64.cos() * mean(&|y| y[0]) + 2f64.sin() * mean(&|y| y[1]));
+    let found = json(path, &["expect", "scene.toml", "--json"]);
+    let estimate = &found["estimates"][0];
+    let (lo, hi) = (estimate["lo"].as_f64().unwrap(), estimate["hi"].as_f64().unwrap());
+    assert!(lo < truth && truth < hi, "{truth}: {estimate}");
+    // Parts have the file too.
+    succeeds(path, &["plan", "scene.toml", "--parts", "2", "--out", "parts"]);
+    for part in ["1", "2"] {
+        succeeds(path, &["part", "parts", "--part", part]);
+    }
+    succeeds(path, &["merge", "parts", "--write", "npz"]);
+    succeeds(path, &["run", "scene.toml", "--write", "npz"]);
+    let npz = |folder: &str| fs::read(path.join(folder).join("study.npz")).unwrap();
+    assert!(npz("parts") == npz("scene-run"));
+
+    for (content, words) in [
+        ("", "states.csv has no state"),
+        ("1, 2\n3\n", "line 2 of states.csv is no state: 3"),
+        ("1, 2\n3, x\n", "line 2 of states.csv is no state"),
+        ("1, 2\n3, inf\n", "line 2 of states.csv is no state"),
+        ("1, 2, 3\n", "the initial value must have 2 components, got 3"),
+    ] {
+        fs::write(path.join("states.csv"), content).unwrap();
+        fails(path, &["run", "scene.toml", "--out", "wrong"], 2, &[words]);
+    }
+    fs::remove_file(path.join("states.csv")).unwrap();
+    fails(path, &["run", "scene.toml", "--out", "wrong"], 2, &["cannot read the states states.csv"]);
+    assert!(!path.join("wrong").exists());
+}

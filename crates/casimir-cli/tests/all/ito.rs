@@ -47,7 +47,7 @@ fn what_is_not_of_this_form_is_named() {
         ),
         (
             with("p - s^2/2*q - q*t/5", "p - q*t/5"),
-            "the drift in Stratonovich's sense of q is p - q t/5 + 0.08 q, and B∇H0 gives p - γ q",
+            "the drift in Stratonovich's sense of q is p - q t/5 - 0.2 (-0.4 q), and B∇H0 gives p - γ q",
         ),
         (with("[[\"s*p\", \"-s*q\"]]", "[[\"s*q\", \"-s*q\"]]"), "the noise of q is 0.4 q, and B∇H1 gives 0.4 p"),
         (with("cos(w*t) - q", "cos(w*t) - 1.0000001*q"), "the drift in Stratonovich's sense of p"),

@@ -211,7 +211,7 @@ fn tables_have_the_columns_that_are_chosen() {
         (csv.lines().next().unwrap().to_owned(), String::from_utf8_lossy(&npz).into_owned())
     };
     let (csv, npz) = header(LATTICE);
-    assert!(csv.starts_with("scheme,path,t,mx,my,mz,energy,square,C1,"), "{csv}");
+    assert!(csv.starts_with("scheme,path,t,square,mx,my,mz,energy,C1,"), "{csv}");
     assert!(!npz.contains("spins"));
     let with =
         |columns: &str| LATTICE.replace("steps = 16", &format!("steps = 16\ncolumns = {columns}"));

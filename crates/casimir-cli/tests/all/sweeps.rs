@@ -39,7 +39,7 @@ fn each_combination_is_a_run_of_its_own() {
     let csv = fs::read_to_string(path.join("scene-run/sweep.csv")).unwrap();
     assert!(
         csv.starts_with(
-            "k,observable,t,count,mean,lo,hi,deviation,median\n0.5,q,0,300,1,1,1,0,1\n"
+            "k,observable,t,count,mean,lo,hi,deviation,median\n0.5,energy,0,300,0.375,0.375,0.375,0,0.375\n"
         )
     );
     assert_eq!(csv.lines().count(), 1 + 3 * 3 * 65);

@@ -10,6 +10,7 @@ use super::{
     Candidate, ExpectSettings, Orders, SoFar,
     extrapolation::{Extrapolation, extrapolation, seen_orders},
     judge::Evidence,
+    kept::{Keeping, Kept, packed, unpacked},
     level::{PathValues, Samples, Values, hull},
     rates,
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
@@ -18,7 +19,7 @@ use super::{
 };
 use crate::{
     DampingResolution, Ladder, LadderError, NextNoise, Observe, Run, RunError, driver::GROUP_PATHS,
-    ladder::Nodes, observable::value, parallel::in_parallel,
+    ladder::Nodes, observable::value, parallel::in_parallel, tree::Node,
 };
 
 /// The highest level of the pilot.
@@ -77,6 +78,7 @@ pub struct Request<'a> {
     pub accuracy: f64,
     pub progress: &'a (dyn Fn(u64) + Sync),
     pub told: &'a dyn Fn(SoFar),
+    pub keeping: Option<&'a Keeping>,
     /// Path-steps of all attempts so far, which the limit is for.
     pub spent: &'a Cell<u64>,
 }
@@ -86,6 +88,7 @@ pub struct Estimator<'a> {
     candidate: &'a Candidate<'a>,
     request: Request<'a>,
     orders: Orders,
+    attempt: usize,
     coarsest_steps: u64,
     max_level: usize,
     replicates: u64,
@@ -107,7 +110,7 @@ impl<'a> Estimator<'a> {
         candidate: &'a Candidate<'a>,
         request: Request<'a>,
         orders: Orders,
-        coarsest_steps: u64,
+        (attempt, coarsest_steps): (usize, u64),
     ) -> Self {
         let (problem, scheme) = (&candidate.setup.problem, &candidate.setup.scheme);
         let noisy = problem.noises > 0 || problem.initial.is_some();
@@ -116,6 +119,7 @@ impl<'a> Estimator<'a> {
             candidate,
             request,
             orders,
+            attempt,
             coarsest_steps,
             max_level: if noisy { request.settings.max_level } else { halvings.max(3) },
             replicates: if noisy { REPLICATES } else { 1 },
@@ -128,21 +132,14 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    pub fn expectation(mut self) -> Result<Expectation, RunError> {
+    /// The expectation; from samples that were kept, if there are some.
+    pub fn expectation(mut self, kept: Option<Kept>) -> Result<Expectation, RunError> {
         let Request { settings, accuracy, spent, .. } = self.request;
         let (pilot, max_cost) = (if self.noisy { GROUP_PATHS } else { 1 }, settings.max_cost);
-        (0..=PILOT_LEVEL).try_for_each(|_| self.add_level())?;
-        let costs = self.levels.iter().map(|samples| self.cost(samples, pilot));
-        let pilot_cost = costs.fold(spent.get(), u64::saturating_add);
-        if pilot_cost > max_cost {
-            return Err(RunError::PilotCost { pilot_cost, max_cost });
+        match kept {
+            Some(kept) => self.restore(kept)?,
+            None => self.begin(pilot)?,
         }
-        for level in 0..=PILOT_LEVEL {
-            if !self.sample(level, pilot)? {
-                return Err(RunError::Stopped);
-            }
-        }
-        self.first = self.first_level();
         let limit = loop {
             if !self.noisy {
                 self.first = self.levels.len() - BIAS_LEVELS;
@@ -197,10 +194,82 @@ impl<'a> Estimator<'a> {
             } else {
                 (WarningKind::Stopped, "stopped before the accuracy was reached".into())
             };
+            if settings.stop.is_asked() {
+                self.keep();
+            }
             self.levels.retain(|samples| samples.paths > 0);
             break Some(limit);
         };
         Ok(self.report(limit))
+    }
+
+    /// Samples the first levels.
+    fn begin(&mut self, pilot: u64) -> Result<(), RunError> {
+        let max_cost = self.request.settings.max_cost;
+        (0..=PILOT_LEVEL).try_for_each(|_| self.add_level())?;
+        let costs = self.levels.iter().map(|samples| self.cost(samples, pilot));
+        let pilot_cost = costs.fold(self.request.spent.get(), u64::saturating_add);
+        if pilot_cost > max_cost {
+            return Err(RunError::PilotCost { pilot_cost, max_cost });
+        }
+        for level in 0..=PILOT_LEVEL {
+            if !self.sample(level, pilot)? {
+                return Err(RunError::Stopped);
+            }
+        }
+        self.first = self.first_level();
+        Ok(())
+    }
+
+    /// Takes samples that were kept. The sum of the complete rounds of a replicate is one node.
+    fn restore(&mut self, kept: Kept) -> Result<(), RunError> {
+        for (level, (points, replicates)) in kept.levels.into_iter().enumerate() {
+            self.add_level()?;
+            let empty = self.empty(level);
+            let (ladder, nodes) = &mut self.ladders[level];
+            let mut complete = Vec::new();
+            for (nodes, kept) in nodes.iter_mut().zip(replicates) {
+                let mut whole = unpacked(kept, &empty);
+                let later = whole.split_off(1.min(whole.len()));
+                complete.push(ladder.join(&mut whole, Vec::new(), &|| empty.clone()));
+                *nodes = [whole, later].concat();
+            }
+            self.levels[level].take(complete, points);
+        }
+        self.request.spent.set(kept.spent);
+        self.first = kept.first;
+        Ok(())
+    }
+
+    /// Keeps the samples.
+    fn keep(&self) {
+        let Some(keeping) = self.request.keeping else { return };
+        let level = |(samples, (_, nodes)): (&Samples, &(_, Vec<Nodes<PathValues<'a>>>))| {
+            (samples.points, nodes.iter().map(packed).collect())
+        };
+        let both = self.levels.iter().zip(&self.ladders);
+        keeping.write(&Kept {
+            study: keeping.study.clone(),
+            attempt: self.attempt,
+            spent: self.request.spent.get(),
+            first: self.first,
+            levels: both.filter(|(samples, _)| samples.paths > 0).map(level).collect(),
+        });
+    }
+
+    /// No samples of a level.
+    fn empty(&self, level: usize) -> PathValues<'a> {
+        let observables = self.request.observables;
+        let rows = self.candidate.setup.start();
+        let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, &rows)).collect();
+        PathValues {
+            observables,
+            last_time: self.ladders[level].0.coarse_steps(),
+            coupled: level > 0,
+            values: vec![Values::default(); observables.len()],
+            motion: Motion::new(&self.candidate.setup.problem.y0),
+            functions: Motion::new(&starts),
+        }
     }
 
     /// Tells how far the round is.
@@ -286,30 +355,22 @@ impl<'a> Estimator<'a> {
         let before = self.levels[level].points;
         let new_cost = self.cost(&self.levels[level], points - before);
         let Request { settings, observables, progress, spent, .. } = self.request;
+        let new = self.empty(level);
+        let empty = || new.clone();
         let (ladder, nodes) = &mut self.ladders[level];
-        let y0 = &self.candidate.setup.problem.y0;
-        let rows = self.candidate.setup.start();
-        let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, &rows)).collect();
-        let empty = || PathValues {
-            observables,
-            last_time: ladder.coarse_steps(),
-            coupled: level > 0,
-            values: vec![Values::default(); observables.len()],
-            motion: Motion::new(y0),
-            functions: Motion::new(&starts),
-        };
-        // All replicates are begun: none depends on another.
+        // All replicates are begun: none depends on another. They go on from where they stopped.
         let more = in_parallel(0..self.replicates, &|replicate| {
             let first = replicate * ScrambledSobol::POINTS;
-            let groups = (first + before) / GROUP_PATHS..(first + points).div_ceil(GROUP_PATHS);
+            let done = nodes[replicate as usize].last().map_or(first / GROUP_PATHS, Node::end);
+            let groups = done..(first + points).div_ceil(GROUP_PATHS);
             ladder.nodes(&settings.stop, first + points, groups, &empty, progress)
         });
-        if settings.stop.is_asked() {
-            return Ok(false);
-        }
         let replicates = nodes.iter_mut().zip(more);
         let replicates: Vec<_> =
             replicates.map(|(nodes, more)| ladder.join(nodes, more, &empty)).collect();
+        if settings.stop.is_asked() {
+            return Ok(false);
+        }
         let samples = &mut self.levels[level];
         let first = replicates.iter().find_map(|replicate| replicate.failures.first().copied());
         spent.set(spent.get() + new_cost);

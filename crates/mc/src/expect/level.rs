@@ -1,13 +1,14 @@
 //! The samples of one level, by replicates and all together.
 
 use real::{PathMask, Row, WIDTH};
+use serde::{Deserialize, Serialize};
 use stats::{CentralMoments, FEW_SAMPLES};
 
 use super::resolution::{Motion, compares_at};
 use crate::{Measured, Observe, Statistic, View};
 
 /// Moments of one test function on one level.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Values {
     /// φ of single paths, or the difference.
     pub sample: CentralMoments,

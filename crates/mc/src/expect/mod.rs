@@ -59,6 +59,7 @@
 mod estimator;
 mod extrapolation;
 mod judge;
+mod kept;
 mod level;
 mod rates;
 mod report;
@@ -77,7 +78,9 @@ use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
 use crate::{Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop};
 use estimator::{Estimator, Request};
+use kept::Kept;
 
+pub use kept::Keeping;
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
 
 /// The computation of expectations: the scheme is chosen or given, everything else may be
@@ -112,6 +115,7 @@ pub struct Expect<'a> {
     candidates: Vec<Candidate<'a>>,
     settings: ExpectSettings,
     told: Box<dyn Fn(SoFar) + 'a>,
+    keeping: Option<Keeping>,
 }
 
 /// How far a computation is.
@@ -281,7 +285,8 @@ impl<'a> Expect<'a> {
     }
 
     fn among(candidates: Vec<Candidate<'a>>) -> Self {
-        Self { candidates, settings: ExpectSettings::default(), told: Box::new(|_| ()) }
+        let (settings, keeping) = (ExpectSettings::default(), None);
+        Self { candidates, settings, told: Box::new(|_| ()), keeping }
     }
 
     /// Takes these settings.
@@ -294,6 +299,13 @@ impl<'a> Expect<'a> {
     #[must_use]
     pub fn telling(self, told: impl Fn(SoFar) + 'a) -> Self {
         Self { told: Box::new(told), ..self }
+    }
+
+    /// Keeps the samples in a file when it is stopped, and goes on from what the file has, with
+    /// the same bits. It is removed at the end.
+    #[must_use]
+    pub fn keeping(self, keeping: Keeping) -> Self {
+        Self { keeping: Some(keeping), ..self }
     }
 
     /// Takes these initial values.
@@ -322,22 +334,30 @@ impl<'a> Expect<'a> {
             let none = "an expectation needs at least one test function, got none";
             return Err(RunError::Setting(none.into()));
         }
-        let Self { candidates, settings, told } = self;
+        let Self { candidates, settings, told, keeping } = self;
         let spent = Cell::new(0);
-        let request = Request { settings, observables, accuracy, progress, told, spent: &spent };
+        let keeping = keeping.as_ref();
+        let request =
+            Request { settings, observables, accuracy, progress, told, keeping, spent: &spent };
+        let mut kept = keeping.and_then(Keeping::read);
         let attempts = candidates.iter().flat_map(|candidate| {
             let steps = settings.coarsest_steps.max(candidate.least_steps());
             (0..=REFINEMENTS).map(move |doubled| (candidate, steps << doubled))
         });
-        let mut attempts = attempts.peekable();
+        let begun = kept.as_ref().map_or(0, |kept: &Kept| kept.attempt);
+        let mut attempts = attempts.enumerate().skip(begun).peekable();
         let mut best = Err(RunError::Stopped);
-        while let Some((candidate, steps)) = attempts.next() {
+        while let Some((attempt, (candidate, steps))) = attempts.next() {
             let orders = settings.weak_order.map(|weak| Orders { weak, next: weak + 1.0 });
             let orders = orders.unwrap_or(candidate.orders);
             settings.check(accuracy, orders.weak)?;
-            match Estimator::new(candidate, request, orders, steps).expectation() {
+            let estimator = Estimator::new(candidate, request, orders, (attempt, steps));
+            match estimator.expectation(kept.take()) {
                 Ok(found) => {
                     if attempts.peek().is_none() || found.is_final() {
+                        if let Some(keeping) = keeping.filter(|_| !settings.stop.is_asked()) {
+                            _ = std::fs::remove_file(&keeping.file);
+                        }
                         return Ok(found);
                     }
                     best = Ok(found);

@@ -28,7 +28,7 @@ const VANISHES: f64 = 0.75;
 const ERROR: f64 = 0.1;
 
 /// Sums over paths and coarse times, for each component, or each φ, and each place in a block.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, serde::Serialize, serde::Deserialize)]
 pub struct Motion {
     /// (fine − coarse)².
     difference: Vec<Row>,

@@ -6,7 +6,11 @@ use std::sync::{
     atomic::{AtomicU64, Ordering},
 };
 
-use mc::{Expect, ExpectSettings, Observable, RunError, Setup, expect::WarningKind, parts::Stop};
+use mc::{
+    Expect, ExpectSettings, Observable, RunError, Setup,
+    expect::{Keeping, WarningKind},
+    parts::Stop,
+};
 use real::Real;
 use schemes::Sexp;
 use systems::{Constant, LotkaVolterra, PoissonSystem, Problem, run_time::Compiled};
@@ -224,6 +228,39 @@ fn few_failed_paths_widen_the_interval() {
     let truth = f64::exp(-0.5);
     assert!((estimate.value - truth).abs() <= estimate.half_width(), "{found}");
     assert!(estimate.bias_bound > 2e-4, "{found}");
+}
+
+/// Stopped at several places, again and again, and each time gone on from the file.
+#[test]
+fn who_goes_on_has_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let problem = body();
+    let keeping = || Keeping { file: folder.path().join("kept/samples.bin"), study: "cos y3".into() };
+    let whole = Expect::new(&problem).run(&[&COS_Y3], 1e-5, &|_| ()).unwrap();
+    let mut stops = 0;
+    let found = loop {
+        let stop = Stop::default();
+        let done = AtomicU64::new(0);
+        let progress = |steps: u64| {
+            if done.fetch_add(steps, Ordering::Relaxed) > whole.cost / 5 {
+                stop.now();
+            }
+        };
+        let settings = ExpectSettings { stop: stop.clone(), ..Default::default() };
+        let expect = Expect::new(&problem).with(settings).keeping(keeping());
+        let found = expect.run(&[&COS_Y3], 1e-5, &progress).unwrap();
+        if !stop.is_asked() {
+            break found;
+        }
+        assert!(!found.reached() && warns(&found, WarningKind::Stopped));
+        assert!(keeping().holds());
+        // Another expectation does not take the samples.
+        assert!(!Keeping { study: "p".into(), ..keeping() }.holds());
+        stops += 1;
+        assert!(stops < 20, "it does not get on");
+    };
+    assert!(stops > 2 && found == whole, "{stops} stops: {found} {whole}");
+    assert!(!keeping().file.exists());
 }
 
 #[test]
