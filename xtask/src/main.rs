@@ -8,14 +8,22 @@ use std::{
 
 /// A chore, the cargo command that does it, and what it is for.
 const CHORES: [(&str, &str, &str); 4] = [
-    ("reproduce", "run --bin reproduce --", "Run the paper's experiments and write the report"),
+    (
+        "reproduce",
+        "run --release --bin reproduce --",
+        "Run the paper's experiments and write the report",
+    ),
     (
         "verify",
-        "test --test known_answers -- --include-ignored --nocapture --test-threads 1",
+        "test --release --test known_answers -- --include-ignored --nocapture --test-threads 1",
         "Ask for known answers with many seeds, and print the tables",
     ),
-    ("stability", "run --bin hard-cases --", "Run every scheme on hard inputs"),
-    ("bench", "run --bin bench --", "Measure what a path-step costs"),
+    (
+        "stability",
+        "test --release --test measuring -- --nocapture --test-threads 1 hard_cases",
+        "Run every scheme on hard inputs",
+    ),
+    ("bench", "bench --bench speed --", "Measure what a path-step costs"),
 ];
 
 fn main() -> ExitCode {
@@ -30,7 +38,7 @@ fn main() -> ExitCode {
     let mut words = command.split_whitespace();
     let status = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
         .args(words.next())
-        .args(["--quiet", "--release", "--package", "casimir-verify"])
+        .args(["--quiet", "--package", "casimir-verify"])
         .args(words)
         .args(arguments)
         .status();

@@ -1,7 +1,6 @@
 //! **What a system is, and what a scheme does on it, by measurements that can fail.**
 //!
-//! `inspect` (with the feature of this name) says what a system is; [`strong_order`] and
-//! [`weak_order`] measure the order of a scheme with an interval; [`compare()`] says which scheme
+//! [`inspect()`] says what a system is; [`strong_order`] and [`weak_order`] measure the order of a scheme with an interval; [`compare()`] says which scheme
 //! is cheapest for an error.
 //!
 //! | item | job |
@@ -10,16 +9,14 @@
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`] | how it is measured |
 //! | [`Exact`] | an exact solution on sampled paths |
-//! | `inspect`, [`facts::Facts`] | what a system is, and which statements apply |
+//! | [`inspect()`], [`facts::Facts`] | what a system is, and which statements apply |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`], [`worse`] | moments of final states; times; digits |
 //! | [`step_check()`], [`StepCheck`], [`StepError`] | whether the steps of a run are short enough |
 
 pub mod compare;
-#[cfg_attr(not(feature = "inspect"), allow(dead_code, reason = "for `inspect`"))]
 pub mod facts;
 mod final_moments;
-#[cfg(feature = "inspect")]
 pub mod inspect;
 mod number;
 mod orders;
@@ -28,7 +25,6 @@ mod stopwatch;
 
 pub use compare::{Candidates, CompareSettings, Comparison, compare};
 pub use final_moments::{FinalMoments, FinalRows};
-#[cfg(feature = "inspect")]
 pub use inspect::{InspectSettings, inspect};
 pub use number::{number, worse};
 pub use orders::{

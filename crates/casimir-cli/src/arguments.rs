@@ -32,7 +32,6 @@ pub enum Command {
     Inspect(Inspect),
     /// Simulate paths: tables, figures, a report in HTML
     #[command(after_help = "Examples:
-  casimir run top.toml
   casimir run top.toml --paths 1e6 --write csv,npz --out top-million
   casimir run top.toml --set sigma=0.1,0.2,0.5 --set k=0.5:1.5:11")]
     Run(Run),
@@ -52,10 +51,8 @@ pub enum Command {
     #[command(after_help = "Example: casimir part big --part 3")]
     Part(Part),
     /// Put the parts in a folder together, or say which are missing
-    #[command(after_help = "Example: casimir merge big")]
     Merge(Merge),
     /// Ask for more paths or a smaller accuracy in a folder, which keeps what it has
-    #[command(after_help = "Example: casimir extend big --paths 1e9")]
     Extend(Extend),
     /// Print the JSON schema of scenes, for editors
     Schema,

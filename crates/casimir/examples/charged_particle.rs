@@ -1,7 +1,6 @@
 //! A charged particle in a trap, across a magnetic field that is not uniform, in an electric field
 //! that fluctuates: the program of `docs/guide.md`.
 
-use casimir::mc::write_json;
 use casimir::prelude::*;
 
 /// A charged particle in the plane, y = (x, y, u, v): a harmonic trap, a magnetic field b₀ + b₁x
@@ -74,7 +73,7 @@ fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
         println!("t = {t}: mean energy {mean:.3} of {} paths", values.len());
     }
     let file = std::env::temp_dir().join("particle.json");
-    write_json(&paths, &mut std::fs::File::create(&file)?)?;
+    std::fs::write(&file, serde_json::to_string(&paths)?)?;
     println!("all paths: {}", file.display());
     Ok(())
 }

@@ -6,7 +6,7 @@
 //! ```
 
 use casimir::mc;
-use casimir::plot::{comparison_csv, figure};
+use casimir::plot::figure;
 use casimir::prelude::*;
 use casimir::schemes::BuiltIn;
 
@@ -74,12 +74,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // A strong error of 1e-3, in at most a minute.
     let settings = CompareSettings::new(1e-3, Truncation::new(4)?, key);
     let all = Candidates::compiled(&problem, BuiltIn::compiled);
-    let comparison = compare(&mc::Problem::of(&problem), &all, &settings)?;
+    let comparison = compare(&mc::Problem::of(&problem), &all, &settings, &|_, _| ())?;
     println!("{comparison}");
     let folder = std::env::temp_dir();
     let file = folder.join("kirchhoff.svg");
     std::fs::write(&file, figure::comparison(&comparison))?;
-    std::fs::write(folder.join("kirchhoff.csv"), comparison_csv(&comparison))?;
+    std::fs::write(folder.join("kirchhoff.json"), serde_json::to_string(&comparison)?)?;
     println!("{:.1} s; error against cost: {}", comparison.wall_s, file.display());
     Ok(())
 }

@@ -47,7 +47,7 @@ pub mod prelude {
         Candidates, CompareSettings, InspectSettings, StepSizes, compare, inspect, strong_order,
     };
     pub use mc::{
-        Observable, Setup, Simulation, StateFunction, StudySettings, Times, bind, study, write_csv,
+        Observable, Setup, Simulation, StateFunction, StudySettings, bind, study, write_csv,
     };
     pub use noise::{StreamKey, Truncation};
     pub use real::Real;

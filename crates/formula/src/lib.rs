@@ -51,7 +51,6 @@
 //! | [`Graph`], [`parse()`] | expressions of several formulas, derivatives from graph to graph |
 //! | [`Tape`] | what evaluates them |
 //! | [`Definition`], [`FormulaSystem`] | a Poisson system from texts, for `systems::run_time` |
-//! | [`Equation`], [`Difference`] | an equation of Itô or Stratonovich compared with a system |
 //! | [`FormulaError`] | what is wrong, with line, column and carets |
 //! | [`excerpt`], [`nearest()`] | the same for other texts |
 
@@ -81,5 +80,5 @@ pub use formula::Formula;
 pub use graph::{Binary, Graph, Id, Node, Unary};
 pub use names::{NameError, Names, nearest};
 pub use parse::{MAX_BYTES, MAX_DEPTH, parse};
-pub use system::{Definition, DefinitionError, Difference, Equation, FormulaSystem, Which};
+pub use system::{Definition, DefinitionError, FormulaSystem, Which};
 pub use tape::Tape;

@@ -141,6 +141,9 @@ struct Parser<'a> {
     terms: usize,
 }
 
+/// What was read, or what is wrong.
+type Parsed<T = Placed> = Result<T, FormulaError>;
+
 /// A number, or the components of a vector, and its place in the text.
 type Placed = (Vec<Id>, Range<usize>);
 
@@ -148,7 +151,7 @@ type Placed = (Vec<Id>, Range<usize>);
 type Number = (Id, Range<usize>);
 
 impl<'a> Parser<'a> {
-    fn error<T>(&self, message: impl Into<String>, span: Range<usize>) -> Result<T, FormulaError> {
+    fn error<T>(&self, message: impl Into<String>, span: Range<usize>) -> Parsed<T> {
         Err(FormulaError::new(message, self.text, span))
     }
 
@@ -170,7 +173,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The error at a token that cannot stand here.
-    fn unexpected<T>(&self, after_operand: bool) -> Result<T, FormulaError> {
+    fn unexpected<T>(&self, after_operand: bool) -> Parsed<T> {
         const MISSING: &str = "a number, a name or a bracket is missing";
         let (token, last) = (self.token(), self.last);
         let is_word = |c: char| is_letter(c) || c.is_ascii_digit() || c == '.';
@@ -207,7 +210,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The expression of operators that bind at least so tightly.
-    fn expression(&mut self, least: u32) -> Result<Placed, FormulaError> {
+    fn expression(&mut self, least: u32) -> Parsed {
         let mut left = match self.token() {
             sign @ ("-" | "+") => {
                 let start = self.at;
@@ -261,7 +264,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Demands a number.
-    fn number(&self, (ids, span): Placed) -> Result<Number, FormulaError> {
+    fn number(&self, (ids, span): Placed) -> Parsed<Number> {
         match ids[..] {
             [id] => Ok((id, span)),
             _ => {
@@ -273,7 +276,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Demands a whole number that is known.
-    fn whole(&self, value: Placed) -> Result<u32, FormulaError> {
+    fn whole(&self, value: Placed) -> Parsed<u32> {
         let (id, span) = self.number(value)?;
         let whole = |x: &f64| x.fract() == 0.0 && (0.0..=1e6).contains(x);
         match self.graph.as_constant(id).filter(whole) {
@@ -283,7 +286,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Demands a condition.
-    fn condition(&self, value: Placed) -> Result<Number, FormulaError> {
+    fn condition(&self, value: Placed) -> Parsed<Number> {
         let (id, span) = self.number(value)?;
         match self.conditions.contains(&id) {
             true => Ok((id, span)),
@@ -292,12 +295,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The first expression where a condition is true, else the second; a condition if both are.
-    fn chosen(
-        &mut self,
-        condition: Id,
-        of: [Id; 2],
-        span: Range<usize>,
-    ) -> Result<Placed, FormulaError> {
+    fn chosen(&mut self, condition: Id, of: [Id; 2], span: Range<usize>) -> Parsed {
         let truths = self.truths();
         let [a, b] = of;
         let (chosen, span) = self.finish(span, |graph| {
@@ -310,24 +308,14 @@ impl<'a> Parser<'a> {
         Ok((vec![chosen], span))
     }
 
-    fn joined(
-        &mut self,
-        operator: &str,
-        left: Placed,
-        right: Placed,
-    ) -> Result<Placed, FormulaError> {
+    fn joined(&mut self, operator: &str, left: Placed, right: Placed) -> Parsed {
         let ((a, left), (b, right)) = (self.condition(left)?, self.condition(right)?);
         let span = left.start..right.end;
         let [one, zero] = self.truths();
         self.chosen(a, if operator == "and" { [b, zero] } else { [one, b] }, span)
     }
 
-    fn compared(
-        &mut self,
-        operator: &str,
-        left: Placed,
-        right: Placed,
-    ) -> Result<Placed, FormulaError> {
+    fn compared(&mut self, operator: &str, left: Placed, right: Placed) -> Parsed {
         let ((a, left), (b, right)) = (self.number(left)?, self.number(right)?);
         let [one, zero] = self.truths();
         let (compared, span) = self.finish(left.start..right.end, |graph| match operator {
@@ -341,7 +329,7 @@ impl<'a> Parser<'a> {
     }
 
     /// An expression in one more bracket, sign or power.
-    fn deeper(&mut self, least: u32) -> Result<Placed, FormulaError> {
+    fn deeper(&mut self, least: u32) -> Parsed {
         if self.depth == MAX_DEPTH {
             let message = format!("brackets, signs and powers are nested deeper than {MAX_DEPTH}");
             return self.error(message, self.place());
@@ -352,7 +340,7 @@ impl<'a> Parser<'a> {
         inner
     }
 
-    fn operand(&mut self) -> Result<Placed, FormulaError> {
+    fn operand(&mut self) -> Parsed {
         let (token, span) = (self.token(), self.place());
         if token == "(" {
             let (mut inner, end) = self.bracket()?;
@@ -376,7 +364,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The expressions in a bracket, with commas between them, and its end.
-    fn bracket(&mut self) -> Result<(Vec<Placed>, usize), FormulaError> {
+    fn bracket(&mut self) -> Parsed<(Vec<Placed>, usize)> {
         let (open, is_call) = (self.place(), self.last.starts_with(is_letter));
         self.skip("(");
         let mut inner = Vec::new();
@@ -395,7 +383,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn name(&mut self, name: &str, span: Range<usize>) -> Result<Placed, FormulaError> {
+    fn name(&mut self, name: &str, span: Range<usize>) -> Parsed {
         if let Some((_, value)) = self.indices.iter().rev().find(|(index, _)| *index == name) {
             let value = f64::from(*value);
             return self.alone(span, |graph| graph.constant(value));
@@ -424,7 +412,7 @@ impl<'a> Parser<'a> {
     }
 
     /// `q[i]`: component i of the vector q, or else the name q and the number i, `q2`.
-    fn indexed(&mut self, name: &str, at: Range<usize>) -> Result<Placed, FormulaError> {
+    fn indexed(&mut self, name: &str, at: Range<usize>) -> Parsed {
         let open = self.place();
         self.skip("[");
         let inner = self.deeper(OR)?;
@@ -447,7 +435,7 @@ impl<'a> Parser<'a> {
     }
 
     /// `sum(i in 1..3, q[i]^2)`: the expression is read for each i.
-    fn sum(&mut self, at: Range<usize>) -> Result<Placed, FormulaError> {
+    fn sum(&mut self, at: Range<usize>) -> Parsed {
         const FORM: &str = "a sum is written sum(i in 1..3, q[i]^2)";
         self.skip("(");
         let (index, place) = (self.token(), self.place());
@@ -494,7 +482,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Goes behind a token that must stand here.
-    fn expect(&mut self, token: &str, message: &str) -> Result<(), FormulaError> {
+    fn expect(&mut self, token: &str, message: &str) -> Parsed<()> {
         match self.token() {
             found if found == token => {
                 self.skip(found);
@@ -510,7 +498,7 @@ impl<'a> Parser<'a> {
         a: &[Id],
         b: &[Id],
         span: Range<usize>,
-    ) -> Result<Placed, FormulaError> {
+    ) -> Parsed {
         match function {
             _ if a.len() != b.len() => {
                 let (a, b) = (a.len(), b.len());
@@ -529,7 +517,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn call(&mut self, function: &str, at: Range<usize>) -> Result<Placed, FormulaError> {
+    fn call(&mut self, function: &str, at: Range<usize>) -> Parsed {
         let meaning = self.names.meaning(function);
         let expected = match meaning {
             Some(Meaning::Sum) => return self.sum(at),
@@ -541,11 +529,10 @@ impl<'a> Parser<'a> {
         let (arguments, end) = self.bracket()?;
         let span = at.start..end;
         match (meaning, &arguments[..]) {
-            (Some(Meaning::OfVectors(norm @ OfVectors::Norm)), [(a, _)]) => {
-                self.of_vectors(norm, a, a, span)
-            }
-            (Some(Meaning::OfVectors(function)), [(a, _), (b, _)]) => {
-                self.of_vectors(function, a, b, span)
+            (Some(Meaning::OfVectors(of)), [(a, _), b @ ..])
+                if b.is_empty() == (of == OfVectors::Norm) && b.len() < 2 =>
+            {
+                self.of_vectors(of, a, b.first().map_or(a, |(b, _)| b), span)
             }
             (Some(Meaning::Unary(unary)), [a]) => {
                 let (a, _) = self.number(a.clone())?;
@@ -580,12 +567,7 @@ impl<'a> Parser<'a> {
         format!("unknown function `{}`{hint}", short(name))
     }
 
-    fn combined(
-        &mut self,
-        operator: &str,
-        (a, left): Placed,
-        (b, right): Placed,
-    ) -> Result<Placed, FormulaError> {
+    fn combined(&mut self, operator: &str, (a, left): Placed, (b, right): Placed) -> Parsed {
         let span = left.start..right.end;
         let fits = match operator {
             "+" | "-" => a.len() == b.len(),
@@ -627,17 +609,13 @@ impl<'a> Parser<'a> {
         of: &[T],
         span: Range<usize>,
         make: impl Fn(&mut Graph, T) -> Id,
-    ) -> Result<Placed, FormulaError> {
+    ) -> Parsed {
         let one = |&of: &T| Ok(self.finish(span.clone(), |graph| make(graph, of))?.0);
-        Ok((of.iter().map(one).collect::<Result<_, FormulaError>>()?, span))
+        Ok((of.iter().map(one).collect::<Parsed<_>>()?, span))
     }
 
     /// A number made at this place.
-    fn alone(
-        &mut self,
-        span: Range<usize>,
-        make: impl FnOnce(&mut Graph) -> Id,
-    ) -> Result<Placed, FormulaError> {
+    fn alone(&mut self, span: Range<usize>, make: impl FnOnce(&mut Graph) -> Id) -> Parsed {
         self.finish(span, make).map(|(id, span)| (vec![id], span))
     }
 
@@ -646,7 +624,7 @@ impl<'a> Parser<'a> {
         &mut self,
         span: Range<usize>,
         make: impl FnOnce(&mut Graph) -> Id,
-    ) -> Result<Number, FormulaError> {
+    ) -> Parsed<Number> {
         self.graph.set_place(span.clone());
         let id = make(self.graph);
         match self.graph.as_constant(id) {

@@ -1,5 +1,5 @@
-//! Quantities that a path collects along its way: the time, integrals over it, averages, and the
-//! first passage of a function through zero.
+//! Quantities that a path collects along its way: the time, integrals over it, and the first
+//! passage of a function through zero.
 //!
 //! [`Collecting`] is a method whose states have their rows after those of another method, so that
 //! whatever reads states can read them: tables, studies, expectations and step checks.
@@ -7,99 +7,87 @@
 //! **First passage.** At the ends of steps alone a passage is seen too late: the bias is of order
 //! √τ, since a path that noise drives may be beyond zero between two ends that are not. Given both
 //! ends a, b < 0, a Brownian motion of variance rate s passes zero within the step with the
-//! probability exp(−2ab/(sτ)) (Gobet 2000), which leaves a bias of order τ. Whether it does is
-//! decided by a number that is uniform on (0, 1) and comes from the last bits of the increments of
-//! the step, which are independent of their leading ones but for rounding. So streams are the same
-//! with and without events. Where no noise acts on the function, s is zero.
+//! probability exp(−2ab/(sτ)) (Gobet 2000), which leaves a bias of order τ. Of its time t within the
+//! step, t/(τ − t) is inverse Gaussian with the mean |a/b| and λ = a²/(sτ), for any b (the bridge is
+//! a Brownian motion with drift in that time; drawn as by Michael, Schucany and Haas 1976). The
+//! random numbers for this come from the last bits of the increments of the step, which are
+//! independent of their leading ones but for rounding. So streams are the same with and without
+//! events. Where no noise acts on the function, s is zero.
 
 use std::sync::Arc;
 
-use noise::StepNoise;
+use noise::{StepNoise, inverse_normal};
 use nonlin::BlockStatus;
-use real::{PathMask, Row, WIDTH};
+use real::{PathMask, Row, WIDTH, elementary};
 use schemes::{Method, Step, Stepper};
 use systems::run_time::{Op, System, Weights};
 
 use crate::Observe;
 
 /// A function of the states of 32 paths.
-pub type OfStates<'a> = Arc<dyn Observe + Send + Sync + 'a>;
+pub type OfStates = Arc<dyn Observe + Send + Sync>;
 
 /// What a path collects.
 #[derive(Clone)]
-pub enum Along<'a> {
+pub enum Along {
     /// t.
     Time,
     /// ∫₀ᵗ v(y(s)) ds by the trapezoidal rule.
-    Integral(OfStates<'a>),
-    /// (1/t)∫₀ᵗ v(y(s)) ds; v(y(0)) at t = 0.
-    Average(OfStates<'a>),
+    Integral(OfStates),
     /// Two numbers: one from the first passage on and before that zero; and the time of it, the
     /// time so far before.
-    Passage(Passage<'a>),
+    Passage(Passage),
 }
 
 /// The first time at which a function is positive.
 #[derive(Clone)]
-pub struct Passage<'a> {
-    /// The function.
-    pub phi: OfStates<'a>,
-    /// Its variance rate s = Σₘ(∇φ·B∇Hₘ)², see [`variance_rate`]. None if passages are seen at the
-    /// ends of steps only.
-    pub variance: Option<Arc<VarianceRate<'a>>>,
+pub struct Passage {
+    /// The function φ.
+    pub phi: OfStates,
+    /// What writes ∇φ. None if passages are seen at the ends of steps only, as they are for systems
+    /// of several tiles.
+    pub gradient: Option<Arc<Gradient>>,
     /// Whether the path stays where it is at the end of the step of its passage.
     pub stops: bool,
 }
 
-/// From the states of 32 paths and the middle of the step to a number for each.
-pub type VarianceRate<'a> = dyn Fn(&[Row], f64, &mut Row) + Send + Sync + 'a;
+/// From the states of 32 paths to the derivatives of a function by each component.
+pub type Gradient = dyn Fn(&[Row], &mut [Row]) + Send + Sync;
 
-/// s(y) = Σₘ(∇φ·B∇Hₘ)², for a system with one tile. `gradient` writes ∇φ.
-pub fn variance_rate<'a>(
-    system: &'a dyn System,
-    gradient: impl Fn(&[Row], &mut [Row]) + Send + Sync + 'a,
-) -> Arc<VarianceRate<'a>> {
+/// The variance rate s(y) = Σₘ(∇φ·B∇Hₘ)² of a function with this gradient, for a system with one
+/// tile.
+fn variance_rate(system: &dyn System, gradient: &Gradient, y: &[Row], t: f64) -> Row {
     let description = system.description();
-    let (dimension, noises) = (description.dimension, description.noises);
-    let scratch_rows = description.scratch_rows();
-    Arc::new(move |y: &[Row], t: f64, rate: &mut Row| {
-        let zero = [0.0; WIDTH];
-        let (mut slope, mut v, mut field) =
-            (vec![zero; dimension], vec![zero; dimension], vec![zero; dimension]);
-        let (mut scratch, mut dw) = (vec![zero; scratch_rows], vec![zero; noises]);
-        gradient(y, &mut slope);
-        *rate = zero;
-        for m in 0..noises {
-            dw.fill(zero);
-            dw[m] = [1.0; WIDTH];
-            let h = Weights { t, dw: &dw, ..Weights::NONE };
-            system.apply(Op::Gradient { y }, 0..dimension, h, &mut v, &mut scratch);
-            let along = Op::Structure { y, v: &v };
-            system.apply(along, 0..dimension, Weights::NONE, &mut field, &mut scratch);
-            for p in 0..WIDTH {
-                let change: f64 = slope.iter().zip(&field).map(|(a, b)| a[p] * b[p]).sum();
-                rate[p] += change * change;
-            }
+    let (zero, mut rate) = ([0.0; WIDTH], [0.0; WIDTH]);
+    let [mut slope, mut v, mut field] = [(); 3].map(|()| vec![zero; y.len()]);
+    let mut scratch = vec![zero; description.scratch_rows()];
+    gradient(y, &mut slope);
+    for m in 0..description.noises {
+        let mut dw = vec![zero; description.noises];
+        dw[m] = [1.0; WIDTH];
+        let h = Weights { t, dw: &dw, ..Weights::NONE };
+        system.apply(Op::Gradient { y }, 0..y.len(), h, &mut v, &mut scratch);
+        let along = Op::Structure { y, v: &v };
+        system.apply(along, 0..y.len(), Weights::NONE, &mut field, &mut scratch);
+        for p in 0..WIDTH {
+            let change: f64 = slope.iter().zip(&field).map(|(a, b)| a[p] * b[p]).sum();
+            rate[p] += change * change;
         }
-    })
+    }
+    rate
 }
 
-impl Along<'_> {
+impl Along {
     /// How many numbers it has.
     pub fn rows(&self) -> usize {
-        match self {
-            Self::Time | Self::Integral(_) | Self::Average(_) => 1,
-            Self::Passage(_) => 2,
-        }
+        if let Self::Passage(_) = self { 2 } else { 1 }
     }
 
     /// The function that is followed, of the state and of what is collected before; none of time.
     fn value(&self, rows: &[Row]) -> Row {
         let mut value = [0.0; WIDTH];
-        match self {
-            Self::Time => {}
-            Self::Integral(v) | Self::Average(v) => v.evaluate(rows, PathMask::ALL, &mut value),
-            Self::Passage(passage) => passage.phi.evaluate(rows, PathMask::ALL, &mut value),
+        if let Self::Integral(phi) | Self::Passage(Passage { phi, .. }) = self {
+            phi.evaluate(rows, PathMask::ALL, &mut value);
         }
         value
     }
@@ -109,8 +97,10 @@ impl Along<'_> {
 pub struct Collecting<'a> {
     /// The method.
     pub method: Arc<dyn Method + 'a>,
+    /// The system that it is for.
+    pub system: &'a dyn System,
     /// What is collected, row after row.
-    pub quantities: Vec<Along<'a>>,
+    pub quantities: Vec<Along>,
 }
 
 impl Method for Collecting<'_> {
@@ -136,25 +126,20 @@ impl Method for Collecting<'_> {
         let mut values = Vec::new();
         for quantity in &self.quantities {
             let value = quantity.value(&rows);
-            match quantity {
-                Along::Time | Along::Integral(_) => rows.push([0.0; WIDTH]),
-                Along::Average(_) => rows.push(value),
-                Along::Passage(_) => rows.extend([value.map(passed), [0.0; WIDTH]]),
+            if let Along::Passage(_) = quantity {
+                rows.push(value.map(|phi| f64::from(u8::from(phi > 0.0))));
             }
+            rows.push([0.0; WIDTH]);
             values.push(value);
         }
         let (before, stopped) = (inner.state().to_vec(), PathMask::NONE);
-        Box::new(Collector { inner, quantities: &self.quantities, before, rows, values, stopped })
+        Box::new(Collector { inner, of: self, before, rows, values, stopped })
     }
-}
-
-fn passed(phi: f64) -> f64 {
-    f64::from(u8::from(phi > 0.0))
 }
 
 struct Collector<'a> {
     inner: Box<dyn Stepper + 'a>,
-    quantities: &'a [Along<'a>],
+    of: &'a Collecting<'a>,
     /// The state before the last step.
     before: Vec<Row>,
     /// The state and what was collected.
@@ -176,7 +161,7 @@ impl Stepper for Collector<'_> {
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         self.inner.step(step, noise, status);
-        let (before, tau, number) = (&mut self.before, step.tau, step.number() as f64);
+        let Self { of: Collecting { system, quantities, .. }, before, .. } = self;
         let mut first = before.len();
         before.copy_from_slice(&self.rows[..first]);
         let state = self.inner.state_mut();
@@ -184,26 +169,20 @@ impl Stepper for Collector<'_> {
             state.iter_mut().zip(&*before).for_each(|(y, before)| y[p] = before[p]);
         }
         self.rows[..first].copy_from_slice(state);
-        for (quantity, value) in self.quantities.iter().zip(&mut self.values) {
+        for (quantity, value) in quantities.iter().zip(&mut self.values) {
             let next = quantity.value(&self.rows);
             let rows = &mut self.rows[first..first + quantity.rows()];
             first += rows.len();
             match (quantity, rows) {
-                (Along::Time, [time]) => time.fill(step.t + tau),
+                (Along::Time, [time]) => time.fill(step.t + step.tau),
                 (Along::Integral(_), [sum]) => {
                     for p in 0..WIDTH {
-                        sum[p] += tau * (0.5 * (value[p] + next[p]));
-                    }
-                }
-                (Along::Average(_), [mean]) => {
-                    for p in 0..WIDTH {
-                        let of_step = 0.5 * (value[p] + next[p]);
-                        mean[p] += (of_step - mean[p]) / (number + 1.0);
+                        sum[p] += step.tau * (0.5 * (value[p] + next[p]));
                     }
                 }
                 (Along::Passage(passage), [crossed, time]) => {
                     let ends = (&*value, &next);
-                    passage.advance(before, ends, step, noise, crossed, time);
+                    passage.advance(*system, before, ends, (step, noise), [crossed, time]);
                     if passage.stops {
                         let passed = (0..WIDTH).filter(|&p| crossed[p] > 0.0);
                         passed.for_each(|p| self.stopped.insert(p));
@@ -216,45 +195,51 @@ impl Stepper for Collector<'_> {
     }
 }
 
-impl Passage<'_> {
+impl Passage {
     /// Marks the paths that pass zero within a step from `before`, with φ at both ends.
     fn advance(
         &self,
+        system: &dyn System,
         before: &[Row],
         (a, b): (&Row, &Row),
-        step: &Step,
-        noise: &StepNoise,
-        crossed: &mut Row,
-        time: &mut Row,
+        (step, noise): (&Step, &StepNoise),
+        [crossed, time]: [&mut Row; 2],
     ) {
-        let between = |p: usize| a[p] < 0.0 && b[p] < 0.0 && crossed[p] == 0.0;
-        let mut rate = [0.0; WIDTH];
-        if let Some(variance) = self.variance.as_ref().filter(|_| (0..WIDTH).any(between)) {
-            variance(before, step.t + 0.5 * step.tau, &mut rate);
-        }
-        for p in (0..WIDTH).filter(|&p| crossed[p] == 0.0).collect::<Vec<_>>() {
-            let share = if b[p] > 0.0 {
-                // Where a straight line passes.
-                if a[p] < 0.0 { a[p] / (a[p] - b[p]) } else { 0.5 }
-            } else if rate[p] > 0.0
-                && uniform(noise, step, p) < (-2.0 * a[p] * b[p] / (rate[p] * step.tau)).exp()
-            {
-                0.5
-            } else {
+        let open = |p: &usize| crossed[*p] == 0.0;
+        let open: Vec<usize> = (0..WIDTH).filter(open).collect();
+        let gradient = self.gradient.as_ref().filter(|_| !open.is_empty());
+        let middle = step.t + 0.5 * step.tau;
+        let rate = gradient
+            .map_or([0.0; WIDTH], |gradient| variance_rate(system, &**gradient, before, middle));
+        for p in open {
+            let (a, b, variance) = (a[p], b[p], rate[p] * step.tau);
+            let mut word = word(noise, step, p);
+            let mut next = || {
+                word = mix(word);
+                word
+            };
+            let uniform = |word: u64| ((word >> 11) as f64 + 0.5) * 2f64.powi(-53);
+            let between = |u: f64| variance > 0.0 && u < elementary::exp(-2.0 * a * b / variance);
+            if b <= 0.0 && !between(uniform(next())) {
                 time[p] = step.t + step.tau;
                 continue;
-            };
+            }
+            let mean = (a / b).abs();
+            // c = mean·χ²/2λ; zero without noise, where a straight line passes.
+            let chi = inverse_normal(next());
+            let c = 0.5 * mean * chi * chi * variance / (a * a).max(f64::MIN_POSITIVE);
+            let ratio = 1.0 + c + (c * (c + 2.0)).sqrt();
+            let ratio =
+                if uniform(next()) * (1.0 + ratio) < ratio { mean / ratio } else { mean * ratio };
             crossed[p] = 1.0;
-            time[p] = step.t + step.tau * share.clamp(0.0, 1.0);
+            time[p] = step.t + step.tau / (1.0 + 1.0 / ratio);
         }
     }
 }
 
-/// A number that is uniform on (0, 1), from the bits of the increments of path p in a step.
-fn uniform(noise: &StepNoise, step: &Step, p: usize) -> f64 {
-    let mixed =
-        noise.increments.iter().fold(step.number(), |hash, row| mix(hash ^ row[p].to_bits()));
-    ((mixed >> 11) as f64 + 0.5) * 2f64.powi(-53)
+/// A random number from the bits of the increments of path p in a step.
+fn word(noise: &StepNoise, step: &Step, p: usize) -> u64 {
+    noise.increments.iter().fold(step.number(), |hash, row| mix(hash ^ row[p].to_bits()))
 }
 
 /// The output function of SplitMix64 (Steele, Lea and Flood 2014), a bijection.

@@ -48,10 +48,10 @@
 //! | [`NoiseSource`] | noise given by the user |
 //! | [`DampingResolution`] | whether step sizes resolve the damping |
 //! | [`Simulation`], [`TimeSeries`] | tables of states, observables and invariants |
-//! | [`write_csv`], [`write_json`] | tables as files |
+//! | [`write_csv`] | tables as files |
 //! | [`mod@study`], [`StudySettings`] | means, quantiles and histograms of many paths in time |
 //! | [`Problem`], [`bind`], [`Setup`] | a problem, a scheme on its system, and both |
-//! | [`Collecting`], [`Along`] | integrals, averages and first passages along paths |
+//! | [`Collecting`], [`Along`] | integrals and first passages along paths |
 //! | [`LargePath`] | one path of a large system |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`mod@expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme chosen or given |
@@ -79,7 +79,7 @@ mod simulation;
 pub mod study;
 mod tree;
 
-pub use along::{Along, Collecting, OfStates, Passage, VarianceRate, variance_rate};
+pub use along::{Along, Collecting, Gradient, OfStates, Passage};
 pub use damping_resolution::DampingResolution;
 pub use error::{LadderError, RunError};
 pub use expect::{Expect, ExpectSettings};
@@ -88,6 +88,6 @@ pub use ladder::{Kept, Ladder, Measured, Statistic, TimeChange, View};
 pub use large_path::LargePath;
 pub use noise_source::{NextNoise, NoiseSource};
 pub use observable::{Observable, Observe, StateFunction};
-pub use setup::{ConformalLaw, Formulas, Initial, Problem, Run, Setup, bind, bind_owned};
-pub use simulation::{Column, NoiseOrigin, Simulation, TimeSeries, write_csv, write_json};
-pub use study::{Study, StudyResult, StudySettings, Times, study};
+pub use setup::{Coefficients, ConformalLaw, Initial, Problem, Run, Setup, bind, bind_owned};
+pub use simulation::{Column, NoiseOrigin, Simulation, TimeSeries, quoted, write_csv};
+pub use study::{Study, StudyResult, StudySettings, study};

@@ -11,7 +11,7 @@ use schemes::{
 };
 use systems::run_time::{self, Lanes, Op, System, Weights};
 
-use crate::{ConformalLaw, Formulas, Problem, Setup, observable::splat};
+use crate::{Coefficients, ConformalLaw, Problem, Setup, observable::splat};
 
 impl<'a> Problem<'a> {
     /// The problem with a system that is known at run time.
@@ -21,7 +21,7 @@ impl<'a> Problem<'a> {
         let law = |(index, &invariant)| {
             ConformalLaw::new(invariant, move |y| {
                 let mut out = [0.0; real::WIDTH];
-                system.invariant(index, &splat(y), &mut out, &mut OnRows(system).scratch());
+                system.invariant(index, &splat(y), &mut out, &mut scratch(system));
                 out[0]
             })
         };
@@ -34,7 +34,7 @@ impl<'a> Problem<'a> {
             t_end: problem.t_end(),
             damping: problem.damping(),
             laws: description.invariants.iter().enumerate().map(law).collect(),
-            formulas: Arc::new(OnRows(system)),
+            coefficients: Arc::new(|t, y| coefficients(system, t, y)),
         }
     }
 }
@@ -135,10 +135,7 @@ where
         let stepper = self.scheme.borrow().stepper(self.system);
         let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));
         stepper.state_mut().copy_from_slice(y);
-        let guard = self.system.description().has_guard.then(|| {
-            let scratch = Rows::zero(self.system.description().scratch_rows());
-            scratch.unwrap_or_else(|error| panic!("{error}"))
-        });
+        let guard = self.system.description().has_guard.then(|| scratch(self.system));
         Box::new(Paths { stepper, system: self.system, guard })
     }
 }
@@ -169,45 +166,34 @@ impl Stepper for Paths<'_> {
     }
 }
 
-/// The formulas of a system at single states, on all places of a row.
+/// Rows for any operation of a system.
 ///
 /// # Panics
 /// If there is no memory.
-struct OnRows<'a>(&'a dyn System);
+fn scratch(system: &dyn System) -> Rows {
+    Rows::zero(system.description().scratch_rows()).unwrap_or_else(|error| panic!("{error}"))
+}
 
-impl OnRows<'_> {
-    fn scratch(&self) -> Rows {
-        Rows::zero(self.0.description().scratch_rows()).unwrap_or_else(|error| panic!("{error}"))
-    }
-
-    fn apply(&self, op: Op<&[Row]>, h: Weights<'_>) -> Vec<Row> {
-        let mut out = vec![[0.0; real::WIDTH]; self.0.description().layout.rows];
-        self.0.apply(op, 0..out.len(), h, &mut out, &mut self.scratch());
+/// The coefficients at single states, on all places of a row.
+fn coefficients(system: &dyn System, t: f64, y: &[f64]) -> Coefficients {
+    let (y, noises) = (splat(y), system.description().noises);
+    let apply = |op: Op<&[Row]>, h: Weights<'_>| {
+        let mut out = y.clone();
+        system.apply(op, 0..y.len(), h, &mut out, &mut scratch(system));
         out
-    }
-}
-
-/// The state of path 0.
-fn first_path(y: &[Row]) -> Vec<f64> {
-    y.iter().map(|row| row[0]).collect()
-}
-
-impl Formulas for OnRows<'_> {
-    fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
-        let (mut out, dw) = ([0.0; real::WIDTH], splat(dw));
-        let h = Weights { dt, dw: &dw, ..Weights::NONE };
-        self.0.energy(&splat(y), h, &mut out, &mut self.scratch());
-        out[0]
-    }
-
-    fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64> {
-        let (y, dw) = (splat(y), splat(dw));
-        let h = Weights { dt, dw: &dw, ..Weights::NONE };
-        let gradient = self.apply(Op::Gradient { y: &y }, h);
-        first_path(&self.apply(Op::Structure { y: &y, v: &gradient }, h))
-    }
-
-    fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
-        first_path(&self.apply(Op::ItoCorrection { y: &splat(y) }, Weights::NONE))
+    };
+    let first_path = |rows: Vec<Row>| rows.iter().map(|row| row[0]).collect();
+    let field = |k: usize| {
+        let dw: Vec<f64> = (1..=noises).map(|m| f64::from(u8::from(m == k))).collect();
+        let dw = splat(&dw);
+        let h = Weights { t, dt: f64::from(u8::from(k == 0)), dw: &dw, areas: &[] };
+        let v = apply(Op::Gradient { y: &y }, h);
+        first_path(apply(Op::Structure { y: &y, v: &v }, h))
+    };
+    let correction = apply(Op::ItoCorrection { y: &y }, Weights { t, ..Weights::NONE });
+    Coefficients {
+        drift: field(0),
+        noises: (1..=noises).map(field).collect(),
+        correction: first_path(correction),
     }
 }

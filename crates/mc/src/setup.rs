@@ -6,7 +6,9 @@ use noise::{StepNoise, StreamKey};
 use nonlin::BlockStatus;
 use real::{Block, Row};
 use schemes::{Method, Scheme, Step, Stepper};
-use systems::{Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, vector_field};
+use systems::{
+    Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, unit_noise, vector_field,
+};
 
 use crate::observable::{components, splat};
 
@@ -33,8 +35,8 @@ pub struct Problem<'a> {
     pub damping: &'a dyn Damping,
     /// The functions that obey the conformal law, which tables have as columns.
     pub laws: Vec<ConformalLaw<'a>>,
-    /// The formulas of the system.
-    pub formulas: Arc<dyn Formulas + 'a>,
+    /// The coefficients of the equation at a time and a state.
+    pub coefficients: Arc<CoefficientsAt<'a>>,
 }
 
 /// Random initial values.
@@ -98,22 +100,26 @@ impl<'a> ConformalLaw<'a> {
     }
 }
 
-/// The formulas of a system, evaluated at single states.
-pub trait Formulas: Send + Sync {
-    /// h(y) = H₀(y)·dt + Σₘ Hₘ(y)·dwₘ.
-    fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64;
-    /// B(y)·∇h(y), the change of the state in dt and dw without damping.
-    fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64>;
-    /// ½Σₘ fₘ′(y)fₘ(y) with fₘ = B∇Hₘ, the drift that Itô's form of the equation has besides.
-    fn ito_correction(&self, y: &[f64]) -> Vec<f64>;
+/// The coefficients of dy = (f₀ − γy)dt + Σₘ fₘ ∘ dWₘ with fₘ = B∇Hₘ at a time and a state.
+#[derive(Clone, Debug)]
+pub struct Coefficients {
+    /// f₀.
+    pub drift: Vec<f64>,
+    /// f₁, ….
+    pub noises: Vec<Vec<f64>>,
+    /// ½Σₘ fₘ′fₘ, the drift that Itô's form of the equation has besides.
+    pub correction: Vec<f64>,
 }
+
+/// From a time and a state to the coefficients.
+pub type CoefficientsAt<'a> = dyn Fn(f64, &[f64]) -> Coefficients + Send + Sync + 'a;
 
 /// A problem and a scheme for it: what a simulation, a study, an expectation or an order is of.
 ///
 /// ```
 /// use std::sync::Arc;
 ///
-/// use mc::{Formulas, Problem, Setup, Simulation};
+/// use mc::{Coefficients, Problem, Setup, Simulation};
 /// use noise::{StepNoise, StreamKey, Truncation};
 /// use nonlin::BlockStatus;
 /// use real::Row;
@@ -141,12 +147,12 @@ pub trait Formulas: Send + Sync {
 ///     fn state(&self) -> &[Row] { &self.0 }
 ///     fn state_mut(&mut self) -> &mut [Row] { &mut self.0 }
 /// }
-/// impl Formulas for Walk {
-///     fn energy(&self, y: &[f64], _dt: f64, dw: &[f64]) -> f64 {
-///         y.iter().zip(dw).map(|(y, dw)| y * dw).sum()
-///     }
-///     fn field(&self, _y: &[f64], _dt: f64, dw: &[f64]) -> Vec<f64> { dw.to_vec() }
-///     fn ito_correction(&self, y: &[f64]) -> Vec<f64> { vec![0.0; y.len()] }
+///
+/// /// dyᵢ = dWᵢ.
+/// fn coefficients(_t: f64, y: &[f64]) -> Coefficients {
+///     let axis = |m: usize| (0..y.len()).map(|i| f64::from(u8::from(i == m))).collect();
+///     let (drift, correction) = (vec![0.0; y.len()], vec![0.0; y.len()]);
+///     Coefficients { drift, noises: (0..y.len()).map(axis).collect(), correction }
 /// }
 ///
 /// let (dimension, damping) = (5, Constant::new(0.0)?);
@@ -159,7 +165,7 @@ pub trait Formulas: Send + Sync {
 ///     t_end: 1.0,
 ///     damping: &damping,
 ///     laws: Vec::new(),
-///     formulas: Arc::new(Walk),
+///     coefficients: Arc::new(coefficients),
 /// };
 /// let setup = Setup { problem, scheme: Arc::new(Walk) };
 /// let simulation = Simulation::new(setup, Truncation::none());
@@ -216,7 +222,15 @@ impl<'a> Problem<'a> {
             t_end: problem.t_end(),
             damping: problem.damping(),
             laws: system.invariants().into_iter().enumerate().map(law).collect(),
-            formulas: Arc::new(Compiled::<_, D, M> { system }),
+            coefficients: Arc::new(|_, y| {
+                let y = array(y);
+                let field = |dt, dw| vector_field(system, y, dt, dw).into();
+                Coefficients {
+                    drift: field(1.0, [0.0; M]),
+                    noises: (0..M).map(|m| field(0.0, unit_noise(m))).collect(),
+                    correction: ito_correction::<_, f64, D, M>(system, y).into(),
+                }
+            }),
         }
     }
 }
@@ -253,24 +267,6 @@ pub fn bind_owned<'a, S: Sync, G, const D: usize, const M: usize>(
     scheme: Box<dyn Scheme<S, D, M> + 'a>,
 ) -> Arc<dyn Method + 'a> {
     Arc::new(Bound { system: problem.system(), scheme })
-}
-
-struct Compiled<'a, S, const D: usize, const M: usize> {
-    system: &'a S,
-}
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Formulas for Compiled<'_, S, D, M> {
-    fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
-        self.system.energy(array::<D>(y), dt, array(dw))
-    }
-
-    fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64> {
-        vector_field(self.system, array::<D>(y), dt, array(dw)).into()
-    }
-
-    fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
-        ito_correction::<_, f64, D, M>(self.system, array(y)).into()
-    }
 }
 
 fn array<const D: usize>(y: &[f64]) -> [f64; D] {

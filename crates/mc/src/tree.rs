@@ -1,7 +1,7 @@
 //! Sums on a fixed binary tree.
 
 /// The sum over the 2^level leaves from leaf number `first` on, where 2^level divides `first`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Node<T> {
     pub first: u64,
     pub level: u32,

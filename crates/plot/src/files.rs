@@ -25,18 +25,6 @@ pub fn prepare(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Checks that a file may be written, and creates its folder.
-///
-/// # Errors
-///
-/// When the path is a folder, or its folder cannot be written into.
-pub fn prepare_file(file: &Path) -> Result<()> {
-    if file.is_dir() {
-        return Err(Error::other(format!("{} is a folder; name a file", file.display())));
-    }
-    prepare(folder(file))
-}
-
 /// Replaces a file in one step, as [`mc::parts::replace`] does: a reader sees the old file or the
 /// new one, whenever this is interrupted.
 ///

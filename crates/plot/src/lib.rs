@@ -12,7 +12,6 @@
 //! | [`figure`] | figures as SVG: convergence, evolution, error against cost, laws, any curves |
 //! | [`Series`], [`Kind`], [`series`] | errors, invariants and costs as data of figures |
 //! | [`Document`] | HTML pages of one file |
-//! | [`comparison_csv`], [`csv`] | the numbers of a comparison of schemes; fields of any table |
 //! | [`files`] | whole files, folders that are checked before the computing |
 //! | [`provenance`], [`Provenance`] | commit, compiler, processor, command, memory |
 //! | [`under_bar`], [`under_words`] | progress on the terminal |
@@ -20,7 +19,6 @@
 //! | [`escape()`] | text made safe for HTML and SVG |
 
 mod bars;
-pub mod csv;
 mod document;
 mod escape;
 pub mod figure;
@@ -30,7 +28,6 @@ pub mod provenance;
 pub mod series;
 
 pub use bars::{under_bar, under_words};
-pub use csv::comparison_csv;
 pub use document::Document;
 pub use escape::escape;
 pub use label::Label;

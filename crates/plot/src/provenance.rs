@@ -77,12 +77,6 @@ fn fact(file: &str, key: &str) -> Option<String> {
     Some(line.split_once(':')?.1.trim().into())
 }
 
-/// Largest resident memory of this process so far in MB; none where the system does not tell.
-pub fn peak_memory_mb() -> Option<f64> {
-    let peak = fact("/proc/self/status", "VmHWM")?;
-    Some(peak.strip_suffix("kB")?.trim().parse::<f64>().ok()? / 1024.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -96,6 +90,5 @@ mod tests {
         for text in [found.git, found.rustc, found.cpu, found.simd, found.command] {
             assert!(!text.is_empty());
         }
-        assert!(peak_memory_mb().is_none_or(|mb| mb > 0.0));
     }
 }

@@ -18,10 +18,9 @@
 //! | [`streams`] | which noise belongs to which experiment |
 //! | [`results`] | the `results.json` contract: measurements as data, verdicts in words |
 //! | [`page`] | the report of a run |
-//! | [`rounding`] | what rounding can do to a conformal law |
 //! | [`command`] | what the command lines of all programs share |
 //!
-//! The programs of this package are `reproduce`, `hard-cases` and `bench`.
+//! The program of this package is `reproduce`; `benches/speed` is `cargo xtask bench`.
 
 mod altered;
 pub mod command;
@@ -34,7 +33,6 @@ pub mod page;
 mod panels;
 mod reproduce;
 pub mod results;
-pub mod rounding;
 mod runge_kutta;
 pub mod statements;
 pub mod streams;

@@ -19,7 +19,7 @@
 //!     .and(bind(&problem, &EulerMaruyama));
 //! let key = StreamKey { seed: 1, experiment: 1 };
 //! let settings = CompareSettings::new(3e-3, Truncation::new(4)?, key);
-//! let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings)?;
+//! let comparison = compare(&mc::Problem::of(&problem), &candidates, &settings, &|_, _| ())?;
 //! // Heun is of order one here, Euler–Maruyama of order ½.
 //! assert_eq!(comparison.recommended(), Some("heun"));
 //! println!("{comparison}");
@@ -135,31 +135,7 @@ pub fn compare(
     problem: &Problem<'_>,
     candidates: &Candidates<'_>,
     settings: &CompareSettings,
-) -> Result<Comparison, CompareError> {
-    compare_telling(problem, candidates, settings, &|_| ())
-}
-
-/// [`compare`], which tells now and then how far it is.
-///
-/// # Errors
-/// Those of [`compare`].
-///
-/// # Panics
-/// When no thread can be started.
-pub fn compare_telling(
-    problem: &Problem<'_>,
-    candidates: &Candidates<'_>,
-    settings: &CompareSettings,
-    told: &dyn Fn(SoFar),
+    told: &dyn Fn(f64, f64),
 ) -> Result<Comparison, CompareError> {
     search::Search::new(problem, candidates, settings, told)?.run()
-}
-
-/// How far a comparison is.
-#[derive(Clone, Copy, Debug)]
-pub struct SoFar {
-    /// The least error of a scheme so far: the upper end of its interval.
-    pub error: f64,
-    /// Seconds that are left at most.
-    pub left_s: f64,
 }

@@ -9,7 +9,7 @@ use schemes::Method;
 
 use super::{
     Candidate, Candidates, Choice, CompareError, CompareSettings, Comparison, Outcome, Sampled,
-    SoFar, Stopped,
+    Stopped,
     errors::{ErrorPoint, Errors, Plan},
     pilot::{Known, within},
     settings::LEAST_SAMPLES,
@@ -47,7 +47,7 @@ pub struct Search<'a> {
     /// Number of the longest steps.
     pub base: u64,
     watch: Stopwatch,
-    told: &'a dyn Fn(SoFar),
+    told: &'a dyn Fn(f64, f64),
 }
 
 impl<'a> Search<'a> {
@@ -55,7 +55,7 @@ impl<'a> Search<'a> {
         problem: &'a Problem<'a>,
         candidates: &'a Candidates<'a>,
         settings: &'a CompareSettings,
-        told: &'a dyn Fn(SoFar),
+        told: &'a dyn Fn(f64, f64),
     ) -> Result<Self, CompareError> {
         settings.check(candidates.schemes.len(), problem.t_end)?;
         let base = ((problem.t_end / LONGEST).ceil() as u64).max(LEAST_STEPS).next_power_of_two();
@@ -149,7 +149,7 @@ impl<'a> Search<'a> {
             }
             let errors = found.insert(errors);
             let ends = errors.points.iter().flatten().map(|point| point.hi);
-            (self.told)(SoFar { error: ends.fold(f64::INFINITY, f64::min), left_s: self.left_s() });
+            (self.told)(ends.fold(f64::INFINITY, f64::min), self.left_s());
             next = match plan.samples < all.samples || plan.reference < all.reference {
                 true => all.clone(),
                 false => self.refined(known, errors, &plan),

@@ -1,5 +1,7 @@
 //! Dense linear algebra for matrices of the size of a system.
 
+use real::elementary;
+
 /// A matrix by rows.
 pub type Matrix = Vec<Vec<f64>>;
 
@@ -40,6 +42,35 @@ pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
 
 pub fn times(matrix: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
     matrix.iter().map(|row| dot(row, v)).collect()
+}
+
+/// The spectral radius by Gelfand's formula ρ = lim ‖Aᵏ‖^{1/k} with k = 2^squarings, to the factor
+/// 1 ± n ln κ/k, κ the condition of the eigenvectors.
+pub fn spectral_radius(mut power: Matrix, squarings: u32) -> f64 {
+    let mut log_radius = 0.0;
+    for n in 0..=squarings {
+        let size = power.iter().map(|row| norm(row)).fold(0.0, f64::max);
+        if size == 0.0 {
+            return 0.0;
+        }
+        log_radius += elementary::ln(size) * f64::powi(0.5, n as i32);
+        power.iter_mut().flatten().for_each(|x| *x /= size);
+        let columns = transposed(&power);
+        power = power.iter().map(|row| times(&columns, row)).collect();
+    }
+    elementary::exp(log_radius)
+}
+
+/// The smallest eigenvalue of a symmetric matrix: its shift less the spectral radius of what the
+/// shift leaves, to a modest multiple of u‖A‖; NaN unless A is finite.
+pub fn smallest_eigenvalue(a: &Matrix) -> f64 {
+    let shift = a.iter().map(|row| dot(row, row)).sum::<f64>().sqrt();
+    // Rows of zeros, which most are of a form of few components, have the eigenvalue zero.
+    let used: Vec<usize> = (0..a.len()).filter(|&i| norm(&a[i]) != 0.0).collect();
+    let shifted = |&i: &usize| used.iter().map(|&j| f64::from(i == j) * shift - a[i][j]).collect();
+    // After 60 squarings ln n/2⁶⁰ is below the rounding of a sum.
+    let least = shift - spectral_radius(used.iter().map(shifted).collect(), 60);
+    if used.len() < a.len() && least > 0.0 { 0.0 } else { least }
 }
 
 /// A basis of the x with Ax = 0, in which each vector has a 1 where all others have a 0, and the

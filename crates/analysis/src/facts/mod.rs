@@ -14,10 +14,10 @@ pub(crate) mod random;
 mod scheme;
 pub(crate) mod search;
 
-use real::{WIDTH, elementary};
+use real::WIDTH;
 use systems::run_time::{Problem, System};
 
-use algebra::{Matrix, axis, dot, largest, moved, norm, times, transposed};
+use algebra::{Matrix, axis, dot, largest, moved, norm, spectral_radius, transposed};
 use probe::{Batch, Probe};
 use random::{Purpose, Random};
 use search::{ZERO, casimirs};
@@ -88,6 +88,13 @@ impl Facts {
     }
 }
 
+/// H₀(y), of a system with one path in each place of a row.
+pub fn energy(system: &dyn System, y: &[f64]) -> f64 {
+    let mut probe = Probe::new(system);
+    let weights = probe.weights(0);
+    probe.energy(&[y.to_vec()], &weights)[0]
+}
+
 /// The linear and quadratic Casimirs of a system, as [`Facts`] have them.
 pub fn casimirs_around(system: &dyn System, y0: &[f64]) -> Vec<Form> {
     let mut random = Random::new(Purpose::Points);
@@ -120,19 +127,8 @@ pub fn fastest(system: &dyn System, y0: &[f64]) -> f64 {
         moved(&turned[0], 1.0, &probe.structure(&y, &curved)[0])
     };
     let columns: Matrix = (0..d).map(|j| axis(d, j)).map(column).collect();
-    let mut power = transposed(&columns);
-    let mut log_radius = 0.0;
-    for n in 0..=SQUARINGS {
-        let size = power.iter().map(|row| norm(row)).fold(0.0, f64::max);
-        if size == 0.0 || !size.is_finite() {
-            return 0.0;
-        }
-        log_radius += elementary::ln(size) * f64::powi(0.5, n as i32);
-        power.iter_mut().flatten().for_each(|x| *x /= size);
-        let columns = transposed(&power);
-        power = power.iter().map(|row| times(&columns, row)).collect();
-    }
-    elementary::exp(log_radius)
+    let radius = spectral_radius(transposed(&columns), SQUARINGS);
+    if radius.is_finite() { radius } else { 0.0 }
 }
 
 /// 32 points of the domain, as far from y₀ as its size where possible.

@@ -202,34 +202,4 @@ impl<'a> Probe<'a> {
         let at = |n: usize| transposed(&columns.iter().map(|column| column[n].clone()).collect());
         (0..columns.first().map_or(0, Vec::len)).map(at).collect()
     }
-
-    /// The system at each point.
-    pub fn locals(&mut self, y: &[Vec<f64>]) -> Vec<Local> {
-        let d = self.dimension();
-        let slope = |k| self.matrices(|probe, v| probe.structure_along(y, &[axis(d, k)], v));
-        let slopes: Vec<_> = (0..d).map(slope).collect();
-        let weights: Vec<_> = (0..=self.noises()).map(|m| self.weights(m)).collect();
-        let gradients: Vec<_> = weights.iter().map(|h| self.gradient(y, h)).collect();
-        let hessian = |h: &Vec<f64>| self.matrices(|probe, u| probe.hessian(y, u, h));
-        let hessians: Vec<_> = weights.iter().map(hessian).collect();
-        let local = |(n, b): (usize, Matrix)| Local {
-            b,
-            slopes: slopes.iter().map(|at| at[n].clone()).collect(),
-            gradients: gradients.iter().map(|at| at[n].clone()).collect(),
-            hessians: hessians.iter().map(|at| at[n].clone()).collect(),
-        };
-        self.matrix(y).into_iter().enumerate().map(local).collect()
-    }
-}
-
-/// A system at a point.
-pub struct Local {
-    /// B(y).
-    pub b: Matrix,
-    /// The matrices ∂B/∂y_k.
-    pub slopes: Vec<Matrix>,
-    /// ∇H₀, …, ∇H_M.
-    pub gradients: Batch,
-    /// ∇²H₀, …, ∇²H_M.
-    pub hessians: Vec<Matrix>,
 }

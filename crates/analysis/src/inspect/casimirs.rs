@@ -54,9 +54,9 @@ pub struct Casimirs {
 
 impl Casimirs {
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
-        let matrices: Vec<Matrix> = match sight.locals[..] {
+        let matrices: Vec<Matrix> = match sight.matrices[..] {
             [] => sight.probe.matrix(&sight.states),
-            _ => sight.locals.iter().map(|local| local.b.clone()).collect(),
+            _ => sight.matrices.clone(),
         };
         let mut chunks = sight.points.for_suprema.chunks(WIDTH);
         let Candidates { forms, complete } = casimirs(&mut sight.probe, |_| {

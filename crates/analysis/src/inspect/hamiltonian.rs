@@ -45,7 +45,7 @@ impl Hamiltonians {
         let few = noises <= SINGLY;
         let mut random = Random::new(Purpose::Weights);
         let weights = sight.weights(&mut random);
-        let (proportional, silent) = proportional(sight, &mut random, few);
+        let (proportional, silent) = proportional(sight, &mut random);
         let depend_on_time = sight.probe.description().depends_on_time;
         let mut found = Self { proportional, silent, depend_on_time, ..Self::default() };
         for m in 0..=if few { noises } else { 0 } {
@@ -118,16 +118,15 @@ impl Hamiltonians {
     }
 }
 
-/// Whether Hₘ = cₘH₀ for every m, up to constants, and whether every cₘ is zero.
-fn proportional(sight: &mut Sight<'_>, random: &mut Random, few: bool) -> (Finding, bool) {
-    let noises = sight.probe.noises();
-    let weights: Vec<Vec<f64>> = match few {
-        true => (1..=noises).map(|m| sight.probe.weights(m)).collect(),
-        false => (0..2).map(|_| sight.weights(random)).collect(),
-    };
+/// Whether Hₘ = cₘH₀ for every m, up to constants, and whether every cₘ is zero: two random
+/// combinations tell.
+fn proportional(sight: &mut Sight<'_>, random: &mut Random) -> (Finding, bool) {
+    let combinations = if sight.probe.noises() > 0 { 2 } else { 0 };
     let drift = sight.probe.gradient(&sight.states, &sight.probe.weights(0));
     let (mut proportional, mut silent) = (Finding::fitted(), true);
-    for weights in weights {
+    for _ in 0..combinations {
+        let mut weights = sight.weights(random);
+        weights[0] = 0.0;
         let noise = sight.probe.gradient(&sight.states, &weights);
         let c = dot(&drift[0], &noise[0]) / dot(&drift[0], &drift[0]);
         let multiple = drift.iter().map(|drift| scaled(c, drift)).collect();

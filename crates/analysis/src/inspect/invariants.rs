@@ -47,7 +47,7 @@ impl ClaimedInvariant {
         let (mut casimir, mut conserved) = (Finding::default(), Finding::default());
         let (states, mut random) = (sight.states.clone(), Random::new(Purpose::Areas));
         // ∇F along B and along the flows is zero: along all columns of a small B.
-        let (columns, flows): (Vec<Batch>, Vec<Vec<f64>>) = match sight.locals.len() {
+        let (columns, flows): (Vec<Batch>, Vec<Vec<f64>>) = match sight.matrices.len() {
             0 => (vec![sight.vectors(&mut random)], vec![sight.weights(&mut random)]),
             _ => {
                 let (d, noises) = (sight.probe.dimension(), sight.probe.noises());

@@ -7,8 +7,7 @@
 //! - whether the claimed invariants are invariants, and of which degree;
 //! - all linear and quadratic Casimirs of B and those Σ cᵢ ln|yᵢ|;
 //! - whether the noises commute;
-//! - which statements of the paper apply, which orders to expect, and a scheme to take;
-//! - the step size below which the implicit step is a contraction.
+//! - which statements of the paper apply, which orders to expect, and a scheme to take.
 //!
 //! With an initial value it looks there and at the damping, too. A report prints as text and
 //! serializes as data.
@@ -48,12 +47,8 @@ mod recommendation;
 mod report;
 mod shape;
 mod sight;
-mod solvability;
-mod spectrum;
 mod structure;
 mod theory;
-
-use std::collections::BTreeMap;
 
 use systems::{
     Damping, Problem,
@@ -62,11 +57,9 @@ use systems::{
 
 use crate::facts::{algebra, finding, form, probe, random, search};
 use algebra::norm;
-use finding::CLUSTER;
 use points::Points;
 use probe::Probe;
 use sight::Sight;
-use solvability::contraction_below;
 
 pub use crate::facts::{DampingIntegral, Finding, Form, Status};
 pub use casimirs::{Casimirs, FoundCasimir};
@@ -84,6 +77,8 @@ pub use theory::{Applies, ExpectedOrder, Theorem};
 
 /// Half the side of the box in which a system alone is inspected.
 const HALF_SIDE: f64 = 2.0;
+/// Most components of a system whose Casimirs are searched: of each there are D² numbers.
+const MOST_COMPONENTS: usize = 512;
 /// Most components of a system that is inspected in a region and not only near its initial value.
 const SMALL: usize = 64;
 
@@ -124,6 +119,8 @@ impl<'a> InspectSettings<'a> {
 
 /// Inspects a system at random points of its domain.
 ///
+/// Casimirs are searched in systems of up to 512 components.
+///
 /// A system of up to 24 components is looked at component by component, one of more along random
 /// directions: there a small defect in one of many components may be below the rounding of a sum.
 /// One of more than 64 components is looked at near its initial value only.
@@ -153,14 +150,14 @@ pub fn inspect(
     let mut sight = Sight::new(probe, &points);
     check_finite(&mut sight)?;
     let structure = Structure::of(&mut sight);
-    let mut hamiltonians = Hamiltonians::of(&mut sight);
+    let hamiltonians = Hamiltonians::of(&mut sight);
     let noise = Noises::of(&mut sight);
     let invariants = ClaimedInvariant::all(&mut sight);
-    let casimirs = rows_of_paths.then(|| Casimirs::of(&mut sight));
+    let searched = rows_of_paths && sight.probe.dimension() <= MOST_COMPONENTS;
+    let casimirs = searched.then(|| Casimirs::of(&mut sight));
     let of_bound = casimirs.as_ref().filter(|_| structure.sound().holds());
     let bound = of_bound.and_then(|casimirs| Bound::of(&hamiltonians, casimirs));
-    hamiltonians.methods.extend(own_methods(&sight));
-    let few = !sight.locals.is_empty();
+    let few = !sight.matrices.is_empty();
     let mut probe = sight.probe;
     let problem = y0
         .zip(settings.damping)
@@ -179,7 +176,6 @@ pub fn inspect(
         region: points.region.clone(),
         points: points.for_identities.len(),
         defined_everywhere: points.everywhere,
-        contraction_below: few.then(|| contraction_below(&mut probe, &points.for_suprema)),
         problem,
         theorems: Vec::new(),
         orders: Vec::new(),
@@ -214,21 +210,4 @@ fn check_finite(sight: &mut Sight<'_>) -> Result<(), InspectError> {
         }
     }
     Ok(())
-}
-
-/// What the methods that a compiled system has written out should be.
-fn own_methods(sight: &Sight<'_>) -> BTreeMap<&'static str, Finding> {
-    let mut found: BTreeMap<_, Finding> = BTreeMap::new();
-    let mut random = random::Random::new(random::Purpose::Weights);
-    let points = &sight.points.for_identities;
-    for (at, members) in points.iter().zip(sight.states.chunks(CLUSTER)) {
-        let weights = sight.weights(&mut random);
-        let of = |y: &Vec<f64>| sight.probe.system.own_methods(y, weights[0], &weights[1..]);
-        let cluster: Vec<_> = members.iter().map(of).collect();
-        for (k, (what, _)) in cluster[0].iter().enumerate() {
-            let terms: Vec<_> = cluster.iter().map(|own| own[k].1.clone()).collect();
-            found.entry(*what).or_default().record(at, &terms, 0.0);
-        }
-    }
-    found
 }

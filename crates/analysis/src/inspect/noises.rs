@@ -1,11 +1,13 @@
 //! Whether the noises commute, which decides the strong orders.
 
+use std::iter::zip;
+
 use serde::Serialize;
 
 use super::{
-    algebra::{moved, norm},
-    finding::{CLUSTER, Finding, Term, combined, products},
-    probe::Local,
+    algebra::{axis, moved, norm},
+    finding::{CLUSTER, Finding, Term, sum},
+    probe::Batch,
     random::{Purpose, Random},
     sight::Sight,
 };
@@ -24,87 +26,63 @@ impl Noises {
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
         let mut found = Self { commute: Finding::strict(), at_start: Finding::strict() };
         let noises = sight.probe.noises();
-        if sight.locals.is_empty() && noises > 1 {
-            found.along_directions(sight);
+        if noises < 2 {
+            return found;
         }
-        let extent = sight.points.extent();
-        for (n, cluster) in sight.locals.chunks(CLUSTER).enumerate() {
-            let at = &sight.points.for_identities[n];
-            // ‖B‖‖∇Hₘ‖: a field may vanish to round-off.
-            let b = norm(&cluster[0].b.concat());
-            let length = |m: usize| b * norm(&cluster[0].gradients[m + 1]);
-            let fields: Vec<Vec<Field>> = cluster.iter().map(fields).collect();
-            for (l, m) in (0..noises).flat_map(|l| (0..l).map(move |m| (l, m))) {
-                let commutator = |fields: &Vec<Field>| {
-                    let [one, other] = [(l, m), (m, l)].map(|(l, m)| fields[l].along(&fields[m]));
-                    combined(&one, -1.0, &other)
+        let few = !sight.matrices.is_empty();
+        let mut random = Random::new(Purpose::Areas);
+        // Two random combinations of all noises commute if all do.
+        let mut combination = || {
+            let mut weights = sight.weights(&mut random);
+            weights[0] = 0.0;
+            weights
+        };
+        let weights: Vec<Vec<f64>> = match few {
+            true => (1..=noises).map(|m| sight.probe.weights(m)).collect(),
+            false => vec![combination(), combination()],
+        };
+        let Sight { probe, points, states, matrices } = sight;
+        let d = probe.dimension();
+        let slopes: Vec<Batch> = weights.iter().map(|h| probe.gradient(states, h)).collect();
+        let fields: Vec<Batch> = slopes.iter().map(|dh| probe.structure(states, dh)).collect();
+        // f′u = (∂B·u)∇h + B∇²hu.
+        let mut along = |m: usize, u: &[Vec<f64>]| {
+            let turned = probe.structure_along(states, u, &slopes[m]);
+            let curved = probe.hessian(states, u, &weights[m]);
+            let curved = probe.structure(states, &curved);
+            zip(turned, curved).map(|(a, b)| moved(&a, 1.0, &b)).collect::<Batch>()
+        };
+        // The columns of f′; of many components f′ along the other field.
+        let derivatives: Vec<Vec<Batch>> = match few {
+            true => {
+                (0..noises).map(|m| (0..d).map(|k| along(m, &[axis(d, k)])).collect()).collect()
+            }
+            false => vec![vec![along(0, &fields[1])], vec![along(1, &fields[0])]],
+        };
+        for (l, m) in (0..weights.len()).flat_map(|l| (0..l).map(move |m| (l, m))) {
+            let entry = |n: usize, i: usize| {
+                let product = |l: usize, m: usize, sign: f64| {
+                    let columns = derivatives[l].iter().zip(&fields[m][n]);
+                    columns.map(move |(column, f)| sign * column[n][i] * if few { *f } else { 1.0 })
                 };
-                let terms: Vec<Vec<Term>> = fields.iter().map(commutator).collect();
+                sum(product(l, m, 1.0).chain(product(m, l, -1.0)))
+            };
+            let terms = |n: usize| (0..d).map(|i| entry(n, i)).collect();
+            let terms: Vec<Vec<Term>> = (0..states.len()).map(terms).collect();
+            for (n, cluster) in terms.chunks(CLUSTER).enumerate() {
+                // ‖B‖‖∇h‖: a field may vanish to round-off.
+                let length = |m: usize| match matrices.get(n * CLUSTER) {
+                    Some(b) => norm(&b.concat()) * norm(&slopes[m][n * CLUSTER]),
+                    None => norm(&fields[m][n * CLUSTER]),
+                };
                 // The size of a derivative of fields that are not nearly constant.
-                let typical = length(l) * length(m) / extent;
-                found.commute.record(at, &terms, typical);
-                if n == sight.points.random {
-                    found.at_start.record(at, &terms, typical);
+                let typical = length(l) * length(m) / points.extent();
+                found.commute.record(&points.for_identities[n], cluster, typical);
+                if n == points.random {
+                    found.at_start.record(&points.for_identities[n], cluster, typical);
                 }
             }
         }
         found
-    }
-
-    /// Random combinations of all noises commute if all do.
-    fn along_directions(&mut self, sight: &mut Sight<'_>) {
-        let mut random = Random::new(Purpose::Areas);
-        let weights = [0, 1].map(|_| {
-            let mut weights = sight.weights(&mut random);
-            weights[0] = 0.0;
-            weights
-        });
-        let Sight { probe, states, .. } = &mut *sight;
-        let slopes = weights.each_ref().map(|weights| probe.gradient(states, weights));
-        let fields = slopes.each_ref().map(|slopes| probe.structure(states, slopes));
-        let [one, other] = [(0, 1), (1, 0)].map(|(l, m)| {
-            let bent = probe.structure_along(states, &fields[m], &slopes[l]);
-            let curved = probe.hessian(states, &fields[m], &weights[l]);
-            let curved = probe.structure(states, &curved);
-            bent.iter().zip(&curved).map(|(a, b)| moved(a, 1.0, b)).collect::<Vec<_>>()
-        });
-        let commutator = one.iter().zip(&other).map(|(a, b)| {
-            let size = norm(a) + norm(b);
-            moved(a, -1.0, b).into_iter().map(|x| (x, size)).collect()
-        });
-        sight.record(&mut self.commute, commutator);
-    }
-}
-
-/// A noise field at a state, and the columns of its derivative.
-struct Field {
-    terms: Vec<Term>,
-    columns: Vec<Vec<Term>>,
-}
-
-/// The fields of all noises.
-fn fields(local: &Local) -> Vec<Field> {
-    let Local { b, slopes, gradients, hessians, .. } = local;
-    let field = |m: usize| {
-        let column = |j: usize| {
-            let curved: Vec<f64> = hessians[m].iter().map(|row| row[j]).collect();
-            combined(&products(&slopes[j], &gradients[m]), 1.0, &products(b, &curved))
-        };
-        let columns = (0..b.len()).map(column).collect();
-        Field { terms: products(b, &gradients[m]), columns }
-    };
-    (1..gradients.len()).map(field).collect()
-}
-
-impl Field {
-    /// f′g.
-    fn along(&self, g: &Field) -> Vec<Term> {
-        let entry = |i: usize| {
-            let terms = g.terms.iter().zip(&self.columns);
-            terms.fold((0.0, 0.0), |(sum, size), ((x, s), column)| {
-                (sum + column[i].0 * x, size + column[i].1 * s)
-            })
-        };
-        (0..g.terms.len()).map(entry).collect()
     }
 }

@@ -48,9 +48,6 @@ pub struct Inspection {
     pub casimirs: Option<Casimirs>,
     /// A function that bounds all paths, if one was found.
     pub bound: Option<Bound>,
-    /// The step below which the implicit equation of `sexp` is a contraction, by the largest norms
-    /// found in the region; for up to 24 components.
-    pub contraction_below: Option<f64>,
     /// What damping and initial value add; `None` for a system alone.
     pub problem: Option<ProblemFindings>,
     /// Which statements of the paper apply.
@@ -192,11 +189,6 @@ impl Inspection {
         lines.extend(grouped(applies));
         lines.push("Expected orders, strong / weak".into());
         lines.extend(grouped(orders));
-        if let Some(tau) = self.contraction_below {
-            lines.push(format!(
-                "Implicit steps of sexp are contractions for τ < {tau:.1e} (k = 4) with {region}"
-            ));
-        }
         for Recommendation { purpose, scheme, because } in &self.recommended {
             lines.push(format!("Take {scheme} for {purpose}: {because}"));
         }

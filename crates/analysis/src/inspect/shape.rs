@@ -4,12 +4,11 @@
 use serde::Serialize;
 
 use super::{
-    algebra::{axis, largest, moved, norm, scaled},
+    algebra::{axis, largest, moved, norm, scaled, smallest_eigenvalue},
     finding::{CLUSTER, Finding, Status, sum},
     form::Form,
     probe::{Batch, Probe},
     sight::Sight,
-    spectrum::smallest_eigenvalue,
 };
 
 /// The shape of a function F.
@@ -44,7 +43,7 @@ const STRETCH: [f64; 2] = [2.0, 0.5];
 
 impl Shape {
     pub(super) fn of(sight: &mut Sight<'_>, f: Values<'_>) -> Self {
-        let Sight { probe, points, states, locals } = sight;
+        let Sight { probe, points, states, matrices } = sight;
         let values = f(probe, states);
         let factor = |at: &Vec<f64>| {
             let inside = STRETCH.into_iter().find(|&c| probe.in_domain(&scaled(c, at)));
@@ -77,7 +76,7 @@ impl Shape {
             told
         };
         let degree = Some(degree).filter(|_| homogeneous.holds() && !zero);
-        let whole = !locals.is_empty() && points.everywhere;
+        let whole = !matrices.is_empty() && points.everywhere;
         let of_form = degree.filter(|degree| whole && [1.0, 2.0].contains(degree));
         let form = of_form.map(|degree| form(probe, degree as u32, f));
         let form = form.filter(|form| {
@@ -126,8 +125,7 @@ impl Minimum {
             1 => (-norm(beta), 0.0),
             _ => {
                 let q = form.matrix();
-                // Backward stable, with a modest multiple of u‖Q‖ (Golub and Van Loan 2013, section
-                // 8.6).
+                // Of the products of rows that the spectral radius is made of.
                 let error = 4.0 * f64::EPSILON * q.len() as f64 * norm(beta);
                 (0.5 * smallest_eigenvalue(&q), error)
             }

@@ -1,10 +1,10 @@
 //! What all checks look at: a system at clusters of points, and identities of derivatives.
 
 use super::{
-    algebra::{dot, largest, moved},
+    algebra::{Matrix, dot, largest, moved},
     finding::{CLUSTER, Finding, Term, differences, product},
     points::Points,
-    probe::{Batch, Local, Probe},
+    probe::{Batch, Probe},
     random::Random,
     shape::Values,
 };
@@ -15,9 +15,9 @@ pub struct Sight<'a> {
     pub points: &'a Points,
     /// The states of all clusters.
     pub states: Batch,
-    /// The system at these; none of a system of many components, which is looked at along random
-    /// directions instead.
-    pub locals: Vec<Local>,
+    /// B at these; none of a system of many components, which is looked at along random directions
+    /// instead.
+    pub matrices: Vec<Matrix>,
 }
 
 /// Most components of a system whose matrices are looked at.
@@ -31,8 +31,8 @@ impl<'a> Sight<'a> {
     pub fn new(mut probe: Probe<'a>, points: &'a Points) -> Self {
         let states = points.clusters(&probe);
         let small = probe.dimension() <= MATRICES && probe.is_one_tile();
-        let locals = if small { probe.locals(&states) } else { Vec::new() };
-        Self { probe, points, states, locals }
+        let matrices = if small { probe.matrix(&states) } else { Vec::new() };
+        Self { probe, points, states, matrices }
     }
 
     /// A random vector for each cluster, at all its states.

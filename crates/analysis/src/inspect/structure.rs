@@ -3,10 +3,9 @@
 use serde::Serialize;
 
 use super::{
-    algebra::moved,
+    algebra::{Matrix, moved},
     finding::{Finding, Status, combined, differences, product, sum},
     form::places,
-    probe::Local,
     random::{Purpose, Random},
     sight::Sight,
 };
@@ -38,13 +37,12 @@ impl Structure {
         };
         sight.record(&mut found.linear, (0..u.len()).map(linear));
         // Bᵢⱼ + Bⱼᵢ = 0, or vᵀB(y)v = 0.
-        if sight.locals.is_empty() {
+        if sight.matrices.is_empty() {
             sight.record(&mut found.skew, v.iter().zip(&bv).map(|(v, bv)| vec![product(v, bv)]));
         } else {
-            let terms = |Local { b, .. }: &Local| {
-                places(b.len()).map(|(i, j)| sum([b[i][j], b[j][i]])).collect()
-            };
-            sight.record(&mut found.skew, sight.locals.iter().map(terms));
+            let terms =
+                |b: &Matrix| places(b.len()).map(|(i, j)| sum([b[i][j], b[j][i]])).collect();
+            sight.record(&mut found.skew, sight.matrices.iter().map(terms));
         }
         let fixed = sight.probe.structure(&sight.states, &v[..1]);
         sight.record(&mut found.constant, fixed.iter().map(|bv| differences(bv, &fixed[0])));

@@ -10,7 +10,7 @@
 //! A law is the right one, whatever the paths, if the covariance of a step replaces its noise:
 //! |Eδ| = o(τ) and |E[ΔyΔyᵀ] − Σ fₘfₘᵀτ| = o(τ) (Milstein, *Theory Probab. Appl.* 30, 1986).
 
-use mc::{Setup, parts::Stop};
+use mc::{Coefficients, Setup, parts::Stop};
 use noise::{StepNoise, StreamKey, WienerRows};
 use real::{PathMask, WIDTH};
 use schemes::Step;
@@ -44,7 +44,8 @@ pub fn consistency(
     law: bool,
     stop: &Stop,
 ) -> Limit {
-    let visits = visits.iter().take(VISITS).map(|visit| Coefficients::new(setup, visit));
+    let of = |visit| Known { visit, at: (setup.problem.coefficients)(visit.t, &visit.state) };
+    let visits = visits.iter().take(VISITS).map(of);
     let (visits, mut steps) = (visits.collect::<Vec<_>>(), Steps::new(setup));
     let t_end = setup.problem.t_end;
     let coarsest = t_end / sizes.coarsest_steps as f64;
@@ -115,36 +116,16 @@ struct Errors {
 }
 
 /// A visit and the coefficients of the equation there.
-struct Coefficients<'a> {
+struct Known<'a> {
     visit: &'a Visit,
-    /// B∇H₀ and ½Σ fₘ′fₘ.
-    field: Vec<f64>,
-    correction: Vec<f64>,
-    /// The noises fₘ = B∇Hₘ.
-    noises: Vec<Vec<f64>>,
-}
-
-impl<'a> Coefficients<'a> {
-    fn new(setup: &Setup<'_>, visit: &'a Visit) -> Self {
-        let (formulas, noises) = (&setup.problem.formulas, setup.problem.noises);
-        let field = |dt: f64, dw: &dyn Fn(usize) -> f64| {
-            formulas.field(&visit.state, dt, &(0..noises).map(dw).collect::<Vec<_>>())
-        };
-        let noise = |m: usize| field(0.0, &|l| f64::from(u8::from(l == m)));
-        Self {
-            visit,
-            field: field(1.0, &|_| 0.0),
-            correction: formulas.ito_correction(&visit.state),
-            noises: (0..noises).map(noise).collect(),
-        }
-    }
+    at: Coefficients,
 }
 
 /// Errors of steps from these states; `None` if a tenth of the steps fail, or y = 0.
 fn errors(
     steps: &mut Steps<'_>,
     key: StreamKey,
-    visits: &[Coefficients<'_>],
+    visits: &[Known<'_>],
     tau: f64,
     stop: &Stop,
 ) -> Option<Errors> {
@@ -158,9 +139,8 @@ fn errors(
         let mut normals = StepNoise::zero(problem.noises);
         let mut wiener = WienerRows::new(key, block * WIDTH as u64);
         wiener.increments(tau.sqrt(), &mut normals.increments);
-        for (p, coefficients) in visits.iter().enumerate() {
-            let Coefficients { visit: Visit { t, state: y }, field, correction, noises: b } =
-                coefficients;
+        for (p, Known { visit: Visit { t, state: y }, at }) in visits.iter().enumerate() {
+            let Coefficients { drift: field, correction, noises: b } = at;
             let step = Step::new(problem.damping, (t / tau).round() as u64, tau).ok()?;
             let coefficient = |i: usize| field[i] + correction[i] - step.rate_at_start * y[i];
             let a: Vec<f64> = (0..y.len()).map(coefficient).collect();
@@ -327,7 +307,8 @@ mod tests {
         let setup = Setup::of(&problem, &scheme);
         let of = |good_ones: usize, others: &[Visit]| {
             let visits = [vec![good(); good_ones], others.to_vec()].concat();
-            let known = visits.iter().map(|visit| Coefficients::new(&setup, visit));
+            let at = |visit: &Visit| (setup.problem.coefficients)(visit.t, &visit.state);
+            let known = visits.iter().map(|visit| Known { visit, at: at(visit) });
             errors(&mut Steps::new(&setup), key, &known.collect::<Vec<_>>(), 0.25, &Stop::default())
         };
         let found = of(2, &[]).unwrap();

@@ -30,7 +30,7 @@ fn compared(
     let scheme = |scheme| Setup::at_run_time(problem, scheme).unwrap().scheme;
     let none = Candidates::against(scheme(reference));
     let all = schemes.iter().fold(none, |all, one| all.and(scheme(*one)));
-    compare(&mc::Problem::at_run_time(problem), &all, settings)
+    compare(&mc::Problem::at_run_time(problem), &all, settings, &|_, _| ())
 }
 
 fn names(comparison: &Comparison) -> Vec<&str> {
@@ -107,8 +107,10 @@ fn intervals_contain_the_strong_errors_that_are_known() {
 fn all_schemes_are_compared_and_the_choice_is_in_words() {
     let problem = kubo(OMEGA, SIGMA);
     let all = Candidates::at_run_time(&problem).unwrap();
-    let of =
-        |seed| compare(&mc::Problem::at_run_time(&problem), &all, &settings(0.02, seed)).unwrap();
+    let of = |seed| {
+        compare(&mc::Problem::at_run_time(&problem), &all, &settings(0.02, seed), &|_, _| ())
+            .unwrap()
+    };
     let comparison = of(1);
     // One noise commutes, and B is constant.
     assert_eq!(names(&comparison), ["sexp", "sexp-li", "midpoint", "heun", "em"]);
@@ -143,7 +145,7 @@ fn flows_of_parts_and_their_casimirs_are_compared() {
     let problem = rigid_body_three_noises(1.0);
     let settings = CompareSettings { samples: 128, ..settings(0.1, 1) };
     let all = Candidates::compiled(&problem, BuiltIn::by_parts);
-    let found = compare(&mc::Problem::of(&problem), &all, &settings).unwrap();
+    let found = compare(&mc::Problem::of(&problem), &all, &settings, &|_, _| ()).unwrap();
     let expected =
         ["sexp", "sexp-levy", "sexp-li", "sexp-li-levy", "split", "nv", "midpoint", "heun", "em"];
     assert_eq!(names(&found), expected);
@@ -172,7 +174,8 @@ fn casimirs_that_were_found_are_measured() {
     let scheme = |scheme| Setup::at_run_time(&problem, scheme).unwrap().scheme;
     let all = Candidates::against(scheme(&Sexp)).and(scheme(&Sexp)).and(scheme(&Heun));
     let all = all.with_casimirs(found.iter().map(|casimir| casimir.form.clone()).collect());
-    let comparison = compare(&mc::Problem::at_run_time(&problem), &all, &settings(0.02, 1));
+    let comparison =
+        compare(&mc::Problem::at_run_time(&problem), &all, &settings(0.02, 1), &|_, _| ());
     let comparison = comparison.unwrap();
     let [sexp, heun] = &comparison.candidates[..] else { panic!("{comparison}") };
     // The law of |y|² holds to round-off for `sexp`, and to the error of the scheme for `heun`.
@@ -209,7 +212,7 @@ fn a_wrong_scheme_is_not_recommended_and_a_wrong_reference_is_named() {
 fn in_budget(problem: &Problem, error: f64, budget_s: f64) -> Comparison {
     let all = Candidates::at_run_time(problem).unwrap();
     let settings = CompareSettings { budget_s, samples: 128, ..settings(error, 1) };
-    let found = compare(&mc::Problem::at_run_time(problem), &all, &settings).unwrap();
+    let found = compare(&mc::Problem::at_run_time(problem), &all, &settings, &|_, _| ()).unwrap();
     // A fifth and a second beside the budget.
     assert!(found.wall_s <= 1.2 * budget_s + 1.0, "{} s\n{found}", found.wall_s);
     found

@@ -3,11 +3,8 @@
 use std::{fmt::Display, time::Instant};
 
 use casimir::{
-    analysis::{
-        CompareSettings,
-        compare::{SoFar, compare_telling},
-    },
-    plot::{comparison_csv, figure::comparison, files, under_words},
+    analysis::{self, CompareSettings},
+    plot::{figure::comparison, files, under_words},
 };
 
 use super::{folder, open, print, print_json, threads};
@@ -42,15 +39,16 @@ pub fn compare(arguments: &Compare) -> Done {
     let what = format!("errors and times of all schemes, {budget} s at most");
     let problem = scene.problem();
     let found = under_words(&what, |say| {
-        let told = |SoFar { error: least, left_s }| {
-            say(format!("error {least:.1e} so far, {error:.1e} wanted, {left_s:.0} s left at most"));
+        let told = |least, left_s| {
+            say(format!(
+                "error {least:.1e} so far, {error:.1e} wanted, {left_s:.0} s left at most"
+            ));
         };
-        compare_telling(&problem, &candidates, &wanted, &told)
+        analysis::compare(&problem, &candidates, &wanted, &told)
     });
     let found = found.map_err(|error| wrong(&error))?;
     let folder = folder::of(arguments.output.out.clone(), &arguments.scene, "compare")?;
     files::write(&folder.join("compare.svg"), comparison(&found))?;
-    files::write(&folder.join("compare.csv"), comparison_csv(&found))?;
     files::write_json(&folder.join("compare.json"), &found)?;
     if arguments.output.json {
         return print_json(&found);

@@ -1,13 +1,13 @@
 //! `casimir expect`: expectations with intervals.
 
-use std::{path::PathBuf, time::Instant};
+use std::time::Instant;
 
 use casimir::{
     mc::{
         self, ExpectSettings, Observe,
-        expect::{Expectation, Keeping, SoFar},
+        expect::{Expectation, Keeping},
     },
-    plot::under_words,
+    plot::{files, under_words},
 };
 
 use super::{coarsest_steps, folder, open, print, print_json, scheme, stop, threads, warn};
@@ -56,11 +56,10 @@ pub fn expect(arguments: &Expect) -> Done {
     let expect = expect.with(ExpectSettings { stop: stop.clone(), ..settings }).keeping(keeping);
     let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
     let expectation = under_words("the first estimates", |say| {
-        let told = |SoFar { half_width, path_steps, needed }| {
-            let left = start.elapsed().as_secs_f64() * (needed as f64 / path_steps as f64 - 1.0);
+        let told = |half_width, done| {
+            let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
             say(format!(
-                "±{half_width:.1e} so far, ±{accuracy:.1e} wanted, about {:.0} s left",
-                left.max(0.0)
+                "±{half_width:.1e} so far, ±{accuracy:.1e} wanted, about {left:.0} s left"
             ));
         };
         expect.telling(told).run(&phi, accuracy, &|_| ())
@@ -70,25 +69,27 @@ pub fn expect(arguments: &Expect) -> Done {
     }
     let seconds = start.elapsed().as_secs_f64();
     let results = Results { because, expectation: expectation?, seconds };
+    let json = output::expectation_json(&scene, &results);
     match arguments.output.json {
-        true => print_json(&output::expectation_json(&scene, &results)),
+        true => print_json(&json),
         false => print(&output::expectation_text(&scene, &results)),
     }?;
-    folder.map_or(Ok(()), |folder| output::write_expectation(&scene, &results, folder))?;
-    match stop.is_asked() {
-        true => Err(Failure::stopped(format!(
+    if let Some(folder) = folder {
+        files::write_json(&folder.join("expectation.json"), &json)?;
+    }
+    match (stop.is_asked(), results.expectation.reached()) {
+        (true, _) => Err(Failure::stopped(format!(
             "the samples are in {}: the same command goes on from them",
             kept.display()
         ))),
-        false => Ok(()),
+        (_, true) => Ok(()),
+        _ => Err(Failure::run(format!("±{accuracy} not reached"))),
     }
 }
 
 /// Where samples are kept, and what they depend on.
 fn keeping(arguments: &Expect, scene: &Scene) -> Done<Keeping> {
-    let stem = arguments.scene.file_stem().unwrap_or_default().to_string_lossy();
-    let folder = arguments.output.out.clone();
-    let folder = folder.unwrap_or_else(|| PathBuf::from(format!("{stem}-expect")));
+    let folder = folder::named(arguments.output.out.clone(), &arguments.scene, "expect");
     let changes = serde_json::to_string(&(&arguments.scheme, arguments.steps))?;
     let law = scene.settings.random.as_ref().map_or("", |random| &random.law);
     let version = env!("CARGO_PKG_VERSION");
@@ -103,14 +104,12 @@ fn chosen(scene: &Scene) -> Done<(mc::Expect<'_>, ExpectSettings, Option<String>
     let is_auto = settings.scheme == AUTO;
     let whole = scene.model.expect().filter(|_| is_auto && !scene.collects());
     let (expect, because) = match whole {
-        Some(chosen) => (chosen.starting(scene.initial_of_any()), None),
+        Some(chosen) => (chosen.starting(settings.random.clone()), None),
         None => {
             let (scheme, because) = scheme(scene);
             with.truncation = settings.truncation;
             with.coarsest_steps = coarsest_steps(settings.until);
-            let setup = scene.collecting(scene.setup(&scheme)?);
-            let expect = mc::Expect::with_scheme(setup).starting(scene.initial_of_any());
-            (expect, because)
+            (mc::Expect::with_scheme(scene.collecting(scene.setup(&scheme)?)), because)
         }
     };
     with.coarsest_steps = settings.coarsest_steps.unwrap_or(with.coarsest_steps);

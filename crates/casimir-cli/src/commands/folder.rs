@@ -8,10 +8,15 @@ use crate::failure::{Done, Failure};
 
 /// The folder of results: the one asked for, or `<scene>-<command>` here; prepared.
 pub fn of(out: Option<PathBuf>, scene: &Path, command: &str) -> Done<PathBuf> {
-    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
-    let folder = out.unwrap_or_else(|| format!("{stem}-{command}").into());
+    let folder = named(out, scene, command);
     prepare(&folder)?;
     Ok(folder)
+}
+
+/// The same as it is.
+pub fn named(out: Option<PathBuf>, scene: &Path, command: &str) -> PathBuf {
+    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
+    out.unwrap_or_else(|| format!("{stem}-{command}").into())
 }
 
 /// Checks that a folder can be written, and says which results it has that will be replaced.

@@ -21,7 +21,7 @@ pub fn inspect(arguments: &Inspect) -> Done {
         damping: Some((problem.damping, problem.t_end)),
         areas: system.description().jacobi_holds,
     };
-    let what = "evaluating B and the Hamiltonians at many points";
+    let what = "looking at points";
     let (known, findings) =
         under_bar(what, 0, |_| (model.known(), analysis::inspect(system, &settings)));
     let findings = findings.map_err(|error| scene.source.error(None, error))?;

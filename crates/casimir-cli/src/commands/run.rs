@@ -237,6 +237,8 @@ impl<'a> Ready<'a> {
 
 /// Gives means that are probabilities their intervals. Quantiles of zeros and ones say nothing.
 fn with_probabilities(study: &mut StudyResult, names: &[String]) {
+    let is_of = |warning: &String, name: &String| warning.starts_with(&format!("{name}:"));
+    study.warnings.retain(|warning| !names.iter().any(|name| is_of(warning, name)));
     let series = study.series.iter_mut().filter(|series| names.contains(&series.observable));
     for point in series.flat_map(|series| &mut series.points) {
         point.quantiles.clear();

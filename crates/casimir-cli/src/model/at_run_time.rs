@@ -55,7 +55,9 @@ impl Model for AtRunTime {
 
     fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
         match self.facts() {
-            Some(facts) => Setup { problem: with_laws(setup.problem, facts), ..setup },
+            Some(facts) => {
+                Setup { problem: with_laws(setup.problem, self.system(), facts), ..setup }
+            }
             None => setup,
         }
     }

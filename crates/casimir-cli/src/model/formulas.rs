@@ -3,8 +3,12 @@
 use std::sync::Arc;
 
 use casimir::{
-    formula::{Definition, DefinitionError, Difference, Equation, Formula, FormulaSystem, Which},
-    systems::{Damping, run_time::Problem},
+    formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
+    mc,
+    systems::{
+        Damping,
+        run_time::{Problem, System},
+    },
 };
 
 use super::{Built, at_run_time::AtRunTime};
@@ -52,9 +56,9 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
     let system = FormulaSystem::new(&definition, y0);
     let system = Arc::new(system.map_err(|error| misdefined(reading, &state, &error))?);
     let names = system.names().clone();
-    compare(reading, &system, &*damping)?;
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
         .map_err(|error| reading.initial_error(error))?;
+    compare(reading, &system, &problem)?;
     Ok(Built {
         sizes: Vec::new(),
         model: Box::new(AtRunTime::new(problem, Some(system))),
@@ -65,47 +69,66 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
     })
 }
 
-/// Compares an equation that is given as well.
-fn compare(reading: &Reading<'_>, system: &FormulaSystem, damping: &dyn Damping) -> Read<()> {
-    let Reading { source, file, settings, .. } = reading;
-    let SystemTable { calculus, drift, noise, noises, .. } = &file.system;
-    let (Some(drift), noise) = (drift, noise.as_deref().unwrap_or_default()) else {
-        let noise = noise.as_ref().and_then(|all| all.first());
-        let place = calculus.as_ref().map(At::span).or(noise.map(At::span));
+/// Times at which an equation is compared, and the part of its terms that is rounding.
+const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
+const ROUNDING: f64 = 1e-9;
+
+/// Compares an equation that is given as well, at points around the initial value. Itô's drift has
+/// ½Σ bₘ′bₘ besides.
+fn compare(reading: &Reading<'_>, system: &FormulaSystem, problem: &Problem) -> Read<()> {
+    let Reading { source, file, .. } = reading;
+    let SystemTable { calculus, drift, noise, .. } = &file.system;
+    let noise = noise.as_deref().unwrap_or_default();
+    let Some(drift) = drift else {
+        let place = calculus.as_ref().map(At::span).or(noise.first().map(At::span));
         return place.map_or(Ok(()), |place| {
             let message = "`calculus` and `noise` are for an equation: give its `drift` as well";
             Err(source.error(place, message))
         });
     };
-    let (dimension, number) = (settings.initial.len(), noises.as_ref().map_or(0, |all| all.len()));
-    if noise.len() != number {
-        let message = format!("H has {number} noises, and `noise` has {}", noise.len());
+    let of = mc::Problem::at_run_time(problem);
+    let (y0, is_ito) = (problem.y0(), calculus.as_deref() == Some(&Calculus::Ito));
+    if noise.len() != of.noises {
+        let message = format!("H has {} noises, and `noise` has {}", of.noises, noise.len());
         return Err(source.error(noise.last().unwrap_or(drift).span(), message));
     }
     let mut names = system.names().clone();
     names.variable("t").map_err(|error| source.error(drift.span(), error))?;
-    let parse = |texts: &At<Vec<At<Text>>>| {
-        if texts.len() != dimension {
-            let message = format!("one formula for each of {dimension} components, got {}", texts.len());
+    let points = casimir::systems::around(y0, |y| system.check_domain(y).is_ok());
+    for (m, texts) in noise.iter().enumerate().map(|(m, noise)| (m + 1, noise)).chain([(0, drift)])
+    {
+        if texts.len() != y0.len() {
+            let (d, given) = (y0.len(), texts.len());
+            let message = format!("one formula for each of {d} components, got {given}");
             return Err(source.error(texts.span(), message));
         }
-        let formula = |text: &At<Text>| {
-            Formula::parse(&text.0, &names).map_err(|error| source.formula_error(text, &error))
-        };
-        texts.iter().map(formula).collect::<Read<Vec<_>>>()
-    };
-    let given = Equation {
-        drift: parse(drift)?,
-        noises: noise.iter().map(parse).collect::<Read<_>>()?,
-        ito: calculus.as_ref().is_some_and(|calculus| **calculus == Calculus::Ito),
-    };
-    match system.difference(&given, &|t| damping.rate(t), &settings.initial) {
-        Some(Difference { noise: m, component, message }) => {
-            let texts = if m == 0 { drift } else { &noise[m - 1] };
-            Err(source.error(texts[component].span(), message))
+        for (i, text) in texts.iter().enumerate() {
+            let formula = Formula::parse(&text.0, &names);
+            let formula = formula.map_err(|error| source.formula_error(text, &error))?;
+            for (y, t) in points.iter().flat_map(|y| TIMES.map(|t| (y, t))) {
+                let given = formula.value(&[y, &[t][..]].concat());
+                let at = (of.coefficients)(t, y);
+                let correction = if is_ito { at.correction[i] } else { 0.0 };
+                let own = match m {
+                    0 => at.drift[i] - problem.damping().rate(t) * y[i] + correction,
+                    _ => at.noises[m - 1][i],
+                };
+                if (given - own).abs() <= ROUNDING * (given.abs() + own.abs() + at.drift[i].abs()) {
+                    continue;
+                }
+                let what = if m == 0 { "drift".into() } else { format!("noise {m}") };
+                let sense = if is_ito { "Itô" } else { "Stratonovich" };
+                let damped = problem.damping().integral(0.0, problem.t_end()) != 0.0;
+                let equation = &system.equations(damped)[i];
+                return Err(source.error(text.span(), format!(
+                    "this {what} is {given:.6} at y = {y:?}, t = {t}, and that of B and H is {own:.6} \
+                     in the sense of {sense}: only equations of this form are simulated. Theirs is \
+                     {equation}"
+                )));
+            }
         }
-        None => Ok(()),
     }
+    Ok(())
 }
 
 /// What is wrong with a definition, at its place.

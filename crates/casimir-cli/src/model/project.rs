@@ -37,14 +37,15 @@ pub const PROJECT: [(&str, &str, &str); 6] = [
 pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>) -> Read<Built> {
     let (source, table) = (reading.source, &reading.file.system);
     let formulas = [
-        table.state.as_ref().map(|key| ("state", key.span())),
-        table.structure.as_ref().map(|key| ("B", key.span())),
-        table.energy.as_ref().map(|key| ("H0", key.span())),
-        table.noises.as_ref().map(|key| ("H", key.span())),
-        table.drift.as_ref().map(|key| ("drift", key.span())),
-        table.calculus.as_ref().map(|key| ("calculus", key.span())),
+        ("state", table.state.as_ref().map(At::span)),
+        ("B", table.structure.as_ref().map(At::span)),
+        ("H0", table.energy.as_ref().map(At::span)),
+        ("H", table.noises.as_ref().map(At::span)),
+        ("calculus", table.calculus.as_ref().map(At::span)),
+        ("drift", table.drift.as_ref().map(At::span)),
+        ("noise", table.noise.iter().flatten().next().map(At::span)),
     ];
-    if let Some((key, place)) = formulas.into_iter().flatten().next() {
+    if let Some((key, place)) = formulas.into_iter().find(|(_, place)| place.is_some()) {
         let name = name.as_str();
         let message = format!("`{key}` is for formulas: remove it, or `name = \"{name}\"`");
         return Err(source.error(place, message));

@@ -1,14 +1,9 @@
 //! Expectations as text and as JSON.
 
-use std::path::Path;
-
-use casimir::{
-    mc::expect::{Estimate, WarningKind},
-    plot::files,
-};
+use casimir::mc::expect::{Estimate, WarningKind};
 use serde_json::{Value, json};
 
-use crate::{commands::Expected, failure::Done, scene::Scene};
+use crate::{commands::Expected, scene::Scene};
 
 /// The expectations in words.
 pub fn expectation_text(scene: &Scene, results: &Expected) -> String {
@@ -45,10 +40,4 @@ pub fn expectation_json(scene: &Scene, results: &Expected) -> Value {
         "levels": expectation.levels,
         "path_steps": expectation.cost, "warnings": warnings, "seconds": seconds,
     })
-}
-
-/// Writes `expectation.json` and `expectation.txt`.
-pub fn write_expectation(scene: &Scene, results: &Expected, folder: &Path) -> Done {
-    files::write_json(&folder.join("expectation.json"), &expectation_json(scene, results))?;
-    Ok(files::write(&folder.join("expectation.txt"), expectation_text(scene, results))?)
 }

@@ -7,7 +7,7 @@ use casimir::{
     },
     plot::{
         self,
-        figure::{Title, Trace, bands, evolution, histogram, lines, picture, strip},
+        figure::{Trace, bands, evolution, histogram, lines, picture, strip},
     },
     stats::Point,
 };
@@ -15,7 +15,7 @@ use casimir::{
 use super::digits;
 use crate::{
     commands::Results,
-    scene::{MOST_COMPONENTS, Scene},
+    scene::{self, MOST_COMPONENTS, Scene},
 };
 
 /// A drawing with its file and the words below it.
@@ -37,8 +37,6 @@ const SHOWN_PATHS: usize = 4;
 const SHOWN_LAWS: usize = 6;
 /// Pictures of a lattice.
 const PICTURES: usize = 6;
-/// How long a dot runs along a path.
-const RUN_SECONDS: f64 = 12.0;
 /// Phase portraits in a report.
 const PORTRAITS: usize = 3;
 
@@ -51,25 +49,30 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
         }
     };
     let drawn = &scene.drawn;
-    let title = |words| Title { words, logarithmic: drawn.is_logarithmic(words) };
+    let names: Vec<&String> = match (&drawn.show, &results.study) {
+        (Some(show), _) => show.iter().collect(),
+        (_, Some(study)) => study.series.iter().map(|series| &series.observable).collect(),
+        _ => scene.observables.iter().map(|observable| &observable.name).collect(),
+    };
     match &results.study {
         Some(study) => {
-            let levels = percent(&study.record.quantiles);
-            let all = || study.series.iter();
-            let series: Vec<&Series> = match &drawn.show {
-                Some(show) => show.iter().filter_map(|name| study.series(name)).collect(),
-                None => all().collect(),
-            };
+            let levels = study.record.quantiles.iter().map(|level| digits(Some(100.0 * level)));
+            let levels = levels.collect::<Vec<_>>().join(" %, ");
+            let series: Vec<_> = names.iter().filter_map(|name| study.series(name)).collect();
             let bands = series.iter().map(|Series { observable: name, points }| {
                 let paths = study.record.paths;
                 let is_estimate = points.iter().all(|point| point.quantiles.is_empty());
                 let band = match is_estimate {
                     true => "Band: 95 % intervals; dashes: estimate.".into(),
-                    false => format!("Bands between the quantiles {levels}; line: median; dashes: mean."),
+                    false => {
+                        format!(
+                            "Bands between the quantiles {levels} %; line: median; dashes: mean."
+                        )
+                    }
                 };
                 Drawn {
                     file: file("time", name),
-                    svg: bands(name, "time t", title(name), points),
+                    svg: bands(name, "time t", drawn.title(name), points),
                     caption: format!("{name} in time, {paths} paths. {band}"),
                 }
             });
@@ -86,17 +89,15 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
                 ),
             });
             add("At the end", histograms.collect());
-            add("Dependence", dependence(study));
+            add("Dependence", dependence(drawn, study));
         }
         None => {
-            let all = || scene.observables.iter().map(|observable| &observable.name).collect();
-            let names: Vec<&String> = drawn.show.as_ref().map_or_else(all, |show| show.iter().collect());
             let columns = names.into_iter().map(|name| {
                 let traces = traces(results, |table| table.times().to_vec(), name);
                 let shown = traces.len();
                 Drawn {
                     file: file("time", name),
-                    svg: lines(name, "time t", title(name), &traces, None),
+                    svg: lines(name, "time t", drawn.title(name), &traces),
                     caption: format!("{name} in time on {}.", paths(shown, results)),
                 }
             });
@@ -107,12 +108,6 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
     add("The lattice", lattice(scene, results).into_iter().collect());
     add("Conserved but for the damping", laws(results));
     sections
-}
-
-/// `5 %, 25 %, …`
-fn percent(levels: &[f64]) -> String {
-    let words = levels.iter().map(|level| format!("{} %", digits(Some(100.0 * level))));
-    words.collect::<Vec<_>>().join(", ")
 }
 
 /// `path 0`, or how many of how many.
@@ -145,22 +140,19 @@ fn traces(results: &Results, x: impl Fn(&TimeSeries) -> Vec<f64>, y: &str) -> Ve
 fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
     let names = &scene.components;
     let pairs: Vec<(usize, usize)> = match names.len() {
-        0 | 1 => Vec::new(),
-        2 => vec![(0, 1)],
         3 => vec![(0, 1), (1, 2), (0, 2)],
         dimension if dimension > MOST_COMPONENTS => Vec::new(),
-        dimension => (0..dimension - 1).step_by(2).map(|i| (i, i + 1)).collect(),
+        dimension => (1..dimension).step_by(2).map(|i| (i - 1, i)).collect(),
     };
     let few = pairs.iter().take(PORTRAITS).map(|&(i, j)| [names[i].clone(), names[j].clone()]);
     let pairs = scene.drawn.portraits.clone().unwrap_or_else(|| few.collect());
-    let seconds = scene.drawn.animate.then_some(RUN_SECONDS);
     let portrait = |[x, y]: &[String; 2]| {
         let of = |table: &TimeSeries| table.column(x).unwrap_or_default().to_vec();
         let traces = traces(results, of, y);
         let shown = traces.len();
         Drawn {
             file: file("portrait", &format!("{x} {y}")),
-            svg: lines(&format!("{y} against {x}"), x, &**y, &traces, seconds),
+            svg: lines(&format!("{y} against {x}"), x, &**y, &traces),
             caption: format!(
                 "{y} against {x} on {}; the marker is the initial value.",
                 paths(shown, results)
@@ -171,7 +163,7 @@ fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
 }
 
 /// Joint laws, autocorrelations and spectra.
-fn dependence(study: &StudyResult) -> Vec<Drawn> {
+fn dependence(drawn: &scene::Drawn, study: &StudyResult) -> Vec<Drawn> {
     let joint = study.joint.iter().map(|Joint { names: [a, b], grids, counts, outside }| {
         let [x, y] = grids.map(|grid| (grid.edge(0), grid.edge(grid.bins)));
         let [columns, rows] = grids.map(|grid| grid.bins as usize);
@@ -182,21 +174,21 @@ fn dependence(study: &StudyResult) -> Vec<Drawn> {
             file: file("joint", &format!("{a} {b}")),
             svg: picture(&format!("{b} and {a}"), (x, a), (y, b), columns, &values),
             caption: format!(
-                "The joint law of {a} and {b} at the end, {} paths, {outside} outside: the darker \
-                 the larger the root of the density.",
+                "The joint law of {a} and {b} at the end: roots of counts, {outside} of {} paths \
+                 outside.",
                 study.record.paths
             ),
         }
     });
     let lagged = study.lagged.iter().enumerate().map(|(k, Series { observable: name, points })| {
-        let (axis, what) = match k % 2 {
-            0 => ("lag", "against the lag"),
-            _ => ("angular frequency ω", "against the angular frequency; its integral over all ω is the variance"),
+        let (axis, law) = match k % 2 {
+            0 => ("lag", ""),
+            _ => ("angular frequency", " Its integral over all frequencies is the variance."),
         };
         Drawn {
             file: file("lag", name),
-            svg: bands(name, axis, name.as_str(), points),
-            caption: format!("{name} {what}. Band: 95 % intervals."),
+            svg: bands(name, axis, drawn.title(name), points),
+            caption: format!("{name} against the {axis}. Band: 95 % intervals.{law}"),
         }
     });
     joint.chain(lagged).collect()
@@ -215,7 +207,7 @@ fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
         let spins = (1.0, (spins.len() + 1) as f64);
         (picture("spins", (ends, "time t"), (spins, "spin"), times.len(), &values), "in time")
     } else {
-        let at = |k: usize| k * (times.len() - 1) / (PICTURES - 1).max(1);
+        let at = |k: usize| k * (times.len() - 1) / (PICTURES - 1);
         let picture = |k: usize| {
             let values = spins.iter().map(|spin| spin[at(k)]).collect();
             (format!("t = {}", digits(Some(times[at(k)]))), values)
@@ -223,8 +215,7 @@ fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
         let pictures: Vec<(String, Vec<f64>)> = (0..PICTURES).map(picture).collect();
         (strip("spins", columns, &pictures), "at several times")
     };
-    let caption =
-        format!("z components of the spins of path 0 {what}: blue is up, red is down, pale is small.");
+    let caption = format!("z components of the spins of path 0 {what}: blue is up, red is down.");
     Some(Drawn { file: "lattice".into(), svg, caption })
 }
 
@@ -238,17 +229,11 @@ fn laws(results: &Results) -> Vec<Drawn> {
     let defects = first.columns.iter().filter(|column| column.name.ends_with(" defect"));
     let mut defects: Vec<(&str, f64)> =
         defects.map(|column| (&*column.name, largest(&column.name))).collect();
-    let all = defects.len();
     // Those that deviate most, of many.
-    if all > SHOWN_LAWS {
+    if defects.len() > SHOWN_LAWS {
         defects.sort_by(|a, b| b.1.total_cmp(&a.1));
         defects.truncate(SHOWN_LAWS);
     }
-    let of_all = if all > SHOWN_LAWS {
-        format!(", one of the largest of {all} laws")
-    } else {
-        String::new()
-    };
     let law = |(column, largest): (&str, f64)| {
         let name = column.trim_end_matches(" defect");
         let series = |(path, table): (usize, &TimeSeries)| {
@@ -273,7 +258,7 @@ fn laws(results: &Results) -> Vec<Drawn> {
             svg: evolution(name, &series),
             caption: format!(
                 "{name} on {}: values with the conformal law e^(−p∫γ) {name}(y(0)) above, relative \
-                 defects below; the largest is {largest:.1e}{of_all}.",
+                 defects below; the largest is {largest:.1e}.",
                 paths(series.len(), results)
             ),
         }

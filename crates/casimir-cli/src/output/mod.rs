@@ -14,7 +14,7 @@ use casimir::{
     analysis::StepCheck,
     mc::{
         TimeSeries,
-        study::{Series, StudyResult},
+        study::{COLUMNS, Series, StudyResult, write_rows},
         write_csv,
     },
     plot::files,
@@ -26,7 +26,7 @@ use steps::{step_cell, step_errors};
 pub use steps::step_lines;
 pub use sweep::SweepReport;
 
-pub use expectation::{expectation_json, expectation_text, write_expectation};
+pub use expectation::{expectation_json, expectation_text};
 
 use crate::{
     arguments::Format,
@@ -61,21 +61,18 @@ fn write_as(format: Format, scene: &Scene, results: &Results, folder: &Path) -> 
     }
     let tables = &tables[..];
     let file = |name: &str| folder.join(name);
-    let mut text = Vec::new();
     match format {
         Format::Csv => {
+            let mut text = Vec::new();
             write_csv(tables, &mut text)?;
             files::write(&file("paths.csv"), &text)?;
-            if let Some(study) = study {
-                text.clear();
-                study.write_csv(&mut text)?;
-                files::write(&file("study.csv"), &text)?;
-                if !study.lagged.is_empty() {
-                    text.clear();
-                    let series = study.lagged.clone();
-                    StudyResult { series, ..study.clone() }.write_csv(&mut text)?;
-                    files::write(&file("lags.csv"), &text)?;
-                }
+            let both = study
+                .iter()
+                .flat_map(|study| [("study.csv", &study.series), ("lags.csv", &study.lagged)]);
+            for (name, series) in both.filter(|(_, series)| !series.is_empty()) {
+                let mut text = format!("{COLUMNS}\n").into_bytes();
+                write_rows(series, "", &mut text)?;
+                files::write(&file(name), &text)?;
             }
         }
         Format::Json => {

@@ -13,11 +13,22 @@ use casimir::mc::{
 };
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
-/// Writes arrays with their names and shapes, in row-major order.
-pub fn write(
-    file: &Path,
-    arrays: impl IntoIterator<Item = (String, Vec<usize>, Vec<f64>)>,
-) -> io::Result<()> {
+type Statistic = fn(&Summary) -> Option<f64>;
+
+/// What files have of each observable.
+const STATISTICS: [(&str, Statistic); 5] = [
+    ("mean", |point| point.mean),
+    ("lo", |point| Some(point.mean_interval?.0)),
+    ("hi", |point| Some(point.mean_interval?.1)),
+    ("deviation", |point| point.deviation),
+    ("median", |point| point.quantiles.iter().find(|quantile| quantile.level == 0.5)?.value),
+];
+
+/// Name, shape, and numbers in row-major order.
+pub type Array = (String, Vec<usize>, Vec<f64>);
+
+/// Writes arrays.
+pub fn write(file: &Path, arrays: impl IntoIterator<Item = Array>) -> io::Result<()> {
     let mut out = ZipWriter::new(BufWriter::new(File::create(file)?));
     // Without the time of day: the same results are the same bytes.
     let options = SimpleFileOptions::default()
@@ -72,7 +83,7 @@ pub fn paths(file: &Path, scene: &Scene, tables: &[TimeSeries]) -> io::Result<()
     // All components are there, or some by name.
     let are_spins = |first: &usize| {
         let columns = longest.columns[*first..].iter().map(|column| &column.name);
-        !scene.sizes.is_empty() && columns.zip(components).filter(|(a, b)| a == b).count() == components.len()
+        !scene.sizes.is_empty() && columns.take(components.len()).eq(components)
     };
     let spins = first.filter(are_spins).map(|first| first..first + components.len());
     let vectors = spins.clone().map(|spins| {
@@ -91,9 +102,6 @@ pub fn paths(file: &Path, scene: &Scene, tables: &[TimeSeries]) -> io::Result<()
     write(file, alone.map(array).chain(vectors))
 }
 
-/// A statistic of a summary, if it is known.
-type Statistic = fn(&Summary) -> Option<f64>;
-
 /// Statistics: `t`, `quantile levels`, and for each observable `<name> mean`, `<name> lo` and
 /// `<name> hi` (the 95 % interval of the mean), `<name> deviation` and `<name> quantiles`, an array
 /// [time, level]; autocorrelations and spectra likewise, with `lag` and `omega`; joint laws as
@@ -102,25 +110,13 @@ pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
     let Some(first) = result.series.first() else { return Ok(()) };
     let times: Vec<f64> = first.points.iter().map(|point| point.time).collect();
     let (count, levels) = (times.len(), &result.record.quantiles);
-    let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    let columns: [(&str, Statistic); 4] = [
-        ("mean", |point| point.mean),
-        ("lo", |point| point.mean_interval.map(|(lo, _)| lo)),
-        ("hi", |point| point.mean_interval.map(|(_, hi)| hi)),
-        ("deviation", |point| point.deviation),
-    ];
-    let arrays = |Series { observable, points }: &Series| {
-        let column = |(what, of): (&str, Statistic)| {
-            let values = points.iter().map(|point| known(of(point)));
-            (format!("{observable} {what}"), vec![points.len()], values.collect())
-        };
+    let quantiles = result.series.iter().filter_map(|Series { observable, points }| {
         let quantiles = points.iter().flat_map(|point| &point.quantiles);
-        let quantiles: Vec<f64> = quantiles.map(|quantile| known(quantile.value)).collect();
+        let quantiles: Vec<f64> = quantiles.map(|one| one.value.unwrap_or(f64::NAN)).collect();
         let shape = vec![count, levels.len()];
-        let quantiles = (format!("{observable} quantiles"), shape, quantiles);
-        let quantiles = (quantiles.2.len() == count * levels.len()).then_some(quantiles);
-        columns.map(column).into_iter().chain(quantiles).collect::<Vec<_>>()
-    };
+        (quantiles.len() == count * levels.len())
+            .then(|| (format!("{observable} quantiles"), shape, quantiles))
+    });
     let level = ("quantile levels".into(), vec![levels.len()], levels.clone());
     let axes = ["lag", "omega"].into_iter().zip(&result.lagged).map(|(name, series)| {
         let places: Vec<f64> = series.points.iter().map(|point| point.time).collect();
@@ -130,14 +126,31 @@ pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
         let name = format!("joint({a}, {b})");
         let [x, y] = grids.map(|grid| (0..=grid.bins).map(|k| grid.edge(k)).collect::<Vec<_>>());
         let values = counts.iter().map(|&count| count as f64).collect();
-        let sides = [("x", &x), ("y", &y)].map(|(side, edges)| {
-            (format!("{name} {side}"), vec![edges.len()], edges.clone())
-        });
+        let sides = [("x", &x), ("y", &y)]
+            .map(|(side, edges)| (format!("{name} {side}"), vec![edges.len()], edges.clone()));
         [(name, vec![x.len() - 1, y.len() - 1], values)].into_iter().chain(sides)
     });
     let all = [("t".into(), vec![count], times), level].into_iter().chain(axes);
-    let series = result.series.iter().chain(&result.lagged);
-    write(file, all.chain(series.flat_map(arrays)).chain(joint))
+    let series = [&result.series, &result.lagged].map(|series| statistics(&[], &[(0, series)]));
+    write(file, all.chain(series.concat()).chain(quantiles).chain(joint))
+}
+
+/// Statistics of runs at places along axes, as arrays over the axes and times.
+pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
+    let names = runs.first().into_iter().flat_map(|(_, series)| series.iter().enumerate());
+    let array = |(k, of): (usize, &Series)| {
+        let times = runs.iter().map(|(_, series)| series[k].points.len()).max().unwrap_or(0);
+        STATISTICS.map(|(what, value)| {
+            let mut values = vec![f64::NAN; axes.iter().product::<usize>() * times];
+            for (place, series) in runs {
+                let known = series[k].points.iter().map(|point| value(point).unwrap_or(f64::NAN));
+                let row = values[place * times..].iter_mut();
+                row.zip(known).for_each(|(value, known)| *value = known);
+            }
+            (format!("{} {what}", of.observable), [axes, &[times]].concat(), values)
+        })
+    };
+    names.flat_map(array).collect()
 }
 
 #[cfg(test)]

@@ -1,13 +1,15 @@
 //! What a sweep found: against its parameters, in time, and as arrays over both.
 
-use std::{borrow::Cow, iter::zip, path::Path};
+use std::{borrow::Cow, io, iter::zip, path::Path};
 
 use casimir::{
-    mc::study::{Series, Summary},
+    mc::{
+        quoted,
+        study::{COLUMNS, Series, Summary, write_rows},
+    },
     plot::{
         Document,
-        csv::field,
-        figure::{Sampled, Title, against, multiples},
+        figure::{Sampled, against, multiples},
         files,
     },
 };
@@ -18,20 +20,18 @@ use crate::{
     arguments::Format,
     commands::{Outcomes, Results},
     failure::Done,
-    scene::{Combination, Scene, Varied},
+    scene::{Combination, Scene, Sweep, Varied},
 };
 
 /// Curves in one figure, and small multiples.
 const MOST_CURVES: usize = 5;
 const MOST_PANELS: usize = 24;
-/// Lines of a table on a terminal, and warnings.
-const MOST_LINES: usize = 48;
-const MOST_WARNINGS: usize = 8;
+/// Lines of a table on a terminal, or of warnings.
+const MOST_LINES: usize = 24;
 
 /// The runs of a sweep that are here.
 pub struct SweepReport<'a> {
-    varied: &'a [Varied],
-    all: usize,
+    sweep: &'a Sweep,
     scene: &'a Scene,
     runs: Vec<Run<'a>>,
 }
@@ -53,10 +53,9 @@ fn series<'a>(scene: &Scene, results: &'a Results) -> Cow<'a, [Series]> {
     let series = |name: &String| {
         let columns: Vec<&[f64]> = tables.iter().filter_map(|table| table.column(name)).collect();
         let point = |(k, &time): (usize, &f64)| {
-            let values: Vec<f64> =
-                columns.iter().filter_map(|values| values.get(k).copied()).collect();
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            Summary { time, count: values.len() as u64, mean: Some(mean), ..Summary::default() }
+            let values = columns.iter().filter_map(|values| values.get(k));
+            let (sum, count) = values.fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
+            Summary { time, count, mean: Some(sum / count as f64), ..Summary::default() }
         };
         let points = longest.unwrap_or_default().iter().enumerate().map(point).collect();
         Series { observable: name.clone(), points }
@@ -71,80 +70,65 @@ fn spread<T>(all: Vec<T>, number: usize) -> Vec<T> {
     all.into_iter().enumerate().filter(|(k, _)| kept(*k)).map(|(_, one)| one).collect()
 }
 
-fn median(point: &Summary) -> Option<f64> {
-    point.quantiles.iter().find(|quantile| quantile.level == 0.5)?.value
-}
-
 impl<'a> SweepReport<'a> {
     /// What is found of a sweep.
     pub fn new(outcomes: &'a Outcomes<'_>) -> Self {
-        let combinations = &outcomes.sweep.combinations;
         let run = |(one, results): (&'a Combination, &'a Results)| Run {
             one,
             results,
             series: series(&one.scene, results),
         };
         Self {
-            varied: &outcomes.sweep.varied,
-            all: combinations.len(),
-            scene: &combinations[0].scene,
+            sweep: outcomes.sweep,
+            scene: &outcomes.sweep.combinations[0].scene,
             runs: outcomes.found().map(run).collect(),
         }
-    }
-
-    /// What is known of each combination.
-    fn names(&self) -> impl Iterator<Item = &Series> {
-        self.runs.first().into_iter().flat_map(|run| run.series.iter())
     }
 
     /// Figures with their files and captions: for each observable one against the parameter that
     /// has most values, and one in time.
     fn figures(&self) -> Vec<(String, String, String)> {
-        let varied = self.varied.iter().enumerate().rev();
-        let x = varied.max_by_key(|(_, varied)| varied.values.len()).map_or(0, |(x, _)| x);
-        let parameter = &self.varied[x].name;
-        let (number, of_paths) = (self.runs.len(), self.scene.settings.paths);
-        let of = |(k, name): (usize, &str)| {
+        let varied = self.sweep.varied.iter().enumerate().rev();
+        let most = varied.max_by_key(|(_, varied)| varied.values.len());
+        let Some((x, Varied { name: parameter, values })) = most else { return Vec::new() };
+        let own = format!("{parameter} = ");
+        let drawn = &self.scene.drawn;
+        let of = |(k, Series { observable: name, .. }): (usize, &Series)| {
             let mut curves: Vec<(String, Vec<Sampled>)> = Vec::new();
             for Run { one, series, .. } in &self.runs {
-                let last = series[k].last();
-                let value = |k: usize| self.varied[k].values[one.places[k]];
-                let others = (0..self.varied.len()).filter(|k| *k != x);
-                let others =
-                    others.map(|k| format!("{} = {}", self.varied[k].name, digits(Some(value(k)))));
-                let others = others.collect::<Vec<_>>().join(", ");
-                let point = (value(x), last.mean.unwrap_or(f64::NAN), last.mean_interval);
+                let others: Vec<&str> =
+                    one.label.split(", ").filter(|part| !part.starts_with(&own)).collect();
+                let (last, others) = (series[k].last(), others.join(", "));
+                let value = last.mean.unwrap_or(f64::NAN);
+                let point = (values[one.places[x]], value, last.mean_interval);
                 match curves.iter_mut().find(|(of, _)| *of == others) {
                     Some((_, points)) => points.push(point),
                     None => curves.push((others, vec![point])),
                 }
             }
             curves.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
-            let all = curves.len();
             let curves = spread(curves, MOST_CURVES);
-            let title = |words| Title { words, logarithmic: self.scene.drawn.is_logarithmic(words) };
             let words = format!("{name} against {parameter}");
-            let svg = against(&words, title(parameter), title(name), &curves);
-            let caption = format!(
-                "The mean of {name} at the end on {of_paths} paths against {parameter}; bars: 95 % \
-                 intervals. {} of {all} curves.",
-                curves.len()
-            );
+            let svg = against(&words, drawn.title(parameter), drawn.title(name), &curves);
+            let caption = format!("{name} at the end against {parameter}: mean, 95 % intervals.");
             let panels =
                 self.runs.iter().map(|run| (run.one.label.clone(), &run.series[k])).collect();
             let panels = spread(panels, MOST_PANELS);
             let in_time = format!(
-                "{name} in time: bands between quantiles, line: median, dashes: mean. {} of {number} \
+                "{name} in time: bands between quantiles, line: median, dashes: mean. {} of {} \
                  combinations.",
-                panels.len()
+                panels.len(),
+                self.runs.len()
             );
             [
                 (file("against", name), svg, caption),
-                (file("time", name), multiples(name, title(name), &panels), in_time),
+                (file("time", name), multiples(name, drawn.title(name), &panels), in_time),
             ]
         };
-        let names = self.names().map(|series| &*series.observable);
-        names.enumerate().flat_map(of).collect()
+        let first = self.runs.first().into_iter().flat_map(|run| run.series.iter());
+        let is_shown = |name| drawn.show.as_ref().is_none_or(|show| show.contains(name));
+        let shown = first.enumerate().filter(|(_, series)| is_shown(&series.observable));
+        shown.flat_map(of).collect()
     }
 
     /// The table at the end: the combination, and the columns of a run.
@@ -164,8 +148,8 @@ impl<'a> SweepReport<'a> {
             warnings.map(|warning| format!("{}: {warning}", one.label)).collect::<Vec<_>>()
         };
         let mut all: Vec<String> = self.runs.iter().flat_map(of).collect();
-        let more = all.len().saturating_sub(MOST_WARNINGS);
-        all.truncate(MOST_WARNINGS);
+        let more = all.len().saturating_sub(MOST_LINES);
+        all.truncate(MOST_LINES);
         all.extend((more > 0).then(|| format!("and {more} more")));
         all
     }
@@ -177,7 +161,7 @@ impl<'a> SweepReport<'a> {
         format!(
             "{} of {} combinations, each {} paths with {} steps of {}, {:.2} s",
             self.runs.len(),
-            self.all,
+            self.sweep.combinations.len(),
             self.scene.settings.paths,
             self.scene.settings.steps,
             schemes.join(", "),
@@ -191,36 +175,41 @@ impl<'a> SweepReport<'a> {
         let mut table = self.table();
         let more = table.len().saturating_sub(1 + MOST_LINES);
         table.truncate(1 + MOST_LINES);
-        let more =
-            if more > 0 { format!("{more} more lines in the report\n") } else { String::new() };
+        let more = (more > 0).then(|| format!("{more} more lines in the report\n"));
         format!(
-            "{}{}\n{}{more}report: {}\n",
+            "{}{}\n{}{}report: {}\n",
             warnings.collect::<String>(),
             self.computed(),
             aligned(&table),
+            more.unwrap_or_default(),
             folder.join("index.html").display()
         )
     }
 
-    /// The parameters of a combination with their values.
-    fn parameters(&self, one: &Combination) -> Value {
-        let both = zip(self.varied, &one.places);
-        both.map(|(varied, &place)| (varied.name.clone(), json!(varied.values[place]))).collect()
-    }
-
-    /// The results for programs.
-    pub fn summary(&self, folder: &Path) -> serde_json::Result<Value> {
-        let run = |Run { one, results, .. }: &Run<'_>| {
-            let mut summary = summary(&one.scene, results, folder)?;
-            summary["parameters"] = self.parameters(one);
-            Ok(summary)
+    /// The results for programs: `of` each combination.
+    fn json(
+        &self,
+        of: impl Fn(&Run<'_>) -> serde_json::Result<Value>,
+    ) -> serde_json::Result<Value> {
+        let run = |run: &Run<'_>| {
+            let both = zip(&self.sweep.varied, &run.one.places);
+            let both = both.map(|(varied, &k)| (varied.name.clone(), json!(varied.values[k])));
+            let mut found = of(run)?;
+            found["parameters"] = both.collect();
+            Ok(found)
         };
-        let varied = self.varied.iter().map(|varied| (varied.name.clone(), json!(varied.values)));
+        let varied = self.sweep.varied.iter();
+        let varied = varied.map(|varied| (varied.name.clone(), json!(varied.values)));
         Ok(json!({
             "title": self.scene.title,
             "sweep": varied.collect::<Value>(),
             "runs": self.runs.iter().map(run).collect::<serde_json::Result<Vec<_>>>()?,
         }))
+    }
+
+    /// The results at the end.
+    pub fn summary(&self, folder: &Path) -> serde_json::Result<Value> {
+        self.json(|run| summary(&run.one.scene, run.results, folder))
     }
 
     /// Writes the report with its figures, and what else is asked for.
@@ -232,21 +221,17 @@ impl<'a> SweepReport<'a> {
         }
         for format in formats {
             match format {
-                Format::Csv => files::write(&folder.join("sweep.csv"), self.csv())?,
+                Format::Csv => files::write(&folder.join("sweep.csv"), self.csv()?)?,
                 Format::Json => {
-                    let run = |Run { one, results, .. }: &Run<'_>| {
-                        let (study, paths) = (&results.study, &results.tables);
-                        json!({ "parameters": self.parameters(one), "study": study, "paths": paths })
-                    };
-                    let runs: Vec<Value> = self.runs.iter().map(run).collect();
-                    files::write(&folder.join("sweep.json"), serde_json::to_string(&runs)? + "\n")?;
+                    let json = self.json(|run| Ok(json!({ "series": run.series })))?;
+                    files::write_json(&folder.join("sweep.json"), &json)?;
                 }
                 Format::Npz => npz::write(&folder.join("sweep.npz"), self.arrays())?,
             }
         }
         let mut page = Document::new("casimir run", &self.scene.title);
         page.section("What was computed");
-        let varied = self.varied.iter().map(|Varied { name, values }| {
+        let varied = self.sweep.varied.iter().map(|Varied { name, values }| {
             let values = values.iter().map(|value| digits(Some(*value))).collect::<Vec<_>>();
             (name.clone(), values.join(", "))
         });
@@ -269,61 +254,31 @@ impl<'a> SweepReport<'a> {
         Ok(files::write(&folder.join("index.html"), page.html())?)
     }
 
-    /// A line for each combination, observable and time.
-    fn csv(&self) -> String {
-        let known = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-        let names = self.varied.iter().map(|varied| field(&varied.name) + ",");
-        let mut text = names.collect::<String>() + "observable,t,count";
-        STATISTICS.iter().for_each(|(name, _)| text += &format!(",{name}"));
+    /// The rows of each combination after the values of its parameters.
+    fn csv(&self) -> io::Result<Vec<u8>> {
+        let names = self.sweep.varied.iter().map(|varied| quoted(&varied.name) + ",");
+        let mut csv = (names.collect::<String>() + COLUMNS + "\n").into_bytes();
         for Run { one, series, .. } in &self.runs {
-            let values = zip(self.varied, &one.places);
-            let values: String =
-                values.map(|(of, &place)| format!("{},", of.values[place])).collect();
-            for Series { observable, points } in series.iter() {
-                for point @ Summary { time, count, .. } in points {
-                    text += &format!("\n{values}{},{time},{count}", field(observable));
-                    STATISTICS.iter().for_each(|(_, of)| text += &format!(",{}", known(of(point))));
-                }
-            }
+            let values = zip(&self.sweep.varied, &one.places);
+            let values: String = values.map(|(of, &k)| format!("{},", of.values[k])).collect();
+            write_rows(series, &values, &mut csv)?;
         }
-        text + "\n"
+        Ok(csv)
     }
 
     /// The values of each parameter, the times, and statistics as arrays over the parameters and
     /// times. What is not known is NaN.
-    fn arrays(&self) -> Vec<(String, Vec<usize>, Vec<f64>)> {
-        let axes: Vec<usize> = self.varied.iter().map(|varied| varied.values.len()).collect();
+    fn arrays(&self) -> Vec<npz::Array> {
+        let varied = &self.sweep.varied;
+        let axes: Vec<usize> = varied.iter().map(|varied| varied.values.len()).collect();
         let axis = |one: &Varied| (one.name.clone(), vec![one.values.len()], one.values.clone());
-        let mut arrays: Vec<_> = self.varied.iter().map(axis).collect();
+        let mut arrays: Vec<_> = varied.iter().map(axis).collect();
         let (times, until) = (self.scene.settings.times as usize, self.scene.settings.until);
         let time = |k: usize| until * k as f64 / times as f64;
         arrays.push(("t".into(), vec![times + 1], (0..=times).map(time).collect()));
-        for (k, Series { observable, .. }) in self.names().enumerate() {
-            for (what, of) in STATISTICS {
-                let mut values = vec![f64::NAN; self.all * (times + 1)];
-                for Run { one, series, .. } in &self.runs {
-                    let place =
-                        zip(&axes, &one.places).fold(0, |place, (axis, k)| place * axis + k);
-                    let row = values[place * (times + 1)..].iter_mut();
-                    let known = series[k].points.iter().map(|point| of(point).unwrap_or(f64::NAN));
-                    row.zip(known).for_each(|(value, known)| *value = known);
-                }
-                let shape = [&axes[..], &[times + 1]].concat();
-                arrays.push((format!("{observable} {what}"), shape, values));
-            }
-        }
+        let place = |run: &Run<'_>| zip(&axes, &run.one.places).fold(0, |at, (n, k)| at * n + k);
+        let runs: Vec<_> = self.runs.iter().map(|run| (place(run), &*run.series)).collect();
+        arrays.extend(npz::statistics(&axes, &runs));
         arrays
     }
 }
-
-/// A statistic of a summary, if it is known.
-type Statistic = fn(&Summary) -> Option<f64>;
-
-/// What files have of each observable.
-const STATISTICS: [(&str, Statistic); 5] = [
-    ("mean", |point| point.mean),
-    ("lo", |point| Some(point.mean_interval?.0)),
-    ("hi", |point| Some(point.mean_interval?.1)),
-    ("deviation", |point| point.deviation),
-    ("median", median),
-];

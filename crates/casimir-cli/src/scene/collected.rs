@@ -3,10 +3,9 @@
 use std::{slice::from_ref, sync::Arc};
 
 use casimir::{
-    formula::{Formula, Names, Tape},
-    mc::{Along, Passage, variance_rate},
+    formula::{Formula, Names},
+    mc::{Along, Gradient, Passage},
     real::{Row, WIDTH},
-    systems::run_time::System,
 };
 
 use super::{
@@ -15,111 +14,71 @@ use super::{
     values::{At, Event, Text},
 };
 
-/// What a path collects.
-#[derive(Clone)]
-pub enum Collected {
-    /// The time.
-    Time,
-    /// An integral or average over time.
-    Mean(Kind, Quantity),
-    /// An event.
-    Passage(EventOf),
-}
-
-/// Which mean over time.
-#[derive(Clone, Copy)]
-pub enum Kind {
-    /// ∫₀ᵗ v ds.
-    Integral,
-    /// (1/t)∫₀ᵗ v ds.
-    Average,
-}
-
-impl Kind {
-    /// The mean at time zero, where the function has this value.
-    pub fn at_start(self, value: f64) -> f64 {
-        match self {
-            Self::Integral => 0.0,
-            Self::Average => value,
-        }
-    }
-}
-
-/// The event that a function is positive.
-#[derive(Clone)]
-pub struct EventOf {
-    /// The function.
-    pub phi: Quantity,
-    /// Its gradient; none if it is seen at the ends of steps only.
-    pub gradient: Option<Arc<Tape>>,
-    stops: bool,
-}
-
-/// The mean over time that a formula is, and the formula of what it is of: `integral(v)` or
-/// `average(v)`.
-pub fn of(text: &At<Text>) -> Option<(Kind, At<Text>)> {
-    let trimmed = text.0.trim();
-    let kinds = [("integral", Kind::Integral), ("average", Kind::Average)];
-    kinds.iter().find_map(|&(word, kind)| {
-        let inner =
-            trimmed.strip_prefix(word)?.trim_start().strip_prefix('(')?.strip_suffix(')')?;
+/// The observable of a formula: `integral(v)`, `average(v)`, or a function of the state.
+pub fn observable(source: &Source, text: &At<Text>, vocabulary: &mut Vocabulary) -> Read<Quantity> {
+    let of = |word: &str| -> Option<At<Text>> {
+        let inner = text.0.trim().strip_prefix(word)?.trim_start();
+        let inner = inner.strip_prefix('(')?.strip_suffix(')')?;
         let mut depth = 0;
         let closes = |c: char| {
             depth += i32::from(c == '(') - i32::from(c == ')');
             depth < 0
         };
-        (!inner.chars().any(closes)).then(|| (kind, At::new(text.span(), Text(inner.into()))))
-    })
+        (!inner.chars().any(closes)).then(|| At::new(text.span(), Text(inner.into())))
+    };
+    let (inner, is_average) = match (of("integral"), of("average")) {
+        (Some(inner), _) => (inner, false),
+        (_, Some(inner)) => (inner, true),
+        _ => return vocabulary.quantity(source, text),
+    };
+    let v = vocabulary.quantity(source, &inner)?;
+    let function = Arc::new(Observable::new("", v.clone()));
+    let [integral] = vocabulary.collect(Along::Integral(function), [0.0]);
+    if !is_average {
+        return Ok(integral);
+    }
+    let time = vocabulary.known(source, 0)?;
+    Ok(Quantity::Function(Arc::new(move |y: &[Row], values: &mut Row| {
+        let mut t = [0.0; WIDTH];
+        time.evaluate(y, &mut t);
+        if t[0] == 0.0 {
+            return v.evaluate(y, values);
+        }
+        integral.evaluate(y, values);
+        values.iter_mut().zip(t).for_each(|(value, t)| *value /= t);
+    })))
 }
 
-/// An event. A condition in components and parameters is followed within steps, too.
-pub fn passage(
+/// Whether an event has happened, and when. A condition in `names`, components and parameters, is
+/// followed within steps, too.
+pub fn event(
     source: &Source,
     event: &At<Event>,
-    names: &Names,
+    names: Option<&Names>,
     vocabulary: &mut Vocabulary,
-) -> Read<EventOf> {
-    let (text, stops) = match &**event {
-        Event::When(text) => (At::new(event.span(), text.clone()), false),
-        Event::Table(table) => (table.when.clone(), table.stop),
-    };
+) -> Read<[Quantity; 2]> {
+    let text = At::new(event.span(), event.when.clone());
     vocabulary.demand_condition(source, &text)?;
-    let formula = Formula::parse(&text.0, names).ok();
-    match formula.and_then(|formula| formula.excess()) {
+    let formula = names.and_then(|names| Formula::parse(&text.0, names).ok());
+    let excess = formula.and_then(|formula| formula.excess());
+    let (phi, gradient) = match excess {
         Some(excess) => {
-            let inputs = excess.variables.len();
-            let gradient = excess.gradient(&(0..inputs).collect::<Vec<_>>());
-            let gradient = Some(Arc::new(gradient));
-            Ok(EventOf { phi: excess.into(), gradient, stops })
+            let tape = excess.gradient(&(0..excess.variables.len()).collect::<Vec<_>>());
+            let gradient = move |y: &[Row], slope: &mut [Row]| {
+                let mut scratch = vec![[0.0; WIDTH]; tape.scratch_rows()];
+                tape.evaluate(from_ref(&y), slope, &mut scratch);
+            };
+            (excess.into(), Some(Arc::new(gradient) as Arc<Gradient>))
         }
-        None => {
-            let condition = vocabulary.quantity(source, &text)?;
-            Ok(EventOf { phi: condition, gradient: None, stops })
-        }
-    }
-}
-
-impl Collected {
-    /// The same for a driver.
-    pub fn along<'a>(&self, system: &'a dyn System) -> Along<'a> {
-        let function = |quantity: &Quantity| Arc::new(Observable::new("", quantity.clone()));
-        match self {
-            Self::Time => Along::Time,
-            Self::Mean(Kind::Integral, quantity) => Along::Integral(function(quantity)),
-            Self::Mean(Kind::Average, quantity) => Along::Average(function(quantity)),
-            Self::Passage(EventOf { phi, gradient, stops }) => {
-                let layout = &system.description().layout;
-                let is_small = layout.rows == system.description().dimension
-                    && layout.tile_rows >= layout.rows;
-                let gradient = gradient.clone().filter(|_| is_small);
-                let variance = gradient.map(|gradient| {
-                    variance_rate(system, move |y: &[Row], slope: &mut [Row]| {
-                        let mut scratch = vec![[0.0; WIDTH]; gradient.scratch_rows()];
-                        gradient.evaluate(from_ref(&y), slope, &mut scratch);
-                    })
-                });
-                Along::Passage(Passage { phi: function(phi), variance, stops: *stops })
-            }
-        }
-    }
+        None => (vocabulary.quantity(source, &text)?, None),
+    };
+    let begun = f64::from(u8::from(vocabulary.at_start(&phi) > 0.0));
+    let is_crude = gradient.is_none();
+    let phi = Arc::new(Observable::new("", phi));
+    let passage = Along::Passage(Passage { phi, gradient, stops: event.stop });
+    let rows = vocabulary.collect(passage, [begun, 0.0]);
+    Ok(rows.map(|row| match row {
+        Quantity::Collected(row) if is_crude => Quantity::Monitored(row),
+        row => row,
+    }))
 }

@@ -165,9 +165,6 @@ pub struct FiguresTable {
     /// Columns, and parameters of a sweep, with logarithmic axes.
     #[serde(default)]
     pub log: Vec<At<String>>,
-    /// Whether a dot runs along path 0 in portraits.
-    #[serde(default)]
-    pub animate: bool,
 }
 
 /// The JSON schema of a scene file.

@@ -4,7 +4,7 @@ use std::{fs, path::Path, slice::from_mut, sync::Arc};
 
 use casimir::{
     formula::Formula,
-    mc::Initial,
+    mc::{Initial, expect::is_level, parts::hash},
     noise::{StreamKey, WienerRows},
     real::{Row, WIDTH, elementary},
 };
@@ -57,15 +57,8 @@ fn uniform(normals: &mut WienerRows) -> Row {
     std::array::from_fn(|p| elementary::exp(-0.5 * (z[p] * z[p] + w[p] * w[p])))
 }
 
-/// Initial values.
-pub struct Begun {
-    /// One that may occur.
-    pub y0: Vec<f64>,
-    /// Their law, if they are random.
-    pub random: Option<Initial<'static>>,
-    /// The law of those of a file taken at random, where paths have no order.
-    pub of_any: Option<Initial<'static>>,
-}
+/// Initial values: one that may occur, and their law if they are random.
+pub type Begun = (Vec<f64>, Option<Initial<'static>>);
 
 /// The states of a file, one in a line: numbers with blanks or commas between them. Lines that
 /// begin with # and a first line of names do not count.
@@ -86,35 +79,31 @@ fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Vec<Vec<f64>>> {
             }
             None if number == 0 => {}
             _ => {
-                let number = number + 1;
-                return Err(wrong(format!("line {number} of {file} is no state: {line}")));
+                return Err(wrong(format!("line {} of {file} is no state: {line}", number + 1)));
             }
         }
     }
     if states.is_empty() { Err(wrong(format!("{file} has no state"))) } else { Ok(states) }
 }
 
-/// The initial values that a file has.
+/// The initial values that a file has: in turn, or at random for points that have an order of their
+/// own.
 fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
-    let states = Arc::new(states(source, file, at)?);
-    let law = format!("the {} states of {file}", states.len());
-    let fill = |rows: &mut [Row], p: usize, state: &[f64]| {
-        rows.iter_mut().zip(state).for_each(|(row, y)| row[p] = *y);
-    };
-    let (y0, in_turn, any) = (states[0].clone(), Arc::clone(&states), states);
-    let draw = move |_, first: u64, rows: &mut [Row]| {
-        for p in 0..WIDTH {
-            fill(rows, p, &in_turn[((first + p as u64) % in_turn.len() as u64) as usize]);
-        }
-    };
-    let draw_any = move |key, first, rows: &mut [Row]| {
+    let states = states(source, file, at)?;
+    let (number, sum) = (states.len(), hash(&states));
+    let law = format!("the {number} states of {file}, SHA-256 {sum}");
+    let y0 = states[0].clone();
+    let draw = move |key: StreamKey, first: u64, rows: &mut [Row]| {
         let places = uniform(&mut WienerRows::new(key, first));
         for p in 0..WIDTH {
-            fill(rows, p, &any[((places[p] * any.len() as f64) as usize).min(any.len() - 1)]);
+            let place = match is_level(key) {
+                true => ((places[p] * number as f64) as usize).min(number - 1),
+                false => ((first + p as u64) % number as u64) as usize,
+            };
+            rows.iter_mut().zip(&states[place]).for_each(|(row, y)| row[p] = *y);
         }
     };
-    let random = Some(Initial { law: law.clone(), draw: Arc::new(draw) });
-    Ok(Begun { y0, random, of_any: Some(Initial { law, draw: Arc::new(draw_any) }) })
+    Ok((y0, Some(Initial { law, draw: Arc::new(draw) })))
 }
 
 /// The initial values of a scene.
@@ -151,5 +140,5 @@ pub fn initial(
     let words = texts.iter().map(|text| &*text.0).collect::<Vec<_>>().join(", ");
     let draw = move |key, first, rows: &mut [Row]| random.draw(key, first, rows);
     let law = Initial { law: format!("({words})"), draw: Arc::new(draw) };
-    Ok(Begun { y0, random: is_random.then_some(law), of_any: None })
+    Ok((y0, is_random.then_some(law)))
 }

@@ -12,9 +12,8 @@ mod source;
 mod sweep;
 mod values;
 
-use collected::Collected;
-pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
 pub use drawn::Drawn;
+pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
 use observe::{Further, Vocabulary};
 pub use observe::{Observable, Quantity};
 pub use read::{Constants, Parameters, Reading};
@@ -22,14 +21,13 @@ pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use shorthand::{State, structure};
 pub use source::{Read, SceneError, Source};
 pub use sweep::{Combination, Set, Sweep, Varied};
-use values::Event;
 pub use values::{At, Listed, Parameter, Text, count};
 
 use std::{fmt::Display, ops::Range, path::Path, sync::Arc};
 
 use casimir::{
     formula::nearest,
-    mc::{Collecting, Initial, Problem, Setup, study::Wanted},
+    mc::{Along, Collecting, Problem, Setup, study::Wanted},
     schemes::BuiltIn,
 };
 
@@ -54,7 +52,7 @@ pub struct Scene {
     /// The observables, before the components if there are few.
     pub observables: Vec<Observable>,
     /// What paths collect for them.
-    collected: Vec<Collected>,
+    collected: Vec<Along>,
     /// What is wanted of their dependence.
     pub wanted: Wanted,
     /// Which figures are drawn.
@@ -78,6 +76,11 @@ impl Scene {
     pub fn new(source: Source, changes: &Changes) -> Read<Self> {
         let mut file = read::parse(&source)?;
         sweep::settle(&source, &mut file, &changes.scheme.sets)?;
+        Self::of(source, file, changes)
+    }
+
+    /// The scene of the keys of a text.
+    fn of(source: Source, file: SceneFile, changes: &Changes) -> Read<Self> {
         let constants = Constants::new(&source, &file.system)?;
         let settings = Settings::new(&source, &file.run, &constants, changes)?;
         let model::Built { model, components, sizes, names, energy, quantities } =
@@ -88,10 +91,13 @@ impl Scene {
                 settings: &settings,
             })?;
         let y0 = model.problem().y0;
-        let (dimension, system_names) = (y0.len(), names.clone());
+        let is_tiled = model.system().description().layout.is_tiled();
+        let (dimension, in_steps) = (y0.len(), (!is_tiled).then(|| names.clone()));
         let energy = match (energy, &file.system.energy) {
             (None, Some(text)) => Further::Energy(text.clone()),
-            (energy, _) => Further::Quantity(energy.unwrap_or(Quantity::Component(0)).of_state(dimension)),
+            (energy, _) => {
+                Further::Quantity(energy.unwrap_or(Quantity::Component(0)).of_state(dimension))
+            }
         };
         let mut vocabulary = Vocabulary::new(names, energy, &y0);
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
@@ -104,42 +110,23 @@ impl Scene {
         if components.len() <= MOST_COMPONENTS {
             given.extend((0..components.len()).map(component));
         }
-        let entries = file.observe.iter().map(|(name, text)| (name, Entry::Formula(text)));
-        let entries = entries.chain(file.events.iter().map(|(name, it)| (name, Entry::Event(it))));
-        let conditions = file.probabilities.iter();
-        let entries = entries.chain(conditions.map(|(name, text)| (name, Entry::Condition(text))));
-        for (name, entry) in entries {
-            let known =
-                components.contains(name) || observables.iter().chain(&given).any(|known| known.name == **name);
+        let formulas = file.observe.iter().map(|(name, text)| (name, Ok(text)));
+        let events = file.events.iter().map(|(name, event)| (name, Err(event)));
+        let conditions = file.probabilities.iter().map(|(name, text)| (name, Ok(text)));
+        for (name, entry) in formulas.chain(events).chain(conditions) {
+            let known = components.contains(name)
+                || observables.iter().chain(&given).any(|known| known.name == **name);
             if known || is_column(name) {
                 return Err(taken(&source, name, name.span()));
             }
-            if let Entry::Condition(formula) = entry {
-                vocabulary.demand_condition(&source, formula)?;
-            }
             let quantities = match entry {
-                Entry::Event(event) => {
-                    let passage =
-                        collected::passage(&source, event, &system_names, &mut vocabulary)?;
-                    let begun = f64::from(u8::from(vocabulary.at_start(&passage.phi) > 0.0));
-                    let is_crude = passage.gradient.is_none();
-                    let rows = vocabulary.collect(Collected::Passage(passage), [begun, 0.0]);
-                    let [happened, time] = rows.map(|row| match row {
-                        Quantity::Collected(row) if is_crude => Quantity::Monitored(row),
-                        row => row,
-                    });
+                Err(event) => {
+                    let [happened, time] =
+                        collected::event(&source, event, in_steps.as_ref(), &mut vocabulary)?;
                     vec![(name.to_string(), happened), (format!("{} time", **name), time)]
                 }
-                Entry::Formula(formula) | Entry::Condition(formula) => {
-                    let quantity = match collected::of(formula) {
-                        Some((kind, inner)) => {
-                            let quantity = vocabulary.quantity(&source, &inner)?;
-                            let begun = kind.at_start(vocabulary.at_start(&quantity));
-                            let [row] = vocabulary.collect(Collected::Mean(kind, quantity), [begun]);
-                            row
-                        }
-                        None => vocabulary.quantity(&source, formula)?,
-                    };
+                Ok(formula) => {
+                    let quantity = collected::observable(&source, formula, &mut vocabulary)?;
                     vec![(name.to_string(), quantity)]
                 }
             };
@@ -148,22 +135,29 @@ impl Scene {
                 observables.push(Observable { name, quantity });
             }
         }
+        let mut conditions = file.probabilities.values();
+        conditions.try_for_each(|text| vocabulary.demand_condition(&source, text))?;
         observables.extend(given);
         if observables.is_empty() {
             let message = "a system of so many components needs observables: add [observe]";
             return Err(source.error(None, message));
         }
-        let columns = Columns { source: &source, components: &components, observables: &observables };
-        for name in file.run.columns.iter().flatten().filter(|name| !is_column(name)) {
-            columns.check(name, &GROUPS)?;
-        }
+        let columns =
+            Columns { source: &source, components: &components, observables: &observables };
+        let chosen = |name: &At<String>| match is_column(name) {
+            true => Ok(name.to_string()),
+            false => columns.check(name, &GROUPS.map(String::from)),
+        };
+        let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
+        let chosen: Option<Vec<String>> = chosen.transpose()?;
         let wanted = drawn::wanted(&file.statistics, &columns, (&settings, &constants))?;
-        let varied: Vec<&str> = file.system.parameters.keys().map(|key| key.as_str()).collect();
-        let drawn = Drawn::new(&file.figures, &columns, &varied)?;
+        let spectrum = |name: &At<String>| format!("spectrum({})", **name);
+        let spectra = file.statistics.autocorrelation.iter().map(spectrum);
+        let others = file.system.parameters.keys().map(|key| key.to_string());
+        let others: Vec<String> = others.chain(spectra).collect();
+        let drawn = Drawn::new(&file.figures, &columns, &others)?;
         let probabilities = file.probabilities.keys().chain(file.events.keys());
         let probabilities = probabilities.map(|name| name.to_string()).collect();
-        let chosen = file.run.columns;
-        let chosen = chosen.map(|names| names.iter().map(|name| name.to_string()).collect());
         let known = |text: &At<Text>| {
             let name = text.0.as_str();
             let known = observables.iter().find(|known| known.name == name).cloned();
@@ -219,20 +213,14 @@ impl Scene {
         if self.collected.is_empty() {
             return setup;
         }
-        let system = self.model.system();
-        let quantities = self.collected.iter().map(|one| one.along(system)).collect();
-        let method = Collecting { method: setup.scheme, quantities };
+        let (system, quantities) = (self.model.system(), self.collected.clone());
+        let method = Collecting { method: setup.scheme, system, quantities };
         Setup { scheme: Arc::new(method), ..setup }
     }
 
     /// Whether paths collect something, so that states alone do not say what is observed.
     pub fn collects(&self) -> bool {
         !self.collected.is_empty()
-    }
-
-    /// The initial values for expectations.
-    pub fn initial_of_any(&self) -> Option<Initial<'static>> {
-        self.settings.of_any.clone().or(self.settings.random.clone())
     }
 
     /// The problem with its initial values.
@@ -287,10 +275,10 @@ pub struct Columns<'a> {
 
 impl Columns<'_> {
     /// Checks that a name is a component, an observable, or one of others.
-    fn check(&self, name: &At<String>, others: &[&str]) -> Read<String> {
+    fn check(&self, name: &At<String>, others: &[String]) -> Read<String> {
         let observables = self.observables.iter().map(|observable| &*observable.name);
         let known = self.components.iter().map(|name| &**name).chain(observables);
-        let known = known.chain(others.iter().copied());
+        let known = known.chain(others.iter().map(|name| &**name));
         match known.clone().any(|known| known == name.as_str()) {
             true => Ok(name.to_string()),
             false => {
@@ -308,13 +296,6 @@ impl Columns<'_> {
             self.source.error(name.span(), message)
         })
     }
-}
-
-/// What an observable is.
-enum Entry<'a> {
-    Formula(&'a At<Text>),
-    Condition(&'a At<Text>),
-    Event(&'a At<Event>),
 }
 
 /// A name that a column has already.

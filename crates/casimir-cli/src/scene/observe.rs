@@ -4,12 +4,11 @@ use std::{slice::from_mut, sync::Arc};
 
 use casimir::{
     formula::{Formula, Names, Tape},
-    mc::Observe,
+    mc::{Along, Observe},
     real::{PathMask, Row, WIDTH},
 };
 
 use super::{
-    collected::Collected,
     source::{Read, Source},
     values::{At, Text},
 };
@@ -43,7 +42,8 @@ impl Quantity {
         }
     }
 
-    fn evaluate(&self, y: &[Row], values: &mut Row) {
+    /// Writes its values on 32 paths.
+    pub fn evaluate(&self, y: &[Row], values: &mut Row) {
         match self {
             Self::Component(row) | Self::Collected(row) | Self::Monitored(row) => *values = y[*row],
             Self::Function(function) => function(y, values),
@@ -102,7 +102,7 @@ pub struct Vocabulary {
     /// Further inputs after the components.
     further: Vec<Further>,
     /// What paths collect.
-    pub collected: Vec<Collected>,
+    pub collected: Vec<Along>,
     /// The initial value, and what paths have collected there.
     start: Vec<f64>,
     dimension: usize,
@@ -137,18 +137,18 @@ impl Vocabulary {
     }
 
     /// Collects something, whose rows have these values at time zero.
-    pub fn collect<const N: usize>(&mut self, what: Collected, at_start: [f64; N]) -> [Quantity; N] {
+    pub fn collect<const N: usize>(&mut self, what: Along, at_start: [f64; N]) -> [Quantity; N] {
         let first = self.start.len();
         self.start.extend(at_start);
         self.collected.push(what);
         std::array::from_fn(|k| Quantity::Collected(first + k))
     }
 
-    /// The quantity of a further input.
-    fn known(&mut self, source: &Source, k: usize) -> Read<Quantity> {
+    /// The quantity of a further input; the first is the time.
+    pub fn known(&mut self, source: &Source, k: usize) -> Read<Quantity> {
         let quantity = match self.further[k].clone() {
             Further::Quantity(quantity) => quantity,
-            Further::Time => self.collect(Collected::Time, [0.0])[0].clone(),
+            Further::Time => self.collect(Along::Time, [0.0])[0].clone(),
             Further::Energy(text) => self.quantity(source, &text)?,
         };
         self.further[k] = Further::Quantity(quantity.clone());

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     file::RunTable,
-    initial::{Begun, initial},
+    initial::initial,
     read::Constants,
     source::{Read, Source},
     sweep::Set,
@@ -65,8 +65,6 @@ pub struct Settings {
     pub initial: Vec<f64>,
     /// Random initial values.
     pub random: Option<Initial<'static>>,
-    /// Those of a file at random, for expectations.
-    pub of_any: Option<Initial<'static>>,
     /// The file, if there is one.
     pub states: Option<String>,
     /// The final time.
@@ -115,7 +113,7 @@ impl Settings {
     ) -> Read<Self> {
         let SchemeAndSeed { scheme: changed, seed, .. } = changes.scheme.clone();
         let key = StreamKey { seed: seed.or(run.seed).unwrap_or(1), experiment: 0 };
-        let Begun { y0: initial, random, of_any } = initial(source, &run.initial, constants, key)?;
+        let (initial, random) = initial(source, &run.initial, constants, key)?;
         let until = constants.value(source, &run.until)?;
         if until <= 0.0 {
             let message = format!("the final time must be positive, got {until}");
@@ -156,7 +154,6 @@ impl Settings {
         Ok(Self {
             initial,
             random,
-            of_any,
             states: match &*run.initial {
                 Listed::Text(file) => Some(file.clone()),
                 Listed::List(_) => None,

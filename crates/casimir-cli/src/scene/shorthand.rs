@@ -36,35 +36,25 @@ impl State {
             let (name, brackets) = entry.split_once('[').unwrap_or((entry, ""));
             let brackets: Vec<&str> = match brackets.strip_suffix(']') {
                 _ if brackets.is_empty() => Vec::new(),
-                Some(inner) => inner.split("][").collect(),
-                None => return Err(wrong()),
+                inner => inner.ok_or_else(wrong)?.split("][").collect(),
             };
-            let mut add = |vector: Option<&str>, components: Vec<String>| {
-                if let Some(vector) = vector {
-                    state.vectors.push((vector.to_owned(), components.clone()));
+            let parts = brackets.iter().map(|bracket| parts(bracket)).collect::<Option<Vec<_>>>();
+            let parts = parts.ok_or_else(wrong)?;
+            let vectors: Vec<(String, &[String])> = match &parts[..] {
+                [] => {
+                    state.components.push(entry.clone());
+                    continue;
                 }
-                let at = |name| At::new(entry.span(), name);
-                state.components.extend(components.into_iter().map(at));
-            };
-            let lettered = |name: &str, letters: &str| -> Vec<String> {
-                letters.chars().map(|letter| format!("{name}{letter}")).collect()
-            };
-            let is_letters =
-                |text: &str| text.chars().count() > 1 && text.chars().all(char::is_alphabetic);
-            match brackets[..] {
-                [] => add(None, vec![name.to_owned()]),
-                [letters] if is_letters(letters) => add(Some(name), lettered(name, letters)),
-                [numbers] => {
-                    let all = range(numbers).ok_or_else(wrong)?;
-                    add(Some(name), all.map(|k| format!("{name}{k}")).collect());
-                }
-                [numbers, letters] if is_letters(letters) => {
-                    for k in range(numbers).ok_or_else(wrong)? {
-                        let vector = format!("{name}{k}");
-                        add(Some(&vector), lettered(&vector, letters));
-                    }
+                [parts] => vec![(name.to_owned(), parts)],
+                [first, parts] => {
+                    first.iter().map(|k| (format!("{name}{k}"), &parts[..])).collect()
                 }
                 _ => return Err(wrong()),
+            };
+            for (vector, parts) in vectors {
+                let of: Vec<String> = parts.iter().map(|part| format!("{vector}{part}")).collect();
+                state.components.extend(of.iter().map(|of| At::new(entry.span(), of.clone())));
+                state.vectors.push((vector, of));
             }
         }
         match state.components.iter().find(|name| is_column(name)) {
@@ -92,6 +82,15 @@ impl State {
             }
             None => one(argument).map(|one| vec![one]),
         }
+    }
+}
+
+/// What stands in a bracket: letters, or numbers from and to.
+fn parts(bracket: &str) -> Option<Vec<String>> {
+    let is_letters = bracket.chars().count() > 1 && bracket.chars().all(char::is_alphabetic);
+    match is_letters {
+        true => Some(bracket.chars().map(String::from).collect()),
+        false => Some(range(bracket)?.map(|k| k.to_string()).collect()),
     }
 }
 

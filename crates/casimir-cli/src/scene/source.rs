@@ -46,7 +46,9 @@ impl Source {
             _ if is_mean("integral") || is_mean("average") => {
                 "this is an observable of its own: give it a name in [observe]"
             }
-            Some("t") => "unknown name `t`: time is known in the rate of damping, in H0 and H, and in observables",
+            Some("t") => {
+                "unknown name `t`: time is known in H0, H, the rate of damping and observables"
+            }
             _ => &error.message,
         };
         self.error_in(formula, error, message)

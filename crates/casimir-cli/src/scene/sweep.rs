@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Changes, Scene,
-    file::{SceneFile, SystemTable},
+    file::SceneFile,
     read,
     source::{Read, Source},
     values::{At, MOST_VALUES, Parameter, Text, Values},
@@ -36,10 +36,7 @@ impl FromStr for Set {
 
 impl Set {
     fn new(name: &str, values: &Values) -> Self {
-        Self {
-            name: name.into(),
-            values: values.0.iter().map(|Text(value)| value.clone()).collect(),
-        }
+        Self { name: name.into(), values: values.0.clone() }
     }
 }
 
@@ -76,58 +73,70 @@ impl Sweep {
     /// [`SceneError`](super::SceneError) as that of [`Scene::new`], or about what is varied.
     pub fn new(source: &Source, changes: &Changes) -> Read<Self> {
         let file = read::parse(source)?;
-        let sets = sets(source, &file, &changes.scheme.sets)?;
-        for (set, place) in &sets {
-            key(source, &file.system, &set.name, place.clone())?;
-        }
-        let numbers = sets.iter().map(|(set, _)| set.values.len() as u64);
+        let chosen = chosen(source, &file, &changes.scheme.sets)?;
+        let numbers = chosen.iter().map(|one| one.values.len() as u64);
         let number = numbers.fold(1u64, u64::saturating_mul);
         if number > MOST_VALUES {
             let message = format!("{number} combinations are too many: at most {MOST_VALUES}");
-            return Err(source.error(sets[0].1.clone(), message));
+            return Err(source.error(chosen[0].place.clone(), message));
         }
-        let is_varied = |set: &Set| set.values.len() > 1;
-        let varied = sets.iter().filter(|(set, _)| is_varied(set)).map(|(set, place)| {
-            let value = |text: &String| value(source, (&set.name, text), place.clone());
-            let values = set.values.iter().map(value).collect::<Read<_>>()?;
-            Ok(Varied { name: set.name.clone(), values })
-        });
         let combination = |k: usize| {
-            let (mut rest, mut words, mut places, mut of_one) = (k, vec![], vec![], vec![]);
-            for (set, _) in sets.iter().rev() {
-                let (place, Set { name, values }) = (rest % set.values.len(), set);
-                rest /= values.len();
-                if is_varied(set) {
-                    words.insert(0, format!("{name} = {}", values[place]));
+            let (mut rest, mut words, mut places, mut file) = (k, vec![], vec![], file.clone());
+            for one in chosen.iter().rev() {
+                let place = rest % one.values.len();
+                rest /= one.values.len();
+                one.put(&mut file, place);
+                if one.values.len() > 1 {
+                    words.insert(0, format!("{} = {}", one.name, one.values[place].0));
                     places.insert(0, place);
                 }
-                of_one.insert(0, Set { name: name.clone(), values: vec![values[place].clone()] });
             }
-            let mut changes = changes.clone();
-            changes.scheme.sets = of_one;
-            let mut scene = Scene::new(source.clone(), &changes)?;
+            let mut scene = Scene::of(source.clone(), file, changes)?;
             if changes.independent {
                 scene.settings.key.experiment = k as u64;
             }
             Ok(Combination { label: words.join(", "), places, scene })
         };
+        let varied = chosen.iter().filter(|one| one.values.len() > 1).map(|one| Varied {
+            name: one.name.clone(),
+            values: one.values.iter().map(|(_, value)| *value).collect(),
+        });
         Ok(Self {
-            varied: varied.collect::<Read<_>>()?,
+            varied: varied.collect(),
             combinations: (0..number as usize).map(combination).collect::<Read<_>>()?,
         })
     }
 }
 
-/// A set, and where it stands if it is of the scene.
-type Placed = (Set, Option<Range<usize>>);
+/// The values of a parameter that are chosen.
+struct Chosen {
+    name: String,
+    /// As they are written, and as numbers.
+    values: Vec<(String, f64)>,
+    /// Where they stand if they are of the scene.
+    place: Option<Range<usize>>,
+}
 
-/// What the scene and the command line set, which goes before.
-fn sets(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Placed>> {
-    let mut sets: Vec<Placed> = file
-        .sweep
-        .iter()
-        .map(|(name, values)| (Set::new(name, values), Some(values.span())))
-        .collect();
+impl Chosen {
+    /// Gives the parameter of a scene one of the values.
+    fn put(&self, file: &mut SceneFile, place: usize) {
+        let parameters = &mut file.system.parameters;
+        let found = parameters.iter().find(|(key, _)| key.as_str() == self.name);
+        // A system of the project knows its parameters itself.
+        let (key, at) = found.map_or_else(
+            || (At::new(0..0, self.name.clone()), 0..0),
+            |(key, value)| (key.clone(), value.span()),
+        );
+        let value = Parameter::One(Text(self.values[place].0.clone()));
+        parameters.insert(key, At::new(at, value));
+    }
+}
+
+/// What the scene and the command line choose, which goes before.
+fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Chosen>> {
+    let own = file.sweep.iter();
+    let mut sets: Vec<(Set, Option<Range<usize>>)> =
+        own.map(|(name, values)| (Set::new(name, values), Some(values.span()))).collect();
     for (k, set) in given.iter().enumerate() {
         if given[..k].iter().any(|before| before.name == set.name) {
             return Err(source.error(None, format!("--set {} is given twice", set.name)));
@@ -137,64 +146,47 @@ fn sets(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Placed>> {
             None => sets.push((set.clone(), None)),
         }
     }
-    match sets.iter().find(|(set, _)| set.values.is_empty()) {
-        Some((set, place)) => {
-            Err(source.error(place.clone(), format!("`{}` needs a value", set.name)))
+    let known: Vec<&str> = file.system.parameters.keys().map(|key| key.as_str()).collect();
+    let chosen = |(Set { name, values }, place): (Set, Option<Range<usize>>)| {
+        let wrong = |message: String| Err(source.error(place.clone(), message));
+        if values.is_empty() {
+            return wrong(format!("`{name}` needs a value"));
         }
-        None => Ok(sets),
-    }
-}
-
-/// The value of a parameter.
-fn value(source: &Source, (name, text): (&str, &str), place: Option<Range<usize>>) -> Read<f64> {
-    let formula = Formula::parse(text, &Names::new());
-    let value = formula.map_err(|error| error.message).and_then(|formula| {
-        let value = formula.value(&[]);
-        value.is_finite().then_some(value).ok_or_else(|| format!("it is {value}"))
-    });
-    value.map_err(|why| source.error(place, format!("{name} = {text}: {why}")))
-}
-
-/// The key of a parameter that is set.
-fn key(
-    source: &Source,
-    system: &SystemTable,
-    name: &str,
-    place: Option<Range<usize>>,
-) -> Read<At<String>> {
-    match system.parameters.keys().find(|key| key.as_str() == name) {
-        Some(key) => Ok(key.clone()),
-        // A system of the project knows its parameters itself.
-        None if system.name.is_some() => Ok(At::new(0..0, name.into())),
-        None => {
-            let known: Vec<&str> = system.parameters.keys().map(|key| key.as_str()).collect();
-            let hint = nearest(name, &known);
+        if !known.contains(&&*name) && file.system.name.is_none() {
+            let hint = nearest(&name, &known);
             let known = match known[..] {
                 [] => "this scene has none".into(),
                 _ => format!("there are {}", known.join(", ")),
             };
-            Err(source.error(place, format!("no parameter `{name}` to set; {known}{hint}")))
+            return wrong(format!("no parameter `{name}` to set; {known}{hint}"));
         }
-    }
+        let mut both = Vec::new();
+        for text in values {
+            let value = Formula::parse(&text, &Names::new()).map(|formula| formula.value(&[]));
+            match value {
+                Ok(value) if value.is_finite() => both.push((text, value)),
+                Ok(value) => return wrong(format!("{name} = {text}: it is {value}")),
+                Err(error) => return wrong(format!("{name} = {text}: {}", error.message)),
+            }
+        }
+        Ok(Chosen { name, values: both, place })
+    };
+    sets.into_iter().map(chosen).collect()
 }
 
-/// Gives the parameters of a scene the values that are set, one each.
+/// Gives the parameters of a scene the values that the command line chooses, one each.
 pub fn settle(source: &Source, file: &mut SceneFile, given: &[Set]) -> Read<()> {
-    for (Set { name, values }, place) in sets(source, file, given)? {
-        let [text] = &values[..] else {
+    file.sweep.clear();
+    for one in chosen(source, file, given)? {
+        if let (name, [(first, _), _, ..]) = (&one.name, &one.values[..]) {
             let message = format!(
                 "`{name}` has {} values, and only `run` and `plan` vary parameters: choose one by \
-                 --set {name}={}",
-                values.len(),
-                values[0]
+                 --set {name}={first}",
+                one.values.len(),
             );
-            return Err(source.error(place, message));
-        };
-        value(source, (&name, text), place.clone())?;
-        let key = key(source, &file.system, &name, place)?;
-        let system = &mut file.system;
-        let at = system.parameters.get(&key).map_or(0..0, |before| before.span());
-        system.parameters.insert(key, At::new(at, Parameter::One(Text(text.clone()))));
+            return Err(source.error(one.place.clone(), message));
+        }
+        one.put(file, 0);
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use std::{
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{
     Deserialize, Deserializer,
-    de::{Error, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer},
+    de::{Error, SeqAccess, Visitor},
 };
 use toml::{Spanned, Value};
 
@@ -113,7 +113,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for OfListed<T> {
     type Value = Listed<T>;
 
     fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str("a list, or a text that stands for it such as \"canonical(q, p)\"")
+        f.write_str("a list, or a text")
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
@@ -130,65 +130,54 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for OfListed<T> {
 }
 
 /// An event: the condition when it happens, or a table of it.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Event {
-    /// The condition.
-    When(Text),
-    /// The condition and what follows.
-    Table(EventTable),
-}
-
-/// An event in a table.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct EventTable {
+#[serde(try_from = "Value")]
+pub struct Event {
     /// The condition.
-    pub when: At<Text>,
+    pub when: Text,
     /// Whether the path stays where it is from then on.
-    #[serde(default)]
     pub stop: bool,
 }
 
-impl<'de> Deserialize<'de> for Event {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(OfEvent)
-    }
+/// The keys of an event.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EventTable {
+    when: Text,
+    #[serde(default)]
+    stop: bool,
 }
 
-/// Reads an [`Event`].
-struct OfEvent;
+impl TryFrom<Value> for Event {
+    type Error = String;
 
-impl<'de> Visitor<'de> for OfEvent {
-    type Value = Event;
-
-    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str("a condition such as \"q > 2\", or a table of `when` and `stop`")
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<Event, E> {
-        Ok(Event::When(Text(text.to_owned())))
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Event, A::Error> {
-        EventTable::deserialize(MapAccessDeserializer::new(map)).map(Event::Table)
+    fn try_from(value: Value) -> Result<Self, String> {
+        let EventTable { when, stop } = match value {
+            table @ Value::Table(_) => {
+                table.try_into().map_err(|error| error.message().to_owned())?
+            }
+            text => EventTable { when: Text::try_from(text)?, stop: false },
+        };
+        Ok(Self { when, stop })
     }
 }
 
 /// The values of a parameter that is varied: a list, or `"from:to:number"`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "Value")]
-pub struct Values(pub Vec<Text>);
+pub struct Values(pub Vec<String>);
 
 impl TryFrom<Value> for Values {
     type Error = String;
 
     fn try_from(value: Value) -> Result<Self, String> {
         match value {
-            Value::Array(list) => {
-                list.into_iter().map(Text::try_from).collect::<Result<_, _>>().map(Self)
-            }
             Value::String(text) => text.parse(),
-            other => Text::try_from(other).map(|one| Self(vec![one])),
+            Value::Array(list) => {
+                let text = |value| Text::try_from(value).map(|Text(text)| text);
+                Ok(Self(list.into_iter().map(text).collect::<Result<_, _>>()?))
+            }
+            other => Text::try_from(other).map(|Text(one)| Self(vec![one])),
         }
     }
 }
@@ -199,7 +188,7 @@ impl FromStr for Values {
     /// `0.1,0.2,1/3`, or `from:to:number`.
     fn from_str(text: &str) -> Result<Self, String> {
         let ends: Vec<&str> = text.split(':').map(str::trim).collect();
-        let values: Vec<String> = match ends[..] {
+        Ok(Self(match ends[..] {
             [_] => text.split(',').map(|value| value.trim().into()).collect(),
             [from, to, number] => {
                 let number_of = |end: &str| {
@@ -209,16 +198,16 @@ impl FromStr for Values {
                 let (from, to, number) = (number_of(from)?, number_of(to)?, count(number)?);
                 let last = (number - 1).max(1) as f64;
                 // Ten digits, so that no value ends with rounding errors.
-                let value = |k: u64| format!("{:.9e}", from + (to - from) * k as f64 / last);
-                let value =
-                    |k| value(k).parse().map_or_else(|_| value(k), |x: f64| format!("{x:?}"));
+                let value = |k: u64| {
+                    let text = format!("{:.9e}", from + (to - from) * k as f64 / last);
+                    text.parse().map_or(text, |x: f64| format!("{x:?}"))
+                };
                 (0..number.min(MOST_VALUES + 1)).map(value).collect()
             }
             _ => {
                 return Err(format!("{text} is neither values such as 0.1,0.2 nor from:to:number"));
             }
-        };
-        Ok(Self(values.into_iter().map(Text).collect()))
+        }))
     }
 }
 
@@ -246,8 +235,7 @@ impl TryFrom<Value> for Text {
         match value {
             Value::String(text) => Ok(Self(text)),
             Value::Integer(number) => Ok(Self(number.to_string())),
-            Value::Float(number) if number.is_finite() => Ok(Self(format!("{number:?}"))),
-            Value::Float(number) => Err(format!("a number must be finite, got {number}")),
+            Value::Float(number) => Ok(Self(format!("{number:?}"))),
             other => Err(format!(
                 "got a value of type {}, expected a number or a formula in quotes, such as \
                  \"y1^2/2\"",

@@ -57,22 +57,28 @@ fn holds(point: &Value, truth: f64) {
     assert!(distance.abs() < 4.5, "{distance} standard errors from {truth}: {point}");
 }
 
+/// In two steps: given the ends of a step, its law within is exact.
 #[test]
 fn first_passages_of_brownian_motion_have_the_inverse_gaussian_law() {
     let events = "[events]\nhit = \"q > 1\"\n[observe]\nfar = \"q\"\n";
-    let found = at_end(&format!("{WALK}{events}"), "1");
+    let found = at_end(&format!("{}{events}", WALK.replace("steps = 32", "steps = 2")), "1");
     holds(&found["hit"], passed_before(T));
     // E min(T₁, t) = ∫(1 − P) dt, by the middles of many intervals.
     let mean: f64 = (0..4000)
         .map(|k| (1.0 - passed_before((f64::from(k) + 0.5) * T / 4000.0)) * T / 4000.0)
         .sum();
-    // The time within a step is known to a quarter of it.
-    let time = &found["hit time"];
-    let error = (time["mean"].as_f64().unwrap() - mean).abs();
-    assert!(error < 4.5 * time["deviation"].as_f64().unwrap() / 200.0 + T / 32.0 / 4.0, "{time}");
-    let interval = &found["hit"]["mean_interval"];
-    assert!(interval[0].as_f64().unwrap() < passed_before(T));
-    assert!(interval[1].as_f64().unwrap() > passed_before(T));
+    holds(&found["hit time"], mean);
+    let quantiles = found["hit time"]["quantiles"].as_array().unwrap();
+    for quantile in &quantiles[..2] {
+        let number = |key: &str| quantile[key].as_f64().expect("a number");
+        let (level, found) = (number("level"), passed_before(number("value")));
+        // And what straight lines in the bins of the histogram leave.
+        let slack = 4.5 * (level * (1.0 - level) / 4e4).sqrt() + 1e-3;
+        assert!((found - level).abs() < slack, "{found} for {level}");
+    }
+    let [lo, hi] = [0, 1].map(|end| found["hit"]["mean_interval"][end].as_f64().unwrap());
+    let half = 1.96 * (passed_before(T) * (1.0 - passed_before(T)) / 4e4).sqrt();
+    assert!((0.5 * (hi - lo) / half - 1.0).abs() < 0.02, "{lo} {hi} {half}");
 }
 
 /// The wrong method: an observable hides from the event what the noise does to it.
@@ -114,8 +120,9 @@ fn events_must_be_conditions() {
     for (event, words) in [
         ("\"q\"", "a probability is that of a condition"),
         ("{ when = \"q > r\" }", "unknown name `r`"),
-        ("{ stop = true }", "missing"),
-        ("3", "a condition such as"),
+        ("{ stop = true }", "missing key `when`"),
+        ("{ when = \"q > 1\", stops = true }", "unknown key `stops`"),
+        ("3", "a probability is that of a condition"),
     ] {
         let folder = with_scene(&format!("{WALK}[events]\nhit = {event}\n"));
         fails(folder.path(), &["run", "scene.toml"], 2, &[words]);

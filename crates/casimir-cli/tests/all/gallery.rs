@@ -45,9 +45,14 @@ fn every_scene_runs_and_has_expectations() {
         let inspection = succeeds(path, &["inspect", &file]);
         assert!(!inspection.contains("Mistakes\n"), "{name}: {inspection}");
         let steps = (number(&text, "steps") / 8.0).floor().to_string();
-        let run = succeeds(path, &["run", &file, "--paths", "128", "--steps", &steps]);
+        // Statistics of 4096 spins take a minute.
+        let paths = if name == "quench" { "1" } else { "128" };
+        let run = succeeds(path, &["run", &file, "--paths", paths, "--steps", &steps]);
         assert!(run.contains(&format!("{name}-run")), "{run}");
         assert!(path.join(format!("{name}-run/index.html")).is_file());
+        if !text.contains("[expect]") {
+            continue;
+        }
         let loose = (16.0 * number(&text, "accuracy")).to_string();
         let found = succeeds(path, &["expect", &file, "--accuracy", &loose]);
         assert!(found.contains("E["), "{name}: {found}");
@@ -121,7 +126,7 @@ fn reads_in_python(programs: &[String], folder: &Path) {
     let python = std::env::var("CASIMIR_PYTHON").unwrap_or("python3".into());
     let run =
         |program: &str| Command::new(&python).args(["-c", program]).current_dir(folder).output();
-    assert_eq!(programs.len(), 2);
+    assert_eq!(programs.len(), 3);
     for program in programs {
         let module = program.lines().next().expect("an import");
         if !run(module).is_ok_and(|output| output.status.success()) {
@@ -144,7 +149,7 @@ fn every_scene_is_listed_and_shown() {
         assert!(headline.trim().len() > 10, "{line}");
         name
     });
-    let page = read("docs/scenes.md");
+    let page = read("docs/gallery.md");
     let figures = page.lines().filter_map(|line| line.strip_prefix("<!-- figure "));
     let shown = figures.map(|figure| figure.split(' ').next().unwrap());
     let names = scenes();

@@ -128,10 +128,12 @@ fn spins_have_random_numbers_of_their_own() {
 /// Paths take the states of a file in turn; expectations take them at random.
 #[test]
 fn a_file_has_initial_states() {
-    let states: Vec<[f64; 2]> = (0..5).map(|k| [1.0 + f64::from(k), 0.5 * f64::from(k * k)]).collect();
+    let states: Vec<[f64; 2]> =
+        (0..5).map(|k| [1.0 + f64::from(k), 0.5 * f64::from(k * k)]).collect();
     let line = |state: &[f64; 2]| format!("{}, {}\n", state[0], state[1]);
     let text = states.iter().map(line).collect::<String>();
-    let scene = KUBO.replace("[\"1 + w*z1\", \"u1 - 0.5\"]", "\"states.csv\"").replace("3e-3", "0.02");
+    let scene =
+        KUBO.replace("[\"1 + w*z1\", \"u1 - 0.5\"]", "\"states.csv\"").replace("3e-3", "0.02");
     let folder = with_scene(&scene);
     let path = folder.path();
     fs::write(path.join("states.csv"), format!("q, p\n# five\n{text}")).unwrap();
@@ -172,6 +174,11 @@ fn a_file_has_initial_states() {
         fails(path, &["run", "scene.toml", "--out", "wrong"], 2, &[words]);
     }
     fs::remove_file(path.join("states.csv")).unwrap();
-    fails(path, &["run", "scene.toml", "--out", "wrong"], 2, &["cannot read the states states.csv"]);
+    fails(
+        path,
+        &["run", "scene.toml", "--out", "wrong"],
+        2,
+        &["cannot read the states states.csv"],
+    );
     assert!(!path.join("wrong").exists());
 }

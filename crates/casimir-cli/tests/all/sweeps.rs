@@ -37,17 +37,16 @@ fn each_combination_is_a_run_of_its_own() {
     }
     succeeds(path, &["run", "scene.toml", "--write", "csv,npz,json"]);
     let csv = fs::read_to_string(path.join("scene-run/sweep.csv")).unwrap();
-    assert!(
-        csv.starts_with(
-            "k,observable,t,count,mean,lo,hi,deviation,median\n0.5,energy,0,300,0.375,0.375,0.375,0,0.375\n"
-        )
-    );
-    assert_eq!(csv.lines().count(), 1 + 3 * 3 * 65);
+    let begin = "k,t,observable,quantity,value,lo,hi,note\n0.5,0.0,energy,count,300,,,\n";
+    assert!(csv.starts_with(begin), "{csv}");
+    let means = csv.lines().filter(|line| line.contains(",mean,"));
+    assert_eq!(means.count(), 3 * 3 * 65);
     let npz = fs::read(path.join("scene-run/sweep.npz")).unwrap();
     let has = |words: &str| npz.windows(words.len()).any(|window| window == words.as_bytes());
     assert!(has("energy mean.npy") && has("'shape': (3, 65)"));
     let written = read_json(path.join("scene-run/sweep.json"));
-    assert_eq!(written[2]["parameters"]["k"], 1.5);
+    assert_eq!(written["runs"][2]["parameters"]["k"], 1.5);
+    assert_eq!(written["runs"][2]["series"][0]["observable"], "energy");
     let page = fs::read_to_string(path.join("scene-run/index.html")).unwrap();
     assert!(page.contains("against k") && page.contains("the same for each combination"));
     // A few paths have no intervals.
@@ -95,6 +94,9 @@ fn what_cannot_be_varied_is_named() {
         fails(path, &[command, "scene.toml", "--set", "k=1,2"], 2, &["choose one by --set k=1"]);
     }
     assert!(!path.join("scene-run").exists());
+    // Other commands take the value that the parameter has.
+    let folder = with_scene(&(OSCILLATOR.to_owned() + "\n[sweep]\nk = [1, 2]\n"));
+    succeeds(folder.path(), &["inspect", "scene.toml"]);
     let folder = with_scene(&(OSCILLATOR.to_owned() + "\n[sweep]\nz = [1, 2]\n"));
     fails(folder.path(), &["run", "scene.toml"], 2, &["line", "no parameter `z`", "z = [1, 2]"]);
 }

@@ -87,7 +87,8 @@ paths = 20000
 fn inspect_says_what_time_changes() {
     let folder = with_scene(RABI);
     let text = succeeds(folder.path(), &["inspect", "scene.toml"]);
-    for words in ["cos(2 t)", "Casimirs are kept, energies are not", "0.5 sx² + 0.5 sy² + 0.5 sz²"] {
+    for words in ["cos(2 t)", "Casimirs are kept, energies are not", "0.5 sx² + 0.5 sy² + 0.5 sz²"]
+    {
         assert!(text.contains(words), "{words}: {text}");
     }
     let text = succeeds(folder.path(), &["run", "scene.toml"]);

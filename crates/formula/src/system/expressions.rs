@@ -189,7 +189,7 @@ impl Expressions {
     }
 
     /// ½Σₘ fₘ′fₘ.
-    pub fn corrected(&mut self) -> Vec<Id> {
+    fn corrected(&mut self) -> Vec<Id> {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
         for m in 1..self.hamiltonians.len() {
             let (_, field) = self.field_of(m);
@@ -240,14 +240,15 @@ impl Expressions {
         [commutators, defects].map(|expressions| {
             let times = if self.depend_on_time() { &TIMES[..] } else { &TIMES[..1] };
             times.iter().all(|&t| {
-                let finite = |y: &[f64]| self.numbers(&expressions, y, t).iter().all(|x| x.is_finite());
+                let finite =
+                    |y: &[f64]| self.numbers(&expressions, y, t).iter().all(|x| x.is_finite());
                 systems::vanish(y0, finite, |y| self.numbers(&expressions, y, t))
             })
         })
     }
 
     /// Functions of y at a time in any numbers.
-    pub fn numbers<R: Real>(&self, roots: &[Id], y: &[R], t: f64) -> Vec<R> {
+    fn numbers<R: Real>(&self, roots: &[Id], y: &[R], t: f64) -> Vec<R> {
         let mut inputs = y.to_vec();
         inputs.resize(self.group(TIME).end, R::constant(t));
         let values = self.graph.values(roots, &inputs);
@@ -260,7 +261,7 @@ impl Expressions {
     }
 
     /// The same of one.
-    pub fn field_of(&mut self, m: usize) -> (Vec<Id>, Vec<Id>) {
+    fn field_of(&mut self, m: usize) -> (Vec<Id>, Vec<Id>) {
         let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
         unit[m] = self.graph.constant(1.0);
         let gradient = self.gradient_of(&unit);
@@ -272,6 +273,8 @@ impl Expressions {
     pub fn equations(mut self, state: &[String], damped: bool) -> Vec<String> {
         let fields: Vec<Vec<Id>> =
             (0..self.hamiltonians.len()).map(|m| self.field_of(m).1).collect();
+        let mut names = state.to_vec();
+        names.resize(self.group(TIME).end, "t".into());
         let equation = |(i, name): (usize, &String)| {
             let mut text = format!("d{name} =");
             for (m, field) in fields.iter().enumerate() {
@@ -287,7 +290,7 @@ impl Expressions {
                 };
                 let factor = minus.unwrap_or(field[i]);
                 if self.graph.as_constant(factor) != Some(1.0) {
-                    text += &(self.text_in(factor, state, Binding::Product) + " ");
+                    text += &(words::text(&self.graph, factor, &names, Binding::Product) + " ");
                 }
                 text += &if m == 0 { "dt".into() } else { format!("∘ dW{m}") };
             }
@@ -298,22 +301,6 @@ impl Expressions {
             }
         };
         state.iter().enumerate().map(equation).collect()
-    }
-
-    /// A function of y and t in words.
-    pub fn text(&self, root: Id, state: &[String]) -> String {
-        self.text_in(root, state, Binding::Sum)
-    }
-
-    fn text_in(&self, root: Id, state: &[String], least: Binding) -> String {
-        let mut names = state.to_vec();
-        names.resize(self.group(TIME).end, "t".into());
-        words::text(&self.graph, root, &names, least)
-    }
-
-    /// The components and the time.
-    pub fn variables(&mut self) -> Vec<Id> {
-        [self.inputs(Y), self.inputs(TIME)].concat()
     }
 
     /// B(y)v for other expressions in the place of a group.

@@ -3,7 +3,6 @@
 mod average;
 mod cayley;
 mod definition;
-mod equation;
 mod expressions;
 mod program;
 mod skew;
@@ -19,7 +18,6 @@ use systems::{
 };
 
 pub use definition::{Definition, DefinitionError, Which};
-pub use equation::{Difference, Equation};
 
 use crate::{Formula, Names, Tape};
 use definition::Formulas;
@@ -48,6 +46,7 @@ const MOST_EXPRESSIONS: usize = 100_000;
 /// let definition = Definition {
 ///     name: "rigid body".into(),
 ///     state: words(&["y1", "y2", "y3"]),
+///     vectors: Vec::new(),
 ///     parameters: vec![("c".into(), 0.5)],
 ///     structure: vec![words(&["-y3", "y2"]), words(&["-y1"])],
 ///     energy: "(y1^2/2 + y2^2 + 2*y3^2)/2".into(),

@@ -7,10 +7,10 @@ use real::{WIDTH, elementary};
 use stats::CONFIDENCE;
 
 use super::{
-    Candidate, ExpectSettings, Orders, SoFar,
+    Candidate, ExpectSettings, Orders, Told,
     extrapolation::{Extrapolation, extrapolation, seen_orders},
     judge::Evidence,
-    kept::{Keeping, Kept, packed, unpacked},
+    kept::{Keeping, Kept},
     level::{PathValues, Samples, Values, hull},
     rates,
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
@@ -77,7 +77,7 @@ pub struct Request<'a> {
     pub observables: &'a [&'a dyn Observe],
     pub accuracy: f64,
     pub progress: &'a (dyn Fn(u64) + Sync),
-    pub told: &'a dyn Fn(SoFar),
+    pub told: &'a Told<'a>,
     pub keeping: Option<&'a Keeping>,
     /// Path-steps of all attempts so far, which the limit is for.
     pub spent: &'a Cell<u64>,
@@ -133,7 +133,7 @@ impl<'a> Estimator<'a> {
     }
 
     /// The expectation; from samples that were kept, if there are some.
-    pub fn expectation(mut self, kept: Option<Kept>) -> Result<Expectation, RunError> {
+    pub fn expectation(mut self, kept: Option<Kept<'a>>) -> Result<Expectation, RunError> {
         let Request { settings, accuracy, spent, .. } = self.request;
         let (pilot, max_cost) = (if self.noisy { GROUP_PATHS } else { 1 }, settings.max_cost);
         match kept {
@@ -222,14 +222,14 @@ impl<'a> Estimator<'a> {
     }
 
     /// Takes samples that were kept. The sum of the complete rounds of a replicate is one node.
-    fn restore(&mut self, kept: Kept) -> Result<(), RunError> {
+    fn restore(&mut self, kept: Kept<'a>) -> Result<(), RunError> {
         for (level, (points, replicates)) in kept.levels.into_iter().enumerate() {
             self.add_level()?;
             let empty = self.empty(level);
             let (ladder, nodes) = &mut self.ladders[level];
             let mut complete = Vec::new();
-            for (nodes, kept) in nodes.iter_mut().zip(replicates) {
-                let mut whole = unpacked(kept, &empty);
+            for (nodes, mut whole) in nodes.iter_mut().zip(replicates) {
+                whole.iter_mut().for_each(|node| node.sum.0.observables = empty.observables);
                 let later = whole.split_off(1.min(whole.len()));
                 complete.push(ladder.join(&mut whole, Vec::new(), &|| empty.clone()));
                 *nodes = [whole, later].concat();
@@ -245,7 +245,7 @@ impl<'a> Estimator<'a> {
     fn keep(&self) {
         let Some(keeping) = self.request.keeping else { return };
         let level = |(samples, (_, nodes)): (&Samples, &(_, Vec<Nodes<PathValues<'a>>>))| {
-            (samples.points, nodes.iter().map(packed).collect())
+            (samples.points, nodes.clone())
         };
         let both = self.levels.iter().zip(&self.ladders);
         keeping.write(&Kept {
@@ -274,13 +274,14 @@ impl<'a> Estimator<'a> {
 
     /// Tells how far the round is.
     fn tell(&self, sums: &[Sum]) {
-        let Request { accuracy, told, spent, .. } = self.request;
+        let Request { accuracy, told, .. } = self.request;
         let half_width = sums.iter().map(Sum::half_width).fold(0.0, f64::max);
         // Errors fall as N^{−1/2} for random points, and as N^{−2/3} or faster for Sobol points.
         let growth = if self.sobol { 1.5 } else { 2.0 };
-        let more = elementary::exp(growth * elementary::ln((half_width / accuracy).max(1.0)));
-        let needed = spent.get() as f64 * more;
-        told(SoFar { half_width, path_steps: spent.get(), needed: needed as u64 });
+        told(
+            half_width,
+            elementary::exp(-growth * elementary::ln((half_width / accuracy).max(1.0))),
+        );
     }
 
     /// Whether a finer level is wanted: the bias has more than its share, significantly.
@@ -366,11 +367,13 @@ impl<'a> Estimator<'a> {
             ladder.nodes(&settings.stop, first + points, groups, &empty, progress)
         });
         let replicates = nodes.iter_mut().zip(more);
-        let replicates: Vec<_> =
-            replicates.map(|(nodes, more)| ladder.join(nodes, more, &empty)).collect();
         if settings.stop.is_asked() {
+            // Complete rounds stay nodes of their own.
+            replicates.for_each(|(nodes, more)| nodes.extend(more));
             return Ok(false);
         }
+        let replicates: Vec<_> =
+            replicates.map(|(nodes, more)| ladder.join(nodes, more, &empty)).collect();
         let samples = &mut self.levels[level];
         let first = replicates.iter().find_map(|replicate| replicate.failures.first().copied());
         spent.set(spent.get() + new_cost);

@@ -154,8 +154,9 @@ impl Samples {
 /// Folds the values of all test functions at the final time, and the motion. The runs of a
 /// difference are fine, coarse, a second fine one and a second coarse one, as many as there are;
 /// those of single paths are one or two. Of two the mean of φ counts.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct PathValues<'a> {
+    #[serde(skip)]
     pub observables: &'a [&'a dyn Observe],
     pub last_time: u64,
     /// Whether there are coarse paths.

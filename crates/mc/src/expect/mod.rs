@@ -78,7 +78,6 @@ use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
 use crate::{Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop};
 use estimator::{Estimator, Request};
-use kept::Kept;
 
 pub use kept::Keeping;
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
@@ -114,20 +113,13 @@ pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKin
 pub struct Expect<'a> {
     candidates: Vec<Candidate<'a>>,
     settings: ExpectSettings,
-    told: Box<dyn Fn(SoFar) + 'a>,
+    told: Box<Told<'a>>,
     keeping: Option<Keeping>,
 }
 
-/// How far a computation is.
-#[derive(Clone, Copy, Debug)]
-pub struct SoFar {
-    /// The largest half-width of the intervals.
-    pub half_width: f64,
-    /// Path-steps done.
-    pub path_steps: u64,
-    /// About as many as it takes, by this half-width.
-    pub needed: u64,
-}
+/// Hears how far a computation is: the largest half-width so far, and the path-steps done over those
+/// that it takes by this half-width.
+pub type Told<'a> = dyn Fn(f64, f64) + 'a;
 
 /// Settings of [`Expect`].
 #[derive(Clone, Debug)]
@@ -286,7 +278,7 @@ impl<'a> Expect<'a> {
 
     fn among(candidates: Vec<Candidate<'a>>) -> Self {
         let (settings, keeping) = (ExpectSettings::default(), None);
-        Self { candidates, settings, told: Box::new(|_| ()), keeping }
+        Self { candidates, settings, told: Box::new(|_, _| ()), keeping }
     }
 
     /// Takes these settings.
@@ -297,7 +289,7 @@ impl<'a> Expect<'a> {
 
     /// Tells after each round how far it is.
     #[must_use]
-    pub fn telling(self, told: impl Fn(SoFar) + 'a) -> Self {
+    pub fn telling(self, told: impl Fn(f64, f64) + 'a) -> Self {
         Self { told: Box::new(told), ..self }
     }
 
@@ -344,7 +336,7 @@ impl<'a> Expect<'a> {
             let steps = settings.coarsest_steps.max(candidate.least_steps());
             (0..=REFINEMENTS).map(move |doubled| (candidate, steps << doubled))
         });
-        let begun = kept.as_ref().map_or(0, |kept: &Kept| kept.attempt);
+        let begun = kept.as_ref().map_or(0, |kept| kept.attempt);
         let mut attempts = attempts.enumerate().skip(begun).peekable();
         let mut best = Err(RunError::Stopped);
         while let Some((attempt, (candidate, steps))) = attempts.next() {
@@ -374,6 +366,11 @@ impl<'a> Expect<'a> {
         }
         best
     }
+}
+
+/// Whether streams are those of a level of an expectation, whose points have an order of their own.
+pub fn is_level(key: StreamKey) -> bool {
+    (key.experiment >> LEVEL_BIT) & 31 > 0
 }
 
 impl ExpectSettings {

@@ -75,5 +75,5 @@ pub use plan::Planned;
 pub use share::Share;
 pub use stop::Stop;
 
-pub(crate) use file::hash;
+pub use file::hash;
 pub(crate) use work::Work;

@@ -15,8 +15,7 @@ use crate::{
 };
 
 pub use series::{Column, NoiseOrigin, TimeSeries};
-pub(crate) use write::quoted;
-pub use write::{write_csv, write_json};
+pub use write::{quoted, write_csv};
 
 /// Simulation of paths of a problem by a scheme. The table of each path contains time, state,
 /// observables, and every invariant of the system with its relative defect from the conformal law.

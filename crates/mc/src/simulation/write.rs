@@ -2,8 +2,6 @@
 
 use std::io::{self, Write};
 
-use serde::Serialize;
-
 use super::TimeSeries;
 
 /// Writes the tables of all paths as one CSV table with the columns `scheme`, `path` and those of
@@ -38,19 +36,8 @@ pub fn write_csv(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()> 
     Ok(())
 }
 
-/// Writes tables or the result of a study as JSON, with the fields of [`TimeSeries`] or
-/// [`StudyResult`](crate::StudyResult). What is not known or not finite is `null`. Numbers are
-/// written in the shortest form that is read back to the same bits.
-///
-/// # Errors
-/// Those of the writer.
-pub fn write_json(value: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
-    serde_json::to_writer(&mut *out, value)?;
-    writeln!(out)
-}
-
 /// The entry in quotes if it contains a comma, a quote or a line break (RFC 4180).
-pub(crate) fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {

@@ -112,24 +112,22 @@ impl Adding<'_> {
         for (n, &(k, l)) in pairs {
             let [a, b] = [k, l].map(|k| Unit::of(grid(k)).row(&values[k]));
             let rows = &mut sums[(time * wanted.pairs.len() + n) * OF_PAIR..][..OF_PAIR];
+            let last = (time + 1 == *times).then(|| {
+                [k, l].map(|k| {
+                    let mut places = [0; WIDTH];
+                    grid(k).place(&values[k], &mut places);
+                    places.map(|place| {
+                        let inside = (1..=grid(k).bins).contains(&place);
+                        inside.then(|| (place - 1) / joined(grid(k)))
+                    })
+                })
+            });
             for p in live.paths().filter(|&p| (a[p] * b[p]).is_finite()) {
                 let terms = [1.0, a[p], b[p], a[p] * b[p], a[p] * a[p], b[p] * b[p]];
                 rows.iter_mut().zip(terms).for_each(|(row, term)| row[p] += term);
-            }
-            if time + 1 == *times {
-                let cells = &mut joint[n * ((BINS * BINS) as usize + 1)..];
-                let places = [k, l].map(|k| {
-                    let mut places = [0; WIDTH];
-                    grid(k).place(&values[k], &mut places);
-                    places
-                });
-                for p in live.paths().filter(|&p| (a[p] * b[p]).is_finite()) {
-                    let bin = |side: usize, k: usize| {
-                        let inside = (1..=grid(k).bins).contains(&places[side][p]);
-                        inside.then(|| (places[side][p] - 1) / joined(grid(k)))
-                    };
-                    let cell = bin(0, k).zip(bin(1, l)).map_or(BINS * BINS, |(i, j)| i * BINS + j);
-                    cells[cell as usize] += 1;
+                if let Some([i, j]) = last {
+                    let cell = i[p].zip(j[p]).map_or(BINS * BINS, |(i, j)| i * BINS + j);
+                    joint[n * ((BINS * BINS) as usize + 1) + cell as usize] += 1;
                 }
             }
         }
@@ -252,7 +250,8 @@ impl Found<'_> {
     pub fn lagged(&self) -> Vec<Series> {
         let (times, names) = (self.at.len(), self.names);
         let (lags, number) = (self.wanted.lags(times), times.saturating_sub(self.wanted.from));
-        let (Some(last), Some(before)) = (self.at.last(), self.at.get(times.wrapping_sub(2))) else {
+        let (Some(last), Some(before)) = (self.at.last(), self.at.get(times.wrapping_sub(2)))
+        else {
             return Vec::new();
         };
         let (delta, most) = (last.1 - before.1, lags - 1);
@@ -265,33 +264,31 @@ impl Found<'_> {
                 let of_lag = |(k, sum): (usize, &f64)| sum / (s[0] * (number - k) as f64);
                 s[2..].iter().enumerate().map(|lag| of_lag(lag) - mean * mean).collect()
             };
-            let correlations = jackknife(sums, |s| {
+            let half = most.max(1);
+            let mut found = jackknife(sums, |s| {
                 let c = covariances(s);
-                c.iter().map(|x| x / c[0]).collect()
-            });
-            let spectrum = jackknife(sums, |s| {
-                let c = covariances(s);
-                let of = |j: usize| {
+                let spectrum = |j: usize| {
                     let term = |(k, c): (usize, &f64)| {
-                        let window = elementary::cos(0.5 * PI * k as f64 / most.max(1) as f64);
-                        let twice = if k == 0 { 1.0 } else { 2.0 };
-                        let wave = elementary::cos(PI * (j * k % (2 * most.max(1))) as f64 / most.max(1) as f64);
-                        twice * window * window * c * wave
+                        let cos = |n: usize| elementary::cos(PI * n as f64 / half as f64);
+                        // Of the window 2cos² is one more.
+                        let window = 0.5 * (1.0 + cos(k)) * if k == 0 { 1.0 } else { 2.0 };
+                        window * c * cos(j * k % (2 * half))
                     };
                     delta / (2.0 * PI) * c.iter().enumerate().map(term).sum::<f64>() / (unit * unit)
                 };
-                (0..=most).map(of).collect()
+                c.iter().map(|x| x / c[0]).chain((0..=most).map(spectrum)).collect()
             });
+            let spectrum = found.split_off(lags);
             let count = sums[0].iter().sum::<f64>() as u64;
             let series = |what: &str, axis: f64, values: Vec<Option<[f64; 3]>>| Series {
                 observable: format!("{what}({})", names[k]),
-                points: (0..).zip(values).map(|(k, x)| summary(k, axis * k as f64, count, x)).collect(),
+                points: (0..)
+                    .zip(values)
+                    .map(|(k, x)| summary(k, axis * k as f64, count, x))
+                    .collect(),
             };
-            let frequency = PI / (delta * most.max(1) as f64);
-            [
-                series("autocorrelation", delta, correlations),
-                series("spectrum", frequency, spectrum),
-            ]
+            let frequency = PI / (delta * half as f64);
+            [series("autocorrelation", delta, found), series("spectrum", frequency, spectrum)]
         };
         self.wanted.lagged.iter().enumerate().flat_map(of).collect()
     }

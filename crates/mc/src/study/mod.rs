@@ -68,8 +68,9 @@ pub use dependence::{Joint, Wanted};
 pub use grid::Grid;
 pub use record::Record;
 pub use result::{Losses, Series, StudyResult};
-pub use settings::{StudySettings, Times};
+pub use settings::StudySettings;
 pub use summary::{Histogram, Place, Quantile, Summary};
+pub use write::{COLUMNS, write_rows};
 
 /// Observables of many paths of a problem by a scheme, see the [module](self). The bins are chosen
 /// when it is made, the paths are simulated by [`run`](Self::run).

@@ -5,34 +5,14 @@ use noise::{StreamKey, Truncation};
 use super::Wanted;
 use crate::{Observe, RunError};
 
-/// The times of a study. The initial value is in the result without being asked for.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Times {
-    /// So many times, evenly spaced; the last is T. The number must divide the number of steps.
-    Even(u64),
-    /// The ends of these steps, counted from 1, in increasing order.
-    AtSteps(Vec<u64>),
-}
-
-impl From<u64> for Times {
-    fn from(times: u64) -> Self {
-        Self::Even(times)
-    }
-}
-
-impl From<Vec<u64>> for Times {
-    fn from(steps: Vec<u64>) -> Self {
-        Self::AtSteps(steps)
-    }
-}
-
 /// Settings of a [`Study`](super::Study).
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudySettings {
     /// Number of steps on [0, T].
     pub steps: u64,
-    /// The times at which observables are evaluated.
-    pub times: Times,
+    /// The number of times at which observables are evaluated, evenly spaced; the last is T. It
+    /// divides the number of steps. The initial value is in the result without being asked for.
+    pub times: u64,
     /// Number of paths.
     pub paths: u64,
     /// How increments are truncated.
@@ -62,16 +42,10 @@ const EXPERIMENT_BITS: u32 = 40;
 
 impl StudySettings {
     /// Default values for the settings that have one.
-    pub fn new(
-        steps: u64,
-        times: impl Into<Times>,
-        paths: u64,
-        truncation: Truncation,
-        key: StreamKey,
-    ) -> Self {
+    pub fn new(steps: u64, times: u64, paths: u64, truncation: Truncation, key: StreamKey) -> Self {
         Self {
             steps,
-            times: times.into(),
+            times,
             paths,
             truncation,
             key,
@@ -89,23 +63,12 @@ impl StudySettings {
 
     /// The steps at whose ends observables are evaluated.
     pub(super) fn time_steps(&self) -> Result<Vec<u64>, RunError> {
-        let steps = self.steps;
-        let at = match &self.times {
-            &Times::Even(times) if times > 0 && !steps.is_multiple_of(times) => {
-                return Err(RunError::Setting(format!(
-                    "{steps} steps cannot be divided into {times} equal parts; take a number that \
-                     divides them, or list the steps"
-                )));
-            }
-            &Times::Even(times) => (1..=times).map(|n| n * (steps / times)).collect(),
-            Times::AtSteps(at) => at.clone(),
-        };
-        let increase = at.windows(2).all(|pair| pair[0] < pair[1]);
-        match (at.first(), at.last()) {
-            (Some(1..), Some(last)) if *last <= steps && increase => Ok(at),
-            _ => Err(RunError::Setting(format!(
-                "the times of a study must be one or more numbers of steps, from 1 to {steps} and \
-                 increasing, got {at:?}; t = 0 is always in the result"
+        let Self { steps, times, .. } = *self;
+        match times > 0 && steps.is_multiple_of(times) {
+            true => Ok((1..=times).map(|n| n * (steps / times)).collect()),
+            false => Err(RunError::Setting(format!(
+                "{steps} steps cannot be divided into {times} equal parts: take a number that divides \
+                 them"
             ))),
         }
     }

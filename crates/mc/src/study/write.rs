@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::{
-    StudyResult,
+    Series, StudyResult,
     summary::{CROWDED, Place, Quantile, Summary},
 };
 use crate::simulation::quoted;
@@ -23,23 +23,33 @@ impl StudyResult {
     /// | `q0.05` … | quantile with interval; a note says why there is no value |
     /// | `below grid`, `above grid` | number of values outside of the bins |
     ///
-    /// Histograms and the record are in [`write_json`](crate::write_json).
+    /// Histograms and the record are among the fields, which serialize.
     ///
     /// # Errors
     /// Those of the writer.
     pub fn write_csv(&self, out: &mut impl Write) -> io::Result<()> {
-        writeln!(out, "t,observable,quantity,value,lo,hi,note")?;
-        for series in &self.series {
-            let name = quoted(&series.observable);
-            for point in &series.points {
-                for (quantity, [value, lo, hi], note) in rows(point) {
-                    let time = point.time;
-                    writeln!(out, "{time:?},{name},{quantity},{value},{lo},{hi},{note}")?;
-                }
+        writeln!(out, "{COLUMNS}")?;
+        write_rows(&self.series, "", out)
+    }
+}
+
+/// The columns of [`write_rows`].
+pub const COLUMNS: &str = "t,observable,quantity,value,lo,hi,note";
+
+/// Writes the rows of [`StudyResult::write_csv`], each after the text `before`.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_rows(series: &[Series], before: &str, out: &mut impl Write) -> io::Result<()> {
+    for Series { observable, points } in series {
+        let name = quoted(observable);
+        for point @ Summary { time, .. } in points {
+            for (quantity, [value, lo, hi], note) in rows(point) {
+                writeln!(out, "{before}{time:?},{name},{quantity},{value},{lo},{hi},{note}")?;
             }
         }
-        Ok(())
     }
+    Ok(())
 }
 
 type Row<'a> = (String, [String; 3], &'a str);

@@ -4,9 +4,8 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use mc::{
-    Formulas, Initial, Observable, Problem, Setup, StudySettings,
+    Coefficients, Initial, Observable, Problem, Setup, StudySettings, study,
     study::{StudyResult, Summary, Wanted},
-    study,
 };
 use noise::{StepNoise, StreamKey, Truncation, WienerRows};
 use nonlin::BlockStatus;
@@ -58,18 +57,6 @@ impl Stepper for OuState {
     }
 }
 
-impl Formulas for Ou {
-    fn energy(&self, _: &[f64], _: f64, _: &[f64]) -> f64 {
-        0.0
-    }
-    fn field(&self, y: &[f64], _: f64, _: &[f64]) -> Vec<f64> {
-        vec![0.0; y.len()]
-    }
-    fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
-        vec![0.0; y.len()]
-    }
-}
-
 /// Statistics of x, 3 + 2y and x² on so many paths.
 fn found(seed: u64, paths: u64) -> StudyResult {
     let damping = Constant::new(0.0).unwrap();
@@ -90,7 +77,11 @@ fn found(seed: u64, paths: u64) -> StudyResult {
         t_end: T,
         damping: &damping,
         laws: Vec::new(),
-        formulas: Arc::new(Ou),
+        coefficients: Arc::new(|_, y: &[f64]| Coefficients {
+            drift: vec![0.0; y.len()],
+            noises: Vec::new(),
+            correction: vec![0.0; y.len()],
+        }),
     };
     let setup = Setup { problem, scheme: Arc::new(Ou) };
     let observables = [
@@ -116,7 +107,7 @@ fn covariance(gamma: f64, k: usize) -> f64 {
 
 fn spectrum(gamma: f64, j: usize) -> f64 {
     // Time zero is among the times.
-    let (most, delta) = ((STEPS as usize + 1) / 2, T / STEPS as f64);
+    let (most, delta) = ((STEPS as usize).div_ceil(2), T / STEPS as f64);
     let window = |k: usize| (PI * k as f64 / (2 * most) as f64).cos().powi(2);
     let wave = |k: usize| (PI * (j * k) as f64 / most as f64).cos();
     let term = |k: usize| window(k) * wave(k) * covariance(gamma, k);
@@ -201,10 +192,12 @@ fn joint_laws_have_all_paths_and_their_moments() {
     assert_eq!(joint.names, ["x", "z"]);
     assert_eq!(joint.counts.iter().sum::<u64>() + joint.outside, 4096);
     // The covariance of the middles of bins is that of the values to the width of a bin.
-    let middle = |side: usize, k: usize| joint.grids[side].edge(k as u32) + joint.grids[side].width / 2.0;
+    let middle =
+        |side: usize, k: usize| joint.grids[side].edge(k as u32) + joint.grids[side].width / 2.0;
     let rows = joint.grids[1].bins as usize;
     let of = |f: &dyn Fn(f64, f64) -> f64| {
-        let cell = |(k, &count): (usize, &u64)| count as f64 * f(middle(0, k / rows), middle(1, k % rows));
+        let cell =
+            |(k, &count): (usize, &u64)| count as f64 * f(middle(0, k / rows), middle(1, k % rows));
         joint.counts.iter().enumerate().map(cell).sum::<f64>() / 4096.0
     };
     let covariance = of(&|x, z| x * z) - of(&|x, _| x) * of(&|_, z| z);

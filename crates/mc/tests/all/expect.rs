@@ -235,7 +235,8 @@ fn few_failed_paths_widen_the_interval() {
 fn who_goes_on_has_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let problem = body();
-    let keeping = || Keeping { file: folder.path().join("kept/samples.bin"), study: "cos y3".into() };
+    let keeping =
+        || Keeping { file: folder.path().join("kept/samples.bin"), study: "cos y3".into() };
     let whole = Expect::new(&problem).run(&[&COS_Y3], 1e-5, &|_| ()).unwrap();
     let mut stops = 0;
     let found = loop {

@@ -1,8 +1,8 @@
 //! The tests of the crate in one binary, so that the kernels of each system are compiled once for
 //! all of them.
 
-mod dependence;
 mod damping;
+mod dependence;
 mod driver;
 mod dynamic;
 mod expect;

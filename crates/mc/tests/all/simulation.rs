@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use mc::{
-    LadderError, NoiseOrigin, RunError, Setup, Simulation, StateFunction, write_csv, write_json,
-};
+use mc::{LadderError, NoiseOrigin, RunError, Setup, Simulation, StateFunction, write_csv};
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
 use real::Real;
@@ -102,9 +100,7 @@ fn tables_read_back_to_the_same_bits() {
     }
     assert_eq!(lines.next(), None);
 
-    let mut json = Vec::new();
-    write_json(&paths, &mut json).unwrap();
-    let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    let json = serde_json::to_value(&paths).unwrap();
     assert_eq!(json[2]["noise"]["path"], 2);
     assert_eq!(json[2]["columns"][1]["name"], "y1");
     let read: Vec<f64> = serde_json::from_value(json[2]["columns"][1]["values"].clone()).unwrap();

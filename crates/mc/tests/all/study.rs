@@ -7,11 +7,10 @@ use std::path::Path;
 
 use mc::{
     LadderError, Observable, RunError, Setup, Simulation, StateFunction, Study, StudyResult,
-    StudySettings, Times,
+    StudySettings,
     parts::{Job, JobError, Program, Share},
     study,
-    study::Place,
-    write_json,
+    study::{Place, Wanted},
 };
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
@@ -24,7 +23,7 @@ use crate::{
     ladder::{body, on_threads},
 };
 
-fn settings(steps: u64, times: impl Into<Times>, paths: u64, seed: u64) -> StudySettings {
+fn settings(steps: u64, times: u64, paths: u64, seed: u64) -> StudySettings {
     let key = StreamKey { seed, experiment: 4 };
     StudySettings::new(steps, times, paths, Truncation::none(), key)
 }
@@ -123,7 +122,7 @@ fn a_study_is_made_of_the_values_of_its_paths() {
     let settings = StudySettings {
         bins: 20,
         quantiles: vec![0.9, 0.1],
-        ..StudySettings::new(12, vec![5, 12], paths, k, key)
+        ..StudySettings::new(12, 2, paths, k, key)
     };
     let result = study(&Setup::of(&problem, &Sexp), &observables, &settings, &|_| ()).unwrap();
     assert_eq!(result.record.quantiles, [0.1, 0.9]);
@@ -131,7 +130,7 @@ fn a_study_is_made_of_the_values_of_its_paths() {
         .observing(StateFunction::new("y2 y3", |y: [f64; 3]| y[1] * y[2]));
     let tables = simulation.paths(12, key, 0..paths).unwrap();
     for name in ["y1", "y2 y3"] {
-        for (point, step) in result.series(name).unwrap().points[1..].iter().zip([5, 12]) {
+        for (point, step) in result.series(name).unwrap().points[1..].iter().zip([6, 12]) {
             assert_eq!((point.step, point.time), (step, tables[0].times()[step as usize]));
             let value = |table: &mc::TimeSeries| table.column(name).unwrap()[step as usize];
             let mut values: Vec<f64> = tables.iter().map(value).collect();
@@ -163,7 +162,7 @@ fn a_study_is_made_of_the_values_of_its_paths() {
         }
     }
     // Other times give the same numbers where they coincide.
-    let even = StudySettings { times: Times::Even(1), ..settings };
+    let even = StudySettings { times: 1, ..settings };
     let even = study(&Setup::of(&problem, &Sexp), &observables, &even, &|_| ()).unwrap();
     assert_eq!(even.series[1].last(), result.series[1].last());
 }
@@ -179,9 +178,7 @@ fn threads_change_no_bit_of_a_study() {
             study(&Setup::of(&additive(1.0), &Sexp), &[P, OFFSET], &settings, &count).unwrap()
         });
         assert_eq!(done.into_inner(), 6 * 3000);
-        let mut json = Vec::new();
-        write_json(&result, &mut json).unwrap();
-        json
+        serde_json::to_string(&result).unwrap()
     };
     let one = json(1);
     assert!([2, 3, 7].into_iter().all(|threads| json(threads) == one));
@@ -217,12 +214,13 @@ fn a_study_in_parts_has_the_same_bits() {
     }
     let merge_as = |study: Study<'_>| merged(&study, folder.path());
     assert_eq!(merge_as(study(1700, 4)).unwrap(), whole);
-    // Other times, and other bins, are another study.
+    // Other times, other bins, and pairs are another study.
     let bins = StudySettings { bins: 255, ..settings(8, 4, 1700, 3) };
     let binned = Study::new(&Setup::of(&problem, &Sexp), &observables, &bins).unwrap();
-    let late = StudySettings { times: vec![2, 4, 7, 8].into(), ..settings(8, 4, 1700, 3) };
-    let late = Study::new(&Setup::of(&problem, &Sexp), &observables, &late).unwrap();
-    for other in [study(1700, 2), late, binned] {
+    let wanted = Wanted { pairs: vec![(0, 1)], ..Wanted::default() };
+    let pairs = StudySettings { wanted, ..settings(8, 4, 1700, 3) };
+    let pairs = Study::new(&Setup::of(&problem, &Sexp), &observables, &pairs).unwrap();
+    for other in [study(1700, 2), pairs, binned] {
         let error = merge_as(other).unwrap_err().to_string();
         assert!(error.contains("the fingerprint"), "{error}");
     }
@@ -330,14 +328,14 @@ fn csv(result: &StudyResult) -> String {
 #[test]
 fn a_table_has_a_row_for_each_quantity() {
     let quoted = Observable { name: "p, again", function: |y: [f64; 2]| y[1] };
-    let result = run(&[P, quoted], &settings(4, vec![1, 4], 1000, 7));
+    let result = run(&[P, quoted], &settings(4, 4, 1000, 7));
     let csv = csv(&result);
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines[0], "t,observable,quantity,value,lo,hi,note");
-    assert_eq!(lines.len(), 1 + 2 * (12 + 14 + 14));
+    assert_eq!(lines.len(), 1 + 2 * (12 + 4 * 14));
     assert_eq!(lines[1], "0.0,p,count,1000,,,");
     assert_eq!(lines[3], "0.0,p,mean,0.0,0.0,0.0,");
-    let point = &result.series[0].points[2];
+    let point = &result.series[0].points[4];
     let (lo, hi) = point.mean_interval.unwrap();
     assert!(
         lines.contains(&format!("1.0,p,mean,{:?},{lo:?},{hi:?},", point.mean.unwrap()).as_str())
@@ -347,12 +345,10 @@ fn a_table_has_a_row_for_each_quantity() {
     assert!(lines.contains(&format!("1.0,p,q0.95,{value:?},{lo:?},{hi:?},").as_str()));
     assert!(lines.iter().any(|line| line.starts_with("0.25,\"p, again\",above grid,")));
 
-    let mut json = Vec::new();
-    write_json(&result, &mut json).unwrap();
-    let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    let json = serde_json::to_value(&result).unwrap();
     assert_eq!(json["record"]["system"], "additive");
     assert_eq!(json["record"]["truncation"], serde_json::Value::Null);
-    assert_eq!(json["record"]["times"], serde_json::json!([1, 4]));
+    assert_eq!(json["record"]["times"], serde_json::json!([1, 2, 3, 4]));
     assert_eq!(json["series"][1]["points"][1]["quantiles"][0]["place"], "inside");
 }
 
@@ -363,23 +359,15 @@ fn impossible_studies_are_refused() {
         study(&Setup::of(&additive(1.0), &Sexp), observables, &settings, &|_| ()).unwrap_err()
     };
     let message = |settings| refuse(settings, &[P]).to_string();
-    let with = |times: Times| message(StudySettings { times, ..good() });
+    let with = |times| message(StudySettings { times, ..good() });
     let none = refuse(good(), &[]).to_string();
     assert_eq!(none, "the number of observables must be at least 1, got 0");
     let same = refuse(good(), &[P, ROOT, P]).to_string();
     assert_eq!(same, "two observables have the name \"p\"; rename one");
-    for times in [5, 9, 24] {
-        let told = with(Times::Even(times));
+    for times in [0, 5, 9, 24] {
+        let told = with(times);
         assert!(told.starts_with(&format!("12 steps cannot be divided into {times}")), "{told}");
     }
-    for times in [vec![], vec![3, 13], vec![0, 3], vec![3, 3]] {
-        let told = with(Times::AtSteps(times.clone()));
-        assert!(
-            told.contains("from 1 to 12") && told.contains(&format!("got {times:?}")),
-            "{told}"
-        );
-    }
-    assert_eq!(with(Times::AtSteps(vec![])), with(Times::Even(0)));
     let key = StreamKey { seed: 0, experiment: 1 << 40 };
     for (settings, told) in [
         (StudySettings { paths: 0, ..good() }, "the number of paths must be at least 1, got 0"),

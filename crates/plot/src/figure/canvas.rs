@@ -134,23 +134,6 @@ impl Canvas {
         ));
     }
 
-    /// A dot that runs along a line of points within seconds, again and again.
-    pub fn runner(&mut self, points: &[Position], color: Color, seconds: f64) {
-        let values = |of: fn(&Position) -> f64| {
-            let values = points.iter().map(|point| grid(of(point)).to_string());
-            values.collect::<Vec<_>>().join(";")
-        };
-        let moves = [("cx", values(|point| point.0)), ("cy", values(|point| point.1))];
-        let moves = moves.map(|(name, values)| {
-            format!(
-                r#"<animate attributeName="{name}" dur="{seconds}s" repeatCount="indefinite" values="{values}"/>"#
-            )
-        });
-        let Some(&(x, y)) = points.first() else { return };
-        let place = format!(r#"cx="{}" cy="{}" r="70""#, grid(x), grid(y));
-        self.elements.push(format!(r#"<circle {place} fill="{color}">{}</circle>"#, moves.concat()));
-    }
-
     /// A marker; a hollow one shows the paper inside.
     pub fn marker(&mut self, at: Position, look: Look, radius: f64, hollow: bool) {
         let shape = if look.marker.is_empty() {

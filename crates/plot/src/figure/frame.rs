@@ -144,7 +144,7 @@ impl Title<'_> {
     /// About so many marks.
     pub fn ticks(&self, range: Range, most: usize) -> Ticks {
         match self.logarithmic {
-            true if range.hi >= 20.0 * range.lo => Ticks::decades(range, most),
+            true if range.hi >= 100.0 * range.lo => Ticks::decades(range, most),
             _ => Ticks::decimal(range, most),
         }
     }

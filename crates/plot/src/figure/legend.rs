@@ -2,7 +2,7 @@
 
 use super::{
     canvas::{Align, Canvas, Color, Stroke},
-    look::Look,
+    look::{self, Look},
 };
 use crate::label::Label;
 
@@ -23,6 +23,14 @@ pub enum Sample {
     Point(Look),
     /// An area of a colour and an opacity.
     Area(Color, f64),
+}
+
+/// The looks of curves, and their entries; a single one has none.
+pub fn of_curves(names: &[&str]) -> (Vec<Look>, Vec<(Sample, Label)>) {
+    let looks = look::of_quantities(names);
+    let entry = |(look, name): (&Look, &&str)| (Sample::Curve(*look), Label::words(name));
+    let entries = looks.iter().zip(names).filter(|_| names.len() > 1).map(entry).collect();
+    (looks, entries)
 }
 
 /// Draws the entries in rows that begin at `left` and are no wider than `width`, and returns where

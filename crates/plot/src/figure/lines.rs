@@ -4,11 +4,8 @@ use super::{
     axis::Range,
     canvas::Stroke,
     frame::{Plain, Title, UNIT},
-    legend::Sample,
-    look::{self, VERMILLION},
+    legend::of_curves,
 };
-use crate::label::Label;
-
 /// A curve with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
@@ -18,38 +15,29 @@ pub struct Trace {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Curves as an SVG document. A marker stands where each begins, and one runs along the first in so
-/// many `seconds`. A single curve has no legend.
+/// Curves as an SVG document. A marker stands where each begins. A single curve has no legend.
 pub fn lines<'a>(
     title: &str,
     x_title: &'a str,
     y_title: impl Into<Title<'a>>,
     traces: &[Trace],
-    seconds: Option<f64>,
 ) -> String {
     let y_title = y_title.into();
-    let looks = look::of_quantities(&traces.iter().map(|trace| &*trace.name).collect::<Vec<_>>());
-    let names = traces.iter().map(|trace| Label::words(&trace.name));
-    let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
-    let several = usize::from(traces.len() > 1) * traces.len();
+    let names: Vec<&str> = traces.iter().map(|trace| &*trace.name).collect();
+    let (looks, entries) = of_curves(&names);
     let points = || traces.iter().flat_map(|trace| &trace.points);
     let x = Range::of(points().map(|point| point.0), UNIT);
     // Times fill the width.
     let of_time = traces.iter().all(|trace| trace.points.is_sorted_by(|a, b| a.0 <= b.0));
     let x = if x.lo < x.hi && of_time { x } else { x.padded(0.04) };
     let y = y_title.range(points().map(|point| point.1), 0.06);
-    let mut plain = Plain::new(entries.take(several), 190.0, (x, Some(x_title)), (y, y_title));
+    let mut plain = Plain::new(entries.into_iter(), 190.0, (x, Some(x_title)), (y, y_title));
     for (trace, look) in traces.iter().zip(looks) {
         plain.line(trace.points.iter().copied(), Stroke::new(look.color, 1.1));
         let first = plain.places(trace.points.first().copied());
         for at in first.into_iter().filter(|at| plain.frame.holds(*at)) {
             plain.canvas.marker(at, look, 2.8, false);
         }
-    }
-    if let (Some(seconds), Some(first)) = (seconds, traces.first()) {
-        let finite = first.points.iter().filter(|point| (point.0 + point.1).is_finite());
-        let places = plain.places(finite.copied());
-        plain.canvas.runner(&places, VERMILLION, seconds);
     }
     plain.page(title, points().next().is_none())
 }

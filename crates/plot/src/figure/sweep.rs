@@ -5,8 +5,7 @@ use mc::study::Series;
 use super::{
     canvas::{Align, Canvas, Stroke},
     frame::{BELOW, Frame, Plain, RIGHT, Title, WIDTH},
-    legend::Sample,
-    look,
+    legend::of_curves,
     study::{draw_bands, ranges},
     ticks::Ticks,
 };
@@ -25,20 +24,15 @@ pub fn against<'a>(
 ) -> String {
     let (x_title, y_title) = (x_title.into(), y_title.into());
     let names: Vec<&str> = curves.iter().map(|(name, _)| &**name).collect();
-    let looks = look::of_quantities(&names);
-    let entries = looks
-        .iter()
-        .map(|look| Sample::Curve(*look))
-        .zip(names.iter().map(|name| Label::words(name)));
-    let several = usize::from(curves.len() > 1) * curves.len();
+    let (looks, entries) = of_curves(&names);
     let points = || curves.iter().flat_map(|(_, points)| points);
     let x = x_title.range(points().map(|point| point.0), 0.04);
     let ends = |&(_, value, interval): &Sampled| interval.map_or([value; 2], |(lo, hi)| [lo, hi]);
     let y = y_title.range(points().flat_map(ends), 0.06);
-    let mut plain = Plain::new(entries.take(several), 190.0, (x, Some(x_title)), (y, y_title));
+    let mut plain = Plain::new(entries.into_iter(), 190.0, (x, Some(x_title)), (y, y_title));
     for ((_, points), look) in curves.iter().zip(looks) {
         plain.line(points.iter().map(|point| (point.0, point.1)), Stroke::new(look.color, 0.8));
-        for &(x, value, interval) in points.iter().filter(|point| point.1.is_finite()) {
+        for &(x, value, interval) in points.iter().filter(|point| y.lo <= point.1) {
             let bar = interval.map(|(lo, hi)| [(x, lo), (x, hi)]);
             plain.line(bar.into_iter().flatten(), Stroke::new(look.color, 1.3));
             let at = plain.frame.place(x, value);
@@ -74,8 +68,10 @@ pub fn multiples<'a>(
     for (k, (name, series)) in panels.iter().enumerate() {
         let (row, column) = (k / columns, k % columns);
         let (left, top) = (LEFT + (width + GAP) * column as f64, NAME + pitch * row as f64);
-        let frame =
-            Frame { x: x_title.axis(times, left, left + width), y: y_title.axis(values, top + HEIGHT, top) };
+        let frame = Frame {
+            x: x_title.axis(times, left, left + width),
+            y: y_title.axis(values, top + HEIGHT, top),
+        };
         let mut y = y_title.ticks(values, 3);
         if column > 0 {
             y.major.iter_mut().for_each(|(_, label)| *label = Label::words(""));

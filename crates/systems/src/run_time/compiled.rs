@@ -8,8 +8,7 @@ use real::{Kernel, Row, WIDTH, along, derivatives, dispatch, fixed};
 use super::{Description, Op, System, Weights, derived};
 use crate::{
     PoissonSystem, SystemError, always_solvable, area_gradient, is_quadratic, ito_correction,
-    jacobi_holds, linearity, noises_commute, paper::valid, unit_noise, vector_field,
-    vector_field_derivative,
+    jacobi_holds, linearity, noises_commute, paper::valid,
 };
 
 /// Nodes of the rule for derivatives of the averaged gradient. The gradient itself is that of the
@@ -184,42 +183,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled
         for p in 0..WIDTH {
             out[p] = self.system.invariant(index, path(array(y), p));
         }
-    }
-
-    fn own_methods(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<(&'static str, Vec<(f64, f64)>)> {
-        let (s, y): (_, [f64; D]) = (&self.system, std::array::from_fn(|i| y[i]));
-        let dw: [f64; M] = std::array::from_fn(|m| dw[m]);
-        // Areas of no special ratio.
-        let areas: [[f64; M]; M] = std::array::from_fn(|m| {
-            std::array::from_fn(|l| (m as f64 - l as f64) * (1.0 + 0.37 * (m * l) as f64))
-        });
-        let mut commutators = [(0.0, 0.0); D];
-        for l in 0..M {
-            let direction = vector_field(s, y, 0.0, std::array::from_fn(|m| areas[m][l]));
-            let slope = vector_field_derivative(s, y, 0.0, unit_noise(l), direction);
-            for (sum, slope) in commutators.iter_mut().zip(slope) {
-                *sum = (sum.0 - slope, sum.1 + slope.abs());
-            }
-        }
-        for (sum, given) in commutators.iter_mut().zip(s.commutators(y, areas)) {
-            sum.0 += given;
-        }
-        let mut checks = Vec::new();
-        if M > 1 {
-            let what = "commutators is not what follows from B and the energy";
-            checks.push((what, commutators.to_vec()));
-        }
-        let (dt, dw) = (0.1 * dt, dw.map(|dw| 0.1 * dw));
-        let (b, bound) = s.predict(y, dt, dw);
-        if bound < f64::INFINITY {
-            let field = s.averaged_field(y, b, dt, dw);
-            let residual: f64 = (0..D).map(|i| (b[i] - y[i] - field[i]).abs()).sum();
-            let size: f64 = (0..D).map(|i| b[i].abs() + y[i].abs() + field[i].abs()).sum();
-            let excess = (residual - bound).max(0.0);
-            let what = "the residual of the predicted step exceeds the bound given with it";
-            checks.push((what, vec![(excess, size)]));
-        }
-        checks
     }
 
     fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {

@@ -87,14 +87,6 @@ pub trait System: Send + Sync {
         out.fill(0.0);
     }
 
-    /// The defects of methods of a compiled system that this interface does not have, for an
-    /// inspection: what a method is not if it has one, and for each component the defect at y and
-    /// the size of the terms of which it is the sum. None unless overridden.
-    fn own_methods(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<(&'static str, Vec<(f64, f64)>)> {
-        let _ = (y, dt, dw);
-        Vec::new()
-    }
-
     /// Checks that the components y are in the domain of the system: ℝᴰ unless overridden.
     ///
     /// # Errors

@@ -41,8 +41,8 @@ fn all_ids() -> impl Iterator<Item = &'static str> {
     [EXPERIMENTS, STATEMENTS, SUPPLEMENTS].into_iter().flat_map(verify::ids)
 }
 
-fn main() -> ExitCode {
-    command::exit_code(run(&Arguments::parse()))
+fn main() -> Result<ExitCode> {
+    run(&Arguments::parse())
 }
 
 /// Runs the experiments and writes the report. Succeeds unless something that the paper proves is

@@ -3,9 +3,9 @@
 
 use std::{io::Result, path::Path};
 
+use mc::quoted;
 use plot::{
     Document, Kind,
-    csv::field,
     figure::{convergence, evolution},
     files,
     series::relative_defect,
@@ -66,7 +66,7 @@ fn csv(panel: &Panel) -> String {
     };
     let mut table = format!("scheme,quantity,{columns}\n");
     for series in &panel.series {
-        let name = format!("{},{}", field(&series.scheme), field(&series.quantity));
+        let name = format!("{},{}", quoted(&series.scheme), quoted(&series.quantity));
         for point in &series.points {
             let row = match (panel.kind, point) {
                 (Kind::Strong | Kind::Weak, Point::Error { tau, value, se, lo, hi, .. }) => {

@@ -23,12 +23,13 @@ use systems::{
     Constant, Damping, Linear, Problem,
     paper::{half_cosine, lotka_volterra_1_1, maxwell_bloch, rigid_body_three_noises, sine},
 };
-use verify::{
-    rounding::{LINEARLY_IMPLICIT, PER_STEP, rotations},
-    streams,
-};
+use verify::streams;
 
-use crate::{SEED, bits::Bits};
+use crate::{
+    SEED,
+    bits::Bits,
+    rounding::{LINEARLY_IMPLICIT, PER_STEP, rotations},
+};
 
 const STEPS: u64 = 10_000_000;
 const QUICK_STEPS: u64 = 65_536;

@@ -1,4 +1,4 @@
-//! Tests that run where they are named: the programs that measure, wrong methods that statements
+//! Tests that run where they are named: hard inputs, wrong methods that statements
 //! must refute, the conformal law over ten million steps, and arbitrary inputs.
 //!
 //! Long runs and inputs are few here; the ignored tests have all of them:
@@ -7,7 +7,8 @@
 mod bits;
 mod fuzz;
 mod growth;
-mod programs;
+mod hard_cases;
+mod rounding;
 mod twins;
 
 /// Master seed of everything here.

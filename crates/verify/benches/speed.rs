@@ -14,10 +14,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use mc::{Ladder, Run, Setup, View};
 use noise::StreamKey;
-use plot::{
-    files,
-    provenance::{complete, peak_memory_mb},
-};
+use plot::{files, provenance::complete};
 use rayon::ThreadPoolBuilder;
 use real::{Level, limit_to};
 use schemes::BuiltIn;
@@ -33,6 +30,9 @@ struct Arguments {
     /// Write the numbers to this file, with where they come from.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Given by cargo.
+    #[arg(long, hide = true)]
+    bench: bool,
     /// So small a workload that the numbers say only that everything runs.
     #[arg(long)]
     quick: bool,
@@ -57,14 +57,14 @@ struct Workload {
     repetitions: u32,
 }
 
-fn main() -> ExitCode {
-    command::exit_code(run(&Arguments::parse()))
+fn main() -> Result<ExitCode> {
+    run(&Arguments::parse())
 }
 
 fn run(arguments: &Arguments) -> Result<ExitCode> {
     let start = Instant::now();
     arguments.simd.into_iter().for_each(limit_to);
-    arguments.json.as_deref().map_or(Ok(()), files::prepare_file)?;
+    arguments.json.as_deref().map_or(Ok(()), |file| files::prepare(files::folder(file)))?;
     let (mode, paths, steps, repetitions) =
         if arguments.quick { ("quick", 256, 32, 2) } else { ("full", 65_536, 256, 7) };
     let workload = Workload { paths, steps, threads: 1, levels: 0, repetitions };
@@ -109,6 +109,13 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         files::write_json(file, &json!({ "schema": 2, "provenance": provenance, "rows": rows }))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Largest resident memory of this process so far in MB; none where the system does not tell.
+fn peak_memory_mb() -> Option<f64> {
+    let text = fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.strip_suffix("kB")?.trim().parse::<f64>().ok()? / 1024.0)
 }
 
 /// The time of a scheme on every level, with a small statistic, the mean of the final state; once
