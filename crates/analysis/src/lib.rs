@@ -1,7 +1,7 @@
 //! **What a system is, and what a scheme does on it, by measurements that can fail.**
 //!
-//! [`inspect()`] says what a system is; [`strong_order`] and [`weak_order`] measure the order of a scheme with an interval; [`compare()`] says which scheme
-//! is cheapest for an error.
+//! [`inspect()`] says what a system is; [`strong_order`] and [`weak_order`] measure the order of a
+//! scheme with an interval; [`compare()`] says which scheme is cheapest for an error.
 //!
 //! | item | job |
 //! |---|---|

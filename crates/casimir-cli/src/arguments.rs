@@ -53,6 +53,7 @@ pub enum Command {
     /// Put the parts in a folder together, or say which are missing
     Merge(Merge),
     /// Ask for more paths or a smaller accuracy in a folder, which keeps what it has
+    #[command(after_help = "Example: casimir extend big --paths 1e9")]
     Extend(Extend),
     /// Print the JSON schema of scenes, for editors
     Schema,

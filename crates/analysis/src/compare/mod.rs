@@ -125,6 +125,9 @@ impl Comparison {
 
 /// Which scheme for this problem? See the [module](self).
 ///
+/// `told` hears now and then how far it is: the least error of a scheme so far, by the upper end of
+/// its interval, and the seconds that are left at most.
+///
 /// # Errors
 /// [`CompareError`] if there is no scheme, if a setting is out of range, if the reference fails, or
 /// if a step size is refused.

@@ -65,6 +65,9 @@ pub fn spectral_radius(mut power: Matrix, squarings: u32) -> f64 {
 /// shift leaves, to a modest multiple of u‖A‖; NaN unless A is finite.
 pub fn smallest_eigenvalue(a: &Matrix) -> f64 {
     let shift = a.iter().map(|row| dot(row, row)).sum::<f64>().sqrt();
+    if !shift.is_finite() {
+        return f64::NAN;
+    }
     // Rows of zeros, which most are of a form of few components, have the eigenvalue zero.
     let used: Vec<usize> = (0..a.len()).filter(|&i| norm(&a[i]) != 0.0).collect();
     let shifted = |&i: &usize| used.iter().map(|&j| f64::from(i == j) * shift - a[i][j]).collect();
@@ -110,4 +113,23 @@ pub fn null_space(mut rows: Matrix, unknowns: usize, zero: f64) -> (Matrix, f64)
     };
     let free = (0..unknowns).filter(|j| !pivots.contains(j));
     (free.map(solution).collect(), least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_smallest_eigenvalue_is_that_of_closed_forms() {
+        let of = |a: &[&[f64]]| {
+            smallest_eigenvalue(&a.iter().map(|row| row.to_vec()).collect::<Matrix>())
+        };
+        // Rounding of a shift of 10^{1/2}, n = 2.
+        let near = |found: f64, exact: f64| assert!((found - exact).abs() < 1e-14, "{found}");
+        near(of(&[&[2.0, 1.0], &[1.0, 2.0]]), 1.0);
+        near(of(&[&[1.0, 2.0], &[2.0, 1.0]]), -1.0);
+        assert_eq!(of(&[&[2.0, 0.0], &[0.0, 0.0]]), 0.0);
+        assert!(of(&[&[f64::INFINITY, 0.0], &[0.0, 1.0]]).is_nan());
+        assert!(of(&[&[f64::NAN, 0.0], &[0.0, 1.0]]).is_nan());
+    }
 }

@@ -10,19 +10,13 @@ use casimir::{
 use super::{folder, open, print, print_json, threads};
 use crate::{
     arguments::Compare,
-    failure::{Done, Failure},
+    failure::Done,
     scene::{Changes, SchemeAndSeed},
 };
 
 /// Compares all schemes on a scene.
 pub fn compare(arguments: &Compare) -> Done {
     let (error, budget) = (arguments.error, arguments.budget);
-    for (what, value) in [("budget in seconds", budget), ("wanted error", error)] {
-        if !(value > 0.0 && value.is_finite()) {
-            let message = format!("the {what} must be positive and finite, got {value}");
-            return Err(Failure::usage(message));
-        }
-    }
     let seed = SchemeAndSeed { scheme: None, seed: arguments.seed, sets: arguments.sets.clone() };
     let scene = open(&arguments.scene, &Changes::from(&seed))?;
     threads(arguments.output.threads)?;

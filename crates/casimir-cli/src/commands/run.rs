@@ -237,8 +237,7 @@ impl<'a> Ready<'a> {
 
 /// Gives means that are probabilities their intervals. Quantiles of zeros and ones say nothing.
 fn with_probabilities(study: &mut StudyResult, names: &[String]) {
-    let is_of = |warning: &String, name: &String| warning.starts_with(&format!("{name}:"));
-    study.warnings.retain(|warning| !names.iter().any(|name| is_of(warning, name)));
+    let before = study.concerns();
     let series = study.series.iter_mut().filter(|series| names.contains(&series.observable));
     for point in series.flat_map(|series| &mut series.points) {
         point.quantiles.clear();
@@ -248,6 +247,8 @@ fn with_probabilities(study: &mut StudyResult, names: &[String]) {
         point.mean_interval = Some(proportion(count, point.count));
         point.interval_note = None;
     }
+    let after = study.concerns();
+    study.warnings.retain(|warning| !before.contains(warning) || after.contains(warning));
 }
 
 /// Refuses to write gigabytes by mistake.

@@ -120,11 +120,12 @@ fn compare(reading: &Reading<'_>, system: &FormulaSystem, problem: &Problem) -> 
                 let sense = if is_ito { "Itô" } else { "Stratonovich" };
                 let damped = problem.damping().integral(0.0, problem.t_end()) != 0.0;
                 let equation = &system.equations(damped)[i];
-                return Err(source.error(text.span(), format!(
-                    "this {what} is {given:.6} at y = {y:?}, t = {t}, and that of B and H is {own:.6} \
-                     in the sense of {sense}: only equations of this form are simulated. Theirs is \
-                     {equation}"
-                )));
+                let message = format!(
+                    "this {what} is {given:.6} at y = {y:?}, t = {t}, and that of B and H is \
+                     {own:.6} in the sense of {sense}: only equations of this form are simulated. \
+                     Theirs is {equation}"
+                );
+                return Err(source.error(text.span(), message));
             }
         }
     }

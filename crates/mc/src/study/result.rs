@@ -54,6 +54,11 @@ pub struct Losses {
 }
 
 impl StudyResult {
+    /// The warnings about paths that failed and about the summaries as they are now.
+    pub fn concerns(&self) -> Vec<String> {
+        warnings(&self.losses, self.record.paths, &self.series)
+    }
+
     /// The result of sums over all paths of a record, or those that were done when it was stopped.
     pub(super) fn new(
         record: &Record,

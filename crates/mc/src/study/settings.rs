@@ -67,8 +67,8 @@ impl StudySettings {
         match times > 0 && steps.is_multiple_of(times) {
             true => Ok((1..=times).map(|n| n * (steps / times)).collect()),
             false => Err(RunError::Setting(format!(
-                "{steps} steps cannot be divided into {times} equal parts: take a number that divides \
-                 them"
+                "{steps} steps cannot be divided into {times} equal parts: take a number that \
+                 divides them"
             ))),
         }
     }

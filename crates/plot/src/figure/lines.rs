@@ -6,6 +6,7 @@ use super::{
     frame::{Plain, Title, UNIT},
     legend::of_curves,
 };
+
 /// A curve with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {

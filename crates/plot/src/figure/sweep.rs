@@ -32,7 +32,9 @@ pub fn against<'a>(
     let mut plain = Plain::new(entries.into_iter(), 190.0, (x, Some(x_title)), (y, y_title));
     for ((_, points), look) in curves.iter().zip(looks) {
         plain.line(points.iter().map(|point| (point.0, point.1)), Stroke::new(look.color, 0.8));
-        for &(x, value, interval) in points.iter().filter(|point| y.lo <= point.1) {
+        for &(x, value, interval) in
+            points.iter().filter(|point| y.lo <= point.1 && point.1 <= y.hi)
+        {
             let bar = interval.map(|(lo, hi)| [(x, lo), (x, hi)]);
             plain.line(bar.into_iter().flatten(), Stroke::new(look.color, 1.3));
             let at = plain.frame.place(x, value);
