@@ -11,7 +11,7 @@
 //! | [`Exact`] | an exact solution on sampled paths |
 //! | [`inspect()`], [`facts::Facts`] | what a system is, and which statements apply |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
-//! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`], [`worse`] | moments of final states; times; digits |
+//! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`], [`aligned`], [`worse`] | moments; times; digits, tables |
 //! | [`step_check()`], [`StepCheck`], [`StepError`] | whether the steps of a run are short enough |
 
 pub mod compare;
@@ -26,7 +26,7 @@ mod stopwatch;
 pub use compare::{Candidates, CompareSettings, Comparison, compare};
 pub use final_moments::{FinalMoments, FinalRows};
 pub use inspect::{InspectSettings, inspect};
-pub use number::{number, worse};
+pub use number::{aligned, number, worse};
 pub use orders::{
     Decision, Exact, Limit, More, OneStep, Order, StepSizes, squared_distance, strong_order,
     weak_order, wrong_limit,

@@ -1,4 +1,4 @@
-//! Numbers for people.
+//! Numbers and tables for people.
 
 /// A number in three significant digits where it is of ordinary size, in two otherwise.
 ///
@@ -14,6 +14,18 @@ pub fn number(x: f64) -> String {
         0.0995..9.995 => format!("{x:.2}"),
         _ => format!("{x:.1e}"),
     }
+}
+
+/// Lines of cells, with columns as wide as their widest cell.
+pub fn aligned(rows: &[Vec<String>]) -> String {
+    let cell = |row: &Vec<String>, k: usize| row.get(k).map_or(0, |cell| cell.chars().count());
+    let width = |k: usize| rows.iter().map(|row| cell(row, k)).max().unwrap_or(0);
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().enumerate();
+        let cells = cells.map(|(k, cell)| format!("{cell:<0$}", width(k)));
+        format!("{}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    rows.iter().map(line).collect()
 }
 
 /// The larger of two measurements, NaN if either is: a NaN must not be lost on the way to a

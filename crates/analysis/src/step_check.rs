@@ -173,7 +173,7 @@ pub fn step_check(
         }
     };
     let new = || FinalMoments::new(steps, 3 * observables.len(), &numbers);
-    let Some(measured) = ladder.run_in(job, "steps", paths, new, &|_| ()) else { return Ok(None) };
+    let Some(measured) = ladder.run_in(job, "steps", paths, new) else { return Ok(None) };
     let moments = &measured.statistic.moments;
     let of = |(k, phi): (usize, &&dyn Observe)| errors(*phi, centers[k], moments, 3 * k);
     let end = setup.problem.t_end;

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-
-use crate::scene::{Changes, SchemeAndSeed, Set, count};
+use casimir_cli::{
+    output::Format,
+    scene::{Changes, SchemeAndSeed, Set, count},
+};
+use clap::{Args, Parser, Subcommand};
 
 /// Damped stochastic Poisson systems from a text file:
 /// dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ
@@ -78,17 +80,6 @@ pub struct Inspect {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
-}
-
-/// What a run writes beside its report.
-#[derive(ValueEnum, Clone, Copy, Debug)]
-pub enum Format {
-    /// Tables as text
-    Csv,
-    /// Everything, for programs
-    Json,
-    /// Arrays for NumPy
-    Npz,
 }
 
 #[derive(Args, Debug, Default)]

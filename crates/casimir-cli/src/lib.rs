@@ -4,7 +4,8 @@
 //! the problem with every scheme for it. The program `casimir` is made of these.
 //!
 //! The way through: text → `scene/file` (keys) → `scene/run`, `scene/observe` (checked) → `model` →
-//! in the program `commands/run` (`Results`) → `output` (`figures`, `page`, `npz`).
+//! `verbs/run` (`Results`) → `output` (`figures`, `page`, `npz`). The program adds a command line
+//! and folders.
 //!
 //! ```
 //! use casimir::mc::Simulation;
@@ -21,7 +22,7 @@
 //! until = 1
 //! steps = 64
 //! "#;
-//! let source = Source { name: "oscillator.toml".into(), text: text.into() };
+//! let source = Source { name: "oscillator.toml".into(), text: text.into(), states: None };
 //! let scene = Scene::new(source, &Changes::default())?;
 //! let setup = scene.setup("sexp")?;
 //! let simulation = Simulation::new(setup, scene.settings.truncation);
@@ -30,5 +31,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod failure;
+pub mod gallery;
 pub mod model;
+pub mod output;
 pub mod scene;
+pub mod verbs;

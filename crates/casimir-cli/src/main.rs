@@ -2,12 +2,10 @@
 
 mod arguments;
 mod commands;
-mod failure;
-mod output;
 
 use std::process::ExitCode;
 
-use casimir_cli::{model, scene};
+use casimir_cli::failure::Failure;
 use clap::Parser;
 
 use arguments::{Arguments, Command};
@@ -26,8 +24,13 @@ fn main() -> ExitCode {
         Command::Extend(arguments) => commands::extend(&arguments),
         Command::Schema => commands::schema(),
     };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
-    }
+    let (code, words) = match done {
+        Ok(()) => return ExitCode::SUCCESS,
+        Err(Failure::Scene(error)) => (2, format!("error: {error}")),
+        Err(Failure::Usage(words)) => (2, format!("error: {words}")),
+        Err(Failure::Run(words)) => (1, format!("error: {words}")),
+        Err(Failure::Stopped(words)) => (130, format!("stopped: {words}")),
+    };
+    eprintln!("{words}");
+    ExitCode::from(code)
 }

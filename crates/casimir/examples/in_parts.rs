@@ -70,7 +70,7 @@ fn run(arguments: Vec<String>) -> Result<(), Error> {
     // 240 steps, quantile bands at 40 of them.
     let settings = StudySettings::new(240, 40, paths, truncation, key);
     let setup = Setup::of(&problem, &scheme);
-    let bands = Study::new(&setup, &phi, &settings)?.run_in(&job, "bands", &|_| ());
+    let bands = Study::new(&setup, &phi, &settings)?.run_in(&job, "bands");
     job.finish()?;
 
     // A part has no results.

@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let key = StreamKey { seed: 1, experiment: 0 };
     // 400 steps, 40 times, 10⁵ paths.
     let settings = StudySettings::new(400, 40, 100_000, Truncation::new(4)?, key);
-    let result = study(&Setup::of(&problem, &Sexp), &observables, &settings, &|_| ())?;
+    let result = Study::new(&Setup::of(&problem, &Sexp), &observables, &settings)?.run();
 
     let y1 = result.series("y1").ok_or("y1 is observed")?;
     for point in y1.points.iter().step_by(10) {

@@ -26,7 +26,7 @@
 //!   [`Problem`](systems::Problem).
 //! - [`schemes`]: [`Sexp`](schemes::Sexp) and its peers; [`Explicit`](schemes::Explicit) and
 //!   [`Implicit`](schemes::Implicit) for your own.
-//! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`study`](mc::study()),
+//! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`Study`](mc::Study),
 //!   [`Ladder`](mc::Ladder) and [`Expect`](mc::Expect).
 //! - [`analysis`]: [`inspect`](analysis::inspect()), [`strong_order`](analysis::strong_order),
 //!   [`weak_order`](analysis::weak_order), and [`compare`](analysis::compare()), which says which
@@ -47,7 +47,7 @@ pub mod prelude {
         Candidates, CompareSettings, InspectSettings, StepSizes, compare, inspect, strong_order,
     };
     pub use mc::{
-        Observable, Setup, Simulation, StateFunction, StudySettings, bind, study, write_csv,
+        Observable, Setup, Simulation, StateFunction, Study, StudySettings, bind, write_csv,
     };
     pub use noise::{StreamKey, Truncation};
     pub use real::Real;

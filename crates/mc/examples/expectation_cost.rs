@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             [("by parts", Expect::by_parts(&problem)), ("in general", Expect::new(&problem))]
         {
             let start = Instant::now();
-            let found = expect.run(&[&cos_y3], accuracy, &|_| ())?;
+            let found = expect.run(&[&cos_y3], accuracy)?;
             let (seconds, estimate) = (start.elapsed().as_secs_f64(), &found.estimates[0]);
             println!(
                 "{name}, {accuracy:.0e}: {} path-steps, {seconds:.2} s, {} ± {:e}, off by {:+.1e}",

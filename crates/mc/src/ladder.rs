@@ -110,6 +110,7 @@ pub struct Ladder<'a> {
     driver: Driver<'a>,
     /// Bytes of stack for a group.
     stack: usize,
+    progress: Box<dyn Fn(u64) + Sync + 'a>,
 }
 
 /// The sums of some paths.
@@ -211,7 +212,7 @@ impl<'a> Ladder<'a> {
         driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
         let stack = runs.iter().map(|run| run.scheme.stack()).max().unwrap_or(0);
         driver.runs = runs;
-        Ok(Self { driver, stack })
+        Ok(Self { driver, stack, progress: Box::new(|_| ()) })
     }
 
     /// Computes a random time along each path, see [`TimeChange`].
@@ -242,6 +243,18 @@ impl<'a> Ladder<'a> {
         self
     }
 
+    /// Calls `progress` from any thread with the number of path-steps done since its last call.
+    #[must_use]
+    pub fn telling(mut self, progress: impl Fn(u64) + Sync + 'a) -> Self {
+        self.progress = Box::new(progress);
+        self
+    }
+
+    /// Says that so many path-steps are done.
+    pub(crate) fn tell(&self, path_steps: u64) {
+        (self.progress)(path_steps);
+    }
+
     /// The step size of a level.
     pub fn tau(&self, level: usize) -> f64 {
         self.driver.tau(level)
@@ -266,19 +279,13 @@ impl<'a> Ladder<'a> {
     /// Advances the paths 0 to `samples` − 1 in parallel on the current rayon pool. The results are
     /// the same bits for any number of threads.
     ///
-    /// `new` creates an empty statistic. `progress` is called from any thread with the number of
-    /// path-steps done since its last call.
+    /// `new` creates an empty statistic.
     ///
     /// # Panics
     /// If a thread with a larger stack cannot be started, see [`runs_on_pool`](Self::runs_on_pool),
     /// or if there is no memory for the noise of a group.
-    pub fn run<T: Statistic>(
-        &self,
-        samples: u64,
-        new: impl Fn() -> T + Sync,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Measured<T> {
-        self.run_until(&Stop::default(), 0, samples, new, progress)
+    pub fn run<T: Statistic>(&self, samples: u64, new: impl Fn() -> T + Sync) -> Measured<T> {
+        self.run_until(&Stop::default(), 0, samples, new)
     }
 
     /// Advances `samples` paths from path number `first` on, like [`run`](Self::run). They end
@@ -292,10 +299,12 @@ impl<'a> Ladder<'a> {
         first: u64,
         samples: u64,
         new: impl Fn() -> T + Sync,
-        progress: &(dyn Fn(u64) + Sync),
     ) -> Measured<T> {
         let compute = |group| {
-            let (statistic, tally) = self.group(first, samples, group, &new, progress, stop);
+            if stop.is_asked() {
+                return None;
+            }
+            let (statistic, tally) = self.group(first, samples, group, &new, stop);
             Some((statistic, tally.unwrap_or_else(|cut_short| cut_short)))
         };
         let mut tree = MergeTree::new(merge);
@@ -317,10 +326,9 @@ impl<'a> Ladder<'a> {
         name: &str,
         samples: u64,
         new: impl Fn() -> T + Sync,
-        progress: &(dyn Fn(u64) + Sync),
     ) -> Option<Measured<T>> {
         let (paths, study) = (samples, OnceLock::new());
-        let work = Work { name, paths, ladder: self, study, new: &new, progress, stop: job.stop() };
+        let work = Work { name, paths, ladder: self, study, new: &new, stop: job.stop() };
         let nodes = job.collect(work)?;
         let mut tree = MergeTree::new(merge);
         nodes.into_iter().for_each(|node| tree.push(node));
@@ -334,10 +342,9 @@ impl<'a> Ladder<'a> {
         paths: u64,
         groups: Range<u64>,
         new: &(dyn Fn() -> T + Sync),
-        progress: &(dyn Fn(u64) + Sync),
     ) -> Nodes<T> {
         let compute = |group| {
-            let (statistic, tally) = self.group(0, paths, group, new, progress, stop);
+            let (statistic, tally) = self.group(0, paths, group, new, stop);
             tally.ok().map(|tally| (statistic, tally))
         };
         let mut tree = MergeTree::new(merge);
@@ -366,7 +373,6 @@ impl<'a> Ladder<'a> {
         samples: u64,
         group: u64,
         new: &dyn Fn() -> T,
-        progress: &(dyn Fn(u64) + Sync),
         stop: &Stop,
     ) -> (T, Result<Tally, Tally>) {
         let offset = group * GROUP_PATHS;
@@ -374,7 +380,7 @@ impl<'a> Ladder<'a> {
         let mut statistic = new();
         let mut observe = |view: &View<'_>| statistic.observe(view);
         let tally = on_stack(self.stack, || {
-            self.driver.march(first + offset, paths, &mut observe, progress, stop)
+            self.driver.march(first + offset, paths, &mut observe, &*self.progress, stop)
         });
         (statistic, tally)
     }

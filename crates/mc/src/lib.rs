@@ -35,7 +35,7 @@
 //! let runs = vec![Run::new(sexp.clone(), 0), Run::new(sexp, 3), Run::new(em, 3)];
 //! let key = StreamKey { seed: 1, experiment: 1 };
 //! let ladder = Ladder::new(&mc::Problem::of(&problem), 256, 3, Truncation::new(4)?, key, runs)?;
-//! let [sexp, em] = ladder.run(64, Errors::default, &|_| ()).statistic.0;
+//! let [sexp, em] = ladder.run(64, Errors::default).statistic.0;
 //! assert!(sexp < 0.1 * em);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -90,4 +90,4 @@ pub use noise_source::{NextNoise, NoiseSource};
 pub use observable::{Observable, Observe, StateFunction};
 pub use setup::{Coefficients, ConformalLaw, Initial, Problem, Run, Setup, bind, bind_owned};
 pub use simulation::{Column, NoiseOrigin, Simulation, TimeSeries, quoted, write_csv};
-pub use study::{Study, StudyResult, StudySettings, study};
+pub use study::{Study, StudyResult, StudySettings};

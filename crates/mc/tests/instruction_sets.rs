@@ -25,9 +25,9 @@ fn an_expectation_has_the_same_bits_on_every_instruction_set() {
         pool.install(|| {
             let run_time = Expect::at_run_time(&at_run_time).unwrap();
             [
-                Expect::by_parts(&problem).run(&[&phi], 2e-4, &|_| ()).unwrap(),
-                Expect::new(&problem).run(&[&phi], 2e-4, &|_| ()).unwrap(),
-                run_time.run(&[&phi], 2e-4, &|_| ()).unwrap(),
+                Expect::by_parts(&problem).run(&[&phi], 2e-4).unwrap(),
+                Expect::new(&problem).run(&[&phi], 2e-4).unwrap(),
+                run_time.run(&[&phi], 2e-4).unwrap(),
             ]
         })
     };

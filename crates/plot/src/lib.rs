@@ -1,7 +1,7 @@
 //! **Figures and pages of numerical experiments, for anybody's program.**
 //!
-//! [`figure`] draws as SVG, [`Document`] makes an HTML page of one file, [`files`]
-//! writes whole files or none, [`under_bar`] shows progress.
+//! [`figure`] draws as SVG, [`Document`] makes an HTML page of one file, [`files`] writes whole
+//! files or none.
 //!
 //! The figures are written as SVG without a library such as plotters: it rounds coordinates to
 //! integers, dashes one by one, and has no indices and exponents in the font of a text. A page of
@@ -14,11 +14,9 @@
 //! | [`Document`] | HTML pages of one file |
 //! | [`files`] | whole files, folders that are checked before the computing |
 //! | [`provenance`], [`Provenance`] | commit, compiler, processor, command, memory |
-//! | [`under_bar`], [`under_words`] | progress on the terminal |
 //! | [`Label`] | indices and exponents in names of quantities |
 //! | [`escape()`] | text made safe for HTML and SVG |
 
-mod bars;
 mod document;
 mod escape;
 pub mod figure;
@@ -27,7 +25,6 @@ mod label;
 pub mod provenance;
 pub mod series;
 
-pub use bars::{under_bar, under_words};
 pub use document::Document;
 pub use escape::escape;
 pub use label::Label;

@@ -24,7 +24,7 @@ pub struct LotkaVolterra<const P: i32, const Q: i32> {
 }
 
 /// The largest degree P + Q of ∇H for which there are nodes.
-const MAX_DEGREE: i32 = 9;
+const MAX_DEGREE: i32 = 5;
 
 impl<const P: i32, const Q: i32> LotkaVolterra<P, Q> {
     // ∇H has degree P + Q, and n nodes are exact up to degree 2n − 1.
@@ -34,7 +34,7 @@ impl<const P: i32, const Q: i32> LotkaVolterra<P, Q> {
     const A: f64 = -Self::P / Self::Q;
 
     /// The system with ab = P and −b = Q, hence a = −P/Q, and the scale c of B. It does not compile
-    /// unless P ≥ 1, Q ≥ 1 and P + Q ≤ 9.
+    /// unless P ≥ 1, Q ≥ 1 and P + Q ≤ 5.
     ///
     /// # Errors
     /// [`SystemError::Parameter`] unless c is finite.
@@ -42,7 +42,7 @@ impl<const P: i32, const Q: i32> LotkaVolterra<P, Q> {
         const {
             assert!(
                 P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE,
-                "exponents must be positive, with P + Q at most 9"
+                "exponents must be positive, with P + Q at most 5"
             )
         };
         Ok(Self { c: finite("the scale c", c)? })
@@ -108,9 +108,7 @@ impl<const P: i32, const Q: i32> PoissonSystem<3, 1> for LotkaVolterra<P, Q> {
         // The compiler decides the branch.
         let mean = match Self::NODES {
             2 => averaged::<2, R, _, 3>(&field, a, b),
-            3 => averaged::<3, R, _, 3>(&field, a, b),
-            4 => averaged::<4, R, _, 3>(&field, a, b),
-            _ => averaged::<5, R, _, 3>(&field, a, b),
+            _ => averaged::<3, R, _, 3>(&field, a, b),
         };
         Self::scaled(mean, dt + dw[0])
     }
@@ -148,6 +146,5 @@ impl<const P: i32, const Q: i32> PoissonSystem<3, 1> for LotkaVolterra<P, Q> {
         }
     }
 
-    const IMPLICIT_STEP: ImplicitStep =
-        if Self::NODES <= 3 { ImplicitStep::UnrolledFixedPoint } else { ImplicitStep::FixedPoint };
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }

@@ -131,7 +131,7 @@ fn measure(of: &str, setup: &Setup<'_>, workload: Workload) -> Result<Value> {
     let ladder = Ladder::new(problem, steps, levels, truncation(), KEY, runs)?;
     let state = |view: &View<'_>, rows: &mut [real::Row]| rows.copy_from_slice(view.state(0));
     let new = || FinalMoments::new(ladder.coarse_steps(), problem.y0.len(), &state);
-    let once = || black_box(ladder.run(paths, new, &|_| ())).failed;
+    let once = || black_box(ladder.run(paths, new)).failed;
     // Sets the mark of the peak back to what is in use now, where the system lets us.
     let forgotten = fs::write("/proc/self/clear_refs", "5").is_ok();
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();

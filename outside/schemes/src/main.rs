@@ -81,7 +81,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// Time of 512 paths.
 fn seconds(ladder: &Ladder<'_>) -> f64 {
     let start = Instant::now();
-    black_box(ladder.run(512, || Nothing, &|_| ()).failed);
+    black_box(ladder.run(512, || Nothing).failed);
     start.elapsed().as_secs_f64()
 }
 

@@ -2,12 +2,9 @@
 
 use std::sync::Arc;
 
-use mc::{Setup, bind_owned};
+use mc::bind_owned;
 use schemes::{BuiltIn, Method, Scheme, SchemeError};
-use systems::{
-    PoissonSystem, Problem,
-    run_time::{Compiled, Problem as RunTimeProblem},
-};
+use systems::{PoissonSystem, Problem, run_time::Compiled};
 
 use crate::facts::{Form, casimirs_around};
 
@@ -64,21 +61,16 @@ impl<'a> Candidates<'a> {
         }
     }
 
-    /// All [built-in schemes](BuiltIn) for a system known at run time; with Lévy areas only if the
-    /// noises do not commute and Jacobi's identity was shown.
+    /// All [built-in schemes](BuiltIn) that `bind` makes; with Lévy areas only if it makes them and
+    /// the noises do not commute.
     ///
-    /// The reference is [`SexpLevy`](schemes::SexpLevy); without the identity it is
+    /// The reference is [`SexpLevy`](schemes::SexpLevy); without areas it is
     /// [`Sexp`](schemes::Sexp), which is of strong order ½ as all other schemes are, and needs many
     /// steps for an error that is small beside theirs.
     ///
     /// # Errors
-    /// Those of [`Setup::at_run_time`].
-    pub fn at_run_time(problem: &'a RunTimeProblem) -> Result<Self, SchemeError> {
-        Self::built_in(|id| Ok(Setup::owning(problem, id.at_run_time(problem.system())?)?.scheme))
-    }
-
-    /// The schemes that are for the system.
-    fn built_in(
+    /// Those of [`Sexp`](schemes::Sexp), or if there is no memory.
+    pub fn built_in(
         bind: impl Fn(BuiltIn) -> Result<Arc<dyn Method + 'a>, SchemeError>,
     ) -> Result<Self, SchemeError> {
         let mut all = Self::against(bind(BuiltIn::SexpLevy).or_else(|_| bind(BuiltIn::Sexp))?);

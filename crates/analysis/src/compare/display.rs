@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Stopped};
-use crate::number;
+use crate::{aligned, number};
 
 /// The head of the table.
 const HEAD: [&str; 5] = ["scheme", "steps", "error, 95 %", "cost", "Casimirs"];
@@ -150,13 +150,9 @@ impl fmt::Display for Comparison {
             _ => None,
         };
         let rows = candidates.iter().map(|one| one.row(taken.map(|[_, cheapest]| cheapest)));
-        let rows: Vec<_> = [HEAD.map(str::to_owned)].into_iter().chain(rows).collect();
-        let width = |c: usize| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0);
-        let widths: [usize; 5] = std::array::from_fn(width);
-        for row in &rows {
-            let cells = row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}"));
-            writeln!(f, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end())?;
-        }
+        let rows = [HEAD.map(str::to_owned)].into_iter().chain(rows).map(Vec::from);
+        let table = aligned(&rows.collect::<Vec<_>>());
+        table.lines().try_for_each(|line| writeln!(f, "  {line}"))?;
         write!(f, "  ≈: extrapolated; about: the reference is not exact enough")?;
         if candidates.iter().any(|one| one.asked < self.wanted) {
             write!(f, "\n  with Lévy areas: nearly exact ones, so half of the error is asked")?;

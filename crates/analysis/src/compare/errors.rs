@@ -113,7 +113,7 @@ impl<'a> Search<'a> {
         let key = self.key(0);
         let ladder = Ladder::new(problem, base << finest, top, settings.truncation, key, runs)?;
         let new = || FinalMoments::new(ladder.coarse_steps(), length, &values);
-        let measured = ladder.run_until(stop, 0, plan.samples, new, &|_| ());
+        let measured = ladder.run_until(stop, 0, plan.samples, new);
         let moments = measured.statistic.moments;
 
         let rms = |index: usize| moments.mean(index).sqrt();

@@ -11,7 +11,7 @@ use mc::{Ladder, LadderError, Run, Setup, View, parts::Stop};
 use schemes::Method;
 
 use super::{Outcome, search::Search};
-use crate::{FinalMoments, Limit, StepSizes, orders::single_steps};
+use crate::{FinalMoments, Limit, StepSizes, Stopwatch, orders::single_steps};
 
 /// Paths of a pilot.
 const PATHS: u64 = 64;
@@ -43,14 +43,14 @@ impl Known {
             let ladder = Ladder::new(problem, steps, 0, truncation, search.key(1), runs)?;
             let nothing = |_: &View<'_>, _: &mut [_]| ();
             let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
-            let failures = ladder.run_until(stop, 0, PATHS, new, &|_| ()).failures;
+            let failures = ladder.run_until(stop, 0, PATHS, new).failures;
             if let Some(failure) = failures.first() {
                 excluded = Outcome::Fails(failure.to_string());
             } else if !stop.is_asked() {
                 let sizes = StepSizes::new(steps, truncation, search.key(1));
-                let sizes = StepSizes { levels: 1, ..sizes };
+                let sizes = StepSizes { levels: 1, stop: stop.clone(), ..sizes };
                 let setup = Setup { problem: problem.clone(), scheme: Arc::clone(scheme) };
-                let excluded = match single_steps(&setup, &sizes, stop)? {
+                let excluded = match single_steps(&setup, &sizes)? {
                     Limit::Inconsistent { defect } => Some(Outcome::Inconsistent(defect)),
                     _ => None,
                 };
@@ -74,16 +74,21 @@ impl Known {
     }
 }
 
-/// Does something that ends after so many seconds.
-pub fn within<R>(seconds: f64, work: impl FnOnce(&Stop) -> R) -> R {
+/// How often a wish is seen.
+const OFTEN: Duration = Duration::from_millis(20);
+
+/// Does something that ends after so many seconds, or when the end is asked for.
+pub fn within<R>(seconds: f64, asked: &Stop, work: impl FnOnce(&Stop) -> R) -> R {
     let (stop, (done, ended)) = (Stop::default(), mpsc::channel::<()>());
     thread::scope(|scope| {
-        let wish = stop.clone();
+        let (wish, watch) = (stop.clone(), Stopwatch::start());
         scope.spawn(move || {
-            let seconds = Duration::try_from_secs_f64(seconds).unwrap_or_default();
-            if ended.recv_timeout(seconds) == Err(mpsc::RecvTimeoutError::Timeout) {
-                wish.now();
+            while watch.wall_s() < seconds && !asked.is_asked() {
+                if ended.recv_timeout(OFTEN) != Err(mpsc::RecvTimeoutError::Timeout) {
+                    return;
+                }
             }
+            wish.now();
         });
         let result = work(&stop);
         drop(done);

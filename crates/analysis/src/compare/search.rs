@@ -69,7 +69,10 @@ impl<'a> Search<'a> {
     }
 
     fn left_s(&self) -> f64 {
-        (self.settings.budget_s - self.watch.wall_s()).max(0.0)
+        match self.settings.stop.is_asked() {
+            true => 0.0,
+            false => (self.settings.budget_s - self.watch.wall_s()).max(0.0),
+        }
     }
 
     pub fn run(self) -> Result<Comparison, CompareError> {
@@ -77,7 +80,7 @@ impl<'a> Search<'a> {
         // So many pilots share a third of the time left.
         let known = |scheme: &Arc<dyn Method + 'a>, waiting: usize| {
             let seconds = self.left_s() / (3 * waiting) as f64;
-            within(seconds, |stop| Known::new(scheme, &self, stop))
+            within(seconds, &settings.stop, |stop| Known::new(scheme, &self, stop))
         };
         let reference = known(&candidates.reference, 2)?;
         if let Some(Outcome::Fails(failure)) = reference.excluded {
@@ -88,14 +91,15 @@ impl<'a> Search<'a> {
         let all = candidates.schemes.iter().zip((1..=candidates.schemes.len()).rev());
         let all: Vec<Known> =
             all.map(|(scheme, waiting)| known(scheme, waiting)).collect::<Result<_, _>>()?;
-        let (found, cut) =
-            within(ERRORS * self.left_s(), |stop| self.errors(&all, &reference, stop))?;
+        let (found, cut) = within(ERRORS * self.left_s(), &settings.stop, |stop| {
+            self.errors(&all, &reference, stop)
+        })?;
         let Errors { sampled, of_reference, mut points } = found.unwrap_or_else(|| Errors {
             sampled: Sampled::default(),
             of_reference: f64::INFINITY,
             points: vec![Vec::new(); all.len()],
         });
-        within(self.left_s(), |stop| self.time(&mut points, stop))?;
+        within(self.left_s(), &settings.stop, |stop| self.time(&mut points, stop))?;
         let cut = cut || all.iter().any(|known| known.excluded == Some(Outcome::NotMeasured));
         let steps = points.iter().flatten().map(|point| point.steps).max().unwrap_or(0);
         let damped = problem.damping.integral(0.0, problem.t_end) != 0.0;
@@ -226,7 +230,7 @@ impl<'a> Search<'a> {
                     let paths = PATH_STEPS.div_ceil(PATHS * point.steps).max(1) * PATHS;
                     let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
                     let watch = Stopwatch::start();
-                    black_box(ladder.run_until(stop, 0, paths, new, &|_| ()));
+                    black_box(ladder.run_until(stop, 0, paths, new));
                     if stop.is_asked() {
                         return;
                     }

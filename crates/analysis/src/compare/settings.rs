@@ -1,10 +1,10 @@
 //! What is asked of a comparison.
 
-use mc::LadderError;
+use mc::{LadderError, parts::Stop};
 use noise::{StreamKey, Truncation};
 
 /// What is wanted of a comparison, and what it may cost.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct CompareSettings {
     /// The wanted strong error, (E|y_N − y(T)|²)^½.
     pub error: f64,
@@ -16,6 +16,8 @@ pub struct CompareSettings {
     pub truncation: Truncation,
     /// Which noise. Comparisons use this experiment and the next two.
     pub key: StreamKey,
+    /// Ends the comparison early, as if the time were over.
+    pub stop: Stop,
 }
 
 /// Paths without which there are no intervals.
@@ -58,7 +60,7 @@ pub enum CompareError {
 impl CompareSettings {
     /// An error, on this noise: 256 paths, a minute.
     pub fn new(error: f64, truncation: Truncation, key: StreamKey) -> Self {
-        Self { error, budget_s: 60.0, samples: 256, truncation, key }
+        Self { error, budget_s: 60.0, samples: 256, truncation, key, stop: Stop::default() }
     }
 
     /// Refuses what cannot be done.

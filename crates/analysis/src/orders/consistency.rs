@@ -10,8 +10,8 @@
 //! A law is the right one, whatever the paths, if the covariance of a step replaces its noise:
 //! |Eδ| = o(τ) and |E[ΔyΔyᵀ] − Σ fₘfₘᵀτ| = o(τ) (Milstein, *Theory Probab. Appl.* 30, 1986).
 
-use mc::{Coefficients, Setup, parts::Stop};
-use noise::{StepNoise, StreamKey, WienerRows};
+use mc::{Coefficients, Setup};
+use noise::{StepNoise, WienerRows};
 use real::{PathMask, WIDTH};
 use schemes::Step;
 
@@ -36,14 +36,8 @@ const STAYS: f64 = 0.1;
 
 /// Compares steps from these states with the coefficients of the equation, for paths or for their
 /// law alone: the limit is consistent, inconsistent or unchecked. It is unchecked where steps fail
-/// or `stop` asks for the end.
-pub fn consistency(
-    setup: &Setup<'_>,
-    sizes: &StepSizes,
-    visits: &[Visit],
-    law: bool,
-    stop: &Stop,
-) -> Limit {
+/// or it is stopped.
+pub fn consistency(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit], law: bool) -> Limit {
     let of = |visit| Known { visit, at: (setup.problem.coefficients)(visit.t, &visit.state) };
     let visits = visits.iter().take(VISITS).map(of);
     let (visits, mut steps) = (visits.collect::<Vec<_>>(), Steps::new(setup));
@@ -52,8 +46,8 @@ pub fn consistency(
     let (mut drift, mut noise, mut motion) = (Vec::new(), Vec::new(), 0.0f64);
     for scale in 0..SCALES {
         let tau = coarsest * f64::powi(0.25, scale);
-        let found = errors(&mut steps, sizes.key, &visits, tau, stop);
-        if stop.is_asked() {
+        let found = errors(&mut steps, sizes, &visits, tau);
+        if sizes.stop.is_asked() {
             return Limit::Unchecked;
         }
         let Some(errors) = found else { continue };
@@ -124,10 +118,9 @@ struct Known<'a> {
 /// Errors of steps from these states; `None` if a tenth of the steps fail, or y = 0.
 fn errors(
     steps: &mut Steps<'_>,
-    key: StreamKey,
+    sizes: &StepSizes,
     visits: &[Known<'_>],
     tau: f64,
-    stop: &Stop,
 ) -> Option<Errors> {
     let problem = &steps.setup.problem;
     let (mut drift, mut noise, mut covariance, mut motion) = (0.0, 0.0, 0.0, 0.0);
@@ -137,14 +130,14 @@ fn errors(
     let mut increments: Vec<Vec<f64>> = std::iter::once(Vec::new()).chain(signed).collect();
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
         let mut normals = StepNoise::zero(problem.noises);
-        let mut wiener = WienerRows::new(key, block * WIDTH as u64);
+        let mut wiener = WienerRows::new(sizes.key, block * WIDTH as u64);
         wiener.increments(tau.sqrt(), &mut normals.increments);
         for (p, Known { visit: Visit { t, state: y }, at }) in visits.iter().enumerate() {
             let Coefficients { drift: field, correction, noises: b } = at;
             let step = Step::new(problem.damping, (t / tau).round() as u64, tau).ok()?;
             let coefficient = |i: usize| field[i] + correction[i] - step.rate_at_start * y[i];
             let a: Vec<f64> = (0..y.len()).map(coefficient).collect();
-            if stop.is_asked() {
+            if sizes.stop.is_asked() {
                 return None;
             }
             increments[0] = normals.increments.iter().map(|row| row[p]).collect();
@@ -301,7 +294,8 @@ mod tests {
         });
         let damping = valid(Constant::new(0.5));
         let problem = valid(Problem::new(Anything, damping, [3.0, 4.0], 2.0));
-        let key = StreamKey { seed: 1, experiment: 1 };
+        let key = noise::StreamKey { seed: 1, experiment: 1 };
+        let sizes = StepSizes::new(4, noise::Truncation::none(), key);
         let good = || Visit { t: 0.0, state: vec![3.0, 4.0] };
         let failing = || Visit { t: 0.0, state: vec![-3.0, 4.0] };
         let setup = Setup::of(&problem, &scheme);
@@ -309,7 +303,7 @@ mod tests {
             let visits = [vec![good(); good_ones], others.to_vec()].concat();
             let at = |visit: &Visit| (setup.problem.coefficients)(visit.t, &visit.state);
             let known = visits.iter().map(|visit| Known { visit, at: at(visit) });
-            errors(&mut Steps::new(&setup), key, &known.collect::<Vec<_>>(), 0.25, &Stop::default())
+            errors(&mut Steps::new(&setup), &sizes, &known.collect::<Vec<_>>(), 0.25)
         };
         let found = of(2, &[]).unwrap();
         let close = |found: f64, exact: f64| {
@@ -329,10 +323,9 @@ mod tests {
         assert!(of(8, &[failing()]).is_none());
         assert!(of(0, &[Visit { t: 0.0, state: vec![0.0; 2] }]).is_none());
         // The drift is wrong by a tenth of |y|, told to an eighth; without it, the noise is wrong.
-        let sizes = StepSizes::new(4, noise::Truncation::none(), key);
         let told = |scheme: &Single| {
             let setup = Setup::of(&problem, scheme);
-            consistency(&setup, &sizes, &vec![good(); 4], false, &Stop::default())
+            consistency(&setup, &sizes, &vec![good(); 4], false)
         };
         let Limit::Inconsistent { defect: part } = told(&scheme) else {
             panic!("{:?}", told(&scheme))

@@ -30,7 +30,7 @@ mod steps;
 mod tests;
 mod within;
 
-use mc::{LadderError, Setup, parts::Stop};
+use mc::{LadderError, Setup};
 use stats::{Point, Rate};
 
 pub use decision::{Decision, More};
@@ -73,12 +73,8 @@ impl Order {
 }
 
 /// Compares single steps of the scheme with the coefficients of the equation as τ → 0, at states
-/// that its paths visit, until `stop` asks for the end.
-pub(crate) fn single_steps(
-    setup: &Setup<'_>,
-    sizes: &StepSizes,
-    stop: &Stop,
-) -> Result<Limit, LadderError> {
-    let visits = runs::visits(setup, sizes, consistency::VISITS as u64, stop)?;
-    Ok(consistency::consistency(setup, sizes, &visits, false, stop))
+/// that its paths visit.
+pub(crate) fn single_steps(setup: &Setup<'_>, sizes: &StepSizes) -> Result<Limit, LadderError> {
+    let visits = runs::visits(setup, sizes, consistency::VISITS as u64)?;
+    Ok(consistency::consistency(setup, sizes, &visits, false))
 }

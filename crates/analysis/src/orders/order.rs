@@ -1,6 +1,6 @@
 //! Strong and weak orders.
 
-use mc::{LadderError, Observe, Setup, View, parts::Stop};
+use mc::{LadderError, Observe, Setup, View};
 use real::{PathMask, Row, WIDTH};
 use stats::{
     Against, CrossMoments, Expansion, Point, fit_strong, fit_weak, lower_share, root_mean_squares,
@@ -109,7 +109,7 @@ fn once(
         }
     };
     let measured = |samples| {
-        let sizes = StepSizes { samples, ..*sizes };
+        let sizes = StepSizes { samples, ..sizes.clone() };
         measure(setup, &sizes, exact.map(|exact| exact.time_change), number - 1 + weak, &values)
     };
     let mut measurement = measured(sizes.samples.min(FEW))?;
@@ -121,10 +121,10 @@ fn once(
     if 10 * failed > paths {
         return Ok(failing(&measurement.failures, [failed, paths]));
     }
-    let visits = visits(setup, sizes, VISITS, &Stop::default())?;
+    let visits = visits(setup, sizes, VISITS)?;
     let limit = match exact {
         Some(_) => weak_limit(&moments),
-        None => consistency(setup, sizes, &visits, weak > 0, &Stop::default()),
+        None => consistency(setup, sizes, &visits, weak > 0),
     };
     let taus = sizes.taus(setup.problem.t_end);
     let (points, mut rate, one_step, mut decision);

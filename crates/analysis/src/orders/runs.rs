@@ -3,10 +3,7 @@
 
 use std::sync::Arc;
 
-use mc::{
-    Ladder, LadderError, Measured, PathFailure, Run, Setup, Statistic, TimeChange, View,
-    parts::Stop,
-};
+use mc::{Ladder, LadderError, Measured, PathFailure, Run, Setup, Statistic, TimeChange, View};
 
 use super::{
     Limit, Order, StepSizes,
@@ -30,7 +27,7 @@ pub fn measure<'a>(
         ladder = ladder.with_time_change(time_change);
     }
     let none = || FinalMoments::new(ladder.coarse_steps(), length, values);
-    Ok(ladder.run(sizes.samples, none, &|_| ()))
+    Ok(ladder.run_until(&sizes.stop, 0, sizes.samples, none))
 }
 
 /// What is said where so many of all paths failed: the rest says little about the scheme.
@@ -56,14 +53,13 @@ pub fn visits(
     Setup { problem, scheme }: &Setup<'_>,
     sizes: &StepSizes,
     paths: u64,
-    stop: &Stop,
 ) -> Result<Vec<Visit>, LadderError> {
     let steps = sizes.coarsest_steps << (sizes.levels - 1);
     let runs = vec![Run::new(Arc::clone(scheme), 0)];
     let ladder = Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?;
     let tau = problem.t_end / steps as f64;
     let none = || Visits { steps, tau, visits: Vec::new() };
-    let mut visits = ladder.run_until(stop, 0, paths, none, &|_| ()).statistic.visits;
+    let mut visits = ladder.run_until(&sizes.stop, 0, paths, none).statistic.visits;
     if visits.is_empty() {
         visits.push(Visit { t: 0.0, state: problem.y0.clone() });
     }

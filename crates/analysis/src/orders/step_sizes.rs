@@ -1,12 +1,12 @@
 //! Step sizes, paths and noise of a measurement.
 
-use mc::{DampingResolution, LadderError, Setup};
+use mc::{DampingResolution, LadderError, Setup, parts::Stop};
 use noise::{StreamKey, Truncation};
 
 /// Step sizes, paths and noise of a measurement of an order.
 ///
 /// [`StepSizes::new`] has cheap defaults.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct StepSizes {
     /// Number of the coarsest steps on [0, T].
     pub coarsest_steps: u64,
@@ -22,6 +22,8 @@ pub struct StepSizes {
     pub key: StreamKey,
     /// Path-steps of all measurements together, see [`within`](Self::within).
     pub path_steps: u64,
+    /// Ends the measurement early: what it gives is then of no use.
+    pub stop: Stop,
 }
 
 /// The most step sizes: 2⁴⁸ steps would take years.
@@ -32,7 +34,8 @@ impl StepSizes {
     /// each of the coarsest.
     pub fn new(coarsest_steps: u64, truncation: Truncation, key: StreamKey) -> Self {
         let (levels, refinement, samples, path_steps) = (5, 2, 1000, 0);
-        Self { coarsest_steps, levels, refinement, samples, truncation, key, path_steps }
+        let stop = Stop::default();
+        Self { coarsest_steps, levels, refinement, samples, truncation, key, path_steps, stop }
     }
 
     /// Measures again with more paths or finer steps, whatever would decide, until an order is

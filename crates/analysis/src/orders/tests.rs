@@ -148,13 +148,16 @@ fn step_sizes_halve_down_to_the_reference() {
     // One run at the finest size and its halves: twice the reference.
     assert_eq!(sizes.cost(), 160 * sizes.samples);
     let allowed = |sizes: StepSizes| sizes.check(1).is_ok();
-    assert!(allowed(sizes) && allowed(StepSizes { levels: 46, coarsest_steps: 1, ..sizes }));
-    assert!(!allowed(StepSizes { levels: 47, coarsest_steps: 1, ..sizes }));
-    assert!(!allowed(StepSizes { levels: 0, ..sizes }));
-    assert!(!allowed(StepSizes { coarsest_steps: 0, ..sizes }));
+    assert!(
+        allowed(sizes.clone())
+            && allowed(StepSizes { levels: 46, coarsest_steps: 1, ..sizes.clone() })
+    );
+    assert!(!allowed(StepSizes { levels: 47, coarsest_steps: 1, ..sizes.clone() }));
+    assert!(!allowed(StepSizes { levels: 0, ..sizes.clone() }));
+    assert!(!allowed(StepSizes { coarsest_steps: 0, ..sizes.clone() }));
     // Sixteen times as many steps, and twice that, fit 64 bits.
-    assert!(allowed(StepSizes { coarsest_steps: 1 << 58, ..sizes }));
-    assert!(!allowed(StepSizes { coarsest_steps: 1 << 59, ..sizes }));
+    assert!(allowed(StepSizes { coarsest_steps: 1 << 58, ..sizes.clone() }));
+    assert!(!allowed(StepSizes { coarsest_steps: 1 << 59, ..sizes.clone() }));
     assert!(sizes.check(5).is_ok() && sizes.check(6).is_err());
 }
 

@@ -10,11 +10,12 @@ pub fn within(
     sizes: &StepSizes,
     measure: &dyn Fn(&StepSizes) -> Result<Order, LadderError>,
 ) -> Result<Order, LadderError> {
-    let (mut sizes, mut spent) = (*sizes, 0u64);
+    let (mut sizes, mut spent) = (sizes.clone(), 0u64);
     loop {
         let order = measure(&sizes)?;
         spent = spent.saturating_add(sizes.cost());
         match order.decision {
+            _ if sizes.stop.is_asked() => return Ok(order),
             Decision::Undecided { more: More::Paths, .. } => {
                 sizes.samples = sizes.samples.saturating_mul(4);
             }

@@ -106,7 +106,7 @@ fn intervals_contain_the_strong_errors_that_are_known() {
 #[test]
 fn all_schemes_are_compared_and_the_choice_is_in_words() {
     let problem = kubo(OMEGA, SIGMA);
-    let all = Candidates::at_run_time(&problem).unwrap();
+    let all = at_run_time(&problem);
     let of = |seed| {
         compare(&mc::Problem::at_run_time(&problem), &all, &settings(0.02, seed), &|_, _| ())
             .unwrap()
@@ -208,9 +208,14 @@ fn a_wrong_scheme_is_not_recommended_and_a_wrong_reference_is_named() {
     assert!(matches!(refused, CompareError::Reference { .. }), "{refused}");
 }
 
+fn at_run_time(problem: &Problem) -> Candidates<'_> {
+    let bind = |id: BuiltIn| Ok(Setup::owning(problem, id.at_run_time(problem.system())?)?.scheme);
+    Candidates::built_in(bind).unwrap()
+}
+
 /// All schemes, in a budget of seconds.
 fn in_budget(problem: &Problem, error: f64, budget_s: f64) -> Comparison {
-    let all = Candidates::at_run_time(problem).unwrap();
+    let all = at_run_time(problem);
     let settings = CompareSettings { budget_s, samples: 128, ..settings(error, 1) };
     let found = compare(&mc::Problem::at_run_time(problem), &all, &settings, &|_, _| ()).unwrap();
     // A fifth and a second beside the budget.
@@ -300,11 +305,11 @@ fn bad_requests_are_refused_and_the_value_is_named() {
     };
     for error in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
         let words = format!("the wanted error must be positive and finite, got {error}");
-        assert_eq!(refused(CompareSettings { error, ..right }), words);
+        assert_eq!(refused(CompareSettings { error, ..right.clone() }), words);
     }
-    let message = refused(CompareSettings { budget_s: -2.0, ..right });
+    let message = refused(CompareSettings { budget_s: -2.0, ..right.clone() });
     assert_eq!(message, "the budget must be positive and finite, got -2");
-    let message = refused(CompareSettings { samples: 31, ..right });
+    let message = refused(CompareSettings { samples: 31, ..right.clone() });
     assert_eq!(message, "the number of paths must be at least 32, got 31");
     let none = compared(&problem, &Sexp, &[], &right).unwrap_err();
     assert_eq!(none.to_string(), "the number of schemes must be at least one, got 0");

@@ -228,13 +228,13 @@ fn a_damping_that_the_steps_do_not_resolve_leaves_orders_undecided() {
 fn a_budget_is_spent_until_the_order_is_decided() {
     let problem = kubo(1.0, 1.0);
     let few = StepSizes { samples: 32, levels: 3, refinement: 1, ..sizes(16, 1) };
-    let order = strong(&Sexp, &problem, &few.within(50_000_000));
+    let order = strong(&Sexp, &problem, &few.clone().within(50_000_000));
     assert_eq!(order.order(), Some(1.0), "{order}");
-    let once = [few.within(1), few].map(|sizes| strong(&Sexp, &problem, &sizes).decision);
+    let once = [few.clone().within(1), few].map(|sizes| strong(&Sexp, &problem, &sizes).decision);
     assert_eq!(once[0], once[1]);
     // The mean of q needs many paths where its differences are small.
     let few = StepSizes { samples: 250, levels: 4, refinement: 1, ..sizes(4, 1) };
-    let of = |budget: u64| weak(&Midpoint, &problem, &first(), &few.within(budget));
+    let of = |budget: u64| weak(&Midpoint, &problem, &first(), &few.clone().within(budget));
     assert_eq!(of(1).order(), None, "{}", of(1));
     assert_eq!(of(200_000_000).order(), Some(1.0), "{}", of(200_000_000));
     // Too few step sizes are refused.
@@ -315,4 +315,19 @@ fn errors_against_the_exact_solution_need_no_tail() {
         let (lo, hi) = (lo.unwrap(), hi.unwrap());
         assert!((value - lo - 1.96 * se).abs() < 1e-12 && (hi - value - 1.96 * se).abs() < 1e-12);
     }
+}
+
+/// A measurement of billions of path-steps ends when the end is asked for.
+#[test]
+fn a_measurement_can_be_stopped() {
+    let problem = kubo(1.0, 1.0);
+    let many = StepSizes { samples: 1 << 30, ..sizes(1024, 1) };
+    let stop = many.stop.clone();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            std::thread::sleep(std::time::Duration::from_millis(100));
+            stop.now();
+        });
+        assert_eq!(strong(&Sexp, &problem, &many).order(), None);
+    });
 }

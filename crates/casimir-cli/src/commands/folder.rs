@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use casimir::plot::files;
-
-use crate::failure::{Done, Failure};
+use casimir_cli::failure::{Done, Failure};
 
 /// The folder of results: the one asked for, or `<scene>-<command>` here; prepared.
 pub fn of(out: Option<PathBuf>, scene: &Path, command: &str) -> Done<PathBuf> {
@@ -23,7 +22,7 @@ pub fn named(out: Option<PathBuf>, scene: &Path, command: &str) -> PathBuf {
 pub fn prepare(folder: &Path) -> Done {
     if folder.exists() && !folder.is_dir() {
         let folder = folder.display();
-        return Err(Failure::run(format!("{folder} is a file: name a folder with --out")));
+        return Err(Failure::Run(format!("{folder} is a file: name a folder with --out")));
     }
     let replaces = folder.join(REPORT).exists();
     files::prepare(folder)?;

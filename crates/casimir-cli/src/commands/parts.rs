@@ -7,18 +7,19 @@ use std::{
 };
 
 use casimir::{
-    mc::parts::{Job, JobError, Share, Stop, merged_paths},
+    mc::parts::{Job, JobError, Share, merged_paths},
     plot::files,
 };
-use serde::{Deserialize, Serialize};
-
-use super::{Outcomes, Settled, folder, print, program, run, source, stop, threads};
-use crate::{
-    arguments::{Extend, Merge, Part, Plan},
+use casimir_cli::{
     failure::{Done, Failure},
     output::cluster::{JOB, Script},
     scene::{Changes, Sweep},
+    verbs::{self, Outcomes, Settled, Watch},
 };
+use serde::{Deserialize, Serialize};
+
+use super::{folder, print, program, run, source, stoppable, threads, watch};
+use crate::arguments::{Extend, Merge, Part, Plan};
 
 /// What is divided into parts: `plan.json` in the folder of the parts, beside the scene.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -51,7 +52,7 @@ impl Folder {
         let divided = text.and_then(|text| serde_json::from_slice::<Divided>(&text));
         let divided = divided.map_err(|error| {
             let file = file.display();
-            Failure::usage(format!(
+            Failure::Usage(format!(
                 "{file} does not say what its parts are: {error}; see casimir plan"
             ))
         })?;
@@ -64,9 +65,9 @@ impl Folder {
     }
 
     /// Does with a job what the folder is for; the results if there are some here.
-    fn compute(&self, job: &Job, stop: &Stop) -> Done<Outcomes<'_>> {
-        let ready = run::ready(&self.sweep, self.divided.settled.clone())?;
-        Ok(Outcomes { sweep: &self.sweep, results: run::compute(ready, job, stop)? })
+    fn compute(&self, job: &Job, watch: &Watch) -> Done<Outcomes<'_>> {
+        let ready = verbs::ready(&self.sweep, self.divided.settled.clone())?;
+        verbs::compute(&self.sweep, ready, job, watch)
     }
 }
 
@@ -76,7 +77,7 @@ pub fn plan(arguments: &Plan) -> Done {
     let sweep = Sweep::new(&source, &arguments.changes)?;
     if !sweep.combinations[0].scene.settings.is_study() {
         let message = "a few paths are not divided: take at least 100 `paths`, or `casimir run`";
-        return Err(Failure::usage(message));
+        return Err(Failure::Usage(message.into()));
     }
     Share::new(1, arguments.parts)?;
     let out = &arguments.out;
@@ -84,9 +85,9 @@ pub fn plan(arguments: &Plan) -> Done {
         let out = out.display();
         let message =
             format!("{out} has parts already: take another folder, or casimir extend {out}");
-        return Err(Failure::usage(message));
+        return Err(Failure::Usage(message));
     }
-    let settled = sweep.combinations.iter().map(|one| super::scheme(&one.scene)).collect();
+    let settled = sweep.combinations.iter().map(|one| verbs::scheme(&one.scene)).collect();
     folder::prepare(out)?;
     files::write(&out.join(SCENE), &source.text)?;
     if let Some(states) = &sweep.combinations[0].scene.settings.states {
@@ -98,7 +99,7 @@ pub fn plan(arguments: &Plan) -> Done {
     let divided = Divided { parts, changes, settled };
     let folder = Folder { folder: out.clone(), divided, sweep };
     let job = Job::pilot(MEASURED);
-    folder.compute(&job, &Stop::default())?;
+    folder.compute(&job, &watch())?;
     let planned = job.plan()?;
     folder.write()?;
     let (cpus, folder) = (arguments.cpus.max(1), fs::canonicalize(out)?);
@@ -133,12 +134,12 @@ pub fn part(arguments: &Part) -> Done {
     threads(arguments.threads)?;
     let folder = Folder::open(&arguments.folder)?;
     let share = Share::new(arguments.part, folder.divided.parts)?;
-    let stop = stop();
-    let job = Job::part(&folder.folder, share, program())?.stopped_by(&stop);
-    folder.compute(&job, &stop)?;
+    let watch = stoppable();
+    let job = Job::part(&folder.folder, share, program())?.stopped_by(&watch.stop);
+    folder.compute(&job, &watch)?;
     match job.finish() {
         Err(JobError::Stopped) => {
-            Err(Failure::stopped("the same command goes on from the checkpoint"))
+            Err(Failure::Stopped("the same command goes on from the checkpoint".into()))
         }
         finished => {
             finished?;
@@ -153,11 +154,11 @@ pub fn part(arguments: &Part) -> Done {
 /// Puts the parts together.
 pub fn merge(arguments: &Merge) -> Done {
     let folder = Folder::open(&arguments.folder)?;
-    let stop = stop();
-    let job = Job::merge(&folder.folder, program())?.stopped_by(&stop);
-    let found = folder.compute(&job, &stop)?;
+    let watch = stoppable();
+    let job = Job::merge(&folder.folder, program())?.stopped_by(&watch.stop);
+    let found = folder.compute(&job, &watch)?;
     job.finish()?;
-    found.write(&folder.folder, &arguments.write, arguments.json)
+    run::write(&found, &folder.folder, &arguments.write, arguments.json)
 }
 
 /// Asks for more in a folder.
@@ -166,7 +167,7 @@ pub fn extend(arguments: &Extend) -> Done {
     let scene = &folder.sweep.combinations[0].scene;
     let (parts, paths) = (folder.divided.parts, scene.settings.paths);
     if arguments.paths <= paths {
-        return Err(Failure::usage(format!("ask for more than {paths} paths: --paths N")));
+        return Err(Failure::Usage(format!("ask for more than {paths} paths: --paths N")));
     }
     folder.divided.changes.paths = Some(arguments.paths);
     let merged = merged_paths(&folder.folder, &program())?;
@@ -175,7 +176,7 @@ pub fn extend(arguments: &Extend) -> Done {
     let name = arguments.folder.display();
     if !is_merged {
         let message = format!("the parts are not merged yet: casimir merge {name}, then extend");
-        return Err(Failure::usage(message));
+        return Err(Failure::Usage(message));
     }
     folder.write()?;
     print(&format!(

@@ -3,17 +3,14 @@
 use std::sync::{Arc, OnceLock};
 
 use casimir::{
-    analysis::{
-        Candidates,
-        facts::{Facts, Form, fastest},
-    },
+    analysis::facts::{Facts, Form, energy, fastest},
     formula::FormulaSystem,
-    mc::{self, Expect, Setup},
+    mc::{self, ConformalLaw, Expect, Setup},
     schemes::{BuiltIn, Method, SchemeError},
     systems::run_time::{Problem, System},
 };
 
-use super::{Known, Model, laws::with_laws};
+use super::{Known, Model};
 
 /// A problem whose system is known at run time.
 pub struct AtRunTime {
@@ -45,21 +42,22 @@ impl Model for AtRunTime {
         Ok(Setup::owning(&self.problem, scheme)?.scheme)
     }
 
-    fn candidates(&self) -> Result<Candidates<'_>, SchemeError> {
-        let candidates = Candidates::at_run_time(&self.problem)?;
-        Ok(match self.facts() {
-            Some(facts) => candidates.with_casimirs(facts.casimirs.clone()),
-            None => candidates,
-        })
+    fn casimirs(&self) -> Vec<Form> {
+        self.facts().map_or_else(Vec::new, |facts| facts.casimirs.clone())
     }
 
     fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
-        match self.facts() {
-            Some(facts) => {
-                Setup { problem: with_laws(setup.problem, self.system(), facts), ..setup }
-            }
-            None => setup,
-        }
+        let (Some(facts), system) = (self.facts(), self.system()) else { return setup };
+        let law =
+            |name: String, degree, casimir, value| ConformalLaw { name, degree, casimir, value };
+        let casimirs = facts.casimirs.iter().enumerate().map(|(k, form)| {
+            let value = Arc::new(|y: &[f64]| form.value(y));
+            law(format!("C{}", k + 1), f64::from(form.degree), true, value)
+        });
+        let of_energy =
+            |degree| law("H0".into(), degree, false, Arc::new(move |y: &[f64]| energy(system, y)));
+        let laws = casimirs.chain(facts.energy_law().map(of_energy)).collect();
+        Setup { problem: mc::Problem { laws, ..setup.problem }, ..setup }
     }
 
     fn recommended(&self) -> (&'static str, String) {

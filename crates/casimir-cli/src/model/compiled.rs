@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use casimir::{
-    analysis::Candidates,
     mc::{self, Expect, bind_owned},
     schemes::{BuiltIn, Method, SchemeError},
     systems::{
@@ -37,10 +36,6 @@ impl<S: Tuned<D, M> + Copy + 'static, const D: usize, const M: usize> Model for 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
         let scheme = S::scheme(scheme, self.problem.system(), self.problem.y0())?;
         Ok(bind_owned(&self.problem, scheme))
-    }
-
-    fn candidates(&self) -> Result<Candidates<'_>, SchemeError> {
-        Ok(Candidates::compiled(&self.problem, S::scheme))
     }
 
     fn expect(&self) -> Option<Expect<'_>> {

@@ -5,16 +5,12 @@ mod at_run_time;
 mod compiled;
 mod formulas;
 mod lattice;
-mod laws;
 mod project;
 
 use std::sync::Arc;
 
 use casimir::{
-    analysis::{
-        Candidates,
-        facts::{Kept, fastest},
-    },
+    analysis::facts::{Form, Kept, fastest},
     formula::{Formula, FormulaDamping, Names},
     mc::{Expect, Problem, Setup},
     schemes::{BuiltIn, Method, SchemeError},
@@ -36,11 +32,10 @@ pub trait Model: Send + Sync {
     /// Why the scheme is not for the system.
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError>;
 
-    /// All schemes for it, and the reference for their errors.
-    ///
-    /// # Errors
-    /// Those of [`scheme`](Self::scheme).
-    fn candidates(&self) -> Result<Candidates<'_>, SchemeError>;
+    /// Casimirs that were found; none of a system that names its own.
+    fn casimirs(&self) -> Vec<Form> {
+        Vec::new()
+    }
 
     /// Expectations for which everything is chosen; `None` if they are computed by levels of random
     /// points.

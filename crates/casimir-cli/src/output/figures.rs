@@ -12,10 +12,10 @@ use casimir::{
     stats::Point,
 };
 
-use super::digits;
+use super::{digits, page::TABLE};
 use crate::{
-    commands::Results,
     scene::{self, MOST_COMPONENTS, Scene},
+    verbs::Results,
 };
 
 /// A drawing with its file and the words below it.
@@ -40,11 +40,11 @@ const PICTURES: usize = 6;
 /// Phase portraits in a report.
 const PORTRAITS: usize = 3;
 
-/// All figures of a run by section; no section is empty.
+/// All figures of a run by section; that of the table at the end may have none.
 pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
     let mut sections = Vec::new();
     let mut add = |title, figures: Vec<Drawn>| {
-        if !figures.is_empty() {
+        if !figures.is_empty() || title == TABLE {
             sections.push((title, figures));
         }
     };
@@ -88,7 +88,7 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
                     series.last().count
                 ),
             });
-            add("At the end", histograms.collect());
+            add(TABLE, histograms.collect());
             add("Dependence", dependence(drawn, study));
         }
         None => {

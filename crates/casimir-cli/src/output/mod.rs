@@ -1,17 +1,16 @@
 //! What results are written as: a page, figures, tables and arrays.
 
 pub mod cluster;
-mod expectation;
 mod figures;
 mod npz;
 mod page;
 mod steps;
 mod sweep;
 
-use std::path::Path;
+use std::{borrow::Cow, path::Path};
 
 use casimir::{
-    analysis::StepCheck,
+    analysis::{StepCheck, aligned},
     mc::{
         TimeSeries,
         study::{COLUMNS, Series, StudyResult, write_rows},
@@ -19,39 +18,186 @@ use casimir::{
     },
     plot::files,
 };
+use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use steps::{step_cell, step_errors};
 
+pub use figures::{Drawn, Section};
+pub use npz::Array;
 pub use steps::step_lines;
-pub use sweep::SweepReport;
-
-pub use expectation::{expectation_json, expectation_text};
 
 use crate::{
-    arguments::Format,
-    commands::Results,
     failure::Done,
-    scene::{Observable, Scene},
+    scene::{Combination, Observable, Scene, Sweep},
+    verbs::{Outcomes, Results, warnings},
 };
 
-/// Writes the report with its figures, and what else is asked for.
-pub fn write(scene: &Scene, results: &Results, folder: &Path, formats: &[Format]) -> Done {
-    let figures = figures::all(scene, results);
-    let drawings = folder.join("figures");
-    files::prepare(&drawings)?;
-    for figure in figures.iter().flat_map(|(_, figures)| figures) {
-        files::write(&drawings.join(format!("{}.svg", figure.file)), &figure.svg)?;
-    }
-    for format in formats {
-        write_as(*format, scene, results, folder)?;
-    }
-    Ok(files::write(&folder.join("index.html"), page::page(scene, results, &figures))?)
+/// What a run writes beside its report.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub enum Format {
+    /// Tables as text
+    Csv,
+    /// Everything, for programs
+    Json,
+    /// Arrays for NumPy
+    Npz,
 }
 
-fn write_as(format: Format, scene: &Scene, results: &Results, folder: &Path) -> Done {
-    let Results { tables, study, .. } = results;
-    let mut tables = tables.clone();
+/// What was computed, ready to be told: a run, or runs at each combination of what is varied.
+pub struct Report<'a> {
+    sweep: &'a Sweep,
+    scene: &'a Scene,
+    /// Those that are here, of a run that is not varied one.
+    runs: Vec<Run<'a>>,
+}
+
+/// One run, with observables in time: statistics of many paths, the mean of a few.
+struct Run<'a> {
+    one: &'a Combination,
+    results: &'a Results,
+    series: Cow<'a, [Series]>,
+}
+
+/// Lines of the table of a sweep on a terminal, or of warnings.
+const MOST_LINES: usize = 24;
+
+impl<'a> Report<'a> {
+    /// What was found.
+    pub fn new(outcomes: &'a Outcomes<'_>) -> Self {
+        let Outcomes { sweep, .. } = outcomes;
+        let run = |(one, results): (&'a Combination, &'a Results)| {
+            let series = match &results.study {
+                Some(study) => Cow::Borrowed(&study.series[..]),
+                None if sweep.varied.is_empty() => Cow::default(),
+                None => sweep::means(&one.scene, &results.tables).into(),
+            };
+            Run { one, results, series }
+        };
+        let runs = outcomes.found().map(run).collect();
+        Self { sweep, scene: &sweep.combinations[0].scene, runs }
+    }
+
+    /// The run, if nothing is varied.
+    fn single(&self) -> Option<&Run<'a>> {
+        self.runs.first().filter(|_| self.sweep.varied.is_empty())
+    }
+
+    /// The results in words.
+    pub fn text(&self) -> String {
+        let mut table = self.table();
+        let most = if self.single().is_some() { table.len() } else { 1 + MOST_LINES };
+        let more = table.len().saturating_sub(most);
+        table.truncate(most);
+        let more = (more > 0).then(|| format!("{more} more lines in the report\n"));
+        let (warnings, computed) = (warnings(&self.warnings()), self.computed());
+        format!("{warnings}{computed}\n{}{}", aligned(&table), more.unwrap_or_default())
+    }
+
+    /// Warnings with the combinations that they are about.
+    fn warnings(&self) -> Vec<String> {
+        let of = |Run { one, results, .. }: &Run<'_>| {
+            let of = if one.label.is_empty() { String::new() } else { format!("{}: ", one.label) };
+            let warnings = results.warnings(&one.scene).into_iter();
+            warnings.map(|warning| format!("{of}{warning}")).collect::<Vec<_>>()
+        };
+        let mut all: Vec<String> = self.runs.iter().flat_map(of).collect();
+        let more = all.len().saturating_sub(MOST_LINES);
+        all.truncate(MOST_LINES);
+        all.extend((more > 0).then(|| format!("and {more} more")));
+        all
+    }
+
+    /// What was computed, in a line, and why by this scheme.
+    fn computed(&self) -> String {
+        let seconds = self.runs.iter().map(|run| run.results.seconds).sum::<f64>();
+        let mut schemes: Vec<&str> = self.runs.iter().map(|run| &*run.results.scheme).collect();
+        schemes.dedup();
+        let (schemes, steps) = (schemes.join(", "), self.scene.settings.steps);
+        let because = self.single().and_then(|run| run.results.because.as_ref());
+        let because = because.map_or(String::new(), |because| format!("\n{schemes}: {because}"));
+        let (here, all) = (self.runs.len(), self.sweep.combinations.len());
+        let of =
+            if all > 1 { format!("{here} of {all} combinations, each ") } else { String::new() };
+        let paths = self.runs.first().map_or(0, |run| run.results.paths());
+        let word = if paths == 1 { "path" } else { "paths" };
+        format!("{of}{paths} {word}, {steps} steps of {schemes}, {seconds:.2} s{because}")
+    }
+
+    /// The table at the end, after a header: of each combination, or of the first paths.
+    fn table(&self) -> Vec<Vec<String>> {
+        if let Some(Run { results: Results { study: None, tables, .. }, .. }) = self.single() {
+            return paths_at_end(self.scene, tables);
+        }
+        let header = [""].iter().chain(&AT_END).map(|&cell| cell.into()).collect();
+        let rows = self.runs.iter().flat_map(|Run { one, results, series }| {
+            let rows = rows_at_end(series, results.study.as_ref().zip(results.check.as_ref()));
+            rows.into_iter().map(|row| [vec![one.label.clone()], row.to_vec()].concat())
+        });
+        let mut table: Vec<Vec<String>> = [header].into_iter().chain(rows).collect();
+        if self.single().is_some() {
+            table.iter_mut().for_each(|row| drop(row.remove(0)));
+        }
+        table
+    }
+
+    /// The results for programs.
+    ///
+    /// # Errors
+    /// None that is known.
+    pub fn json(&self) -> serde_json::Result<Value> {
+        match self.single() {
+            Some(run) => summary(run),
+            None => self.of_each(summary),
+        }
+    }
+
+    /// All figures by section.
+    pub fn figures(&self) -> Vec<Section> {
+        match self.single() {
+            Some(run) => figures::all(self.scene, run.results),
+            None => self.of_sweep(),
+        }
+    }
+
+    /// Writes the report with its figures, and what else is asked for.
+    pub fn write(&self, folder: &Path, formats: &[Format]) -> Done {
+        let (figures, drawings) = (self.figures(), folder.join("figures"));
+        files::prepare(&drawings)?;
+        for figure in figures.iter().flat_map(|(_, figures)| figures) {
+            files::write(&drawings.join(format!("{}.svg", figure.file)), &figure.svg)?;
+        }
+        for format in formats {
+            match (self.single(), format) {
+                (Some(run), _) => write_as(*format, self.scene, run.results, folder)?,
+                (None, Format::Csv) => files::write(&folder.join("sweep.csv"), self.csv()?)?,
+                (None, Format::Json) => {
+                    let json = self.of_each(|run| Ok(json!({ "series": run.series })))?;
+                    files::write_json(&folder.join("sweep.json"), &json)?;
+                }
+                (None, Format::Npz) => npz::write(&folder.join("sweep.npz"), self.arrays())?,
+            }
+        }
+        Ok(files::write(&folder.join("index.html"), self.page(&figures))?)
+    }
+}
+
+/// Arrays of paths, which are taken, and of statistics.
+pub fn arrays(outcomes: &mut Outcomes<'_>) -> [Vec<Array>; 2] {
+    let both = outcomes.sweep.combinations.iter().zip(&mut outcomes.results);
+    let found = both.filter_map(|(one, results)| Some((&one.scene, results.as_mut()?))).next();
+    match found.filter(|_| outcomes.sweep.varied.is_empty()) {
+        None => [Vec::new(), Report::new(outcomes).arrays()],
+        Some((scene, results)) => {
+            let tables = kept(scene, std::mem::take(&mut results.tables));
+            let statistics = results.study.as_ref().map_or_else(Vec::new, npz::study);
+            [npz::paths(scene, tables).collect(), statistics]
+        }
+    }
+}
+
+/// Tables with the columns that a scene keeps.
+fn kept(scene: &Scene, mut tables: Vec<TimeSeries>) -> Vec<TimeSeries> {
     // Of thousands of components it is found once for all tables.
     let columns = tables.first().map_or(&[][..], |table| &table.columns);
     let kept: Vec<bool> = columns.iter().map(|column| scene.keeps(&column.name)).collect();
@@ -59,12 +205,17 @@ fn write_as(format: Format, scene: &Scene, results: &Results, folder: &Path) -> 
         let mut kept = kept.iter();
         table.columns.retain(|_| kept.next().is_some_and(|kept| *kept));
     }
-    let tables = &tables[..];
+    tables
+}
+
+fn write_as(format: Format, scene: &Scene, results: &Results, folder: &Path) -> Done {
+    let study = &results.study;
+    let tables = kept(scene, results.tables.clone());
     let file = |name: &str| folder.join(name);
     match format {
         Format::Csv => {
             let mut text = Vec::new();
-            write_csv(tables, &mut text)?;
+            write_csv(&tables, &mut text)?;
             files::write(&file("paths.csv"), &text)?;
             let both = study
                 .iter()
@@ -76,14 +227,16 @@ fn write_as(format: Format, scene: &Scene, results: &Results, folder: &Path) -> 
             }
         }
         Format::Json => {
-            files::write(&file("paths.json"), serde_json::to_string(tables)? + "\n")?;
+            files::write(&file("paths.json"), serde_json::to_string(&tables)? + "\n")?;
             if let Some(study) = study {
                 files::write(&file("study.json"), serde_json::to_string(study)? + "\n")?;
             }
         }
         Format::Npz => {
-            npz::paths(&file("paths.npz"), scene, tables)?;
-            study.iter().try_for_each(|study| npz::study(&file("study.npz"), study))?;
+            let paths = npz::paths(scene, tables);
+            npz::write(&file("paths.npz"), paths)?;
+            let write = |study| npz::write(&file("study.npz"), npz::study(study));
+            study.iter().try_for_each(write)?;
         }
     }
     Ok(())
@@ -108,14 +261,11 @@ pub fn digits(value: Option<f64>) -> String {
 }
 
 /// The columns of [`rows_at_end`].
-pub const AT_END: [&str; 7] =
+const AT_END: [&str; 7] =
     ["at the end", "mean", "95 % interval", "step error", "deviation", "median", "5 % … 95 %"];
 
 /// The statistics at the final time.
-pub fn rows_at_end(
-    series: &[Series],
-    checked: Option<(&StudyResult, &StepCheck)>,
-) -> Vec<[String; 7]> {
+fn rows_at_end(series: &[Series], checked: Option<(&StudyResult, &StepCheck)>) -> Vec<[String; 7]> {
     let row = |series: &Series| {
         let last = series.last();
         let between = |(lo, hi)| format!("[{}, {}]", digits(Some(lo)), digits(Some(hi)));
@@ -144,20 +294,11 @@ pub fn rows_at_end(
     series.iter().map(row).collect()
 }
 
-/// The same as text, with columns as wide as their widest cell.
-pub fn table_at_end(study: &StudyResult, check: Option<&StepCheck>) -> String {
-    let all: Vec<_> = [AT_END.map(String::from)]
-        .into_iter()
-        .chain(rows_at_end(&study.series, Some(study).zip(check)))
-        .collect();
-    aligned(&all)
-}
-
 /// Paths whose values at the end are shown.
 const SHOWN_PATHS: usize = 5;
 
-/// The values at the end of the first of a few paths as text.
-pub fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> String {
+/// The values at the end of the first of a few paths.
+fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> Vec<Vec<String>> {
     let shown = &tables[..tables.len().min(SHOWN_PATHS)];
     let header = (0..shown.len()).map(|path| format!("path {path}"));
     let row = |observable: &Observable| {
@@ -168,23 +309,12 @@ pub fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> String {
     let mut rows: Vec<Vec<String>> =
         vec![["at the end".into()].into_iter().chain(header).collect()];
     rows.extend(scene.observables.iter().map(row));
-    aligned(&rows)
-}
-
-/// Lines of cells, with columns as wide as their widest cell.
-fn aligned<R: AsRef<[String]>>(rows: &[R]) -> String {
-    let cell = |row: &R, k: usize| row.as_ref().get(k).map_or(0, |cell| cell.chars().count());
-    let width = |k: usize| rows.iter().map(|row| cell(row, k)).max().unwrap_or(0);
-    let line = |row: &R| {
-        let cells = row.as_ref().iter().enumerate();
-        let cells = cells.map(|(k, cell)| format!("{cell:<0$}", width(k)));
-        format!("{}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
-    };
-    rows.iter().map(line).collect()
+    rows
 }
 
 /// The results of a run for programs.
-pub fn summary(scene: &Scene, results: &Results, folder: &Path) -> serde_json::Result<Value> {
+fn summary(Run { one, results, .. }: &Run<'_>) -> serde_json::Result<Value> {
+    let (scene, results) = (&one.scene, *results);
     let Results { scheme, because, tables, study, check, seconds, .. } = results;
     let last = |study: &StudyResult| {
         let last = |series: &Series| {
@@ -215,6 +345,5 @@ pub fn summary(scene: &Scene, results: &Results, folder: &Path) -> serde_json::R
         "warnings": study.as_ref().map_or(&[][..], |study| &study.warnings),
         "halted": halted,
         "seconds": seconds,
-        "report": folder.join("index.html"),
     }))
 }

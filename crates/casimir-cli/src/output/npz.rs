@@ -3,12 +3,13 @@
 use std::{
     fs::File,
     io::{self, BufWriter, Write},
+    mem,
     path::Path,
 };
 
 use crate::scene::Scene;
 use casimir::mc::{
-    Column, TimeSeries,
+    TimeSeries,
     study::{Joint, Series, StudyResult, Summary},
 };
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
@@ -59,34 +60,20 @@ fn header(shape: &[usize]) -> Vec<u8> {
     header
 }
 
-/// The tables of paths: `t`, and for each column an array [path, time]; spins on a lattice are one
-/// array [path, time, spin, 3]. A path that ended early has NaN from there on.
-pub fn paths(file: &Path, scene: &Scene, tables: &[TimeSeries]) -> io::Result<()> {
+/// The tables of paths, which are used up: `t`, and for each column an array [path, time]; spins on
+/// a lattice are one array [path, time, spin, 3]. A path that ended early has NaN from there on.
+pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item = Array> {
     let longest = tables.iter().max_by_key(|table| table.times().len());
-    let Some(longest) = longest else { return Ok(()) };
-    let times = longest.times();
-    let padded = |values: &[f64]| {
-        let mut values = values.to_vec();
-        values.resize(times.len(), f64::NAN);
-        values
-    };
-    let array = |(k, column): (usize, &Column)| match &*column.name {
-        "t" => ("t".into(), vec![times.len()], times.to_vec()),
-        name => {
-            let values = tables.iter().flat_map(|table| padded(&table.columns[k].values));
-            (name.into(), vec![tables.len(), times.len()], values.collect())
-        }
-    };
+    let names = longest.map_or(&[][..], |table| &table.columns).iter();
+    let names: Vec<String> = names.map(|column| column.name.clone()).collect();
+    let times = longest.map_or(&[][..], |table| table.times()).to_vec();
     let components = &scene.components;
-    let is_first = |column: &Column| column.name == components[0];
-    let first = longest.columns.iter().position(is_first);
+    let first = names.iter().position(|name| *name == components[0]);
     // All components are there, or some by name.
-    let are_spins = |first: &usize| {
-        let columns = longest.columns[*first..].iter().map(|column| &column.name);
-        !scene.sizes.is_empty() && columns.take(components.len()).eq(components)
-    };
-    let spins = first.filter(are_spins).map(|first| first..first + components.len());
-    let vectors = spins.clone().map(|spins| {
+    let are_spins =
+        |first: &usize| !scene.sizes.is_empty() && names[*first..].starts_with(components);
+    let spins = first.filter(are_spins).map_or(0..0, |first| first..first + components.len());
+    let vectors = (!spins.is_empty()).then(|| {
         let of_path = |table: &TimeSeries| {
             let columns = &table.columns[spins.clone()];
             let time = |k: usize| {
@@ -97,27 +84,32 @@ pub fn paths(file: &Path, scene: &Scene, tables: &[TimeSeries]) -> io::Result<()
         let values = tables.iter().flat_map(of_path).collect();
         ("spins".to_owned(), vec![tables.len(), times.len(), components.len() / 3, 3], values)
     });
-    let columns = longest.columns.iter().enumerate();
-    let alone = columns.filter(|(k, _)| !spins.as_ref().is_some_and(|spins| spins.contains(k)));
-    write(file, alone.map(array).chain(vectors))
+    let alone = names.into_iter().enumerate().filter(move |(k, _)| !spins.contains(k));
+    let array = move |(k, name): (usize, String)| {
+        let mut columns = tables.iter_mut().map(|table| {
+            let mut column = mem::take(&mut table.columns[k].values);
+            column.resize(times.len(), f64::NAN);
+            column
+        });
+        let mut values = columns.next().unwrap_or_default();
+        if name == "t" {
+            columns.for_each(drop);
+            return (name, vec![times.len()], times.clone());
+        }
+        values.reserve_exact(columns.len() * times.len());
+        columns.for_each(|column| values.extend(column));
+        (name, vec![tables.len(), times.len()], values)
+    };
+    alone.map(array).chain(vectors)
 }
 
 /// Statistics: `t`, `quantile levels`, and for each observable `<name> mean`, `<name> lo` and
 /// `<name> hi` (the 95 % interval of the mean), `<name> deviation` and `<name> quantiles`, an array
 /// [time, level]; autocorrelations and spectra likewise, with `lag` and `omega`; joint laws as
 /// counts with the edges of their bins. What is not known is NaN.
-pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
-    let Some(first) = result.series.first() else { return Ok(()) };
+pub fn study(result: &StudyResult) -> Vec<Array> {
+    let Some(first) = result.series.first() else { return Vec::new() };
     let times: Vec<f64> = first.points.iter().map(|point| point.time).collect();
-    let (count, levels) = (times.len(), &result.record.quantiles);
-    let quantiles = result.series.iter().filter_map(|Series { observable, points }| {
-        let quantiles = points.iter().flat_map(|point| &point.quantiles);
-        let quantiles: Vec<f64> = quantiles.map(|one| one.value.unwrap_or(f64::NAN)).collect();
-        let shape = vec![count, levels.len()];
-        (quantiles.len() == count * levels.len())
-            .then(|| (format!("{observable} quantiles"), shape, quantiles))
-    });
-    let level = ("quantile levels".into(), vec![levels.len()], levels.clone());
     let axes = ["lag", "omega"].into_iter().zip(&result.lagged).map(|(name, series)| {
         let places: Vec<f64> = series.points.iter().map(|point| point.time).collect();
         (name.into(), vec![places.len()], places)
@@ -130,27 +122,42 @@ pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
             .map(|(side, edges)| (format!("{name} {side}"), vec![edges.len()], edges.clone()));
         [(name, vec![x.len() - 1, y.len() - 1], values)].into_iter().chain(sides)
     });
-    let all = [("t".into(), vec![count], times), level].into_iter().chain(axes);
+    let all = [("t".into(), vec![times.len()], times)].into_iter().chain(axes);
     let series = [&result.series, &result.lagged].map(|series| statistics(&[], &[(0, series)]));
-    write(file, all.chain(series.concat()).chain(quantiles).chain(joint))
+    all.chain(series.concat()).chain(joint).collect()
 }
 
-/// Statistics of runs at places along axes, as arrays over the axes and times.
+/// Statistics of runs at places along axes, as arrays over the axes, times, and levels of
+/// quantiles.
 pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
-    let names = runs.first().into_iter().flat_map(|(_, series)| series.iter().enumerate());
-    let array = |(k, of): (usize, &Series)| {
+    let [(_, first), ..] = runs else { return Vec::new() };
+    let levels = first.iter().map(|of| &of.last().quantiles).find(|all| !all.is_empty());
+    let levels: Vec<f64> = levels.into_iter().flatten().map(|one| one.level).collect();
+    let mut arrays = Vec::new();
+    for (k, of) in first.iter().enumerate() {
         let times = runs.iter().map(|(_, series)| series[k].points.len()).max().unwrap_or(0);
-        STATISTICS.map(|(what, value)| {
-            let mut values = vec![f64::NAN; axes.iter().product::<usize>() * times];
+        let mut add = |what, width: &[usize], value: &dyn Fn(&Summary, usize) -> Option<f64>| {
+            let (shape, each) = ([axes, &[times], width].concat(), width.iter().product());
+            let mut values = vec![f64::NAN; shape.iter().product()];
             for (place, series) in runs {
-                let known = series[k].points.iter().map(|point| value(point).unwrap_or(f64::NAN));
-                let row = values[place * times..].iter_mut();
-                row.zip(known).for_each(|(value, known)| *value = known);
+                let points = series[k].points.iter();
+                let known = points.flat_map(|point| (0..each).map(move |n| value(point, n)));
+                let row = values[place * times * each..].iter_mut().zip(known);
+                row.for_each(|(value, known)| *value = known.unwrap_or(f64::NAN));
             }
-            (format!("{} {what}", of.observable), [axes, &[times]].concat(), values)
-        })
-    };
-    names.flat_map(array).collect()
+            arrays.push((format!("{} {what}", of.observable), shape, values));
+        };
+        for (what, value) in STATISTICS {
+            add(what, &[], &|point, _| value(point));
+        }
+        if !of.last().quantiles.is_empty() {
+            add("quantiles", &[levels.len()], &|point, level| point.quantiles.get(level)?.value);
+        }
+    }
+    if !levels.is_empty() {
+        arrays.push(("quantile levels".into(), vec![levels.len()], levels));
+    }
+    arrays
 }
 
 #[cfg(test)]

@@ -1,56 +1,76 @@
-//! The report of a run.
+//! The page with what was computed.
 
 use casimir::plot::Document;
 
-use super::{AT_END, digits, figures::Section, rows_at_end};
-use crate::{commands::Results, scene::Scene};
+use super::{Report, Run, Section, digits};
+use crate::scene::Varied;
 
-/// The page with all figures.
-pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
-    let Results { scheme, because, known, tables, study, check, seconds } = results;
-    let paths = results.paths();
-    let settings = &scene.settings;
-    let law = settings.random.as_ref().map(|random| random.law.clone());
-    let initial = law.unwrap_or_else(|| numbers(&settings.initial));
-    let mut page = Document::new("casimir run", &scene.title);
-    let first = tables.first();
-    page.section("What was computed");
-    let reason = because.as_ref().map_or(String::new(), |because| format!(": {because}"));
-    let tau = settings.until / settings.steps as f64;
-    let steps =
-        format!("0 to {} in {} steps of {}", settings.until, settings.steps, digits(Some(tau)));
-    page.facts([
-        ("system", first.map_or(String::new(), |table| table.system.clone())),
-        ("damping", first.map_or(String::new(), |table| table.damping.clone())),
-        ("initial value", initial),
-        ("time", steps),
-        ("scheme", format!("{scheme}{reason}")),
-        ("paths", format!("{paths}, seed {}", settings.key.seed)),
-        ("computing", format!("{seconds:.2} s of wall time")),
-        ("program", format!("casimir {}", env!("CARGO_PKG_VERSION"))),
-    ]);
-    let warnings = results.warnings(scene);
-    known.mistake.iter().chain(&warnings).for_each(|warning| page.warning(warning));
-    for (title, figures) in figures {
-        page.section(title);
-        if let (Some(study), "At the end") = (study, *title) {
-            page.table(AT_END, rows_at_end(&study.series, Some(study).zip(check.as_ref())));
-            page.note(
-                "The interval is that of sampling. The step error of the mean, and in brackets that \
-                 of the deviation, follows from a few paths with half the step; ? where these are \
-                 too few to tell.",
-            );
+/// The section of figures that has the table at the end.
+pub const TABLE: &str = "At the end";
+
+impl Report<'_> {
+    /// The page with these figures.
+    pub fn page(&self, figures: &[Section]) -> String {
+        let mut page = Document::new("casimir run", &self.scene.title);
+        page.section("What was computed");
+        page.facts(self.facts());
+        self.warnings().iter().for_each(|warning| page.warning(warning));
+        for (title, figures) in figures {
+            page.section(title);
+            if *title == TABLE {
+                let mut table = self.table().into_iter();
+                page.table(table.next().unwrap_or_default(), table);
+                page.note(
+                    "The interval is that of sampling. The step error of the mean, and in brackets \
+                     that of the deviation, follows from a few paths with half the step; ? where \
+                     these are too few to tell.",
+                );
+            }
+            page.figures(figures.iter().map(|drawn| (drawn.svg.clone(), drawn.caption.clone())));
         }
-        page.figures(figures.iter().map(|drawn| (drawn.svg.clone(), drawn.caption.clone())));
+        let known = self.single().map(|run| run.results.known.text(&self.scene.components));
+        if let Some(known) = known.filter(|known| !known.is_empty()) {
+            page.section("What the system is");
+            page.verbatim("see casimir inspect for more", &known);
+        }
+        page.section("The scene");
+        page.verbatim(&self.scene.source.name, &self.scene.source.text);
+        page.html()
     }
-    let known = known.text(&scene.components);
-    if !known.is_empty() {
-        page.section("What the system is");
-        page.verbatim("see casimir inspect for more", &known);
+
+    /// Terms and what they are.
+    fn facts(&self) -> Vec<(String, String)> {
+        let settings = &self.scene.settings;
+        let seed = settings.key.seed;
+        let program = ("program".into(), format!("casimir {}", env!("CARGO_PKG_VERSION")));
+        let Some(Run { results, .. }) = self.single() else {
+            let varied = self.sweep.varied.iter().map(|Varied { name, values }| {
+                let values = values.iter().map(|value| digits(Some(*value))).collect::<Vec<_>>();
+                (name.clone(), values.join(", "))
+            });
+            let keys = self.sweep.combinations.iter().map(|one| one.scene.settings.key);
+            let noise = if keys.is_sorted_by(|a, b| a == b) { "the same" } else { "others" };
+            let noise = format!("seed {seed}, {noise} for each combination");
+            let facts = [("runs".into(), self.computed()), ("random numbers".into(), noise)];
+            return varied.chain(facts).chain([program]).collect();
+        };
+        let first = results.tables.first();
+        let because = results.because.as_ref().map(|because| format!(": {because}"));
+        let law = settings.random.as_ref().map(|random| random.law.clone());
+        let (until, steps) = (settings.until, settings.steps);
+        let tau = digits(Some(until / steps as f64));
+        let fact = |term: &str, what| (term.to_owned(), what);
+        vec![
+            fact("system", first.map_or(String::new(), |table| table.system.clone())),
+            fact("damping", first.map_or(String::new(), |table| table.damping.clone())),
+            fact("initial value", law.unwrap_or_else(|| numbers(&settings.initial))),
+            fact("time", format!("0 to {until} in {steps} steps of {tau}")),
+            fact("scheme", results.scheme.clone() + &because.unwrap_or_default()),
+            fact("paths", format!("{}, seed {seed}", results.paths())),
+            fact("computing", format!("{:.2} s of wall time", results.seconds)),
+            program,
+        ]
     }
-    page.section("The scene");
-    page.verbatim(&scene.source.name, &scene.source.text);
-    page.html()
 }
 
 /// `(0.2, 0.4)`, shortened where there are many.

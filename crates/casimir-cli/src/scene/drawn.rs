@@ -54,7 +54,7 @@ pub(super) fn wanted(
     let mut wanted = Wanted {
         pairs: table.pairs.iter().map(pair).collect::<Read<_>>()?,
         lagged: table.autocorrelation.iter().map(|a| columns.observable(a)).collect::<Read<_>>()?,
-        from: 0,
+        ..Wanted::default()
     };
     if let Some(from) = &table.from {
         let (time, until) = (constants.value(columns.source, from)?, settings.until);

@@ -62,7 +62,10 @@ pub type Begun = (Vec<f64>, Option<Initial<'static>>);
 
 /// The states of a file, one in a line: numbers with blanks or commas between them. Lines that
 /// begin with # and a first line of names do not count.
-fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Vec<Vec<f64>>> {
+fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Arc<Vec<Vec<f64>>>> {
+    if let Some(states) = &source.states {
+        return Ok(states.clone());
+    }
     let wrong = |message: String| source.error(at.span(), message);
     let path = Path::new(&source.name).with_file_name(file);
     let text = fs::read_to_string(&path);
@@ -83,14 +86,18 @@ fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Vec<Vec<f64>>> {
             }
         }
     }
-    if states.is_empty() { Err(wrong(format!("{file} has no state"))) } else { Ok(states) }
+    if states.is_empty() {
+        Err(wrong(format!("{file} has no state")))
+    } else {
+        Ok(Arc::new(states))
+    }
 }
 
 /// The initial values that a file has: in turn, or at random for points that have an order of their
 /// own.
 fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
     let states = states(source, file, at)?;
-    let (number, sum) = (states.len(), hash(&states));
+    let (number, sum) = (states.len(), hash(&*states));
     let law = format!("the {number} states of {file}, SHA-256 {sum}");
     let y0 = states[0].clone();
     let draw = move |key: StreamKey, first: u64, rows: &mut [Row]| {

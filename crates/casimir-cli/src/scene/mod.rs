@@ -57,8 +57,6 @@ pub struct Scene {
     pub wanted: Wanted,
     /// Which figures are drawn.
     pub drawn: Drawn,
-    /// The names of those that are conditions with probabilities.
-    pub probabilities: Vec<String>,
     /// The test functions of expectations.
     pub expected: Vec<Observable>,
     /// The half-width of their intervals.
@@ -150,14 +148,15 @@ impl Scene {
         };
         let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
         let chosen: Option<Vec<String>> = chosen.transpose()?;
-        let wanted = drawn::wanted(&file.statistics, &columns, (&settings, &constants))?;
+        let mut wanted = drawn::wanted(&file.statistics, &columns, (&settings, &constants))?;
+        let conditions = file.probabilities.keys().chain(file.events.keys());
+        let place = |name: &At<String>| observables.iter().position(|known| known.name == **name);
+        wanted.probabilities = conditions.filter_map(place).collect();
         let spectrum = |name: &At<String>| format!("spectrum({})", **name);
         let spectra = file.statistics.autocorrelation.iter().map(spectrum);
         let others = file.system.parameters.keys().map(|key| key.to_string());
         let others: Vec<String> = others.chain(spectra).collect();
         let drawn = Drawn::new(&file.figures, &columns, &others)?;
-        let probabilities = file.probabilities.keys().chain(file.events.keys());
-        let probabilities = probabilities.map(|name| name.to_string()).collect();
         let known = |text: &At<Text>| {
             let name = text.0.as_str();
             let known = observables.iter().find(|known| known.name == name).cloned();
@@ -187,7 +186,6 @@ impl Scene {
             collected: vocabulary.collected,
             wanted,
             drawn,
-            probabilities,
             expected,
             accuracy,
         })
@@ -245,12 +243,6 @@ impl Scene {
             }),
             None => !is_component || self.components.len() <= MOST_COMPONENTS,
         }
-    }
-
-    /// Columns of a table: the time, components and other observables.
-    pub fn columns(&self) -> usize {
-        let others = self.observables.iter().filter(|observable| !observable.is_component());
-        1 + self.components.len() + others.count()
     }
 }
 

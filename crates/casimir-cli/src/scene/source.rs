@@ -1,6 +1,6 @@
 //! The text of a scene, and errors that point into it.
 
-use std::{fmt::Display, ops::Range};
+use std::{fmt::Display, ops::Range, sync::Arc};
 
 use casimir::formula::{FormulaError, excerpt};
 
@@ -13,12 +13,18 @@ pub struct Source {
     pub name: String,
     /// Its content.
     pub text: String,
+    /// Initial states that a program has, in the place of the file that the text names.
+    pub states: Option<Arc<Vec<Vec<f64>>>>,
 }
 
 /// What is wrong with a scene, where, and what would be right.
 #[derive(Clone, Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct SceneError(String);
+#[error("{message}")]
+pub struct SceneError {
+    message: String,
+    /// Where, in bytes of the text.
+    pub place: Option<Range<usize>>,
+}
 
 /// A result of reading a scene.
 pub type Read<T> = Result<T, SceneError>;
@@ -30,13 +36,16 @@ impl Source {
         place: impl Into<Option<Range<usize>>>,
         message: impl Display,
     ) -> SceneError {
-        let Self { name, text } = self;
-        let Some(span) = place.into() else { return SceneError(format!("{name}: {message}")) };
+        let Self { name, text, .. } = self;
+        let Some(span) = place.into() else {
+            return SceneError { message: format!("{name}: {message}"), place: None };
+        };
         // The end of the text may be meant.
         let start = floor(text, span.start.min(text.len()));
         let span = start..floor(text, span.end.clamp(start, text.len()));
         let (line, column, excerpt) = excerpt(text, &span);
-        SceneError(format!("{name}, line {line}, column {column}: {message}\n{excerpt}"))
+        let message = format!("{name}, line {line}, column {column}: {message}\n{excerpt}");
+        SceneError { message, place: Some(span) }
     }
 
     /// Something wrong with a formula, at its place in the file.

@@ -11,7 +11,7 @@ use std::{
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{
     Deserialize, Deserializer,
-    de::{Error, SeqAccess, Visitor},
+    de::{Error, SeqAccess, Visitor, value::SeqAccessDeserializer},
 };
 use toml::{Spanned, Value};
 
@@ -63,11 +63,13 @@ impl<T: JsonSchema> JsonSchema for At<T> {
 
 /// A formula: a string, or a number.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-pub struct Text(#[serde(deserialize_with = "text")] pub String);
+#[serde(try_from = "Value")]
+pub struct Text(pub String);
 
 /// A whole number of at least 1. 1e6 is one, too.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-pub struct Count(#[serde(deserialize_with = "whole")] pub u64);
+#[serde(try_from = "Value")]
+pub struct Count(pub u64);
 
 /// A parameter: a number, a formula without names, or a list of them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -120,12 +122,8 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for OfListed<T> {
         Ok(Listed::Text(text.to_owned()))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-        let mut items = Vec::new();
-        while let Some(item) = seq.next_element()? {
-            items.push(item);
-        }
-        Ok(Listed::List(items))
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Self::Value, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(Listed::List)
     }
 }
 
@@ -214,18 +212,17 @@ impl FromStr for Values {
 /// More combinations than these take more files and pages than anybody reads.
 pub const MOST_VALUES: u64 = 10_000;
 
-fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
-    let text = Text::try_from(Value::deserialize(deserializer)?);
-    text.map(|Text(text)| text).map_err(D::Error::custom)
-}
+impl TryFrom<Value> for Count {
+    type Error = String;
 
-fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
-    let text = match Value::deserialize(deserializer)? {
-        Value::Integer(number) => number.to_string(),
-        Value::Float(number) => number.to_string(),
-        other => other.type_str().into(),
-    };
-    count(&text).map_err(D::Error::custom)
+    fn try_from(value: Value) -> Result<Self, String> {
+        let text = match value {
+            Value::Integer(number) => number.to_string(),
+            Value::Float(number) => number.to_string(),
+            other => other.type_str().into(),
+        };
+        count(&text).map(Self)
+    }
 }
 
 impl TryFrom<Value> for Text {

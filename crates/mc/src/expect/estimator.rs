@@ -76,8 +76,8 @@ pub struct Request<'a> {
     pub settings: &'a ExpectSettings,
     pub observables: &'a [&'a dyn Observe],
     pub accuracy: f64,
-    pub progress: &'a (dyn Fn(u64) + Sync),
     pub told: &'a Told<'a>,
+    pub counted: &'a (dyn Fn(u64) + Sync),
     pub keeping: Option<&'a Keeping>,
     /// Path-steps of all attempts so far, which the limit is for.
     pub spent: &'a Cell<u64>,
@@ -333,7 +333,8 @@ impl<'a> Estimator<'a> {
         let (settings, steps) = (self.request.settings, self.steps(level));
         let key = settings.stream(level);
         let (levels, runs) = (usize::from(level > 0), self.candidate.runs(level > 0));
-        let mut ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
+        let mut ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?
+            .telling(self.request.counted);
         if self.sobol && steps.saturating_mul(problem.noises as u64) <= MOST_DIMENSIONS {
             let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end);
             let wiener = wiener.map_err(LadderError::from)?;
@@ -355,7 +356,7 @@ impl<'a> Estimator<'a> {
     fn sample(&mut self, level: usize, points: u64) -> Result<bool, RunError> {
         let before = self.levels[level].points;
         let new_cost = self.cost(&self.levels[level], points - before);
-        let Request { settings, observables, progress, spent, .. } = self.request;
+        let Request { settings, observables, spent, .. } = self.request;
         let new = self.empty(level);
         let empty = || new.clone();
         let (ladder, nodes) = &mut self.ladders[level];
@@ -364,7 +365,7 @@ impl<'a> Estimator<'a> {
             let first = replicate * ScrambledSobol::POINTS;
             let done = nodes[replicate as usize].last().map_or(first / GROUP_PATHS, Node::end);
             let groups = done..(first + points).div_ceil(GROUP_PATHS);
-            ladder.nodes(&settings.stop, first + points, groups, &empty, progress)
+            ladder.nodes(&settings.stop, first + points, groups, &empty)
         });
         let replicates = nodes.iter_mut().zip(more);
         if settings.stop.is_asked() {

@@ -92,7 +92,7 @@ pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKin
 /// let body = RigidBody::one_noise([1.0, 1.0, 1.0], 1.0)?;
 /// let problem = Problem::new(body, Constant::new(0.0)?, [1.0, 0.5, 0.0], 1.0)?;
 /// let y2 = Observable { name: "y2", function: |y: [f64; 3]| y[1] };
-/// let found = Expect::new(&problem).run(&[&y2], 1e-4, &|_| ())?;
+/// let found = Expect::new(&problem).run(&[&y2], 1e-4)?;
 ///
 /// // A symmetric top with noise about its axis: y₂ + iy₃ turns by a normal angle.
 /// let (lower, upper) = found.estimates[0].interval();
@@ -114,6 +114,7 @@ pub struct Expect<'a> {
     candidates: Vec<Candidate<'a>>,
     settings: ExpectSettings,
     told: Box<Told<'a>>,
+    counted: Box<dyn Fn(u64) + Sync + 'a>,
     keeping: Option<Keeping>,
 }
 
@@ -268,7 +269,7 @@ impl<'a> Expect<'a> {
     /// let y2 = Observable { name: "y2", function: |y: [f64; 3]| y[1] };
     /// let expect = Expect::with_scheme(Setup::of(&problem, &Sexp))
     ///     .with(ExpectSettings { random_points: true, ..Default::default() });
-    /// let found = expect.run(&[&y2], 0.01, &|_| ())?;
+    /// let found = expect.run(&[&y2], 0.01)?;
     /// assert!(found.reached() && found.scheme == "sexp");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -278,7 +279,7 @@ impl<'a> Expect<'a> {
 
     fn among(candidates: Vec<Candidate<'a>>) -> Self {
         let (settings, keeping) = (ExpectSettings::default(), None);
-        Self { candidates, settings, told: Box::new(|_, _| ()), keeping }
+        Self { candidates, settings, told: Box::new(|_, _| ()), counted: Box::new(|_| ()), keeping }
     }
 
     /// Takes these settings.
@@ -291,6 +292,12 @@ impl<'a> Expect<'a> {
     #[must_use]
     pub fn telling(self, told: impl Fn(f64, f64) + 'a) -> Self {
         Self { told: Box::new(told), ..self }
+    }
+
+    /// Counts path-steps: calls `counted` from any thread with those done since its last call.
+    #[must_use]
+    pub fn counting(self, counted: impl Fn(u64) + Sync + 'a) -> Self {
+        Self { counted: Box::new(counted), ..self }
     }
 
     /// Keeps the samples in a file when it is stopped, and goes on from what the file has, with
@@ -309,8 +316,7 @@ impl<'a> Expect<'a> {
         self
     }
 
-    /// E[φ(y(T))] of every φ to the half-width `accuracy`. `progress` is called now and then, from
-    /// any thread, with the number of path-steps done since.
+    /// E[φ(y(T))] of every φ to the half-width `accuracy`.
     ///
     /// # Errors
     /// [`RunError`] if a setting is out of range, a level cannot be run or has no paths left, φ is
@@ -320,17 +326,16 @@ impl<'a> Expect<'a> {
         &self,
         observables: &[&dyn Observe],
         accuracy: f64,
-        progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Expectation, RunError> {
         if observables.is_empty() {
             let none = "an expectation needs at least one test function, got none";
             return Err(RunError::Setting(none.into()));
         }
-        let Self { candidates, settings, told, keeping } = self;
+        let Self { candidates, settings, told, counted, keeping } = self;
         let spent = Cell::new(0);
         let keeping = keeping.as_ref();
         let request =
-            Request { settings, observables, accuracy, progress, told, keeping, spent: &spent };
+            Request { settings, observables, accuracy, told, counted, keeping, spent: &spent };
         let mut kept = keeping.and_then(Keeping::read);
         let attempts = candidates.iter().flat_map(|candidate| {
             let steps = settings.coarsest_steps.max(candidate.least_steps());

@@ -204,8 +204,8 @@ pub fn unresolved(
     let (levels, level) = ([a, b, last], last.level);
     let text = |what: &str, how: String| {
         format!(
-            "the steps do not resolve {what}: on level {level} {how}; take more coarsest steps, or a \
-             higher finest level"
+            "the steps do not resolve {what}: on level {level} {how}; take more steps of the \
+             coarsest level"
         )
     };
     let differ = |by: f64| format!("fine and coarse paths differ by {by:.1e} of its motion");

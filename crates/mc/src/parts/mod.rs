@@ -31,7 +31,7 @@
 //! let on = mc::Problem::of(&problem);
 //! let ladder = Ladder::new(&on, 64, 6, Truncation::new(4)?, key, runs)?;
 //! let study = |job: Job| {
-//!     let measured = ladder.run_in(&job, "momentum", 4096, Momentum::default, &|_| ());
+//!     let measured = ladder.run_in(&job, "momentum", 4096, Momentum::default);
 //!     let mean = measured.map(|measured| measured.statistic.sum / 4096.0);
 //!     job.finish().map(|_| mean)
 //! };

@@ -98,7 +98,7 @@ impl Part {
         header.done = self.resume(work, first, &header, &mut tree)?;
         // Reports the steps of groups that need not be computed.
         let before = first + header.done - header.groups.start;
-        (work.progress)(before * GROUP_PATHS * work.ladder.steps_per_path());
+        work.ladder.tell(before * GROUP_PATHS * work.ladder.steps_per_path());
         // What cannot be read back is known before the computing.
         work.entry(header.clone(), &[Node::leaf(0, work.ladder.nothing(work.new))])?;
         let mut kept = Ok(());

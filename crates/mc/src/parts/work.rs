@@ -23,7 +23,6 @@ pub struct Work<'a, T> {
     pub study: OnceLock<String>,
     /// An empty statistic.
     pub new: &'a (dyn Fn() -> T + Sync),
-    pub progress: &'a (dyn Fn(u64) + Sync),
     pub stop: &'a Stop,
 }
 
@@ -45,8 +44,7 @@ impl<T: Kept> Work<'_, T> {
         after: &mut After<'_, T>,
     ) -> u64 {
         let compute = |group| {
-            let (statistic, tally) =
-                self.ladder.group(0, self.paths, group, self.new, self.progress, self.stop);
+            let (statistic, tally) = self.ladder.group(0, self.paths, group, self.new, self.stop);
             tally.ok().map(|tally| (statistic, tally))
         };
         grow(tree, groups, &compute, after)

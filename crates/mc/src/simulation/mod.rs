@@ -6,12 +6,12 @@ mod write;
 use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
 use noise::{StreamKey, Truncation};
-use real::{PathMask, Row, WIDTH};
+use real::WIDTH;
 use schemes::Step;
 
 use crate::{
-    ConformalLaw, Initial, Ladder, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Run,
-    RunError, Setup, Statistic, View, parts::Stop,
+    ConformalLaw, Ladder, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Run, RunError,
+    Setup, Statistic, View, parts::Stop,
 };
 
 pub use series::{Column, NoiseOrigin, TimeSeries};
@@ -190,64 +190,50 @@ impl<'a> Simulation<'a> {
         }
         let (Setup { problem, scheme }, tau) = (&self.setup, ladder.tau(0));
         let (names, steps) = (self.names()?, ladder.coarse_steps());
-        let key = StreamKey { seed, experiment };
-        let random = problem.initial.as_ref();
-        let initial = |first: u64, p: usize| -> Vec<f64> {
-            let start = Initial::start(random, &problem.y0, key, first);
-            let start: Vec<f64> = start.iter().map(|row| row[p]).collect();
-            problem.laws.iter().map(|law| (law.value)(&start)).collect()
+        let damped = self.damping_integrals(steps, tau)?;
+        // Where the values of laws begin among the columns.
+        let laws = 1 + problem.y0.len() + self.observables.len();
+        let none = || {
+            let columns = names.iter().map(|_| Vec::with_capacity(damped.len()));
+            columns.collect::<Vec<Vec<f64>>>()
         };
-        let of_all = initial(0, 0);
-        // The rows of the paths `live` of a block after n steps, with ∫γ up to then.
-        let rows = |(n, first): (u64, u64), damped: f64, state: &[Row], live: PathMask| {
+        let save = |view: &View<'_>, of_path: &mut BTreeMap<u64, Vec<Vec<f64>>>| {
+            let Some(damped) = damped.get(&view.time) else { return };
             let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
             let observables = self.observables.iter().zip(&mut observed);
-            observables.for_each(|(phi, values)| phi.evaluate(state, live, values));
-            let row = |p: usize| {
-                let y: Vec<f64> = state[..problem.y0.len()].iter().map(|row| row[p]).collect();
-                let mut row = vec![n as f64 * tau];
-                row.extend(y.iter().copied().chain(observed.iter().map(|values| values[p])));
-                let own = random.map(|_| initial(first, p));
-                let initial = own.as_ref().unwrap_or(&of_all);
-                for (ConformalLaw { degree, value, .. }, initial) in
-                    problem.laws.iter().zip(initial)
-                {
-                    let (value, law) = (value(&y), (-degree * damped).exp() * initial);
+            observables.for_each(|(phi, values)| phi.evaluate(view.state(0), view.live, values));
+            for p in view.live.paths() {
+                let columns = of_path.entry(view.first_path + p as u64).or_insert_with(none);
+                let state = &view.state(0)[..problem.y0.len()];
+                let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
+                let observed = observed.iter().map(|values| values[p]);
+                let row = [view.time as f64 * tau].into_iter().chain(y.iter().copied());
+                columns.iter_mut().zip(row.chain(observed)).for_each(|(of, x)| of.push(x));
+                let of_laws = columns[laws..].chunks_exact_mut(2).zip(&problem.laws);
+                for (columns, ConformalLaw { degree, value, .. }) in of_laws {
+                    let value = value(&y);
+                    let initial = columns[0].first().copied().unwrap_or(value);
+                    let law = (-degree * damped).exp() * initial;
                     let relative = (value - law) / law.abs();
-                    row.extend([value, if *initial == 0.0 { value } else { relative }]);
+                    columns[0].push(value);
+                    columns[1].push(if initial == 0.0 { value } else { relative });
                 }
-                (p, row)
-            };
-            live.paths().map(row).collect::<Vec<_>>()
-        };
-        let mut damped = self.damping_integrals(steps, tau)?;
-        let ladder = if random.is_some() { ladder.with_start() } else { ladder };
-        damped.extend(random.map(|_| (0, 0.0)));
-        let of_block = |view: &View<'_>| match damped.get(&view.time) {
-            Some(&damped) => rows((view.time, view.first_path), damped, view.state(0), view.live),
-            None => Vec::new(),
+            }
         };
         let count = paths.end.saturating_sub(paths.start);
-        let ladder = ladder.describing(count as usize);
-        let new = || PathRows { of_block: &of_block, of_path: BTreeMap::new() };
-        let measured = ladder.run_until(&self.stop, paths.start, count, new, &|_| ());
+        let ladder = ladder.describing(count as usize).with_start();
+        let new = || PathColumns { save: &save, of_path: BTreeMap::new() };
+        let measured = ladder.run_until(&self.stop, paths.start, count, new);
         let mut of_path = measured.statistic.of_path;
-        let start = match random {
-            None => rows((0, 0), 0.0, &self.setup.start(), PathMask::first(1)),
-            Some(_) => Vec::new(),
-        };
         let series = paths.map(|path| {
-            let later = of_path.remove(&path).unwrap_or_default();
-            let rows: Vec<&Vec<f64>> = start.iter().map(|(_, row)| row).chain(&later).collect();
-            let columns = names.iter().enumerate().map(|(number, name)| Column {
-                name: name.clone(),
-                values: rows.iter().map(|row| row[number]).collect(),
-            });
+            let values = of_path.remove(&path).unwrap_or_else(none);
+            let end = values[0].last().map_or(0.0, |t| *t);
+            let columns = names.iter().cloned().zip(values);
+            let columns = columns.map(|(name, values)| Column { name, values });
             let failure = measured.failures.iter().find(|failure| failure.path == path);
             let halted = failure.map(|&PathFailure { step, cause, .. }| {
                 format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
             });
-            let end = rows.last().map_or(0.0, |row| row[0]);
             let stopped = (self.stop.is_asked() && end < steps as f64 * tau)
                 .then(|| format!("stopped after t = {end}"));
             TimeSeries {
@@ -263,10 +249,10 @@ impl<'a> Simulation<'a> {
         Ok(series.collect())
     }
 
-    /// ∫γ from 0 to the end of every saved step. Compensated summation (Kahan 1965) of the
-    /// integrals over the steps keeps rounding errors from accumulating in the conformal law.
+    /// ∫γ from 0 to time 0 and to the end of every saved step. Compensated summation (Kahan 1965) of
+    /// the integrals over the steps keeps rounding errors from accumulating in the conformal law.
     fn damping_integrals(&self, steps: u64, tau: f64) -> Result<BTreeMap<u64, f64>, LadderError> {
-        let (mut damped, mut lost, mut integrals) = (0.0, 0.0, BTreeMap::new());
+        let (mut damped, mut lost, mut integrals) = (0.0, 0.0, BTreeMap::from([(0, 0.0)]));
         for n in 1..=steps {
             let step = Step::new(self.setup.problem.damping, n - 1, tau)?;
             let term = step.damping_integral() - lost;
@@ -281,21 +267,18 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// The rows of a block at one time, each with the number of its path in the block; none where
-/// nothing is saved.
-type SavedRows<'a> = dyn Fn(&View<'_>) -> Vec<(usize, Vec<f64>)> + Sync + 'a;
+/// Adds a row of a block to the columns of its paths.
+type Save<'a> = dyn Fn(&View<'_>, &mut BTreeMap<u64, Vec<Vec<f64>>>) + Sync + 'a;
 
-/// The saved rows of every path.
-struct PathRows<'a> {
-    of_block: &'a SavedRows<'a>,
+/// The saved columns of every path.
+struct PathColumns<'a> {
+    save: &'a Save<'a>,
     of_path: BTreeMap<u64, Vec<Vec<f64>>>,
 }
 
-impl Statistic for PathRows<'_> {
+impl Statistic for PathColumns<'_> {
     fn observe(&mut self, view: &View<'_>) {
-        for (p, row) in (self.of_block)(view) {
-            self.of_path.entry(view.first_path + p as u64).or_default().push(row);
-        }
+        (self.save)(view, &mut self.of_path);
     }
 
     fn merge(&mut self, later: Self) {

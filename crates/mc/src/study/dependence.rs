@@ -31,6 +31,9 @@ pub struct Wanted {
     pub lagged: Vec<usize>,
     /// Number of the time from which on lags are counted.
     pub from: usize,
+    /// Those that are zero or one: their means are probabilities with binomial intervals, and they
+    /// have no quantiles.
+    pub probabilities: Vec<usize>,
 }
 
 /// The joint law of two observables at the final time: counts in bins.

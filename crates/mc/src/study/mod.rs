@@ -25,7 +25,7 @@
 //! [`Expect`](crate::Expect) bounds it.
 //!
 //! ```
-//! use mc::{Observable, Setup, StudySettings, study};
+//! use mc::{Observable, Setup, Study, StudySettings};
 //! use noise::{StreamKey, Truncation};
 //! use schemes::Sexp;
 //! use systems::{Constant, Problem, RigidBody};
@@ -38,7 +38,7 @@
 //! let key = StreamKey { seed: 1, experiment: 0 };
 //! // 64 steps, 4 times, 2000 paths.
 //! let settings = StudySettings::new(64, 4, 2000, Truncation::new(4)?, key);
-//! let result = study(&Setup::of(&problem, &Sexp), &observables, &settings, &|_| ())?;
+//! let result = Study::new(&Setup::of(&problem, &Sexp), &observables, &settings)?.run();
 //!
 //! let last = result.series("y2").unwrap().last();
 //! let (lo, hi) = last.mean_interval.unwrap();
@@ -106,7 +106,7 @@ impl<'a> Study<'a> {
         };
         let pilot = ladder(settings.pilot_key())?;
         let new = || StudyStatistic::new(&observables, &record.times, &[], &settings.wanted);
-        let seen = pilot.run(settings.pilot, new, &|_| ()).statistic.sums;
+        let seen = pilot.run(settings.pilot, new).statistic.sums;
         let ranges = seen.moments.iter().map(|moments| moments.range());
         let grids = ranges.map(|range| Grid::covering(range, settings.bins)).collect();
         let ladder = ladder(settings.key)?;
@@ -114,18 +114,25 @@ impl<'a> Study<'a> {
         Ok(Self { ladder, observables, wanted, record, grids })
     }
 
+    /// Calls `progress` from any thread with the number of path-steps done since its last call; the
+    /// sum is paths times steps.
+    #[must_use]
+    pub fn telling(mut self, progress: impl Fn(u64) + Sync + 'a) -> Self {
+        self.ladder = self.ladder.telling(progress);
+        self
+    }
+
     fn statistic(&self) -> StudyStatistic<'_> {
         StudyStatistic::new(&self.observables, &self.record.times, &self.grids, &self.wanted)
     }
 
     /// Simulates all paths in parallel on the current rayon pool. The bits do not depend on the
-    /// number of threads. `progress` is called from any thread with the number of path-steps done
-    /// since its last call; the sum is paths times steps.
+    /// number of threads.
     ///
     /// # Panics
     /// As [`Ladder::run`].
-    pub fn run(&self, progress: &(dyn Fn(u64) + Sync)) -> StudyResult {
-        self.result(&self.ladder.run(self.record.paths, || self.statistic(), progress))
+    pub fn run(&self) -> StudyResult {
+        self.result(&self.ladder.run(self.record.paths, || self.statistic()))
     }
 
     /// The same as a piece of work of a job with the name `name`: whole, in parts or merged, with
@@ -134,34 +141,13 @@ impl<'a> Study<'a> {
     ///
     /// # Panics
     /// As [`Ladder::run`].
-    pub fn run_in(
-        &self,
-        job: &Job,
-        name: &str,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Option<StudyResult> {
+    pub fn run_in(&self, job: &Job, name: &str) -> Option<StudyResult> {
         let new = || self.statistic();
-        let measured = self.ladder.run_in(job, name, self.record.paths, new, progress);
+        let measured = self.ladder.run_in(job, name, self.record.paths, new);
         measured.map(|measured| self.result(&measured))
     }
 
     fn result(&self, measured: &Measured<StudyStatistic<'_>>) -> StudyResult {
         StudyResult::new(&self.record, &self.grids, &self.wanted, measured)
     }
-}
-
-/// [`Study::new`] and [`Study::run`].
-///
-/// # Errors
-/// Those of [`Study::new`].
-///
-/// # Panics
-/// As [`Ladder::run`].
-pub fn study(
-    setup: &Setup<'_>,
-    observables: &[impl Observe],
-    settings: &StudySettings,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<StudyResult, RunError> {
-    Ok(Study::new(setup, observables, settings)?.run(progress))
 }

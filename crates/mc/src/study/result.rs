@@ -54,11 +54,6 @@ pub struct Losses {
 }
 
 impl StudyResult {
-    /// The warnings about paths that failed and about the summaries as they are now.
-    pub fn concerns(&self) -> Vec<String> {
-        warnings(&self.losses, self.record.paths, &self.series)
-    }
-
     /// The result of sums over all paths of a record, or those that were done when it was stopped.
     pub(super) fn new(
         record: &Record,
@@ -79,7 +74,9 @@ impl StudyResult {
         // They are kept, since most counts are the same.
         let mut known = BTreeMap::<u64, Vec<Ranks>>::new();
         let series = names.enumerate().map(|(k, (name, initial))| {
-            let exact = Summary::exact(*initial, paths, &record.quantiles);
+            let is_probability = wanted.probabilities.contains(&k);
+            let levels = if is_probability { &[][..] } else { &record.quantiles };
+            let exact = Summary::exact(*initial, paths, levels);
             let mut points = Vec::from_iter(record.start.is_none().then_some(exact));
             for (time, &step) in record.times.iter().enumerate() {
                 let cell = time * record.observables.len() + k;
@@ -90,7 +87,10 @@ impl StudyResult {
                     levels.map(|&level| (level, quantile_ranks(count, level))).collect()
                 });
                 let at = (step, record.time(step));
-                points.push(Summary::new(at, sums, cell, histogram, ranks));
+                points.push(match is_probability {
+                    true => Summary::new(at, sums, cell, histogram, &[]).of_probability(),
+                    false => Summary::new(at, sums, cell, histogram, ranks),
+                });
             }
             Series { observable: name.clone(), points }
         });

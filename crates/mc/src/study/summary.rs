@@ -1,6 +1,7 @@
 //! The law of one observable at one time.
 
 use serde::{Deserialize, Serialize};
+use stats::proportion;
 
 use super::{Grid, sums::Sums};
 
@@ -173,6 +174,14 @@ impl Summary {
             quantiles: ranks.iter().map(quantile).collect(),
             histogram: Some(histogram),
         }
+    }
+
+    /// The same of zeros and ones.
+    pub(super) fn of_probability(self) -> Self {
+        let interval =
+            |mean: f64| proportion((mean * self.count as f64).round() as u64, self.count);
+        let mean_interval = self.mean.map(interval);
+        Self { mean_interval, interval_note: None, histogram: None, ..self }
     }
 }
 

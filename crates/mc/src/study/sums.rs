@@ -166,7 +166,7 @@ impl Kept for StudyStatistic<'_> {
     }
 
     fn fixed(&self) -> String {
-        let Wanted { pairs, lagged, from } = self.wanted;
+        let Wanted { pairs, lagged, from, .. } = self.wanted;
         hash(&(self.times, self.grids, pairs, lagged, from))
     }
 

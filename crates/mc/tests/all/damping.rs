@@ -43,10 +43,7 @@ fn of<G: Damping>(
         random_points: true,
         ..Default::default()
     };
-    Expect::with_scheme(Setup::of(problem, scheme))
-        .with(settings)
-        .run(&[phi], accuracy, &|_| ())
-        .unwrap()
+    Expect::with_scheme(Setup::of(problem, scheme)).with(settings).run(&[phi], accuracy).unwrap()
 }
 
 fn warns(expectation: &Expectation) -> bool {

@@ -4,7 +4,7 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use mc::{
-    Coefficients, Initial, Observable, Problem, Setup, StudySettings, study,
+    Coefficients, Initial, Observable, Problem, Setup, Study, StudySettings,
     study::{StudyResult, Summary, Wanted},
 };
 use noise::{StepNoise, StreamKey, Truncation, WienerRows};
@@ -93,10 +93,10 @@ fn found(seed: u64, paths: u64) -> StudyResult {
     let settings = StudySettings {
         pilot: 128,
         bins: 128,
-        wanted: Wanted { pairs: vec![(0, 1), (0, 2)], lagged: vec![1], from: 0 },
+        wanted: Wanted { pairs: vec![(0, 1), (0, 2)], lagged: vec![1], ..Wanted::default() },
         ..StudySettings::new(STEPS, STEPS, paths, Truncation::none(), key)
     };
-    study(&setup, &observables, &settings, &|_| ()).unwrap()
+    Study::new(&setup, &observables, &settings).unwrap().run()
 }
 
 /// Autocovariance of z at lag number k, and the mean of the estimated spectrum at frequency number

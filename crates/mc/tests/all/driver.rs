@@ -63,7 +63,7 @@ fn raw_and_clipped_increments_side_by_side() {
         Run::new(bind(&problem, &Euler::<true>), 0),
     ];
     let ladder = ladder(&problem, (4, 0), 1, runs).unwrap();
-    let measured = ladder.run(500, || Walks(Vec::new()), &|_| ());
+    let measured = ladder.run(500, || Walks(Vec::new()));
     let mut beyond = 0;
     for (path, [raw, clipped]) in measured.statistic.0.iter().enumerate() {
         let mut wiener = WienerPath::<1>::new(KEY, path as u64);
@@ -87,7 +87,7 @@ fn raw_increments_need_no_bound() {
     let problem = additive(8.0);
     let last = |scheme: &dyn Scheme<Additive, 2, 1>| {
         let ladder = ladder(&problem, (4, 0), 4, vec![Run::new(bind(&problem, scheme), 0)])?;
-        Ok(ladder.run(1, || Keep::<2>::new(4, 1), &|_| ()).statistic.runs[0][0][1])
+        Ok(ladder.run(1, || Keep::<2>::new(4, 1)).statistic.runs[0][0][1])
     };
     let mut wiener = WienerPath::<1>::new(KEY, 0);
     let w: f64 = (0..4).map(|_| wiener.increments(2f64.sqrt())[0]).sum();
@@ -110,7 +110,7 @@ fn given_noise_drives_a_ladder_like_the_path_that_has_it() {
         ladder(&problem, (32, 2), 2, runs).unwrap()
     };
     let keep = || Keep::<3>::new(8, 4);
-    let drawn = ladder().run_until(&Stop::default(), 4, 1, keep, &|_| ()).statistic.runs;
+    let drawn = ladder().run_until(&Stop::default(), 4, 1, keep).statistic.runs;
     let tau = 1.0 / 32.0;
     let terms = area_terms(strong_order_one_error(tau), tau, 3).unwrap();
     let given = |path| {
@@ -122,7 +122,7 @@ fn given_noise_drives_a_ladder_like_the_path_that_has_it() {
                 areas.areas(tau, &noise.increments, &mut noise.areas);
             })
         };
-        ladder().with_noise(source).run(1, keep, &|_| ()).statistic.runs
+        ladder().with_noise(source).run(1, keep).statistic.runs
     };
     assert_eq!(given(4), drawn);
     assert_ne!(given(5), drawn);

@@ -53,7 +53,7 @@ fn ladders_have_the_bits_of_compiled_systems() {
         let run = |level| Run::new(Arc::clone(&scheme), level);
         let runs = vec![run(0), run(2), Run::swapped(Arc::clone(&scheme), 1)];
         let ladder = Ladder::new(&problem, 32, 2, k(), KEY, runs).unwrap();
-        ladder.run(200, Bits::default, &|_| ()).statistic
+        ladder.run(200, Bits::default).statistic
     };
     assert_eq!(bits(Setup::of(&one, &Heun)), bits(Setup::at_run_time(&other, &Heun).unwrap()));
 }
@@ -74,7 +74,7 @@ fn tables_and_expectations_have_the_bits_of_compiled_systems() {
             let settings =
                 ExpectSettings { coarsest_steps: 4, random_points, ..Default::default() };
             let expect = Expect::with_scheme(setup).with(settings);
-            expect.run(&[&PRODUCT], 0.02, &|_| ()).unwrap()
+            expect.run(&[&PRODUCT], 0.02).unwrap()
         };
         assert_eq!(expected(Setup::of(&one, &Heun)), expected(run_time()));
     }
@@ -88,8 +88,8 @@ fn studies_and_their_parts_have_the_bits_of_compiled_systems() {
     let (one, other) = (Setup::of(&one, &Heun), Setup::at_run_time(&other, &Heun).unwrap());
     let settings = StudySettings::new(16, 4, 1000, k(), KEY);
     let [one, other] = [&one, &other].map(|it| Study::new(it, &[PRODUCT], &settings).unwrap());
-    let result = one.run(&|_| ());
-    assert_eq!(other.run(&|_| ()), result);
+    let result = one.run();
+    assert_eq!(other.run(), result);
     let folder = tempfile::tempdir().unwrap();
     run_part(&one, folder.path(), 1, 2);
     run_part(&other, folder.path(), 2, 2);

@@ -25,7 +25,7 @@ const COS_Y3: Observable<3> = Observable { name: "cos y3", function: |y| y[2].co
 #[test]
 fn three_noises_that_do_not_commute() {
     let problem = body();
-    let found = Expect::by_parts(&problem).run(&[&COS_Y3], 1e-4, &|_| ()).unwrap();
+    let found = Expect::by_parts(&problem).run(&[&COS_Y3], 1e-4).unwrap();
     let estimate = &found.estimates[0];
     // With 95 % the interval contains the value; a seed that fails would be one of twenty.
     assert!(found.reached() && found.warnings.is_empty(), "{:?}", found.warnings);
@@ -35,7 +35,7 @@ fn three_noises_that_do_not_commute() {
     assert!(found.cost < 2_000_000, "{}", found.cost);
     assert_eq!(found.scheme, "nv");
     // Without parts the scheme and its bias are others, and the truth is the same.
-    let general = Expect::new(&problem).run(&[&COS_Y3], 1e-4, &|_| ()).unwrap();
+    let general = Expect::new(&problem).run(&[&COS_Y3], 1e-4).unwrap();
     assert!(general.reached() && general.scheme == "sexp-li", "{general:?}");
     assert!((general.estimates[0].value - EXACT).abs() < general.estimates[0].half_width());
     assert!(general.cost < 2_000_000, "{}", general.cost);
@@ -69,7 +69,7 @@ fn where_sexp_li_is_refused_sexp_is_taken() {
     let square =
         Observable { name: "|y|²", function: |y: [f64; 3]| y.iter().map(|y| y * y).sum() };
     let first = Observable { name: "y1", function: |y: [f64; 3]| y[0] };
-    let found = Expect::new(&problem).run(&[&square, &first], 3e-3, &|_| ()).unwrap();
+    let found = Expect::new(&problem).run(&[&square, &first], 3e-3).unwrap();
     assert_eq!(found.scheme, "sexp");
     // |y|² is damped by e^{−2γT} on every path.
     let exact = (-0.1f64).exp();
@@ -83,7 +83,7 @@ fn large_steps_on_which_paths_fail_are_left_out() {
     let system = LotkaVolterra::<2, 2>::new(1.0).unwrap();
     let problem = Problem::new(system, Constant::new(0.0).unwrap(), [0.9, 1.1, 0.8], 1.0).unwrap();
     let h = Observable { name: "H", function: |y: [f64; 3]| y[0].powi(2) * y[1].powi(2) * y[2] };
-    let found = Expect::new(&problem).run(&[&h], 1e-2, &|_| ()).unwrap();
+    let found = Expect::new(&problem).run(&[&h], 1e-2).unwrap();
     // Drift and noise are the same H: it is constant.
     let (exact, estimate) = (0.81 * 1.21 * 0.8, &found.estimates[0]);
     assert!(found.reached() && (estimate.value - exact).abs() < estimate.half_width());
@@ -119,10 +119,10 @@ const P_SQUARED: Observable<2> = Observable { name: "p²", function: |y| y[1] * 
 fn without_noise_one_path_is_extrapolated() {
     for (gamma, t_end, accuracy) in [(0.0, 1.0, 1e-4), (0.0, 50.0, 1e-9), (0.3, 4.0, 1e-12)] {
         let problem = oscillator::<0>(gamma, t_end);
-        let chosen = Expect::new(&problem).run(&[&Q, &P], accuracy, &|_| ()).unwrap();
+        let chosen = Expect::new(&problem).run(&[&Q, &P], accuracy).unwrap();
         let given = Expect::with_scheme(Setup::of(&problem, &Sexp))
             .with(ExpectSettings { coarsest_steps: 128, ..Default::default() });
-        let given = given.run(&[&Q, &P], accuracy, &|_| ()).unwrap();
+        let given = given.run(&[&Q, &P], accuracy).unwrap();
         for found in [chosen, given] {
             assert!(found.reached() && found.warnings.is_empty(), "{found}");
             assert!(found.cost < 1_000_000, "{found}");
@@ -144,13 +144,12 @@ fn strong_damping_is_resolved_or_refused() {
     // Var p = σ²∫e^{−2γs}cos² s ds; schemes of any step size far above 1/γ agree on zero.
     let gamma = 50.0;
     let variance = 0.125 * (0.5 / gamma + 0.5 * gamma / (gamma * gamma + 1.0));
-    let found =
-        Expect::new(&oscillator::<1>(gamma, 1.0)).run(&[&P, &P_SQUARED], 1e-3, &|_| ()).unwrap();
+    let found = Expect::new(&oscillator::<1>(gamma, 1.0)).run(&[&P, &P_SQUARED], 1e-3).unwrap();
     assert!(found.reached(), "{found}");
     for (estimate, exact) in found.estimates.iter().zip([0.0, variance]) {
         assert!((estimate.value - exact).abs() <= estimate.half_width(), "{found}");
     }
-    let found = Expect::new(&oscillator::<1>(1e7, 1.0)).run(&[&P_SQUARED], 1e-4, &|_| ()).unwrap();
+    let found = Expect::new(&oscillator::<1>(1e7, 1.0)).run(&[&P_SQUARED], 1e-4).unwrap();
     assert!(!found.reached() && found.cost < 1_000_000, "{found}");
     assert!(warns(&found, WarningKind::OutOfReach), "{found}");
 }
@@ -161,7 +160,7 @@ fn a_constant_matrix_has_a_conformal_scheme() {
     let system = Arc::new(Compiled::new(problem.system().clone(), problem.y0()));
     let damping = Arc::new(Constant::new(0.0).unwrap());
     let problem = systems::run_time::Problem::new(system, damping, vec![1.0, 0.0], 1.0).unwrap();
-    let found = Expect::at_run_time(&problem).unwrap().run(&[&Q], 1e-2, &|_| ()).unwrap();
+    let found = Expect::at_run_time(&problem).unwrap().run(&[&Q], 1e-2).unwrap();
     let (truth, estimate) = (1f64.cos(), &found.estimates[0]);
     assert!(found.reached() && found.scheme == "sexp", "{found}");
     assert!((estimate.value - truth).abs() <= estimate.half_width(), "{found}");
@@ -169,7 +168,7 @@ fn a_constant_matrix_has_a_conformal_scheme() {
 
 #[test]
 fn what_is_out_of_reach_is_said_early() {
-    let found = Expect::new(&oscillator::<1>(0.1, 1.0)).run(&[&Q, &P], 1e-14, &|_| ()).unwrap();
+    let found = Expect::new(&oscillator::<1>(0.1, 1.0)).run(&[&Q, &P], 1e-14).unwrap();
     let named = warns(&found, WarningKind::OutOfReach);
     assert!(!found.reached() && named, "{found}");
     // One in a hundred of the path-steps that are allowed.
@@ -192,7 +191,7 @@ fn the_limit_is_for_all_attempts_together() {
         let damping = Constant::new(0.0).unwrap();
         let problem = Problem::new(Explosive, damping, [0.1, -0.5], 1.0).unwrap();
         let expect = Expect::new(&problem).with(ExpectSettings { max_cost, ..Default::default() });
-        let found = expect.run(&[&COS_SQUARED], 1e-2, &progress);
+        let found = expect.counting(progress).run(&[&COS_SQUARED], 1e-2);
         let done = done.into_inner();
         assert!(done <= max_cost, "{done}");
         match found {
@@ -221,7 +220,7 @@ impl PoissonSystem<2, 1> for Bounded {
 fn few_failed_paths_widen_the_interval() {
     let problem = Problem::new(Bounded, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
     let cosine = Observable { name: "cos p", function: |y: [f64; 2]| y[1].cos() };
-    let found = Expect::new(&problem).run(&[&cosine], 0.03, &|_| ()).unwrap();
+    let found = Expect::new(&problem).run(&[&cosine], 0.03).unwrap();
     let estimate = &found.estimates[0];
     assert!(found.reached() && estimate.failed > 0, "{found}");
     assert!(found.scheme == "sexp-li" && found.levels[0].tau == 1.0, "{found}");
@@ -237,7 +236,7 @@ fn who_goes_on_has_the_same_bits() {
     let problem = body();
     let keeping =
         || Keeping { file: folder.path().join("kept/samples.bin"), study: "cos y3".into() };
-    let whole = Expect::new(&problem).run(&[&COS_Y3], 1e-5, &|_| ()).unwrap();
+    let whole = Expect::new(&problem).run(&[&COS_Y3], 1e-5).unwrap();
     let mut stops = 0;
     let found = loop {
         let stop = Stop::default();
@@ -249,7 +248,7 @@ fn who_goes_on_has_the_same_bits() {
         };
         let settings = ExpectSettings { stop: stop.clone(), ..Default::default() };
         let expect = Expect::new(&problem).with(settings).keeping(keeping());
-        let found = expect.run(&[&COS_Y3], 1e-5, &progress).unwrap();
+        let found = expect.counting(progress).run(&[&COS_Y3], 1e-5).unwrap();
         if !stop.is_asked() {
             break found;
         }
@@ -277,18 +276,17 @@ fn who_is_stopped_keeps_the_estimates_so_far() {
     let settings =
         || ExpectSettings { max_cost: u64::MAX, stop: stop.clone(), ..Default::default() };
     let expect = || Expect::new(&problem).with(settings());
-    let found = expect().run(&[&Q], 1e-7, &progress).unwrap();
+    let found = expect().counting(progress).run(&[&Q], 1e-7).unwrap();
     assert!(!found.reached() && warns(&found, WarningKind::Stopped), "{found}");
     assert!(found.estimates[0].half_width() < 1e-2, "{found}");
-    assert_eq!(expect().run(&[&Q], 1e-7, &progress), Err(RunError::Stopped));
+    assert_eq!(expect().counting(progress).run(&[&Q], 1e-7), Err(RunError::Stopped));
 }
 
 #[test]
 fn alike_warnings_are_one_sentence() {
     let rare = |name| Observable { name, function: |y: [f64; 2]| f64::from(u8::from(y[0] > 9.0)) };
-    let found = Expect::new(&oscillator::<1>(0.1, 1.0))
-        .run(&[&rare("a"), &rare("b")], 0.5, &|_| ())
-        .unwrap();
+    let found =
+        Expect::new(&oscillator::<1>(0.1, 1.0)).run(&[&rare("a"), &rare("b")], 0.5).unwrap();
     let text = found.to_string();
     assert_eq!(text.matches("samples carry the variance").count(), 1, "{text}");
     assert!(text.contains("warning: a, b: "), "{text}");

@@ -66,7 +66,7 @@ fn run<S: PoissonSystem<2, 1>>(
     accuracy: f64,
 ) -> Expectation {
     let expect = Expect::with_scheme(Setup::of(problem, &Sexp)).with(settings);
-    expect.run(&[&phi], accuracy, &|_| ()).unwrap()
+    expect.run(&[&phi], accuracy).unwrap()
 }
 
 fn warns(result: &Expectation, kind: impl Fn(WarningKind) -> bool) -> bool {

@@ -154,16 +154,15 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
             expected.push((scheme, level as u32, true));
         }
     }
-    let ladder = ladder(&problem, (32, 3), 2, runs).unwrap();
     // Not a multiple of the block, more than one group.
     let (samples, done) = (150, AtomicU64::new(0));
     let progress = |work| _ = done.fetch_add(work, Ordering::Relaxed);
-    let measured =
-        ladder.run(samples, || Keep::new(ladder.coarse_steps(), expected.len()), &progress);
+    let ladder = ladder(&problem, (32, 3), 2, runs).unwrap().telling(progress);
+    let measured = ladder.run(samples, || Keep::new(ladder.coarse_steps(), expected.len()));
     assert_eq!(measured.failed, 0);
     // Every path-step of the six schemes: 32, 8 and 4, and the swapped ones.
     assert_eq!(ladder.steps_per_path(), 6 * (32 + 8 + 4 + 32 + 8));
-    assert_eq!(done.into_inner(), ladder.steps_per_path() * samples);
+    assert_eq!(done.load(Ordering::Relaxed), ladder.steps_per_path() * samples);
     // Some increments of the largest steps are clipped, for the schemes that want it.
     assert!(measured.clipped[3] > 0);
     for (kept, (scheme, level, swapped)) in measured.statistic.runs.iter().zip(&expected) {
@@ -220,7 +219,7 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
     ];
     let ladder = ladder(&problem, (16, 2), 4, runs).unwrap();
     let samples = 400;
-    let measured = ladder.run(samples, || Keep::<2>::new(ladder.coarse_steps(), 3), &|_| ());
+    let measured = ladder.run(samples, || Keep::<2>::new(ladder.coarse_steps(), 3));
     let kept = measured.statistic.runs[0].len() as u64;
     // y₂ = tan(arctan ½ + t + W) leaves every bound when t + W passes 1.1: on many paths, and not
     // on all.

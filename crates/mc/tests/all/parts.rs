@@ -117,9 +117,9 @@ impl Study {
     fn run_as(self, job: &Job, name: &str, progress: &(dyn Fn(u64) + Sync)) -> Option<Sums> {
         let problem = pendulum(self.c);
         let scheme: &dyn Scheme<Pendulum, 2, 1> = if self.heun { &Heun } else { &EulerMaruyama };
-        let ladder = ladder(&problem, scheme, 8, self.seed);
+        let ladder = ladder(&problem, scheme, 8, self.seed).telling(progress);
         let new = || Sum::new(self.frequency);
-        let found = ladder.run_in(job, name, self.paths, new, progress);
+        let found = ladder.run_in(job, name, self.paths, new);
         found.map(|measured: Measured<Sum>| measured.statistic.sums)
     }
 
@@ -362,8 +362,9 @@ fn work_inside_other_work_is_an_error_and_not_a_deadlock() {
     let job = Job::here();
     let problem = pendulum(1.0);
     let ladder = ladder(&problem, &Heun, 8, 1);
-    let inner = |_| drop(ladder.run_in(&job, "inner", 1, || Sum::new(1.0), &|_| ()));
-    ladder.run_in(&job, "outer", 1, || Sum::new(1.0), &inner).unwrap();
+    let inner = |_| drop(ladder.run_in(&job, "inner", 1, || Sum::new(1.0)));
+    let outer = self::ladder(&problem, &Heun, 8, 1).telling(inner);
+    outer.run_in(&job, "outer", 1, || Sum::new(1.0)).unwrap();
 }
 
 #[test]
@@ -442,14 +443,14 @@ fn sums_that_do_not_come_back_and_names_given_twice_are_errors() {
     let ladder = ladder(&problem, &Heun, 8, 1);
     let folder = tempfile::tempdir().unwrap();
     let job = STUDY.part(folder.path(), 1, 1).unwrap();
-    assert!(ladder.run_in(&job, "none", 500, Forgetful::default, &|_| ()).is_none());
+    assert!(ladder.run_in(&job, "none", 500, Forgetful::default).is_none());
     let error = message(job.finish());
     assert!(error.contains("cannot be written and read back"), "{error}");
 
     let job = Job::here();
     let sum = || Sum::new(1.0);
-    assert!(ladder.run_in(&job, "sum", 500, sum, &|_| ()).is_some());
-    assert!(ladder.run_in(&job, "sum", 500, sum, &|_| ()).is_none());
+    assert!(ladder.run_in(&job, "sum", 500, sum).is_some());
+    assert!(ladder.run_in(&job, "sum", 500, sum).is_none());
     assert!(message(job.finish()).contains("\"sum\" is given to two pieces of work"));
 }
 
@@ -514,9 +515,7 @@ fn a_long_path_is_not_computed_twice_to_tell_it_from_others() {
     let asked = |job: Job| {
         let damping = Counting(AtomicU64::new(0));
         let problem = Problem::new(Pendulum::new(1.0).unwrap(), &damping, [0.2, 1.0], 1.0).unwrap();
-        ladder(&problem, &Heun, steps, 1)
-            .run_in(&job, "sum", 32, || Sum::new(3.0), &|_| ())
-            .unwrap();
+        ladder(&problem, &Heun, steps, 1).run_in(&job, "sum", 32, || Sum::new(3.0)).unwrap();
         job.finish().unwrap();
         damping.0.load(Ordering::Relaxed) as f64
     };

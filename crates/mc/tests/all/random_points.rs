@@ -44,7 +44,7 @@ fn run<const D: usize>(
     accuracy: f64,
 ) -> Result<Expectation, RunError> {
     let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
-    Expect::with_scheme(setup).with(settings).run(&observables, accuracy, &|_| ())
+    Expect::with_scheme(setup).with(settings).run(&observables, accuracy)
 }
 
 pub fn warns(result: &Expectation, kind: WarningKind) -> bool {
@@ -392,7 +392,7 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
         let progress = |steps| _ = done.fetch_add(steps, Ordering::Relaxed);
         let settings = ExpectSettings { max_cost, ..random(9) };
         let expect = Expect::with_scheme(Setup::of(&problem, &Sexp)).with(settings);
-        let result = expect.run(&[&COS_Y3[0]], 6e-5, &progress);
+        let result = expect.counting(progress).run(&[&COS_Y3[0]], 6e-5);
         if let Ok(result) = &result {
             // Every path-step is counted, and those that progress was told of are all.
             assert_eq!(done.into_inner(), result.cost);

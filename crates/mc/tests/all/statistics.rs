@@ -43,7 +43,7 @@ fn statistics_see_random_times_and_clipped_paths() {
         Run::new(bind(&problem, &EulerMaruyama), 3),
     ];
     let ladder = ladder(&problem, (64, 3), 2, runs).unwrap().with_time_change(&Steps);
-    let two = ladder.run(PATHS, || vec![Seen(Vec::new()), Seen(Vec::new())], &|_| ()).statistic;
+    let two = ladder.run(PATHS, || vec![Seen(Vec::new()), Seen(Vec::new())]).statistic;
     let [seen, same] = &two[..] else { panic!("two statistics") };
     assert_eq!(seen.0, same.0);
     let (mut clipped, bounds) = (0, [64.0, 8.0].map(|steps: f64| k.bound(1.0 / steps).unwrap()));

@@ -9,7 +9,6 @@ use mc::{
     LadderError, Observable, RunError, Setup, Simulation, StateFunction, Study, StudyResult,
     StudySettings,
     parts::{Job, JobError, Program, Share},
-    study,
     study::{Place, Wanted},
 };
 use noise::{StreamKey, Truncation};
@@ -33,7 +32,7 @@ const OFFSET: Observable<2> = Observable { name: "1e8 + p", function: |y| 1e8 + 
 const ROOT: Observable<2> = Observable { name: "√p", function: |y| y[1].sqrt() };
 
 fn run(observables: &[Observable<2>], settings: &StudySettings) -> StudyResult {
-    study(&Setup::of(&additive(1.0), &Sexp), observables, settings, &|_| ()).unwrap()
+    Study::new(&Setup::of(&additive(1.0), &Sexp), observables, settings).unwrap().run()
 }
 
 /// Quantiles of the normal law at the default levels, and its density there.
@@ -124,7 +123,7 @@ fn a_study_is_made_of_the_values_of_its_paths() {
         quantiles: vec![0.9, 0.1],
         ..StudySettings::new(12, 2, paths, k, key)
     };
-    let result = study(&Setup::of(&problem, &Sexp), &observables, &settings, &|_| ()).unwrap();
+    let result = Study::new(&Setup::of(&problem, &Sexp), &observables, &settings).unwrap().run();
     assert_eq!(result.record.quantiles, [0.1, 0.9]);
     let simulation = Simulation::new(Setup::of(&problem, &Sexp), k)
         .observing(StateFunction::new("y2 y3", |y: [f64; 3]| y[1] * y[2]));
@@ -163,7 +162,7 @@ fn a_study_is_made_of_the_values_of_its_paths() {
     }
     // Other times give the same numbers where they coincide.
     let even = StudySettings { times: 1, ..settings };
-    let even = study(&Setup::of(&problem, &Sexp), &observables, &even, &|_| ()).unwrap();
+    let even = Study::new(&Setup::of(&problem, &Sexp), &observables, &even).unwrap().run();
     assert_eq!(even.series[1].last(), result.series[1].last());
 }
 
@@ -175,9 +174,12 @@ fn threads_change_no_bit_of_a_study() {
         let count = |steps| _ = done.fetch_add(steps, std::sync::atomic::Ordering::Relaxed);
         let settings = settings(6, 3, 3000, 2);
         let result = on_threads(threads, || {
-            study(&Setup::of(&additive(1.0), &Sexp), &[P, OFFSET], &settings, &count).unwrap()
+            Study::new(&Setup::of(&additive(1.0), &Sexp), &[P, OFFSET], &settings)
+                .unwrap()
+                .telling(count)
+                .run()
         });
-        assert_eq!(done.into_inner(), 6 * 3000);
+        assert_eq!(done.load(std::sync::atomic::Ordering::Relaxed), 6 * 3000);
         serde_json::to_string(&result).unwrap()
     };
     let one = json(1);
@@ -190,13 +192,13 @@ fn program() -> Program {
 
 pub fn run_part(study: &Study<'_>, folder: &Path, number: u64, of: u64) {
     let job = Job::part(folder, Share::new(number, of).unwrap(), program()).unwrap();
-    assert!(study.run_in(&job, "study", &|_| ()).is_none());
+    assert!(study.run_in(&job, "study").is_none());
     job.finish().unwrap();
 }
 
 pub fn merged(study: &Study<'_>, folder: &Path) -> Result<StudyResult, JobError> {
     let job = Job::merge(folder, program())?;
-    let found = study.run_in(&job, "study", &|_| ());
+    let found = study.run_in(&job, "study");
     job.finish().map(|()| found.unwrap())
 }
 
@@ -207,7 +209,7 @@ fn a_study_in_parts_has_the_same_bits() {
         Study::new(&Setup::of(&problem, &Sexp), &observables, &settings(8, times, paths, 3))
             .unwrap()
     };
-    let whole = study(1700, 4).run(&|_| ());
+    let whole = study(1700, 4).run();
     let folder = tempfile::tempdir().unwrap();
     for number in [3, 1, 2] {
         run_part(&study(1700, 4), folder.path(), number, 3);
@@ -278,7 +280,7 @@ fn failed_paths_are_left_out_counted_and_described() {
     let observables = [Observable { name: "y2", function: |y: [f64; 2]| y[1] }];
     let settings =
         StudySettings { truncation: Truncation::new(4).unwrap(), ..settings(16, 4, 400, 1) };
-    let result = study(&Setup::of(&problem, &scheme), &observables, &settings, &|_| ()).unwrap();
+    let result = Study::new(&Setup::of(&problem, &scheme), &observables, &settings).unwrap().run();
     let counts: Vec<u64> = result.series[0].points.iter().map(|point| point.count).collect();
     assert!(counts[0] == 400 && counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
     assert!(result.losses.failed > 20 && counts[4] + result.losses.failed == 400);
@@ -356,7 +358,7 @@ fn a_table_has_a_row_for_each_quantity() {
 fn impossible_studies_are_refused() {
     let good = || settings(12, 4, 100, 1);
     let refuse = |settings: StudySettings, observables: &[Observable<2>]| {
-        study(&Setup::of(&additive(1.0), &Sexp), observables, &settings, &|_| ()).unwrap_err()
+        Study::new(&Setup::of(&additive(1.0), &Sexp), observables, &settings).err().unwrap()
     };
     let message = |settings| refuse(settings, &[P]).to_string();
     let with = |times| message(StudySettings { times, ..good() });

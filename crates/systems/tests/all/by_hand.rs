@@ -69,13 +69,12 @@ fn lotka_volterra() {
     check::<2, 2>(1.3);
     check::<1, 1>(1.0);
     check::<3, 2>(0.5);
-    check::<2, 4>(1.0);
 }
 
 #[test]
 fn the_discrete_gradient_of_a_polynomial_is_exact_however_far() {
     // From one corner of the region to the other.
-    let system = LotkaVolterra::<4, 5>::new(1.0).unwrap();
+    let system = LotkaVolterra::<3, 2>::new(1.0).unwrap();
     let (a, b) = ([0.3, 1.7, 0.5], [1.7, 0.3, 1.5]);
     let mean: [f64; 3] = system.averaged_gradient(a, b, 1.0, [0.0]);
     let work = [0, 1, 2].map(|i| mean[i] * (b[i] - a[i]));

@@ -100,7 +100,7 @@ impl StrongPanel<'_> {
             each.map(|(&(time, _, runs), squares)| FinalMoments::new(time, 3 * runs - 1, squares))
                 .collect()
         };
-        let measured = ladder.run(self.samples, statistic, &|_| ());
+        let measured = ladder.run(self.samples, statistic);
         let moments: Vec<&CrossMoments> =
             measured.statistic.iter().map(|found| &found.moments).collect();
 
@@ -199,7 +199,7 @@ impl StrongPanel<'_> {
         };
         let at = |time| FinalMoments::new(time, curves.len(), &differences);
         let new = || (1..=ladder.coarse_steps()).map(at).collect::<Vec<_>>();
-        let found = ladder.run(PILOT_PATHS, new, &|_| ()).statistic;
+        let found = ladder.run(PILOT_PATHS, new).statistic;
         let worst = |s: usize| {
             // Sums: a path that failed counts no more.
             let sums = found.iter().map(|f| f.moments.mean(s) * f.moments.count() as f64);

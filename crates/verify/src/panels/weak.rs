@@ -157,7 +157,7 @@ pub fn moments_of(
         }
     };
     let new = || FinalMoments::new(ladder.coarse_steps(), observables.len(), &values);
-    let measured = ladder.run(samples, new, &|_| ());
+    let measured = ladder.run(samples, new);
     let failures = describe_failures(&measured);
     (measured.statistic.moments, failures)
 }

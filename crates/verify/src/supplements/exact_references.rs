@@ -79,7 +79,7 @@ fn compare<S: Tuned<3, 1>, G: Damping>(
             }
         };
         let new = || FinalMoments::new(ladder.coarse_steps(), 1, &values);
-        let moments = ladder.run(conditions.choose(20_000, 1_000), new, &|_| ()).statistic.moments;
+        let moments = ladder.run(conditions.choose(20_000, 1_000), new).statistic.moments;
         let (value, error) = (moments.mean(0), moments.standard_error(0));
         let expected = expectation(problem, &time, steps, observable.function);
         let statement = format!(

@@ -59,7 +59,7 @@ fn expectation(
         (settings.truncation, settings.max_cost) = (truncation(), 1 << 40);
     }
     let observables: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
-    valid(expect.with(settings).run(&observables, accuracy, &|_| ()))
+    valid(expect.with(settings).run(&observables, accuracy))
 }
 
 /// E[φ] of `estimate` against its value by the Kolmogorov equation. Where the interval has

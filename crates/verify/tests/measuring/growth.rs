@@ -162,7 +162,7 @@ fn growth<S: Tuned<D, M> + Copy + 'static, G, const D: usize, const M: usize>(
         Ladder::new(&mc::Problem::of(&problem), steps, 0, verify::truncation(), key, runs)?;
     let new = || Defects::<_, D> { steps, defect: &defect, rows: Vec::new() };
     let paths = if let Rule::Sexp(..) = rule { PATHS } else { MANY_PATHS };
-    let measured = ladder.run(paths as u64, new, &|_| ());
+    let measured = ladder.run(paths as u64, new);
     let rows = measured.statistic.rows;
     let bits = &mut Bits::new(SEED, streams::GROWTH, number);
     let (exponent, lo, hi) = bootstrap(&rows, bits);

@@ -268,7 +268,7 @@ where
     X: Scheme<S, D, M> + 'static,
 {
     let (observable, how) = (Observable { name: "φ", function }, how.into());
-    let answer = move |expect: Expect<'_>| match expect.run(&[&observable], how.accuracy, &|_| ()) {
+    let answer = move |expect: Expect<'_>| match expect.run(&[&observable], how.accuracy) {
         Ok(result) => (stated(&result), result.cost),
         Err(error) => refused(error),
     };

@@ -56,7 +56,7 @@ pub fn drivers(bits: &mut Bits) -> Fed {
             };
             let expect = Expect::with_scheme(Setup::of(&problem, &*em)).with(settings);
             let first = Observable { name: "y1", function: |y: [f64; 2]| y[0] };
-            let result = expect.run(&[&first], bits.positive(8), &|_| ());
+            let result = expect.run(&[&first], bits.positive(8));
             let (lower, upper) = accepted(result)?.estimates[0].interval();
             ensure!(!lower.is_nan() && !upper.is_nan(), "interval [{lower}, {upper}]");
         }

@@ -1,0 +1,193 @@
+//! Paths and their statistics.
+
+use std::time::Instant;
+
+use casimir::{
+    analysis::{StepCheck, checked_paths, step_check},
+    mc::{
+        Observe, Setup, Simulation, Study, StudySettings, TimeSeries, parts::Job,
+        study::StudyResult,
+    },
+};
+
+use super::{Settled, Watch};
+use crate::{
+    failure::{Done, Failure},
+    model::Known,
+    output,
+    scene::{Combination, Scene, Sweep},
+};
+
+/// What a run found.
+pub struct Results {
+    /// The scheme.
+    pub scheme: String,
+    /// Why, if it was left to the program.
+    pub because: Option<String>,
+    /// What the system is.
+    pub known: Known,
+    /// Tables of the first paths.
+    pub tables: Vec<TimeSeries>,
+    /// Statistics of all paths, if there are many.
+    pub study: Option<StudyResult>,
+    /// How large the step errors are.
+    pub check: Option<StepCheck>,
+    /// Seconds of the computation.
+    pub seconds: f64,
+}
+
+/// The runs of all combinations, checked.
+pub fn ready(sweep: &Sweep, settled: Vec<Settled>) -> Done<Vec<Ready<'_>>> {
+    let both = sweep.combinations.iter().zip(settled);
+    both.map(|(combination, settled)| Ready::new(combination, settled)).collect()
+}
+
+/// Computes runs one after the other; none where another part has it, or it was not begun.
+pub fn compute<'a>(
+    sweep: &'a Sweep,
+    ready: Vec<Ready<'a>>,
+    job: &Job,
+    watch: &Watch,
+) -> Done<Outcomes<'a>> {
+    let is_stopped = || watch.stop.is_asked();
+    let one = |ready: Ready<'_>| if is_stopped() { Ok(None) } else { ready.compute(job, watch) };
+    Ok(Outcomes { sweep, results: ready.into_iter().map(one).collect::<Done<_>>()? })
+}
+
+/// What was found at each combination of a sweep.
+pub struct Outcomes<'a> {
+    /// What was varied.
+    pub sweep: &'a Sweep,
+    /// The results, in the order of the combinations; none of those that are not here.
+    pub results: Vec<Option<Results>>,
+}
+
+impl Outcomes<'_> {
+    /// Combinations with their results.
+    pub fn found(&self) -> impl Iterator<Item = (&Combination, &Results)> {
+        let both = self.sweep.combinations.iter().zip(&self.results);
+        both.filter_map(|(combination, results)| Some((combination, results.as_ref()?)))
+    }
+
+    /// Number of paths of all.
+    pub fn paths(&self) -> u64 {
+        self.found().map(|(_, results)| results.paths()).sum()
+    }
+
+    /// Refuses results of which no path came to its end.
+    ///
+    /// # Errors
+    /// The last failure.
+    pub fn check(&self) -> Done {
+        let failures = self.found().map(|(_, results)| results.all_failed());
+        match failures.collect::<Option<Vec<_>>>().and_then(|mut failures| failures.pop()) {
+            Some(failure) => Err(Failure::Run(format!(
+                "all paths failed: take more steps, or another scheme; {failure}"
+            ))),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Results {
+    /// Number of paths.
+    pub fn paths(&self) -> u64 {
+        self.study.as_ref().map_or(self.tables.len() as u64, |study| study.record.paths)
+    }
+
+    /// The first failure, if no path came to its end.
+    fn all_failed(&self) -> Option<String> {
+        match &self.study {
+            Some(study) if study.losses.failed < study.record.paths => None,
+            Some(study) => study.losses.failures.first().cloned(),
+            None => self.tables.iter().map(|table| table.halted.clone()).min()?,
+        }
+    }
+
+    /// What a reader must know of single paths, of the steps and of the statistics.
+    pub fn warnings(&self, scene: &Scene) -> Vec<String> {
+        let Self { tables, study, check, .. } = self;
+        let steps = check.iter().flat_map(|check| output::step_lines(check, study.as_ref(), scene));
+        let warnings = study.iter().flat_map(|study| study.warnings.clone());
+        let halted = tables.iter().enumerate().filter_map(|(path, table)| {
+            table.halted.as_ref().map(|halted| format!("path {path}: {halted}"))
+        });
+        let is_few =
+            study.is_none() && !(scene.wanted.pairs.is_empty() && scene.wanted.lagged.is_empty());
+        let few = "pairs and autocorrelations are of 100 paths or more: take more `paths`";
+        let few = is_few.then(|| few.to_owned());
+        let mistake = self.known.mistake.clone().into_iter();
+        mistake.chain(steps).chain(warnings).chain(halted).chain(few).collect()
+    }
+}
+
+/// A run that was checked.
+pub struct Ready<'a> {
+    label: &'a str,
+    scene: &'a Scene,
+    scheme: String,
+    setup: Setup<'a>,
+    because: Option<String>,
+}
+
+impl<'a> Ready<'a> {
+    /// Checks that the scheme can be run.
+    pub fn new(combination: &'a Combination, (scheme, because): Settled) -> Done<Self> {
+        let Combination { label, scene, .. } = combination;
+        let setup = scene.collecting(scene.setup(&scheme)?);
+        let settings = &scene.settings;
+        if setup.scheme.clips_increments()
+            && let Err(error) = settings.truncation.bound(settings.until / settings.steps as f64)
+        {
+            let least = settings.until.floor() as u64 + 1;
+            let message = format!(
+                "{} truncates increments: {error}. Take at least {least} steps, or leave out \
+                 `truncation`",
+                setup.scheme.id()
+            );
+            return Err(scene.steps_error(message).into());
+        }
+        Ok(Self { label, scene, scheme, setup, because })
+    }
+
+    /// Computes tables and statistics; none if another part has them.
+    pub fn compute(self, job: &Job, watch: &Watch) -> Done<Option<Results>> {
+        let start = Instant::now();
+        let Self { label, scene, scheme, setup, because } = self;
+        let of_label = if label.is_empty() { String::new() } else { format!("{label}: ") };
+        job.section(&of_label);
+        let Scene { components, observables, settings, model, .. } = scene;
+        let (steps, truncation, key) = (settings.steps, settings.truncation, settings.key);
+        let mut study = None;
+        if settings.is_study() {
+            let wanted = StudySettings {
+                wanted: scene.wanted.clone(),
+                ..StudySettings::new(steps, settings.times, settings.paths, truncation, key)
+            };
+            let of_all = Study::new(&setup, observables, &wanted);
+            let of_all = of_all.map_err(|error| scene.steps_error(error))?;
+            study = watch.under(format!("{of_label}paths"), settings.paths * steps, || {
+                of_all.telling(|done| watch.bar.inc(done)).run_in(job, "study")
+            });
+        }
+        let checked = checked_paths(settings.paths, setup.problem.noises);
+        let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
+        let check =
+            step_check(&setup, &phi, steps, checked, model.fastest(), (truncation, key), job);
+        let check = check.map_err(|error| scene.steps_error(error))?;
+        if settings.is_study() && study.is_none() {
+            return Ok(None);
+        }
+        let mut simulation = Simulation::new(model.with_laws(setup), truncation)
+            .every(steps / settings.times)
+            .with_components(components.clone())
+            .stopped_by(&watch.stop);
+        for observable in observables.iter().filter(|observable| !observable.is_component()) {
+            simulation = simulation.observing(observable.clone());
+        }
+        let tables = simulation.paths(steps, key, 0..settings.tables);
+        let tables = tables.map_err(|error| scene.steps_error(error))?;
+        let (known, seconds) = (model.known(), start.elapsed().as_secs_f64());
+        Ok(Some(Results { scheme, because, known, tables, study, check, seconds }))
+    }
+}
