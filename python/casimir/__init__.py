@@ -1,0 +1,35 @@
+"""Structure-preserving simulation of damped stochastic Poisson systems.
+
+dy = (B(y)∇H0(y) − γ(t) y) dt + Σ B(y)∇Hm(y) ∘ dWm in the sense of Stratonovich, with B antisymmetric.
+
+>>> import casimir
+>>> paths = casimir.scene("rigid-body").run(paths=2, steps=64)
+>>> paths["y1"].shape
+(2, 65)
+"""
+
+from ._core import __version__
+from ._errors import RunError, SceneError
+from ._results import Comparison, Estimate, Expectation, Figure, Inspection, Order, Run, Statistics
+from ._scene import Scene, Sweep, scene, scenes, sweep
+from ._system import System
+
+__all__ = [
+    "Comparison",
+    "Estimate",
+    "Expectation",
+    "Figure",
+    "Inspection",
+    "Order",
+    "Run",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "Statistics",
+    "Sweep",
+    "System",
+    "__version__",
+    "scene",
+    "scenes",
+    "sweep",
+]

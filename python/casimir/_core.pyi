@@ -1,0 +1,61 @@
+"""The compiled half of the package."""
+
+from collections.abc import Callable, Sequence
+from typing import Protocol, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "__version__",
+    "as_json",
+    "changed",
+    "check",
+    "compare",
+    "expect",
+    "inspect",
+    "order",
+    "run",
+    "scene",
+    "scenes",
+    "schema",
+]
+
+__version__: str
+
+class _Given(Protocol):
+    @property
+    def text(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def states(self) -> NDArray[np.float64] | None: ...
+
+class _How(Protocol):
+    @property
+    def threads(self) -> int | None: ...
+    @property
+    def show(self) -> Callable[[str], None] | None: ...
+
+class _Found(TypedDict):
+    text: str
+    json: str
+    figures: list[tuple[str, str, str]]
+    page: str
+    paths: dict[str, NDArray[np.float64]]
+    statistics: dict[str, NDArray[np.float64]]
+    interrupted: bool
+
+def check(given: _Given) -> str: ...
+def run(
+    given: _Given, sets: Sequence[tuple[str, Sequence[str]]], independent: bool, how: _How
+) -> _Found: ...
+def expect(given: _Given, coarsest_steps: int | None, how: _How) -> _Found: ...
+def order(given: _Given, path_steps: int, how: _How) -> _Found: ...
+def compare(given: _Given, error: float, budget: float, how: _How) -> _Found: ...
+def inspect(given: _Given, how: _How) -> _Found: ...
+def scenes() -> list[str]: ...
+def scene(name: str) -> str: ...
+def schema() -> str: ...
+def changed(text: str, changes: Sequence[tuple[Sequence[str], str]]) -> str: ...
+def as_json(text: str) -> str: ...

@@ -1,0 +1,53 @@
+"""Progress of long calls, shown by the thread that waits."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ._errors import SceneError
+
+
+class How(NamedTuple):
+    """How a call is made."""
+
+    threads: int | None
+    show: Callable[[str], None] | None
+
+
+def how(threads: int | None, progress: bool) -> How:
+    """Threads, and what shows progress."""
+    if threads is not None and (not isinstance(threads, int) or threads < 1):
+        raise SceneError(f"threads is a whole number of at least one, got {threads!r}")
+    return How(threads, _shown() if progress else None)
+
+
+def _shown() -> Callable[[str], None] | None:
+    if "IPython" in sys.modules:
+        from IPython import get_ipython
+
+        shell = get_ipython()
+        if shell is not None and hasattr(shell, "kernel"):
+            return _notebook()
+    return _terminal if sys.stderr is not None and sys.stderr.isatty() else None
+
+
+def _terminal(words: str) -> None:
+    sys.stderr.write(f"\r\x1b[K{words}")
+    sys.stderr.flush()
+
+
+def _notebook() -> Callable[[str], None]:
+    from IPython.display import display
+
+    shown: list[object] = []
+
+    def show(words: str) -> None:
+        data = {"text/plain": words}
+        if shown:
+            shown[0].update(data, raw=True)  # type: ignore[attr-defined]
+        elif words:
+            shown.append(display(data, raw=True, display_id=True))  # type: ignore[no-untyped-call]
+
+    return show

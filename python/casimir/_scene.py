@@ -1,0 +1,391 @@
+"""Scenes: one description of what is simulated."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import json
+from collections.abc import Mapping, Sequence
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from ._errors import SceneError
+from ._formulas import plain
+from ._progress import how
+from ._results import Comparison, Expectation, Inspection, Order, Run
+
+# What a text names where an array of initial states goes with it; no file is read then.
+_STATES = "states.csv"
+# Keys of a system, which are changed as one table.
+_SYSTEM = ("state", "B", "H0", "H", "calculus", "drift", "noise")
+
+
+@functools.cache
+def _keys() -> tuple[dict[str, tuple[str, ...]], frozenset[str]]:
+    """Where the keyword of a change goes, and which keys are tables."""
+    schema = json.loads(_core.schema())
+    tables = schema["properties"]
+    keys: dict[str, tuple[str, ...]] = {"parameters": ("system", "parameters")}
+    for table in ("expect", "run"):
+        definition = schema["$defs"][_definition(tables[table])]
+        keys.update({key: (table, key) for key in definition["properties"]})
+    return keys, frozenset(tables)
+
+
+def _definition(entry: dict[str, Any]) -> str:
+    references = [entry, *entry.get("anyOf", []), *entry.get("allOf", [])]
+    found = [one["$ref"] for one in references if "$ref" in one]
+    return str(found[0]).rsplit("/", 1)[-1]
+
+
+class Scene:
+    """A system with its initial value and what is wanted: the contents of a scene's file.
+
+    ``Scene("body.toml")`` reads a file, ``Scene({...})`` takes a dictionary with the same keys, and
+    :meth:`from_toml` a text. A scene is checked when it is made, and does not change:
+    :meth:`with_` gives another.
+    """
+
+    __slots__ = ("_about", "name", "states", "text")
+
+    def __init__(self, source: str | PathLike[str] | Mapping[str, Any]) -> None:
+        if isinstance(source, Mapping):
+            scene = Scene.unchecked(source)
+            self._set(scene.text, scene.name, scene.states)
+        else:
+            if not isinstance(source, (str, PathLike)):
+                what = type(source).__name__
+                hint = "; call its .scene(initial=…, until=…, steps=…)" if what == "System" else ""
+                raise SceneError(f"a scene is a file or a dictionary, got {what}{hint}")
+            name = fspath(source)
+            if "\n" in name:
+                raise SceneError("this is a text, not the name of a file: Scene.from_toml(text)")
+            try:
+                self._set(Path(name).read_text(encoding="utf-8"), name, None)
+            except OSError as error:
+                raise SceneError(f"cannot read the scene {name}: {error.strerror}") from error
+        self._check()
+
+    @classmethod
+    def from_toml(cls, text: str, name: str = "scene") -> Scene:
+        """The scene of a text; ``name`` stands in messages."""
+        scene = cls.__new__(cls)
+        scene._set(text, name, None)
+        scene._check()
+        return scene
+
+    @classmethod
+    def unchecked(cls, tables: Mapping[str, Any]) -> Scene:
+        """The scene of a dictionary, which is checked when it is used."""
+        scene = cls.__new__(cls)
+        scene._set("", "scene", None)
+        tables = dict(tables)
+        run = tables.get("run")
+        states = run.get("initial") if isinstance(run, Mapping) else None
+        if isinstance(run, Mapping) and isinstance(states, np.ndarray) and states.ndim == 2:
+            scene.states = _array(states)
+            tables["run"] = {**run, "initial": _STATES}
+        pairs = [([str(key)], json.dumps(plain(value))) for key, value in tables.items()]
+        scene.text = _text("", sorted(pairs, key=lambda pair: pair[1].startswith("{")))
+        return scene
+
+    def _set(self, text: str, name: str, states: NDArray[np.float64] | None) -> None:
+        self.text, self.name, self.states = text, name, states
+        self._about: dict[str, Any] | None = None
+
+    def _check(self) -> dict[str, Any]:
+        if self._about is None:
+            self._about = json.loads(_core.check(self))
+        return self._about
+
+    def with_(self, **changes: Any) -> Scene:
+        """Another scene with some keys changed.
+
+        Keys of ``[run]`` and ``[expect]`` go by their names, ``parameters`` are changed one by one,
+        other tables key by key, ``None`` removes a key:
+        ``scene.with_(steps=800, parameters={"h": 3.0}, observe={"energy": "H0"})``. ``initial`` may
+        be an array of states [path, component]; path *i* begins in row *i*, counted round.
+        """
+        keys, tables = _keys()
+        pairs: list[tuple[Sequence[str], str]] = []
+        states = self.states
+        for name, value in changes.items():
+            if name == "initial":
+                states = None
+                if hasattr(value, "to_numpy"):
+                    value = value.to_numpy()
+                array = np.asarray(value) if isinstance(value, (np.ndarray, list, tuple)) else None
+                if array is not None and array.ndim == 2:
+                    states, value = _array(array), _STATES
+                    if "paths" not in changes:
+                        pairs.append((keys["paths"], json.dumps(len(array))))
+            if name == "damping" and value is not None and not isinstance(value, Mapping):
+                value = {"rate": value}
+            if name == "parameters" and isinstance(value, Mapping):
+                self._know_parameters(value)
+            if value is not None and not isinstance(value, Mapping):
+                example = {"parameters": '{"k": 2.0}', "observe": '{"energy": "H0"}'}.get(name, "{…}")
+                if name == "parameters" or name in tables - {"title"}:
+                    raise SceneError(f"`{name}` is a dictionary: {name}={example}", name)
+            if isinstance(value, Mapping) and (name == "parameters" or name in tables):
+                above = keys.get(name, (name,))
+                pairs += [((*above, str(key)), json.dumps(plain(v))) for key, v in value.items()]
+            elif name in keys or name in tables:
+                if name == "of" and isinstance(value, str):
+                    value = [value]
+                pairs.append((keys.get(name, (name,)), json.dumps(plain(value))))
+            else:
+                near = difflib.get_close_matches(name, [*keys, *tables], 1)
+                hint = f"; do you mean `{near[0]}`?" if near else ""
+                if name in _SYSTEM:
+                    hint = f"; write system={{'{name}': …}}"
+                raise SceneError(f"unknown key `{name}`{hint}", name)
+        scene = Scene.__new__(Scene)
+        scene._set(_text(self.text, pairs), self.name, states)
+        scene._check()
+        return scene
+
+    def _know_parameters(self, names: Mapping[str, Any]) -> None:
+        """Refuses parameters that formulas do not have; a system of the project knows its own."""
+        system = self.to_dict().get("system", {})
+        known = [*system.get("parameters", {})]
+        for name in map(str, names):
+            if "name" not in system and name not in known:
+                near = difflib.get_close_matches(name, known, 1)
+                hint = f"; do you mean `{near[0]}`?" if near else ""
+                there = ", ".join(known) or "none"
+                raise SceneError(f"no parameter `{name}`; there are {there}{hint}", name)
+
+    def to_toml(self) -> str:
+        """The text of the scene; an array of initial states is written by :meth:`save`."""
+        return self.text
+
+    def to_dict(self) -> dict[str, Any]:
+        """The keys of the scene; ``initial`` is the array where there is one."""
+        tables = dict(json.loads(_core.as_json(self.text)))
+        if self.states is not None:
+            tables["run"]["initial"] = self.states.copy()
+        return tables
+
+    def save(self, file: str | PathLike[str]) -> None:
+        """Writes the text, and an array of initial states beside it."""
+        path, text = Path(file), self.text
+        if self.states is not None:
+            states = path.with_name(f"{path.stem}-{_STATES}")
+            text = _text(text, [(("run", "initial"), json.dumps(states.name))])
+            rows = (",".join(map(repr, row)) for row in self.states.tolist())
+            states.write_text("\n".join(rows) + "\n", encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
+
+    @property
+    def title(self) -> str:
+        """The title."""
+        return str(self._check()["title"])
+
+    @property
+    def components(self) -> list[str]:
+        """The names of the components of the state."""
+        return list(self._check()["components"])
+
+    @property
+    def observables(self) -> list[str]:
+        """The names of the observables, before components if these are few."""
+        return list(self._check()["observables"])
+
+    def inspect(self, *, threads: int | None = None, progress: bool = True) -> Inspection:
+        """What the system is: Casimirs, orders, mistakes, a scheme to take."""
+        self._check()
+        return Inspection(self, _core.inspect(self, how(threads, progress)))
+
+    def run(
+        self,
+        *,
+        threads: int | None = None,
+        progress: bool = True,
+        raises: bool = False,
+        **changes: Any,
+    ) -> Run:
+        """Simulates paths: tables of the first, statistics of all where they are 100 or more.
+
+        Further arguments change the scene as :meth:`with_` does. Ctrl-C gives what is complete, and
+        ``interrupted`` is true; with ``raises`` it raises ``KeyboardInterrupt`` instead. ``threads``
+        changes the time, and no bit of the results.
+        """
+        scene = self.with_(**changes) if changes else self
+        about = scene._check()
+        varied = [(str(key), [float(x) for x in values]) for key, values in about["sweep"].items()]
+        found = _core.run(scene, [], False, how(threads, progress))
+        return Run(scene, _raising(found, raises), varied)
+
+    def expect(
+        self,
+        *,
+        coarsest_steps: int | None = None,
+        threads: int | None = None,
+        progress: bool = True,
+        raises: bool = False,
+        **changes: Any,
+    ) -> Expectation:
+        """Expectations E[φ(y(T))] with 95 % intervals: ``expect(of=["y1"], accuracy=1e-4)``."""
+        scene = self.with_(**changes) if changes else self
+        scene._check()
+        found = _core.expect(scene, coarsest_steps, how(threads, progress))
+        return Expectation(scene, _raising(found, raises))
+
+    def order(
+        self,
+        *,
+        path_steps: float = 3e8,
+        threads: int | None = None,
+        progress: bool = True,
+        **changes: Any,
+    ) -> Order:
+        """The strong and the weak order of the scheme, measured within so many path-steps."""
+        scene = self.with_(**changes) if changes else self
+        scene._check()
+        return Order(scene, _core.order(scene, int(path_steps), how(threads, progress)))
+
+    def compare(
+        self,
+        *,
+        error: float = 1e-3,
+        budget: float = 60.0,
+        threads: int | None = None,
+        progress: bool = True,
+        **changes: Any,
+    ) -> Comparison:
+        """Error against cost of all schemes at an error of y(T), within seconds of ``budget``."""
+        scene = self.with_(**changes) if changes else self
+        scene._check()
+        return Comparison(scene, _core.compare(scene, error, budget, how(threads, progress)))
+
+    def __repr__(self) -> str:
+        if self._about is None:
+            return f"Scene {self.name}"
+        about, names = self._about, self.components
+        shown = ", ".join(names if len(names) <= 6 else [*names[:5], "…", names[-1]])
+        paths = f"{about['paths']} {'path' if about['paths'] == 1 else 'paths'}"
+        return f"Scene {self.title!r}: {shown}; {paths} to t = {about['until']:g} in {about['steps']} steps"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Scene) or self.text != other.text:
+            return False
+        return np.array_equal(_or_empty(self.states), _or_empty(other.states))
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self.text, self.name, self.states)
+
+
+def _restored(text: str, name: str, states: NDArray[np.float64] | None) -> Scene:
+    scene = Scene.__new__(Scene)
+    scene._set(text, name, states)
+    return scene
+
+
+def _or_empty(states: NDArray[np.float64] | None) -> NDArray[np.float64]:
+    return np.empty(0) if states is None else states
+
+
+def _array(states: Any) -> NDArray[np.float64]:
+    try:
+        if np.iscomplexobj(states):
+            raise TypeError("these are complex")
+        array = np.array(states, dtype=np.float64)
+        array.flags.writeable = False
+    except (TypeError, ValueError) as error:
+        raise SceneError(f"initial states are numbers [path, component]: {error}", "run.initial") from error
+    wrong = np.flatnonzero(~np.isfinite(array).all(axis=1))
+    if array.size == 0 or len(wrong):
+        where = f"row {wrong[0]} is {array[wrong[0]].tolist()}" if len(wrong) else "there is none"
+        raise SceneError(f"initial states must be finite, and at least one: {where}", "run.initial")
+    return array
+
+
+def _text(text: str, pairs: Sequence[tuple[Sequence[str], str]]) -> str:
+    try:
+        return _core.changed(text, pairs)
+    except ValueError as error:
+        raise SceneError(str(error)) from error
+
+
+def _raising(found: Any, raises: bool) -> Any:
+    if raises and found["interrupted"]:
+        raise KeyboardInterrupt
+    return found
+
+
+class Sweep:
+    """A scene at every combination of values of its parameters; see :func:`sweep`."""
+
+    def __init__(self, scene: Scene, independent: bool, values: Mapping[str, Sequence[float]]) -> None:
+        if not values:
+            raise SceneError("nothing is varied: sweep(scene, h=[0.1, 0.2])")
+        scene._know_parameters(values)
+        self.scene, self.independent = scene, independent
+        self.values = {name: plain_values(name, v) for name, v in values.items()}
+
+    def run(
+        self,
+        *,
+        threads: int | None = None,
+        progress: bool = True,
+        raises: bool = False,
+        **changes: Any,
+    ) -> Run:
+        """Runs every combination. Arrays have an axis for each parameter, before that of time."""
+        twice = set(changes.get("parameters") or ()) & set(self.values)
+        if twice:
+            raise SceneError(f"`{min(twice)}` is varied already: leave it out of `parameters`")
+        scene = self.scene.with_(**changes) if changes else self.scene
+        varied = [(name, values.tolist()) for name, values in self.values.items()]
+        sets = [(name, [repr(value) for value in values]) for name, values in varied]
+        found = _core.run(scene, sets, self.independent, how(threads, progress))
+        return Run(scene, _raising(found, raises), varied)
+
+    def __repr__(self) -> str:
+        numbers = ", ".join(f"{name}: {len(values)}" for name, values in self.values.items())
+        return f"Sweep of {self.scene!r} over {numbers}"
+
+
+def plain_values(name: str, values: Any) -> NDArray[np.float64]:
+    """The values of a parameter as numbers."""
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SceneError(f"the values of `{name}` are numbers: {error}", name) from error
+    array = np.atleast_1d(array)
+    if array.size == 0 or array.ndim != 1:
+        raise SceneError(f"the values of `{name}` are a list of numbers, at least one", name)
+    if len(np.unique(array)) < len(array):
+        raise SceneError(f"`{name}` has a value twice: {array.tolist()}", name)
+    return array
+
+
+def sweep(scene: Scene, /, *, independent: bool = False, **values: Sequence[float]) -> Sweep:
+    """A scene at every combination of the values of its parameters.
+
+    All combinations see the same random numbers, so that neighbours can be compared; with
+    ``independent`` each has its own. ``sweep(scene, sigma=[0.1, 0.2], k=[1, 2]).run()``.
+    """
+    return Sweep(scene, independent, values)
+
+
+def scenes() -> list[str]:
+    """The names of the scenes of the gallery."""
+    return _core.scenes()
+
+
+def scene(name: str) -> Scene:
+    """A scene of the gallery."""
+    try:
+        return Scene.from_toml(_core.scene(name), name)
+    except ValueError as error:
+        raise error if isinstance(error, SceneError) else SceneError(str(error)) from error

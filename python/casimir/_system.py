@@ -1,0 +1,72 @@
+"""Systems of one's own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ._errors import SceneError
+from ._formulas import plain
+from ._scene import Scene
+
+Formula = Any
+"""A number, a formula in quotes, or an expression of SymPy."""
+
+
+class System:
+    """dy = (B∇H0 − γy)dt + Σ B∇Hm ∘ dWm from formulas: strings, or expressions of SymPy.
+
+    ``state`` names the components. ``B`` is the structure matrix: all rows, the entries above the
+    diagonal, or blocks such as ``"canonical"`` and ``"spins(s1, s2)"``. ``H0`` is the Hamiltonian,
+    ``H`` one for each noise. ``damping`` is the rate γ, which may depend on ``t``.
+
+    With ``calculus="ito"`` or ``"stratonovich"``, an equation that is given as well, ``drift`` and
+    the fields ``noise``, is compared with that of B and H: what differs is named.
+
+    >>> import casimir
+    >>> oscillator = casimir.System(state="q p", B="canonical", H0="(q^2 + p^2)/2", H=["0.1*q"])
+    >>> oscillator.scene(initial=[1, 0], until=1, steps=64).run(paths=3)["q"].shape
+    (3, 65)
+    """
+
+    def __init__(
+        self,
+        state: str | Sequence[Any],
+        B: Formula,
+        H0: Formula,
+        H: Formula | Sequence[Formula] = (),
+        parameters: Mapping[Any, float] | None = None,
+        *,
+        damping: Formula | None = None,
+        calculus: str | None = None,
+        drift: Sequence[Formula] | None = None,
+        noise: Sequence[Sequence[Formula]] | None = None,
+        title: str | None = None,
+    ) -> None:
+        names = state.replace(",", " ").split() if isinstance(state, str) else plain(state)
+        structure = plain(B)
+        if isinstance(structure, list) and not all(isinstance(row, list) for row in structure):
+            raise SceneError("B is a matrix: a list of rows, each a list, or blocks in quotes")
+        system: dict[str, Any] = {"state": names, "B": structure, "H0": plain(H0)}
+        noises = plain(H)
+        system["H"] = noises if isinstance(noises, list) else [noises]
+        if parameters:
+            system["parameters"] = plain(parameters)
+        for key, value in [("calculus", calculus), ("drift", drift), ("noise", noise)]:
+            if value is not None:
+                system[key] = plain(value)
+        self._tables: dict[str, Any] = {"system": system}
+        if title is not None:
+            self._tables["title"] = title
+        if damping is not None:
+            self._tables["damping"] = {"rate": plain(damping)}
+
+    def scene(self, *, initial: Any, until: Any, steps: int, **changes: Any) -> Scene:
+        """The system with its initial value and what is wanted, as :meth:`Scene.with_` takes it."""
+        run = {"initial": [0.0], "until": plain(until), "steps": plain(steps)}
+        return Scene.unchecked({**self._tables, "run": run}).with_(initial=initial, **changes)
+
+    def __repr__(self) -> str:
+        system = self._tables["system"]
+        noises = ", ".join(map(str, system["H"]))
+        return f"System({' '.join(system['state'])}; B = {system['B']}, H0 = {system['H0']}, H = [{noises}])"

@@ -1,0 +1,166 @@
+//! Calls that take long: without the lock of the interpreter, on threads of their own, watched by the
+//! thread that called.
+
+use std::{
+    sync::{
+        Mutex,
+        mpsc::{self, RecvTimeoutError},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+use casimir::mc::parts::Stop;
+use casimir_cli::{
+    failure::{Done, Failure},
+    output::Array,
+    verbs::{self, ProgressBar, Watch},
+};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::{exceptions::PyKeyboardInterrupt, prelude::*, types::PyDict};
+use rayon::ThreadPoolBuilder;
+
+use crate::toml::key_at;
+
+/// How often signals are looked for, and progress is shown.
+const TICK: Duration = Duration::from_millis(50);
+/// How long a call that gives nothing when it is stopped may take to end.
+const PATIENCE: Duration = Duration::from_millis(100);
+/// Calls that are shorter show no progress.
+const SHORT: Duration = Duration::from_millis(500);
+
+/// What a command found.
+#[derive(Default)]
+pub struct Found {
+    /// Text, JSON and figures.
+    pub common: verbs::Found,
+    /// A report.
+    pub page: String,
+    /// Arrays of paths.
+    pub paths: Vec<Array>,
+    /// Arrays of statistics.
+    pub statistics: Vec<Array>,
+}
+
+/// Does work on a pool of its own, so that a process that forks later has no threads that hang.
+/// Ctrl-C stops it: what is done is returned, or `KeyboardInterrupt` is raised if there is none.
+pub fn watched<'py>(
+    py: Python<'py>,
+    text: &str,
+    threads: Option<usize>,
+    show: Option<Py<PyAny>>,
+    gives_what_is_done: bool,
+    work: impl FnOnce(&Watch) -> Done<Found> + Send + 'static,
+) -> PyResult<Bound<'py, PyDict>> {
+    if threads == Some(0) {
+        return Err(raised(py, text, Failure::Usage("at least one thread is needed, got 0".into())));
+    }
+    let watch = Watch { bar: ProgressBar::hidden(), stop: Stop::default() };
+    let (send, receive) = mpsc::channel();
+    let receive = Mutex::new(receive);
+    let own = watch.clone();
+    let begun = Instant::now();
+    let worker = thread::spawn(move || {
+        let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+        let found = match pool {
+            Ok(pool) => pool.install(|| work(&own)),
+            Err(error) => Err(Failure::Run(error.to_string())),
+        };
+        // Nobody waits after a second Ctrl-C.
+        let _ = send.send(found);
+    });
+    let mut interrupted: Option<(PyErr, Instant)> = None;
+    let found = loop {
+        match py.detach(|| receive.lock().ok().map(|receive| receive.recv_timeout(TICK))) {
+            Some(Ok(found)) => break found,
+            None | Some(Err(RecvTimeoutError::Disconnected)) => {
+                let _ = worker.join();
+                break Err(Failure::Run("the computation broke off: please report this".into()));
+            }
+            Some(Err(RecvTimeoutError::Timeout)) => {}
+        }
+        match (py.check_signals(), &interrupted) {
+            (Err(error), None) => {
+                watch.stop.now();
+                interrupted = Some((error, Instant::now()));
+            }
+            (Err(error), Some(_)) => return Err(error),
+            (Ok(()), Some((_, at))) if !gives_what_is_done && at.elapsed() > PATIENCE => {
+                return Err(PyKeyboardInterrupt::new_err(()));
+            }
+            _ => {}
+        }
+        if let Some(show) = show.as_ref().filter(|_| begun.elapsed() > SHORT) {
+            show.call1(py, (words(&watch.bar, begun),))?;
+        }
+    };
+    if let Some(show) = show.as_ref().filter(|_| begun.elapsed() > SHORT) {
+        show.call1(py, ("",))?;
+    }
+    match (found, interrupted) {
+        (Ok(found), interrupted) => {
+            let result = dictionary(py, found)?;
+            result.set_item("interrupted", interrupted.is_some())?;
+            Ok(result)
+        }
+        (Err(_), Some((error, _))) => Err(error),
+        (Err(failure), None) => Err(raised(py, text, failure)),
+    }
+}
+
+/// A line about what is under way.
+fn words(bar: &ProgressBar, begun: Instant) -> String {
+    let (what, seconds) = (bar.message(), begun.elapsed().as_secs());
+    match bar.length().unwrap_or(0) {
+        0 => format!("{seconds} s  {what}"),
+        all => {
+            let done = 100 * bar.position() / all;
+            let left = bar.eta().as_secs();
+            format!("{seconds} s  {done} % {what}, {left} s left")
+        }
+    }
+}
+
+fn dictionary(py: Python<'_>, found: Found) -> PyResult<Bound<'_, PyDict>> {
+    let result = PyDict::new(py);
+    let arrays = |all: Vec<Array>| -> PyResult<Bound<'_, PyDict>> {
+        let arrays = PyDict::new(py);
+        for (name, shape, values) in all {
+            // The numbers stay where they are.
+            arrays.set_item(name, PyArray1::from_vec(py, values).reshape(shape)?)?;
+        }
+        Ok(arrays)
+    };
+    let Found { common: verbs::Found { text, json, figures }, page, paths, statistics } = found;
+    let figures: Vec<_> = figures.into_iter().map(|one| (one.file, one.svg, one.caption)).collect();
+    result.set_item("text", text)?;
+    result.set_item("json", json.to_string())?;
+    result.set_item("figures", figures)?;
+    result.set_item("page", page)?;
+    result.set_item("paths", arrays(paths)?)?;
+    result.set_item("statistics", arrays(statistics)?)?;
+    Ok(result)
+}
+
+/// The exception of a failure, with its place in the text.
+pub fn raised(py: Python<'_>, text: &str, failure: Failure) -> PyErr {
+    let error = |name, arguments: (String, Option<String>, Option<usize>, Option<usize>)| {
+        let class = py.import("casimir._errors").and_then(|module| module.getattr(name));
+        class.and_then(|class| class.call1(arguments)).map_or_else(|error| error, PyErr::from_value)
+    };
+    match failure {
+        Failure::Scene(wrong) => {
+            let message = wrong.to_string();
+            let Some(place) = wrong.place else {
+                return error("SceneError", (message, None, None, None));
+            };
+            let before = &text[..place.start.min(text.len())];
+            let line = before.matches('\n').count() + 1;
+            let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+            error("SceneError", (message, key_at(text, &place), Some(line), Some(column)))
+        }
+        Failure::Usage(message) => error("SceneError", (message, None, None, None)),
+        Failure::Run(message) => error("RunError", (message, None, None, None)),
+        Failure::Stopped(message) => PyKeyboardInterrupt::new_err(message),
+    }
+}

@@ -1,0 +1,198 @@
+//! The compiled half of the Python package `casimir`: scenes as texts go in, results as arrays, JSON
+//! and figures come out. What Python sees of it is in `casimir/*.py`.
+
+mod call;
+mod toml;
+
+use casimir::mc::parts::Job;
+use casimir_cli::{
+    failure::{Done, Failure},
+    gallery,
+    output::{Report, arrays},
+    scene::{Changes, Scene, Set, Source, Sweep},
+    verbs::{self, Watch},
+};
+use numpy::PyReadonlyArray2;
+use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
+use serde_json::{Value, json};
+
+use call::{Found, watched};
+
+/// A scene as Python has it: text, name, and initial states [path, component].
+#[derive(FromPyObject)]
+struct Given<'py> {
+    text: String,
+    name: String,
+    states: Option<PyReadonlyArray2<'py, f64>>,
+}
+
+impl Given<'_> {
+    fn source(&self) -> Source {
+        let rows = |states: &PyReadonlyArray2<'_, f64>| {
+            states.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
+        };
+        let states = self.states.as_ref().map(|states| std::sync::Arc::new(rows(states)));
+        Source { name: self.name.clone(), text: self.text.clone(), states }
+    }
+}
+
+/// How a call is made: threads, what shows progress, and whether Ctrl-C raises.
+#[derive(FromPyObject)]
+struct How {
+    threads: Option<usize>,
+    show: Option<Py<PyAny>>,
+}
+
+/// What a scene has, as JSON.
+#[pyfunction]
+fn check(py: Python<'_>, given: Given<'_>) -> PyResult<String> {
+    let source = given.source();
+    let found = py.detach(|| -> Done<Value> {
+        let sweep = Sweep::new(&source, &Changes::default())?;
+        let scene = &sweep.combinations[0].scene;
+        let names = |all: &[casimir_cli::scene::Observable]| {
+            all.iter().map(|one| one.name.clone()).collect::<Vec<_>>()
+        };
+        let varied = sweep.varied.iter().map(|one| (one.name.clone(), json!(one.values)));
+        Ok(json!({
+            "title": scene.title,
+            "components": scene.components,
+            "observables": names(&scene.observables),
+            "expected": names(&scene.expected),
+            "sweep": varied.collect::<Value>(),
+            "paths": scene.settings.paths,
+            "steps": scene.settings.steps,
+            "until": scene.settings.until,
+            "seed": scene.settings.key.seed,
+        }))
+    });
+    found.map(|found| found.to_string()).map_err(|failure| call::raised(py, &given.text, failure))
+}
+
+/// Runs a scene, or at every combination of `sets`: parameters with the texts of their values.
+#[pyfunction]
+fn run<'py>(
+    py: Python<'py>,
+    given: Given<'py>,
+    sets: Vec<(String, Vec<String>)>,
+    independent: bool,
+    how: How,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (source, mut changes) = (given.source(), Changes { independent, ..Changes::default() });
+    changes.scheme.sets = sets.into_iter().map(|(name, values)| Set { name, values }).collect();
+    watched(py, &given.text, how.threads, how.show, true, move |watch| {
+        let sweep = Sweep::new(&source, &changes)?;
+        let scenes = sweep.combinations.iter();
+        let settled = scenes.map(|one| verbs::scheme(&one.scene)).collect();
+        let ready = verbs::ready(&sweep, settled)?;
+        let job = Job::here().stopped_by(&watch.stop).giving_what_is_done();
+        let mut found = verbs::compute(&sweep, ready, &job, watch)?;
+        if watch.stop.is_asked() && found.paths() == 0 {
+            return Err(Failure::Stopped("before the first path".into()));
+        }
+        found.check()?;
+        let report = Report::new(&found);
+        let (json, figures) = (report.json()?, report.figures());
+        let (text, page) = (report.text(), report.page(&figures));
+        let figures = figures.into_iter().flat_map(|(_, figures)| figures).collect();
+        drop(report);
+        let [paths, statistics] = arrays(&mut found);
+        Ok(Found { common: verbs::Found { text, json, figures }, page, paths, statistics })
+    })
+}
+
+/// Computes expectations.
+#[pyfunction]
+fn expect<'py>(
+    py: Python<'py>,
+    given: Given<'py>,
+    coarsest_steps: Option<u64>,
+    how: How,
+) -> PyResult<Bound<'py, PyDict>> {
+    let changes = Changes { steps: coarsest_steps, ..Changes::default() };
+    on_scene(py, given, changes, how, true, |scene, watch| Ok(verbs::expect(scene, None, watch)?.0))
+}
+
+/// Measures orders.
+#[pyfunction]
+fn order<'py>(
+    py: Python<'py>,
+    given: Given<'py>,
+    path_steps: u64,
+    how: How,
+) -> PyResult<Bound<'py, PyDict>> {
+    on_scene(py, given, Changes::default(), how, false, move |scene, watch| {
+        verbs::order(scene, path_steps, watch)
+    })
+}
+
+/// Compares schemes.
+#[pyfunction]
+fn compare<'py>(
+    py: Python<'py>,
+    given: Given<'py>,
+    error: f64,
+    budget: f64,
+    how: How,
+) -> PyResult<Bound<'py, PyDict>> {
+    on_scene(py, given, Changes::default(), how, false, move |scene, watch| {
+        verbs::compare(scene, error, budget, watch)
+    })
+}
+
+/// Says what a system is.
+#[pyfunction]
+fn inspect<'py>(py: Python<'py>, given: Given<'py>, how: How) -> PyResult<Bound<'py, PyDict>> {
+    on_scene(py, given, Changes::default(), how, false, verbs::inspect)
+}
+
+fn on_scene<'py>(
+    py: Python<'py>,
+    given: Given<'py>,
+    changes: Changes,
+    how: How,
+    gives_what_is_done: bool,
+    work: impl FnOnce(&Scene, &Watch) -> Done<verbs::Found> + Send + 'static,
+) -> PyResult<Bound<'py, PyDict>> {
+    let source = given.source();
+    watched(py, &given.text, how.threads, how.show, gives_what_is_done, move |watch| {
+        let common = work(&Scene::new(source, &changes)?, watch)?;
+        Ok(Found { common, ..Found::default() })
+    })
+}
+
+/// Names of the scenes of the gallery.
+#[pyfunction]
+fn scenes() -> Vec<&'static str> {
+    gallery::GALLERY.iter().map(|(name, _)| *name).collect()
+}
+
+/// The text of a scene of the gallery.
+#[pyfunction]
+fn scene(name: &str) -> PyResult<&'static str> {
+    gallery::scene(name).map_err(PyValueError::new_err)
+}
+
+/// The JSON schema of scenes.
+#[pyfunction]
+fn schema() -> PyResult<String> {
+    serde_json::to_string(&casimir_cli::scene::schema())
+        .map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+/// The compiled half of the package.
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(check, module)?)?;
+    module.add_function(wrap_pyfunction!(run, module)?)?;
+    module.add_function(wrap_pyfunction!(expect, module)?)?;
+    module.add_function(wrap_pyfunction!(order, module)?)?;
+    module.add_function(wrap_pyfunction!(compare, module)?)?;
+    module.add_function(wrap_pyfunction!(inspect, module)?)?;
+    module.add_function(wrap_pyfunction!(scenes, module)?)?;
+    module.add_function(wrap_pyfunction!(scene, module)?)?;
+    module.add_function(wrap_pyfunction!(schema, module)?)?;
+    module.add_function(wrap_pyfunction!(toml::changed, module)?)?;
+    module.add_function(wrap_pyfunction!(toml::as_json, module)?)
+}

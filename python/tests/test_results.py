@@ -1,0 +1,137 @@
+"""Results: names, shapes, closed forms, other packages, files."""
+
+import json
+import pickle
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import casimir
+
+
+def test_paths_have_named_columns(oscillator: casimir.Scene) -> None:
+    run = oscillator.run(paths=3)
+    assert run["q"].shape == (3, len(run.t)) and run.t[-1] == 2.0
+    assert run.initial.tolist() == [[1, 0]] * 3
+    assert run.statistics == {} and run.seed == 1 and run.scheme == "sexp"
+    assert "path 2" in repr(run) and "<table>" in run._repr_html_()
+    with pytest.raises(KeyError, match="no column 'x' of paths; there are q, p"):
+        run["x"]
+
+
+def test_a_mean_is_that_of_the_closed_form(oscillator: casimir.Scene) -> None:
+    # Without noise in the mean: q'' = −q with both damped, so E q = exp(−γt) cos t.
+    run = oscillator.run(paths=20_000, steps=256)
+    law, exact = run.statistics["q"], np.exp(-0.1 * run.t) * np.cos(run.t)
+    slack = 2.5 * (law.hi - law.lo)  # ten standard errors: an error of steps is far below
+    assert np.all(abs(law.mean - exact) <= slack + 1e-12)
+    # The twin: another rate is refused.
+    wrong = np.exp(-0.2 * run.t) * np.cos(run.t)
+    assert np.any(abs(law.mean - wrong) > slack + 1e-12)
+
+
+def test_an_expectation_contains_the_exact_value(oscillator: casimir.Scene) -> None:
+    pytest.importorskip("pandas")
+    found = oscillator.expect(accuracy=1e-4)
+    exact = np.exp(-0.2) * np.cos(2.0)
+    assert found.reached and found["q"].half_width <= 1e-4
+    # An interval of 95 % that is four times as wide misses once in 10^14.
+    assert abs(found["q"].value - exact) < 4 * found["q"].half_width
+    assert list(found) == ["q"] and found.to_pandas().loc["q", "value"] == found["q"].value
+
+
+def test_states_are_those_of_an_array(oscillator: casimir.Scene, tmp_path: Path) -> None:
+    states = np.array([[1.0, 0.1 + 0.2], [2.0, -1.0], [0.5, 1e-17]])
+    scene = oscillator.with_(initial=states)
+    run = scene.run()
+    assert run.initial.tobytes() == states.tobytes()
+    scene.save(tmp_path / "s.toml")
+    again = casimir.Scene(tmp_path / "s.toml").run()
+    assert again["q"].tobytes() == run["q"].tobytes()
+    assert pickle.loads(pickle.dumps(scene)) == scene
+    many = scene.with_(paths=300, tables=7).run()
+    assert many.initial.tolist() == [states[i % 3].tolist() for i in range(7)]
+
+
+def test_a_sweep_has_axes(oscillator: casimir.Scene) -> None:
+    pytest.importorskip("xarray")
+    sweep = casimir.sweep(oscillator.with_(paths=200), sigma=[0.1, 0.2], k=[1.0, 2.0, 3.0])
+    run = sweep.run()
+    assert run.statistics["q"].mean.shape == (2, 3, len(run.t))
+    quantiles = run.statistics["q"].quantiles
+    assert quantiles is not None and quantiles.shape == (2, 3, len(run.t), 5)
+    alone = oscillator.run(paths=200, parameters={"sigma": 0.2, "k": 3.0})
+    assert quantiles[1, 2].tobytes() == np.asarray(alone.statistics["q"].quantiles).tobytes()
+    assert run.statistics["q"].mean[1, 2].tobytes() == alone.statistics["q"].mean.tobytes()
+    data = run.to_xarray()
+    assert data["q mean"].dims == ("sigma", "k", "t") and data.sizes["k"] == 3
+    assert data.sel(sigma=0.2, k=3.0)["q mean"].values[-1] == run.statistics["q"].mean[1, 2, -1]
+    frame = run.to_pandas()
+    assert len(frame) == 2 * 2 * 3 * len(run.t)
+    other = casimir.sweep(oscillator.with_(paths=200), independent=True, sigma=[0.1, 0.2]).run()
+    assert other.statistics["q"].mean[1, -1] != run.statistics["q"].mean[1, 0, -1]
+
+
+def test_orders_and_comparisons(oscillator: casimir.Scene) -> None:
+    order = oscillator.order(path_steps=3e6)
+    assert order.strong == 1.0 and set(order.weak) == {"E[q]"} and set(order.figures) == {"strong", "weak"}
+    compared = oscillator.compare(error=1e-2, budget=2)
+    assert "sexp" in compared.text and compared.plot("compare").svg.startswith("<svg")
+    assert "canonical" in repr(casimir.System(state="q p", B="canonical", H0="q"))
+    assert "Casimirs" in oscillator.inspect().text and not oscillator.inspect().warnings
+
+
+def test_every_result_is_pickled(oscillator: casimir.Scene) -> None:
+    for result in (oscillator.run(), oscillator.expect(), oscillator.inspect()):
+        again = pickle.loads(pickle.dumps(result))
+        assert repr(again) == repr(result) and again.scene == result.scene
+        assert json.dumps(again.data) == json.dumps(result.data)
+
+
+def test_files(oscillator: casimir.Scene, tmp_path: Path) -> None:
+    run = oscillator.run(paths=120)
+    run.save(tmp_path / "r.npz")
+    with np.load(tmp_path / "r.npz") as arrays:
+        assert {key: arrays[key].tobytes() for key in arrays.files} == {
+            key: array.tobytes() for key, array in run.arrays.items()
+        }
+    run.save(tmp_path / "r.html")
+    assert "Oscillator" in (tmp_path / "r.html").read_text()
+    run.plot("q").save(tmp_path / "q.svg")
+    assert (tmp_path / "q.svg").read_text().startswith("<svg")
+    with pytest.raises(casimir.SceneError, match=r"written as \.npz or \.html"):
+        run.save(tmp_path / "r.csv")
+
+
+def test_an_interrupted_run_has_equal_times(oscillator: casimir.Scene) -> None:
+    pytest.importorskip("xarray")
+    run = oscillator.run(paths=120)
+    run.paths["q"] = run["q"][:, :3]
+    assert run.to_xarray()["q"].shape == (3, len(run.t))
+
+
+def test_matplotlib_draws_where_it_is_told(oscillator: casimir.Scene) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    _, ax = pyplot.subplots()
+    assert oscillator.run(paths=120).plot("q", ax=ax) is ax and ax.get_ylabel() == "q"
+    assert len(oscillator.run(paths=2).plot("q", ax=ax).lines) == 3
+    sweep = casimir.sweep(oscillator.with_(paths=120), k=[2.0, 1.0]).run()
+    _, ax = pyplot.subplots()
+    assert sweep.plot("q", ax=ax).get_xlabel() == "k"
+    assert np.array_equal(ax.lines[0].get_xdata(), [1.0, 2.0])
+
+
+@pytest.mark.parametrize("package", ["pandas", "xarray"])
+def test_a_missing_package_is_named(
+    package: str, oscillator: casimir.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    run = oscillator.run()
+    with pytest.raises(ImportError, match=f"pip install {package}") as raised:
+        run.to_pandas() if package == "pandas" else run.to_xarray()
+    assert raised.value.name == package
