@@ -177,9 +177,9 @@ pub fn step_check(
     let moments = &measured.statistic.moments;
     let of = |(k, phi): (usize, &&dyn Observe)| errors(*phi, centers[k], moments, 3 * k);
     let end = setup.problem.t_end;
-    let last = end - end / steps as f64;
+    let (last, dampings) = (end - end / steps as f64, setup.problem.dampings());
     Ok(Some(StepCheck {
-        damping: setup.problem.damping.integral(last, end).abs(),
+        damping: dampings.map(|one| one.integral(last, end).abs()).fold(0.0, f64::max),
         turn: fastest * end / steps as f64,
         paths: moments.count(),
         failed: measured.failed,

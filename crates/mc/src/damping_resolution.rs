@@ -12,7 +12,7 @@ use nonlin::BlockStatus;
 use schemes::Step;
 use systems::{Damping, RateQuadrature};
 
-use crate::{Problem, Setup, observable::splat};
+use crate::{Setup, observable::splat};
 
 /// At this many times or fewer sums are compared with ∫γ.
 const MOST_TIMES: u64 = 1024;
@@ -29,8 +29,11 @@ const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Above this defect no sum has converged: e^{−∫γ} is wrong by two thirds.
 const LARGEST: f64 = 0.5;
 
-/// The damping of a problem as the steps of a scheme see it.
-pub struct DampingResolution<'a> {
+/// The damping of a problem as the steps of a scheme see it, and its friction.
+pub struct DampingResolution<'a>(Vec<Resolution<'a>>);
+
+/// One damping as steps see it.
+struct Resolution<'a> {
     damping: &'a dyn Damping,
     /// Whether the scheme reads rates.
     reads_rates: bool,
@@ -47,8 +50,43 @@ pub struct DampingResolution<'a> {
 impl<'a> DampingResolution<'a> {
     /// For `coarsest_steps` steps on [0, T] or halvings of them.
     pub fn new(setup: &Setup<'a>, coarsest_steps: u64) -> Self {
-        let Problem { damping, t_end, .. } = setup.problem;
-        let reads_rates = reads_rates(setup, t_end / coarsest_steps as f64);
+        let t_end = setup.problem.t_end;
+        let of = |(k, damping)| {
+            // Friction is exact in every scheme.
+            let reads_rates = k == 0 && reads_rates(setup, t_end / coarsest_steps as f64);
+            Resolution::new(damping, reads_rates, t_end, coarsest_steps)
+        };
+        Self(setup.problem.dampings().enumerate().map(of).collect())
+    }
+
+    /// The largest ∫|γ| that each of three steps in a row has, nearly, for the coarsest steps
+    /// halved `halvings` times. Above one, steps forget what noise and forces do in their first
+    /// halves. A pulse within a step or two is none of this: it concerns a part of the time that
+    /// vanishes.
+    pub fn lasting_exponent(&self, halvings: usize) -> f64 {
+        self.0.iter().map(|one| one.lasting_exponent(halvings)).fold(0.0, f64::max)
+    }
+
+    /// The largest distance from ∫₀ᵗγ of the sums that the scheme sees, and of the integrals given,
+    /// over times t of coarsest steps that are halved `halvings` times; zero if it is round-off.
+    pub fn defect(&self, halvings: usize) -> f64 {
+        self.0.iter().map(|one| one.defect(halvings)).fold(0.0, worse)
+    }
+
+    /// The defect with `halvings` halvings or more, if these steps do not resolve the damping: it
+    /// does not fall as sums do that converge.
+    pub fn unresolved(&self, halvings: usize) -> Option<f64> {
+        self.0.iter().filter_map(|one| one.unresolved(halvings)).reduce(worse)
+    }
+}
+
+/// The larger one, NaN if one is.
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+impl<'a> Resolution<'a> {
+    fn new(damping: &'a dyn Damping, reads_rates: bool, t_end: f64, coarsest_steps: u64) -> Self {
         let mut times = coarsest_steps.max(1);
         while times > MOST_TIMES {
             times = if times.is_multiple_of(2) { times / 2 } else { 1 };
@@ -65,11 +103,7 @@ impl<'a> DampingResolution<'a> {
         Self { damping, reads_rates, t_end, coarsest_steps, exact, sizes, known }
     }
 
-    /// The largest ∫|γ| that each of three steps in a row has, nearly, for the coarsest steps
-    /// halved `halvings` times. Above one, steps forget what noise and forces do in their first
-    /// halves. A pulse within a step or two is none of this: it concerns a part of the time that
-    /// vanishes.
-    pub fn lasting_exponent(&self, halvings: usize) -> f64 {
+    fn lasting_exponent(&self, halvings: usize) -> f64 {
         let steps = self.coarsest_steps as f64 * (1u64 << halvings) as f64;
         let parts = self.sizes.len() as f64 / steps;
         let chunks = self.sizes.chunks(parts.max(1.0) as usize);
@@ -79,9 +113,7 @@ impl<'a> DampingResolution<'a> {
         sums.windows(row).map(least).fold(0.0, f64::max) * parts.min(1.0)
     }
 
-    /// The largest distance from ∫₀ᵗγ of the sums that the scheme sees, and of the integrals given,
-    /// over times t of coarsest steps that are halved `halvings` times; zero if it is round-off.
-    pub fn defect(&self, halvings: usize) -> f64 {
+    fn defect(&self, halvings: usize) -> f64 {
         let mut known = self.known.borrow_mut();
         *known.entry(halvings).or_insert_with(|| self.measure(halvings))
     }
@@ -111,9 +143,7 @@ impl<'a> DampingResolution<'a> {
         if defect <= round_off { 0.0 } else { defect }
     }
 
-    /// The defect with `halvings` halvings or more, if these steps do not resolve the damping: it
-    /// does not fall as sums do that converge.
-    pub fn unresolved(&self, halvings: usize) -> Option<f64> {
+    fn unresolved(&self, halvings: usize) -> Option<f64> {
         let largest =
             |range: Range<usize>| range.map(|halvings| self.defect(halvings)).fold(0.0, f64::max);
         let now = largest(halvings..halvings + FINER + 1);

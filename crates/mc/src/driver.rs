@@ -70,6 +70,8 @@ impl Batch {
 /// The input of the loop over time.
 pub struct Driver<'a> {
     pub damping: &'a dyn Damping,
+    /// All dampings, with the friction that schemes have themselves.
+    pub dampings: Vec<&'a dyn Damping>,
     /// Number of noises.
     pub noises: usize,
     /// From the number of the first path of a block to its states at time 0.

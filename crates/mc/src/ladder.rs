@@ -182,6 +182,7 @@ impl<'a> Ladder<'a> {
         let area_noises = area_reader.map(|_| problem.noises);
         let mut driver = Driver {
             damping: problem.damping,
+            dampings: problem.dampings().collect(),
             noises: problem.noises,
             start: start(problem, key),
             from_start: false,
@@ -405,8 +406,9 @@ impl<'a> Ladder<'a> {
     /// they give in the first steps of a block, so that a long path costs no more. Names would not
     /// tell: a changed constant in a formula has the same name.
     pub(crate) fn fingerprint<T: Kept>(&self, new: &dyn Fn() -> T) -> String {
-        let Driver { damping, t_end, finest_steps, levels, ref runs, ref batches, key, .. } =
-            self.driver;
+        let Driver {
+            ref dampings, t_end, finest_steps, levels, ref runs, ref batches, key, ..
+        } = self.driver;
         let times = new().some_times(self.coarse_steps());
         // One path at a time: a sum over many would hide small differences.
         let mut statistics: Vec<T> = (0..PROBES).map(|_| new()).collect();
@@ -433,8 +435,10 @@ impl<'a> Ladder<'a> {
         // NaN has many forms, and any is as good as another.
         let one_nan = |x: f64| if x.is_nan() { f64::NAN } else { x };
         let time = |n: u32| t_end * f64::from(n) / 16.0;
-        let damping = (0..16)
-            .map(|n| [damping.rate(time(n)), damping.integral(time(n), time(n + 1))].map(one_nan));
+        let damping = dampings.iter().flat_map(|damping| {
+            let at = |n| [damping.rate(time(n)), damping.integral(time(n), time(n + 1))];
+            (0..16).map(move |n| at(n).map(one_nan))
+        });
         let bounds = batches.iter().map(|Batch { bounds, .. }| [bounds.increment, bounds.area]);
         let schemes = runs.iter().map(|run| (run.scheme.id(), run.level, run.swapped));
         hash(&(

@@ -33,6 +33,7 @@ impl<'a> Problem<'a> {
             initial: None,
             t_end: problem.t_end(),
             damping: problem.damping(),
+            friction: &[],
             laws: description.invariants.iter().enumerate().map(law).collect(),
             coefficients: Arc::new(|t, y| coefficients(system, t, y)),
         }

@@ -10,7 +10,10 @@ use systems::{
     Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, unit_noise, vector_field,
 };
 
-use crate::observable::{components, splat};
+use crate::{
+    Friction,
+    observable::{components, splat},
+};
 
 /// A problem of any dimension with any number of noises: what a driver needs of it beside the steps
 /// of schemes. [`of`](Self::of) makes that of a [`systems::Problem`],
@@ -33,6 +36,8 @@ pub struct Problem<'a> {
     pub t_end: f64,
     /// The damping γ.
     pub damping: &'a dyn Damping,
+    /// Friction on single components besides; see [`Setup::with_friction`].
+    pub friction: &'a [Friction],
     /// The functions that obey the conformal law, which tables have as columns.
     pub laws: Vec<ConformalLaw<'a>>,
     /// The coefficients of the equation at a time and a state.
@@ -74,7 +79,8 @@ impl Initial<'_> {
     }
 }
 
-/// A function F that obeys the conformal law F(y(t)) = e^{−p∫γ}F(y(0)).
+/// A function F that obeys the conformal law F(y(t)) = e^{−p∫γ}F(y(0)); with friction on single
+/// components, a function of which all monomials decay alike.
 #[derive(Clone)]
 pub struct ConformalLaw<'a> {
     /// Its symbol in results, for example `C` or `H`.
@@ -85,6 +91,8 @@ pub struct ConformalLaw<'a> {
     pub casimir: bool,
     /// F.
     pub value: Arc<Function<'a>>,
+    /// What F is multiplied by, from the integrals of all dampings; e^{−p∫γ} without friction.
+    pub decay: Option<Arc<Function<'a>>>,
 }
 
 /// A function of the state.
@@ -96,7 +104,15 @@ impl<'a> ConformalLaw<'a> {
         value: impl Fn(&[f64]) -> f64 + Send + Sync + 'a,
     ) -> Self {
         let (casimir, value) = (kind == InvariantKind::Casimir, Arc::new(value));
-        Self { name: name.into(), degree, casimir, value }
+        Self { name: name.into(), degree, casimir, value, decay: None }
+    }
+
+    /// F(y(t))/F(y(0)) from the integrals of all [dampings](Problem::dampings) from 0 to t.
+    pub fn decay(&self, integrals: &[f64]) -> f64 {
+        match &self.decay {
+            Some(decay) => decay(integrals),
+            None => (-self.degree * integrals[0]).exp(),
+        }
     }
 }
 
@@ -164,6 +180,7 @@ pub type CoefficientsAt<'a> = dyn Fn(f64, &[f64]) -> Coefficients + Send + Sync 
 ///     initial: None,
 ///     t_end: 1.0,
 ///     damping: &damping,
+///     friction: &[],
 ///     laws: Vec::new(),
 ///     coefficients: Arc::new(coefficients),
 /// };
@@ -221,6 +238,7 @@ impl<'a> Problem<'a> {
             initial: None,
             t_end: problem.t_end(),
             damping: problem.damping(),
+            friction: &[],
             laws: system.invariants().into_iter().enumerate().map(law).collect(),
             coefficients: Arc::new(|_, y| {
                 let y = array(y);
@@ -232,6 +250,26 @@ impl<'a> Problem<'a> {
                 }
             }),
         }
+    }
+}
+
+impl<'a> Problem<'a> {
+    /// The damping of all components, and the friction.
+    pub fn dampings(&self) -> impl Iterator<Item = &'a dyn Damping> + use<'a> {
+        let friction = self.friction.iter().map(|friction| &*friction.damping as &dyn Damping);
+        [self.damping].into_iter().chain(friction)
+    }
+
+    /// The formulas of all dampings.
+    pub fn describe_damping(&self) -> String {
+        let of_all = self.damping.describe();
+        let friction = self.friction.iter().map(|Friction { damping, components }| {
+            let names: Vec<String> = components.iter().map(|i| format!("y{}", i + 1)).collect();
+            format!("{} on {}", damping.describe(), names.join(", "))
+        });
+        let none = !self.friction.is_empty() && self.damping.integral(0.0, self.t_end) == 0.0;
+        let all = (!none).then_some(of_all).into_iter().chain(friction);
+        all.collect::<Vec<_>>().join("; ")
     }
 }
 

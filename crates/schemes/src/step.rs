@@ -65,6 +65,14 @@ impl Step {
         })
     }
 
+    /// exp(−∫γ) of another damping over the first half of the step, or over the second, dithered
+    /// like the factors of the step.
+    pub fn decay(&self, damping: &(impl Damping + ?Sized), half: u64) -> f64 {
+        let number = self.number().wrapping_mul(2).wrapping_add(half);
+        let time = |n: u64| 0.5 * n as f64 * self.tau;
+        dithered_exp(-damping.integral(time(number), time(number + 1)), number)
+    }
+
     /// The number n of the step.
     pub fn number(&self) -> u64 {
         (self.t / self.tau).round() as u64

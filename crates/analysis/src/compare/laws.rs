@@ -10,17 +10,18 @@ pub type Value<'a> = Box<dyn Fn(&[f64]) -> f64 + Sync + 'a>;
 /// For each Casimir C of degree p that the system names or that was found, the relative defect
 /// (C(y) − c)/c of a final state, with c = e^{−p∫γ}C(y₀); relative to e^{−p∫γ} where c is zero.
 pub fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>> {
+    let integrals = problem.dampings().map(|damping| damping.integral(0.0, problem.t_end));
+    let integrals: Vec<f64> = integrals.collect();
     let named = problem.laws.iter().filter(|law| law.casimir);
     let named = named.map(|law| {
         let value: Value<'a> = Box::new(|y| (law.value)(y));
-        (law.degree, value)
+        (law.decay(&integrals), value)
     });
     let found = found.iter().map(|casimir| {
         let value: Value<'a> = Box::new(move |y| casimir.value(y));
-        (f64::from(casimir.degree), value)
+        ((-f64::from(casimir.degree) * integrals[0]).exp(), value)
     });
-    let defect = |(degree, value): (f64, Value<'a>)| -> Value<'a> {
-        let decay = (-degree * problem.damping.integral(0.0, problem.t_end)).exp();
+    let defect = |(decay, value): (f64, Value<'a>)| -> Value<'a> {
         let at_end = decay * value(&problem.y0);
         let scale = if at_end == 0.0 { decay } else { at_end };
         Box::new(move |y| (value(y) - at_end) / scale)

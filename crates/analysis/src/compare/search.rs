@@ -102,7 +102,7 @@ impl<'a> Search<'a> {
         within(self.left_s(), &settings.stop, |stop| self.time(&mut points, stop))?;
         let cut = cut || all.iter().any(|known| known.excluded == Some(Outcome::NotMeasured));
         let steps = points.iter().flatten().map(|point| point.steps).max().unwrap_or(0);
-        let damped = problem.damping.integral(0.0, problem.t_end) != 0.0;
+        let damped = problem.dampings().any(|damping| damping.integral(0.0, problem.t_end) != 0.0);
         let schemes = candidates.schemes.iter().zip(all).zip(points);
         let candidate = |((scheme, known), points): ((&Arc<dyn Method>, Known), _)| {
             let asked = self.asked(&**scheme);

@@ -6,6 +6,7 @@
 //! machine.
 
 pub(crate) mod algebra;
+mod bath;
 mod damping;
 pub(crate) mod finding;
 pub(crate) mod form;
@@ -22,6 +23,7 @@ use probe::{Batch, Probe};
 use random::{Purpose, Random};
 use search::{ZERO, casimirs};
 
+pub use bath::Bath;
 pub use damping::DampingIntegral;
 pub use finding::{Finding, Status};
 pub use form::Form;

@@ -5,24 +5,29 @@ use std::sync::{Arc, OnceLock};
 use casimir::{
     analysis::facts::{Facts, Form, energy, fastest},
     formula::FormulaSystem,
-    mc::{self, ConformalLaw, Expect, Setup},
+    mc::{self, ConformalLaw, Expect, Friction, Setup},
     schemes::{BuiltIn, Method, SchemeError},
     systems::run_time::{Problem, System},
 };
 
-use super::{Known, Model};
+use super::{Known, Model, formulas::damped};
 
 /// A problem whose system is known at run time.
 pub struct AtRunTime {
     problem: Problem,
+    friction: Vec<Friction>,
     formulas: Option<Arc<FormulaSystem>>,
     facts: OnceLock<Facts>,
 }
 
 impl AtRunTime {
     /// The problem of a lattice, or that of formulas.
-    pub fn new(problem: Problem, formulas: Option<Arc<FormulaSystem>>) -> Self {
-        Self { problem, formulas, facts: OnceLock::new() }
+    pub fn new(
+        problem: Problem,
+        friction: Vec<Friction>,
+        formulas: Option<Arc<FormulaSystem>>,
+    ) -> Self {
+        Self { problem, friction, formulas, facts: OnceLock::new() }
     }
 
     /// What formulas keep, found once. Lattices are too large.
@@ -34,30 +39,30 @@ impl AtRunTime {
 
 impl Model for AtRunTime {
     fn problem(&self) -> mc::Problem<'_> {
-        mc::Problem::at_run_time(&self.problem)
+        let mut problem = mc::Problem::at_run_time(&self.problem);
+        if let (Some(facts), system) = (self.facts(), self.system()) {
+            let law = |name: String, degree, casimir, value| ConformalLaw {
+                name,
+                degree,
+                casimir,
+                value,
+                decay: None,
+            };
+            let casimirs = facts.casimirs.iter().enumerate().map(|(k, form)| {
+                let value = Arc::new(|y: &[f64]| form.value(y));
+                law(format!("C{}", k + 1), f64::from(form.degree), true, value)
+            });
+            let of_energy = |degree| {
+                law("H0".into(), degree, false, Arc::new(move |y: &[f64]| energy(system, y)))
+            };
+            problem.laws = casimirs.chain(facts.energy_law().map(of_energy)).collect();
+        }
+        problem.with_friction(&self.friction)
     }
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
         let scheme = scheme.at_run_time(self.problem.system())?;
-        Ok(Setup::owning(&self.problem, scheme)?.scheme)
-    }
-
-    fn casimirs(&self) -> Vec<Form> {
-        self.facts().map_or_else(Vec::new, |facts| facts.casimirs.clone())
-    }
-
-    fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
-        let (Some(facts), system) = (self.facts(), self.system()) else { return setup };
-        let law =
-            |name: String, degree, casimir, value| ConformalLaw { name, degree, casimir, value };
-        let casimirs = facts.casimirs.iter().enumerate().map(|(k, form)| {
-            let value = Arc::new(|y: &[f64]| form.value(y));
-            law(format!("C{}", k + 1), f64::from(form.degree), true, value)
-        });
-        let of_energy =
-            |degree| law("H0".into(), degree, false, Arc::new(move |y: &[f64]| energy(system, y)));
-        let laws = casimirs.chain(facts.energy_law().map(of_energy)).collect();
-        Setup { problem: mc::Problem { laws, ..setup.problem }, ..setup }
+        Ok(Friction::around(Setup::owning(&self.problem, scheme)?.scheme, &self.friction))
     }
 
     fn recommended(&self) -> (&'static str, String) {
@@ -83,13 +88,22 @@ impl Model for AtRunTime {
         let Some((facts, system)) = self.facts().zip(self.formulas.as_ref()) else {
             return Known::default();
         };
-        let form = |(k, form): (usize, &Form)| format!("Casimir C{} = {}", k + 1, form.formula());
-        let energy = facts.energy_law().map(|degree| match facts.damped {
-            true => format!("H0 decays as exp(-{degree} ∫γ)"),
-            false => "H0 is constant".into(),
+        let laws = self.problem().laws;
+        let holds = |name: &str| laws.iter().any(|law| law.name == name);
+        let form = |(k, form): (usize, &Form)| {
+            let name = format!("C{}", k + 1);
+            let broken = if holds(&name) { "" } else { ", which friction breaks" };
+            format!("Casimir {name} = {}{broken}", form.formula())
+        };
+        let energy = facts.energy_law().filter(|_| holds("H0")).map(|degree| {
+            match (facts.damped, self.friction.is_empty()) {
+                (false, true) => "H0 is constant".into(),
+                (_, true) => format!("H0 decays as exp(-{degree} ∫γ)"),
+                _ => "H0 decays as each of its monomials".into(),
+            }
         });
         Known {
-            equations: system.equations(facts.damped),
+            equations: system.equations(&damped(&self.problem, &self.friction)),
             laws: facts.casimirs.iter().enumerate().map(form).chain(energy).collect(),
             mistake: facts.mistake.clone(),
         }
@@ -104,7 +118,12 @@ impl Model for AtRunTime {
 
     /// None for a lattice: a point has as many dimensions as spins, steps and noises together.
     fn expect(&self) -> Option<Expect<'_>> {
-        self.formulas.as_ref().and_then(|_| Expect::at_run_time(&self.problem).ok())
+        self.formulas.as_ref()?;
+        Some(Expect::at_run_time(&self.problem).ok()?.with_friction(&self.friction))
+    }
+
+    fn friction(&self) -> &[Friction] {
+        &self.friction
     }
 
     fn system(&self) -> &dyn System {

@@ -4,21 +4,22 @@ use std::sync::Arc;
 
 use casimir::{
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
-    mc,
-    systems::{
-        Damping,
-        run_time::{Problem, System},
-    },
+    mc::{self, Friction},
+    systems::run_time::{Problem, System},
 };
 
-use super::{Built, at_run_time::AtRunTime};
+use super::{
+    Built,
+    at_run_time::AtRunTime,
+    damping::{bath, damping, rates},
+};
 use crate::scene::{
     At, Calculus, Listed, Parameter, Read, Reading, SceneError, State, SystemTable, Text,
     structure as entries,
 };
 
 /// The model of formulas.
-pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
+pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let Reading { source, file, constants, settings } = reading;
     let table = &file.system;
     let (Some(state), Some(structure), Some(energy)) =
@@ -43,7 +44,7 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
     }
     let words = |text: &At<Text>| text.0.clone();
     let state = State::new(source, state)?;
-    let definition = Definition {
+    let mut definition = Definition {
         name: file.title.clone().unwrap_or("formulas".into()),
         state: state.components.iter().map(|name| name.to_string()).collect(),
         vectors: state.vectors.clone(),
@@ -53,15 +54,20 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
         noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
     };
     let y0 = &settings.initial;
+    let rates = rates(reading, &definition.state, &state.vectors)?;
+    if let Some(temperature) = file.damping.as_ref().and_then(|table| table.temperature.as_ref()) {
+        definition.noises = bath(reading, &definition, &rates, temperature)?;
+    }
     let system = FormulaSystem::new(&definition, y0);
     let system = Arc::new(system.map_err(|error| misdefined(reading, &state, &error))?);
     let names = system.names().clone();
+    let (damping, friction) = damping(reading, &rates, y0.len())?;
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
         .map_err(|error| reading.initial_error(error))?;
-    compare(reading, &system, &problem)?;
+    compare(reading, &system, (&problem, &friction))?;
     Ok(Built {
         sizes: Vec::new(),
-        model: Box::new(AtRunTime::new(problem, Some(system))),
+        model: Box::new(AtRunTime::new(problem, friction, Some(system))),
         components: definition.state,
         names,
         energy: None,
@@ -75,7 +81,11 @@ const ROUNDING: f64 = 1e-9;
 
 /// Compares an equation that is given as well, at points around the initial value. Itô's drift has
 /// ½Σ bₘ′bₘ besides.
-fn compare(reading: &Reading<'_>, system: &FormulaSystem, problem: &Problem) -> Read<()> {
+fn compare(
+    reading: &Reading<'_>,
+    system: &FormulaSystem,
+    (problem, friction): (&Problem, &[Friction]),
+) -> Read<()> {
     let Reading { source, file, .. } = reading;
     let SystemTable { calculus, drift, noise, .. } = &file.system;
     let noise = noise.as_deref().unwrap_or_default();
@@ -86,7 +96,7 @@ fn compare(reading: &Reading<'_>, system: &FormulaSystem, problem: &Problem) -> 
             Err(source.error(place, message))
         });
     };
-    let of = mc::Problem::at_run_time(problem);
+    let of = mc::Problem::at_run_time(problem).with_friction(friction);
     let (y0, is_ito) = (problem.y0(), calculus.as_deref() == Some(&Calculus::Ito));
     if noise.len() != of.noises {
         let message = format!("H has {} noises, and `noise` has {}", of.noises, noise.len());
@@ -118,8 +128,7 @@ fn compare(reading: &Reading<'_>, system: &FormulaSystem, problem: &Problem) -> 
                 }
                 let what = if m == 0 { "drift".into() } else { format!("noise {m}") };
                 let sense = if is_ito { "Itô" } else { "Stratonovich" };
-                let damped = problem.damping().integral(0.0, problem.t_end()) != 0.0;
-                let equation = &system.equations(damped)[i];
+                let equation = &system.equations(&damped(problem, friction))[i];
                 let message = format!(
                     "this {what} is {given:.6} at y = {y:?}, t = {t}, and that of B and H is \
                      {own:.6} in the sense of {sense}: only equations of this form are simulated. \
@@ -130,6 +139,13 @@ fn compare(reading: &Reading<'_>, system: &FormulaSystem, problem: &Problem) -> 
         }
     }
     Ok(())
+}
+
+/// Whether each component is damped.
+pub fn damped(problem: &Problem, friction: &[Friction]) -> Vec<bool> {
+    let all = problem.damping().integral(0.0, problem.t_end()) != 0.0;
+    let has = |i: usize| friction.iter().any(|friction| friction.components.contains(&i));
+    (0..problem.y0().len()).map(|i| all || has(i)).collect()
 }
 
 /// What is wrong with a definition, at its place.

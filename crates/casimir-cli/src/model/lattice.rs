@@ -5,13 +5,12 @@ use std::sync::Arc;
 use casimir::{
     real::{Row, WIDTH},
     systems::{
-        Damping,
         lattice::{Couplings, Shape, SpinLattice, noise_at_temperature},
         run_time::{Problem, System, Weights},
     },
 };
 
-use super::{Built, at_run_time::AtRunTime, project::numbered};
+use super::{Built, at_run_time::AtRunTime, damping, project::numbered};
 use crate::scene::{Observable, Parameters, Quantity, Read, Reading, Settings};
 
 /// The parameters of a lattice.
@@ -28,7 +27,7 @@ const PARAMETERS: [&str; 9] = [
 ];
 
 /// The model of a lattice.
-pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
+pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let parameters = Parameters::new(reading, &PARAMETERS)?;
     let sizes = parameters.list("sizes", &[8.0])?;
     let mut whole = Vec::new();
@@ -90,6 +89,9 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
         values.iter_mut().for_each(|value| *value /= sites as f64);
     };
     let energy = Quantity::Function(Arc::new(per_spin));
+    let names = numbered(&components);
+    let rates = damping::rates(reading, &components, &[])?;
+    let (damping, friction) = damping::damping(reading, &rates, components.len())?;
     let problem = Problem::new(Arc::new(lattice), damping, y0, *until)
         .map_err(|error| reading.initial_error(error))?;
     let mean = |axis: usize| {
@@ -105,8 +107,8 @@ pub fn build(reading: &Reading<'_>, damping: Arc<dyn Damping>) -> Read<Built> {
     quantities.push(Observable::new("energy", energy.clone()));
     Ok(Built {
         sizes: whole,
-        model: Box::new(AtRunTime::new(problem, None)),
-        names: numbered(&components),
+        model: Box::new(AtRunTime::new(problem, friction, None)),
+        names,
         components,
         energy: Some(energy),
         quantities,

@@ -3,6 +3,7 @@
 
 mod at_run_time;
 mod compiled;
+mod damping;
 mod formulas;
 mod lattice;
 mod project;
@@ -10,20 +11,20 @@ mod project;
 use std::sync::Arc;
 
 use casimir::{
-    analysis::facts::{Form, Kept, fastest},
-    formula::{Formula, FormulaDamping, Names},
-    mc::{Expect, Problem, Setup},
+    analysis::facts::{Bath, Kept, fastest},
+    formula::Names,
+    mc::{Expect, Friction, Problem},
     schemes::{BuiltIn, Method, SchemeError},
-    systems::{Constant, Damping, InvariantKind, run_time::System},
+    systems::{InvariantKind, run_time::System},
 };
 
-use crate::scene::{Observable, Quantity, Read, Reading};
+use crate::scene::{MOST_COMPONENTS, Observable, Quantity, Read, Reading};
 
 pub use project::PROJECT;
 
 /// A system with its damping and initial value.
 pub trait Model: Send + Sync {
-    /// The problem.
+    /// The problem with its friction, and the laws that it obeys.
     fn problem(&self) -> Problem<'_>;
 
     /// A scheme for it.
@@ -32,11 +33,6 @@ pub trait Model: Send + Sync {
     /// Why the scheme is not for the system.
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError>;
 
-    /// Casimirs that were found; none of a system that names its own.
-    fn casimirs(&self) -> Vec<Form> {
-        Vec::new()
-    }
-
     /// Expectations for which everything is chosen; `None` if they are computed by levels of random
     /// points.
     fn expect(&self) -> Option<Expect<'_>>;
@@ -44,17 +40,31 @@ pub trait Model: Send + Sync {
     /// The system, for what is asked of any.
     fn system(&self) -> &dyn System;
 
-    /// The same with the laws that were found as columns of tables.
-    fn with_laws<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
-        setup
-    }
-
     /// The scheme that `auto` takes, and why.
     fn recommended(&self) -> (&'static str, String) {
         let system = self.system().description();
         let has = |kind| system.invariants.iter().any(|law| law.kind == kind);
         let (casimirs, energy) = (has(InvariantKind::Casimir), has(InvariantKind::Energy));
         Kept { casimirs, energy, areas: !system.noises_commute }.scheme()
+    }
+
+    /// Friction on some components.
+    fn friction(&self) -> &[Friction];
+
+    /// What damping and noise do to the Gibbs measure, if the rates of damping are constant and the
+    /// system is small and no lattice.
+    fn bath(&self) -> Option<Bath> {
+        let (problem, description) = (self.problem(), self.system().description());
+        let d = problem.y0.len();
+        let rates = |t: f64| -> Vec<f64> {
+            let of_all = problem.damping.rate(t);
+            Friction::rates(self.friction(), t, d).iter().map(|rate| rate + of_all).collect()
+        };
+        let first = rates(0.0);
+        let constant = [0.37, 1.0].iter().all(|part| rates(part * problem.t_end) == first);
+        let plain = !description.depends_on_time && !description.is_transverse;
+        (constant && plain && d <= MOST_COMPONENTS)
+            .then(|| Bath::of(self.system(), &problem.y0, &first))
     }
 
     /// What the system is, as far as a run has to know; nothing of a system of the project.
@@ -114,34 +124,10 @@ pub struct Built {
 
 /// The model of a scene.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
-    let damping = damping(reading)?;
     match &reading.file.system.name {
-        Some(name) => project::build(reading, name, damping),
-        None => formulas::build(reading, damping),
+        Some(name) => project::build(reading, name),
+        None => formulas::build(reading),
     }
-}
-
-fn damping(reading: &Reading<'_>) -> Read<Arc<dyn Damping>> {
-    let Reading { source, file, constants, settings } = reading;
-    let constant = |rate| -> Arc<dyn Damping> {
-        Arc::new(Constant::new(rate).unwrap_or_else(|error| unreachable!("{error}")))
-    };
-    let Some(table) = &file.damping else { return Ok(constant(0.0)) };
-    let rate = &table.rate;
-    let mut names = constants.names.clone();
-    names.variable("t").map_err(|error| source.error(rate.span(), error))?;
-    let formula = Formula::parse(&rate.0, &names);
-    let formula = formula.map_err(|error| source.formula_error(rate, &error))?;
-    for t in [0.0, settings.until] {
-        if let Some(error) = formula.explain(&[t]) {
-            let message = format!("{} at t = {t}", error.message);
-            return Err(source.error_in(rate, &error, message));
-        }
-    }
-    Ok(match formula.depends_on(0) {
-        true => Arc::new(FormulaDamping::new(formula)),
-        false => constant(formula.value(&[0.0])),
-    })
 }
 
 /// A text in which `y1`, `y2`, … are the names of the components.

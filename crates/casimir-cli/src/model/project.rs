@@ -5,14 +5,12 @@ use std::sync::Arc;
 use casimir::{
     formula::{Names, nearest},
     real::Row,
-    systems::{
-        Damping, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody, SystemError,
-    },
+    systems::{LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody, SystemError},
 };
 
 use kernels::Tuned;
 
-use super::{Built, compiled::Compiled, lattice};
+use super::{Built, compiled::Compiled, damping, lattice};
 use crate::scene::{At, Parameters, Quantity, Read, Reading};
 
 /// Name, parameters with their defaults, and what it is.
@@ -34,7 +32,7 @@ pub const PROJECT: [(&str, &str, &str); 6] = [
 ];
 
 /// The model of a system of the project.
-pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>) -> Read<Built> {
+pub fn build(reading: &Reading<'_>, name: &At<String>) -> Read<Built> {
     let (source, table) = (reading.source, &reading.file.system);
     let formulas = [
         ("state", table.state.as_ref().map(At::span)),
@@ -51,17 +49,16 @@ pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>
         return Err(source.error(place, message));
     }
     let parameters = |known: &[&str]| Parameters::new(reading, known);
-    let run = (reading, damping);
     match name.as_str() {
-        "pendulum" => built(run, with_c(reading, Pendulum::new)?),
+        "pendulum" => built(reading, with_c(reading, Pendulum::new)?),
         "rigid-body" => {
             let p = parameters(&["inertia", "noise"])?;
             let inertia = p.three("inertia", [2.0, 1.0, 2.0 / 3.0])?;
             let wrong = |error: SystemError| p.error("inertia", error);
             match p.list("noise", &[1.0, 2.0, 3.0])?[..] {
-                [noise] => built(run, RigidBody::one_noise(inertia, noise).map_err(wrong)?),
+                [noise] => built(reading, RigidBody::one_noise(inertia, noise).map_err(wrong)?),
                 [a, b, c] => {
-                    built(run, RigidBody::three_noises(inertia, [a, b, c]).map_err(wrong)?)
+                    built(reading, RigidBody::three_noises(inertia, [a, b, c]).map_err(wrong)?)
                 }
                 ref list => {
                     let message = format!("`noise` has one or three numbers, got {}", list.len());
@@ -69,13 +66,13 @@ pub fn build(reading: &Reading<'_>, name: &At<String>, damping: Arc<dyn Damping>
                 }
             }
         }
-        "lotka-volterra" => built(run, with_c(reading, LotkaVolterra::<1, 1>::new)?),
+        "lotka-volterra" => built(reading, with_c(reading, LotkaVolterra::<1, 1>::new)?),
         "maxwell-bloch" => {
             parameters(&[])?;
-            built(run, MaxwellBloch)
+            built(reading, MaxwellBloch)
         }
-        "poisson3" => built(run, with_c(reading, Poisson3::new)?),
-        "spin-lattice" => lattice::build(reading, run.1),
+        "poisson3" => built(reading, with_c(reading, Poisson3::new)?),
+        "spin-lattice" => lattice::build(reading),
         unknown => {
             let known = PROJECT.map(|(known, ..)| known);
             let (hint, known) = (nearest(unknown, known), known.join(", "));
@@ -92,10 +89,7 @@ fn with_c<S>(reading: &Reading<'_>, new: fn(f64) -> Result<S, SystemError>) -> R
 }
 
 /// The model with the names y1, …, yD.
-fn built<S, const D: usize, const M: usize>(
-    (reading, damping): (&Reading<'_>, Arc<dyn Damping>),
-    system: S,
-) -> Read<Built>
+fn built<S, const D: usize, const M: usize>(reading: &Reading<'_>, system: S) -> Read<Built>
 where
     S: Tuned<D, M> + Copy + 'static,
 {
@@ -105,6 +99,10 @@ where
         let message = format!("the initial value must have {D} components, got {components}");
         reading.initial_error(message)
     })?;
+    let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
+    let names = numbered(&components);
+    let rates = damping::rates(reading, &components, &[])?;
+    let (damping, friction) = damping::damping(reading, &rates, D)?;
     let problem = Problem::new(system, damping, y0, reading.settings.until);
     let problem = problem.map_err(|error| reading.initial_error(error))?;
     let energy = move |y: &[Row], values: &mut Row| {
@@ -112,11 +110,10 @@ where
             *value = system.energy(std::array::from_fn(|i| y[i][p]), 1.0, [0.0; M]);
         }
     };
-    let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
     Ok(Built {
         sizes: Vec::new(),
-        model: Box::new(Compiled::new(problem)),
-        names: numbered(&components),
+        model: Box::new(Compiled::new(problem, friction)),
+        names,
         components,
         energy: Some(Quantity::Function(Arc::new(energy))),
         quantities: Vec::new(),

@@ -83,12 +83,19 @@ pub enum Calculus {
     Stratonovich,
 }
 
-/// Linear damping −γ(t)y.
+/// Linear damping −γ(t)y, of all components or of some: friction.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DampingTable {
     /// γ(t) in 1/time, a formula in t and the parameters. A negative rate excites.
-    pub rate: At<Text>,
+    pub rate: Option<At<Text>>,
+    /// The components or vectors that have it. Default: all.
+    pub components: Option<At<Vec<At<String>>>>,
+    /// In the place of `rate`: rates of components or vectors by name. Others have none.
+    #[serde(default)]
+    pub rates: IndexMap<At<String>, At<Text>>,
+    /// kT, in the place of `H`: friction on momenta gets the noise of a heat bath.
+    pub temperature: Option<At<Text>>,
 }
 
 /// How the system is simulated.

@@ -23,8 +23,7 @@ pub fn compare(scene: &Scene, error: f64, budget: f64, watch: &Watch) -> Done<Fo
     };
     let wrong = |error: &dyn Display| scene.source.error(None, error);
     let candidates = Candidates::built_in(|id| scene.model.scheme(id));
-    let candidates =
-        candidates.map_err(|error| wrong(&error))?.with_casimirs(scene.model.casimirs());
+    let candidates = candidates.map_err(|error| wrong(&error))?;
     let what = format!("errors and times of all schemes, {budget} s at most");
     let problem = scene.problem();
     let comparison = watch.under(what, 0, || {

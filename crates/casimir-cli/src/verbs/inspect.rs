@@ -1,6 +1,6 @@
 //! What a system is.
 
-use casimir::analysis::{self, InspectSettings};
+use casimir::analysis::{self, InspectSettings, facts::Bath};
 
 use super::{Found, Watch};
 use crate::{failure::Done, model::with_names, scene::Scene};
@@ -10,7 +10,7 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let model = &scene.model;
     let (problem, system) = (model.problem(), model.system());
     let settings = InspectSettings {
-        y0: Some(problem.y0),
+        y0: Some(problem.y0.clone()),
         damping: Some((problem.damping, problem.t_end)),
         areas: system.description().jacobi_holds,
     };
@@ -18,7 +18,24 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
         (model.known(), analysis::inspect(system, &settings))
     });
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
-    let text = with_names(&findings.to_string(), &scene.components);
+    let bath = model.bath();
+    let friction = match model.friction().is_empty() {
+        true => String::new(),
+        false => format!("Friction: {}\n", problem.describe_damping()),
+    };
+    let text = format!("{}\n{friction}{}", findings, bath.as_ref().map_or(String::new(), words));
+    let text = with_names(&text, &scene.components);
     let text = format!("{}{}\n", known.equation(), text.trim_end());
-    Ok(Found { text, json: serde_json::to_value(&findings)?, figures: Vec::new() })
+    let mut json = serde_json::to_value(&findings)?;
+    json["bath"] = serde_json::to_value(&bath)?;
+    Ok(Found { text, json, figures: Vec::new() })
+}
+
+/// What is stationary, in words.
+fn words(Bath { beta, any, mismatch }: &Bath) -> String {
+    match beta {
+        _ if *any => "Without damping and heat: every function of H0 is stationary".into(),
+        Some(beta) => format!("Heat bath: exp(-H0/kT) is stationary with kT = {:.9}", 1.0 / beta),
+        None => format!("No heat bath:\n  - {}", mismatch.join("\n  - ")),
+    }
 }

@@ -178,7 +178,7 @@ impl<'a> Ready<'a> {
         if settings.is_study() && study.is_none() {
             return Ok(None);
         }
-        let mut simulation = Simulation::new(model.with_laws(setup), truncation)
+        let mut simulation = Simulation::new(setup, truncation)
             .every(steps / settings.times)
             .with_components(components.clone())
             .stopped_by(&watch.stop);

@@ -5,6 +5,7 @@ mod areas;
 mod broken;
 mod common;
 mod defaults;
+mod friction;
 mod gallery;
 mod initial;
 mod ito;

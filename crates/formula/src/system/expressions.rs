@@ -269,8 +269,8 @@ impl Expressions {
         (gradient, field)
     }
 
-    /// The equation with damping or without, a text for each component: `dp = -q dt + 0.5 ∘ dW1`.
-    pub fn equations(mut self, state: &[String], damped: bool) -> Vec<String> {
+    /// The equation with damping of some components, a text for each component: `dp = -q dt + 0.5 ∘ dW1`.
+    pub fn equations(mut self, state: &[String], damped: &[bool]) -> Vec<String> {
         let fields: Vec<Vec<Id>> =
             (0..self.hamiltonians.len()).map(|m| self.field_of(m).1).collect();
         let mut names = state.to_vec();
@@ -294,7 +294,7 @@ impl Expressions {
                 }
                 text += &if m == 0 { "dt".into() } else { format!("∘ dW{m}") };
             }
-            match (damped, text.ends_with('=')) {
+            match (damped[i], text.ends_with('=')) {
                 (true, _) => text + &format!(" - γ {name} dt"),
                 (false, true) => text + " 0",
                 (false, false) => text,

@@ -76,7 +76,7 @@ use schemes::{
 };
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
-use crate::{Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop};
+use crate::{Friction, Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop};
 use estimator::{Estimator, Request};
 
 pub use kept::Keeping;
@@ -305,6 +305,17 @@ impl<'a> Expect<'a> {
     #[must_use]
     pub fn keeping(self, keeping: Keeping) -> Self {
         Self { keeping: Some(keeping), ..self }
+    }
+
+    /// With friction on some components.
+    #[must_use]
+    pub fn with_friction(mut self, friction: &'a [Friction]) -> Self {
+        for candidate in &mut self.candidates {
+            candidate.setup = candidate.setup.clone().with_friction(friction);
+            let mirror = candidate.mirror.take();
+            candidate.mirror = mirror.map(|mirror| Friction::around(mirror, friction));
+        }
+        self
     }
 
     /// Takes these initial values.

@@ -210,10 +210,10 @@ impl<'a> Simulation<'a> {
                 let row = [view.time as f64 * tau].into_iter().chain(y.iter().copied());
                 columns.iter_mut().zip(row.chain(observed)).for_each(|(of, x)| of.push(x));
                 let of_laws = columns[laws..].chunks_exact_mut(2).zip(&problem.laws);
-                for (columns, ConformalLaw { degree, value, .. }) in of_laws {
-                    let value = value(&y);
+                for (columns, conformal) in of_laws {
+                    let value = (conformal.value)(&y);
                     let initial = columns[0].first().copied().unwrap_or(value);
-                    let law = (-degree * damped).exp() * initial;
+                    let law = conformal.decay(damped) * initial;
                     let relative = (value - law) / law.abs();
                     columns[0].push(value);
                     columns[1].push(if initial == 0.0 { value } else { relative });
@@ -238,7 +238,7 @@ impl<'a> Simulation<'a> {
                 .then(|| format!("stopped after t = {end}"));
             TimeSeries {
                 system: problem.name.clone(),
-                damping: problem.damping.describe(),
+                damping: problem.describe_damping(),
                 scheme: scheme.id().into(),
                 tau,
                 noise: NoiseOrigin { seed, experiment, path },
@@ -249,23 +249,30 @@ impl<'a> Simulation<'a> {
         Ok(series.collect())
     }
 
-    /// ∫γ from 0 to time 0 and to the end of every saved step. Compensated summation (Kahan 1965) of
-    /// the integrals over the steps keeps rounding errors from accumulating in the conformal law.
-    fn damping_integrals(&self, steps: u64, tau: f64) -> Result<BTreeMap<u64, f64>, LadderError> {
-        let (mut damped, mut lost, mut integrals) = (0.0, 0.0, BTreeMap::from([(0, 0.0)]));
+    /// ∫γ of all dampings from 0 to time 0 and to the end of every saved step. Compensated summation
+    /// (Kahan 1965) of the integrals over the steps keeps rounding errors from accumulating in the
+    /// conformal law.
+    fn damping_integrals(&self, steps: u64, tau: f64) -> Result<Integrals, LadderError> {
+        let dampings: Vec<_> = self.setup.problem.dampings().collect();
+        let (mut damped, mut lost) = (vec![0.0; dampings.len()], vec![0.0; dampings.len()]);
+        let mut integrals = BTreeMap::from([(0, damped.clone())]);
         for n in 1..=steps {
-            let step = Step::new(self.setup.problem.damping, n - 1, tau)?;
-            let term = step.damping_integral() - lost;
-            let sum = damped + term;
-            lost = (sum - damped) - term;
-            damped = sum;
+            for (k, damping) in dampings.iter().enumerate() {
+                let term = Step::new(*damping, n - 1, tau)?.damping_integral() - lost[k];
+                let sum = damped[k] + term;
+                lost[k] = (sum - damped[k]) - term;
+                damped[k] = sum;
+            }
             if n.is_multiple_of(self.every) || n == steps {
-                integrals.insert(n, damped);
+                integrals.insert(n, damped.clone());
             }
         }
         Ok(integrals)
     }
 }
+
+/// The integrals of all dampings by the number of steps.
+type Integrals = BTreeMap<u64, Vec<f64>>;
 
 /// Adds a row of a block to the columns of its paths.
 type Save<'a> = dyn Fn(&View<'_>, &mut BTreeMap<u64, Vec<Vec<f64>>>) + Sync + 'a;

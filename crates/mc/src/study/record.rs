@@ -67,7 +67,7 @@ impl Record {
             version: env!("CARGO_PKG_VERSION").into(),
             system: problem.name.clone(),
             parameters: problem.parameters.clone(),
-            damping: problem.damping.describe(),
+            damping: problem.describe_damping(),
             y0: problem.y0.clone(),
             start: start.map(|initial| initial.law.clone()),
             t_end: problem.t_end,

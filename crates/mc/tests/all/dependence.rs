@@ -76,6 +76,7 @@ fn found(seed: u64, paths: u64) -> StudyResult {
         initial: Some(Initial { law: "stationary".into(), draw: Arc::new(draw) }),
         t_end: T,
         damping: &damping,
+        friction: &[],
         laws: Vec::new(),
         coefficients: Arc::new(|_, y: &[f64]| Coefficients {
             drift: vec![0.0; y.len()],

@@ -1,0 +1,210 @@
+//! Whether friction and noise are a heat bath.
+
+use serde::Serialize;
+use systems::run_time::System;
+
+use super::{
+    algebra::{axis, dot, largest, moved},
+    around,
+    probe::{Batch, Probe},
+    random::{Purpose, Random},
+    search::ZERO,
+};
+
+/// What is stationary under damping and noise.
+///
+/// e^{−βH₀} is, if the Fokker–Planck residual A + βB + β²C vanishes: with rates γᵢ, fₘ = B∇Hₘ and
+/// dₘ = ∇·fₘ, sₘ = fₘ·∇H₀, it is A = Σγᵢ − ∇·f₀ + ½Σ(fₘ·∇dₘ + dₘ²), C = ½Σsₘ² and
+/// B = −Σγᵢyᵢ∂ᵢH₀ − ½Σ(fₘ·∇sₘ + 2dₘsₘ). Tested at 32 points around the initial value.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Bath {
+    /// β, if e^{−βH₀} is stationary for this one.
+    pub beta: Option<f64>,
+    /// Whether every function of H₀ is.
+    pub any: bool,
+    /// Why none is, component by component, in words.
+    pub mismatch: Vec<String>,
+}
+
+/// Steps of Newton's method for β.
+const STEPS: usize = 8;
+/// Half the distance of points of a derivative, as a part of a field.
+const DISTANCE: f64 = 1e-3;
+
+impl Bath {
+    /// Of a system whose components have these constant rates of damping.
+    pub fn of(system: &dyn System, y0: &[f64], rates: &[f64]) -> Self {
+        let mut probe = Probe::new(system);
+        let states = around(&probe, y0, &mut Random::new(Purpose::Points));
+        let d = y0.len();
+        let drift = field(&mut probe, 0, &states);
+        let drift_divergence = divergence(&mut probe, 0, &states);
+        let slope = probe.gradient(&states, &probe.weights(0));
+        let zero = || vec![[0.0, 0.0]; states.len()];
+        // A, B and C at each state, each with the size of its terms.
+        let mut terms: [Vec<[f64; 2]>; 3] = [zero(), zero(), zero()];
+        let add = |to: &mut [f64; 2], x: f64| *to = [to[0] + x, to[1] + x.abs()];
+        let mut heat = vec![vec![0.0; d]; states.len()];
+        for (n, y) in states.iter().enumerate() {
+            add(&mut terms[0][n], -drift_divergence[n]);
+            for i in 0..d {
+                add(&mut terms[0][n], rates[i]);
+                add(&mut terms[1][n], -rates[i] * y[i] * slope[n][i]);
+            }
+        }
+        for m in 1..=probe.noises() {
+            let f = field(&mut probe, m, &states);
+            let divergences = divergence(&mut probe, m, &states);
+            let power = |probe: &mut Probe<'_>, y: &Batch| -> Vec<f64> {
+                let (f, g) = (field(probe, m, y), probe.gradient(y, &probe.weights(0)));
+                f.iter().zip(&g).map(|(f, g)| dot(f, g)).collect()
+            };
+            let s = power(&mut probe, &states);
+            let along_s = along(&mut probe, &states, &f, &power);
+            let along_d = along(&mut probe, &states, &f, &|probe, y| divergence(probe, m, y));
+            for n in 0..states.len() {
+                add(&mut terms[0][n], 0.5 * along_d[n]);
+                add(&mut terms[0][n], 0.5 * divergences[n].powi(2));
+                add(&mut terms[1][n], -0.5 * along_s[n]);
+                add(&mut terms[1][n], -divergences[n] * s[n]);
+                add(&mut terms[2][n], 0.5 * s[n] * s[n]);
+                (0..d).for_each(|i| heat[n][i] += f[n][i] * f[n][i]);
+            }
+        }
+        let size = largest(drift.iter().flatten());
+        let all = |terms: &[[f64; 2]]| terms.iter().all(|[x, of]| x.abs() <= ZERO * of.max(size));
+        if terms.iter().all(|terms| all(terms)) {
+            return Self { any: true, ..Self::default() };
+        }
+        let beta = stationary(&terms);
+        let mismatch = match beta {
+            Some(_) => Vec::new(),
+            None => mismatch(&states, &slope, &heat, rates),
+        };
+        Self { beta, any: false, mismatch }
+    }
+}
+
+/// fₘ = B∇Hₘ.
+fn field(probe: &mut Probe<'_>, m: usize, y: &[Vec<f64>]) -> Batch {
+    let slope = probe.gradient(y, &probe.weights(m));
+    probe.structure(y, &slope)
+}
+
+/// ∇·fₘ, from the columns (∂B·u)∇Hₘ + B∇²Hₘu.
+fn divergence(probe: &mut Probe<'_>, m: usize, y: &[Vec<f64>]) -> Vec<f64> {
+    let (d, weights) = (probe.dimension(), probe.weights(m));
+    let slope = probe.gradient(y, &weights);
+    let mut sums = vec![0.0; y.len()];
+    for i in 0..d {
+        let u = [axis(d, i)];
+        let turned = probe.structure_along(y, &u, &slope);
+        let curved = probe.hessian(y, &u, &weights);
+        let curved = probe.structure(y, &curved);
+        for (sum, (a, b)) in sums.iter_mut().zip(turned.iter().zip(&curved)) {
+            *sum += a[i] + b[i];
+        }
+    }
+    sums
+}
+
+/// The derivative of a function along a field, of order eight.
+fn along(
+    probe: &mut Probe<'_>,
+    y: &Batch,
+    f: &Batch,
+    value: &dyn Fn(&mut Probe<'_>, &Batch) -> Vec<f64>,
+) -> Vec<f64> {
+    const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+    let lengths = y.iter().zip(f).map(|(y, f)| {
+        DISTANCE * largest(y).max(f64::MIN_POSITIVE) / largest(f).max(f64::MIN_POSITIVE)
+    });
+    let lengths: Vec<f64> = lengths.map(|length| length.min(1.0)).collect();
+    let mut sums = vec![0.0; y.len()];
+    for (k, weight) in (1..).zip(WEIGHTS) {
+        for sign in [1.0, -1.0] {
+            let at = |(n, y): (usize, &Vec<f64>)| moved(y, sign * f64::from(k) * lengths[n], &f[n]);
+            let values = value(probe, &y.iter().enumerate().map(at).collect());
+            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += sign * weight * value);
+        }
+    }
+    sums.iter().zip(lengths).map(|(sum, length)| sum / length).collect()
+}
+
+/// β > 0 for which A + βB + β²C vanishes at all states.
+fn stationary([a, b, c]: &[Vec<[f64; 2]>; 3]) -> Option<f64> {
+    let residual = |n: usize, beta: f64| a[n][0] + beta * (b[n][0] + beta * c[n][0]);
+    let vanishes = |beta: &f64| {
+        beta.is_finite()
+            && *beta > 0.0
+            && (0..a.len()).all(|n| {
+                residual(n, *beta).abs() <= ZERO * (a[n][1] + beta * (b[n][1] + beta * c[n][1]))
+            })
+    };
+    let polished = |mut beta: f64| {
+        for _ in 0..STEPS {
+            let (mut up, mut down) = (0.0, 0.0);
+            for n in 0..a.len() {
+                let slope = b[n][0] + 2.0 * beta * c[n][0];
+                up += residual(n, beta) * slope;
+                down += slope * slope;
+            }
+            if down > 0.0 {
+                beta -= up / down;
+            }
+        }
+        beta
+    };
+    let roots = |n: usize| {
+        let (a, b, c) = (a[n][0], b[n][0], c[n][0]);
+        let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
+        // Without cancellation.
+        let q = -0.5 * (b + root.copysign(b));
+        [q / c, a / q]
+    };
+    (0..a.len()).flat_map(roots).map(polished).find(vanishes)
+}
+
+/// What is wrong with each component, whose noise has the square `heat`.
+fn mismatch(states: &Batch, slope: &Batch, heat: &Batch, rates: &[f64]) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut temperatures: Vec<(usize, f64)> = Vec::new();
+    for (i, rate) in rates.iter().enumerate() {
+        let name = format!("y{}", i + 1);
+        let heated = heat.iter().any(|heat| heat[i] > 0.0);
+        match (*rate != 0.0, heated) {
+            (false, false) => {}
+            (true, false) => words.push(format!("{name} is damped and not heated")),
+            (false, true) => words.push(format!("{name} is heated and not damped")),
+            (true, true) => {
+                // 2γy·kT = D∂H₀ by least squares.
+                let pairs = (0..states.len())
+                    .map(|n| (2.0 * rate * states[n][i], heat[n][i] * slope[n][i]));
+                let pairs: Vec<(f64, f64)> = pairs.collect();
+                let square: f64 = pairs.iter().map(|(x, _)| x * x).sum();
+                let kt = pairs.iter().map(|(x, z)| x * z).sum::<f64>() / square;
+                let size = largest(pairs.iter().map(|(_, z)| z));
+                match pairs.iter().all(|(x, z)| (z - kt * x).abs() <= ZERO * size) {
+                    true => temperatures.push((i, kt)),
+                    false => words.push(format!("the temperature of {name} depends on the state")),
+                }
+            }
+        }
+    }
+    let first = temperatures.first().map_or(0.0, |(_, kt)| *kt);
+    if temperatures.iter().any(|(_, kt)| (kt / first - 1.0).abs() > ZERO) {
+        let of = temperatures.iter().map(|(i, kt)| {
+            let noise = (kt / first).sqrt();
+            let words = format!("y{} has kT = {kt:.6}", i + 1);
+            match (noise - 1.0).abs() > ZERO {
+                true => format!("{words}, its noise {noise:.6} times that of the first"),
+                false => words,
+            }
+        });
+        words.extend(of);
+    }
+    if words.is_empty() {
+        words.push("noise and damping do not balance: no e^(-βH0) is stationary".into());
+    }
+    words
+}

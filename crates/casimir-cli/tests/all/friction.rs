@@ -1,0 +1,204 @@
+//! Friction on some components, and heat baths.
+
+use std::fs;
+
+use crate::common::{fails, json, succeeds, with_scene};
+
+/// Two pendulums with a spring in a bath, each with friction of its own.
+const PENDULUMS: &str = r#"
+[system]
+state = ["q[1..2]", "p[1..2]"]
+B = "canonical"
+H0 = "p1^2/2 + p2^2/(2*m) + 2 - cos(q1) - cos(q2) + (q1 - q2)^2/2"
+parameters = { g = 0.7, h = 0.3, kT = 1.5, m = 2.5 }
+[damping]
+rates = { p1 = "g", p2 = "h" }
+temperature = "kT"
+[run]
+initial = [0.5, 0, 0.1, 0.2]
+until = 4
+steps = 64
+paths = 200
+[expect]
+of = ["p2"]
+accuracy = 0.1
+"#;
+
+fn changed(from: &str, to: &str) -> String {
+    assert!(PENDULUMS.contains(from), "{from}");
+    PENDULUMS.replace(from, to)
+}
+
+#[track_caller]
+fn inspected(scene: &str) -> String {
+    succeeds(with_scene(scene).path(), &["inspect", "scene.toml"])
+}
+
+#[test]
+fn a_bath_has_its_temperature_and_what_spoils_it_is_named() {
+    let text = inspected(PENDULUMS);
+    assert!(text.contains("dp2 = ") && text.contains("∘ dW2 - γ p2 dt"), "{text}");
+    assert!(text.contains("Friction: γ = 0.7 on p1; γ = 0.3 on p2"), "{text}");
+    assert!(text.contains("stationary with kT = 1.500000000"), "{text}");
+    // The same by hand, spoilt in several ways; kT of the first is 1.5.
+    let noise = |text: &str| changed("temperature = \"kT\"", "").replace("kT = 1.5, ", text);
+    let with = |noises: &str| {
+        noise("kT = 1.5, ").replace("[damping]", &format!("H = {noises}\n[damping]"))
+    };
+    let right = "[\"sqrt(2*g*kT)*q1\", \"-sqrt(2*h*m*kT)*q2\"]";
+    assert!(inspected(&with(right)).contains("kT = 1.500000000"));
+    for (noises, words) in [
+        (right.replace("*m", ""), "p2 has kT = 0.600000, its noise 0.632456 times"),
+        (right.replace("2*h", "h"), "p2 has kT = 0.750000"),
+        (right.replace("q1", "(q1 + q2)"), "p2 has kT = "),
+        // One noise of both.
+        (right.replace("\", \"-", " - "), "do not balance"),
+        ("[\"sqrt(2*g*kT)*q1\"]".into(), "p2 is damped and not heated"),
+        (right.replace("q1", "p1"), "q1 is heated and not damped"),
+        (right.replace("*q1", "*q1^2"), "the temperature of p1 depends on the state"),
+    ] {
+        let text = inspected(&with(&noises));
+        assert!(text.contains("No heat bath") && text.contains(words), "{noises}: {text}");
+    }
+    let text = inspected(&with(right).replace(", p2 = \"h\"", ""));
+    assert!(text.contains("p2 is heated and not damped"), "{text}");
+    // Nothing is damped or heated.
+    let text = inspected(&noise("").replace("rates = { p1 = \"g\", p2 = \"h\" }", "rate = 0"));
+    assert!(text.contains("every function of H0 is stationary"), "{text}");
+}
+
+#[test]
+fn friction_on_all_components_is_damping() {
+    let damping = |table: &str| {
+        let scene = PENDULUMS.replace("temperature = \"kT\"\n", "");
+        let scene = scene.replace("rates = { p1 = \"g\", p2 = \"h\" }", table);
+        let folder = with_scene(&scene);
+        succeeds(folder.path(), &["run", "scene.toml", "--write", "npz", "--out", "run"]);
+        ["paths.npz", "study.npz"]
+            .map(|file| fs::read(folder.path().join("run").join(file)).unwrap())
+    };
+    let all = damping("rate = \"g\"");
+    assert_eq!(damping("rate = \"g\"\ncomponents = [\"q\", \"p1\", \"p2\"]"), all);
+    assert_eq!(damping("rates = { q = \"g\", p = \"g\" }"), all);
+    assert_ne!(damping("rates = { p = \"g\" }"), all);
+}
+
+/// Half of C = ½(y2² + y3²) is damped.
+const LASER: &str = r#"
+[system]
+name = "maxwell-bloch"
+[damping]
+rate = 0.5
+components = ["y2", "y3"]
+[run]
+initial = [1, 2, 3]
+until = 2
+steps = 64
+scheme = "sexp"
+"#;
+
+#[test]
+fn laws_that_friction_keeps_are_drawn_with_their_decay() {
+    let columns = |scene: &str| {
+        let folder = with_scene(scene);
+        succeeds(folder.path(), &["run", "scene.toml", "--write", "csv", "--out", "run"]);
+        let csv = fs::read_to_string(folder.path().join("run/paths.csv")).unwrap();
+        let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let (header, last) = (lines.next().unwrap(), lines.next_back().unwrap());
+        let last = header.iter().zip(last).map(|(name, x)| ((*name).to_owned(), x.parse().ok()));
+        last.collect::<std::collections::BTreeMap<String, Option<f64>>>()
+    };
+    let kept = columns(LASER);
+    assert!(kept["C defect"].unwrap().abs() < 1e-13, "{kept:?}");
+    assert!((kept["C"].unwrap() / 6.5 - (-2f64).exp()).abs() < 1e-12, "{kept:?}");
+    let broken = columns(&LASER.replace("[\"y2\", \"y3\"]", "[\"y2\"]"));
+    assert!(!broken.contains_key("C"), "{broken:?}");
+    // All monomials decay alike, if not by the same rates: y1 y2 with 0.5 + 0.1.
+    let spins = r#"
+[system]
+state = ["a", "b", "c"]
+B = [["0", "0"], ["1"]]
+H0 = "b^2/2 + c^2/2"
+[damping]
+rates = { a = 0.5, b = 0.25 }
+[run]
+initial = [1, 2, 3]
+until = 2
+steps = 64
+"#;
+    let kept = columns(spins);
+    assert!((kept["C1"].unwrap() / kept["a"].unwrap()).abs() > 0.0, "{kept:?}");
+    assert!(kept["C1 defect"].unwrap().abs() < 1e-13 && !kept.contains_key("H0"), "{kept:?}");
+}
+
+/// One pendulum with flows of its parts, whose momentum alone is damped.
+const PENDULUM: &str = r#"
+[system]
+name = "pendulum"
+parameters = { c = 0.5 }
+[damping]
+rate = 1
+components = ["y1"]
+[run]
+initial = [0.2, 1]
+until = 1
+steps = 64
+[expect]
+of = ["y1"]
+accuracy = 0.1
+"#;
+
+#[test]
+fn orders_are_those_without_friction() {
+    // Without noise both halves of friction make the second order.
+    let silent = &PENDULUM.replace("c = 0.5", "c = 0");
+    for (scheme, scene, strong) in [
+        ("sexp", PENDULUMS, 1.0),
+        ("sexp-li", PENDULUMS, 1.0),
+        ("heun", PENDULUMS, 1.0),
+        ("midpoint", PENDULUM, 1.0),
+        ("sexp", PENDULUM, 1.0),
+        ("nv", PENDULUM, 1.0),
+        ("sexp", silent, 2.0),
+        ("heun", silent, 2.0),
+        ("split", silent, 2.0),
+    ] {
+        let arguments =
+            ["order", "scene.toml", "--json", "--scheme", scheme, "--path-steps", "1e7"];
+        let found = json(with_scene(scene).path(), &arguments);
+        assert_eq!(found["strong"]["order"], strong, "{scheme}: {}", found["strong"]["words"]);
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_at_its_place() {
+    for (from, to, words) in [
+        ("p1 = \"g\"", "r1 = \"g\"", ["line 8, column 11", "`r1` is no component; the nearest is"]),
+        ("p1 = \"g\"", "p = \"g\"", ["line 8, column 20", "`p2` is damped twice"]),
+        ("p1 = \"g\"", "p1 = \"q\"", ["line 8, column 17", "unknown name `q`"]),
+        ("rates = {", "rate = 1\nrates = {", ["line 8, column 8", "or `rates` such as"]),
+        (
+            "rates = { p1 = \"g\", p2 = \"h\" }",
+            "rate = 1",
+            ["line 9, column 15", "friction on momenta"],
+        ),
+        ("p1^2/2", "p1^4", ["line 9, column 15", "no term p1^2/(2*m)"]),
+        ("[damping]", "H = [\"q1\"]\n[damping]", ["line 7, column 5", "leave out `H`"]),
+    ] {
+        fails(with_scene(&changed(from, to)).path(), &["run", "scene.toml"], 2, &words);
+    }
+    let laser = LASER.replace("rate = 0.5", "rate = 0.5\ntemperature = 1");
+    fails(with_scene(&laser).path(), &["run", "scene.toml"], 2, &["is for formulas"]);
+}
+
+#[test]
+fn momenta_have_the_temperature_of_the_bath() {
+    let scene = changed("of = [\"p2\"]", "of = [\"p1^2\", \"p2^2/m\"]");
+    let scene =
+        scene.replace("until = 4", "until = 30").replace("accuracy = 0.1", "accuracy = 0.03");
+    let found = json(with_scene(&scene).path(), &["expect", "scene.toml", "--json"]);
+    for estimate in found["estimates"].as_array().unwrap() {
+        let [lo, hi] = ["lo", "hi"].map(|end| estimate[end].as_f64().unwrap());
+        assert!(lo < 1.5 && 1.5 < hi, "{estimate}");
+    }
+}

@@ -1,0 +1,202 @@
+//! Friction on single components of the state.
+
+use std::sync::Arc;
+
+use noise::StepNoise;
+use nonlin::BlockStatus;
+use real::Row;
+use schemes::{Method, Step, Stepper};
+use systems::Damping;
+
+use crate::{Coefficients, ConformalLaw, Problem, Setup};
+
+/// Friction −γ(t)yᵢ on some components i, besides the damping of all of them: with several, and
+/// the damping γ₀ of the problem, dy = (B∇H₀ − Γy)dt + Σ B∇Hₘ ∘ dWₘ with Γ = diag(γ₀ + γ₁, …).
+///
+/// Every scheme takes it exactly, in two halves of a step around its own step, so that orders one
+/// and weak order two remain. ∫γ over the halves is that of [`Damping::integral`].
+///
+/// ```
+/// use std::sync::Arc;
+/// use mc::{Friction, Setup};
+/// use schemes::Sexp;
+/// use systems::{Constant, MaxwellBloch, Problem};
+///
+/// // Without field the polarisation decays with its own rate.
+/// let problem = Problem::new(MaxwellBloch, Constant::new(0.0)?, [0.0, 1.0, 0.0], 2.0)?;
+/// let friction = [Friction { damping: Arc::new(Constant::new(0.5)?), components: vec![1, 2] }];
+/// let setup = Setup::of(&problem, &Sexp).with_friction(&friction);
+/// // The Casimir ½(y₂² + y₃²) decays with both of its components.
+/// assert!((setup.problem.laws[0].decay(&[0.0, 1.0]) - (-2f64).exp()).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct Friction {
+    /// γ.
+    pub damping: Arc<dyn Damping>,
+    /// The components, counted from zero.
+    pub components: Vec<usize>,
+}
+
+impl Friction {
+    /// A method between two halves of friction.
+    pub fn around<'a>(method: Arc<dyn Method + 'a>, all: &'a [Self]) -> Arc<dyn Method + 'a> {
+        if all.is_empty() { method } else { Arc::new(Damped { method, friction: all }) }
+    }
+
+    /// The rates γᵢ(t) of D components.
+    pub fn rates(all: &[Self], t: f64, dimension: usize) -> Vec<f64> {
+        let mut rates = vec![0.0; dimension];
+        for Self { damping, components } in all {
+            components.iter().for_each(|&i| rates[i] += damping.rate(t));
+        }
+        rates
+    }
+}
+
+impl<'a> Setup<'a> {
+    /// The same with friction. Laws that it breaks go.
+    #[must_use]
+    pub fn with_friction(self, friction: &'a [Friction]) -> Self {
+        if friction.is_empty() {
+            return self;
+        }
+        let scheme = Friction::around(self.scheme, friction);
+        Self { problem: self.problem.with_friction(friction), scheme }
+    }
+}
+
+impl<'a> Problem<'a> {
+    /// The problem with friction, for schemes that have it: those of [`Setup::with_friction`].
+    #[must_use]
+    pub fn with_friction(self, friction: &'a [Friction]) -> Self {
+        if friction.is_empty() {
+            return self;
+        }
+        let problem = Self { friction, ..self };
+        let ends = TIMES.map(|part| {
+            let end = part * problem.t_end;
+            let all = problem.dampings().map(|damping| damping.integral(0.0, end));
+            let all: Vec<f64> = all.collect();
+            // Of the size of one, so that no factor underflows.
+            let size = all.iter().fold(f64::MIN_POSITIVE, |size, one| size.max(one.abs()));
+            all.iter().map(|one| one / size).collect()
+        });
+        let law = |law: &ConformalLaw<'a>| decaying(law.clone(), friction, &problem.y0, &ends);
+        let (laws, undamped) =
+            (problem.laws.iter().filter_map(law).collect(), problem.coefficients);
+        let coefficients = Arc::new(move |t: f64, y: &[f64]| {
+            let mut at: Coefficients = undamped(t, y);
+            let rates = Friction::rates(friction, t, y.len());
+            at.drift.iter_mut().zip(rates).zip(y).for_each(|((drift, rate), y)| *drift -= rate * y);
+            at
+        });
+        Self { laws, coefficients, ..problem }
+    }
+}
+
+/// Points at which a function is looked at, beside y₀.
+const POINTS: usize = 8;
+/// Times at which decays are compared, as parts of T.
+const TIMES: [f64; 3] = [0.2, 0.6, 1.0];
+/// Factors of points that differ by less are equal.
+const EQUAL: f64 = 1e-9;
+
+/// The state after damping alone, from the integrals of all dampings.
+fn damped(y: &[f64], friction: &[Friction], integrals: &[f64]) -> Vec<f64> {
+    let mut sums = vec![integrals[0]; y.len()];
+    for (Friction { components, .. }, integral) in friction.iter().zip(&integrals[1..]) {
+        components.iter().for_each(|&i| sums[i] += integral);
+    }
+    y.iter().zip(sums).map(|(y, sum)| y * (-sum).exp()).collect()
+}
+
+/// A law with its decay by friction; none if points decay differently, so that friction breaks it.
+fn decaying<'a>(
+    law: ConformalLaw<'a>,
+    friction: &'a [Friction],
+    y0: &[f64],
+    ends: &[Vec<f64>],
+) -> Option<ConformalLaw<'a>> {
+    let size = y0.iter().fold(0.0, |size: f64, y| size.max(y.abs())).max(0.1);
+    // Multiples of the golden ratio, modulo one, are spread evenly.
+    let spread = |k: usize| 0.2 + (k as f64 * 0.618_033_988_749_894_8).fract();
+    let moved = |k: usize, y: &f64| y + 0.3 * size * spread(k);
+    let point = |k: usize| y0.iter().enumerate().map(move |(i, y)| moved(1 + i + k * y0.len(), y));
+    let points: Vec<Vec<f64>> = (0..POINTS).map(|k| point(k).collect()).collect();
+    let value = Arc::clone(&law.value);
+    let ratio =
+        move |y: &[f64], integrals: &[f64]| value(&damped(y, friction, integrals)) / value(y);
+    let alike = |integrals: &Vec<f64>| {
+        let factor = ratio(&points[0], integrals);
+        points.iter().all(|y| (ratio(y, integrals) / factor - 1.0).abs() <= EQUAL)
+    };
+    if !ends.iter().all(alike) {
+        return None;
+    }
+    let decay = move |integrals: &[f64]| ratio(&points[0], integrals);
+    Some(ConformalLaw { decay: Some(Arc::new(decay)), ..law })
+}
+
+/// A method between two halves of friction.
+struct Damped<'a> {
+    method: Arc<dyn Method + 'a>,
+    friction: &'a [Friction],
+}
+
+impl Method for Damped<'_> {
+    fn id(&self) -> &'static str {
+        self.method.id()
+    }
+
+    fn reads_areas(&self) -> bool {
+        self.method.reads_areas()
+    }
+
+    fn clips_increments(&self) -> bool {
+        self.method.clips_increments()
+    }
+
+    fn stack(&self) -> usize {
+        self.method.stack()
+    }
+
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        Box::new(DampedStepper { inner: self.method.start(y), friction: self.friction })
+    }
+}
+
+struct DampedStepper<'a> {
+    inner: Box<dyn Stepper + 'a>,
+    friction: &'a [Friction],
+}
+
+impl DampedStepper<'_> {
+    /// Multiplies the damped components by their factors.
+    fn scale(&mut self, factors: impl Fn(&Friction) -> f64) {
+        let state = self.inner.state_mut();
+        for friction in self.friction {
+            let factor = factors(friction);
+            for &i in &friction.components {
+                state[i].iter_mut().for_each(|y| *y *= factor);
+            }
+        }
+    }
+}
+
+impl Stepper for DampedStepper<'_> {
+    fn state(&self) -> &[Row] {
+        self.inner.state()
+    }
+
+    fn state_mut(&mut self) -> &mut [Row] {
+        self.inner.state_mut()
+    }
+
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        self.scale(|friction| step.decay(&*friction.damping, 0));
+        self.inner.step(step, noise, status);
+        self.scale(|friction| step.decay(&*friction.damping, 1));
+        status.fail_where_not_finite(self.inner.state());
+    }
+}
