@@ -36,7 +36,7 @@ impl Given<'_> {
     }
 }
 
-/// How a call is made: threads, what shows progress, and whether Ctrl-C raises.
+/// How a call is made: threads, and what shows progress.
 #[derive(FromPyObject)]
 struct How {
     threads: Option<usize>,

@@ -26,11 +26,12 @@ mod stopwatch;
 pub use compare::{Candidates, CompareSettings, Comparison, compare};
 pub use final_moments::{FinalMoments, FinalRows};
 pub use inspect::{InspectSettings, inspect};
-pub use number::{aligned, number, worse};
+pub use number::{aligned, number};
 pub use orders::{
     Decision, Exact, Limit, More, OneStep, Order, StepSizes, squared_distance, strong_order,
     weak_order, wrong_limit,
 };
+pub use stats::worse;
 pub use step_check::{
     Halved, STIFF, StepCheck, StepError, StepErrors, TURN, checked_paths, step_check,
 };

@@ -10,6 +10,7 @@ use std::{cell::RefCell, collections::BTreeMap, ops::Range};
 
 use nonlin::BlockStatus;
 use schemes::Step;
+use stats::worse;
 use systems::{Damping, RateQuadrature};
 
 use crate::{Setup, observable::splat};
@@ -78,11 +79,6 @@ impl<'a> DampingResolution<'a> {
     pub fn unresolved(&self, halvings: usize) -> Option<f64> {
         self.0.iter().filter_map(|one| one.unresolved(halvings)).reduce(worse)
     }
-}
-
-/// The larger one, NaN if one is.
-fn worse(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
 }
 
 impl<'a> Resolution<'a> {

@@ -69,8 +69,7 @@ impl Batch {
 
 /// The input of the loop over time.
 pub struct Driver<'a> {
-    pub damping: &'a dyn Damping,
-    /// All dampings, with the friction that schemes have themselves.
+    /// The damping of all components, and the friction that schemes have themselves.
     pub dampings: Vec<&'a dyn Damping>,
     /// Number of noises.
     pub noises: usize,
@@ -194,7 +193,7 @@ impl Driver<'_> {
     fn step(&self, level: usize, n: u64) -> Step {
         // `Ladder::new` checks that the finest step is positive and finite.
         let new = || {
-            Step::new(self.damping, n, self.tau(level))
+            Step::new(self.dampings[0], n, self.tau(level))
                 .unwrap_or_else(|error| unreachable!("the steps of a ladder are valid: {error}"))
         };
         match self.steps.0.get(level) {

@@ -181,7 +181,6 @@ impl<'a> Ladder<'a> {
         let area_reader = area_reader.map(|run| run.scheme.id());
         let area_noises = area_reader.map(|_| problem.noises);
         let mut driver = Driver {
-            damping: problem.damping,
             dampings: problem.dampings().collect(),
             noises: problem.noises,
             start: start(problem, key),

@@ -65,8 +65,8 @@ impl Step {
         })
     }
 
-    /// exp(−∫γ) of another damping over the first half of the step, or over the second, dithered
-    /// like the factors of the step.
+    /// exp(−∫γ) of another damping over a half of the step: 0 is the first, 1 the second. It is
+    /// dithered like the factors of the step.
     pub fn decay(&self, damping: &(impl Damping + ?Sized), half: u64) -> f64 {
         let number = self.number().wrapping_mul(2).wrapping_add(half);
         let time = |n: u64| 0.5 * n as f64 * self.tau;

@@ -46,6 +46,7 @@ mod rate;
 mod root_mean_square;
 mod strong;
 mod weak;
+mod worse;
 
 pub use central::{CentralMoments, ROUND_OFF};
 pub use least_squares::diagonal;
@@ -59,3 +60,4 @@ pub use rate::{Against, Expansion, Rate};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};
 pub use strong::fit_strong;
 pub use weak::{fit_weak, lower_share, weak_errors};
+pub use worse::worse;

@@ -17,7 +17,8 @@ pub fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>
         let value: Value<'a> = Box::new(|y| (law.value)(y));
         (law.decay(&integrals), value)
     });
-    let found = found.iter().map(|casimir| {
+    // With friction those that still hold are among the laws of the problem.
+    let found = found.iter().filter(|_| problem.friction.is_empty()).map(|casimir| {
         let value: Value<'a> = Box::new(move |y| casimir.value(y));
         ((-f64::from(casimir.degree) * integrals[0]).exp(), value)
     });

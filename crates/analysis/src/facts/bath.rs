@@ -4,11 +4,13 @@ use serde::Serialize;
 use systems::run_time::System;
 
 use super::{
-    algebra::{axis, dot, largest, moved},
+    algebra::{axis, dot, largest},
     around,
+    finding::Term,
     probe::{Batch, Probe},
     random::{Purpose, Random},
     search::ZERO,
+    slopes::{Values, lengths, slopes},
 };
 
 /// What is stationary under damping and noise.
@@ -28,8 +30,6 @@ pub struct Bath {
 
 /// Steps of Newton's method for β.
 const STEPS: usize = 8;
-/// Half the distance of points of a derivative, as a part of a field.
-const DISTANCE: f64 = 1e-3;
 
 impl Bath {
     /// Of a system whose components have these constant rates of damping.
@@ -37,7 +37,7 @@ impl Bath {
         let mut probe = Probe::new(system);
         let states = around(&probe, y0, &mut Random::new(Purpose::Points));
         let d = y0.len();
-        let drift = field(&mut probe, 0, &states);
+        let drift = probe.field(&states, &probe.weights(0));
         let drift_divergence = divergence(&mut probe, 0, &states);
         let slope = probe.gradient(&states, &probe.weights(0));
         let zero = || vec![[0.0, 0.0]; states.len()];
@@ -53,15 +53,22 @@ impl Bath {
             }
         }
         for m in 1..=probe.noises() {
-            let f = field(&mut probe, m, &states);
-            let divergences = divergence(&mut probe, m, &states);
-            let power = |probe: &mut Probe<'_>, y: &Batch| -> Vec<f64> {
-                let (f, g) = (field(probe, m, y), probe.gradient(y, &probe.weights(0)));
+            let weights = probe.weights(m);
+            let f = probe.field(&states, &weights);
+            let of_divergence: Values<'_> = &|probe, y| divergence(probe, m, y);
+            let power: Values<'_> = &|probe, y| {
+                let (f, g) = (probe.field(y, &weights), probe.gradient(y, &probe.weights(0)));
                 f.iter().zip(&g).map(|(f, g)| dot(f, g)).collect()
             };
+            let divergences = of_divergence(&mut probe, &states);
             let s = power(&mut probe, &states);
-            let along_s = along(&mut probe, &states, &f, &power);
-            let along_d = along(&mut probe, &states, &f, &|probe, y| divergence(probe, m, y));
+            let lengths = lengths(&states, &f);
+            let [along_d, along_s] = [of_divergence, power].map(|value| {
+                let along = slopes(&mut probe, &states, &f, &lengths, value);
+                // What no length resolves is not known.
+                let known = |(slope, size): Term| if size.is_finite() { slope } else { f64::NAN };
+                along.into_iter().map(known).collect::<Vec<f64>>()
+            });
             for n in 0..states.len() {
                 add(&mut terms[0][n], 0.5 * along_d[n]);
                 add(&mut terms[0][n], 0.5 * divergences[n].powi(2));
@@ -85,50 +92,16 @@ impl Bath {
     }
 }
 
-/// fₘ = B∇Hₘ.
-fn field(probe: &mut Probe<'_>, m: usize, y: &[Vec<f64>]) -> Batch {
-    let slope = probe.gradient(y, &probe.weights(m));
-    probe.structure(y, &slope)
-}
-
-/// ∇·fₘ, from the columns (∂B·u)∇Hₘ + B∇²Hₘu.
+/// ∇·fₘ.
 fn divergence(probe: &mut Probe<'_>, m: usize, y: &[Vec<f64>]) -> Vec<f64> {
     let (d, weights) = (probe.dimension(), probe.weights(m));
     let slope = probe.gradient(y, &weights);
     let mut sums = vec![0.0; y.len()];
     for i in 0..d {
-        let u = [axis(d, i)];
-        let turned = probe.structure_along(y, &u, &slope);
-        let curved = probe.hessian(y, &u, &weights);
-        let curved = probe.structure(y, &curved);
-        for (sum, (a, b)) in sums.iter_mut().zip(turned.iter().zip(&curved)) {
-            *sum += a[i] + b[i];
-        }
+        let column = probe.field_along(y, &[axis(d, i)], &slope, &weights);
+        sums.iter_mut().zip(column).for_each(|(sum, column)| *sum += column[i]);
     }
     sums
-}
-
-/// The derivative of a function along a field, of order eight.
-fn along(
-    probe: &mut Probe<'_>,
-    y: &Batch,
-    f: &Batch,
-    value: &dyn Fn(&mut Probe<'_>, &Batch) -> Vec<f64>,
-) -> Vec<f64> {
-    const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
-    let lengths = y.iter().zip(f).map(|(y, f)| {
-        DISTANCE * largest(y).max(f64::MIN_POSITIVE) / largest(f).max(f64::MIN_POSITIVE)
-    });
-    let lengths: Vec<f64> = lengths.map(|length| length.min(1.0)).collect();
-    let mut sums = vec![0.0; y.len()];
-    for (k, weight) in (1..).zip(WEIGHTS) {
-        for sign in [1.0, -1.0] {
-            let at = |(n, y): (usize, &Vec<f64>)| moved(y, sign * f64::from(k) * lengths[n], &f[n]);
-            let values = value(probe, &y.iter().enumerate().map(at).collect());
-            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += sign * weight * value);
-        }
-    }
-    sums.iter().zip(lengths).map(|(sum, length)| sum / length).collect()
 }
 
 /// β > 0 for which A + βB + β²C vanishes at all states.

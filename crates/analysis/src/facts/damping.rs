@@ -45,7 +45,8 @@ const AGREEMENT: f64 = 1e-6;
 const UNEVEN: f64 = 0.381_966_011_250_105;
 
 impl DampingIntegral {
-    pub(crate) fn of(damping: &dyn Damping, t_end: f64) -> Self {
+    /// That of a damping up to a final time.
+    pub fn of(damping: &dyn Damping, t_end: f64) -> Self {
         let time = |n: u32| t_end * f64::from(n) / f64::from(PARTS);
         let parts = RateQuadrature::new(damping, t_end, PARTS).parts;
         let total = parts.iter().fold(RateIntegrals::default(), |sum, part| sum + *part);
@@ -82,6 +83,14 @@ impl DampingIntegral {
         }
         found.none = total.size == 0.0 && found.defect == 0.0;
         found
+    }
+}
+
+impl DampingIntegral {
+    /// What is wrong, if it is known to be.
+    pub fn mistake(&self) -> Option<String> {
+        let words = format!("the integral of the damping is not that of its rate: {self}");
+        (self.agrees == Status::Fails).then_some(words)
     }
 }
 

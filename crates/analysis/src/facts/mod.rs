@@ -14,6 +14,7 @@ pub(crate) mod probe;
 pub(crate) mod random;
 mod scheme;
 pub(crate) mod search;
+pub(crate) mod slopes;
 
 use real::WIDTH;
 use systems::run_time::{Problem, System};
@@ -52,7 +53,6 @@ impl Facts {
     /// The facts of a problem whose system has one path in each place of a row.
     pub fn of(problem: &Problem) -> Self {
         let integral = DampingIntegral::of(problem.damping(), problem.t_end());
-        let wrong = format!("the integral of the damping is not that of its rate: {integral}");
         let mut probe = Probe::new(problem.system());
         let y = around(&probe, problem.y0(), &mut Random::new(Purpose::Points));
         let slopes = |probe: &mut Probe<'_>, m: usize| {
@@ -73,7 +73,7 @@ impl Facts {
             proportional,
             degree: degree.map(nearby_integer),
             damped: !integral.none,
-            mistake: (integral.agrees == Status::Fails).then_some(wrong),
+            mistake: integral.mistake(),
         }
     }
 
@@ -81,12 +81,6 @@ impl Facts {
     pub fn energy_law(&self) -> Option<f64> {
         let degree = self.degree.or((!self.damped).then_some(0.0));
         degree.filter(|_| self.proportional)
-    }
-
-    /// What a scheme has to care for. Lévy areas are not drawn for systems known at run time.
-    pub fn kept(&self) -> Kept {
-        let (casimirs, energy) = (!self.casimirs.is_empty(), self.energy_law().is_some());
-        Kept { casimirs, energy, areas: false }
     }
 }
 
@@ -121,13 +115,7 @@ pub fn fastest(system: &dyn System, y0: &[f64]) -> f64 {
     let mut probe = Probe::new(system);
     let (y, weights) = ([y0.to_vec()], probe.weights(0));
     let slope = probe.gradient(&y, &weights);
-    // The columns (∂B·u)∇H₀ + B∇²H₀u of f′.
-    let column = |u: Vec<f64>| {
-        let u = [u];
-        let turned = probe.structure_along(&y, &u, &slope);
-        let curved = probe.hessian(&y, &u, &weights);
-        moved(&turned[0], 1.0, &probe.structure(&y, &curved)[0])
-    };
+    let column = |u: Vec<f64>| probe.field_along(&y, &[u], &slope, &weights).swap_remove(0);
     let columns: Matrix = (0..d).map(|j| axis(d, j)).map(column).collect();
     let radius = spectral_radius(transposed(&columns), SQUARINGS);
     if radius.is_finite() { radius } else { 0.0 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use real::{Row, WIDTH};
 use systems::run_time::{Description, Lanes, Op, System, Weights, derived};
 
-use super::algebra::{Matrix, axis, transposed};
+use super::algebra::{Matrix, axis, moved, transposed};
 
 /// The time at which Hamiltonians are looked at that depend on it.
 pub const TIME: f64 = 0.618;
@@ -169,6 +169,26 @@ impl<'a> Probe<'a> {
     /// ∇²h(y)u.
     pub fn hessian(&mut self, y: &[Vec<f64>], u: &[Vec<f64>], weights: &[f64]) -> Batch {
         self.evaluate(Op::Hessian { y, u }, weights, false)
+    }
+
+    /// f = B∇h.
+    pub fn field(&mut self, y: &[Vec<f64>], weights: &[f64]) -> Batch {
+        let slope = self.gradient(y, weights);
+        self.structure(y, &slope)
+    }
+
+    /// f′u = (∂B·u)∇h + B∇²hu, from ∇h.
+    pub fn field_along(
+        &mut self,
+        y: &[Vec<f64>],
+        u: &[Vec<f64>],
+        slope: &[Vec<f64>],
+        weights: &[f64],
+    ) -> Batch {
+        let turned = self.structure_along(y, u, slope);
+        let curved = self.hessian(y, u, weights);
+        let curved = self.structure(y, &curved);
+        turned.iter().zip(curved).map(|(a, b)| moved(a, 1.0, &b)).collect()
     }
 
     /// ∇̄h(a, b), B((a+b)/2)∇̄h(a, b), and ∇̄h by the quadrature of the system, of systems with one

@@ -4,12 +4,13 @@ use serde::Serialize;
 use systems::InvariantKind;
 
 use super::{
-    algebra::{axis, largest},
+    algebra::axis,
     finding::{Finding, Status, Term},
     probe::Batch,
     random::{Purpose, Random},
-    shape::{Shape, Values},
-    sight::{Sight, slopes},
+    shape::Shape,
+    sight::Sight,
+    slopes::{Values, lengths, slopes},
 };
 
 /// An invariant that a system claims, and what was found.
@@ -59,12 +60,7 @@ impl ClaimedInvariant {
         for (finding, vectors) in [(&mut casimir, columns), (&mut conserved, flows)] {
             let along = |v: &Batch| {
                 let field = sight.probe.structure(&states, v);
-                // Relative to the size of a state.
-                let length = |(y, along): (&Vec<f64>, &Vec<f64>)| {
-                    0.1 * largest(y).max(f64::MIN_POSITIVE) / largest(along).max(1e-300)
-                };
-                let lengths: Vec<f64> = states.iter().zip(&field).map(length).collect();
-                slopes(&mut sight.probe, &states, &field, &lengths, f)
+                slopes(&mut sight.probe, &states, &field, &lengths(&states, &field), f)
             };
             let all: Vec<Vec<Term>> = vectors.iter().map(along).collect();
             let at = |n: usize| all.iter().map(|terms| terms[n]).collect();

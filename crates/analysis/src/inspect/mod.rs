@@ -55,7 +55,9 @@ use systems::{
     run_time::{self, Lanes, System},
 };
 
-use crate::facts::{algebra, finding, form, probe, random, search};
+use mc::Friction;
+
+use crate::facts::{algebra, finding, form, probe, random, search, slopes};
 use algebra::norm;
 use points::Points;
 use probe::Probe;
@@ -90,6 +92,8 @@ pub struct InspectSettings<'a> {
     pub y0: Option<Vec<f64>>,
     /// The damping and the final time.
     pub damping: Option<(&'a dyn Damping, f64)>,
+    /// Friction on single components besides.
+    pub friction: &'a [Friction],
     /// Whether Lévy areas are drawn for the system.
     pub areas: bool,
 }
@@ -97,7 +101,7 @@ pub struct InspectSettings<'a> {
 /// The system alone, for which areas are drawn.
 impl Default for InspectSettings<'_> {
     fn default() -> Self {
-        Self { y0: None, damping: None, areas: true }
+        Self { y0: None, damping: None, friction: &[], areas: true }
     }
 }
 
@@ -105,7 +109,7 @@ impl<'a> InspectSettings<'a> {
     /// The settings for a problem; areas are drawn for its system.
     pub fn of<S, G: Damping, const D: usize>(problem: &'a Problem<S, G, D>) -> Self {
         let damping = Some((problem.damping() as &dyn Damping, problem.t_end()));
-        Self { y0: Some(problem.y0().to_vec()), damping, areas: true }
+        Self { y0: Some(problem.y0().to_vec()), damping, friction: &[], areas: true }
     }
 
     /// The settings for a problem known at run time; areas are drawn if they enter by Jacobi's
@@ -113,7 +117,7 @@ impl<'a> InspectSettings<'a> {
     pub fn at_run_time(problem: &'a run_time::Problem) -> Self {
         let damping = Some((problem.damping(), problem.t_end()));
         let areas = problem.system().description().jacobi_holds;
-        Self { y0: Some(problem.y0().to_vec()), damping, areas }
+        Self { y0: Some(problem.y0().to_vec()), damping, friction: &[], areas }
     }
 }
 
@@ -155,13 +159,15 @@ pub fn inspect(
     let invariants = ClaimedInvariant::all(&mut sight);
     let searched = rows_of_paths && sight.probe.dimension() <= MOST_COMPONENTS;
     let casimirs = searched.then(|| Casimirs::of(&mut sight));
-    let of_bound = casimirs.as_ref().filter(|_| structure.sound().holds());
+    // Friction may break what bounds paths.
+    let uniform = settings.friction.is_empty();
+    let of_bound = casimirs.as_ref().filter(|_| uniform && structure.sound().holds());
     let bound = of_bound.and_then(|casimirs| Bound::of(&hamiltonians, casimirs));
     let few = !sight.matrices.is_empty();
     let mut probe = sight.probe;
-    let problem = y0
-        .zip(settings.damping)
-        .map(|(y0, damping)| ProblemFindings::of(damping, y0, &mut probe, bound.as_ref()));
+    let problem = y0.zip(settings.damping).map(|(y0, damping)| {
+        ProblemFindings::of((damping, settings.friction), y0, &mut probe, bound.as_ref())
+    });
     let (damped, finite_rates) = match &problem {
         Some(ProblemFindings { integral, .. }) => (!integral.none, integral.finite),
         None => (true, true),
@@ -190,7 +196,7 @@ pub fn inspect(
         bound,
     };
     report.orders = theory::orders(&report, settings.areas, finite_rates);
-    report.theorems = theory::theorems(&report, damped);
+    report.theorems = theory::theorems(&report, damped, uniform);
     report.recommended = recommendation::recommendations(&report, system, settings.areas, damped);
     Ok(report.with_mistakes())
 }

@@ -1,11 +1,9 @@
 //! Whether the noises commute, which decides the strong orders.
 
-use std::iter::zip;
-
 use serde::Serialize;
 
 use super::{
-    algebra::{axis, moved, norm},
+    algebra::{axis, norm},
     finding::{CLUSTER, Finding, Term, sum},
     probe::Batch,
     random::{Purpose, Random},
@@ -45,13 +43,8 @@ impl Noises {
         let d = probe.dimension();
         let slopes: Vec<Batch> = weights.iter().map(|h| probe.gradient(states, h)).collect();
         let fields: Vec<Batch> = slopes.iter().map(|dh| probe.structure(states, dh)).collect();
-        // f′u = (∂B·u)∇h + B∇²hu.
-        let mut along = |m: usize, u: &[Vec<f64>]| {
-            let turned = probe.structure_along(states, u, &slopes[m]);
-            let curved = probe.hessian(states, u, &weights[m]);
-            let curved = probe.structure(states, &curved);
-            zip(turned, curved).map(|(a, b)| moved(&a, 1.0, &b)).collect::<Batch>()
-        };
+        let mut along =
+            |m: usize, u: &[Vec<f64>]| probe.field_along(states, u, &slopes[m], &weights[m]);
         // The columns of f′; of many components f′ along the other field.
         let derivatives: Vec<Vec<Batch>> = match few {
             true => {

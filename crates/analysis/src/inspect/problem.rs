@@ -1,5 +1,6 @@
 //! What damping and initial value add: the integral of the damping and a bound of all paths.
 
+use mc::Friction;
 use serde::Serialize;
 use systems::Damping;
 
@@ -66,12 +67,17 @@ pub struct ProblemFindings {
 
 impl ProblemFindings {
     pub(super) fn of(
-        (damping, t_end): (&dyn Damping, f64),
+        ((damping, t_end), friction): ((&dyn Damping, f64), &[Friction]),
         y0: &[f64],
         probe: &mut Probe<'_>,
         bound: Option<&Bound>,
     ) -> Self {
-        let integral = DampingIntegral::of(damping, t_end);
+        let of_friction =
+            friction.iter().map(|friction| DampingIntegral::of(&*friction.damping, t_end));
+        let first = DampingIntegral::of(damping, t_end);
+        let worse =
+            |a: DampingIntegral, b: DampingIntegral| if b.agrees < a.agrees { b } else { a };
+        let integral = of_friction.fold(first, worse);
         let bound = bound.filter(|_| integral.agrees.holds());
         let radius = bound.map(|bound| bound.radius(probe, y0) * (-integral.least).exp());
         Self { damping: damping.describe(), integral, radius }

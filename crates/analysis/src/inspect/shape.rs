@@ -9,6 +9,7 @@ use super::{
     form::Form,
     probe::{Batch, Probe},
     sight::Sight,
+    slopes::Values,
 };
 
 /// The shape of a function F.
@@ -34,9 +35,6 @@ pub struct Minimum {
     /// The bound then holds as long as a path stays there.
     pub in_domain_only: bool,
 }
-
-/// A function of the state at many points.
-pub type Values<'f> = &'f dyn Fn(&mut Probe<'_>, &[Vec<f64>]) -> Vec<f64>;
 
 /// The ratio of the lengths of two states of the same direction, and another for domains that end.
 const STRETCH: [f64; 2] = [2.0, 0.5];

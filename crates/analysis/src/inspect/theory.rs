@@ -68,8 +68,9 @@ pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<Expec
     BuiltIn::ALL.into_iter().filter_map(expected).collect()
 }
 
-/// The statements of the paper for a system with these properties, with damping or without.
-pub fn theorems(report: &Inspection, damped: bool) -> Vec<Theorem> {
+/// The statements of the paper for a system with these properties, with damping or without. With
+/// friction on single components those on paths do not apply.
+pub fn theorems(report: &Inspection, damped: bool, uniform: bool) -> Vec<Theorem> {
     use Applies::{Conditionally, No, Yes};
     let Inspection { structure, hamiltonians, casimirs, invariants, bound, .. } = report;
     let (shape, proportional) = (&hamiltonians.shapes[0], hamiltonians.proportional.status);
@@ -100,6 +101,7 @@ pub fn theorems(report: &Inspection, damped: bool) -> Vec<Theorem> {
     let orders = if bounded == No { Conditionally } else { bounded };
     let strong = if report.noises > 1 { "strong-half" } else { "strong-one" };
     let theorem = |(statement, applies)| match (structure.sound(), applies) {
+        _ if !uniform && statement != "solvability" => Theorem { statement, applies: No },
         (Status::Fails, _) => Theorem { statement, applies: No },
         (Status::Unknown, Yes) => Theorem { statement, applies: Conditionally },
         _ => Theorem { statement, applies },

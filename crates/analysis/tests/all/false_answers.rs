@@ -15,8 +15,12 @@ fn alone(definition: &Definition) -> Inspection {
 
 /// The report on texts from an initial value, with damping on [0, 1].
 fn with(definition: &Definition, y0: &[f64], damping: &dyn Damping) -> Inspection {
-    let settings =
-        InspectSettings { y0: Some(y0.to_vec()), damping: Some((damping, 1.0)), areas: false };
+    let settings = InspectSettings {
+        y0: Some(y0.to_vec()),
+        damping: Some((damping, 1.0)),
+        friction: &[],
+        areas: false,
+    };
     analysis::inspect(&system(definition, y0), &settings).unwrap()
 }
 

@@ -458,8 +458,12 @@ fn formulas_are_inspected_like_compiled_systems() {
     let energy = "(y1^2/2 + y2^2 + 1.5*y3^2)/2";
     let (y0, damping) = ([0.45, 0.0, 0.89], systems::Cosine::new(0.5, 2.0).unwrap());
     let body = formulas(&texts("y1 y2 y3", &["-y3 y2", "-y1"], energy, &noises), &y0);
-    let settings =
-        InspectSettings { y0: Some(y0.to_vec()), damping: Some((&damping, 1.0)), areas: false };
+    let settings = InspectSettings {
+        y0: Some(y0.to_vec()),
+        damping: Some((&damping, 1.0)),
+        friction: &[],
+        areas: false,
+    };
     let ours = analysis::inspect(&body, &settings).unwrap();
     let body = RigidBody::three_noises(INERTIA, [1.0, 2.0, 3.0]).unwrap();
     let theirs = inspect_problem(&Problem::new(body, damping, y0, 1.0).unwrap()).unwrap();

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use casimir::{
-    analysis::facts::{Facts, Form, energy, fastest},
+    analysis::facts::{DampingIntegral, Facts, Form, energy, fastest},
     formula::FormulaSystem,
     mc::{self, ConformalLaw, Expect, Friction, Setup},
     schemes::{BuiltIn, Method, SchemeError},
@@ -67,8 +67,8 @@ impl Model for AtRunTime {
 
     fn recommended(&self) -> (&'static str, String) {
         let system = self.problem.system().description();
-        if let Some(facts) = self.facts() {
-            let (scheme, why) = facts.kept().scheme();
+        if self.formulas.is_some() {
+            let (scheme, why) = self.kept(false).scheme();
             return match system.depends_on_time {
                 true => (scheme, why.replace("the noise", "what noise and time do")),
                 false => (scheme, why),
@@ -102,10 +102,15 @@ impl Model for AtRunTime {
                 _ => "H0 decays as each of its monomials".into(),
             }
         });
+        let of_friction = || {
+            let t_end = self.problem.t_end();
+            let mut all = self.friction.iter();
+            all.find_map(|one| DampingIntegral::of(&*one.damping, t_end).mistake())
+        };
         Known {
             equations: system.equations(&damped(&self.problem, &self.friction)),
             laws: facts.casimirs.iter().enumerate().map(form).chain(energy).collect(),
-            mistake: facts.mistake.clone(),
+            mistake: facts.mistake.clone().or_else(of_friction),
         }
     }
 

@@ -15,7 +15,7 @@ use casimir::{
     formula::Names,
     mc::{Expect, Friction, Problem},
     schemes::{BuiltIn, Method, SchemeError},
-    systems::{InvariantKind, run_time::System},
+    systems::run_time::System,
 };
 
 use crate::scene::{MOST_COMPONENTS, Observable, Quantity, Read, Reading};
@@ -42,10 +42,14 @@ pub trait Model: Send + Sync {
 
     /// The scheme that `auto` takes, and why.
     fn recommended(&self) -> (&'static str, String) {
-        let system = self.system().description();
-        let has = |kind| system.invariants.iter().any(|law| law.kind == kind);
-        let (casimirs, energy) = (has(InvariantKind::Casimir), has(InvariantKind::Energy));
-        Kept { casimirs, energy, areas: !system.noises_commute }.scheme()
+        self.kept(!self.system().description().noises_commute).scheme()
+    }
+
+    /// What a scheme for paths has to care for, with Lévy areas or without.
+    fn kept(&self, areas: bool) -> Kept {
+        let laws = self.problem().laws;
+        let has = |casimir: bool| laws.iter().any(|law| law.casimir == casimir);
+        Kept { casimirs: has(true), energy: has(false), areas }
     }
 
     /// Friction on some components.

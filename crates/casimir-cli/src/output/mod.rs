@@ -48,7 +48,7 @@ pub enum Format {
 pub struct Report<'a> {
     sweep: &'a Sweep,
     scene: &'a Scene,
-    /// Those that are here, of a run that is not varied one.
+    /// The runs that are here; one if nothing is varied.
     runs: Vec<Run<'a>>,
 }
 

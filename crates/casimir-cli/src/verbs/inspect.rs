@@ -12,6 +12,7 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let settings = InspectSettings {
         y0: Some(problem.y0.clone()),
         damping: Some((problem.damping, problem.t_end)),
+        friction: model.friction(),
         areas: system.description().jacobi_holds,
     };
     let (known, findings) = watch.under("looking at points".into(), 0, || {

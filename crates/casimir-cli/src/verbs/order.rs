@@ -80,8 +80,8 @@ pub fn order(scene: &Scene, path_steps: u64, watch: &Watch) -> Done<Found> {
         })
     };
     let json = json!({
-        "title": scene.title, "scheme": scheme, "because": because, "warnings": mistake, "strong": described(&strong),
-        "weak": weak.iter().map(described).collect::<Vec<_>>(), "seconds": seconds,
+        "title": scene.title, "scheme": scheme, "because": because, "warnings": mistake,
+        "strong": described(&strong), "weak": weak.iter().map(described).collect::<Vec<_>>(), "seconds": seconds,
     });
     Ok(Found { text, json, figures })
 }

@@ -269,7 +269,7 @@ impl Expressions {
         (gradient, field)
     }
 
-    /// The equation with damping of some components, a text for each component: `dp = -q dt + 0.5 ∘ dW1`.
+    /// The equation, a text for each component: `dp = -q dt + 0.5 ∘ dW1`; those `damped` have −γy.
     pub fn equations(mut self, state: &[String], damped: &[bool]) -> Vec<String> {
         let fields: Vec<Vec<Id>> =
             (0..self.hamiltonians.len()).map(|m| self.field_of(m).1).collect();

@@ -137,7 +137,8 @@ impl FormulaSystem {
     }
 
     /// The equation dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ as it was understood, a line for each
-    /// component, with the values of the parameters: `dp = -q dt + 0.5 ∘ dW1`.
+    /// component, with the values of the parameters: `dp = -q dt + 0.5 ∘ dW1`. −γy stands in those
+    /// that are `damped`.
     #[must_use]
     pub fn equations(&self, damped: &[bool]) -> Vec<String> {
         self.expressions.clone().equations(self.formulas.names.variables(), damped)
