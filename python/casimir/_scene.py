@@ -237,6 +237,44 @@ class Scene:
         found = _core.expect(scene, coarsest_steps, how(threads, progress))
         return Expectation(scene, _raising(found, raises))
 
+    def equilibrium(
+        self,
+        *,
+        chains: int = 256,
+        path_steps: float = 1e10,
+        threads: int | None = None,
+        progress: bool = True,
+        raises: bool = False,
+        **changes: Any,
+    ) -> Expectation:
+        """Averages over the stationary law with 95 % intervals that have the step error in them.
+
+        ``equilibrium(of=["q^2"], accuracy=1e-3)``; autocorrelation times, burn-in and histograms are
+        in ``data``.
+        """
+        scene = self.with_(**changes) if changes else self
+        scene._check()
+        found = _core.equilibrium(scene, None, (chains, int(path_steps)), how(threads, progress))
+        return Expectation(scene, _raising(found, raises))
+
+    def lyapunov(
+        self,
+        count: int = 1,
+        *,
+        accuracy: float = 0.01,
+        chains: int = 256,
+        path_steps: float = 1e10,
+        threads: int | None = None,
+        progress: bool = True,
+        raises: bool = False,
+        **changes: Any,
+    ) -> Expectation:
+        """The largest Lyapunov exponents ``"λ1"``, … and ``"their sum"``, with 95 % intervals."""
+        scene = self.with_(**changes) if changes else self
+        scene._check()
+        found = _core.equilibrium(scene, (count, accuracy), (chains, int(path_steps)), how(threads, progress))
+        return Expectation(scene, _raising(found, raises))
+
     def order(
         self,
         *,

@@ -113,6 +113,22 @@ fn expect<'py>(
     on_scene(py, given, changes, how, true, |scene, watch| Ok(verbs::expect(scene, None, watch)?.0))
 }
 
+/// Averages over the stationary law, or so many Lyapunov exponents.
+#[pyfunction]
+fn equilibrium<'py>(
+    py: Python<'py>,
+    given: Given<'py>,
+    exponents: Option<(usize, f64)>,
+    limits: (u64, u64),
+    how: How,
+) -> PyResult<Bound<'py, PyDict>> {
+    let asked = exponents
+        .map_or(verbs::Asked::Averages, |(count, accuracy)| verbs::Asked::Exponents(count, accuracy));
+    on_scene(py, given, Changes::default(), how, true, move |scene, watch| {
+        Ok(verbs::equilibrium(scene, asked, limits, None, watch)?.0)
+    })
+}
+
 /// Measures orders.
 #[pyfunction]
 fn order<'py>(
@@ -187,6 +203,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(check, module)?)?;
     module.add_function(wrap_pyfunction!(run, module)?)?;
     module.add_function(wrap_pyfunction!(expect, module)?)?;
+    module.add_function(wrap_pyfunction!(equilibrium, module)?)?;
     module.add_function(wrap_pyfunction!(order, module)?)?;
     module.add_function(wrap_pyfunction!(compare, module)?)?;
     module.add_function(wrap_pyfunction!(inspect, module)?)?;

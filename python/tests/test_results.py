@@ -42,6 +42,20 @@ def test_an_expectation_contains_the_exact_value(oscillator: casimir.Scene) -> N
     assert list(found) == ["q"] and found.to_pandas().loc["q", "value"] == found["q"].value
 
 
+def test_averages_over_the_stationary_law(oscillator: casimir.Scene) -> None:
+    well = casimir.scene("langevin")
+    found = well.equilibrium(accuracy=0.02, parameters={"kT": 1.0})
+    assert found.reached and list(found) == ["kinetic", "q^2"]
+    # <p²/2m> = kT/2; four half-widths are missed once in 10^14.
+    assert abs(found["kinetic"].value - 0.5) < 4 * found["kinetic"].half_width
+    assert "density-kinetic" in found.figures and abs(found.data["kT"] - 1.0) < 1e-9
+    exponents = well.lyapunov(2, accuracy=0.05)
+    assert list(exponents) == ["λ1", "λ2", "their sum"]
+    assert abs(exponents["their sum"].value + 1.0) < 1e-6
+    with pytest.raises(casimir.SceneError, match="number of exponents"):
+        oscillator.lyapunov(3)
+
+
 def test_states_are_those_of_an_array(oscillator: casimir.Scene, tmp_path: Path) -> None:
     states = np.array([[1.0, 0.1 + 0.2], [2.0, -1.0], [0.5, 1e-17]])
     scene = oscillator.with_(initial=states)

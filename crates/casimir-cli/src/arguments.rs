@@ -40,6 +40,12 @@ pub enum Command {
     /// Compute expectations with 95 % intervals
     #[command(after_help = "Example: casimir expect top.toml --accuracy 1e-4")]
     Expect(Expect),
+    /// Average over the stationary law, with 95 % intervals that have the step error in them
+    #[command(after_help = "Example: casimir equilibrium double-well.toml --accuracy 1e-3")]
+    Equilibrium(Equilibrium),
+    /// Compute Lyapunov exponents with 95 % intervals
+    #[command(after_help = "Example: casimir lyapunov kubo.toml --count 2 --accuracy 1e-3")]
+    Lyapunov(Lyapunov),
     /// Measure the strong and the weak order of a scheme on a scene
     #[command(after_help = "Example: casimir order top.toml --scheme sexp-li")]
     Order(Order),
@@ -125,6 +131,37 @@ pub struct Expect {
     pub scheme: SchemeAndSeed,
     #[command(flatten)]
     pub output: Output,
+}
+
+#[derive(Args, Debug)]
+pub struct Equilibrium {
+    /// The file of the scene, whose [expect] says what is averaged
+    pub scene: PathBuf,
+    /// Half-width of the 95 % intervals, instead of that of the scene
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
+    pub accuracy: Option<f64>,
+    /// Steps to `until`, for the first averages, instead of those of the scene
+    #[arg(long, value_name = "N", value_parser = count)]
+    pub steps: Option<u64>,
+    /// Number of chains
+    #[arg(long, value_name = "N", value_parser = count, default_value = "256")]
+    pub chains: u64,
+    /// Path-steps that it may take
+    #[arg(long, value_name = "N", value_parser = count, default_value = "1e10")]
+    pub path_steps: u64,
+    #[command(flatten)]
+    pub scheme: SchemeAndSeed,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Args, Debug)]
+pub struct Lyapunov {
+    /// Number of exponents, from the largest on
+    #[arg(long, value_name = "N", value_parser = count, default_value = "1")]
+    pub count: u64,
+    #[command(flatten)]
+    pub chains: Equilibrium,
 }
 
 #[derive(Args, Debug)]

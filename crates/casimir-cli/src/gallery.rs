@@ -16,6 +16,7 @@ gallery! {
     "kubo"
     "duffing"
     "double-well"
+    "langevin"
     "josephson"
     "pendulum"
     "rigid-body"

@@ -16,6 +16,8 @@ fn main() -> ExitCode {
         Command::Inspect(arguments) => commands::inspect(&arguments),
         Command::Run(arguments) => commands::run(&arguments),
         Command::Expect(arguments) => commands::expect(&arguments),
+        Command::Equilibrium(arguments) => commands::equilibrium(&arguments),
+        Command::Lyapunov(arguments) => commands::lyapunov(&arguments),
         Command::Order(arguments) => commands::order(&arguments),
         Command::Compare(arguments) => commands::compare(&arguments),
         Command::Plan(arguments) => commands::plan(&arguments),

@@ -73,8 +73,8 @@ pub struct Driver<'a> {
     pub dampings: Vec<&'a dyn Damping>,
     /// Number of noises.
     pub noises: usize,
-    /// From the number of the first path of a block to its states at time 0.
-    pub start: Box<dyn Fn(u64) -> Vec<Row> + Sync + 'a>,
+    /// From the number of a run and of the first path of a block to its states at time 0.
+    pub start: Box<dyn Fn(usize, u64) -> Vec<Row> + Sync + 'a>,
     /// Whether statistics see these states.
     pub from_start: bool,
     pub t_end: f64,
@@ -275,7 +275,9 @@ impl<'a> Marcher<'a> {
         let runs = driver.runs.len();
         let experiment = driver.key.experiment ^ TIME_CHANGE_STREAM;
         let key = StreamKey { experiment, ..driver.key };
-        let start = (driver.start)(first_path);
+        let start = |(number, run): (usize, &'a Run<'_>)| {
+            run.scheme.start(&(driver.start)(number, first_path))
+        };
         Self {
             driver,
             first_path,
@@ -283,7 +285,7 @@ impl<'a> Marcher<'a> {
             next_noise: (driver.noise)(first_path),
             ladder: DyadicLadder::new(driver.levels, || driver.no_noise()),
             truncated: driver.no_noise(),
-            states: driver.runs.iter().map(|run| run.scheme.start(&start)).collect(),
+            states: driver.runs.iter().enumerate().map(start).collect(),
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
             random_time: Block::zero(),

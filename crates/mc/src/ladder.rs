@@ -138,10 +138,13 @@ const DESCRIBED_FAILURES: usize = 8;
 const PROBES: u64 = 4;
 const PROBE_STEPS: u64 = 16;
 
-/// The states of blocks at time 0.
-fn start<'a>(problem: &Problem<'a>, key: StreamKey) -> Box<dyn Fn(u64) -> Vec<Row> + Sync + 'a> {
+/// The states of runs on blocks at time 0.
+fn start<'a>(
+    problem: &Problem<'a>,
+    key: StreamKey,
+) -> Box<dyn Fn(usize, u64) -> Vec<Row> + Sync + 'a> {
     let (initial, y0) = (problem.initial.clone(), problem.y0.clone());
-    Box::new(move |first| Initial::start(initial.as_ref(), &y0, key, first))
+    Box::new(move |_, first| Initial::start(initial.as_ref(), &y0, key, first))
 }
 
 impl<'a> Ladder<'a> {
@@ -227,6 +230,31 @@ impl<'a> Ladder<'a> {
     #[must_use]
     pub fn with_noise(mut self, source: impl Fn(u64) -> NextNoise + Sync + 'a) -> Self {
         self.driver.noise = Box::new(source);
+        self
+    }
+
+    /// Multiplies the noise of each path by a factor.
+    pub(crate) fn heated(mut self, factor: impl Fn(u64) -> f64 + Sync + 'a) -> Self {
+        let drawn = std::mem::replace(&mut self.driver.noise, Box::new(|_| Box::new(|_| ())));
+        self.with_noise(move |first| {
+            let mut next = drawn(first);
+            let factors: Row = std::array::from_fn(|p| factor(first + p as u64));
+            let scale = move |rows: &mut [Row], power| {
+                rows.iter_mut().for_each(|row| {
+                    row.iter_mut().zip(factors).for_each(|(x, factor)| *x *= factor.powi(power));
+                });
+            };
+            Box::new(move |noise| {
+                next(noise);
+                scale(&mut noise.increments, 1);
+                scale(&mut noise.areas, 2);
+            })
+        })
+    }
+
+    /// Starts each run on each block, from its first path on, at states of their own.
+    pub(crate) fn starting(mut self, start: impl Fn(usize, u64) -> Vec<Row> + Sync + 'a) -> Self {
+        self.driver.start = Box::new(start);
         self
     }
 

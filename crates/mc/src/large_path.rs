@@ -1,5 +1,7 @@
 //! One path of a system with very many components.
 
+use std::time::{Duration, Instant};
+
 use noise::{StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::BlockStatus;
 use rayon::prelude::*;
@@ -8,12 +10,13 @@ use schemes::{
     Step, Stepper,
     run_time::{Scheme, SchemeError},
 };
+use serde::{Deserialize, Serialize};
 use systems::{
     Damping,
     run_time::{Description, Lanes, Problem, System},
 };
 
-use crate::{Cause, LadderError, PathFailure, driver::AreFinite};
+use crate::{Cause, LadderError, PathFailure, driver::AreFinite, expect::Keeping};
 
 /// One path of a system whose rows hold one path, such as a lattice of a million spins. A step uses
 /// all threads of the current rayon pool, and its bits do not depend on their number. Memory is a
@@ -55,9 +58,18 @@ pub struct LargePath<'a> {
     done: u64,
     /// What describes a failure.
     failure: PathFailure,
+    checkpoint: Option<Checkpoint>,
+}
+
+/// Where a path is kept, and what that takes.
+struct Checkpoint {
+    keeping: Keeping,
+    written: Instant,
+    takes: Duration,
 }
 
 /// Where increments come from.
+#[derive(Clone, Serialize, Deserialize)]
 enum Source {
     /// One stream, whose normals are the same for all components.
     Common(WienerPath<1>),
@@ -67,6 +79,8 @@ enum Source {
 
 /// Steps between two checks that the state is finite.
 const CHECKED: u64 = 64;
+/// Between checkpoints lies at least this multiple of the time that one takes, and a second.
+const RARELY: u32 = 50;
 
 impl<'a> LargePath<'a> {
     /// Path number `path` of a problem in `steps` steps on [0, T].
@@ -113,7 +127,42 @@ impl<'a> LargePath<'a> {
         let noise = Rows::zero(layout.noise_rows).map_err(SchemeError::from)?.into();
         let (scheme, cause) = (scheme.id(), Cause::NotFinite);
         let failure = PathFailure { path, key, scheme, swapped: false, tau, step: 0, cause };
-        Ok(Self { system, damping, stepper, source, noise, bound, tau, done: 0, failure })
+        let checkpoint = None;
+        Ok(Self {
+            system,
+            damping,
+            stepper,
+            source,
+            noise,
+            bound,
+            tau,
+            done: 0,
+            failure,
+            checkpoint,
+        })
+    }
+
+    /// Goes on from what a file has of this path, with the same bits, and keeps the path there now
+    /// and then while it advances, for a fiftieth of the time. The file stays at the end.
+    #[must_use]
+    pub fn keeping(mut self, keeping: Keeping) -> Self {
+        let known = keeping.read::<(u64, Vec<Row>, Source)>();
+        if let Some((done, rows, source)) = known
+            && rows.len() == self.stepper.state().len()
+        {
+            self.stepper.state_mut().copy_from_slice(&rows);
+            (self.done, self.source) = (done, source);
+        }
+        let (written, takes) = (Instant::now(), Duration::ZERO);
+        Self { checkpoint: Some(Checkpoint { keeping, written, takes }), ..self }
+    }
+
+    /// Writes the checkpoint, if there is a file for it.
+    pub fn keep(&mut self) {
+        let Self { stepper, source, done, checkpoint: Some(checkpoint), .. } = self else { return };
+        let begun = Instant::now();
+        checkpoint.keeping.write(&(*done, stepper.state(), source));
+        (checkpoint.written, checkpoint.takes) = (Instant::now(), begun.elapsed());
     }
 
     /// Advances by so many steps, also beyond T.
@@ -136,6 +185,13 @@ impl<'a> LargePath<'a> {
                 return failed(Cause::NotFinite);
             }
             self.done += 1;
+            let due = |checkpoint: &Checkpoint| {
+                let pause = (RARELY * checkpoint.takes).max(Duration::from_secs(1));
+                checkpoint.written.elapsed() > pause
+            };
+            if self.checkpoint.as_ref().is_some_and(due) {
+                self.keep();
+            }
         }
         Ok(())
     }

@@ -55,6 +55,7 @@
 //! | [`LargePath`] | one path of a large system |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`mod@expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme chosen or given |
+//! | [`mod@equilibrium`], [`Equilibrium`] | averages over the stationary law, Lyapunov exponents |
 //! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
 //!
 //! Dimension and number of noises are no part of a type here: [`Problem::of`], [`Setup::of`] and
@@ -64,6 +65,7 @@
 mod along;
 mod damping_resolution;
 mod driver;
+pub mod equilibrium;
 mod error;
 pub mod expect;
 mod failure;
@@ -78,10 +80,12 @@ mod run_time;
 mod setup;
 mod simulation;
 pub mod study;
+mod tangents;
 mod tree;
 
 pub use along::{Along, Collecting, Gradient, OfStates, Passage};
 pub use damping_resolution::DampingResolution;
+pub use equilibrium::{Averages, Equilibrium, EquilibriumSettings};
 pub use error::{LadderError, RunError};
 pub use expect::{Expect, ExpectSettings};
 pub use failure::{Cause, PathFailure};
@@ -93,3 +97,4 @@ pub use observable::{Observable, Observe, StateFunction};
 pub use setup::{Coefficients, ConformalLaw, Initial, Problem, Run, Setup, bind, bind_owned};
 pub use simulation::{Column, NoiseOrigin, Simulation, TimeSeries, quoted, write_csv};
 pub use study::{Study, StudyResult, StudySettings};
+pub use tangents::Tangents;

@@ -78,6 +78,7 @@ pub(crate) fn next_word(state: &mut [u64; 4]) -> u64 {
 
 /// The streams of a block of paths, path index innermost.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(align(64))]
 pub(crate) struct BlockStreams(pub(crate) [[u64; WIDTH]; 4]);
 

@@ -1,7 +1,7 @@
 //! Wiener increments of a block of paths and of one path. Both call the same functions, so they
 //! give the same bits.
 
-use real::{Block, Kernel, Row, WIDTH, dispatch};
+use real::{Kernel, Row, WIDTH, dispatch};
 
 use crate::{
     StreamKey,
@@ -15,16 +15,17 @@ use crate::{
 /// which none exceeds √(106 ln 2) ≈ 8.57. Normals are used step by step and noise by noise. With an
 /// odd number of noises every second step begins with a normal left over from the step before.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WienerRows {
     streams: BlockStreams,
-    spare: Block<1>,
+    spare: Row,
     has_spare: bool,
 }
 
 impl WienerRows {
     /// The increments of paths `first_path` .. `first_path + 32`.
     pub fn new(key: StreamKey, first_path: u64) -> Self {
-        Self { streams: BlockStreams::new(key, first_path), spare: Block::zero(), has_spare: false }
+        Self { streams: BlockStreams::new(key, first_path), spare: [0.0; WIDTH], has_spare: false }
     }
 
     /// Writes the next increment of each noise, each N(0, τ), into a row of `dw`; `sqrt_tau` = √τ.
@@ -47,7 +48,7 @@ impl WienerRows {
 /// normals. The last of an odd number of these becomes the spare.
 struct Fill<'a> {
     streams: &'a mut BlockStreams,
-    spare: &'a mut Block<1>,
+    spare: &'a mut Row,
     begins_with_spare: bool,
     dw: &'a mut [Row],
     sqrt_tau: f64,
@@ -57,8 +58,7 @@ impl Kernel for Fill<'_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { streams, spare: Block([spare]), begins_with_spare, dw: mut rows, sqrt_tau } =
-            self;
+        let Self { streams, spare, begins_with_spare, dw: mut rows, sqrt_tau } = self;
         if begins_with_spare && let [row, rest @ ..] = rows {
             for p in 0..WIDTH {
                 row[p] = spare[p] * sqrt_tau;
@@ -78,6 +78,7 @@ impl Kernel for Fill<'_> {
 /// Increments of M independent Wiener processes on one path, with the same bits as that path of a
 /// [`WienerRows`].
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WienerPath<const M: usize> {
     state: [u64; 4],
     spare: Option<f64>,

@@ -10,6 +10,7 @@ mod bath;
 mod damping;
 pub(crate) mod finding;
 pub(crate) mod form;
+mod gibbs;
 pub(crate) mod probe;
 pub(crate) mod random;
 mod scheme;
@@ -28,6 +29,7 @@ pub use bath::Bath;
 pub use damping::DampingIntegral;
 pub use finding::{Finding, Status};
 pub use form::Form;
+pub use gibbs::{gibbs_marginal, is_divergence_free};
 pub use scheme::Kept;
 
 /// What a run has to know of a problem: which laws it obeys.

@@ -1,10 +1,12 @@
 //! `casimir expect`: expectations with intervals.
 
+use std::path::{Path, PathBuf};
+
 use casimir::mc::expect::Keeping;
 use casimir_cli::{
     failure::{Done, Failure},
     scene::{Changes, Scene},
-    verbs,
+    verbs::{self, Found, Watch},
 };
 
 use super::{folder, open, stoppable, tell, threads};
@@ -20,29 +22,42 @@ pub fn expect(arguments: &Expect) -> Done {
     scene.accuracy = arguments.accuracy.or(scene.accuracy);
     let folder = arguments.output.out.as_deref();
     folder.map_or(Ok(()), folder::prepare)?;
-    let (watch, keeping) = (stoppable(), keeping(arguments, &scene)?);
-    if keeping.holds() {
-        eprintln!("going on from {}; to begin anew, delete it", keeping.file.display());
-    }
+    let changes = serde_json::to_string(&(&arguments.scheme, arguments.steps))?;
+    let file = folder::named(arguments.output.out.clone(), &arguments.scene, "expect");
+    let (watch, keeping) = (stoppable(), keeping(&scene, file.join("samples.bin"), &changes));
     let kept = keeping.file.clone();
-    let (found, reached) = verbs::expect(&scene, Some(keeping), &watch)?;
-    tell(&found, folder, "expectation", arguments.output.json)?;
+    let found = verbs::expect(&scene, Some(keeping), &watch)?;
+    finish(&found, folder, ("expectation", arguments.output.json), &watch, (&kept, scene.accuracy))
+}
+
+/// Says what was found; whether it was stopped or its accuracy not reached is the exit code.
+pub fn finish(
+    (found, reached): &(Found, bool),
+    folder: Option<&Path>,
+    (file, json): (&str, bool),
+    watch: &Watch,
+    (kept, accuracy): (&Path, Option<f64>),
+) -> Done {
+    tell(found, folder, file, json)?;
     match (watch.stop.is_asked(), reached) {
         (true, _) => Err(Failure::Stopped(format!(
             "the samples are in {}: the same command goes on from them",
             kept.display()
         ))),
         (_, true) => Ok(()),
-        _ => Err(Failure::Run(format!("±{} not reached", scene.accuracy.unwrap_or_default()))),
+        _ => Err(Failure::Run({
+            format!("±{:e} not reached, or not to be believed", accuracy.unwrap_or_default())
+        })),
     }
 }
 
 /// Where samples are kept, and what they depend on.
-fn keeping(arguments: &Expect, scene: &Scene) -> Done<Keeping> {
-    let folder = folder::named(arguments.output.out.clone(), &arguments.scene, "expect");
-    let changes = serde_json::to_string(&(&arguments.scheme, arguments.steps))?;
+pub fn keeping(scene: &Scene, file: PathBuf, changes: &str) -> Keeping {
     let law = scene.settings.random.as_ref().map_or("", |random| &random.law);
-    let version = env!("CARGO_PKG_VERSION");
-    let study = [version, &changes, law, &scene.source.text].join("\n");
-    Ok(Keeping { file: folder.join("samples.bin"), study })
+    let study = [env!("CARGO_PKG_VERSION"), changes, law, &scene.source.text].join("\n");
+    let keeping = Keeping { file, study };
+    if keeping.holds() {
+        eprintln!("going on from {}; to begin anew, delete it", keeping.file.display());
+    }
+    keeping
 }

@@ -6,6 +6,7 @@ mod folder;
 mod new;
 mod parts;
 mod run;
+mod stationary;
 
 use std::{fs, io::Write, path::Path};
 
@@ -25,6 +26,7 @@ pub use findings::{compare, inspect, order};
 pub use new::new;
 pub use parts::{extend, merge, part, plan};
 pub use run::run;
+pub use stationary::{equilibrium, lyapunov};
 
 /// Reads a scene and checks it.
 fn open(file: &Path, changes: &Changes) -> Done<Scene> {

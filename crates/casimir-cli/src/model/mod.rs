@@ -11,7 +11,7 @@ mod project;
 use std::sync::Arc;
 
 use casimir::{
-    analysis::facts::{Bath, Kept, fastest},
+    analysis::facts::{Bath, Kept, fastest, is_divergence_free},
     formula::Names,
     mc::{Expect, Friction, Problem},
     schemes::{BuiltIn, Method, SchemeError},
@@ -69,6 +69,12 @@ pub trait Model: Send + Sync {
         let plain = !description.depends_on_time && !description.is_transverse;
         (constant && plain && d <= MOST_COMPONENTS)
             .then(|| Bath::of(self.system(), &problem.y0, &first))
+    }
+
+    /// Whether fields B∇H have no divergence, so that damping alone contracts volume.
+    fn contracts_volume(&self) -> bool {
+        !self.system().description().is_transverse
+            && is_divergence_free(self.system(), &self.problem().y0)
     }
 
     /// What the system is, as far as a run has to know; nothing of a system of the project.

@@ -18,13 +18,7 @@ use crate::{
 /// Computes the expectations of a scene, with samples that are kept if this is wanted; and whether
 /// their accuracy is reached.
 pub fn expect(scene: &Scene, keeping: Option<Keeping>, watch: &Watch) -> Done<(Found, bool)> {
-    let (false, Some(accuracy)) = (scene.expected.is_empty(), scene.accuracy) else {
-        let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
-        let message = format!(
-            "nothing is expected: add a table\n  [expect]\n  of = [\"{name}\"]\n  accuracy = 1e-3"
-        );
-        return Err(scene.source.error(None, message).into());
-    };
+    let accuracy = wanted(scene)?;
     let (expect, settings, because) = chosen(scene)?;
     let start = Instant::now();
     let mut expect = expect.with(ExpectSettings { stop: watch.stop.clone(), ..settings });
@@ -52,6 +46,17 @@ pub fn expect(scene: &Scene, keeping: Option<Keeping>, watch: &Watch) -> Done<(F
         figures: Vec::new(),
     };
     Ok((found, expectation.reached()))
+}
+
+/// The accuracy that is wanted of a scene.
+pub fn wanted(scene: &Scene) -> Done<f64> {
+    scene.accuracy.filter(|_| !scene.expected.is_empty()).ok_or_else(|| {
+        let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
+        let message = format!(
+            "nothing is expected: add a table\n  [expect]\n  of = [\"{name}\"]\n  accuracy = 1e-3"
+        );
+        scene.source.error(None, message).into()
+    })
 }
 
 /// The expectations in words.

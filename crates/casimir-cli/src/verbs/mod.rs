@@ -5,6 +5,7 @@ mod expect;
 mod inspect;
 mod order;
 mod run;
+mod stationary;
 
 use std::time::Duration;
 
@@ -18,6 +19,7 @@ pub use expect::expect;
 pub use inspect::inspect;
 pub use order::order;
 pub use run::{Outcomes, Ready, Results, compute, ready};
+pub use stationary::{Asked, equilibrium};
 
 use crate::{
     failure::{Done, Failure},

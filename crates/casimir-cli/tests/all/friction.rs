@@ -67,6 +67,103 @@ fn a_bath_has_its_temperature_and_what_spoils_it_is_named() {
     assert!(text.contains("every function of H0 is stationary"), "{text}");
 }
 
+/// State, B, H₀, friction, and noises where the temperature is not given.
+type Bathed = (&'static str, &'static str, &'static str, &'static str, &'static [&'static str]);
+
+/// A Hamiltonian with a mass matrix M, for which friction −γp asks for noise of covariance 2γkT M.
+const COUPLED: &str = "p1^2/2 + p2^2/2 + 0.3*p1*p2 + q1^2 + q2^4";
+const FIELD: &str = r#"[["0", "1", "0"], ["0", "1"], ["b"]]"#;
+
+#[test]
+fn temperatures_are_found_to_nine_digits() {
+    let systems: [Bathed; 10] = [
+        (r#"["q", "p"]"#, r#""canonical""#, "(q^2 + p^2)/2", "p = 0.4", &[]),
+        (r#"["q", "p"]"#, r#""canonical""#, "p^2/3 + 1 - cos(q)", "p = 0.4", &[]),
+        (r#"["q", "p"]"#, r#""canonical""#, "p^2/2 + (q^2 - 1)^2", "p = 2", &[]),
+        (r#"["q", "p"]"#, r#""canonical""#, "p^2/2 + exp(-q) + q", "p = 1", &[]),
+        (
+            r#"["q[1..2]", "p[1..2]"]"#,
+            r#""canonical""#,
+            "(p1^2 + p2^2 + q1^2 + q2^2)/2 + q1^2*q2 - q2^3/3",
+            "p = 0.7",
+            &[],
+        ),
+        (
+            r#"["q[1..3]", "p[1..3]"]"#,
+            r#""canonical""#,
+            "p1^2/2 + p2^2/4 + p3^2/6 + (q1 - q2)^2/2 + (q2 - q3)^4 + q1^2",
+            "p1 = 1, p2 = 0.3, p3 = 2",
+            &[],
+        ),
+        (
+            r#"["x", "y", "u", "v"]"#,
+            FIELD,
+            "(u^2 + v^2)/2 + x^2 + y^2 + x*y",
+            "u = 1, v = 0.2",
+            &["sqrt(2*kT)*x", "sqrt(0.4*kT)*y"],
+        ),
+        // Both components have friction and noise.
+        (
+            r#"["q", "p"]"#,
+            r#""canonical""#,
+            "(q^2 + p^2)/2",
+            "q = 0.5, p = 0.5",
+            &["sqrt(kT)*p", "-sqrt(kT)*q"],
+        ),
+        (
+            r#"["q[1..2]", "p[1..2]"]"#,
+            r#""canonical""#,
+            COUPLED,
+            "p = 0.5",
+            &["sqrt(kT/0.91)*(q1 - 0.3*q2)", "sqrt(kT)*q2"],
+        ),
+        // One rotated by 45°.
+        (
+            r#"["q[1..2]", "p[1..2]"]"#,
+            r#""canonical""#,
+            "(p1^2 + p2^2)/2 + q1^4 + q2^2",
+            "p = 0.5",
+            &["sqrt(kT/2)*(q1 + q2)", "sqrt(kT/2)*(q1 - q2)"],
+        ),
+    ];
+    let found = |(state, b, energy, rates, noises): Bathed| {
+        let bath = if noises.is_empty() { "temperature = \"kT\"" } else { "" };
+        let initial = vec![
+            0.3;
+            if state.contains("..3") {
+                6
+            } else if state.len() > 12 {
+                4
+            } else {
+                2
+            }
+        ];
+        let scene = format!(
+            "[system]\nstate = {state}\nB = {b}\nH0 = \"{energy}\"\nH = {noises:?}\n\
+             parameters = {{ kT = 1.7, b = 0.8 }}\n[damping]\nrates = {{ {rates} }}\n{bath}\n[run]\n\
+             initial = {initial:?}\nuntil = 1\nsteps = 64\n"
+        );
+        let folder = with_scene(&scene.replace("H = []\n", ""));
+        json(folder.path(), &["inspect", "scene.toml", "--json"])["bath"].clone()
+    };
+    for system in systems {
+        let bath = found(system);
+        let beta = bath["beta"].as_f64().unwrap_or_else(|| panic!("{system:?}: {bath}"));
+        assert!((beta * 1.7 - 1.0).abs() < 1e-9, "{system:?}: {beta}");
+    }
+    // Diagonal noise for a mass matrix that is not, and one direction twice as warm.
+    let [.., coupled, rotated] = systems;
+    let diagonal: &[&str] = &["sqrt(kT)*q1", "sqrt(kT)*q2"];
+    let warm: &[&str] = &["sqrt(kT)*(q1 + q2)", "sqrt(kT/2)*(q1 - q2)"];
+    for (system, noises) in [(coupled, diagonal), (rotated, warm)] {
+        let bath = found((system.0, system.1, system.2, system.3, noises));
+        assert!(
+            bath["beta"].is_null() && !bath["mismatch"].as_array().unwrap().is_empty(),
+            "{bath}"
+        );
+    }
+}
+
 #[test]
 fn friction_on_all_components_is_damping() {
     let damping = |table: &str| {

@@ -12,6 +12,7 @@ mod ito;
 mod parts;
 mod results;
 mod shorthand;
+mod stationary;
 mod sweeps;
 mod time;
 mod truths;

@@ -249,7 +249,6 @@ impl<'a> Estimator<'a> {
         };
         let both = self.levels.iter().zip(&self.ladders);
         keeping.write(&Kept {
-            study: keeping.study.clone(),
             attempt: self.attempt,
             spent: self.request.spent.get(),
             first: self.first,

@@ -2,7 +2,7 @@
 
 use std::{fs, path::PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::level::PathValues;
 use crate::{
@@ -13,8 +13,6 @@ use crate::{
 /// The samples of an attempt.
 #[derive(Serialize, Deserialize)]
 pub struct Kept<'a> {
-    /// What tells the expectation from others.
-    pub study: String,
     /// Number of the attempt.
     pub attempt: usize,
     /// Path-steps of all attempts so far.
@@ -30,24 +28,26 @@ pub struct Kept<'a> {
 pub struct Keeping {
     /// The file.
     pub file: PathBuf,
-    /// What tells the expectation from others: whatever its samples depend on.
+    /// What tells the computation from others: whatever its samples depend on.
     pub study: String,
 }
 
 impl Keeping {
-    /// What is kept of this expectation.
-    pub(super) fn read<'a>(&self) -> Option<Kept<'a>> {
+    /// What is kept of this computation.
+    pub(crate) fn read<T: DeserializeOwned>(&self) -> Option<T> {
         let bytes = fs::read(&self.file).ok()?;
-        postcard::from_bytes(&bytes).ok().filter(|kept: &Kept| kept.study == self.study)
+        let (study, rest) = postcard::take_from_bytes::<String>(&bytes).ok()?;
+        (study == self.study).then(|| postcard::from_bytes(rest).ok()).flatten()
     }
 
     /// Whether there is something to go on from.
     pub fn holds(&self) -> bool {
-        self.read().is_some()
+        let bytes = fs::read(&self.file).unwrap_or_default();
+        postcard::take_from_bytes::<String>(&bytes).is_ok_and(|(study, _)| study == self.study)
     }
 
-    pub(super) fn write(&self, kept: &Kept<'_>) {
-        let bytes = postcard::to_stdvec(kept).map_err(|error| error.to_string());
+    pub(crate) fn write(&self, kept: &impl Serialize) {
+        let bytes = postcard::to_stdvec(&(&self.study, kept)).map_err(|error| error.to_string());
         let written = bytes.and_then(|bytes| {
             let prepared = fs::create_dir_all(folder(&self.file));
             prepared.and_then(|()| replace(&self.file, &bytes)).map_err(|error| error.to_string())

@@ -80,6 +80,7 @@ use crate::{Friction, Initial, Observe, Problem, RunError, Setup, bind_owned, pa
 use estimator::{Estimator, Request};
 
 pub use kept::Keeping;
+use kept::Kept;
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
 
 /// The computation of expectations: the scheme is chosen or given, everything else may be
@@ -347,7 +348,7 @@ impl<'a> Expect<'a> {
         let keeping = keeping.as_ref();
         let request =
             Request { settings, observables, accuracy, told, counted, keeping, spent: &spent };
-        let mut kept = keeping.and_then(Keeping::read);
+        let mut kept = keeping.and_then(Keeping::read::<Kept<'_>>);
         let attempts = candidates.iter().flat_map(|candidate| {
             let steps = settings.coarsest_steps.max(candidate.least_steps());
             (0..=REFINEMENTS).map(move |doubled| (candidate, steps << doubled))

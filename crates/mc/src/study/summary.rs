@@ -103,6 +103,22 @@ pub struct Histogram {
     pub above: u64,
 }
 
+impl Histogram {
+    /// One without values.
+    pub(crate) fn empty(grid: Grid) -> Self {
+        Self { grid, below: 0, counts: vec![0; grid.bins as usize], above: 0 }
+    }
+
+    /// Adds counts in the places of its [grid](Grid::place).
+    pub(crate) fn add(&mut self, places: &[u64]) {
+        if let [below, counts @ .., above] = places {
+            self.counts.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
+            self.below += below;
+            self.above += above;
+        }
+    }
+}
+
 impl Summary {
     /// The summary of `count` paths that all have the same value.
     pub(super) fn exact(value: Option<f64>, count: u64, levels: &[f64]) -> Self {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mc::{LadderError, LargePath, Setup, Simulation};
+use mc::{LadderError, LargePath, Setup, Simulation, expect::Keeping};
 use noise::{StreamKey, Truncation};
 use nonlin::Solver;
 use schemes::{Explicit, Heun, Increment, Sexp, SexpLi, Split, WithSolver, run_time::Scheme};
@@ -248,6 +248,36 @@ fn local_noise_is_the_same(shape: Shape) {
     let expected = run(1, 1, 0);
     assert!(run(2, 1, 0) == expected && run(3, 5, 0) == expected);
     assert!(run(1, 1, 1) != expected);
+}
+
+#[test]
+fn a_path_goes_on_from_its_file_with_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    // Common noise of three rows has a spare normal after an odd number of steps.
+    for local in [false, true] {
+        let couplings = Couplings { exchange: 0.7, noise: 0.5, local, ..Couplings::default() };
+        let lattice =
+            SpinLattice::one_path(Shape::periodic(&[30, 20]).unwrap(), couplings).unwrap();
+        let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
+        let problem = problem(lattice, 0.1, 1.0);
+        let new = || LargePath::new(&problem, &sexp_li, 30, truncation(), KEY, 0).unwrap();
+        let mut whole = new();
+        whole.advance(30).unwrap();
+        let keeping = |study: &str| {
+            let file = folder.path().join(format!("path-{local}.bin"));
+            Keeping { file, study: study.into() }
+        };
+        let mut first = new().keeping(keeping("one"));
+        first.advance(13).unwrap();
+        first.keep();
+        first.advance(4).unwrap();
+        let mut second = new().keeping(keeping("one"));
+        assert_eq!(second.steps_done(), 13);
+        second.advance(17).unwrap();
+        assert_eq!(second.state(), whole.state());
+        // That of another study is left alone.
+        assert_eq!(new().keeping(keeping("another")).steps_done(), 0);
+    }
 }
 
 #[test]

@@ -1,0 +1,181 @@
+//! Averages over the stationary law, and Lyapunov exponents.
+
+use std::time::Instant;
+
+use casimir::{
+    analysis::facts::gibbs_marginal,
+    mc::{
+        Averages, Equilibrium, EquilibriumSettings, Observe, RunError, equilibrium::StationaryMean,
+        expect::Keeping,
+    },
+    plot::figure::{Trace, lines},
+    schemes::BuiltIn,
+};
+use serde_json::{Value, json};
+
+use super::{Found, Watch, expect::wanted, scheme, warnings};
+use crate::{
+    failure::{Done, Failure},
+    model::with_names,
+    output::Drawn,
+    scene::Scene,
+};
+
+/// What chains are asked for.
+#[derive(Clone, Copy, Debug)]
+pub enum Asked {
+    /// Averages of what the scene expects.
+    Averages,
+    /// So many Lyapunov exponents, to an accuracy.
+    Exponents(usize, f64),
+}
+
+/// Computes averages over the stationary law of a scene, with chains that are kept if this is
+/// wanted, and so many path-steps at most; and whether their accuracy is reached.
+pub fn equilibrium(
+    scene: &Scene,
+    asked: Asked,
+    (chains, path_steps): (u64, u64),
+    keeping: Option<Keeping>,
+    watch: &Watch,
+) -> Done<(Found, bool)> {
+    let accuracy = match asked {
+        Asked::Averages => wanted(scene)?,
+        Asked::Exponents(_, accuracy) => accuracy,
+    };
+    check(scene)?;
+    let ((scheme, because), start) = (scheme(scene), Instant::now());
+    let setup = scene.setup(&scheme)?;
+    let settings = EquilibriumSettings {
+        key: scene.settings.key,
+        truncation: scene.settings.truncation,
+        weak_order: BuiltIn::named(&scheme).map_or(1.0, |scheme| scheme.properties().weak),
+        chains,
+        max_cost: path_steps,
+        stop: watch.stop.clone(),
+        ..EquilibriumSettings::new(scene.settings.steps)
+    };
+    let mut equilibrium = Equilibrium::new(setup, settings);
+    if let Some(keeping) = keeping {
+        equilibrium = equilibrium.keeping(keeping);
+    }
+    let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
+    let found = watch.under("chains come to their law".into(), 0, || {
+        let told = |half_width: f64, done: f64| {
+            let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
+            watch.bar.set_message(format!(
+                "±{half_width:.1e} so far, ±{accuracy:.1e} wanted, about {left:.0} s left"
+            ));
+        };
+        let equilibrium = equilibrium.telling(told);
+        match asked {
+            Asked::Averages => equilibrium.run(&phi, accuracy),
+            Asked::Exponents(count, _) => equilibrium.lyapunov(count, accuracy),
+        }
+    });
+    let found = found.map_err(|error| match error {
+        RunError::Stopped => {
+            let words = "before the first averages; chains that are kept go on from there";
+            Failure::Stopped(words.into())
+        }
+        RunError::Ladder(error) => scene.steps_error(error).into(),
+        error => scene.source.error(None, error).into(),
+    })?;
+    let kt = scene.model.bath().and_then(|bath| bath.beta).map(|beta| 1.0 / beta);
+    let is_bath = matches!(asked, Asked::Averages);
+    let mistake = scene.model.known().mistake;
+    let mut text = warnings(&mistake) + &with_names(&found.to_string(), &scene.components);
+    if let Some(because) = &because {
+        text += &format!("{scheme}: {because}\n");
+    }
+    if let Some(kt) = kt.filter(|_| is_bath) {
+        text += &format!("exp(-H0/kT) is stationary with kT = {kt:.9}\n");
+    }
+    if let Asked::Exponents(count, _) = asked {
+        text += &contraction(scene, &found, count);
+    }
+    text += &format!("{:.2} s\n", start.elapsed().as_secs_f64());
+    let json = json(scene, &found, because.as_deref(), kt);
+    let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
+    Ok((Found { text, json, figures }, found.reached()))
+}
+
+/// Refuses what has no stationary law, or is no function of the state.
+fn check(scene: &Scene) -> Done {
+    let (problem, model) = (scene.problem(), &scene.model);
+    let changes = problem.dampings().any(|damping| {
+        let rate = damping.rate(0.0);
+        [0.37, 1.0].iter().any(|part| damping.rate(part * problem.t_end) != rate)
+    });
+    let wrong = if model.system().description().depends_on_time || changes {
+        "a system that depends on time has no stationary law"
+    } else if scene.collects() {
+        "averages over the stationary law are of functions of the state alone: leave out integrals \
+         and events"
+    } else {
+        return Ok(());
+    };
+    Err(scene.source.error(None, wrong).into())
+}
+
+/// The sum of all exponents beside what it must be, where B has no divergence.
+fn contraction(scene: &Scene, found: &Averages, count: usize) -> String {
+    let (problem, d) = (scene.problem(), scene.components.len());
+    let rates: f64 = casimir::mc::Friction::rates(scene.model.friction(), 0.0, d).iter().sum();
+    let (rate, canonical) =
+        (rates + d as f64 * problem.damping.rate(0.0), scene.model.contracts_volume());
+    match found.means.last() {
+        Some(sum) if count == d && canonical => format!(
+            "volume contracts by -Σγᵢ = {:.9}: the sum differs by {:.1e}\n",
+            -rate,
+            sum.mean + rate
+        ),
+        _ => String::new(),
+    }
+}
+
+/// Averages for programs.
+fn json(scene: &Scene, found: &Averages, because: Option<&str>, kt: Option<f64>) -> Value {
+    let mean = |mean: &StationaryMean| {
+        let (mut json, (lo, hi)) = (json!(mean), mean.interval());
+        json["lo"] = lo.into();
+        json["hi"] = hi.into();
+        json["half_width"] = mean.half_width().into();
+        json
+    };
+    let mut json = json!(found);
+    json["title"] = json!(scene.title);
+    json["because"] = json!(because);
+    json["kT"] = json!(kt);
+    json["reached"] = found.reached().into();
+    json["estimates"] = found.means.iter().map(mean).collect();
+    json["warnings"] = json!(scene.model.known().mistake.into_iter().collect::<Vec<_>>());
+    json
+}
+
+/// The density of an average, beside that of e^{−H₀/kT} where this is known.
+fn drawn(scene: &Scene, mean: &StationaryMean, kt: Option<f64>) -> Option<Drawn> {
+    let histogram = mean.histogram.as_ref()?;
+    let (grid, counts) = (&histogram.grid, &histogram.counts);
+    let all: u64 = counts.iter().sum::<u64>() + histogram.below + histogram.above;
+    let first = counts.iter().position(|&count| count > 0)?;
+    let last = counts.iter().rposition(|&count| count > 0)?;
+    let middle = |k: usize| grid.edge(k as u32) + 0.5 * grid.width;
+    let x: Vec<f64> = (first..=last).map(middle).collect();
+    let density = |k: usize| counts[k] as f64 / (all as f64 * grid.width);
+    let both = x.iter().copied().zip((first..=last).map(density));
+    let mut traces = vec![Trace { name: "chains".into(), points: both.collect() }];
+    let place = scene.components.iter().position(|name| *name == mean.name);
+    let known = kt.zip(place).and_then(|(kt, place)| {
+        gibbs_marginal(scene.model.system(), &scene.problem().y0, place, 1.0 / kt, &x)
+    });
+    if let Some(known) = known {
+        let points = x.iter().copied().zip(known.iter().map(|y| y / grid.width)).collect();
+        traces.push(Trace { name: "exp(-H0/kT)".into(), points });
+    }
+    Some(Drawn {
+        file: format!("density-{}", mean.name.replace(|c: char| !c.is_alphanumeric(), "_")),
+        svg: lines(&mean.name, &mean.name, "density", &traces),
+        caption: format!("The stationary density of {}.", mean.name),
+    })
+}

@@ -1,0 +1,300 @@
+//! Chains that go on from batch to batch, and what is summed along them.
+
+use real::{PathMask, Row, WIDTH};
+use serde::{Deserialize, Serialize};
+
+use super::{Averaged, EquilibriumSettings, LEVELS, STEPS};
+use crate::{
+    PathFailure, Statistic, View,
+    study::{Grid, Histogram},
+};
+
+/// Batches of time when they are full.
+pub const BATCHES: usize = 32;
+/// Batches after which averages are formed before they are full.
+const DUE: usize = 24;
+/// Batches of the same length before the first, in which chains are spread.
+pub const SPREADING: u64 = BATCHES as u64;
+/// Bins of a histogram.
+const BINS: u32 = 256;
+/// Deviations from the mean that a histogram reaches.
+const REACH: f64 = 6.0;
+
+/// 32 chains.
+#[derive(Clone, Serialize, Deserialize)]
+struct Block {
+    first: u64,
+    /// Those that have not failed: the bits of a mask.
+    live: u32,
+    /// The states at each step size.
+    states: Vec<Vec<Row>>,
+}
+
+/// The means of each chain over a batch: of each average at each step size, and of its square at the
+/// finest.
+pub type Batch = Vec<Vec<f64>>;
+
+/// All chains.
+#[derive(Serialize, Deserialize)]
+pub struct Chains {
+    /// Steps of the coarsest size on [0, T].
+    pub steps: u64,
+    /// How often they were doubled.
+    pub halvings: u32,
+    /// The same of a batch.
+    pub batch_steps: u64,
+    /// Batches done of any length.
+    pub number: u64,
+    /// Path-steps so far, and before steps were halved.
+    pub spent: u64,
+    pub spent_before: u64,
+    /// Whether batches were joined, so that their first half is old.
+    doubled: bool,
+    blocks: Vec<Block>,
+    /// The batches of this time, after those of spreading.
+    pub batches: Vec<Batch>,
+    /// The histograms of the averages, of the last batches.
+    pub histograms: Vec<Histogram>,
+    /// The first failure.
+    pub failures: Vec<String>,
+    averages: usize,
+}
+
+impl Chains {
+    pub fn new(settings: &EquilibriumSettings, of: Averaged<'_>) -> Self {
+        let batches = BATCHES as u64;
+        let coarse = settings.steps.div_ceil(1 << (LEVELS - 1));
+        // An even number in each batch, for schemes that alternate.
+        let steps = coarse.next_multiple_of(2 * batches);
+        Self {
+            steps,
+            halvings: 0,
+            batch_steps: steps / batches,
+            number: 0,
+            spent: 0,
+            spent_before: 0,
+            doubled: false,
+            blocks: Vec::new(),
+            batches: Vec::new(),
+            histograms: Vec::new(),
+            failures: Vec::new(),
+            averages: of.count(),
+        }
+    }
+
+    /// Whether averages can be formed: when batches are full, and between.
+    pub fn is_due(&self) -> bool {
+        self.is_full() || self.doubled && self.batches.len() == DUE
+    }
+
+    /// Whether batches are full.
+    pub fn is_full(&self) -> bool {
+        self.batches.len() == BATCHES
+    }
+
+    /// Whether they may be the last ones.
+    pub fn is_long(&self) -> bool {
+        self.doubled
+    }
+
+    fn block(&self, path: u64) -> Option<&Block> {
+        self.blocks.get((path / WIDTH as u64) as usize)
+    }
+
+    /// The states of a block of chains at a step size; none before the first batch.
+    pub fn states(&self, run: usize, path: u64) -> Option<&[Row]> {
+        Some(&self.block(path)?.states[run])
+    }
+
+    /// The numbers of the chains that have not failed.
+    pub fn live(&self) -> impl Iterator<Item = usize> {
+        let blocks = self.blocks.iter();
+        blocks.flat_map(|block| PathMask(block.live).paths().map(|p| block.first as usize + p))
+    }
+
+    /// Takes what a batch gave. Chains that failed go on from `start`, and count for nothing but
+    /// while they are spread.
+    pub fn take(
+        &mut self,
+        mut batch: Gather<'_>,
+        failures: Vec<PathFailure>,
+        start: &dyn Fn(u64) -> Vec<Row>,
+    ) {
+        let spreading = self.number < SPREADING;
+        batch.blocks.sort_by_key(|sums| sums.block.first);
+        let chains = batch.blocks.len() * WIDTH;
+        self.spent += self.batch_steps * STEPS * chains as u64;
+        self.number += 1;
+        let mut values = vec![Vec::new(); (LEVELS + 1) * self.averages];
+        let scale = 1.0 / self.batch_steps as f64;
+        for sums in &batch.blocks {
+            let both = sums.sums.iter().chain(&sums.squares);
+            values.iter_mut().zip(both).for_each(|(all, row)| all.extend(row.map(|x| scale * x)));
+            for (found, counts) in self.histograms.iter_mut().zip(&sums.counts) {
+                found.add(counts);
+            }
+        }
+        let before = std::mem::take(&mut self.blocks);
+        self.blocks = batch.blocks.into_iter().map(|sums| sums.block).collect();
+        self.revive(start);
+        if spreading {
+            self.blocks.iter_mut().for_each(|block| block.live = PathMask::ALL.0);
+            return;
+        }
+        for (block, before) in self.blocks.iter_mut().zip(before) {
+            block.live &= before.live;
+        }
+        let words = |PathFailure { scheme, tau, cause, .. }: &PathFailure| {
+            format!("{scheme} with steps {tau:.2e}: {cause}")
+        };
+        self.failures.extend(failures.first().map(words).filter(|_| self.failures.is_empty()));
+        self.batches.push(values);
+    }
+
+    /// Joins the batches, two and two, so that as many more double the time.
+    pub fn double(&mut self, of: Averaged<'_>) {
+        let mean = |pair: &[Batch]| -> Batch {
+            let rows = pair[0].iter().zip(&pair[1]);
+            let mean = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+                a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
+            };
+            rows.map(mean).collect()
+        };
+        if let Averaged::Of(_) = of {
+            self.histograms = (0..self.averages).map(|k| self.histogram(k)).collect();
+        }
+        self.batches = self.batches.chunks(2).map(mean).collect();
+        self.batch_steps *= 2;
+        self.doubled = true;
+    }
+
+    /// Lets chains that failed begin at `start`.
+    fn revive(&mut self, start: &dyn Fn(u64) -> Vec<Row>) {
+        for block in self.blocks.iter_mut().filter(|block| block.live != PathMask::ALL.0) {
+            let first = start(block.first);
+            for state in &mut block.states {
+                for p in PathMask(!block.live).paths() {
+                    state.iter_mut().zip(&first).for_each(|(y, first)| y[p] = first[p]);
+                }
+            }
+        }
+    }
+
+    /// Begins anew with steps of half the size, where the chains are.
+    pub fn halve(&mut self) {
+        self.failures.clear();
+        self.steps *= 2;
+        self.batch_steps *= 2;
+        self.halvings += 1;
+        self.spent_before = self.spent;
+        self.batches.clear();
+        let grids = self.histograms.drain(..).map(|found| Histogram::empty(found.grid));
+        self.histograms = grids.collect();
+        for block in &mut self.blocks {
+            block.states.remove(0);
+            block.states.extend(block.states.last().cloned());
+            block.live = PathMask::ALL.0;
+        }
+    }
+
+    /// An empty histogram about the mean of an average in the second half of the time.
+    fn histogram(&self, k: usize) -> Histogram {
+        let late = &self.batches[BATCHES / 2..];
+        let of = |row: usize| {
+            let values = late.iter().flat_map(|batch| self.live().map(move |n| batch[row][n]));
+            let (sum, count) = values.fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
+            sum / f64::from(count.max(1))
+        };
+        let mean = of((LEVELS - 1) * self.averages + k);
+        let deviation = (of(LEVELS * self.averages + k) - mean * mean).max(0.0).sqrt();
+        let range = (mean - REACH * deviation, mean + REACH * deviation);
+        Histogram::empty(Grid::covering(Some(range), BINS))
+    }
+}
+
+/// The sums of 32 chains over a batch.
+struct Sums {
+    block: Block,
+    /// Of each average at each step size.
+    sums: Vec<Row>,
+    /// Of its squares at the finest.
+    squares: Vec<Row>,
+    counts: Vec<Vec<u64>>,
+}
+
+/// The sums of chains over a batch.
+pub struct Gather<'a> {
+    of: Averaged<'a>,
+    last: u64,
+    grids: Vec<Grid>,
+    /// The chains of each block that live.
+    alive: Vec<u32>,
+    blocks: Vec<Sums>,
+}
+
+impl<'a> Gather<'a> {
+    pub fn new(of: Averaged<'a>, chains: &Chains) -> Self {
+        let grids = chains.histograms.iter().map(|found| found.grid).collect();
+        let alive = chains.blocks.iter().map(|block| block.live).collect();
+        Self { of, last: chains.batch_steps, grids, alive, blocks: Vec::new() }
+    }
+}
+
+impl Statistic for Gather<'_> {
+    fn observe(&mut self, view: &View<'_>) {
+        let Self { of, last, grids, alive, blocks } = self;
+        let (count, first) = (of.count(), view.first_path);
+        let known = blocks.iter().rposition(|sums| sums.block.first == first);
+        let at = known.unwrap_or_else(|| {
+            blocks.push(Sums {
+                block: Block { first, live: view.live.0, states: Vec::new() },
+                sums: vec![[0.0; WIDTH]; LEVELS * count],
+                squares: vec![[0.0; WIDTH]; count],
+                counts: grids.iter().map(|grid| vec![0; grid.cells()]).collect(),
+            });
+            blocks.len() - 1
+        });
+        let Sums { block, sums, squares, counts } = &mut blocks[at];
+        let is_last = view.time == *last;
+        if is_last {
+            block.live = view.live.0;
+            block.states = (0..LEVELS).map(|run| view.state(run).to_vec()).collect();
+        }
+        match of {
+            Averaged::Of(observables) => {
+                let mut values = [0.0; WIDTH];
+                for (k, phi) in observables.iter().enumerate() {
+                    for run in 0..LEVELS {
+                        phi.evaluate(view.state(run), view.live, &mut values);
+                        add(&mut sums[run * count + k], &values);
+                    }
+                    let squared = values.map(|x| x * x);
+                    add(&mut squares[k], &squared);
+                    if let Some(grid) = grids.get(k) {
+                        let mut places = [0; WIDTH];
+                        grid.place(&values, &mut places);
+                        let alive = alive[(first / WIDTH as u64) as usize];
+                        let live = view.live.and(PathMask(alive));
+                        live.paths().for_each(|p| counts[k][places[p] as usize] += 1);
+                    }
+                }
+            }
+            Averaged::Growth(_) if is_last => {
+                for run in 0..LEVELS {
+                    let state = view.state(run);
+                    let grown = &state[state.len() - count..];
+                    sums[run * count..][..count].copy_from_slice(grown);
+                }
+            }
+            Averaged::Growth(_) => {}
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.blocks.extend(later.blocks);
+    }
+}
+
+fn add(sum: &mut Row, values: &Row) {
+    sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += x);
+}

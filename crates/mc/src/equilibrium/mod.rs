@@ -1,0 +1,329 @@
+//! Averages over the stationary law of a system, with intervals that have the error of the step in
+//! them, and Lyapunov exponents.
+//!
+//! **Chains.** Some hundred independent paths run for a long time, each at τ, and at 2τ and 4τ with
+//! the same noise, which costs three quarters more. Time averages of a chain are one sample, so that the standard error follows from
+//! chains and not from a model of their correlation. Chains go on in 32 batches of time; whenever
+//! these are full, two and two are joined, and the next 16 double the time.
+//!
+//! **Where chains begin.** At the initial value, and then with the noise of every second, third and
+//! fourth chain of four multiplied by 2, 3 and 4 for the time of the first batches, so that chains
+//! begin far apart, in different wells, and on the leaf of the Casimirs. A chain that fails there
+//! begins at the initial value.
+//!
+//! **Burn-in.** Twice as many batches go as end with the last one of the first half whose mean over
+//! the chains differs from that of the second half, by 3.5 standard errors, or whose variance over
+//! the chains is three times as large; at least one, and at most half of all.
+//!
+//! **Autocorrelation time** t = T Var(m)/2σ² with the variance of the mean m of a chain over the
+//! time T and that of the observable: T/2t samples of a chain are as good as independent ones. It
+//! contains the slowest motion that the average sees. Of an exponent the variance of a chain is at
+//! most three times that of independent batches.
+//!
+//! **Bias of the step.** With the means m₀, m₁, m₂ at 4τ, 2τ, τ and the weak order p the bias of
+//! m₂ is at most b = (m₂ − m₀)/(4ᵖ − 1), if it falls by 2ᵖ or more from a step to the next. Or e =
+//! m₂ + c(m₂ − m₁) with c = 1/(2ᵖ − 1) is taken, and b = c(e − e′) with e′ from m₀ and m₁, if the
+//! error of e falls by as much. The interval joins those of e + b and e − b, each with its standard
+//! error over the chains; the shorter one of both ways is taken. Where differences do not fall as
+//! they should, b = m₂ − m₀. The steps are halved where b is more than half of the sampling error,
+//! so that errors are as large as an interval says, or where chains fail.
+//!
+//! **What nobody can tell** is said: averages that are not finite, chains that still drift, that are shorter than twenty
+//! autocorrelation times, of which a few decide, or of which more than one in a hundred failed. A
+//! well that no chain has found is not known.
+
+mod chains;
+mod report;
+
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use noise::{StreamKey, Truncation};
+use real::{Row, WIDTH};
+use schemes::Method;
+
+use crate::{
+    Initial, Ladder, Observe, Run, RunError, Setup,
+    expect::{Keeping, Told},
+    ladder::Measured,
+    parts::Stop,
+    tangents::Tangents,
+};
+use chains::{Chains, Gather};
+
+pub use report::{Averages, StationaryMean};
+
+/// What is averaged along chains.
+#[derive(Clone, Copy)]
+pub(crate) enum Averaged<'a> {
+    /// Test functions.
+    Of(&'a [&'a dyn Observe]),
+    /// The last rows of a state, which have grown since the last start.
+    Growth(usize),
+}
+
+impl Averaged<'_> {
+    pub fn count(self) -> usize {
+        match self {
+            Self::Of(observables) => observables.len(),
+            Self::Growth(count) => count,
+        }
+    }
+
+    fn names(self) -> Vec<String> {
+        match self {
+            Self::Of(observables) => observables.iter().map(|phi| phi.name().into()).collect(),
+            // Of one, the sum of all is itself.
+            Self::Growth(1) => vec!["λ1".into()],
+            Self::Growth(count) => {
+                let exponents = (1..count).map(|n| format!("λ{n}"));
+                exponents.chain(["their sum".into()]).collect()
+            }
+        }
+    }
+}
+
+/// How chains are run.
+#[derive(Clone, Debug)]
+pub struct EquilibriumSettings {
+    /// The key of all noise, with an experiment number below 2⁴⁰; seed 1 and experiment 0 unless
+    /// set.
+    pub key: StreamKey,
+    /// How increments of schemes that need it are truncated; of order four unless set.
+    pub truncation: Truncation,
+    /// The weak order of the scheme; one unless set.
+    pub weak_order: f64,
+    /// Steps τ on [0, T], which become a multiple of 256. The first averages are over T.
+    pub steps: u64,
+    /// Number of chains, which becomes a multiple of 32; 256 unless set.
+    pub chains: u64,
+    /// Path-steps that it may take; 10¹⁰ unless set. It ends where more are needed.
+    pub max_cost: u64,
+    /// What ends it early, with the averages so far.
+    pub stop: Stop,
+}
+
+impl EquilibriumSettings {
+    /// The settings for so many steps on [0, T].
+    pub fn new(steps: u64) -> Self {
+        Self {
+            key: StreamKey { seed: 1, experiment: 0 },
+            truncation: Truncation::new(4).unwrap_or_else(|error| unreachable!("{error}")),
+            weak_order: 1.0,
+            steps,
+            chains: 256,
+            max_cost: 10_000_000_000,
+            stop: Stop::default(),
+        }
+    }
+
+    /// Number of chains in whole blocks.
+    fn blocks_of_chains(&self) -> u64 {
+        self.chains.next_multiple_of(WIDTH as u64)
+    }
+}
+
+/// Averages over the stationary law of a problem whose coefficients do not depend on time.
+///
+/// ```
+/// use mc::{Equilibrium, EquilibriumSettings, Observable, Setup};
+/// use schemes::SexpLi;
+/// use systems::{Constant, Pendulum, Problem};
+///
+/// // y₁ turns under noise that its damping balances.
+/// let problem = Problem::new(Pendulum::new(0.5)?, Constant::new(0.5)?, [0.2, 0.0], 16.0)?;
+/// let scheme = SexpLi::new(problem.system(), problem.y0())?;
+/// let kinetic = Observable { name: "y2²", function: |y: [f64; 2]| y[1] * y[1] };
+/// let averages = Equilibrium::new(Setup::of(&problem, &scheme), EquilibriumSettings::new(160));
+/// let found = averages.run(&[&kinetic], 0.05)?;
+/// assert!(found.reached() && found.means[0].half_width() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Equilibrium<'a> {
+    setup: Setup<'a>,
+    settings: EquilibriumSettings,
+    told: Box<Told<'a>>,
+    keeping: Option<Keeping>,
+}
+
+/// Step sizes of a chain.
+pub(crate) const LEVELS: usize = 3;
+/// Path-steps of all levels in a step of the coarsest.
+const STEPS: u64 = (1 << LEVELS) - 1;
+/// What multiplies the noise of chains at first.
+const HEAT: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
+/// First bit of the number of a batch in an experiment number, and the bit that all have.
+const BATCH_BIT: u32 = 40;
+const CHAIN_STREAM: u64 = 1 << 54;
+/// Seconds between checkpoints.
+const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(2);
+/// Steps are halved at most so often.
+const MOST_HALVINGS: u32 = 20;
+/// And so often where all chains fail.
+const MOST_REVIVALS: u32 = 3;
+
+impl<'a> Equilibrium<'a> {
+    /// Averages of a problem with a scheme.
+    pub fn new(setup: Setup<'a>, settings: EquilibriumSettings) -> Self {
+        Self { setup, settings, told: Box::new(|_, _| ()), keeping: None }
+    }
+
+    /// Tells after each batch how far it is.
+    #[must_use]
+    pub fn telling(self, told: impl Fn(f64, f64) + 'a) -> Self {
+        Self { told: Box::new(told), ..self }
+    }
+
+    /// Keeps the chains in a file every few seconds, and goes on from what the file has, with the
+    /// same bits. It is removed when the accuracy is reached.
+    #[must_use]
+    pub fn keeping(self, keeping: Keeping) -> Self {
+        Self { keeping: Some(keeping), ..self }
+    }
+
+    /// The averages of test functions, each to the half-width `accuracy` of its 95 % interval.
+    ///
+    /// # Errors
+    /// [`RunError`] if a setting is out of range, the scheme cannot be run, all chains would be the
+    /// same, or it was stopped before the first averages.
+    pub fn run(&self, observables: &[&dyn Observe], accuracy: f64) -> Result<Averages, RunError> {
+        if observables.is_empty() {
+            return Err(RunError::Setting("averages need at least one test function".into()));
+        }
+        self.averages(&self.setup.scheme, Averaged::Of(observables), accuracy)
+    }
+
+    /// The `count` largest Lyapunov exponents, and the sum of several, by [tangent vectors](Tangents).
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), and if there are fewer components than exponents.
+    pub fn lyapunov(&self, count: usize, accuracy: f64) -> Result<Averages, RunError> {
+        let most = self.setup.problem.y0.len();
+        let allowed = (1..=most).contains(&count);
+        RunError::unmet([(allowed, "number of exponents", "from 1 to that of components", {
+            count as f64
+        })])?;
+        let method = Arc::clone(&self.setup.scheme);
+        let rows = if count == 1 { 1 } else { count + 1 };
+        let tangents = Arc::new(Tangents { method, dimension: most, count });
+        self.averages(&(tangents as Arc<dyn Method>), Averaged::Growth(rows), accuracy)
+    }
+
+    fn averages(
+        &self,
+        scheme: &Arc<dyn Method + '_>,
+        of: Averaged<'_>,
+        accuracy: f64,
+    ) -> Result<Averages, RunError> {
+        let Self { setup, settings, told, keeping } = self;
+        self.check(accuracy)?;
+        let kept = keeping.as_ref().and_then(Keeping::read);
+        let mut chains = kept.unwrap_or_else(|| Chains::new(settings, of));
+        let (mut found, mut reached, mut written) = (None, false, Instant::now());
+        loop {
+            if chains.is_due() {
+                let tau = setup.problem.t_end / chains.steps as f64;
+                let id = setup.scheme.id();
+                let now = Averages::new(&chains, settings, (of, id, tau), accuracy);
+                let half_width = now.half_width();
+                told(half_width, (accuracy / half_width).powi(2).min(1.0));
+                let halves = now.wants_shorter_steps() && chains.halvings < MOST_HALVINGS;
+                // Averages that shorter steps do not make finite.
+                let fails = now.fails && halves;
+                let hopeful = half_width.is_finite() || fails && chains.halvings < MOST_REVIVALS;
+                let limited = now.is_out_of_reach(settings.max_cost);
+                let is_reached = now.reached();
+                found = Some(now);
+                if !hopeful || chains.is_long() && (limited || is_reached && !halves) {
+                    reached = is_reached;
+                    break;
+                }
+                if fails || halves && chains.is_long() {
+                    chains.halve();
+                } else if chains.is_full() {
+                    chains.double(of);
+                }
+            }
+            let goes_on = self.advance(scheme, of, &mut chains)?;
+            if let Some(keeping) = keeping
+                && (!goes_on || written.elapsed() > BETWEEN_CHECKPOINTS)
+            {
+                keeping.write(&chains);
+                written = Instant::now();
+            }
+            if !goes_on {
+                break;
+            }
+        }
+        match keeping {
+            Some(keeping) if reached => _ = std::fs::remove_file(&keeping.file),
+            Some(keeping) => keeping.write(&chains),
+            None => {}
+        }
+        found.ok_or(RunError::Stopped)
+    }
+
+    fn check(&self, accuracy: f64) -> Result<(), RunError> {
+        let Self { setup: Setup { problem, .. }, settings, .. } = self;
+        let EquilibriumSettings { key, steps, chains, weak_order, .. } = *settings;
+        if problem.noises == 0 && problem.initial.is_none() {
+            let same = "without noise and with one initial value all chains are the same: give a \
+                        law of initial values";
+            return Err(RunError::Setting(same.into()));
+        }
+        let experiment = key.experiment >> BATCH_BIT == 0;
+        let (few, enough) = ((1..=1 << 40).contains(&steps), (32..=1 << 20).contains(&chains));
+        RunError::unmet([
+            (accuracy > 0.0 && accuracy.is_finite(), "accuracy", "positive and finite", accuracy),
+            (experiment, "experiment number", "below 2^40", key.experiment as f64),
+            (few, "number of steps", "from 1 to 2^40", steps as f64),
+            (enough, "number of chains", "from 32 to 2^20", chains as f64),
+            ((0.5..=8.0).contains(&weak_order), "weak order", "from 1/2 to 8", weak_order),
+        ])
+    }
+
+    /// One more batch of all chains; false if it was stopped.
+    fn advance(
+        &self,
+        scheme: &Arc<dyn Method + '_>,
+        of: Averaged<'_>,
+        chains: &mut Chains,
+    ) -> Result<bool, RunError> {
+        let Self { setup, settings, .. } = self;
+        let &EquilibriumSettings { key, truncation, ref stop, .. } = settings;
+        let tau = setup.problem.t_end / chains.steps as f64;
+        let mut problem = setup.problem.clone();
+        problem.t_end = tau * chains.batch_steps as f64;
+        let batch = (CHAIN_STREAM >> BATCH_BIT) + chains.number;
+        let key = StreamKey { experiment: key.experiment ^ (batch << BATCH_BIT), ..key };
+        let runs = (0..LEVELS).rev().map(|level| Run::new(Arc::clone(scheme), level)).collect();
+        let finest = chains.batch_steps << (LEVELS - 1);
+        let mut ladder = Ladder::new(&problem, finest, LEVELS - 1, truncation, key, runs)?;
+        if chains.number < chains::SPREADING {
+            ladder = ladder.heated(|path| HEAT[path as usize % HEAT.len()]);
+        }
+        let known = &*chains;
+        let first = |path| first(setup, &**scheme, settings.key, path);
+        let ladder = ladder.starting(|run, path| {
+            known.states(run, path).map_or_else(|| first(path), <[Row]>::to_vec)
+        });
+        let new = || Gather::new(of, known);
+        let Measured { statistic, failures, .. } =
+            ladder.run_until(stop, 0, settings.blocks_of_chains(), new);
+        drop(ladder);
+        if stop.is_asked() {
+            return Ok(false);
+        }
+        chains.take(statistic, failures, &first);
+        Ok(true)
+    }
+}
+
+/// The states of a method on a block of chains at first.
+fn first(setup: &Setup<'_>, scheme: &dyn Method, key: StreamKey, path: u64) -> Vec<Row> {
+    let problem = &setup.problem;
+    let y = Initial::start(problem.initial.as_ref(), &problem.y0, key, path);
+    scheme.start(&y).state().to_vec()
+}

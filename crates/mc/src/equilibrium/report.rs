@@ -1,0 +1,412 @@
+//! Averages with their intervals.
+
+use std::{fmt, ops::Range};
+
+use serde::Serialize;
+use stats::{CONFIDENCE, CentralMoments, FEW_SAMPLES, two_sided};
+
+use super::{
+    Averaged, EquilibriumSettings, LEVELS,
+    chains::{Batch, Chains},
+};
+use crate::study::Histogram;
+
+/// Averages over the stationary law.
+#[derive(Clone, Debug, Serialize)]
+pub struct Averages {
+    /// The scheme.
+    pub scheme: String,
+    /// The averages, in the order of their test functions.
+    #[serde(rename = "estimates")]
+    pub means: Vec<StationaryMean>,
+    /// The half-width that was asked for.
+    pub accuracy: f64,
+    /// The step sizes 4τ, 2τ, τ.
+    pub taus: [f64; LEVELS],
+    /// Number of chains.
+    pub chains: usize,
+    /// The time of each.
+    pub time: f64,
+    /// The part of it that was left out.
+    pub burn_in: f64,
+    /// Path-steps of all.
+    pub spent: u64,
+    /// How many chains failed, and the first failures.
+    pub failures: Vec<String>,
+    /// Why nobody can tell, for all averages.
+    pub unknown: Vec<String>,
+    /// Path-steps with these steps.
+    #[serde(skip)]
+    since_halved: u64,
+    /// Whether too many chains failed.
+    #[serde(skip)]
+    pub(super) fails: bool,
+}
+
+/// An average over the stationary law.
+#[derive(Clone, Debug, Serialize)]
+pub struct StationaryMean {
+    /// The name of its function.
+    #[serde(rename = "of")]
+    pub name: String,
+    /// The average.
+    #[serde(rename = "value")]
+    pub mean: f64,
+    /// Half of the 95 % interval without the bias of the step.
+    pub sampling: f64,
+    /// What the bias of the step may add.
+    pub bias: f64,
+    /// The deviation of the function; zero of exponents.
+    pub deviation: f64,
+    /// The autocorrelation time, in units of time; none of exponents.
+    pub autocorrelation_time: Option<f64>,
+    /// Independent samples that would be as good.
+    pub effective_samples: Option<f64>,
+    /// At each step size the mean, by how much it differs from that at the finest, and the standard
+    /// error of the difference, in which most of the noise cancels.
+    pub levels: [(f64, f64, f64); LEVELS],
+    /// Why nobody can tell.
+    pub unknown: Option<String>,
+    /// The values after the burn-in.
+    pub histogram: Option<Histogram>,
+    /// Autocorrelation times of a chain.
+    #[serde(skip)]
+    lengths: f64,
+    /// The bias that was seen, and its standard error.
+    #[serde(skip)]
+    seen: (f64, f64),
+}
+
+impl StationaryMean {
+    /// Half of the 95 % interval.
+    pub fn half_width(&self) -> f64 {
+        self.sampling + self.bias
+    }
+
+    /// The 95 % interval.
+    pub fn interval(&self) -> (f64, f64) {
+        (self.mean - self.half_width(), self.mean + self.half_width())
+    }
+
+    /// Whether the bias is seen, and not small beside the sampling error.
+    fn wants_shorter_steps(&self, accuracy: f64) -> bool {
+        let (bias, error) = self.seen;
+        bias > (BIAS_PART * self.sampling).max(BIAS_ENOUGH * accuracy).max(EXCEEDS * error)
+    }
+}
+
+/// The part of the sampling error that a bias may have, and that of the accuracy that is small.
+const BIAS_PART: f64 = 0.5;
+const BIAS_ENOUGH: f64 = 1.0 / 32.0;
+/// Standard errors by which differences of step sizes exceed what they should be, or zero.
+const EXCEEDS: f64 = 3.0;
+/// The part of 2ᵖ by which differences fall at least: the next power of τ makes it less.
+const LEAST_FALL: f64 = 0.85;
+/// Standard errors by which early batches differ from late ones: chance does it once in 2000.
+const DRIFTS: f64 = 3.5;
+/// The variance over the chains of a batch that is no burn-in, over that of late ones, at most.
+const WIDER: f64 = 3.0;
+/// The part of the path-steps after which a forecast may end it.
+const FORECAST: f64 = 1.0 / 64.0;
+/// What rounding may make of a mean.
+const ROUND_OFF: f64 = 1e-12;
+/// Autocorrelation times that a chain has at least.
+const LEAST_LENGTH: f64 = 20.0;
+/// More path-steps than allowed that a forecast may take.
+const MARGIN: f64 = 2.0;
+/// The variance of a chain over that of independent batches, at most.
+const ALIKE: f64 = 3.0;
+/// The part of the chains that may fail.
+const MOST_FAILED: f64 = 0.01;
+
+/// What is taken of the means at 4τ, 2τ, τ, and what bounds the bias.
+struct Taken {
+    weights: [f64; LEVELS],
+    bias: [f64; LEVELS],
+}
+
+/// Both ways for the weak order p.
+fn ways(p: f64) -> [Taken; 2] {
+    let power = p.exp2();
+    let (last, c) = (1.0 / (power * power - 1.0), 1.0 / (power - 1.0));
+    [
+        Taken { weights: [0.0, 0.0, 1.0], bias: [-last, 0.0, last] },
+        Taken { weights: [0.0, -c, 1.0 + c], bias: [c * c, -c * c * (1.0 + power), c * c * power] },
+    ]
+}
+
+/// The means of chains after a burn-in.
+struct Kept {
+    /// Of each chain at each step size.
+    means: Vec<[f64; LEVELS]>,
+    /// The mean square of all at the finest.
+    square: f64,
+    /// The variance over the chains of the mean of so many independent batches.
+    of_batches: f64,
+}
+
+impl Kept {
+    fn moments(&self, weights: [f64; LEVELS]) -> CentralMoments {
+        let mut moments = CentralMoments::default();
+        for means in &self.means {
+            moments.add((0..LEVELS).map(|run| weights[run] * means[run]).sum());
+        }
+        moments
+    }
+
+    /// A mean with its standard error.
+    fn mean(&self, weights: [f64; LEVELS]) -> (f64, f64) {
+        let moments = self.moments(weights);
+        (moments.mean(), moments.variance_of_mean().sqrt())
+    }
+}
+
+impl Averages {
+    pub(super) fn new(
+        chains: &Chains,
+        settings: &EquilibriumSettings,
+        (of, scheme, tau): (Averaged<'_>, &str, f64),
+        accuracy: f64,
+    ) -> Self {
+        let live: Vec<usize> = chains.live().collect();
+        let count = of.count();
+        let burn_ins = (0..count).map(|k| burn_in(chains, &live, (LEVELS - 1) * count + k));
+        let burn_in = burn_ins.reduce(|a, b| Some(a?.max(b?))).flatten();
+        let all = settings.blocks_of_chains();
+        let failed = (all - live.len() as u64) as f64;
+        let mut unknown = Vec::new();
+        if burn_in.is_none() {
+            unknown.push(
+                "the chains still drift after half of their time: they have not come to a \
+                 stationary law, or there is none"
+                    .into(),
+            );
+        }
+        let fails = failed > MOST_FAILED * all as f64;
+        if fails {
+            unknown.push(format!("{failed} of {all} chains failed"));
+        }
+        let unit = if let Averaged::Growth(_) = of { 1.0 / tau } else { 1.0 };
+        let all_batches = chains.batches.len();
+        let first = burn_in.unwrap_or(all_batches / 2);
+        let late = &chains.batches[first..];
+        let time = tau * (chains.batch_steps * all_batches as u64) as f64;
+        let kept = |k: usize| {
+            let at = |row: usize, n: usize| {
+                late.iter().map(|batch| batch[row][n]).sum::<f64>() * unit / late.len() as f64
+            };
+            let means = |&n: &usize| std::array::from_fn(|run| at(run * count + k, n));
+            let squares = live.iter().map(|&n| at(LEVELS * count + k, n)).sum::<f64>();
+            let finest = (LEVELS - 1) * count + k;
+            let all = late.iter().map(|batch| spread(batch, &live, finest)).sum::<f64>();
+            Kept {
+                means: live.iter().map(means).collect(),
+                square: squares / live.len() as f64,
+                of_batches: all * unit * unit / (late.len() as f64).powi(2),
+            }
+        };
+        let long = time * late.len() as f64 / all_batches as f64;
+        let names = of.names().into_iter().enumerate();
+        let means = names.map(|(k, name)| {
+            let histogram = chains.histograms.get(k).cloned();
+            let mean = mean(&kept(k), settings.weak_order, (name, long), of);
+            StationaryMean { histogram, ..mean }
+        });
+        Self {
+            scheme: scheme.into(),
+            means: means.collect(),
+            accuracy,
+            taus: [tau, 0.5 * tau, 0.25 * tau],
+            chains: live.len(),
+            time,
+            burn_in: time * first as f64 / all_batches as f64,
+            spent: chains.spent,
+            since_halved: chains.spent - chains.spent_before,
+            failures: chains.failures.clone(),
+            unknown,
+            fails,
+        }
+    }
+
+    /// The largest half-width.
+    pub fn half_width(&self) -> f64 {
+        self.means.iter().map(StationaryMean::half_width).fold(0.0, stats::worse)
+    }
+
+    /// Whether more path-steps than so many are needed.
+    pub(super) fn is_out_of_reach(&self, most: u64) -> bool {
+        let lacks = self.means.iter().map(|mean| mean.lacks(self.accuracy)).fold(1.0, f64::max);
+        let [spent, since, most] = [self.spent, self.since_halved, most].map(|n| n as f64);
+        spent >= most || since > FORECAST * most && since * lacks > MARGIN * most
+    }
+
+    /// Whether the bias is large, or chains fail.
+    pub(super) fn wants_shorter_steps(&self) -> bool {
+        self.fails || self.means.iter().any(|mean| mean.wants_shorter_steps(self.accuracy))
+    }
+
+    /// Whether every interval has the accuracy, and nothing is unknown.
+    pub fn reached(&self) -> bool {
+        let known = self.means.iter().all(|mean| mean.unknown.is_none());
+        known && self.unknown.is_empty() && self.half_width() <= self.accuracy
+    }
+}
+
+impl StationaryMean {
+    /// How many times longer chains must be for an accuracy, at least.
+    fn lacks(&self, accuracy: f64) -> f64 {
+        let length = if self.unknown.is_some() { LEAST_LENGTH / self.lengths } else { 1.0 };
+        length.max((self.sampling / accuracy).powi(2))
+    }
+}
+
+/// The variance over the chains of a row of a batch.
+fn spread(batch: &Batch, live: &[usize], row: usize) -> f64 {
+    let mut moments = CentralMoments::default();
+    live.iter().for_each(|&n| moments.add(batch[row][n]));
+    moments.variance()
+}
+
+/// Batches to leave out for the average in this row of batches; none if more than half.
+fn burn_in(chains: &Chains, live: &[usize], row: usize) -> Option<usize> {
+    let (all, half) = (chains.batches.len(), chains.batches.len() / 2);
+    // How far the means of two ranges of batches differ, in standard errors over the chains.
+    let differ = |a: Range<usize>, b: Range<usize>| {
+        let mut moments = CentralMoments::default();
+        for &n in live {
+            let mean = |batches: &Range<usize>| {
+                let values = batches.clone().map(|b| chains.batches[b][row][n]);
+                values.sum::<f64>() / batches.len() as f64
+            };
+            moments.add(mean(&a) - mean(&b));
+        }
+        let last = live.iter().map(|&n| chains.batches[all - 1][row][n].abs());
+        let size = last.fold(0.0, f64::max);
+        moments.mean().abs() > DRIFTS * moments.variance_of_mean().sqrt() + ROUND_OFF * size
+    };
+    let spread = |b: usize| spread(&chains.batches[b], live, row);
+    let usual = (half..all).map(spread).sum::<f64>() / half as f64;
+    let is_early = |b: usize| differ(b..b + 1, half..all) || spread(b) > WIDER * usual;
+    let late = (0..half).rev().find(|b| is_early(*b));
+    let first = late.map_or(1, |b| 2 * (b + 1));
+    (first <= half && !differ(first..(first + all) / 2, (first + all) / 2..all)).then_some(first)
+}
+
+/// An average from the means of its chains over the time `long`.
+fn mean(kept: &Kept, order: f64, (name, long): (String, f64), of: Averaged<'_>) -> StationaryMean {
+    let count = kept.means.len() as f64;
+    let quantile = two_sided(CONFIDENCE, Some(count - 1.0));
+    // Differences have one sign, and fall by 2^p or nearly so.
+    let (coarse, fine) = (kept.mean([1.0, -1.0, 0.0]), kept.mean([0.0, 1.0, -1.0]));
+    let seen = |(mean, error): (f64, f64)| mean.abs() > EXCEEDS * error;
+    let turns = coarse.0 * fine.0 < 0.0;
+    let (sign, least) = (if turns { -1.0 } else { 1.0 }, LEAST_FALL * order.exp2());
+    let (excess, error) = kept.mean([-sign, sign + least, -least]);
+    let slow = excess * fine.0.signum() > EXCEEDS * error;
+    let falls = !(slow || turns && seen(coarse) && seen(fine));
+    let way = |Taken { weights, bias }: Taken| {
+        let with = |sign: f64| {
+            let weights = std::array::from_fn(|run| weights[run] + sign * bias[run]);
+            kept.mean(weights).1
+        };
+        let ((mean, error), seen) = (kept.mean(weights), kept.mean(bias));
+        let sampling = quantile * error + ROUND_OFF * mean.abs();
+        let whole = seen.0.abs() + quantile * with(1.0).max(with(-1.0));
+        (mean, sampling, (whole - sampling).max(0.0), (seen.0.abs(), seen.1))
+    };
+    let ways = match falls {
+        true => ways(order).map(way),
+        false => {
+            let bias = [-sign, sign - 1.0, 1.0];
+            [0, 1].map(|_| way(Taken { weights: [0.0, 0.0, 1.0], bias }))
+        }
+    };
+    let shorter = usize::from(ways[1].1 + ways[1].2 < ways[0].1 + ways[0].2);
+    let (mean, sampling, bias, seen) = ways[shorter];
+    let finest = kept.moments([0.0, 0.0, 1.0]);
+    let variance = kept.square - finest.mean() * finest.mean();
+    let deviation = if variance > 1e-14 * kept.square { variance.sqrt() } else { 0.0 };
+    let of_mean = finest.variance();
+    let ratio = if deviation == 0.0 { 0.0 } else { of_mean / (deviation * deviation) };
+    let time = 0.5 * long * ratio;
+    let few = finest.effective_samples();
+    // Of exponents, batches are as good as independent.
+    let lengths = match of {
+        Averaged::Of(_) => 2.0 / ratio,
+        Averaged::Growth(_) if of_mean.sqrt() <= ROUND_OFF * mean.abs() => f64::INFINITY,
+        Averaged::Growth(_) => LEAST_LENGTH * ALIKE * kept.of_batches / of_mean,
+    };
+    let unknown = if !mean.is_finite() {
+        Some("it is not finite".into())
+    } else if lengths < LEAST_LENGTH {
+        Some(match of {
+            Averaged::Of(_) => format!(
+                "the chains are {lengths:.1} autocorrelation times long, or disagree: \
+                 {LEAST_LENGTH} are wanted"
+            ),
+            Averaged::Growth(_) => "the chains are too short, or disagree".into(),
+        })
+    } else if few < FEW_SAMPLES.min(count / 6.0) {
+        Some("a few chains decide".into())
+    } else {
+        None
+    };
+    let is_average = matches!(of, Averaged::Of(_));
+    let level = |run: usize| {
+        let unit = |run: usize| std::array::from_fn(|n| f64::from(u8::from(n == run)));
+        let [own, finest] = [unit(run), unit(LEVELS - 1)];
+        let (difference, error) = kept.mean(std::array::from_fn(|n| own[n] - finest[n]));
+        (kept.mean(own).0, difference, error)
+    };
+    StationaryMean {
+        name,
+        mean,
+        sampling,
+        bias,
+        deviation,
+        autocorrelation_time: is_average.then_some(time),
+        effective_samples: is_average.then_some(count / ratio),
+        levels: std::array::from_fn(level),
+        unknown,
+        histogram: None,
+        lengths,
+        seen,
+    }
+}
+
+/// Each average with its interval and the parts of it, what it cost, and what is unknown.
+impl fmt::Display for Averages {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let longest = self.means.iter().map(|mean| mean.name.chars().count()).max().unwrap_or(0);
+        for mean in &self.means {
+            let StationaryMean { name, sampling, bias, autocorrelation_time, .. } = mean;
+            let (half_width, width) = (mean.half_width(), longest);
+            write!(f, "{name:width$} = {:.9} ± {half_width:.1e} (sampling ", mean.mean)?;
+            write!(f, "{sampling:.1e}, step {bias:.1e})")?;
+            if let (Some(time), Some(samples)) = (autocorrelation_time, mean.effective_samples)
+                && mean.deviation > 0.0
+            {
+                write!(f, ", autocorrelation time {time:.3}, ")?;
+                write!(f, "{samples:.1e} effective samples")?;
+            }
+            writeln!(f)?;
+            if let Some(why) = &mean.unknown {
+                writeln!(f, "  cannot tell: {why}")?;
+            }
+        }
+        let Self { scheme, taus, chains, time, burn_in, spent, accuracy, .. } = self;
+        writeln!(
+            f,
+            "{scheme} with steps {:.2e}, {:.2e}, {:.2e}; {chains} chains of length {time:.1}, \
+             burn-in {burn_in:.1}; {:.2e} path-steps",
+            taus[0], taus[1], taus[2], *spent as f64
+        )?;
+        for why in &self.unknown {
+            writeln!(f, "cannot tell: {why}")?;
+        }
+        if self.half_width() > *accuracy {
+            writeln!(f, "±{accuracy:e} is not reached")?;
+        }
+        self.failures.first().map_or(Ok(()), |failure| writeln!(f, "the first failure: {failure}"))
+    }
+}

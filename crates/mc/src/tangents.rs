@@ -1,0 +1,165 @@
+//! Tangent vectors along a path.
+
+use std::sync::Arc;
+
+use noise::StepNoise;
+use nonlin::BlockStatus;
+use real::{Row, WIDTH, elementary};
+use schemes::{Method, Step, Stepper};
+
+/// A method whose states have tangent vectors after those of another method, and the logarithms of
+/// what they have grown by since the start, which orthogonalisation keeps apart (Benettin, Galgani,
+/// Giorgilli and Strelcyn, *Meccanica* 15, 1980); last the sum of these.
+///
+/// A tangent vector v is carried along by the difference of a step from y + δv and one from y, both
+/// with the same noise, over δ = √(10⁻¹⁵ ab) with the largest component a of y and the largest change
+/// b of a component in a step so far: in between what rounds and what bends, also far from zero. At
+/// first, and at rest, δ is 10⁻⁷ times a, or one.
+pub struct Tangents<'a> {
+    /// The method.
+    pub method: Arc<dyn Method + 'a>,
+    /// Number of components of the state.
+    pub dimension: usize,
+    /// Number of vectors.
+    pub count: usize,
+}
+
+/// δ²/ab, and δ/a where nothing moves.
+const SQUARE: f64 = 1e-15;
+const DIFFERENCE: f64 = 1e-7;
+/// States below this size count as zero, where δ is the one of rest.
+const SMALLEST: f64 = 1e-150;
+
+impl Method for Tangents<'_> {
+    fn id(&self) -> &'static str {
+        self.method.id()
+    }
+
+    fn reads_areas(&self) -> bool {
+        self.method.reads_areas()
+    }
+
+    fn clips_increments(&self) -> bool {
+        self.method.clips_increments()
+    }
+
+    fn stack(&self) -> usize {
+        self.method.stack()
+    }
+
+    /// With unit vectors, or those that `y` has after the state.
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        let &Self { dimension, count, .. } = self;
+        let (state, vectors) = y.split_at(dimension);
+        let mut rows = state.to_vec();
+        let unit = |n: usize| [f64::from(u8::from(n % dimension == n / dimension)); WIDTH];
+        match vectors.get(..count * dimension) {
+            Some(vectors) => rows.extend_from_slice(vectors),
+            None => rows.extend((0..count * dimension).map(unit)),
+        }
+        rows.resize(rows.len() + count + 1, [0.0; WIDTH]);
+        let inner = self.method.start(state);
+        let near = (0..count).map(|_| self.method.start(state)).collect();
+        Box::new(Carried { dimension, inner, near, rows, moved: [0.0; WIDTH] })
+    }
+}
+
+struct Carried<'a> {
+    dimension: usize,
+    inner: Box<dyn Stepper + 'a>,
+    near: Vec<Box<dyn Stepper + 'a>>,
+    rows: Vec<Row>,
+    /// The largest change of a component so far.
+    moved: Row,
+}
+
+impl Stepper for Carried<'_> {
+    fn state(&self) -> &[Row] {
+        &self.rows
+    }
+
+    fn state_mut(&mut self) -> &mut [Row] {
+        &mut self.rows
+    }
+
+    fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        let Self { dimension, inner, near, rows, moved } = self;
+        let d = *dimension;
+        let (y, rest) = rows.split_at_mut(d);
+        let (vectors, grown) = rest.split_at_mut(near.len() * d);
+        let delta = difference(y, moved);
+        for (v, near) in vectors.chunks(d).zip(near.iter_mut()) {
+            for ((near, y), v) in near.state_mut().iter_mut().zip(&*y).zip(v) {
+                for p in 0..WIDTH {
+                    near[p] = y[p] + delta[p] * v[p];
+                }
+            }
+        }
+        inner.step(step, noise, status);
+        for (y, next) in y.iter_mut().zip(inner.state()) {
+            for p in 0..WIDTH {
+                moved[p] = moved[p].max((next[p] - y[p]).abs());
+            }
+            *y = *next;
+        }
+        for (v, near) in vectors.chunks_mut(d).zip(near.iter_mut()) {
+            let mut own = BlockStatus::explicit();
+            near.step(step, noise, &mut own);
+            status.failed = status.failed.or(own.failed);
+            for ((near, y), v) in near.state().iter().zip(&*y).zip(v) {
+                for p in 0..WIDTH {
+                    v[p] = (near[p] - y[p]) / delta[p];
+                }
+            }
+        }
+        orthogonalise(vectors, d, grown);
+    }
+}
+
+/// δ of each path.
+fn difference(y: &[Row], moved: &Row) -> Row {
+    let mut size = [0.0f64; WIDTH];
+    for row in y {
+        size.iter_mut().zip(row).for_each(|(size, y)| *size = size.max(y.abs()));
+    }
+    std::array::from_fn(|p| match (size[p] > SMALLEST, moved[p] > SMALLEST) {
+        (true, true) => (SQUARE * size[p] * moved[p]).sqrt(),
+        (true, false) => DIFFERENCE * size[p],
+        _ => 1.0,
+    })
+}
+
+/// Makes vectors orthonormal, and adds the logarithms of their lengths, and the sum of these.
+fn orthogonalise(vectors: &mut [Row], d: usize, grown: &mut [Row]) {
+    let count = grown.len() - 1;
+    for n in 0..count {
+        let (before, rest) = vectors.split_at_mut(n * d);
+        let v = &mut rest[..d];
+        for unit in before.chunks(d) {
+            let along = dot(unit, v);
+            for (v, unit) in v.iter_mut().zip(unit) {
+                for p in 0..WIDTH {
+                    v[p] -= along[p] * unit[p];
+                }
+            }
+        }
+        let square = dot(v, v);
+        for p in 0..WIDTH {
+            let length = square[p].sqrt();
+            v.iter_mut().for_each(|row| row[p] /= length);
+            let logarithm = elementary::ln(length);
+            grown[n][p] += logarithm;
+            grown[count][p] += logarithm;
+        }
+    }
+}
+
+fn dot(a: &[Row], b: &[Row]) -> Row {
+    let mut sum = [0.0; WIDTH];
+    for (a, b) in a.iter().zip(b) {
+        for p in 0..WIDTH {
+            sum[p] += a[p] * b[p];
+        }
+    }
+    sum
+}
