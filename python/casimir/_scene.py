@@ -272,7 +272,8 @@ class Scene:
         """The largest Lyapunov exponents ``"λ1"``, … and ``"their sum"``, with 95 % intervals."""
         scene = self.with_(**changes) if changes else self
         scene._check()
-        found = _core.equilibrium(scene, (count, accuracy), (chains, int(path_steps)), how(threads, progress))
+        asked, limits = (count, accuracy), (chains, int(path_steps))
+        found = _core.equilibrium(scene, asked, limits, how(threads, progress))
         return Expectation(scene, _raising(found, raises))
 
     def order(

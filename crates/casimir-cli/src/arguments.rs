@@ -135,7 +135,7 @@ pub struct Expect {
 
 #[derive(Args, Debug)]
 pub struct Equilibrium {
-    /// The file of the scene, whose [expect] says what is averaged
+    /// The file of the scene
     pub scene: PathBuf,
     /// Half-width of the 95 % intervals, instead of that of the scene
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]

@@ -257,7 +257,7 @@ fn chains_go_on_from_their_checkpoint() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    thread::sleep(Duration::from_millis(400));
+    thread::sleep(Duration::from_millis(250));
     let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(sent.unwrap().success() && child.wait().unwrap().code() == Some(130));
     assert!(folder.path().join("scene-equilibrium/chains.bin").exists());

@@ -56,7 +56,7 @@ pub struct Chains {
     /// The histograms of the averages, of the last batches.
     pub histograms: Vec<Histogram>,
     /// The first failure.
-    pub failures: Vec<String>,
+    pub failure: Option<String>,
     averages: usize,
 }
 
@@ -77,7 +77,7 @@ impl Chains {
             blocks: Vec::new(),
             batches: Vec::new(),
             histograms: Vec::new(),
-            failures: Vec::new(),
+            failure: None,
             averages: of.count(),
         }
     }
@@ -147,7 +147,7 @@ impl Chains {
         let words = |PathFailure { scheme, tau, cause, .. }: &PathFailure| {
             format!("{scheme} with steps {tau:.2e}: {cause}")
         };
-        self.failures.extend(failures.first().map(words).filter(|_| self.failures.is_empty()));
+        self.failure = self.failure.take().or(failures.first().map(words));
         self.batches.push(values);
     }
 
@@ -182,7 +182,7 @@ impl Chains {
 
     /// Begins anew with steps of half the size, where the chains are.
     pub fn halve(&mut self) {
-        self.failures.clear();
+        self.failure = None;
         self.steps *= 2;
         self.batch_steps *= 2;
         self.halvings += 1;

@@ -2,9 +2,9 @@
 //! them, and Lyapunov exponents.
 //!
 //! **Chains.** Some hundred independent paths run for a long time, each at τ, and at 2τ and 4τ with
-//! the same noise, which costs three quarters more. Time averages of a chain are one sample, so that the standard error follows from
-//! chains and not from a model of their correlation. Chains go on in 32 batches of time; whenever
-//! these are full, two and two are joined, and the next 16 double the time.
+//! the same noise, which costs three quarters more. The time average of a chain is one sample: the
+//! standard error follows from the chains, not from a model of their correlation. Chains go on in 32
+//! batches of time; when these are full, two and two are joined, and the next 16 double the time.
 //!
 //! **Where chains begin.** At the initial value, and then with the noise of every second, third and
 //! fourth chain of four multiplied by 2, 3 and 4 for the time of the first batches, so that chains
@@ -21,16 +21,17 @@
 //! most three times that of independent batches.
 //!
 //! **Bias of the step.** With the means m₀, m₁, m₂ at 4τ, 2τ, τ and the weak order p the bias of
-//! m₂ is at most b = (m₂ − m₀)/(4ᵖ − 1), if it falls by 2ᵖ or more from a step to the next. Or e =
+//! m₂ is at most b = (m₂ − m₀)/(4ᵖ − 1), if it falls by 2ᵖ from a step to the next. Or e =
 //! m₂ + c(m₂ − m₁) with c = 1/(2ᵖ − 1) is taken, and b = c(e − e′) with e′ from m₀ and m₁, if the
 //! error of e falls by as much. The interval joins those of e + b and e − b, each with its standard
-//! error over the chains; the shorter one of both ways is taken. Where differences do not fall as
-//! they should, b = m₂ − m₀. The steps are halved where b is more than half of the sampling error,
-//! so that errors are as large as an interval says, or where chains fail.
+//! error over the chains; the shorter one of both ways is taken. Where m₁ − m₂ is significantly more
+//! than m₀ − m₁ over 0.85·2ᵖ, or of the other sign, b = |m₀ − m₁| + |m₁ − m₂|. The steps are halved
+//! where b is more than half of the sampling error, so that errors are as large as an interval says,
+//! or where chains fail.
 //!
-//! **What nobody can tell** is said: averages that are not finite, chains that still drift, that are shorter than twenty
-//! autocorrelation times, of which a few decide, or of which more than one in a hundred failed. A
-//! well that no chain has found is not known.
+//! **What nobody can tell** is said: averages that are not finite; chains that still drift, that
+//! are shorter than twenty autocorrelation times, of which a few decide, or of which more than one
+//! in a hundred failed. A well that no chain has found is not known.
 
 mod chains;
 mod report;
@@ -195,7 +196,8 @@ impl<'a> Equilibrium<'a> {
         self.averages(&self.setup.scheme, Averaged::Of(observables), accuracy)
     }
 
-    /// The `count` largest Lyapunov exponents, and the sum of several, by [tangent vectors](Tangents).
+    /// The `count` largest Lyapunov exponents, in 1/time, and the sum of several, by [tangent
+    /// vectors](Tangents).
     ///
     /// # Errors
     /// As [`run`](Self::run), and if there are fewer components than exponents.

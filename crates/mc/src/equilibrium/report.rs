@@ -31,8 +31,8 @@ pub struct Averages {
     pub burn_in: f64,
     /// Path-steps of all.
     pub spent: u64,
-    /// How many chains failed, and the first failures.
-    pub failures: Vec<String>,
+    /// The first chain that failed: scheme, step size and reason.
+    pub failure: Option<String>,
     /// Why nobody can tell, for all averages.
     pub unknown: Vec<String>,
     /// Path-steps with these steps.
@@ -222,7 +222,7 @@ impl Averages {
             burn_in: time * first as f64 / all_batches as f64,
             spent: chains.spent,
             since_halved: chains.spent - chains.spent_before,
-            failures: chains.failures.clone(),
+            failure: chains.failure.clone(),
             unknown,
             fails,
         }
@@ -407,6 +407,6 @@ impl fmt::Display for Averages {
         if self.half_width() > *accuracy {
             writeln!(f, "±{accuracy:e} is not reached")?;
         }
-        self.failures.first().map_or(Ok(()), |failure| writeln!(f, "the first failure: {failure}"))
+        self.failure.as_ref().map_or(Ok(()), |failure| writeln!(f, "the first failure: {failure}"))
     }
 }
