@@ -4,7 +4,7 @@ use serde::Serialize;
 use systems::run_time::System;
 
 use super::{
-    algebra::{axis, dot, largest},
+    algebra::{axis, dot, largest, norm},
     around,
     finding::Term,
     probe::{Batch, Probe},
@@ -17,7 +17,9 @@ use super::{
 ///
 /// e^{−βH₀} is, if the Fokker–Planck residual A + βB + β²C vanishes: with rates γᵢ, fₘ = B∇Hₘ and
 /// dₘ = ∇·fₘ, sₘ = fₘ·∇H₀, it is A = Σγᵢ − ∇·f₀ + ½Σ(fₘ·∇dₘ + dₘ²), C = ½Σsₘ² and
-/// B = −Σγᵢyᵢ∂ᵢH₀ − ½Σ(fₘ·∇sₘ + 2dₘsₘ). Tested at 32 points around the initial value.
+/// B = s₀ − Σγᵢyᵢ∂ᵢH₀ − ½Σ(fₘ·∇sₘ + 2dₘsₘ), where s₀ is zero without transverse damping. Tested at
+/// 32 points around the initial value. Those of spins with transverse damping have the lengths that
+/// spins have there: f₀ and fₘ are tangential, and so are the divergences.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Bath {
     /// β, if e^{−βH₀} is stationary for this one.
@@ -35,7 +37,11 @@ impl Bath {
     /// Of a system whose components have these constant rates of damping.
     pub fn of(system: &dyn System, y0: &[f64], rates: &[f64]) -> Self {
         let mut probe = Probe::new(system);
-        let states = around(&probe, y0, &mut Random::new(Purpose::Points));
+        let mut states = around(&probe, y0, &mut Random::new(Purpose::Points));
+        let transverse = probe.description().is_transverse;
+        if transverse {
+            states.iter_mut().for_each(|y| scale_spins(y, y0));
+        }
         let d = y0.len();
         let drift = probe.field(&states, &probe.weights(0));
         let drift_divergence = divergence(&mut probe, 0, &states);
@@ -44,6 +50,10 @@ impl Bath {
         // A, B and C at each state, each with the size of its terms.
         let mut terms: [Vec<[f64; 2]>; 3] = [zero(), zero(), zero()];
         let add = |to: &mut [f64; 2], x: f64| *to = [to[0] + x, to[1] + x.abs()];
+        if transverse {
+            let power = along(&mut probe, &states, &drift, &energy);
+            terms[1].iter_mut().zip(power).for_each(|(b, power)| add(b, power));
+        }
         let mut heat = vec![vec![0.0; d]; states.len()];
         for (n, y) in states.iter().enumerate() {
             add(&mut terms[0][n], -drift_divergence[n]);
@@ -57,18 +67,17 @@ impl Bath {
             let f = probe.field(&states, &weights);
             let of_divergence: Values<'_> = &|probe, y| divergence(probe, m, y);
             let power: Values<'_> = &|probe, y| {
-                let (f, g) = (probe.field(y, &weights), probe.gradient(y, &probe.weights(0)));
+                let f = probe.field(y, &weights);
+                if transverse {
+                    return along(probe, y, &f, &energy);
+                }
+                let g = probe.gradient(y, &probe.weights(0));
                 f.iter().zip(&g).map(|(f, g)| dot(f, g)).collect()
             };
             let divergences = of_divergence(&mut probe, &states);
             let s = power(&mut probe, &states);
-            let lengths = lengths(&states, &f);
-            let [along_d, along_s] = [of_divergence, power].map(|value| {
-                let along = slopes(&mut probe, &states, &f, &lengths, value);
-                // What no length resolves is not known.
-                let known = |(slope, size): Term| if size.is_finite() { slope } else { f64::NAN };
-                along.into_iter().map(known).collect::<Vec<f64>>()
-            });
+            let [along_d, along_s] =
+                [of_divergence, power].map(|value| along(&mut probe, &states, &f, value));
             for n in 0..states.len() {
                 add(&mut terms[0][n], 0.5 * along_d[n]);
                 add(&mut terms[0][n], 0.5 * divergences[n].powi(2));
@@ -86,9 +95,33 @@ impl Bath {
         let beta = stationary(&terms);
         let mismatch = match beta {
             Some(_) => Vec::new(),
+            None if transverse => vec![SPINS.into()],
             None => mismatch(&states, &slope, &heat, rates),
         };
         Self { beta, any: false, mismatch }
+    }
+}
+
+/// Why none is of spins with transverse damping α.
+const SPINS: &str = "transverse damping α of spins of one length |s| balances noise of each spin \
+                     with σ² = 2α kT/|s|, and no other damping";
+
+/// H₀.
+fn energy(probe: &mut Probe<'_>, y: &[Vec<f64>]) -> Vec<f64> {
+    probe.energy(y, &probe.weights(0))
+}
+
+/// The derivative of F along vectors; NaN where no length resolves it.
+fn along(probe: &mut Probe<'_>, y: &[Vec<f64>], f: &Batch, value: Values<'_>) -> Vec<f64> {
+    let known = |(slope, size): Term| if size.is_finite() { slope } else { f64::NAN };
+    slopes(probe, y, f, &lengths(y, f), value).into_iter().map(known).collect()
+}
+
+/// Gives spins the lengths that they have in `y0`.
+fn scale_spins(y: &mut [f64], y0: &[f64]) {
+    for (spin, first) in y.chunks_mut(3).zip(y0.chunks(3)) {
+        let length = norm(first) / norm(spin);
+        spin.iter_mut().for_each(|x| *x *= length);
     }
 }
 

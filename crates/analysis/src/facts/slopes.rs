@@ -10,7 +10,7 @@ use super::{
 pub type Values<'f> = &'f dyn Fn(&mut Probe<'_>, &[Vec<f64>]) -> Vec<f64>;
 
 /// Lengths at which differences along vectors begin: a tenth of a state.
-pub fn lengths(y: &Batch, along: &Batch) -> Vec<f64> {
+pub fn lengths(y: &[Vec<f64>], along: &Batch) -> Vec<f64> {
     let length = |(y, along): (&Vec<f64>, &Vec<f64>)| {
         0.1 * largest(y).max(f64::MIN_POSITIVE) / largest(along).max(1e-300)
     };
@@ -31,7 +31,7 @@ const RESOLVED: f64 = 1e-9;
 /// round-off is its error: infinite where the domain is too narrow or no length resolves F.
 pub fn slopes(
     probe: &mut Probe<'_>,
-    y: &Batch,
+    y: &[Vec<f64>],
     along: &Batch,
     lengths: &[f64],
     f: Values<'_>,

@@ -56,7 +56,7 @@ pub trait Model: Send + Sync {
     fn friction(&self) -> &[Friction];
 
     /// What damping and noise do to the Gibbs measure, if the rates of damping are constant and the
-    /// system is small and no lattice.
+    /// system is small.
     fn bath(&self) -> Option<Bath> {
         let (problem, description) = (self.problem(), self.system().description());
         let d = problem.y0.len();
@@ -66,8 +66,7 @@ pub trait Model: Send + Sync {
         };
         let first = rates(0.0);
         let constant = [0.37, 1.0].iter().all(|part| rates(part * problem.t_end) == first);
-        let plain = !description.depends_on_time && !description.is_transverse;
-        (constant && plain && d <= MOST_COMPONENTS)
+        (constant && !description.depends_on_time && d <= MOST_COMPONENTS)
             .then(|| Bath::of(self.system(), &problem.y0, &first))
     }
 

@@ -112,6 +112,12 @@ impl Chains {
         blocks.flat_map(|block| PathMask(block.live).paths().map(|p| block.first as usize + p))
     }
 
+    /// Whether states are beyond 1e50.
+    pub fn are_large(&self) -> bool {
+        let states = self.blocks.iter().flat_map(|block| block.states.iter().flatten().flatten());
+        states.into_iter().any(|y| y.abs() > 1e50)
+    }
+
     /// Takes what a batch gave. Chains that failed go on from `start`, and count for nothing but
     /// while they are spread.
     pub fn take(

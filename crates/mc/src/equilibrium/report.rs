@@ -184,7 +184,14 @@ impl Averages {
         }
         let fails = failed > MOST_FAILED * all as f64;
         if fails {
-            unknown.push(format!("{failed} of {all} chains failed"));
+            let large = match chains.are_large() {
+                true => {
+                    "; states are beyond 1e50: steps are too long, or they grow without bound, and \
+                     exponents of a linear system are those at y = 0"
+                }
+                false => "",
+            };
+            unknown.push(format!("{failed} of {all} chains failed{large}"));
         }
         let unit = if let Averaged::Growth(_) = of { 1.0 / tau } else { 1.0 };
         let all_batches = chains.batches.len();
