@@ -18,7 +18,8 @@ class System:
 
     ``state`` names the components. ``B`` is the structure matrix: all rows, the entries above the
     diagonal, or blocks such as ``"canonical"`` and ``"spins(s1, s2)"``. ``H0`` is the Hamiltonian,
-    ``H`` one for each noise. ``damping`` is the rate γ, which may depend on ``t``.
+    ``H`` one for each noise. ``damping`` is the rate γ, which may depend on ``t``, or
+    the table of a scene: ``{"rates": {"p": 0.5}, "temperature": 1.0}``.
 
     With ``calculus="ito"`` or ``"stratonovich"``, an equation that is given as well, ``drift`` and
     the fields ``noise``, is compared with that of B and H: what differs is named.
@@ -37,7 +38,7 @@ class System:
         H: Formula | Sequence[Formula] = (),
         parameters: Mapping[Any, float] | None = None,
         *,
-        damping: Formula | None = None,
+        damping: Formula | Mapping[str, Any] | None = None,
         calculus: str | None = None,
         drift: Sequence[Formula] | None = None,
         noise: Sequence[Sequence[Formula]] | None = None,
@@ -49,7 +50,8 @@ class System:
             raise SceneError("B is a matrix: a list of rows, each a list, or blocks in quotes")
         system: dict[str, Any] = {"state": names, "B": structure, "H0": plain(H0)}
         noises = plain(H)
-        system["H"] = noises if isinstance(noises, list) else [noises]
+        if noises := noises if isinstance(noises, list) else [noises]:
+            system["H"] = noises
         if parameters:
             system["parameters"] = plain(parameters)
         for key, value in [("calculus", calculus), ("drift", drift), ("noise", noise)]:
@@ -59,7 +61,8 @@ class System:
         if title is not None:
             self._tables["title"] = title
         if damping is not None:
-            self._tables["damping"] = {"rate": plain(damping)}
+            table = damping if isinstance(damping, Mapping) else {"rate": damping}
+            self._tables["damping"] = plain(table)
 
     def scene(self, *, initial: Any, until: Any, steps: int, **changes: Any) -> Scene:
         """The system with its initial value and what is wanted, as :meth:`Scene.with_` takes it."""
@@ -68,5 +71,5 @@ class System:
 
     def __repr__(self) -> str:
         system = self._tables["system"]
-        noises = ", ".join(map(str, system["H"]))
+        noises = ", ".join(map(str, system.get("H", [])))
         return f"System({' '.join(system['state'])}; B = {system['B']}, H0 = {system['H0']}, H = [{noises}])"

@@ -5,6 +5,7 @@
 mod compare;
 mod facts;
 mod false_answers;
+mod friction;
 mod generated;
 mod inspect;
 mod orders;

@@ -1,0 +1,73 @@
+//! Orders with friction on momenta alone, of schemes that need flows of parts.
+
+use std::sync::Arc;
+
+use analysis::{StepSizes, strong_order, weak_order};
+use mc::{Friction, Observable, Setup};
+use noise::{StreamKey, Truncation};
+use real::{Real, elementary};
+use schemes::{Nv, Split};
+use systems::{Constant, Flows, PoissonSystem, Problem};
+
+/// Two pendulums with a spring, (q₁, q₂, p₁, p₂), on a clock with noise: H₁ = ½H₀.
+#[derive(Clone, Copy)]
+struct Chain;
+
+fn time(dt: f64, dw: [f64; 1]) -> f64 {
+    dt + 0.5 * dw[0]
+}
+
+impl PoissonSystem<4, 1> for Chain {
+    fn name(&self) -> &'static str {
+        "chain"
+    }
+    fn structure<R: Real>(&self, _: [R; 4], v: [R; 4]) -> [R; 4] {
+        [v[2], v[3], -v[0], -v[1]]
+    }
+    fn energy<R: Real>(&self, [a, b, p, q]: [R; 4], dt: f64, dw: [f64; 1]) -> R {
+        let springs = (a - b) * (a - b) + p * p + q * q;
+        (springs * 0.5 - a.cos() - b.cos()) * time(dt, dw)
+    }
+}
+
+impl Flows<4, 1> for Chain {
+    const PARTS: usize = 2;
+    const EXACT: bool = true;
+
+    fn flow(&self, part: usize, y: [f64; 4], dt: f64, dw: [f64; 1]) -> [f64; 4] {
+        let ([a, b, p, q], h) = (y, time(dt, dw));
+        match part {
+            0 => [a + h * p, b + h * q, p, q],
+            _ => [a, b, p - h * (elementary::sin(a) + a - b), q - h * (elementary::sin(b) + b - a)],
+        }
+    }
+}
+
+#[test]
+#[ignore = "long: run by the gate"]
+fn split_and_nv_have_their_orders_with_friction_on_momenta() {
+    let y0 = [0.5, 0.0, 0.1, 0.4];
+    let problem = |rate| Problem::new(Chain, Constant::new(rate).unwrap(), y0, 1.0).unwrap();
+    let (without, damped) = (problem(0.0), problem(0.4));
+    let friction =
+        |rate, components| Friction { damping: Arc::new(Constant::new(rate).unwrap()), components };
+    let both = [friction(0.7, vec![2]), friction(0.3, vec![3])];
+    let (split, nv) = (Split, Nv::default());
+    let key = StreamKey { seed: 1, experiment: 0 };
+    let sizes = StepSizes::new(8, Truncation::new(4).unwrap(), key);
+    // As with damping of all components.
+    for (problem, friction) in [(&without, &both[..]), (&damped, &[])] {
+        let [split, nv] = [Setup::of(problem, &split), Setup::of(problem, &nv)]
+            .map(|setup| setup.with_friction(friction));
+        for setup in [&split, &nv] {
+            let order = strong_order(setup, &sizes.clone().within(30_000_000)).unwrap();
+            assert_eq!(order.order(), Some(1.0), "{} {order}", setup.scheme.id());
+        }
+        let phi = Observable { name: "p₁", function: |y: [f64; 4]| y[2] };
+        let sizes = StepSizes::new(4, Truncation::new(4).unwrap(), key);
+        let order = weak_order(&nv, &phi, &sizes.within(300_000_000), None).unwrap();
+        // A lower order may hide in a tenth of the last difference.
+        let rate = order.rate.as_ref().unwrap();
+        assert!(rate.covers(2.0) && rate.lo > 1.5 && rate.hi < 2.5, "{order}");
+    }
+}
