@@ -10,6 +10,7 @@ dy = (B(y)∇H0(y) − γ(t) y) dt + Σ B(y)∇Hm(y) ∘ dWm in the sense of Str
 
 from ._core import __version__
 from ._errors import RunError, SceneError
+from ._referee import Level, Referee, Report, Seeds, one_step, verify_seeds
 from ._results import Comparison, Estimate, Expectation, Figure, Inspection, Order, Run, Statistics
 from ._scene import Scene, Sweep, scene, scenes, sweep
 from ._system import System
@@ -20,16 +21,22 @@ __all__ = [
     "Expectation",
     "Figure",
     "Inspection",
+    "Level",
     "Order",
+    "Referee",
+    "Report",
     "Run",
     "RunError",
     "Scene",
     "SceneError",
+    "Seeds",
     "Statistics",
     "Sweep",
     "System",
     "__version__",
+    "one_step",
     "scene",
     "scenes",
     "sweep",
+    "verify_seeds",
 ]

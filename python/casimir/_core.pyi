@@ -15,11 +15,14 @@ __all__ = [
     "equilibrium",
     "expect",
     "inspect",
+    "judge",
     "order",
     "run",
     "scene",
     "scenes",
     "schema",
+    "single_steps",
+    "solver_noise",
 ]
 
 __version__: str
@@ -58,6 +61,22 @@ def equilibrium(
 def order(given: _Given, path_steps: int, how: _How) -> _Found: ...
 def compare(given: _Given, error: float, budget: float, how: _How) -> _Found: ...
 def inspect(given: _Given, how: _How) -> _Found: ...
+_Sizes = tuple[int | None, int, int]
+_States = NDArray[np.float64]
+
+def solver_noise(
+    given: _Given, sizes: _Sizes, range: tuple[int, int]
+) -> tuple[list[dict[str, _States]], list[_States]]: ...
+def single_steps(
+    given: _Given, sizes: _Sizes
+) -> tuple[int, list[tuple[float, list[dict[str, _States]]]]]: ...
+def judge(
+    given: _Given,
+    sizes: _Sizes,
+    states: tuple[_States, Sequence[_States], Sequence[_States], Sequence[Sequence[_States]]],
+    said: tuple[float | None, float | None, bool, float, Sequence[float]],
+    how: _How,
+) -> _Found: ...
 def scenes() -> list[str]: ...
 def scene(name: str) -> str: ...
 def schema() -> str: ...

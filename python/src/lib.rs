@@ -2,6 +2,7 @@
 //! and figures come out. What Python sees of it is in `casimir/*.py`.
 
 mod call;
+mod referee;
 mod toml;
 
 use casimir::mc::parts::Job;
@@ -122,8 +123,9 @@ fn equilibrium<'py>(
     limits: (u64, u64),
     how: How,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let asked = exponents
-        .map_or(verbs::Asked::Averages, |(count, accuracy)| verbs::Asked::Exponents(count, accuracy));
+    let asked = exponents.map_or(verbs::Asked::Averages, |(count, accuracy)| {
+        verbs::Asked::Exponents(count, accuracy)
+    });
     on_scene(py, given, Changes::default(), how, true, move |scene, watch| {
         Ok(verbs::equilibrium(scene, asked, limits, None, watch)?.0)
     })
@@ -210,6 +212,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scenes, module)?)?;
     module.add_function(wrap_pyfunction!(scene, module)?)?;
     module.add_function(wrap_pyfunction!(schema, module)?)?;
+    module.add_function(wrap_pyfunction!(referee::solver_noise, module)?)?;
+    module.add_function(wrap_pyfunction!(referee::single_steps, module)?)?;
+    module.add_function(wrap_pyfunction!(referee::judge, module)?)?;
     module.add_function(wrap_pyfunction!(toml::changed, module)?)?;
     module.add_function(wrap_pyfunction!(toml::as_json, module)?)
 }

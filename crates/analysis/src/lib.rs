@@ -9,6 +9,7 @@
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`] | how it is measured |
 //! | [`Exact`] | an exact solution on sampled paths |
+//! | [`Referee`], [`SolverStates`], [`Judged`], [`LevelNoise`] | orders of solvers that are not ours |
 //! | [`inspect()`], [`facts::Facts`] | what a system is, and which statements apply |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`], [`aligned`], [`worse`] | moments; times; digits, tables |
@@ -28,8 +29,8 @@ pub use final_moments::{FinalMoments, FinalRows};
 pub use inspect::{InspectSettings, inspect};
 pub use number::{aligned, number};
 pub use orders::{
-    Decision, Exact, Limit, More, OneStep, Order, StepSizes, squared_distance, strong_order,
-    weak_order, wrong_limit,
+    Decision, Exact, Judged, LevelNoise, Limit, More, OneStep, Order, Referee, SolverStates,
+    StepSizes, VISITS, squared_distance, strong_order, weak_order, wrong_limit,
 };
 pub use stats::worse;
 pub use step_check::{

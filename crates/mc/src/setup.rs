@@ -260,6 +260,11 @@ impl<'a> Problem<'a> {
         [self.damping].into_iter().chain(friction)
     }
 
+    /// The states of 32 paths from path number `first` on at time 0.
+    pub fn start(&self, key: StreamKey, first: u64) -> Vec<Row> {
+        Initial::start(self.initial.as_ref(), &self.y0, key, first)
+    }
+
     /// The formulas of all dampings.
     pub fn describe_damping(&self) -> String {
         let of_all = self.damping.describe();

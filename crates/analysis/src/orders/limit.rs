@@ -78,6 +78,19 @@ pub fn wrong_limit(errors: &CrossMoments, differences: &CrossMoments) -> Option<
         .then_some(near.sqrt())
 }
 
+/// Whether errors against a reference, of which the error is about this, fall as differences of
+/// successive step sizes do.
+pub fn strong_limit(errors: &CrossMoments, differences: &CrossMoments, reference: f64) -> Limit {
+    let finest = errors.length() - 1;
+    let near = (errors.mean(finest) + half_width(errors, finest)).sqrt();
+    let own = TAIL * differences.mean(finest - 1).sqrt() + 2.0 * reference;
+    match wrong_limit(errors, differences) {
+        _ if near <= 2.0 * own => Limit::Agrees { distance: near },
+        Some(distance) => Limit::Differs { distance },
+        None => Limit::Unclear { distance: near },
+    }
+}
+
 /// The distance of the limit, |E[φ(y) − φ(x)]|, from the means of φ(y_k) − φ(y_{k+1}) and of that
 /// at the finest step, more than [`SPAN`] in all. The error is at most its last difference, as for
 /// order one, or half of the one before.

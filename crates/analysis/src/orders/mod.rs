@@ -23,6 +23,7 @@ mod exact;
 mod limit;
 mod one_step;
 mod order;
+mod referee;
 mod runs;
 mod step_sizes;
 mod steps;
@@ -38,6 +39,7 @@ pub use exact::Exact;
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
 pub use order::{squared_distance, strong_order, weak_order};
+pub use referee::{Judged, LevelNoise, Referee, SolverStates, VISITS};
 pub use step_sizes::StepSizes;
 
 /// The order of one scheme, with what it rests on.

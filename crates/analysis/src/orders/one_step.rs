@@ -60,17 +60,25 @@ pub fn one_step(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit]) -> Optio
 }
 
 /// For a step size and factors of the noise, mean squares of differences and of states.
-type SquaresOf<'a> = dyn FnMut(f64, &[f64]) -> Vec<(f64, f64)> + 'a;
+pub type SquaresOf<'a> = dyn FnMut(f64, &[f64]) -> Vec<(f64, f64)> + 'a;
+
+/// The step sizes of single steps, coarsest first.
+pub fn taus(t_end: f64, sizes: &StepSizes) -> impl Iterator<Item = f64> {
+    let finest = t_end / sizes.reference_steps() as f64;
+    let coarser = sizes.level(0) as i32 / 2;
+    (-coarser..SCALES).map(move |scale| 0.25 * finest * f64::powi(0.25, scale))
+}
 
 /// The smallest clear order of a mean square of differences.
-fn least_order(t_end: f64, sizes: &StepSizes, squares_of: &mut SquaresOf<'_>) -> Option<OneStep> {
+pub fn least_order(
+    t_end: f64,
+    sizes: &StepSizes,
+    squares_of: &mut SquaresOf<'_>,
+) -> Option<OneStep> {
     let mut squares = AMPLIFICATIONS.map(|_| Vec::new());
     // The factors for which rounding does not show yet.
     let mut left: Vec<usize> = (0..AMPLIFICATIONS.len()).collect();
-    let finest = t_end / sizes.reference_steps() as f64;
-    let coarser = sizes.level(0) as i32 / 2;
-    for scale in -coarser..SCALES {
-        let tau = 0.25 * finest * f64::powi(0.25, scale);
+    for tau in taus(t_end, sizes) {
         let factors: Vec<f64> = left.iter().map(|&n| AMPLIFICATIONS[n]).collect();
         let mut found = squares_of(tau, &factors).into_iter();
         left.retain(|&n| {
@@ -124,7 +132,8 @@ fn differences(
     let mut sums = vec![(0.0, 0.0, 0.0); amplifications.len()];
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
         let first_path = block * WIDTH as u64;
-        let draw = |&factor: &f64| two_steps(setup, key, first_path, 0.5 * tau, factor);
+        let (noises, areas) = (setup.problem.noises, setup.scheme.reads_areas());
+        let draw = |&factor: &f64| two_steps(noises, areas, key, first_path, 0.5 * tau, factor);
         let drawn: Vec<[StepNoise; 2]> = amplifications.iter().map(draw).collect();
         for (p, visit) in visits.iter().enumerate() {
             for (lane, drawn) in drawn.iter().enumerate() {
@@ -146,20 +155,23 @@ fn differences(
 
 /// The noise of two steps τ of 32 paths, times a factor. Areas have one term of their series, since
 /// one step and two half steps share them and only their law is that of the series.
-fn two_steps(
-    Setup { problem, scheme }: &Setup<'_>,
+pub fn two_steps(
+    noises: usize,
+    areas: bool,
     key: StreamKey,
     first_path: u64,
     tau: f64,
     factor: f64,
 ) -> [StepNoise; 2] {
     let mut wiener = WienerRows::new(key, first_path);
-    let areas = || AreaSampler::new(key, first_path, problem.noises, 1);
-    let mut areas = scheme.reads_areas().then(areas);
+    let mut areas = areas.then(|| AreaSampler::new(key, first_path, noises, 1));
     // Brownian motion times a factor is Brownian motion of another time.
     let time = tau * factor * factor;
     [(); 2].map(|()| {
-        let mut noise = scheme.no_noise(problem.noises);
+        let mut noise = match areas {
+            Some(_) => StepNoise::with_areas(noises),
+            None => StepNoise::zero(noises),
+        };
         wiener.increments(time.sqrt(), &mut noise.increments);
         if let Some(areas) = &mut areas {
             areas.areas(time, &noise.increments, &mut noise.areas);

@@ -7,7 +7,7 @@ use stats::{
 };
 
 use super::{
-    Decision, Exact, Order, StepSizes,
+    Decision, Exact, Limit, OneStep, Order, StepSizes,
     consistency::consistency,
     decision::{self, More, undecided},
     limit::weak_limit,
@@ -90,8 +90,8 @@ fn once(
     exact: Option<&Exact<'_>>,
 ) -> Result<Order, LadderError> {
     // Three differences and their order, or four.
-    let (number, weak) = (sizes.sizes(), usize::from(observable.is_some()));
-    sizes.check(4 + weak)?;
+    let (number, one_more) = (sizes.sizes(), usize::from(observable.is_some()));
+    sizes.check(4 + one_more)?;
     let values = |view: &View<'_>, numbers: &mut [Row]| {
         let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
         let Some(observable) = observable else {
@@ -110,7 +110,7 @@ fn once(
     };
     let measured = |samples| {
         let sizes = StepSizes { samples, ..sizes.clone() };
-        measure(setup, &sizes, exact.map(|exact| exact.time_change), number - 1 + weak, &values)
+        measure(setup, &sizes, exact.map(|exact| exact.time_change), number - 1 + one_more, &values)
     };
     let mut measurement = measured(sizes.samples.min(FEW))?;
     if 2 * measurement.failed <= sizes.samples.min(FEW) {
@@ -124,51 +124,76 @@ fn once(
     let visits = visits(setup, sizes, VISITS)?;
     let limit = match exact {
         Some(_) => weak_limit(&moments),
-        None => consistency(setup, sizes, &visits, weak > 0),
+        None => consistency(setup, sizes, &visits, one_more > 0),
     };
     let taus = sizes.taus(setup.problem.t_end);
-    let (points, mut rate, one_step, mut decision);
-    if let Some(observable) = observable {
+    let mut order = if let Some(observable) = observable {
         // Errors at all step sizes, or differences at all but the finest.
         let (fitted, against) = match exact {
             Some(_) => (errors(number, &moments), Against::Exact),
             None => (moments.part(0..number - 1), Against::HalfStep),
         };
-        let (means, mut covariance) = (fitted.means(), fitted.covariances_of_means());
-        for (l, mean) in means.iter().enumerate() {
-            covariance[l][l] += (MODEL_ERROR * mean).powi(2);
-        }
-        let taus = &taus[..means.len()];
-        points = mean_points(taus, &fitted);
-        rate = fit_weak(taus, &means, &covariance, against, Expansion::EveryPower);
-        one_step = None;
-        let share = |order| lower_share(taus, &means, &covariance, order, against);
         let y0: Vec<Row> = setup.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
         let size = evaluate(observable, &y0, PathMask::first(1))[0];
-        decision = match decision::weak(rate.as_ref(), share, limit) {
-            Decision::WrongLimit => Decision::WrongLimit,
-            _ if decision::kept(&fitted, sizes.reference_steps(), size) => Decision::Kept,
-            decision => decision,
-        };
+        let rounding = (sizes.reference_steps(), size);
+        weak(&taus[..fitted.length()], &fitted, against, limit, rounding)
     } else {
-        let taus = &taus[..number - 1];
-        points = root_mean_squares(taus, &moments);
-        rate = fit_strong(taus, &moments);
-        one_step = one_step_of(setup, sizes, &visits);
-        decision = decision::strong(rate.as_ref(), one_step, limit);
-    }
+        strong(&taus[..number - 1], &moments, one_step_of(setup, sizes, &visits), limit)
+    };
     if let Some(defect) = sizes.damping(setup) {
         let because = format!("the steps resolve the damping to {defect:.1e} only");
-        decision = undecided(More::Steps, because);
+        order.decision = undecided(More::Steps, because);
     }
-    if let Some(rate) = &mut rate {
-        decision.settle(rate);
+    Ok(Order { failed, ..order }.settled())
+}
+
+/// The strong order from squared differences of successive step sizes.
+pub fn strong(
+    taus: &[f64],
+    squares: &CrossMoments,
+    one_step: Option<OneStep>,
+    limit: Limit,
+) -> Order {
+    let (points, rate) = (root_mean_squares(taus, squares), fit_strong(taus, squares));
+    let decision = decision::strong(rate.as_ref(), one_step, limit);
+    Order { points, rate, one_step, limit, decision, failed: 0 }
+}
+
+/// The weak order from differences of successive step sizes, or errors, of a function of this size
+/// after so many steps.
+pub fn weak(
+    taus: &[f64],
+    fitted: &CrossMoments,
+    against: Against,
+    limit: Limit,
+    (steps, size): (u64, f64),
+) -> Order {
+    let (means, mut covariance) = (fitted.means(), fitted.covariances_of_means());
+    for (l, mean) in means.iter().enumerate() {
+        covariance[l][l] += (MODEL_ERROR * mean).powi(2);
     }
-    Ok(Order { points, rate, one_step, limit, decision, failed })
+    let rate = fit_weak(taus, &means, &covariance, against, Expansion::EveryPower);
+    let share = |order| lower_share(taus, &means, &covariance, order, against);
+    let decision = match decision::weak(rate.as_ref(), share, limit) {
+        Decision::WrongLimit => Decision::WrongLimit,
+        _ if decision::kept(fitted, steps, size) => Decision::Kept,
+        decision => decision,
+    };
+    Order { points: mean_points(taus, fitted), rate, one_step: None, limit, decision, failed: 0 }
+}
+
+impl Order {
+    /// With the interval of the rate and its warning as the decision wants them.
+    pub fn settled(mut self) -> Self {
+        if let Some(rate) = &mut self.rate {
+            self.decision.settle(rate);
+        }
+        self
+    }
 }
 
 /// φ of the paths that are live.
-fn evaluate(observable: &dyn Observe, y: &[Row], live: PathMask) -> Row {
+pub fn evaluate(observable: &dyn Observe, y: &[Row], live: PathMask) -> Row {
     let mut values = [0.0; WIDTH];
     observable.evaluate(y, live, &mut values);
     values

@@ -4,6 +4,7 @@ mod compare;
 mod expect;
 mod inspect;
 mod order;
+mod referee;
 mod run;
 mod stationary;
 
@@ -18,6 +19,7 @@ pub use compare::compare;
 pub use expect::expect;
 pub use inspect::inspect;
 pub use order::order;
+pub use referee::{Claims, Measure, SINGLE_STATES, judge, single_steps, solver_noise};
 pub use run::{Outcomes, Ready, Results, compute, ready};
 pub use stationary::{Asked, equilibrium};
 

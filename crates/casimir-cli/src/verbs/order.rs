@@ -7,7 +7,7 @@ use casimir::{
     mc::Setup,
     plot::{Kind, Series, figure::convergence},
 };
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{Found, Watch, coarsest_steps, scheme, warnings};
 use crate::{
@@ -56,32 +56,44 @@ pub fn order(scene: &Scene, path_steps: u64, watch: &Watch) -> Done<Found> {
     {
         text += &format!("{kind}, {quantity}: {order}\n");
     }
-    let series = |(quantity, order): &Measured| Series {
-        scheme: scheme.clone(),
-        quantity: quantity.clone(),
-        points: order.points.clone(),
-        rate: order.rate.clone(),
-        ..Series::default()
-    };
-    let drawn = |file: &str, title, kind, series: &[Series]| Drawn {
-        file: file.into(),
-        svg: convergence(title, kind, series),
-        caption: format!("{title} against the step, 95 % intervals."),
-    };
-    let weak_series = weak.iter().map(series).collect::<Vec<_>>();
-    let figures = vec![
-        drawn("strong", "Strong errors", Kind::Strong, &[series(&strong)]),
-        drawn("weak", "Weak errors", Kind::Weak, &weak_series),
-    ];
-    let described = |(quantity, order): &Measured| {
-        json!({
-            "quantity": quantity, "order": order.order(), "words": order.to_string(),
-            "rate": order.rate, "points": order.points, "failed_paths": order.failed,
-        })
-    };
+    let weak_series = weak.iter().map(|(quantity, order)| series(&scheme, quantity, order));
+    let figures = figures(series(&scheme, "y(T)", &strong.1), &weak_series.collect::<Vec<_>>());
+    let described = |(quantity, order): &Measured| described(quantity, order);
     let json = json!({
         "title": scene.title, "scheme": scheme, "because": because, "warnings": mistake,
         "strong": described(&strong), "weak": weak.iter().map(described).collect::<Vec<_>>(), "seconds": seconds,
     });
     Ok(Found { text, json, figures })
+}
+
+/// An order as a curve.
+pub fn series(scheme: &str, quantity: &str, order: &Order) -> Series {
+    Series {
+        scheme: scheme.into(),
+        quantity: quantity.into(),
+        points: order.points.clone(),
+        rate: order.rate.clone(),
+        ..Series::default()
+    }
+}
+
+/// The figures of a strong order and of weak ones.
+pub fn figures(strong: Series, weak: &[Series]) -> Vec<Drawn> {
+    let drawn = |file: &str, title, kind, series: &[Series]| Drawn {
+        file: file.into(),
+        svg: convergence(title, kind, series),
+        caption: format!("{title} against the step, 95 % intervals."),
+    };
+    vec![
+        drawn("strong", "Strong errors", Kind::Strong, &[strong]),
+        drawn("weak", "Weak errors", Kind::Weak, weak),
+    ]
+}
+
+/// An order for programs.
+pub fn described(quantity: &str, order: &Order) -> Value {
+    json!({
+        "quantity": quantity, "order": order.order(), "words": order.to_string(),
+        "rate": order.rate, "points": order.points, "failed_paths": order.failed,
+    })
 }
