@@ -39,7 +39,10 @@ class Level:
         return len(self.dW)
 
     def __repr__(self) -> str:
-        return f"Level: {self.steps} steps of {self.dt:g} on {len(self.y0)} paths"
+        what, number, first = self._place
+        paths = "states" if what == "single" else f"paths from {first} on"
+        again = ", again" if what == "again" else ""
+        return f"Level: {self.steps} steps of {self.dt:g} on {len(self.y0)} {paths}{again}"
 
 
 class Report(Result):
@@ -152,7 +155,7 @@ class Referee:
         ``seconds`` of the solver are those since the level was given, unless set.
         """
         if not isinstance(level, Level) or level._place not in self._open:
-            raise SceneError(f"{level!r} is not asked for: add(level, y), once for each level of the loop")
+            raise SceneError(f"{level!r} was answered already, or is not of this loop")
         if seconds is None:
             seconds = time.perf_counter() - level.begun
         if y is None:
@@ -163,17 +166,17 @@ class Referee:
         if array.ndim == 3 and len(array) == level.steps + 1 and np.array_equal(array[0], level.y0):
             array = array[-1]
         if array.shape != level.y0.shape:
-            raise SceneError(
-                f"states are [path, component], {level.y0.shape}, got {array.shape}; of a map that makes "
-                "one step casimir.one_step(step) is the solver"
-            )
+            hint = "; of a map that makes one step take casimir.one_step(step)" if array.ndim == 3 else ""
+            raise SceneError(f"states are [path, component], {level.y0.shape}, got {array.shape}{hint}")
         if array.dtype != np.float64:
             raise SceneError(
                 f"states are float64, got {array.dtype}; rounding of float32 hides orders: "
-                'jax.config.update("jax_enable_x64", True), torch.float64'
+                'y.astype(float), jax.config.update("jax_enable_x64", True), torch.float64'
             )
         array = np.array(array)
-        what, number, place = level._place
+        what, number, _ = level._place
+        if what == "again" and not self._states[0]:
+            raise SceneError(f"no answer to the level before {level!r}, which is the same")
         if what == "single":
             self._single[number].append(array)
         elif what == "again":
@@ -197,13 +200,21 @@ class Referee:
             with np.errstate(all="ignore" if level._place[0] == "single" else None):
                 y = solver(level.y0, level.dt, *noise)
             self.add(level, y)
+        claims.setdefault("same_step", getattr(solver, "same_step", False))
         return self.report(**claims)
 
     def report(
-        self, *, strong: float | None = None, weak: float | None = None, keeps: bool = False
+        self,
+        *,
+        strong: float | None = None,
+        weak: float | None = None,
+        keeps: bool = False,
+        same_step: bool = False,
     ) -> Report:
         """What the answers show. ``strong`` and ``weak`` are orders that the solver claims to have,
-        ``keeps`` that it keeps the laws of the scene: each is confirmed, refuted, or undecided."""
+        ``keeps`` that it keeps the laws of the scene: each is confirmed, refuted, or undecided. With
+        ``same_step``, as of :func:`one_step`, all steps are the same map: single steps of a lower
+        order refute it even where paths do not show this yet."""
         if self._open:
             raise SceneError(f"no answer to {next(iter(self._open.values()))!r}: call add(level, y) for each")
         if not self._complete:
@@ -216,7 +227,7 @@ class Referee:
         )
         if not any(np.isfinite(level).all(axis=1).any() for level in states[1]):
             raise SceneError("no path of the solver came to its end: all states are NaN or infinite")
-        said = (strong, weak, keeps, self._own_noise, self._seconds)
+        said = (strong, weak, (keeps, same_step), self._own_noise, self._seconds)
         return Report(self.scene, _core.judge(self.scene, self._sizes, states, said, how(None, False)))
 
 
@@ -229,6 +240,7 @@ def one_step(step: Callable[..., Any]) -> Callable[..., Any]:
             y = step(y, dt, *now)
         return y
 
+    solver.same_step = True  # type: ignore[attr-defined]
     return solver
 
 
@@ -254,7 +266,7 @@ def verify_seeds(solver: Callable[..., Any], *, paths: int = 64, seed: int = 1, 
     order. If it has an argument ``threads`` it is called with one and with several, if it has
     ``steps`` and ``state`` half of the way and then the rest: ``solver(seed, paths, steps=(0.5, 1.0),
     state=before)`` goes on from what ``steps=(0.0, 0.5)`` gave. All that has to agree has to agree to
-    the bit; with another seed every path has to differ.
+    the bit; with another seed, and of other paths, no numbers may be the same.
     """
     numbers = np.arange(paths)
     known = inspect.signature(solver).parameters
@@ -263,26 +275,34 @@ def verify_seeds(solver: Callable[..., Any], *, paths: int = 64, seed: int = 1, 
 
     def call(seed: int, numbers: NDArray[np.intp], **more: Any) -> NDArray[Any]:
         y = np.asarray(solver(seed, numbers, **more))
-        if len(y) != len(numbers):
-            raise SceneError(f"solver(seed, paths) gave {len(y)} rows for {len(numbers)} paths")
+        if y.dtype == object or y.ndim == 0 or len(y) != len(numbers):
+            raise SceneError(f"solver(seed, paths) has no row for each of {len(numbers)} paths: {y!r:.60}")
+        if not np.isfinite(y).any():
+            raise SceneError("all states are NaN or infinite")
         return y.reshape(len(y), -1)
 
-    def check(what: str, a: NDArray[Any], b: NDArray[Any], *, same: bool = True) -> None:
-        wrong = ((a == b) | ((a != a) & (b != b))).all(axis=1) != same
-        found[what] = not wrong.any()
-        how_many = f"{int(wrong.sum())} of {len(wrong)} paths {'differ' if same else 'are the same'}"
-        words.append(f"{what}: {'holds' if found[what] else f'refuted, {how_many}'}")
+    def apart(what: str, a: NDArray[Any], b: NDArray[Any]) -> None:
+        rows = {row.tobytes() for row in a}
+        same = sum(row.tobytes() in rows for row in b)
+        found[what] = not same
+        words.append(f"{what}: {f'refuted, {same} of {len(b)} paths are the same' if same else 'holds'}")
+
+    def check(what: str, a: NDArray[Any], b: NDArray[Any]) -> None:
+        wrong = int((~((a == b) | ((a != a) & (b != b))).all(axis=1)).sum())
+        found[what] = not wrong
+        words.append(f"{what}: {f'refuted, {wrong} of {len(a)} paths differ' if wrong else 'holds'}")
 
     whole = call(seed, numbers)
     check("same seed, same bits", whole, call(seed, numbers))
-    check("another seed, other numbers", whole, call(seed + 1, numbers), same=False)
+    apart("another seed, other numbers", whole, call(seed + 1, numbers))
     half = paths // 2
+    apart("another path, other numbers", whole[:half], whole[half:])
     parts = [call(seed, part) for part in (numbers[half:], numbers[:half])]
     check("chunks in another order", whole, np.concatenate(parts[::-1]))
     if "threads" in known:
         check(f"1 and {threads} threads", *(call(seed, numbers, threads=n) for n in (1, threads)))
         other = call(seed + 1, numbers, threads=threads)
-        check(f"another seed on {threads} threads", whole, other, same=False)
+        apart(f"another seed on {threads} threads", whole, other)
     if {"steps", "state"} <= set(known):
         before = solver(seed, numbers, steps=(0.0, 0.5), state=None)
         check("restart in the middle", whole, call(seed, numbers, steps=(0.5, 1.0), state=before))

@@ -174,10 +174,10 @@ def test_what_is_no_answer_is_refused(kubo: casimir.Referee) -> None:
         kubo.add(level, level.y0 + level.dW)
     with pytest.raises(casimir.SceneError, match="lack a `return`"):
         kubo.add(level, None)
-    with pytest.raises(casimir.SceneError, match="no answer to Level: 16 steps of 0.125 on 1024 paths"):
+    with pytest.raises(casimir.SceneError, match="no answer to Level: 16 steps of 0.125 on 1024 paths from 0"):
         kubo.report()
     kubo.add(level, np.stack([level.y0] * 17))
-    with pytest.raises(casimir.SceneError, match="once for each"):
+    with pytest.raises(casimir.SceneError, match="answered already"):
         kubo.add(level, level.y0)
     with pytest.raises(casimir.SceneError, match="not run to its end"):
         kubo.report()
@@ -200,7 +200,7 @@ def test_seeds_that_are_kept_and_lost() -> None:
         return np.array([np.random.default_rng([seed, int(p)]).standard_normal() for p in paths])
 
     good = casimir.verify_seeds(exact)
-    assert good and len(good) == 5 and "no argument `state`" in repr(good)
+    assert good and len(good) == 6 and "no argument `state`" in repr(good)
 
     def one_thread_ignores(seed: int, paths: Array, threads: int = 1) -> Array:
         ends = np.zeros(len(paths))
@@ -225,6 +225,25 @@ def test_seeds_that_are_kept_and_lost() -> None:
 
     assert not casimir.verify_seeds(by_order)["chunks in another order"]
     assert not casimir.verify_seeds(lambda seed, paths: exact(1, paths))["another seed, other numbers"]
+    shifted = casimir.verify_seeds(lambda seed, paths: exact(1, seed + paths))
+    assert not shifted["another seed, other numbers"]
+    assert not casimir.verify_seeds(lambda seed, p: exact(seed, 0 * p))["another path, other numbers"]
+    with pytest.raises(casimir.SceneError, match="no row"):
+        casimir.verify_seeds(lambda seed, paths: None)
+
+
+def test_small_errors_and_special_steps(kubo: casimir.Referee) -> None:
+    def noisier(y: Array, dt: float, dW: Array) -> Array:
+        return kubo_heun(y, dt, 1.02 * dW)
+
+    report = kubo.judge(noisier, strong=1, weak=1)
+    assert report.verdicts["strong order"] == "refuted", report
+
+    def first_step_of_euler(y: Array, dt: float, dW: Array) -> Array:
+        return kubo_heun(kubo_euler(1.0)(y, dt, dW[:1]), dt, dW[1:])
+
+    # Its order is one, and single steps have ½: they are not those of the paths.
+    assert kubo.judge(first_step_of_euler, strong=1).verdicts["strong order"] != "refuted"
 
 
 def test_a_restart_is_compared_to_the_bit() -> None:

@@ -2,6 +2,8 @@
 //!
 //! Without one, [`consistency`](super::consistency()) sees it in single steps.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use stats::CrossMoments;
 
 /// Whether a scheme converges to the solution.
@@ -78,16 +80,24 @@ pub fn wrong_limit(errors: &CrossMoments, differences: &CrossMoments) -> Option<
         .then_some(near.sqrt())
 }
 
-/// Whether errors against a reference, of which the error is about this, fall as differences of
-/// successive step sizes do.
+/// Whether errors against a reference, of which the error is about this, are no more than the
+/// differences of successive step sizes leave: Σ_{j ≥ 1} rʲ times the last one, if they fall by r as
+/// the last two do, between 2^{−½} and ¼. Errors that are more and stay are those of another limit.
 pub fn strong_limit(errors: &CrossMoments, differences: &CrossMoments, reference: f64) -> Limit {
-    let finest = errors.length() - 1;
-    let near = (errors.mean(finest) + half_width(errors, finest)).sqrt();
-    let own = TAIL * differences.mean(finest - 1).sqrt() + 2.0 * reference;
-    match wrong_limit(errors, differences) {
-        _ if near <= 2.0 * own => Limit::Agrees { distance: near },
-        Some(distance) => Limit::Differs { distance },
-        None => Limit::Unclear { distance: near },
+    let (finest, last) = (errors.length() - 1, differences.length() - 1);
+    let end = |l: usize, side: f64| (errors.mean(l) + side * half_width(errors, l)).max(0.0).sqrt();
+    // All are zero where the solver is exact.
+    let before = differences.mean(last - 1).max(f64::MIN_POSITIVE);
+    let ratio = (differences.mean(last) / before).sqrt().clamp(0.25, FRAC_1_SQRT_2);
+    let left = differences.mean(last).sqrt() * ratio / (1.0 - ratio);
+    let (lo, hi) = (end(finest, -1.0), end(finest, 1.0));
+    let stays = errors.mean(finest) > LEFT * errors.mean(finest - 1);
+    if hi <= 1.5 * left + 2.0 * reference {
+        Limit::Agrees { distance: hi }
+    } else if stays && lo > 3.0 * (left + reference) {
+        Limit::Differs { distance: errors.mean(finest).sqrt() }
+    } else {
+        Limit::Unclear { distance: hi }
     }
 }
 

@@ -28,6 +28,12 @@ use super::{
 
 /// The bit of the experiment number that separates the streams of space-time areas.
 const SPACE_TIME_STREAM: u64 = 1 << 57;
+/// Factors of the noise of single steps; stronger noise would overflow solvers that do not expect it.
+const STRENGTHS: [f64; 3] = [1.0, 16.0, 256.0];
+/// States from which single steps start.
+pub const VISITS: usize = 64;
+/// Step sizes of single steps.
+const SINGLE: usize = 16;
 /// Paths that interpretations of the noise are compared on.
 const FEW: usize = 256;
 /// The part of a squared distance that an interpretation may leave.
@@ -62,7 +68,7 @@ impl LevelNoise {
     }
 
     /// Blocks of 32 paths side by side in each of these steps.
-    fn joined(blocks: &[Self], steps: usize) -> Self {
+    fn joined(blocks: &[&Self], steps: usize) -> Self {
         let of = |values: fn(&Self) -> &Vec<f64>| -> Vec<f64> {
             let mut all = Vec::new();
             for n in 0..steps {
@@ -80,6 +86,11 @@ impl LevelNoise {
             space_time: of(|block| &block.space_time),
         }
     }
+}
+
+/// |a − b|².
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
 /// The space-time area of two steps.
@@ -212,7 +223,7 @@ impl Referee<'_> {
             .map(|block| self.block(first + (block * WIDTH) as u64, steps, tau, terms))
             .collect();
         let of_level = |l: usize| {
-            let blocks: Vec<LevelNoise> = blocks.iter().map(|block| block[l].clone()).collect();
+            let blocks: Vec<&LevelNoise> = blocks.iter().map(|block| &block[l]).collect();
             LevelNoise::joined(&blocks, (sizes.coarsest_steps << l) as usize)
         };
         Ok((0..sizes.levels).map(of_level).collect())
@@ -313,7 +324,11 @@ impl Referee<'_> {
             blocks[0].push(whole);
             blocks[1].push(both);
         }
-        [LevelNoise::joined(&blocks[0], 1), LevelNoise::joined(&blocks[1], 2)]
+        let joined = |number: usize| {
+            let blocks: Vec<&LevelNoise> = blocks[number].iter().collect();
+            LevelNoise::joined(&blocks, number + 1)
+        };
+        [joined(0), joined(1)]
     }
 
     /// What the states of a solver show of its strong order, of its weak order for functions, and
@@ -330,7 +345,6 @@ impl Referee<'_> {
         let (paths, failed): (Vec<usize>, Vec<usize>) =
             (0..states.start.len() / d).partition(finite);
         let of = |level: usize, path: usize| &all[level][path * d..(path + 1) * d];
-        let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
         // Differences, errors against the reference, and one of the reference.
         let mut squares = CrossMoments::new(2 * levels);
         for &path in &paths {
@@ -385,7 +399,12 @@ impl Referee<'_> {
             let order = weak(taus, &fitted, Against::HalfStep, limit, (steps, size));
             (phi.name().to_owned(), Order { failed: strong.failed, ..order }.settled())
         });
-        let weak = weak.collect();
+        let weak: Vec<(String, Order)> = weak.collect();
+        // Paths that converge have means that converge.
+        let other = weak.iter().find(|(_, order)| matches!(order.limit, Limit::Differs { .. }));
+        if let Some((_, order)) = other {
+            (strong.limit, strong.decision) = (order.limit, Decision::WrongLimit);
+        }
         Judged {
             weak,
             errors: errors.means().into_iter().map(f64::sqrt).collect(),
@@ -408,7 +427,7 @@ impl Referee<'_> {
                 let pairs = one[range.clone()].chunks(d).zip(two[range].chunks(d));
                 let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
                 for (one, two) in pairs.filter(|(a, b)| a.iter().chain(*b).all(|y| y.is_finite())) {
-                    square += one.iter().zip(two).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+                    square += distance(one, two);
                     size += two.iter().map(|y| y * y).sum::<f64>();
                     count += 1.0;
                 }
@@ -448,33 +467,37 @@ impl Referee<'_> {
         let Self { setup: Setup { problem, .. }, sizes } = self;
         let (d, steps) = (problem.y0.len(), sizes.reference_steps());
         let tau = problem.t_end / steps as f64;
-        let few: Vec<usize> = paths.iter().copied().filter(|&path| path < FEW).collect();
-        let end = |path: usize, part: f64| -> Vec<f64> {
-            let block = (path / WIDTH * WIDTH) as u64;
+        let finest = states.levels.last()?;
+        // The squared distance from the ends of Euler's method, of the paths of a block.
+        let of_block = |part: f64, paths: &[usize]| -> f64 {
+            let block = (paths[0] / WIDTH * WIDTH) as u64;
             let mut wiener = WienerRows::new(sizes.key, block);
             let mut dw = vec![[0.0; WIDTH]; problem.noises];
-            let mut y = states.start[path * d..(path + 1) * d].to_vec();
+            let state = |path: &usize| states.start[path * d..(path + 1) * d].to_vec();
+            let mut ends: Vec<Vec<f64>> = paths.iter().map(state).collect();
             for n in 0..steps {
                 let t = n as f64 * tau;
                 wiener.increments(tau.sqrt(), &mut dw);
-                let at = (problem.coefficients)(t, &y);
                 // Friction is in the drift.
                 let rate = problem.damping.rate(t);
-                for i in 0..d {
-                    let drift = at.drift[i] + part * at.correction[i] - rate * y[i];
-                    let noise = at.noises.iter().zip(&dw).map(|(b, dw)| b[i] * dw[path % WIDTH]);
-                    y[i] += drift * tau + noise.sum::<f64>();
+                for (y, path) in ends.iter_mut().zip(paths) {
+                    let at = (problem.coefficients)(t, y);
+                    for i in 0..d {
+                        let drift = at.drift[i] + part * at.correction[i] - rate * y[i];
+                        let noises = at.noises.iter().zip(&dw);
+                        let noise: f64 = noises.map(|(b, dw)| b[i] * dw[path % WIDTH]).sum();
+                        y[i] += drift * tau + noise;
+                    }
                 }
             }
-            y
+            let found = paths.iter().map(|path| &finest[path * d..(path + 1) * d]);
+            found.zip(&ends).map(|(a, b)| distance(a, b)).sum()
         };
-        let finest = states.levels.last()?;
+        let few: Vec<usize> = paths.iter().copied().filter(|&path| path < FEW).collect();
+        let blocks: Vec<&[usize]> = few.chunk_by(|a, b| a / WIDTH == b / WIDTH).collect();
         let distance = |part: f64| -> f64 {
-            let of = |&path: &usize| -> f64 {
-                let found = &finest[path * d..(path + 1) * d];
-                found.iter().zip(end(path, part)).map(|(a, b)| (a - b).powi(2)).sum()
-            };
-            few.par_iter().map(of).collect::<Vec<f64>>().iter().sum()
+            let of_blocks = blocks.par_iter().map(|paths| of_block(part, paths));
+            of_blocks.collect::<Vec<f64>>().iter().sum()
         };
         let right = distance(1.0);
         let wrong = [
@@ -487,13 +510,6 @@ impl Referee<'_> {
         (least.0 < EXPLAINED * right).then_some(least.1)
     }
 }
-
-/// Factors of the noise of single steps; stronger noise would overflow solvers that do not expect it.
-const STRENGTHS: [f64; 3] = [1.0, 16.0, 256.0];
-/// States from which single steps start.
-pub const VISITS: usize = 64;
-/// Step sizes of single steps.
-const SINGLE: usize = 16;
 
 /// Final states of two runs by path.
 struct Ends {

@@ -34,14 +34,17 @@ pub struct Claims {
     pub weak: Option<f64>,
     /// Whether it keeps the laws of the scene.
     pub keeps: bool,
+    /// Whether it is the same map in each step, so that single steps show its order.
+    pub same_step: bool,
     /// How far apart two answers to the same noise were, as a part of the states.
     pub own_noise: f64,
     /// Seconds at each step size, none where they were not taken.
     pub seconds: Vec<f64>,
 }
 
-/// Confidence at which points contradict a claim.
+/// Confidence at which points contradict a claim, and how far below it they have to be.
 const CONTRADICTION: f64 = 0.999;
+const BELOW: f64 = 0.3;
 /// Halvings from the finest steps of a solver to those of the reference.
 const REFINEMENT: u32 = 3;
 
@@ -90,29 +93,27 @@ pub fn single_steps(scene: &Scene, measure: Measure) -> Done<Vec<(f64, [LevelNoi
 /// The number of states from which single steps begin.
 pub const SINGLE_STATES: usize = VISITS;
 
-/// What a claim has come to. Where no order is named, single steps of which every possible order is
-/// high enough confirm it; points and single steps that are both of a lower order refute it, and so
-/// do points alone that are lower by a half.
-fn verdict(order: &Order, claimed: f64) -> &'static str {
+/// What a claim has come to. A lower order that paths do not contradict counts if all steps are the
+/// same map, as single steps are. Where no order is named, single steps of which every possible order is high enough
+/// confirm the claim, and points that are clearly lower refute it.
+fn verdict(order: &Order, claimed: f64, same_step: bool) -> &'static str {
+    let rate = order.rate.as_ref().filter(|rate| !rate.misfits());
+    let reaches = rate.map_or(f64::NAN, |rate| rate.interval(CONTRADICTION).1);
+    let possible = || order.one_step.iter().flat_map(|step| step.strong_orders());
+    let agrees = matches!(order.limit, Limit::Agrees { .. });
     match order.decision {
         Decision::Order { order, .. } if order >= claimed => "confirmed",
         Decision::Kept => "confirmed",
-        Decision::Order { .. } | Decision::WrongLimit => "refuted",
-        Decision::Undecided { .. } => {
-            let Some(rate) = order.rate.as_ref().filter(|rate| !rate.misfits()) else {
-                return "cannot tell";
-            };
-            let possible = || order.one_step.iter().flat_map(|step| step.strong_orders());
-            let (least, most) = (possible().reduce(f64::min), possible().reduce(f64::max));
-            let reaches = rate.interval(CONTRADICTION).1;
-            let agrees = matches!(order.limit, Limit::Agrees { .. });
-            match (least, most) {
-                (Some(least), _) if agrees && least >= claimed && reaches >= claimed => "confirmed",
-                (_, Some(most)) if most < claimed && reaches < claimed => "refuted",
-                (None, _) if reaches < claimed - 0.5 => "refuted",
-                _ => "cannot tell",
-            }
+        Decision::WrongLimit => "refuted",
+        Decision::Order { .. } if same_step || reaches < claimed => "refuted",
+        _ if reaches < claimed - BELOW => "refuted",
+        _ if agrees
+            && reaches >= claimed
+            && possible().reduce(f64::min).is_some_and(|least| least >= claimed) =>
+        {
+            "confirmed"
         }
+        _ => "cannot tell",
     }
 }
 
@@ -163,7 +164,12 @@ pub fn judge(
     };
     let claimed = match claims.strong {
         Some(_) if own_noise => "refuted",
-        claim => claim.map_or("", |claim| verdict(strong, claim)),
+        claim => claim.map_or("", |claim| verdict(strong, claim, claims.same_step)),
+    };
+    let undecided = matches!(strong.decision, Decision::Undecided { .. });
+    let strong_words = match claimed {
+        "confirmed" if undecided => format!("no less; by itself {strong_words}"),
+        _ => strong_words,
     };
     say("strong order".into(), claims.strong.map(|c| c.to_string()), claimed, strong_words);
     for (name, order) in weak {
@@ -174,10 +180,10 @@ pub fn judge(
             _ => strong.order().map_or(0.0, |order| order.max(1.0)),
         };
         let follows = |claim| !own_noise && shown >= claim;
-        let (claimed, words) = match claims.weak.map(|claim| (claim, verdict(order, claim))) {
+        let (claimed, words) = match claims.weak.map(|claim| (claim, verdict(order, claim, true))) {
             Some((claim, "cannot tell")) if follows(claim) => (
                 "confirmed",
-                "implied by the strong order, for steps that are smooth in ΔW; measured: ",
+                "implied by the strong order, for steps that are smooth in ΔW; by itself ",
             ),
             claimed => (claimed.map_or("", |(_, verdict)| verdict), ""),
         };
