@@ -94,9 +94,10 @@ pub fn single_steps(scene: &Scene, measure: Measure) -> Done<Vec<(f64, [LevelNoi
 pub const SINGLE_STATES: usize = VISITS;
 
 /// What a claim has come to. A lower order that paths do not contradict counts if all steps are the
-/// same map, as single steps are. Where no order is named, single steps of which every possible order is high enough
-/// confirm the claim, and points that are clearly lower refute it.
-fn verdict(order: &Order, claimed: f64, same_step: bool) -> &'static str {
+/// same map, as single steps are. Where no order is named, single steps confirm the claim of which
+/// every possible order is high enough, and points of paths that are clearly lower refute it. Those
+/// of means may follow another power, where their error changes its sign.
+fn verdict(order: &Order, claimed: f64, same_step: bool, of_paths: bool) -> &'static str {
     let rate = order.rate.as_ref().filter(|rate| !rate.misfits());
     let reaches = rate.map_or(f64::NAN, |rate| rate.interval(CONTRADICTION).1);
     let possible = || order.one_step.iter().flat_map(|step| step.strong_orders());
@@ -106,7 +107,7 @@ fn verdict(order: &Order, claimed: f64, same_step: bool) -> &'static str {
         Decision::Kept => "confirmed",
         Decision::WrongLimit => "refuted",
         Decision::Order { .. } if same_step || reaches < claimed => "refuted",
-        _ if reaches < claimed - BELOW => "refuted",
+        _ if of_paths && reaches < claimed - BELOW => "refuted",
         _ if agrees
             && reaches >= claimed
             && possible().reduce(f64::min).is_some_and(|least| least >= claimed) =>
@@ -164,7 +165,7 @@ pub fn judge(
     };
     let claimed = match claims.strong {
         Some(_) if own_noise => "refuted",
-        claim => claim.map_or("", |claim| verdict(strong, claim, claims.same_step)),
+        claim => claim.map_or("", |claim| verdict(strong, claim, claims.same_step, true)),
     };
     let undecided = matches!(strong.decision, Decision::Undecided { .. });
     let strong_words = match claimed {
@@ -180,13 +181,14 @@ pub fn judge(
             _ => strong.order().map_or(0.0, |order| order.max(1.0)),
         };
         let follows = |claim| !own_noise && shown >= claim;
-        let (claimed, words) = match claims.weak.map(|claim| (claim, verdict(order, claim, true))) {
-            Some((claim, "cannot tell")) if follows(claim) => (
-                "confirmed",
-                "implied by the strong order, for steps that are smooth in ΔW; by itself ",
-            ),
-            claimed => (claimed.map_or("", |(_, verdict)| verdict), ""),
-        };
+        let (claimed, words) =
+            match claims.weak.map(|claim| (claim, verdict(order, claim, true, false))) {
+                Some((claim, "cannot tell")) if follows(claim) => (
+                    "confirmed",
+                    "implied by the strong order, for steps that are smooth in ΔW; by itself ",
+                ),
+                claimed => (claimed.map_or("", |(_, verdict)| verdict), ""),
+            };
         let what = format!("weak order of E[{name}]");
         let words = words.to_owned() + &with_reference(order);
         say(what, claims.weak.map(|c| c.to_string()), claimed, words);
