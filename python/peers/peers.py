@@ -329,7 +329,7 @@ def main():
             print(f"{package} {name} on {label}: {verdict['words']}", file=sys.stderr)
             steps = [problem.until / tau for tau in found.data["steps"]]
             ns.append(found.data["seconds"][-1] / (paths * steps[-1]) * 1e9)
-            if label == "Kubo":
+            if label == "Kubo" and verdict["verdict"] != "refuted":
                 weak = weak_cost(found.data, ns[-1], problem)
             if label == "rigid body":
                 cost = f"{seconds_at(found, TARGET):.0f}"
