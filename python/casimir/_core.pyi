@@ -74,7 +74,7 @@ def judge(
     given: _Given,
     sizes: _Sizes,
     states: tuple[_States, Sequence[_States], Sequence[_States], Sequence[Sequence[_States]]],
-    said: tuple[float | None, float | None, Sequence[bool], float, Sequence[float]],
+    said: tuple[float | None, float | None, Sequence[bool], Sequence[float]],
     how: _How,
 ) -> _Found: ...
 def scenes() -> list[str]: ...

@@ -88,9 +88,9 @@ pub fn single_steps<'py>(
     Ok((verbs::SINGLE_STATES, steps.into_iter().map(of).collect::<PyResult<_>>()?))
 }
 
-/// What is said of a solver: strong and weak order, whether it keeps laws and whether all steps are
-/// the same map; how far apart two answers to the same noise were; seconds at each step size.
-type Said = (Option<f64>, Option<f64>, [bool; 2], f64, Vec<f64>);
+/// What is said of a solver: strong and weak order; whether it keeps laws, all steps are the same map,
+/// and two answers to the same noise differed; seconds at each step size.
+type Said = (Option<f64>, Option<f64>, [bool; 3], Vec<f64>);
 
 /// Judges states: at time 0, at each step size, by the reference, and after single steps.
 #[pyfunction]
@@ -110,7 +110,7 @@ pub fn judge<'py>(
         reference: reference.map(of),
         single: single.into_iter().map(|pair| pair.map(of)).collect(),
     };
-    let (strong, weak, [keeps, same_step], own_noise, seconds) = said;
+    let (strong, weak, [keeps, same_step, own_noise], seconds) = said;
     let claims = Claims { strong, weak, keeps, same_step, own_noise, seconds };
     let source = given.source();
     watched(py, &given.text, how.threads, how.show, false, move |_| {

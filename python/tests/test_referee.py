@@ -181,8 +181,18 @@ def test_what_is_no_answer_is_refused(kubo: casimir.Referee) -> None:
         kubo.add(level, level.y0)
     with pytest.raises(casimir.SceneError, match="not run to its end"):
         kubo.report()
-    with pytest.raises(casimir.SceneError, match="all states are NaN"):
+    with pytest.raises(casimir.SceneError, match="no path is finite"):
         kubo.judge(lambda y, dt, dW: y * np.nan)
+
+
+def test_paths_that_fail_decide_nothing(kubo: casimir.Referee) -> None:
+    def explodes(y: Array, dt: float, dW: Array) -> Array:
+        end = kubo_heun(y, dt, dW)
+        end[::5] = np.nan if dt > 0.1 else end[::5]
+        return end
+
+    report = kubo.judge(explodes, strong=1, weak=1)
+    assert report.verdicts["strong order"] == "cannot tell" and "205 of 1024 paths failed" in report.text
 
 
 def walk(seed: int, paths: Array, steps: Any = (0.0, 1.0), state: Any = None) -> Array:

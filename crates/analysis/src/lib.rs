@@ -9,7 +9,7 @@
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`] | how it is measured |
 //! | [`Exact`] | an exact solution on sampled paths |
-//! | [`Referee`], [`SolverStates`], [`Judged`], [`LevelNoise`] | orders of solvers that are not ours |
+//! | [`Referee`], [`SolverStates`], [`Judged`], [`Verdict`] | orders of solvers that are not ours |
 //! | [`inspect()`], [`facts::Facts`] | what a system is, and which statements apply |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`], [`aligned`], [`worse`] | moments; times; digits, tables |
@@ -30,7 +30,7 @@ pub use inspect::{InspectSettings, inspect};
 pub use number::{aligned, number};
 pub use orders::{
     Decision, Exact, Judged, LevelNoise, Limit, More, OneStep, Order, Referee, SolverStates,
-    StepSizes, VISITS, squared_distance, strong_order, weak_order, wrong_limit,
+    StepSizes, VISITS, Verdict, squared_distance, strong_order, weak_order, wrong_limit,
 };
 pub use stats::worse;
 pub use step_check::{

@@ -12,9 +12,13 @@ pub type NextNoise = Box<dyn FnMut(&mut StepNoise) + Send>;
 /// From the number of the first path of a block to the untruncated noise of its 32 paths.
 pub type NoiseSource<'a> = Box<dyn Fn(u64) -> NextNoise + Sync + 'a>;
 
-/// Increments drawn from the streams of a key; with `area_noises` the Lévy areas of so many noises,
-/// whose error is at most τ^{3/2}, as strong order 1 requires.
-pub(crate) fn drawn(
+/// The noise of a [`Ladder`](crate::Ladder) on finest steps τ: increments drawn from the streams of
+/// a key; with `area_noises` the Lévy areas of so many noises, whose error is at most τ^{3/2}, as
+/// strong order 1 requires.
+///
+/// # Errors
+/// [`LadderError`] if areas would take too many terms.
+pub fn drawn(
     key: StreamKey,
     tau: f64,
     area_noises: Option<usize>,

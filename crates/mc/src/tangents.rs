@@ -12,9 +12,9 @@ use schemes::{Method, Step, Stepper};
 /// Giorgilli and Strelcyn, *Meccanica* 15, 1980); last the sum of these.
 ///
 /// A tangent vector v is carried along by the difference of a step from y + δv and one from y, both
-/// with the same noise, over δ = √(10⁻¹⁵ ab) with the largest component a of y and the largest change
-/// b of a component in a step so far: in between what rounds and what bends, also far from zero. At
-/// first, and at rest, δ is 10⁻⁷ times a, or one.
+/// with the same noise, over δ = √(10⁻¹⁵ ab) with the largest component a of y and the largest
+/// change b of a component in a step so far: in between what rounds and what bends, also far from
+/// zero. At first, and at rest, δ is 10⁻⁷ times a, or one.
 pub struct Tangents<'a> {
     /// The method.
     pub method: Arc<dyn Method + 'a>,

@@ -182,9 +182,9 @@ impl fmt::Display for Order {
             Limit::Consistent { defect } => write!(f, "; right in one step to {defect:.0e}"),
             Limit::Inconsistent { defect } => write!(f, "; wrong in one step by {defect:.0e}"),
             Limit::Agrees { distance } | Limit::Unclear { distance } => {
-                write!(f, "; at most {distance:.1e} from the exact solution")
+                write!(f, "; at most {distance:.1e} from the reference")
             }
-            Limit::Differs { distance } => write!(f, "; {distance:.1e} from the exact solution"),
+            Limit::Differs { distance } => write!(f, "; {distance:.1e} from the reference"),
             Limit::Unchecked => f.write_str("; its limit was not compared"),
         }?;
         match failed {

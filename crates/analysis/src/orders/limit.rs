@@ -81,8 +81,10 @@ pub fn wrong_limit(errors: &CrossMoments, differences: &CrossMoments) -> Option<
 }
 
 /// Whether errors against a reference, of which the error is about this, are no more than the
-/// differences of successive step sizes leave: Σ_{j ≥ 1} rʲ times the last one, if they fall by r as
-/// the last two do, between 2^{−½} and ¼. Errors that are more and stay are those of another limit.
+/// differences of successive step sizes leave: Σ_{j ≥ 1} rʲ times the last one, if they fall by r
+/// as the last two do, between 2^{−½} and ¼. That bounds errors of a right limit, by the triangle
+/// inequality, where differences go on so; half as much more is left for those that do not yet.
+/// Errors of three times as much that stay are those of another limit.
 pub fn strong_limit(errors: &CrossMoments, differences: &CrossMoments, reference: f64) -> Limit {
     let (finest, last) = (errors.length() - 1, differences.length() - 1);
     let end = |l: usize, side: f64| (errors.mean(l) + side * half_width(errors, l)).max(0.0).sqrt();
@@ -159,6 +161,30 @@ mod tests {
             other => panic!("{other:?}"),
         };
         found == what && (of / distance - 1.0).abs() < 64.0 * f64::EPSILON.sqrt()
+    }
+
+    #[test]
+    fn errors_of_paths_are_what_differences_leave() {
+        // Differences fall by ½: those left are as large as the last, 1.
+        let of = |errors: [f64; 3], reference: f64| {
+            let errors = spread(errors.map(|error| error * error), [0.0; 3]);
+            strong_limit(&errors, &spread([4.0, 1.0], [0.0; 2]), reference)
+        };
+        assert!(is(of([4.0, 2.0, 1.0], 0.0), 'A', 1.0));
+        assert!(is(of([4.0, 2.0, 1.49], 0.0), 'A', 1.49));
+        assert!(is(of([4.0, 2.0, 1.51], 0.0), 'U', 1.51));
+        // The reference has an error, too.
+        assert!(is(of([4.0, 2.0, 1.69], 0.1), 'A', 1.69));
+        // Errors that stay at more than three times; those that fall to ½ in the square may be
+        // right.
+        assert!(is(of([3.2, 3.1, 3.01], 0.0), 'D', 3.01));
+        assert!(is(of([3.2, 3.1, 2.99], 0.0), 'U', 2.99));
+        assert!(is(of([8.0, 4.4, 3.1], 0.0), 'U', 3.1));
+        // Of a solver that is exact nothing is left.
+        let exact = spread([1e-8; 3], [0.0; 3]);
+        let none = spread([0.0; 2], [0.0; 2]);
+        assert!(is(strong_limit(&exact, &none, 1e-4), 'A', 1e-4));
+        assert!(is(strong_limit(&exact, &none, 1e-6), 'D', 1e-4));
     }
 
     #[test]

@@ -17,6 +17,7 @@
 //! A scheme and its problem are a [`Setup`](mc::Setup), of any dimension and with any number of
 //! noises.
 
+mod claim;
 mod consistency;
 mod decision;
 mod exact;
@@ -34,6 +35,7 @@ mod within;
 use mc::{LadderError, Setup};
 use stats::{Point, Rate};
 
+pub use claim::Verdict;
 pub use decision::{Decision, More};
 pub use exact::Exact;
 pub use limit::{Limit, wrong_limit};

@@ -11,16 +11,15 @@
 
 use std::sync::Arc;
 
-use mc::{Ladder, LadderError, Observe, Run, Setup, Statistic, View};
-use noise::{
-    AreaSampler, DyadicLadder, StepNoise, StreamKey, WienerRows, area_terms, strong_order_one_error,
-};
+use mc::{Ladder, LadderError, NextNoise, Observe, Run, Setup, Statistic, View, drawn};
+use noise::{DyadicLadder, StepNoise, StreamKey, WienerRows};
 use rayon::prelude::*;
 use real::{PathMask, Row, WIDTH};
 use stats::{Against, CrossMoments};
 
 use super::{
-    Decision, Limit, Order, StepSizes,
+    Decision, Limit, More, Order, StepSizes,
+    decision::undecided,
     limit::{strong_limit, weak_limit},
     one_step::{least_order, taus, two_steps},
     order::{evaluate, strong, weak},
@@ -28,7 +27,8 @@ use super::{
 
 /// The bit of the experiment number that separates the streams of space-time areas.
 const SPACE_TIME_STREAM: u64 = 1 << 57;
-/// Factors of the noise of single steps; stronger noise would overflow solvers that do not expect it.
+/// Factors of the noise of single steps; stronger noise would overflow solvers that do not expect
+/// it.
 const STRENGTHS: [f64; 3] = [1.0, 16.0, 256.0];
 /// States from which single steps start.
 pub const VISITS: usize = 64;
@@ -170,7 +170,8 @@ pub struct SolverStates {
     pub levels: Vec<Vec<f64>>,
     /// Those of the reference, and with steps twice as long.
     pub reference: [Vec<f64>; 2],
-    /// After one step, and after two half steps, at each of [`Referee::single_taus`].
+    /// After one step, and after two half steps, at each of [`Referee::single_taus`]; none of a
+    /// solver that draws noise of its own.
     pub single: Vec<[Vec<f64>; 2]>,
 }
 
@@ -181,6 +182,8 @@ pub struct Judged {
     pub strong: Order,
     /// The weak order of each function.
     pub weak: Vec<(String, Order)>,
+    /// The step sizes, coarsest first.
+    pub taus: Vec<f64>,
     /// Root mean squares of the errors against the reference, coarsest first.
     pub errors: Vec<f64>,
     /// That of the reference, about.
@@ -217,10 +220,14 @@ impl Referee<'_> {
         let sizes = &self.sizes;
         let steps = sizes.reference_steps();
         let tau = self.setup.problem.t_end / steps as f64;
-        let terms = area_terms(strong_order_one_error(tau), tau, self.noises())?;
+        let areas = (self.noises() > 1).then_some(self.noises());
+        let source = drawn(sizes.key, tau, areas)?;
         let blocks = (0..paths / WIDTH).into_par_iter();
         let blocks: Vec<_> = blocks
-            .map(|block| self.block(first + (block * WIDTH) as u64, steps, tau, terms))
+            .map(|block| {
+                let first = first + (block * WIDTH) as u64;
+                self.block(first, steps, tau, source(first))
+            })
             .collect();
         let of_level = |l: usize| {
             let blocks: Vec<&LevelNoise> = blocks.iter().map(|block| &block[l]).collect();
@@ -230,11 +237,9 @@ impl Referee<'_> {
     }
 
     /// The noise of 32 paths.
-    fn block(&self, first: u64, steps: u64, tau: f64, terms: usize) -> Vec<LevelNoise> {
+    fn block(&self, first: u64, steps: u64, tau: f64, mut next: NextNoise) -> Vec<LevelNoise> {
         let (sizes, noises) = (&self.sizes, self.noises());
         let (top, finest) = (sizes.level(0), sizes.refinement as usize);
-        let mut wiener = WienerRows::new(sizes.key, first);
-        let mut areas = (noises > 1).then(|| AreaSampler::new(sizes.key, first, noises, terms));
         let mut others = WienerRows::new(self.space_time_key(), first);
         let mut ladder = DyadicLadder::new(top, || self.no_noise());
         let zero = vec![[0.0; WIDTH]; noises];
@@ -242,12 +247,7 @@ impl Referee<'_> {
         let (mut whole, mut half) = (vec![zero.clone(); top + 1], vec![zero; top + 2]);
         let mut found = vec![LevelNoise::default(); sizes.levels];
         for _ in 0..steps {
-            let complete = ladder.push(|noise| {
-                wiener.increments(tau.sqrt(), &mut noise.increments);
-                if let Some(areas) = &mut areas {
-                    areas.areas(tau, &noise.increments, &mut noise.areas);
-                }
-            });
+            let complete = ladder.push(|noise| next(noise));
             others.increments((tau / 12.0).sqrt(), &mut whole[0]);
             for level in 1..=complete {
                 let dw = [ladder.first_half(level), ladder.whole(level - 1)];
@@ -361,14 +361,15 @@ impl Referee<'_> {
         let mut strong = strong(taus, &differences, self.one_step(&states.single), limit);
         strong.failed = failed.len() as u64;
         // Of a solver that is exact the differences are rounding errors.
-        let size: f64 = states.start.iter().map(|y| y * y).sum::<f64>() / paths.len() as f64;
+        let all_paths = paths.len() + failed.len();
+        let size: f64 = states.start.iter().map(|y| y * y).sum::<f64>() / all_paths as f64;
         let rounding = (ROUND_OFF * steps as f64).powi(2) * size;
         let exact = differences.means().into_iter().all(|square| square <= rounding);
         if exact && matches!(limit, Limit::Agrees { .. }) {
             strong.decision = Decision::Kept;
         }
         let solves = match limit {
-            Limit::Differs { .. } => self.solves(states, &paths),
+            Limit::Differs { .. } if !states.single.is_empty() => self.solves(states, &paths),
             _ => None,
         };
         let weak = observables.iter().map(|phi| {
@@ -397,16 +398,26 @@ impl Referee<'_> {
             let size = evaluate(*phi, &y0, PathMask::first(1))[0];
             let (fitted, limit) = (moments.part(0..levels - 1), weak_limit(&moments));
             let order = weak(taus, &fitted, Against::HalfStep, limit, (steps, size));
-            (phi.name().to_owned(), Order { failed: strong.failed, ..order }.settled())
+            (phi.name().to_owned(), Order { failed: failed.len() as u64, ..order })
         });
-        let weak: Vec<(String, Order)> = weak.collect();
+        let mut weak: Vec<(String, Order)> = weak.collect();
         // Paths that converge have means that converge.
         let other = weak.iter().find(|(_, order)| matches!(order.limit, Limit::Differs { .. }));
         if let Some((_, order)) = other {
             (strong.limit, strong.decision) = (order.limit, Decision::WrongLimit);
         }
+        // The rest says little about the solver.
+        if 10 * failed.len() > all_paths {
+            let because = format!("{} of {all_paths} paths failed", failed.len());
+            for order in [&mut strong].into_iter().chain(weak.iter_mut().map(|(_, order)| order)) {
+                (order.rate, order.one_step) = (None, None);
+                order.decision = undecided(More::Steps, because.clone());
+            }
+        }
+        let weak = weak.into_iter().map(|(name, order)| (name, order.settled())).collect();
         Judged {
             weak,
+            taus: sizes.taus(problem.t_end)[..levels].to_vec(),
             errors: errors.means().into_iter().map(f64::sqrt).collect(),
             reference_error,
             laws: self.laws(states, &paths),

@@ -124,7 +124,7 @@ fn order(decision: Decision, limit: Limit) -> Order {
 fn an_order_says_what_it_rests_on() {
     let shown = order(Decision::Order { order: 1.0, shown: true }, AGREES);
     let fitted = "fitted 1.25 [1.00, 1.50]";
-    let agrees = "at most 1.0e-3 from the exact solution";
+    let agrees = "at most 1.0e-3 from the reference";
     assert_eq!(shown.to_string(), format!("order 1; {fitted}; {agrees}"));
     assert_eq!(shown.order(), Some(1.0));
     let hidden = order(Decision::Order { order: 1.0, shown: false }, AGREES);
@@ -134,7 +134,7 @@ fn an_order_says_what_it_rests_on() {
     let failed = Order { failed: 3, ..hidden };
     assert_eq!(failed.to_string(), format!("{text}; 3 paths failed and are left out"));
     let wrong = order(Decision::WrongLimit, Limit::Differs { distance: 0.5 });
-    assert!(wrong.to_string().ends_with("; 5.0e-1 from the exact solution"), "{wrong}");
+    assert!(wrong.to_string().ends_with("; 5.0e-1 from the reference"), "{wrong}");
     assert_eq!(wrong.order(), None);
 }
 

@@ -1,9 +1,7 @@
 //! Orders of solvers that are not ours.
 
 use casimir::{
-    analysis::{
-        Decision, Judged, LevelNoise, Limit, Order, Referee, SolverStates, StepSizes, VISITS,
-    },
+    analysis::{Decision, Judged, LevelNoise, Referee, SolverStates, StepSizes, VISITS, Verdict},
     mc::Observe,
 };
 use serde_json::json;
@@ -36,15 +34,12 @@ pub struct Claims {
     pub keeps: bool,
     /// Whether it is the same map in each step, so that single steps show its order.
     pub same_step: bool,
-    /// How far apart two answers to the same noise were, as a part of the states.
-    pub own_noise: f64,
+    /// Whether two answers to the same noise differed.
+    pub own_noise: bool,
     /// Seconds at each step size, none where they were not taken.
     pub seconds: Vec<f64>,
 }
 
-/// Confidence at which points contradict a claim, and how far below it they have to be.
-const CONTRADICTION: f64 = 0.999;
-const BELOW: f64 = 0.3;
 /// Halvings from the finest steps of a solver to those of the reference.
 const REFINEMENT: u32 = 3;
 
@@ -93,31 +88,6 @@ pub fn single_steps(scene: &Scene, measure: Measure) -> Done<Vec<(f64, [LevelNoi
 /// The number of states from which single steps begin.
 pub const SINGLE_STATES: usize = VISITS;
 
-/// What a claim has come to. A lower order that paths do not contradict counts if all steps are the
-/// same map, as single steps are. Where no order is named, single steps confirm the claim of which
-/// every possible order is high enough, and points of paths that are clearly lower refute it. Those
-/// of means may follow another power, where their error changes its sign.
-fn verdict(order: &Order, claimed: f64, same_step: bool, of_paths: bool) -> &'static str {
-    let rate = order.rate.as_ref().filter(|rate| !rate.misfits());
-    let reaches = rate.map_or(f64::NAN, |rate| rate.interval(CONTRADICTION).1);
-    let possible = || order.one_step.iter().flat_map(|step| step.strong_orders());
-    let agrees = matches!(order.limit, Limit::Agrees { .. });
-    match order.decision {
-        Decision::Order { order, .. } if order >= claimed => "confirmed",
-        Decision::Kept => "confirmed",
-        Decision::WrongLimit => "refuted",
-        Decision::Order { .. } if same_step || reaches < claimed => "refuted",
-        _ if of_paths && reaches < claimed - BELOW => "refuted",
-        _ if agrees
-            && reaches >= claimed
-            && possible().reduce(f64::min).is_some_and(|least| least >= claimed) =>
-        {
-            "confirmed"
-        }
-        _ => "cannot tell",
-    }
-}
-
 /// Judges the states of a solver.
 ///
 /// # Errors
@@ -133,65 +103,55 @@ pub fn judge(
     let observables = scene.observables.iter().take(few).chain(&scene.expected);
     let observables: Vec<&dyn Observe> = observables.map(|phi| phi as _).collect();
     let found = referee.judge(&observables, states);
-    let Judged { strong, weak, errors, reference_error, laws, solves } = &found;
-    let taus: Vec<f64> = (0..measure.levels)
-        .map(|l| scene.settings.until / (referee.sizes.coarsest_steps << l) as f64)
-        .collect();
-    // Rounding in another order of sums is no noise.
-    let own_noise = claims.own_noise > 1e-6;
+    let Judged { strong, weak, taus, errors, reference_error, laws, solves } = &found;
+    let own_noise = claims.own_noise;
     let (mut text, mut verdicts) = (String::new(), Vec::new());
-    let mut say = |what: String, claimed: Option<String>, verdict: &str, words: String| {
-        let claim = claimed.as_ref().map_or(String::new(), |c| format!(" {c}: {verdict}"));
-        text += &format!("{what}{claim}: {words}\n");
-        let claim = claimed.is_some().then_some(verdict);
-        verdicts
-            .push(json!({ "what": what, "claimed": claimed, "verdict": claim, "words": words }));
-    };
-    let with_reference = |order: &Order| {
-        let words = order.to_string().replace("the exact solution", "the reference");
-        words.replace("no order: the scheme converges to something else; ", "another limit; ")
-    };
-    let strong_words = match (own_noise, solves) {
-        _ if strong.decision == Decision::Kept => {
-            "exact: its states at all step sizes are the same up to rounding".to_owned()
-        }
-        (true, _) => "the same increments give other states: it draws noise of its own".to_owned(),
-        (_, Some(solves)) => format!("it solves {solves}; {}", with_reference(strong)),
-        _ if strong.decision == Decision::WrongLimit => format!(
-            "it solves another equation than that of `scene.inspect()`; {}",
-            with_reference(strong)
-        ),
-        _ => with_reference(strong),
-    };
-    let claimed = match claims.strong {
-        Some(_) if own_noise => "refuted",
-        claim => claim.map_or("", |claim| verdict(strong, claim, claims.same_step, true)),
-    };
-    let undecided = matches!(strong.decision, Decision::Undecided { .. });
-    let strong_words = match claimed {
-        "confirmed" if undecided => format!("no less; by itself {strong_words}"),
-        _ => strong_words,
-    };
-    say("strong order".into(), claims.strong.map(|c| c.to_string()), claimed, strong_words);
-    for (name, order) in weak {
-        // Errors of means are at most those of paths; and those of a smooth step of Gaussian
-        // increments have integer powers of τ, so that an order above zero is one or more.
-        let shown = match strong.decision {
-            Decision::Kept => f64::INFINITY,
-            _ => strong.order().map_or(0.0, |order| order.max(1.0)),
-        };
-        let follows = |claim| !own_noise && shown >= claim;
-        let (claimed, words) =
-            match claims.weak.map(|claim| (claim, verdict(order, claim, true, false))) {
-                Some((claim, "cannot tell")) if follows(claim) => (
-                    "confirmed",
-                    "implied by the strong order, for steps that are smooth in ΔW; by itself ",
-                ),
-                claimed => (claimed.map_or("", |(_, verdict)| verdict), ""),
+    let mut say = |what: String, claim: Option<(String, Verdict)>, words: String| {
+        let judged = claim.as_ref().map(|(claimed, verdict)| {
+            let verdict = match verdict {
+                Verdict::Confirmed => "confirmed",
+                Verdict::Refuted => "refuted",
+                Verdict::CannotTell => "cannot tell",
             };
-        let what = format!("weak order of E[{name}]");
-        let words = words.to_owned() + &with_reference(order);
-        say(what, claims.weak.map(|c| c.to_string()), claimed, words);
+            (claimed, verdict)
+        });
+        let told =
+            judged.map_or(String::new(), |(claimed, verdict)| format!(" {claimed}: {verdict}"));
+        text += &format!("{what}{told}: {words}\n");
+        let (claimed, verdict) = judged.unzip();
+        verdicts
+            .push(json!({ "what": what, "claimed": claimed, "verdict": verdict, "words": words }));
+    };
+    let claim = claims.strong.map(|claimed| match own_noise {
+        true => (claimed, Verdict::Refuted),
+        false => (claimed, strong.is_strongly(claimed, claims.same_step)),
+    });
+    let confirmed = claim.is_some_and(|(_, verdict)| verdict == Verdict::Confirmed);
+    let words = match (&strong.decision, solves) {
+        _ if own_noise => "the same increments give other states: it draws noise of its own".into(),
+        (Decision::Kept, _) => "exact: all step sizes give the same states up to rounding".into(),
+        (_, Some(solves)) => format!("it solves {solves}; {strong}"),
+        (Decision::WrongLimit, None) => {
+            format!("it solves another equation than that of `scene.inspect()`; {strong}")
+        }
+        (Decision::Undecided { .. }, _) if confirmed => format!("no less; by itself {strong}"),
+        _ => strong.to_string(),
+    };
+    let told = |claim: Option<(f64, Verdict)>| claim.map(|(order, v)| (order.to_string(), v));
+    say("strong order".into(), told(claim), words);
+    for (name, order) in weak {
+        let claim = claims.weak.map(|claimed| (claimed, order.is_weakly(claimed)));
+        let (claim, words) = match claim {
+            Some((claimed, Verdict::CannotTell))
+                if !own_noise && strong.implies_weakly(claimed) =>
+            {
+                let words =
+                    "implied by the strong order, for steps that are smooth in ΔW; by itself";
+                (Some((claimed, Verdict::Confirmed)), format!("{words} {order}"))
+            }
+            claim => (claim, order.to_string()),
+        };
+        say(format!("weak order of E[{name}]"), told(claim), words);
     }
     for (name, defect, rounding) in laws {
         let kept = defect <= rounding;
@@ -199,8 +159,9 @@ pub fn judge(
             true => format!("kept to {defect:.0e}, which is rounding"),
             false => format!("defect {defect:.1e}, rounding would be {rounding:.0e}"),
         };
-        let claimed = claims.keeps.then(|| "kept".to_owned());
-        say(format!("law {name}"), claimed, if kept { "confirmed" } else { "refuted" }, words);
+        let verdict = if kept { Verdict::Confirmed } else { Verdict::Refuted };
+        let claim = claims.keeps.then(|| ("kept".to_owned(), verdict));
+        say(format!("law {name}"), claim, words);
     }
     text += &format!(
         "root mean square errors of y(T), to {reference_error:.0e}, the error of the reference:\n"

@@ -30,8 +30,8 @@ struct Block {
     states: Vec<Vec<Row>>,
 }
 
-/// The means of each chain over a batch: of each average at each step size, and of its square at the
-/// finest.
+/// The means of each chain over a batch: of each average at each step size, and of its square at
+/// the finest.
 pub type Batch = Vec<Vec<f64>>;
 
 /// All chains.

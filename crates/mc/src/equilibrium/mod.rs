@@ -3,8 +3,9 @@
 //!
 //! **Chains.** Some hundred independent paths run for a long time, each at τ, and at 2τ and 4τ with
 //! the same noise, which costs three quarters more. The time average of a chain is one sample: the
-//! standard error follows from the chains, not from a model of their correlation. Chains go on in 32
-//! batches of time; when these are full, two and two are joined, and the next 16 double the time.
+//! standard error follows from the chains, not from a model of their correlation. Chains go on in
+//! 32 batches of time; when these are full, two and two are joined, and the next 16 double the
+//! time.
 //!
 //! **Where chains begin.** At the initial value, and then with the noise of every second, third and
 //! fourth chain of four multiplied by 2, 3 and 4 for the time of the first batches, so that chains
@@ -24,10 +25,10 @@
 //! m₂ is at most b = (m₂ − m₀)/(4ᵖ − 1), if it falls by 2ᵖ from a step to the next. Or e =
 //! m₂ + c(m₂ − m₁) with c = 1/(2ᵖ − 1) is taken, and b = c(e − e′) with e′ from m₀ and m₁, if the
 //! error of e falls by as much. The interval joins those of e + b and e − b, each with its standard
-//! error over the chains; the shorter one of both ways is taken. Where m₁ − m₂ is significantly more
-//! than m₀ − m₁ over 0.85·2ᵖ, or of the other sign, b = |m₀ − m₁| + |m₁ − m₂|. The steps are halved
-//! where b is more than half of the sampling error, so that errors are as large as an interval says,
-//! or where chains fail.
+//! error over the chains; the shorter one of both ways is taken. Where m₁ − m₂ is significantly
+//! more than m₀ − m₁ over 0.85·2ᵖ, or of the other sign, b = |m₀ − m₁| + |m₁ − m₂|. The steps are
+//! halved where b is more than half of the sampling error, so that errors are as large as an
+//! interval says, or where chains fail.
 //!
 //! **What nobody can tell** is said: averages that are not finite; chains that still drift, that
 //! are shorter than twenty autocorrelation times, of which a few decide, or of which more than one

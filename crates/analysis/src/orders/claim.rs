@@ -1,0 +1,129 @@
+//! Whether what is said of an order is true.
+
+use serde::Serialize;
+use stats::Rate;
+
+use super::{Decision, Limit, Order};
+
+/// What a claim has come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The order is at least the one that was claimed.
+    Confirmed,
+    /// It is less, or the limit is another.
+    Refuted,
+    /// Neither was shown.
+    CannotTell,
+}
+
+/// Confidence at which points contradict a claim.
+const CONTRADICTION: f64 = 0.999;
+/// How far below a claim the upper end of the interval must be where no order is named: beyond half
+/// of the distance of two orders.
+const BELOW: f64 = 0.3;
+
+impl Order {
+    /// Whether this is at least the weak order that was claimed. Only an order that is named, or
+    /// another limit, refutes it: where an error changes its sign, points follow any power.
+    pub fn is_weakly(&self, claimed: f64) -> Verdict {
+        match self.decision {
+            Decision::Order { order, .. } if order >= claimed => Verdict::Confirmed,
+            Decision::Kept => Verdict::Confirmed,
+            Decision::Order { .. } | Decision::WrongLimit => Verdict::Refuted,
+            Decision::Undecided { .. } => Verdict::CannotTell,
+        }
+    }
+
+    /// Whether this is at least the strong order that was claimed. A lower one that single steps
+    /// show and points do not contradict counts if all steps are the `same` map. Where no order is
+    /// named, points that are clearly lower refute the claim, and single steps of which every
+    /// possible order is high enough confirm it.
+    pub fn is_strongly(&self, claimed: f64, same: bool) -> Verdict {
+        let rate = self.rate.as_ref().filter(|rate| !rate.misfits());
+        let reach = |rate: &Rate| rate.interval(CONTRADICTION).1;
+        let reaches = rate.map_or(f64::NAN, reach);
+        let possible = self.one_step.iter().flat_map(|step| step.strong_orders());
+        let least = possible.reduce(f64::min).unwrap_or(f64::NAN);
+        let agrees = matches!(self.limit, Limit::Agrees { .. });
+        match (self.is_weakly(claimed), &self.decision) {
+            (Verdict::Refuted, Decision::Order { .. }) if !same && reaches >= claimed => {
+                Verdict::CannotTell
+            }
+            (Verdict::CannotTell, _) if reaches < claimed - BELOW => Verdict::Refuted,
+            (Verdict::CannotTell, _) if agrees && reaches >= claimed && least >= claimed => {
+                Verdict::Confirmed
+            }
+            (verdict, _) => verdict,
+        }
+    }
+
+    /// Whether a strong order shows a weak one: errors of means are at most those of paths, and
+    /// those of a step that is smooth in Gaussian increments have integer powers of τ, so that an
+    /// order above zero is one or more.
+    pub fn implies_weakly(&self, claimed: f64) -> bool {
+        match self.decision {
+            Decision::Order { order, .. } => order > 0.0 && order.max(1.0) >= claimed,
+            _ => self.decision == Decision::Kept,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::OneStep, *};
+    use crate::orders::{More, decision::undecided};
+
+    fn order(decision: Decision, hi: f64, one_step: f64) -> Order {
+        // At the confidence of a contradiction already, so that nothing is widened.
+        let rate = Rate { estimate: 0.5, lo: 0.4, hi, confidence: 0.999, ..Rate::default() };
+        let one_step = Some(OneStep { order: one_step, tau: 1e-6, amplification: 1.0 });
+        let limit = Limit::Agrees { distance: 1e-3 };
+        Order { points: Vec::new(), rate: Some(rate), one_step, limit, decision, failed: 0 }
+    }
+
+    #[test]
+    fn orders_that_are_named_confirm_and_refute() {
+        let named = |order: f64| Decision::Order { order, shown: true };
+        let of = |decision, claimed| order(decision, 0.6, 1.0).is_weakly(claimed);
+        assert_eq!(of(named(1.0), 1.0), Verdict::Confirmed);
+        assert_eq!(of(named(1.0), 2.0), Verdict::Refuted);
+        assert_eq!(of(Decision::Kept, 2.0), Verdict::Confirmed);
+        assert_eq!(of(Decision::WrongLimit, 0.5), Verdict::Refuted);
+        // Points of means alone refute nothing.
+        assert_eq!(of(undecided(More::Steps, ""), 2.0), Verdict::CannotTell);
+        // Points reach 1.1, single steps have ½: they count if all steps are the same.
+        let half = |same| order(named(0.5), 1.1, 1.0).is_strongly(1.0, same);
+        assert_eq!((half(true), half(false)), (Verdict::Refuted, Verdict::CannotTell));
+        assert_eq!(order(named(0.5), 0.9, 1.0).is_strongly(1.0, false), Verdict::Refuted);
+    }
+
+    #[test]
+    fn without_a_named_order_points_refute_and_single_steps_confirm() {
+        let of = |hi, one_step, claimed| {
+            order(undecided(More::Steps, ""), hi, one_step).is_strongly(claimed, true)
+        };
+        assert_eq!(
+            (of(0.69, 2.0, 1.0), of(0.71, 2.0, 1.0)),
+            (Verdict::Refuted, Verdict::CannotTell)
+        );
+        // Of single steps of order two, one and 1½ are possible.
+        assert_eq!(
+            (of(1.4, 2.0, 1.0), of(1.6, 2.0, 1.5)),
+            (Verdict::Confirmed, Verdict::CannotTell)
+        );
+        let mut other = order(undecided(More::Steps, ""), 1.4, 2.0);
+        other.limit = Limit::Unclear { distance: 1.0 };
+        assert_eq!(other.is_strongly(1.0, true), Verdict::CannotTell);
+    }
+
+    #[test]
+    fn a_strong_order_implies_a_weak_one_of_one() {
+        let of = |order_: f64, claimed| {
+            order(Decision::Order { order: order_, shown: true }, 1.0, 1.0).implies_weakly(claimed)
+        };
+        assert!(of(0.5, 1.0) && of(1.0, 1.0) && !of(0.5, 2.0) && !of(0.0, 1.0) && of(2.0, 2.0));
+        assert!(order(Decision::Kept, 1.0, 1.0).implies_weakly(2.0));
+        assert!(!order(Decision::WrongLimit, 1.0, 1.0).implies_weakly(1.0));
+    }
+}
