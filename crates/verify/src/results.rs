@@ -1,8 +1,35 @@
 //! The `results.json` contract: what a reproduction run says, as data.
 //!
-//! The guide (`docs/guide.md`, "Results as data") documents it for other languages.
-//! All timings live in [`Provenance`], so that everything else is bit-identical for the same seed
-//! on any number of threads and any instruction set.
+//! # For other languages
+//!
+//! `cargo xtask reproduce` writes `results.json`. Everything but `provenance` has the same bits for the
+//! same seed, mode and schemes. `schema` (now 2) is raised when a reader of an older version would
+//! misread a newer one; fields may be added without. Numbers that are not finite are `null`.
+//!
+//! - `provenance`: `git`, `rustc`, `cpu`, `simd`, `threads`, `seed`, `mode`, `command`, `wall_s`, …
+//! - `panels`, and `supplements` that are not in the paper: `id`, `kind` (`strong`, `weak`,
+//!   `invariant`, `cost`), `title`, `setup`, `paper`, `samples`, `reference`, `failures` and `series`;
+//!   where increments were clipped, `clipped`.
+//! - A series: `scheme`, `quantity`, `points`, `rate`, `max_relative_defect`. A point of `strong` has
+//!   `tau`, `value`, `se`, `lo`, `hi`; of `weak` `tau`, `value`, `se`; of `invariant` `t`, `value`,
+//!   `exact`; of `cost` `accuracy`, `path_steps`.
+//! - A rate: `estimate`, `lo`, `hi`, `confidence`, `model`, `chi_square`, `degrees`, `p_value` and,
+//!   where the interval is not known to cover, `warning`.
+//! - `claims`: `id`, `panel`, `scheme`, `statement`, `verdict` (`holds`, `refuted`, `undecided`),
+//!   `evidence` in words, `proven`, and `erratum` where the statement has a misprint. The verdict
+//!   follows from the numbers in `measured`, whose `kind` is one of
+//!
+//! | `kind` | holds when |
+//! |---|---|
+//! | `order` | the interval, widened to 99.9 %, contains `order` and lies within ¼ of it |
+//! | `defect` | `largest` ≤ `tolerance` where the scheme `obeys` the law, else above |
+//! | `approach` | `order` − `half_width` > `least`: the scheme returns to the law as τ → 0 |
+//! | `deviation` | `value` is within 4.42 `standard_error` and `bias` of `expected` |
+//! | `bounds` | all `quantities` are within their bounds and no path `failed` |
+//! | `undecided` | never; `reason` says why |
+//!
+//! The exit code is 0 unless a proven claim without an erratum is refuted (1) or the command line is
+//! wrong (2).
 
 use serde::Serialize;
 
