@@ -11,7 +11,8 @@
 //! use systems::{Constant, Pendulum, Problem};
 //!
 //! let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
-//! let sizes = StepSizes::new(16, Truncation::new(4)?, StreamKey { seed: 1, experiment: 1 });
+//! let key = StreamKey { seed: 1, experiment: 1 };
+//! let sizes = StepSizes { samples: 256, ..StepSizes::new(16, Truncation::new(4)?, key) };
 //! let sexp = strong_order(&Setup::of(&problem, &Sexp), &sizes)?;
 //! let em = strong_order(&Setup::of(&problem, &EulerMaruyama), &sizes)?;
 //! assert_eq!((sexp.order(), em.order()), (Some(1.0), Some(0.5)), "{sexp}; {em}");
