@@ -3,6 +3,22 @@
 //! [`inspect()`] says what a system is; [`strong_order`] and [`weak_order`] measure the order of a
 //! scheme with an interval; [`compare()`] says which scheme is cheapest for an error.
 //!
+//! ```
+//! use analysis::{StepSizes, strong_order};
+//! use mc::Setup;
+//! use noise::{StreamKey, Truncation};
+//! use schemes::{EulerMaruyama, Sexp};
+//! use systems::{Constant, Pendulum, Problem};
+//!
+//! let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
+//! let key = StreamKey { seed: 1, experiment: 1 };
+//! let sizes = StepSizes { samples: 256, ..StepSizes::new(16, Truncation::new(4)?, key) };
+//! let sexp = strong_order(&Setup::of(&problem, &Sexp), &sizes)?;
+//! let em = strong_order(&Setup::of(&problem, &EulerMaruyama), &sizes)?;
+//! assert_eq!((sexp.order(), em.order()), (Some(1.0), Some(0.5)), "{sexp}; {em}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! | item | job |
 //! |---|---|
 //! | [`strong_order`], [`weak_order`] | the order of any scheme, in one measurement or a budget |

@@ -7,7 +7,7 @@ macro_rules! gallery {
     ($($name:literal)+) => {
         /// Name and text of every scene of the gallery.
         pub const GALLERY: &[(&str, &str)] =
-            &[$(($name, include_str!(concat!("../../../scenes/", $name, ".toml")))),+];
+            &[$(($name, include_str!(concat!("../scenes/", $name, ".toml")))),+];
     };
 }
 

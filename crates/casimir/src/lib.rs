@@ -54,13 +54,3 @@ pub mod prelude {
     pub use schemes::{Explicit, Heun, Implicit, Increment, Scheme, Sexp, SexpLevy, SexpLi, Split};
     pub use systems::{Constant, Damping, PoissonSystem, Problem, run_time::Compiled};
 }
-
-/// The examples of the README, compiled and run with the other examples.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
-
-/// The snippets of the guide that stand alone.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/guide.md")]
-struct Guide;

@@ -21,7 +21,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A system of your own needs none of this: take its schemes from [`schemes`].
+//! [`Tuned`] is all there is. A system of your own needs none of this: take its schemes from
+//! [`schemes`].
 
 use schemes::{BuiltIn, Scheme, SchemeError};
 use systems::{

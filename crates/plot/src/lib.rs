@@ -7,6 +7,20 @@
 //! integers, dashes one by one, and has no indices and exponents in the font of a text. A page of
 //! lines, markers and text needs no drawing backend, and the viewer sets the text in its own font.
 //!
+//! ```
+//! use plot::{Document, figure::{Trace, lines}};
+//!
+//! let times = (0..=200).map(|n| f64::from(n) / 10.0);
+//! let points = times.map(|t| (t, (-0.1 * t).exp() * t.cos())).collect();
+//! let svg = lines("Damping", "t", "q", &[Trace { name: "q".into(), points }]);
+//! assert!(svg.starts_with("<svg") && svg.contains("<polyline"));
+//!
+//! let mut page = Document::new("my program", "An oscillator");
+//! page.section("One path");
+//! page.figures([(svg, "The amplitude decays as exp(−t/10).".into())]);
+//! assert!(page.html().contains("<figcaption>The amplitude decays"));
+//! ```
+//!
 //! | item | job |
 //! |---|---|
 //! | [`figure`] | figures as SVG: convergence, evolution, error against cost, laws, any curves |

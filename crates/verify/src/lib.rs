@@ -5,6 +5,12 @@
 //! standard errors, fitted orders with intervals, and a verdict for every statement: holds, refuted
 //! or undecided.
 //!
+//! ```
+//! let quick = true;
+//! let found = verify::reproduce(1, quick, &["exact-conformal"]);
+//! assert!(found.claims.iter().all(|claim| claim.verdict == verify::results::Verdict::Holds));
+//! ```
+//!
 //! | item | job |
 //! |---|---|
 //! | [`reproduce()`] | run everything, or a selection |
@@ -48,3 +54,13 @@ pub use panels::{EXPERIMENTS, weak_observables};
 pub use reproduce::{ids, reproduce};
 pub use statements::STATEMENTS;
 pub use supplements::{KOLMOGOROV, SUPPLEMENTS};
+
+/// The examples of the README, compiled and run with the other examples.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
+
+/// The snippets of the guide that stand alone.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guide.md")]
+struct Guide;
