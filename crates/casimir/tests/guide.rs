@@ -30,14 +30,14 @@ fn the_block_of_the_cluster_page_is_in_the_example() {
 
 /// A listing is compiled as a reader pastes it: no line is hidden, and statements have a `main`.
 #[test]
-fn the_listings_of_the_readme_are_tested_as_they_are_shown() {
-    let page = read("../../README.md");
-    let listings: Vec<&str> = page.split("```rust\n").skip(1).collect();
-    assert_eq!(listings.len(), 2);
-    for listing in listings {
-        let code = &listing[..listing.find("```").unwrap()];
+fn the_first_listings_are_tested_as_they_are_shown() {
+    for page in ["../../README.md", "../../docs/start.md"] {
+        let page = read(page);
+        let listings: Vec<&str> = page.split("```rust\n").skip(1).collect();
+        assert_eq!(listings.len(), 1);
+        let code = &listings[0][..listings[0].find("```").unwrap()];
         assert!(!code.lines().any(|line| line == "#" || line.starts_with("# ")), "{code}");
-        assert_eq!(code.contains("?;"), code.contains("\nfn main() -> Result<"), "{code}");
+        assert!(code.contains("\nfn main() -> Result<"), "{code}");
     }
 }
 
