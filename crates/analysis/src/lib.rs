@@ -7,15 +7,14 @@
 //! use analysis::{StepSizes, strong_order};
 //! use mc::Setup;
 //! use noise::{StreamKey, Truncation};
-//! use schemes::{EulerMaruyama, Sexp};
+//! use schemes::Heun;
 //! use systems::{Constant, Pendulum, Problem};
 //!
 //! let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
 //! let key = StreamKey { seed: 1, experiment: 1 };
 //! let sizes = StepSizes { samples: 256, ..StepSizes::new(16, Truncation::new(4)?, key) };
-//! let sexp = strong_order(&Setup::of(&problem, &Sexp), &sizes)?;
-//! let em = strong_order(&Setup::of(&problem, &EulerMaruyama), &sizes)?;
-//! assert_eq!((sexp.order(), em.order()), (Some(1.0), Some(0.5)), "{sexp}; {em}");
+//! let order = strong_order(&Setup::of(&problem, &Heun), &sizes)?;
+//! assert_eq!(order.order(), Some(1.0), "{order}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
