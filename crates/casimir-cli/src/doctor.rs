@@ -105,7 +105,7 @@ pub fn self_test(Expected { bits, square, mean }: Expected) -> Done<(String, boo
         reached && (lo..=hi).contains(&mean),
         format!("E[q] of an oscillator: expected {mean:.5}, came [{lo:.5}, {hi:.5}]"),
     );
-    text += &format!("{:.1e} path-steps per second\n", steps / seconds);
+    text += &format!("{:.1e} path-steps of it per second\n", steps / seconds);
     Ok((text, all_hold))
 }
 
