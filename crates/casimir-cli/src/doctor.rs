@@ -26,7 +26,7 @@ pub struct Expected {
     pub bits: u64,
     /// |y|² of the rigid body, by the law of its Casimir.
     pub square: f64,
-    /// E[q] of Kubo's oscillator.
+    /// The mean of q of Kubo's oscillator.
     pub mean: f64,
 }
 
