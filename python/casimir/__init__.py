@@ -11,7 +11,17 @@ dy = (B(y)∇H0(y) − γ(t) y) dt + Σ B(y)∇Hm(y) ∘ dWm in the sense of Str
 from ._core import __version__
 from ._errors import RunError, SceneError
 from ._referee import Level, Referee, Report, Seeds, one_step, verify_seeds
-from ._results import Comparison, Estimate, Expectation, Figure, Inspection, Order, Run, Statistics
+from ._results import (
+    Comparison,
+    Estimate,
+    Expectation,
+    Figure,
+    Inspection,
+    Order,
+    Run,
+    Statistics,
+    citation,
+)
 from ._scene import Scene, Sweep, scene, scenes, sweep
 from ._system import System
 
@@ -34,6 +44,7 @@ __all__ = [
     "Sweep",
     "System",
     "__version__",
+    "citation",
     "one_step",
     "scene",
     "scenes",

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _core
 from ._core import __version__
 from ._errors import SceneError, missing
 
@@ -97,6 +98,13 @@ class Result:
 
     def _repr_html_(self) -> str:
         return _table(self.text)
+
+
+def citation(result: Result | None = None) -> str:
+    """BibTeX of what a result used: the software, the paper and methods. Without one, of all."""
+    if not isinstance(result, Result | None):
+        raise TypeError(f"what to cite is known of results, not of {type(result).__name__}")
+    return _core.citation(None if result is None else json.dumps(result.data))
 
 
 def _table(text: str) -> str:

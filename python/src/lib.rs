@@ -179,6 +179,14 @@ fn on_scene<'py>(
     })
 }
 
+/// BibTeX of what a result used, given its JSON, or of all that may be cited.
+#[pyfunction]
+fn citation(result: Option<&str>) -> PyResult<String> {
+    let result = result.map(serde_json::from_str::<Value>).transpose();
+    let result = result.map_err(|error| PyValueError::new_err(error.to_string()))?;
+    Ok(casimir_cli::citation::bibtex(result.as_ref()))
+}
+
 /// Names of the scenes of the gallery.
 #[pyfunction]
 fn scenes() -> Vec<&'static str> {
@@ -209,6 +217,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(order, module)?)?;
     module.add_function(wrap_pyfunction!(compare, module)?)?;
     module.add_function(wrap_pyfunction!(inspect, module)?)?;
+    module.add_function(wrap_pyfunction!(citation, module)?)?;
     module.add_function(wrap_pyfunction!(scenes, module)?)?;
     module.add_function(wrap_pyfunction!(scene, module)?)?;
     module.add_function(wrap_pyfunction!(schema, module)?)?;

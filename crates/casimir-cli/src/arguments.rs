@@ -12,9 +12,13 @@ use clap::{Args, Parser, Subcommand};
 /// dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ
 #[derive(Parser, Debug)]
 #[command(name = "casimir", version, max_term_width = 90, after_help = EXAMPLES)]
+#[command(arg_required_else_help = true, args_conflicts_with_subcommands = true)]
 pub struct Arguments {
+    /// Print what to cite as BibTeX: all, or what a scene or results in JSON used
+    #[arg(long, value_name = "FILE")]
+    pub citation: Option<Option<PathBuf>>,
     #[command(subcommand)]
-    pub command: Command,
+    pub command: Option<Command>,
 }
 
 const EXAMPLES: &str = "\
@@ -65,6 +69,8 @@ pub enum Command {
     Extend(Extend),
     /// Print the JSON schema of scenes, for editors
     Schema,
+    /// Test the program on this machine, for reports of faults
+    Doctor,
 }
 
 #[derive(Args, Debug)]

@@ -31,6 +31,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod citation;
+pub mod doctor;
 pub mod failure;
 pub mod gallery;
 pub mod model;

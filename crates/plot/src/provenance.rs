@@ -41,13 +41,25 @@ impl Provenance {
 /// What is written for a fact that nobody tells.
 const UNKNOWN: &str = "unknown";
 
-/// Completes the provenance of a run that began at `start`: commit, compiler, processor,
-/// instruction set, command and wall time. What else it holds stays.
+/// Completes the provenance of a run that began at `start`: commit of the sources, compiler,
+/// processor, instruction set, command and wall time. What else it holds stays.
 ///
 /// `program` is what a user types in front of the arguments.
 pub fn complete(known: Provenance, program: &str, start: Instant) -> Provenance {
     Provenance {
-        git: first_line("git", &["describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]),
+        git: first_line(
+            "git",
+            &[
+                // The folder of the run may be of another repository.
+                "-C",
+                env!("CARGO_MANIFEST_DIR"),
+                "describe",
+                "--always",
+                "--dirty",
+                "--abbrev=12",
+                "--exclude=*",
+            ],
+        ),
         rustc: first_line("rustc", &["--version"]),
         cpu: fact("/proc/cpuinfo", "model name").unwrap_or(std::env::consts::ARCH.into()),
         simd: Level::current().name().into(),

@@ -1,5 +1,7 @@
 //! The commands.
 
+mod citation;
+mod doctor;
 mod expect;
 mod findings;
 mod folder;
@@ -21,6 +23,8 @@ use casimir_cli::{
 };
 use serde::Serialize;
 
+pub use citation::citation;
+pub use doctor::doctor;
 pub use expect::expect;
 pub use findings::{compare, inspect, order};
 pub use new::new;

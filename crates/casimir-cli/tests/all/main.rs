@@ -3,8 +3,10 @@
 mod along;
 mod areas;
 mod broken;
+mod citation;
 mod common;
 mod defaults;
+mod doctor;
 mod friction;
 mod gallery;
 mod initial;
