@@ -229,6 +229,7 @@ class Run(Result):
             return super().plot(in_time if in_time in self.figures else name)
         if name is None:
             raise SceneError("name an observable to draw it on an axis: plot('q', ax=ax)")
+        name = name.removeprefix("against-") if self.parameters else name
         law = self.statistics.get(name)
         if self.parameters and law is not None:
             if len(self.parameters) > 1:

@@ -143,7 +143,7 @@ pub struct Expect {
 pub struct Equilibrium {
     /// The file of the scene
     pub scene: PathBuf,
-    /// Half-width of the 95 % intervals, instead of that of the scene
+    /// Half-width of the 95 % intervals. Default: that of the scene; of `lyapunov` 0.01
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub accuracy: Option<f64>,
     /// Steps to `until`, for the first averages, instead of those of the scene

@@ -46,7 +46,8 @@ pub fn run(arguments: &Run) -> Done {
     write(&results, &folder, &arguments.write, arguments.output.json)?;
     if stopped {
         let folder = folder.display();
-        let words = format!("{folder} has what is complete; the same command goes on from there");
+        let next = ["begins anew", "goes on from there"][usize::from(is_study)];
+        let words = format!("{folder} has what is complete; the same command {next}");
         return Err(Failure::Stopped(words));
     }
     if let Some(folder) = kept {

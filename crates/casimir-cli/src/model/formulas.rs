@@ -123,16 +123,22 @@ fn compare(
                     0 => at.drift[i] - problem.damping().rate(t) * y[i] + correction,
                     _ => at.noises[m - 1][i],
                 };
-                if (given - own).abs() <= ROUNDING * (given.abs() + own.abs() + at.drift[i].abs()) {
+                let is = |own: f64| {
+                    (given - own).abs() <= ROUNDING * (given.abs() + own.abs() + at.drift[i].abs())
+                };
+                if is(own) {
                     continue;
                 }
+                let other = own + at.correction[i] - 2.0 * correction;
+                let hint =
+                    if m == 0 && is(other) { "; Itô's ½Σ b′b is the difference" } else { "" };
                 let what = if m == 0 { "drift".into() } else { format!("noise {m}") };
                 let sense = if is_ito { "Itô" } else { "Stratonovich" };
                 let equation = &system.equations(&damped(problem, friction))[i];
                 let message = format!(
                     "this {what} is {given:.6} at y = {y:?}, t = {t}, and that of B and H is \
-                     {own:.6} in the sense of {sense}: only equations of this form are simulated. \
-                     Theirs is {equation}"
+                     {own:.6} in the sense of {sense}{hint}: only equations of this form are \
+                     simulated. Theirs, of Stratonovich, is {equation}"
                 );
                 return Err(source.error(text.span(), message));
             }

@@ -198,16 +198,17 @@ fn dependence(drawn: &scene::Drawn, study: &StudyResult) -> Vec<Drawn> {
 fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
     let (table, &columns) = (results.tables.first()?, scene.sizes.first()?);
     let times = table.times();
+    let last = times.len().checked_sub(1)?; // None if path 0 was not begun
     let plane = scene.sizes.iter().take(2).product::<usize>();
     let spins = (0..plane).map(|site| table.column(&scene.components[3 * site + 2]));
     let spins = spins.collect::<Option<Vec<_>>>()?;
     let (svg, what) = if scene.sizes.len() == 1 {
-        let ends = (0.0, times.last().copied().unwrap_or(0.0));
+        let ends = (0.0, times[last]);
         let values = spins.concat();
         let spins = (1.0, (spins.len() + 1) as f64);
         (picture("spins", (ends, "time t"), (spins, "spin"), times.len(), &values), "in time")
     } else {
-        let at = |k: usize| k * (times.len() - 1) / (PICTURES - 1);
+        let at = |k: usize| k * last / (PICTURES - 1);
         let picture = |k: usize| {
             let values = spins.iter().map(|spin| spin[at(k)]).collect();
             (format!("t = {}", digits(Some(times[at(k)]))), values)

@@ -45,11 +45,12 @@ fn what_is_not_of_this_form_is_named() {
         (
             with("\"ito\"", "\"stratonovich\""),
             "line 8, column 10: this drift is -0.080000 at y = [1.0, 0.0], t = 0, and that of B and H is 0.000000 \
-             in the sense of Stratonovich: only equations of this form are simulated. Theirs is dq = p dt + 0.4 p ∘ dW1 - γ q dt",
+             in the sense of Stratonovich; Itô's ½Σ b′b is the difference: only equations of this form are \
+             simulated. Theirs, of Stratonovich, is dq = p dt + 0.4 p ∘ dW1 - γ q dt",
         ),
         (
             with("p - s^2/2*q - q*t/5", "p - q*t/5"),
-            "this drift is 0.000000 at y = [1.0, 0.0], t = 0, and that of B and H is -0.080000 in the sense of Itô",
+            "this drift is 0.000000 at y = [1.0, 0.0], t = 0, and that of B and H is -0.080000 in the sense of Itô; Itô's",
         ),
         (
             with("[[\"s*p\", \"-s*q\"]]", "[[\"s*q\", \"-s*q\"]]"),

@@ -174,4 +174,11 @@ fn what_has_no_whole_path_is_named() {
     assert_eq!(signalled(folder.path(), &arguments, "-INT", 700), Some(130));
     let json = read_json(folder.path().join("scene-run/paths.json"));
     assert!(json[0]["halted"].as_str().unwrap().starts_with("stopped after t = "));
+    // A lattice, of whose spins there is no picture yet.
+    let lattice = succeeds(folder.path(), &["new", "spin-lattice"]);
+    let lattice =
+        lattice.replace("paths = 500", "paths = 20").replace("steps = 500", "steps = 5e5");
+    fs::write(folder.path().join("lattice.toml"), lattice).unwrap();
+    let code = signalled(folder.path(), &["run", "lattice.toml"], "-INT", 700);
+    assert_eq!(code, Some(130));
 }
