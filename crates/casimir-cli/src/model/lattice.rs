@@ -26,6 +26,9 @@ const PARAMETERS: [&str; 9] = [
     "temperature",
 ];
 
+/// What lengths of spins may differ by, relative.
+const ROUNDING: f64 = 1e-9;
+
 /// The model of a lattice.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let parameters = Parameters::new(reading, &PARAMETERS)?;
@@ -43,6 +46,12 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         false => Shape::open(&whole),
     };
     let shape = shape.map_err(|error| parameters.error("sizes", error))?;
+    let sites = shape.sites();
+    let Settings { initial, until, .. } = reading.settings;
+    let y0 = match initial[..] {
+        [x, y, z] => [x, y, z].repeat(sites),
+        ref all => all.to_vec(),
+    };
     let transverse = parameters.number("transverse", 0.0)?;
     let given = |name| parameters.get(name).is_some();
     let noise = match given("temperature") {
@@ -60,7 +69,16 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
                 );
                 return Err(parameters.error("temperature", message));
             }
-            noise_at_temperature(transverse, temperature)
+            let lengths = y0.chunks_exact(3).map(|s| s.iter().map(|s| s * s).sum::<f64>().sqrt());
+            let (least, most) =
+                lengths.fold((f64::INFINITY, 0.0f64), |(a, b), s| (a.min(s), b.max(s)));
+            if most - least > ROUNDING * most {
+                let message = format!("spins have lengths from {least} to {most}: give `noise`");
+                return Err(parameters.error("temperature", message));
+            }
+            // σ² = 2α kT/|s|. A length of one is not exactly one.
+            let length = if most == 0.0 || (most - 1.0).abs() < ROUNDING { 1.0 } else { most };
+            noise_at_temperature(transverse, temperature / length)
         }
     };
     let couplings = Couplings {
@@ -73,12 +91,6 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     };
     let lattice = SpinLattice::on_paths(shape, couplings);
     let lattice = lattice.map_err(|error| parameters.error("sizes", error))?;
-    let sites = lattice.shape().sites();
-    let Settings { initial, until, .. } = reading.settings;
-    let y0 = match initial[..] {
-        [x, y, z] => [x, y, z].repeat(sites),
-        ref all => all.to_vec(),
-    };
     let components: Vec<String> =
         (1..=sites).flat_map(|site| ["x", "y", "z"].map(|axis| format!("s{site}{axis}"))).collect();
     let system = lattice.clone();

@@ -330,24 +330,33 @@ fn nothing_is_claimed_that_friction_breaks() {
 /// Transverse damping of spins is a bath for noise of each with σ² = 2α kT/|s|.
 #[test]
 fn spins_with_transverse_damping_have_their_temperature() {
-    let spins = |noise: &str, spin: &str, end: &str| {
-        let scene = format!(
+    let scene = |noise: &str, spin: &str, end: &str| {
+        format!(
             "[system]\nname = \"spin-lattice\"\n[system.parameters]\nsizes = [3]\nexchange = 0.7\n\
              anisotropy = 0.2\nfield = [0, 0.3, 0.4]\ntransverse = 0.3\n{noise}\n[run]\n\
              initial = [{spin}]\nuntil = 1\nsteps = 64\n{end}"
-        );
-        json(with_scene(&scene).path(), &["inspect", "scene.toml", "--json"])["bath"].clone()
+        )
+    };
+    let spins = |noise: &str, spin: &str, end: &str| {
+        let folder = with_scene(&scene(noise, spin, end));
+        json(folder.path(), &["inspect", "scene.toml", "--json"])["bath"].clone()
     };
     let (unit, long) = ("0, 0.6, 0.8", "0, 1.2, 1.6");
     let damped = "[damping]\nrate = 0.1";
-    for (noise, spin, kt) in
-        [("temperature = 0.7", unit, 0.7), ("noise = 0.3", unit, 0.15), ("noise = 0.3", long, 0.3)]
-    {
+    for (noise, spin, kt) in [
+        ("temperature = 0.7", unit, 0.7),
+        ("temperature = 0.7", long, 0.7),
+        ("noise = 0.3", unit, 0.15),
+        ("noise = 0.3", long, 0.3),
+    ] {
         let bath = spins(noise, spin, "");
         let beta = bath["beta"].as_f64().unwrap_or_else(|| panic!("{noise}, {spin}: {bath}"));
         assert!((beta * kt - 1.0).abs() < 1e-9, "{noise}, {spin}: {beta}");
     }
     let mixed = "0, 0.6, 0.8, 0, 0, 1, 0, 1.2, 1.6";
+    let words = ["line 8", "lengths from 1 to 2", "give `noise`"];
+    let folder = with_scene(&scene("temperature = 0.7", mixed, ""));
+    fails(folder.path(), &["run", "scene.toml"], 2, &words);
     for (noise, spin, end) in [
         ("noise = 0.3\nlocal = false", unit, ""),
         ("noise = 0.3", mixed, ""),
