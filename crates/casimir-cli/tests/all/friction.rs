@@ -354,7 +354,7 @@ fn spins_with_transverse_damping_have_their_temperature() {
         assert!((beta * kt - 1.0).abs() < 1e-9, "{noise}, {spin}: {beta}");
     }
     let mixed = "0, 0.6, 0.8, 0, 0, 1, 0, 1.2, 1.6";
-    let words = ["line 8", "lengths from 1 to 2", "give `noise`"];
+    let words = ["line 9", "lengths from 1 to 2", "give `noise`"];
     let folder = with_scene(&scene("temperature = 0.7", mixed, ""));
     fails(folder.path(), &["run", "scene.toml"], 2, &words);
     for (noise, spin, end) in [
