@@ -122,8 +122,6 @@ class Scene:
                 array = np.asarray(value) if isinstance(value, (np.ndarray, list, tuple)) else None
                 if array is not None and array.ndim == 2:
                     states, value = _array(array), _STATES
-                    if "paths" not in changes:
-                        pairs.append((keys["paths"], json.dumps(len(array))))
             if name == "damping" and value is not None and not isinstance(value, Mapping):
                 value = {"rate": value}
             if name == "parameters" and isinstance(value, Mapping):
@@ -145,6 +143,8 @@ class Scene:
                 if name in _SYSTEM:
                     hint = f"; write system={{'{name}': …}}"
                 raise SceneError(f"unknown key `{name}`{hint}", name)
+        if states is not None and "initial" in changes and changes.get("paths") is None:
+            pairs.append((keys["paths"], json.dumps(len(states))))
         scene = Scene.__new__(Scene)
         scene._set(_text(self.text, pairs), self.name, states)
         scene._check()

@@ -69,7 +69,9 @@ def midpoint(y: Array, dt: float, dW: Array) -> Array:
     return y
 
 
-def kubo_heun(y: Array, dt: float, dW: Array) -> Array:
+def kubo_heun(y: Array, dt: float, dW: Array, late: float = 0.0) -> Array:
+    dt = dt + late * dt**1.5
+
     def change(y: Array, dw: Array) -> Array:
         turned = np.stack([y[:, 1], -y[:, 0]], axis=1)
         return np.asarray((turned - 0.1 * y) * dt + 0.5 * turned * dw)
@@ -91,6 +93,13 @@ def kubo_euler(correction: float, clamped: int = 1) -> Callable[..., Array]:
         return y
 
     return solver
+
+
+def test_orders_of_one_half_are_neither_a_wrong_limit_nor_one(kubo: casimir.Referee) -> None:
+    """A drift for a time dt + dt^1.5 has a strong and a weak order of ½."""
+    report = kubo.judge(lambda y, dt, dW: kubo_heun(y, dt, dW, 1.0), strong=0.5, weak=1)
+    strong, *weak = report.verdicts.values()
+    assert strong == "confirmed" and weak and "confirmed" not in weak, report
 
 
 def test_right_solvers_are_confirmed(spin: casimir.Referee, kubo: casimir.Referee) -> None:

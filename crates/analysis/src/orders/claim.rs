@@ -58,14 +58,17 @@ impl Order {
         }
     }
 
-    /// Whether a strong order shows a weak one: errors of means are at most those of paths, and
-    /// those of a step that is smooth in Gaussian increments have integer powers of τ, so that an
-    /// order above zero is one or more.
-    pub fn implies_weakly(&self, claimed: f64) -> bool {
-        match self.decision {
+    /// Whether a strong order shows the weak one that was claimed: errors of means are at most those
+    /// of paths, and those of a step that is smooth in τ and in Gaussian increments have integer
+    /// powers of τ, so that an order above zero is one or more. Not if the points of the `means`
+    /// contradict it.
+    pub fn implies_weakly(&self, means: &Self, claimed: f64) -> bool {
+        let named = match self.decision {
             Decision::Order { order, .. } => order > 0.0 && order.max(1.0) >= claimed,
             _ => self.decision == Decision::Kept,
-        }
+        };
+        let rate = means.rate.as_ref().filter(|rate| !rate.misfits());
+        named && rate.is_none_or(|rate| rate.interval(CONTRADICTION).1 >= claimed)
     }
 }
 
@@ -119,11 +122,16 @@ mod tests {
 
     #[test]
     fn a_strong_order_implies_a_weak_one_of_one() {
+        let means = |hi| order(undecided(More::Paths, ""), hi, 1.0);
         let of = |order_: f64, claimed| {
-            order(Decision::Order { order: order_, shown: true }, 1.0, 1.0).implies_weakly(claimed)
+            let strong = order(Decision::Order { order: order_, shown: true }, 1.0, 1.0);
+            // Means of half the order contradict it.
+            assert!(!strong.implies_weakly(&means(0.5 * claimed), claimed));
+            strong.implies_weakly(&means(claimed), claimed)
         };
         assert!(of(0.5, 1.0) && of(1.0, 1.0) && !of(0.5, 2.0) && !of(0.0, 1.0) && of(2.0, 2.0));
-        assert!(order(Decision::Kept, 1.0, 1.0).implies_weakly(2.0));
-        assert!(!order(Decision::WrongLimit, 1.0, 1.0).implies_weakly(1.0));
+        let none = Order { rate: None, ..means(0.5) };
+        assert!(order(Decision::Kept, 1.0, 1.0).implies_weakly(&none, 2.0));
+        assert!(!order(Decision::WrongLimit, 1.0, 1.0).implies_weakly(&means(2.0), 1.0));
     }
 }

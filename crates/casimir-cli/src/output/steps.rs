@@ -50,6 +50,9 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
     let failed = (check.failed > 0)
         .then(|| format!("{} of {all} paths of the check of the steps failed", check.failed));
     let mut lines = Vec::new();
+    if all == 0 {
+        return lines; // interrupted before
+    }
     if check.damping > STIFF {
         lines.push(format!(
             "the damping of a step is exp(-{}): what happens within a step is not resolved, take \
@@ -70,7 +73,7 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
         lines.extend(failed);
         return lines;
     }
-    let (mut worst, mut seen, mut hidden) = (Vec::new(), Vec::new(), Vec::new());
+    let [mut worst, mut seen, mut below, mut hidden] = [const { Vec::new() }; 4];
     for StepErrors { observable, mean, deviation, along_paths } in &check.observables {
         // With the sizes of what they are errors of.
         let errors = match study {
@@ -97,6 +100,7 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
                 }
                 StepError::About(_) => worst.push(name),
                 StepError::CannotTell => hidden.push(name),
+                StepError::Below(_) if name == *observable => below.push(name),
                 StepError::Fine(_) | StepError::Below(_) => {}
             }
         }
@@ -110,6 +114,13 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
     }
     if !seen.is_empty() {
         lines.push(format!("step error{along} of {}; by {half}", seen.join(", of ")));
+    }
+    if !below.is_empty() {
+        lines.push(format!(
+            "the step error of {} may exceed the sampling error, up to the number after <: {half} see \
+             none",
+            below.join(", ")
+        ));
     }
     if !hidden.is_empty() {
         lines.push(format!(

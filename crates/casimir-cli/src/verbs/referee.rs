@@ -143,10 +143,10 @@ pub fn judge(
         let claim = claims.weak.map(|claimed| (claimed, order.is_weakly(claimed)));
         let (claim, words) = match claim {
             Some((claimed, Verdict::CannotTell))
-                if !own_noise && strong.implies_weakly(claimed) =>
+                if !own_noise && strong.implies_weakly(order, claimed) =>
             {
                 let words =
-                    "implied by the strong order, for steps that are smooth in ΔW; by itself";
+                    "implied by the strong order, for steps that are smooth in τ and ΔW; by itself";
                 (Some((claimed, Verdict::Confirmed)), format!("{words} {order}"))
             }
             claim => (claim, order.to_string()),
