@@ -22,9 +22,11 @@
 //!     fn name(&self) -> &'static str {
 //!         "oscillator"
 //!     }
+//!     #[inline(always)]
 //!     fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
 //!         [-v[1], v[0]]
 //!     }
+//!     #[inline(always)]
 //!     fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
 //!         (y[0] * y[0] + y[1] * y[1]) * (0.5 * dt) + y[1] * y[1] * (0.5 * dw[0])
 //!     }

@@ -256,7 +256,7 @@ impl<'a> Simulation<'a> {
         let dampings: Vec<_> = self.setup.problem.dampings().collect();
         let (mut damped, mut lost) = (vec![0.0; dampings.len()], vec![0.0; dampings.len()]);
         let mut integrals = BTreeMap::from([(0, damped.clone())]);
-        for n in 1..=steps {
+        for n in (1..=steps).take_while(|_| !self.stop.is_asked()) {
             for (k, damping) in dampings.iter().enumerate() {
                 let term = Step::new(*damping, n - 1, tau)?.damping_integral() - lost[k];
                 let sum = damped[k] + term;
