@@ -1,6 +1,6 @@
 //! Equations that are given by drift and noise.
 
-use crate::common::{fails, succeeds, with_scene};
+use crate::common::{fails, json, succeeds, with_scene};
 
 /// A Kubo oscillator in Itô's sense.
 const KUBO: &str = r#"[system]
@@ -73,4 +73,21 @@ fn what_is_not_of_this_form_is_named() {
         fails(folder.path(), &["run", "scene.toml"], 2, &[words]);
         assert!(!folder.path().join("scene-run").exists());
     }
+}
+
+/// dx = f dt + g ∘dW is ẋ = ∂H/∂p with H₀ = pf and H₁ = pg; p stays 0. Here E[x] = e^{(r + s²/2)T}
+/// is known, which e^{rT}, of an equation of Itô's, is far from.
+#[test]
+fn any_equation_has_momenta_that_stay_zero() {
+    let folder = with_scene(
+        "[system]\nstate = [\"x\", \"p\"]\nparameters = { r = 0.5, s = 0.4 }\nB = \"canonical\"\n\
+         H0 = \"p*x*r\"\nH = [\"p*x*s\"]\n[run]\ninitial = [1, 0]\nuntil = 2\nsteps = 64\n\
+         [expect]\nof = [\"x + 1e9*p\"]\naccuracy = 0.01\n",
+    );
+    let found = json(folder.path(), &["expect", "scene.toml", "--json"]);
+    let [value, half_width] = ["value", "half_width"]
+        .map(|key| found["estimates"][0][key].as_f64().unwrap_or_else(|| panic!("{found}")));
+    let off = |exact: f64| (value - exact).abs();
+    assert!(half_width <= 0.01 && off(1.16f64.exp()) <= half_width, "{value} ± {half_width}");
+    assert!(off(1f64.exp()) > 10.0 * half_width, "{value} ± {half_width}");
 }
