@@ -1,8 +1,9 @@
 # %% [markdown]
 # # Predator and prey
-# Lotka–Volterra equations du = u(a − bv)dt, dv = v(cu − d)dt with a harvest of both and noise in the
-# growth rate of the prey: H₁ = σ ln v, since B swaps the species. The noise is Stratonovich's: an Itô
-# rate a is a - sigma^2/2 here. A sweep shares its random numbers, so that its runs can be compared.
+# Lotka–Volterra equations du = u(a − bv)dt, dv = v(cu − d)dt with a harvest of both and noise in
+# the growth rate of the prey: H₁ = σ ln v, since B swaps the species. The noise is Stratonovich's:
+# an Itô rate a is a - sigma^2/2 here. A sweep shares its random numbers, so that its runs can be
+# compared.
 
 # %%
 import casimir

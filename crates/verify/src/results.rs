@@ -2,17 +2,17 @@
 //!
 //! # For other languages
 //!
-//! `cargo xtask reproduce` writes `results.json`. Everything but `provenance` has the same bits for the
-//! same seed, mode and schemes. `schema` (now 2) is raised when a reader of an older version would
-//! misread a newer one; fields may be added without. Numbers that are not finite are `null`.
+//! `cargo xtask reproduce` writes `results.json`. Everything but `provenance` has the same bits for
+//! the same seed, mode and schemes. `schema` (now 2) is raised when a reader of an older version
+//! would misread a newer one; fields may be added without. Numbers that are not finite are `null`.
 //!
 //! - `provenance`: `git`, `rustc`, `cpu`, `simd`, `threads`, `seed`, `mode`, `command`, `wall_s`, …
 //! - `panels`, and `supplements` that are not in the paper: `id`, `kind` (`strong`, `weak`,
-//!   `invariant`, `cost`), `title`, `setup`, `paper`, `samples`, `reference`, `failures` and `series`;
-//!   where increments were clipped, `clipped`.
-//! - A series: `scheme`, `quantity`, `points`, `rate`, `max_relative_defect`. A point of `strong` has
-//!   `tau`, `value`, `se`, `lo`, `hi`; of `weak` `tau`, `value`, `se`; of `invariant` `t`, `value`,
-//!   `exact`; of `cost` `accuracy`, `path_steps`.
+//!   `invariant`, `cost`), `title`, `setup`, `paper`, `samples`, `reference`, `failures` and
+//!   `series`; where increments were clipped, `clipped`.
+//! - A series: `scheme`, `quantity`, `points`, `rate`, `max_relative_defect`. A point of `strong`
+//!   has `tau`, `value`, `se`, `lo`, `hi`; of `weak` `tau`, `value`, `se`; of `invariant` `t`,
+//!   `value`, `exact`; of `cost` `accuracy`, `path_steps`.
 //! - A rate: `estimate`, `lo`, `hi`, `confidence`, `model`, `chi_square`, `degrees`, `p_value` and,
 //!   where the interval is not known to cover, `warning`.
 //! - `claims`: `id`, `panel`, `scheme`, `statement`, `verdict` (`holds`, `refuted`, `undecided`),
@@ -28,8 +28,8 @@
 //! | `bounds` | all `quantities` are within their bounds and no path `failed` |
 //! | `undecided` | never; `reason` says why |
 //!
-//! The exit code is 0 unless a proven claim without an erratum is refuted (1) or the command line is
-//! wrong (2).
+//! The exit code is 0 unless a proven claim without an erratum is refuted (1) or the command line
+//! is wrong (2).
 
 use serde::Serialize;
 

@@ -1,7 +1,6 @@
 //! Whether what is said of an order is true.
 
 use serde::Serialize;
-use stats::Rate;
 
 use super::{Decision, Limit, Order};
 
@@ -40,9 +39,7 @@ impl Order {
     /// named, points that are clearly lower refute the claim, and single steps of which every
     /// possible order is high enough confirm it.
     pub fn is_strongly(&self, claimed: f64, same: bool) -> Verdict {
-        let rate = self.rate.as_ref().filter(|rate| !rate.misfits());
-        let reach = |rate: &Rate| rate.interval(CONTRADICTION).1;
-        let reaches = rate.map_or(f64::NAN, reach);
+        let reaches = self.reaches().unwrap_or(f64::NAN);
         let possible = self.one_step.iter().flat_map(|step| step.strong_orders());
         let least = possible.reduce(f64::min).unwrap_or(f64::NAN);
         let agrees = matches!(self.limit, Limit::Agrees { .. });
@@ -58,22 +55,29 @@ impl Order {
         }
     }
 
-    /// Whether a strong order shows the weak one that was claimed: errors of means are at most those
-    /// of paths, and those of a step that is smooth in τ and in Gaussian increments have integer
-    /// powers of τ, so that an order above zero is one or more. Not if the points of the `means`
-    /// contradict it.
+    /// Whether a strong order shows the weak one that was claimed: errors of means are at most
+    /// those of paths, and those of a step that is smooth in τ and in Gaussian increments have
+    /// integer powers of τ, so that an order above zero is one or more. Not if the points of the
+    /// `means` contradict it.
     pub fn implies_weakly(&self, means: &Self, claimed: f64) -> bool {
         let named = match self.decision {
             Decision::Order { order, .. } => order > 0.0 && order.max(1.0) >= claimed,
             _ => self.decision == Decision::Kept,
         };
-        let rate = means.rate.as_ref().filter(|rate| !rate.misfits());
-        named && rate.is_none_or(|rate| rate.interval(CONTRADICTION).1 >= claimed)
+        named && means.reaches().is_none_or(|order| order >= claimed)
+    }
+
+    /// The largest order that the points do not contradict, where they follow one.
+    fn reaches(&self) -> Option<f64> {
+        let rate = self.rate.as_ref().filter(|rate| !rate.misfits());
+        rate.map(|rate| rate.interval(CONTRADICTION).1)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use stats::Rate;
+
     use super::{super::OneStep, *};
     use crate::orders::{More, decision::undecided};
 

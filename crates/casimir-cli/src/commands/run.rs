@@ -46,7 +46,7 @@ pub fn run(arguments: &Run) -> Done {
     write(&results, &folder, &arguments.write, arguments.output.json)?;
     if stopped {
         let folder = folder.display();
-        let next = ["begins anew", "goes on from there"][usize::from(is_study)];
+        let next = if is_study { "goes on from there" } else { "begins anew" };
         let words = format!("{folder} has what is complete; the same command {next}");
         return Err(Failure::Stopped(words));
     }

@@ -117,8 +117,8 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
     }
     if !below.is_empty() {
         lines.push(format!(
-            "the step error of {} may exceed the sampling error, up to the number after <: {half} see \
-             none",
+            "the step error of {} may exceed the sampling error, up to the number after <: {half} \
+             see none",
             below.join(", ")
         ));
     }
