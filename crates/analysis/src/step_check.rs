@@ -8,8 +8,8 @@
 use std::sync::Arc;
 
 use mc::{Ladder, LadderError, Observe, Run, Setup, View, parts::Job};
-use noise::{StreamKey, Truncation};
-use real::{Row, WIDTH};
+use noise::{Purpose, StreamKey, Truncation};
+use real::{Row, WIDTH, elementary};
 use serde::Serialize;
 use stats::CrossMoments;
 
@@ -96,8 +96,6 @@ const SHARE: u64 = 30;
 const PILOT: u64 = 1024;
 /// Most blocks: the check then sees a fiftieth of a deviation.
 const MOST_BLOCKS: u64 = 256;
-/// The streams of the check differ from those of the run in this bit.
-const CHECK_STREAM: u64 = 1 << 46;
 
 impl StepCheck {
     /// Whether steps of half the size would show what is wrong.
@@ -151,9 +149,9 @@ pub fn step_check(
     job: &Job,
 ) -> Result<Option<StepCheck>, LadderError> {
     let run = |level| Run::new(Arc::clone(&setup.scheme), level);
-    let key = StreamKey { experiment: key.experiment | CHECK_STREAM, ..key };
+    let key = (key, Purpose::StepCheck);
     let (twice, runs) = (steps.saturating_mul(2), vec![run(1), run(0)]);
-    let ladder = Ladder::new(&setup.problem, twice, 1, truncation, key, runs)?;
+    let ladder = Ladder::of(&setup.problem, twice, 1, truncation, key, runs)?;
     let initial = setup.start();
     let center = |phi: &&dyn Observe| {
         let mut values = [0.0; WIDTH];
@@ -210,7 +208,7 @@ fn errors(phi: &dyn Observe, center: f64, moments: &CrossMoments, first: usize) 
         difference: a - b,
         standard_error: above(error([1.0, -1.0, 0.0])),
         rounding: ROUNDING[0] * (center.abs() + a.abs()),
-        of_error: 1.0 / (1.0 - 0.5f64.powf(phi.weak_order())),
+        of_error: 1.0 / (1.0 - elementary::exp2(-phi.weak_order())),
     };
     let deviations = [0, 1].map(|k| above((count * covariance(k, k)).max(0.0).sqrt()));
     let sum = deviations[0] + deviations[1];

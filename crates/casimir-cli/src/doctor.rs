@@ -42,14 +42,13 @@ pub const EXPECTED: Expected = Expected {
 /// Steps of the rigid body.
 const STEPS: u64 = 64;
 
-/// Version, machine and instruction sets.
-pub fn facts() -> String {
-    let Provenance { git, rustc, cpu, threads, simd, .. } =
-        provenance::complete(Provenance::of_run(0, ""), "casimir", Instant::now());
-    let version = env!("CARGO_PKG_VERSION");
+/// Version, machine and instruction sets; `commit` as for [`provenance::complete`].
+pub fn facts(commit: Option<&str>) -> String {
+    let Provenance { version, git, rustc, cpu, threads, simd, .. } =
+        provenance::complete(Provenance::of_run(0, ""), "casimir", commit, Instant::now());
     format!(
-        "casimir       {version}, sources now at commit {git}\n\
-         compiler      {rustc} here\n\
+        "casimir       {version}, commit {git}\n\
+         compiler      {rustc}\n\
          system        {OS}, {ARCH}\n\
          processor     {cpu}\n\
          threads       {threads}\n\

@@ -48,7 +48,8 @@ fn run(arguments: Vec<String>) -> Result<(), Error> {
     };
     // Ctrl-C and SIGTERM end it with a checkpoint.
     let stop = Stop::default();
-    stop.on_signals()?;
+    let asked = stop.clone();
+    ctrlc::set_handler(move || asked.now())?;
     let seconds = value("--checkpoint-every").map_or(Ok(60.0), |text| text.parse())?;
     let job = job.stopped_by(&stop).with_checkpoints_every(Duration::from_secs_f64(seconds));
     value("--threads")
@@ -71,12 +72,10 @@ fn run(arguments: Vec<String>) -> Result<(), Error> {
     let settings = StudySettings::new(240, 40, paths, truncation, key);
     let setup = Setup::of(&problem, &scheme);
     let bands = Study::new(&setup, &phi, &settings)?.run_in(&job, "bands");
-    job.finish()?;
-
     // A part has no results.
     if let Some(bands) = bands {
         bands.write_csv(&mut std::io::stdout().lock())?;
         bands.warnings.iter().for_each(|warning| println!("{warning}"));
     }
-    Ok(())
+    Ok(job.finish()?)
 }

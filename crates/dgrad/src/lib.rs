@@ -8,8 +8,7 @@
 //! everything else goes by nodes and weights (`legendre`) to their sum (`average`).
 //!
 //! ```
-//! use dgrad::{GradientField, averaged};
-//! use real::Real;
+//! use dgrad::{GradientField, averaged, real::Real};
 //!
 //! /// H(y) = e^{y₁} y₂.
 //! struct Mine;
@@ -32,6 +31,8 @@
 //! | [`ShortMean`] | the same for short steps in fewer operations, with derivatives |
 //! | [`averaged`] | N Gauss–Legendre nodes, for block kernels |
 //! | [`Rule`], [`nodes_for_degree`] | Gauss–Legendre rules on [0, 1] |
+
+pub use real;
 
 mod average;
 mod closed;

@@ -27,7 +27,8 @@ fn main() {
     let (key, truncation) = (StreamKey { seed: 1, experiment: 1 }, Truncation::new(4).unwrap());
     let mut path = LargePath::new(&problem, &scheme, steps, truncation, key, 0).unwrap();
     if let Some(file) = arguments.get(2).map(PathBuf::from) {
-        path = path.keeping(Keeping { file, study: format!("{steps} steps") });
+        path =
+            path.keeping(Keeping { file, study: format!("{steps} steps"), ..Keeping::default() });
         eprintln!("from step {}", path.steps_done());
     }
     let begin = Instant::now();

@@ -12,7 +12,8 @@
 //! a Brownian motion with drift in that time; drawn as by Michael, Schucany and Haas 1976). The
 //! random numbers for this come from the last bits of the increments of the step, which are
 //! independent of their leading ones but for rounding. So streams are the same with and without
-//! events. Where no noise acts on the function, s is zero.
+//! events. (What is clipped from increments counts, so that clipped paths have numbers of their
+//! own.) Where no noise acts on the function, s is zero.
 
 use std::sync::Arc;
 
@@ -239,7 +240,8 @@ impl Passage {
 
 /// A random number from the bits of the increments of path p in a step.
 fn word(noise: &StepNoise, step: &Step, p: usize) -> u64 {
-    noise.increments.iter().fold(step.number(), |hash, row| mix(hash ^ row[p].to_bits()))
+    let first = step.number() ^ noise.clipped.get(p).copied().unwrap_or_default();
+    noise.increments.iter().fold(first, |hash, row| mix(hash ^ row[p].to_bits()))
 }
 
 /// The output function of SplitMix64 (Steele, Lea and Flood 2014), a bijection.

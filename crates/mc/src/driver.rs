@@ -24,7 +24,7 @@
 
 use std::sync::OnceLock;
 
-use noise::{DyadicLadder, StepNoise, StreamKey, WienerRows, clip, clip_areas};
+use noise::{DyadicLadder, Purpose, StepNoise, StreamKey, WienerRows, clip, clip_areas};
 use nonlin::{BlockStatus, are_finite};
 use real::{Block, Kernel, PathMask, Row, WIDTH, dispatch};
 use schemes::{Step, Stepper};
@@ -150,9 +150,6 @@ const GROUP_BLOCKS: usize = 4;
 /// Number of paths of a group, which is computed in one piece.
 pub const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 
-/// The bit of the experiment number that separates the streams of time changes.
-const TIME_CHANGE_STREAM: u64 = 1 << 63;
-
 /// Number of finest steps between two reports of progress.
 const PROGRESS_STEPS: u64 = 4096;
 
@@ -273,8 +270,7 @@ struct Marcher<'a> {
 impl<'a> Marcher<'a> {
     fn new(driver: &'a Driver<'a>, first_path: u64, paths: usize) -> Self {
         let runs = driver.runs.len();
-        let experiment = driver.key.experiment ^ TIME_CHANGE_STREAM;
-        let key = StreamKey { experiment, ..driver.key };
+        let key = driver.key.beside(Purpose::TimeChange);
         let start = |(number, run): (usize, &'a Run<'_>)| {
             run.scheme.start(&(driver.start)(number, first_path))
         };
@@ -348,12 +344,14 @@ impl<'a> Marcher<'a> {
     #[inline]
     fn truncate(&mut self, batch: &Batch, one_before: bool, tally: &mut Tally) {
         let level = batch.level;
-        let StepNoise { increments, areas } = match one_before {
+        let StepNoise { increments, areas, .. } = match one_before {
             true => self.ladder.first_half(level + 1),
             false => self.ladder.whole(level),
         };
+        self.truncated.clipped.clear();
         if clip(increments, batch.bounds.increment, &mut self.truncated.increments) > 0 {
-            let (paths, count) = differing(increments, &self.truncated.increments, self.live);
+            let StepNoise { increments: inside, clipped, .. } = &mut self.truncated;
+            let (paths, count) = differing(increments, inside, self.live, clipped);
             for &run in &batch.runs {
                 self.clipped[run] = self.clipped[run].or(paths);
             }
@@ -417,12 +415,16 @@ impl Kernel for AreFinite<'_> {
     }
 }
 
-/// The paths on which two blocks differ, and the number of differing entries on the `live` paths.
+/// The paths on which two blocks differ, and the number of differing entries on the `live` paths;
+/// `mixed` gets the bits of these entries of `a`.
 #[cold]
-fn differing(a: &[Row], b: &[Row], live: PathMask) -> (PathMask, u64) {
+fn differing(a: &[Row], b: &[Row], live: PathMask, mixed: &mut Vec<u64>) -> (PathMask, u64) {
     let (mut paths, mut count) = (PathMask::NONE, 0);
     for p in 0..WIDTH {
-        let differ = a.iter().zip(b).filter(|(a, b)| a[p] != b[p]).count();
+        let entries = a.iter().zip(b).map(|(a, b)| (a[p].to_bits(), b[p].to_bits()));
+        let entries = entries.filter(|(a, b)| a != b);
+        mixed.push(entries.clone().fold(0, |mixed: u64, (a, _)| mixed.rotate_left(21) ^ a));
+        let differ = entries.count();
         if differ > 0 {
             paths.insert(p);
         }

@@ -2,8 +2,8 @@
 
 use std::{ops::Range, sync::OnceLock};
 
-use noise::{StreamKey, Truncation};
-use real::{PathMask, Row};
+use noise::{Purpose, StreamKey, Truncation};
+use real::{PathMask, Row, elementary};
 use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
@@ -160,8 +160,8 @@ impl<'a> Ladder<'a> {
     /// - [`LadderError::Steps`] unless `finest_steps` is a positive multiple of 2^`levels`.
     /// - [`LadderError::Level`] if a run is on a level that does not exist. A swapped run needs the
     ///   level above its own.
-    /// - [`LadderError::Noise`] if the truncation is undefined at a step size, or if the areas need
-    ///   too many terms.
+    /// - [`LadderError::Noise`] if the number of the experiment is not below 2⁴⁰, if the truncation
+    ///   is undefined at a step size, or if the areas need too many terms.
     /// - [`LadderError::Step`] if the finest step underflows.
     pub fn new(
         problem: &Problem<'a>,
@@ -171,6 +171,23 @@ impl<'a> Ladder<'a> {
         key: StreamKey,
         runs: Vec<Run<'a>>,
     ) -> Result<Self, LadderError> {
+        let family = (key, Purpose::Paths);
+        Self::of(problem, finest_steps, levels, truncation, family, runs)
+    }
+
+    /// The same with another family of paths of the experiment.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(
+        problem: &Problem<'a>,
+        finest_steps: u64,
+        levels: usize,
+        truncation: Truncation,
+        (key, family): (StreamKey, Purpose),
+        runs: Vec<Run<'a>>,
+    ) -> Result<Self, LadderError> {
+        let key = key.paths_of(family)?;
         let coarsest = 1u64.checked_shl(levels as u32).unwrap_or(u64::MAX);
         if finest_steps == 0 || !finest_steps.is_multiple_of(coarsest) {
             return Err(LadderError::Steps { steps: finest_steps, multiple_of: coarsest });
@@ -241,7 +258,9 @@ impl<'a> Ladder<'a> {
             let factors: Row = std::array::from_fn(|p| factor(first + p as u64));
             let scale = move |rows: &mut [Row], power| {
                 rows.iter_mut().for_each(|row| {
-                    row.iter_mut().zip(factors).for_each(|(x, factor)| *x *= factor.powi(power));
+                    row.iter_mut()
+                        .zip(factors)
+                        .for_each(|(x, factor)| *x *= elementary::powi(factor, power));
                 });
             };
             Box::new(move |noise| {

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use noise::{StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
+use noise::{Purpose, StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::BlockStatus;
 use rayon::prelude::*;
 use real::{Row, Rows, WIDTH, dispatch};
@@ -96,6 +96,7 @@ impl<'a> LargePath<'a> {
         key: StreamKey,
         path: u64,
     ) -> Result<Self, LadderError> {
+        let key = key.paths_of(Purpose::Paths)?;
         let (system, damping) = (problem.system(), problem.damping());
         let Description { name, layout, .. } = system.description();
         if layout.lanes == Lanes::Paths {

@@ -2,9 +2,9 @@
 
 use std::{ops::Deref, sync::Arc};
 
-use noise::{StepNoise, StreamKey};
+use noise::{Purpose, StepNoise, StreamKey};
 use nonlin::BlockStatus;
-use real::{Block, Row};
+use real::{Block, Row, elementary};
 use schemes::{Method, Scheme, Step, Stepper};
 use systems::{
     Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, unit_noise, vector_field,
@@ -56,9 +56,6 @@ pub struct Initial<'a> {
 
 type Draw<'a> = dyn Fn(StreamKey, u64, &mut [Row]) + Send + Sync + 'a;
 
-/// The bit of the experiment number that separates the streams of initial values.
-const INITIAL_STREAM: u64 = 1 << 59;
-
 impl Initial<'_> {
     /// The states of 32 paths at time 0, of a problem with these initial values or with `y0`.
     pub(crate) fn start(
@@ -69,11 +66,7 @@ impl Initial<'_> {
     ) -> Vec<Row> {
         let mut rows = splat(y0);
         if let Some(Self { draw, .. }) = initial {
-            draw(
-                StreamKey { experiment: key.experiment ^ INITIAL_STREAM, ..key },
-                first,
-                &mut rows,
-            );
+            draw(key.beside(Purpose::InitialValues), first, &mut rows);
         }
         rows
     }
@@ -111,7 +104,7 @@ impl<'a> ConformalLaw<'a> {
     pub fn decay(&self, integrals: &[f64]) -> f64 {
         match &self.decay {
             Some(decay) => decay(integrals),
-            None => (-self.degree * integrals[0]).exp(),
+            None => elementary::exp(-self.degree * integrals[0]),
         }
     }
 }

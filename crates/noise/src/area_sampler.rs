@@ -6,20 +6,9 @@ use std::f64::consts::{SQRT_2, TAU};
 use real::{Kernel, Row, Rows, dispatch};
 
 use crate::{
-    StreamKey, area_terms::trigamma_after, box_muller::fill_pair, skew, step::zero_rows,
+    Purpose, StreamKey, area_terms::trigamma_after, box_muller::fill_pair, skew, step::zero_rows,
     stream::BlockStreams,
 };
-
-/// The bit of the experiment number that separates the streams of areas from those of increments.
-/// Increments are therefore the same whether areas are drawn or not.
-pub const AREA_STREAM: u64 = 1 << 62;
-
-impl StreamKey {
-    /// The key of the area streams: [`AREA_STREAM`] flipped.
-    pub(crate) fn of_areas(self) -> Self {
-        Self { experiment: self.experiment ^ AREA_STREAM, ..self }
-    }
-}
 
 /// Sampler of the Lévy areas of Wiener processes on 32 consecutive paths, given the increments.
 ///
@@ -98,7 +87,7 @@ impl AreaSampler {
     /// If there is no memory for it.
     pub fn new(key: StreamKey, first_path: u64, noises: usize, terms: usize) -> Self {
         Self {
-            streams: BlockStreams::new(key.of_areas(), first_path),
+            streams: BlockStreams::new(key.beside(Purpose::Areas), first_path),
             series: Series::new(terms),
             noises,
             scratch: zero_rows(scratch_rows(noises)),
@@ -132,7 +121,8 @@ pub struct AreaPath<const M: usize> {
 impl<const M: usize> AreaPath<M> {
     /// The sampler of path `path` with `terms` terms of the series.
     pub fn new(key: StreamKey, path: u64, terms: usize) -> Self {
-        Self { words: key.of_areas().state(path).map(|word| [word]), series: Series::new(terms) }
+        let words = key.beside(Purpose::Areas).state(path).map(|word| [word]);
+        Self { words, series: Series::new(terms) }
     }
 
     /// The skew matrix of areas over the next step of size `step` > 0, given its *untruncated*

@@ -30,9 +30,13 @@
 //! # Ok::<(), noise::NoiseError>(())
 //! ```
 //!
+//! There is another crate `noise`, for textures. Beside it this one needs a name of its own in
+//! `Cargo.toml`, `wiener = { package = "casimir-noise", version = "0.1" }`, and is then `wiener` in
+//! the place of `noise`.
+//!
 //! | item | purpose |
 //! |---|---|
-//! | [`StreamKey`] | identifies the random streams of an experiment |
+//! | [`StreamKey`], [`Purpose`] | identifies the random streams of an experiment, and what for |
 //! | [`WienerRows`], [`WienerPath`] | normal increments of 32 paths, of one path |
 //! | [`StepNoise`] | increments and Lévy areas of one step on 32 paths |
 //! | [`BlockNoise`], [`Noise`] | the same for a compiled kernel, and of one path |
@@ -43,6 +47,8 @@
 //! | [`area_terms`], [`area_error`] | terms of the series of an area, and its error |
 //! | [`AreaSampler`], [`AreaPath`] | Lévy areas given the increments, of 32 paths, of one path |
 //! | [`join`], [`clip_areas`] | Chen's relation, truncated areas |
+
+pub use real;
 
 mod area;
 mod area_sampler;
@@ -59,7 +65,7 @@ mod truncation;
 mod wiener;
 
 pub use area::{clip_areas, join};
-pub use area_sampler::{AREA_STREAM, AreaPath, AreaSampler};
+pub use area_sampler::{AreaPath, AreaSampler};
 pub use area_terms::{MOST_AREA_TERMS, area_error, area_terms, strong_order_one_error};
 pub use error::NoiseError;
 pub use inverse_normal::inverse_normal;
@@ -67,6 +73,6 @@ pub use ladder::DyadicLadder;
 pub use quasi_wiener::QuasiWiener;
 pub use sobol::ScrambledSobol;
 pub use step::{BlockNoise, Noise, StepNoise, skew};
-pub use stream::StreamKey;
+pub use stream::{Purpose, StreamKey};
 pub use truncation::{Truncation, clip};
 pub use wiener::{WienerPath, WienerRows};

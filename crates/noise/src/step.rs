@@ -30,6 +30,9 @@ pub struct StepNoise {
     pub increments: Rows,
     /// M² rows of Lévy areas; none if no areas are drawn.
     pub areas: Rows,
+    /// Bits of what clipping took from the increments of each path, without a meaning of their own;
+    /// zero for a path with all of its increments, and empty where nothing was clipped.
+    pub clipped: Vec<u64>,
 }
 
 impl StepNoise {
@@ -38,7 +41,7 @@ impl StepNoise {
     /// # Panics
     /// If there is no memory for it.
     pub fn zero(noises: usize) -> Self {
-        Self { increments: zero_rows(noises), areas: Rows::default() }
+        zero_rows(noises).into()
     }
 
     /// No noise, for so many noises, with areas.
@@ -47,7 +50,7 @@ impl StepNoise {
     /// If there is no memory for it.
     pub fn with_areas(noises: usize) -> Self {
         let areas = zero_rows(noises.saturating_mul(noises));
-        Self { increments: zero_rows(noises), areas }
+        Self { areas, ..Self::zero(noises) }
     }
 
     /// The noise of path `p`.
@@ -96,7 +99,7 @@ impl StepNoise {
 /// Increments, a row for each noise, without areas.
 impl From<Rows> for StepNoise {
     fn from(increments: Rows) -> Self {
-        Self { increments, areas: Rows::default() }
+        Self { increments, areas: Rows::default(), clipped: Vec::new() }
     }
 }
 

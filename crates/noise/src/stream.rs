@@ -2,25 +2,72 @@
 
 use real::WIDTH;
 
+use crate::NoiseError;
+
 /// The key of a family of random streams, one xoshiro256++ stream per path (Blackman and Vigna
 /// 2019). The stream of path p is a function of (seed, experiment, p) alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StreamKey {
     /// Master seed of the run.
     pub seed: u64,
-    /// Number of the experiment: experiments with the same seed are independent.
+    /// Number of the experiment, below 2⁴⁰: experiments with the same seed are independent. The other
+    /// bits are those of a [`Purpose`].
     pub experiment: u64,
 }
 
 /// The odd constant of SplitMix64: ⌊2⁶⁴/φ⌋ made odd.
 pub(crate) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The bit of the experiment number that separates the streams of tiles from those of paths.
-const TILE_STREAM: u64 = 1 << 61;
+/// Bits of the number of an experiment.
+const EXPERIMENT_BITS: u32 = 40;
 
-/// The bit of the experiment number that separates the words of scrambles from the streams of
-/// paths.
-const SCRAMBLE_STREAM: u64 = 1 << 60;
+/// What the random numbers of a stream are for: the bits of the experiment number from 40 on. The
+/// families of paths have bits below 57. Each of the others has a bit of its own, and is beside any
+/// family.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// The paths of an experiment.
+    Paths,
+    /// Those of level l < 31 of an expectation.
+    Level(u64),
+    /// Those on which the steps of a run are checked.
+    StepCheck,
+    /// Those of the pilot of a study.
+    Pilot,
+    /// Those of batch n < 2¹⁴ of a chain.
+    Batch(u64),
+    /// Space-time areas, beside increments.
+    SpaceTimeAreas,
+    /// Initial values.
+    InitialValues,
+    /// Scrambles of Sobol points.
+    Scrambles,
+    /// The tiles of a large path.
+    Tiles,
+    /// Lévy areas, beside increments: these are the same whether areas are drawn or not.
+    Areas,
+    /// Normals of a random time change.
+    TimeChange,
+}
+
+impl Purpose {
+    /// Its bits.
+    pub const fn bits(self) -> u64 {
+        match self {
+            Self::Paths => 0,
+            Self::Level(level) => (level + 1) << EXPERIMENT_BITS,
+            Self::StepCheck => 1 << 46,
+            Self::Pilot => 1 << 47,
+            Self::Batch(number) => (1 << 54) + (number << EXPERIMENT_BITS),
+            Self::SpaceTimeAreas => 1 << 57,
+            Self::InitialValues => 1 << 59,
+            Self::Scrambles => 1 << 60,
+            Self::Tiles => 1 << 61,
+            Self::Areas => 1 << 62,
+            Self::TimeChange => 1 << 63,
+        }
+    }
+}
 
 /// The finaliser of SplitMix64, a bijection of 64-bit words.
 #[inline(always)]
@@ -38,17 +85,37 @@ impl StreamKey {
         mix(experiment.wrapping_add(GOLDEN).wrapping_add(path.wrapping_mul(GOLDEN)))
     }
 
-    /// The key of the streams of the tiles of one large path, with bit 61 of the experiment
-    /// number flipped: the seed is that of the path, and tile k has the streams 32k to 32k + 31.
-    #[must_use]
-    pub fn of_tiles(self, path: u64) -> Self {
-        Self { seed: self.path_seed(path), experiment: self.experiment ^ TILE_STREAM }
+    /// The key of a family of paths of this experiment.
+    ///
+    /// # Errors
+    /// [`NoiseError::Argument`] unless the number of the experiment is below 2⁴⁰: a larger one has
+    /// the streams of something else.
+    pub fn paths_of(self, family: Purpose) -> Result<Self, NoiseError> {
+        match self.experiment >> EXPERIMENT_BITS {
+            0 => Ok(self.beside(family)),
+            _ => Err(NoiseError::Argument(format!(
+                "the experiment number must be below 2^40, got {}",
+                self.experiment
+            ))),
+        }
     }
 
-    /// The 64-bit seed of a scramble of Sobol points: a path seed with bit 60 of the experiment
-    /// number flipped.
+    /// The key of the streams with another purpose beside these.
+    #[must_use]
+    pub const fn beside(self, purpose: Purpose) -> Self {
+        Self { experiment: self.experiment ^ purpose.bits(), ..self }
+    }
+
+    /// The key of the streams of the tiles of one large path: the seed is that of the path, and
+    /// tile k has the streams 32k to 32k + 31.
+    #[must_use]
+    pub fn of_tiles(self, path: u64) -> Self {
+        Self { seed: self.path_seed(path), ..self }.beside(Purpose::Tiles)
+    }
+
+    /// The 64-bit seed of a scramble of Sobol points.
     pub(crate) fn scramble_seed(self, scramble: u64) -> u64 {
-        Self { experiment: self.experiment ^ SCRAMBLE_STREAM, ..self }.path_seed(scramble)
+        self.beside(Purpose::Scrambles).path_seed(scramble)
     }
 
     /// The state of xoshiro256++ after `seed_from_u64` of [`path_seed`](Self::path_seed), which
@@ -116,6 +183,39 @@ mod tests {
         }
     }
 
+    /// The values are those of results that exist: they may not change.
+    #[test]
+    fn every_purpose_has_bits_of_its_own() {
+        use Purpose::{
+            Areas, Batch, InitialValues, Level, Paths, Pilot, Scrambles, SpaceTimeAreas, StepCheck,
+            Tiles, TimeChange,
+        };
+        let levels = (0..31).map(Level);
+        let batches = (0..1 << 14).map(Batch);
+        let families = [Paths, StepCheck, Pilot].into_iter().chain(levels).chain(batches);
+        let mut seen = std::collections::HashSet::new();
+        for family in families {
+            let bits = family.bits();
+            assert!(bits < 1 << 57 && bits % (1 << 40) == 0 && seen.insert(bits), "{family:?}");
+        }
+        let beside = [SpaceTimeAreas, InitialValues, Scrambles, Tiles, Areas, TimeChange];
+        assert_eq!(beside.map(Purpose::bits), [57, 59, 60, 61, 62, 63].map(|bit| 1 << bit));
+        let some = [Level(0), Level(3), StepCheck, Pilot, Batch(0), Batch(5)].map(Purpose::bits);
+        assert_eq!(some, [1 << 40, 1 << 42, 1 << 46, 1 << 47, 1 << 54, (1 << 54) + (5 << 40)]);
+    }
+
+    #[test]
+    fn an_experiment_that_has_the_streams_of_something_else_is_refused() {
+        for purpose in [Purpose::Paths, Purpose::Pilot] {
+            let key = |experiment| StreamKey { seed: 1, experiment }.paths_of(purpose);
+            assert_eq!(key((1 << 40) - 1).unwrap().experiment, purpose.bits() + (1 << 40) - 1);
+            for experiment in [1 << 40, 1 << 46, 1 << 62, u64::MAX] {
+                let error = key(experiment).unwrap_err().to_string();
+                assert!(error.ends_with(&format!("below 2^40, got {experiment}")), "{error}");
+            }
+        }
+    }
+
     /// Of paths, nor of areas and scrambles.
     #[test]
     fn neighbours_do_not_share_a_stream() {
@@ -127,7 +227,7 @@ mod tests {
                     assert!(
                         seen.insert(key.path_seed(path)) && seen.insert(key.scramble_seed(path))
                     );
-                    assert!(seen.insert(key.of_areas().path_seed(path)));
+                    assert!(seen.insert(key.beside(Purpose::Areas).path_seed(path)));
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Truncated Wiener increments.
 
-use real::{Kernel, Row, WIDTH, dispatch};
+use real::{Kernel, Row, WIDTH, dispatch, elementary};
 
 use crate::NoiseError;
 
@@ -59,7 +59,7 @@ impl Truncation {
         match self.order {
             None => Ok(f64::INFINITY),
             Some(k) if tau > 0.0 && tau < 1.0 => {
-                let threshold = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
+                let threshold = (2.0 * f64::from(k) * elementary::ln(tau).abs()).sqrt();
                 Ok(tau.sqrt() * if self.wide { threshold.max(WIDE) } else { threshold })
             }
             Some(_) if self.wide && tau >= 1.0 && tau.is_finite() => Ok(tau.sqrt() * WIDE),
@@ -69,17 +69,16 @@ impl Truncation {
 }
 
 /// Writes the increments `dw`, clipped to ±`bound`, into `clipped`, which has as many rows. Returns
-/// the number of increments changed.
+/// the number of increments changed. Infinities and NaN stay, so that their paths fail.
 #[inline]
 pub fn clip(dw: &[Row], bound: f64, clipped: &mut [Row]) -> u64 {
     dispatch(Clip { dw, bound, clipped })
 }
 
-/// x clipped to ±`bound`; `bound` for a NaN.
+/// Whether x is finite and beyond ±`bound`.
 #[inline(always)]
-pub(crate) fn clip_to(x: f64, bound: f64) -> f64 {
-    let below = if x < bound { x } else { bound };
-    if below > -bound { below } else { -bound }
+fn is_beyond(x: f64, bound: f64) -> bool {
+    (x.abs() > bound) & (x.abs() < f64::INFINITY)
 }
 
 struct Clip<'a> {
@@ -97,9 +96,9 @@ impl Kernel for Clip<'_> {
         for (dw, clipped) in self.dw.iter().zip(self.clipped) {
             for p in 0..WIDTH {
                 let w = dw[p];
-                let inside = clip_to(w, self.bound);
-                clipped[p] = inside;
-                count = count.wrapping_add(if inside != w { 1 } else { 0 });
+                let beyond = is_beyond(w, self.bound);
+                clipped[p] = if beyond { self.bound.copysign(w) } else { w };
+                count = count.wrapping_add(if beyond { 1 } else { 0 });
             }
         }
         count
@@ -147,6 +146,11 @@ mod tests {
         assert_eq!((clipped.0[0][3], clipped.0[1][4], clipped.0[1][5]), (1.0, -1.0, 0.5));
         assert_eq!(clip(&dw.0, f64::INFINITY, &mut clipped.0), 0);
         assert_eq!(clipped, dw);
+        // What is not finite stays, and is not counted as clipped.
+        let wrong = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+        dw.0[1][5..8].copy_from_slice(&wrong);
+        assert_eq!(clip(&dw.0, 1.0, &mut clipped.0), 2);
+        assert_eq!(format!("{:?}", &clipped.0[1][5..8]), format!("{wrong:?}"));
         // Areas above the diagonal, with a bound (k/π) τ|log τ|.
         let mut noise = StepNoise::with_areas(2);
         noise.areas[1] = dw.0[1];

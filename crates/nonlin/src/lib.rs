@@ -1,4 +1,4 @@
-//! **Implicit equations z = ψ(z) for 32 paths at once, solved to round-off.**
+//! **Implicit equations z = ψ(z) for 32 paths at once, solved to a residual of 2ε.**
 //!
 //! A [`FixedPoint`] is the equation of one path, generic over [`real::Real`]. A [`BlockFixedPoint`]
 //! gives the equation of each path of a block. [`Solver::solve_block`] iterates on the whole block
@@ -9,8 +9,7 @@
 //! the fast method) → `robust` (where it fails, with `elimination`). [`criteria`] say when to stop.
 //!
 //! ```
-//! use nonlin::{FixedPoint, Solver};
-//! use real::Real;
+//! use nonlin::{FixedPoint, Solver, real::Real};
 //!
 //! /// Kepler's equation E = M + e sin E.
 //! #[derive(Clone, Copy)]
@@ -37,6 +36,8 @@
 //! | [`Solution`], [`Outcome`] | the result on one path: method, iterations, residual |
 //! | [`BlockStatus`] | the results on a block |
 //! | [`criteria`] | when an iteration has converged |
+
+pub use real;
 
 mod block;
 pub mod criteria;

@@ -1,6 +1,10 @@
 //! Where a run comes from, and what it took.
 
-use std::{collections::BTreeMap, fs, process::Command, time::Instant};
+use std::{
+    collections::BTreeMap,
+    fs,
+    time::{Instant, SystemTime},
+};
 
 use real::Level;
 use serde::Serialize;
@@ -8,10 +12,17 @@ use serde::Serialize;
 /// Where a run comes from and how long it took.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Provenance {
-    /// Commit of the workspace, with `-dirty` appended when the tree differs from it.
+    /// Version of the program.
+    pub version: String,
+    /// Commit of the sources that the program was built from, with `-dirty` appended when the tree
+    /// differed from it; `unknown` if the build was not told.
     pub git: String,
-    /// Compiler version.
+    /// The compiler that built it.
     pub rustc: String,
+    /// The day of the run (UTC).
+    pub day: String,
+    /// The folder in which the program was started.
+    pub folder: String,
     /// Processor name.
     pub cpu: String,
     /// Instruction set the kernels ran on: `avx512`, `avx2` or `baseline`.
@@ -41,26 +52,26 @@ impl Provenance {
 /// What is written for a fact that nobody tells.
 const UNKNOWN: &str = "unknown";
 
-/// Completes the provenance of a run that began at `start`: commit of the sources, compiler,
+/// Completes the provenance of a run that began at `start`: version, compiler, day, folder,
 /// processor, instruction set, command and wall time. What else it holds stays.
 ///
-/// `program` is what a user types in front of the arguments.
-pub fn complete(known: Provenance, program: &str, start: Instant) -> Provenance {
+/// `program` is what a user types in front of the arguments; `commit` is what the build was told,
+/// `option_env!("CASIMIR_COMMIT")`.
+pub fn complete(
+    known: Provenance,
+    program: &str,
+    commit: Option<&str>,
+    start: Instant,
+) -> Provenance {
+    let folder = std::env::current_dir();
     Provenance {
-        git: first_line(
-            "git",
-            &[
-                // The folder of the run may be of another repository.
-                "-C",
-                env!("CARGO_MANIFEST_DIR"),
-                "describe",
-                "--always",
-                "--dirty",
-                "--abbrev=12",
-                "--exclude=*",
-            ],
-        ),
-        rustc: first_line("rustc", &["--version"]),
+        version: env!("CARGO_PKG_VERSION").into(),
+        git: commit.unwrap_or(UNKNOWN).into(),
+        rustc: env!("CASIMIR_RUSTC").into(),
+        day: day(SystemTime::now()
+            .duration_since(SystemTime::UNIX_EPOCH)
+            .map_or(0, |since| since.as_secs() / 86400)),
+        folder: folder.map_or(UNKNOWN.into(), |folder| folder.display().to_string()),
         cpu: fact("/proc/cpuinfo", "model name").unwrap_or(std::env::consts::ARCH.into()),
         simd: Level::current().name().into(),
         command: std::iter::once(program.into())
@@ -72,14 +83,16 @@ pub fn complete(known: Provenance, program: &str, start: Instant) -> Provenance 
     }
 }
 
-/// First line that a command prints, or `unknown`.
-fn first_line(program: &str, arguments: &[&str]) -> String {
-    match Command::new(program).args(arguments).output() {
-        Ok(output) if output.status.success() => {
-            String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or(UNKNOWN).into()
-        }
-        _ => UNKNOWN.into(),
-    }
+/// The day that is so many days after 1970-01-01, in the Gregorian calendar, whose months are
+/// counted from March on and whose eras have 400 years.
+fn day(number: u64) -> String {
+    let (era, day) = ((number + 719_468) / 146_097, (number + 719_468) % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let year = 400 * era + year + month / 10;
+    format!("{year}-{:02}-{day:02}", (month + 2) % 12 + 1)
 }
 
 /// What follows the first `key:` in a file of the system.
@@ -97,10 +110,27 @@ mod tests {
     fn every_fact_is_found() {
         let run = Provenance::of_run(7, "quick");
         assert_eq!(run.threads, rayon::current_num_threads());
-        let found = complete(run, "program", Instant::now());
+        let found = complete(run, "program", Some("abc"), Instant::now());
+        assert_eq!((&*found.git, &*found.version), ("abc", env!("CARGO_PKG_VERSION")));
+        assert_eq!(complete(found.clone(), "program", None, Instant::now()).git, UNKNOWN);
+        assert!(found.rustc.starts_with("rustc 1."), "{}", found.rustc);
+        assert_eq!(found.folder, std::env::current_dir().unwrap().display().to_string());
         assert_eq!((found.seed, &*found.mode), (7, "quick"));
-        for text in [found.git, found.rustc, found.cpu, found.simd, found.command] {
+        for text in [found.day, found.cpu, found.simd, found.command] {
             assert!(!text.is_empty());
+        }
+    }
+
+    #[test]
+    fn days_are_those_of_the_calendar() {
+        let known =
+            [(0, "1970-01-01"), (59, "1970-03-01"), (789, "1972-02-29"), (11_016, "2000-02-29")];
+        for (number, expected) in known.into_iter().chain([
+            (20_819, "2027-01-01"),
+            (47_540, "2100-02-28"),
+            (47_541, "2100-03-01"),
+        ]) {
+            assert_eq!(day(number), expected);
         }
     }
 }

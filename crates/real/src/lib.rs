@@ -30,7 +30,7 @@
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
 //! | [`Row`], [`Rows`] | 32 numbers, and as many of them on the heap as is known at run time |
 //! | [`Kernel`], [`dispatch`], [`Level`] | run-time choice of the instruction set |
-//! | [`elementary`] | branch-free sin, cos, exp, ln, sinc |
+//! | [`elementary`] | branch-free sin, cos, exp, ln, sinc; powers and logarithms for results |
 //!
 //! The feature `dispatch` (default) provides the run-time choice of the instruction set and is the
 //! only reason for a dependency. Without it, kernels are compiled for the baseline of the target.
@@ -45,6 +45,7 @@ mod dual;
 pub mod elementary;
 mod factored;
 mod number;
+mod powers;
 mod rows;
 
 pub use block::{Block, PathMask, WIDTH};

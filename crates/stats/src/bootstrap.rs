@@ -19,6 +19,7 @@ use rand_xoshiro::{
     SplitMix64,
     rand_core::{Rng, SeedableRng},
 };
+use real::elementary;
 
 use crate::moments::CrossMoments;
 
@@ -53,7 +54,7 @@ pub fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(
             let mean = dot(&times, value) / count;
             let weight = g / mean;
             influences.iter_mut().zip(value).for_each(|(u, x)| *u += weight * x);
-            theta += g * mean.ln();
+            theta += g * elementary::ln(mean);
         }
         influences.iter_mut().for_each(|u| *u *= *u);
         theta / (dot(&times, &influences).sqrt() / count)
@@ -99,7 +100,7 @@ pub fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain: &[f64]
             .sum();
         batches += 1.0;
         second += influence.powi(2);
-        fourth += influence.powi(4);
+        fourth += elementary::powi(influence, 4);
     }
     let kurtosis: f64 = batches * fourth / (second * second);
     2.0 * batches / (kurtosis - 1.0).max(f64::EPSILON)

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use real::{Kernel, PathMask, WIDTH, dispatch};
+use real::{Kernel, PathMask, WIDTH, dispatch, elementary};
 use serde::{Deserialize, Serialize};
 
 use crate::quantile::{CONFIDENCE, two_sided};
@@ -131,8 +131,8 @@ impl CentralMoments {
         let g = self.m3 / self.m2 / self.m2.sqrt();
         let end = |quantile: f64, reach: f64| {
             let t = quantile - g / 6.0;
-            let root = (1.0 + g * t).cbrt();
-            (3.0 * t / (root * root + root + 1.0) * se).hypot(UNSEEN * reach / n)
+            let root = elementary::cbrt(1.0 + g * t);
+            elementary::hypot(3.0 * t / (root * root + root + 1.0) * se, UNSEEN * reach / n)
         };
         let lo = self.mean - end(quantile, self.mean - self.least);
         let hi = self.mean + end(-quantile, self.largest - self.mean);

@@ -44,6 +44,7 @@ mod quantile;
 mod quantile_ranks;
 mod rate;
 mod root_mean_square;
+mod special;
 mod strong;
 mod weak;
 mod worse;

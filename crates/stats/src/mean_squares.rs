@@ -20,6 +20,7 @@ use crate::{
     quantile::{CONFIDENCE, hotelling_p_value, two_sided},
     rate::Rate,
 };
+use real::elementary;
 
 /// Correlation between neighbouring levels in the working weights.
 const WORKING_CORRELATION: f64 = 0.5;
@@ -86,7 +87,7 @@ impl<'a> LogMeanSquares<'a> {
             squares,
             taus: levels.iter().map(|&l| taus[l]).collect(),
             levels,
-            values: means.iter().map(|mean| mean.ln()).collect(),
+            values: means.iter().map(|mean| elementary::ln(*mean)).collect(),
             covariance,
         })
     }
@@ -104,7 +105,8 @@ impl<'a> LogMeanSquares<'a> {
     /// is fitted if there is a `bend`. `None` if the covariance is singular.
     pub fn fit(&self, bend: Option<Bend>) -> Option<Estimate> {
         let levels = self.levels.len();
-        let correlation = |l: usize, m: usize| WORKING_CORRELATION.powi(l.abs_diff(m) as i32);
+        let correlation =
+            |l: usize, m: usize| elementary::powi(WORKING_CORRELATION, l.abs_diff(m) as i32);
         let working = Weighting::new(&matrix(levels, correlation))?;
         let fit = self.gauss_newton(&working, bend)?;
         let chi_square = self.gauss_newton(&Weighting::new(&self.covariance)?, bend)?.chi_square;
@@ -148,17 +150,18 @@ impl<'a> LogMeanSquares<'a> {
     fn gauss_newton<'w>(&self, weighting: &'w Weighting, bend: Option<Bend>) -> Option<Fit<'w>> {
         let Bend { power, exponent } = bend.unwrap_or(Bend::LINEAR);
         let taus = &self.taus;
-        let x: Vec<f64> = taus.iter().map(|tau| (tau / taus[0]).powi(power)).collect();
+        let x: Vec<f64> = taus.iter().map(|tau| elementary::powi(tau / taus[0], power)).collect();
         let factors = |b: f64| x.iter().map(|x| 1.0 + b * x).collect::<Vec<f64>>();
         let mut b = 0.0;
         let mut left = GAUSS_NEWTON_STEPS;
         loop {
             let now = factors(b);
-            let mut design = vec![vec![1.0; taus.len()], taus.iter().map(|tau| tau.ln()).collect()];
+            let mut design =
+                vec![vec![1.0; taus.len()], taus.iter().map(|tau| elementary::ln(*tau)).collect()];
             if bend.is_some() {
                 design.push(x.iter().zip(&now).map(|(x, f)| exponent * x / f).collect());
             }
-            let known = now.iter().map(|f| exponent * (f.ln() - (f - 1.0) / f));
+            let known = now.iter().map(|f| exponent * (elementary::ln(*f) - (f - 1.0) / f));
             let target: Vec<f64> = self.values.iter().zip(known).map(|(y, k)| y - k).collect();
             let fit = weighting.fit(&design, &target)?;
             let mut step = bend.map_or(0.0, |_| fit.parameters[2] - b);

@@ -1,8 +1,9 @@
 //! Order statistics that enclose a quantile.
 
-use statrs::distribution::{Binomial, DiscreteCDF};
-
-use crate::quantile::{CONFIDENCE, two_sided};
+use crate::{
+    quantile::{CONFIDENCE, two_sided},
+    special::beta_below,
+};
 
 /// Above this standard deviation of the number of samples below a quantile, its binomial law is
 /// taken as normal.
@@ -34,14 +35,22 @@ fn by_normal_law(n: u64, level: f64, deviation: f64) -> (u64, u64) {
     ((mean - reach).max(0.0) as u64, ((mean + reach).ceil() as u64).min(n + 1))
 }
 
-/// The largest l with P(Bin(n, q) ≤ l − 1) ≤ 0.025: the least one with P(Bin(n, q) ≤ l) > 0.025.
+/// The largest l with P(Bin(n, q) ≤ l − 1) ≤ 0.025: the least one with P(Bin(n, q) ≤ l) > 0.025,
+/// where P(Bin(n, q) ≤ l) = I_{1−q}(n − l, l + 1) for l < n.
 fn lower(n: u64, q: f64) -> u64 {
-    Binomial::new(q, n).map_or(0, |law| law.inverse_cdf(0.5 * (1.0 - CONFIDENCE)))
+    let (mut low, mut high) = (0, n);
+    while low < high {
+        let l = low + (high - low) / 2;
+        let below = beta_below((n - l) as f64, (l + 1) as f64, [1.0 - q, q]);
+        (low, high) = if below > 0.5 * (1.0 - CONFIDENCE) { (low, l) } else { (l + 1, high) };
+    }
+    low
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use statrs::distribution::{Binomial, DiscreteCDF};
 
     #[test]
     fn ranks_are_the_quantiles_of_the_binomial_law() {

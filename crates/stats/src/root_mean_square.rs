@@ -5,6 +5,7 @@ use crate::{
     moments::{CrossMoments, FEW_SAMPLES},
     point::Point,
 };
+use real::elementary;
 
 /// √m at every step size, where m is the mean of the squared errors: with a standard error by the
 /// delta method, se(√m) = se(m)/(2√m), a bootstrap-t interval, and a warning where a few paths
@@ -34,7 +35,7 @@ pub fn root_mean_square_interval(squares: &CrossMoments, l: usize) -> Option<(f6
     let mean = squares.mean(l);
     let se = 0.5 * squares.covariance_of_means(l, l).sqrt() / mean;
     let (below, above) = bootstrap::reach(squares, &[l], &[0.5])?;
-    Some((mean.sqrt() * (-below * se).exp(), mean.sqrt() * (above * se).exp()))
+    Some((mean.sqrt() * elementary::exp(-below * se), mean.sqrt() * elementary::exp(above * se)))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The weak order from signed errors whose covariance is known.
 
+use real::elementary;
 use std::ops::RangeInclusive;
 
 use crate::{
@@ -130,7 +131,7 @@ impl Against {
 
     /// What τ^q contributes to the error measured at step τ, with all steps in units of `unit`.
     fn power(self, tau: f64, unit: f64, q: f64) -> f64 {
-        let e = |tau: f64| (tau / unit).powf(q);
+        let e = |tau: f64| elementary::powf(tau / unit, q);
         match self {
             Self::Exact => e(tau),
             Self::HalfStep => e(tau) - e(0.5 * tau),
@@ -151,7 +152,7 @@ pub fn weak_errors(
     index: usize,
     expansion: Expansion,
 ) -> (Vec<Point>, Option<Rate>) {
-    let last = 1.0 + 1.0 / (expansion.step().exp2() - 1.0);
+    let last = 1.0 + 1.0 / (elementary::exp2(expansion.step()) - 1.0);
     let means: Vec<f64> = differences.iter().map(|d| d.mean(index)).collect();
     let variances: Vec<f64> =
         differences.iter().map(|d| d.covariance_of_means(index, index)).collect();

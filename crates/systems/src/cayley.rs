@@ -80,10 +80,10 @@ pub fn turned<R: Real>(a: R, b: R, s: R) -> (R, R) {
 /// degree four of e^{2ih}: as [`turned`] with tan h ≈ n/d, n = h(1 − 2h²/21) and d = 1 − 3h²/7 +
 /// h⁴/105. It keeps a² + b² for every h.
 #[inline(always)]
-pub fn turned_precisely(a: f64, b: f64, half: f64) -> (f64, f64) {
+pub fn turned_precisely<R: Real>(a: R, b: R, half: R) -> (R, R) {
     let square = half * half;
-    let n = half * (1.0 - square * (2.0 / 21.0));
-    let d = 1.0 - square * (3.0 / 7.0 - square * (1.0 / 105.0));
+    let n = half * (R::one() - square * (2.0 / 21.0));
+    let d = R::one() - square * (R::constant(3.0 / 7.0) - square * (1.0 / 105.0));
     let factor = n * 2.0 / (n * n + d * d);
     (a + (d * b - n * a) * factor, b - (d * a + n * b) * factor)
 }

@@ -1,5 +1,7 @@
 //! Systems that are a sum of parts with exact flows.
 
+use real::Real;
+
 use crate::PoissonSystem;
 
 /// A system whose Hamiltonian increment is a sum of parts, h = Σ h⁽ᵏ⁾, each with a flow that is
@@ -11,6 +13,8 @@ use crate::PoissonSystem;
 /// will do as well, such as a rotation by Cayley's map.
 ///
 /// Mark the implementation `#[inline(always)]` and avoid branches, so that blocks are vectorised.
+/// Flows are generic over [`Real`], whose sines and exponentials have the same bits on every
+/// machine; those of `f64` are the platform's, and are not vectorised.
 pub trait Flows<const D: usize, const M: usize>: PoissonSystem<D, M> {
     /// The number of parts, at least one.
     const PARTS: usize;
@@ -28,7 +32,7 @@ pub trait Flows<const D: usize, const M: usize>: PoissonSystem<D, M> {
 
     /// The flow of part number `part` < [`PARTS`](Self::PARTS) for h⁽ᵏ⁾(·; dt, dw), from y. The
     /// flow for −dt and −dw must be its inverse.
-    fn flow(&self, part: usize, y: [f64; D], dt: f64, dw: [f64; M]) -> [f64; D];
+    fn flow<R: Real>(&self, part: usize, y: [R; D], dt: R, dw: [R; M]) -> [R; D];
 
     /// Whether [`flow`](Self::flow) is exact up to rounding.
     const EXACT: bool = false;
@@ -37,7 +41,7 @@ pub trait Flows<const D: usize, const M: usize>: PoissonSystem<D, M> {
     /// need; by a triple jump of [`flow`](Self::flow) if that is not [exact](Self::EXACT). Override
     /// it where a map of higher order costs less.
     #[inline(always)]
-    fn precise_flow(&self, part: usize, y: [f64; D], dt: f64, dw: [f64; M]) -> [f64; D] {
+    fn precise_flow<R: Real>(&self, part: usize, y: [R; D], dt: R, dw: [R; M]) -> [R; D] {
         if Self::EXACT {
             return self.flow(part, y, dt, dw);
         }
@@ -45,9 +49,9 @@ pub trait Flows<const D: usize, const M: usize>: PoissonSystem<D, M> {
         for share in TRIPLE_JUMP {
             let mut part_dw = dw;
             for m in 0..M {
-                part_dw[m] *= share;
+                part_dw[m] = part_dw[m] * share;
             }
-            z = self.flow(part, z, share * dt, part_dw);
+            z = self.flow(part, z, dt * share, part_dw);
         }
         z
     }

@@ -13,8 +13,7 @@
 //! and formulas are such systems from the start. [`Flows`] are exact solutions of parts.
 //!
 //! ```
-//! use real::Real;
-//! use systems::{Constant, PoissonSystem, Problem};
+//! use systems::{Constant, PoissonSystem, Problem, real::Real};
 //!
 //! /// A harmonic oscillator with a random frequency.
 //! struct Oscillator;
@@ -53,6 +52,8 @@
 //! Dampings: [`Constant`], [`Linear`], [`Sine`], [`Cosine`], [`DampingFunction`]. Systems:
 //! [`Pendulum`], [`RigidBody`], [`RigidBodyEnergy`], [`LotkaVolterra`], [`MaxwellBloch`],
 //! [`Poisson3`] (Bréhier, Cohen and Komori 2025). Spins on lattices: [`lattice`].
+
+pub use real;
 
 mod cayley;
 mod damping;

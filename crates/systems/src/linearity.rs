@@ -1,6 +1,6 @@
 //! How B depends on y, which decides whether a step can be linearly implicit.
 
-use real::{Bounded, Degree};
+use real::{Bounded, Degree, elementary};
 
 use crate::{PoissonSystem, cayley::identity_minus_half, field::golden};
 
@@ -75,7 +75,7 @@ pub fn shown_solvable(dimension: usize, matrix: impl Fn(&[f64]) -> Vec<Vec<f64>>
 /// Vector number n: a direction by multiples of the golden ratio, of a size between [`SIZES`].
 fn direction(n: u32, dimension: usize) -> Vec<f64> {
     let position = f64::from(n) / f64::from(TRIED - 1);
-    let size = SIZES[0] * (SIZES[1] / SIZES[0]).powf(position);
+    let size = SIZES[0] * elementary::powf(SIZES[1] / SIZES[0], position);
     let component = |i: usize| {
         let number = f64::from(n) * dimension as f64 + (i + 1) as f64;
         2.0 * golden(number) - 1.0

@@ -22,10 +22,10 @@ impl Flows<3, 1> for MaxwellBloch {
     const NOISE_PARTS: [Option<usize>; 1] = [Some(1)];
 
     #[inline(always)]
-    fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
+    fn flow<R: Real>(&self, part: usize, y: [R; 3], dt: R, dw: [R; 1]) -> [R; 3] {
         match part {
             0 => {
-                let (second, third) = turned(y[1], y[2], 0.5 * dt * y[0]);
+                let (second, third) = turned(y[1], y[2], dt * 0.5 * y[0]);
                 [y[0], second, third]
             }
             _ => [y[0] + (dt + dw[0]) * y[1], y[1], y[2]],
@@ -33,10 +33,10 @@ impl Flows<3, 1> for MaxwellBloch {
     }
 
     #[inline(always)]
-    fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
+    fn precise_flow<R: Real>(&self, part: usize, y: [R; 3], dt: R, dw: [R; 1]) -> [R; 3] {
         match part {
             0 => {
-                let (second, third) = turned_precisely(y[1], y[2], 0.5 * dt * y[0]);
+                let (second, third) = turned_precisely(y[1], y[2], dt * 0.5 * y[0]);
                 [y[0], second, third]
             }
             _ => self.flow(part, y, dt, dw),

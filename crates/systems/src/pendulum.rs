@@ -1,7 +1,7 @@
 //! The damped stochastic mathematical pendulum.
 
 use dgrad::{ShortMean, mean_sine};
-use real::{Real, elementary};
+use real::Real;
 
 use crate::{Flows, ImplicitStep, PoissonSystem, SystemError, error::finite};
 
@@ -30,11 +30,11 @@ impl Flows<2, 1> for Pendulum {
     const EXACT: bool = true;
 
     #[inline(always)]
-    fn flow(&self, part: usize, y: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
-        let time = dt + self.noise * dw[0];
+    fn flow<R: Real>(&self, part: usize, y: [R; 2], dt: R, dw: [R; 1]) -> [R; 2] {
+        let time = dt + dw[0] * self.noise;
         match part {
             0 => [y[0], y[1] + time * y[0]],
-            _ => [y[0] - time * elementary::sin(y[1]), y[1]],
+            _ => [y[0] - time * y[1].sin(), y[1]],
         }
     }
 }

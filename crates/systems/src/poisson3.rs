@@ -1,7 +1,7 @@
 //! A damped stochastic Poisson system in three dimensions with constant B.
 
 use dgrad::{ShortMean, mean_cosine};
-use real::{Real, elementary};
+use real::Real;
 
 use crate::{
     Flows, ImplicitStep, Invariant, PoissonSystem, SystemError, error::finite, system::no_invariant,
@@ -32,8 +32,8 @@ impl Flows<3, 1> for Poisson3 {
     const EXACT: bool = true;
 
     #[inline(always)]
-    fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
-        let shift = (dt + self.noise * dw[0]) * elementary::cos(y[part]);
+    fn flow<R: Real>(&self, part: usize, y: [R; 3], dt: R, dw: [R; 1]) -> [R; 3] {
+        let shift = (dt + dw[0] * self.noise) * y[part].cos();
         match part {
             0 => [y[0], y[1] - shift, y[2] + shift],
             1 => [y[0] + shift, y[1], y[2] - shift],

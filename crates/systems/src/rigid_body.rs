@@ -72,12 +72,12 @@ impl<const M: usize> RigidBody<M> {
 
     /// kᵢ = dt/Iᵢ + dwᵢ/Îᵢ. The Hamiltonian increment is ½Σ kᵢyᵢ².
     #[inline(always)]
-    fn coefficients(&self, dt: f64, dw: [f64; M]) -> [f64; 3] {
-        let mut k = [0.0; 3];
+    fn coefficients<R: Real>(&self, dt: R, dw: [R; M]) -> [R; 3] {
+        let mut k = [R::zero(); 3];
         for i in 0..3 {
-            k[i] = self.drift[i] * dt;
+            k[i] = dt * self.drift[i];
             if i < M {
-                k[i] += self.noise[i] * dw[i];
+                k[i] = k[i] + dw[i] * self.noise[i];
             }
         }
         k
@@ -86,9 +86,9 @@ impl<const M: usize> RigidBody<M> {
 
 /// ẏ = y × k yᵢeᵢ for time one: a rotation about axis i, by Cayley's map or up to ninth order.
 #[inline(always)]
-fn turned_about(axis: usize, y: [f64; 3], k: f64, precisely: bool) -> [f64; 3] {
+fn turned_about<R: Real>(axis: usize, y: [R; 3], k: R, precisely: bool) -> [R; 3] {
     let (j, l) = ((axis + 1) % 3, (axis + 2) % 3);
-    let (mut z, half) = (y, 0.5 * k * y[axis]);
+    let (mut z, half) = (y, k * 0.5 * y[axis]);
     (z[j], z[l]) =
         if precisely { turned_precisely(y[j], y[l], half) } else { turned(y[j], y[l], half) };
     z
@@ -110,13 +110,13 @@ impl<const M: usize> Flows<3, M> for RigidBody<M> {
     };
 
     #[inline(always)]
-    fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
-        turned_about(part, y, self.coefficients(dt, dw)[part] - self.middle * dt, false)
+    fn flow<R: Real>(&self, part: usize, y: [R; 3], dt: R, dw: [R; M]) -> [R; 3] {
+        turned_about(part, y, self.coefficients(dt, dw)[part] - dt * self.middle, false)
     }
 
     #[inline(always)]
-    fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
-        turned_about(part, y, self.coefficients(dt, dw)[part] - self.middle * dt, true)
+    fn precise_flow<R: Real>(&self, part: usize, y: [R; 3], dt: R, dw: [R; M]) -> [R; 3] {
+        turned_about(part, y, self.coefficients(dt, dw)[part] - dt * self.middle, true)
     }
 
     #[inline(always)]
@@ -232,13 +232,13 @@ impl Flows<3, 1> for RigidBodyEnergy {
     const PARTS: usize = 3;
 
     #[inline(always)]
-    fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
-        self.body.flow(part, y, dt + self.noise * dw[0], [])
+    fn flow<R: Real>(&self, part: usize, y: [R; 3], dt: R, dw: [R; 1]) -> [R; 3] {
+        self.body.flow(part, y, dt + dw[0] * self.noise, [])
     }
 
     #[inline(always)]
-    fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
-        self.body.precise_flow(part, y, dt + self.noise * dw[0], [])
+    fn precise_flow<R: Real>(&self, part: usize, y: [R; 3], dt: R, dw: [R; 1]) -> [R; 3] {
+        self.body.precise_flow(part, y, dt + dw[0] * self.noise, [])
     }
 
     #[inline(always)]

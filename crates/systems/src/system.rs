@@ -131,6 +131,9 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     /// If the bound is below the tolerance, the prediction is accepted. If the bound is larger but
     /// finite, Newton's method starts from the prediction; otherwise it starts from a. The
     /// prediction must lie on the branch that tends to a as dt and dw tend to zero.
+    ///
+    /// Take functions from [`elementary`](real::elementary): `f64::sin` is the platform's, which
+    /// has other bits on other machines and is not vectorised.
     #[inline(always)]
     fn predict(&self, a: [f64; D], dt: f64, dw: [f64; M]) -> ([f64; D], f64) {
         let _ = (dt, dw);

@@ -2,6 +2,7 @@
 
 use analysis::worse;
 use mc::{ConformalLaw, Problem, Setup};
+use real::elementary;
 use stats::CrossMoments;
 
 use crate::{Conditions, evidence::DEVIATIONS, experiment::Path, results::Evidence};
@@ -17,7 +18,7 @@ pub fn along(problem: &Problem<'_>, index: usize, path: &Path) -> Vec<(f64, f64,
     let ConformalLaw { degree, value, .. } = &problem.laws[index];
     let initial = value(&problem.y0);
     let values = path.iter().map(|(t, y)| {
-        let exact = (-degree * problem.damping.integral(0.0, *t)).exp() * initial;
+        let exact = elementary::exp(-degree * problem.damping.integral(0.0, *t)) * initial;
         (*t, value(y), exact)
     });
     values.collect()
@@ -55,11 +56,11 @@ pub fn approach(
             let path = conditions.path(part, setup, steps, path);
             let failed = path.len() as u64 <= steps;
             let defect = largest_defect(&setup.problem, index, &path);
-            logarithms.add(&[if failed { f64::NAN } else { defect.ln() }]);
+            logarithms.add(&[if failed { f64::NAN } else { elementary::ln(defect) }]);
         }
         logarithms
     });
-    let scale = (REFINEMENT as f64).ln();
+    let scale = elementary::ln(REFINEMENT as f64);
     let order = (coarse.mean(0) - fine.mean(0)) / scale;
     if !order.is_finite() {
         let reason = "a path failed, or obeys the law without any defect".into();
@@ -70,10 +71,12 @@ pub fn approach(
         largest,
         paths: PATHS,
         refinement: REFINEMENT,
-        coarse: coarse.mean(0).exp(),
-        fine: fine.mean(0).exp(),
+        coarse: elementary::exp(coarse.mean(0)),
+        fine: elementary::exp(fine.mean(0)),
         order,
-        half_width: DEVIATIONS * coarse.standard_error(0).hypot(fine.standard_error(0)) / scale,
+        half_width: DEVIATIONS
+            * elementary::hypot(coarse.standard_error(0), fine.standard_error(0))
+            / scale,
         least: 0.25,
     }
 }

@@ -1,6 +1,7 @@
 //! What was measured about a statement, as data: the verdict and the sentence follow from it.
 
 use analysis::{Limit, Order};
+use real::elementary;
 use serde::Serialize;
 use stats::Rate;
 
@@ -251,7 +252,8 @@ impl Evidence {
                 warnings,
             } => {
                 // Two more digits than the standard error has zeros.
-                let digits = (2.0 - standard_error.log10().floor()).clamp(2.0, 15.0) as usize;
+                let digits =
+                    (2.0 - elementary::log10(*standard_error).floor()).clamp(2.0, 15.0) as usize;
                 let deviations = (value - expected) / standard_error;
                 let bias = match *bias > 0.0 {
                     true => format!(", bias at most {bias:.1e}"),

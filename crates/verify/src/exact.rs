@@ -11,7 +11,7 @@
 
 use dgrad::Rule;
 use mc::TimeChange;
-use real::{Row, WIDTH};
+use real::{Row, WIDTH, elementary};
 use systems::{Damping, PoissonSystem, Problem, paper::valid, vector_field};
 
 /// The random time S of the exact solution, along a path or in law.
@@ -41,7 +41,7 @@ impl<'a, G: Damping> RandomTime<'a, G> {
         let before = self.damping.integral(0.0, start);
         let weight = |eta: f64| {
             let gamma = before + self.damping.integral(start, start + eta * self.tau);
-            (-(self.degree - 1.0) * gamma).exp()
+            elementary::exp(-(self.degree - 1.0) * gamma)
         };
         let (nodes, weights) = (self.rule.nodes(), self.rule.weights());
         let values: Vec<f64> = nodes.iter().map(|&eta| weight(eta)).collect();
@@ -73,7 +73,7 @@ pub fn solution<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
     problem: &Problem<S, G, D>,
     s: f64,
 ) -> [f64; D] {
-    let decay = (-problem.damping().integral(0.0, problem.t_end())).exp();
+    let decay = elementary::exp(-problem.damping().integral(0.0, problem.t_end()));
     flow(problem.system(), problem.y0(), s).map(|component| decay * component)
 }
 
@@ -141,7 +141,7 @@ pub fn expectation<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
     let (mean, variance) = time.law(steps);
     let deviation = variance.sqrt();
     let rule = valid(Rule::new(16));
-    let density = |x: f64| (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
+    let density = |x: f64| elementary::exp(-0.5 * x * x) / (2.0 * std::f64::consts::PI).sqrt();
     let integrand = |x: f64| density(x) * phi(solution(problem, mean + deviation * x));
     (-9..9).map(|piece| rule.integrate(f64::from(piece), f64::from(piece + 1), integrand)).sum()
 }

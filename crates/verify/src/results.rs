@@ -6,7 +6,8 @@
 //! the same seed, mode and schemes. `schema` (now 2) is raised when a reader of an older version
 //! would misread a newer one; fields may be added without. Numbers that are not finite are `null`.
 //!
-//! - `provenance`: `git`, `rustc`, `cpu`, `simd`, `threads`, `seed`, `mode`, `command`, `wall_s`, …
+//! - `provenance`: `version`, `git`, `rustc`, `day`, `folder`, `cpu`, `simd`, `threads`, `seed`,
+//!   `mode`, `command`, `wall_s`, …
 //! - `panels`, and `supplements` that are not in the paper: `id`, `kind` (`strong`, `weak`,
 //!   `invariant`, `cost`), `title`, `setup`, `paper`, `samples`, `reference`, `failures` and
 //!   `series`; where increments were clipped, `clipped`.

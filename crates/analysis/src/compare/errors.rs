@@ -3,7 +3,7 @@
 use std::{ops::Range, sync::Arc};
 
 use mc::{Ladder, LadderError, Run, View, parts::Stop};
-use real::Row;
+use real::{Row, elementary};
 use schemes::Method;
 use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, root_mean_square_interval};
@@ -188,10 +188,10 @@ fn root_mean_square(squares: &CrossMoments, index: usize) -> (f64, [f64; 3]) {
 /// if they do not fall.
 fn left(before: f64, [_, last, most]: [f64; 3]) -> f64 {
     const FALLS: f64 = 0.25;
-    let p = (before / last).log2();
+    let p = elementary::log2(before / last);
     match last {
         0.0 => 0.0,
-        _ if p >= FALLS => most.max(last) / (p.clamp(0.5, 1.0).exp2() - 1.0),
+        _ if p >= FALLS => most.max(last) / (elementary::exp2(p.clamp(0.5, 1.0)) - 1.0),
         _ => f64::INFINITY,
     }
 }

@@ -1,6 +1,7 @@
 //! Conformal laws of Casimirs, and how far final states are from them.
 
 use mc::Problem;
+use real::elementary;
 
 use crate::facts::Form;
 
@@ -20,7 +21,7 @@ pub fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>
     // With friction those that still hold are among the laws of the problem.
     let found = found.iter().filter(|_| problem.friction.is_empty()).map(|casimir| {
         let value: Value<'a> = Box::new(move |y| casimir.value(y));
-        ((-f64::from(casimir.degree) * integrals[0]).exp(), value)
+        (elementary::exp(-f64::from(casimir.degree) * integrals[0]), value)
     });
     let defect = |(decay, value): (f64, Value<'a>)| -> Value<'a> {
         let at_end = decay * value(&problem.y0);

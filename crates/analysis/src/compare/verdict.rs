@@ -1,5 +1,6 @@
 //! Which scheme to take, from errors and times.
 
+use real::elementary;
 use schemes::{BuiltIn, Energy, Explicitness, Properties};
 use serde::{Deserialize, Serialize};
 
@@ -163,8 +164,8 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     let halvings = resolved.len().saturating_sub(1).min(3);
     let before = resolved.iter().rev().nth(halvings).filter(|_| halvings > 0);
     let needs = before.and_then(|before| {
-        let p = (before.error / last.error).log2() / halvings as f64;
-        let factor = (last.error / wanted).powf(1.0 / p.clamp(0.5, 1.0));
+        let p = elementary::log2(before.error / last.error) / halvings as f64;
+        let factor = elementary::powf(last.error / wanted, 1.0 / p.clamp(0.5, 1.0));
         (p >= FALLS).then_some(last.steps as f64 * factor.max(1.0))
     });
     Outcome::NotReached { needs }
@@ -192,8 +193,12 @@ fn cost(
     let mut pairs = usable.windows(2).rev();
     let pair = pairs.find(|pair| pair[1][0] <= wanted && wanted <= pair[0][0])?;
     let (a, b) = (pair[0], pair[1]);
-    let share = if a[0] == b[0] { 1.0 } else { (wanted / a[0]).ln() / (b[0] / a[0]).ln() };
-    let between = |k: usize| a[k] * (b[k] / a[k]).powf(share);
+    let share = if a[0] == b[0] {
+        1.0
+    } else {
+        elementary::ln(wanted / a[0]) / elementary::ln(b[0] / a[0])
+    };
+    let between = |k: usize| a[k] * elementary::powf(b[k] / a[k], share);
     Some((between(1), between(2)))
 }
 

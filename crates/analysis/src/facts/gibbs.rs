@@ -1,5 +1,6 @@
 //! Densities e^{−βH₀}, and volume.
 
+use real::elementary;
 use systems::run_time::System;
 
 use super::{
@@ -45,7 +46,8 @@ pub fn gibbs_marginal(
         differences.into_iter().all(|difference| difference.abs() <= ZERO * size)
     });
     let least = first.iter().copied().fold(f64::INFINITY, f64::min);
-    let density: Vec<f64> = first.iter().map(|energy| (-beta * (energy - least)).exp()).collect();
+    let density: Vec<f64> =
+        first.iter().map(|energy| elementary::exp(-beta * (energy - least))).collect();
     let sum: f64 = density.iter().sum();
     alike.then(|| density.iter().map(|x| x / sum).collect())
 }

@@ -1,5 +1,6 @@
 //! The search for linear and quadratic Casimirs, from B alone.
 
+use real::elementary;
 use systems::Linearity;
 
 use super::{
@@ -121,7 +122,7 @@ fn parts(probe: &mut Probe<'_>, (y, matrices): &AtPoints) -> Vec<Vec<usize>> {
         label.iter_mut().filter(|label| **label == other).for_each(|label| *label = one);
     };
     // A vector without special ratios.
-    let v: Vec<f64> = (0..d).map(|i| (1.0 + 0.7 * i as f64).sin()).collect();
+    let v: Vec<f64> = (0..d).map(|i| elementary::sin(1.0 + 0.7 * i as f64)).collect();
     for j in 0..d {
         let along = probe.structure_along(y, &[axis(d, j)], std::slice::from_ref(&v));
         let moves = |i: &usize| {

@@ -1,6 +1,7 @@
 //! What damping and initial value add: the integral of the damping and a bound of all paths.
 
 use mc::Friction;
+use real::elementary;
 use serde::Serialize;
 use systems::Damping;
 
@@ -49,7 +50,7 @@ impl Bound {
             Some(casimir) => casimir.value(y),
             None => probe.energy(&[y.to_vec()], &probe.weights(0))[0],
         };
-        (value / self.minimum.value).powf(1.0 / self.degree)
+        elementary::powf(value / self.minimum.value, 1.0 / self.degree)
     }
 }
 
@@ -79,7 +80,7 @@ impl ProblemFindings {
             |a: DampingIntegral, b: DampingIntegral| if b.agrees < a.agrees { b } else { a };
         let integral = of_friction.fold(first, worse);
         let bound = bound.filter(|_| integral.agrees.holds());
-        let radius = bound.map(|bound| bound.radius(probe, y0) * (-integral.least).exp());
+        let radius = bound.map(|bound| bound.radius(probe, y0) * elementary::exp(-integral.least));
         Self { damping: damping.describe(), integral, radius }
     }
 }

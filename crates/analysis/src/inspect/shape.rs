@@ -1,6 +1,7 @@
 //! The shape of a scalar function, from its values: whether it is homogeneous, its degree, and the
 //! minimum of a linear or quadratic form on the unit sphere.
 
+use real::elementary;
 use serde::Serialize;
 
 use super::{
@@ -55,7 +56,9 @@ impl Shape {
         // The degree is read where F is largest.
         let moving = (0..values.len()).filter(|&n| factors[n] != 1.0);
         let best = moving.max_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs()));
-        let degree = best.map_or(f64::NAN, |n| (stretched[n] / values[n]).ln() / factors[n].ln());
+        let degree = best.map_or(f64::NAN, |n| {
+            elementary::ln(stretched[n] / values[n]) / elementary::ln(factors[n])
+        });
         let degree = if zero { 0.0 } else { short(degree) + 0.0 };
         let same = |mut finding: Finding, others: &dyn Fn(usize) -> f64| {
             let term = |n: usize| vec![sum([stretched[n], -others(n)])];
@@ -67,7 +70,7 @@ impl Shape {
         };
         let exact = if degree.fract() == 0.0 { Finding::default() } else { Finding::fitted() };
         let homogeneous = if degree.is_finite() {
-            same(exact, &|n| factors[n].powf(degree) * values[n])
+            same(exact, &|n| elementary::powf(factors[n], degree) * values[n])
         } else {
             let mut told = exact;
             told.status = if typical.is_finite() { Status::Fails } else { Status::Unknown };

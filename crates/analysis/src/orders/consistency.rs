@@ -12,7 +12,7 @@
 
 use mc::{Coefficients, Setup};
 use noise::{StepNoise, WienerRows};
-use real::{PathMask, WIDTH};
+use real::{PathMask, WIDTH, elementary};
 use schemes::Step;
 
 use super::{Limit, StepSizes, runs::Visit, steps::Steps};
@@ -82,7 +82,7 @@ fn vanishes(errors: &[Error]) -> Limit {
         .collect();
     // |Eδ|/τ and (E|δ|²/τ)^½ with τ a quarter as large.
     let exponents: Vec<f64> =
-        shown.windows(2).map(|pair| 0.5 * (pair[0] / pair[1]).log2()).collect();
+        shown.windows(2).map(|pair| 0.5 * elementary::log2(pair[0] / pair[1])).collect();
     match (&shown[..], &exponents[..]) {
         // Nothing but rounding, from the first or the second step size on.
         ([] | [_], _) => match errors.get(shown.len()) {

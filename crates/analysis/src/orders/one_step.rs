@@ -9,7 +9,7 @@
 
 use mc::Setup;
 use noise::{AreaSampler, StepNoise, StreamKey, WienerRows};
-use real::WIDTH;
+use real::{WIDTH, elementary};
 
 use super::{
     StepSizes,
@@ -98,7 +98,7 @@ pub fn least_order(
     for (squares, amplification) in squares.iter().zip(AMPLIFICATIONS) {
         // Squares with τ a quarter as large: E|δ|² falls by 4^{2q}.
         let exponents: Vec<f64> =
-            squares.windows(2).map(|pair| 0.25 * (pair[0].1 / pair[1].1).log2()).collect();
+            squares.windows(2).map(|pair| 0.25 * elementary::log2(pair[0].1 / pair[1].1)).collect();
         let found = match exponents[..] {
             [.., before, last] => {
                 let order = 0.5 * (2.0 * last).round();

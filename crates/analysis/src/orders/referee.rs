@@ -12,7 +12,7 @@
 use std::sync::Arc;
 
 use mc::{Ladder, LadderError, NextNoise, Observe, Run, Setup, Statistic, View, drawn};
-use noise::{DyadicLadder, StepNoise, StreamKey, WienerRows};
+use noise::{DyadicLadder, Purpose, StepNoise, StreamKey, WienerRows};
 use rayon::prelude::*;
 use real::{PathMask, Row, WIDTH};
 use stats::{Against, CrossMoments};
@@ -25,8 +25,6 @@ use super::{
     order::{evaluate, strong, weak},
 };
 
-/// The bit of the experiment number that separates the streams of space-time areas.
-const SPACE_TIME_STREAM: u64 = 1 << 57;
 /// Factors of the noise of single steps; stronger noise would overflow solvers that do not expect
 /// it.
 const STRENGTHS: [f64; 3] = [1.0, 16.0, 256.0];
@@ -207,8 +205,7 @@ impl Referee<'_> {
     }
 
     fn space_time_key(&self) -> StreamKey {
-        let key = self.sizes.key;
-        StreamKey { experiment: key.experiment ^ SPACE_TIME_STREAM, ..key }
+        self.sizes.key.beside(Purpose::SpaceTimeAreas)
     }
 
     /// The noise of so many paths from path number `first` on, multiples of 32, at every step size
@@ -221,7 +218,7 @@ impl Referee<'_> {
         let steps = sizes.reference_steps();
         let tau = self.setup.problem.t_end / steps as f64;
         let areas = (self.noises() > 1).then_some(self.noises());
-        let source = drawn(sizes.key, tau, areas)?;
+        let source = drawn(sizes.key.paths_of(Purpose::Paths)?, tau, areas)?;
         let blocks = (0..paths / WIDTH).into_par_iter();
         let blocks: Vec<_> = blocks
             .map(|block| {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use analysis::{StepSizes, strong_order, weak_order};
 use mc::{Friction, Observable, Setup};
 use noise::{StreamKey, Truncation};
-use real::{Real, elementary};
+use real::Real;
 use schemes::{Nv, Split};
 use systems::{Constant, Flows, PoissonSystem, Problem};
 
@@ -13,8 +13,8 @@ use systems::{Constant, Flows, PoissonSystem, Problem};
 #[derive(Clone, Copy)]
 struct Chain;
 
-fn time(dt: f64, dw: [f64; 1]) -> f64 {
-    dt + 0.5 * dw[0]
+fn time<R: Real>(dt: R, dw: [R; 1]) -> R {
+    dt + dw[0] * 0.5
 }
 
 impl PoissonSystem<4, 1> for Chain {
@@ -34,11 +34,11 @@ impl Flows<4, 1> for Chain {
     const PARTS: usize = 2;
     const EXACT: bool = true;
 
-    fn flow(&self, part: usize, y: [f64; 4], dt: f64, dw: [f64; 1]) -> [f64; 4] {
+    fn flow<R: Real>(&self, part: usize, y: [R; 4], dt: R, dw: [R; 1]) -> [R; 4] {
         let ([a, b, p, q], h) = (y, time(dt, dw));
         match part {
             0 => [a + h * p, b + h * q, p, q],
-            _ => [a, b, p - h * (elementary::sin(a) + a - b), q - h * (elementary::sin(b) + b - a)],
+            _ => [a, b, p - h * (a.sin() + a - b), q - h * (b.sin() + b - a)],
         }
     }
 }

@@ -9,7 +9,7 @@ use super::print;
 
 /// Prints facts and what the self-test found.
 pub fn doctor() -> Done {
-    print(&facts())?;
+    print(&facts(option_env!("CASIMIR_COMMIT")))?;
     let (text, holds) = self_test(EXPECTED)?;
     print(&text)?;
     let words = "attach this text, the scene, the command, and what should have come out";

@@ -25,7 +25,7 @@ pub fn expect(arguments: &Expect) -> Done {
     let changes = serde_json::to_string(&(&arguments.scheme, arguments.steps))?;
     let file = folder::named(arguments.output.out.clone(), &arguments.scene, "expect");
     let (watch, keeping) = (stoppable(), keeping(&scene, file.join("samples.bin"), &changes));
-    let kept = keeping.file.clone();
+    let kept = keeping.clone();
     let found = verbs::expect(&scene, Some(keeping), &watch)?;
     finish(&found, folder, ("expectation", arguments.output.json), &watch, (&kept, scene.accuracy))
 }
@@ -36,13 +36,16 @@ pub fn finish(
     folder: Option<&Path>,
     (file, json): (&str, bool),
     watch: &Watch,
-    (kept, accuracy): (&Path, Option<f64>),
+    (kept, accuracy): (&Keeping, Option<f64>),
 ) -> Done {
     tell(found, folder, file, json)?;
+    if let Some(error) = kept.failure.get() {
+        eprintln!("warning: the samples are not kept in {}: {error}", kept.file.display());
+    }
     match (watch.stop.is_asked(), reached) {
         (true, _) => Err(Failure::Stopped(format!(
             "the samples are in {}: the same command goes on from them",
-            kept.display()
+            kept.file.display()
         ))),
         (_, true) => Ok(()),
         _ => Err(Failure::Run({
@@ -55,7 +58,7 @@ pub fn finish(
 pub fn keeping(scene: &Scene, file: PathBuf, changes: &str) -> Keeping {
     let law = scene.settings.random.as_ref().map_or("", |random| &random.law);
     let study = [env!("CARGO_PKG_VERSION"), changes, law, &scene.source.text].join("\n");
-    let keeping = Keeping { file, study };
+    let keeping = Keeping { file, study, ..Keeping::default() };
     if keeping.holds() {
         eprintln!("going on from {}; to begin anew, delete it", keeping.file.display());
     }

@@ -10,7 +10,12 @@ mod parts;
 mod run;
 mod stationary;
 
-use std::{fs, io::Write, path::Path};
+use std::{
+    fs,
+    io::Write,
+    path::Path,
+    time::{Duration, Instant},
+};
 
 use casimir::{
     mc::parts::{Program, Stop, limit_threads},
@@ -55,10 +60,23 @@ fn watch() -> Watch {
     Watch { bar: ProgressBar::new(0), stop: Stop::default() }
 }
 
-/// The same, stopped by a signal. A second one ends the process at once.
+/// Signals within this time are one wish: it may come as two.
+const ONE_WISH: Duration = Duration::from_secs(1);
+
+/// The same, stopped by Ctrl-C and by SIGTERM. A second signal ends the process at once.
 fn stoppable() -> Watch {
     let watch = watch();
-    if let Err(error) = watch.stop.on_signals() {
+    let (stop, mut first) = (watch.stop.clone(), None);
+    let handled = ctrlc::set_handler(move || {
+        let asked = *first.get_or_insert_with(Instant::now);
+        if !stop.is_asked() {
+            eprintln!("stopping; once more to stop without a checkpoint");
+            stop.now();
+        } else if asked.elapsed() > ONE_WISH {
+            std::process::exit(130);
+        }
+    });
+    if let Err(error) = handled {
         eprintln!("warning: Ctrl-C loses what is not in a checkpoint: {error}");
     }
     watch

@@ -38,6 +38,11 @@ pub fn run(arguments: &Run) -> Done {
     let results = compute(&sweep, ready, &job, &watch)?;
     let stopped = match job.finish() {
         Err(JobError::Stopped) => true,
+        // The results are here.
+        Err(error @ JobError::File { .. }) => {
+            eprintln!("warning: no checkpoint: {error}");
+            watch.stop.is_asked()
+        }
         finished => finished.map(|()| watch.stop.is_asked())?,
     };
     if stopped && results.paths() == 0 {

@@ -39,7 +39,7 @@ fn chains(arguments: &Equilibrium, command: &str, asked: Asked) -> Done {
     };
     let changes = serde_json::to_string(&(scheme, steps, chains, exponents))?;
     let (watch, keeping) = (stoppable(), keeping(&scene, folder.join("chains.bin"), &changes));
-    let kept = keeping.file.clone();
+    let kept = keeping.clone();
     let found = verbs::equilibrium(&scene, asked, (*chains, *path_steps), Some(keeping), &watch)?;
     folder::prepare(&folder)?;
     finish(&found, Some(&folder), (command, output.json), &watch, (&kept, wanted))

@@ -7,6 +7,7 @@ mod page;
 mod steps;
 mod sweep;
 
+use casimir::real::elementary;
 use std::{borrow::Cow, path::Path};
 
 use casimir::{
@@ -248,7 +249,7 @@ pub fn digits(value: Option<f64>) -> String {
         None => "–".into(),
         Some(0.0) => "0".into(),
         Some(value) if (1e-3..1e5).contains(&value.abs()) => {
-            let decimals = (3.0 - value.abs().log10().floor()).clamp(0.0, 8.0) as usize;
+            let decimals = (3.0 - elementary::log10(value.abs()).floor()).clamp(0.0, 8.0) as usize;
             let text = format!("{value:.decimals$}");
             // 0.2 and not 0.2000.
             match text.contains('.') {

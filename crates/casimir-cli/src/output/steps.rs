@@ -1,5 +1,6 @@
 //! Step errors in words.
 
+use casimir::real::elementary;
 use casimir::{
     analysis::{STIFF, StepCheck, StepError, StepErrors, TURN},
     mc::study::StudyResult,
@@ -86,7 +87,8 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
             }
             // Of single paths the difference itself is shown.
             None => {
-                let (size, along) = (mean.value.hypot(deviation.value), 2.0 * along_paths);
+                let (size, along) =
+                    (elementary::hypot(mean.value, deviation.value), 2.0 * along_paths);
                 let is_fine = along <= 0.01 * size;
                 let error = if is_fine { StepError::Fine } else { StepError::About };
                 vec![(observable.clone(), error(along), size)]

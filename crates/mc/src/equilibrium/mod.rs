@@ -42,7 +42,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use noise::{StreamKey, Truncation};
+use noise::{Purpose, StreamKey, Truncation};
 use real::{Row, WIDTH};
 use schemes::Method;
 
@@ -156,9 +156,6 @@ pub(crate) const LEVELS: usize = 3;
 const STEPS: u64 = (1 << LEVELS) - 1;
 /// What multiplies the noise of chains at first.
 const HEAT: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
-/// First bit of the number of a batch in an experiment number, and the bit that all have.
-const BATCH_BIT: u32 = 40;
-const CHAIN_STREAM: u64 = 1 << 54;
 /// Seconds between checkpoints.
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(2);
 /// Steps are halved at most so often.
@@ -270,17 +267,15 @@ impl<'a> Equilibrium<'a> {
 
     fn check(&self, accuracy: f64) -> Result<(), RunError> {
         let Self { setup: Setup { problem, .. }, settings, .. } = self;
-        let EquilibriumSettings { key, steps, chains, weak_order, .. } = *settings;
+        let EquilibriumSettings { steps, chains, weak_order, .. } = *settings;
         if problem.noises == 0 && problem.initial.is_none() {
             let same = "without noise and with one initial value all chains are the same: give a \
                         law of initial values";
             return Err(RunError::Setting(same.into()));
         }
-        let experiment = key.experiment >> BATCH_BIT == 0;
         let (few, enough) = ((1..=1 << 40).contains(&steps), (32..=1 << 20).contains(&chains));
         RunError::unmet([
             (accuracy > 0.0 && accuracy.is_finite(), "accuracy", "positive and finite", accuracy),
-            (experiment, "experiment number", "below 2^40", key.experiment as f64),
             (few, "number of steps", "from 1 to 2^40", steps as f64),
             (enough, "number of chains", "from 32 to 2^20", chains as f64),
             ((0.5..=8.0).contains(&weak_order), "weak order", "from 1/2 to 8", weak_order),
@@ -299,11 +294,10 @@ impl<'a> Equilibrium<'a> {
         let tau = setup.problem.t_end / chains.steps as f64;
         let mut problem = setup.problem.clone();
         problem.t_end = tau * chains.batch_steps as f64;
-        let batch = (CHAIN_STREAM >> BATCH_BIT) + chains.number;
-        let key = StreamKey { experiment: key.experiment ^ (batch << BATCH_BIT), ..key };
+        let family = (key, Purpose::Batch(chains.number));
         let runs = (0..LEVELS).rev().map(|level| Run::new(Arc::clone(scheme), level)).collect();
         let finest = chains.batch_steps << (LEVELS - 1);
-        let mut ladder = Ladder::new(&problem, finest, LEVELS - 1, truncation, key, runs)?;
+        let mut ladder = Ladder::of(&problem, finest, LEVELS - 1, truncation, family, runs)?;
         if chains.number < chains::SPREADING {
             ladder = ladder.heated(|path| HEAT[path as usize % HEAT.len()]);
         }

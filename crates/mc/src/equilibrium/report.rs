@@ -1,5 +1,6 @@
 //! Averages with their intervals.
 
+use real::elementary;
 use std::{fmt, ops::Range};
 
 use serde::Serialize;
@@ -127,7 +128,7 @@ struct Taken {
 
 /// Both ways for the weak order p.
 fn ways(p: f64) -> [Taken; 2] {
-    let power = p.exp2();
+    let power = elementary::exp2(p);
     let (last, c) = (1.0 / (power * power - 1.0), 1.0 / (power - 1.0));
     [
         Taken { weights: [0.0, 0.0, 1.0], bias: [-last, 0.0, last] },
@@ -307,7 +308,7 @@ fn mean(kept: &Kept, order: f64, (name, long): (String, f64), of: Averaged<'_>) 
     let (coarse, fine) = (kept.mean([1.0, -1.0, 0.0]), kept.mean([0.0, 1.0, -1.0]));
     let seen = |(mean, error): (f64, f64)| mean.abs() > EXCEEDS * error;
     let turns = coarse.0 * fine.0 < 0.0;
-    let (sign, least) = (if turns { -1.0 } else { 1.0 }, LEAST_FALL * order.exp2());
+    let (sign, least) = (if turns { -1.0 } else { 1.0 }, LEAST_FALL * elementary::exp2(order));
     let (excess, error) = kept.mean([-sign, sign + least, -least]);
     let slow = excess * fine.0.signum() > EXCEEDS * error;
     let falls = !(slow || turns && seen(coarse) && seen(fine));

@@ -2,7 +2,7 @@
 
 use std::{cell::Cell, sync::Arc};
 
-use noise::{QuasiWiener, ScrambledSobol};
+use noise::{Purpose, QuasiWiener, ScrambledSobol};
 use real::{WIDTH, elementary};
 use stats::CONFIDENCE;
 
@@ -330,11 +330,13 @@ impl<'a> Estimator<'a> {
     fn add_level(&mut self) -> Result<(), RunError> {
         let (level, problem) = (self.levels.len(), &self.candidate.setup.problem);
         let (settings, steps) = (self.request.settings, self.steps(level));
-        let key = settings.stream(level);
+        let (key, family) = (settings.key, Purpose::Level(level as u64));
         let (levels, runs) = (usize::from(level > 0), self.candidate.runs(level > 0));
-        let mut ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?
-            .telling(self.request.counted);
+        let mut ladder =
+            Ladder::of(problem, steps, levels, settings.truncation, (key, family), runs)?
+                .telling(self.request.counted);
         if self.sobol && steps.saturating_mul(problem.noises as u64) <= MOST_DIMENSIONS {
+            let key = key.beside(family);
             let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end);
             let wiener = wiener.map_err(LadderError::from)?;
             let scrambles = (0..self.replicates).map(|number| wiener.of_scramble(number));

@@ -1,6 +1,10 @@
 //! What was sampled of an expectation that was stopped, in a file to go on from.
 
-use std::{fs, path::PathBuf};
+use std::{
+    fs,
+    path::PathBuf,
+    sync::{Arc, OnceLock},
+};
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
@@ -24,12 +28,14 @@ pub struct Kept<'a> {
 }
 
 /// Where samples are kept.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Keeping {
     /// The file.
     pub file: PathBuf,
     /// What tells the computation from others: whatever its samples depend on.
     pub study: String,
+    /// Why the file could not be written, if it could not. The computation goes on without it.
+    pub failure: Arc<OnceLock<String>>,
 }
 
 impl Keeping {
@@ -53,7 +59,25 @@ impl Keeping {
             prepared.and_then(|()| replace(&self.file, &bytes)).map_err(|error| error.to_string())
         });
         if let Err(error) = written {
-            eprintln!("warning: the samples are not kept in {}: {error}", self.file.display());
+            self.failure.get_or_init(|| error);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_cannot_be_written_is_told_and_no_error() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        // Within a file, as in a folder.
+        let keeping = Keeping { file: file.path().join("within"), ..Keeping::default() };
+        keeping.clone().write(&1u8);
+        assert!(!keeping.holds() && keeping.failure.get().is_some_and(|why| !why.is_empty()));
+        let folder = tempfile::tempdir().unwrap();
+        let keeping = Keeping { file: folder.path().join("within"), ..Keeping::default() };
+        keeping.write(&1u8);
+        assert!(keeping.holds() && keeping.failure.get().is_none());
     }
 }

@@ -70,7 +70,7 @@ mod tests;
 
 use std::{cell::Cell, sync::Arc};
 
-use noise::{StreamKey, Truncation};
+use noise::{Purpose, StreamKey, Truncation};
 use schemes::{
     BuiltIn, Method, Nv, Scheme, SchemeError, Sexp, SexpLi, run_time::Scheme as AtRunTime,
 };
@@ -126,10 +126,8 @@ pub type Told<'a> = dyn Fn(f64, f64) + 'a;
 /// Settings of [`Expect`].
 #[derive(Clone, Debug)]
 pub struct ExpectSettings {
-    /// The key of all points; seed 1 and experiment 0 unless set. Level l draws from the family of
-    /// streams with the experiment number experiment + 2⁴⁰(l + 1), so the experiment must be below
-    /// 2⁴⁰. The families of all such experiments are distinct from each other and from the
-    /// experiments themselves.
+    /// The key of all points, with an experiment number below 2⁴⁰; seed 1 and experiment 0 unless
+    /// set. Each level has [streams](Purpose) of its own.
     pub key: StreamKey,
     /// How increments of schemes that need it are truncated, on every level at its own step size;
     /// of order four unless set.
@@ -185,8 +183,6 @@ struct Orders {
     next: f64,
 }
 
-/// First bit of the level in an experiment number.
-const LEVEL_BIT: u32 = 40;
 /// How often the coarsest level takes twice as many steps where paths fail.
 const REFINEMENTS: u32 = 8;
 /// The final time up to which the coarsest steps are chosen to be below one; beyond, they are
@@ -387,27 +383,19 @@ impl<'a> Expect<'a> {
 
 /// Whether streams are those of a level of an expectation, whose points have an order of their own.
 pub fn is_level(key: StreamKey) -> bool {
-    (key.experiment >> LEVEL_BIT) & 31 > 0
+    (key.experiment / Purpose::Level(0).bits()) & 31 > 0
 }
 
 impl ExpectSettings {
-    /// The family of streams of a level.
-    fn stream(&self, level: usize) -> StreamKey {
-        let experiment = self.key.experiment + ((level as u64 + 1) << LEVEL_BIT);
-        StreamKey { experiment, ..self.key }
-    }
-
     fn check(&self, accuracy: f64, weak_order: f64) -> Result<(), RunError> {
-        let &Self { key, coarsest_steps: steps, max_level, .. } = self;
+        let &Self { coarsest_steps: steps, max_level, .. } = self;
         // Fourth powers of the accuracy must be numbers.
         let fourth = (1e-70..1e70).contains(&accuracy);
         // Beyond, 1/(2^p − 1) is no weight.
         let order = (1.0 / 16.0..=16.0).contains(&weak_order);
-        let experiment = key.experiment >> LEVEL_BIT == 0;
         let (few, level) = ((1..=1 << 24).contains(&steps), (3..=24).contains(&max_level));
         RunError::unmet([
             (fourth, "accuracy", "from 1e-70 to 1e70 (else scale the function)", accuracy),
-            (experiment, "experiment number", "below 2^40", key.experiment as f64),
             (few, "number of coarsest steps", "from 1 to 2^24", steps as f64),
             (order, "weak order", "from 1/16 to 16", weak_order),
             (level, "finest level", "from 3 to 24", max_level as f64),

@@ -1,5 +1,6 @@
 //! The result: estimates, levels and warnings, and all of it in words.
 
+use real::elementary;
 use std::fmt;
 
 use serde::Serialize;
@@ -251,10 +252,10 @@ impl fmt::Display for Estimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let half_width = self.half_width();
         let decimals = match half_width > 0.0 && half_width.is_finite() {
-            true => (1.0 - half_width.log10().floor()).clamp(0.0, 17.0) as usize,
+            true => (1.0 - elementary::log10(half_width).floor()).clamp(0.0, 17.0) as usize,
             false => 6,
         };
-        let sampling = f64::hypot(self.quantile * self.standard_error, self.missed);
+        let sampling = elementary::hypot(self.quantile * self.standard_error, self.missed);
         write!(
             f,
             "{:.decimals$} ± {half_width:.1e} (95 %): sampling {sampling:.1e}, bias at most {:.1e}",

@@ -1,13 +1,11 @@
 //! The arithmetic and the rules of the algorithm on samples that are made up.
 
-use noise::StreamKey;
 use real::{Block, PathMask};
 use schemes::Heun;
 use stats::{CentralMoments, ROUND_OFF};
 use systems::{Constant, Pendulum, Problem};
 
 use super::{
-    ExpectSettings,
     judge::{Evidence, deviation},
     level::{PathValues, Samples, Values, hull},
     rates,
@@ -464,20 +462,6 @@ fn an_interval_adds_the_bias_to_the_rest() {
         Judged { resolution: false, ..all },
     ] {
         assert!(!result(7.0, one).reached());
-    }
-}
-
-#[test]
-fn no_two_levels_share_a_family() {
-    let mut seen = std::collections::HashSet::new();
-    for experiment in [0, 1, (1 << 40) - 1] {
-        assert!(seen.insert(experiment));
-        let key = StreamKey { seed: 0, experiment };
-        let settings = ExpectSettings { key, ..ExpectSettings::default() };
-        for level in 0..=24 {
-            let family = settings.stream(level).experiment;
-            assert!(seen.insert(family) && family < noise::AREA_STREAM);
-        }
     }
 }
 

@@ -72,14 +72,7 @@ impl Part {
     }
 
     pub fn finish(self) -> Result<(), JobError> {
-        match self.file.write() {
-            // The results are with the program already.
-            Err(error) if self.share == Share::WHOLE => {
-                eprintln!("warning: no checkpoint: {error}");
-                Ok(())
-            }
-            written => written,
-        }
+        self.file.write()
     }
 
     /// The nodes of all groups if they were merged before, or if this part is the whole; those that
@@ -106,21 +99,17 @@ impl Part {
         header.done = work.grow(&mut tree, rest, &mut |nodes, done| {
             if self.written.elapsed() >= interval && kept.is_ok() {
                 kept = self.record(work, Header { done, ..header.clone() }, nodes);
-                // A full disk may have room again when the next checkpoint is due.
-                if let Err(error) = self.write() {
-                    eprintln!("warning: no checkpoint: {error}");
-                }
+                // A full disk may have room again when the next checkpoint is due; `finish` tells.
+                _ = self.write();
             }
             kept.is_ok()
         });
         kept?;
         let stopped = !header.is_complete();
         self.record(work, header, &tree.nodes)?;
-        if stopped {
+        if stopped && !(incomplete && is_whole) {
             self.write()?;
-            if !(incomplete && is_whole) {
-                return Err(JobError::Stopped);
-            }
+            return Err(JobError::Stopped);
         }
         nodes.extend(tree.nodes);
         Ok((is_whole || first == work.groups()).then_some(nodes))

@@ -229,10 +229,10 @@ impl Found<'_> {
                     let covariance = product(s[3], s[1], s[2]);
                     let variances = product(s[4], s[1], s[1]) * product(s[5], s[2], s[2]);
                     let (r, unit) = (covariance / variances.sqrt(), 1.0 / (a * b));
-                    vec![covariance * unit, 0.5 * ((1.0 + r) / (1.0 - r)).ln()]
+                    vec![covariance * unit, 0.5 * elementary::ln((1.0 + r) / (1.0 - r))]
                 });
                 let count = sums[0].iter().sum::<f64>() as u64;
-                let correlation = found[1].map(|ends| ends.map(f64::tanh));
+                let correlation = found[1].map(|ends| ends.map(elementary::tanh));
                 [found[0], correlation].map(|value| summary(step, t, count, value))
             };
             let points: Vec<_> = self.at.iter().enumerate().map(point).collect();

@@ -61,6 +61,8 @@ mod write;
 
 use std::sync::Arc;
 
+use noise::Purpose;
+
 use crate::{Ladder, Measured, Observe, Run, RunError, Setup, observable::erased, parts::Job};
 use sums::StudyStatistic;
 
@@ -98,18 +100,18 @@ impl<'a> Study<'a> {
     ) -> Result<Self, RunError> {
         let observables = erased(observables);
         let record = Record::new(setup, &observables, settings)?;
-        let ladder = |key| {
+        let ladder = |family| {
             let runs = vec![Run::new(Arc::clone(&setup.scheme), 0)];
-            let ladder =
-                Ladder::new(&setup.problem, settings.steps, 0, settings.truncation, key, runs);
+            let (steps, key) = (settings.steps, (settings.key, family));
+            let ladder = Ladder::of(&setup.problem, steps, 0, settings.truncation, key, runs);
             ladder.map(|ladder| if record.start.is_some() { ladder.with_start() } else { ladder })
         };
-        let pilot = ladder(settings.pilot_key())?;
+        let pilot = ladder(Purpose::Pilot)?;
         let new = || StudyStatistic::new(&observables, &record.times, &[], &settings.wanted);
         let seen = pilot.run(settings.pilot, new).statistic.sums;
         let ranges = seen.moments.iter().map(|moments| moments.range());
         let grids = ranges.map(|range| Grid::covering(range, settings.bins)).collect();
-        let ladder = ladder(settings.key)?;
+        let ladder = ladder(Purpose::Paths)?;
         let wanted = settings.wanted.clone();
         Ok(Self { ladder, observables, wanted, record, grids })
     }

@@ -17,8 +17,8 @@ pub struct StudySettings {
     pub paths: u64,
     /// How increments are truncated.
     pub truncation: Truncation,
-    /// Seed and experiment of the streams. The pilot draws from the streams of experiment +
-    /// 2⁴⁷, which no other study or expectation uses, so the experiment must be below 2⁴⁰.
+    /// Seed and experiment of the streams, below 2⁴⁰. The pilot has [streams](noise::Purpose) of
+    /// its own.
     pub key: StreamKey,
     /// The levels of the quantiles, between 0 and 1. Default 0.05, 0.25, 0.5, 0.75 and 0.95.
     pub quantiles: Vec<f64>,
@@ -33,12 +33,6 @@ pub struct StudySettings {
     /// the latter.
     pub wanted: Wanted,
 }
-
-/// The experiment number of the pilot differs from that of the study in this bit. Levels of
-/// `Expect` use the bits from 40 to 44.
-const PILOT_STREAM: u64 = 1 << 47;
-/// First bit that an experiment number may not use.
-const EXPERIMENT_BITS: u32 = 40;
 
 impl StudySettings {
     /// Default values for the settings that have one.
@@ -56,11 +50,6 @@ impl StudySettings {
         }
     }
 
-    /// The streams of the pilot.
-    pub(super) fn pilot_key(&self) -> StreamKey {
-        StreamKey { experiment: self.key.experiment | PILOT_STREAM, ..self.key }
-    }
-
     /// The steps at whose ends observables are evaluated.
     pub(super) fn time_steps(&self) -> Result<Vec<u64>, RunError> {
         let Self { steps, times, .. } = *self;
@@ -75,14 +64,12 @@ impl StudySettings {
 
     /// Checks all but the times, the steps and the truncation.
     pub(super) fn check(&self, observables: &[&dyn Observe]) -> Result<(), RunError> {
-        let Self { steps, paths, key: StreamKey { experiment, .. }, bins, pilot, .. } = *self;
-        let first = experiment >> EXPERIMENT_BITS == 0;
+        let Self { steps, paths, bins, pilot, .. } = *self;
         let (some, number) = (!observables.is_empty(), observables.len() as f64);
         let few = (2..=1 << 16).contains(&bins);
         RunError::unmet([
             (steps > 0, "number of steps", "at least 1", steps as f64),
             (paths > 0, "number of paths", "at least 1", paths as f64),
-            (first, "experiment number", "below 2^40", experiment as f64),
             (few, "number of bins", "from 2 to 65536", f64::from(bins)),
             (pilot >= 128, "number of pilot paths", "at least 128", pilot as f64),
             (some, "number of observables", "at least 1", number),
@@ -97,24 +84,5 @@ impl StudySettings {
             RunError::unmet([(met, "level of a quantile", "between 0 and 1, once each", *level)])?;
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_pilot_shares_its_streams_with_nothing() {
-        for experiment in [0, 1, (1 << EXPERIMENT_BITS) - 1] {
-            let key = StreamKey { seed: 0, experiment };
-            let study = StudySettings::new(1, 1, 1, Truncation::none(), key);
-            let pilot = study.pilot_key().experiment;
-            assert!(pilot < noise::AREA_STREAM && pilot != experiment);
-            // Those of the levels of an expectation.
-            for level in 0..=24 {
-                assert_ne!(pilot, experiment + ((level + 1) << 40));
-            }
-        }
     }
 }

@@ -234,8 +234,11 @@ fn few_failed_paths_widen_the_interval() {
 fn who_goes_on_has_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let problem = body();
-    let keeping =
-        || Keeping { file: folder.path().join("kept/samples.bin"), study: "cos y3".into() };
+    let keeping = || Keeping {
+        file: folder.path().join("kept/samples.bin"),
+        study: "cos y3".into(),
+        ..Keeping::default()
+    };
     let whole = Expect::new(&problem).run(&[&COS_Y3], 1e-5).unwrap();
     let mut stops = 0;
     let found = loop {

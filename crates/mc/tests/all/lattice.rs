@@ -265,7 +265,7 @@ fn a_path_goes_on_from_its_file_with_the_same_bits() {
         whole.advance(30).unwrap();
         let keeping = |study: &str| {
             let file = folder.path().join(format!("path-{local}.bin"));
-            Keeping { file, study: study.into() }
+            Keeping { file, study: study.into(), ..Keeping::default() }
         };
         let mut first = new().keeping(keeping("one"));
         first.advance(13).unwrap();

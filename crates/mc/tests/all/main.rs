@@ -1,6 +1,7 @@
 //! The tests of the crate in one binary, so that the kernels of each system are compiled once for
 //! all of them.
 
+mod clipped;
 mod damping;
 mod dependence;
 mod driver;

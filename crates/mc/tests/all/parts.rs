@@ -217,6 +217,15 @@ fn a_run_with_checkpoints_gives_its_result_at_once() {
 }
 
 #[test]
+fn a_checkpoint_that_cannot_be_written_is_an_error_of_the_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = STUDY.part(folder.path(), 1, 1).unwrap().with_checkpoints_every(Duration::ZERO);
+    std::fs::remove_dir_all(folder.path()).unwrap();
+    // All paths were computed: a checkpoint in between that fails does not end the job.
+    assert!(matches!(STUDY.run(job), Err(JobError::File { action: "write", .. })));
+}
+
+#[test]
 fn missing_parts_are_listed_and_can_be_added() {
     let folder = tempfile::tempdir().unwrap();
     STUDY.run_parts(folder.path(), [1, 3, 4, 5, 9, 12], 12);

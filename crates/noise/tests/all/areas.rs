@@ -219,7 +219,7 @@ fn samplers_with_wrong_constants_and_signs_are_rejected() {
     let mut good = sampler(key, 3, 11);
     rejected("J for A", 110, &["area with w_i w_j", "variance"], |step, noise| {
         good(step, noise);
-        let StepNoise { increments, areas } = noise;
+        let StepNoise { increments, areas, .. } = noise;
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
             let products = increments[i].iter().zip(&increments[j]);
             areas[3 * i + j].iter_mut().zip(products).for_each(|(a, (v, w))| *a += 0.5 * v * w);

@@ -3,12 +3,12 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use noise::{AREA_STREAM, Noise, StepNoise, StreamKey, WienerPath};
+use noise::{Noise, Purpose, StepNoise, StreamKey, WienerPath};
 use real::WIDTH;
 
 /// The normals that the areas of a path are made of.
 pub fn normals(key: StreamKey, path: u64) -> WienerPath<1> {
-    WienerPath::new(StreamKey { experiment: key.experiment ^ AREA_STREAM, ..key }, path)
+    WienerPath::new(key.beside(Purpose::Areas), path)
 }
 
 /// Coefficients X_r, Y_r of M noises; `x[r - 1][i]`.

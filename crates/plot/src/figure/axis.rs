@@ -1,5 +1,7 @@
 //! From a value to a position on the page: linear and logarithmic axes and the ranges they cover.
 
+use real::elementary;
+
 /// The range of values an axis covers, `lo < hi`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
@@ -50,11 +52,14 @@ impl Range {
 
     /// Widened until it holds two powers of ten, because one labelled tick does not define a scale.
     pub fn with_two_decades(self) -> Self {
-        let (lo, hi) = (self.lo.log10(), self.hi.log10());
+        let (lo, hi) = (elementary::log10(self.lo), elementary::log10(self.hi));
         if hi.floor() - lo.ceil() >= 1.0 {
             return self;
         }
-        Self { lo: self.lo.min(10f64.powf(lo.floor())), hi: self.hi.max(10f64.powf(hi.ceil())) }
+        Self {
+            lo: self.lo.min(elementary::powf(10f64, lo.floor())),
+            hi: self.hi.max(elementary::powf(10f64, hi.ceil())),
+        }
     }
 }
 
@@ -80,7 +85,7 @@ impl Axis {
             return self.start;
         }
         // Differences of logarithms, because the ratio of two values may overflow.
-        let scale = if self.logarithmic { f64::ln } else { |value| value };
+        let scale = if self.logarithmic { elementary::ln } else { |value| value };
         let [value, lo, hi] = [value, lo, hi].map(scale);
         self.start + (value - lo) / (hi - lo) * (self.end - self.start)
     }

@@ -1,5 +1,6 @@
 //! Errors against the step size, or cost against accuracy.
 
+use real::elementary;
 use stats::{Point, Rate};
 
 use super::chart::{Curve, Figure, Line, Measured, Plot};
@@ -89,7 +90,7 @@ pub fn order(rate: &Rate) -> String {
 /// The order between the first point and the last; NaN without two points.
 pub fn overall_order(points: &[(f64, f64)]) -> f64 {
     match points {
-        [first, .., last] => (last.1 / first.1).ln() / (last.0 / first.0).ln(),
+        [first, .., last] => elementary::ln(last.1 / first.1) / elementary::ln(last.0 / first.0),
         _ => f64::NAN,
     }
 }
@@ -103,7 +104,7 @@ pub fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
     let mut lines = Vec::new();
     for (power, name) in [(2.0, "slope 2"), (1.0, "slope 1"), (0.5, "slope 1/2")] {
         let points = trends.iter().flat_map(|(_, points)| points);
-        let ratios = points.map(|(tau, error)| error / tau.powf(power));
+        let ratios = points.map(|(tau, error)| error / elementary::powf(*tau, power));
         let constant = match lines.is_empty() {
             true => ratios.reduce(f64::min).map(|ratio| ratio / CLEARANCE),
             false => ratios.reduce(f64::max).map(|ratio| ratio * CLEARANCE),

@@ -2,6 +2,7 @@
 //! as a histogram.
 
 use mc::study::Summary;
+use real::elementary;
 
 use super::{
     axis::Range,
@@ -39,7 +40,7 @@ pub fn bands<'a>(
     let pairs = pairs(&levels);
     let areas = pairs.iter().enumerate().map(|(n, &(low, high))| {
         let [low, high] = [low, high].map(|k| percent(levels[k]));
-        let opacity = 1.0 - (1.0 - OPACITY).powi(n as i32 + 1);
+        let opacity = 1.0 - elementary::powi(1.0 - OPACITY, n as i32 + 1);
         (Sample::Area(COLOR, opacity), Label::words(&format!("{low}–{high} %")))
     });
     let median_entry =

@@ -2,8 +2,8 @@
 //! dense sweeps, at their special values, and bit for bit across instruction sets.
 
 use real::elementary::{
-    cos, deficit_versine, exp, exp_with_remainder, half_turn, ln, minus_two_ln, powi, sin, sin_cos,
-    sin_cos_absolute, sinc, split_unit,
+    cbrt, cos, deficit_versine, exp, exp_with_remainder, exp2, half_turn, hypot, ln, log2, log10,
+    minus_two_ln, powf, powi, sin, sin_cos, sin_cos_absolute, sinc, split_unit, tanh,
 };
 
 /// Printed by `python3 crates/real/tools/reference_values.py`.
@@ -143,6 +143,70 @@ fn dense_sweeps() {
     }
     sweep("ln_unit", ln_unit, f64::ln, 4.2, Bits::unit);
     sweep("ln_unit", ln_unit, f64::ln, 4.2, |b| 1.0 - b.between(-36.0, -1.0).exp());
+}
+
+/// The standard library rounds within an ulp, so that a difference is below the bound and one.
+#[test]
+fn powers_and_logarithms_for_results() {
+    let positive = |b: &mut Bits| f64::from_bits(b.next() % f64::INFINITY.to_bits());
+    let between = |low: f64, high: f64| move |b: &mut Bits| b.between(low, high);
+    sweep("exp2", exp2, f64::exp2, 6.0, between(-2.0, 2.0));
+    sweep("exp2", exp2, f64::exp2, 2046.0, between(-1020.0, 1020.0));
+    for range in [(0.3, 3.0), (0.999, 1.001)] {
+        sweep("log2", log2, f64::log2, 3.0, between(range.0, range.1));
+        sweep("log10", log10, f64::log10, 3.0, between(range.0, range.1));
+    }
+    sweep("log2", log2, f64::log2, 3.0, positive);
+    sweep("log10", log10, f64::log10, 3.0, positive);
+    sweep("cbrt", cbrt, f64::cbrt, 5.0, between(-20.0, 20.0));
+    sweep("cbrt", cbrt, f64::cbrt, 800.0, |b| f64::from_bits(b.next()).max(-1e300).min(1e300));
+    for shift in [-1e-3, 0.3, 1.0, 300.0, 1e200] {
+        let theirs = |x: f64| x.hypot(shift);
+        sweep("hypot", |x| hypot(x, shift), theirs, 2.0, |b| b.between(-3.0, 3.0) * shift);
+    }
+    let mut bits = Bits(13);
+    for _ in 0..100_000 {
+        let (x, y) = (bits.between(-8.0, 8.0).exp(), bits.between(-20.0, 20.0));
+        let bound = 3.0 + 2.0 * y.abs() * x.ln().abs().max(1.0);
+        for y in [y, y.round(), y.round() + 0.5] {
+            assert!(error_in_ulp(powf(x, y), x.powf(y), 0.0) <= bound, "{x:e}^{y}");
+        }
+        assert!((tanh(y) - y.tanh()).abs() <= 2.3e-16 + 1.2e-16, "tanh {y}");
+    }
+    for k in -1022..1024 {
+        assert_eq!((exp2(f64::from(k)), log2(2f64.powi(k))), (2f64.powi(k), f64::from(k)));
+    }
+    for k in -22..=22 {
+        assert_eq!(log10(format!("1e{k}").parse().unwrap()), f64::from(k));
+    }
+    let infinity = f64::INFINITY;
+    for (found, expected) in [
+        (exp2(infinity), infinity),
+        (exp2(-infinity), 0.0),
+        (log2(0.0), -infinity),
+        (log10(infinity), infinity),
+        (powf(0.0, 0.0), 1.0),
+        (powf(0.0, 0.3), 0.0),
+        (powf(0.0, -0.3), infinity),
+        (powf(-2.0, 3.0), -8.0),
+        (powf(4.0, -1.5), 0.125),
+        (powf(2.0, 1e10), infinity),
+        (powf(2.0, -infinity), 0.0),
+        (cbrt(-0.0), -0.0),
+        (cbrt(-infinity), -infinity),
+        (hypot(3.0, -4.0), 5.0),
+        (hypot(0.0, -0.0), 0.0),
+        (hypot(1.0, -infinity), infinity),
+        (hypot(5e-324, 0.0), 5e-324),
+        (hypot(f64::MAX, 1.0), f64::MAX),
+        (tanh(infinity), 1.0),
+        (tanh(-infinity), -1.0),
+    ] {
+        assert_eq!(found.to_bits(), expected.to_bits(), "{found:e} is not {expected:e}");
+    }
+    let unknown = [exp2(f64::NAN), log2(-1.0), log10(f64::NAN), powf(-2.0, 0.3), cbrt(f64::NAN)];
+    let with_nan = [hypot(f64::NAN, 1.0), hypot(1.0, f64::NAN), tanh(f64::NAN)];
+    assert!(unknown.iter().chain(&with_nan).all(|y| y.is_nan()), "{unknown:?} {with_nan:?}");
 }
 
 #[test]

@@ -53,10 +53,10 @@ impl Flows<2, 1> for Oscillator {
     const NOISE_PARTS: [Option<usize>; 1] = [Some(1)];
 
     #[inline(always)]
-    fn flow(&self, part: usize, y: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
+    fn flow<R: Real>(&self, part: usize, y: [R; 2], dt: R, dw: [R; 1]) -> [R; 2] {
         match part {
             0 => [y[0] + dt * y[1], y[1]],
-            _ => [y[0], y[1] - self.square * dt * y[0] - SIGMA * dw[0]],
+            _ => [y[0], y[1] - dt * self.square * y[0] - dw[0] * SIGMA],
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use noise::{Noise, Truncation};
 use nonlin::Solver;
-use schemes::{Explicit, Implicit, Increment, Scheme};
+use real::{Real, elementary};
+use schemes::{Explicit, Implicit, Increment, Scheme, Split, Step};
+use systems::{Constant, Flows, PoissonSystem};
 
 use crate::common::body;
 
@@ -82,4 +84,42 @@ fn areas_move_an_explicit_scheme() {
     let commutator: [f64; 3] = systems::PoissonSystem::commutators(&body(), y, areas);
     assert_eq!(with, std::array::from_fn(|i| without[i] + commutator[i]));
     assert_ne!(with, without);
+}
+
+/// The plane turned by the angle −(dt + dw).
+struct Turning;
+
+impl PoissonSystem<2, 1> for Turning {
+    fn name(&self) -> &'static str {
+        "turning"
+    }
+    fn structure<R: Real>(&self, _: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        (y[0] * y[0] + y[1] * y[1]) * (0.5 * (dt + dw[0]))
+    }
+}
+
+impl Flows<2, 1> for Turning {
+    const PARTS: usize = 1;
+    const EXACT: bool = true;
+
+    #[inline(always)]
+    fn flow<R: Real>(&self, _: usize, y: [R; 2], dt: R, dw: [R; 1]) -> [R; 2] {
+        let (sin, cos) = (dt + dw[0]).sin_cos();
+        [cos * y[0] + sin * y[1], cos * y[1] - sin * y[0]]
+    }
+}
+
+/// Of flows as users write them: sines are those of `real`, not of the platform.
+#[test]
+fn functions_in_flows_have_the_same_bits_on_every_machine() {
+    for n in 1..2000 {
+        let tau = 0.003 * f64::from(n);
+        let step = Step::new(&Constant::new(0.0).unwrap(), 0, tau).unwrap();
+        let next = Split.step(&Turning, &step, &Noise::increments([0.0]), [1.0, 0.0]).z;
+        let (sin, cos) = elementary::sin_cos(tau);
+        assert_eq!(next.map(f64::to_bits), [cos.to_bits(), (-sin).to_bits()], "{tau}");
+    }
 }

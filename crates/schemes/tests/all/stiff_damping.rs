@@ -176,7 +176,7 @@ impl PoissonSystem<2, 1> for Alone {
 impl Flows<2, 1> for Alone {
     const PARTS: usize = 1;
     #[inline(always)]
-    fn flow(&self, _: usize, y: [f64; 2], _: f64, _: [f64; 1]) -> [f64; 2] {
+    fn flow<R: Real>(&self, _: usize, y: [R; 2], _: R, _: [R; 1]) -> [R; 2] {
         y
     }
 }

@@ -54,7 +54,9 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     arguments.threads.map_or(Ok(()), |threads| limit_threads(threads.into()))?;
     let only: Vec<&str> = arguments.only.iter().map(String::as_str).collect();
     let mut results = verify::reproduce(arguments.seed, arguments.quick, &only);
-    results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);
+    let commit = option_env!("CASIMIR_COMMIT");
+    results.provenance =
+        provenance::complete(results.provenance, "cargo xtask reproduce", commit, start);
     files::write_json(&arguments.out.join("results.json"), &results)?;
     page::write_report(&results, &arguments.out)?;
     for (id, seconds) in &results.provenance.wall_s_by_id {

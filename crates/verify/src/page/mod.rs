@@ -1,6 +1,7 @@
 //! The report of a run: a page with verdicts, figures, measured orders and provenance, in one file
 //! that needs no network and no script; a figure and a table of numbers for each panel.
 
+use real::elementary;
 use std::{io::Result, path::Path};
 
 use mc::quoted;
@@ -118,7 +119,7 @@ fn page(results: &Results) -> String {
         page.figures([(figure(panel), caption(panel.kind).into())]);
         // Where clipped increments matter.
         let clipped = panel.clipped.iter().map(|clipped| {
-            let (exponent, percent) = (clipped.tau.log2(), 100.0 * clipped.share);
+            let (exponent, percent) = (elementary::log2(clipped.tau), 100.0 * clipped.share);
             format!(
                 "{} at τ = 2^{exponent}: {}, {percent:.0} % of the mean-square error. ",
                 clipped.scheme, clipped.increments
@@ -141,6 +142,7 @@ fn page(results: &Results) -> String {
     page.facts(BuiltIn::ALL.map(|scheme| (scheme.id(), scheme.properties().long_times)));
     let from = &results.provenance;
     page.facts([
+        ("Version", &from.version),
         ("Commit", &from.git),
         ("Compiler", &from.rustc),
         ("Processor", &from.cpu),
@@ -149,6 +151,8 @@ fn page(results: &Results) -> String {
         ("Seed", &from.seed.to_string()),
         ("Mode", &from.mode),
         ("Command", &from.command),
+        ("Folder", &from.folder),
+        ("Day", &from.day),
         ("Wall time", &format!("{:.1} s", from.wall_s)),
     ]);
     page.note(

@@ -12,6 +12,7 @@
 //! them those of size τ^{3/2}, so that a mean of size τ² can be seen.
 
 use noise::{Noise, Truncation, WienerPath};
+use real::elementary;
 use schemes::{Scheme, Step};
 use stats::{Against, CrossMoments, Expansion, diagonal, fit_weak};
 use systems::{
@@ -52,7 +53,7 @@ pub fn remainder_claims(
     let taus = [2, 3, 4, 5, 6, 7, 8, 9].map(|exponent| 0.5f64.powi(exponent));
     // (E‖R‖²)^½ and ‖E R‖ with the relative variances of both.
     let measured = taus.map(|tau| {
-        let mut noise = WienerPath::<3>::new(conditions.key(0), -tau.log2() as u64);
+        let mut noise = WienerPath::<3>::new(conditions.key(0), -elementary::log2(tau) as u64);
         let (mut square, mut mean) = (CrossMoments::new(1), CrossMoments::new(3));
         for _ in 0..conditions.choose(4000, 1000) {
             let pieces: [Vector; PIECES] =

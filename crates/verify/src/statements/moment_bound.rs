@@ -55,7 +55,7 @@ pub fn bound(
         let (tau, mut total) = (problem.t_end / steps as f64, 0.0);
         let bounds = (0..steps).map(|n| {
             total += absolute.integral(n as f64 * tau, (n + 1) as f64 * tau);
-            start * f64::exp(total)
+            start * real::elementary::exp(total)
         });
         let bounds: Vec<f64> = bounds.collect();
         for path in 0..paths {

@@ -45,7 +45,7 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
     // C_{k,τ} for constant B and ‖∇²H‖ ≤ 1, one noise of size 1. It rises from 0, and below one
     // there is a largest step.
     let constant = |tau: f64| {
-        structure * (tau + (2.0 * f64::from(TRUNCATION_ORDER) * tau * tau.ln().abs()).sqrt())
+        structure * (tau + (2.0 * f64::from(TRUNCATION_ORDER) * tau * ln(tau).abs()).sqrt())
     };
     let exponent = (1..60).find(|&j| constant(0.5f64.powi(j)) < 1.0).unwrap_or(60);
     let tau = 0.5f64.powi(exponent);

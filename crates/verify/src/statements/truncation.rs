@@ -9,6 +9,7 @@
 use analysis::worse;
 use dgrad::Rule;
 use noise::{Truncation, WienerPath};
+use real::elementary;
 use stats::CrossMoments;
 use systems::paper::valid;
 
@@ -25,17 +26,18 @@ const ID: &str = "truncation-moments";
 
 /// A.
 fn threshold(tau: f64, k: u32) -> f64 {
-    (2.0 * f64::from(k) * tau.ln().abs()).sqrt()
+    (2.0 * f64::from(k) * elementary::ln(tau).abs()).sqrt()
 }
 
 /// 2φ(A)∫₀^∞ g(s) e^{−As − s²/2} ds with φ(A) = τᵏ/√(2π).
 fn tail(tau: f64, k: u32, g: impl Fn(f64) -> f64) -> f64 {
     let threshold = threshold(tau, k);
-    let density = tau.powi(k as i32) / (2.0 * std::f64::consts::PI).sqrt();
+    let density = elementary::powi(tau, k as i32) / (2.0 * std::f64::consts::PI).sqrt();
     let rule = valid(Rule::new(128));
     // Beyond s = 60/(A + 3) the exponential is below e^{−50}, and the powers of s do not matter.
     let end = 60.0 / (threshold + 3.0);
-    2.0 * density * rule.integrate(0.0, end, |s| g(s) * (-threshold * s - 0.5 * s * s).exp())
+    2.0 * density
+        * rule.integrate(0.0, end, |s| g(s) * elementary::exp(-threshold * s - 0.5 * s * s))
 }
 
 /// E[ζ²] − E[χ²].
@@ -46,7 +48,7 @@ fn lost_variance(tau: f64, k: u32) -> f64 {
 
 /// ‖ΔW − ΔŴ‖_{Lᵖ}.
 fn distance(tau: f64, k: u32, p: i32) -> f64 {
-    tau.sqrt() * tail(tau, k, |s| s.powi(p)).powf(1.0 / f64::from(p))
+    tau.sqrt() * elementary::powf(tail(tau, k, |s| elementary::powi(s, p)), 1.0 / f64::from(p))
 }
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
@@ -65,7 +67,8 @@ fn variance() -> Claim {
     let (mut largest, mut smallest) = (0.0, f64::INFINITY);
     for (k, j) in ORDERS.flat_map(|k| EXPONENTS.map(move |j| (k, j))) {
         let tau = 0.5f64.powi(j);
-        let ratio = lost_variance(tau, k) / ((1.0 + threshold(tau, k)) * tau.powi(k as i32));
+        let ratio =
+            lost_variance(tau, k) / ((1.0 + threshold(tau, k)) * elementary::powi(tau, k as i32));
         (largest, smallest) = (worse(largest, ratio), f64::min(smallest, ratio));
     }
     let quantities = vec![
@@ -103,12 +106,13 @@ fn distances(powers: &[i32], names: &str) -> Claim {
     let [coarse, fine] = [EXPONENTS.start(), EXPONENTS.end()].map(|&j| 0.5f64.powi(j));
     let quantities = powers.iter().flat_map(|&p| {
         let growth = ORDERS.map(|k| {
-            let ratio = |tau: f64| distance(tau, k, p) / tau.powf(0.5 * f64::from(1 + k));
+            let ratio =
+                |tau: f64| distance(tau, k, p) / elementary::powf(tau, 0.5 * f64::from(1 + k));
             ratio(fine) / ratio(coarse)
         });
         // The exponent that is seen between two fine steps, at the k of the reproduction.
         let k = TRUNCATION_ORDER;
-        let seen = (distance(2.0 * fine, k, p) / distance(fine, k, p)).log2();
+        let seen = elementary::log2(distance(2.0 * fine, k, p) / distance(fine, k, p));
         let (bound, sharp) = (0.5 * f64::from(1 + k), 0.5 + f64::from(k) / f64::from(p));
         let growing = format!("growth of the ratio for p = {p} as τ falls, {RANGE}");
         let exponent = format!(

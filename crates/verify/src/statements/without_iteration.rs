@@ -10,6 +10,7 @@
 use analysis::worse;
 use mc::Setup;
 use noise::{StepNoise, Truncation};
+use real::elementary;
 use schemes::{BuiltIn, Step};
 use systems::paper::{maxwell_bloch, pendulum, poisson3_strong, rigid_body_three_noises};
 
@@ -114,7 +115,7 @@ pub fn order_two(conditions: &Conditions, _part: u64, setup: Setup<'_>) -> Claim
     let setup = scaled(setup, 0.0);
     let [coarse, middle, fine] =
         [1, 2, 4].map(|finer| conditions.path(0, &setup, finer * COARSE, 0));
-    let order = (apart(&coarse, &middle) / apart(&middle, &fine)).log2();
+    let order = elementary::log2(apart(&coarse, &middle) / apart(&middle, &fine));
     let words = format!("order from {COARSE}, {} and {} steps", 2 * COARSE, 4 * COARSE);
     let quantities =
         vec![Bounded::at_least(words.clone(), order, 1.75), Bounded::at_most(words, order, 2.25)];

@@ -217,14 +217,14 @@ impl<const M: usize> PoissonSystem<3, M> for Body<M> {
 impl<const M: usize> Body<M> {
     /// h = Σ ½squareᵢyᵢ² + linearᵢyᵢ.
     #[inline(always)]
-    fn coefficients(&self, dt: f64, dw: [f64; M]) -> ([f64; 3], [f64; 3]) {
-        let (mut square, mut linear) = (self.a.map(|a| a * dt), self.c.map(|c| c * dt));
+    fn coefficients<R: Real>(&self, dt: R, dw: [R; M]) -> ([R; 3], [R; 3]) {
+        let (mut square, mut linear) = (self.a.map(|a| dt * a), self.c.map(|c| dt * c));
         for m in 0..M {
             for i in 0..3 {
-                square[i] += self.k * dw[m];
-                linear[i] += self.sigma[m][i] * dw[m];
+                square[i] = square[i] + dw[m] * self.k;
+                linear[i] = linear[i] + dw[m] * self.sigma[m][i];
             }
-            square[2] += self.b[m] * dw[m];
+            square[2] = square[2] + dw[m] * self.b[m];
         }
         (square, linear)
     }
@@ -235,10 +235,10 @@ impl<const M: usize> Flows<3, M> for Body<M> {
     const PARTS: usize = 3;
 
     #[inline(always)]
-    fn flow(&self, i: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
+    fn flow<R: Real>(&self, i: usize, y: [R; 3], dt: R, dw: [R; M]) -> [R; 3] {
         let (square, linear) = self.coefficients(dt, dw);
         let (j, l) = ((i + 1) % 3, (i + 2) % 3);
-        let (sine, cosine) = elementary::sin_cos(square[i] * y[i] + linear[i]);
+        let (sine, cosine) = (square[i] * y[i] + linear[i]).sin_cos();
         let mut z = y;
         z[j] = cosine * y[j] + sine * y[l];
         z[l] = cosine * y[l] - sine * y[j];
@@ -246,7 +246,7 @@ impl<const M: usize> Flows<3, M> for Body<M> {
     }
 
     #[inline(always)]
-    fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
+    fn precise_flow<R: Real>(&self, part: usize, y: [R; 3], dt: R, dw: [R; M]) -> [R; 3] {
         self.flow(part, y, dt, dw)
     }
 }
