@@ -233,7 +233,7 @@ fn what_is_kept_follows_from_all_damping() {
         ),
         (
             lattice("", "[damping]\nrate = 1\ncomponents = [\"s1x\"]\n"),
-            "split: it damps exactly, and keeps nearly the energy but for the noise and the damping",
+            "split: it keeps the laws of Casimirs, and nearly the energy but for the noise and the damping",
         ),
         (
             lattice(", periodic = true", ""),
