@@ -23,58 +23,102 @@ pub fn text(graph: &Graph, root: Id, names: &[String], least: Binding) -> String
     use Binding::{Power, Product, Sum, Whole};
     let needed = graph.needed(&[root]);
     let mut texts = vec![(String::new(), Whole); graph.len()];
+    let mut products = vec![(1.0, String::new()); graph.len()];
     let write = |texts: &[(String, Binding)], id: Id, least: Binding| {
         let (text, binding) = &texts[id.index()];
         if *binding < least { format!("({text})") } else { text.clone() }
     };
     for id in graph.ids().filter(|id| needed[id.index()]) {
         let of = |id, least| write(&texts, id, least);
+        // A product as its constant and its other factors.
+        let factors = match graph.node(id) {
+            Node::Constant(bits) => Some((f64::from_bits(bits), String::new())),
+            Node::Unary(Unary::Neg, a) => {
+                let (c, x) = &products[a.index()];
+                Some((-c, x.clone()))
+            }
+            Node::Binary(Binary::Mul, a, b) => {
+                let [(c, x), (d, y)] = [a, b].map(|id| &products[id.index()]);
+                let gap = if x.is_empty() || y.is_empty() { "" } else { " " };
+                Some((c * d, format!("{x}{gap}{y}")))
+            }
+            Node::Binary(Binary::Div, a, b) => {
+                let ((c, x), below) = (&products[a.index()], of(b, Power));
+                Some(match x.is_empty() {
+                    true => (c.signum(), format!("{}/{below}", number(c.abs()))),
+                    false => (*c, format!("{x}/{below}")),
+                })
+            }
+            _ => None,
+        };
+        // a + b, or a − b, with the sign of b.
+        let sum = |a, b: Id, minus: bool| {
+            let (c, x) = &products[b.index()];
+            let sign = if (*c < 0.0) != minus { " - " } else { " + " };
+            let b = product(&(c.abs(), x.clone())).0;
+            (format!("{}{sign}{b}", of(a, Sum)), Sum)
+        };
         let two = |a, b, sign: &str, [first, second]: [Binding; 2]| {
             format!("{}{sign}{}", of(a, first), of(b, second))
         };
-        let (text, binding) = match graph.node(id) {
-            Node::Constant(bits) => {
-                let text = number(f64::from_bits(bits));
-                let binding = if text.starts_with('-') { Sum } else { Whole };
-                (text, binding)
-            }
-            Node::Input(k) => (names[k as usize].clone(), Whole),
-            Node::Unary(Unary::Neg, a) => (format!("-{}", of(a, Product)), Sum),
-            Node::Unary(function, a) => (format!("{function}({})", of(a, Sum)), Whole),
-            Node::Binary(Binary::Add, a, b) => (two(a, b, " + ", [Sum, Product]), Sum),
-            Node::Binary(Binary::Sub, a, b) => (two(a, b, " - ", [Sum, Product]), Sum),
-            Node::Binary(Binary::Mul, a, b) => match graph.as_constant(b) {
-                Some(c) if c < 0.0 => (two(b, a, " ", [Sum, Product]), Sum),
-                Some(_) => (two(b, a, " ", [Product; 2]), Product),
-                None => (two(a, b, " ", [Product; 2]), Product),
-            },
-            Node::Binary(Binary::Div, a, b) => (two(a, b, "/", [Product, Power]), Product),
-            Node::Binary(Binary::Min, a, b) => {
+        let (text, binding) = match (graph.node(id), &factors) {
+            (_, Some(factors)) => product(factors),
+            (Node::Input(k), _) => (names[k as usize].clone(), Whole),
+            (Node::Unary(function, a), _) => (format!("{function}({})", of(a, Sum)), Whole),
+            (Node::Binary(Binary::Add, a, b), _) => sum(a, b, false),
+            (Node::Binary(Binary::Sub, a, b), _) => sum(a, b, true),
+            (Node::Binary(Binary::Min, a, b), _) => {
                 (format!("min({})", two(a, b, ", ", [Sum; 2])), Whole)
             }
-            Node::Binary(Binary::Max, a, b) => {
+            (Node::Binary(Binary::Max, a, b), _) => {
                 (format!("max({})", two(a, b, ", ", [Sum; 2])), Whole)
             }
-            Node::Power(a, n) => (format!("{}^{n}", of(a, Whole)), Power),
-            Node::Where([x, y, a, b]) => {
+            (Node::Power(a, n), _) => (format!("{}^{n}", of(a, Whole)), Power),
+            (Node::Where([x, y, a, b]), _) => {
                 let condition = two(x, y, " < ", [Sum; 2]);
                 (format!("(if {condition}: {})", two(a, b, " else ", [Sum; 2])), Whole)
             }
+            (Node::Constant(_) | Node::Binary(..), None) => unreachable!("it has factors"),
         };
         let is_long = text.chars().count() > LONGEST;
         texts[id.index()] = if is_long { ("(…)".into(), Whole) } else { (text, binding) };
+        products[id.index()] = match factors {
+            Some(factors) if !is_long => factors,
+            _ => (1.0, write(&texts, id, Product)),
+        };
     }
     write(&texts, root, least)
 }
 
-/// x, if the expression is −x or c·x with c < 0, without its sign.
-pub fn negated(graph: &mut Graph, id: Id) -> Option<Id> {
-    let negative = match graph.node(id) {
-        Node::Unary(Unary::Neg, _) => true,
-        Node::Binary(Binary::Mul, _, c) => graph.as_constant(c).is_some_and(|c| c < 0.0),
-        _ => graph.as_constant(id).is_some_and(|c| c < 0.0),
+/// The text of c·x from c and the text of x, which is empty if it is one.
+fn product((c, x): &(f64, String)) -> (String, Binding) {
+    let text = match (number(*c), &x[..]) {
+        (one, "") => one,
+        (one, _) if one == "1" => x.clone(),
+        (minus, _) if minus == "-1" => format!("-{x}"),
+        (c, _) => format!("{c} {x}"),
     };
-    negative.then(|| graph.neg(id))
+    let binding = match x.is_empty() {
+        _ if *c < 0.0 => Binding::Sum,
+        true => Binding::Whole,
+        false => Binding::Product,
+    };
+    (text, binding)
+}
+
+/// −x, if the text of x begins with a minus.
+pub fn negated(graph: &mut Graph, id: Id) -> Option<Id> {
+    is_negative(graph, id).then(|| graph.neg(id))
+}
+
+/// Whether the constants of a product have a negative product.
+fn is_negative(graph: &Graph, id: Id) -> bool {
+    match graph.node(id) {
+        Node::Unary(Unary::Neg, a) => !is_negative(graph, a),
+        Node::Binary(Binary::Mul, a, b) => is_negative(graph, a) != is_negative(graph, b),
+        Node::Binary(Binary::Div, a, _) => is_negative(graph, a),
+        _ => graph.as_constant(id).is_some_and(|c| c < 0.0),
+    }
 }
 
 /// Six digits.
@@ -124,6 +168,23 @@ mod tests {
                 let (one, other) = (parsed.value(&at), again.value(&at));
                 assert!((one - other).abs() <= 1e-5 * one.abs(), "{formula}: {text}");
             }
+        }
+        let short = |formula: &str| {
+            let parsed = Formula::parse(formula, &names).unwrap();
+            text(&parsed.graph, parsed.root, &variables, Binding::Sum)
+        };
+        for (formula, words) in [
+            ("2*x*(0.8*y)", "1.6 x y"),
+            ("x*(-0.8*y)*2", "-1.6 x y"),
+            ("y + x*(-0.8*y)", "y - 0.8 x y"),
+            ("y - x*(-0.8*y)", "y + 0.8 x y"),
+            ("x^2 - 1", "x^2 - 1"),
+            ("2*x/3", "2 x/3"),
+            ("-3/(2*x*y)", "-3/(2 x y)"),
+            ("(2*x*y)^2", "(2 x y)^2"),
+            ("x + 2*(y - 1)", "x + 2 (y - 1)"),
+        ] {
+            assert_eq!(short(formula), words, "{formula}");
         }
         let long = Formula::parse(&vec!["sin(x + 0.25)"; 40].join("*y + "), &names).unwrap();
         let short = text(&long.graph, long.root, &variables, Binding::Sum);

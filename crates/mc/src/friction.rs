@@ -44,6 +44,17 @@ impl Friction {
         if all.is_empty() { method } else { Arc::new(Damped { method, friction: all }) }
     }
 
+    /// The formulas of the damping of all components up to `t_end`, and of friction.
+    pub fn describe(all: &[Self], damping: &dyn Damping, t_end: f64) -> String {
+        let of_all = damping.describe();
+        let friction = all.iter().map(|Self { damping, components }| {
+            let names: Vec<String> = components.iter().map(|i| format!("y{}", i + 1)).collect();
+            format!("{} on {}", damping.describe(), names.join(", "))
+        });
+        let none = !all.is_empty() && damping.integral(0.0, t_end) == 0.0;
+        (!none).then_some(of_all).into_iter().chain(friction).collect::<Vec<_>>().join("; ")
+    }
+
     /// The rates γᵢ(t) of D components.
     pub fn rates(all: &[Self], t: f64, dimension: usize) -> Vec<f64> {
         let mut rates = vec![0.0; dimension];

@@ -260,14 +260,7 @@ impl<'a> Problem<'a> {
 
     /// The formulas of all dampings.
     pub fn describe_damping(&self) -> String {
-        let of_all = self.damping.describe();
-        let friction = self.friction.iter().map(|Friction { damping, components }| {
-            let names: Vec<String> = components.iter().map(|i| format!("y{}", i + 1)).collect();
-            format!("{} on {}", damping.describe(), names.join(", "))
-        });
-        let none = !self.friction.is_empty() && self.damping.integral(0.0, self.t_end) == 0.0;
-        let all = (!none).then_some(of_all).into_iter().chain(friction);
-        all.collect::<Vec<_>>().join("; ")
+        Friction::describe(self.friction, self.damping, self.t_end)
     }
 }
 

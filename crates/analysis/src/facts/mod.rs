@@ -57,13 +57,8 @@ impl Facts {
         let integral = DampingIntegral::of(problem.damping(), problem.t_end());
         let mut probe = Probe::new(problem.system());
         let y = around(&probe, problem.y0(), &mut Random::new(Purpose::Points));
-        let slopes = |probe: &mut Probe<'_>, m: usize| {
-            let weights = probe.weights(m);
-            probe.gradient(&y, &weights).concat()
-        };
-        let drift = slopes(&mut probe, 0);
-        let proportional = !probe.description().depends_on_time
-            && (1..=probe.noises()).all(|m| multiple(&drift, &slopes(&mut probe, m)).is_some());
+        let drift = gradients(&mut probe, &y, 0);
+        let proportional = is_proportional(problem.system(), problem.y0());
         let weights = probe.weights(0);
         let energy = probe.energy(&y, &weights);
         // Euler's identity y·∇H₀ = pH₀.
@@ -84,6 +79,22 @@ impl Facts {
         let degree = self.degree.or((!self.damped).then_some(0.0));
         degree.filter(|_| self.proportional)
     }
+}
+
+/// ∇Hₘ at all points.
+fn gradients(probe: &mut Probe<'_>, y: &[Vec<f64>], m: usize) -> Vec<f64> {
+    let weights = probe.weights(m);
+    probe.gradient(y, &weights).concat()
+}
+
+/// Whether every Hₘ is a multiple of H₀, up to a constant, and none depends on time.
+fn is_proportional(system: &dyn System, y0: &[f64]) -> bool {
+    let mut probe = Probe::new(system);
+    let y = around(&probe, y0, &mut Random::new(Purpose::Points));
+    let drift = gradients(&mut probe, &y, 0);
+    !probe.description().depends_on_time
+        && !probe.description().is_transverse
+        && (1..=probe.noises()).all(|m| multiple(&drift, &gradients(&mut probe, &y, m)).is_some())
 }
 
 /// H₀(y), of a system with one path in each place of a row.

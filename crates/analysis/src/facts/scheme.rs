@@ -1,34 +1,81 @@
-//! Which scheme to take, for what: one rule for `inspect`, `run` and `recommend`. What each scheme
-//! does is in [`schemes::BuiltIn`].
+//! Which scheme to take for paths, and what it keeps: one rule for `inspect`, `run` and `compare`.
+//! What each scheme does is in [`schemes::BuiltIn`].
 //!
 //! Paths are for `sexp`, with Lévy areas where noises do not commute and areas are drawn; for
-//! `split` where a step of `sexp` is dear and flows are known, as on a lattice. `heun` and `em` are
-//! for those who name them.
+//! `split` where a step of `sexp` is dear and flows are known, and `sexp-li` under transverse
+//! damping, as on a lattice. `heun` and `em` are for those who name them.
+
+use mc::Problem;
+use systems::run_time::System;
+
+use super::{MOST_COMPONENTS, is_proportional};
 
 /// What a scheme for paths has to care for.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Kept {
-    /// There are linear or quadratic Casimirs.
+    /// There are linear or quadratic Casimirs with a law.
     pub casimirs: bool,
-    /// The equation has an energy law: every noise is a multiple of H₀, which is homogeneous or
-    /// not damped.
+    /// The energy has a law: every noise is a multiple of H₀, which is homogeneous or not damped.
     pub energy: bool,
     /// Noises do not commute, and Lévy areas are drawn.
     pub areas: bool,
+    /// There is noise.
+    pub noise: bool,
+    /// Some component is damped.
+    pub damped: bool,
 }
 
+/// Parts of T up to which a damping is looked at.
+const PARTS: [f64; 3] = [0.2, 0.6, 1.0];
+
 impl Kept {
-    /// The scheme for paths, and why.
-    pub fn scheme(self) -> (&'static str, String) {
-        let kept = match (self.casimirs, self.energy) {
-            (true, true) => "it keeps the energy and the Casimirs",
-            (false, true) => "it keeps the energy",
-            (true, false) => "it keeps the Casimirs, and the energy but for the noise",
-            (false, false) => "it damps exactly, and keeps the energy but for the noise",
-        };
-        match self.areas {
-            true => ("sexp-levy", format!("{kept}; Lévy areas give strong order 1")),
-            false => ("sexp", kept.into()),
+    /// Of a problem of this system with its laws; laws that friction breaks are not among them.
+    pub fn of(problem: &Problem<'_>, system: &dyn System, areas: bool) -> Self {
+        let has = |casimir: bool| problem.laws.iter().any(|law| law.casimir == casimir);
+        let damped = problem
+            .dampings()
+            .any(|all| PARTS.iter().any(|part| all.integral(0.0, part * problem.t_end) != 0.0));
+        // Without damping H₀ is constant, homogeneous or not. Lattices are too large to look at.
+        let constant = !damped && problem.y0.len() <= MOST_COMPONENTS;
+        Self {
+            casimirs: has(true),
+            energy: has(false) || constant && is_proportional(system, &problem.y0),
+            areas,
+            noise: problem.noises > 0,
+            damped,
         }
+    }
+
+    /// The scheme for paths of this system, and why.
+    pub fn scheme(self, system: &dyn System) -> (&'static str, String) {
+        let system = system.description();
+        let scheme = match self.areas {
+            _ if system.parts.is_ok() => "split",
+            _ if system.is_transverse => "sexp-li",
+            true => "sexp-levy",
+            false => "sexp",
+        };
+        let casimirs = match (self.casimirs, self.damped) {
+            (true, true) => "it keeps the laws of Casimirs, and",
+            (true, false) => "it keeps the Casimirs, and",
+            (false, true) => "it damps exactly, and keeps",
+            (false, false) => "it keeps",
+        };
+        let energy = match scheme {
+            "split" | "sexp-li" => "nearly the energy",
+            _ if self.energy && self.damped => "the law of the energy",
+            _ => "the energy",
+        };
+        let causes = [
+            (self.noise, "the noise"),
+            (self.damped, "the damping"),
+            (system.is_transverse, "the transverse damping"),
+            (system.depends_on_time, "what depends on time"),
+        ];
+        let causes = causes.iter().filter(|(acts, _)| *acts && !self.energy);
+        let causes = causes.map(|(_, cause)| *cause).collect::<Vec<_>>().join(" and ");
+        let but = if causes.is_empty() { "" } else { " but for " };
+        let areas = if scheme == "sexp-levy" { "; Lévy areas give strong order 1" } else { "" };
+        (scheme, format!("{casimirs} {energy}{but}{causes}{areas}"))
     }
 }

@@ -128,7 +128,9 @@ fn proportional(sight: &mut Sight<'_>, random: &mut Random) -> (Finding, bool) {
         let mut weights = sight.weights(random);
         weights[0] = 0.0;
         let noise = sight.probe.gradient(&sight.states, &weights);
-        let c = dot(&drift[0], &noise[0]) / dot(&drift[0], &drift[0]);
+        let square = dot(&drift[0], &drift[0]);
+        // Of H₀ = 0 the multiple is zero.
+        let c = if square > 0.0 { dot(&drift[0], &noise[0]) / square } else { 0.0 };
         let multiple = drift.iter().map(|drift| scaled(c, drift)).collect();
         sight.compare(&mut proportional, &multiple, &noise);
         silent &= c == 0.0;

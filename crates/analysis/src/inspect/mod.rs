@@ -96,12 +96,15 @@ pub struct InspectSettings<'a> {
     pub friction: &'a [Friction],
     /// Whether Lévy areas are drawn for the system.
     pub areas: bool,
+    /// The scheme that a run of it takes for paths, and why; by [`Kept`](crate::facts::Kept) of
+    /// what is found, if it is not given.
+    pub run: Option<(&'static str, String)>,
 }
 
 /// The system alone, for which areas are drawn.
 impl Default for InspectSettings<'_> {
     fn default() -> Self {
-        Self { y0: None, damping: None, friction: &[], areas: true }
+        Self { y0: None, damping: None, friction: &[], areas: true, run: None }
     }
 }
 
@@ -109,7 +112,7 @@ impl<'a> InspectSettings<'a> {
     /// The settings for a problem; areas are drawn for its system.
     pub fn of<S, G: Damping, const D: usize>(problem: &'a Problem<S, G, D>) -> Self {
         let damping = Some((problem.damping() as &dyn Damping, problem.t_end()));
-        Self { y0: Some(problem.y0().to_vec()), damping, friction: &[], areas: true }
+        Self { y0: Some(problem.y0().to_vec()), damping, ..Self::default() }
     }
 
     /// The settings for a problem known at run time; areas are drawn if they enter by Jacobi's
@@ -117,7 +120,7 @@ impl<'a> InspectSettings<'a> {
     pub fn at_run_time(problem: &'a run_time::Problem) -> Self {
         let damping = Some((problem.damping(), problem.t_end()));
         let areas = problem.system().description().jacobi_holds;
-        Self { y0: Some(problem.y0().to_vec()), damping, friction: &[], areas }
+        Self { y0: Some(problem.y0().to_vec()), damping, areas, ..Self::default() }
     }
 }
 
@@ -197,7 +200,7 @@ pub fn inspect(
     };
     report.orders = theory::orders(&report, settings.areas, finite_rates);
     report.theorems = theory::theorems(&report, damped, uniform);
-    report.recommended = recommendation::recommendations(&report, system, settings.areas, damped);
+    report.recommended = recommendation::recommendations(&report, system, settings, damped);
     Ok(report.with_mistakes())
 }
 

@@ -57,7 +57,7 @@ impl Bound {
 /// What was found for one initial value problem.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProblemFindings {
-    /// γ in words.
+    /// γ in words, with the friction on single components.
     pub damping: String,
     /// Whether `integral` is the integral of `rate`.
     pub integral: DampingIntegral,
@@ -81,6 +81,6 @@ impl ProblemFindings {
         let integral = of_friction.fold(first, worse);
         let bound = bound.filter(|_| integral.agrees.holds());
         let radius = bound.map(|bound| bound.radius(probe, y0) * elementary::exp(-integral.least));
-        Self { damping: damping.describe(), integral, radius }
+        Self { damping: Friction::describe(friction, damping, t_end), integral, radius }
     }
 }

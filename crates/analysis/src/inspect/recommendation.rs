@@ -4,7 +4,7 @@ use schemes::SexpLi;
 use serde::Serialize;
 use systems::{Linearity, run_time::System};
 
-use super::{finding::Status, report::Inspection};
+use super::{InspectSettings, finding::Status, report::Inspection};
 use crate::facts::Kept;
 
 /// A scheme to take.
@@ -22,21 +22,24 @@ pub struct Recommendation {
 pub fn recommendations(
     report: &Inspection,
     system: &dyn System,
-    areas: bool,
+    settings: &InspectSettings<'_>,
     damped: bool,
 ) -> Vec<Recommendation> {
     let Inspection { structure, hamiltonians, casimirs, noise, .. } = report;
-    let sound = structure.sound() != Status::Fails;
+    // Which laws friction leaves is not looked at here.
+    let sound = structure.sound() != Status::Fails && settings.friction.is_empty();
     let claims = report.invariants.iter().any(|i| i.claimed_casimir && i.status().holds());
     let found = casimirs.as_ref().map_or(claims, |casimirs| !casimirs.found.is_empty());
     let lawful = hamiltonians.shapes[0].degree.is_some() || !damped;
     let kept = Kept {
         casimirs: sound && found,
         energy: sound && hamiltonians.proportional.holds() && lawful,
-        areas: areas && !noise.commute.holds(),
+        areas: settings.areas && !noise.commute.holds(),
+        noise: !hamiltonians.silent && report.noises > 0,
+        damped: damped || !settings.friction.is_empty(),
     };
-    let (scheme, mut because) = kept.scheme();
-    if !hamiltonians.discrete_gradient.holds() {
+    let (scheme, mut because) = settings.run.clone().unwrap_or_else(|| kept.scheme(system));
+    if !hamiltonians.discrete_gradient.holds() && ["sexp", "sexp-levy"].contains(&scheme) {
         because += "; the energy up to the error of ∇̄h";
     }
     if casimirs.as_ref().is_some_and(|casimirs| !casimirs.logarithmic.is_empty()) {

@@ -137,14 +137,19 @@ impl Inspection {
         ];
         let shapes = h.shapes.iter().enumerate();
         lines.extend(shapes.map(|(m, shape)| row(&format!("H{m}"), shape)));
-        let not_exact = format!("NOT exact: relative error {:.1e}", h.quadrature_error);
+        let not_exact = format!(
+            "by quadrature: relative error {:.1e} over a tenth of the region, less in a step",
+            h.quadrature_error
+        );
         // The combining macron takes a character, but no width.
         lines.push(row("∇̄h ", format!(" {}", h.discrete_gradient.words("exact", &not_exact))));
         if *noises > 0 {
             let energy = h.proportional.words("multiples of H0", "no multiples of H0");
             let (yes, no) = ("commute", "do not commute: strong order 1 needs Lévy areas");
             lines.push(row("noises", energy));
-            lines.push(row("", self.noise.commute.words(yes, no)));
+            if *noises > 1 {
+                lines.push(row("", self.noise.commute.words(yes, no)));
+            }
         }
         if h.depend_on_time {
             let words = "H depends on it, B does not: Casimirs are kept, energies are not";

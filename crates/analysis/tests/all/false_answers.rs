@@ -18,8 +18,8 @@ fn with(definition: &Definition, y0: &[f64], damping: &dyn Damping) -> Inspectio
     let settings = InspectSettings {
         y0: Some(y0.to_vec()),
         damping: Some((damping, 1.0)),
-        friction: &[],
         areas: false,
+        ..InspectSettings::default()
     };
     analysis::inspect(&system(definition, y0), &settings).unwrap()
 }

@@ -154,7 +154,8 @@ fn the_misprinted_casimir_is_found_and_the_true_one_named() {
         "C        ab ln y₁ − b ln y₂ + ln y₃: Casimir (WRONG, see below); not homogeneous (",
         "y3; m = 1.0000e0 > 0 on the domain; B∇C = 0 to ",
         "  1 / 1: sexp, sexp-levy, sexp-li,",
-        "Take sexp for paths: it keeps the energy and the Casimirs; the energy up to the error of ∇̄h\n",
+        "Take sexp for paths: it keeps the laws of Casimirs, and the law of the energy; the energy \
+         up to the error of ∇̄h\n",
         "\nMistakes\n  - C = ab ln y₁ − b ln y₂ + ln y₃ is claimed as a Casimir and is none",
     ] {
         assert!(text.contains(words), "{words}: {text}");
@@ -439,8 +440,8 @@ fn a_report_reads_like_this() {
         "  0.5 / 2: nv",
         "  0.5 at least / 1: em",
         concat!(
-            "Take sexp-levy for paths: it keeps the Casimirs, and the energy but for the ",
-            "noise; Lévy areas give strong order 1"
+            "Take sexp-levy for paths: it keeps the laws of Casimirs, and the energy but for ",
+            "the noise and the damping; Lévy areas give strong order 1"
         ),
         "Take sexp-li for expectations: weak order 1 is extrapolated; with flows of parts take nv",
         "No mistakes found.",
@@ -461,8 +462,8 @@ fn formulas_are_inspected_like_compiled_systems() {
     let settings = InspectSettings {
         y0: Some(y0.to_vec()),
         damping: Some((&damping, 1.0)),
-        friction: &[],
         areas: false,
+        ..InspectSettings::default()
     };
     let ours = analysis::inspect(&body, &settings).unwrap();
     let body = RigidBody::three_noises(INERTIA, [1.0, 2.0, 3.0]).unwrap();

@@ -41,7 +41,7 @@ fn inspect_around(
     y0: &[f64],
 ) -> Result<Inspection, InspectError> {
     let y0 = Some(y0.to_vec());
-    analysis::inspect(system, &InspectSettings { y0, damping: None, friction: &[], areas: false })
+    analysis::inspect(system, &InspectSettings { y0, areas: false, ..InspectSettings::default() })
 }
 
 /// Whether a statement of the paper applies.

@@ -65,23 +65,16 @@ impl Model for AtRunTime {
         Ok(Friction::around(Setup::owning(&self.problem, scheme)?.scheme, &self.friction))
     }
 
+    /// Formulas and lattices have areas for those who name their schemes.
     fn recommended(&self) -> (&'static str, String) {
         let system = self.problem.system().description();
-        if self.formulas.is_some() {
-            let (scheme, why) = self.kept(false).scheme();
-            return match system.depends_on_time {
-                true => (scheme, why.replace("the noise", "what noise and time do")),
-                false => (scheme, why),
-            };
-        }
-        let (scheme, why) = match &system.parts {
-            Ok(_) => ("split", "the energy stays near".into()),
-            Err(_) if system.is_transverse => {
-                ("sexp-li", "transverse damping governs the energy".into())
+        let (scheme, why) = self.kept(false).scheme(self.system());
+        match &system.parts {
+            Err(reason) if self.formulas.is_none() && !system.is_transverse => {
+                (scheme, format!("{why}; split would not do: {reason}"))
             }
-            Err(reason) => ("sexp", format!("split would not do: {reason}")),
-        };
-        (scheme, format!("it keeps the length of each spin; {why}"))
+            _ => (scheme, why),
+        }
     }
 
     fn known(&self) -> Known {

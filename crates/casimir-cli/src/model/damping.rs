@@ -3,9 +3,13 @@
 use std::sync::Arc;
 
 use casimir::{
+    analysis::facts::is_divergence_free,
     formula::{Definition, Formula, FormulaDamping, FormulaSystem, nearest},
     mc::{self, Friction},
-    systems::{Constant, Damping, run_time::Problem},
+    systems::{
+        Constant, Damping, Linearity, around,
+        run_time::{Problem, System},
+    },
 };
 
 use crate::scene::{At, Read, Reading, Text};
@@ -89,8 +93,16 @@ pub fn damping(
     }
 }
 
+/// Parts of T at which a bath is looked at, beside points around the initial value.
+const TIMES: [f64; 3] = [0.0, 0.37, 1.0];
+/// Relative to its terms less is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// The Hamiltonians of the noises of a heat bath with a temperature, for friction on momenta: with
 /// dpᵢ = … − γᵢpᵢdt, H₀ = pᵢ²/2mᵢ + … and its coordinate q, √(2γᵢmᵢkT)q.
+///
+/// e^{−H₀/kT} is stationary if fields B∇H have no divergence, B∇q is constant and acts on pᵢ alone,
+/// and ∂H₀/∂pᵢ = pᵢ/mᵢ with a constant mᵢ. All this is looked at, and what fails is named.
 pub fn bath(
     reading: &Reading<'_>,
     definition: &Definition,
@@ -107,38 +119,77 @@ pub fn bath(
         let message = "a temperature needs friction on momenta: `components` or `rates`";
         return Err(wrong(message.into()));
     }
+    let (kt, times) = (of_rate(reading, temperature)?, TIMES.map(|part| part * settings.until));
+    if let Some(t) = times.into_iter().find(|t| kt.rate(*t) < 0.0) {
+        return Err(wrong(format!("kT is at least 0, got {} at t = {t}", kt.rate(t))));
+    }
     // With the components as Hamiltonians of noises, these have the columns of B.
     let columns = Definition { noises: definition.state.clone(), ..definition.clone() };
-    let y0 = &settings.initial;
+    let (y0, state) = (&settings.initial, &definition.state);
     // What is wrong with the definition is told without noises.
     let Ok(system) = FormulaSystem::new(&columns, y0) else { return Ok(Vec::new()) };
+    let points = around(y0, |y| system.check_domain(y).is_ok());
     let none = Constant::new(0.0).unwrap_or_else(|error| unreachable!("{error}"));
     let problem = Problem::new(Arc::new(system), Arc::new(none), y0.clone(), settings.until);
     let Ok(problem) = problem else { return Ok(Vec::new()) };
+    let description = problem.system().description();
+    if description.linearity != Linearity::Constant && !is_divergence_free(problem.system(), y0) {
+        let message = "fields B∇H have a divergence here: exp(-H0/kT) is not stationary, with any \
+                       noise";
+        return Err(wrong(message.into()));
+    }
     let of = mc::Problem::at_run_time(&problem);
+    let times = if description.depends_on_time { &times[..] } else { &times[..1] };
+    let states = points.iter().flat_map(|y| times.iter().map(move |t| (*t, y)));
+    let states: Vec<_> = states.map(|(t, y)| (y, (of.coefficients)(t, y))).collect();
     let noise = |(i, rate): &(usize, &At<Text>)| {
-        let name = &definition.state[*i];
-        let b: Vec<f64> =
-            (of.coefficients)(0.0, y0).noises.iter().map(|column| column[*i]).collect();
-        let mut others = (0..b.len()).filter(|&j| b[j] != 0.0);
-        let (Some(q), None) = (others.next(), others.next()) else {
-            let message = format!("`{name}` is no momentum: write its noise as `H`");
-            return Err(wrong(message));
+        let (i, name) = (*i, &state[*i]);
+        // Of a coordinate B∇q is constant, and acts on its momentum alone.
+        let is_coordinate = |q: &usize| {
+            let b = states[0].1.noises[*q][i];
+            let near = |x: f64, y: f64| (x - y).abs() <= ROUNDING * b.abs();
+            let column = |at: &mc::Coefficients| at.noises[*q].clone().into_iter().enumerate();
+            let mut columns = states.iter().map(|(_, at)| column(at));
+            b != 0.0
+                && columns.all(|mut all| all.all(|(k, x)| near(x, if k == i { b } else { 0.0 })))
+        };
+        let Some(q) = (0..state.len()).find(is_coordinate) else {
+            return Err(wrong(format!(
+                "`{name}` is not the momentum of one coordinate, with a constant entry of B. \
+                 Noise B∇H keeps Casimirs, as |L| of a body: a bath that changes them takes \
+                 momenta that stay zero, see \"Any other equation\" in docs/scenes.md; for spins \
+                 take `spin-lattice`"
+            )));
         };
         // dq = −b ∂H₀/∂p dt with ∂H₀/∂p = p/m.
-        let slope = |by: f64| {
-            let mut y = y0.clone();
-            y[*i] += by;
-            -(of.coefficients)(0.0, &y).drift[q] / b[q]
+        let b = states[0].1.noises[q][i];
+        let slope_of = |at: &mc::Coefficients| -at.drift[q] / b;
+        let slope = |y: &[f64], k: usize, y_k: f64| {
+            let mut y = y.to_vec();
+            y[k] = y_k;
+            slope_of(&(of.coefficients)(0.0, &y))
         };
-        let inverse = [0.5, 1.0, 2.0].map(|by| (slope(by) - slope(-by)) / (2.0 * by));
-        let m = 1.0 / inverse[0];
-        if !(m > 0.0 && inverse.iter().all(|one| (one * m - 1.0).abs() <= 1e-9)) {
-            let message = format!("H0 has no term {name}^2/(2*m): write the noise as `H`");
-            return Err(wrong(message));
+        let m = 1.0 / (slope(y0, i, y0[i] + 0.5) - slope(y0, i, y0[i] - 0.5));
+        let size = points.iter().fold(0.0, |size: f64, y| size.max(y[i].abs()));
+        let is_kinetic =
+            |(y, at): &(&Vec<f64>, _)| (m * slope_of(at) - y[i]).abs() <= ROUNDING * size;
+        if !(m > 0.0 && states.iter().all(is_kinetic)) {
+            let y = &points[points.len() - 1];
+            let first = slope(y, i, y[i]);
+            let differs =
+                |k: &usize| (slope(y, *k, points[1][*k]) - first).abs() > ROUNDING * first.abs();
+            let what = match (0..state.len()).filter(|k| *k != i).find(differs) {
+                Some(k) => format!("∂H0/∂{name} depends on `{}`", state[k]),
+                None => format!("H0 has no term {name}^2/(2*m)"),
+            };
+            return Err(wrong(format!(
+                "{what}: a bath takes a constant mass m. Write the noise as `H`: for a mass m of \
+                 the coordinate or the time, with ∂H/∂{} = sqrt(2*γ*m*kT)",
+                state[q]
+            )));
         }
-        let (rate, kt, factor) = (&rate.0, &temperature.0, m / (b[q] * b[q]));
-        Ok(format!("sqrt(2*({rate})*({kt})*{factor:?})*{}", definition.state[q]))
+        let (rate, kt, factor) = (&rate.0, &temperature.0, m / (b * b));
+        Ok(format!("sqrt(2*({rate})*({kt})*{factor:?})*{}", state[q]))
     };
     rates.iter().map(noise).collect()
 }

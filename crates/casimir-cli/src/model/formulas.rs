@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use casimir::{
+    analysis::facts::energy,
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
     mc::{self, Friction},
     systems::run_time::{Problem, System},
@@ -49,7 +50,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         state: state.components.iter().map(|name| name.to_string()).collect(),
         vectors: state.vectors.clone(),
         parameters: constants.numbers.clone(),
-        structure: entries(source, &state, structure)?,
+        structure: entries(source, (&state, &constants.names), structure)?,
         energy: words(energy),
         noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
     };
@@ -80,7 +81,8 @@ const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
 const ROUNDING: f64 = 1e-9;
 
 /// Compares an equation that is given as well, at points around the initial value. Itô's drift has
-/// ½Σ bₘ′bₘ besides.
+/// ½Σ bₘ′bₘ besides. Components that stay zero, as momenta that make any equation one of this form,
+/// are zero at the points, and need no formula.
 fn compare(
     reading: &Reading<'_>,
     system: &FormulaSystem,
@@ -104,15 +106,20 @@ fn compare(
     }
     let mut names = system.names().clone();
     names.variable("t").map_err(|error| source.error(drift.span(), error))?;
-    let points = casimir::systems::around(y0, |y| system.check_domain(y).is_ok());
+    let mut points = casimir::systems::around(y0, |y| system.check_domain(y).is_ok());
+    let moving = moving(&of, system, &mut points);
     for (m, texts) in noise.iter().enumerate().map(|(m, noise)| (m + 1, noise)).chain([(0, drift)])
     {
-        if texts.len() != y0.len() {
-            let (d, given) = (y0.len(), texts.len());
-            let message = format!("one formula for each of {d} components, got {given}");
-            return Err(source.error(texts.span(), message));
-        }
-        for (i, text) in texts.iter().enumerate() {
+        let all: Vec<usize> = match texts.len() {
+            given if given == moving.len() => moving.clone(),
+            given if given == y0.len() => (0..given).collect(),
+            given => {
+                let d = y0.len();
+                let message = format!("one formula for each of {d} components, got {given}");
+                return Err(source.error(texts.span(), message));
+            }
+        };
+        for (i, text) in all.into_iter().zip(texts.iter()) {
             let formula = Formula::parse(&text.0, &names);
             let formula = formula.map_err(|error| source.formula_error(text, &error))?;
             for (y, t) in points.iter().flat_map(|y| TIMES.map(|t| (y, t))) {
@@ -145,6 +152,28 @@ fn compare(
         }
     }
     Ok(())
+}
+
+/// The components but for those that begin at zero and stay there, as nothing moves them, which are
+/// zero at the points then. All components if H₀ is not constant there, as of motion in a plane.
+fn moving(of: &mc::Problem<'_>, system: &FormulaSystem, points: &mut Vec<Vec<f64>>) -> Vec<usize> {
+    let all = 0..of.y0.len();
+    let mut zero: Vec<usize> = all.clone().filter(|&i| of.y0[i] == 0.0).collect();
+    let (mut left, mut states) = (usize::MAX, Vec::new());
+    while zero.len() < left {
+        (left, states) = (zero.len(), points.clone());
+        for y in &mut states {
+            zero.iter().for_each(|&i| y[i] = 0.0);
+            for at in TIMES.map(|t| (of.coefficients)(t, y)) {
+                zero.retain(|&i| at.drift[i] == 0.0 && at.noises.iter().all(|f| f[i] == 0.0));
+            }
+        }
+    }
+    if left == all.len() || states.iter().any(|y| energy(system, y) != energy(system, &states[0])) {
+        return all.collect();
+    }
+    *points = states;
+    all.filter(|i| !zero.contains(i)).collect()
 }
 
 /// Whether each component is damped.

@@ -53,6 +53,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         ref all => all.to_vec(),
     };
     let transverse = parameters.number("transverse", 0.0)?;
+    let local = parameters.switch("local", true)?;
     let given = |name| parameters.get(name).is_some();
     let noise = match given("temperature") {
         false => parameters.number("noise", 0.0)?,
@@ -69,13 +70,29 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
                 );
                 return Err(parameters.error("temperature", message));
             }
-            let lengths = y0.chunks_exact(3).map(|s| s.iter().map(|s| s * s).sum::<f64>().sqrt());
+            if sites > 1 && !local || reading.file.damping.is_some() {
+                let message = "a temperature takes a noise for each spin, `local`, and no \
+                               [damping]: give `noise`";
+                return Err(parameters.error("temperature", message));
+            }
+            // Of random initial values those of the first 32 paths are looked at.
+            let mut rows: Vec<Row> = y0.iter().map(|y| [*y; WIDTH]).collect();
+            reading
+                .settings
+                .random
+                .iter()
+                .for_each(|law| (law.draw)(reading.settings.key, 0, &mut rows));
+            let norm = |s: &[f64]| s.iter().map(|s| s * s).sum::<f64>().sqrt();
+            let lengths = rows
+                .chunks_exact(3)
+                .flat_map(|s| (0..WIDTH).map(move |p| norm(&[s[0][p], s[1][p], s[2][p]])));
             let (least, most) =
                 lengths.fold((f64::INFINITY, 0.0f64), |(a, b), s| (a.min(s), b.max(s)));
             if most - least > ROUNDING * most {
                 let message = format!("spins have lengths from {least} to {most}: give `noise`");
                 return Err(parameters.error("temperature", message));
             }
+            let most = y0.chunks_exact(3).map(norm).fold(0.0, f64::max);
             // σ² = 2α kT/|s|. A length of one is not exactly one.
             let length = if most == 0.0 || (most - 1.0).abs() < ROUNDING { 1.0 } else { most };
             noise_at_temperature(transverse, temperature / length)
@@ -86,7 +103,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         anisotropy: parameters.number("anisotropy", 0.0)?,
         field: parameters.three("field", [0.0; 3])?,
         noise,
-        local: parameters.switch("local", true)?,
+        local,
         damping: transverse,
     };
     let lattice = SpinLattice::on_paths(shape, couplings);

@@ -42,14 +42,13 @@ pub trait Model: Send + Sync {
 
     /// The scheme that `auto` takes, and why.
     fn recommended(&self) -> (&'static str, String) {
-        self.kept(!self.system().description().noises_commute).scheme()
+        let system = self.system();
+        self.kept(!system.description().noises_commute).scheme(system)
     }
 
     /// What a scheme for paths has to care for, with Lévy areas or without.
     fn kept(&self, areas: bool) -> Kept {
-        let laws = self.problem().laws;
-        let has = |casimir: bool| laws.iter().any(|law| law.casimir == casimir);
-        Kept { casimirs: has(true), energy: has(false), areas }
+        Kept::of(&self.problem(), self.system(), areas)
     }
 
     /// Friction on some components.

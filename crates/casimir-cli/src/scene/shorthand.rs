@@ -1,8 +1,8 @@
 //! Short forms of a state and of B: vectors, and blocks.
 
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
-use casimir::formula::nearest;
+use casimir::formula::{Formula, Names, nearest};
 
 use super::{
     is_column,
@@ -102,7 +102,11 @@ fn range(text: &str) -> Option<impl Iterator<Item = u32> + use<>> {
 }
 
 /// The entries of B as texts, in rows.
-pub fn structure(source: &Source, state: &State, at: &At<Structure>) -> Read<Vec<Vec<String>>> {
+pub fn structure(
+    source: &Source,
+    state: (&State, &Names),
+    at: &At<Structure>,
+) -> Read<Vec<Vec<String>>> {
     match &**at {
         Listed::List(rows) => {
             let row = |row: &Entries| row.iter().map(|text| text.0.clone()).collect();
@@ -112,35 +116,72 @@ pub fn structure(source: &Source, state: &State, at: &At<Structure>) -> Read<Vec
     }
 }
 
-/// A sum of blocks, each with a factor, as the entries above the diagonal.
+/// A sum of multiples of blocks, as the entries above the diagonal: in each stand the entries of the
+/// blocks for these.
 fn blocks(
     source: &Source,
-    state: &State,
+    (state, names): (&State, &Names),
     text: &str,
     place: Range<usize>,
 ) -> Read<Vec<Vec<String>>> {
     let wrong = |message: String| source.error(place.clone(), message);
+    let (mut gaps, mut found, mut rest) = (Vec::new(), Vec::new(), text);
+    while let Some((start, end)) = next_block(rest) {
+        gaps.push(&rest[..start]);
+        found.push(block_of(state, &rest[start..end]).map_err(wrong)?);
+        rest = &rest[end..];
+    }
+    if found.is_empty() {
+        block_of(state, text.trim()).map_err(wrong)?;
+    }
+    let filled = |of: &[String]| {
+        let all = gaps.iter().zip(of).map(|(gap, entry)| format!("{gap}{entry}"));
+        all.collect::<String>() + rest
+    };
     let dimension = state.components.len();
-    let mut entries: Vec<Vec<String>> =
-        (1..dimension).rev().map(|length| vec![String::new(); length]).collect();
-    for term in split(text, '+') {
-        let factors = split(term, '*');
-        let (block, factors) = factors.split_last().unwrap_or((&"", &[]));
-        let factor = match factors {
-            [] => String::new(),
-            _ => format!("({})*", factors.join("*")),
-        };
-        for (i, j, entry) in block_of(state, block).map_err(wrong)? {
-            let (i, j, sign) = if i < j { (i, j, "") } else { (j, i, "-") };
-            let sum = &mut entries[i][j - i - 1];
-            let plus = if sum.is_empty() { "" } else { " + " };
-            *sum += &format!("{plus}{sign}{factor}{entry}");
+    let none = vec!["0".to_owned(); found.len()];
+    let mut sums: BTreeMap<(usize, usize), Vec<String>> = BTreeMap::new();
+    for (k, (i, j, entry)) in
+        found.iter().enumerate().flat_map(|(k, of)| of.iter().map(move |e| (k, e)))
+    {
+        let (i, j, sign) = if i < j { (*i, *j, "+") } else { (*j, *i, "-") };
+        if i == j {
+            return Err(wrong("a block joins different components".into()));
         }
+        let sum = &mut sums.entry((i, j)).or_insert_with(|| none.clone())[k];
+        *sum = format!("({sum}{sign}{entry})");
     }
-    for entry in entries.iter_mut().flatten().filter(|entry| entry.is_empty()) {
-        entry.push('0');
+    // Where all blocks are zero, so is a sum of multiples.
+    let mut names = names.clone();
+    state.components.iter().for_each(|name| _ = names.variable(name));
+    let zero = Formula::parse(&filled(&none), &names);
+    if zero.is_ok_and(|zero| zero.value(&vec![1.0; dimension]) != 0.0) {
+        return Err(wrong("each term of B is a multiple of a block".into()));
     }
-    Ok(entries)
+    let entry = |i, j| sums.get(&(i, j)).map_or("0".into(), |of| filled(of));
+    let row = |i: usize| (i + 1..dimension).map(|j| entry(i, j)).collect();
+    Ok((0..dimension.saturating_sub(1)).map(row).collect())
+}
+
+/// The kinds of blocks.
+const BLOCKS: [&str; 3] = ["canonical", "spins", "rigid"];
+
+/// Where the first block of a text begins and ends.
+fn next_block(text: &str) -> Option<(usize, usize)> {
+    let is_letter = |c: char| c.is_alphanumeric() || c == '_';
+    let words = BLOCKS.iter().flat_map(|kind| text.match_indices(kind));
+    let whole = words.filter(|(at, kind)| {
+        !text[..*at].ends_with(is_letter) && !text[at + kind.len()..].starts_with(is_letter)
+    });
+    let (start, kind) = whole.min()?;
+    let (after, end) = (&text[start + kind.len()..], start + kind.len());
+    Some((
+        start,
+        match after.trim_start().starts_with('(') {
+            true => after.find(')').map_or(text.len(), |at| end + at + 1),
+            false => end,
+        },
+    ))
 }
 
 /// Entries of B by their rows and columns.
@@ -148,7 +189,6 @@ type Block = Vec<(usize, usize, String)>;
 
 /// The entries of one block.
 fn block_of(state: &State, text: &str) -> Result<Block, String> {
-    const KNOWN: [&str; 3] = ["canonical", "spins", "rigid"];
     let (kind, arguments) = match text.split_once('(') {
         Some((kind, inner)) => {
             let inner =
@@ -157,8 +197,8 @@ fn block_of(state: &State, text: &str) -> Result<Block, String> {
         }
         None => (text, Vec::new()),
     };
-    if !KNOWN.contains(&kind) {
-        let hint = nearest(kind, KNOWN);
+    if !BLOCKS.contains(&kind) {
+        let hint = nearest(kind, BLOCKS);
         return Err(format!(
             "unknown block `{kind}`: B is rows of entries, or a sum of canonical(q, p), \
              spins(s1, s2, …) and rigid{hint}"

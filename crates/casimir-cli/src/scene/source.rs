@@ -53,7 +53,8 @@ impl Source {
         let is_mean = |word: &str| error.message == format!("unknown function `{word}`");
         let message = match error.unknown_name.as_deref() {
             _ if is_mean("integral") || is_mean("average") => {
-                "this is an observable of its own: give it a name in [observe]"
+                "integral(v) or average(v) is an observable by itself, name = \"integral(v)\": \
+                 use the name here"
             }
             Some("t") => {
                 "unknown name `t`: time is known in H0, H, the rate of damping and observables"

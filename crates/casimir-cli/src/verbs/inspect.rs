@@ -10,6 +10,7 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let model = &scene.model;
     let (problem, system) = (model.problem(), model.system());
     let settings = InspectSettings {
+        run: Some(model.recommended()),
         y0: Some(problem.y0.clone()),
         damping: Some((problem.damping, problem.t_end)),
         friction: model.friction(),
@@ -20,11 +21,7 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     });
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
     let bath = model.bath();
-    let friction = match model.friction().is_empty() {
-        true => String::new(),
-        false => format!("Friction: {}\n", problem.describe_damping()),
-    };
-    let text = format!("{}\n{friction}{}", findings, bath.as_ref().map_or(String::new(), words));
+    let text = format!("{}\n{}", findings, bath.as_ref().map_or(String::new(), words));
     let text = with_names(&text, &scene.components);
     let text = format!("{}{}\n", known.equation(), text.trim_end());
     let mut json = serde_json::to_value(&findings)?;
@@ -36,7 +33,10 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
 fn words(Bath { beta, any, mismatch }: &Bath) -> String {
     match beta {
         _ if *any => "Without damping and heat: every function of H0 is stationary".into(),
-        Some(beta) => format!("Heat bath: exp(-H0/kT) is stationary with kT = {:.9}", 1.0 / beta),
+        Some(beta) => {
+            let kt = 1.0 / beta;
+            format!("Heat bath: exp(-H0/kT) is stationary with kT = {kt:.9}, if it has an integral")
+        }
         None => format!("No heat bath:\n  - {}", mismatch.join("\n  - ")),
     }
 }

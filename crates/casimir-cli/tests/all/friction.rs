@@ -38,7 +38,7 @@ fn inspected(scene: &str) -> String {
 fn a_bath_has_its_temperature_and_what_spoils_it_is_named() {
     let text = inspected(PENDULUMS);
     assert!(text.contains("dp2 = ") && text.contains("∘ dW2 - γ p2 dt"), "{text}");
-    assert!(text.contains("Friction: γ = 0.7 on p1; γ = 0.3 on p2"), "{text}");
+    assert!(text.contains("damping  γ = 0.7 on p1; γ = 0.3 on p2"), "{text}");
     assert!(text.contains("stationary with kT = 1.500000000"), "{text}");
     // The same by hand, spoilt in several ways; kT of the first is 1.5.
     let noise = |text: &str| changed("temperature = \"kT\"", "").replace("kT = 1.5, ", text);
