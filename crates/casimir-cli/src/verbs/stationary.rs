@@ -97,7 +97,7 @@ pub fn equilibrium(
     text += &format!("{:.2} s\n", start.elapsed().as_secs_f64());
     let json = json(scene, &found, because.as_deref(), kt);
     let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
-    Ok((Found { text, json, figures }, found.reached()))
+    Ok((Found::new(text, json, figures), found.reached()))
 }
 
 /// Refuses what has no stationary law, or is no function of the state.
@@ -149,7 +149,6 @@ fn json(scene: &Scene, found: &Averages, because: Option<&str>, kt: Option<f64>)
     json["kT"] = json!(kt);
     json["reached"] = found.reached().into();
     json["estimates"] = found.means.iter().map(mean).collect();
-    json["warnings"] = json!(scene.model.known().mistake.into_iter().collect::<Vec<_>>());
     json
 }
 
