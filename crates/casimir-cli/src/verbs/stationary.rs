@@ -18,7 +18,7 @@ use crate::{
     failure::{Done, Failure},
     model::with_names,
     output::Drawn,
-    scene::Scene,
+    scene::{Observable, Scene},
 };
 
 /// What chains are asked for.
@@ -43,7 +43,7 @@ pub fn equilibrium(
         Asked::Averages => wanted(scene)?,
         Asked::Exponents(_, accuracy) => accuracy,
     };
-    check(scene)?;
+    check(scene, asked)?;
     let ((scheme, because), start) = (scheme(scene), Instant::now());
     let setup = scene.setup(&scheme)?;
     let settings = EquilibriumSettings {
@@ -101,17 +101,19 @@ pub fn equilibrium(
 }
 
 /// Refuses what has no stationary law, or is no function of the state.
-fn check(scene: &Scene) -> Done {
+fn check(scene: &Scene, asked: Asked) -> Done {
     let (problem, model) = (scene.problem(), &scene.model);
     let changes = problem.dampings().any(|damping| {
         let rate = damping.rate(0.0);
         [0.37, 1.0].iter().any(|part| damping.rate(part * problem.t_end) != rate)
     });
+    let along = scene.expected.iter().find(|phi| !phi.quantity.is_of_state());
     let wrong = if model.system().description().depends_on_time || changes {
-        "a system that depends on time has no stationary law"
-    } else if scene.collects() {
-        "averages over the stationary law are of functions of the state alone: leave out integrals \
-         and events"
+        "a system that depends on time has no stationary law".into()
+    } else if let (Asked::Averages, Some(Observable { name, .. })) = (asked, along) {
+        format!(
+            "averages over the stationary law are of functions of the state alone: leave out `{name}`"
+        )
     } else {
         return Ok(());
     };
