@@ -18,3 +18,4 @@ mod stationary;
 mod sweeps;
 mod time;
 mod truths;
+mod warnings;
