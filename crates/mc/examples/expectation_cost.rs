@@ -12,7 +12,7 @@ use std::time::Instant;
 use mc::{Expect, Observable};
 use systems::{Cosine, Problem, RigidBody};
 
-/// E[cos y₃(1)] by spherical harmonics (`analysis::rigid_body_expectations`).
+/// E[cos y₃(1)] by spherical harmonics (`crates/verify/tests/known_answers/kolmogorov.rs`).
 const EXACT: f64 = 0.797_719_935_281_68;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,8 +1,9 @@
 //! Quantities that a path collects along its way: the time, integrals over it, and the first
 //! passage of a function through zero.
 //!
-//! [`Collecting`] is a method whose states have their rows after those of another method, so that
-//! whatever reads states can read them: tables, studies, expectations and step checks.
+//! [`Setup::collecting`] appends their rows to the states of a scheme, and their equations to the
+//! coefficients of its problem, so that whatever reads states can read them: tables, studies,
+//! expectations, orders and step checks.
 //!
 //! **First passage.** At the ends of steps alone a passage is seen too late: the bias is of order
 //! √τ, since a path that noise drives may be beyond zero between two ends that are not. Given both
@@ -23,7 +24,7 @@ use real::{PathMask, Row, WIDTH, elementary};
 use schemes::{Method, Step, Stepper};
 use systems::run_time::{Op, System, Weights};
 
-use crate::Observe;
+use crate::{Coefficients, Observe, Problem, Setup, observable::splat, setup::CoefficientsAt};
 
 /// A function of the states of 32 paths.
 pub type OfStates = Arc<dyn Observe + Send + Sync>;
@@ -94,14 +95,90 @@ impl Along {
     }
 }
 
+impl<'a> Setup<'a> {
+    /// The same with what its paths collect, row after row, behind the components of the state. The
+    /// system is that of the scheme.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use formula::{Definition, FormulaSystem};
+    /// use mc::{Along, Setup};
+    /// use schemes::Heun;
+    /// use systems::{Constant, run_time::Problem};
+    ///
+    /// let words = |texts: &[&str]| texts.iter().map(|text| text.to_string()).collect::<Vec<_>>();
+    /// let walk = Definition {
+    ///     state: words(&["q", "p"]),
+    ///     structure: vec![words(&["1"])],
+    ///     energy: "p".into(),
+    ///     noises: words(&["p"]),
+    ///     ..Definition::default()
+    /// };
+    /// let system = Arc::new(FormulaSystem::new(&walk, &[0.0, 0.0])?);
+    /// let damping = Arc::new(Constant::new(0.0)?);
+    /// let problem = Problem::new(system.clone(), damping, vec![0.0, 0.0], 1.0)?;
+    /// let setup = Setup::at_run_time(&problem, &Heun)?.collecting(&*system, vec![Along::Time]);
+    /// // q, p and t.
+    /// assert_eq!(setup.start().len(), 3);
+    /// assert_eq!((setup.problem.coefficients)(0.5, &[0.1, 0.0, 0.5]).drift, [1.0, 0.0, 1.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn collecting(self, system: &'a dyn System, quantities: Vec<Along>) -> Self {
+        if quantities.is_empty() {
+            return self;
+        }
+        let Self { problem: Problem { coefficients, damping, .. }, scheme: method } = self.clone();
+        let of = quantities.clone();
+        let coefficients = Arc::new(move |t: f64, y: &[f64]| {
+            extended(&*coefficients, &of, damping.rate(t), (t, y))
+        });
+        let scheme = Arc::new(Collecting { method, system, quantities });
+        Self { problem: Problem { coefficients, ..self.problem }, scheme }
+    }
+}
+
+/// The coefficients with those of what is collected: dt of the time, φ dt of an integral, until its
+/// passage those of a time. A path that stays where it is has none. They have γy besides, which is
+/// no damping of theirs.
+fn extended(
+    of_state: &CoefficientsAt<'_>,
+    quantities: &[Along],
+    gamma: f64,
+    (t, y): (f64, &[f64]),
+) -> Coefficients {
+    let rows = splat(y);
+    let first = y.len() - quantities.iter().map(Along::rows).sum::<usize>();
+    let (mut at, mut stays) = (of_state(t, &y[..first]), false);
+    for quantity in quantities {
+        let row = at.drift.len();
+        match quantity {
+            Along::Time => at.drift.push(1.0),
+            Along::Integral(_) => at.drift.push(quantity.value(&rows)[0]),
+            Along::Passage(passage) => {
+                at.drift.extend([0.0, 1.0 - y[row]]);
+                stays |= passage.stops && y[row] > 0.0;
+            }
+        }
+    }
+    if stays {
+        at.drift[..first].fill(0.0);
+        at.noises.iter_mut().chain([&mut at.correction]).for_each(|of| of.fill(0.0));
+    }
+    at.noises.iter_mut().chain([&mut at.correction]).for_each(|of| of.resize(y.len(), 0.0));
+    let undamped = if stays { 0..y.len() } else { first..y.len() };
+    undamped.for_each(|i| at.drift[i] += gamma * y[i]);
+    at
+}
+
 /// A method and what its paths collect.
-pub struct Collecting<'a> {
-    /// The method.
-    pub method: Arc<dyn Method + 'a>,
+struct Collecting<'a> {
+    method: Arc<dyn Method + 'a>,
     /// The system that it is for.
-    pub system: &'a dyn System,
+    system: &'a dyn System,
     /// What is collected, row after row.
-    pub quantities: Vec<Along>,
+    quantities: Vec<Along>,
 }
 
 impl Method for Collecting<'_> {
@@ -121,20 +198,21 @@ impl Method for Collecting<'_> {
         self.method.stack()
     }
 
+    /// With nothing collected so far, or with what `y` has after the state.
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
-        let inner = self.method.start(y);
-        let mut rows = inner.state().to_vec();
-        let mut values = Vec::new();
-        for quantity in &self.quantities {
-            let value = quantity.value(&rows);
+        let (state, collected) = y.split_at(self.system.description().dimension);
+        let inner = self.method.start(state);
+        let before = inner.state().to_vec();
+        let mut rows = [&before, collected].concat();
+        for quantity in self.quantities.iter().filter(|_| collected.is_empty()) {
             if let Along::Passage(_) = quantity {
+                let value = quantity.value(&rows);
                 rows.push(value.map(|phi| f64::from(u8::from(phi > 0.0))));
             }
             rows.push([0.0; WIDTH]);
-            values.push(value);
         }
-        let (before, stopped) = (inner.state().to_vec(), PathMask::NONE);
-        Box::new(Collector { inner, of: self, before, rows, values, stopped })
+        let (values, stopped) = (vec![[0.0; WIDTH]; self.quantities.len()], PathMask::NONE);
+        Box::new(Collector { inner, of: self, before, rows, values, stopped, is_set: true })
     }
 }
 
@@ -149,6 +227,25 @@ struct Collector<'a> {
     values: Vec<Row>,
     /// The paths that stay where they are.
     stopped: PathMask,
+    /// Whether `rows` were set, so that all else follows from them.
+    is_set: bool,
+}
+
+impl Collector<'_> {
+    /// Goes on from the rows.
+    fn follow(&mut self) {
+        let mut first = self.before.len();
+        self.inner.state_mut().copy_from_slice(&self.rows[..first]);
+        (self.stopped, self.is_set) = (PathMask::NONE, false);
+        for (quantity, value) in self.of.quantities.iter().zip(&mut self.values) {
+            *value = quantity.value(&self.rows);
+            if let Along::Passage(Passage { stops: true, .. }) = quantity {
+                let passed = (0..WIDTH).filter(|&p| self.rows[first][p] > 0.0);
+                passed.for_each(|p| self.stopped.insert(p));
+            }
+            first += quantity.rows();
+        }
+    }
 }
 
 impl Stepper for Collector<'_> {
@@ -157,10 +254,14 @@ impl Stepper for Collector<'_> {
     }
 
     fn state_mut(&mut self) -> &mut [Row] {
+        self.is_set = true;
         &mut self.rows
     }
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
+        if self.is_set {
+            self.follow();
+        }
         self.inner.step(step, noise, status);
         let Self { of: Collecting { system, quantities, .. }, before, .. } = self;
         let mut first = before.len();

@@ -51,7 +51,7 @@
 //! | [`write_csv`] | tables as files |
 //! | [`mod@study`], [`StudySettings`] | means, quantiles and histograms of many paths in time |
 //! | [`Problem`], [`bind`], [`Setup`] | a problem, a scheme on its system, and both |
-//! | [`Collecting`], [`Along`] | integrals and first passages along paths |
+//! | [`Setup::collecting`], [`Along`] | integrals and first passages along paths |
 //! | [`LargePath`] | one path of a large system |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`mod@expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme chosen or given |
@@ -83,7 +83,7 @@ pub mod study;
 mod tangents;
 mod tree;
 
-pub use along::{Along, Collecting, Gradient, OfStates, Passage};
+pub use along::{Along, Gradient, OfStates, Passage};
 pub use damping_resolution::DampingResolution;
 pub use equilibrium::{Averages, Equilibrium, EquilibriumSettings};
 pub use error::{LadderError, RunError};

@@ -274,7 +274,7 @@ impl<'a> Setup<'a> {
     }
 
     /// The states of 32 paths at time 0, of which the initial value may be random, and what they
-    /// have [collected](crate::Collecting).
+    /// have [collected](Self::collecting).
     pub fn start(&self) -> Vec<Row> {
         self.scheme.start(&splat(&self.problem.y0)).state().to_vec()
     }

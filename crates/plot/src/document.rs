@@ -82,12 +82,16 @@ impl Document {
         self.body += "</div>\n";
     }
 
-    /// Adds a table with a header.
+    /// Adds a table with a header; none without rows.
     pub fn table<H: AsRef<str>, R: IntoIterator<Item = C>, C: AsRef<str>>(
         &mut self,
         header: impl IntoIterator<Item = H>,
         rows: impl IntoIterator<Item = R>,
     ) {
+        let mut rows = rows.into_iter().peekable();
+        if rows.peek().is_none() {
+            return;
+        }
         self.body += "<div class=\"card\"><div class=\"wide\"><table class=\"numbers\"><thead><tr>";
         for cell in header {
             self.body += &format!("<th>{}</th>", escape(cell.as_ref()));

@@ -133,8 +133,7 @@ fn once(
             Some(_) => (errors(number, &moments), Against::Exact),
             None => (moments.part(0..number - 1), Against::HalfStep),
         };
-        let y0: Vec<Row> = setup.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
-        let size = evaluate(observable, &y0, PathMask::first(1))[0];
+        let size = evaluate(observable, &setup.start(), PathMask::first(1))[0];
         let rounding = (sizes.reference_steps(), size);
         weak(&taus[..fitted.length()], &fitted, against, limit, rounding)
     } else {

@@ -49,19 +49,15 @@ pub struct Visit {
 }
 
 /// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives.
-pub fn visits(
-    Setup { problem, scheme }: &Setup<'_>,
-    sizes: &StepSizes,
-    paths: u64,
-) -> Result<Vec<Visit>, LadderError> {
-    let steps = sizes.coarsest_steps << (sizes.levels - 1);
+pub fn visits(setup: &Setup<'_>, sizes: &StepSizes, paths: u64) -> Result<Vec<Visit>, LadderError> {
+    let (Setup { problem, scheme }, steps) = (setup, sizes.coarsest_steps << (sizes.levels - 1));
     let runs = vec![Run::new(Arc::clone(scheme), 0)];
     let ladder = Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?;
     let tau = problem.t_end / steps as f64;
     let none = || Visits { steps, tau, visits: Vec::new() };
     let mut visits = ladder.run_until(&sizes.stop, 0, paths, none).statistic.visits;
     if visits.is_empty() {
-        visits.push(Visit { t: 0.0, state: problem.y0.clone() });
+        visits.push(Visit { t: 0.0, state: setup.start().iter().map(|row| row[0]).collect() });
     }
     Ok(visits)
 }

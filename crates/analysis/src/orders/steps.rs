@@ -31,13 +31,13 @@ pub struct OneAndTwo<'a> {
 
 impl<'a> Steps<'a> {
     pub fn new(setup: &'a Setup<'a>) -> Self {
-        let start: Vec<Row> = setup.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
+        let start = setup.start();
         let none = || setup.scheme.no_noise(setup.problem.noises);
         Self {
             noises: [none(), none()],
             zero: none(),
             both: none(),
-            state: setup.scheme.start(&start),
+            state: setup.scheme.start(&start[..setup.problem.y0.len()]),
             one: start,
             setup,
         }

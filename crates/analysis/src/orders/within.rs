@@ -1,8 +1,12 @@
 //! Orders within a budget: more paths or finer steps, whatever would decide.
 
 use mc::LadderError;
+use real::WIDTH;
 
 use super::{Decision, Limit, More, Order, StepSizes};
+
+/// Paths of a measurement at least: a block.
+const FEWEST: u64 = WIDTH as u64;
 
 /// Measures with more paths or finer steps, whatever would decide, until an order is named, none
 /// can be, or the next measurement would exceed the [budget](StepSizes::within).
@@ -11,6 +15,10 @@ pub fn within(
     measure: &dyn Fn(&StepSizes) -> Result<Order, LadderError>,
 ) -> Result<Order, LadderError> {
     let (mut sizes, mut spent) = (sizes.clone(), 0u64);
+    if sizes.path_steps > 0 && sizes.check(1).is_ok() {
+        let of_a_path = sizes.cost() / sizes.samples.max(1);
+        sizes.samples = sizes.samples.min((sizes.path_steps / of_a_path.max(1)).max(FEWEST));
+    }
     loop {
         let order = measure(&sizes)?;
         spent = spent.saturating_add(sizes.cost());
@@ -77,6 +85,26 @@ mod tests {
         }
         // Where the limit cannot be told finer steps are of no use.
         assert_eq!(measured(&[(steps.0, Limit::Unchecked)], u64::MAX), [(3, 10)]);
+    }
+
+    #[test]
+    fn the_first_measurement_has_the_paths_of_its_budget() {
+        let key = StreamKey { seed: 1, experiment: 1 };
+        let sizes =
+            StepSizes { levels: 2, refinement: 0, ..StepSizes::new(3, Truncation::none(), key) };
+        let paths = |path_steps| {
+            let asked = RefCell::new(0);
+            let order = within(&sizes.clone().within(path_steps), &|sizes| {
+                *asked.borrow_mut() = sizes.samples;
+                let (rate, one_step, points) = (None, None, Vec::new());
+                let (limit, decision) = (Limit::Unchecked, Decision::WrongLimit);
+                Ok(Order { points, rate, one_step, limit, decision, failed: 0 })
+            });
+            assert!(order.is_ok());
+            asked.into_inner()
+        };
+        // Of 12 steps each; one measurement without a budget.
+        assert_eq!([0, 1, 611, 1_000_000].map(paths), [1000, 32, 50, 1000]);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! by side, and what they share is compiled once. Most systems are texts, which no kernel is
 //! compiled for.
 
+mod collecting;
 mod compare;
 mod facts;
 mod false_answers;

@@ -149,7 +149,11 @@ impl<'a> Report<'a> {
     pub fn json(&self) -> serde_json::Result<Value> {
         match self.single() {
             Some(run) => summary(run),
-            None => self.of_each(summary),
+            None => {
+                let mut json = self.of_each(summary)?;
+                json["warnings"] = self.warnings().into();
+                Ok(json)
+            }
         }
     }
 
@@ -343,7 +347,7 @@ fn summary(Run { one, results, .. }: &Run<'_>) -> serde_json::Result<Value> {
         "seed": scene.settings.key.seed,
         "at_end": study.as_ref().map(last).transpose()?,
         "step_check": check,
-        "warnings": study.as_ref().map_or(&[][..], |study| &study.warnings),
+        "warnings": results.warnings(scene),
         "halted": halted,
         "seconds": seconds,
     }))

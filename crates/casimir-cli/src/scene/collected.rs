@@ -38,7 +38,7 @@ pub fn observable(source: &Source, text: &At<Text>, vocabulary: &mut Vocabulary)
         return Ok(integral);
     }
     let time = vocabulary.known(source, 0)?;
-    Ok(Quantity::Function(Arc::new(move |y: &[Row], values: &mut Row| {
+    Ok(Quantity::AlongPath(Arc::new(move |y: &[Row], values: &mut Row| {
         let mut t = [0.0; WIDTH];
         time.evaluate(y, &mut t);
         if t[0] == 0.0 {

@@ -23,11 +23,11 @@ pub use source::{Read, SceneError, Source};
 pub use sweep::{Combination, Set, Sweep, Varied};
 pub use values::{At, Listed, Parameter, Text, count};
 
-use std::{fmt::Display, ops::Range, path::Path, sync::Arc};
+use std::{fmt::Display, ops::Range, path::Path};
 
 use casimir::{
     formula::nearest,
-    mc::{Along, Collecting, Problem, Setup, study::Wanted},
+    mc::{Along, Problem, Setup, study::Wanted},
     schemes::BuiltIn,
 };
 
@@ -208,12 +208,7 @@ impl Scene {
 
     /// The same with what paths collect.
     pub fn collecting<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
-        if self.collected.is_empty() {
-            return setup;
-        }
-        let (system, quantities) = (self.model.system(), self.collected.clone());
-        let method = Collecting { method: setup.scheme, system, quantities };
-        Setup { scheme: Arc::new(method), ..setup }
+        setup.collecting(self.model.system(), self.collected.clone())
     }
 
     /// Whether paths collect something, so that states alone do not say what is observed.

@@ -23,6 +23,8 @@ pub enum Quantity {
     Component(usize),
     /// A formula, or a function of the system such as its energy.
     Function(Arc<OfRows>),
+    /// A formula of what a path has collected.
+    AlongPath(Arc<OfRows>),
     /// What a path has collected in this row after its state.
     Collected(usize),
     /// The same, seen at the ends of steps only: its error is of order √τ.
@@ -46,8 +48,13 @@ impl Quantity {
     pub fn evaluate(&self, y: &[Row], values: &mut Row) {
         match self {
             Self::Component(row) | Self::Collected(row) | Self::Monitored(row) => *values = y[*row],
-            Self::Function(function) => function(y, values),
+            Self::Function(function) | Self::AlongPath(function) => function(y, values),
         }
+    }
+
+    /// Whether it is a function of the state alone.
+    pub fn is_of_state(&self) -> bool {
+        matches!(self, Self::Component(_) | Self::Function(_))
     }
 }
 
@@ -192,11 +199,13 @@ impl Vocabulary {
         }
         let tape = Tape::new(&formula.graph, &[formula.root], &[0..dimension, dimension..all]);
         let further = all - dimension;
-        Ok(Quantity::Function(Arc::new(move |y: &[Row], values: &mut Row| {
+        let is_of_state = used.iter().all(|(_, quantity)| quantity.is_of_state());
+        let function = Arc::new(move |y: &[Row], values: &mut Row| {
             let mut others = vec![[0.0; WIDTH]; further + tape.scratch_rows()];
             let (others, scratch) = others.split_at_mut(further);
             used.iter().for_each(|(k, quantity)| quantity.evaluate(y, &mut others[*k]));
             tape.evaluate(&[&y[..dimension], others], from_mut(values), scratch);
-        })))
+        });
+        Ok(if is_of_state { Quantity::Function(function) } else { Quantity::AlongPath(function) })
     }
 }

@@ -7,7 +7,7 @@ use casimir::{
     plot::figure,
 };
 
-use super::{Found, Watch};
+use super::{Found, Watch, warnings};
 use crate::{failure::Done, output::Drawn, scene::Scene};
 
 /// Compares all schemes on a scene at a root-mean-square error of y(T), within seconds.
@@ -49,9 +49,6 @@ pub fn compare(scene: &Scene, error: f64, budget: f64, watch: &Watch) -> Done<Fo
         svg: figure::comparison(&comparison),
         caption: "Errors of all schemes against their cost.".into(),
     };
-    Ok(Found {
-        text: format!("{comparison}\n{rule}.\n"),
-        json: serde_json::to_value(&comparison)?,
-        figures: vec![figure],
-    })
+    let text = warnings(&scene.model.known().mistake) + &format!("{comparison}\n{rule}.\n");
+    Ok(Found::new(text, serde_json::to_value(&comparison)?, vec![figure]))
 }

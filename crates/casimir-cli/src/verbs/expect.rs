@@ -40,12 +40,9 @@ pub fn expect(scene: &Scene, keeping: Option<Keeping>, watch: &Watch) -> Done<(F
     }
     let seconds = start.elapsed().as_secs_f64();
     let (expectation, reason) = (expectation?, because.as_deref());
-    let found = Found {
-        text: text(scene, &expectation, reason, seconds),
-        json: json(scene, &expectation, reason, seconds),
-        figures: Vec::new(),
-    };
-    Ok((found, expectation.reached()))
+    let words = text(scene, &expectation, reason, seconds);
+    let json = json(scene, &expectation, reason, seconds);
+    Ok((Found::new(words, json, Vec::new()), expectation.reached()))
 }
 
 /// The accuracy that is wanted of a scene.
@@ -82,14 +79,12 @@ fn json(scene: &Scene, expectation: &Expectation, because: Option<&str>, seconds
         json["half_width"] = estimate.half_width().into();
         json
     };
-    let warnings = expectation.warnings.iter().map(ToString::to_string);
-    let warnings: Vec<String> = scene.model.known().mistake.into_iter().chain(warnings).collect();
     json!({
         "title": scene.title, "scheme": expectation.scheme, "because": because,
         "accuracy": expectation.accuracy, "reached": expectation.reached(),
         "estimates": expectation.estimates.iter().map(estimate).collect::<Vec<_>>(),
         "levels": expectation.levels,
-        "path_steps": expectation.cost, "warnings": warnings, "seconds": seconds,
+        "path_steps": expectation.cost, "seconds": seconds,
     })
 }
 

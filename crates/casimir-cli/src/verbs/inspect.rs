@@ -26,7 +26,7 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let text = format!("{}{}\n", known.equation(), text.trim_end());
     let mut json = serde_json::to_value(&findings)?;
     json["bath"] = serde_json::to_value(&bath)?;
-    Ok(Found { text, json, figures: Vec::new() })
+    Ok(Found::new(text, json, Vec::new()))
 }
 
 /// What is stationary, in words.

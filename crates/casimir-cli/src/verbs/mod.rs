@@ -40,6 +40,14 @@ pub struct Found {
     pub figures: Vec<Drawn>,
 }
 
+impl Found {
+    /// With the warnings among the words as a list for programs.
+    fn new(text: String, mut json: Value, figures: Vec<Drawn>) -> Self {
+        json["warnings"] = text.lines().filter_map(|line| line.strip_prefix(WARNING)).collect();
+        Self { text, json, figures }
+    }
+}
+
 /// How a command tells how far it is, and what ends it early.
 #[derive(Clone)]
 pub struct Watch {
@@ -97,9 +105,12 @@ pub fn scheme(scene: &Scene) -> Settled {
     (named.clone(), explicit.map(loses))
 }
 
+/// What lines of warnings begin with.
+const WARNING: &str = "warning: ";
+
 /// Warnings as lines.
 pub fn warnings<'a>(words: impl IntoIterator<Item = &'a String>) -> String {
-    words.into_iter().map(|words| format!("warning: {words}\n")).collect()
+    words.into_iter().map(|words| format!("{WARNING}{words}\n")).collect()
 }
 
 /// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from

@@ -60,10 +60,10 @@ pub fn order(scene: &Scene, path_steps: u64, watch: &Watch) -> Done<Found> {
     let figures = figures(series(&scheme, "y(T)", &strong.1), &weak_series.collect::<Vec<_>>());
     let described = |(quantity, order): &Measured| described(quantity, order);
     let json = json!({
-        "title": scene.title, "scheme": scheme, "because": because, "warnings": mistake,
+        "title": scene.title, "scheme": scheme, "because": because,
         "strong": described(&strong), "weak": weak.iter().map(described).collect::<Vec<_>>(), "seconds": seconds,
     });
-    Ok(Found { text, json, figures })
+    Ok(Found::new(text, json, figures))
 }
 
 /// An order as a curve.

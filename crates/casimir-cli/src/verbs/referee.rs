@@ -184,5 +184,5 @@ pub fn judge(
         "steps": taus, "errors": errors, "reference_error": reference_error,
         "solves": solves, "own_noise": claims.own_noise, "seconds": claims.seconds,
     });
-    Ok(Found { text, json, figures })
+    Ok(Found::new(text, json, figures))
 }

@@ -18,7 +18,7 @@ use crate::{
     failure::{Done, Failure},
     model::with_names,
     output::Drawn,
-    scene::Scene,
+    scene::{Observable, Scene},
 };
 
 /// What chains are asked for.
@@ -43,7 +43,7 @@ pub fn equilibrium(
         Asked::Averages => wanted(scene)?,
         Asked::Exponents(_, accuracy) => accuracy,
     };
-    check(scene)?;
+    check(scene, asked)?;
     let ((scheme, because), start) = (scheme(scene), Instant::now());
     let setup = scene.setup(&scheme)?;
     let settings = EquilibriumSettings {
@@ -97,21 +97,23 @@ pub fn equilibrium(
     text += &format!("{:.2} s\n", start.elapsed().as_secs_f64());
     let json = json(scene, &found, because.as_deref(), kt);
     let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
-    Ok((Found { text, json, figures }, found.reached()))
+    Ok((Found::new(text, json, figures), found.reached()))
 }
 
 /// Refuses what has no stationary law, or is no function of the state.
-fn check(scene: &Scene) -> Done {
+fn check(scene: &Scene, asked: Asked) -> Done {
     let (problem, model) = (scene.problem(), &scene.model);
     let changes = problem.dampings().any(|damping| {
         let rate = damping.rate(0.0);
         [0.37, 1.0].iter().any(|part| damping.rate(part * problem.t_end) != rate)
     });
+    let along = scene.expected.iter().find(|phi| !phi.quantity.is_of_state());
     let wrong = if model.system().description().depends_on_time || changes {
-        "a system that depends on time has no stationary law"
-    } else if scene.collects() {
-        "averages over the stationary law are of functions of the state alone: leave out integrals \
-         and events"
+        "a system that depends on time has no stationary law".into()
+    } else if let (Asked::Averages, Some(Observable { name, .. })) = (asked, along) {
+        format!(
+            "averages over the stationary law are of functions of the state alone: leave out `{name}`"
+        )
     } else {
         return Ok(());
     };
@@ -149,7 +151,6 @@ fn json(scene: &Scene, found: &Averages, because: Option<&str>, kt: Option<f64>)
     json["kT"] = json!(kt);
     json["reached"] = found.reached().into();
     json["estimates"] = found.means.iter().map(mean).collect();
-    json["warnings"] = json!(scene.model.known().mistake.into_iter().collect::<Vec<_>>());
     json
 }
 

@@ -129,3 +129,57 @@ fn events_must_be_conditions() {
         assert!(!folder.path().join("scene-run").exists());
     }
 }
+
+/// What paths collect is in the coefficients that steps are compared with.
+#[test]
+fn orders_of_what_paths_collect() {
+    let more = "[observe]\nwork = \"integral(q)\"\nlate = \"q*t\"\n\
+                [events]\nhit = { when = \"q > 1\", stop = true }\n\
+                [expect]\nof = [\"work\", \"late\", \"hit\"]\naccuracy = 0.01\n";
+    let folder = with_scene(&format!("{WALK}{more}[damping]\ngamma = \"0.5\"\n"));
+    let command = ["order", "scene.toml", "--json", "--path-steps", "1e6"];
+    let found = json(folder.path(), &command);
+    for weak in found["weak"].as_array().unwrap() {
+        let words = weak["words"].as_str().unwrap();
+        assert!(words.contains("right in one step"), "{weak}");
+    }
+    let names: Vec<&Value> =
+        found["weak"].as_array().unwrap().iter().map(|weak| &weak["quantity"]).collect();
+    assert_eq!(names, ["E[work]", "E[late]", "E[hit]"]);
+    assert_eq!(found["warnings"], serde_json::json!([]));
+}
+
+/// Averages and exponents are those of the state, whatever else a scene observes.
+#[test]
+fn chains_have_no_need_of_what_paths_collect() {
+    let scene = r#"[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "(p^2 + q^2)/2"
+[damping]
+rates = { p = 1 }
+temperature = 1
+[run]
+initial = [0, 0]
+until = 5
+steps = 50
+[observe]
+work = "integral(q)"
+square = "q^2"
+[events]
+far = "q > 3"
+[expect]
+of = ["square"]
+accuracy = 0.3
+"#;
+    let folder = with_scene(scene);
+    let square = json(folder.path(), &["equilibrium", "scene.toml", "--json"]);
+    let [lo, hi] = ["lo", "hi"].map(|end| square["estimates"][0][end].as_f64().unwrap());
+    assert!(lo < 1.0 && 1.0 < hi, "{square}");
+    let exponent = ["lyapunov", "scene.toml", "--json", "--accuracy", "0.3"];
+    let found = json(folder.path(), &exponent)["estimates"][0]["mean"].as_f64().unwrap();
+    assert!((found + 0.5).abs() < 0.3, "{found}");
+    let folder = with_scene(&scene.replace("[\"square\"]", "[\"square\", \"work + q\"]"));
+    let words = ["functions of the state alone: leave out `work + q`"];
+    fails(folder.path(), &["equilibrium", "scene.toml"], 2, &words);
+}

@@ -39,7 +39,7 @@ fn three_noises_that_do_not_commute() {
     assert!(general.reached() && general.scheme == "sexp-li", "{general:?}");
     assert!((general.estimates[0].value - EXACT).abs() < general.estimates[0].half_width());
     assert!(general.cost < 2_000_000, "{}", general.cost);
-    // E[φ(y(T))] − E[φ(y_τ)] is near 1.52e-3 τ (docs/measurements.md).
+    // E[φ(y(T))] − E[φ(y_τ)] is near 1.52e-3 τ.
     let (bias, tau) = (general.estimates[0].bias, general.levels.last().unwrap().tau);
     assert!((bias / tau - 1.52e-3).abs() < 0.5e-3, "{bias}, {tau}");
 }

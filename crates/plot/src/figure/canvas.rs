@@ -122,15 +122,15 @@ impl Canvas {
         self.elements.push(area);
     }
 
-    /// Boxes by two corners each.
-    pub fn boxes(&mut self, boxes: &[(Position, Position)], color: Color, opacity: f64) {
-        let path = boxes.iter().map(|(from, to)| {
-            let [x, y, width, height] = [from.0, from.1, to.0 - from.0, to.1 - from.1].map(grid);
-            format!("M{x} {y}h{width}v{height}h{}z", -width)
-        });
+    /// Boxes of this size, each by the middle of its left side: as strokes, which take half the
+    /// text of outlines.
+    pub fn boxes(&mut self, boxes: &[Position], size: Position, color: Color, opacity: f64) {
+        let (width, height) = (grid(size.0), grid(size.1));
+        let path = boxes.iter().map(|(x, y)| format!("M{} {}h{width}", grid(*x), grid(*y)));
         let path = path.collect::<String>();
+        let paint = format!(r#"stroke="{color}" stroke-width="{height}" opacity="{opacity:.3}""#);
         self.elements.push(format!(
-            r#"<path shape-rendering="crispEdges" fill="{color}" opacity="{opacity:.3}" d="{path}"/>"#
+            r#"<path shape-rendering="crispEdges" stroke-linecap="butt" {paint} d="{path}"/>"#
         ));
     }
 

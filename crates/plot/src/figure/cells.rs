@@ -10,7 +10,7 @@ use super::{
 use crate::label::Label;
 
 /// Shades of a colour.
-const SHADES: usize = 16;
+const SHADES: usize = 12;
 
 /// Draws cells in a frame, row by row from below: blue where they are positive, red where they are
 /// negative, the darker the larger.
@@ -21,9 +21,7 @@ fn draw(canvas: &mut Canvas, frame: &Frame, columns: usize, values: &[f64]) {
     let height = (frame.y.start - frame.y.end) / rows as f64;
     let place = |k: usize| {
         let (x, y) = ((k % columns) as f64, (k / columns) as f64);
-        let left = frame.x.start + x * width;
-        let bottom = frame.y.start - y * height;
-        ((left, bottom - height), (left + width, bottom))
+        (frame.x.start + x * width, frame.y.start - (y + 0.5) * height)
     };
     let shade = |x: f64| (SHADES as f64 * x.abs() / largest).ceil().min(SHADES as f64);
     for (color, sign) in [(BLUE, 1.0), (VERMILLION, -1.0)] {
@@ -32,7 +30,7 @@ fn draw(canvas: &mut Canvas, frame: &Frame, columns: usize, values: &[f64]) {
             let boxes = values.iter().enumerate().filter(|(_, x)| of_level(**x));
             let boxes: Vec<_> = boxes.map(|(k, _)| place(k)).collect();
             if !boxes.is_empty() {
-                canvas.boxes(&boxes, color, level as f64 / SHADES as f64);
+                canvas.boxes(&boxes, (width, height), color, level as f64 / SHADES as f64);
             }
         }
     }
@@ -58,6 +56,21 @@ const PICTURES: usize = 3;
 const GAP: f64 = 10.0;
 const NAME: f64 = 16.0;
 
+/// Cells of a picture that would be narrower are drawn as squares of several, by their means.
+const NARROWEST: f64 = 2.0;
+
+/// Means over squares of `side` cells, or what is left of them at the ends.
+fn means(columns: usize, values: &[f64], side: usize) -> Vec<f64> {
+    let (rows, across) = (values.len().div_ceil(columns.max(1)), columns.div_ceil(side));
+    let mean = |k: usize| {
+        let (x, y) = (k % across * side, k / across * side);
+        let row = |y: usize| (x..columns.min(x + side)).map(move |x| y * columns + x);
+        let cells = (y..rows.min(y + side)).flat_map(row).filter_map(|k| values.get(k));
+        cells.clone().sum::<f64>() / cells.count() as f64
+    };
+    (0..across * rows.div_ceil(side)).map(mean).collect()
+}
+
 /// Pictures of a plane at several times as an SVG document, each with its name.
 pub fn strip(title: &str, columns: usize, pictures: &[(String, Vec<f64>)]) -> String {
     let across = PICTURES.min(pictures.len()).max(1);
@@ -65,16 +78,33 @@ pub fn strip(title: &str, columns: usize, pictures: &[(String, Vec<f64>)]) -> St
     let rows = pictures.first().map_or(1, |(_, values)| values.len().div_ceil(columns.max(1)));
     let height = width * rows as f64 / columns.max(1) as f64;
     let mut canvas = Canvas::default();
+    let side = (NARROWEST * columns as f64 / width).ceil().max(1.0) as usize;
     for (k, (name, values)) in pictures.iter().enumerate() {
         let left = GAP + (width + GAP) * (k % across) as f64;
         let top = NAME + (NAME + height) * (k / across) as f64;
         let axis = |start, end| Axis { logarithmic: false, range: UNIT, start, end };
         let frame = Frame { x: axis(left, left + width), y: axis(top + height, top) };
-        draw(&mut canvas, &frame, columns, values);
+        draw(&mut canvas, &frame, columns.div_ceil(side), &means(columns, values, side));
         let none = (&Ticks::default(), None);
         frame.draw(&mut canvas, none, none);
         canvas.label(&Label::words(name), (left + 0.5 * width, top - 8.0), 9.0, Align::Middle);
     }
     let down = pictures.len().div_ceil(across) as f64;
     canvas.page((WIDTH, (NAME + height) * down + 0.3 * BELOW), title)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn narrow_cells_are_drawn_as_means_of_squares() {
+        // Three columns and two rows in squares of two.
+        assert_eq!(means(3, &[1.0, 2.0, 5.0, 3.0, 6.0, 7.0], 2), [3.0, 6.0]);
+        assert_eq!(means(2, &[1.0, 2.0, 3.0, 4.0], 1), [1.0, 2.0, 3.0, 4.0]);
+        let plane = |n: usize| strip("", n, &[(String::new(), vec![1.0; n * n])]);
+        let boxes = |n| plane(n).matches('M').count();
+        // One picture is as wide as the page.
+        assert_eq!([boxes(64), boxes(256)], [64 * 64, 128 * 128]);
+    }
 }

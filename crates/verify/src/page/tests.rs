@@ -98,3 +98,11 @@ fn verdicts_are_counted_and_what_does_not_hold_is_named() {
         assert!(text.contains(words), "{words}\n{text}");
     }
 }
+
+#[test]
+fn a_summary_has_no_table_without_rows() {
+    let claims = vec![claim("one", "sexp", true, Verdict::Holds, "")];
+    let text = page(&results(Vec::new(), claims));
+    let (summary, checks) = text.split_once("Checks without a figure").unwrap();
+    assert!(!summary.contains("<th>") && checks.contains("<td>holds</td><td>one</td>"), "{text}");
+}

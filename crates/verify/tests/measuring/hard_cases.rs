@@ -2,7 +2,7 @@
 //!
 //! `cargo xtask stability` prints them. Each case runs all schemes, 32 paths of each, on inputs that
 //! break numerical codes: damping factors near underflow, rates that are infinite, noise past the
-//! contraction bound, states of 10¹⁵⁰. A guarantee is a derived bound ([`verify::rounding`]); a
+//! contraction bound, states of 10¹⁵⁰. A guarantee is a derived bound ([`rounding`](super::rounding)); a
 //! cell says whether it holds (✓), whether a scheme fails where theory predicts failure (✗), or
 //! that the guarantee is refuted. What each case is and what exact mathematics says of it stands at
 //! its function.

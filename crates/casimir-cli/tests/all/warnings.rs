@@ -1,0 +1,28 @@
+//! Programs are told what readers are told.
+
+use crate::common::{OSCILLATOR, json, succeeds, with_scene};
+
+/// With so large steps.
+#[test]
+fn json_has_the_warnings_that_are_printed() {
+    let expect = "[expect]\nof = [\"q\"]\naccuracy = 0.5\n";
+    let folder = with_scene(&(OSCILLATOR.replace("until = 2.0", "until = 40.0") + expect));
+    let check = |command: &str, most: usize| {
+        let arguments: Vec<&str> = command.split(' ').collect();
+        let printed = succeeds(folder.path(), &arguments);
+        let printed = printed.lines().filter_map(|line| line.strip_prefix("warning: "));
+        let printed: Vec<&str> = printed.collect();
+        let found = json(folder.path(), &[&arguments[..], &["--json"]].concat());
+        assert_eq!(found["warnings"], serde_json::json!(printed), "{command}");
+        assert!(printed.len() >= most, "{command}: {printed:?}");
+        found
+    };
+    check("run scene.toml --paths 200", 1);
+    check("run scene.toml --paths 3", 1);
+    let sweep = check("run scene.toml --paths 200 --set s=0.2,0.3", 2);
+    assert!(sweep["runs"][0]["warnings"][0].is_string(), "{sweep}");
+    for command in ["inspect", "expect", "order --path-steps 1e4", "compare --budget 0.3"] {
+        let (verb, options) = command.split_once(' ').unwrap_or((command, ""));
+        check(format!("{verb} scene.toml {options}").trim_end(), 0);
+    }
+}
