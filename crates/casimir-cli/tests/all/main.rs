@@ -19,3 +19,4 @@ mod stationary;
 mod sweeps;
 mod time;
 mod truths;
+mod wrong_numbers;
