@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+import operator
 import sys
 from collections.abc import Mapping
+from numbers import Real
 from os import PathLike, fspath
 from typing import Any
 
@@ -29,26 +32,59 @@ _FUNCTIONS = {
 }
 
 
-def plain(value: Any) -> Any:
-    """What JSON has: numbers, strings, lists and dictionaries."""
-    if isinstance(value, (str, bool, int, float)) or value is None:
-        return value
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, np.generic):
-        return plain(value.item())
-    if isinstance(value, Mapping):
-        return {str(key): plain(inner) for key, inner in value.items()}
-    if isinstance(value, PathLike):
-        return fspath(value)
+# The largest whole number of the compiled half.
+_WHOLE = 2**63 - 1
+
+
+def plain(value: Any, key: str = "") -> Any:
+    """What JSON has: finite numbers, strings, lists and dictionaries. ``key`` stands in messages."""
+    if isinstance(value, (str, bool, np.bool_, int)) or value is None:
+        return bool(value) if isinstance(value, np.bool_) else value
     if _is_sympy(value):
         return _matrix(value) if hasattr(value, "tolist") else formula(value)
+    if isinstance(value, Mapping):
+        return {str(name): plain(v, f"{key}.{name}" if key else str(name)) for name, v in value.items()}
+    if isinstance(value, PathLike):
+        return fspath(value)
+    if isinstance(value, np.integer):
+        return int(value)
+    if isinstance(value, Real):
+        return finite(key or "a value", value)
     if isinstance(value, (list, tuple, range)):
-        return [plain(inner) for inner in value]
+        return [plain(inner, key) for inner in value]
+    # Arrays of NumPy, pandas, JAX and PyTorch.
+    if hasattr(value, "tolist") and not isinstance(value, np.generic):
+        return plain(value.tolist(), key)
+    where = f"`{key}`: " if key else ""
     raise SceneError(
-        f"{value!r} has the type {type(value).__name__}: a value is a number, a formula in quotes, "
-        "an expression of SymPy, or a list or dictionary of them"
+        f"{where}{value!r} has the type {type(value).__name__}: a value is a number, a formula in "
+        "quotes, an expression of SymPy, or a list or dictionary of them",
+        key or None,
     )
+
+
+def finite(key: str, value: Any, *, above: float = -math.inf) -> float:
+    """A finite number."""
+    try:
+        number = math.nan if isinstance(value, (str, bytes)) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if math.isfinite(number) and number > above:
+        return number
+    which = "finite number" if above == -math.inf else f"finite number above {above:g}"
+    raise SceneError(f"`{key}` is a {which}, got {value!r}", key)
+
+
+def whole(key: str, value: Any, least: int = 1, most: int = _WHOLE) -> int:
+    """A whole number; 1e6 is one, too."""
+    try:
+        number = int(value) if isinstance(value, (float, np.floating)) else operator.index(value)
+    except (TypeError, ValueError, OverflowError):
+        number = least - 1
+    if least <= number <= most and number == value and not isinstance(value, bool):
+        return number
+    which = f"of at least {least}" if most == _WHOLE else f"from {least} to {most}"
+    raise SceneError(f"`{key}` is a whole number {which}, got {value!r}", key)
 
 
 def _matrix(value: Any) -> list[Any]:

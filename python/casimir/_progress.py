@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ._errors import SceneError
+from ._formulas import whole
+
+# Most threads that may be asked for, and that are started for each processor: more only wait for
+# each other, and let an interrupt wait.
+_MOST_THREADS, _EACH = 1024, 4
 
 
 class How(NamedTuple):
@@ -18,8 +23,8 @@ class How(NamedTuple):
 
 def how(threads: int | None, progress: bool) -> How:
     """Threads, and what shows progress."""
-    if threads is not None and (not isinstance(threads, int) or threads < 1):
-        raise SceneError(f"threads is a whole number of at least one, got {threads!r}")
+    if threads is not None:
+        threads = min(whole("threads", threads, 1, _MOST_THREADS), _EACH * (os.cpu_count() or 1))
     return How(threads, _shown() if progress else None)
 
 

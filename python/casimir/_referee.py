@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from . import _core
 from ._errors import SceneError
+from ._formulas import finite, whole
 from ._progress import how
 from ._results import Result
 from ._scene import Scene
@@ -94,12 +95,16 @@ class Referee:
     ) -> None:
         if isinstance(scene, System):
             scene = scene.scene(**changes)
+        elif not isinstance(scene, Scene):
+            raise SceneError(f"a referee is of a scene or a system, got {type(scene).__name__}")
         elif changes:
             scene = scene.with_(**changes)
-        if levels < 5:
-            raise SceneError(f"orders need at least 5 step sizes (levels), got {levels}")
+        # Orders need five step sizes; more than thirty are not told apart from rounding.
+        levels = whole("levels", levels, 5, 30)
+        steps = None if steps is None else whole("steps", steps)
+        paths, chunk = whole("paths", paths), whole("chunk", chunk)
         self.scene = scene if seed is None else scene.with_(seed=seed)
-        self.paths, self.chunk = (max(32, -(-n // 32) * 32) for n in (paths, min(chunk, paths)))
+        self.paths, self.chunk = (-(-n // 32) * 32 for n in (paths, min(chunk, paths)))
         self._sizes = (steps, levels, self.paths)
         self._restart()
 
@@ -229,6 +234,10 @@ class Referee:
         )
         if not np.all([np.isfinite(level).all(axis=1) for level in states[1]], axis=0).any():
             raise SceneError("no path is finite at all step sizes: mend the solver, or take more `steps`")
+        strong, weak = (
+            order if order is None else finite(name, order, above=0)
+            for name, order in [("strong", strong), ("weak", weak)]
+        )
         said = (strong, weak, (keeps, same_step, self._own_noise), self._seconds)
         return Report(self.scene, _core.judge(self.scene, self._sizes, states, said, how(None, False)))
 
@@ -270,7 +279,9 @@ def verify_seeds(solver: Callable[..., Any], *, paths: int = 64, seed: int = 1, 
     state=before)`` goes on from what ``steps=(0.0, 0.5)`` gave. All that has to agree has to agree to
     the bit; with another seed, and of other paths, no numbers may be the same.
     """
-    numbers = np.arange(paths)
+    # Half of them is compared with the other half.
+    numbers = np.arange(whole("paths", paths, 2, 10**6))
+    threads = whole("threads", threads)
     known = inspect.signature(solver).parameters
     found: dict[str, bool] = {}
     words: list[str] = []
@@ -294,20 +305,20 @@ def verify_seeds(solver: Callable[..., Any], *, paths: int = 64, seed: int = 1, 
         found[what] = not wrong
         words.append(f"{what}: {f'refuted, {wrong} of {len(a)} paths differ' if wrong else 'holds'}")
 
-    whole = call(seed, numbers)
-    check("same seed, same bits", whole, call(seed, numbers))
-    apart("another seed, other numbers", whole, call(seed + 1, numbers))
-    half = paths // 2
-    apart("another path, other numbers", whole[:half], whole[half:])
+    first = call(seed, numbers)
+    check("same seed, same bits", first, call(seed, numbers))
+    apart("another seed, other numbers", first, call(seed + 1, numbers))
+    half = len(numbers) // 2
+    apart("another path, other numbers", first[:half], first[half:])
     parts = [call(seed, part) for part in (numbers[half:], numbers[:half])]
-    check("chunks in another order", whole, np.concatenate(parts[::-1]))
+    check("chunks in another order", first, np.concatenate(parts[::-1]))
     if "threads" in known:
         check(f"1 and {threads} threads", *(call(seed, numbers, threads=n) for n in (1, threads)))
         other = call(seed + 1, numbers, threads=threads)
         apart(f"another seed on {threads} threads", whole, other)
     if {"steps", "state"} <= set(known):
         before = solver(seed, numbers, steps=(0.0, 0.5), state=None)
-        check("restart in the middle", whole, call(seed, numbers, steps=(0.5, 1.0), state=before))
+        check("restart in the middle", first, call(seed, numbers, steps=(0.5, 1.0), state=before))
     for argument in ("threads", "state"):
         if argument not in known:
             words.append(f"not tested: it has no argument `{argument}`")

@@ -161,17 +161,21 @@ class Run(Result):
     """Paths and their statistics.
 
     ``run["q"]`` is an array [path, time] of the paths whose tables are kept, at the times ``run.t``;
-    ``run.statistics["q"]`` is the law of all paths, if they are 100 or more.
+    ``run.statistics["q"]`` is the law of all paths, if they are 100 or more. An autocorrelation,
+    ``run.statistics["autocorrelation(q)"]``, is at the lags ``run.lag``, a spectrum at the angular
+    frequencies ``run.omega``.
     """
 
-    def __init__(self, scene: Scene, found: _Found, varied: list[tuple[str, list[float]]]) -> None:
+    def __init__(self, scene: Scene, found: _Found, varied: dict[str, Array]) -> None:
         super().__init__(scene, found)
         self.page = found["page"]
-        self.parameters = {name: np.array(values) for name, values in varied}
+        self.parameters = varied
         paths, statistics = found["paths"], found["statistics"]
         self._arrays = (paths, statistics)
         self.t: Array = statistics["t"] if "t" in statistics else paths.get("t", np.empty(0))
         self.paths: dict[str, Array] = {k: v for k, v in paths.items() if k != "t"}
+        self.lag: Array = statistics.get("lag", np.empty(0))
+        self.omega: Array = statistics.get("omega", np.empty(0))
         self.quantile_levels: Array | None = statistics.get("quantile levels")
         self.statistics: dict[str, Statistics] = _Named("observables with statistics")
         for key in statistics:
@@ -185,6 +189,12 @@ class Run(Result):
     def arrays(self) -> dict[str, Array]:
         """All arrays by the names that they have in the program's files of the format npz."""
         return {**self._arrays[0], **self._arrays[1]}
+
+    def axis(self, name: str) -> str:
+        """What an observable with statistics is against: ``"t"``, ``"lag"`` or ``"omega"``."""
+        kinds = {"autocorrelation(": "lag", "spectrum(": "omega"}
+        found = [axis for kind, axis in kinds.items() if name.startswith(kind) and axis in self.arrays]
+        return found[0] if found else "t"
 
     @property
     def scheme(self) -> str:
@@ -223,6 +233,7 @@ class Run(Result):
 
         With Matplotlib's ``ax``, an observable is drawn there: the mean with its band between the
         quantiles 5 % and 95 %, or the paths; of a sweep the mean at the end with its 95 % interval.
+        Autocorrelations and spectra are drawn with their 95 % intervals.
         """
         if ax is None:
             in_time = f"time-{name}"
@@ -230,7 +241,18 @@ class Run(Result):
         if name is None:
             raise SceneError("name an observable to draw it on an axis: plot('q', ax=ax)")
         name = name.removeprefix("against-") if self.parameters else name
-        law = self.statistics.get(name)
+        law, against = self.statistics.get(name), self.axis(name)
+        at = {"t": self.t, "lag": self.lag, "omega": self.omega}[against]
+        if law is not None and against != "t":
+            numbers = ", ".join(self.parameters)
+            for place in np.ndindex(law.mean.shape[:-1]):
+                values = ", ".join(f"{v[k]:g}" for k, v in zip(place, self.parameters.values(), strict=True))
+                label = f"{numbers} = {values}" if numbers else name
+                (line,) = ax.plot(at, law.mean[place], label=label)
+                ax.fill_between(at, law.lo[place], law.hi[place], alpha=0.25, color=line.get_color())
+            ax.set_xlabel(against)
+            ax.set_ylabel(name)
+            return ax
         if self.parameters and law is not None:
             if len(self.parameters) > 1:
                 raise SceneError("a sweep of several parameters: draw `to_xarray()`")
@@ -244,13 +266,13 @@ class Run(Result):
             ax.set_ylabel(name)
             return ax
         if law is not None and law.quantiles is not None:
-            (line,) = ax.plot(self.t, law.mean, label=f"mean of {name}")
+            (line,) = ax.plot(at, law.mean, label=f"mean of {name}")
             ends, color = (law.quantiles[:, 0], law.quantiles[:, -1]), line.get_color()
-            ax.fill_between(self.t, *ends, alpha=0.25, color=color, label="5 % … 95 %")
+            ax.fill_between(at, *ends, alpha=0.25, color=color, label="5 % … 95 %")
         elif law is not None:
-            ax.plot(self.t, law.mean, label=f"mean of {name}")
+            ax.plot(at, law.mean, label=f"mean of {name}")
         else:
-            ax.plot(self.t[: self[name].shape[1]], self[name].T)
+            ax.plot(at[: self[name].shape[1]], self[name].T)
         ax.set_xlabel("t")
         ax.set_ylabel(name)
         return ax
@@ -265,19 +287,25 @@ class Run(Result):
         else:
             raise SceneError(f"{path}: results are written as .npz or .html")
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self, axis: str = "t") -> Any:
         """A table of pandas: of 100 paths or more and of sweeps the statistics, with a row for each
-        observable and time; of fewer paths the paths, with a row for each path and time."""
+        observable and time; of fewer paths the paths, with a row for each path and time.
+
+        Autocorrelations are in ``to_pandas("lag")``, spectra in ``to_pandas("omega")``; joint laws
+        are arrays in ``joint``."""
         pandas = _imported("pandas")
+        places_of = {"t": self.t, "lag": self.lag, "omega": self.omega}
+        if axis not in places_of or (axis != "t" and axis not in self.arrays):
+            there = " or ".join(repr(one) for one in places_of if one == "t" or one in self.arrays)
+            hint = "" if axis not in places_of else ": add statistics={'autocorrelation': […]}"
+            raise SceneError(f"a table is against {there}, not against {axis!r}{hint}")
         if self.statistics:
-            shape = next(iter(self.statistics.values())).mean.shape
-            axes = [*self.parameters.values(), self.t]
-            mesh = np.meshgrid(*axes, indexing="ij")
+            mesh = np.meshgrid(*self.parameters.values(), places_of[axis], indexing="ij")
             tables = []
             for name, law in self.statistics.items():
-                if law.mean.shape != shape:
+                if self.axis(name) != axis:
                     continue
-                places = zip([*self.parameters, "t"], mesh, strict=True)
+                places = zip([*self.parameters, axis], mesh, strict=True)
                 columns = {"observable": name, **{axis: m.ravel() for axis, m in places}}
                 of_law = zip(Statistics._fields[:5], law[:5], strict=True)
                 columns |= {what: array.ravel() for what, array in of_law if array is not None}
@@ -287,27 +315,31 @@ class Run(Result):
                 tables.append(pandas.DataFrame(columns))
             return pandas.concat(tables, ignore_index=True)
         paths = {name: a.ravel() for name, a in self.paths.items() if a.ndim == 2}
+        if "spins" in self.paths:
+            spins = self.paths["spins"].reshape(-1, len(self.scene.components))
+            paths.update(zip(self.scene.components, spins.T, strict=True))
         number = len(next(iter(self.paths.values())))
         index = pandas.MultiIndex.from_product([range(number), self.t], names=["path", "t"])
         return pandas.DataFrame(paths, index=index)
 
     def to_xarray(self) -> Any:
-        """A dataset of xarray with dimensions path, t, quantile and the parameters of a sweep."""
+        """A dataset of xarray with dimensions path, t, lag, omega, quantile and the parameters of a
+        sweep. Joint laws are arrays in ``joint``."""
         xarray = _imported("xarray")
         variables: dict[str, Any] = {}
         coordinates: dict[str, Any] = {"t": self.t, **self.parameters}
+        coordinates |= {axis: self.arrays[axis] for axis in ("lag", "omega") if axis in self.arrays}
         for name, array in self.paths.items():
             dims = ("path", "t", "spin", "axis")[: array.ndim]
             # Paths that were interrupted have fewer times.
             short = len(self.t) - array.shape[1]
             widths = [(0, 0), (0, short), *[(0, 0)] * (array.ndim - 2)]
             variables[name] = (dims, np.pad(array, widths, constant_values=np.nan) if short else array)
-        dims = (*self.parameters, "t")
         for name, law in self.statistics.items():
-            if law.mean.shape[-1] != len(self.t):
-                continue
+            dims = (*self.parameters, self.axis(name))
             for what, array in zip(Statistics._fields[:5], law[:5], strict=True):
-                variables[f"{name} {what}"] = (dims, array)
+                if array is not None:
+                    variables[f"{name} {what}"] = (dims, array)
             if law.quantiles is not None:
                 variables[f"{name} quantiles"] = ((*dims, "quantile"), law.quantiles)
                 coordinates["quantile"] = self.quantile_levels

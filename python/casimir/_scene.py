@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from . import _core
 from ._errors import SceneError
-from ._formulas import plain
-from ._progress import how
+from ._formulas import finite, plain, whole
+from ._progress import How, how
 from ._results import Comparison, Expectation, Inspection, Order, Run
 
 # What a text names where an array of initial states goes with it; no file is read then.
@@ -74,6 +74,8 @@ class Scene:
     @classmethod
     def from_toml(cls, text: str, name: str = "scene") -> Scene:
         """The scene of a text; ``name`` stands in messages."""
+        if not isinstance(text, str):
+            raise SceneError(f"a scene is a text, got {type(text).__name__}")
         scene = cls.__new__(cls)
         scene._set(text, name, None)
         scene._check()
@@ -90,7 +92,7 @@ class Scene:
         if isinstance(run, Mapping) and isinstance(states, np.ndarray) and states.ndim == 2:
             scene.states = _array(states)
             tables["run"] = {**run, "initial": _STATES}
-        pairs = [([str(key)], json.dumps(plain(value))) for key, value in tables.items()]
+        pairs = [([str(key)], json.dumps(plain(v, str(key)))) for key, v in tables.items()]
         scene.text = _text("", sorted(pairs, key=lambda pair: pair[1].startswith("{")))
         return scene
 
@@ -119,9 +121,10 @@ class Scene:
                 states = None
                 if hasattr(value, "to_numpy"):
                     value = value.to_numpy()
-                array = np.asarray(value) if isinstance(value, (np.ndarray, list, tuple)) else None
-                if array is not None and array.ndim == 2:
-                    states, value = _array(array), _STATES
+                rows = value if isinstance(value, (list, tuple)) else []
+                is_table = isinstance(value, np.ndarray) and value.ndim == 2
+                if is_table or any(isinstance(row, (list, tuple, np.ndarray)) for row in rows):
+                    states, value = _array(value), _STATES
             if name == "damping" and value is not None and not isinstance(value, Mapping):
                 value = {"rate": value}
             if name == "parameters" and isinstance(value, Mapping):
@@ -132,11 +135,13 @@ class Scene:
                     raise SceneError(f"`{name}` is a dictionary: {name}={example}", name)
             if isinstance(value, Mapping) and (name == "parameters" or name in tables):
                 above = keys.get(name, (name,))
-                pairs += [((*above, str(key)), json.dumps(plain(v))) for key, v in value.items()]
+                items = plain(value, ".".join(above)).items()
+                pairs += [((*above, key), json.dumps(inner)) for key, inner in items]
             elif name in keys or name in tables:
                 if name == "of" and isinstance(value, str):
                     value = [value]
-                pairs.append((keys.get(name, (name,)), json.dumps(plain(value))))
+                path = keys.get(name, (name,))
+                pairs.append((path, json.dumps(plain(value, ".".join(path)))))
             else:
                 near = difflib.get_close_matches(name, [*keys, *tables], 1)
                 hint = f"; do you mean `{near[0]}`?" if near else ""
@@ -217,10 +222,11 @@ class Scene:
         changes the time, and no bit of the results.
         """
         scene = self.with_(**changes) if changes else self
-        about = scene._check()
-        varied = [(str(key), [float(x) for x in values]) for key, values in about["sweep"].items()]
-        found = _core.run(scene, [], False, how(threads, progress))
-        return Run(scene, _raising(found, raises), varied)
+        return scene._run(False, how(threads, progress), raises)
+
+    def _run(self, independent: bool, how: How, raises: bool) -> Run:
+        varied = {str(key): np.array(values) for key, values in self._check()["sweep"].items()}
+        return Run(self, _raising(_core.run(self, independent, how), raises), varied)
 
     def expect(
         self,
@@ -234,6 +240,8 @@ class Scene:
         """Expectations E[φ(y(T))] with 95 % intervals: ``expect(of=["y1"], accuracy=1e-4)``."""
         scene = self.with_(**changes) if changes else self
         scene._check()
+        if coarsest_steps is not None:
+            coarsest_steps = whole("coarsest_steps", coarsest_steps)
         found = _core.expect(scene, coarsest_steps, how(threads, progress))
         return Expectation(scene, _raising(found, raises))
 
@@ -254,7 +262,8 @@ class Scene:
         """
         scene = self.with_(**changes) if changes else self
         scene._check()
-        found = _core.equilibrium(scene, None, (chains, int(path_steps)), how(threads, progress))
+        limits = whole("chains", chains), whole("path_steps", path_steps)
+        found = _core.equilibrium(scene, None, limits, how(threads, progress))
         return Expectation(scene, _raising(found, raises))
 
     def lyapunov(
@@ -272,7 +281,8 @@ class Scene:
         """The largest Lyapunov exponents ``"λ1"``, … and ``"their sum"``, with 95 % intervals."""
         scene = self.with_(**changes) if changes else self
         scene._check()
-        asked, limits = (count, accuracy), (chains, int(path_steps))
+        asked = whole("count", count), finite("accuracy", accuracy, above=0)
+        limits = whole("chains", chains), whole("path_steps", path_steps)
         found = _core.equilibrium(scene, asked, limits, how(threads, progress))
         return Expectation(scene, _raising(found, raises))
 
@@ -287,7 +297,8 @@ class Scene:
         """The strong and the weak order of the scheme, measured within so many path-steps."""
         scene = self.with_(**changes) if changes else self
         scene._check()
-        return Order(scene, _core.order(scene, int(path_steps), how(threads, progress)))
+        path_steps = whole("path_steps", path_steps)
+        return Order(scene, _core.order(scene, path_steps, how(threads, progress)))
 
     def compare(
         self,
@@ -301,6 +312,7 @@ class Scene:
         """Error against cost of all schemes at an error of y(T), within seconds of ``budget``."""
         scene = self.with_(**changes) if changes else self
         scene._check()
+        error, budget = (finite(k, v, above=0) for k, v in [("error", error), ("budget", budget)])
         return Comparison(scene, _core.compare(scene, error, budget, how(threads, progress)))
 
     def __repr__(self) -> str:
@@ -341,6 +353,8 @@ def _array(states: Any) -> NDArray[np.float64]:
         array.flags.writeable = False
     except (TypeError, ValueError) as error:
         raise SceneError(f"initial states are numbers [path, component]: {error}", "run.initial") from error
+    if array.ndim != 2:
+        raise SceneError(f"initial states are [path, component], got {array.shape}", "run.initial")
     wrong = np.flatnonzero(~np.isfinite(array).all(axis=1))
     if array.size == 0 or len(wrong):
         where = f"row {wrong[0]} is {array[wrong[0]].tolist()}" if len(wrong) else "there is none"
@@ -365,6 +379,8 @@ class Sweep:
     """A scene at every combination of values of its parameters; see :func:`sweep`."""
 
     def __init__(self, scene: Scene, independent: bool, values: Mapping[str, Sequence[float]]) -> None:
+        if not isinstance(scene, Scene):
+            raise SceneError(f"a sweep is of a scene, got {type(scene).__name__}")
         if not values:
             raise SceneError("nothing is varied: sweep(scene, h=[0.1, 0.2])")
         scene._know_parameters(values)
@@ -383,11 +399,9 @@ class Sweep:
         twice = set(changes.get("parameters") or ()) & set(self.values)
         if twice:
             raise SceneError(f"`{min(twice)}` is varied already: leave it out of `parameters`")
-        scene = self.scene.with_(**changes) if changes else self.scene
-        varied = [(name, values.tolist()) for name, values in self.values.items()]
-        sets = [(name, [repr(value) for value in values]) for name, values in varied]
-        found = _core.run(scene, sets, self.independent, how(threads, progress))
-        return Run(scene, _raising(found, raises), varied)
+        sweep = {**(changes.pop("sweep", None) or {}), **self.values}
+        scene = self.scene.with_(**changes, sweep=sweep)
+        return scene._run(self.independent, how(threads, progress), raises)
 
     def __repr__(self) -> str:
         numbers = ", ".join(f"{name}: {len(values)}" for name, values in self.values.items())
@@ -401,6 +415,8 @@ def plain_values(name: str, values: Any) -> NDArray[np.float64]:
     except (TypeError, ValueError) as error:
         raise SceneError(f"the values of `{name}` are numbers: {error}", name) from error
     array = np.atleast_1d(array)
+    if not np.isfinite(array).all():
+        raise SceneError(f"the values of `{name}` must be finite, got {array.tolist()}", name)
     if array.size == 0 or array.ndim != 1:
         raise SceneError(f"the values of `{name}` are a list of numbers, at least one", name)
     if len(np.unique(array)) < len(array):
@@ -424,6 +440,8 @@ def scenes() -> list[str]:
 
 def scene(name: str) -> Scene:
     """A scene of the gallery."""
+    if not isinstance(name, str):
+        raise SceneError(f"a scene of the gallery has a name, got {name!r}")
     try:
         return Scene.from_toml(_core.scene(name), name)
     except ValueError as error:

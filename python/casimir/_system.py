@@ -44,29 +44,32 @@ class System:
         noise: Sequence[Sequence[Formula]] | None = None,
         title: str | None = None,
     ) -> None:
-        names = state.replace(",", " ").split() if isinstance(state, str) else plain(state)
-        structure = plain(B)
+        for key, given in [("state", state), ("B", B), ("H0", H0)]:
+            if given is None:
+                raise SceneError(f"`{key}` is missing", f"system.{key}")
+        names = state.replace(",", " ").split() if isinstance(state, str) else plain(state, "system.state")
+        structure = plain(B, "system.B")
         if isinstance(structure, list) and not all(isinstance(row, list) for row in structure):
             raise SceneError("B is a matrix: a list of rows, each a list, or blocks in quotes")
-        system: dict[str, Any] = {"state": names, "B": structure, "H0": plain(H0)}
-        noises = plain(H)
+        system: dict[str, Any] = {"state": names, "B": structure, "H0": plain(H0, "system.H0")}
+        noises = plain(() if H is None else H, "system.H")
         if noises := noises if isinstance(noises, list) else [noises]:
             system["H"] = noises
         if parameters:
-            system["parameters"] = plain(parameters)
+            system["parameters"] = plain(parameters, "system.parameters")
         for key, value in [("calculus", calculus), ("drift", drift), ("noise", noise)]:
             if value is not None:
-                system[key] = plain(value)
+                system[key] = plain(value, f"system.{key}")
         self._tables: dict[str, Any] = {"system": system}
         if title is not None:
             self._tables["title"] = title
         if damping is not None:
             table = damping if isinstance(damping, Mapping) else {"rate": damping}
-            self._tables["damping"] = plain(table)
+            self._tables["damping"] = plain(table, "damping")
 
     def scene(self, *, initial: Any, until: Any, steps: int, **changes: Any) -> Scene:
         """The system with its initial value and what is wanted, as :meth:`Scene.with_` takes it."""
-        run = {"initial": [0.0], "until": plain(until), "steps": plain(steps)}
+        run = {"initial": [0.0], "until": plain(until, "run.until"), "steps": plain(steps, "run.steps")}
         return Scene.unchecked({**self._tables, "run": run}).with_(initial=initial, **changes)
 
     def __repr__(self) -> str:

@@ -52,13 +52,6 @@ pub fn watched<'py>(
     gives_what_is_done: bool,
     work: impl FnOnce(&Watch) -> Done<Found> + Send + 'static,
 ) -> PyResult<Bound<'py, PyDict>> {
-    if threads == Some(0) {
-        return Err(raised(
-            py,
-            text,
-            Failure::Usage("at least one thread is needed, got 0".into()),
-        ));
-    }
     let watch = Watch { bar: ProgressBar::hidden(), stop: Stop::default() };
     let (send, receive) = mpsc::channel();
     let receive = Mutex::new(receive);

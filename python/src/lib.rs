@@ -10,7 +10,7 @@ use casimir_cli::{
     failure::{Done, Failure},
     gallery,
     output::{Report, arrays},
-    scene::{Changes, Scene, Set, Source, Sweep},
+    scene::{Changes, Scene, Source, Sweep},
     verbs::{self, Watch},
 };
 use numpy::PyReadonlyArray2;
@@ -70,17 +70,15 @@ fn check(py: Python<'_>, given: Given<'_>) -> PyResult<String> {
     found.map(|found| found.to_string()).map_err(|failure| call::raised(py, &given.text, failure))
 }
 
-/// Runs a scene, or at every combination of `sets`: parameters with the texts of their values.
+/// Runs a scene, at every combination of what is varied.
 #[pyfunction]
 fn run<'py>(
     py: Python<'py>,
     given: Given<'py>,
-    sets: Vec<(String, Vec<String>)>,
     independent: bool,
     how: How,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (source, mut changes) = (given.source(), Changes { independent, ..Changes::default() });
-    changes.scheme.sets = sets.into_iter().map(|(name, values)| Set { name, values }).collect();
+    let (source, changes) = (given.source(), Changes { independent, ..Changes::default() });
     watched(py, &given.text, how.threads, how.show, true, move |watch| {
         let sweep = Sweep::new(&source, &changes)?;
         let scenes = sweep.combinations.iter();

@@ -66,9 +66,11 @@ fn of_json(json: Json) -> PyResult<Value> {
         Json::Null => return Err(wrong("a value may not be None")),
         Json::Bool(switch) => switch.into(),
         Json::String(text) => text.into(),
-        Json::Number(number) => match number.as_i64() {
-            Some(whole) => whole.into(),
-            None => number.as_f64().unwrap_or(f64::NAN).into(),
+        Json::Number(number) => match (number.as_i64(), number.as_u64()) {
+            (Some(whole), _) => whole.into(),
+            // A seed that TOML has no number for.
+            (None, Some(whole)) => whole.to_string().into(),
+            (None, None) => number.as_f64().unwrap_or(f64::NAN).into(),
         },
         Json::Array(list) => {
             list.into_iter().map(of_json).collect::<PyResult<Array>>().map(Value::Array)?

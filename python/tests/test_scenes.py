@@ -156,12 +156,12 @@ def test_wrong_scenes_are_refused_with_their_place(
 def test_wrong_arguments(oscillator: casimir.Scene) -> None:
     calls: list[tuple[Callable[[], object], str]] = [
         (lambda: oscillator.run(step=4), "do you mean `steps`"),
-        (lambda: oscillator.run(threads=0), "of at least one, got 0"),
+        (lambda: oscillator.run(threads=0), "from 1 to 1024, got 0"),
         (lambda: oscillator.run(initial=[[1.0, float("nan")]]), "finite"),
         (lambda: oscillator.run(initial=[[1.0], [2.0]]), "2 components"),
         (lambda: oscillator.run(steps=object()), "has the type object"),
         (lambda: oscillator.expect(accuracy=-1), "positive"),
-        (lambda: oscillator.compare(error=0.0), "must be positive"),
+        (lambda: oscillator.compare(error=0.0), "above 0, got 0"),
         (lambda: casimir.scene("rigid"), "no scene `rigid`"),
         (lambda: casimir.Scene("nowhere.toml"), "cannot read the scene"),
         (lambda: casimir.Scene("[run]\n"), "from_toml"),

@@ -27,7 +27,8 @@ impl<E: Error + 'static> From<E> for Failure {
     fn from(error: E) -> Self {
         let any: &dyn Error = &error;
         let argument = matches!(any.downcast_ref(), Some(JobError::Argument(_)));
-        let setting = matches!(any.downcast_ref(), Some(RunError::Setting(_)));
+        let setting = any.downcast_ref();
+        let setting = matches!(setting, Some(RunError::Setting(_) | RunError::Memory { .. }));
         match any.downcast_ref::<SceneError>() {
             Some(error) => Self::Scene(error.clone()),
             None if argument || setting => Self::Usage(error.to_string()),

@@ -212,7 +212,8 @@ impl Method for Collecting<'_> {
             rows.push([0.0; WIDTH]);
         }
         let (values, stopped) = (vec![[0.0; WIDTH]; self.quantities.len()], PathMask::NONE);
-        Box::new(Collector { inner, of: self, before, rows, values, stopped, is_set: true })
+        let (is_set, rests) = (true, false);
+        Box::new(Collector { inner, of: self, before, rows, values, stopped, is_set, rests })
     }
 }
 
@@ -229,6 +230,8 @@ struct Collector<'a> {
     stopped: PathMask,
     /// Whether `rows` were set, so that all else follows from them.
     is_set: bool,
+    /// Whether the stopped paths are all that matter.
+    rests: bool,
 }
 
 impl Collector<'_> {
@@ -236,7 +239,7 @@ impl Collector<'_> {
     fn follow(&mut self) {
         let mut first = self.before.len();
         self.inner.state_mut().copy_from_slice(&self.rows[..first]);
-        (self.stopped, self.is_set) = (PathMask::NONE, false);
+        (self.stopped, self.is_set, self.rests) = (PathMask::NONE, false, false);
         for (quantity, value) in self.of.quantities.iter().zip(&mut self.values) {
             *value = quantity.value(&self.rows);
             if let Along::Passage(Passage { stops: true, .. }) = quantity {
@@ -262,12 +265,18 @@ impl Stepper for Collector<'_> {
         if self.is_set {
             self.follow();
         }
-        self.inner.step(step, noise, status);
+        let held = self.stopped;
+        match self.rests {
+            true => *status = BlockStatus::explicit(),
+            false => self.inner.step(step, noise, status),
+        }
+        // A path that stays where it is makes no step that could fail.
+        status.failed = status.failed.without(held);
         let Self { of: Collecting { system, quantities, .. }, before, .. } = self;
         let mut first = before.len();
         before.copy_from_slice(&self.rows[..first]);
         let state = self.inner.state_mut();
-        for p in self.stopped.paths() {
+        for p in held.paths() {
             state.iter_mut().zip(&*before).for_each(|(y, before)| y[p] = before[p]);
         }
         self.rows[..first].copy_from_slice(state);
@@ -284,7 +293,8 @@ impl Stepper for Collector<'_> {
                 }
                 (Along::Passage(passage), [crossed, time]) => {
                     let ends = (&*value, &next);
-                    passage.advance(*system, before, ends, (step, noise), [crossed, time]);
+                    let noise = (step, noise, held);
+                    passage.advance(*system, before, ends, noise, [crossed, time]);
                     if passage.stops {
                         let passed = (0..WIDTH).filter(|&p| crossed[p] > 0.0);
                         passed.for_each(|p| self.stopped.insert(p));
@@ -295,26 +305,34 @@ impl Stepper for Collector<'_> {
             *value = next;
         }
     }
+
+    fn rests(&mut self, live: PathMask) -> bool {
+        self.rests = live.without(self.stopped).is_empty();
+        self.rests
+    }
 }
 
 impl Passage {
-    /// Marks the paths that pass zero within a step from `before`, with φ at both ends.
+    /// Marks the paths that pass zero within a step from `before`, with φ at both ends. Those that
+    /// are `held` where they are pass by the time alone.
     fn advance(
         &self,
         system: &dyn System,
         before: &[Row],
         (a, b): (&Row, &Row),
-        (step, noise): (&Step, &StepNoise),
+        (step, noise, held): (&Step, &StepNoise, PathMask),
         [crossed, time]: [&mut Row; 2],
     ) {
         let open = |p: &usize| crossed[*p] == 0.0;
         let open: Vec<usize> = (0..WIDTH).filter(open).collect();
-        let gradient = self.gradient.as_ref().filter(|_| !open.is_empty());
+        let moves = open.iter().any(|&p| !held.contains(p));
+        let gradient = self.gradient.as_ref().filter(|_| moves);
         let middle = step.t + 0.5 * step.tau;
         let rate = gradient
             .map_or([0.0; WIDTH], |gradient| variance_rate(system, &**gradient, before, middle));
         for p in open {
-            let (a, b, variance) = (a[p], b[p], rate[p] * step.tau);
+            let variance = if held.contains(p) { 0.0 } else { rate[p] * step.tau };
+            let (a, b) = (a[p], b[p]);
             let mut word = word(noise, step, p);
             let mut next = || {
                 word = mix(word);

@@ -265,6 +265,8 @@ struct Marcher<'a> {
     random_time: Block<1>,
     /// Normals of the time change, if there is one.
     time_change_noise: Option<WienerRows>,
+    /// Whether no live path moves any more: neither noise nor steps are needed.
+    rests: bool,
 }
 
 impl<'a> Marcher<'a> {
@@ -286,6 +288,7 @@ impl<'a> Marcher<'a> {
             clipped: vec![PathMask::NONE; runs],
             random_time: Block::zero(),
             time_change_noise: driver.time_change.map(|_| WienerRows::new(key, first_path)),
+            rests: false,
         }
     }
 
@@ -310,6 +313,9 @@ impl<'a> Marcher<'a> {
         observe: &mut dyn FnMut(&View<'_>),
     ) {
         let driver = self.driver;
+        if self.rests {
+            return self.rest(steps, n, tally, observe);
+        }
         let complete = self.ladder.push(&mut self.next_noise);
         if let (Some(time_change), Some(noise)) = (driver.time_change, &mut self.time_change_noise)
         {
@@ -336,6 +342,34 @@ impl<'a> Marcher<'a> {
         }
         if complete == driver.levels {
             self.drop_non_finite(n, tally);
+            self.show(n >> driver.levels, observe);
+            let Self { live, states, .. } = self;
+            self.rests = live.is_empty()
+                || driver.time_change.is_none() && states.iter_mut().all(|of| of.rests(*live));
+        }
+    }
+
+    /// [`advance`](Self::advance) where no live path moves: what they collect goes on.
+    fn rest(
+        &mut self,
+        steps: &[StepPair],
+        n: u64,
+        tally: &mut Tally,
+        observe: &mut dyn FnMut(&View<'_>),
+    ) {
+        let driver = self.driver;
+        let complete = driver.levels.min(n.trailing_zeros() as usize);
+        let none = self.live.is_empty();
+        let due = |batch: &&Batch| batch.due_level() <= complete && !none;
+        for batch in driver.batches.iter().filter(due) {
+            let StepPair { before, now } = &steps[batch.level];
+            let both = if batch.swapped { &[before, now][..] } else { &[now] };
+            both.iter().for_each(|step| self.step(batch, step, true, tally));
+        }
+        if complete == driver.levels {
+            if !none {
+                self.drop_non_finite(n, tally);
+            }
             self.show(n >> driver.levels, observe);
         }
     }

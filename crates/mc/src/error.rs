@@ -70,6 +70,19 @@ pub enum RunError {
         /// Path-steps allowed.
         max_cost: u64,
     },
+    /// It takes more memory than there is; nothing was computed.
+    #[error(
+        "{what} would take about {} of memory, and {} is free",
+        gigabytes(*bytes), gigabytes(*free)
+    )]
+    Memory {
+        /// What takes the memory, and what would take less.
+        what: String,
+        /// An estimate of the bytes.
+        bytes: f64,
+        /// The bytes that are free.
+        free: f64,
+    },
     /// An expectation was stopped before it had estimates.
     #[error("stopped before the first estimates")]
     Stopped,
@@ -94,6 +107,13 @@ pub enum RunError {
         /// The level.
         level: usize,
     },
+}
+
+fn gigabytes(bytes: f64) -> String {
+    match bytes / 1e9 {
+        size @ 0.1..1e6 => format!("{size:.1} GB"),
+        size => format!("{size:.0e} GB"),
+    }
 }
 
 impl RunError {

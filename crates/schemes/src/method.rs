@@ -2,7 +2,7 @@
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::Row;
+use real::{PathMask, Row};
 
 use crate::Step;
 
@@ -51,4 +51,10 @@ pub trait Stepper: Send {
     /// Advances by one step and overwrites `status`. A path that `status` marks as failed may hold
     /// anything. Of one large path, `status` has that of path 0.
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus);
+
+    /// Whether none of the paths `live` moves any more, such as after an event that stops them.
+    /// Further steps then read no noise.
+    fn rests(&mut self, _live: PathMask) -> bool {
+        false
+    }
 }

@@ -104,7 +104,8 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     if let Some(file) = &arguments.json {
         let provenance = Provenance::of_run(KEY.seed, mode);
-        let provenance = complete(provenance, "cargo xtask bench", start);
+        let commit = option_env!("CASIMIR_COMMIT");
+        let provenance = complete(provenance, "cargo xtask bench", commit, start);
         // The schema is raised whenever a reader of an older version would misread a newer one.
         files::write_json(file, &json!({ "schema": 2, "provenance": provenance, "rows": rows }))?;
     }

@@ -138,7 +138,7 @@ pub fn part(arguments: &Part) -> Done {
     let job = Job::part(&folder.folder, share, program())?.stopped_by(&watch.stop);
     folder.compute(&job, &watch)?;
     match job.finish() {
-        Err(JobError::Stopped) => {
+        Ok(()) | Err(JobError::Stopped) if watch.stop.is_asked() => {
             Err(Failure::Stopped("the same command goes on from the checkpoint".into()))
         }
         finished => {
@@ -158,6 +158,9 @@ pub fn merge(arguments: &Merge) -> Done {
     let job = Job::merge(&folder.folder, program())?.stopped_by(&watch.stop);
     let found = folder.compute(&job, &watch)?;
     job.finish()?;
+    if watch.stop.is_asked() {
+        return Err(Failure::Stopped("the same command merges them".into()));
+    }
     run::write(&found, &folder.folder, &arguments.write, arguments.json)
 }
 

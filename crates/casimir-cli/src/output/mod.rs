@@ -320,7 +320,7 @@ fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> Vec<Vec<String>> {
 /// The results of a run for programs.
 fn summary(Run { one, results, .. }: &Run<'_>) -> serde_json::Result<Value> {
     let (scene, results) = (&one.scene, *results);
-    let Results { scheme, because, tables, study, check, seconds, .. } = results;
+    let Results { scheme, because, study, check, seconds, .. } = results;
     let last = |study: &StudyResult| {
         let last = |series: &Series| {
             let mut last = serde_json::to_value(series.last())?;
@@ -333,11 +333,7 @@ fn summary(Run { one, results, .. }: &Run<'_>) -> serde_json::Result<Value> {
         };
         study.series.iter().map(last).collect::<serde_json::Result<serde_json::Map<_, _>>>()
     };
-    let halted: Vec<Value> = tables
-        .iter()
-        .enumerate()
-        .filter_map(|(path, table)| Some(json!({ "path": path, "why": table.halted.as_ref()? })))
-        .collect();
+    let halted = results.halted(scene).map(|(path, why)| json!({ "path": path, "why": why }));
     Ok(json!({
         "title": scene.title,
         "scheme": scheme,
@@ -348,7 +344,7 @@ fn summary(Run { one, results, .. }: &Run<'_>) -> serde_json::Result<Value> {
         "at_end": study.as_ref().map(last).transpose()?,
         "step_check": check,
         "warnings": results.warnings(scene),
-        "halted": halted,
+        "halted": halted.collect::<Vec<_>>(),
         "seconds": seconds,
     }))
 }

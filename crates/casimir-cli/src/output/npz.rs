@@ -110,10 +110,6 @@ pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item =
 pub fn study(result: &StudyResult) -> Vec<Array> {
     let Some(first) = result.series.first() else { return Vec::new() };
     let times: Vec<f64> = first.points.iter().map(|point| point.time).collect();
-    let axes = ["lag", "omega"].into_iter().zip(&result.lagged).map(|(name, series)| {
-        let places: Vec<f64> = series.points.iter().map(|point| point.time).collect();
-        (name.into(), vec![places.len()], places)
-    });
     let joint = result.joint.iter().flat_map(|Joint { names: [a, b], grids, counts, .. }| {
         let name = format!("joint({a}, {b})");
         let [x, y] = grids.map(|grid| (0..=grid.bins).map(|k| grid.edge(k)).collect::<Vec<_>>());
@@ -122,9 +118,17 @@ pub fn study(result: &StudyResult) -> Vec<Array> {
             .map(|(side, edges)| (format!("{name} {side}"), vec![edges.len()], edges.clone()));
         [(name, vec![x.len() - 1, y.len() - 1], values)].into_iter().chain(sides)
     });
-    let all = [("t".into(), vec![times.len()], times)].into_iter().chain(axes);
+    let all = [("t".into(), vec![times.len()], times)].into_iter().chain(lags(result));
     let series = [&result.series, &result.lagged].map(|series| statistics(&[], &[(0, series)]));
     all.chain(series.concat()).chain(joint).collect()
+}
+
+/// Where autocorrelations and spectra are, if there are any: `lag` and `omega`.
+pub fn lags(result: &StudyResult) -> impl Iterator<Item = Array> {
+    ["lag", "omega"].into_iter().zip(&result.lagged).map(|(name, series)| {
+        let places: Vec<f64> = series.points.iter().map(|point| point.time).collect();
+        (name.into(), vec![places.len()], places)
+    })
 }
 
 /// Statistics of runs at places along axes, as arrays over the axes, times, and levels of

@@ -12,7 +12,7 @@ use casimir::{
 use serde_json::{Value, json};
 
 use super::{Drawn, Report, Run, Section, figures::file, npz, page::TABLE};
-use crate::scene::{Observable, Scene, Varied};
+use crate::scene::{Observable, Scene, Settings, Varied};
 
 /// Curves in one figure, and small multiples.
 const MOST_CURVES: usize = 5;
@@ -132,12 +132,18 @@ impl Report<'_> {
         let axes: Vec<usize> = varied.iter().map(|varied| varied.values.len()).collect();
         let axis = |one: &Varied| (one.name.clone(), vec![one.values.len()], one.values.clone());
         let mut arrays: Vec<_> = varied.iter().map(axis).collect();
-        let (times, until) = (self.scene.settings.times as usize, self.scene.settings.until);
-        let time = |k: usize| until * k as f64 / times as f64;
-        arrays.push(("t".into(), vec![times + 1], (0..=times).map(time).collect()));
+        let Settings { times, steps, until, .. } = self.scene.settings;
+        // To the bit those of a run.
+        let time = |k| (k * (steps / times)) as f64 * (until / steps as f64);
+        arrays.push(("t".into(), vec![times as usize + 1], (0..=times).map(time).collect()));
         let place = |run: &Run<'_>| zip(&axes, &run.one.places).fold(0, |at, (n, k)| at * n + k);
+        let studies = self.runs.iter().map(|run| Some((place(run), run.results.study.as_ref()?)));
+        let studies = studies.collect::<Option<Vec<_>>>().unwrap_or_default();
+        arrays.extend(studies.first().into_iter().flat_map(|(_, study)| npz::lags(study)));
         let runs: Vec<_> = self.runs.iter().map(|run| (place(run), &*run.series)).collect();
+        let lagged: Vec<_> = studies.iter().map(|(k, study)| (*k, &*study.lagged)).collect();
         arrays.extend(npz::statistics(&axes, &runs));
+        arrays.extend(npz::statistics(&axes, &lagged));
         arrays
     }
 }

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::{At, Count, Event, Parameter, Start, Structure, Text, Values};
+use super::values::{At, Count, Event, Parameter, Seed, Start, Structure, Text, Values};
 
 /// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -127,7 +127,7 @@ pub struct RunTable {
     /// number up to 200 that does.
     pub times: Option<At<Count>>,
     /// Seed of the random numbers: the same seed gives the same bits. Default: 1.
-    pub seed: Option<u64>,
+    pub seed: Option<At<Seed>>,
     /// Order k of the truncation of increments, |ΔW| ≤ √(2kτ|ln τ|), for schemes that need one; the
     /// step τ must be below 1 then. Default: 4, and never fewer than six deviations.
     pub truncation: Option<At<Count>>,

@@ -121,6 +121,9 @@ pub fn initial(
     key: StreamKey,
 ) -> Read<Begun> {
     let texts = match &**at {
+        Listed::List(none) if none.is_empty() => {
+            return Err(source.error(at.span(), "the initial value has no component"));
+        }
         Listed::List(texts) => texts,
         Listed::Text(file) => return of_file(source, file, at),
     };

@@ -112,7 +112,8 @@ impl Settings {
         changes: &Changes,
     ) -> Read<Self> {
         let SchemeAndSeed { scheme: changed, seed, .. } = changes.scheme.clone();
-        let key = StreamKey { seed: seed.or(run.seed).unwrap_or(1), experiment: 0 };
+        let own = run.seed.as_ref().map(|seed| seed.0);
+        let key = StreamKey { seed: seed.or(own).unwrap_or(1), experiment: 0 };
         let (initial, random) = initial(source, &run.initial, constants, key)?;
         let until = constants.value(source, &run.until)?;
         if until <= 0.0 {

@@ -60,7 +60,7 @@ pub struct Combination {
 
 /// A scene at every combination of the values that are varied; the last parameter changes fastest.
 pub struct Sweep {
-    /// What is varied; nothing if there is one combination.
+    /// What is varied: what `[sweep]` has, if of one value only, and `--set` with several.
     pub varied: Vec<Varied>,
     /// The scenes; at least one.
     pub combinations: Vec<Combination>,
@@ -86,7 +86,7 @@ impl Sweep {
                 let place = rest % one.values.len();
                 rest /= one.values.len();
                 one.put(&mut file, place);
-                if one.values.len() > 1 {
+                if one.is_axis() {
                     words.insert(0, format!("{} = {}", one.name, one.values[place].0));
                     places.insert(0, place);
                 }
@@ -97,7 +97,7 @@ impl Sweep {
             }
             Ok(Combination { label: words.join(", "), places, scene })
         };
-        let varied = chosen.iter().filter(|one| one.values.len() > 1).map(|one| Varied {
+        let varied = chosen.iter().filter(|one| one.is_axis()).map(|one| Varied {
             name: one.name.clone(),
             values: one.values.iter().map(|(_, value)| *value).collect(),
         });
@@ -118,6 +118,11 @@ struct Chosen {
 }
 
 impl Chosen {
+    /// Whether results have an axis for it: `--set` with one value settles it.
+    fn is_axis(&self) -> bool {
+        self.values.len() > 1 || self.place.is_some()
+    }
+
     /// Gives the parameter of a scene one of the values.
     fn put(&self, file: &mut SceneFile, place: usize) {
         let parameters = &mut file.system.parameters;

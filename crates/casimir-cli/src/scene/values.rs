@@ -71,6 +71,11 @@ pub struct Text(pub String);
 #[serde(try_from = "Value")]
 pub struct Count(pub u64);
 
+/// A whole number of 64 bits; one that TOML has no number for stands in quotes.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub struct Seed(pub u64);
+
 /// A parameter: a number, a formula without names, or a list of them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "Value")]
@@ -212,16 +217,30 @@ impl FromStr for Values {
 /// More combinations than these take more files and pages than anybody reads.
 pub const MOST_VALUES: u64 = 10_000;
 
+/// A number as it is written, or what stands in its place.
+fn number(value: &Value) -> String {
+    match value {
+        Value::Integer(number) => number.to_string(),
+        Value::Float(number) => number.to_string(),
+        other => other.type_str().into(),
+    }
+}
+
 impl TryFrom<Value> for Count {
     type Error = String;
 
     fn try_from(value: Value) -> Result<Self, String> {
-        let text = match value {
-            Value::Integer(number) => number.to_string(),
-            Value::Float(number) => number.to_string(),
-            other => other.type_str().into(),
-        };
-        count(&text).map(Self)
+        count(&number(&value)).map(Self)
+    }
+}
+
+impl TryFrom<Value> for Seed {
+    type Error = String;
+
+    fn try_from(value: Value) -> Result<Self, String> {
+        let text = value.as_str().map_or_else(|| number(&value), str::to_owned);
+        let wrong = || format!("`{text}` is not a seed: a whole number from 0 to {}", u64::MAX);
+        text.parse().map(Self).map_err(|_| wrong())
     }
 }
 
@@ -232,7 +251,8 @@ impl TryFrom<Value> for Text {
         match value {
             Value::String(text) => Ok(Self(text)),
             Value::Integer(number) => Ok(Self(number.to_string())),
-            Value::Float(number) => Ok(Self(format!("{number:?}"))),
+            Value::Float(number) if number.is_finite() => Ok(Self(format!("{number:?}"))),
+            Value::Float(number) => Err(format!("a number must be finite, got {number}")),
             other => Err(format!(
                 "got a value of type {}, expected a number or a formula in quotes, such as \
                  \"y1^2/2\"",
@@ -283,6 +303,7 @@ macro_rules! schema {
 
 schema!(Text, "Formula", { "type": ["string", "number"] });
 schema!(Count, "Count", { "type": "number", "minimum": 1, "multipleOf": 1 });
+schema!(Seed, "Seed", { "type": ["integer", "string"], "minimum": 0 });
 schema!(Values, "Values", {
     "type": ["array", "string", "number"],
     "items": { "type": ["string", "number"] }

@@ -2,7 +2,7 @@
 
 use casimir::{
     analysis::{Decision, Judged, LevelNoise, Referee, SolverStates, StepSizes, VISITS, Verdict},
-    mc::Observe,
+    mc::{Observe, demand},
 };
 use serde_json::json;
 
@@ -54,6 +54,9 @@ fn referee(scene: &Scene, measure: Measure) -> Done<Referee<'_>> {
     let steps = measure.steps.unwrap_or_else(|| coarsest_steps(settings.until));
     let sizes = StepSizes::new(steps, settings.truncation, settings.key);
     let (levels, samples) = (measure.levels, measure.paths);
+    // Those of the solver and of the reference, and what is made of them.
+    let states = 16.0 * scene.components.len() as f64 * (levels + 4) as f64;
+    demand(format!("the states of {samples} paths"), states * samples as f64)?;
     let sizes = StepSizes { levels, samples, refinement: REFINEMENT, ..sizes };
     Ok(Referee { setup: scene.setup(scheme)?, sizes })
 }
@@ -70,6 +73,10 @@ pub fn solver_noise(
     (first, paths): (u64, usize),
 ) -> Done<(Vec<LevelNoise>, [Vec<f64>; 3])> {
     let referee = referee(scene, measure)?;
+    let (m, coarsest) = (scene.problem().noises as f64, referee.sizes.coarsest_steps as f64);
+    let steps = coarsest * 2f64.powi(measure.levels as i32);
+    let what = format!("the noise of {paths} paths at {} step sizes", measure.levels);
+    demand(what, 8.0 * steps * (2.0 + m) * m * paths as f64)?;
     let wrong = |error| scene.steps_error(error);
     let noise = referee.noise(first, paths).map_err(wrong)?;
     Ok((noise, referee.reference(first, paths).map_err(wrong)?))

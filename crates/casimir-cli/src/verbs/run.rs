@@ -5,7 +5,7 @@ use std::time::Instant;
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
     mc::{
-        Observe, Setup, Simulation, Study, StudySettings, TimeSeries, parts::Job,
+        Observe, RunError, Setup, Simulation, Study, StudySettings, TimeSeries, parts::Job,
         study::StudyResult,
     },
 };
@@ -104,20 +104,33 @@ impl Results {
         }
     }
 
+    /// Whether the study was stopped, and so the tables, which come last.
+    fn lacks_tables(&self, scene: &Scene) -> bool {
+        self.study.as_ref().is_some_and(|study| study.record.paths < scene.settings.paths)
+    }
+
+    /// The paths of the tables that ended early, and why.
+    pub fn halted(&self, scene: &Scene) -> impl Iterator<Item = (usize, &String)> {
+        let tables = if self.lacks_tables(scene) { &[] } else { &self.tables[..] };
+        let all = tables.iter().enumerate();
+        all.filter_map(|(path, table)| Some((path, table.halted.as_ref()?)))
+    }
+
     /// What a reader must know of single paths, of the steps and of the statistics.
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
-        let Self { tables, study, check, .. } = self;
+        let Self { study, check, .. } = self;
         let steps = check.iter().flat_map(|check| output::step_lines(check, study.as_ref(), scene));
         let warnings = study.iter().flat_map(|study| study.warnings.clone());
-        let halted = tables.iter().enumerate().filter_map(|(path, table)| {
-            table.halted.as_ref().map(|halted| format!("path {path}: {halted}"))
-        });
+        let halted = self.halted(scene).map(|(path, halted)| format!("path {path}: {halted}"));
+        let none = self.lacks_tables(scene);
+        let none =
+            none.then(|| "stopped before the tables of single paths, which come last".into());
         let is_few =
             study.is_none() && !(scene.wanted.pairs.is_empty() && scene.wanted.lagged.is_empty());
         let few = "pairs and autocorrelations are of 100 paths or more: take more `paths`";
         let few = is_few.then(|| few.to_owned());
         let mistake = self.known.mistake.clone().into_iter();
-        mistake.chain(steps).chain(warnings).chain(halted).chain(few).collect()
+        mistake.chain(steps).chain(warnings).chain(halted).chain(none).chain(few).collect()
     }
 }
 
@@ -158,14 +171,28 @@ impl<'a> Ready<'a> {
         job.section(&of_label);
         let Scene { components, observables, settings, model, .. } = scene;
         let (steps, truncation, key) = (settings.steps, settings.truncation, settings.key);
+        let wrong = |error| match error {
+            RunError::Memory { .. } => Failure::from(error),
+            error => scene.steps_error(error).into(),
+        };
+        let mut simulation = Simulation::new(setup.clone(), truncation)
+            .every(steps / settings.times)
+            .with_components(components.clone())
+            .stopped_by(&watch.stop);
+        for observable in observables.iter().filter(|observable| !observable.is_component()) {
+            simulation = simulation.observing(observable.clone());
+        }
+        simulation.demand(steps, settings.tables).map_err(wrong)?;
         let mut study = None;
         if settings.is_study() {
             let wanted = StudySettings {
                 wanted: scene.wanted.clone(),
                 ..StudySettings::new(steps, settings.times, settings.paths, truncation, key)
             };
-            let of_all = Study::new(&setup, observables, &wanted);
-            let of_all = of_all.map_err(|error| scene.steps_error(error))?;
+            let of_all = Study::until(&setup, observables, &wanted, &watch.stop).map_err(wrong)?;
+            if watch.stop.is_asked() {
+                return Ok(None);
+            }
             study = watch.under(format!("{of_label}paths"), settings.paths * steps, || {
                 of_all.telling(|done| watch.bar.inc(done)).run_in(job, "study")
             });
@@ -178,15 +205,7 @@ impl<'a> Ready<'a> {
         if settings.is_study() && study.is_none() {
             return Ok(None);
         }
-        let mut simulation = Simulation::new(setup, truncation)
-            .every(steps / settings.times)
-            .with_components(components.clone())
-            .stopped_by(&watch.stop);
-        for observable in observables.iter().filter(|observable| !observable.is_component()) {
-            simulation = simulation.observing(observable.clone());
-        }
-        let tables = simulation.paths(steps, key, 0..settings.tables);
-        let tables = tables.map_err(|error| scene.steps_error(error))?;
+        let tables = simulation.paths(steps, key, 0..settings.tables).map_err(wrong)?;
         let (known, seconds) = (model.known(), start.elapsed().as_secs_f64());
         Ok(Some(Results { scheme, because, known, tables, study, check, seconds }))
     }

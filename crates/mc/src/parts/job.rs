@@ -5,6 +5,7 @@ use std::{
     fs,
     path::Path,
     sync::{Mutex, PoisonError},
+    thread::available_parallelism,
     time::Duration,
 };
 
@@ -200,16 +201,26 @@ impl Job {
     }
 }
 
-/// Limits the threads of everything that is computed from now on in this process.
+/// Most threads that may be asked for: more than nearly any machine has processors.
+const MOST_THREADS: u64 = 1024;
+/// Most threads for each processor: more only wait for each other.
+const THREADS_EACH: usize = 4;
+
+/// Limits the threads of everything that is computed from now on in this process, to four for each
+/// processor in any case.
 ///
 /// # Errors
-/// [`JobError::Argument`] for no thread, or if work has begun already.
+/// [`JobError::Argument`] for no thread or more than 1024, or if work has begun already.
 pub fn limit_threads(threads: u64) -> Result<(), JobError> {
     let refused =
         |why: String| JobError::Argument(format!("cannot compute with {threads} threads: {why}"));
     if threads == 0 {
         return Err(refused("at least one is needed".into()));
     }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
+    if threads > MOST_THREADS {
+        return Err(refused(format!("{MOST_THREADS} are the most")));
+    }
+    let most = THREADS_EACH * available_parallelism().map_or(1, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(most.min(threads as usize));
     pool.build_global().map_err(|error| refused(error.to_string()))
 }

@@ -11,7 +11,7 @@ use schemes::Step;
 
 use crate::{
     ConformalLaw, Ladder, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Run, RunError,
-    Setup, Statistic, View, parts::Stop,
+    Setup, Statistic, View, demand, parts::Stop,
 };
 
 pub use series::{Column, NoiseOrigin, TimeSeries};
@@ -152,6 +152,17 @@ impl<'a> Simulation<'a> {
         self.run(ladder, key, paths)
     }
 
+    /// Refuses the tables of so many paths that need more memory than there is: twice that of their
+    /// numbers, which are gathered before they are given.
+    ///
+    /// # Errors
+    /// [`RunError::Memory`], or [`RunError::Setting`] if two columns have the same name.
+    pub fn demand(&self, steps: u64, paths: u64) -> Result<(), RunError> {
+        let (columns, times) = (self.names()?.len(), steps / self.every.max(1) + 1);
+        let what = format!("tables of {paths} paths, {columns} columns and {times} times");
+        demand(what, 16.0 * columns as f64 * times as f64 * (paths + 1) as f64)
+    }
+
     /// The names of the columns.
     fn names(&self) -> Result<Vec<String>, RunError> {
         let Setup { problem, .. } = &self.setup;
@@ -190,6 +201,7 @@ impl<'a> Simulation<'a> {
         }
         let (Setup { problem, scheme }, tau) = (&self.setup, ladder.tau(0));
         let (names, steps) = (self.names()?, ladder.coarse_steps());
+        self.demand(steps, paths.end.saturating_sub(paths.start))?;
         let damped = self.damping_integrals(steps, tau)?;
         // Where the values of laws begin among the columns.
         let laws = 1 + problem.y0.len() + self.observables.len();

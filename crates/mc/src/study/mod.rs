@@ -63,7 +63,11 @@ use std::sync::Arc;
 
 use noise::Purpose;
 
-use crate::{Ladder, Measured, Observe, Run, RunError, Setup, observable::erased, parts::Job};
+use crate::{
+    Ladder, Measured, Observe, Run, RunError, Setup,
+    observable::erased,
+    parts::{Job, Stop},
+};
 use sums::StudyStatistic;
 
 pub use dependence::{Joint, Wanted};
@@ -92,12 +96,27 @@ impl<'a> Study<'a> {
     ///
     /// # Errors
     /// [`RunError`] if a setting is out of range, times are not ends of steps or not in order,
-    /// observables are missing or share a name, or the scheme cannot be run on the steps.
+    /// observables are missing or share a name, the scheme cannot be run on the steps, or there is
+    /// too little memory.
     pub fn new(
         setup: &Setup<'a>,
         observables: &'a [impl Observe],
         settings: &StudySettings,
     ) -> Result<Self, RunError> {
+        Self::until(setup, observables, settings, &Stop::default())
+    }
+
+    /// The same with a pilot that `stop` ends early; then nothing should be run.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn until(
+        setup: &Setup<'a>,
+        observables: &'a [impl Observe],
+        settings: &StudySettings,
+        stop: &Stop,
+    ) -> Result<Self, RunError> {
+        settings.demand(observables.len())?;
         let observables = erased(observables);
         let record = Record::new(setup, &observables, settings)?;
         let ladder = |family| {
@@ -108,7 +127,7 @@ impl<'a> Study<'a> {
         };
         let pilot = ladder(Purpose::Pilot)?;
         let new = || StudyStatistic::new(&observables, &record.times, &[], &settings.wanted);
-        let seen = pilot.run(settings.pilot, new).statistic.sums;
+        let seen = pilot.run_until(stop, 0, settings.pilot, new).statistic.sums;
         let ranges = seen.moments.iter().map(|moments| moments.range());
         let grids = ranges.map(|range| Grid::covering(range, settings.bins)).collect();
         let ladder = ladder(Purpose::Paths)?;

@@ -1,9 +1,11 @@
 //! Settings of a study.
 
 use noise::{StreamKey, Truncation};
+use real::Row;
+use stats::CentralMoments;
 
-use super::Wanted;
-use crate::{Observe, RunError};
+use super::{Summary, Wanted};
+use crate::{Observe, RunError, demand, driver::GROUP_PATHS};
 
 /// Settings of a [`Study`](super::Study).
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +62,23 @@ impl StudySettings {
                  divides them"
             ))),
         }
+    }
+
+    /// Refuses statistics of so many observables that need more memory than there is.
+    pub(super) fn demand(&self, observables: usize) -> Result<(), RunError> {
+        let threads = rayon::current_num_threads() as f64;
+        let groups = (self.paths as f64 / GROUP_PATHS as f64).max(1.0);
+        // Groups under way and just done, and nodes of the tree that wait for their neighbours.
+        let sums = (2.0 * threads).min(groups) + groups.log2() + 1.0;
+        let (bins, times) = (f64::from(self.bins), self.times as f64);
+        let size = |bytes: usize| bytes as f64;
+        let sum = size(size_of::<CentralMoments>() + size_of::<u64>()) + 2.0 * bins;
+        // Counts of the result are wide, and quantiles stand beside them.
+        let result = size(2 * size_of::<Summary>()) + 8.0 * bins;
+        let past = size(self.wanted.lagged.len() * size_of::<Row>()) * sums;
+        let values = times * size(observables);
+        let what = format!("statistics of {observables} observables at {times} times");
+        demand(what, values * (sums * sum + result) + times * past)
     }
 
     /// Checks all but the times, the steps and the truncation.
