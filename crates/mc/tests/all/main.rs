@@ -15,3 +15,4 @@ mod random_points;
 mod simulation;
 mod statistics;
 mod study;
+mod tails;
