@@ -15,12 +15,12 @@ use crate::quantile::{CONFIDENCE, two_sided};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CentralMoments {
     count: u64,
-    mean: f64,
+    pub(crate) mean: f64,
     m2: f64,
     m3: f64,
     m4: f64,
-    least: f64,
-    largest: f64,
+    pub(crate) least: f64,
+    pub(crate) largest: f64,
     at_ends: [u64; 2],
 }
 

@@ -22,6 +22,7 @@
 //! |---|---|
 //! | [`CrossMoments`] | means and covariances |
 //! | [`CentralMoments`] | mean with interval, variance, kurtosis and range, without cancellation |
+//! | [`Tail`] | whether a law has a mean and a variance, from its largest values |
 //! | [`quantile_ranks`] | order statistics that enclose a quantile |
 //! | [`fit_strong`] | strong orders, from squared differences that share paths |
 //! | [`fit_weak`], [`weak_errors`] | weak orders, from signed errors or differences with a covariance ([`diagonal`]) |
@@ -46,6 +47,7 @@ mod rate;
 mod root_mean_square;
 mod special;
 mod strong;
+mod tail;
 mod weak;
 mod worse;
 
@@ -60,5 +62,6 @@ pub use quantile_ranks::quantile_ranks;
 pub use rate::{Against, Expansion, Rate};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};
 pub use strong::fit_strong;
+pub use tail::Tail;
 pub use weak::{fit_weak, lower_share, weak_errors};
 pub use worse::worse;

@@ -11,7 +11,7 @@ use super::{
     extrapolation::{Extrapolation, extrapolation, seen_orders},
     judge::Evidence,
     kept::{Keeping, Kept},
-    level::{PathValues, Samples, Values, hull},
+    level::{PathValues, Samples, Values, hull, tail},
     rates,
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
     resolution::{LARGEST_EXPONENT, Motion, unresolved},
@@ -144,7 +144,11 @@ impl<'a> Estimator<'a> {
             if !self.noisy {
                 self.first = self.levels.len() - BIAS_LEVELS;
             }
-            let sums: Vec<Sum> = self.numbers().map(|k| self.sum(k)).collect();
+            let numbers = self.numbers();
+            let sums: Vec<Sum> = numbers.iter().map(|&k| self.sum(k)).collect();
+            if sums.is_empty() {
+                break None;
+            }
             self.tell(&sums);
             let last = self.levels.len() - 1;
             let wide = |sum: &Sum| sum.half_width() > accuracy;
@@ -169,7 +173,7 @@ impl<'a> Estimator<'a> {
             } else {
                 let begin = &self.levels[self.first];
                 let wide = sums.iter().any(wide);
-                let heavy = begin.values.iter().any(Values::is_heavy);
+                let heavy = numbers.iter().any(|&k| begin.values[k].is_heavy());
                 let enough = !wide && (!heavy || begin.count() >= MOST_SAMPLES);
                 let most = MOST_BIAS * accuracy;
                 let stuck = unresolved || sums.iter().any(|sum| sum.extrapolation.size > most);
@@ -316,9 +320,10 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// The numbers of the test functions.
-    fn numbers(&self) -> std::ops::Range<usize> {
-        0..self.request.observables.len()
+    /// The numbers of the test functions for which more samples are of use: those with a variance.
+    fn numbers(&self) -> Vec<usize> {
+        let has_variance = |&k: &usize| tail(&self.levels[self.first..], k).has_variance();
+        (0..self.request.observables.len()).filter(has_variance).collect()
     }
 
     /// Steps of the fine path of a level.
@@ -477,12 +482,16 @@ impl<'a> Estimator<'a> {
         let estimate = |(k, phi): (usize, &&dyn Observe)| {
             let sum = self.sum(k);
             let terms = Term::differences(differences, k, self.range(k));
+            let tail = tail(&levels[first..], k);
             Estimate {
                 name: phi.name().to_owned(),
-                value: sum.over(|weight, term| weight * term.mean),
+                value: match tail.has_mean() {
+                    true => sum.over(|weight, term| weight * term.mean),
+                    false => f64::NAN,
+                },
                 standard_error: sum.standard_error(),
                 quantile: sum.quantile(),
-                missed: sum.missed(),
+                missed: if tail.has_variance() { sum.missed() } else { f64::INFINITY },
                 bias: sum.over(|weight, term| (weight - 1.0) * term.mean),
                 bias_bound: sum.bias_bound(),
                 alpha: rates::alpha(&differences[from..], &terms[from..], k),

@@ -2,7 +2,7 @@
 
 use super::{
     extrapolation::{ORDER_TOLERANCE, lowest},
-    level::Samples,
+    level::{Samples, tail},
     report::{Estimate, Judged, Rate, Warning, WarningKind},
     sum::BIAS_LEVELS,
 };
@@ -73,11 +73,17 @@ impl Evidence<'_> {
     }
 
     /// Whether a few samples of test function number k decide: on the level that the sum begins
-    /// with, or because φ is the same on every path of one of the last levels.
+    /// with, where its tail shows it or few carry the variance; or because φ is the same on every
+    /// path of one of the last levels.
     fn few_samples(&self, k: usize) -> Option<(WarningKind, String)> {
         let last = self.levels.len() - BIAS_LEVELS;
         let blind = |samples: &&Samples| self.noisy && samples.values[k].is_blind();
         let begin = &self.levels[self.first];
+        let tail = tail(&self.levels[self.first..], k);
+        if tail.is_heavy() {
+            let text = format!("{tail}: more paths do not make an interval of its mean right");
+            return Some((WarningKind::FewSamples, text));
+        }
         let found = self.levels[last..].iter().find(blind).map(|samples| (samples, 0.0));
         let heavy = begin.values[k].is_heavy();
         let few = || (begin, begin.values[k].fine.effective_samples());

@@ -1,11 +1,12 @@
 //! The samples of one level, by replicates and all together.
 
+use noise::ScrambledSobol;
 use real::{PathMask, Row, WIDTH};
 use serde::{Deserialize, Serialize};
-use stats::{CentralMoments, FEW_SAMPLES};
+use stats::{CentralMoments, FEW_SAMPLES, Tail};
 
 use super::resolution::{Motion, compares_at};
-use crate::{Measured, Observe, Statistic, View};
+use crate::{Measured, Observe, Statistic, View, driver::GROUP_PATHS};
 
 /// Moments of one test function on one level.
 #[derive(Clone, Default, Serialize, Deserialize)]
@@ -16,6 +17,9 @@ pub struct Values {
     pub fine: CentralMoments,
     /// φ on the coarse path, or its average over two.
     pub coarse: CentralMoments,
+    /// φ on the fine paths of the pilot. They show the tail of its law before rounds go on until
+    /// samples look light.
+    pub pilot: Vec<f64>,
 }
 
 impl Values {
@@ -37,6 +41,7 @@ impl Values {
         self.sample.merge(&later.sample);
         self.fine.merge(&later.fine);
         self.coarse.merge(&later.coarse);
+        self.pilot.extend(&later.pilot);
     }
 
     /// The least and the largest φ on fine and coarse paths.
@@ -61,6 +66,11 @@ impl Values {
         self.fine.effective_samples() < FEW_SAMPLES && !self.fine.is_two_valued()
     }
 
+    /// The tail of the law of φ on fine paths.
+    fn tail(&self) -> Tail {
+        self.fine.tail(&self.pilot)
+    }
+
     /// Whether the samples vary by more than round-off.
     pub fn varies(&self) -> bool {
         self.sample.is_spread(self.fine.mean().abs() + self.fine.variance().sqrt())
@@ -73,6 +83,13 @@ pub fn hull(a: Option<(f64, f64)>, b: Option<(f64, f64)>) -> Option<(f64, f64)> 
         (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
         (one, other) => one.or(other),
     }
+}
+
+/// The heavier tail of test function number k on the first and the last of these levels: the last is
+/// nearest to the solution, and the first has the most samples.
+pub fn tail(levels: &[Samples], k: usize) -> Tail {
+    let [first, last] = [0, levels.len() - 1].map(|level| levels[level].values[k].tail());
+    if first > last { first } else { last }
 }
 
 /// The samples of one level so far.
@@ -194,6 +211,9 @@ impl Statistic for PathValues<'_> {
             }
             if last {
                 values.add(&fine, coarse.as_ref(), view.live);
+                if view.first_path % ScrambledSobol::POINTS < GROUP_PATHS {
+                    values.pilot.extend(view.live.paths().map(|p| fine[p]));
+                }
             }
         }
     }

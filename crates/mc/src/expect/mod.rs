@@ -30,6 +30,8 @@
 //!   sample differs, the interval is widened by 3.69·R/N: without an event in N samples up to −ln
 //!   0.025 of them are expected, each no larger than R, the largest that was seen. Below thirty
 //!   single paths of a φ of more than two values larger events may be missing, and nobody can tell.
+//!   A heavy [tail](stats::Tail) of φ in the pilot, before rounds go on until samples look light,
+//!   leaves no interval below index two and no mean below one; no more is spent on such a φ.
 //!   If φ is the same to the bit on every path of a level that decides, nothing is known of R.
 //! - *Bias.* Three differences bound it; the observed order must not lie below ½ or half of the
 //!   weak order; coarse and fine means of neighbouring levels must agree.

@@ -46,7 +46,7 @@ impl Expectation {
 /// [`Warning`], whose kind names the assumption.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Judged {
-    /// Thirty samples or more carry the variance.
+    /// Thirty samples or more carry the variance, and no heavy [tail](stats::Tail) is seen.
     pub variance: bool,
     /// The bias falls from level to level by an order that can be extrapolated, and the levels
     /// telescope.
@@ -68,7 +68,8 @@ pub struct Estimate {
     /// Name of φ.
     #[serde(rename = "of")]
     pub name: String,
-    /// The estimate, extrapolated to τ → 0.
+    /// The estimate, extrapolated to τ → 0; NaN where the [tail](stats::Tail) of φ says that there may
+    /// be no mean.
     pub value: f64,
     /// Standard error of the estimate, from the spread over replicates, without bias.
     pub standard_error: f64,
@@ -85,6 +86,7 @@ pub struct Estimate {
     /// What events that the samples missed may add: the root of the sum of squares of 3.69·R/N over
     /// the levels where fewer than thirty of N samples carry the variance (N/κ < 30 with the
     /// kurtosis κ); R is the largest event that was seen, and 3.69 = −ln 0.025.
+    /// Infinite where the tail of φ says that there may be no variance.
     pub missed: f64,
     /// Observed α in E[φ(y_τ)] − E[φ(y_{2τ})] ∝ τ^α, from the differences that exceed four standard
     /// errors; `None` with fewer than two of them, or if their signs differ.
@@ -158,8 +160,8 @@ pub struct Warning {
 #[non_exhaustive]
 pub enum WarningKind {
     /// A few samples decide, so that nobody can tell how φ varies: fewer than thirty carry its
-    /// variance, and events larger than all that were seen may be missing; or none does, since φ is
-    /// the same to the bit on all of them. Blocks [`Judged::variance`].
+    /// variance, and events larger than all that were seen may be missing; the tail is so heavy that
+    /// there may be no variance; or none does, since φ is the same to the bit on all of them. Blocks [`Judged::variance`].
     FewSamples,
     /// The steps of the finest level do not resolve this component of the state, counted from one.
     /// Fine and coarse paths differ by more than half of its motion in root mean square, or by no
@@ -255,6 +257,11 @@ impl fmt::Display for Estimate {
             true => (1.0 - elementary::log10(half_width).floor()).clamp(0.0, 17.0) as usize,
             false => 6,
         };
+        if half_width == f64::INFINITY {
+            let value = Some(self.value).filter(|value| !value.is_nan());
+            let value = value.map_or("no mean".into(), |value| format!("{value:.decimals$}"));
+            return write!(f, "{value}, no interval; NOT to be believed");
+        }
         let sampling = elementary::hypot(self.quantile * self.standard_error, self.missed);
         write!(
             f,

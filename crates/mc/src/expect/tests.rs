@@ -29,7 +29,7 @@ fn moments(samples: &[f64]) -> CentralMoments {
 fn pairs(fine: &[f64], coarse: &[f64]) -> Values {
     let differences: Vec<f64> = fine.iter().zip(coarse).map(|(a, b)| a - b).collect();
     let (sample, fine, coarse) = (moments(&differences), moments(fine), moments(coarse));
-    Values { sample, fine, coarse }
+    Values { sample, fine, coarse, ..Values::default() }
 }
 
 /// A level of one replicate, whose variance is not known.

@@ -12,8 +12,14 @@
 //! [`from`](super::StudySettings::from) on, and m the mean of v. That is of use if v is stationary.
 //! Lags go up to half of these times.
 //!
-//! **Spectrum**: S(ω) = (Δ/2π) Σₖ w(k) c(kΔ) cos(kωΔ), two-sided, so that ∫S dω is the variance.
-//! The window w(k) = cos²(πk/2K) leaves a resolution of about 2π/KΔ (Blackman and Tukey 1958).
+//! **Spectrum**: S(ω) = (Δ/2π) Σₖ w(k) C(kΔ) cos(kωΔ)/|H(ω)|², two-sided, so that ∫S dω is the
+//! variance. The window w(k) = cos²(πk/2K) leaves a resolution of about 2π/KΔ (Blackman and Tukey
+//! 1958). C is the covariance of v after a filter: a mean over all r steps h between two saved times
+//! on both sides with weights that fall linearly, of which H = (sin ½ωΔ/r sin ½ωh)² is the transform.
+//! It has a zero at every multiple of 2π/Δ but zero. So of what oscillates faster than π/Δ, which the
+//! saved times cannot tell from slower motion (aliasing), S(ω) has the part (x/(x − π))⁴ and less, x
+//! = ½ωΔ. S ends at π/2Δ, where this is 1/81, and at π/8h, where as much of a spectrum that falls as
+//! 1/ω² is beyond the reach of the steps themselves.
 
 use std::f64::consts::PI;
 
@@ -79,7 +85,18 @@ impl Wanted {
 
     /// Number of rows of sums.
     pub(super) fn rows(&self, times: usize) -> usize {
-        self.pairs.len() * times * OF_PAIR + self.lagged.len() * (2 + self.lags(times))
+        self.pairs.len() * times * OF_PAIR + 2 * self.lagged.len() * (2 + self.lags(times))
+    }
+
+    /// The values of the observables of which lags are wanted, in the same unit at all times.
+    pub(super) fn rows_of_lagged(
+        &self,
+        grids: &[Grid],
+        observables: usize,
+        values: &[Row],
+    ) -> impl ExactSizeIterator<Item = Row> {
+        let last = grids.len() - observables;
+        self.lagged.iter().map(move |&k| Unit::of(&grids[last + k]).row(&values[k]))
     }
 
     /// Number of counts of joint laws: bins and what lies outside of them.
@@ -93,8 +110,26 @@ fn joined(grid: &Grid) -> u32 {
     grid.bins.div_ceil(BINS)
 }
 
-/// The values of one block so far.
-pub type Past = Vec<Row>;
+/// The values of one block so far at saved times, as they are and filtered.
+#[derive(Default)]
+pub struct Past([Vec<Row>; 2]);
+
+impl Past {
+    /// Adds values at a step to the filtered ones at the saved times before and after it: with
+    /// `every` steps between these, counted from the first of them.
+    pub fn filter(&mut self, step: u64, every: u64, rows: impl ExactSizeIterator<Item = Row>) {
+        let (number, filtered) = (rows.len(), &mut self.0[1]);
+        let (first, after) = ((step / every) as usize * number, (step % every) as f64);
+        filtered.resize(filtered.len().max(first + 2 * number), [0.0; WIDTH]);
+        let size = every as f64;
+        for (n, row) in rows.enumerate() {
+            for (place, weight) in [(first, size - after), (first + number, after)] {
+                let weight = weight / (size * size);
+                filtered[place + n].iter_mut().zip(row).for_each(|(sum, x)| *sum += weight * x);
+            }
+        }
+    }
+}
 
 /// Sums of dependence, and what adds to them.
 pub struct Adding<'a> {
@@ -135,22 +170,24 @@ impl Adding<'_> {
             }
         }
         if time >= wanted.from && !wanted.lagged.is_empty() {
-            // Of the same unit at all times.
-            let last = (*times - 1) * *observables;
-            past.extend(wanted.lagged.iter().map(|&k| Unit::of(&grids[last + k]).row(&values[k])));
+            past.0[0].extend(wanted.rows_of_lagged(grids, *observables, values));
             if time + 1 == *times {
                 self.add_lags(std::mem::take(past), live);
             }
         }
     }
 
-    /// Adds the products of all lags on a block: n, the mean over times, and for each lag the sum.
-    fn add_lags(&mut self, past: Past, live: PathMask) {
+    /// Adds the products of all lags on a block: n, the mean over times, and for each lag the sum; of
+    /// values as they are, and filtered but for the ends, on one side of which none are.
+    fn add_lags(&mut self, Past([values, mut filtered]): Past, live: PathMask) {
         let Self { wanted, sums, times, .. } = self;
         let (number, lags) = (wanted.lagged.len(), wanted.lags(*times));
         let first = wanted.pairs.len() * *times * OF_PAIR;
-        for n in 0..number {
-            let mut x: Vec<Row> = past.iter().skip(n).step_by(number).copied().collect();
+        filtered.truncate(values.len().saturating_sub(number));
+        filtered.drain(..number.min(filtered.len()));
+        for n in 0..2 * number {
+            let past = if n < number { &values } else { &filtered };
+            let mut x: Vec<Row> = past.iter().skip(n % number).step_by(number).copied().collect();
             let is_whole = |p: &usize| x.iter().map(|row| row[*p]).sum::<f64>().is_finite();
             let counted: Vec<usize> = live.paths().filter(is_whole).collect();
             let others = (0..WIDTH).filter(|p| !counted.contains(p));
@@ -257,19 +294,26 @@ impl Found<'_> {
         else {
             return Vec::new();
         };
-        let (delta, most) = (last.1 - before.1, lags - 1);
+        let (delta, half) = (last.1 - before.1, (lags - 1).max(1));
         let first = self.wanted.pairs.len() * times * OF_PAIR;
-        let of = |(n, &k): (usize, &usize)| {
+        let all = self.sums[first..].chunks_exact(2 + lags);
+        let filtered = all.clone().skip(self.wanted.lagged.len());
+        let of = |(&k, (sums, filtered)): (&usize, (&[Row], &[Row]))| {
             let unit = Unit::of(&self.grids[(times - 1) * names.len() + k]).scale;
-            let sums = &self.sums[first + n * (2 + lags)..][..2 + lags];
-            let covariances = |s: &[f64]| -> Vec<f64> {
+            let covariances = |s: &[f64], number: usize| -> Vec<f64> {
                 let mean = s[1] / s[0];
-                let of_lag = |(k, sum): (usize, &f64)| sum / (s[0] * (number - k) as f64);
-                s[2..].iter().enumerate().map(|lag| of_lag(lag) - mean * mean).collect()
+                let number = |k: usize| number as f64 - k as f64;
+                let of_lag = |(k, sum): (usize, &f64)| sum / (s[0] * number(k)) - mean * mean;
+                s[2..].iter().enumerate().map(of_lag).collect()
             };
-            let half = most.max(1);
-            let mut found = jackknife(sums, |s| {
-                let c = covariances(s);
+            let autocorrelation = jackknife(sums, |s| {
+                let c = covariances(s, number);
+                c.iter().map(|x| x / c[0]).collect()
+            });
+            let every = (last.0 - before.0) as f64;
+            let frequencies = 0..=(half / 2).min((half as f64 * every / 8.0) as usize);
+            let spectrum = jackknife(filtered, |s| {
+                let c = covariances(s, number.saturating_sub(2));
                 let spectrum = |j: usize| {
                     let term = |(k, c): (usize, &f64)| {
                         let cos = |n: usize| elementary::cos(PI * n as f64 / half as f64);
@@ -277,11 +321,16 @@ impl Found<'_> {
                         let window = 0.5 * (1.0 + cos(k)) * if k == 0 { 1.0 } else { 2.0 };
                         window * c * cos(j * k % (2 * half))
                     };
-                    delta / (2.0 * PI) * c.iter().enumerate().map(term).sum::<f64>() / (unit * unit)
+                    let x = PI * j as f64 / (2 * half) as f64;
+                    let root = match j {
+                        0 => 1.0,
+                        _ => elementary::sin(x) / (every * elementary::sin(x / every)),
+                    };
+                    let sum = c.iter().take(half).enumerate().map(term).sum::<f64>();
+                    delta / (2.0 * PI) * sum / (elementary::powi(root, 4) * unit * unit)
                 };
-                c.iter().map(|x| x / c[0]).chain((0..=most).map(spectrum)).collect()
+                frequencies.clone().map(spectrum).collect()
             });
-            let spectrum = found.split_off(lags);
             let count = sums[0].iter().sum::<f64>() as u64;
             let series = |what: &str, axis: f64, values: Vec<Option<[f64; 3]>>| Series {
                 observable: format!("{what}({})", names[k]),
@@ -291,9 +340,12 @@ impl Found<'_> {
                     .collect(),
             };
             let frequency = PI / (delta * half as f64);
-            [series("autocorrelation", delta, found), series("spectrum", frequency, spectrum)]
+            [
+                series("autocorrelation", delta, autocorrelation),
+                series("spectrum", frequency, spectrum),
+            ]
         };
-        self.wanted.lagged.iter().enumerate().flat_map(of).collect()
+        self.wanted.lagged.iter().zip(all.zip(filtered)).flat_map(of).collect()
     }
 
     /// The joint laws at the final time.

@@ -15,6 +15,10 @@
 //! paths deserve more [`bins`](StudySettings::bins). A quantile outside of the grid has no estimate
 //! and says so.
 //!
+//! **Heavy tails.** Where the values of the first 8192 paths at the last time have a heavy
+//! [tail](stats::Tail), means and variances that may not exist are left out, with a note, there and
+//! at all times with a large kurtosis.
+//!
 //! **Nothing is dropped silently.** A path that fails is left out from then on, counted and
 //! described. Values that are not finite are counted apart. [`StudyResult::warnings`] has both.
 //!

@@ -78,6 +78,8 @@ impl StudyResult {
             let levels = if is_probability { &[][..] } else { &record.quantiles };
             let exact = Summary::exact(*initial, paths, levels);
             let mut points = Vec::from_iter(record.start.is_none().then_some(exact));
+            let tail =
+                sums.moments[last + k].tail(sums.first.get(k).map_or(&[][..], Vec::as_slice));
             for (time, &step) in record.times.iter().enumerate() {
                 let cell = time * record.observables.len() + k;
                 let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
@@ -88,8 +90,8 @@ impl StudyResult {
                 });
                 let at = (step, record.time(step));
                 points.push(match is_probability {
-                    true => Summary::new(at, sums, cell, histogram, &[]).of_probability(),
-                    false => Summary::new(at, sums, cell, histogram, ranks),
+                    true => Summary::new(at, sums, cell, histogram, (&[], tail)).of_probability(),
+                    false => Summary::new(at, sums, cell, histogram, (ranks, tail)),
                 });
             }
             Series { observable: name.clone(), points }
@@ -144,7 +146,11 @@ fn warnings(losses: &Losses, paths: u64, series: &[Series]) -> Vec<String> {
         (CROWDED, &|point| at(point, &[Place::Crowded])),
     ];
     for Series { observable, points } in series {
-        for (what, concerns) in concerns {
+        let notes = points.iter().filter_map(|point| point.interval_note.as_deref());
+        let tail = notes.filter(|note| note.contains("tail index")).next_back();
+        let heavy = |point: &Summary| point.interval_note.as_deref() == tail;
+        let tail = tail.map(|tail| (tail, &heavy as Concerns<'_>));
+        for (what, concerns) in concerns.into_iter().chain(tail) {
             let times: Vec<f64> =
                 points.iter().filter(|point| concerns(point)).map(|point| point.time).collect();
             if let [first, ..] = times[..] {

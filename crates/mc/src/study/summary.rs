@@ -1,7 +1,7 @@
 //! The law of one observable at one time.
 
 use serde::{Deserialize, Serialize};
-use stats::proportion;
+use stats::{Tail, proportion};
 
 use super::{Grid, sums::Sums};
 
@@ -28,16 +28,18 @@ pub struct Summary {
     pub count: u64,
     /// Number of values that are not finite and count nowhere else.
     pub not_finite: u64,
-    /// The mean; `None` without values.
+    /// The mean; `None` without values, and where the [tail](stats::Tail) at the last time says that
+    /// there may be none.
     pub mean: Option<f64>,
     /// Its 95 % interval by
     /// [`CentralMoments::mean_interval`](stats::CentralMoments::mean_interval).
     pub mean_interval: Option<(f64, f64)>,
-    /// Why there is none: too few values carry the mean, or all are equal but for rounding errors.
-    /// Then the note says on how few paths others are, with 95 % confidence: n equal values leave
-    /// room for one path in n/3.
+    /// Why there is none: too few values carry the mean, the [tail](stats::Tail) is too heavy, or all
+    /// are equal but for rounding errors. Then the note says on how few paths others are, with 95 %
+    /// confidence: n equal values leave room for one path in n/3.
     pub interval_note: Option<String>,
-    /// The sample variance; `None` with fewer than two values, or if it is no number of 64 bits.
+    /// The sample variance; `None` with fewer than two values, if it is no number of 64 bits, or if
+    /// the law may have none.
     pub variance: Option<f64>,
     /// The standard deviation.
     pub deviation: Option<f64>,
@@ -146,7 +148,7 @@ impl Summary {
         sums: &Sums,
         cell: usize,
         histogram: Histogram,
-        ranks: &[Ranks],
+        (ranks, tail): (&[Ranks], Tail),
     ) -> Self {
         let finite = |x: f64| x.is_finite().then_some(x);
         let (moments, unit) = (&sums.moments[cell], histogram.grid.unit());
@@ -159,9 +161,13 @@ impl Summary {
         // A spread whose square is zero is not known.
         let known = |x: &f64| count > 1 && (*x > 0.0 || spread == 0.0);
         let variance = moments.variance();
-        let mean_interval = moments.mean_interval().filter(|_| !equal).map(scaled);
-        let note = || match equal && count > 2 {
-            true => format!("all equal; others < 1 path in {}", count / 3),
+        let tail = if moments.may_be_heavy() { tail } else { Tail::default() };
+        let known = |x: &f64| known(x) && tail.has_variance();
+        let mean_interval = moments.mean_interval().filter(|_| !equal && tail.has_variance());
+        let mean_interval = mean_interval.map(scaled);
+        let note = || match tail.is_heavy() {
+            true => tail.to_string(),
+            false if equal && count > 2 => format!("all equal; others < 1 path in {}", count / 3),
             false => TOO_FEW.into(),
         };
         let quantile = |&(level, (l, u)): &Ranks| match equal && count > 0 {
@@ -180,8 +186,8 @@ impl Summary {
             time,
             count,
             not_finite: sums.not_finite[cell],
-            mean: finite(moments.mean() * unit).filter(|_| count > 0),
-            interval_note: (count > 0 && mean_interval.is_none()).then(note),
+            mean: finite(moments.mean() * unit).filter(|_| count > 0 && tail.has_mean()),
+            interval_note: (count > 0 && (mean_interval.is_none() || tail.is_heavy())).then(note),
             mean_interval,
             variance: finite(variance * unit * unit).filter(known),
             deviation: finite(variance.sqrt() * unit).filter(known),

@@ -28,12 +28,19 @@ pub struct Sums {
     /// Sums of dependence in 32 batches, and counts of joint laws.
     pub(super) batches: Vec<Row>,
     pub(super) joint: Vec<u64>,
+    /// The finite values of each observable at the last time on the first paths, in the unit of the
+    /// grid: they show the tail of its law.
+    pub(super) first: Vec<Vec<f64>>,
 }
+
+/// Paths whose values are kept: with more the estimate of a tail is hardly better.
+const FIRST_PATHS: u64 = 8192;
 
 impl Sums {
     /// No paths. `cells` is the number of times and observables, `places` that of counts for each.
     pub(super) fn new(cells: usize, places: usize, batches: usize, joint: usize) -> Self {
         Self {
+            first: Vec::new(),
             moments: vec![CentralMoments::default(); cells],
             not_finite: vec![0; cells],
             counts: Counts::new(cells * places),
@@ -56,6 +63,8 @@ impl Sums {
         let batches = self.batches.iter_mut().flatten().zip(later.batches.iter().flatten());
         batches.for_each(|(sum, more)| *sum += more);
         self.joint.iter_mut().zip(&later.joint).for_each(|(sum, more)| *sum += more);
+        self.first.resize(self.first.len().max(later.first.len()), Vec::new());
+        self.first.iter_mut().zip(&later.first).for_each(|(sum, more)| sum.extend(more));
     }
 
     /// Adds the values of the paths `live` of a block.
@@ -124,18 +133,44 @@ impl<'a> StudyStatistic<'a> {
         }
         (time(self.last) == step).then_some(self.last)
     }
+
+    /// Filters what has a spectrum, at every step.
+    fn filter(&mut self, view: &View<'_>) {
+        let Wanted { from, lagged, .. } = self.wanted;
+        let &[first, second, ..] = self.times.get(*from..).unwrap_or_default() else { return };
+        if lagged.is_empty() || self.grids.is_empty() || view.time < first {
+            return;
+        }
+        for &k in lagged {
+            self.observables[k].evaluate(view.state(0), view.live, &mut self.values[k]);
+        }
+        let rows = self.wanted.rows_of_lagged(self.grids, self.observables.len(), &self.values);
+        let past = self.past.entry(view.first_path).or_default();
+        past.filter(view.time - first, second - first, rows);
+    }
 }
 
 impl Statistic for StudyStatistic<'_> {
     fn observe(&mut self, view: &View<'_>) {
-        let Some(time) = self.number(view.time) else { return };
         let state = view.state(0);
+        self.filter(view);
+        let Some(time) = self.number(view.time) else { return };
         let first = time * self.observables.len();
+        let keeps = view.first_path < FIRST_PATHS && time + 1 == self.times.len();
+        if keeps {
+            self.sums.first.resize(self.observables.len(), Vec::new());
+        }
         for (k, (observable, values)) in self.observables.iter().zip(&mut self.values).enumerate() {
             observable.evaluate(state, view.live, values);
-            self.sums.add(first + k, values, view.live, self.grids.get(first + k));
+            let grid = self.grids.get(first + k);
+            self.sums.add(first + k, values, view.live, grid);
+            if let Some(grid) = grid.filter(|_| keeps) {
+                let values = view.live.paths().map(|p| values[p] * grid.scale());
+                self.sums.first[k].extend(values.filter(|x| x.is_finite()));
+            }
         }
         if !self.sums.batches.is_empty() {
+            let past = self.past.entry(view.first_path).or_default();
             let mut adding = Adding {
                 wanted: self.wanted,
                 grids: self.grids,
@@ -144,7 +179,6 @@ impl Statistic for StudyStatistic<'_> {
                 sums: &mut self.sums.batches,
                 joint: &mut self.sums.joint,
             };
-            let past = self.past.entry(view.first_path).or_default();
             adding.add(time, &self.values, view.live, past);
         }
     }

@@ -20,7 +20,8 @@ struct OuState(Vec<Row>);
 
 const GAMMA: f64 = 1.5;
 const RHO: f64 = 0.6;
-const STEPS: u64 = 32;
+const STEPS: u64 = 128;
+const TIMES: u64 = 32;
 const T: f64 = 4.0;
 
 impl Method for Ou {
@@ -95,25 +96,32 @@ fn found(seed: u64, paths: u64) -> StudyResult {
         pilot: 128,
         bins: 128,
         wanted: Wanted { pairs: vec![(0, 1), (0, 2)], lagged: vec![1], ..Wanted::default() },
-        ..StudySettings::new(STEPS, STEPS, paths, Truncation::none(), key)
+        ..StudySettings::new(STEPS, TIMES, paths, Truncation::none(), key)
     };
     Study::new(&setup, &observables, &settings).unwrap().run()
 }
 
-/// Autocovariance of z at lag number k, and the mean of the estimated spectrum at frequency number
-/// j: with the window and the lags that are there.
-fn covariance(gamma: f64, k: usize) -> f64 {
-    4.0 * (-gamma * k as f64 * T / STEPS as f64).exp()
+/// Autocovariance of z at a time, and the mean of the estimated spectrum at frequency number j,
+/// with its window, of a process that is seen at all times.
+fn covariance(gamma: f64, lag: f64) -> f64 {
+    4.0 * (-gamma * lag).exp()
 }
 
 fn spectrum(gamma: f64, j: usize) -> f64 {
-    // Time zero is among the times.
-    let (most, delta) = ((STEPS as usize).div_ceil(2), T / STEPS as f64);
-    let window = |k: usize| (PI * k as f64 / (2 * most) as f64).cos().powi(2);
-    let wave = |k: usize| (PI * (j * k) as f64 / most as f64).cos();
-    let term = |k: usize| window(k) * wave(k) * covariance(gamma, k);
-    delta / (2.0 * PI) * (term(0) + 2.0 * (1..=most).map(term).sum::<f64>())
+    // Half of the saved times; time zero is among them. Simpson's rule with a tenth of a step.
+    let (longest, parts) = (T / 2.0, 5 * STEPS as usize);
+    let omega = PI * j as f64 / longest;
+    let value = |n: usize| {
+        let lag = longest * n as f64 / parts as f64;
+        let window = (PI * lag / (2.0 * longest)).cos().powi(2);
+        let weight = if n == 0 || n == parts { 1.0 } else { 2.0 * (1 + n % 2) as f64 };
+        weight / 3.0 * window * (omega * lag).cos() * covariance(gamma, lag)
+    };
+    longest / parts as f64 / PI * (0..=parts).map(value).sum::<f64>()
 }
+
+/// The largest frequency: half of what the saved times can tell.
+const LAST: usize = TIMES as usize / 4;
 
 type Truth<'a> = (&'a str, Box<dyn Fn(&StudyResult) -> Summary>, f64);
 
@@ -124,7 +132,7 @@ fn truths(gamma: f64, rho: f64) -> Vec<Truth<'static>> {
             all.into_iter().find(|series| series.observable == name).unwrap().points[k].clone()
         })
     };
-    let last = STEPS as usize;
+    let last = TIMES as usize;
     let mut all = vec![
         ("covariance", of("cov(x, z)", last), 2.0 * rho),
         ("at the start", of("cov(x, z)", 0), 2.0 * rho),
@@ -133,9 +141,10 @@ fn truths(gamma: f64, rho: f64) -> Vec<Truth<'static>> {
     ];
     for k in [1, 4, 12] {
         let name = "autocorrelation(z)";
-        all.push((name, of(name, k), covariance(gamma, k) / covariance(gamma, 0)));
+        let lag = k as f64 * T / TIMES as f64;
+        all.push((name, of(name, k), covariance(gamma, lag) / covariance(gamma, 0.0)));
     }
-    for j in [0, 1, 5] {
+    for j in [0, 1, 5, LAST] {
         all.push(("spectrum(z)", of("spectrum(z)", j), spectrum(gamma, j)));
     }
     all
@@ -166,7 +175,7 @@ fn intervals_of_dependence_cover() {
 /// The wrong truths: another rate, another correlation.
 #[test]
 fn intervals_of_dependence_do_not_cover_what_is_wrong() {
-    for (what, count) in covered(40, 1024, 1.25 * GAMMA, 0.9 * RHO) {
+    for (what, count) in covered(40, 2048, 1.25 * GAMMA, 0.9 * RHO) {
         let is_same = ["none", "spectrum(z)"].contains(&what);
         assert!(is_same || count < 30, "{what}: {count} of 40");
     }
@@ -183,6 +192,21 @@ fn intervals_of_dependence_cover_as_often_as_they_say() {
             println!("{what}, {paths} paths: {share}");
             assert!(share > least - slack && share < 0.96 + slack, "{what}, {paths}: {share}");
         }
+    }
+}
+
+/// Motion that the saved times cannot tell from slower one is not in the spectrum. At the largest
+/// frequency, π/2Δ, 0.23 more would be.
+#[test]
+fn spectra_are_not_aliased() {
+    let found = found(5, 8192);
+    let points = &found.lagged[1].points;
+    assert_eq!((found.lagged[1].observable.as_str(), points.len()), ("spectrum(z)", LAST + 1));
+    for (j, point) in points.iter().enumerate() {
+        let (truth, found) = (spectrum(GAMMA, j), point.mean.unwrap());
+        assert!((point.time - PI * j as f64 / (T / 2.0)).abs() < 1e-12);
+        // Four and a half standard errors at most.
+        assert!((found / truth - 1.0).abs() < 0.07, "{j}: {found} {truth}");
     }
 }
 

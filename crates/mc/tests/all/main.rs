@@ -16,3 +16,4 @@ mod random_points;
 mod simulation;
 mod statistics;
 mod study;
+mod tails;

@@ -2,3 +2,4 @@
 
 mod means;
 mod orders;
+mod tails;

@@ -7,22 +7,27 @@ use rand_xoshiro::{
 use stats::{CentralMoments, two_sided};
 
 /// Uniform on (0, 1).
-struct Words(Xoshiro256PlusPlus);
+pub struct Words(pub Xoshiro256PlusPlus);
 
 impl Words {
-    fn uniform(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         ((self.0.next_u64() >> 11) as f64 + 0.5) * 2f64.powi(-53)
     }
 
-    fn exponential(&mut self) -> f64 {
+    pub fn exponential(&mut self) -> f64 {
         -self.uniform().ln()
     }
 
-    fn normal(&mut self) -> f64 {
+    pub fn normal(&mut self) -> f64 {
         (2.0 * self.exponential()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
     }
 
-    fn event(&mut self, probability: f64) -> f64 {
+    pub fn student(&mut self, degrees: u32) -> f64 {
+        let squares: f64 = (0..degrees).map(|_| self.normal().powi(2)).sum();
+        self.normal() / (squares / f64::from(degrees)).sqrt()
+    }
+
+    pub fn event(&mut self, probability: f64) -> f64 {
         f64::from(u8::from(self.uniform() < probability))
     }
 }
@@ -39,14 +44,7 @@ const LAWS: [Law; 16] = [
     ("lognormal 0.5", |w| (0.5 * w.normal()).exp(), 1.133_148_453_066_826_4),
     ("lognormal 1", |w| w.normal().exp(), 1.648_721_270_700_128_2),
     ("lognormal 1.5", |w| (1.5 * w.normal()).exp(), 3.080_216_848_918_031_4),
-    (
-        "student 3",
-        |w| {
-            let squares: f64 = (0..3).map(|_| w.normal().powi(2)).sum();
-            w.normal() / (squares / 3.0).sqrt()
-        },
-        0.0,
-    ),
+    ("student 3", |w| w.student(3), 0.0),
     ("fourth power", |w| w.normal().powi(4), 3.0),
     ("pareto 2.5", |w| w.uniform().powf(-0.4) - 1.0, 2.0 / 3.0),
     ("event 0.5", |w| w.event(0.5), 0.5),
