@@ -12,6 +12,7 @@ mod gallery;
 mod initial;
 mod ito;
 mod parts;
+mod resolution;
 mod results;
 mod shorthand;
 mod stationary;
