@@ -29,9 +29,9 @@ pub struct StepCheck {
     /// resolved at τ/2 either: an average rotation by nearly ±π looks like none, and a mode that is
     /// too slow takes too little energy from the noise, both at τ as at τ/2.
     pub turn: f64,
-    /// Where H(t) changes within a step by more than from step to step, at τ or τ/2, so that both may
-    /// agree on what is wrong: the time, and a number of steps that resolves it, if 2¹² times as many
-    /// do.
+    /// Where H(t) changes within a step by more than from step to step, at τ or τ/2, so that both
+    /// may agree on what is wrong: the time, and a number of steps that resolves it, if 2¹² times
+    /// as many do.
     pub unresolved: Option<(f64, Option<u64>)>,
     /// The step errors of each observable.
     pub observables: Vec<StepErrors>,

@@ -34,7 +34,7 @@ fn says(scene: &str) -> String {
 
 #[test]
 fn a_run_names_what_its_steps_do_not_resolve_and_a_number_that_does() {
-    // A narrow pulse alone and on a slow drive, a double one without integral, and drives that steps
+    // A narrow pulse alone and on a slow drive, a double one without integral; drives that steps
     // of T/100 and of T/200 read as constants, as zero and as slow ones.
     let pair = format!("{} - {}", pulse(1.03, 1e-4), pulse(1.033, 1e-4));
     for (force, k) in [

@@ -193,7 +193,8 @@ fn vanishes([a, b, c]: [f64; 3]) -> bool {
 pub const LARGEST_EXPONENT: f64 = 1.0;
 
 /// What the steps of the last difference do not resolve: the worst component of the motion, the
-/// damping, Hamiltonians near the time `drive`, and every test function of these names. Nothing is known of fewer than three levels.
+/// damping, Hamiltonians near the time `drive`, and every test function of these names. Nothing is known
+/// of fewer than three levels.
 pub fn unresolved(
     differences: &[Samples],
     (damping, drive): (&DampingResolution<'_>, Option<f64>),
