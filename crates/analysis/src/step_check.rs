@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use mc::{Ladder, LadderError, Observe, Run, Setup, View, parts::Job};
+use mc::{DriveResolution, Ladder, LadderError, Observe, Problem, Run, Setup, View, parts::Job};
 use noise::{Purpose, StreamKey, Truncation};
 use real::{Row, WIDTH, elementary};
 use serde::Serialize;
@@ -29,6 +29,10 @@ pub struct StepCheck {
     /// resolved at τ/2 either: an average rotation by nearly ±π looks like none, and a mode that is
     /// too slow takes too little energy from the noise, both at τ as at τ/2.
     pub turn: f64,
+    /// Where H(t) changes within a step by more than from step to step, at τ or τ/2, so that both
+    /// may agree on what is wrong: the time, and a number of steps that resolves it, if 2¹² times
+    /// as many do.
+    pub unresolved: Option<(f64, Option<u64>)>,
     /// The step errors of each observable.
     pub observables: Vec<StepErrors>,
 }
@@ -94,6 +98,8 @@ const ROUNDING: [f64; 2] = [1e-12, 1e-7];
 /// bins: three steps for each of its own make a tenth.
 const SHARE: u64 = 30;
 const PILOT: u64 = 1024;
+/// Doublings of the steps of which it is asked whether they resolve H(t).
+const MOST_DOUBLINGS: u32 = 12;
 /// Most blocks: the check then sees a fiftieth of a deviation.
 const MOST_BLOCKS: u64 = 256;
 
@@ -101,7 +107,16 @@ impl StepCheck {
     /// Whether steps of half the size would show what is wrong.
     pub fn resolves(&self) -> bool {
         let all = (self.failed + self.paths) as f64;
-        self.damping <= STIFF && self.turn <= TURN && self.failed as f64 <= MOST_FAILED * all
+        let motion = self.damping <= STIFF && self.turn <= TURN && self.unresolved.is_none();
+        motion && self.failed as f64 <= MOST_FAILED * all
+    }
+
+    /// The part of its energy that the fastest motion lacks, if noise drives it and damping limits
+    /// it: x²/(1 + x²), x = ωτ/2 for a turn by ωτ in a step. In a step of the midpoint rule a kick
+    /// σΔW to p moves p by σΔW/(1 + x²) and ωq by x times that: (p² + ω²q²)/2 gains σ²τ/2/(1 + x²).
+    pub fn energy_lost(&self) -> f64 {
+        let square = 0.25 * self.turn * self.turn;
+        square / (1.0 + square)
     }
 
     /// What is known of a step error where the half-width of the sampling error is `sampling`, and
@@ -124,12 +139,13 @@ impl StepCheck {
     }
 }
 
-/// Paths of the check of a run of so many: it costs at most a tenth of the run. One without noise.
-pub fn checked_paths(run: u64, noises: usize) -> u64 {
+/// Paths of the check of a run of `run` paths: it costs at most a tenth of the run. One where
+/// neither noise nor initial values are random.
+pub fn checked_paths(run: u64, problem: &Problem<'_>) -> u64 {
     let width = WIDTH as u64;
-    match noises {
-        0 => 1,
-        _ => width * ((run.saturating_add(PILOT)) / (SHARE * width)).clamp(1, MOST_BLOCKS),
+    match problem.noises == 0 && problem.initial.is_none() {
+        true => 1,
+        false => width * ((run.saturating_add(PILOT)) / (SHARE * width)).clamp(1, MOST_BLOCKS),
     }
 }
 
@@ -175,10 +191,16 @@ pub fn step_check(
     let moments = &measured.statistic.moments;
     let of = |(k, phi): (usize, &&dyn Observe)| errors(*phi, centers[k], moments, 3 * k);
     let end = setup.problem.t_end;
+    let drive = DriveResolution::new(&setup.problem);
+    let resolved = |steps: &u64| drive.unresolved(2 * steps).is_none();
+    let unresolved = drive
+        .unresolved(twice)
+        .map(|t| (t, (1..=MOST_DOUBLINGS).map_while(|k| steps.checked_shl(k)).find(resolved)));
     let (last, dampings) = (end - end / steps as f64, setup.problem.dampings());
     Ok(Some(StepCheck {
         damping: dampings.map(|one| one.integral(last, end).abs()).fold(0.0, f64::max),
         turn: fastest * end / steps as f64,
+        unresolved,
         paths: moments.count(),
         failed: measured.failed,
         observables: observables.iter().enumerate().map(of).collect(),

@@ -8,12 +8,13 @@ use crate::{Formula, closed_integral::ClosedIntegral};
 
 /// Nodes of the quadrature of what is no polynomial: both halves of an interval fit into a row.
 const NODES: usize = WIDTH / 2;
-/// Halvings of an interval on which the quadrature has not converged.
-const HALVINGS: u32 = 30;
+/// Halvings of an interval on which the quadrature has not converged: down to neighbouring times.
+const HALVINGS: u32 = 60;
 /// Most intervals that are halved.
 const BUDGET: u32 = 4096;
 /// An integral has converged if halves change it by no more than this part of ∫|γ|: above the
-/// rounding of the sums, and where the rate is smooth the halves are better by 2³² or more.
+/// rounding of the sums, and where the rate is smooth the halves are better by 2³² or more. Or if
+/// no more than rounding of the times: εt times the change of the rate, which ends at a jump, too.
 const TOLERANCE: f64 = 1e-14;
 
 /// The damping rate γ(t) as a formula in t, in 1/time.
@@ -21,8 +22,7 @@ const TOLERANCE: f64 = 1e-14;
 /// The integral is exact to round-off for polynomials in t up to degree 31, and for sums of lines
 /// and sines, cosines and exponentials of lines, which also take the least time. Otherwise it is
 /// that of 16 Gauss–Legendre nodes, on intervals that are halved until both halves together agree
-/// with it to round-off: 30 times at most, which resolves jumps to 10⁻⁹ of the interval, and 4096
-/// intervals at most.
+/// with it to round-off, that of the times included, and 4096 intervals at most.
 ///
 /// ```
 /// use formula::{Formula, FormulaDamping, Names};
@@ -58,8 +58,8 @@ impl FormulaDamping {
         Self { formula, rule, exact: exact.is_some(), closed }
     }
 
-    /// ∫γ and ∫|γ| over both halves of an interval, by the nodes.
-    fn halves(&self, a: f64, b: f64) -> [(f64, f64); 2] {
+    /// ∫γ and ∫|γ| over both halves of an interval, by the nodes, and by how much γ changes.
+    fn halves(&self, a: f64, b: f64) -> ([(f64, f64); 2], f64) {
         let (nodes, weights) = (self.rule.nodes(), self.rule.weights());
         let half = 0.5 * (b - a);
         let mut times: Row = [a; WIDTH];
@@ -70,20 +70,26 @@ impl FormulaDamping {
         let mut rates = [[0.0; WIDTH]];
         let mut scratch = vec![[0.0; WIDTH]; self.formula.tape.scratch_rows()];
         self.formula.tape.evaluate(&[&[times]], &mut rates, &mut scratch);
-        [0, NODES].map(|first| {
+        let used = [0, NODES].map(|first| &rates[0][first..first + nodes.len()]);
+        let extreme = |f: fn(f64, f64) -> f64| used.into_iter().flatten().copied().reduce(f);
+        let change =
+            extreme(f64::max).zip(extreme(f64::min)).map_or(0.0, |(most, least)| most - least);
+        let sums = [0, NODES].map(|first| {
             let terms = weights.iter().zip(&rates[0][first..]).map(|(w, rate)| w * rate);
             terms.fold((0.0, 0.0), |(net, size), term| {
                 (net + half * term, size + (half * term).abs())
             })
-        })
+        });
+        (sums, change)
     }
 
     /// ∫γ over an interval of which `whole` is an approximation.
     fn refined(&self, a: f64, b: f64, whole: f64, halvings: u32, budget: &mut u32) -> f64 {
-        let [first, second] = self.halves(a, b);
+        let ([first, second], change) = self.halves(a, b);
         let sum = first.0 + second.0;
         let size = first.1 + second.1;
-        let done = (sum - whole).abs() <= TOLERANCE * size || self.exact || !sum.is_finite();
+        let rounding = TOLERANCE * size + f64::EPSILON * a.abs().max(b.abs()) * change;
+        let done = (sum - whole).abs() <= rounding || self.exact || !sum.is_finite();
         if done || halvings == 0 || *budget == 0 {
             return sum;
         }

@@ -47,6 +47,7 @@
 //! | [`TimeChange`] | a random time along each path, for exact references |
 //! | [`NoiseSource`] | noise given by the user |
 //! | [`DampingResolution`] | whether step sizes resolve the damping |
+//! | [`DriveResolution`] | whether they resolve Hamiltonians that change with time |
 //! | [`Simulation`], [`TimeSeries`] | tables of states, observables and invariants |
 //! | [`write_csv`] | tables as files |
 //! | [`mod@study`], [`StudySettings`] | means, quantiles and histograms of many paths in time |
@@ -64,6 +65,7 @@
 
 mod along;
 mod damping_resolution;
+mod drive;
 mod driver;
 pub mod equilibrium;
 mod error;
@@ -86,6 +88,7 @@ mod tree;
 
 pub use along::{Along, Gradient, OfStates, Passage};
 pub use damping_resolution::DampingResolution;
+pub use drive::DriveResolution;
 pub use equilibrium::{Averages, Equilibrium, EquilibriumSettings};
 pub use error::{LadderError, RunError};
 pub use expect::{Expect, ExpectSettings};
@@ -96,7 +99,9 @@ pub use large_path::LargePath;
 pub use memory::demand;
 pub use noise_source::{NextNoise, NoiseSource, drawn};
 pub use observable::{Observable, Observe, StateFunction};
-pub use setup::{Coefficients, ConformalLaw, Initial, Problem, Run, Setup, bind, bind_owned};
+pub use setup::{
+    Coefficients, ConformalLaw, InTimeAt, Initial, Problem, Run, Setup, bind, bind_owned,
+};
 pub use simulation::{Column, NoiseOrigin, Simulation, TimeSeries, quoted, write_csv};
 pub use study::{Study, StudyResult, StudySettings};
 pub use tangents::Tangents;

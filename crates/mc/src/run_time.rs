@@ -9,7 +9,7 @@ use schemes::{
     Method, Step, Stepper,
     run_time::{Scheme, SchemeError},
 };
-use systems::run_time::{self, Lanes, Op, System, Weights};
+use systems::run_time::{self, InTime, Lanes, Op, System, Weights};
 
 use crate::{Coefficients, ConformalLaw, Problem, Setup, observable::splat};
 
@@ -36,6 +36,12 @@ impl<'a> Problem<'a> {
             friction: &[],
             laws: description.invariants.iter().enumerate().map(law).collect(),
             coefficients: Arc::new(|t, y| coefficients(system, t, y)),
+            in_time: description.depends_on_time.then(|| {
+                Arc::new(|y: &[f64], look: &mut dyn FnMut(&dyn InTime)| match system.in_time(y) {
+                    Some(known) => look(&*known),
+                    None => look(&Sampled { system, y }),
+                }) as _
+            }),
         }
     }
 }
@@ -177,24 +183,46 @@ fn scratch(system: &dyn System) -> Rows {
 
 /// The coefficients at single states, on all places of a row.
 fn coefficients(system: &dyn System, t: f64, y: &[f64]) -> Coefficients {
-    let (y, noises) = (splat(y), system.description().noises);
-    let apply = |op: Op<&[Row]>, h: Weights<'_>| {
-        let mut out = y.clone();
-        system.apply(op, 0..y.len(), h, &mut out, &mut scratch(system));
-        out
-    };
-    let first_path = |rows: Vec<Row>| rows.iter().map(|row| row[0]).collect();
-    let field = |k: usize| {
-        let dw: Vec<f64> = (1..=noises).map(|m| f64::from(u8::from(m == k))).collect();
-        let dw = splat(&dw);
-        let h = Weights { t, dt: f64::from(u8::from(k == 0)), dw: &dw, areas: &[] };
-        let v = apply(Op::Gradient { y: &y }, h);
-        first_path(apply(Op::Structure { y: &y, v: &v }, h))
-    };
-    let correction = apply(Op::ItoCorrection { y: &y }, Weights { t, ..Weights::NONE });
+    let (field, noises) = (|k| field(system, t, y, k), system.description().noises);
+    let h = Weights { t, ..Weights::NONE };
     Coefficients {
         drift: field(0),
         noises: (1..=noises).map(field).collect(),
-        correction: first_path(correction),
+        correction: apply(system, Op::ItoCorrection { y: &splat(y) }, h)
+            .map(|row| row[0])
+            .collect(),
+    }
+}
+
+/// fₖ = B∇Hₖ.
+fn field(system: &dyn System, t: f64, y: &[f64], k: usize) -> Vec<f64> {
+    let (y, noises) = (splat(y), system.description().noises);
+    let dw: Vec<f64> = (1..=noises).map(|m| f64::from(u8::from(m == k))).collect();
+    let dw = splat(&dw);
+    let h = Weights { t, dt: f64::from(u8::from(k == 0)), dw: &dw, areas: &[] };
+    let v: Vec<Row> = apply(system, Op::Gradient { y: &y }, h).collect();
+    apply(system, Op::Structure { y: &y, v: &v }, h).map(|row| row[0]).collect()
+}
+
+/// The rows of an operation.
+fn apply(system: &dyn System, op: Op<&[Row]>, h: Weights<'_>) -> impl Iterator<Item = Row> + use<> {
+    let mut out = splat(&vec![0.0; system.description().dimension]);
+    system.apply(op, 0..out.len(), h, &mut out, &mut scratch(system));
+    out.into_iter()
+}
+
+/// All fields at a state, at single times.
+struct Sampled<'a> {
+    system: &'a dyn System,
+    y: &'a [f64],
+}
+
+impl InTime for Sampled<'_> {
+    fn values(&self, times: &Row) -> Vec<Row> {
+        let Self { system, y } = self;
+        let fields =
+            |t| (0..=system.description().noises).flat_map(move |k| field(*system, t, y, k));
+        let at: Vec<Vec<f64>> = times.iter().map(|&t| fields(t).collect()).collect();
+        (0..at[0].len()).map(|i| std::array::from_fn(|p| at[p][i])).collect()
     }
 }

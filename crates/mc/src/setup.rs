@@ -7,7 +7,8 @@ use nonlin::BlockStatus;
 use real::{Block, Row, elementary};
 use schemes::{Method, Scheme, Step, Stepper};
 use systems::{
-    Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, unit_noise, vector_field,
+    Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, run_time::InTime, unit_noise,
+    vector_field,
 };
 
 use crate::{
@@ -42,7 +43,13 @@ pub struct Problem<'a> {
     pub laws: Vec<ConformalLaw<'a>>,
     /// The coefficients of the equation at a time and a state.
     pub coefficients: Arc<CoefficientsAt<'a>>,
+    /// Shows what changes with time at a state, of the drift without damping and of the noise; none
+    /// if nothing does. See [`DriveResolution`](crate::DriveResolution).
+    pub in_time: Option<Arc<InTimeAt<'a>>>,
 }
+
+/// Takes a state, and what looks at functions of time.
+pub type InTimeAt<'a> = dyn Fn(&[f64], &mut dyn FnMut(&dyn InTime)) + Send + Sync + 'a;
 
 /// Random initial values.
 #[derive(Clone)]
@@ -176,6 +183,7 @@ pub type CoefficientsAt<'a> = dyn Fn(f64, &[f64]) -> Coefficients + Send + Sync 
 ///     friction: &[],
 ///     laws: Vec::new(),
 ///     coefficients: Arc::new(coefficients),
+///     in_time: None,
 /// };
 /// let setup = Setup { problem, scheme: Arc::new(Walk) };
 /// let simulation = Simulation::new(setup, Truncation::none());
@@ -242,6 +250,7 @@ impl<'a> Problem<'a> {
                     correction: ito_correction::<_, f64, D, M>(system, y).into(),
                 }
             }),
+            in_time: None,
         }
     }
 }

@@ -13,6 +13,8 @@ use crate::{Degree, Real};
 /// cancellations that happen in it; over `Dual<Bounded>` that of its derivatives. So an identity is
 /// refuted where its defect exceeds the bound, whatever the sizes of other terms.
 ///
+/// An error need not be small: a variable that is known to ± δ gives a value to ± its error.
+///
 /// A constant of a formula counts as accurate to 8u: it is the result of a few operations. The
 /// value also knows a bound of its degree as a polynomial in the variables.
 ///
@@ -177,13 +179,18 @@ impl Real for Bounded {
     }
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = Real::sin_cos(self.value);
-        (self.function(sin, self.error), self.function(cos, self.error))
+        // No slope exceeds one, and no value.
+        let error = |value: f64| self.error.min(1.0 + value.abs());
+        (self.function(sin, error(sin)), self.function(cos, error(cos)))
     }
     fn exp(self) -> Self {
         let value = Real::exp(self.value);
-        // e^x(e^δ − 1) ≤ e^x δ(1 + δ) for δ ≤ 1.
-        let error = if self.error <= 1.0 { self.error * (1.0 + self.error) } else { f64::INFINITY };
-        self.function(value, value * error)
+        // e^x(e^δ − 1) ≤ e^x δ(1 + δ) for δ ≤ 1, and < e^{x+δ} beyond.
+        let error = match self.error <= 1.0 {
+            true => value * (self.error * (1.0 + self.error)),
+            false => Real::exp(self.value + self.error),
+        };
+        self.function(value, error)
     }
     fn ln(self) -> Self {
         PIECES.set(true);
@@ -207,7 +214,11 @@ impl Real for Bounded {
     fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
         PIECES.set(true);
         let degree = Degree::where_less(x.degree, y.degree, a.degree, b.degree);
-        Self { degree, ..if x.value < y.value { a } else { b } }
+        let (taken, other) = if x.value < y.value { (a, b) } else { (b, a) };
+        // Where the error may hide the other piece, its value is within the error.
+        let hides = (x.value - y.value).abs() <= x.error + y.error && x.error + y.error > 0.0;
+        let apart = if hides { (taken.value - other.value).abs() + other.error } else { 0.0 };
+        Self { degree, error: taken.error.max(apart), ..taken }
     }
     fn one() -> Self {
         Self::exact(1.0)
@@ -287,6 +298,26 @@ mod tests {
         for piece in pieces {
             assert_eq!(nested(piece, smooth), [false, true]);
             assert_eq!(nested(smooth, piece), [true, true]);
+        }
+    }
+
+    #[test]
+    fn wide_errors_enclose_all_values() {
+        fn functions<R: Real>(x: R) -> [R; 5] {
+            let square = x * x;
+            let jump = R::where_less(x, R::constant(0.3), square - 2.0, x.exp());
+            [(x * 40.0).sin(), (-square * 50.0).exp(), x.cos() * (x * 3.0).exp(), jump, x.sinc()]
+        }
+        for k in 0..400 {
+            let (middle, half) = (-2.0 + 0.01 * f64::from(k), 1.7 / f64::from(1 + k % 37));
+            let bounds = functions(Bounded { error: half, ..Bounded::variable(middle) });
+            for n in -20..=20 {
+                let values = functions(middle + half * f64::from(n) / 20.0);
+                for (i, (bound, value)) in bounds.iter().zip(values).enumerate() {
+                    assert!((value - bound.value).abs() <= bound.error, "{i} {middle} {half}");
+                }
+            }
+            assert!(bounds[0].error <= 2.1);
         }
     }
 

@@ -168,6 +168,11 @@ impl fmt::Display for Comparison {
                  else; its steps miss the coefficients of the equation by {}.",
                 number(*defect)
             ),
+            (Choice::NotResolved(t), _) => write!(
+                f,
+                "\n\nNo scheme is recommended: the finest steps do not resolve H(t) near \
+                 t = {t:.4}, and all may miss the same."
+            ),
             _ => write!(f, "\n\nNo scheme reaches {goal}{within}{}", self.out_of_reach()),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::{hint::black_box, sync::Arc};
 
-use mc::{Ladder, LadderError, Problem, Run, View, parts::Stop};
+use mc::{DriveResolution, Ladder, LadderError, Problem, Run, View, parts::Stop};
 use noise::StreamKey;
 use rayon::ThreadPoolBuilder;
 use schemes::Method;
@@ -111,7 +111,10 @@ impl<'a> Search<'a> {
         let candidates: Vec<Candidate> = schemes.map(candidate).collect();
         let choice = match reference.excluded {
             Some(Outcome::Inconsistent(defect)) => Choice::WrongReference(defect),
-            _ => choose(&candidates),
+            _ => match DriveResolution::new(problem).unresolved(sampled.steps) {
+                Some(t) => Choice::NotResolved(t),
+                None => choose(&candidates),
+            },
         };
         Ok(Comparison {
             system: problem.name.clone(),

@@ -83,6 +83,8 @@ pub enum Choice {
     /// Single steps of the reference miss the coefficients of the equation by this part: its errors
     /// are not the errors.
     WrongReference(f64),
+    /// The finest steps do not resolve H(t) near this time: errors may be larger than any measured.
+    NotResolved(f64),
 }
 
 /// A Casimir with a smaller relative defect is kept: rounding is all that is left.

@@ -10,7 +10,8 @@
 //! 3. the limit is right ([`Limit`]): one step has the coefficients of the equation as τ → 0, or
 //!    paths agree with an exact solution. A scheme that converges to something else has differences
 //!    with an order, too;
-//! 4. the steps resolve the damping ([`DampingResolution`](mc::DampingResolution)).
+//! 4. the steps resolve the damping ([`DampingResolution`](mc::DampingResolution)) and H(t)
+//!    ([`DriveResolution`](mc::DriveResolution)).
 //!
 //! Otherwise [`Order::decision`] says why no order is named, and what would decide.
 //!

@@ -139,8 +139,7 @@ fn once(
     } else {
         strong(&taus[..number - 1], &moments, one_step_of(setup, sizes, &visits), limit)
     };
-    if let Some(defect) = sizes.damping(setup) {
-        let because = format!("the steps resolve the damping to {defect:.1e} only");
+    if let Some(because) = sizes.unresolved(setup) {
         order.decision = undecided(More::Steps, because);
     }
     Ok(Order { failed, ..order }.settled())

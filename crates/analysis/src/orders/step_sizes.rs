@@ -1,6 +1,6 @@
 //! Step sizes, paths and noise of a measurement.
 
-use mc::{DampingResolution, LadderError, Setup, parts::Stop};
+use mc::{DampingResolution, DriveResolution, LadderError, Setup, parts::Stop};
 use noise::{StreamKey, Truncation};
 
 /// Step sizes, paths and noise of a measurement of an order.
@@ -71,9 +71,15 @@ impl StepSizes {
         self.samples.saturating_mul(2 * self.reference_steps())
     }
 
-    /// What the sums of the damping over the finest steps lack, if these do not resolve it.
-    pub(super) fn damping(&self, setup: &Setup<'_>) -> Option<f64> {
-        DampingResolution::new(setup, self.coarsest_steps).unresolved(self.sizes() - 1)
+    /// What of the damping or of H(t) the finest steps do not resolve.
+    pub(super) fn unresolved(&self, setup: &Setup<'_>) -> Option<String> {
+        let damping = DampingResolution::new(setup, self.coarsest_steps);
+        let damping = damping.unresolved(self.sizes() - 1);
+        let damping = damping.map(|by| format!("the steps resolve the damping to {by:.1e} only"));
+        damping.or_else(|| {
+            let t = DriveResolution::new(&setup.problem).unresolved(self.reference_steps())?;
+            Some(format!("the steps do not resolve H(t) near t = {t:.4}"))
+        })
     }
 
     /// Refuses sizes without a step, with fewer step sizes than these, or with too many of either.

@@ -3,7 +3,7 @@
 use casimir::real::elementary;
 use casimir::{
     analysis::{STIFF, StepCheck, StepError, StepErrors, TURN},
-    mc::study::StudyResult,
+    mc::{TimeSeries, study::StudyResult},
 };
 
 use super::digits;
@@ -41,9 +41,17 @@ pub fn step_cell(errors: Option<[StepError; 2]>) -> String {
 /// A step error of this part of a value leaves no digit of it.
 const NO_DIGIT: f64 = 0.5;
 
+/// Energies that the fastest motion lacks from this part on are worth a word.
+const LOST: f64 = 0.01;
+
 /// The step errors that a reader must know of, the worst first; why they cannot be known, if half
 /// the step does not show them.
-pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene) -> Vec<String> {
+pub fn step_lines(
+    check: &StepCheck,
+    study: Option<&StudyResult>,
+    tables: &[TimeSeries],
+    scene: &Scene,
+) -> Vec<String> {
     let steps = scene.settings.steps;
     let more = |times: f64| digits(Some((steps as f64 * times).ceil()));
     let (half, all) =
@@ -70,25 +78,42 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
             more(check.turn)
         ));
     }
+    if let Some((t, enough)) = check.unresolved {
+        let take = enough.map_or("many more".into(), |steps| steps.to_string());
+        lines.push(format!(
+            "H(t) changes within a step near t = {} by more than from step to step: a step that is \
+             half as long may miss the same, take {take} steps",
+            digits(Some(t))
+        ));
+    }
     if !check.resolves() {
         lines.extend(failed);
         return lines;
     }
+    let noisy = scene.problem().noises > 0;
     let [mut worst, mut seen, mut below, mut hidden] = [const { Vec::new() }; 4];
+    let largest =
+        |all: &mut dyn Iterator<Item = f64>| all.fold(0.0, |most: f64, x| most.max(x.abs()));
     for StepErrors { observable, mean, deviation, along_paths } in &check.observables {
         // With the sizes of what they are errors of.
         let errors = match study {
             Some(study) => {
                 let Some([first, second]) = step_errors(check, study, observable) else { continue };
-                let spread = deviation.value.abs();
+                // What passes zero at the end has digits along the later half of the way.
+                let points = study.series(observable).map_or(&[][..], |series| &series.points);
+                let later = &points[points.len() / 2..];
+                let spread = largest(&mut later.iter().filter_map(|point| point.deviation));
+                let size = largest(&mut later.iter().filter_map(|point| point.mean)).max(spread);
                 let name = format!("the deviation of {observable}");
-                let size = mean.value.abs().max(spread);
                 vec![(observable.clone(), first, size), (name, second, spread)]
             }
             // Of single paths the difference itself is shown.
             None => {
-                let (size, along) =
-                    (elementary::hypot(mean.value, deviation.value), 2.0 * along_paths);
+                let columns = tables.iter().filter_map(|table| table.column(observable));
+                let later = columns.flat_map(|column| &column[column.len() / 2..]);
+                let size = largest(&mut later.copied());
+                let size = size.max(elementary::hypot(mean.value, deviation.value));
+                let along = 2.0 * along_paths;
                 let is_fine = along <= 0.01 * size;
                 let error = if is_fine { StepError::Fine } else { StepError::About };
                 vec![(observable.clone(), error(along), size)]
@@ -116,6 +141,16 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
     }
     if !seen.is_empty() {
         lines.push(format!("step error{along} of {}; by {half}", seen.join(", of ")));
+    }
+    if !(below.is_empty() && hidden.is_empty()) && noisy && check.energy_lost() >= LOST {
+        // Where x²/(1 + x²) is LOST.
+        let enough = more(0.5 * check.turn * (1.0 / LOST - 1.0).sqrt());
+        lines.push(format!(
+            "the fastest motion turns by {} radians in a step: where noise drives it, schemes like \
+             the midpoint rule give it about {} % too little energy, and {enough} steps 1 %",
+            rough(check.turn),
+            rough(100.0 * check.energy_lost())
+        ));
     }
     if !below.is_empty() {
         lines.push(format!(

@@ -118,8 +118,9 @@ impl Results {
 
     /// What a reader must know of single paths, of the steps and of the statistics.
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
-        let Self { study, check, .. } = self;
-        let steps = check.iter().flat_map(|check| output::step_lines(check, study.as_ref(), scene));
+        let Self { tables, study, check, .. } = self;
+        let lines = |check| output::step_lines(check, study.as_ref(), tables, scene);
+        let steps = check.iter().flat_map(lines);
         let warnings = study.iter().flat_map(|study| study.warnings.clone());
         let halted = self.halted(scene).map(|(path, halted)| format!("path {path}: {halted}"));
         let none = self.lacks_tables(scene);
@@ -197,7 +198,7 @@ impl<'a> Ready<'a> {
                 of_all.telling(|done| watch.bar.inc(done)).run_in(job, "study")
             });
         }
-        let checked = checked_paths(settings.paths, setup.problem.noises);
+        let checked = checked_paths(settings.paths, &setup.problem);
         let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
         let check =
             step_check(&setup, &phi, steps, checked, model.fastest(), (truncation, key), job);

@@ -13,6 +13,7 @@ mod initial;
 mod ito;
 mod parts;
 mod promised;
+mod resolution;
 mod resting;
 mod results;
 mod shorthand;

@@ -269,6 +269,18 @@ impl Expressions {
         (gradient, field)
     }
 
+    /// The components of B∇H₀, B∇H₁, … at y that depend on t, in a graph with t as its input.
+    pub fn in_time(mut self, y: &[f64]) -> (Graph, Vec<Id>) {
+        let fields: Vec<Id> = (0..=self.noises).flat_map(|m| self.field_of(m).1).collect();
+        let mut graph = Graph::new();
+        let t = graph.input(0);
+        let mut inputs: Vec<Id> = y.iter().map(|&y| graph.constant(y)).collect();
+        inputs.resize(self.group(TIME).end, t);
+        let mut roots = graph.copy(Some(&self.graph), &fields, &inputs);
+        roots.retain(|&root| graph.uses(&[root], |node| node == Node::Input(0)));
+        (graph, roots)
+    }
+
     /// The equation, a text for each component: `dp = -q dt + 0.5 ∘ dW1`; those `damped` have −γy.
     pub fn equations(mut self, state: &[String], damped: &[bool]) -> Vec<String> {
         let fields: Vec<Vec<Id>> =

@@ -4,6 +4,7 @@ mod average;
 mod cayley;
 mod definition;
 mod expressions;
+mod in_time;
 mod program;
 mod skew;
 
@@ -13,7 +14,7 @@ use dgrad::{Rule, nodes_for_degree};
 use real::{Row, WIDTH};
 use systems::{
     Linearity, SystemError,
-    run_time::{Description, MOST_INPUTS, Op, Program, Recorded, System, Weights},
+    run_time::{Description, InTime, MOST_INPUTS, Op, Program, Recorded, System, Weights},
     shown_solvable,
 };
 
@@ -22,6 +23,7 @@ pub use definition::{Definition, DefinitionError, Which};
 use crate::{Formula, Names, Tape};
 use definition::Formulas;
 use expressions::Expressions;
+use in_time::Expressed;
 use program::Programs;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
@@ -188,6 +190,10 @@ impl System for FormulaSystem {
         times.copy_from_slice(&[[h.dt; WIDTH], [h.t; WIDTH]]);
         let inputs = [y, &times[..1], h.dw, &times[1..]];
         self.energy.evaluate(&inputs, std::slice::from_mut(out), scratch);
+    }
+
+    fn in_time(&self, y: &[f64]) -> Option<Box<dyn InTime>> {
+        Some(Box::new(Expressed::new(self.expressions.clone().in_time(y))))
     }
 
     /// H₀ + H₁ + … and the entries of B.

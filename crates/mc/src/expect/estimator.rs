@@ -18,8 +18,8 @@ use super::{
     sum::{BIAS_LEVELS, Sum, Term},
 };
 use crate::{
-    DampingResolution, Ladder, LadderError, NextNoise, Observe, Run, RunError, driver::GROUP_PATHS,
-    ladder::Nodes, observable::value, parallel::in_parallel, tree::Node,
+    DampingResolution, DriveResolution, Ladder, LadderError, NextNoise, Observe, Run, RunError,
+    driver::GROUP_PATHS, ladder::Nodes, observable::value, parallel::in_parallel, tree::Node,
 };
 
 /// The highest level of the pilot.
@@ -93,6 +93,7 @@ pub struct Estimator<'a> {
     max_level: usize,
     replicates: u64,
     damping: DampingResolution<'a>,
+    drive: DriveResolution<'a>,
     /// Whether there is noise. Without, one path is all.
     noisy: bool,
     /// Whether points are Sobol points.
@@ -124,6 +125,7 @@ impl<'a> Estimator<'a> {
             max_level: if noisy { request.settings.max_level } else { halvings.max(3) },
             replicates: if noisy { REPLICATES } else { 1 },
             damping: DampingResolution::new(&candidate.setup, coarsest_steps),
+            drive: DriveResolution::new(problem),
             noisy,
             sobol: problem.noises > 0 && !request.settings.random_points && !scheme.reads_areas(),
             levels: Vec::new(),
@@ -299,7 +301,9 @@ impl<'a> Estimator<'a> {
     fn unresolved(&self) -> Vec<Warning> {
         let Request { observables, accuracy, .. } = self.request;
         let names: Vec<&str> = observables.iter().map(|phi| phi.name()).collect();
-        unresolved(&self.levels[1..], &self.damping, &names, accuracy)
+        let steps = self.coarsest_steps << (self.levels.len() - 1);
+        let drive = self.drive.unresolved(steps);
+        unresolved(&self.levels[1..], (&self.damping, drive), &names, accuracy)
     }
 
     /// Path-steps without which the accuracy is not reached: those of points that lack, on levels

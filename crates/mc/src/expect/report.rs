@@ -166,7 +166,7 @@ pub enum WarningKind {
     /// The steps of the finest level do not resolve this component of the state, counted from one.
     /// Fine and coarse paths differ by more than half of its motion in root mean square, or by no
     /// less than on coarser levels: a fast motion that the steps do not resolve looks like a slow
-    /// one. Blocks [`Judged::resolution`], as the next three do.
+    /// one. Blocks [`Judged::resolution`], as the next four do.
     Component(usize),
     /// They do not resolve φ: it multiplies phases that the states resolve, or has other events on
     /// fine paths than on coarse ones.
@@ -174,6 +174,8 @@ pub enum WarningKind {
     /// Nor the damping: it oscillates or has pulses within the steps, or rate and integral
     /// contradict each other, so that its sums over the steps differ from ∫₀ᵗγ.
     Damping,
+    /// Nor Hamiltonians that change with time, see [`DriveResolution`](crate::DriveResolution).
+    Drive,
     /// Nor noise and forces within a step of strong damping, which step sizes that all forget them
     /// agree on: each of three steps in a row has an ∫|γ| above one.
     StrongDamping,

@@ -193,10 +193,11 @@ fn vanishes([a, b, c]: [f64; 3]) -> bool {
 pub const LARGEST_EXPONENT: f64 = 1.0;
 
 /// What the steps of the last difference do not resolve: the worst component of the motion, the
-/// damping, and every test function of these names. Nothing is known of fewer than three levels.
+/// damping, Hamiltonians near the time `drive`, and every test function of these names. Nothing is known
+/// of fewer than three levels.
 pub fn unresolved(
     differences: &[Samples],
-    damping: &DampingResolution<'_>,
+    (damping, drive): (&DampingResolution<'_>, Option<f64>),
     names: &[&str],
     accuracy: f64,
 ) -> Vec<Warning> {
@@ -223,7 +224,11 @@ pub fn unresolved(
         }),
     };
     let damping = damping.map(|(kind, how)| (kind, "the damping".to_owned(), how));
-    let of_all = component.into_iter().chain(damping);
+    let drive = drive.map(|t| {
+        let how = format!("it changes within a step near t = {t:.4} more than from step to step");
+        (WarningKind::Drive, "H(t)".to_owned(), how)
+    });
+    let of_all = component.into_iter().chain(damping).chain(drive);
     let of_all = of_all.map(|(kind, what, how)| Warning::of_all(kind, text(&what, how)));
     let mut warnings: Vec<_> = of_all.collect();
     for (k, name) in names.iter().enumerate() {

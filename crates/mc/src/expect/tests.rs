@@ -233,7 +233,8 @@ fn quotients(of: [f64; 3]) -> Vec<Samples> {
 fn found(levels: &[Samples], accuracy: f64) -> Vec<Warning> {
     let undamped = Constant::new(0.0).unwrap();
     let problem = Problem::new(Pendulum::new(1.0).unwrap(), undamped, [0.2, 1.0], 2.0).unwrap();
-    unresolved(levels, &DampingResolution::new(&Setup::of(&problem, &Heun), 4), &["phi"], accuracy)
+    let damping = DampingResolution::new(&Setup::of(&problem, &Heun), 4);
+    unresolved(levels, (&damping, None), &["phi"], accuracy)
 }
 
 #[test]

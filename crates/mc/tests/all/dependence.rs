@@ -84,6 +84,7 @@ fn found(seed: u64, paths: u64) -> StudyResult {
             noises: Vec::new(),
             correction: vec![0.0; y.len()],
         }),
+        in_time: None,
     };
     let setup = Setup { problem, scheme: Arc::new(Ou) };
     let observables = [

@@ -41,4 +41,4 @@ pub use derived::derived;
 pub use description::{Description, Lanes, Layout};
 pub use op::{MOST_INPUTS, Op, Program, Recorded};
 pub use problem::Problem;
-pub use system::{System, Weights};
+pub use system::{InTime, System, Weights};

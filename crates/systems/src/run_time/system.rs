@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use real::Row;
+use real::{Bounded, Row};
 
 use super::{Description, Op, Program, Recorded};
 use crate::SystemError;
@@ -67,6 +67,13 @@ pub trait System: Send + Sync {
     /// h(y) of each path. If rows belong to one path, h is the sum over the row.
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]);
 
+    /// The components of B∇H₀, B∇H₁, … at a state that change with time; `None` if they are known
+    /// at single times only.
+    fn in_time(&self, y: &[f64]) -> Option<Box<dyn InTime>> {
+        let _ = y;
+        None
+    }
+
     /// The flow of one of the [parts](Description::parts) from y, in place; y is whole.
     fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, scratch: &mut [Row]) {
         let _ = (y, h, scratch);
@@ -94,5 +101,18 @@ pub trait System: Send + Sync {
     fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
         let _ = y;
         Ok(())
+    }
+}
+
+/// Functions of time.
+pub trait InTime: Send + Sync {
+    /// Their values at 32 times.
+    fn values(&self, times: &Row) -> Vec<Row>;
+
+    /// What they may be at a time that is known to an error: each value to ± an error, infinite or
+    /// NaN if there is no bound. None unless overridden.
+    fn bounds(&self, time: Bounded) -> Vec<Bounded> {
+        let _ = time;
+        Vec::new()
     }
 }

@@ -1,0 +1,211 @@
+//! What the steps of a scheme see of Hamiltonians that change with time.
+//!
+//! A step reads H(t) in its middle. What changes within steps and not from step to step is missed:
+//! a pulse between two middles, or a drive whose period divides the step. All step sizes that miss
+//! it agree. So at y₀ and at a point beside it each component f of B∇H₀, B∇H₁, … is compared, over
+//! eight steps in a row, with itself at random times within the steps:
+//!
+//! Σ ⟨|f(s) − f(middle)|⟩ ≤ 0.35 · 2 · 8/9 · Σ |f(middle after) − f(middle)|,
+//!
+//! with nine changes from the step before to the step after.
+//!
+//! The quotient of both sums is 1/8 where f is smooth, 0.28 at most where it jumps, 0.19 for two
+//! steps in a period. Of a faster oscillation it is 4/π over 4 sin(α/2), where α is by how much a
+//! step advances its phase: 0.37 or more at τ or at τ/2, for any α. What agrees in mean and in square
+//! with what is read is the same within the step. Where functions have bounds over intervals, as
+//! formulas do, intervals are halved until bounds leave no room for a pulse between random times.
+
+use std::{array, cell::RefCell, collections::BTreeMap, sync::Arc};
+
+use real::{Bounded, Row, WIDTH};
+use systems::run_time::InTime;
+
+use crate::{Problem, setup::InTimeAt};
+
+/// Steps that are compared together.
+const WINDOW: usize = 8;
+/// Random times within each, one in each of equal parts.
+const INSIDE: usize = WIDTH / WINDOW;
+/// The largest change within steps for a change of one from step to step: between 0.28 and 0.37.
+const MOST: f64 = 0.35;
+/// What is below this part of the function does not matter.
+const NEGLIGIBLE: f64 = 1e-6;
+/// Intervals that are halved, for one state.
+const BUDGET: u32 = 4096;
+/// Where the point beside y₀ is.
+const BESIDE: f64 = 0.3;
+/// The golden ratio less one: its multiples modulo one fill [0, 1) evenly.
+const GOLDEN: f64 = 0.618_033_988_749_894_8;
+
+/// Whether steps resolve what changes with time.
+pub struct DriveResolution<'a> {
+    in_time: Option<Arc<InTimeAt<'a>>>,
+    states: [Vec<f64>; 2],
+    t_end: f64,
+    known: RefCell<BTreeMap<u64, Option<f64>>>,
+}
+
+impl<'a> DriveResolution<'a> {
+    /// For the Hamiltonians of a problem.
+    pub fn new(problem: &Problem<'a>) -> Self {
+        let Problem { y0, t_end, in_time, .. } = problem;
+        let place = |i: usize| (GOLDEN * (i + 1) as f64).fract() - 0.5;
+        let moved = |(i, y): (usize, &f64)| y + BESIDE * place(i) * y.abs().max(1.0);
+        let states = [y0.clone(), y0.iter().enumerate().map(moved).collect()];
+        Self { in_time: in_time.clone(), states, t_end: *t_end, known: RefCell::default() }
+    }
+
+    /// A time near which as many steps, or half as many, do not resolve a function.
+    pub fn unresolved(&self, steps: u64) -> Option<f64> {
+        let in_time = self.in_time.as_ref()?;
+        let find = |steps: u64| {
+            *self.known.borrow_mut().entry(steps).or_insert_with(|| {
+                let mut found = None;
+                for y in &self.states {
+                    in_time(y, &mut |functions| {
+                        found = found.or_else(|| self.search(functions, steps));
+                    });
+                }
+                found
+            })
+        };
+        [steps.div_ceil(2), steps].into_iter().find_map(find)
+    }
+
+    /// A time near which steps of this number do not resolve one of the functions.
+    fn search(&self, functions: &dyn InTime, steps: u64) -> Option<f64> {
+        let tau = self.t_end / steps as f64;
+        let (mut scales, mut budget) = (Vec::new(), BUDGET);
+        // The last window is as long as the others.
+        let (length, last) = (steps.min(WINDOW as u64), steps.saturating_sub(WINDOW as u64));
+        let count = length as usize;
+        (0..steps).step_by(WINDOW).map(|first| first.min(last)).find_map(|first| {
+            // Of the step before, of each step, and of the step after.
+            let middle = |k: usize| ((first as f64 + k as f64 - 0.5) * tau).clamp(0.0, self.t_end);
+            let read = functions.values(&array::from_fn(|k| middle(k.min(count + 1))));
+            let inside: Row = array::from_fn(|k| {
+                let part = (GOLDEN * (first as f64 * INSIDE as f64 + k as f64)).fract();
+                let part = (part + (k % INSIDE) as f64) / INSIDE as f64;
+                (first as f64 + (k / INSIDE).min(count - 1) as f64 + part) * tau
+            });
+            let values = functions.values(&inside);
+            scales.resize(read.len(), 0.0f64);
+            let window = (first as f64 * tau, (first as f64 + count as f64) * tau);
+            let bounds = functions.bounds(interval(window));
+            read.iter().zip(&values).zip(&mut scales).enumerate().find_map(|(i, (rows, scale))| {
+                let (read, inside_values) = (&rows.0[..count + 2], &rows.1[..count * INSIDE]);
+                let all = || read.iter().chain(inside_values);
+                *scale = all().fold(*scale, |scale, f| scale.max(f.abs()));
+                let changes = read.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+                let visible = 2.0 * changes.sum::<f64>() * count as f64 / (count + 1) as f64;
+                let apart = |(k, f): (usize, &f64)| {
+                    (inside[k], (f - read[1 + k / INSIDE]).abs() / INSIDE as f64)
+                };
+                let mut parts: Vec<_> = inside_values.iter().enumerate().map(apart).collect();
+                let lo = all().copied().fold(f64::INFINITY, f64::min);
+                let hi = all().copied().fold(f64::NEG_INFINITY, f64::max);
+                let seen = (2.0 * lo - hi, 2.0 * hi - lo);
+                let is_seen = |bound: &Bounded| {
+                    seen.0 <= bound.value - bound.error && bound.value + bound.error <= seen.1
+                };
+                if !bounds.get(i).is_none_or(is_seen) {
+                    beyond(functions, i, seen, *scale, window, &mut budget, &mut |t, area| {
+                        parts.push((t, area / tau));
+                    });
+                }
+                let within: f64 = parts.iter().map(|part| part.1).sum();
+                let (t, _) = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+                (within > MOST * visible + NEGLIGIBLE * *scale).then_some(t)
+            })
+        })
+    }
+}
+
+/// A time of an interval.
+fn interval((a, b): (f64, f64)) -> Bounded {
+    Bounded { error: 0.5 * (b - a), ..Bounded::variable(0.5 * (a + b)) }
+}
+
+/// Calls `found` with times of a window at which function number i is outside of what was seen, from
+/// `lo` to `hi`, and with the area there, by halving intervals until bounds leave no more.
+fn beyond(
+    functions: &dyn InTime,
+    i: usize,
+    (lo, hi): (f64, f64),
+    scale: f64,
+    window: (f64, f64),
+    budget: &mut u32,
+    found: &mut dyn FnMut(f64, f64),
+) {
+    let outside = |f: f64| (lo - f).max(f - hi).max(0.0);
+    let (mut cells, mut largest) = (vec![window], scale.max(f64::MIN_POSITIVE));
+    while let Some((a, b)) = cells.pop() {
+        let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+        let Bounded { value, error, .. } = functions.bounds(interval((a, b)))[i];
+        let error = if error.is_nan() { f64::INFINITY } else { error };
+        let (most, least) = (outside(value - error).max(outside(value + error)), outside(value));
+        // Of values, not of bounds, which may be far too large.
+        largest = largest.max(value.abs());
+        let negligible = NEGLIGIBLE * (window.1 - window.0) * largest;
+        if most * (b - a) <= negligible {
+            continue;
+        }
+        if error <= 0.5 * least || *budget == 0 || half <= f64::EPSILON * middle {
+            found(middle, least * (b - a));
+        } else {
+            *budget -= 1;
+            cells.extend([(a, middle), (middle, b)]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    /// A function without bounds.
+    struct Of<F>(F);
+
+    impl<F: Fn(f64) -> f64 + Send + Sync> InTime for Of<F> {
+        fn values(&self, times: &Row) -> Vec<Row> {
+            vec![times.map(&self.0)]
+        }
+    }
+
+    /// Whether 100 or 200 steps on [0, 1] do not resolve it.
+    fn missed(f: impl Fn(f64) -> f64 + Send + Sync + Copy) -> Option<f64> {
+        let look = move |_: &[f64], look: &mut dyn FnMut(&dyn InTime)| look(&Of(f));
+        let known = RefCell::default();
+        let states = [Vec::new(), Vec::new()];
+        DriveResolution { in_time: Some(Arc::new(look)), states, t_end: 1.0, known }.unresolved(200)
+    }
+
+    #[test]
+    fn aliases_are_missed_and_waves_of_four_steps_are_not() {
+        for k in 0..400 {
+            let phase = TAU * (GOLDEN * f64::from(k)).fract();
+            let wave = |f: f64| missed(move |t| (TAU * f * t + phase).cos());
+            let (slow, fast) = (25.0 * f64::from(k) / 400.0, 150.0 + 7.3 * f64::from(k));
+            assert_eq!(wave(slow), None, "{slow} {phase}");
+            assert!(wave(fast).is_some(), "{fast} {phase}");
+        }
+    }
+
+    #[test]
+    fn jumps_anywhere_are_resolved_and_short_pulses_that_are_met_are_not() {
+        for k in 0..2000 {
+            let at = f64::from(k) / 2000.0 + 1e-7;
+            assert_eq!(missed(|t| if t < at { 3.0 } else { -1.0 }), None, "{at}");
+        }
+        // A third of a step of the longer kind, on a wave: some random time meets it.
+        for k in 0..50 {
+            let at = (GOLDEN * f64::from(k)).fract() * 0.98;
+            let near = missed(|t| t + if t > at && t < at + 0.0033 { 1.0 } else { 0.0 });
+            assert!(near.is_none_or(|t| (t - at).abs() < 0.01), "{at} {near:?}");
+        }
+        let hidden = |t: f64| if t > 0.5 && t < 0.5024 { 1.0 } else { 0.0 };
+        assert!(missed(hidden).is_some_and(|t| (t - 0.501).abs() < 0.003));
+    }
+}
