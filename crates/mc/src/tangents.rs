@@ -47,21 +47,34 @@ impl Method for Tangents<'_> {
         self.method.stack()
     }
 
-    /// With unit vectors, or those that `y` has after the state.
+    /// With generic vectors, or those that `y` has after the state.
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let &Self { dimension, count, .. } = self;
         let (state, vectors) = y.split_at(dimension);
         let mut rows = state.to_vec();
-        let unit = |n: usize| [f64::from(u8::from(n % dimension == n / dimension)); WIDTH];
         match vectors.get(..count * dimension) {
             Some(vectors) => rows.extend_from_slice(vectors),
-            None => rows.extend((0..count * dimension).map(unit)),
+            None => {
+                rows.extend((0..count * dimension).map(generic));
+                let vectors = &mut rows[dimension..];
+                orthogonalise(vectors, dimension, &mut vec![[0.0; WIDTH]; count + 1]);
+            }
         }
         rows.resize(rows.len() + count + 1, [0.0; WIDTH]);
         let inner = self.method.start(state);
         let near = (0..count).map(|_| self.method.start(state)).collect();
         Box::new(Carried { dimension, inner, near, rows, moved: [0.0; WIDTH] })
     }
+}
+
+/// Number n of the components of vectors that are in no subspace that a system keeps: numbers in
+/// [−1, 1) by the mixing of SplitMix64 (Steele, Lea and Flood 2014). They are the same on all paths,
+/// so that chains differ by their noise alone.
+fn generic(n: usize) -> Row {
+    let z = (n as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    [(z >> 11) as f64 * (f64::EPSILON) - 1.0; WIDTH]
 }
 
 struct Carried<'a> {

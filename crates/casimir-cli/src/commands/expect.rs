@@ -48,8 +48,9 @@ pub fn finish(
             kept.file.display()
         ))),
         (_, true) => Ok(()),
-        _ => Err(Failure::Run({
-            format!("±{:e} not reached, or not to be believed", accuracy.unwrap_or_default())
+        _ => Err(Failure::Run(match accuracy {
+            Some(accuracy) => format!("±{accuracy:e} not reached, or not to be believed"),
+            None => "not to be believed".into(),
         })),
     }
 }

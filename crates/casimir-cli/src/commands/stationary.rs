@@ -12,6 +12,8 @@ use super::{
 };
 use crate::arguments::{Equilibrium, Lyapunov};
 
+/// The layout of chains in their file.
+const LAYOUT: u32 = 2;
 /// The accuracy of exponents.
 const ACCURACY: f64 = 0.01;
 
@@ -37,7 +39,7 @@ fn chains(arguments: &Equilibrium, command: &str, asked: Asked) -> Done {
         Asked::Averages => (None, scene.accuracy),
         Asked::Exponents(count, accuracy) => (Some(count), Some(accuracy)),
     };
-    let changes = serde_json::to_string(&(scheme, steps, chains, exponents))?;
+    let changes = serde_json::to_string(&(scheme, steps, chains, exponents, LAYOUT))?;
     let (watch, keeping) = (stoppable(), keeping(&scene, folder.join("chains.bin"), &changes));
     let kept = keeping.clone();
     let found = verbs::equilibrium(&scene, asked, (*chains, *path_steps), Some(keeping), &watch)?;

@@ -57,6 +57,8 @@ pub struct Scene {
     pub wanted: Wanted,
     /// Which figures are drawn.
     pub drawn: Drawn,
+    /// H₀, unless it depends on time.
+    pub energy: Option<Observable>,
     /// The test functions of expectations.
     pub expected: Vec<Observable>,
     /// The half-width of their intervals.
@@ -96,7 +98,8 @@ impl Scene {
                 settings: &settings,
             })?;
         let y0 = model.problem().y0;
-        let is_tiled = model.system().description().layout.is_tiled();
+        let description = model.system().description();
+        let (is_tiled, changes) = (description.layout.is_tiled(), description.depends_on_time);
         let (dimension, in_steps) = (y0.len(), (!is_tiled).then(|| names.clone()));
         let energy = match (energy, &file.system.energy) {
             (None, Some(text)) => Further::Energy(text.clone()),
@@ -104,7 +107,13 @@ impl Scene {
                 Further::Quantity(energy.unwrap_or(Quantity::Component(0)).of_state(dimension))
             }
         };
-        let mut vocabulary = Vocabulary::new(names, energy, &y0);
+        let mut vocabulary = Vocabulary::new(names, energy.clone(), &y0);
+        let energy = match energy {
+            Further::Quantity(energy) if !changes => Some(energy),
+            Further::Energy(text) if !changes => vocabulary.quantity(&source, &text).ok(),
+            _ => None,
+        };
+        let energy = energy.map(|energy| Observable::new("H0", energy));
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
         let (mut observables, mut given) = (Vec::<Observable>::new(), Vec::new());
         for Observable { name, quantity } in quantities {
@@ -193,6 +202,7 @@ impl Scene {
             collected: vocabulary.collected,
             wanted,
             drawn,
+            energy,
             expected,
             accuracy,
         })

@@ -13,11 +13,11 @@ use casimir::{
 };
 use serde_json::{Value, json};
 
-use super::{Found, Watch, expect::wanted, scheme, warnings};
+use super::{Found, Watch, scheme, warnings};
 use crate::{
     failure::{Done, Failure},
     model::with_names,
-    output::Drawn,
+    output::{Drawn, digits},
     scene::{Observable, Scene},
 };
 
@@ -39,10 +39,12 @@ pub fn equilibrium(
     keeping: Option<Keeping>,
     watch: &Watch,
 ) -> Done<(Found, bool)> {
-    let accuracy = match asked {
-        Asked::Averages => wanted(scene)?,
-        Asked::Exponents(_, accuracy) => accuracy,
+    // Without a wish, the first averages that chains are long enough for.
+    let wanted = match asked {
+        Asked::Averages => scene.accuracy,
+        Asked::Exponents(_, accuracy) => Some(accuracy),
     };
+    let accuracy = wanted.unwrap_or(f64::MAX);
     check(scene, asked)?;
     let ((scheme, because), start) = (scheme(scene), Instant::now());
     let setup = scene.setup(&scheme)?;
@@ -55,11 +57,14 @@ pub fn equilibrium(
         stop: watch.stop.clone(),
         ..EquilibriumSettings::new(scene.settings.steps)
     };
-    let mut equilibrium = Equilibrium::new(setup, settings);
+    let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
+    let mut equilibrium = Equilibrium::new(setup, settings).watching(energy);
     if let Some(keeping) = keeping {
         equilibrium = equilibrium.keeping(keeping);
     }
-    let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
+    let of = if scene.expected.is_empty() { &scene.observables } else { &scene.expected };
+    let of_state = of.iter().filter(|phi| phi.quantity.is_of_state());
+    let phi: Vec<&dyn Observe> = of_state.map(|phi| phi as _).collect();
     let found = watch.under("chains come to their law".into(), 0, || {
         let told = |half_width: f64, done: f64| {
             let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
@@ -89,13 +94,14 @@ pub fn equilibrium(
         text += &format!("{scheme}: {because}\n");
     }
     if let Some(kt) = kt.filter(|_| is_bath) {
-        text += &format!("exp(-H0/kT) is stationary with kT = {kt:.9}\n");
+        text += &format!("exp(-H0/kT) is stationary with kT = {}\n", digits(Some(kt)));
     }
     if let Asked::Exponents(count, _) = asked {
         text += &contraction(scene, &found, count);
     }
     text += &format!("{:.2} s\n", start.elapsed().as_secs_f64());
-    let json = json(scene, &found, because.as_deref(), kt);
+    let mut json = json(scene, &found, because.as_deref(), kt);
+    json["accuracy"] = json!(wanted);
     let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
     Ok((Found::new(text, json, figures), found.reached()))
 }
@@ -108,8 +114,12 @@ fn check(scene: &Scene, asked: Asked) -> Done {
         [0.37, 1.0].iter().any(|part| damping.rate(part * problem.t_end) != rate)
     });
     let along = scene.expected.iter().find(|phi| !phi.quantity.is_of_state());
-    let wrong = if model.system().description().depends_on_time || changes {
-        "a system that depends on time has no stationary law".into()
+    let wrong = if model.system().description().depends_on_time {
+        "a system that depends on time has no stationary law: if it is periodic, make its phase a \
+         component, by a canonical pair (phi, J) with w*J in H0 and phi for w*t"
+            .into()
+    } else if changes {
+        "a damping that depends on time has no stationary law".into()
     } else if let (Asked::Averages, Some(Observable { name, .. })) = (asked, along) {
         format!(
             "averages over the stationary law are of functions of the state alone: leave out `{name}`"
@@ -128,8 +138,8 @@ fn contraction(scene: &Scene, found: &Averages, count: usize) -> String {
         (rates + d as f64 * problem.damping.rate(0.0), scene.model.contracts_volume());
     match found.means.last() {
         Some(sum) if count == d && canonical => format!(
-            "volume contracts by -Σγᵢ = {:.9}: the sum differs by {:.1e}\n",
-            -rate,
+            "volume contracts by -Σγᵢ = {}: the sum differs by {:.1e}\n",
+            digits(Some(-rate)),
             sum.mean + rate
         ),
         _ => String::new(),

@@ -3,6 +3,7 @@
 mod along;
 mod areas;
 mod broken;
+mod chains;
 mod citation;
 mod common;
 mod defaults;

@@ -299,5 +299,5 @@ steps = 320
         with_scene(&pendulum).path(),
         &["lyapunov", "scene.toml", "--count", "2", "--accuracy", "0.02"],
     );
-    assert!(text.contains("volume contracts by -Σγᵢ = -1.000000000: the sum differs by"), "{text}");
+    assert!(text.contains("volume contracts by -Σγᵢ = -1: the sum differs by"), "{text}");
 }

@@ -3,7 +3,7 @@
 use real::{PathMask, Row, WIDTH};
 use serde::{Deserialize, Serialize};
 
-use super::{Averaged, EquilibriumSettings, LEVELS, STEPS};
+use super::{Averaged, EquilibriumSettings, LEVELS, STEPS, wells::Watched};
 use crate::{
     PathFailure, Statistic, View,
     study::{Grid, Histogram},
@@ -30,8 +30,8 @@ struct Block {
     states: Vec<Vec<Row>>,
 }
 
-/// The means of each chain over a batch: of each average at each step size, and of its square at
-/// the finest.
+/// Of each chain the means over a batch of each average at each step size, and of its square at the
+/// finest, and the values of watched functions at its end.
 pub type Batch = Vec<Vec<f64>>;
 
 /// All chains.
@@ -55,6 +55,8 @@ pub struct Chains {
     pub batches: Vec<Batch>,
     /// The histograms of the averages, of the last batches.
     pub histograms: Vec<Histogram>,
+    /// Chains that had failed when steps were halved.
+    pub failed_before: usize,
     /// The first failure.
     pub failure: Option<String>,
     averages: usize,
@@ -77,6 +79,7 @@ impl Chains {
             blocks: Vec::new(),
             batches: Vec::new(),
             histograms: Vec::new(),
+            failed_before: 0,
             failure: None,
             averages: of.count(),
         }
@@ -101,15 +104,22 @@ impl Chains {
         self.blocks.get((path / WIDTH as u64) as usize)
     }
 
-    /// The states of a block of chains at a step size; none before the first batch.
-    pub fn states(&self, run: usize, path: u64) -> Option<&[Row]> {
-        Some(&self.block(path)?.states[run])
+    /// The states of a block of chains at a step size; none before the first batch. Before batches
+    /// count, the first `dimension` rows: tangent vectors are anew then.
+    pub fn states(&self, run: usize, path: u64, dimension: usize) -> Option<&[Row]> {
+        let states = &self.block(path)?.states[run];
+        Some(if self.batches.is_empty() { &states[..dimension] } else { states })
     }
 
     /// The numbers of the chains that have not failed.
     pub fn live(&self) -> impl Iterator<Item = usize> {
         let blocks = self.blocks.iter();
         blocks.flat_map(|block| PathMask(block.live).paths().map(|p| block.first as usize + p))
+    }
+
+    /// How many have failed.
+    pub fn failed(&self) -> usize {
+        self.blocks.len() * WIDTH - self.live().count()
     }
 
     /// Whether states are beyond 1e50.
@@ -125,6 +135,7 @@ impl Chains {
         mut batch: Gather<'_>,
         failures: Vec<PathFailure>,
         start: &dyn Fn(u64) -> Vec<Row>,
+        watched: Watched<'_>,
     ) {
         let spreading = self.number < SPREADING;
         batch.blocks.sort_by_key(|sums| sums.block.first);
@@ -154,6 +165,12 @@ impl Chains {
             format!("{scheme} with steps {tau:.2e}: {cause}")
         };
         self.failure = self.failure.take().or(failures.first().map(words));
+        let seen = self.blocks.iter().map(|block| watched.values(&block.states[LEVELS - 1]));
+        let mut rows = vec![Vec::new(); watched.count()];
+        for seen in seen {
+            rows.iter_mut().zip(seen).for_each(|(all, row)| all.extend(row));
+        }
+        values.extend(rows);
         self.batches.push(values);
     }
 
@@ -189,6 +206,7 @@ impl Chains {
     /// Begins anew with steps of half the size, where the chains are.
     pub fn halve(&mut self) {
         self.failure = None;
+        self.failed_before = self.failed();
         self.steps *= 2;
         self.batch_steps *= 2;
         self.halvings += 1;

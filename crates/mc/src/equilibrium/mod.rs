@@ -19,7 +19,11 @@
 //! **Autocorrelation time** t = T Var(m)/2σ² with the variance of the mean m of a chain over the
 //! time T and that of the observable: T/2t samples of a chain are as good as independent ones. It
 //! contains the slowest motion that the average sees. Of an exponent the variance of a chain is at
-//! most three times that of independent batches.
+//! most three times that of independent batches. Wells that chains keep are looked for in
+//! components and other functions, whatever is averaged ([how](wells)).
+//!
+//! **Exponents** are those of vectors in general directions, which begin anew with the first batch
+//! that counts. A growth like a power of t is told from one that is exponential ([how](growth)).
 //!
 //! **Bias of the step.** With the means m₀, m₁, m₂ at 4τ, 2τ, τ and the weak order p the bias of
 //! m₂ is at most b = (m₂ − m₀)/(4ᵖ − 1), if it falls by 2ᵖ from a step to the next. Or e =
@@ -31,11 +35,13 @@
 //! interval says, or where chains fail.
 //!
 //! **What nobody can tell** is said: averages that are not finite; chains that still drift, that
-//! are shorter than twenty autocorrelation times, of which a few decide, or of which more than one
-//! in a hundred failed. A well that no chain has found is not known.
+//! are shorter than twenty autocorrelation times, stay in wells that the average depends on, of
+//! which a few decide, or of which more than one in a hundred failed. A well that no chain has found is not known.
 
 mod chains;
+mod growth;
 mod report;
+mod wells;
 
 use std::{
     sync::Arc,
@@ -54,6 +60,7 @@ use crate::{
     tangents::Tangents,
 };
 use chains::{Chains, Gather};
+use wells::Watched;
 
 pub use report::{Averages, StationaryMean};
 
@@ -148,6 +155,7 @@ pub struct Equilibrium<'a> {
     settings: EquilibriumSettings,
     told: Box<Told<'a>>,
     keeping: Option<Keeping>,
+    watched: Vec<&'a dyn Observe>,
 }
 
 /// Step sizes of a chain.
@@ -160,13 +168,13 @@ const HEAT: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(2);
 /// Steps are halved at most so often.
 const MOST_HALVINGS: u32 = 20;
-/// And so often where all chains fail.
+/// And so often where all chains fail, or as many as before fail.
 const MOST_REVIVALS: u32 = 3;
 
 impl<'a> Equilibrium<'a> {
     /// Averages of a problem with a scheme.
     pub fn new(setup: Setup<'a>, settings: EquilibriumSettings) -> Self {
-        Self { setup, settings, told: Box::new(|_, _| ()), keeping: None }
+        Self { setup, settings, told: Box::new(|_, _| ()), keeping: None, watched: Vec::new() }
     }
 
     /// Tells after each batch how far it is.
@@ -180,6 +188,12 @@ impl<'a> Equilibrium<'a> {
     #[must_use]
     pub fn keeping(self, keeping: Keeping) -> Self {
         Self { keeping: Some(keeping), ..self }
+    }
+
+    /// Tests by these functions, beside components, whether chains stay in wells: H₀, for example.
+    #[must_use]
+    pub fn watching(self, watched: impl IntoIterator<Item = &'a dyn Observe>) -> Self {
+        Self { watched: watched.into_iter().collect(), ..self }
     }
 
     /// The averages of test functions, each to the half-width `accuracy` of its 95 % interval.
@@ -217,8 +231,10 @@ impl<'a> Equilibrium<'a> {
         of: Averaged<'_>,
         accuracy: f64,
     ) -> Result<Averages, RunError> {
-        let Self { setup, settings, told, keeping } = self;
+        let Self { setup, settings, told, keeping, watched: functions } = self;
         self.check(accuracy)?;
+        let number = settings.blocks_of_chains() as usize;
+        let watched = Watched { functions, dimension: setup.problem.y0.len(), chains: number };
         let kept = keeping.as_ref().and_then(Keeping::read);
         let mut chains = kept.unwrap_or_else(|| Chains::new(settings, of));
         let (mut found, mut reached, mut written) = (None, false, Instant::now());
@@ -226,13 +242,15 @@ impl<'a> Equilibrium<'a> {
             if chains.is_due() {
                 let tau = setup.problem.t_end / chains.steps as f64;
                 let id = setup.scheme.id();
-                let now = Averages::new(&chains, settings, (of, id, tau), accuracy);
+                let now = Averages::new(&chains, settings, (of, id, tau), accuracy, watched);
                 let half_width = now.half_width();
                 told(half_width, (accuracy / half_width).powi(2).min(1.0));
                 let halves = now.wants_shorter_steps() && chains.halvings < MOST_HALVINGS;
                 // Averages that shorter steps do not make finite.
                 let fails = now.fails && halves;
-                let hopeful = half_width.is_finite() || fails && chains.halvings < MOST_REVIVALS;
+                let few_revivals = chains.halvings < MOST_REVIVALS;
+                let helps = few_revivals || 2 * chains.failed() <= chains.failed_before;
+                let hopeful = half_width.is_finite() && (!fails || helps) || fails && few_revivals;
                 let limited = now.is_out_of_reach(settings.max_cost);
                 let is_reached = now.reached();
                 found = Some(now);
@@ -246,7 +264,7 @@ impl<'a> Equilibrium<'a> {
                     chains.double(of);
                 }
             }
-            let goes_on = self.advance(scheme, of, &mut chains)?;
+            let goes_on = self.advance(scheme, (of, watched), &mut chains)?;
             if let Some(keeping) = keeping
                 && (!goes_on || written.elapsed() > BETWEEN_CHECKPOINTS)
             {
@@ -286,7 +304,7 @@ impl<'a> Equilibrium<'a> {
     fn advance(
         &self,
         scheme: &Arc<dyn Method + '_>,
-        of: Averaged<'_>,
+        (of, watched): (Averaged<'_>, Watched<'_>),
         chains: &mut Chains,
     ) -> Result<bool, RunError> {
         let Self { setup, settings, .. } = self;
@@ -304,7 +322,7 @@ impl<'a> Equilibrium<'a> {
         let known = &*chains;
         let first = |path| first(setup, &**scheme, settings.key, path);
         let ladder = ladder.starting(|run, path| {
-            known.states(run, path).map_or_else(|| first(path), <[Row]>::to_vec)
+            known.states(run, path, watched.dimension).map_or_else(|| first(path), <[Row]>::to_vec)
         });
         let new = || Gather::new(of, known);
         let Measured { statistic, failures, .. } =
@@ -313,7 +331,7 @@ impl<'a> Equilibrium<'a> {
         if stop.is_asked() {
             return Ok(false);
         }
-        chains.take(statistic, failures, &first);
+        chains.take(statistic, failures, &first, watched);
         Ok(true)
     }
 }

@@ -9,6 +9,8 @@ use stats::{CONFIDENCE, CentralMoments, FEW_SAMPLES, two_sided};
 use super::{
     Averaged, EquilibriumSettings, LEVELS,
     chains::{Batch, Chains},
+    growth::unsettled,
+    wells::{Watched, Well},
 };
 use crate::study::Histogram;
 
@@ -57,6 +59,8 @@ pub struct StationaryMean {
     pub sampling: f64,
     /// What the bias of the step may add.
     pub bias: f64,
+    /// What growth that is no exponential one yet adds, of exponents.
+    pub unsettled: f64,
     /// The deviation of the function; zero of exponents.
     pub deviation: f64,
     /// The autocorrelation time, in units of time; none of exponents.
@@ -81,7 +85,7 @@ pub struct StationaryMean {
 impl StationaryMean {
     /// Half of the 95 % interval.
     pub fn half_width(&self) -> f64 {
-        self.sampling + self.bias
+        self.sampling + self.bias + self.unsettled
     }
 
     /// The 95 % interval.
@@ -109,6 +113,9 @@ const DRIFTS: f64 = 3.5;
 const WIDER: f64 = 3.0;
 /// The part of the path-steps after which a forecast may end it.
 const FORECAST: f64 = 1.0 / 64.0;
+/// The part of the accuracy of an exponent that is no change: differences that carry tangent vectors
+/// round.
+const NEGLIGIBLE: f64 = 1e-3;
 /// What rounding may make of a mean.
 const ROUND_OFF: f64 = 1e-12;
 /// Autocorrelation times that a chain has at least.
@@ -168,21 +175,19 @@ impl Averages {
         settings: &EquilibriumSettings,
         (of, scheme, tau): (Averaged<'_>, &str, f64),
         accuracy: f64,
+        watched: Watched<'_>,
     ) -> Self {
         let live: Vec<usize> = chains.live().collect();
         let count = of.count();
-        let burn_ins = (0..count).map(|k| burn_in(chains, &live, (LEVELS - 1) * count + k));
+        let is_average = matches!(of, Averaged::Of(_));
+        let unit = if is_average { 1.0 } else { 1.0 / tau };
+        let least = if is_average { 0.0 } else { NEGLIGIBLE * accuracy };
+        let burn_ins =
+            (0..count).map(|k| burn_in(chains, &live, ((LEVELS - 1) * count + k, least / unit)));
         let burn_in = burn_ins.reduce(|a, b| Some(a?.max(b?))).flatten();
         let all = settings.blocks_of_chains();
         let failed = (all - live.len() as u64) as f64;
         let mut unknown = Vec::new();
-        if burn_in.is_none() {
-            unknown.push(
-                "the chains still drift after half of their time: they have not come to a \
-                 stationary law, or there is none"
-                    .into(),
-            );
-        }
         let fails = failed > MOST_FAILED * all as f64;
         if fails {
             let large = match chains.are_large() {
@@ -194,7 +199,6 @@ impl Averages {
             };
             unknown.push(format!("{failed} of {all} chains failed{large}"));
         }
-        let unit = if let Averaged::Growth(_) = of { 1.0 / tau } else { 1.0 };
         let all_batches = chains.batches.len();
         let first = burn_in.unwrap_or(all_batches / 2);
         let late = &chains.batches[first..];
@@ -214,15 +218,50 @@ impl Averages {
             }
         };
         let long = time * late.len() as f64 / all_batches as f64;
-        let names = of.names().into_iter().enumerate();
-        let means = names.map(|(k, name)| {
+        let wells = watched.wells((chains, &live), (count, is_average), first);
+        let names = of.names().into_iter().enumerate().zip(wells);
+        let means = names.map(|((k, name), well)| {
             let histogram = chains.histograms.get(k).cloned();
-            let mean = mean(&kept(k), settings.weak_order, (name, long), of);
-            StationaryMean { histogram, ..mean }
+            let mut mean = mean(&kept(k), settings.weak_order, (name, long), of);
+            mean.histogram = histogram;
+            let (lo, hi) = mean.interval();
+            let row = (LEVELS - 1) * count + k;
+            let of_sum = count > 1 && k + 1 == count;
+            let reach = (!is_average && !of_sum)
+                .then(|| unsettled((chains, &live), (row, first), (lo / unit, hi / unit)))
+                .flatten()
+                .filter(|(lo, hi)| 0.5 * (hi - lo) * unit > mean.half_width() + least);
+            match (reach, well) {
+                (Some((lo, hi)), _) => {
+                    mean.unsettled = 0.5 * (hi - lo) * unit - mean.half_width();
+                    mean.mean = 0.5 * (lo + hi) * unit;
+                }
+                (None, Some(Well { of, crossings })) => {
+                    mean.lengths = mean.lengths.min(crossings);
+                    mean.unknown.get_or_insert(format!(
+                        "the chains stay in wells, which they found with too much noise, and it \
+                         depends on the well: {of} does not forget"
+                    ));
+                }
+                (None, None) => {}
+            }
+            mean
         });
+        let means: Vec<StationaryMean> = means.collect();
+        // The sum of exponents is known to settle.
+        let exponents = if is_average { count } else { (count - 1).max(1) };
+        let settles = |mean: &StationaryMean| mean.unsettled == 0.0;
+        if burn_in.is_none() && means.iter().take(exponents).any(settles) {
+            unknown.insert(
+                0,
+                "the chains still drift after half of their time: they have not come to a \
+                 stationary law, or there is none"
+                    .into(),
+            );
+        }
         Self {
             scheme: scheme.into(),
-            means: means.collect(),
+            means,
             accuracy,
             taus: [tau, 0.5 * tau, 0.25 * tau],
             chains: live.len(),
@@ -275,8 +314,9 @@ fn spread(batch: &Batch, live: &[usize], row: usize) -> f64 {
     moments.variance()
 }
 
-/// Batches to leave out for the average in this row of batches; none if more than half.
-fn burn_in(chains: &Chains, live: &[usize], row: usize) -> Option<usize> {
+/// Batches to leave out for the average in this row of batches, of which `least` is no change; none
+/// if more than half.
+fn burn_in(chains: &Chains, live: &[usize], (row, least): (usize, f64)) -> Option<usize> {
     let (all, half) = (chains.batches.len(), chains.batches.len() / 2);
     // How far the means of two ranges of batches differ, in standard errors over the chains.
     let differ = |a: Range<usize>, b: Range<usize>| {
@@ -290,7 +330,8 @@ fn burn_in(chains: &Chains, live: &[usize], row: usize) -> Option<usize> {
         }
         let last = live.iter().map(|&n| chains.batches[all - 1][row][n].abs());
         let size = last.fold(0.0, f64::max);
-        moments.mean().abs() > DRIFTS * moments.variance_of_mean().sqrt() + ROUND_OFF * size
+        moments.mean().abs()
+            > DRIFTS * moments.variance_of_mean().sqrt() + least.max(ROUND_OFF * size)
     };
     let spread = |b: usize| spread(&chains.batches[b], live, row);
     let usual = (half..all).map(spread).sum::<f64>() / half as f64;
@@ -371,6 +412,7 @@ fn mean(kept: &Kept, order: f64, (name, long): (String, f64), of: Averaged<'_>) 
         mean,
         sampling,
         bias,
+        unsettled: 0.0,
         deviation,
         autocorrelation_time: is_average.then_some(time),
         effective_samples: is_average.then_some(count / ratio),
@@ -382,6 +424,22 @@ fn mean(kept: &Kept, order: f64, (name, long): (String, f64), of: Averaged<'_>) 
     }
 }
 
+/// A number to two digits of its error, with a power of ten where both are small or it is large.
+fn written(x: f64, error: f64) -> String {
+    let place =
+        |x: f64| if x == 0.0 || !x.is_finite() { -9 } else { x.abs().log10().floor() as i32 };
+    let digits = |n: i32| n.clamp(0, 16) as usize;
+    match (1e-3..1e6).contains(&x.abs().max(error.abs())) || x == 0.0 {
+        true => format!("{x:.*}", digits(1 - place(error))),
+        false => format!("{x:.*e}", digits(1 + place(x) - place(error))),
+    }
+}
+
+/// A number in three digits.
+fn short(x: f64) -> String {
+    written(x, 0.1 * x)
+}
+
 /// Each average with its interval and the parts of it, what it cost, and what is unknown.
 impl fmt::Display for Averages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -389,15 +447,26 @@ impl fmt::Display for Averages {
         for mean in &self.means {
             let StationaryMean { name, sampling, bias, autocorrelation_time, .. } = mean;
             let (half_width, width) = (mean.half_width(), longest);
-            write!(f, "{name:width$} = {:.9} ± {half_width:.1e} (sampling ", mean.mean)?;
-            write!(f, "{sampling:.1e}, step {bias:.1e})")?;
+            let value = written(mean.mean, half_width);
+            write!(f, "{name:width$} = {value} ± {half_width:.1e} (sampling ")?;
+            write!(f, "{sampling:.1e}, step {bias:.1e}")?;
+            if mean.unsettled > 0.0 {
+                write!(f, ", growth {:.1e}", mean.unsettled)?;
+            }
+            write!(f, ")")?;
             if let (Some(time), Some(samples)) = (autocorrelation_time, mean.effective_samples)
                 && mean.deviation > 0.0
             {
-                write!(f, ", autocorrelation time {time:.3}, ")?;
+                write!(f, ", autocorrelation time {}, ", short(*time))?;
                 write!(f, "{samples:.1e} effective samples")?;
             }
             writeln!(f)?;
+            if mean.unsettled > 0.0 {
+                let (lo, hi) = mean.interval();
+                let (sign, end) = if mean.mean > 0.0 { ("≤", hi) } else { ("≥", lo) };
+                let end = written(end, half_width);
+                writeln!(f, "  {name} {sign} {end}: growth may be that of a power of t, so far")?;
+            }
             if let Some(why) = &mean.unknown {
                 writeln!(f, "  cannot tell: {why}")?;
             }
@@ -405,9 +474,14 @@ impl fmt::Display for Averages {
         let Self { scheme, taus, chains, time, burn_in, spent, accuracy, .. } = self;
         writeln!(
             f,
-            "{scheme} with steps {:.2e}, {:.2e}, {:.2e}; {chains} chains of length {time:.1}, \
-             burn-in {burn_in:.1}; {:.2e} path-steps",
-            taus[0], taus[1], taus[2], *spent as f64
+            "{scheme} with steps {:.2e}, {:.2e}, {:.2e}; {chains} chains of length {}, \
+             burn-in {}; {:.2e} path-steps",
+            taus[0],
+            taus[1],
+            taus[2],
+            short(*time),
+            short(*burn_in),
+            *spent as f64
         )?;
         for why in &self.unknown {
             writeln!(f, "cannot tell: {why}")?;

@@ -1,0 +1,149 @@
+//! Chains that stay in wells, and growth that is not exponential.
+
+use serde_json::Value;
+
+use crate::common::{casimir, fails, json, run, succeeds, with_scene};
+
+/// What `casimir` finds of a scene with a seed, and whether it is sure.
+fn found(scene: &str, command: &str, arguments: &[&str]) -> Value {
+    let folder = with_scene(scene);
+    let arguments = [&[command, "scene.toml", "--json"], arguments].concat();
+    let output = casimir(folder.path()).args(arguments).output().unwrap();
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn number(found: &Value, k: usize, key: &str) -> f64 {
+    found["estimates"][k][key].as_f64().unwrap()
+}
+
+fn contains(found: &Value, k: usize, exact: f64) -> bool {
+    (number(found, k, "lo")..=number(found, k, "hi")).contains(&exact)
+}
+
+/// A tilted double well, 20 kT deep.
+const WELLS: &str = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "p^2/2 + (q^2 - 1)^2 + 0.05*q"
+[damping]
+rates = { p = 1 }
+temperature = 0.05
+[run]
+initial = [1, 0]
+until = 20
+steps = 800
+[expect]
+of = ["q^2"]
+accuracy = 0.005
+"#;
+
+#[test]
+fn wells_that_no_chain_leaves_are_seen_whatever_is_averaged() {
+    // q² is 0.025 larger in the well that e^{-0.1/kT} = 0.14 as many chains should be in as in the
+    // other one; about as many are. A twin without tilt has the same q² in both.
+    for seed in ["1", "2"] {
+        let arguments = ["--seed", seed, "--path-steps", "3e6"];
+        let told = found(WELLS, "equilibrium", &arguments);
+        let why = told["estimates"][0]["unknown"].as_str().unwrap();
+        assert!(why.contains("stay in wells") && told["reached"] == false, "{told:#}");
+        let even = WELLS.replace("+ 0.05*q", "");
+        let told = found(&even, "equilibrium", &arguments);
+        assert!(told["reached"] == true && contains(&told, 0, EVEN), "{told:#}");
+    }
+    // An angle that diffuses keeps its value as well, and p foretells it, but not the reverse.
+    let angle = WELLS.replace("(q^2 - 1)^2 + 0.05*q", "1 - cos(q)").replace("= 0.05\n", "= 1\n");
+    let angle = angle.replace("\"q^2\"", "\"cos(q)\", \"p\"").replace("= 0.005", "= 0.02");
+    let told = found(&angle, "equilibrium", &[]);
+    // I₁(1)/I₀(1).
+    assert!(told["reached"] == true && contains(&told, 0, 0.446_389_965), "{told:#}");
+    // A random parameter, which is conserved, is none that chains should exchange.
+    let random = WELLS.replace("[\"q\", \"p\"]", "[\"q\", \"p\", \"w\", \"v\"]");
+    let random = random.replace("(q^2 - 1)^2 + 0.05*q", "w*q^2/2").replace("= 0.05\n", "= 1\n");
+    let random = random.replace("[1, 0]", "[1, 0, \"1 + u1\", 0]").replace("= 0.005", "= 0.05");
+    let random = random.replace("\"canonical\"", "\"canonical(q,p) + canonical(w,v)\"");
+    let told = found(&random, "equilibrium", &[]);
+    // The mean of 1/w.
+    assert!(told["reached"] == true && contains(&told, 0, std::f64::consts::LN_2), "{told:#}");
+}
+
+/// ⟨q²⟩ of (q² − 1)² at kT = 0.05, by quadrature.
+const EVEN: f64 = 0.986_975_055;
+
+/// Two pairs that do not see each other: the first turns in noise, the second is a saddle.
+const SPLIT: &str = r#"
+[system]
+state = ["q1", "p1", "q2", "p2"]
+B = "canonical(q1,p1) + canonical(q2,p2)"
+H0 = "(p1^2 + q1^2 + p2^2 - q2^2)/2"
+H = ["0.1*q1"]
+[run]
+initial = [0, 0, 0, 0]
+until = 5
+steps = 256
+"#;
+
+#[test]
+fn tangent_vectors_are_in_no_subspace_that_a_system_keeps() {
+    let told = found(SPLIT, "lyapunov", &["--count", "4", "--accuracy", "0.02"]);
+    for (k, exact) in [1.0, 0.0, 0.0, -1.0].into_iter().enumerate() {
+        assert!((number(&told, k, "value") - exact).abs() < 0.02, "{told:#}");
+    }
+    assert!(told["reached"] == true && number(&told, 0, "half_width") < 1e-2, "{told:#}");
+}
+
+#[test]
+fn a_power_of_time_is_no_exponent() {
+    // A body whose energy is all there is to its noise: neighbours part like t.
+    let body = r#"
+[system]
+state = ["M[1..3]"]
+B = "rigid(M)"
+H0 = "M1^2/4 + M2^2/2 + 3*M3^2/4"
+H = ["(M1^2/4 + M2^2/2 + 3*M3^2/4)/2"]
+[run]
+initial = [0.6, 0.3, 0.7]
+until = 16
+steps = 512
+"#;
+    for seed in ["1", "2", "3"] {
+        let told = found(body, "lyapunov", &["--seed", seed, "--accuracy", "0.2"]);
+        assert!(contains(&told, 0, 0.0) && number(&told, 0, "value") > 0.0, "{told:#}");
+    }
+    let output = run(with_scene(body).path(), &["lyapunov", "scene.toml", "--accuracy", "0.2"]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("λ1 ≤ ") && text.contains(", growth "), "{text}");
+    // A real exponent stays: ½σ²/4 of a weak noise σ = 0.4 on the frequency.
+    let kubo = "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\nH0 = \"(q^2 + p^2)/2\"\nH =                 [\"0.4*q^2/2\"]\n[run]\ninitial = [0, 0]\nuntil = 16\nsteps = 256\n";
+    let told = found(kubo, "lyapunov", &["--accuracy", "0.005"]);
+    let seen = number(&told, 0, "lo") > 0.0 && number(&told, 0, "unsettled") == 0.0;
+    assert!(seen && (number(&told, 0, "value") - 0.0199).abs() < 0.007, "{told:#}");
+}
+
+#[test]
+fn averages_need_no_wish_and_have_digits_in_any_unit() {
+    // In SI units: lengths of 1e-7 and times of 1e-6.
+    let small = r#"
+[system]
+state = ["x", "p"]
+B = "canonical"
+H0 = "p^2/(2*m) + k*x^2/2"
+parameters = { m = 1e-15, k = 1e-3 }
+[damping]
+rates = { p = 1e6 }
+temperature = 4.14e-21
+[run]
+initial = [0, 0]
+until = 2e-5
+steps = 256
+"#;
+    let folder = with_scene(small);
+    let text = succeeds(folder.path(), &["equilibrium", "scene.toml"]);
+    assert!(text.contains("kT = 4.140e-21") && !text.contains("0.000"), "{text}");
+    assert!(text.contains("e-5, burn-in "), "{text}");
+    let told = json(folder.path(), &["equilibrium", "scene.toml", "--json"]);
+    assert!(told["reached"] == true && told["accuracy"].is_null(), "{told:#}");
+    assert!(told["estimates"][0]["of"] == "x" && contains(&told, 0, 0.0), "{told:#}");
+    let driven = small.replace("k*x^2/2", "k*x^2/2 - 1e-12*cos(1e6*t)*x");
+    fails(with_scene(&driven).path(), &["lyapunov", "scene.toml"], 2, &["make its phase a"]);
+}

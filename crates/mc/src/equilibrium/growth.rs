@@ -1,0 +1,84 @@
+//! Growth that is not exponential, or not yet.
+//!
+//! In integrable systems neighbouring paths part like a power of t. The exponent is zero, and its
+//! estimate k ln(t₁/t₀)/(t₁ − t₀) falls, but for long it is many standard errors from zero. So each
+//! chain's growth is fitted by λt + k ln t, with t from the time at which tangent vectors are
+//! anew. Least squares over batches of time give both; the error is that over the chains.
+//!
+//! An exponent x ≠ 0 is **not seen** where k has its sign, by 2 standard errors over all of the
+//! time, λ over the time that is kept does not have it by 2, and a power of at most 3 explains x:
+//! then its interval has 0 in it. Growth is **bent** where k over the time that is kept differs
+//! from 0 by 3, and λ is outside of the interval: then this reaches to λ ± 2 standard errors, and to
+//! 0 where growth becomes faster, as a slow shear does at first.
+
+use real::elementary::ln;
+use stats::CentralMoments;
+
+use super::chains::{Batch, Chains};
+
+/// Standard errors by which λ and k are seen, and by which growth is bent.
+const SEEN: f64 = 2.0;
+const BENT: f64 = 3.0;
+/// The largest power of t: a shear has one, and less symmetric systems seldom more than 3.
+const MOST_POWER: f64 = 3.0;
+
+/// λt + k ln t with t in batches.
+struct Fit {
+    /// λ and k, each with its standard error.
+    slope: (f64, f64),
+    power: (f64, f64),
+    /// The mean of ln(t + 1) − ln t.
+    logarithm: f64,
+}
+
+impl Fit {
+    /// The fit of batches from number `first` > 0 on.
+    fn new(batches: &[Batch], first: usize, row: usize, live: &[usize]) -> Self {
+        let late = &batches[first..];
+        let count = late.len() as f64;
+        let z: Vec<f64> = (first..batches.len()).map(|b| ln(1.0 + 1.0 / b as f64)).collect();
+        let logarithm = z.iter().sum::<f64>() / count;
+        let square: f64 = z.iter().map(|z| (z - logarithm) * (z - logarithm)).sum();
+        let of = |weight: &dyn Fn(f64) -> f64| {
+            let mut moments = CentralMoments::default();
+            for &n in live {
+                moments.add(late.iter().zip(&z).map(|(batch, &z)| weight(z) * batch[row][n]).sum());
+            }
+            (moments.mean(), moments.variance_of_mean().sqrt())
+        };
+        let power = |z: f64| (z - logarithm) / square;
+        Self { slope: of(&|z| 1.0 / count - logarithm * power(z)), power: of(&power), logarithm }
+    }
+}
+
+/// The interval of the exponent in a row of batches, in their units, if growth is bent or is no
+/// exponent that is seen, from batch number `first` on.
+pub fn unsettled(
+    (chains, live): (&Chains, &[usize]),
+    (row, first): (usize, usize),
+    (mut lo, mut hi): (f64, f64),
+) -> Option<(f64, f64)> {
+    let [all, kept] = [1, first].map(|first| Fit::new(&chains.batches, first, row, live));
+    let mean = 0.5 * (lo + hi);
+    let sign = mean.signum();
+    let exceeds = |(value, error): (f64, f64), times: f64| value > times * error;
+    let falls = exceeds((sign * all.power.0, all.power.1), SEEN);
+    let is_seen = exceeds((sign * kept.slope.0, kept.slope.1), SEEN);
+    let is_power = mean.abs() <= MOST_POWER * kept.logarithm;
+    let (slope, error) = kept.slope;
+    let rises = sign * kept.power.0 < 0.0;
+    let is_bent = exceeds((kept.power.0.abs(), kept.power.1), BENT) && !(lo..=hi).contains(&slope);
+    if !(is_bent || falls && !is_seen && is_power) {
+        return None;
+    }
+    let reach = SEEN * error;
+    if kept.power.0 > 0.0 {
+        lo = lo.min(slope - reach);
+    } else {
+        hi = hi.max(slope + reach);
+    }
+    if is_power && (rises || !is_seen) {
+        (lo, hi) = (lo.min(0.0), hi.max(0.0));
+    }
+    Some((lo, hi))
+}

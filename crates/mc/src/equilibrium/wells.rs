@@ -1,0 +1,166 @@
+//! Whether chains stay in wells that an average depends on.
+//!
+//! Chains begin with too much noise, so that they fall into all wells, but not as often as the
+//! stationary law has them. Where they do not cross, the chains that are in a well weigh it. An
+//! average that depends little on the well does not show this by itself. So components, sums of
+//! them and functions such as H₀ are watched, once in a batch at the finest step size.
+//!
+//! With the mean a of a watched function over the first quarter of the time that is kept and the
+//! mean b of an average over the rest, of each of n chains, z = r√(n − 1) with their correlation r
+//! has variance one if the average forgets. A function **keeps** its wells where z of its own a and
+//! b is more than 4, and an average **depends** on them where |z| is more than √(9 + 2 ln m) for the
+//! m functions that keep theirs. An angle that diffuses without bound
+//! keeps its value, but tells nothing about what comes later of cos q or p. Where a watched function
+//! is conserved and differs from chain to chain, initial values are random parameters on purpose,
+//! and nothing is tested.
+
+use real::{PathMask, Row, WIDTH, elementary::ln};
+use stats::CentralMoments;
+
+use super::{
+    LEVELS,
+    chains::{Batch, Chains},
+};
+use crate::Observe;
+
+/// Components watched at most, and values of all chains in a batch.
+const MOST_COMPONENTS: usize = 61;
+const MOST_VALUES: usize = 1 << 18;
+/// Sums over every third component: the directions of spins.
+const SUMS: usize = 3;
+/// z of a function that keeps its wells, and z² of an average that depends on those of one.
+const KEEPS: f64 = 4.0;
+const DEPENDS: f64 = 9.0;
+/// What is no more than this of a value is round-off, or of a spread a change.
+const ROUND_OFF: f64 = 1e-9;
+const CONSERVED: f64 = 1e-6;
+/// Time between the middles of a quarter and the rest, over that of both.
+const LAG: f64 = 0.5;
+
+/// Functions of the state that are watched.
+#[derive(Clone, Copy)]
+pub struct Watched<'a> {
+    /// Functions such as H₀.
+    pub functions: &'a [&'a dyn Observe],
+    /// The number of components of the state, and of chains.
+    pub dimension: usize,
+    pub chains: usize,
+}
+
+/// A well that chains keep and an average depends on.
+pub struct Well {
+    /// The function that tells wells apart.
+    pub of: String,
+    /// Times of crossing in the time of a chain.
+    pub crossings: f64,
+}
+
+impl Watched<'_> {
+    /// The components that are watched, spread over all.
+    fn components(&self) -> impl Iterator<Item = usize> {
+        let shown = self.dimension.min((MOST_VALUES / self.chains).clamp(1, MOST_COMPONENTS));
+        let dimension = self.dimension;
+        (0..shown).map(move |k| k * dimension / shown)
+    }
+
+    /// The number of sums, that are not components.
+    fn sums(&self) -> usize {
+        if self.dimension > SUMS { SUMS } else { 0 }
+    }
+
+    /// The number of functions.
+    pub fn count(&self) -> usize {
+        self.components().count() + self.sums() + self.functions.len()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let components = self.components().map(|i| format!("y{}", i + 1));
+        let sums = (1..=self.sums()).map(|c| format!("y{c} + y{} + …", c + SUMS));
+        let functions = self.functions.iter().map(|function| function.name().to_owned());
+        components.chain(sums).chain(functions).collect()
+    }
+
+    /// The values of 32 states.
+    pub fn values(&self, y: &[Row]) -> Vec<Row> {
+        let mut rows: Vec<Row> = self.components().map(|i| y[i]).collect();
+        let mut sums = [[0.0; WIDTH]; SUMS];
+        for (i, y) in y[..self.dimension].iter().enumerate() {
+            sums[i % SUMS].iter_mut().zip(y).for_each(|(sum, y)| *sum += y);
+        }
+        rows.extend(&sums[..self.sums()]);
+        rows.extend(self.functions.iter().map(|function| {
+            let mut values = [0.0; WIDTH];
+            function.evaluate(y, PathMask::ALL, &mut values);
+            values
+        }));
+        rows
+    }
+
+    /// The well that each of the first `count` averages at the finest step size depends on, from
+    /// batch number `first` on; `own` if those show wells themselves.
+    pub fn wells(
+        &self,
+        (chains, live): (&Chains, &[usize]),
+        (count, own): (usize, bool),
+        first: usize,
+    ) -> Vec<Option<Well>> {
+        let all = chains.batches.len();
+        let quarter = first + (all - first) / 4;
+        let means = |row: usize, batches: &[Batch]| -> Vec<f64> {
+            let mean = |&n: &usize| {
+                batches.iter().map(|batch| batch[row][n]).sum::<f64>() / batches.len() as f64
+            };
+            live.iter().map(mean).collect()
+        };
+        let (early, late) = (&chains.batches[..quarter][first - 1..], &chains.batches[quarter..]);
+        let (finest, watched) = ((LEVELS - 1) * count, (LEVELS + 1) * count);
+        let names = self.names();
+        let ends = |row: usize| [&early[..1], &late[late.len() - 1..]].map(|end| means(row, end));
+        if (watched..watched + names.len()).any(|row| is_conserved(&ends(row))) {
+            return (0..count).map(|_| None).collect();
+        }
+        // Those that keep their wells, with what they were early.
+        let root = (live.len() as f64 - 1.0).sqrt();
+        let keeping = names.iter().enumerate().filter_map(|(k, name)| {
+            let early = means(watched + k, early);
+            let r = correlation(&early, &means(watched + k, late));
+            (r * root > KEEPS).then_some((&**name, early, r))
+        });
+        let keeping: Vec<_> = keeping.collect();
+        let least = (DEPENDS + 2.0 * (keeping.len().max(1) as f64).ln()).sqrt();
+        let well = |k: usize| {
+            let late = means(finest + k, late);
+            let depends = |early: &[f64]| correlation(early, &late).abs();
+            let of = keeping.iter().map(|(name, early, r)| (*name, depends(early), *r));
+            let of = of.filter(|(_, depends, _)| depends * root > least);
+            let itself = depends(&means(finest + k, &chains.batches[first..quarter]));
+            let itself = (own && itself * root > KEEPS).then_some(("it", itself, itself));
+            let (of, _, r) = of.chain(itself).max_by(|a, b| a.1.total_cmp(&b.1))?;
+            // The correlation falls by e in a time of crossing.
+            Some(Well { of: of.into(), crossings: -ln(r) / LAG })
+        };
+        (0..count).map(well).collect()
+    }
+}
+
+/// Whether the values of chains are the same early and late, and differ from chain to chain.
+fn is_conserved([early, late]: &[Vec<f64>; 2]) -> bool {
+    let (spread, _) = spread(early);
+    let change = early.iter().zip(late).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    spread > 0.0 && change <= CONSERVED * spread
+}
+
+/// The deviation, none if it is round-off, and the mean.
+fn spread(values: &[f64]) -> (f64, f64) {
+    let mut moments = CentralMoments::default();
+    values.iter().for_each(|&x| moments.add(x));
+    let (deviation, mean) = (moments.variance().sqrt(), moments.mean());
+    (if deviation > ROUND_OFF * mean.abs() { deviation } else { 0.0 }, mean)
+}
+
+/// The correlation of values of chains; zero if one does not vary.
+fn correlation(early: &[f64], late: &[f64]) -> f64 {
+    let ((a, mean_a), (b, mean_b)) = (spread(early), spread(late));
+    let products = early.iter().zip(late).map(|(x, y)| (x - mean_a) / a * ((y - mean_b) / b));
+    if a * b > 0.0 { products.sum::<f64>() / (early.len() as f64 - 1.0) } else { 0.0 }
+}
