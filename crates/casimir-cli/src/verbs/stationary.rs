@@ -60,13 +60,7 @@ pub fn equilibrium(
         equilibrium = equilibrium.keeping(keeping);
     }
     let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
-    let found = watch.under("chains come to their law".into(), 0, || {
-        let told = |half_width: f64, done: f64| {
-            let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
-            watch.bar.set_message(format!(
-                "±{half_width:.1e} so far, ±{accuracy:.1e} wanted, about {left:.0} s left"
-            ));
-        };
+    let found = watch.until("chains come to their law", accuracy, |told| {
         let equilibrium = equilibrium.telling(told);
         match asked {
             Asked::Averages => equilibrium.run(&phi, accuracy),

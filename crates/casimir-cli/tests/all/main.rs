@@ -14,6 +14,7 @@ mod ito;
 mod parts;
 mod results;
 mod shorthand;
+mod single;
 mod stationary;
 mod sweeps;
 mod time;

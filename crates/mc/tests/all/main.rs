@@ -7,6 +7,7 @@ mod driver;
 mod dynamic;
 mod expect;
 mod explosive;
+mod failing;
 mod judged;
 mod ladder;
 mod lattice;
