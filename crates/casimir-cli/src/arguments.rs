@@ -64,7 +64,7 @@ pub enum Command {
     Part(Part),
     /// Put the parts in a folder together, or say which are missing
     Merge(Merge),
-    /// Ask for more paths or a smaller accuracy in a folder, which keeps what it has
+    /// Ask for more paths in a folder, which keeps what it has
     #[command(after_help = "Example: casimir extend big --paths 1e9")]
     Extend(Extend),
     /// Print the JSON schema of scenes, for editors
@@ -130,7 +130,8 @@ pub struct Expect {
     /// Half-width of the 95 % intervals, instead of that of the scene
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub accuracy: Option<f64>,
-    /// Steps of the coarsest level. Default: about eight in a unit of time
+    /// Steps of the coarsest level. Default: chosen with the scheme; about eight in a unit of time
+    /// for a scheme that is named, and with events or integrals
     #[arg(long, value_name = "N", value_parser = count)]
     pub steps: Option<u64>,
     #[command(flatten)]

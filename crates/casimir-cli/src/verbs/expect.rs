@@ -26,15 +26,8 @@ pub fn expect(scene: &Scene, keeping: Option<Keeping>, watch: &Watch) -> Done<(F
         expect = expect.keeping(keeping);
     }
     let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
-    let expectation = watch.under("the first estimates".into(), 0, || {
-        let told = |half_width, done| {
-            let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
-            watch.bar.set_message(format!(
-                "±{half_width:.1e} so far, ±{accuracy:.1e} wanted, about {left:.0} s left"
-            ));
-        };
-        expect.telling(told).run(&phi, accuracy)
-    });
+    let expectation = watch
+        .until("the first estimates", accuracy, |told| expect.telling(told).run(&phi, accuracy));
     if let (true, Err(_)) = (watch.stop.is_asked(), &expectation) {
         return Err(Failure::Stopped("before the first estimates".into()));
     }
@@ -83,7 +76,7 @@ fn json(scene: &Scene, expectation: &Expectation, because: Option<&str>, seconds
         "title": scene.title, "scheme": expectation.scheme, "because": because,
         "accuracy": expectation.accuracy, "reached": expectation.reached(),
         "estimates": expectation.estimates.iter().map(estimate).collect::<Vec<_>>(),
-        "levels": expectation.levels,
+        "levels": expectation.levels, "single_steps": expectation.single_steps,
         "path_steps": expectation.cost, "seconds": seconds,
     })
 }

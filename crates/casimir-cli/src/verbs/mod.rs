@@ -8,7 +8,14 @@ mod referee;
 mod run;
 mod stationary;
 
-use std::time::Duration;
+use std::{
+    sync::{
+        Mutex, PoisonError,
+        mpsc::{RecvTimeoutError, channel},
+    },
+    thread,
+    time::{Duration, Instant},
+};
 
 use casimir::{mc::parts::Stop, schemes::BuiltIn, systems::Linearity};
 pub use indicatif::ProgressBar;
@@ -57,7 +64,40 @@ pub struct Watch {
     pub stop: Stop,
 }
 
+/// After so long it is said how far an accuracy is.
+const PATIENCE: Duration = Duration::from_secs(60);
+
 impl Watch {
+    /// Does work to an accuracy, which tells its half-width so far and the part of its path-steps
+    /// that is done. Where the accuracy is not reached after a minute, or at the end, it is said how
+    /// far it is and how long it takes.
+    fn until<R>(&self, what: &str, accuracy: f64, work: impl FnOnce(&dyn Fn(f64, f64)) -> R) -> R {
+        let (start, last) = (Instant::now(), Mutex::new((f64::INFINITY, 0.0)));
+        let now = || start.elapsed().as_secs_f64();
+        let last = || last.lock().unwrap_or_else(PoisonError::into_inner);
+        let told = |half_width: f64, done: f64| {
+            *last() = (half_width, now() / done);
+            let left = now() * (1.0 / done - 1.0);
+            self.bar.set_message(format!(
+                "±{half_width:.1e} so far, ±{accuracy:.1e} wanted, about {left:.0} s left"
+            ));
+        };
+        let say = || {
+            let (half_width, whole) = *last();
+            let ([since, more], told) = ([now(), whole - now()], half_width.is_finite());
+            if half_width > accuracy && (told || since >= PATIENCE.as_secs_f64()) {
+                let so_far = match told {
+                    true => format!("±{half_width:.1e} so far, about {:.1} more", more.max(1.0) / 60.0),
+                    false => "no estimate yet".into(),
+                };
+                let since = since / 60.0;
+                let words = format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}");
+                self.bar.suspend(|| eprintln!("{words}"));
+            }
+        };
+        watched(PATIENCE, say, || self.under(what.into(), 0, || work(&told)))
+    }
+
     /// Does work of about so many path-steps, zero if that is not known, under the bar, which shows
     /// nothing where the output is no terminal.
     fn under<R>(&self, what: String, path_steps: u64, work: impl FnOnce() -> R) -> R {
@@ -86,6 +126,22 @@ impl Watch {
             false => Ok(()),
         }
     }
+}
+
+/// Does work, and says something if that takes longer than `patience`, and at its end.
+fn watched<R>(patience: Duration, say: impl Fn() + Sync, work: impl FnOnce() -> R) -> R {
+    thread::scope(|scope| {
+        let ((working, ended), say) = (channel::<()>(), &say);
+        scope.spawn(move || {
+            if ended.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
+                say();
+            }
+        });
+        let result = work();
+        drop(working);
+        say();
+        result
+    })
 }
 
 /// A scheme, and why it was chosen if that was left to the program, or what it loses over long
@@ -118,4 +174,21 @@ pub fn warnings<'a>(words: impl IntoIterator<Item = &'a String>) -> String {
 fn coarsest_steps(until: f64) -> u64 {
     let most = f64::from(1u32 << 24);
     ((8.0 * until).ceil().clamp(4.0, most) as u64).next_power_of_two()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::*;
+
+    #[test]
+    fn long_work_is_spoken_of_once_and_at_its_end() {
+        for (patience, expected) in [(Duration::from_millis(1), 2), (PATIENCE, 1)] {
+            let said = AtomicU32::new(0);
+            let say = || _ = said.fetch_add(1, Ordering::Relaxed);
+            watched(patience, say, || thread::sleep(Duration::from_millis(200)));
+            assert_eq!(said.into_inner(), expected);
+        }
+    }
 }

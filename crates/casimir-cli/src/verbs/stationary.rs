@@ -65,13 +65,7 @@ pub fn equilibrium(
     let of = if scene.expected.is_empty() { &scene.observables } else { &scene.expected };
     let of_state = of.iter().filter(|phi| phi.quantity.is_of_state());
     let phi: Vec<&dyn Observe> = of_state.map(|phi| phi as _).collect();
-    let found = watch.under("chains come to their law".into(), 0, || {
-        let told = |half_width: f64, done: f64| {
-            let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
-            watch.bar.set_message(format!(
-                "±{half_width:.1e} so far, ±{accuracy:.1e} wanted, about {left:.0} s left"
-            ));
-        };
+    let found = watch.until("chains come to their law", accuracy, |told| {
         let equilibrium = equilibrium.telling(told);
         match asked {
             Asked::Averages => equilibrium.run(&phi, accuracy),

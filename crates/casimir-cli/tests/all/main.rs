@@ -18,6 +18,7 @@ mod resolution;
 mod resting;
 mod results;
 mod shorthand;
+mod single;
 mod stationary;
 mod sweeps;
 mod time;

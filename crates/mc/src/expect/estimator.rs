@@ -14,7 +14,7 @@ use super::{
     level::{PathValues, Samples, Values, hull, tail},
     rates,
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
-    resolution::{LARGEST_EXPONENT, Motion, unresolved},
+    resolution::{LARGEST_EXPONENT, Motion, PARTS, unresolved},
     sum::{BIAS_LEVELS, Sum, Term},
 };
 use crate::{
@@ -47,8 +47,14 @@ const OF_RANDOM_POINTS: f64 = 0.98;
 const LEAST_GROWTH: f64 = 2.0 / 3.0;
 /// More samples of the first level do not show a variance that so many have not shown.
 const MOST_SAMPLES: u64 = 1 << 24;
-/// The part of the accuracy that paths which failed may have: with more, nothing is reached.
+/// The part of the accuracy that paths which failed may have: with more, steps are halved.
 const LOST: f64 = 0.25;
+/// The part with which the accuracy may be reached where that does not help.
+const MOST_LOST: f64 = 0.5;
+/// Halving helps if the share of failed paths falls to this over the first levels.
+const FEWER: f64 = 0.5;
+/// Single paths are taken if they need less than the square of this of the path-steps.
+const SINGLE: f64 = 0.5;
 
 /// The most levels of a path without noise: 2²² steps take seconds.
 const MOST_HALVINGS: usize = 22;
@@ -102,7 +108,7 @@ pub struct Estimator<'a> {
     levels: Vec<Samples>,
     /// The ladder of each, and the nodes of its replicates so far.
     ladders: Vec<(Ladder<'a>, Vec<Nodes<PathValues<'a>>>)>,
-    /// The level that the sum begins with.
+    /// The level that the sum begins with: the last one for single paths.
     first: usize,
 }
 
@@ -134,14 +140,19 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// The expectation; from samples that were kept, if there are some.
-    pub fn expectation(mut self, kept: Option<Kept<'a>>) -> Result<Expectation, RunError> {
+    /// The expectation, from samples that were kept, if there are some; and whether smaller coarsest
+    /// steps help, where failed paths are in the way.
+    pub fn expectation(
+        mut self,
+        kept: Option<Kept<'a>>,
+    ) -> Result<(Expectation, Option<bool>), RunError> {
         let Request { settings, accuracy, spent, .. } = self.request;
         let (pilot, max_cost) = (if self.noisy { GROUP_PATHS } else { 1 }, settings.max_cost);
         match kept {
             Some(kept) => self.restore(kept)?,
             None => self.begin(pilot)?,
         }
+        let mut helps = None;
         let limit = loop {
             if !self.noisy {
                 self.first = self.levels.len() - BIAS_LEVELS;
@@ -157,8 +168,23 @@ impl<'a> Estimator<'a> {
             let biased = |sum: &Sum| if self.noisy { self.is_biased(sum) } else { wide(sum) };
             let unresolved = !self.unresolved().is_empty();
             let finer = unresolved || sums.iter().any(biased);
-            if sums.iter().any(|sum| sum.lost > LOST * accuracy) {
-                break None;
+            let lost = sums.iter().map(|sum| sum.lost).fold(0.0, f64::max);
+            if lost > LOST * accuracy {
+                let [before, share] = [0, PILOT_LEVEL].map(|level| self.levels[level].lost());
+                if share <= FEWER * before {
+                    helps = Some(true);
+                    break None;
+                }
+                if lost > MOST_LOST * accuracy {
+                    helps = Some(false);
+                    let text = format!(
+                        "the accuracy is out of reach: a share of {before:.1e} of the paths fails, \
+                         and {share:.1e} with steps an eighth as long; times the range of the \
+                         function that is {lost:.1e}; write the equation in variables without a \
+                         singular point, as √x for x"
+                    );
+                    break Some((WarningKind::OutOfReach, text));
+                }
             }
             let least = self.least_cost(&sums, finer);
             if least > max_cost as f64 {
@@ -171,6 +197,7 @@ impl<'a> Estimator<'a> {
             }
             let (level, points) = if finer && last < self.max_level {
                 self.add_level()?;
+                self.first += usize::from(self.first == last);
                 (last + 1, pilot)
             } else {
                 let begin = &self.levels[self.first];
@@ -200,13 +227,14 @@ impl<'a> Estimator<'a> {
             } else {
                 (WarningKind::Stopped, "stopped before the accuracy was reached".into())
             };
+            self.levels.retain(|samples| samples.paths > 0);
+            self.first = self.first.min(self.levels.len() - 1);
             if settings.stop.is_asked() {
                 self.keep();
             }
-            self.levels.retain(|samples| samples.paths > 0);
             break Some(limit);
         };
-        Ok(self.report(limit))
+        Ok((self.report(limit), helps))
     }
 
     /// Samples the first levels.
@@ -258,7 +286,7 @@ impl<'a> Estimator<'a> {
             attempt: self.attempt,
             spent: self.request.spent.get(),
             first: self.first,
-            levels: both.filter(|(samples, _)| samples.paths > 0).map(level).collect(),
+            levels: both.map(level).collect(),
         });
     }
 
@@ -272,7 +300,7 @@ impl<'a> Estimator<'a> {
             last_time: self.ladders[level].0.coarse_steps(),
             coupled: level > 0,
             values: vec![Values::default(); observables.len()],
-            motion: Motion::new(&self.candidate.setup.problem.y0),
+            motion: [(); PARTS].map(|()| Motion::new(&self.candidate.setup.problem.y0)),
             functions: Motion::new(&starts),
         }
     }
@@ -303,7 +331,8 @@ impl<'a> Estimator<'a> {
         let names: Vec<&str> = observables.iter().map(|phi| phi.name()).collect();
         let steps = self.coarsest_steps << (self.levels.len() - 1);
         let drive = self.drive.unresolved(steps);
-        unresolved(&self.levels[1..], (&self.damping, drive), &names, accuracy)
+        let wanted = (accuracy, self.is_single(self.first));
+        unresolved(&self.levels[1..], (&self.damping, drive), &names, wanted)
     }
 
     /// Path-steps without which the accuracy is not reached: those of points that lack, on levels
@@ -328,6 +357,11 @@ impl<'a> Estimator<'a> {
     fn numbers(&self) -> Vec<usize> {
         let has_variance = |&k: &usize| tail(&self.levels[self.first..], k).has_variance();
         (0..self.request.observables.len()).filter(has_variance).collect()
+    }
+
+    /// Whether the sum is of single paths if it begins with this level.
+    fn is_single(&self, first: usize) -> bool {
+        first + 1 == self.levels.len()
     }
 
     /// Steps of the fine path of a level.
@@ -424,28 +458,31 @@ impl<'a> Estimator<'a> {
         let differences = Term::differences(&self.levels[1..], k, range);
         let from = differences.len().saturating_sub(BIAS_LEVELS);
         let (last, of_last) = (&differences[from..], &self.levels[1 + from..]);
-        let seen = (rates::alpha(of_last, last, k), rates::beta(of_last, k));
+        // Single paths are extrapolated from below: all differences must show the order.
+        let (single, all) = (self.is_single(first), (&self.levels[1..], &differences[..]));
+        let (levels, terms) = if single { all } else { (of_last, last) };
+        let seen = (rates::alpha(levels, terms, k), rates::beta(of_last, k));
         let orders = match self.noisy {
             true => self.orders,
             false => seen_orders(last, self.orders),
         };
-        let mut extrapolation = extrapolation(last, orders, seen);
+        let mut extrapolation = extrapolation(last, orders, seen, single);
         if !self.noisy {
             // Rounding errors of n steps.
             let steps = self.steps(self.levels.len() - 1) as f64;
             let size = samples.values[k].fine.mean().abs();
             extrapolation.size += size * f64::EPSILON * steps.sqrt();
         }
-        let mut terms = vec![Term::first(samples, k, range)];
-        terms.extend_from_slice(&differences[first..]);
-        let share = |samples: &Samples| samples.failed as f64 / samples.paths as f64;
-        let lost = self.levels[first..].iter().map(share).sum::<f64>() * range;
+        let below = if single { &last[..2] } else { &[] };
+        let terms = [below, &[Term::first(samples, k, range)], &differences[first..]].concat();
+        let lost = self.levels[first..].iter().map(Samples::lost).sum::<f64>() * range;
         let confidence = if self.sobol { CONFIDENCE } else { OF_RANDOM_POINTS };
-        Sum { terms, extrapolation, replicates: self.replicates as f64, confidence, lost }
+        Sum { terms, extrapolation, single, replicates: self.replicates as f64, confidence, lost }
     }
 
     /// The level to begin with, for which an accuracy costs least: Σ√(VC) is least (Giles 2008),
-    /// for all test functions together. Two differences are above it, which extrapolation needs.
+    /// for all test functions together. Two differences are above it, which extrapolation needs; or
+    /// the last one, if single paths need less by far.
     fn first_level(&self) -> usize {
         let root = |first: usize, k: usize| {
             let terms = self.sum_from(first, k).terms;
@@ -459,7 +496,12 @@ impl<'a> Estimator<'a> {
                 totals.iter_mut().zip(&roots).for_each(|(total, root)| *total += root / least);
             }
         }
-        (0..totals.len()).min_by(|&a, &b| totals[a].total_cmp(&totals[b])).unwrap_or(0)
+        let best = (0..totals.len()).min_by(|&a, &b| totals[a].total_cmp(&totals[b])).unwrap_or(0);
+        let most = |first: usize| {
+            self.numbers().map(|k| self.sum_from(first, k).root()).fold(0.0, f64::max)
+        };
+        let last = self.levels.len() - 1;
+        if self.noisy && most(last) < SINGLE * most(best) { last } else { best }
     }
 
     /// The level whose points are doubled: the cheapest one that is enough for every function, if
@@ -471,11 +513,11 @@ impl<'a> Estimator<'a> {
         let most = |n: usize| wide().map(|sum| sum.gain(n)).fold(0.0, f64::max);
         let enough = |n: usize| wide().all(|sum| sum.with_twice(n) <= accuracy);
         let cost = |n: usize| sums[0].terms[n].cost;
-        let terms = 0..self.levels.len() - self.first;
+        let terms = 0..sums[0].terms.len();
         let cheapest =
             terms.clone().filter(|&n| enough(n)).min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
         let best = || terms.max_by(|&a, &b| most(a).total_cmp(&most(b)));
-        self.first + cheapest.or_else(best).unwrap_or(0)
+        self.levels.len() - sums[0].terms.len() + cheapest.or_else(best).unwrap_or(0)
     }
 
     fn report(self, limit: Option<(WarningKind, String)>) -> Expectation {
@@ -496,7 +538,7 @@ impl<'a> Estimator<'a> {
                 standard_error: sum.standard_error(),
                 quantile: sum.quantile(),
                 missed: if tail.has_variance() { sum.missed() } else { f64::INFINITY },
-                bias: sum.over(|weight, term| (weight - 1.0) * term.mean),
+                bias: sum.bias(),
                 bias_bound: sum.bias_bound(),
                 alpha: rates::alpha(&differences[from..], &terms[from..], k),
                 beta: rates::beta(&differences[from..], k),
@@ -520,6 +562,7 @@ impl<'a> Estimator<'a> {
         Expectation {
             scheme: candidate.setup.scheme.id(),
             accuracy: request.accuracy,
+            single_steps: self.is_single(first).then(|| self.steps(first)),
             cost: request.spent.get(),
             levels: levels.iter().map(level).collect(),
             warnings,

@@ -14,6 +14,11 @@
 //! there is no such expansion yet. c then has the least observed order, and the whole extrapolated
 //! part c|d_L| is the bound. Where φ is rough, the largest of the last three takes its place, since
 //! their means are hardly known and may pass through zero.
+//!
+//! **Single paths** of level L, where levels do not help, are extrapolated by the difference two
+//! levels below, which costs a quarter: by 2^{−2p}c·d_{L−2}, and the whole of that is the bound. It
+//! holds if the bias falls from level to level by order p − 1/5 or more (p = 1 or 2), and it is at
+//! least what the last two differences significantly contradict.
 
 use real::elementary;
 
@@ -62,7 +67,8 @@ pub fn lowest(given: f64) -> f64 {
 
 /// The extrapolation of one test function.
 pub struct Extrapolation {
-    /// What the last difference but one and the last one count for, beside one.
+    /// What the last difference but one and the last one count for, beside one; below single paths
+    /// what the two differences count for.
     pub weights: [f64; 2],
     /// The bound, without a statistical margin.
     pub size: f64,
@@ -72,11 +78,12 @@ pub struct Extrapolation {
 
 /// By the last three differences or fewer, the last one last, of which the last two are terms of
 /// the sum, for a scheme with these orders, where differences fall by the order `alpha`, and their
-/// variances by `beta`.
+/// variances by `beta`; or for `single` paths of the last level, with the first two as terms.
 pub fn extrapolation(
     differences: &[Term],
     orders: Orders,
     (alpha, beta): (Option<Rate>, Option<Rate>),
+    single: bool,
 ) -> Extrapolation {
     let lowest = lowest(orders.weak);
     // The upper end of the observed order, if that is less than the one given.
@@ -96,6 +103,17 @@ pub fn extrapolation(
         (next * mean.abs(), next * square.sqrt())
     };
     let whole = |term: &Term| (c * term.mean.abs(), c * term.variance.sqrt());
+    if let ([below, between, last], true) = (differences, single) {
+        let falls = elementary::exp(-order * LN_2);
+        let weight = c * falls * falls;
+        let beyond = |term: &Term| {
+            let (size, error) = whole(term);
+            size - QUANTILE * error
+        };
+        let size = beyond(last).max(falls * beyond(between)).max(weight * below.mean.abs());
+        let standard_error = weight * below.variance.sqrt();
+        return Extrapolation { weights: [weight, 0.0], size, standard_error };
+    }
     let larger = |a: (f64, f64), b: (f64, f64)| if a.0 < b.0 { b } else { a };
     let (size, standard_error) = match differences {
         [.., _, _] if rough => differences.iter().map(whole).fold((0.0, 0.0), larger),
@@ -147,7 +165,7 @@ mod tests {
                 for q in [next - 0.6, next, next + 1.0, 2.0 * next] {
                     let (terms, last) =
                         differences(|tau| a * tau.powf(weak) + b * tau.powf(q.max(weak)));
-                    let found = extrapolation(&terms, orders, (None, None));
+                    let found = extrapolation(&terms, orders, (None, None), false);
                     let two = left(&terms, last, &found);
                     assert!(two.abs() <= found.size * (1.0 + 1e-9), "{weak} {next} {q}: {two}");
                     // There is no expansion yet.
@@ -172,14 +190,14 @@ mod tests {
         let (terms, _) = differences(|tau| tau.powf(1.2));
         let slow = Rate { value: 1.0, lower: 0.9, upper: 1.1 };
         let orders = Orders { weak: 2.0, next: 3.0 };
-        let found = extrapolation(&terms, orders, (Some(slow), None));
+        let found = extrapolation(&terms, orders, (Some(slow), None), false);
         let (weight, last) = (1.0 / (1.1f64.exp2() - 1.0), terms[2].mean.abs());
         assert!(found.weights[0] == 0.0 && (found.weights[1] - weight).abs() < 1e-14);
         assert!((found.size - weight * last).abs() < 1e-14);
         // The upper end of an observed order counts.
         let (terms, _) = differences(|tau| tau.powf(1.8));
         let near = Rate { value: 1.7, lower: 1.5, upper: 1.9 };
-        assert!(extrapolation(&terms, orders, (Some(near), None)).weights[0] != 0.0);
+        assert!(extrapolation(&terms, orders, (Some(near), None), false).weights[0] != 0.0);
     }
 
     #[test]
@@ -188,24 +206,47 @@ mod tests {
         let term = |mean: f64| Term { mean, ..Term::default() };
         let terms = [0.0303, 0.0179, 0.00518].map(term);
         let orders = Orders { weak: 2.0, next: 4.0 };
-        let found = extrapolation(&terms, orders, (None, None));
+        let found = extrapolation(&terms, orders, (None, None), false);
         let weight = 1.0 / (0.0303 / 0.0179 - 1.0);
         assert!(found.weights[0] == 0.0 && (found.weights[1] / weight - 1.0).abs() < 1e-11);
         assert!(found.size > 0.00518, "{}", found.size);
         // Of a rough φ the largest counts.
         let beta = Rate { value: 1.0, lower: 0.9, upper: 1.1 };
-        let rough = extrapolation(&terms, orders, (None, Some(beta)));
+        let rough = extrapolation(&terms, orders, (None, Some(beta)), false);
         assert!(rough.size > 0.0303 && rough.weights[0] == 0.0, "{}", rough.size);
         // Differences of noise say nothing.
         let noisy = terms.map(|term| Term { variance: 1.0, ..term });
-        assert!(extrapolation(&noisy, orders, (None, None)).weights[0] != 0.0);
+        assert!(extrapolation(&noisy, orders, (None, None), false).weights[0] != 0.0);
+    }
+
+    #[test]
+    fn single_paths_are_extrapolated_from_two_levels_below() {
+        for (weak, next) in [(1.0, 2.0), (2.0, 4.0)] {
+            let orders = Orders { weak, next };
+            for more in [-0.2, 0.0, 0.5, 1.0, 3.0] {
+                let (mut terms, last) = differences(|tau| tau.powf(weak + more));
+                terms[0].variance = 1e-12;
+                let found = extrapolation(&terms, orders, (None, None), true);
+                let left = last + found.weights[0] * terms[0].mean;
+                assert!(left.abs() <= found.size * (1.0 + 1e-9), "{weak} {more}");
+                assert!(found.weights[1] == 0.0 && (more != 0.0 || left.abs() < 1e-14));
+                let error = found.weights[0] * 1e-6;
+                assert!((found.standard_error / error - 1.0).abs() < 1e-9);
+            }
+            // A difference below that passes through zero does not hide the last ones.
+            let hidden = [0.0, 0.02, 0.01].map(|mean| Term { mean, ..Term::default() });
+            let found = extrapolation(&hidden, orders, (None, None), true);
+            assert!((found.size - 0.01).abs() < 1e-12, "{}", found.size);
+            let noisy = hidden.map(|term| Term { variance: 1.0, ..term });
+            assert_eq!(extrapolation(&noisy, orders, (None, None), true).size, 0.0);
+        }
     }
 
     #[test]
     fn one_difference_bounds_nothing() {
         let (terms, _) = differences(|tau| tau);
         let orders = Orders { weak: 1.0, next: 2.0 };
-        assert_eq!(extrapolation(&terms[..1], orders, (None, None)).size, f64::INFINITY);
-        assert!(extrapolation(&terms[..2], orders, (None, None)).size < 1e-15);
+        assert_eq!(extrapolation(&terms[..1], orders, (None, None), false).size, f64::INFINITY);
+        assert!(extrapolation(&terms[..2], orders, (None, None), false).size < 1e-15);
     }
 }

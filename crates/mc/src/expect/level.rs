@@ -5,7 +5,7 @@ use real::{PathMask, Row, WIDTH};
 use serde::{Deserialize, Serialize};
 use stats::{CentralMoments, FEW_SAMPLES, Tail};
 
-use super::resolution::{Motion, compares_at};
+use super::resolution::{Motion, PARTS, compares_at, part};
 use crate::{Measured, Observe, Statistic, View, driver::GROUP_PATHS};
 
 /// Moments of one test function on one level.
@@ -106,8 +106,8 @@ pub struct Samples {
     pub failed: u64,
     /// All replicates together, one for each test function.
     pub values: Vec<Values>,
-    /// Of fine and coarse paths.
-    pub motion: Motion,
+    /// Of fine and coarse paths, up to T, T/8 and T/64.
+    pub motion: [Motion; PARTS],
     /// The motion of each test function.
     pub functions: Motion,
     /// Each replicate as a sample, for each test function: of the difference, and of φ on the fine
@@ -142,6 +142,11 @@ impl Means {
 }
 
 impl Samples {
+    /// The share of the paths that failed.
+    pub fn lost(&self) -> f64 {
+        self.failed as f64 / self.paths as f64
+    }
+
     /// Paths that count.
     pub fn count(&self) -> u64 {
         self.paths - self.failed
@@ -161,7 +166,9 @@ impl Samples {
                 means[1].add(&own.fine);
                 all.merge(own);
             }
-            self.motion.merge(&own.motion);
+            for (n, part) in own.motion.iter().enumerate() {
+                self.motion[..=n].iter_mut().for_each(|motion| motion.merge(part));
+            }
             self.functions.merge(&own.functions);
             self.failed += failed;
         }
@@ -179,8 +186,8 @@ pub struct PathValues<'a> {
     /// Whether there are coarse paths.
     pub coupled: bool,
     pub values: Vec<Values>,
-    /// Of the states, and of each test function.
-    pub motion: Motion,
+    /// Of the states, between these times; and of each test function.
+    pub motion: [Motion; PARTS],
     pub functions: Motion,
 }
 
@@ -188,7 +195,7 @@ impl Statistic for PathValues<'_> {
     fn observe(&mut self, view: &View<'_>) {
         let (coupled, last) = (self.coupled, view.time == self.last_time);
         if coupled {
-            self.motion.add(view);
+            self.motion[part(view.time, self.last_time)].add(view);
         }
         let compared = coupled && compares_at(view.time, self.last_time, view.first_path);
         if !last && !compared {
@@ -220,7 +227,7 @@ impl Statistic for PathValues<'_> {
 
     fn merge(&mut self, later: Self) {
         self.values.iter_mut().zip(&later.values).for_each(|(sum, more)| sum.merge(more));
-        self.motion.merge(&later.motion);
+        self.motion.iter_mut().zip(&later.motion).for_each(|(sum, more)| sum.merge(more));
         self.functions.merge(&later.functions);
     }
 }

@@ -20,7 +20,9 @@
 //! **Algorithm.** A pilot on the levels 0 to 3; finer levels until the bound on the bias is half of
 //! the statistical half-width and a third of the accuracy, or 1/64 of the accuracy, and the steps
 //! resolve the motion; then points are doubled on the level where a path-step gains most. A level
-//! that does not help is left out of the sum. Decisions depend on samples and counted path-steps
+//! that does not help is left out of the sum. Where no level helps, because paths part at any step
+//! size, as those that an event ends or that do not contract, single paths of the last level are
+//! taken, and a difference two levels below bounds their bias. Decisions depend on samples and counted path-steps
 //! only, so the result is the same bits for any number of threads and parts.
 //!
 //! **What is judged.** Three things, for each test function ([`Judged`]);
@@ -48,7 +50,8 @@
 //!
 //! **Paths that fail** are in no mean, from their failure on; their number stands beside each
 //! estimate and level, and their share times the range of φ widens the interval. Where the accuracy
-//! is out of reach for that reason, the coarsest level takes more steps.
+//! is out of reach for that reason, the coarsest level takes more steps, if fewer paths fail on the
+//! finer ones of the first levels; else it ends.
 //!
 //! **Without noise** there is one path, on as many levels as the accuracy takes, extrapolated with
 //! the order that its differences show. The interval is a bound on what extrapolation leaves.
@@ -360,8 +363,12 @@ impl<'a> Expect<'a> {
             settings.check(accuracy, orders.weak)?;
             let estimator = Estimator::new(candidate, request, orders, (attempt, steps));
             match estimator.expectation(kept.take()) {
-                Ok(found) => {
-                    if attempts.peek().is_none() || found.is_final() {
+                Ok((found, helps)) => {
+                    let same = |(_, (other, _)): &(_, (&Candidate<'_>, _))| {
+                        helps == Some(false) && std::ptr::eq(*other, candidate)
+                    };
+                    while attempts.next_if(same).is_some() {}
+                    if attempts.peek().is_none() || helps.is_none() || found.reached() {
                         if let Some(keeping) = keeping.filter(|_| !settings.stop.is_asked()) {
                             _ = std::fs::remove_file(&keeping.file);
                         }

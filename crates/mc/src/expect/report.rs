@@ -17,6 +17,9 @@ pub struct Expectation {
     pub estimates: Vec<Estimate>,
     /// The requested half-width.
     pub accuracy: f64,
+    /// Steps of the single paths that are taken because levels do not help: differences of fine and
+    /// coarse paths vary about as much as φ. Two coarser levels bound the bias.
+    pub single_steps: Option<u64>,
     /// Path-steps of everything that was computed, pilots and failed paths included.
     pub cost: u64,
     /// The levels that were sampled.
@@ -33,12 +36,6 @@ impl Expectation {
         let reached =
             |estimate: &Estimate| estimate.half_width() <= self.accuracy && estimate.judged.all();
         self.estimates.iter().all(reached)
-    }
-
-    /// Whether smaller coarsest steps would not help: no paths fail, or it is reached or stopped.
-    pub(super) fn is_final(&self) -> bool {
-        let warned = |kind| self.warnings.iter().any(|warning| warning.kind == kind);
-        self.reached() || warned(WarningKind::Stopped) || !warned(WarningKind::FailedPaths)
     }
 }
 
@@ -191,7 +188,8 @@ pub enum WarningKind {
     FailedPaths,
     /// The path-steps that are allowed did not reach the accuracy.
     Cost,
-    /// The accuracy takes more path-steps than are allowed; no more samples were drawn.
+    /// The accuracy takes more path-steps than are allowed, or paths fail at all step sizes alike;
+    /// no more samples were drawn.
     OutOfReach,
     /// The bias is too large on the finest level allowed, or its steps do not resolve the motion.
     Level,
@@ -234,7 +232,7 @@ impl fmt::Display for Warning {
 /// Each expectation with its interval and the parts of it, what it cost, and warnings.
 impl fmt::Display for Expectation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { scheme, estimates, accuracy, cost, levels, warnings } = self;
+        let Self { scheme, estimates, accuracy, single_steps, cost, levels, warnings } = self;
         let longest = estimates.iter().map(|one| one.name.chars().count()).max().unwrap_or(0);
         for estimate in estimates {
             let name = format!("E[{}]", estimate.name);
@@ -243,6 +241,9 @@ impl fmt::Display for Expectation {
         let finest = levels.iter().map(|level| level.tau).fold(f64::INFINITY, f64::min);
         let cost = *cost as f64;
         writeln!(f, "{scheme} with steps down to {finest:.2e}, {cost:.2e} path-steps")?;
+        if let Some(steps) = single_steps {
+            writeln!(f, "levels do not help: single paths at {steps} steps")?;
+        }
         warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
         if !self.reached() {
             writeln!(f, "the accuracy {accuracy:.1e} was NOT reached")?;

@@ -5,6 +5,10 @@
 //! for each component the root mean square of fine minus coarse, over all paths and coarse times,
 //! is divided by that of its motion y − y(0). Two paths of uncorrelated phases give √(2/3) to √2.
 //! Each φ is compared in the same way, at eight coarse times.
+//!
+//! **Paths part** in the end, at any step size, where they do not contract or events decide, and the
+//! means of φ agree nevertheless. Then the first part of the time is asked, up to T/8 or T/64: steps
+//! that resolve a motion of the same size there are not what parts the paths later.
 
 use real::{Kernel, PathMask, Row, WIDTH, dispatch};
 use stats::ROUND_OFF;
@@ -24,8 +28,22 @@ const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// A motion that falls by this or more from level to level, twice, is an error of the scheme: a
 /// true one has a limit.
 const VANISHES: f64 = 0.75;
+/// The largest square of the mean of a difference over its variance that is scatter.
+const SCATTERED: f64 = 0.25;
 /// The largest part of the largest component that such a motion has.
 const ERROR: f64 = 0.1;
+
+/// Parts of the time: up to T/64, T/8 and T.
+pub const PARTS: usize = 3;
+/// The motion in a first part of the time has at least this size relative to that in all.
+const BEGUN: f64 = 0.1;
+/// And at least so many coarse steps.
+const FEWEST_TIMES: f64 = 8.0;
+
+/// The part of the time that this one of `last` coarse times is in, counted from the end.
+pub fn part(time: u64, last: u64) -> usize {
+    ((last / time).ilog2() as usize / 3).min(PARTS - 1)
+}
 
 /// Sums over paths and coarse times, for each component, or each φ, and each place in a block.
 #[derive(Clone, Default, serde::Serialize, serde::Deserialize)]
@@ -99,6 +117,11 @@ impl Motion {
     /// Σ start² + (fine − start)².
     fn size(&self, i: usize) -> f64 {
         self.points * (self.start[i] * self.start[i]) + self.sums(i)[1]
+    }
+
+    /// Mean square of the motion of component i.
+    fn mean_square(&self, i: usize) -> f64 {
+        self.sums(i)[1] / self.points
     }
 
     fn largest(&self) -> f64 {
@@ -177,10 +200,20 @@ pub fn compares_at(time: u64, steps: u64, first_path: u64) -> bool {
 
 /// The quotients of component i on three levels. Zero if the component moves by errors of the
 /// scheme alone, as one does that the equations keep.
-fn quotients(levels: [&Samples; 3], i: usize) -> [f64; 3] {
-    let motions = levels.map(|samples| &samples.motion);
+fn quotients(levels: [&Samples; 3], part: usize, i: usize) -> [f64; 3] {
+    let motions = levels.map(|samples| &samples.motion[part]);
     let vanishes = vanishes(motions.map(|motion| motion.displacement(i)));
     if vanishes { [0.0; 3] } else { motions.map(|motion| motion.difference(i)) }
+}
+
+/// Whether the steps resolve component i in a first part of the time, in which it moves as later.
+fn begins_resolved(levels: [&Samples; 3], i: usize) -> bool {
+    let size = |part: usize| levels[2].motion[part].mean_square(i);
+    (1..PARTS).any(|part| {
+        levels[0].motion[part].points >= FEWEST_TIMES * levels[0].paths as f64
+            && size(part) >= BEGUN * BEGUN * size(0)
+            && resolved(quotients(levels, part, i))
+    })
 }
 
 /// Whether motions on three levels fall to zero.
@@ -199,7 +232,7 @@ pub fn unresolved(
     differences: &[Samples],
     (damping, drive): (&DampingResolution<'_>, Option<f64>),
     names: &[&str],
-    accuracy: f64,
+    (accuracy, single): (f64, bool),
 ) -> Vec<Warning> {
     let [.., a, b, last] = differences else { return Vec::new() };
     let (levels, level) = ([a, b, last], last.level);
@@ -210,8 +243,9 @@ pub fn unresolved(
         )
     };
     let differ = |by: f64| format!("fine and coarse paths differ by {by:.1e} of its motion");
-    let components = (0..last.motion.start.len()).map(|i| (i + 1, quotients(levels, i)));
-    let unresolved = components.filter(|(_, quotients)| !resolved(*quotients));
+    let components = (0..last.motion[0].start.len()).map(|i| (i + 1, quotients(levels, 0, i)));
+    let parted = |i: usize, [a, _, c]: [f64; 3]| c > GAIN * a && begins_resolved(levels, i - 1);
+    let unresolved = components.filter(|&(i, of_all)| !resolved(of_all) && !parted(i, of_all));
     let component = unresolved.max_by(|one, other| one.1[2].total_cmp(&other.1[2]));
     let component =
         component.map(|(i, [.., by])| (WarningKind::Component(i), format!("y{i}"), differ(by)));
@@ -231,7 +265,12 @@ pub fn unresolved(
     let of_all = component.into_iter().chain(damping).chain(drive);
     let of_all = of_all.map(|(kind, what, how)| Warning::of_all(kind, text(&what, how)));
     let mut warnings: Vec<_> = of_all.collect();
+    // Of single paths only the means must agree: the bound on the bias is for them.
+    let scattered = |k: usize| levels.iter().all(|samples| is_scattered(&samples.values[k]));
     for (k, name) in names.iter().enumerate() {
+        if single && scattered(k) {
+            continue;
+        }
         if let Some(by) = unresolved_function(levels, k, accuracy) {
             let text = text("it", differ(by));
             Warning::add(&mut warnings, name, WarningKind::Function, text);
@@ -250,6 +289,12 @@ fn unresolved_function(levels: [&Samples; 3], k: usize, accuracy: f64) -> Option
     let values = &levels[2].values[k];
     let uncoupled = (!coupled(values, accuracy)).then(|| (2.0 * share(values)).sqrt());
     if near(scaled) { uncoupled } else { Some(quotients[2]) }
+}
+
+/// Whether φ(fine) − φ(coarse) has a small mean beside its deviation, so that it is not one phase
+/// error of all paths.
+fn is_scattered(values: &Values) -> bool {
+    values.sample.mean().powi(2) <= SCATTERED * values.sample.variance()
 }
 
 /// Whether quotients of three levels are as small as by strong order ½ at least: one alone may be

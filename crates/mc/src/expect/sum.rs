@@ -80,9 +80,11 @@ impl Term {
 
 /// The sum over the levels for one test function.
 pub struct Sum {
-    /// The first level and all differences above it.
+    /// The first level and all differences above it; or two differences and `single` paths.
     pub terms: Vec<Term>,
     pub extrapolation: Extrapolation,
+    /// Whether single paths of the last level are taken.
+    pub single: bool,
     /// Number of replicates.
     pub replicates: f64,
     /// That of Student's quantile.
@@ -96,6 +98,7 @@ impl Sum {
     fn weight(&self, term: usize) -> f64 {
         let [before, last] = self.extrapolation.weights;
         match self.terms.len() - term {
+            place if self.single => [1.0, last, before][place - 1],
             1 => 1.0 + last,
             2 => 1.0 + before,
             _ => 1.0,
@@ -137,9 +140,28 @@ impl Sum {
         elementary::hypot(self.quantile() * self.standard_error(), self.missed())
     }
 
+    /// Below single paths a difference of its own makes the bound, with an error that is independent
+    /// of theirs and that the standard error has.
     pub fn bias_bound(&self) -> f64 {
         let Extrapolation { size, standard_error, .. } = self.extrapolation;
-        size + self.quantile() * standard_error + self.lost
+        let margin = if self.single { 0.0 } else { self.quantile() * standard_error };
+        size + margin + self.lost
+    }
+
+    /// What extrapolation adds.
+    pub fn bias(&self) -> f64 {
+        let extrapolated = &self.terms[..if self.single { 2 } else { self.terms.len() }];
+        let plain = f64::from(u8::from(!self.single));
+        let parts = extrapolated.iter().enumerate();
+        parts.map(|(n, term)| (self.weight(n) - plain) * term.mean).sum()
+    }
+
+    /// Half of the interval, in standard errors, times the root of the path-steps that it takes:
+    /// √(VC) for each term (Giles 2008), and for the margin of the bias.
+    pub fn root(&self) -> f64 {
+        let of = |weight: f64, term: &Term| weight.abs() * (term.variance * term.cost).sqrt();
+        let last = self.terms.last().filter(|_| !self.single).map_or(0.0, |last| last.cost);
+        self.over(of) + self.extrapolation.standard_error * last.sqrt()
     }
 
     pub fn half_width(&self) -> f64 {

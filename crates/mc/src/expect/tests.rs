@@ -10,7 +10,7 @@ use super::{
     level::{PathValues, Samples, Values, hull},
     rates,
     report::{Estimate, Expectation, Judged, QUANTILE, Rate, Warning, WarningKind},
-    resolution::{Motion, coupled, share, unresolved},
+    resolution::{Motion, coupled, part, share, unresolved},
     sum::{Term, UNSEEN},
 };
 use crate::{DampingResolution, Observable, Observe, Setup, Statistic, View};
@@ -75,7 +75,7 @@ fn path_values_are_those_of_the_runs() {
         last_time: 2,
         coupled,
         values: vec![Values::default()],
-        motion: Motion::new(&[0.0]),
+        motion: [(); 3].map(|()| Motion::new(&[0.0])),
         functions: Motion::new(&[0.0]),
     };
     let observe = |states: &Vec<Block<1>>, times: &[u64]| {
@@ -97,7 +97,7 @@ fn path_values_are_those_of_the_runs() {
         assert_eq!((seen.values[0].fine.mean(), seen.values[0].sample.mean()), (fine, sample));
         // Motion is seen at all times, φ at the last; of single paths there is none.
         let apart = if states.len() == 1 { 0.0 } else { 0.1 * sample / 3.0 };
-        assert!(close(seen.motion.difference(0), apart));
+        assert!(close(seen.motion[0].difference(0), apart));
         assert!(observe(&states, &[1]).values[0].range().is_none());
         seen.merge(observe(&states, &[2]));
         assert_eq!(seen.values[0].fine.variance(), 0.0);
@@ -223,7 +223,7 @@ fn round_off_of_the_state_is_no_difference() {
 /// Three levels whose paths differ by these quotients.
 fn quotients(of: [f64; 3]) -> Vec<Samples> {
     let with = |(l, q): (usize, f64)| Samples {
-        motion: moved(0.0, q),
+        motion: [moved(0.0, q), Motion::new(&[0.0]), Motion::new(&[0.0])],
         ..level(l, 64, pairs(&[1.0, 2.0], &[1.5, 1.0]))
     };
     (1..).zip(of).map(with).collect()
@@ -231,10 +231,14 @@ fn quotients(of: [f64; 3]) -> Vec<Samples> {
 
 /// What the steps of these levels do not resolve, without damping.
 fn found(levels: &[Samples], accuracy: f64) -> Vec<Warning> {
+    found_of(levels, (accuracy, false))
+}
+
+fn found_of(levels: &[Samples], wanted: (f64, bool)) -> Vec<Warning> {
     let undamped = Constant::new(0.0).unwrap();
     let problem = Problem::new(Pendulum::new(1.0).unwrap(), undamped, [0.2, 1.0], 2.0).unwrap();
     let damping = DampingResolution::new(&Setup::of(&problem, &Heun), 4);
-    unresolved(levels, (&damping, None), &["phi"], accuracy)
+    unresolved(levels, (&damping, None), &["phi"], wanted)
 }
 
 #[test]
@@ -262,6 +266,44 @@ fn a_motion_is_resolved_when_the_last_paths_agree_and_better_than_those_below() 
         }
     }
     assert!(found(&quotients([0.1; 3])[..2], 9.0).is_empty());
+}
+
+#[test]
+fn paths_that_part_are_resolved_where_they_begin() {
+    // Motion of size `size` up to T/8, with 32 sums.
+    let empty = |of: [f64; 3], early: [f64; 3], size: f64, paths: u64| {
+        let mut levels = quotients(of);
+        for (samples, q) in levels.iter_mut().zip(early) {
+            let states = [1.0, 1.0 + q].map(|y| Block::splat([size * y])).to_vec();
+            let motion = &mut samples.motion[1];
+            View::show(&states, 1, PathMask::ALL, &mut |view| motion.add(view));
+            samples.paths = paths;
+        }
+        found(&levels, 9.0).is_empty()
+    };
+    let (apart, near) = ([1.4; 3], [0.1, 0.05, 0.02]);
+    assert!(empty(apart, near, 0.11, 4));
+    // Not a tenth of the motion, fewer than eight times, and not resolved there either.
+    assert!(!empty(apart, near, 0.09, 4) && !empty(apart, near, 1.0, 5));
+    assert!(!empty(apart, [0.1, 0.2, 0.51], 1.0, 4));
+    // Finer steps help.
+    assert!(!empty([1.4, 1.2, 0.98], near, 1.0, 4) && empty([1.4, 1.2, 1.0], near, 1.0, 4));
+    // Up to T, T/8 and T/64.
+    assert_eq!([64, 9, 8, 2, 1].map(|time| part(time, 64)), [0, 0, 1, 1, 2]);
+}
+
+#[test]
+fn of_single_paths_the_means_agree() {
+    let (resolved, d) = ([0.1, 0.05, 0.02], 0.9);
+    let of = |mean: f64, single: bool| {
+        let mut levels = quotients(resolved);
+        for samples in &mut levels {
+            samples.values = vec![pairs(&[0.0, 1.0], &[1.0 + mean, mean])];
+        }
+        found_of(&levels, (d, single)).is_empty()
+    };
+    // Differences −1 − mean and 1 − mean, of variance two.
+    assert!(of(0.7, true) && !of(0.72, true) && !of(0.0, false));
 }
 
 #[test]
@@ -451,6 +493,7 @@ fn an_interval_adds_the_bias_to_the_rest() {
         scheme: "sexp",
         estimates: vec![Estimate { judged, ..estimate.clone() }],
         accuracy,
+        single_steps: None,
         cost: 0,
         levels: vec![],
         warnings: vec![],
@@ -481,6 +524,7 @@ fn an_expectation_says_what_it_is_and_what_it_lacks() {
         scheme: "sexp",
         estimates: vec![estimate("y1", 2e-5), estimate("cos y1", 0.0)],
         accuracy: 1e-4,
+        single_steps: None,
         cost: 1234,
         levels: Vec::new(),
         warnings: Vec::new(),

@@ -8,6 +8,7 @@ mod driver;
 mod dynamic;
 mod expect;
 mod explosive;
+mod failing;
 mod judged;
 mod ladder;
 mod lattice;
