@@ -98,7 +98,8 @@ def faults(pages, root=Path()):
     for kind, text in FAULTS.items():
         if not check(text):
             yield f".ci/rendered.py does not notice {kind}"
-    for page, text in [("a page without faults", FINE)] + [(p, (root / p).read_text()) for p in pages]:
+    texts = [(page, (root / page).read_text()) for page in pages]
+    for page, text in [("a page without faults", FINE), *texts]:
         yield from (f"{page}:{line}: {words}" for line, words in check(text))
 
 
