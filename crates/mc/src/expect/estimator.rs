@@ -498,7 +498,7 @@ impl<'a> Estimator<'a> {
         }
         let best = (0..totals.len()).min_by(|&a, &b| totals[a].total_cmp(&totals[b])).unwrap_or(0);
         let most = |first: usize| {
-            self.numbers().map(|k| self.sum_from(first, k).root()).fold(0.0, f64::max)
+            self.numbers().into_iter().map(|k| self.sum_from(first, k).root()).fold(0.0, f64::max)
         };
         let last = self.levels.len() - 1;
         if self.noisy && most(last) < SINGLE * most(best) { last } else { best }
