@@ -155,7 +155,11 @@ fn blocks(
     let mut names = names.clone();
     state.components.iter().for_each(|name| _ = names.variable(name));
     let zero = Formula::parse(&filled(&none), &names);
-    if zero.is_ok_and(|zero| zero.value(&vec![1.0; dimension]) != 0.0) {
+    let is_other = match zero {
+        Ok(zero) => zero.value(&vec![1.0; dimension]) != 0.0,
+        Err(error) => error.unknown_name.is_none(),
+    };
+    if is_other {
         return Err(wrong("each term of B is a multiple of a block".into()));
     }
     let entry = |i, j| sums.get(&(i, j)).map_or("0".into(), |of| filled(of));

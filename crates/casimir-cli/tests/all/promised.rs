@@ -352,5 +352,5 @@ fn findings_do_not_mislead() {
     assert!(bath.contains("kT = 1.000000000, if it has an integral"), "{bath}");
     let inside =
         scene(PLANE, CANONICAL, "p^2/2", "", "[1, 0]") + "[observe]\na = \"1 + integral(q)\"\n";
-    fails(with_scene(&inside).path(), &["run", "scene.toml"], 2, &["an observable by itself"]);
+    fails(with_scene(&inside).path(), &["run", "scene.toml"], 2, &["and use that"]);
 }
