@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use mc::{
-    Along, Collecting, Ladder, LadderError, Observe, Passage, Problem, Run, Setup, Simulation,
-    Statistic, View, bind,
+    Along, Ladder, LadderError, Observe, Passage, Problem, Run, Setup, Simulation, Statistic, View,
+    bind,
 };
 use noise::{StepNoise, StreamKey, Truncation};
 use real::{PathMask, Row};
@@ -83,9 +83,8 @@ fn clipped_paths_pass_independently() {
     let gradient = |_: &[Row], out: &mut [Row]| out[1].fill(1.0);
     let (phi, gradient) = (Arc::new(Beyond), Some(Arc::new(gradient) as _));
     let passage = Along::Passage(Passage { phi, gradient, stops: false });
-    let method = bind(&problem, &Sexp);
-    let collecting = Collecting { method, system: &system, quantities: vec![passage] };
-    let runs = vec![Run::new(Arc::new(collecting), 0)];
+    let setup = Setup::of(&problem, &Sexp).collecting(&system, vec![passage]);
+    let runs = vec![Run::new(setup.scheme, 0)];
     let truncation = Truncation::new(1).unwrap();
     let on = Problem::of(&problem);
     let ladder = Ladder::new(&on, 1, 0, truncation, KEY, runs).unwrap();
