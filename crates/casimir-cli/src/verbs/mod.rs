@@ -87,7 +87,9 @@ impl Watch {
             let ([since, more], told) = ([now(), whole - now()], half_width.is_finite());
             if half_width > accuracy && (told || since >= PATIENCE.as_secs_f64()) {
                 let so_far = match told {
-                    true => format!("±{half_width:.1e} so far, about {:.1} more", more.max(1.0) / 60.0),
+                    true => {
+                        format!("±{half_width:.1e} so far, about {:.1} more", more.max(1.0) / 60.0)
+                    }
                     false => "no estimate yet".into(),
                 };
                 let since = since / 60.0;

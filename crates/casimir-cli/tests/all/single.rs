@@ -12,6 +12,7 @@ H = ["sigma*p"]
 [run]
 initial = [0, 0]
 until = 2
+steps = 32
 [events]
 hit = "q > 1"
 [expect]
