@@ -315,7 +315,7 @@ def verify_seeds(solver: Callable[..., Any], *, paths: int = 64, seed: int = 1, 
     if "threads" in known:
         check(f"1 and {threads} threads", *(call(seed, numbers, threads=n) for n in (1, threads)))
         other = call(seed + 1, numbers, threads=threads)
-        apart(f"another seed on {threads} threads", whole, other)
+        apart(f"another seed on {threads} threads", first, other)
     if {"steps", "state"} <= set(known):
         before = solver(seed, numbers, steps=(0.0, 0.5), state=None)
         check("restart in the middle", first, call(seed, numbers, steps=(0.5, 1.0), state=before))

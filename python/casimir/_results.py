@@ -246,8 +246,9 @@ class Run(Result):
         if law is not None and against != "t":
             numbers = ", ".join(self.parameters)
             for place in np.ndindex(law.mean.shape[:-1]):
-                values = ", ".join(f"{v[k]:g}" for k, v in zip(place, self.parameters.values(), strict=True))
-                label = f"{numbers} = {values}" if numbers else name
+                chosen = zip(place, self.parameters.values(), strict=True)
+                at_values = ", ".join(f"{values[k]:g}" for k, values in chosen)
+                label = f"{numbers} = {at_values}" if numbers else name
                 (line,) = ax.plot(at, law.mean[place], label=label)
                 ax.fill_between(at, law.lo[place], law.hi[place], alpha=0.25, color=line.get_color())
             ax.set_xlabel(against)

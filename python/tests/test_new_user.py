@@ -187,10 +187,10 @@ def test_an_interrupt_ends_the_pilot_of_many_times(oscillator: casimir.Scene) ->
 
 def test_memory_is_estimated_before_it_is_taken(oscillator: casimir.Scene) -> None:
     calls: list[tuple[Callable[[], object], str]] = [
-        (lambda: oscillator.run(paths=200, steps=10**9, times=10**9), "statistics"),
+        (lambda: oscillator.run(paths=200, steps=10**10, times=10**10), "tables of 3 paths"),
         (lambda: oscillator.run(paths=10**9, tables=10**9), "tables of 1000000000 paths"),
         (lambda: oscillator.run(steps=10**10, times=10**10), "tables of 1 paths"),
-        (lambda: next(iter(casimir.Referee(oscillator, paths=10**9, chunk=10**9))), "noise of 10"),
+        (lambda: next(iter(casimir.Referee(oscillator, paths=10**6, chunk=10**6, levels=9))), "noise of 10"),
         (lambda: next(iter(casimir.Referee(oscillator, paths=10**12))), "states of 10"),
         (lambda: next(iter(casimir.Referee(oscillator, levels=30))), "noise of 1024 paths"),
     ]

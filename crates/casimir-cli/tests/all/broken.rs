@@ -25,9 +25,9 @@ const BROKEN: &[Broken] = &[
     (OSCILLATOR, "steps = 64", "steps = 64\nsteps = 65", "line 14, column 1", "duplicate"),
     // Values.
     (OSCILLATOR, "until = 2.0", "until = -2.0", "line 12, column 9", "must be positive, got -2"),
-    (OSCILLATOR, "until = 2.0", "until = inf", "line 12, column 9", "unknown name `inf`"),
+    (OSCILLATOR, "until = 2.0", "until = inf", "line 12, column 9", "a number must be finite, got inf"),
     (OSCILLATOR, "until = 2.0", "until = \"ln(0)\"", "line 12, column 10", "not a finite number"),
-    (OSCILLATOR, "[1.0, 0.5]", "[nan, 0.5]", "line 11, column 12", "unknown name `NaN`"),
+    (OSCILLATOR, "[1.0, 0.5]", "[nan, 0.5]", "line 11, column 11", "a number must be finite, got NaN"),
     (OSCILLATOR, "[1.0, 0.5]", "[1.0]", "line 11, column 11", "must have 2 components, got 1"),
     (OSCILLATOR, "[1.0, 0.5]", "[1.0, \"x\"]", "line 11, column 18", "unknown name `x`"),
     (OSCILLATOR, "accuracy = 0.05", "accuracy = 0", "line 20, column 12", "must be positive"),

@@ -14,10 +14,10 @@ fn with(line: &str, other: &str) -> String {
 fn each_key_says_what_it_may_be() {
     let bath = with("rate = \"0.1\"", "rates = { p = 0.5 }\ntemperature = \"-k\"");
     let table = [
-        (with("1.0, 0.5", "nan, 0.5"), "line 12, column 12: a number must be finite, got NaN"),
-        (with("until = 2.0", "until = inf"), "line 13, column 9: a number must be finite, got inf"),
+        (with("1.0, 0.5", "nan, 0.5"), "line 11, column 11: a number must be finite, got NaN"),
+        (with("until = 2.0", "until = inf"), "line 12, column 9: a number must be finite, got inf"),
         (with("k = 1.0", "k = -inf"), "line 4, column 20: a number must be finite, got -inf"),
-        (with("[1.0, 0.5]", "[]"), "line 12, column 11: the initial value has no component"),
+        (with("[1.0, 0.5]", "[]"), "line 11, column 11: the initial value has no component"),
         (with("paths = 4", "seed = -1"), "`-1` is not a seed: a whole number from 0 to 1844674407"),
         (with("paths = 4", "seed = 1.5"), "`1.5` is not a seed"),
         (with("paths = 4", "seed = \"one\""), "`one` is not a seed"),
@@ -38,9 +38,7 @@ fn threads_and_memory_have_limits() {
     let words = "cannot compute with 99999999 threads: 1024 are the most";
     fails(path, &["run", "scene.toml", "--threads", "99999999"], 2, &[words]);
     let times = with("steps = 64", "steps = 1e12\ntimes = 1e12");
-    for (paths, what) in
-        [("paths = 100", "statistics of 3 observables at"), ("", "tables of 1 path")]
-    {
+    for (paths, what) in [("paths = 100", "tables of 3 paths"), ("", "tables of 1 path")] {
         fs::write(path.join("scene.toml"), times.replace("paths = 4", paths)).unwrap();
         fails(path, &["run", "scene.toml"], 2, &[what, " GB of memory, and "]);
     }
