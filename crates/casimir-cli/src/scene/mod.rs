@@ -83,13 +83,6 @@ impl Scene {
     fn of(source: Source, file: SceneFile, changes: &Changes) -> Read<Self> {
         let constants = Constants::new(&source, &file.system)?;
         let settings = Settings::new(&source, &file.run, &constants, changes)?;
-        let temperature = file.damping.as_ref().and_then(|table| table.temperature.as_ref());
-        if let Some(text) = temperature
-            && let Ok(kt @ ..0.0) = constants.value(&source, text)
-        {
-            let message = format!("a temperature must be at least 0, got {kt}");
-            return Err(source.error(text.span(), message));
-        }
         let model::Built { model, components, sizes, names, energy, quantities } =
             model::build(&Reading {
                 source: &source,

@@ -136,7 +136,7 @@ fn orders_of_what_paths_collect() {
     let more = "[observe]\nwork = \"integral(q)\"\nlate = \"q*t\"\n\
                 [events]\nhit = { when = \"q > 1\", stop = true }\n\
                 [expect]\nof = [\"work\", \"late\", \"hit\"]\naccuracy = 0.01\n";
-    let folder = with_scene(&format!("{WALK}{more}[damping]\ngamma = \"0.5\"\n"));
+    let folder = with_scene(&format!("{WALK}{more}[damping]\nrate = \"0.5\"\n"));
     let command = ["order", "scene.toml", "--json", "--path-steps", "1e6"];
     let found = json(folder.path(), &command);
     for weak in found["weak"].as_array().unwrap() {
@@ -177,7 +177,7 @@ accuracy = 0.3
     let [lo, hi] = ["lo", "hi"].map(|end| square["estimates"][0][end].as_f64().unwrap());
     assert!(lo < 1.0 && 1.0 < hi, "{square}");
     let exponent = ["lyapunov", "scene.toml", "--json", "--accuracy", "0.3"];
-    let found = json(folder.path(), &exponent)["estimates"][0]["mean"].as_f64().unwrap();
+    let found = json(folder.path(), &exponent)["estimates"][0]["value"].as_f64().unwrap();
     assert!((found + 0.5).abs() < 0.3, "{found}");
     let folder = with_scene(&scene.replace("[\"square\"]", "[\"square\", \"work + q\"]"));
     let words = ["functions of the state alone: leave out `work + q`"];

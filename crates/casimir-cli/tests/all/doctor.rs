@@ -8,7 +8,7 @@ use crate::common::succeeds;
 fn the_self_test_holds_here() {
     let folder = tempfile::tempdir().unwrap();
     let said = succeeds(folder.path(), &["doctor"]);
-    let version = format!("casimir       {}, sources", env!("CARGO_PKG_VERSION"));
+    let version = format!("casimir       {}, commit", env!("CARGO_PKG_VERSION"));
     assert!(said.starts_with(&version) && said.contains("path-steps of it per second"), "{said}");
     assert!(said.lines().filter(|line| line.starts_with("ok ")).count() >= 3, "{said}");
     assert!(!said.contains("FAILS") && said.contains("To report a fault, attach"), "{said}");

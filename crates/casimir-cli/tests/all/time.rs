@@ -92,7 +92,7 @@ fn inspect_says_what_time_changes() {
         assert!(text.contains(words), "{words}: {text}");
     }
     let text = succeeds(folder.path(), &["run", "scene.toml"]);
-    assert!(text.contains("but for what noise and time do"), "{text}");
+    assert!(text.contains("but for what depends on time"), "{text}");
 }
 
 #[test]

@@ -5,8 +5,8 @@ use crate::common::{OSCILLATOR, json, succeeds, with_scene};
 /// With so large steps.
 #[test]
 fn json_has_the_warnings_that_are_printed() {
-    let expect = "[expect]\nof = [\"q\"]\naccuracy = 0.5\n";
-    let folder = with_scene(&(OSCILLATOR.replace("until = 2.0", "until = 40.0") + expect));
+    let scene = OSCILLATOR.replace("until = 2.0", "until = 40.0");
+    let folder = with_scene(&scene.replace("accuracy = 0.05", "accuracy = 0.5"));
     let check = |command: &str, most: usize| {
         let arguments: Vec<&str> = command.split(' ').collect();
         let printed = succeeds(folder.path(), &arguments);

@@ -21,7 +21,7 @@ fn each_key_says_what_it_may_be() {
         (with("paths = 4", "seed = -1"), "`-1` is not a seed: a whole number from 0 to 1844674407"),
         (with("paths = 4", "seed = 1.5"), "`1.5` is not a seed"),
         (with("paths = 4", "seed = \"one\""), "`one` is not a seed"),
-        (bath.replace("H = [\"s*q\"]\n", ""), "a temperature must be at least 0, got -1"),
+        (bath.replace("H = [\"s*q\"]\n", ""), "kT is at least 0, got -1 at t = 0"),
     ];
     for (scene, words) in table {
         fails(with_scene(&scene).path(), &["run", "scene.toml"], 2, &[words]);
