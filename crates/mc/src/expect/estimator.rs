@@ -353,10 +353,12 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// The numbers of the test functions for which more samples are of use: those with a variance.
+    /// The numbers of the test functions for which more samples are of use: those with a variance, or
+    /// all until steps resolve the motion.
     fn numbers(&self) -> Vec<usize> {
-        let has_variance = |&k: &usize| tail(&self.levels[self.first..], k).has_variance();
-        (0..self.request.observables.len()).filter(has_variance).collect()
+        let unresolved = !self.unresolved().is_empty() && self.levels.len() <= self.max_level;
+        let is_of_use = |&k: &usize| unresolved || tail(&self.levels, k).has_variance();
+        (0..self.request.observables.len()).filter(is_of_use).collect()
     }
 
     /// Whether the sum is of single paths if it begins with this level.
@@ -528,7 +530,7 @@ impl<'a> Estimator<'a> {
         let estimate = |(k, phi): (usize, &&dyn Observe)| {
             let sum = self.sum(k);
             let terms = Term::differences(differences, k, self.range(k));
-            let tail = tail(&levels[first..], k);
+            let tail = tail(levels, k);
             Estimate {
                 name: phi.name().to_owned(),
                 value: match tail.has_mean() {

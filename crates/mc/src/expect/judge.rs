@@ -79,7 +79,7 @@ impl Evidence<'_> {
         let last = self.levels.len() - BIAS_LEVELS;
         let blind = |samples: &&Samples| self.noisy && samples.values[k].is_blind();
         let begin = &self.levels[self.first];
-        let tail = tail(&self.levels[self.first..], k);
+        let tail = tail(self.levels, k);
         if tail.is_heavy() {
             let text = format!("{tail}: more paths do not make an interval of its mean right");
             return Some((WarningKind::FewSamples, text));

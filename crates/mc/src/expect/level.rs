@@ -85,11 +85,10 @@ pub fn hull(a: Option<(f64, f64)>, b: Option<(f64, f64)>) -> Option<(f64, f64)> 
     }
 }
 
-/// The heavier tail of test function number k on the first and the last of these levels: the last is
-/// nearest to the solution, and the first has the most samples.
+/// The tail of test function number k on the last of these levels, which is nearest to the solution:
+/// on coarse levels increments are clipped, and states that steps do not resolve grow large.
 pub fn tail(levels: &[Samples], k: usize) -> Tail {
-    let [first, last] = [0, levels.len() - 1].map(|level| levels[level].values[k].tail());
-    if first > last { first } else { last }
+    levels[levels.len() - 1].values[k].tail()
 }
 
 /// The samples of one level so far.

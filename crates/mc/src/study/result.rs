@@ -146,8 +146,8 @@ fn warnings(losses: &Losses, paths: u64, series: &[Series]) -> Vec<String> {
         (CROWDED, &|point| at(point, &[Place::Crowded])),
     ];
     for Series { observable, points } in series {
-        let notes = points.iter().filter_map(|point| point.interval_note.as_deref());
-        let tail = notes.filter(|note| note.contains("tail index")).next_back();
+        let mut notes = points.iter().filter_map(|point| point.interval_note.as_deref());
+        let tail = notes.rfind(|note| note.contains("tail index"));
         let heavy = |point: &Summary| point.interval_note.as_deref() == tail;
         let tail = tail.map(|tail| (tail, &heavy as Concerns<'_>));
         for (what, concerns) in concerns.into_iter().chain(tail) {

@@ -86,7 +86,7 @@ fn large_steps_on_which_paths_fail_are_left_out() {
     let found = Expect::new(&problem).run(&[&h], 1e-2).unwrap();
     // Drift and noise are the same H: it is constant.
     let (exact, estimate) = (0.81 * 1.21 * 0.8, &found.estimates[0]);
-    assert!(found.reached() && (estimate.value - exact).abs() < estimate.half_width());
+    assert!(found.reached() && (estimate.value - exact).abs() < estimate.half_width(), "{found}");
     assert!(found.levels[0].tau <= 0.25, "{:?}", found.levels[0]);
 }
 
