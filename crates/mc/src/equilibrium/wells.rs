@@ -127,7 +127,7 @@ impl Watched<'_> {
             (r * root > KEEPS).then_some((&**name, early, r))
         });
         let keeping: Vec<_> = keeping.collect();
-        let least = (DEPENDS + 2.0 * (keeping.len().max(1) as f64).ln()).sqrt();
+        let least = (DEPENDS + 2.0 * ln(keeping.len().max(1) as f64)).sqrt();
         let well = |k: usize| {
             let late = means(finest + k, late);
             let depends = |early: &[f64]| correlation(early, &late).abs();
