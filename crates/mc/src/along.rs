@@ -96,34 +96,10 @@ impl Along {
 }
 
 impl<'a> Setup<'a> {
-    /// The same with what its paths collect, row after row, behind the components of the state. The
-    /// system is that of the scheme.
+    /// The same with what its paths collect, row after row, behind the components of the state.
     ///
-    /// ```
-    /// use std::sync::Arc;
-    ///
-    /// use formula::{Definition, FormulaSystem};
-    /// use mc::{Along, Setup};
-    /// use schemes::Heun;
-    /// use systems::{Constant, run_time::Problem};
-    ///
-    /// let words = |texts: &[&str]| texts.iter().map(|text| text.to_string()).collect::<Vec<_>>();
-    /// let walk = Definition {
-    ///     state: words(&["q", "p"]),
-    ///     structure: vec![words(&["1"])],
-    ///     energy: "p".into(),
-    ///     noises: words(&["p"]),
-    ///     ..Definition::default()
-    /// };
-    /// let system = Arc::new(FormulaSystem::new(&walk, &[0.0, 0.0])?);
-    /// let damping = Arc::new(Constant::new(0.0)?);
-    /// let problem = Problem::new(system.clone(), damping, vec![0.0, 0.0], 1.0)?;
-    /// let setup = Setup::at_run_time(&problem, &Heun)?.collecting(&*system, vec![Along::Time]);
-    /// // q, p and t.
-    /// assert_eq!(setup.start().len(), 3);
-    /// assert_eq!((setup.problem.coefficients)(0.5, &[0.1, 0.0, 0.5]).drift, [1.0, 0.0, 1.0]);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
+    /// The system is that of the scheme. In the coefficients of the problem, the time has the drift
+    /// 1, an integral that of its function; the dimension of the problem stays that of the state.
     #[must_use]
     pub fn collecting(self, system: &'a dyn System, quantities: Vec<Along>) -> Self {
         if quantities.is_empty() {
