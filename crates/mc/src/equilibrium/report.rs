@@ -1,8 +1,8 @@
 //! Averages with their intervals.
 
-use real::elementary;
 use std::{fmt, ops::Range};
 
+use real::elementary;
 use serde::Serialize;
 use stats::{CONFIDENCE, CentralMoments, FEW_SAMPLES, two_sided};
 
@@ -426,8 +426,8 @@ fn mean(kept: &Kept, order: f64, (name, long): (String, f64), of: Averaged<'_>) 
 
 /// A number to two digits of its error, with a power of ten where both are small or it is large.
 fn written(x: f64, error: f64) -> String {
-    let place =
-        |x: f64| if x == 0.0 || !x.is_finite() { -9 } else { x.abs().log10().floor() as i32 };
+    let order = |x: f64| elementary::log10(x.abs()).floor() as i32;
+    let place = |x: f64| if x == 0.0 || !x.is_finite() { -9 } else { order(x) };
     let digits = |n: i32| n.clamp(0, 16) as usize;
     match (1e-3..1e6).contains(&x.abs().max(error.abs())) || x == 0.0 {
         true => format!("{x:.*}", digits(1 - place(error))),

@@ -69,7 +69,7 @@ impl StudySettings {
         let threads = rayon::current_num_threads() as f64;
         let groups = (self.paths as f64 / GROUP_PATHS as f64).max(1.0);
         // Groups under way and just done, and nodes of the tree that wait for their neighbours.
-        let sums = (2.0 * threads).min(groups) + groups.log2() + 1.0;
+        let sums = (2.0 * threads).min(groups) + f64::from((groups as u64).ilog2()) + 1.0;
         let (bins, times) = (f64::from(self.bins), self.times as f64);
         let size = |bytes: usize| bytes as f64;
         let sum = size(size_of::<CentralMoments>() + size_of::<u64>()) + 2.0 * bins;
