@@ -93,7 +93,7 @@ pub fn self_test(Expected { bits, square, mean }: Expected) -> Done<(String, boo
         off <= 1e-12,
         format!("|y|² of a rigid body: expected {square:.12} ± 1e-12, came ± {off:.0e}"),
     );
-    let watch = Watch { bar: ProgressBar::hidden(), stop: Stop::default() };
+    let watch = Watch { bar: ProgressBar::hidden(), say: |_| (), stop: Stop::default() };
     let mut kubo = scene("kubo")?;
     kubo.accuracy = Some(5e-4);
     let (Found { json, .. }, reached) = verbs::expect(&kubo, None, &watch)?;

@@ -60,6 +60,8 @@ impl Found {
 pub struct Watch {
     /// The work that is under way.
     pub bar: ProgressBar,
+    /// Says what long work has come to.
+    pub say: fn(&str),
     /// Whether the end was asked for.
     pub stop: Stop,
 }
@@ -94,7 +96,7 @@ impl Watch {
                 };
                 let since = since / 60.0;
                 let words = format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}");
-                self.bar.suspend(|| eprintln!("{words}"));
+                self.bar.suspend(|| (self.say)(&words));
             }
         };
         watched(PATIENCE, say, || self.under(what.into(), 0, || work(&told)))

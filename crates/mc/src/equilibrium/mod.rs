@@ -20,10 +20,10 @@
 //! time T and that of the observable: T/2t samples of a chain are as good as independent ones. It
 //! contains the slowest motion that the average sees. Of an exponent the variance of a chain is at
 //! most three times that of independent batches. Wells that chains keep are looked for in
-//! components and other functions, whatever is averaged ([how](wells)).
+//! components and other functions, whatever is averaged.
 //!
 //! **Exponents** are those of vectors in general directions, which begin anew with the first batch
-//! that counts. A growth like a power of t is told from one that is exponential ([how](growth)).
+//! that counts. A growth like a power of t is told from one that is exponential.
 //!
 //! **Bias of the step.** With the means m₀, m₁, m₂ at 4τ, 2τ, τ and the weak order p the bias of
 //! m₂ is at most b = (m₂ − m₀)/(4ᵖ − 1), if it falls by 2ᵖ from a step to the next. Or e =
@@ -36,7 +36,8 @@
 //!
 //! **What nobody can tell** is said: averages that are not finite; chains that still drift, that
 //! are shorter than twenty autocorrelation times, stay in wells that the average depends on, of
-//! which a few decide, or of which more than one in a hundred failed. A well that no chain has found is not known.
+//! which a few decide, or of which more than one in a hundred failed. A well that no chain has
+//! found is not known.
 
 mod chains;
 mod growth;

@@ -1,7 +1,7 @@
 //! The systems of the library: four families, so that few kernels are compiled.
 
 use mc::Expect;
-use real::{Real, elementary};
+use real::Real;
 use systems::{Damping, Flows, PoissonSystem, Problem, paper::valid};
 
 /// Linear damping with an exact integral.
