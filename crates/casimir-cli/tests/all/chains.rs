@@ -92,6 +92,20 @@ fn tangent_vectors_are_in_no_subspace_that_a_system_keeps() {
     assert!(told["reached"] == true && number(&told, 0, "half_width") < 1e-2, "{told:#}");
 }
 
+/// All chains have the same phase, so that the end of ln|v| in its period is the error.
+#[test]
+fn a_period_of_the_growth_is_in_the_interval() {
+    let scene = SPLIT.replace(" - q2^2", " + q2^2") + "[damping]\nrates = { p1 = 1.0, p2 = 0.4 }\n";
+    for until in ["until = 20", "until = 23"] {
+        let told = found(
+            &scene.replace("until = 5", until).replace("steps = 256", "steps = 1024"),
+            "lyapunov",
+            &["--accuracy", "0.05"],
+        );
+        assert!(contains(&told, 0, -0.2), "{told:#}");
+    }
+}
+
 #[test]
 fn a_power_of_time_is_no_exponent() {
     // A body whose energy is all there is to its noise: neighbours part like t.
@@ -114,7 +128,7 @@ steps = 512
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(text.contains("λ1 ≤ ") && text.contains(", growth "), "{text}");
     // A real exponent stays: ½σ²/4 of a weak noise σ = 0.4 on the frequency.
-    let kubo = "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\nH0 = \"(q^2 + p^2)/2\"\nH =                 [\"0.4*q^2/2\"]\n[run]\ninitial = [0, 0]\nuntil = 16\nsteps = 256\n";
+    let kubo = "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\nH0 = \"(q^2 + p^2)/2\"\nH = [\"0.4*q^2/2\"]\n[run]\ninitial = [0, 0]\nuntil = 16\nsteps = 256\n";
     let told = found(kubo, "lyapunov", &["--accuracy", "0.005"]);
     let seen = number(&told, 0, "lo") > 0.0 && number(&told, 0, "unsettled") == 0.0;
     assert!(seen && (number(&told, 0, "value") - 0.0199).abs() < 0.007, "{told:#}");

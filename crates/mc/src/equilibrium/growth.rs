@@ -19,6 +19,8 @@ use super::chains::{Batch, Chains};
 /// Standard errors by which λ and k are seen, and by which growth is bent.
 const SEEN: f64 = 2.0;
 const BENT: f64 = 3.0;
+/// Standard deviations that the range of a Brownian bridge exceeds with a probability of 5 %.
+const KUIPER: f64 = 1.747;
 /// The largest power of t: a shear has one, and less symmetric systems seldom more than 3.
 const MOST_POWER: f64 = 3.0;
 
@@ -49,6 +51,27 @@ impl Fit {
         let power = |z: f64| (z - logarithm) / square;
         Self { slope: of(&|z| 1.0 / count - logarithm * power(z)), power: of(&power), logarithm }
     }
+}
+
+/// The error of an exponent by the bounded motion of ln|v| that all chains share, such as the phase
+/// of a damped oscillator, which no standard error shows: the range of the mean growth about its
+/// line at the ends of batches from number `first` on, over their number. Zero where the range is
+/// that of independent batches (N. Kuiper, *Indag. Math.* 63, 1960).
+pub fn wander((chains, live): (&Chains, &[usize]), (row, first): (usize, usize)) -> f64 {
+    let late = &chains.batches[first..];
+    let count = late.len() as f64;
+    let mut totals = CentralMoments::default();
+    for &n in live {
+        totals.add(late.iter().map(|batch| batch[row][n]).sum());
+    }
+    let (mut sum, mut least, mut most) = (0.0, 0.0f64, 0.0f64);
+    for batch in late {
+        let grown: f64 = live.iter().map(|&n| batch[row][n]).sum();
+        sum += grown / live.len() as f64 - totals.mean() / count;
+        (least, most) = (least.min(sum), most.max(sum));
+    }
+    let range = most - least;
+    if range > KUIPER * totals.variance_of_mean().sqrt() { range / count } else { 0.0 }
 }
 
 /// The interval of the exponent in a row of batches, in their units, if growth is bent or is no

@@ -9,7 +9,7 @@ use stats::{CONFIDENCE, CentralMoments, FEW_SAMPLES, two_sided};
 use super::{
     Averaged, EquilibriumSettings, LEVELS,
     chains::{Batch, Chains},
-    growth::unsettled,
+    growth::{unsettled, wander},
     wells::{Watched, Well},
 };
 use crate::study::Histogram;
@@ -224,8 +224,12 @@ impl Averages {
             let histogram = chains.histograms.get(k).cloned();
             let mut mean = mean(&kept(k), settings.weak_order, (name, long), of);
             mean.histogram = histogram;
-            let (lo, hi) = mean.interval();
             let row = (LEVELS - 1) * count + k;
+            if !is_average {
+                let wander = unit * wander((chains, &live), (row, first));
+                mean.sampling = elementary::hypot(mean.sampling, wander);
+            }
+            let (lo, hi) = mean.interval();
             let of_sum = count > 1 && k + 1 == count;
             let reach = (!is_average && !of_sum)
                 .then(|| unsettled((chains, &live), (row, first), (lo / unit, hi / unit)))
