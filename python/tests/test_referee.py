@@ -172,7 +172,7 @@ def test_noise_is_joined_from_level_to_level(spin: casimir.Referee) -> None:
 
 
 def test_what_is_no_answer_is_refused(kubo: casimir.Referee) -> None:
-    with pytest.raises(casimir.SceneError, match="at least 5 step sizes"):
+    with pytest.raises(casimir.SceneError, match="from 5 to 30, got 4"):
         casimir.Referee(casimir.scene("kubo"), levels=4)
     level = next(iter(kubo))
     with pytest.raises(casimir.SceneError, match="float32"):

@@ -153,10 +153,11 @@ fn blocks(
     }
     // Where all blocks are zero, so is a sum of multiples.
     let mut names = names.clone();
-    state.components.iter().for_each(|name| _ = names.variable(name));
+    // A name that stands twice is told elsewhere.
+    let known = state.components.iter().filter(|name| names.variable(name).is_ok()).count();
     let zero = Formula::parse(&filled(&none), &names);
     let is_other = match zero {
-        Ok(zero) => zero.value(&vec![1.0; dimension]) != 0.0,
+        Ok(zero) => zero.value(&vec![1.0; known]) != 0.0,
         Err(error) => error.unknown_name.is_none(),
     };
     if is_other {

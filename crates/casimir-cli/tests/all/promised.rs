@@ -104,6 +104,9 @@ fn a_bath_that_would_be_wrong_is_refused_with_what_is_right() {
         "[1, 0]",
     );
     fails(with_scene(&time).path(), &["run", "scene.toml"], 2, &["no term p^2/(2*m)"]);
+    let twice = "[system]\nstate = [\"q\", \"q\"]\nB = \"canonical\"\nH0 = \"q\"\n\
+                 [run]\ninitial = [1, 0]\nuntil = 1\nsteps = 8\n";
+    fails(with_scene(twice).path(), &["run", "scene.toml"], 2, &["`q`"]);
     for (kt, words) in
         [("\"1 + q^2\"", "unknown name `q`"), ("-1", "kT is at least 0, got -1 at t = 0")]
     {
