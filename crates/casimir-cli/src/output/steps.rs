@@ -41,8 +41,10 @@ pub fn step_cell(errors: Option<[StepError; 2]>) -> String {
 /// A step error of this part of a value leaves no digit of it.
 const NO_DIGIT: f64 = 0.5;
 
-/// Energies that the fastest motion lacks from this part on are worth a word.
-const LOST: f64 = 0.01;
+/// The part of its energy that the fastest motion lacks is worth a word from this on, 0.46 radians in
+/// a step, and the part that is left with the steps that are advised.
+const LOST: f64 = 0.05;
+const LEFT: f64 = 0.01;
 
 /// The step errors that a reader must know of, the worst first; why they cannot be known, if half
 /// the step does not show them.
@@ -144,7 +146,7 @@ pub fn step_lines(
     }
     if !(below.is_empty() && hidden.is_empty()) && noisy && check.energy_lost() >= LOST {
         // Where x²/(1 + x²) is LOST.
-        let enough = more(0.5 * check.turn * (1.0 / LOST - 1.0).sqrt());
+        let enough = more(0.5 * check.turn * (1.0 / LEFT - 1.0).sqrt());
         lines.push(format!(
             "the fastest motion turns by {} radians in a step: where noise drives it, schemes like \
              the midpoint rule give it about {} % too little energy, and {enough} steps 1 %",
