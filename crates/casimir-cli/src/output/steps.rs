@@ -145,7 +145,7 @@ pub fn step_lines(
         lines.push(format!("step error{along} of {}; by {half}", seen.join(", of ")));
     }
     if !(below.is_empty() && hidden.is_empty()) && noisy && check.energy_lost() >= LOST {
-        // Where x²/(1 + x²) is LOST.
+        // Where x²/(1 + x²) is LEFT.
         let enough = more(0.5 * check.turn * (1.0 / LEFT - 1.0).sqrt());
         lines.push(format!(
             "the fastest motion turns by {} radians in a step: where noise drives it, schemes like \
