@@ -11,9 +11,10 @@
 //!
 //! The quotient of both sums is 1/8 where f is smooth, 0.28 at most where it jumps, 0.19 for two
 //! steps in a period. Of a faster oscillation it is 4/π over 4 sin(α/2), where α is by how much a
-//! step advances its phase: 0.37 or more at τ or at τ/2, for any α. What agrees in mean and in square
-//! with what is read is the same within the step. Where functions have bounds over intervals, as
-//! formulas do, intervals are halved until bounds leave no room for a pulse between random times.
+//! step advances its phase: 0.37 or more at τ or at τ/2, for any α. What agrees in mean and in
+//! square with what is read is the same within the step. Where functions have bounds over
+//! intervals, as formulas do, intervals are halved until bounds leave no room for a pulse between
+//! random times.
 
 use std::{array, cell::RefCell, collections::BTreeMap, sync::Arc};
 
@@ -126,7 +127,8 @@ fn interval((a, b): (f64, f64)) -> Bounded {
     Bounded { error: 0.5 * (b - a), ..Bounded::variable(0.5 * (a + b)) }
 }
 
-/// Calls `found` with times of a window at which function number i is outside of what was seen, from
+/// Calls `found` with times of a window at which function number i is outside of what was seen,
+/// from
 /// `lo` to `hi`, and with the area there, by halving intervals until bounds leave no more.
 fn beyond(
     functions: &dyn InTime,

@@ -10,8 +10,8 @@ use crate::NoiseError;
 pub struct StreamKey {
     /// Master seed of the run.
     pub seed: u64,
-    /// Number of the experiment, below 2⁴⁰: experiments with the same seed are independent. The other
-    /// bits are those of a [`Purpose`].
+    /// Number of the experiment, below 2⁴⁰: experiments with the same seed are independent. The
+    /// other bits are those of a [`Purpose`].
     pub experiment: u64,
 }
 

@@ -104,7 +104,8 @@ mod tests {
                 }
             }
         }
-        // Q(1, x) = e^{−x}, Q(2, x) = (1 + x)e^{−x}, I_x(1, b) = 1 − (1 − x)^b, I_x(2, 2) = x²(3 − 2x).
+        // Q(1, x) = e^{−x}, Q(2, x) = (1 + x)e^{−x}, I_x(1, b) = 1 − (1 − x)^b, I_x(2, 2) = x²(3 −
+        // 2x).
         for x in [1e-9, 0.1, 0.7, 1.9, 2.1, 40.0] {
             assert!(close(gamma_above(1.0, x), exp(-x), 1e-13), "{x}");
             assert!(close(gamma_above(2.0, x), (1.0 + x) * exp(-x), 1e-13), "{x}");

@@ -39,8 +39,8 @@ impl StepSizes {
     }
 
     /// Measures again with more paths or finer steps, whatever would decide, until an order is
-    /// named or the next measurement would exceed `path_steps` in all; the first has fewer paths where
-    /// it would, but 32. Without that there is one measurement.
+    /// named or the next measurement would exceed `path_steps` in all; the first has fewer paths
+    /// where it would, but 32. Without that there is one measurement.
     #[must_use]
     pub fn within(self, path_steps: u64) -> Self {
         Self { path_steps, ..self }

@@ -41,8 +41,8 @@ pub fn step_cell(errors: Option<[StepError; 2]>) -> String {
 /// A step error of this part of a value leaves no digit of it.
 const NO_DIGIT: f64 = 0.5;
 
-/// The part of its energy that the fastest motion lacks is worth a word from this on, 0.46 radians in
-/// a step, and the part that is left with the steps that are advised.
+/// The part of its energy that the fastest motion lacks is worth a word from this on, 0.46 radians
+/// in a step, and the part that is left with the steps that are advised.
 const LOST: f64 = 0.05;
 const LEFT: f64 = 0.01;
 

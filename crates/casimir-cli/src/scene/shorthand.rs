@@ -116,8 +116,8 @@ pub fn structure(
     }
 }
 
-/// A sum of multiples of blocks, as the entries above the diagonal: in each stand the entries of the
-/// blocks for these.
+/// A sum of multiples of blocks, as the entries above the diagonal: in each stand the entries of
+/// the blocks for these.
 fn blocks(
     source: &Source,
     (state, names): (&State, &Names),

@@ -71,8 +71,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 
 impl Watch {
     /// Does work to an accuracy, which tells its half-width so far and the part of its path-steps
-    /// that is done. Where the accuracy is not reached after a minute, or at the end, it is said how
-    /// far it is and how long it takes.
+    /// that is done. Where the accuracy is not reached after a minute, or at the end, it is said
+    /// how far it is and how long it takes.
     fn until<R>(&self, what: &str, accuracy: f64, work: impl FnOnce(&dyn Fn(f64, f64)) -> R) -> R {
         let (start, last) = (Instant::now(), Mutex::new((f64::INFINITY, 0.0)));
         let now = || start.elapsed().as_secs_f64();

@@ -8,8 +8,8 @@
 //! An exponent x ≠ 0 is **not seen** where k has its sign, by 2 standard errors over all of the
 //! time, λ over the time that is kept does not have it by 2, and a power of at most 3 explains x:
 //! then its interval has 0 in it. Growth is **bent** where k over the time that is kept differs
-//! from 0 by 3, and λ is outside of the interval: then this reaches to λ ± 2 standard errors, and to
-//! 0 where growth becomes faster, as a slow shear does at first.
+//! from 0 by 3, and λ is outside of the interval: then this reaches to λ ± 2 standard errors, and
+//! to 0 where growth becomes faster, as a slow shear does at first.
 
 use real::elementary::ln;
 use stats::CentralMoments;

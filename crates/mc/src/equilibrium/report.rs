@@ -113,8 +113,8 @@ const DRIFTS: f64 = 3.5;
 const WIDER: f64 = 3.0;
 /// The part of the path-steps after which a forecast may end it.
 const FORECAST: f64 = 1.0 / 64.0;
-/// The part of the accuracy of an exponent that is no change: differences that carry tangent vectors
-/// round.
+/// The part of the accuracy of an exponent that is no change: differences that carry tangent
+/// vectors round.
 const NEGLIGIBLE: f64 = 1e-3;
 /// What rounding may make of a mean.
 const ROUND_OFF: f64 = 1e-12;

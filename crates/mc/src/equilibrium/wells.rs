@@ -8,11 +8,11 @@
 //! With the mean a of a watched function over the first quarter of the time that is kept and the
 //! mean b of an average over the rest, of each of n chains, z = r√(n − 1) with their correlation r
 //! has variance one if the average forgets. A function **keeps** its wells where z of its own a and
-//! b is more than 4, and an average **depends** on them where |z| is more than √(9 + 2 ln m) for the
-//! m functions that keep theirs. An angle that diffuses without bound
-//! keeps its value, but tells nothing about what comes later of cos q or p. Where a watched function
-//! is conserved and differs from chain to chain, initial values are random parameters on purpose,
-//! and nothing is tested.
+//! b is more than 4, and an average **depends** on them where |z| is more than √(9 + 2 ln m) for
+//! the m functions that keep theirs. An angle that diffuses without bound
+//! keeps its value, but tells nothing about what comes later of cos q or p. Where a watched
+//! function is conserved and differs from chain to chain, initial values are random parameters on
+//! purpose, and nothing is tested.
 
 use real::{PathMask, Row, WIDTH, elementary::ln};
 use stats::CentralMoments;

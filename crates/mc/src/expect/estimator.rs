@@ -140,8 +140,8 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// The expectation, from samples that were kept, if there are some; and whether smaller coarsest
-    /// steps help, where failed paths are in the way.
+    /// The expectation, from samples that were kept, if there are some; and whether smaller
+    /// coarsest steps help, where failed paths are in the way.
     pub fn expectation(
         mut self,
         kept: Option<Kept<'a>>,
@@ -353,8 +353,8 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// The numbers of the test functions for which more samples are of use: those with a variance, or
-    /// all until steps resolve the motion.
+    /// The numbers of the test functions for which more samples are of use: those with a variance,
+    /// or all until steps resolve the motion.
     fn numbers(&self) -> Vec<usize> {
         let unresolved = !self.unresolved().is_empty() && self.levels.len() <= self.max_level;
         let is_of_use = |&k: &usize| unresolved || tail(&self.levels, k).has_variance();

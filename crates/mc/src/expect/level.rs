@@ -85,8 +85,9 @@ pub fn hull(a: Option<(f64, f64)>, b: Option<(f64, f64)>) -> Option<(f64, f64)> 
     }
 }
 
-/// The tail of test function number k on the last of these levels, which is nearest to the solution:
-/// on coarse levels increments are clipped, and states that steps do not resolve grow large.
+/// The tail of test function number k on the last of these levels, which is nearest to the
+/// solution: on coarse levels increments are clipped, and states that steps do not resolve grow
+/// large.
 pub fn tail(levels: &[Samples], k: usize) -> Tail {
     levels[levels.len() - 1].values[k].tail()
 }

@@ -22,8 +22,8 @@
 //! resolve the motion; then points are doubled on the level where a path-step gains most. A level
 //! that does not help is left out of the sum. Where no level helps, because paths part at any step
 //! size, as those that an event ends or that do not contract, single paths of the last level are
-//! taken, and a difference two levels below bounds their bias. Decisions depend on samples and counted path-steps
-//! only, so the result is the same bits for any number of threads and parts.
+//! taken, and a difference two levels below bounds their bias. Decisions depend on samples and
+//! counted path-steps only, so the result is the same bits for any number of threads and parts.
 //!
 //! **What is judged.** Three things, for each test function ([`Judged`]);
 //! [`reached`](Expectation::reached) is true only if all are good, and a [`Warning`] names each
@@ -124,8 +124,8 @@ pub struct Expect<'a> {
     keeping: Option<Keeping>,
 }
 
-/// Hears how far a computation is: the largest half-width so far, and the path-steps done over those
-/// that it takes by this half-width.
+/// Hears how far a computation is: the largest half-width so far, and the path-steps done over
+/// those that it takes by this half-width.
 pub type Told<'a> = dyn Fn(f64, f64) + 'a;
 
 /// Settings of [`Expect`].

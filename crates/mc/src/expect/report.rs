@@ -65,8 +65,8 @@ pub struct Estimate {
     /// Name of φ.
     #[serde(rename = "of")]
     pub name: String,
-    /// The estimate, extrapolated to τ → 0; NaN where the [tail](stats::Tail) of φ says that there may
-    /// be no mean.
+    /// The estimate, extrapolated to τ → 0; NaN where the [tail](stats::Tail) of φ says that there
+    /// may be no mean.
     pub value: f64,
     /// Standard error of the estimate, from the spread over replicates, without bias.
     pub standard_error: f64,
@@ -157,8 +157,9 @@ pub struct Warning {
 #[non_exhaustive]
 pub enum WarningKind {
     /// A few samples decide, so that nobody can tell how φ varies: fewer than thirty carry its
-    /// variance, and events larger than all that were seen may be missing; the tail is so heavy that
-    /// there may be no variance; or none does, since φ is the same to the bit on all of them. Blocks [`Judged::variance`].
+    /// variance, and events larger than all that were seen may be missing; the tail is so heavy
+    /// that there may be no variance; or none does, since φ is the same to the bit on all of them.
+    /// Blocks [`Judged::variance`].
     FewSamples,
     /// The steps of the finest level do not resolve this component of the state, counted from one.
     /// Fine and coarse paths differ by more than half of its motion in root mean square, or by no

@@ -6,9 +6,9 @@
 //! is divided by that of its motion y − y(0). Two paths of uncorrelated phases give √(2/3) to √2.
 //! Each φ is compared in the same way, at eight coarse times.
 //!
-//! **Paths part** in the end, at any step size, where they do not contract or events decide, and the
-//! means of φ agree nevertheless. Then the first part of the time is asked, up to T/8 or T/64: steps
-//! that resolve a motion of the same size there are not what parts the paths later.
+//! **Paths part** in the end, at any step size, where they do not contract or events decide, and
+//! the means of φ agree nevertheless. Then the first part of the time is asked, up to T/8 or T/64:
+//! steps that resolve a motion of the same size there are not what parts the paths later.
 
 use real::{Kernel, PathMask, Row, WIDTH, dispatch};
 use stats::ROUND_OFF;
@@ -226,8 +226,8 @@ fn vanishes([a, b, c]: [f64; 3]) -> bool {
 pub const LARGEST_EXPONENT: f64 = 1.0;
 
 /// What the steps of the last difference do not resolve: the worst component of the motion, the
-/// damping, Hamiltonians near the time `drive`, and every test function of these names. Nothing is known
-/// of fewer than three levels.
+/// damping, Hamiltonians near the time `drive`, and every test function of these names. Nothing is
+/// known of fewer than three levels.
 pub fn unresolved(
     differences: &[Samples],
     (damping, drive): (&DampingResolution<'_>, Option<f64>),

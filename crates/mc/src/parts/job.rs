@@ -141,8 +141,9 @@ impl Job {
     /// Ends the job: writes what is not written yet.
     ///
     /// # Errors
-    /// [`JobError`]: the first error of the job, or [`JobError::Missing`]. [`JobError::File`] if the
-    /// checkpoint cannot be written; results of [`Share::WHOLE`] that the program has are valid.
+    /// [`JobError`]: the first error of the job, or [`JobError::Missing`]. [`JobError::File`] if
+    /// the checkpoint cannot be written; results of [`Share::WHOLE`] that the program has are
+    /// valid.
     pub fn finish(self) -> Result<(), JobError> {
         let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         match (state.error, state.mode) {

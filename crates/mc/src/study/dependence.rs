@@ -14,12 +14,12 @@
 //!
 //! **Spectrum**: S(ω) = (Δ/2π) Σₖ w(k) C(kΔ) cos(kωΔ)/|H(ω)|², two-sided, so that ∫S dω is the
 //! variance. The window w(k) = cos²(πk/2K) leaves a resolution of about 2π/KΔ (Blackman and Tukey
-//! 1958). C is the covariance of v after a filter: a mean over all r steps h between two saved times
-//! on both sides with weights that fall linearly, of which H = (sin ½ωΔ/r sin ½ωh)² is the transform.
-//! It has a zero at every multiple of 2π/Δ but zero. So of what oscillates faster than π/Δ, which the
-//! saved times cannot tell from slower motion (aliasing), S(ω) has the part (x/(x − π))⁴ and less, x
-//! = ½ωΔ. S ends at π/2Δ, where this is 1/81, and at π/8h, where as much of a spectrum that falls as
-//! 1/ω² is beyond the reach of the steps themselves.
+//! 1958). C is the covariance of v after a filter: a mean over all r steps h between two saved
+//! times on both sides with weights that fall linearly, of which H = (sin ½ωΔ/r sin ½ωh)² is the
+//! transform. It has a zero at every multiple of 2π/Δ but zero. So of what oscillates faster than
+//! π/Δ, which the saved times cannot tell from slower motion (aliasing), S(ω) has the part (x/(x −
+//! π))⁴ and less, x = ½ωΔ. S ends at π/2Δ, where this is 1/81, and at π/8h, where as much of a
+//! spectrum that falls as 1/ω² is beyond the reach of the steps themselves.
 
 use std::f64::consts::PI;
 
@@ -177,8 +177,8 @@ impl Adding<'_> {
         }
     }
 
-    /// Adds the products of all lags on a block: n, the mean over times, and for each lag the sum; of
-    /// values as they are, and filtered but for the ends, on one side of which none are.
+    /// Adds the products of all lags on a block: n, the mean over times, and for each lag the sum;
+    /// of values as they are, and filtered but for the ends, on one side of which none are.
     fn add_lags(&mut self, Past([values, mut filtered]): Past, live: PathMask) {
         let Self { wanted, sums, times, .. } = self;
         let (number, lags) = (wanted.lagged.len(), wanted.lags(*times));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use stats::quantile_ranks;
+use stats::{Tail, quantile_ranks};
 
 use super::{
     Grid, Joint, Wanted,
@@ -73,13 +73,16 @@ impl StudyResult {
         let record = Record { paths, ..record.clone() };
         // They are kept, since most counts are the same.
         let mut known = BTreeMap::<u64, Vec<Ranks>>::new();
+        let tail = |k: usize| {
+            sums.moments[last + k].tail(sums.first.get(k).map_or(&[][..], Vec::as_slice))
+        };
+        let tails: Vec<Tail> = (0..record.observables.len()).map(tail).collect();
         let series = names.enumerate().map(|(k, (name, initial))| {
             let is_probability = wanted.probabilities.contains(&k);
             let levels = if is_probability { &[][..] } else { &record.quantiles };
             let exact = Summary::exact(*initial, paths, levels);
             let mut points = Vec::from_iter(record.start.is_none().then_some(exact));
-            let tail =
-                sums.moments[last + k].tail(sums.first.get(k).map_or(&[][..], Vec::as_slice));
+            let tail = tails[k];
             for (time, &step) in record.times.iter().enumerate() {
                 let cell = time * record.observables.len() + k;
                 let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
@@ -97,7 +100,7 @@ impl StudyResult {
             Series { observable: name.clone(), points }
         });
         let mut series: Vec<_> = series.collect();
-        let mut warnings = warnings(&losses, paths, &series);
+        let mut warnings = warnings(&losses, paths, &series, &tails);
         if paths < planned {
             warnings.push(format!("stopped after {paths} of {planned} paths"));
         }
@@ -131,7 +134,7 @@ impl Series {
 /// Whether a warning concerns a time.
 type Concerns<'a> = &'a dyn Fn(&Summary) -> bool;
 
-fn warnings(losses: &Losses, paths: u64, series: &[Series]) -> Vec<String> {
+fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> Vec<String> {
     let failed = losses.failed;
     let lost = format!("{failed} of {paths} paths failed: what is left is no fair sample");
     let mut warnings: Vec<String> = (failed > 0).then_some(lost).into_iter().collect();
@@ -145,11 +148,10 @@ fn warnings(losses: &Losses, paths: u64, series: &[Series]) -> Vec<String> {
         ),
         (CROWDED, &|point| at(point, &[Place::Crowded])),
     ];
-    for Series { observable, points } in series {
-        let mut notes = points.iter().filter_map(|point| point.interval_note.as_deref());
-        let tail = notes.rfind(|note| note.contains("tail index"));
-        let heavy = |point: &Summary| point.interval_note.as_deref() == tail;
-        let tail = tail.map(|tail| (tail, &heavy as Concerns<'_>));
+    for (Series { observable, points }, tail) in series.iter().zip(tails) {
+        let words = tail.to_string();
+        let heavy = |point: &Summary| point.interval_note.as_deref() == Some(&words);
+        let tail = tail.is_heavy().then_some((&*words, &heavy as Concerns<'_>));
         for (what, concerns) in concerns.into_iter().chain(tail) {
             let times: Vec<f64> =
                 points.iter().filter(|point| concerns(point)).map(|point| point.time).collect();

@@ -28,15 +28,15 @@ pub struct Summary {
     pub count: u64,
     /// Number of values that are not finite and count nowhere else.
     pub not_finite: u64,
-    /// The mean; `None` without values, and where the [tail](stats::Tail) at the last time says that
-    /// there may be none.
+    /// The mean; `None` without values, and where the [tail](stats::Tail) at the last time says
+    /// that there may be none.
     pub mean: Option<f64>,
     /// Its 95 % interval by
     /// [`CentralMoments::mean_interval`](stats::CentralMoments::mean_interval).
     pub mean_interval: Option<(f64, f64)>,
-    /// Why there is none: too few values carry the mean, the [tail](stats::Tail) is too heavy, or all
-    /// are equal but for rounding errors. Then the note says on how few paths others are, with 95 %
-    /// confidence: n equal values leave room for one path in n/3.
+    /// Why there is none: too few values carry the mean, the [tail](stats::Tail) is too heavy, or
+    /// all are equal but for rounding errors. Then the note says on how few paths others are, with
+    /// 95 % confidence: n equal values leave room for one path in n/3.
     pub interval_note: Option<String>,
     /// The sample variance; `None` with fewer than two values, if it is no number of 64 bits, or if
     /// the law may have none.

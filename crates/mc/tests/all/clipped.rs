@@ -73,9 +73,10 @@ fn paths_with_increments_that_are_no_numbers_fail() {
     assert_eq!(failed, [32, 33, 34]);
 }
 
-/// One step of size ½ with A = 1.18, so that 12 % of the paths have the same largest increment. They
-/// pass the angle 1.14 within the step with the probability exp(−2ab/sτ) ≈ ½ each, where the angle is
-/// a below it at first, b at the end, and s = 1. The share of 4096·0.12 paths has the deviation 0.023.
+/// One step of size ½ with A = 1.18, so that 12 % of the paths have the same largest increment.
+/// They pass the angle 1.14 within the step with the probability exp(−2ab/sτ) ≈ ½ each, where the
+/// angle is a below it at first, b at the end, and s = 1. The share of 4096·0.12 paths has the
+/// deviation 0.023.
 #[test]
 fn clipped_paths_pass_independently() {
     let problem = pendulum(0.5);

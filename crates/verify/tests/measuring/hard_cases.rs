@@ -1,11 +1,11 @@
 //! **Hard inputs: what exact mathematics says, what every scheme does, and what is guaranteed.**
 //!
-//! `cargo xtask stability` prints them. Each case runs all schemes, 32 paths of each, on inputs that
-//! break numerical codes: damping factors near underflow, rates that are infinite, noise past the
-//! contraction bound, states of 10¹⁵⁰. A guarantee is a derived bound ([`rounding`](super::rounding)); a
-//! cell says whether it holds (✓), whether a scheme fails where theory predicts failure (✗), or
-//! that the guarantee is refuted. What each case is and what exact mathematics says of it stands at
-//! its function.
+//! `cargo xtask stability` prints them. Each case runs all schemes, 32 paths of each, on inputs
+//! that break numerical codes: damping factors near underflow, rates that are infinite, noise past
+//! the contraction bound, states of 10¹⁵⁰. A guarantee is a derived bound
+//! ([`rounding`](super::rounding)); a cell says whether it holds (✓), whether a scheme fails where
+//! theory predicts failure (✗), or that the guarantee is refuted. What each case is and what exact
+//! mathematics says of it stands at its function.
 //!
 //! Increments are truncated with k = 4 unless said otherwise, and the areas of two noises are the
 //! product of their increments: the laws hold for any. A path that cannot go on ends with a reason,
@@ -33,8 +33,8 @@ use super::{
     rounding::{LINEARLY_IMPLICIT, law_bound, residual_share, rotations},
 };
 
-/// The law of the invariant to rounding, or an error, is guaranteed in each case. Its number is that
-/// of its streams.
+/// The law of the invariant to rounding, or an error, is guaranteed in each case. Its number is
+/// that of its streams.
 fn run(number: u64, seed: u64, case: fn(&mut Table) -> Result<()>) -> Table {
     let key = StreamKey { seed, experiment: streams::HARD_CASES + number };
     let mut table = Table { key, verdicts: Vec::new(), lines: Vec::new() };
