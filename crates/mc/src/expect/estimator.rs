@@ -53,8 +53,11 @@ const LOST: f64 = 0.25;
 const MOST_LOST: f64 = 0.5;
 /// Halving helps if the share of failed paths falls to this over the first levels.
 const FEWER: f64 = 0.5;
-/// Single paths are taken if they need less than the square of this of the path-steps.
+/// Single paths are taken if they need less than the square of this of the path-steps,
 const SINGLE: f64 = 0.5;
+/// and if on the last level φ(fine) − φ(coarse) has at least this part of the variance of φ:
+/// paths that levels couple no more. Else differences are known well, and single paths hide a bias.
+const UNCOUPLED: f64 = 0.25;
 
 /// The most levels of a path without noise: 2²² steps take seconds.
 const MOST_HALVINGS: usize = 22;
@@ -503,7 +506,10 @@ impl<'a> Estimator<'a> {
             self.numbers().into_iter().map(|k| self.sum_from(first, k).root()).fold(0.0, f64::max)
         };
         let last = self.levels.len() - 1;
-        if self.noisy && most(last) < SINGLE * most(best) { last } else { best }
+        let uncoupled =
+            |values: &Values| values.sample.variance() >= UNCOUPLED * values.fine.variance();
+        let apart = self.numbers().iter().all(|&k| uncoupled(&self.levels[last].values[k]));
+        if self.noisy && apart && most(last) < SINGLE * most(best) { last } else { best }
     }
 
     /// The level whose points are doubled: the cheapest one that is enough for every function, if

@@ -16,9 +16,9 @@
 //! their means are hardly known and may pass through zero.
 //!
 //! **Single paths** of level L, where levels do not help, are extrapolated by the difference two
-//! levels below, which costs a quarter: by 2^{−2p}c·d_{L−2}, and the whole of that is the bound. It
-//! holds if the bias falls from level to level by order p − 1/5 or more (p = 1 or 2), and it is at
-//! least what the last two differences significantly contradict.
+//! levels below, which costs a quarter: by 2^{−2p}c·d_{L−2}. The largest of that, 2^{−p}c·d_{L−1} and
+//! c·d_L is the bound, errors of sampling included: single paths may be known better than the
+//! differences, which then show no bias however large it is beside the error of the paths.
 
 use real::elementary;
 
@@ -103,18 +103,15 @@ pub fn extrapolation(
         (next * mean.abs(), next * square.sqrt())
     };
     let whole = |term: &Term| (c * term.mean.abs(), c * term.variance.sqrt());
+    let larger = |a: (f64, f64), b: (f64, f64)| if a.0 < b.0 { b } else { a };
     if let ([below, between, last], true) = (differences, single) {
         let falls = elementary::exp(-order * LN_2);
         let weight = c * falls * falls;
-        let beyond = |term: &Term| {
-            let (size, error) = whole(term);
-            size - QUANTILE * error
-        };
-        let size = beyond(last).max(falls * beyond(between)).max(weight * below.mean.abs());
-        let standard_error = weight * below.variance.sqrt();
+        let scaled = |(size, error): (f64, f64), by: f64| (by * size, by * error);
+        let smaller = [scaled(whole(between), falls), scaled(whole(below), falls * falls)];
+        let (size, standard_error) = smaller.into_iter().fold(whole(last), larger);
         return Extrapolation { weights: [weight, 0.0], size, standard_error };
     }
-    let larger = |a: (f64, f64), b: (f64, f64)| if a.0 < b.0 { b } else { a };
     let (size, standard_error) = match differences {
         [.., _, _] if rough => differences.iter().map(whole).fold((0.0, 0.0), larger),
         [.., _, last] if !expands => whole(last),
@@ -224,21 +221,27 @@ mod tests {
         for (weak, next) in [(1.0, 2.0), (2.0, 4.0)] {
             let orders = Orders { weak, next };
             for more in [-0.2, 0.0, 0.5, 1.0, 3.0] {
-                let (mut terms, last) = differences(|tau| tau.powf(weak + more));
-                terms[0].variance = 1e-12;
+                let (terms, last) = differences(|tau| tau.powf(weak + more));
                 let found = extrapolation(&terms, orders, (None, None), true);
                 let left = last + found.weights[0] * terms[0].mean;
                 assert!(left.abs() <= found.size * (1.0 + 1e-9), "{weak} {more}");
                 assert!(found.weights[1] == 0.0 && (more != 0.0 || left.abs() < 1e-14));
-                let error = found.weights[0] * 1e-6;
-                assert!((found.standard_error / error - 1.0).abs() < 1e-9);
             }
-            // A difference below that passes through zero does not hide the last ones.
-            let hidden = [0.0, 0.02, 0.01].map(|mean| Term { mean, ..Term::default() });
-            let found = extrapolation(&hidden, orders, (None, None), true);
-            assert!((found.size - 0.01).abs() < 1e-12, "{}", found.size);
-            let noisy = hidden.map(|term| Term { variance: 1.0, ..term });
-            assert_eq!(extrapolation(&noisy, orders, (None, None), true).size, 0.0);
+            // A difference below that passes through zero does not hide the last ones, whether they
+            // are significant or not.
+            let c = 1.0 / (weak.exp2() - 1.0);
+            for (means, size, of) in [([0.0, 0.02, 0.01], 0.01, 2), ([0.0, 0.08, 0.01], 0.08, 1)] {
+                let part = if of == 1 { (-weak).exp2() } else { 1.0 };
+                let errors = [0.1, 0.2, 0.3];
+                let term = |n: usize| Term {
+                    mean: means[n],
+                    variance: errors[n] * errors[n],
+                    ..Term::default()
+                };
+                let found = extrapolation(&[0, 1, 2].map(term), orders, (None, None), true);
+                assert!((found.size - c * part * size).abs() < 1e-12, "{}", found.size);
+                assert!((found.standard_error - c * part * errors[of]).abs() < 1e-12);
+            }
         }
     }
 

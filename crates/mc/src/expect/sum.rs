@@ -140,8 +140,8 @@ impl Sum {
         elementary::hypot(self.quantile() * self.standard_error(), self.missed())
     }
 
-    /// Below single paths a difference of its own makes the bound, with an error that is
-    /// independent of theirs and that the standard error has.
+    /// Below single paths differences make it with their errors, which are no smaller than that of
+    /// the paths.
     pub fn bias_bound(&self) -> f64 {
         let Extrapolation { size, standard_error, .. } = self.extrapolation;
         let margin = if self.single { 0.0 } else { self.quantile() * standard_error };
