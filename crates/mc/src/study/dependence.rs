@@ -13,8 +13,9 @@
 //! Lags go up to half of these times.
 //!
 //! **Spectrum**: S(ω) = (Δ/2π) Σₖ w(k) C(kΔ) cos(kωΔ)/|H(ω)|², two-sided, so that ∫S dω is the
-//! variance. The window w(k) = cos²(πk/2K) leaves a resolution of about 2π/KΔ (Blackman and Tukey
-//! 1958). C is the covariance of v after a filter: a mean over all r steps h between two saved
+//! variance. The window w is one up to K/3 and falls as a cos² to zero at K: smooth spectra keep
+//! their level and their curvature (Politis and Romano, *J. Time Ser. Anal.* 16, 1995), with a
+//! resolution of about 2π/KΔ. C is the covariance of v after a filter: a mean over all r steps h between two saved
 //! times on both sides with weights that fall linearly, of which H = (sin ½ωΔ/r sin ½ωh)² is the
 //! transform. It has a zero at every multiple of 2π/Δ but zero. So of what oscillates faster than
 //! π/Δ, which the saved times cannot tell from slower motion (aliasing), S(ω) has the part (x/(x −
@@ -317,9 +318,10 @@ impl Found<'_> {
                 let spectrum = |j: usize| {
                     let term = |(k, c): (usize, &f64)| {
                         let cos = |n: usize| elementary::cos(PI * n as f64 / half as f64);
-                        // Of the window 2cos² is one more.
-                        let window = 0.5 * (1.0 + cos(k)) * if k == 0 { 1.0 } else { 2.0 };
-                        window * c * cos(j * k % (2 * half))
+                        let falls = (3 * k).saturating_sub(half) as f64 / (2 * half) as f64;
+                        let window = 0.5 * (1.0 + elementary::cos(PI * falls));
+                        let both = if k == 0 { 1.0 } else { 2.0 };
+                        both * window * c * cos(j * k % (2 * half))
                     };
                     let x = PI * j as f64 / (2 * half) as f64;
                     let root = match j {

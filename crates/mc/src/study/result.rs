@@ -114,6 +114,7 @@ impl StudyResult {
         };
         series.extend(found.pairs(record.start.is_none().then_some(paths)));
         let (joint, lagged) = (found.joint(), found.lagged());
+        warnings.extend(lagged.chunks_exact(2).filter_map(|pair| lasts(&pair[0])));
         Self { record, losses, warnings, series, joint, lagged }
     }
 
@@ -129,6 +130,22 @@ impl Series {
         // The initial value is always there.
         &self.points[self.points.len() - 1]
     }
+}
+
+/// An autocorrelation that lasts for most of its lags, where the window of the spectrum falls.
+fn lasts(autocorrelation: &Series) -> Option<String> {
+    const SMALL: f64 = 0.05;
+    let Series { observable, points } = autocorrelation;
+    let late = &points[2 * points.len() / 3..];
+    let large =
+        |point: &&Summary| point.mean_interval.is_some_and(|(lo, hi)| lo > SMALL || hi < -SMALL);
+    (late.iter().filter(large).count() > late.len() / 10).then(|| {
+        let to = points[points.len() - 1].time;
+        format!(
+            "{observable} is not small up to a lag of {to}: peaks of its spectrum are broader and \
+             lower than they should be; take a longer time"
+        )
+    })
 }
 
 /// Whether a warning concerns a time.
