@@ -67,6 +67,30 @@ fn wells_that_no_chain_leaves_are_seen_whatever_is_averaged() {
     assert!(told["reached"] == true && contains(&told, 0, std::f64::consts::LN_2), "{told:#}");
 }
 
+/// Spins along an axis that is steep beside kT.
+const SPINS: &str = r#"
+[system]
+name = "spin-lattice"
+parameters = { sizes = [4], exchange = 0.2, anisotropy = 6, field = [0, 0, 0.1], transverse = 0.5, temperature = 0.2 }
+[run]
+initial = [0, "sin(1.5)", "cos(1.5)"]
+until = 20
+steps = 800
+[expect]
+of = ["energy"]
+accuracy = 0.02
+"#;
+
+#[test]
+fn spins_that_stay_on_their_side_are_seen_in_the_energy() {
+    let told = found(SPINS, "equilibrium", &["--path-steps", "3e6"]);
+    assert!(told["reached"] == false && told["estimates"][0]["unknown"].is_string(), "{told:#}");
+    // Without anisotropy nothing stays.
+    let free = SPINS.replace("anisotropy = 6, ", "").replace("0.02\n", "0.2\n");
+    let told = found(&free, "equilibrium", &["--path-steps", "3e7"]);
+    assert!(told["reached"] == true && told["estimates"][0]["unknown"].is_null(), "{told:#}");
+}
+
 /// ⟨q²⟩ of (q² − 1)² at kT = 0.05, by quadrature.
 const EVEN: f64 = 0.986_975_055;
 

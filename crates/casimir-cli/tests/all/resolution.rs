@@ -61,6 +61,22 @@ fn a_run_names_what_its_steps_do_not_resolve_and_a_number_that_does() {
 }
 
 #[test]
+fn orders_and_costs_on_an_alias_are_undecided() {
+    let run = "until = 2\nsteps = 256";
+    for (hertz, is_seen) in [(1, true), (200_001, false)] {
+        let folder = with_scene(&driven(&format!("cos(2*pi*{hertz}*t)"), "1", run));
+        let command = ["order", "scene.toml", "--json", "--path-steps", "3e6"];
+        let strong = json(folder.path(), &command)["strong"]["words"].as_str().unwrap().to_owned();
+        let compared = crate::common::run(folder.path(), &["compare", "scene.toml"]);
+        let compared = String::from_utf8(compared.stdout).unwrap();
+        let undecided = "undecided: the steps do not resolve H(t) near t = ";
+        assert_eq!(strong.contains(undecided), !is_seen, "{strong}");
+        let none = "No scheme is recommended: the finest steps do not resolve H(t) near t = ";
+        assert_eq!(compared.contains(none), !is_seen, "{compared}");
+    }
+}
+
+#[test]
 fn what_steps_resolve_raises_no_alarm() {
     for force in [
         // Eight steps in a period and four; a switch; noise of another time; what only looks wild.
