@@ -2,17 +2,14 @@
 
 use std::{ops::Range, sync::Arc};
 
-use mc::{Ladder, LadderError, Run, View, parts::Stop};
+use mc::{Ladder, LadderError, Problem, Run, View, parts::Stop};
 use real::{Row, elementary};
 use schemes::Method;
 use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, root_mean_square_interval};
 
-use super::{
-    laws::{Value, defects},
-    search::Search,
-};
-use crate::{FinalMoments, Spread, orders::squared_distance};
+use super::search::Search;
+use crate::{FinalMoments, Spread, facts::Form, orders::squared_distance};
 
 /// The error of one scheme at one step size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,17 +69,15 @@ pub struct Errors {
     pub points: Vec<Vec<ErrorPoint>>,
 }
 
-/// Which step sizes, on how many paths. Step sizes are numbered by the base 2 logarithm of their
-/// steps over those of the longest step.
-#[derive(Clone, PartialEq)]
-pub struct Plan {
-    /// The step sizes of each scheme. A scheme whose paths fail has none: a path that fails is in
-    /// no error of any scheme.
-    pub sizes: Vec<Range<u32>>,
-    /// The finest step size of the reference.
-    pub reference: u32,
-    /// Paths.
-    pub samples: u64,
+impl Errors {
+    /// None, of so many schemes.
+    pub fn none(reference: &str, schemes: usize) -> Self {
+        Self {
+            sampled: Sampled { reference: reference.into(), ..Sampled::default() },
+            of_reference: f64::INFINITY,
+            points: vec![Vec::new(); schemes],
+        }
+    }
 }
 
 /// Step sizes of the reference: with the next two, its own error is estimated.
@@ -92,18 +87,22 @@ const RESOLVED: f64 = 0.25;
 
 impl<'a> Search<'a> {
     /// Distances to the reference on the same noise, whose own error is estimated from its
-    /// differences.
-    pub fn measure(&self, plan: &Plan, stop: &Stop) -> Result<Errors, LadderError> {
+    /// differences, at these step sizes of each scheme and of the reference.
+    pub fn measure(
+        &self,
+        sizes: &[Range<u32>],
+        finest: u32,
+        samples: u64,
+        stop: &Stop,
+    ) -> Result<Errors, LadderError> {
         let Self { problem, candidates, settings, base, .. } = *self;
-        let finest = plan.sizes.iter().map(|sizes| sizes.end.saturating_sub(1));
-        let finest = finest.fold(plan.reference, u32::max);
         let run = |scheme: &Arc<dyn Method + 'a>, size: u32| {
             Run::new(Arc::clone(scheme), (finest - size) as usize)
         };
-        let references = (plan.reference + 1 - REFERENCES as u32..=plan.reference).rev();
+        let references = (finest + 1 - REFERENCES as u32..=finest).rev();
         let mut runs: Vec<Run<'_>> =
             references.map(|size| run(&candidates.reference, size)).collect();
-        for (scheme, sizes) in candidates.schemes.iter().zip(&plan.sizes) {
+        for (scheme, sizes) in candidates.schemes.iter().zip(sizes) {
             runs.extend(sizes.clone().map(|size| run(scheme, size)));
         }
         let length = 2 * runs.len() - REFERENCES;
@@ -113,7 +112,7 @@ impl<'a> Search<'a> {
         let key = self.key(0);
         let ladder = Ladder::new(problem, base << finest, top, settings.truncation, key, runs)?;
         let new = || FinalMoments::new(ladder.coarse_steps(), length, &values);
-        let measured = ladder.run_until(stop, 0, plan.samples, new);
+        let measured = ladder.run_until(stop, 0, samples, new);
         let moments = measured.statistic.moments;
 
         let rms = |index: usize| moments.mean(index).sqrt();
@@ -136,18 +135,41 @@ impl<'a> Search<'a> {
         let of_scheme = |sizes: &Range<u32>| {
             sizes.clone().zip(&mut squares).map(&mut of_size).collect::<Vec<_>>()
         };
-        let points = plan.sizes.iter().map(of_scheme).collect();
+        let points = sizes.iter().map(of_scheme).collect();
         let sampled = Sampled {
-            samples: plan.samples,
+            samples,
             failed: measured.failed,
             failures: measured.failures.iter().map(ToString::to_string).collect(),
             reference: candidates.reference.id().to_owned(),
-            steps: base << plan.reference,
+            steps: base << finest,
             last_difference: rms(0),
             spread: rms(2),
         };
         Ok(Errors { sampled, of_reference, points })
     }
+}
+
+/// A function of the state.
+type Value<'a> = Box<dyn Fn(&[f64]) -> f64 + Sync + 'a>;
+
+/// For each Casimir C of degree p that the problem names or that was found, the relative defect
+/// (C(y) − c)/c of a final state, with c = e^{−p∫γ}C(y₀); relative to e^{−p∫γ} where c is zero.
+fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>> {
+    let integrals = problem.dampings().map(|damping| damping.integral(0.0, problem.t_end));
+    let integrals: Vec<f64> = integrals.collect();
+    let defect = |decay: f64, value: Value<'a>| -> Value<'a> {
+        let at_end = decay * value(&problem.y0);
+        let scale = if at_end == 0.0 { decay } else { at_end };
+        Box::new(move |y| (value(y) - at_end) / scale)
+    };
+    let named = problem.laws.iter().filter(|law| law.casimir);
+    let named = named.map(|law| defect(law.decay(&integrals), Box::new(|y| (law.value)(y))));
+    // With friction those that still hold are among the laws of the problem.
+    let found = found.iter().filter(|_| problem.friction.is_empty()).map(|form| {
+        let decay = elementary::exp(-f64::from(form.degree) * integrals[0]);
+        defect(decay, Box::new(move |y| form.value(y)))
+    });
+    named.chain(found).collect()
 }
 
 /// The squared differences of the reference from itself with half and a quarter of the steps, and
@@ -177,7 +199,7 @@ fn root_mean_square(squares: &CrossMoments, index: usize) -> (f64, [f64; 3]) {
     if value == 0.0 {
         return (0.0, [0.0; 3]);
     }
-    let se = squares.covariance_of_means(index, index).max(0.0).sqrt() / (2.0 * value);
+    let se = squares.standard_error(index) / (2.0 * value);
     let (lo, hi) = root_mean_square_interval(squares, index).unwrap_or((0.0, f64::INFINITY));
     (se, [lo, value, hi])
 }

@@ -59,8 +59,6 @@
 mod candidates;
 mod display;
 mod errors;
-mod laws;
-mod pilot;
 mod search;
 mod settings;
 mod verdict;

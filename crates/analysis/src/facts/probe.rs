@@ -216,7 +216,7 @@ impl<'a> Probe<'a> {
     }
 
     /// The matrix at each point whose column j is a function of the unit vector eⱼ.
-    fn matrices(&mut self, column: impl Fn(&mut Self, &[Vec<f64>]) -> Batch) -> Vec<Matrix> {
+    pub fn matrices(&mut self, column: impl Fn(&mut Self, &[Vec<f64>]) -> Batch) -> Vec<Matrix> {
         let d = self.dimension();
         let columns: Vec<_> = (0..d).map(|j| column(self, &[axis(d, j)])).collect();
         let at = |n: usize| transposed(&columns.iter().map(|column| column[n].clone()).collect());

@@ -109,11 +109,12 @@ fn once(
         }
     };
     let measured = |samples| {
-        let sizes = StepSizes { samples, ..sizes.clone() };
-        measure(setup, &sizes, exact.map(|exact| exact.time_change), number - 1 + one_more, &values)
+        let (sizes, clock) = (StepSizes { samples, ..sizes.clone() }, exact.map(|e| e.time_change));
+        measure(setup, &sizes, clock, number - 1 + one_more, &values)
     };
-    let mut measurement = measured(sizes.samples.min(FEW))?;
-    if 2 * measurement.failed <= sizes.samples.min(FEW) {
+    let few = sizes.samples.min(FEW);
+    let mut measurement = measured(few)?;
+    if 2 * measurement.failed <= few {
         measurement = measured(sizes.samples)?;
     }
     let (moments, failed) = (measurement.statistic.moments, measurement.failed);
@@ -142,7 +143,9 @@ fn once(
     if let Some(because) = sizes.unresolved(setup) {
         order.decision = undecided(More::Steps, because);
     }
-    Ok(Order { failed, ..order }.settled())
+    order.failed = failed;
+    order.settle();
+    Ok(order)
 }
 
 /// The strong order from squared differences of successive step sizes.
@@ -181,12 +184,16 @@ pub fn weak(
 }
 
 impl Order {
-    /// With the interval of the rate and its warning as the decision wants them.
-    pub fn settled(mut self) -> Self {
-        if let Some(rate) = &mut self.rate {
-            self.decision.settle(rate);
+    /// Widens the interval of the rate to the order that is named, or adds the warning that none
+    /// is.
+    pub fn settle(&mut self) {
+        let Some(rate) = &mut self.rate else { return };
+        if let Decision::Order { order, .. } = self.decision {
+            (rate.lo, rate.hi) = (rate.lo.min(order), rate.hi.max(order));
+        } else {
+            let before = rate.warning.take().map_or(String::new(), |warning| warning + "; ");
+            rate.warning = Some(format!("{before}{}", self.decision));
         }
-        self
     }
 }
 
@@ -209,7 +216,7 @@ pub fn squared_distance(y: &[Row], x: &[Row], live: PathMask) -> Row {
 /// Means with normal intervals.
 fn mean_points(taus: &[f64], moments: &CrossMoments) -> Vec<Point> {
     let point = |(l, &tau): (usize, &f64)| {
-        let (value, se) = (moments.mean(l), moments.covariance_of_means(l, l).max(0.0).sqrt());
+        let (value, se) = (moments.mean(l), moments.standard_error(l));
         let [lo, hi] = [-1.96, 1.96].map(|reach| Some(value + reach * se));
         Point::Error { tau, value, se, lo, hi, warning: None }
     };
