@@ -2,7 +2,7 @@
 
 use std::{ops::Range, sync::Arc};
 
-use mc::{Ladder, LadderError, Problem, Run, View, parts::Stop};
+use mc::{ConformalLaw, Ladder, LadderError, Problem, Run, View, parts::Stop};
 use real::{Row, elementary};
 use schemes::Method;
 use serde::{Deserialize, Serialize};
@@ -18,8 +18,6 @@ pub struct ErrorPoint {
     pub steps: u64,
     /// (E|y_N − y_ref|²)^½.
     pub error: f64,
-    /// Its standard error.
-    pub se: f64,
     /// Lower end of its 95 % interval, less the error of the reference.
     pub lo: f64,
     /// Upper end, with the error of the reference added.
@@ -91,15 +89,17 @@ impl<'a> Search<'a> {
     pub fn measure(
         &self,
         sizes: &[Range<u32>],
-        finest: u32,
+        reference: u32,
         samples: u64,
         stop: &Stop,
     ) -> Result<Errors, LadderError> {
         let Self { problem, candidates, settings, base, .. } = *self;
+        let finest = sizes.iter().map(|sizes| sizes.end.saturating_sub(1));
+        let finest = finest.fold(reference, u32::max);
         let run = |scheme: &Arc<dyn Method + 'a>, size: u32| {
             Run::new(Arc::clone(scheme), (finest - size) as usize)
         };
-        let references = (finest + 1 - REFERENCES as u32..=finest).rev();
+        let references = (reference + 1 - REFERENCES as u32..=reference).rev();
         let mut runs: Vec<Run<'_>> =
             references.map(|size| run(&candidates.reference, size)).collect();
         for (scheme, sizes) in candidates.schemes.iter().zip(sizes) {
@@ -116,15 +116,13 @@ impl<'a> Search<'a> {
         let moments = measured.statistic.moments;
 
         let rms = |index: usize| moments.mean(index).sqrt();
-        let (_, last) = root_mean_square(&moments, 0);
-        let of_reference = left(rms(1), last);
-        let mut squares = (REFERENCES..length).step_by(2);
-        let mut of_size = |(size, square): (u32, usize)| {
-            let (se, [lo, error, hi]) = root_mean_square(&moments, square);
+        let of_reference = left(rms(1), root_mean_square(&moments, 0));
+        let mut squares = (REFERENCES..).step_by(2);
+        let mut point = |(size, square): (u32, usize)| {
+            let [lo, error, hi] = root_mean_square(&moments, square);
             ErrorPoint {
                 steps: base << size,
                 error,
-                se,
                 lo: (lo - of_reference).max(0.0),
                 hi: hi + of_reference,
                 resolved: of_reference <= RESOLVED * error,
@@ -132,16 +130,16 @@ impl<'a> Search<'a> {
                 time: None,
             }
         };
-        let of_scheme = |sizes: &Range<u32>| {
-            sizes.clone().zip(&mut squares).map(&mut of_size).collect::<Vec<_>>()
+        let mut of_scheme = |sizes: &Range<u32>| {
+            sizes.clone().zip(&mut squares).map(&mut point).collect::<Vec<_>>()
         };
-        let points = sizes.iter().map(of_scheme).collect();
+        let points = sizes.iter().map(&mut of_scheme).collect();
         let sampled = Sampled {
             samples,
             failed: measured.failed,
             failures: measured.failures.iter().map(ToString::to_string).collect(),
             reference: candidates.reference.id().to_owned(),
-            steps: base << finest,
+            steps: base << reference,
             last_difference: rms(0),
             spread: rms(2),
         };
@@ -157,19 +155,17 @@ type Value<'a> = Box<dyn Fn(&[f64]) -> f64 + Sync + 'a>;
 fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>> {
     let integrals = problem.dampings().map(|damping| damping.integral(0.0, problem.t_end));
     let integrals: Vec<f64> = integrals.collect();
-    let defect = |decay: f64, value: Value<'a>| -> Value<'a> {
-        let at_end = decay * value(&problem.y0);
-        let scale = if at_end == 0.0 { decay } else { at_end };
-        Box::new(move |y| (value(y) - at_end) / scale)
-    };
-    let named = problem.laws.iter().filter(|law| law.casimir);
-    let named = named.map(|law| defect(law.decay(&integrals), Box::new(|y| (law.value)(y))));
     // With friction those that still hold are among the laws of the problem.
-    let found = found.iter().filter(|_| problem.friction.is_empty()).map(|form| {
-        let decay = elementary::exp(-f64::from(form.degree) * integrals[0]);
-        defect(decay, Box::new(move |y| form.value(y)))
-    });
-    named.chain(found).collect()
+    let found =
+        found.iter().filter(|_| problem.friction.is_empty()).map(|form| form.law(String::new()));
+    let laws = problem.laws.iter().cloned().chain(found).filter(|law| law.casimir);
+    let defect = |law: ConformalLaw<'a>| -> Value<'a> {
+        let decay = law.decay(&integrals);
+        let at_end = decay * (law.value)(&problem.y0);
+        let scale = if at_end == 0.0 { decay } else { at_end };
+        Box::new(move |y| ((law.value)(y) - at_end) / scale)
+    };
+    laws.map(defect).collect()
 }
 
 /// The squared differences of the reference from itself with half and a quarter of the steps, and
@@ -192,16 +188,16 @@ fn squares(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
     }
 }
 
-/// The root of a mean square: its standard error, and the value between the ends of its bootstrap-t
-/// interval of 95 %, which fewer than 32 paths do not have.
-fn root_mean_square(squares: &CrossMoments, index: usize) -> (f64, [f64; 3]) {
+/// The root of a mean square between the ends of its bootstrap-t interval of 95 %, which fewer than
+/// 32 paths do not have.
+fn root_mean_square(squares: &CrossMoments, index: usize) -> [f64; 3] {
     let value = squares.mean(index).sqrt();
-    if value == 0.0 {
-        return (0.0, [0.0; 3]);
-    }
-    let se = squares.standard_error(index) / (2.0 * value);
-    let (lo, hi) = root_mean_square_interval(squares, index).unwrap_or((0.0, f64::INFINITY));
-    (se, [lo, value, hi])
+    let ends = match value == 0.0 {
+        true => Some((0.0, 0.0)),
+        false => root_mean_square_interval(squares, index),
+    };
+    let (lo, hi) = ends.unwrap_or((0.0, f64::INFINITY));
+    [lo, value, hi]
 }
 
 /// A bound of the error at the finest of three step sizes from the root-mean-square differences of

@@ -13,7 +13,9 @@ use super::{
     settings::LEAST_SAMPLES,
     verdict::choose,
 };
-use crate::{FinalMoments, Limit, Spread, StepSizes, Stopwatch, orders::single_steps};
+use crate::{
+    FinalMoments, Limit, Spread, StepSizes, Stopwatch, facts::is_damped, orders::single_steps,
+};
 
 /// The least number of coarsest steps.
 const LEAST_STEPS: u64 = 4;
@@ -21,11 +23,12 @@ const LEAST_STEPS: u64 = 4;
 const MOST: u32 = 60;
 /// The longest step: truncation needs less than one.
 const LONGEST: f64 = 0.5;
-/// Paths of a pilot, whose finest steps are 2^this times as many as the coarsest.
-const PILOT: u64 = 64;
+/// The finest pilot has 2^this times as many steps as the coarsest.
 const FINEST: u32 = 8;
-/// The reference has 2^this times the finest steps of the schemes.
-pub const AHEAD: u32 = 3;
+/// The reference begins with 2^this times the steps of the schemes, and is not refined any more if
+/// its error is at most this part of the wanted one.
+const AHEAD: u32 = 3;
+const ENOUGH: f64 = 1.0 / 8.0;
 /// Halvings of the step size after the first scheme has the wanted error.
 const REACH: u32 = 6;
 /// The parts of the time left that pilots and errors may take.
@@ -95,7 +98,7 @@ impl<'a> Search<'a> {
         self.time(&mut points, &self.within(1.0))?;
         let cut = cut || coarsest.contains(&Err(Outcome::NotMeasured));
         let steps = points.iter().flatten().map(|point| point.steps).max().unwrap_or(0);
-        let damped = problem.dampings().any(|damping| damping.integral(0.0, problem.t_end) != 0.0);
+        let damped = is_damped(problem);
         let choice = match reference {
             Err(Outcome::Inconsistent(defect)) => Some(Choice::WrongReference(defect)),
             _ => DriveResolution::new(problem).unresolved(sampled.steps).map(Choice::NotResolved),
@@ -121,40 +124,26 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Runs of a scheme alone, on the noise of a part.
-    fn alone(
-        &self,
-        scheme: &Arc<dyn Method + 'a>,
-        steps: u64,
-        part: u64,
-    ) -> Result<Ladder<'a>, LadderError> {
-        let (runs, truncation) = (vec![Run::new(Arc::clone(scheme), 0)], self.settings.truncation);
-        Ladder::new(self.problem, steps, 0, truncation, self.key(part), runs)
-    }
-
     /// Runs a scheme with finer and finer steps until no path fails, and checks single steps.
     fn coarsest(
         &self,
         scheme: &Arc<dyn Method + 'a>,
         stop: &Stop,
     ) -> Result<Coarsest, LadderError> {
+        let setup = Setup { problem: self.problem.clone(), scheme: Arc::clone(scheme) };
         let mut why = Outcome::NotMeasured;
         for size in 0..=FINEST {
-            let steps = self.base << size;
-            let failures = walk(&self.alone(scheme, steps, 1)?, stop, PILOT);
-            if stop.is_asked() {
-                return Ok(Err(Outcome::NotMeasured));
+            let sizes = StepSizes::new(self.base << size, self.settings.truncation, self.key(1));
+            let sizes = StepSizes { levels: 1, stop: stop.clone(), ..sizes };
+            let found = single_steps(&setup, &sizes)?;
+            match found {
+                _ if stop.is_asked() => return Ok(Err(Outcome::NotMeasured)),
+                Ok(Limit::Inconsistent { defect }) => {
+                    return Ok(Err(Outcome::Inconsistent(defect)));
+                }
+                Ok(_) => return Ok(Ok(size)),
+                Err(failure) => why = Outcome::Fails(failure),
             }
-            let Some(failure) = failures else {
-                let sizes = StepSizes::new(steps, self.settings.truncation, self.key(1));
-                let sizes = StepSizes { levels: 1, stop: stop.clone(), ..sizes };
-                let setup = Setup { problem: self.problem.clone(), scheme: Arc::clone(scheme) };
-                return Ok(match single_steps(&setup, &sizes)? {
-                    Limit::Inconsistent { defect } => Err(Outcome::Inconsistent(defect)),
-                    _ => Ok(size),
-                });
-            };
-            why = Outcome::Fails(failure);
         }
         Ok(Err(why))
     }
@@ -184,11 +173,12 @@ impl<'a> Search<'a> {
         let mut ahead: Vec<usize> = (0..schemes.len()).filter(|&s| coarsest[s].is_ok()).collect();
         let (all, least) = (ahead.len(), coarsest.iter().flatten().min().copied());
         let mut finest = least.map_or(first, |least| least.max(first)) + 1;
-        let (mut samples, mut last) = (LEAST_SAMPLES, MOST - AHEAD - self.base.ilog2());
+        let (mut reference, mut samples) = (finest + AHEAD, LEAST_SAMPLES);
+        let mut last = MOST - AHEAD - self.base.ilog2();
         loop {
             let start = Instant::now();
             ahead.iter().for_each(|&s| sizes[s].end = sizes[s].start.max(finest + 1));
-            let errors = self.measure(&sizes, finest + AHEAD, samples, stop)?;
+            let errors = self.measure(&sizes, reference, samples, stop)?;
             if stop.is_asked() {
                 return Ok((found, true));
             }
@@ -208,6 +198,7 @@ impl<'a> Search<'a> {
                     return Ok((found, false));
                 }
                 finest += 1;
+                reference += u32::from(found.of_reference > ENOUGH * self.settings.error);
             }
             samples = self.settings.samples;
             // The next ones take twice as long at least.
@@ -220,10 +211,13 @@ impl<'a> Search<'a> {
     /// Times paths on one thread, coarse steps first, each in turn, so that a disturbance hits all
     /// of them. Where there is no time, a step costs what one of the finest timed ones does.
     fn time(&self, points: &mut [Vec<ErrorPoint>], stop: &Stop) -> Result<(), LadderError> {
+        let (problem, truncation) = (self.problem, self.settings.truncation);
         let mut all = Vec::new();
         for (scheme, points) in self.candidates.schemes.iter().zip(points.iter_mut()) {
             for point in points {
-                all.push((self.alone(scheme, point.steps, 2)?, point, Vec::new()));
+                let runs = vec![Run::new(Arc::clone(scheme), 0)];
+                let ladder = Ladder::new(problem, point.steps, 0, truncation, self.key(2), runs)?;
+                all.push((ladder, point, Vec::new()));
             }
         }
         all.sort_by_key(|(_, point, _)| point.steps);
@@ -236,7 +230,7 @@ impl<'a> Search<'a> {
                 // The clock of the thread is read on the thread that works.
                 let used = one.install(|| {
                     let watch = Stopwatch::start();
-                    black_box(walk(ladder, stop, paths));
+                    black_box(ladder.run_until(stop, 0, paths, Vec::<FinalMoments<'_>>::new));
                     if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() }
                 });
                 if !stop.is_asked() {
@@ -257,10 +251,4 @@ impl<'a> Search<'a> {
         }
         Ok(())
     }
-}
-
-/// Runs so many paths; the first failure in words.
-fn walk(ladder: &Ladder<'_>, stop: &Stop, paths: u64) -> Option<String> {
-    let failures = ladder.run_until(stop, 0, paths, Vec::<FinalMoments<'_>>::new).failures;
-    failures.first().map(ToString::to_string)
 }

@@ -153,11 +153,17 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     let Some(last) = resolved.last().copied().or(points.last()) else {
         return Outcome::NotMeasured;
     };
-    if let Some((steps, cost_s)) = cost(&resolved, wanted, |point| point.error, |time| time.best) {
-        let least = cost(&resolved, wanted, |point| point.lo, |time| time.best);
-        let most = cost(&resolved, wanted, |point| point.hi, |time| time.median);
-        let cost_lo = least.map_or(0.0, |least| least.1.min(cost_s));
-        return Outcome::Reached { steps, cost_s, cost_lo, cost_hi: most.map(|most| most.1) };
+    let at = |of: fn(&ErrorPoint, Spread) -> [f64; 2]| {
+        let row = |point: &&ErrorPoint| {
+            let [error, seconds] = of(point, point.time?);
+            Some([error, point.steps as f64, seconds])
+        };
+        cost(resolved.iter().filter_map(row).collect(), wanted)
+    };
+    if let Some((steps, cost_s)) = at(|point, time| [point.error, time.best]) {
+        let cost_lo = at(|point, time| [point.lo, time.best]).map_or(0.0, |lo| lo.1.min(cost_s));
+        let cost_hi = at(|point, time| [point.hi, time.median]).map(|hi| hi.1);
+        return Outcome::Reached { steps, cost_s, cost_lo, cost_hi };
     }
     // Over up to three halvings: errors of one step size are known to a tenth or so.
     let halvings = resolved.len().saturating_sub(1).min(3);
@@ -170,17 +176,10 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     Outcome::NotReached { needs }
 }
 
-/// Steps and seconds of the wanted error: those of the coarsest steps if all are below it, or
-/// between the two neighbouring points, the more expensive ones if the curve passes it more than
-/// once, linear in the logarithms. Nothing is extrapolated.
-fn cost(
-    points: &[&ErrorPoint],
-    wanted: f64,
-    size: impl Fn(&ErrorPoint) -> f64,
-    seconds: impl Fn(Spread) -> f64,
-) -> Option<(f64, f64)> {
-    let of = |&point: &&ErrorPoint| Some([size(point), point.steps as f64, seconds(point.time?)]);
-    let mut usable: Vec<[f64; 3]> = points.iter().filter_map(of).collect();
+/// Steps and seconds of the wanted error from those of other errors, coarsest first: those of the
+/// coarsest steps if all are below it, or between the two neighbouring points, the more expensive
+/// ones if the curve passes it more than once, linear in the logarithms. Nothing is extrapolated.
+fn cost(mut usable: Vec<[f64; 3]>, wanted: f64) -> Option<(f64, f64)> {
     let &[_, steps, seconds] = usable.first()?;
     if usable.iter().all(|[error, ..]| *error <= wanted) {
         return Some((steps, seconds));
@@ -225,7 +224,6 @@ mod tests {
         ErrorPoint {
             steps,
             error,
-            se: 0.0,
             lo: 0.5 * error.abs(),
             hi: error.abs(),
             resolved: true,
@@ -278,8 +276,8 @@ mod tests {
 
     /// Steps and seconds of an error, where a step takes a second.
     fn of(points: &[ErrorPoint], wanted: f64) -> Option<(f64, f64)> {
-        let points: Vec<&ErrorPoint> = points.iter().collect();
-        cost(&points, wanted, |point| point.error, |time| time.best)
+        let row = |point: &ErrorPoint| Some([point.error, point.steps as f64, point.time?.best]);
+        cost(points.iter().filter_map(row).collect(), wanted)
     }
 
     #[test]

@@ -17,6 +17,9 @@ mod scheme;
 pub(crate) mod search;
 pub(crate) mod slopes;
 
+use std::sync::Arc;
+
+use mc::ConformalLaw;
 use real::WIDTH;
 use systems::run_time::{Problem, System};
 
@@ -31,6 +34,7 @@ pub use finding::{Finding, Status};
 pub use form::Form;
 pub use gibbs::{gibbs_marginal, is_divergence_free};
 pub use scheme::Kept;
+pub(crate) use scheme::is_damped;
 
 /// What a run has to know of a problem: which laws it obeys.
 ///
@@ -69,6 +73,16 @@ impl Facts {
             damped: !integral.none,
             mistake: integral.mistake(),
         }
+    }
+
+    /// The laws of Casimirs C1, C2, … and of the energy H0 of this system.
+    pub fn laws<'a>(&'a self, system: &'a dyn System) -> Vec<ConformalLaw<'a>> {
+        let casimirs = self.casimirs.iter().zip(1..).map(|(form, k)| form.law(format!("C{k}")));
+        let of_energy = |degree| {
+            let value = Arc::new(move |y: &[f64]| energy(system, y));
+            ConformalLaw { name: "H0".into(), degree, casimir: false, value, decay: None }
+        };
+        casimirs.chain(self.energy_law().map(of_energy)).collect()
     }
 
     /// The degree p of the law H₀(y(t)) = e^{−p∫γ}H₀(y₀), if there is one; any without damping.

@@ -103,12 +103,12 @@ impl<'a> Sight<'a> {
         // All values are on the segments.
         let slopes = slopes(&mut self.probe, &middles, &steps, &vec![0.125; steps.len()], energy);
         let gradients = self.probe.gradient(&middles, weights);
-        let term = |((slope, size), (gradient, step)): (Term, (&Vec<f64>, &Vec<f64>))| {
+        let terms = slopes.into_iter().zip(gradients.iter().zip(&steps));
+        let terms = terms.map(|((slope, size), (gradient, step))| {
             let (along, terms) = product(gradient, step);
             vec![(slope - along, size + terms)]
-        };
-        let terms: Vec<_> =
-            slopes.into_iter().zip(gradients.iter().zip(&steps)).map(term).collect();
+        });
+        let terms: Vec<_> = terms.collect();
         for (at, cluster) in self.points.for_identities.iter().zip(terms.chunks(CLUSTER)) {
             if cluster.iter().all(|terms| terms[0].1 < f64::INFINITY) {
                 finding.record(at, cluster, 0.0);

@@ -95,10 +95,8 @@ fn once(
     let values = |view: &View<'_>, numbers: &mut [Row]| {
         let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
         let Some(observable) = observable else {
-            for (number, pair) in numbers.iter_mut().zip(states.windows(2)) {
-                *number = squared_distance(pair[0], pair[1], view.live);
-            }
-            return;
+            let squares = states.windows(2).map(|y| squared_distance(y[0], y[1], view.live));
+            return numbers.iter_mut().zip(squares).for_each(|(number, square)| *number = square);
         };
         // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the solution.
         let solution = exact.map(|exact| exact.rows(view, setup.problem.y0.len()));
@@ -122,7 +120,7 @@ fn once(
     if 10 * failed > paths {
         return Ok(failing(&measurement.failures, [failed, paths]));
     }
-    let visits = visits(setup, sizes, VISITS)?;
+    let (visits, _) = visits(setup, sizes, VISITS)?;
     let limit = match exact {
         Some(_) => weak_limit(&moments),
         None => consistency(setup, sizes, &visits, one_more > 0),

@@ -21,7 +21,7 @@ use super::{
     Decision, Limit, More, OneStep, Order, StepSizes,
     decision::undecided,
     limit::{strong_limit, weak_limit},
-    one_step::{least_order, taus, two_steps},
+    one_step::{least_order, no_noise, taus, two_steps},
     order::{evaluate, strong, weak},
     runs::{Collected, state},
 };
@@ -203,13 +203,6 @@ impl Referee<'_> {
         self.setup.problem.noises
     }
 
-    fn no_noise(&self) -> StepNoise {
-        match self.noises() {
-            noises @ ..=1 => StepNoise::zero(noises),
-            noises => StepNoise::with_areas(noises),
-        }
-    }
-
     /// Space-time areas of the 32 paths from this one on.
     fn space_time(&self, first: u64) -> WienerRows {
         WienerRows::new(self.sizes.key.beside(Purpose::SpaceTimeAreas), first)
@@ -241,7 +234,7 @@ impl Referee<'_> {
     fn block(&self, first: u64, tau: f64, mut next: NextNoise) -> Vec<LevelNoise> {
         let (sizes, mut others) = (&self.sizes, self.space_time(first));
         let (top, finest) = (sizes.level(0), sizes.refinement as usize);
-        let mut ladder = DyadicLadder::new(top, || self.no_noise());
+        let mut ladder = DyadicLadder::new(top, || no_noise(self.noises(), self.noises() > 1));
         let zero = vec![[0.0; WIDTH]; self.noises()];
         // Of the whole step of each level, and of its first half.
         let (mut whole, mut half) = (vec![zero.clone(); top + 1], vec![zero; top + 2]);

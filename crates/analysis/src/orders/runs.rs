@@ -48,8 +48,13 @@ pub struct Visit {
     pub state: Vec<f64>,
 }
 
-/// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives.
-pub fn visits(setup: &Setup<'_>, sizes: &StepSizes, paths: u64) -> Result<Vec<Visit>, LadderError> {
+/// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives; and the
+/// first failure.
+pub fn visits(
+    setup: &Setup<'_>,
+    sizes: &StepSizes,
+    paths: u64,
+) -> Result<(Vec<Visit>, Option<PathFailure>), LadderError> {
     let (Setup { problem, scheme }, steps) = (setup, sizes.coarsest_steps << (sizes.levels - 1));
     let runs = vec![Run::new(Arc::clone(scheme), 0)];
     let ladder = Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?;
@@ -62,11 +67,12 @@ pub fn visits(setup: &Setup<'_>, sizes: &StepSizes, paths: u64) -> Result<Vec<Vi
         (time == view.time).then(|| Visit { t, state: state(view, 0, p) })
     };
     let new = || Collected { of: &visit, found: Vec::new() };
-    let mut visits = ladder.run_until(&sizes.stop, 0, paths, new).statistic.found;
+    let measured = ladder.run_until(&sizes.stop, 0, paths, new);
+    let mut visits = measured.statistic.found;
     if visits.is_empty() {
         visits.push(Visit { t: 0.0, state: setup.start().iter().map(|row| row[0]).collect() });
     }
-    Ok(visits)
+    Ok((visits, measured.failures.into_iter().next()))
 }
 
 /// The state of path `p` of a block in a run.
