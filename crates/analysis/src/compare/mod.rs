@@ -64,6 +64,8 @@ mod search;
 mod settings;
 mod verdict;
 
+use std::time::Instant;
+
 use mc::Problem;
 use serde::{Deserialize, Serialize};
 
@@ -139,5 +141,7 @@ pub fn compare(
     settings: &CompareSettings,
     told: &dyn Fn(f64, f64),
 ) -> Result<Comparison, CompareError> {
-    search::Search::new(problem, candidates, settings, told)?.run()
+    settings.check(candidates.schemes.len(), problem.t_end)?;
+    let (base, start) = (search::longest_steps(problem.t_end), Instant::now());
+    search::Search { problem, settings, candidates, base, start, told }.run()
 }

@@ -48,25 +48,19 @@ pub struct Search<'a> {
     pub candidates: &'a Candidates<'a>,
     /// Number of the longest steps.
     pub base: u64,
-    start: Instant,
-    told: &'a dyn Fn(f64, f64),
+    pub start: Instant,
+    pub told: &'a dyn Fn(f64, f64),
+}
+
+/// The number of the longest steps.
+pub fn longest_steps(t_end: f64) -> u64 {
+    ((t_end / LONGEST).ceil() as u64).max(LEAST_STEPS).next_power_of_two()
 }
 
 /// The coarsest step size of a scheme at which no path fails, or why it has no errors.
 type Coarsest = Result<u32, Outcome>;
 
 impl<'a> Search<'a> {
-    pub fn new(
-        problem: &'a Problem<'a>,
-        candidates: &'a Candidates<'a>,
-        settings: &'a CompareSettings,
-        told: &'a dyn Fn(f64, f64),
-    ) -> Result<Self, CompareError> {
-        settings.check(candidates.schemes.len(), problem.t_end)?;
-        let base = ((problem.t_end / LONGEST).ceil() as u64).max(LEAST_STEPS).next_power_of_two();
-        Ok(Self { problem, settings, candidates, base, start: Instant::now(), told })
-    }
-
     /// The noise of a part of the comparison: errors, pilots, times.
     pub fn key(&self, part: u64) -> StreamKey {
         let StreamKey { seed, experiment } = self.settings.key;

@@ -48,8 +48,8 @@ pub struct Visit {
     pub state: Vec<f64>,
 }
 
-/// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives; and the
-/// first failure.
+/// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives, and
+/// the first failure.
 pub fn visits(
     setup: &Setup<'_>,
     sizes: &StepSizes,
