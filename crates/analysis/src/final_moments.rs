@@ -15,19 +15,13 @@ pub struct FinalMoments<'a> {
     time: u64,
     values: &'a FinalRows<'a>,
     rows: Vec<Row>,
-    numbers: Vec<f64>,
 }
 
 impl<'a> FinalMoments<'a> {
     /// No path yet; `values` fills so many rows at coarse step number `time`, usually the last one.
     pub fn new(time: u64, length: usize, values: &'a FinalRows<'a>) -> Self {
-        Self {
-            moments: CrossMoments::new(length),
-            time,
-            values,
-            rows: vec![[0.0; WIDTH]; length],
-            numbers: vec![0.0; length],
-        }
+        let rows = vec![[0.0; WIDTH]; length];
+        Self { moments: CrossMoments::new(length), time, values, rows }
     }
 }
 
@@ -38,8 +32,7 @@ impl Statistic for FinalMoments<'_> {
         }
         (self.values)(view, &mut self.rows);
         for p in view.live.paths() {
-            self.numbers.iter_mut().zip(&self.rows).for_each(|(number, row)| *number = row[p]);
-            self.moments.add(&self.numbers);
+            self.moments.add(&self.rows.iter().map(|row| row[p]).collect::<Vec<f64>>());
         }
     }
 

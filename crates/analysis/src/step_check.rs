@@ -9,11 +9,11 @@ use std::sync::Arc;
 
 use mc::{DriveResolution, Ladder, LadderError, Observe, Problem, Run, Setup, View, parts::Job};
 use noise::{Purpose, StreamKey, Truncation};
-use real::{Row, WIDTH, elementary};
+use real::{PathMask, Row, WIDTH, elementary};
 use serde::Serialize;
 use stats::CrossMoments;
 
-use crate::FinalMoments;
+use crate::{FinalMoments, orders::evaluate};
 
 /// The step errors of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -170,16 +170,15 @@ pub fn step_check(
     let ladder = Ladder::of(&setup.problem, twice, 1, truncation, key, runs)?;
     let initial = setup.start();
     let center = |phi: &&dyn Observe| {
-        let mut values = [0.0; WIDTH];
-        phi.evaluate(&initial, real::PathMask::ALL, &mut values);
-        if values[0].is_finite() { values[0] } else { 0.0 }
+        let value = evaluate(*phi, &initial, PathMask::first(1))[0];
+        if value.is_finite() { value } else { 0.0 }
     };
     let centers: Vec<f64> = observables.iter().map(center).collect();
     let numbers = |view: &View<'_>, rows: &mut [Row]| {
         for ((phi, &center), rows) in observables.iter().zip(&centers).zip(rows.chunks_mut(3)) {
             let [one, half, square] = rows else { unreachable!("three rows") };
-            phi.evaluate(view.state(0), view.live, one);
-            phi.evaluate(view.state(1), view.live, half);
+            *one = evaluate(*phi, view.state(0), view.live);
+            *half = evaluate(*phi, view.state(1), view.live);
             for p in 0..WIDTH {
                 (one[p], half[p]) = (one[p] - center, half[p] - center);
                 square[p] = one[p] * one[p] - half[p] * half[p];

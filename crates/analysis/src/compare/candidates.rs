@@ -31,13 +31,6 @@ impl<'a> Candidates<'a> {
         self
     }
 
-    /// With the laws of these Casimirs, such as those that
-    /// [`Facts`](crate::facts::Facts) have.
-    #[must_use]
-    pub fn with_casimirs(self, casimirs: Vec<Form>) -> Self {
-        Self { casimirs, ..self }
-    }
-
     /// The built-in schemes that `scheme` makes for the system: all that need no flows with
     /// [`BuiltIn::compiled`], also [`Nv`](schemes::Nv) and [`Split`](schemes::Split) with
     /// [`BuiltIn::by_parts`]; with Lévy areas only if the noises do not commute. The reference is
@@ -55,10 +48,11 @@ impl<'a> Candidates<'a> {
         let (system, y0) = (problem.system(), problem.y0());
         let bind = |id| scheme(id, system, y0).map(|scheme| bind_owned(problem, scheme));
         let all = Self::built_in(bind).unwrap_or_else(|error| unreachable!("{error}"));
-        match system.invariants()[..] {
-            [] => all.with_casimirs(casimirs_around(&Compiled::new(system.clone(), y0), &y0)),
-            _ => all,
-        }
+        let casimirs = match system.invariants()[..] {
+            [] => casimirs_around(&Compiled::new(system.clone(), y0), &y0),
+            _ => Vec::new(),
+        };
+        Self { casimirs, ..all }
     }
 
     /// All [built-in schemes](BuiltIn) that `bind` makes; with Lévy areas only if it makes them and

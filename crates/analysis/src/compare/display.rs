@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Stopped};
+use super::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Sampled, Stopped};
 use crate::{aligned, number};
 
 /// The head of the table.
@@ -46,10 +46,10 @@ impl Comparison {
         if let Some(more) = reached.max_by_key(|one| one.keeps)
             && more.keeps > taken.keeps
         {
-            let (lost, scheme) = (self.lacks(&more.keeps, &taken.keeps), &more.scheme);
             words += &format!(
-                ".\nGiven up: {lost}.\n  {scheme} keeps that at {} times the cost; take it for long \
-                 times",
+                ".\nGiven up: {}.\n  {} keeps that at {} times the cost; take it for long times",
+                self.lacks(&more.keeps, &taken.keeps),
+                more.scheme,
                 ratio(more, taken)
             );
         }
@@ -58,47 +58,48 @@ impl Comparison {
 
     /// What one keeps and another does not.
     fn lacks(&self, one: &Keeps, other: &Keeps) -> String {
+        let damping = self.damped || !one.energy;
         let conformal = if self.damped { "the exact damping" } else { "bounds of the energy" };
         let all = [
             (one.casimirs && !other.casimirs, "the Casimirs"),
             (one.energy && !other.energy, "the energy of H₀"),
-            (one.conformal && !other.conformal && (self.damped || !one.energy), conformal),
+            (one.conformal && !other.conformal && damping, conformal),
         ];
-        let lost: Vec<&str> = all.iter().filter(|(lost, _)| *lost).map(|(_, name)| *name).collect();
-        lost.join(", ")
+        let lost = all.into_iter().filter(|(lost, _)| *lost).map(|(_, name)| name);
+        lost.collect::<Vec<_>>().join(", ")
     }
 }
 
 impl Candidate {
     /// The cells of a row; costs are multiples of that of the cheapest.
-    fn row(&self, cheapest: Option<&Self>) -> [String; 5] {
+    fn row(&self, cheapest: Option<&Self>) -> Vec<String> {
         let point = self.point().filter(|point| point.error.is_finite());
         let about = |x: f64| format!("≈ {}", number(x));
-        let [mut steps, mut cost] = [const { String::new() }; 2];
-        let error = match (&self.outcome, point) {
+        let [mut steps, mut cost, mut casimirs] = [const { String::new() }; 3];
+        let mut error = "not measured".into();
+        if let Some(point) = point {
+            error = point.words();
+            let kept = if self.keeps.casimirs { "kept" } else { "off by" };
+            casimirs = point.defect.map_or(casimirs, |by| format!("{kept} {}", number(by)));
+        }
+        match (&self.outcome, point) {
             (Outcome::Inconsistent(defect), _) => {
-                format!("wrong limit: steps are off by {}", number(*defect))
+                error = format!("wrong limit: steps are off by {}", number(*defect));
             }
-            (Outcome::Fails(failure), _) => format!("fails: {failure}"),
-            (Outcome::NotMeasured, _) | (_, None) => "not measured".into(),
+            (Outcome::Fails(failure), _) => error = format!("fails: {failure}"),
             (Outcome::NotReached { needs }, Some(point)) => {
                 steps = needs.map_or(format!("> {}", point.steps), about);
                 let step_s = point.time.map(|time| time.best / point.steps as f64);
                 let needed = needs.zip(step_s).zip(cheapest.and_then(Self::cost));
-                cost = needed.map_or(String::new(), |((n, s), least)| about(n * s / least.0));
-                point.words()
+                cost = needed.map_or(cost, |((n, s), least)| about(n * s / least.0));
             }
-            (Outcome::Reached { steps: needed, .. }, Some(point)) => {
+            (Outcome::Reached { steps: needed, .. }, Some(_)) => {
                 steps = format!("{:.0}", needed.ceil());
-                let ratio = cheapest.and_then(|cheapest| self.ratio(cheapest));
-                cost = ratio.map_or(String::new(), interval);
-                point.words()
+                cost = cheapest.and_then(|least| self.ratio(least)).map_or(cost, interval);
             }
-        };
-        let kept = if self.keeps.casimirs { "kept" } else { "off by" };
-        let casimirs = point.and_then(|point| point.defect);
-        let casimirs = casimirs.map_or(String::new(), |by| format!("{kept} {}", number(by)));
-        [self.scheme.clone(), steps, error, cost, casimirs]
+            _ => {}
+        }
+        vec![self.scheme.clone(), steps, error, cost, casimirs]
     }
 }
 
@@ -121,20 +122,19 @@ impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { system, dimension, noises, t_end, sampled, candidates, .. } = self;
         writeln!(f, "{system}: D = {dimension}, M = {noises}, T = {t_end}")?;
-        let (reference, paths) = (&sampled.reference, sampled.samples);
-        if paths > 0 {
+        let Sampled { samples, reference, steps, failed, failures, .. } = sampled;
+        if *samples > 0 {
             let error = match self.reference_error {
                 error if error.is_finite() => format!("is at most {}", number(error)),
                 _ => "does not fall yet".into(),
             };
-            let steps = sampled.steps;
             writeln!(
                 f,
-                "{paths} paths against {reference} with {steps} steps, whose error {error}"
+                "{samples} paths against {reference} with {steps} steps, whose error {error}"
             )?;
         }
-        if let Some(first) = sampled.failures.first() {
-            writeln!(f, "{} paths failed and are left out; the first: {first}", sampled.failed)?;
+        if let Some(first) = failures.first() {
+            writeln!(f, "{failed} paths failed and are left out; the first: {first}")?;
         }
         let mut within = String::new();
         if let Some(Stopped { budget_s, steps }) = self.stopped {
@@ -142,38 +142,34 @@ impl fmt::Display for Comparison {
             writeln!(f, "schemes had up to {steps} steps{within}")?;
         }
         let goal = format!("an error of {} in y(T)", number(self.wanted));
-        writeln!(f, "\n{goal}")?;
         let taken = match self.choice {
-            Choice::Take { scheme, cheapest } => {
-                Some([scheme, cheapest].map(|index| &candidates[index]))
-            }
+            Choice::Take { scheme, cheapest } => Some((&candidates[scheme], &candidates[cheapest])),
             _ => None,
         };
-        let rows = candidates.iter().map(|one| one.row(taken.map(|[_, cheapest]| cheapest)));
-        let rows = [HEAD.map(str::to_owned)].into_iter().chain(rows).map(Vec::from);
-        let table = aligned(&rows.collect::<Vec<_>>());
-        table.lines().try_for_each(|line| writeln!(f, "  {line}"))?;
+        let rows = candidates.iter().map(|one| one.row(taken.map(|(_, cheapest)| cheapest)));
+        let rows: Vec<_> = [HEAD.map(str::to_owned).into()].into_iter().chain(rows).collect();
+        writeln!(f, "\n{goal}\n  {}", aligned(&rows).trim_end().replace('\n', "\n  "))?;
         write!(f, "  ≈: extrapolated; about: the reference is not exact enough")?;
         if candidates.iter().any(|one| one.asked < self.wanted) {
             write!(f, "\n  with Lévy areas: nearly exact ones, so half of the error is asked")?;
         }
+        write!(f, "\n\n")?;
         match (&self.choice, taken) {
-            (_, Some([taken, least])) => {
-                let because = self.taken(taken, least);
-                write!(f, "\n\nTake {} for {goal}:\n  it {because}", taken.scheme)
+            (_, Some((taken, least))) => {
+                write!(f, "Take {} for {goal}:\n  it {}", taken.scheme, self.taken(taken, least))
             }
             (Choice::WrongReference(defect), _) => write!(
                 f,
-                "\n\nNo scheme is recommended: the reference, {reference}, converges to something \
+                "No scheme is recommended: the reference, {reference}, converges to something \
                  else; its steps miss the coefficients of the equation by {}.",
                 number(*defect)
             ),
             (Choice::NotResolved(t), _) => write!(
                 f,
-                "\n\nNo scheme is recommended: the finest steps do not resolve H(t) near \
-                 t = {t:.4}, and all may miss the same."
+                "No scheme is recommended: the finest steps do not resolve H(t) near t = {t:.4}, \
+                 and all may miss the same."
             ),
-            _ => write!(f, "\n\nNo scheme reaches {goal}{within}{}", self.out_of_reach()),
+            _ => write!(f, "No scheme reaches {goal}{within}{}", self.out_of_reach()),
         }
     }
 }

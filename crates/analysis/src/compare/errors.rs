@@ -2,17 +2,14 @@
 
 use std::{ops::Range, sync::Arc};
 
-use mc::{Ladder, LadderError, Run, View, parts::Stop};
+use mc::{ConformalLaw, Ladder, LadderError, Problem, Run, View, parts::Stop};
 use real::{Row, elementary};
 use schemes::Method;
 use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, root_mean_square_interval};
 
-use super::{
-    laws::{Value, defects},
-    search::Search,
-};
-use crate::{FinalMoments, Spread, orders::squared_distance};
+use super::search::Search;
+use crate::{FinalMoments, Spread, facts::Form, orders::squared_distance};
 
 /// The error of one scheme at one step size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,8 +18,6 @@ pub struct ErrorPoint {
     pub steps: u64,
     /// (E|y_N − y_ref|²)^½.
     pub error: f64,
-    /// Its standard error.
-    pub se: f64,
     /// Lower end of its 95 % interval, less the error of the reference.
     pub lo: f64,
     /// Upper end, with the error of the reference added.
@@ -72,17 +67,15 @@ pub struct Errors {
     pub points: Vec<Vec<ErrorPoint>>,
 }
 
-/// Which step sizes, on how many paths. Step sizes are numbered by the base 2 logarithm of their
-/// steps over those of the longest step.
-#[derive(Clone, PartialEq)]
-pub struct Plan {
-    /// The step sizes of each scheme. A scheme whose paths fail has none: a path that fails is in
-    /// no error of any scheme.
-    pub sizes: Vec<Range<u32>>,
-    /// The finest step size of the reference.
-    pub reference: u32,
-    /// Paths.
-    pub samples: u64,
+impl Errors {
+    /// None, of so many schemes.
+    pub fn none(reference: &str, schemes: usize) -> Self {
+        Self {
+            sampled: Sampled { reference: reference.into(), ..Sampled::default() },
+            of_reference: f64::INFINITY,
+            points: vec![Vec::new(); schemes],
+        }
+    }
 }
 
 /// Step sizes of the reference: with the next two, its own error is estimated.
@@ -92,18 +85,24 @@ const RESOLVED: f64 = 0.25;
 
 impl<'a> Search<'a> {
     /// Distances to the reference on the same noise, whose own error is estimated from its
-    /// differences.
-    pub fn measure(&self, plan: &Plan, stop: &Stop) -> Result<Errors, LadderError> {
+    /// differences, at these step sizes of each scheme and of the reference.
+    pub fn measure(
+        &self,
+        sizes: &[Range<u32>],
+        reference: u32,
+        samples: u64,
+        stop: &Stop,
+    ) -> Result<Errors, LadderError> {
         let Self { problem, candidates, settings, base, .. } = *self;
-        let finest = plan.sizes.iter().map(|sizes| sizes.end.saturating_sub(1));
-        let finest = finest.fold(plan.reference, u32::max);
+        let finest = sizes.iter().map(|sizes| sizes.end.saturating_sub(1));
+        let finest = finest.fold(reference, u32::max);
         let run = |scheme: &Arc<dyn Method + 'a>, size: u32| {
             Run::new(Arc::clone(scheme), (finest - size) as usize)
         };
-        let references = (plan.reference + 1 - REFERENCES as u32..=plan.reference).rev();
+        let references = (reference + 1 - REFERENCES as u32..=reference).rev();
         let mut runs: Vec<Run<'_>> =
             references.map(|size| run(&candidates.reference, size)).collect();
-        for (scheme, sizes) in candidates.schemes.iter().zip(&plan.sizes) {
+        for (scheme, sizes) in candidates.schemes.iter().zip(sizes) {
             runs.extend(sizes.clone().map(|size| run(scheme, size)));
         }
         let length = 2 * runs.len() - REFERENCES;
@@ -113,19 +112,17 @@ impl<'a> Search<'a> {
         let key = self.key(0);
         let ladder = Ladder::new(problem, base << finest, top, settings.truncation, key, runs)?;
         let new = || FinalMoments::new(ladder.coarse_steps(), length, &values);
-        let measured = ladder.run_until(stop, 0, plan.samples, new);
+        let measured = ladder.run_until(stop, 0, samples, new);
         let moments = measured.statistic.moments;
 
         let rms = |index: usize| moments.mean(index).sqrt();
-        let (_, last) = root_mean_square(&moments, 0);
-        let of_reference = left(rms(1), last);
-        let mut squares = (REFERENCES..length).step_by(2);
-        let mut of_size = |(size, square): (u32, usize)| {
-            let (se, [lo, error, hi]) = root_mean_square(&moments, square);
+        let of_reference = left(rms(1), root_mean_square(&moments, 0));
+        let mut squares = (REFERENCES..).step_by(2);
+        let mut point = |(size, square): (u32, usize)| {
+            let [lo, error, hi] = root_mean_square(&moments, square);
             ErrorPoint {
                 steps: base << size,
                 error,
-                se,
                 lo: (lo - of_reference).max(0.0),
                 hi: hi + of_reference,
                 resolved: of_reference <= RESOLVED * error,
@@ -133,21 +130,42 @@ impl<'a> Search<'a> {
                 time: None,
             }
         };
-        let of_scheme = |sizes: &Range<u32>| {
-            sizes.clone().zip(&mut squares).map(&mut of_size).collect::<Vec<_>>()
+        let mut of_scheme = |sizes: &Range<u32>| {
+            sizes.clone().zip(&mut squares).map(&mut point).collect::<Vec<_>>()
         };
-        let points = plan.sizes.iter().map(of_scheme).collect();
+        let points = sizes.iter().map(&mut of_scheme).collect();
         let sampled = Sampled {
-            samples: plan.samples,
+            samples,
             failed: measured.failed,
             failures: measured.failures.iter().map(ToString::to_string).collect(),
             reference: candidates.reference.id().to_owned(),
-            steps: base << plan.reference,
+            steps: base << reference,
             last_difference: rms(0),
             spread: rms(2),
         };
         Ok(Errors { sampled, of_reference, points })
     }
+}
+
+/// A function of the state.
+type Value<'a> = Box<dyn Fn(&[f64]) -> f64 + Sync + 'a>;
+
+/// For each Casimir C of degree p that the problem names or that was found, the relative defect
+/// (C(y) − c)/c of a final state, with c = e^{−p∫γ}C(y₀); relative to e^{−p∫γ} where c is zero.
+fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>> {
+    let integrals = problem.dampings().map(|damping| damping.integral(0.0, problem.t_end));
+    let integrals: Vec<f64> = integrals.collect();
+    // With friction those that still hold are among the laws of the problem.
+    let found =
+        found.iter().filter(|_| problem.friction.is_empty()).map(|form| form.law(String::new()));
+    let laws = problem.laws.iter().cloned().chain(found).filter(|law| law.casimir);
+    let defect = |law: ConformalLaw<'a>| -> Value<'a> {
+        let decay = law.decay(&integrals);
+        let at_end = decay * (law.value)(&problem.y0);
+        let scale = if at_end == 0.0 { decay } else { at_end };
+        Box::new(move |y| ((law.value)(y) - at_end) / scale)
+    };
+    laws.map(defect).collect()
 }
 
 /// The squared differences of the reference from itself with half and a quarter of the steps, and
@@ -170,16 +188,16 @@ fn squares(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
     }
 }
 
-/// The root of a mean square: its standard error, and the value between the ends of its bootstrap-t
-/// interval of 95 %, which fewer than 32 paths do not have.
-fn root_mean_square(squares: &CrossMoments, index: usize) -> (f64, [f64; 3]) {
+/// The root of a mean square between the ends of its bootstrap-t interval of 95 %, which fewer than
+/// 32 paths do not have.
+fn root_mean_square(squares: &CrossMoments, index: usize) -> [f64; 3] {
     let value = squares.mean(index).sqrt();
-    if value == 0.0 {
-        return (0.0, [0.0; 3]);
-    }
-    let se = squares.covariance_of_means(index, index).max(0.0).sqrt() / (2.0 * value);
-    let (lo, hi) = root_mean_square_interval(squares, index).unwrap_or((0.0, f64::INFINITY));
-    (se, [lo, value, hi])
+    let ends = match value == 0.0 {
+        true => Some((0.0, 0.0)),
+        false => root_mean_square_interval(squares, index),
+    };
+    let (lo, hi) = ends.unwrap_or((0.0, f64::INFINITY));
+    [lo, value, hi]
 }
 
 /// A bound of the error at the finest of three step sizes from the root-mean-square differences of

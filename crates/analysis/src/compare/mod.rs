@@ -37,14 +37,15 @@
 //! them converges to something else and is not recommended; a reference that misses them is named.
 //!
 //! **Step sizes.** A pilot of 64 paths shows from which step size on no path of a scheme fails.
-//! Then all schemes run at T/2ᵏ on 256 paths, with finer and finer steps, until every scheme has an
-//! error below the wanted one, or has 64 times the steps of the scheme that needs fewest, or the
-//! budget is spent. Errors are the same bits for the same seed, unless the budget stops them; the
-//! result says whether it did ([`Comparison::stopped`]). An error that was not reached is not
-//! priced; the steps that it needs are extrapolated and marked. Where paths at τ and τ/2 part
-//! ([`Sampled::parts`]), no strong error is predicted.
+//! Then the steps are halved, T/2ᵏ on 256 paths, until every scheme has an error below the wanted
+//! one, or has 64 times the steps of the scheme that needs fewest, or the budget is spent; those of
+//! the reference, too, until its error is an eighth of the wanted one. Errors are the same bits for
+//! the same seed, unless the budget stops them; the result says whether it did
+//! ([`Comparison::stopped`]). An error that was not reached is not priced; the steps that it needs
+//! are extrapolated and marked. Where paths at τ and τ/2 part ([`Sampled::parts`]), no strong error
+//! is predicted.
 //!
-//! **Budget.** Pilots, errors and times each get a part of it, and end when it is over.
+//! **Budget.** Pilots may take a third of it, and errors three quarters of the rest.
 //!
 //! **Costs** are processor times of the block kernels on one thread (wall times where threads have
 //! no clock) with their noise, and with areas where a scheme reads them; between points they are
@@ -59,11 +60,11 @@
 mod candidates;
 mod display;
 mod errors;
-mod laws;
-mod pilot;
 mod search;
 mod settings;
 mod verdict;
+
+use std::time::Instant;
 
 use mc::Problem;
 use serde::{Deserialize, Serialize};
@@ -140,5 +141,7 @@ pub fn compare(
     settings: &CompareSettings,
     told: &dyn Fn(f64, f64),
 ) -> Result<Comparison, CompareError> {
-    search::Search::new(problem, candidates, settings, told)?.run()
+    settings.check(candidates.schemes.len(), problem.t_end)?;
+    let (base, start) = (search::longest_steps(problem.t_end), Instant::now());
+    search::Search { problem, settings, candidates, base, start, told }.run()
 }

@@ -1,21 +1,21 @@
 //! Step sizes, paths and times of a comparison.
 
-use std::{hint::black_box, sync::Arc};
+use std::{hint::black_box, ops::Range, sync::Arc, time::Instant};
 
-use mc::{DriveResolution, Ladder, LadderError, Problem, Run, View, parts::Stop};
+use mc::{DriveResolution, Ladder, LadderError, Problem, Run, Setup, parts::Stop};
 use noise::StreamKey;
 use rayon::ThreadPoolBuilder;
 use schemes::Method;
 
 use super::{
-    Candidate, Candidates, Choice, CompareError, CompareSettings, Comparison, Outcome, Sampled,
-    Stopped,
-    errors::{ErrorPoint, Errors, Plan},
-    pilot::{Known, within},
+    Candidate, Candidates, Choice, CompareError, CompareSettings, Comparison, Outcome, Stopped,
+    errors::{ErrorPoint, Errors},
     settings::LEAST_SAMPLES,
     verdict::choose,
 };
-use crate::{FinalMoments, Spread, Stopwatch};
+use crate::{
+    FinalMoments, Limit, Spread, StepSizes, Stopwatch, facts::is_damped, orders::single_steps,
+};
 
 /// The least number of coarsest steps.
 const LEAST_STEPS: u64 = 4;
@@ -23,15 +23,16 @@ const LEAST_STEPS: u64 = 4;
 const MOST: u32 = 60;
 /// The longest step: truncation needs less than one.
 const LONGEST: f64 = 0.5;
-/// A scheme gets at most 2^this times the steps of the scheme that needs fewest.
-const REACH: u32 = 6;
-/// A reference is not refined if its error is at most this part of the wanted one.
+/// The finest pilot has 2^this times as many steps as the coarsest.
+const FINEST: u32 = 8;
+/// The reference begins with 2^this times the steps of the schemes, and is not refined any more if
+/// its error is at most this part of the wanted one.
+const AHEAD: u32 = 3;
 const ENOUGH: f64 = 1.0 / 8.0;
-/// Halvings of the step sizes of schemes and of the reference, on few paths and then on all.
-const AHEAD: [[u32; 2]; 2] = [[0, 2], [1, 4]];
-/// Errors that are that many times the wanted one are refined by two halvings at once.
-const FAR: f64 = 16.0;
-/// The part of the time left that errors may take.
+/// Halvings of the step size after the first scheme has the wanted error.
+const REACH: u32 = 6;
+/// The parts of the time left that pilots and errors may take.
+const PILOTS: f64 = 1.0 / 3.0;
 const ERRORS: f64 = 0.75;
 /// How often times are measured.
 const REPETITIONS: usize = 3;
@@ -39,83 +40,68 @@ const REPETITIONS: usize = 3;
 const PATHS: u64 = 128;
 const PATH_STEPS: u64 = 1 << 14;
 
-/// A comparison under way.
+/// A comparison under way. Step sizes are numbered by the base 2 logarithm of their steps over
+/// those of the longest step.
 pub struct Search<'a> {
     pub problem: &'a Problem<'a>,
     pub settings: &'a CompareSettings,
     pub candidates: &'a Candidates<'a>,
     /// Number of the longest steps.
     pub base: u64,
-    watch: Stopwatch,
-    told: &'a dyn Fn(f64, f64),
+    pub start: Instant,
+    pub told: &'a dyn Fn(f64, f64),
 }
 
-impl<'a> Search<'a> {
-    pub fn new(
-        problem: &'a Problem<'a>,
-        candidates: &'a Candidates<'a>,
-        settings: &'a CompareSettings,
-        told: &'a dyn Fn(f64, f64),
-    ) -> Result<Self, CompareError> {
-        settings.check(candidates.schemes.len(), problem.t_end)?;
-        let base = ((problem.t_end / LONGEST).ceil() as u64).max(LEAST_STEPS).next_power_of_two();
-        Ok(Self { problem, settings, candidates, base, watch: Stopwatch::start(), told })
-    }
+/// The number of the longest steps.
+pub fn longest_steps(t_end: f64) -> u64 {
+    ((t_end / LONGEST).ceil() as u64).max(LEAST_STEPS).next_power_of_two()
+}
 
+/// The coarsest step size of a scheme at which no path fails, or why it has no errors.
+type Coarsest = Result<u32, Outcome>;
+
+impl<'a> Search<'a> {
     /// The noise of a part of the comparison: errors, pilots, times.
     pub fn key(&self, part: u64) -> StreamKey {
         let StreamKey { seed, experiment } = self.settings.key;
         StreamKey { seed, experiment: experiment.wrapping_add(part) }
     }
 
-    fn left_s(&self) -> f64 {
-        match self.settings.stop.is_asked() {
-            true => 0.0,
-            false => (self.settings.budget_s - self.watch.wall_s()).max(0.0),
-        }
+    /// Seconds that are left of the budget.
+    fn left(&self) -> f64 {
+        self.settings.budget_s - self.start.elapsed().as_secs_f64()
+    }
+
+    /// Ends what takes more than this part of the time left.
+    fn within(&self, part: f64) -> Stop {
+        self.settings.stop.within(part * self.left())
     }
 
     pub fn run(self) -> Result<Comparison, CompareError> {
         let Self { problem, settings, candidates, .. } = self;
-        // So many pilots share a third of the time left.
-        let known = |scheme: &Arc<dyn Method + 'a>, waiting: usize| {
-            let seconds = self.left_s() / (3 * waiting) as f64;
-            within(seconds, &settings.stop, |stop| Known::new(scheme, &self, stop))
-        };
-        let reference = known(&candidates.reference, 2)?;
-        if let Some(Outcome::Fails(failure)) = reference.excluded {
+        let stop = self.within(PILOTS);
+        let reference = self.coarsest(&candidates.reference, &stop)?;
+        let all = candidates.schemes.iter().map(|scheme| self.coarsest(scheme, &stop));
+        let coarsest = all.collect::<Result<Vec<Coarsest>, _>>()?;
+        if let Err(Outcome::Fails(failure)) = reference {
             let scheme = candidates.reference.id();
-            let steps = self.base << reference.first;
-            return Err(CompareError::Reference { scheme, steps, failure });
+            return Err(CompareError::Reference { scheme, steps: self.base << FINEST, failure });
         }
-        let all = candidates.schemes.iter().zip((1..=candidates.schemes.len()).rev());
-        let all: Vec<Known> =
-            all.map(|(scheme, waiting)| known(scheme, waiting)).collect::<Result<_, _>>()?;
-        let (found, cut) = within(ERRORS * self.left_s(), &settings.stop, |stop| {
-            self.errors(&all, &reference, stop)
-        })?;
-        let Errors { sampled, of_reference, mut points } = found.unwrap_or_else(|| Errors {
-            sampled: Sampled::default(),
-            of_reference: f64::INFINITY,
-            points: vec![Vec::new(); all.len()],
-        });
-        within(self.left_s(), &settings.stop, |stop| self.time(&mut points, stop))?;
-        let cut = cut || all.iter().any(|known| known.excluded == Some(Outcome::NotMeasured));
+        let (found, cut) = self.errors(&coarsest, &reference, &self.within(ERRORS))?;
+        let Errors { sampled, of_reference, mut points } = found;
+        self.time(&mut points, &self.within(1.0))?;
+        let cut = cut || coarsest.contains(&Err(Outcome::NotMeasured));
         let steps = points.iter().flatten().map(|point| point.steps).max().unwrap_or(0);
-        let damped = problem.dampings().any(|damping| damping.integral(0.0, problem.t_end) != 0.0);
-        let schemes = candidates.schemes.iter().zip(all).zip(points);
-        let candidate = |((scheme, known), points): ((&Arc<dyn Method>, Known), _)| {
-            let asked = self.asked(&**scheme);
-            Candidate::new(scheme.id(), points, asked, known.excluded, damped)
+        let damped = is_damped(problem);
+        let choice = match reference {
+            Err(Outcome::Inconsistent(defect)) => Some(Choice::WrongReference(defect)),
+            _ => DriveResolution::new(problem).unresolved(sampled.steps).map(Choice::NotResolved),
         };
-        let candidates: Vec<Candidate> = schemes.map(candidate).collect();
-        let choice = match reference.excluded {
-            Some(Outcome::Inconsistent(defect)) => Choice::WrongReference(defect),
-            _ => match DriveResolution::new(problem).unresolved(sampled.steps) {
-                Some(t) => Choice::NotResolved(t),
-                None => choose(&candidates),
-            },
-        };
+        let schemes = candidates.schemes.iter().zip(coarsest).zip(points);
+        let schemes = schemes.map(|((scheme, coarsest), points)| {
+            Candidate::new(scheme.id(), points, self.asked(&**scheme), coarsest.err(), damped)
+        });
+        let candidates: Vec<Candidate> = schemes.collect();
         Ok(Comparison {
             system: problem.name.clone(),
             dimension: problem.y0.len(),
@@ -125,52 +111,35 @@ impl<'a> Search<'a> {
             wanted: settings.error,
             sampled,
             reference_error: of_reference,
+            choice: choice.unwrap_or_else(|| choose(&candidates)),
             candidates,
-            choice,
             stopped: cut.then_some(Stopped { budget_s: settings.budget_s, steps }),
-            wall_s: self.watch.wall_s(),
+            wall_s: self.start.elapsed().as_secs_f64(),
         })
     }
 
-    /// Errors at T/2ᵏ, first on few paths, then with finer and finer steps until the wanted one is
-    /// reached or the time is over; and whether it was over.
-    fn errors(
+    /// Runs a scheme with finer and finer steps until no path fails, and checks single steps.
+    fn coarsest(
         &self,
-        known: &[Known],
-        reference: &Known,
+        scheme: &Arc<dyn Method + 'a>,
         stop: &Stop,
-    ) -> Result<(Option<Errors>, bool), CompareError> {
-        let mut found = None;
-        let plan = |[scheme, ahead]: [u32; 2], samples| Plan {
-            sizes: known.iter().map(|known| known.sizes(scheme)).collect(),
-            reference: reference.first + ahead,
-            samples,
-        };
-        let (mut next, all) =
-            (plan(AHEAD[0], LEAST_SAMPLES), plan(AHEAD[1], self.settings.samples));
-        while reference.runs() {
-            let (plan, watch) = (next, Stopwatch::start());
-            let errors = self.measure(&plan, stop)?;
-            if stop.is_asked() {
-                break;
-            }
-            let errors = found.insert(errors);
-            let ends = errors.points.iter().flatten().map(|point| point.hi);
-            (self.told)(ends.fold(f64::INFINITY, f64::min), self.left_s());
-            next = match plan.samples < all.samples || plan.reference < all.reference {
-                true => all.clone(),
-                false => self.refined(known, errors, &plan),
-            };
-            // Errors against a wrong reference are no errors.
-            if reference.excluded.is_some() || next == plan {
-                return Ok((found, false));
-            }
-            // The next ones take twice as long at least.
-            if 2.0 * watch.wall_s() > self.left_s() {
-                break;
+    ) -> Result<Coarsest, LadderError> {
+        let setup = Setup { problem: self.problem.clone(), scheme: Arc::clone(scheme) };
+        let mut why = Outcome::NotMeasured;
+        for size in 0..=FINEST {
+            let sizes = StepSizes::new(self.base << size, self.settings.truncation, self.key(1));
+            let sizes = StepSizes { levels: 1, stop: stop.clone(), ..sizes };
+            let found = single_steps(&setup, &sizes)?;
+            match found {
+                _ if stop.is_asked() => return Ok(Err(Outcome::NotMeasured)),
+                Ok(Limit::Inconsistent { defect }) => {
+                    return Ok(Err(Outcome::Inconsistent(defect)));
+                }
+                Ok(_) => return Ok(Ok(size)),
+                Err(failure) => why = Outcome::Fails(failure),
             }
         }
-        Ok((found, true))
+        Ok(Err(why))
     }
 
     /// The error that is asked of a scheme.
@@ -178,72 +147,92 @@ impl<'a> Search<'a> {
         if scheme.reads_areas() { 0.5 * self.settings.error } else { self.settings.error }
     }
 
-    /// Finer step sizes for schemes whose errors are above those asked, and for the reference.
-    fn refined(&self, known: &[Known], errors: &Errors, plan: &Plan) -> Plan {
-        let (mut next, wanted) = (plan.clone(), self.settings.error);
-        let by = |error: f64| if error.is_finite() && error > FAR * wanted { 2 } else { 1 };
-        let mut finer = errors.of_reference > ENOUGH * wanted;
-        let sound: Vec<usize> = (0..known.len()).filter(|&s| known[s].excluded.is_none()).collect();
-        for &s in &sound {
-            // The whole interval is at most the wanted error.
-            let asked = self.asked(&*self.candidates.schemes[s]);
-            let reached = |point: &ErrorPoint| point.resolved && point.hi <= asked;
-            match errors.points[s].last() {
-                Some(last) if !errors.points[s].iter().any(reached) => match last.resolved {
-                    true => next.sizes[s].end += by(last.error),
-                    false => finer = true,
-                },
-                _ => {}
+    /// Errors at T/2ᵏ with finer and finer steps, on few paths first, until the wanted one is
+    /// reached or the time is over; and whether it was over.
+    fn errors(
+        &self,
+        coarsest: &[Coarsest],
+        reference: &Coarsest,
+        stop: &Stop,
+    ) -> Result<(Errors, bool), LadderError> {
+        let schemes = &self.candidates.schemes;
+        let mut found = Errors::none(self.candidates.reference.id(), schemes.len());
+        let first = match reference {
+            Ok(size) => *size,
+            Err(why) => return Ok((found, *why == Outcome::NotMeasured)),
+        };
+        // A scheme whose paths fail has no sizes: a path that fails is in no error of any scheme.
+        let mut sizes: Vec<Range<u32>> =
+            coarsest.iter().map(|size| size.as_ref().map_or(0..0, |&size| size..size)).collect();
+        let mut ahead: Vec<usize> = (0..schemes.len()).filter(|&s| coarsest[s].is_ok()).collect();
+        let (all, least) = (ahead.len(), coarsest.iter().flatten().min().copied());
+        let mut finest = least.map_or(first, |least| least.max(first)) + 1;
+        let (mut reference, mut samples) = (finest + AHEAD, LEAST_SAMPLES);
+        let mut last = MOST - AHEAD - self.base.ilog2();
+        loop {
+            let start = Instant::now();
+            ahead.iter().for_each(|&s| sizes[s].end = sizes[s].start.max(finest + 1));
+            let errors = self.measure(&sizes, reference, samples, stop)?;
+            if stop.is_asked() {
+                return Ok((found, true));
+            }
+            found = errors;
+            let ends = found.points.iter().flatten().map(|point| point.hi);
+            (self.told)(ends.fold(f64::INFINITY, f64::min), self.left().max(0.0));
+            if samples == self.settings.samples {
+                ahead.retain(|&s| {
+                    // The whole interval is at most the error that is asked.
+                    let asked = self.asked(&*schemes[s]);
+                    !found.points[s].iter().any(|point| point.resolved && point.hi <= asked)
+                });
+                if ahead.len() < all {
+                    last = last.min(finest + REACH);
+                }
+                if ahead.is_empty() || finest >= last {
+                    return Ok((found, false));
+                }
+                finest += 1;
+                reference += u32::from(found.of_reference > ENOUGH * self.settings.error);
+            }
+            samples = self.settings.samples;
+            // The next ones take twice as long at least.
+            if 2.0 * start.elapsed().as_secs_f64() > self.left() {
+                return Ok((found, true));
             }
         }
-        if finer {
-            next.reference += by(errors.of_reference);
-        }
-        let fewest = sound.iter().map(|&s| next.sizes[s].end).min().unwrap_or(0);
-        let most = MOST - self.base.ilog2();
-        // A first step size may be out of reach.
-        for (next, plan) in next.sizes.iter_mut().zip(&plan.sizes) {
-            next.end = next.end.min((fewest + REACH).min(most)).max(plan.end);
-        }
-        next.reference = next.reference.min(most);
-        next
     }
 
     /// Times paths on one thread, coarse steps first, each in turn, so that a disturbance hits all
     /// of them. Where there is no time, a step costs what one of the finest timed ones does.
     fn time(&self, points: &mut [Vec<ErrorPoint>], stop: &Stop) -> Result<(), LadderError> {
         let (problem, truncation) = (self.problem, self.settings.truncation);
-        let mut ladders = Vec::new();
+        let mut all = Vec::new();
         for (scheme, points) in self.candidates.schemes.iter().zip(points.iter_mut()) {
             for point in points {
                 let runs = vec![Run::new(Arc::clone(scheme), 0)];
                 let ladder = Ladder::new(problem, point.steps, 0, truncation, self.key(2), runs)?;
-                ladders.push((ladder, point));
+                all.push((ladder, point, Vec::new()));
             }
         }
-        ladders.sort_by_key(|(_, point)| point.steps);
-        let mut measured = vec![Vec::new(); ladders.len()];
-        let nothing = |_: &View<'_>, _: &mut [_]| ();
-        // The clock of the thread is read on the thread that works.
+        all.sort_by_key(|(_, point, _)| point.steps);
         let one = ThreadPoolBuilder::new().num_threads(1).build();
         let one = one.unwrap_or_else(|error| panic!("cannot start a thread: {error}"));
-        one.install(|| {
-            for _ in 0..REPETITIONS {
-                for ((ladder, point), seconds) in ladders.iter().zip(&mut measured) {
-                    let paths = PATH_STEPS.div_ceil(PATHS * point.steps).max(1) * PATHS;
-                    let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
+        for _ in 0..REPETITIONS {
+            for (ladder, point, seconds) in &mut all {
+                let (ladder, steps) = (&*ladder, PATHS * point.steps);
+                let paths = PATH_STEPS.div_ceil(steps).max(1) * PATHS;
+                // The clock of the thread is read on the thread that works.
+                let used = one.install(|| {
                     let watch = Stopwatch::start();
-                    black_box(ladder.run_until(stop, 0, paths, new));
-                    if stop.is_asked() {
-                        return;
-                    }
-                    let used =
-                        if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() };
+                    black_box(ladder.run_until(stop, 0, paths, Vec::<FinalMoments<'_>>::new));
+                    if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() }
+                });
+                if !stop.is_asked() {
                     seconds.push(used / paths as f64);
                 }
             }
-        });
-        for ((_, point), seconds) in ladders.into_iter().zip(measured) {
+        }
+        for (_, point, seconds) in all {
             point.time = (!seconds.is_empty()).then(|| Spread::of(seconds));
         }
         for points in points {

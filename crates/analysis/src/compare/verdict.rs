@@ -108,15 +108,15 @@ impl Candidate {
         let mut candidate = Self { scheme: scheme.to_owned(), asked, points, outcome, keeps };
         let defect = candidate.point().and_then(|point| point.defect);
         let casimirs = defect.is_some_and(|defect| defect <= KEPT);
-        candidate.keeps = Keeps { casimirs, ..Keeps::default() };
+        candidate.keeps.casimirs = casimirs;
         if let Some(scheme) = BuiltIn::named(scheme) {
             let Properties { explicit, exact_damping, energy, .. } = scheme.properties();
-            candidate.keeps.energy = energy == Energy::Kept;
-            candidate.keeps.conformal = match explicit {
+            let conformal = match explicit {
                 Explicitness::Always => false,
                 Explicitness::WhereConstant => damped || casimirs,
                 Explicitness::No => exact_damping || !damped,
             };
+            candidate.keeps = Keeps { casimirs, energy: energy == Energy::Kept, conformal };
         }
         candidate
     }
@@ -153,14 +153,17 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     let Some(last) = resolved.last().copied().or(points.last()) else {
         return Outcome::NotMeasured;
     };
-    if let Some((steps, cost_s)) = cost(points, wanted, |point| point.error, |time| time.best) {
-        let least = cost(points, wanted, |point| point.lo, |time| time.best);
-        return Outcome::Reached {
-            steps,
-            cost_s,
-            cost_lo: least.map_or(0.0, |least| least.1.min(cost_s)),
-            cost_hi: cost(points, wanted, |point| point.hi, |time| time.median).map(|most| most.1),
+    let at = |of: fn(&ErrorPoint, Spread) -> [f64; 2]| {
+        let row = |point: &&ErrorPoint| {
+            let [error, seconds] = of(point, point.time?);
+            Some([error, point.steps as f64, seconds])
         };
+        cost(resolved.iter().filter_map(row).collect(), wanted)
+    };
+    if let Some((steps, cost_s)) = at(|point, time| [point.error, time.best]) {
+        let cost_lo = at(|point, time| [point.lo, time.best]).map_or(0.0, |lo| lo.1.min(cost_s));
+        let cost_hi = at(|point, time| [point.hi, time.median]).map(|hi| hi.1);
+        return Outcome::Reached { steps, cost_s, cost_lo, cost_hi };
     }
     // Over up to three halvings: errors of one step size are known to a tenth or so.
     let halvings = resolved.len().saturating_sub(1).min(3);
@@ -173,19 +176,10 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     Outcome::NotReached { needs }
 }
 
-/// Steps and seconds of the wanted error: those of the coarsest steps if all are below it, or
-/// between the two neighbouring points, the more expensive ones if the curve passes it more than
-/// once, linear in the logarithms. Nothing is extrapolated.
-fn cost(
-    points: &[ErrorPoint],
-    wanted: f64,
-    size: impl Fn(&ErrorPoint) -> f64,
-    seconds: impl Fn(Spread) -> f64,
-) -> Option<(f64, f64)> {
-    let usable = points.iter().filter(|point| point.resolved);
-    let usable =
-        usable.filter_map(|point| Some([size(point), point.steps as f64, seconds(point.time?)]));
-    let mut usable: Vec<[f64; 3]> = usable.collect();
+/// Steps and seconds of the wanted error from those of other errors, coarsest first: those of the
+/// coarsest steps if all are below it, or between the two neighbouring points, the more expensive
+/// ones if the curve passes it more than once, linear in the logarithms. Nothing is extrapolated.
+fn cost(mut usable: Vec<[f64; 3]>, wanted: f64) -> Option<(f64, f64)> {
     let &[_, steps, seconds] = usable.first()?;
     if usable.iter().all(|[error, ..]| *error <= wanted) {
         return Some((steps, seconds));
@@ -195,10 +189,9 @@ fn cost(
     let mut pairs = usable.windows(2).rev();
     let pair = pairs.find(|pair| pair[1][0] <= wanted && wanted <= pair[0][0])?;
     let (a, b) = (pair[0], pair[1]);
-    let share = if a[0] == b[0] {
-        1.0
-    } else {
-        elementary::ln(wanted / a[0]) / elementary::ln(b[0] / a[0])
+    let share = match a[0] == b[0] {
+        true => 1.0,
+        false => elementary::ln(wanted / a[0]) / elementary::ln(b[0] / a[0]),
     };
     let between = |k: usize| a[k] * elementary::powf(b[k] / a[k], share);
     Some((between(1), between(2)))
@@ -207,18 +200,19 @@ fn cost(
 /// The candidate that keeps most among those that do not cost significantly more than the cheapest.
 pub(super) fn choose(candidates: &[Candidate]) -> Choice {
     let costs = candidates.iter().enumerate().filter_map(|(n, one)| Some((n, one.cost()?.0)));
-    let mut costs: Vec<(usize, f64)> = costs.collect();
-    costs.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let Some(&(cheapest, _)) = costs.first() else { return Choice::NoneReaches };
-    // Without an interval the value decides.
-    let near = |n: usize| match candidates[n].ratio(&candidates[cheapest]) {
-        Some((ratio, lo, _)) => WORTH >= if lo > 0.0 { lo } else { ratio },
-        None => false,
+    let Some((cheapest, _)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return Choice::NoneReaches;
     };
-    let near = costs.iter().map(|&(n, _)| n).filter(|&n| n == cheapest || near(n));
-    // Of several the last is taken, so the cheapest come last.
-    let most = near.rev().max_by_key(|&n| candidates[n].keeps);
-    Choice::Take { scheme: most.unwrap_or(cheapest), cheapest }
+    // Without an interval the value decides.
+    let ratio = |one: &Candidate| one.ratio(&candidates[cheapest]);
+    let near = candidates.iter().enumerate().filter_map(|(n, one)| {
+        let (ratio, lo, _) = ratio(one)?;
+        (n == cheapest || WORTH >= if lo > 0.0 { lo } else { ratio }).then_some((n, ratio))
+    });
+    let most = near.min_by(|(n, a), (m, b)| {
+        candidates[*m].keeps.cmp(&candidates[*n].keeps).then(a.total_cmp(b))
+    });
+    Choice::Take { scheme: most.map_or(cheapest, |(n, _)| n), cheapest }
 }
 
 #[cfg(test)]
@@ -230,7 +224,6 @@ mod tests {
         ErrorPoint {
             steps,
             error,
-            se: 0.0,
             lo: 0.5 * error.abs(),
             hi: error.abs(),
             resolved: true,
@@ -283,7 +276,8 @@ mod tests {
 
     /// Steps and seconds of an error, where a step takes a second.
     fn of(points: &[ErrorPoint], wanted: f64) -> Option<(f64, f64)> {
-        cost(points, wanted, |point| point.error, |time| time.best)
+        let row = |point: &ErrorPoint| Some([point.error, point.steps as f64, point.time?.best]);
+        cost(points.iter().filter_map(row).collect(), wanted)
     }
 
     #[test]

@@ -20,6 +20,12 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// The c for which ca is next to b; zero if a is.
+pub fn share(a: &[f64], b: &[f64]) -> f64 {
+    let square = dot(a, a);
+    if square > 0.0 { dot(a, b) / square } else { 0.0 }
+}
+
 /// ‖a‖₂.
 pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()

@@ -4,12 +4,12 @@ use serde::Serialize;
 use systems::run_time::System;
 
 use super::{
-    algebra::{axis, dot, largest, norm},
-    around,
+    algebra::{axis, dot, largest, moved, norm, share},
     finding::Term,
+    gibbs::trace,
     probe::{Batch, Probe},
-    random::{Purpose, Random},
     search::ZERO,
+    seen,
     slopes::{Values, lengths, slopes},
 };
 
@@ -36,8 +36,7 @@ const STEPS: usize = 8;
 impl Bath {
     /// Of a system whose components have these constant rates of damping.
     pub fn of(system: &dyn System, y0: &[f64], rates: &[f64]) -> Self {
-        let mut probe = Probe::new(system);
-        let mut states = around(&probe, y0, &mut Random::new(Purpose::Points));
+        let (mut probe, mut states) = seen(system, y0);
         let transverse = probe.description().is_transverse;
         if transverse {
             states.iter_mut().for_each(|y| scale_spins(y, y0));
@@ -46,10 +45,9 @@ impl Bath {
         let drift = probe.field(&states, &probe.weights(0));
         let drift_divergence = divergence(&mut probe, 0, &states);
         let slope = probe.gradient(&states, &probe.weights(0));
-        let zero = || vec![[0.0, 0.0]; states.len()];
         // A, B and C at each state, each with the size of its terms.
-        let mut terms: [Vec<[f64; 2]>; 3] = [zero(), zero(), zero()];
-        let add = |to: &mut [f64; 2], x: f64| *to = [to[0] + x, to[1] + x.abs()];
+        let mut terms = [(); 3].map(|()| vec![(0.0, 0.0); states.len()]);
+        let add = |to: &mut Term, x: f64| *to = (to.0 + x, to.1 + x.abs());
         if transverse {
             let power = along(&mut probe, &states, &drift, &energy);
             terms[1].iter_mut().zip(power).for_each(|(b, power)| add(b, power));
@@ -74,22 +72,20 @@ impl Bath {
                 let g = probe.gradient(y, &probe.weights(0));
                 f.iter().zip(&g).map(|(f, g)| dot(f, g)).collect()
             };
-            let divergences = of_divergence(&mut probe, &states);
-            let s = power(&mut probe, &states);
-            let [along_d, along_s] =
-                [of_divergence, power].map(|value| along(&mut probe, &states, &f, value));
+            let [(d, along_d), (s, along_s)] = [of_divergence, power]
+                .map(|of| (of(&mut probe, &states), along(&mut probe, &states, &f, of)));
             for n in 0..states.len() {
                 add(&mut terms[0][n], 0.5 * along_d[n]);
-                add(&mut terms[0][n], 0.5 * divergences[n].powi(2));
+                add(&mut terms[0][n], 0.5 * d[n].powi(2));
                 add(&mut terms[1][n], -0.5 * along_s[n]);
-                add(&mut terms[1][n], -divergences[n] * s[n]);
+                add(&mut terms[1][n], -d[n] * s[n]);
                 add(&mut terms[2][n], 0.5 * s[n] * s[n]);
-                (0..d).for_each(|i| heat[n][i] += f[n][i] * f[n][i]);
+                heat[n].iter_mut().zip(&f[n]).for_each(|(heat, f)| *heat += f * f);
             }
         }
         let size = largest(drift.iter().flatten());
-        let all = |terms: &[[f64; 2]]| terms.iter().all(|[x, of]| x.abs() <= ZERO * of.max(size));
-        if terms.iter().all(|terms| all(terms)) {
+        let zero = |(x, of): &Term| x.abs() <= ZERO * of.max(size);
+        if terms.iter().flatten().all(zero) {
             return Self { any: true, ..Self::default() };
         }
         let beta = stationary(&terms);
@@ -129,30 +125,25 @@ fn scale_spins(y: &mut [f64], y0: &[f64]) {
 fn divergence(probe: &mut Probe<'_>, m: usize, y: &[Vec<f64>]) -> Vec<f64> {
     let (d, weights) = (probe.dimension(), probe.weights(m));
     let slope = probe.gradient(y, &weights);
-    let mut sums = vec![0.0; y.len()];
-    for i in 0..d {
-        let column = probe.field_along(y, &[axis(d, i)], &slope, &weights);
-        sums.iter_mut().zip(column).for_each(|(sum, column)| *sum += column[i]);
-    }
-    sums
+    trace(d, |i| probe.field_along(y, &[axis(d, i)], &slope, &weights))
 }
 
 /// β > 0 for which A + βB + β²C vanishes at all states.
-fn stationary([a, b, c]: &[Vec<[f64; 2]>; 3]) -> Option<f64> {
-    let residual = |n: usize, beta: f64| a[n][0] + beta * (b[n][0] + beta * c[n][0]);
+fn stationary([a, b, c]: &[Vec<Term>; 3]) -> Option<f64> {
+    let all = || a.iter().zip(b).zip(c).map(|((a, b), c)| (*a, *b, *c));
+    let of = |beta: f64, a: f64, b: f64, c: f64| a + beta * (b + beta * c);
     let vanishes = |beta: &f64| {
-        beta.is_finite()
-            && *beta > 0.0
-            && (0..a.len()).all(|n| {
-                residual(n, *beta).abs() <= ZERO * (a[n][1] + beta * (b[n][1] + beta * c[n][1]))
-            })
+        let zero = |(a, b, c): (Term, Term, Term)| {
+            of(*beta, a.0, b.0, c.0).abs() <= ZERO * of(*beta, a.1, b.1, c.1)
+        };
+        beta.is_finite() && *beta > 0.0 && all().all(zero)
     };
     let polished = |mut beta: f64| {
         for _ in 0..STEPS {
             let (mut up, mut down) = (0.0, 0.0);
-            for n in 0..a.len() {
-                let slope = b[n][0] + 2.0 * beta * c[n][0];
-                up += residual(n, beta) * slope;
+            for (a, b, c) in all() {
+                let slope = b.0 + 2.0 * beta * c.0;
+                up += of(beta, a.0, b.0, c.0) * slope;
                 down += slope * slope;
             }
             if down > 0.0 {
@@ -161,37 +152,34 @@ fn stationary([a, b, c]: &[Vec<[f64; 2]>; 3]) -> Option<f64> {
         }
         beta
     };
-    let roots = |n: usize| {
-        let (a, b, c) = (a[n][0], b[n][0], c[n][0]);
+    let roots = |((a, _), (b, _), (c, _)): (Term, Term, Term)| {
         let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
         // Without cancellation.
         let q = -0.5 * (b + root.copysign(b));
         [q / c, a / q]
     };
-    (0..a.len()).flat_map(roots).map(polished).find(vanishes)
+    all().flat_map(roots).map(polished).find(vanishes)
 }
 
 /// What is wrong with each component, whose noise has the square `heat`.
 fn mismatch(states: &Batch, slope: &Batch, heat: &Batch, rates: &[f64]) -> Vec<String> {
     let mut words = Vec::new();
-    let mut temperatures: Vec<(usize, f64)> = Vec::new();
+    let mut temperatures: Vec<(String, f64)> = Vec::new();
     for (i, rate) in rates.iter().enumerate() {
         let name = format!("y{}", i + 1);
-        let heated = heat.iter().any(|heat| heat[i] > 0.0);
-        match (*rate != 0.0, heated) {
+        match (*rate != 0.0, heat.iter().any(|heat| heat[i] > 0.0)) {
             (false, false) => {}
             (true, false) => words.push(format!("{name} is damped and not heated")),
             (false, true) => words.push(format!("{name} is heated and not damped")),
             (true, true) => {
                 // 2γy·kT = D∂H₀ by least squares.
-                let pairs = (0..states.len())
-                    .map(|n| (2.0 * rate * states[n][i], heat[n][i] * slope[n][i]));
-                let pairs: Vec<(f64, f64)> = pairs.collect();
-                let square: f64 = pairs.iter().map(|(x, _)| x * x).sum();
-                let kt = pairs.iter().map(|(x, z)| x * z).sum::<f64>() / square;
-                let size = largest(pairs.iter().map(|(_, z)| z));
-                match pairs.iter().all(|(x, z)| (z - kt * x).abs() <= ZERO * size) {
-                    true => temperatures.push((i, kt)),
+                let damped: Vec<f64> = states.iter().map(|y| 2.0 * rate * y[i]).collect();
+                let heated = heat.iter().zip(slope).map(|(heat, slope)| heat[i] * slope[i]);
+                let heated: Vec<f64> = heated.collect();
+                let (kt, size) = (share(&damped, &heated), largest(&heated));
+                let rest = moved(&heated, -kt, &damped);
+                match rest.iter().all(|rest| rest.abs() <= ZERO * size) {
+                    true => temperatures.push((name, kt)),
                     false => words.push(format!("the temperature of {name} depends on the state")),
                 }
             }
@@ -199,15 +187,14 @@ fn mismatch(states: &Batch, slope: &Batch, heat: &Batch, rates: &[f64]) -> Vec<S
     }
     let first = temperatures.first().map_or(0.0, |(_, kt)| *kt);
     if temperatures.iter().any(|(_, kt)| (kt / first - 1.0).abs() > ZERO) {
-        let of = temperatures.iter().map(|(i, kt)| {
+        words.extend(temperatures.iter().map(|(name, kt)| {
             let noise = (kt / first).sqrt();
-            let words = format!("y{} has kT = {kt:.6}", i + 1);
+            let words = format!("{name} has kT = {kt:.6}");
             match (noise - 1.0).abs() > ZERO {
                 true => format!("{words}, its noise {noise:.6} times that of the first"),
                 false => words,
             }
-        });
-        words.extend(of);
+        }));
     }
     if words.is_empty() {
         words.push("noise and damping do not balance: no e^(-βH0) is stationary".into());

@@ -22,14 +22,6 @@ impl Status {
     pub fn holds(self) -> bool {
         self == Self::Holds
     }
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Fails => "fails",
-            Self::Unknown => "cannot tell",
-            Self::Holds => "holds",
-        }
-    }
 }
 
 /// Whether an identity holds at points, and its largest relative defect.
@@ -180,7 +172,7 @@ pub fn products(a: &[Vec<f64>], v: &[f64]) -> Vec<Term> {
     a.iter().map(|row| product(row, v)).collect()
 }
 
-/// The terms of a + cb.
-pub fn combined(a: &[Term], c: f64, b: &[Term]) -> Vec<Term> {
-    a.iter().zip(b).map(|(a, b)| (a.0 + c * b.0, a.1 + b.1)).collect()
+/// The terms of a + b.
+pub fn combined(a: &[Term], b: &[Term]) -> Vec<Term> {
+    a.iter().zip(b).map(|(a, b)| (a.0 + b.0, a.1 + b.1)).collect()
 }

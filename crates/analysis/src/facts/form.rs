@@ -1,5 +1,8 @@
 //! Linear and quadratic forms, and sums of terms as text.
 
+use std::sync::Arc;
+
+use mc::ConformalLaw;
 use real::elementary;
 use serde::Serialize;
 
@@ -43,6 +46,12 @@ impl Form {
             1 => self.coefficients.clone(),
             _ => self.coefficients.chunks(y.len()).map(|row| dot(row, y)).collect(),
         }
+    }
+
+    /// A Casimir as a law of a problem.
+    pub fn law(&self, name: String) -> ConformalLaw<'_> {
+        let value = Arc::new(|y: &[f64]| self.value(y));
+        ConformalLaw { name, degree: self.degree.into(), casimir: true, value, decay: None }
     }
 
     /// The value at y.

@@ -5,10 +5,9 @@ use systems::run_time::System;
 
 use super::{
     algebra::{axis, largest, null_space},
-    around,
-    probe::Probe,
-    random::{Purpose, Random},
+    probe::Batch,
     search::ZERO,
+    seen,
 };
 
 /// The density of component number `place` at the points x under e^{−βH₀}, where its sum is one:
@@ -21,8 +20,7 @@ pub fn gibbs_marginal(
     beta: f64,
     x: &[f64],
 ) -> Option<Vec<f64>> {
-    let mut probe = Probe::new(system);
-    let states = around(&probe, y0, &mut Random::new(Purpose::Points));
+    let (mut probe, states) = seen(system, y0);
     let weights = probe.weights(0);
     for b in probe.matrix(&states) {
         let zero = ZERO * largest(b.iter().flatten());
@@ -30,20 +28,19 @@ pub fn gibbs_marginal(
             return None;
         }
     }
-    let mut along = |state: &Vec<f64>| {
+    let along = |state: &Vec<f64>| {
         let at = |x: &f64| {
             let mut state = state.clone();
             state[place] = *x;
             state
         };
-        probe.energy(&x.iter().map(at).collect::<Vec<_>>(), &weights)
+        probe.energy(&x.iter().map(at).collect::<Batch>(), &weights)
     };
-    let energies: Vec<Vec<f64>> = states.iter().map(&mut along).collect();
-    let first = &energies[0];
-    let size = energies.iter().flatten().fold(0.0, |size: f64, e| size.max(e.abs()));
+    let energies: Batch = states.iter().map(along).collect();
+    let (first, zero) = (&energies[0], ZERO * largest(energies.iter().flatten()));
     let alike = energies.iter().all(|energy| {
-        let differences = energy.iter().zip(first).map(|(a, b)| a - b - (energy[0] - first[0]));
-        differences.into_iter().all(|difference| difference.abs() <= ZERO * size)
+        let same = |(a, b): (&f64, &f64)| (a - b - (energy[0] - first[0])).abs() <= zero;
+        energy.iter().zip(first).all(same)
     });
     let least = first.iter().copied().fold(f64::INFINITY, f64::min);
     let density: Vec<f64> =
@@ -54,16 +51,22 @@ pub fn gibbs_marginal(
 
 /// Whether Σᵢ∂ᵢBᵢⱼ vanishes for every j, at 32 points: fields B∇H have no divergence then.
 pub fn is_divergence_free(system: &dyn System, y0: &[f64]) -> bool {
-    let mut probe = Probe::new(system);
-    let states = around(&probe, y0, &mut Random::new(Purpose::Points));
+    let (mut probe, states) = seen(system, y0);
     let d = y0.len();
     let size = largest(probe.matrix(&states).iter().flatten().flatten());
     (0..d).all(|j| {
-        let mut sums = vec![0.0; states.len()];
-        for i in 0..d {
-            let column = probe.structure_along(&states, &[axis(d, i)], &[axis(d, j)]);
-            sums.iter_mut().zip(column).for_each(|(sum, column)| *sum += column[i]);
-        }
-        sums.iter().all(|sum| sum.abs() <= ZERO * size)
+        let column = |i: usize| probe.structure_along(&states, &[axis(d, i)], &[axis(d, j)]);
+        trace(d, column).iter().all(|sum| sum.abs() <= ZERO * size)
     })
+}
+
+/// Σᵢ of component i of column i at each state.
+pub fn trace(d: usize, mut column: impl FnMut(usize) -> Batch) -> Vec<f64> {
+    let mut sums = Vec::new();
+    for i in 0..d {
+        let column = column(i);
+        sums.resize(column.len(), 0.0);
+        sums.iter_mut().zip(column).for_each(|(sum, column)| *sum += column[i]);
+    }
+    sums
 }

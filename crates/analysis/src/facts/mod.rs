@@ -17,10 +17,13 @@ mod scheme;
 pub(crate) mod search;
 pub(crate) mod slopes;
 
+use std::sync::Arc;
+
+use mc::ConformalLaw;
 use real::WIDTH;
 use systems::run_time::{Problem, System};
 
-use algebra::{Matrix, axis, dot, largest, moved, norm, spectral_radius, transposed};
+use algebra::{dot, largest, moved, norm, share, spectral_radius};
 use probe::{Batch, Probe};
 use random::{Purpose, Random};
 use search::{ZERO, casimirs};
@@ -31,6 +34,7 @@ pub use finding::{Finding, Status};
 pub use form::Form;
 pub use gibbs::{gibbs_marginal, is_divergence_free};
 pub use scheme::Kept;
+pub(crate) use scheme::is_damped;
 
 /// What a run has to know of a problem: which laws it obeys.
 ///
@@ -55,23 +59,30 @@ impl Facts {
     /// The facts of a problem whose system has one path in each place of a row.
     pub fn of(problem: &Problem) -> Self {
         let integral = DampingIntegral::of(problem.damping(), problem.t_end());
-        let mut probe = Probe::new(problem.system());
-        let y = around(&probe, problem.y0(), &mut Random::new(Purpose::Points));
-        let drift = gradients(&mut probe, &y, 0);
-        let proportional = is_proportional(problem.system(), problem.y0());
+        let (system, y0) = (problem.system(), problem.y0());
+        let (mut probe, y) = seen(system, y0);
         let weights = probe.weights(0);
-        let energy = probe.energy(&y, &weights);
         // Euler's identity y·∇H₀ = pH₀.
-        let gradients = drift.chunks(problem.y0().len().max(1));
-        let euler: Vec<f64> = y.iter().zip(gradients).map(|(y, g)| dot(y, g)).collect();
-        let degree = multiple(&energy, &euler).filter(|degree| *degree != 0.0);
+        let slopes = probe.gradient(&y, &weights);
+        let euler: Vec<f64> = y.iter().zip(&slopes).map(|(y, slope)| dot(y, slope)).collect();
+        let degree = multiple(&probe.energy(&y, &weights), &euler);
         Self {
-            casimirs: casimirs_around(problem.system(), problem.y0()),
-            proportional,
-            degree: degree.map(nearby_integer),
+            casimirs: casimirs_around(system, y0),
+            proportional: is_proportional(system, y0),
+            degree: degree.filter(|degree| *degree != 0.0).map(nearby_integer),
             damped: !integral.none,
             mistake: integral.mistake(),
         }
+    }
+
+    /// The laws of Casimirs C1, C2, … and of the energy H0 of this system.
+    pub fn laws<'a>(&'a self, system: &'a dyn System) -> Vec<ConformalLaw<'a>> {
+        let casimirs = self.casimirs.iter().zip(1..).map(|(form, k)| form.law(format!("C{k}")));
+        let of_energy = |degree| {
+            let value = Arc::new(move |y: &[f64]| energy(system, y));
+            ConformalLaw { name: "H0".into(), degree, casimir: false, value, decay: None }
+        };
+        casimirs.chain(self.energy_law().map(of_energy)).collect()
     }
 
     /// The degree p of the law H₀(y(t)) = e^{−p∫γ}H₀(y₀), if there is one; any without damping.
@@ -81,20 +92,24 @@ impl Facts {
     }
 }
 
-/// ∇Hₘ at all points.
-fn gradients(probe: &mut Probe<'_>, y: &[Vec<f64>], m: usize) -> Vec<f64> {
-    let weights = probe.weights(m);
-    probe.gradient(y, &weights).concat()
+/// A system and 32 points around y₀.
+fn seen<'a>(system: &'a dyn System, y0: &[f64]) -> (Probe<'a>, Batch) {
+    let probe = Probe::new(system);
+    let states = around(&probe, y0, &mut Random::new(Purpose::Points));
+    (probe, states)
 }
 
 /// Whether every Hₘ is a multiple of H₀, up to a constant, and none depends on time.
 fn is_proportional(system: &dyn System, y0: &[f64]) -> bool {
-    let mut probe = Probe::new(system);
-    let y = around(&probe, y0, &mut Random::new(Purpose::Points));
-    let drift = gradients(&mut probe, &y, 0);
-    !probe.description().depends_on_time
-        && !probe.description().is_transverse
-        && (1..=probe.noises()).all(|m| multiple(&drift, &gradients(&mut probe, &y, m)).is_some())
+    let (mut probe, y) = seen(system, y0);
+    let mut slope = |m: usize| {
+        let weights = probe.weights(m);
+        probe.gradient(&y, &weights).concat()
+    };
+    let (description, drift) = (system.description(), slope(0));
+    !description.depends_on_time
+        && !description.is_transverse
+        && (1..=description.noises).all(|m| multiple(&drift, &slope(m)).is_some())
 }
 
 /// H₀(y), of a system with one path in each place of a row.
@@ -128,9 +143,8 @@ pub fn fastest(system: &dyn System, y0: &[f64]) -> f64 {
     let mut probe = Probe::new(system);
     let (y, weights) = ([y0.to_vec()], probe.weights(0));
     let slope = probe.gradient(&y, &weights);
-    let column = |u: Vec<f64>| probe.field_along(&y, &[u], &slope, &weights).swap_remove(0);
-    let columns: Matrix = (0..d).map(|j| axis(d, j)).map(column).collect();
-    let radius = spectral_radius(transposed(&columns), SQUARINGS);
+    let matrix = probe.matrices(|probe, u| probe.field_along(&y, u, &slope, &weights));
+    let radius = spectral_radius(matrix.concat(), SQUARINGS);
     if radius.is_finite() { radius } else { 0.0 }
 }
 
@@ -151,8 +165,7 @@ fn around(probe: &Probe<'_>, y0: &[f64], random: &mut Random) -> Batch {
 
 /// c with b = c·a, if there is one.
 fn multiple(a: &[f64], b: &[f64]) -> Option<f64> {
-    let square = dot(a, a);
-    let c = if square > 0.0 { dot(a, b) / square } else { 0.0 };
+    let c = share(a, b);
     let scale = largest(b) + c.abs() * largest(a);
     let near = |(a, b): (&f64, &f64)| (b - c * a).abs() <= ZERO * scale;
     a.iter().zip(b).all(near).then_some(c)

@@ -1,7 +1,5 @@
 //! A system known at run time, evaluated at many states.
 
-use std::ops::Range;
-
 use real::{Row, WIDTH};
 use systems::run_time::{Description, Lanes, Op, System, Weights, derived};
 
@@ -61,11 +59,12 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// States in rows; places that are left over have the last one.
-    fn rows(&self, states: &[Vec<f64>]) -> Vec<Row> {
+    /// States from number `first` on in rows; places that are left over have the last one.
+    fn rows(&self, states: &[Vec<f64>], first: usize) -> Vec<Row> {
         let mut rows = vec![[0.0; WIDTH]; self.description().layout.rows];
         for lane in 0..self.together() {
-            for (component, &x) in states[lane.min(states.len() - 1)].iter().enumerate() {
+            let state = &states[(first + lane).min(states.len() - 1)];
+            for (component, &x) in state.iter().enumerate() {
                 let (row, place) = self.description().layout.place(component);
                 rows[row][place + lane] = x;
             }
@@ -75,27 +74,24 @@ impl<'a> Probe<'a> {
 
     fn noise(&self, dw: &[f64]) -> Vec<Row> {
         match self.description().layout.local_noise {
-            true => self.rows(&[dw.to_vec()]),
+            true => self.rows(&[dw.to_vec()], 0),
             false => dw.iter().map(|&dw| [dw; WIDTH]).collect(),
         }
     }
 
-    /// Calls `f` with the rows of arguments, for as many states at a time as rows have.
+    /// Calls `f` with the rows of arguments, for as many states at a time as rows have, and their
+    /// number.
     fn chunks(
         &mut self,
         arguments: &[&[Vec<f64>]],
-        mut f: impl FnMut(&mut Self, &[Vec<Row>], Range<usize>),
+        mut f: impl FnMut(&mut Self, &[Vec<Row>], usize),
     ) {
         let counts = || arguments.iter().map(|states| states.len());
         let points = if counts().any(|n| n == 0) { 0 } else { counts().max().unwrap_or(0) };
         for first in (0..points).step_by(self.together()) {
-            let chunk = first..(first + self.together()).min(points);
-            let of = |states: &&[Vec<f64>]| match states.len() {
-                1 => self.rows(states),
-                _ => self.rows(&states[chunk.clone()]),
-            };
-            let rows: Vec<_> = arguments.iter().map(of).collect();
-            f(self, &rows, chunk);
+            let rows: Vec<_> = arguments.iter().map(|states| self.rows(states, first)).collect();
+            let count = self.together().min(points - first);
+            f(self, &rows, count);
         }
     }
 
@@ -105,12 +101,11 @@ impl<'a> Probe<'a> {
             weights.split_first().map_or((0.0, Vec::new()), |(dt, dw)| (*dt, self.noise(dw)));
         let h = Weights { t: TIME, dt, dw: &dw, areas: &[] };
         let mut all = Batch::new();
-        self.chunks(&op.arguments().collect::<Vec<_>>(), |this, rows, chunk| {
-            let layout = this.description().layout;
-            let (count, tile_rows) = (layout.rows, layout.tile_rows);
-            let mut out = vec![[0.0; WIDTH]; count];
-            for first in (0..count).step_by(tile_rows.max(1)) {
-                let tile = first..(first + tile_rows).min(count);
+        let layout = self.description().layout;
+        let mut out = vec![[0.0; WIDTH]; layout.rows];
+        self.chunks(&op.arguments().collect::<Vec<_>>(), |this, rows, count| {
+            for first in (0..layout.rows).step_by(layout.tile_rows.max(1)) {
+                let tile = first..(first + layout.tile_rows).min(layout.rows);
                 let mut rows = rows.iter().map(|rows| match op.is_local() {
                     true => &rows[tile.clone()],
                     false => &rows[..],
@@ -122,13 +117,11 @@ impl<'a> Probe<'a> {
                     false => this.system.apply(op, tile, h, out, scratch),
                 }
             }
-            for lane in 0..chunk.len() {
-                let at = |component| {
-                    let (row, place) = layout.place(component);
-                    out[row][place + lane]
-                };
-                all.push((0..this.dimension()).map(at).collect());
-            }
+            let at = |lane: usize, component: usize| {
+                let (row, place) = layout.place(component);
+                out[row][place + lane]
+            };
+            all.extend((0..count).map(|l| (0..this.dimension()).map(|i| at(l, i)).collect()));
         });
         all
     }
@@ -140,11 +133,11 @@ impl<'a> Probe<'a> {
         compute: impl Fn(&dyn System, &[Row], &mut Row, &mut [Row]),
     ) -> Vec<f64> {
         let mut all = Vec::new();
-        self.chunks(&[y], |this, rows, chunk| {
+        self.chunks(&[y], |this, rows, count| {
             let mut out = [0.0; WIDTH];
             compute(this.system, &rows[0], &mut out, &mut this.scratch);
             match this.description().layout.lanes {
-                Lanes::Paths => all.extend(&out[..chunk.len()]),
+                Lanes::Paths => all.extend(&out[..count]),
                 Lanes::Components => all.push(out.iter().sum()),
             }
         });
@@ -216,7 +209,7 @@ impl<'a> Probe<'a> {
     }
 
     /// The matrix at each point whose column j is a function of the unit vector eⱼ.
-    fn matrices(&mut self, column: impl Fn(&mut Self, &[Vec<f64>]) -> Batch) -> Vec<Matrix> {
+    pub fn matrices(&mut self, column: impl Fn(&mut Self, &[Vec<f64>]) -> Batch) -> Vec<Matrix> {
         let d = self.dimension();
         let columns: Vec<_> = (0..d).map(|j| column(self, &[axis(d, j)])).collect();
         let at = |n: usize| transposed(&columns.iter().map(|column| column[n].clone()).collect());

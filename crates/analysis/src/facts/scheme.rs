@@ -28,13 +28,18 @@ pub struct Kept {
 /// Parts of T up to which a damping is looked at.
 const PARTS: [f64; 3] = [0.2, 0.6, 1.0];
 
+/// Whether some component is damped.
+pub fn is_damped(problem: &Problem<'_>) -> bool {
+    let damps =
+        |part: &f64| problem.dampings().any(|one| one.integral(0.0, part * problem.t_end) != 0.0);
+    PARTS.iter().any(damps)
+}
+
 impl Kept {
     /// Of a problem of this system with its laws; laws that friction breaks are not among them.
     pub fn of(problem: &Problem<'_>, system: &dyn System, areas: bool) -> Self {
         let has = |casimir: bool| problem.laws.iter().any(|law| law.casimir == casimir);
-        let damped = problem
-            .dampings()
-            .any(|all| PARTS.iter().any(|part| all.integral(0.0, part * problem.t_end) != 0.0));
+        let damped = is_damped(problem);
         // Without damping H₀ is constant, homogeneous or not. Lattices are too large to look at.
         let constant = !damped && problem.y0.len() <= MOST_COMPONENTS;
         Self {

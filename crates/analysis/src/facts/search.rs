@@ -31,12 +31,8 @@ pub struct Candidates {
     pub complete: bool,
 }
 
-/// Points, and B there.
-type AtPoints = (Batch, Vec<Matrix>);
-
-fn all_points(states: &[AtPoints]) -> impl Iterator<Item = (&Vec<f64>, &Matrix)> {
-    states.iter().flat_map(|(y, matrices)| y.iter().zip(matrices))
-}
+/// A point, and B there.
+type AtPoint = (Vec<f64>, Matrix);
 
 /// Solves B(y)∇C(y) = 0 for the coefficients of C in each part of the state that B does not join
 /// with others. `points` gives more points with each call, if it has any.
@@ -45,90 +41,83 @@ pub fn casimirs(
     mut points: impl FnMut(&mut Probe<'_>) -> Batch,
 ) -> Candidates {
     let d = probe.dimension();
-    let mut states: Vec<AtPoints> = Vec::new();
-    let mut more = |probe: &mut Probe<'_>, states: &mut Vec<AtPoints>| {
+    let mut more = |probe: &mut Probe<'_>| -> Vec<AtPoint> {
         let y = points(probe);
         let matrices = probe.matrix(&y);
-        let some = !y.is_empty();
-        states.push((y, matrices));
-        some
+        y.into_iter().zip(matrices).collect()
     };
-    more(probe, &mut states);
+    let first = more(probe);
+    let mut states = first.clone();
     let mut found = [const { Vec::new() }; 3];
-    let mut all = Candidates { forms: Vec::new(), complete: true };
-    for part in parts(probe, &states[0]) {
+    let mut complete = true;
+    for part in parts(probe, &first) {
         let size = part.len();
-        let (ones, least) =
-            null_space(equations(&part, all_points(&states[..1]), |b, _| b.to_vec()), size, ZERO);
-        all.complete &= least > CLEAR;
+        let (ones, least) = null_space(equations(&part, &first, |b, _| b.to_vec()), size, ZERO);
+        complete &= least > CLEAR;
         let (unknowns, rank) = (size * (size + 1) / 2, size - ones.len());
         let mut twos = Matrix::new();
         if unknowns > UNKNOWNS {
-            all.complete = false;
+            complete = false;
         } else if probe.description().linearity != Linearity::Constant && rank > 0 {
-            let enough = |states: &[AtPoints]| {
-                states.iter().map(|state| state.0.len()).sum::<usize>() * rank >= SURPLUS * unknowns
-            };
-            while !enough(&states) {
-                if !more(probe, &mut states) {
-                    all.complete = false;
+            while states.len() * rank < SURPLUS * unknowns {
+                let new = more(probe);
+                if new.is_empty() {
+                    complete = false;
                     break;
                 }
+                states.extend(new);
             }
-            let (found, least) = null_space(
-                equations(&part, all_points(&states), |b, y| quadratic_row(&part, b, y)),
-                unknowns,
-                ZERO,
-            );
-            all.complete &= least > CLEAR;
+            let rows = equations(&part, &states, |b, y| quadratic_row(&part, b, y));
+            let (found, least) = null_space(rows, unknowns, ZERO);
+            complete &= least > CLEAR;
             twos = beyond(found, products(&ones, size));
         }
         // Components that are Casimirs by themselves have logarithms that are nothing new.
-        let moves = |j: &usize| states[0].1.iter().flatten().any(|row| row[*j] != 0.0);
+        let moves = |j: &usize| first.iter().flat_map(|(_, b)| b).any(|row| row[*j] != 0.0);
         let moving: Vec<usize> =
             part.iter().copied().filter(moves).filter(|_| size <= LOGARITHMS).collect();
-        let of_logarithms = equations(&moving, all_points(&states[..1]), |b, y| {
+        let of_logarithms = equations(&moving, &first, |b, y| {
             without_own(b, &moving.iter().map(|&j| y[j]).collect::<Vec<_>>())
         });
         let (logarithms, _) = null_space(of_logarithms, moving.len(), ZERO);
         let whole = |degree: u32, x: Vec<f64>| {
-            let (x, mut all) = (readable(x, ZERO), vec![0.0; d.pow(degree.max(1))]);
+            let mut coefficients = vec![0.0; d.pow(degree.max(1))];
+            let x = readable(x, ZERO).into_iter();
             match degree {
-                0 => moving.iter().zip(x).for_each(|(i, c)| all[*i] = c),
-                1 => part.iter().zip(x).for_each(|(i, c)| all[*i] = c),
+                2 => places(size).zip(x).for_each(|((k, l), c)| {
+                    coefficients[part[k] * d + part[l]] = c;
+                    coefficients[part[l] * d + part[k]] = c;
+                }),
                 _ => {
-                    for ((k, l), c) in places(size).zip(x) {
-                        all[part[k] * d + part[l]] = c;
-                        all[part[l] * d + part[k]] = c;
-                    }
+                    let places = if degree == 0 { &moving } else { &part };
+                    places.iter().zip(x).for_each(|(i, c)| coefficients[*i] = c);
                 }
             }
-            Form { degree, coefficients: all }
+            Form { degree, coefficients }
         };
         for (found, (degree, x)) in found.iter_mut().zip([(1, ones), (2, twos), (0, logarithms)]) {
             found.extend(x.into_iter().map(|x| whole(degree, x)));
         }
     }
-    all.forms = found.concat();
-    all
+    Candidates { forms: found.concat(), complete }
 }
 
 /// The parts of the state that B joins: by an entry, or by what an entry depends on.
-fn parts(probe: &mut Probe<'_>, (y, matrices): &AtPoints) -> Vec<Vec<usize>> {
+fn parts(probe: &mut Probe<'_>, points: &[AtPoint]) -> Vec<Vec<usize>> {
     let d = probe.dimension();
+    let y: Batch = points.iter().map(|(y, _)| y.clone()).collect();
     let mut label: Vec<usize> = (0..d).collect();
-    let mut join = |i: usize, j: usize| {
-        let (one, other) = (label[i], label[j]);
-        label.iter_mut().filter(|label| **label == other).for_each(|label| *label = one);
-    };
     // A vector without special ratios.
     let v: Vec<f64> = (0..d).map(|i| elementary::sin(1.0 + 0.7 * i as f64)).collect();
     for j in 0..d {
-        let along = probe.structure_along(y, &[axis(d, j)], std::slice::from_ref(&v));
+        let along = probe.structure_along(&y, &[axis(d, j)], std::slice::from_ref(&v));
         let moves = |i: &usize| {
-            matrices.iter().any(|b| b[*i][j] != 0.0) || along.iter().any(|out| out[*i] != 0.0)
+            points.iter().any(|(_, b)| b[*i][j] != 0.0) || along.iter().any(|out| out[*i] != 0.0)
         };
-        (0..d).filter(moves).for_each(|i| join(i, j));
+        for i in (0..d).filter(moves) {
+            let (one, other) = (label[i], label[j]);
+            label.iter_mut().filter(|label| **label == other).for_each(|label| *label = one);
+        }
     }
     let part = |one: usize| (0..d).filter(|i| label[*i] == one).collect::<Vec<_>>();
     (0..d).map(part).filter(|part| !part.is_empty()).collect()
@@ -136,9 +125,9 @@ fn parts(probe: &mut Probe<'_>, (y, matrices): &AtPoints) -> Vec<Vec<usize>> {
 
 /// bᵀ∇C(y) = 0 for every row b of B(y) on a part, at all points, as rows of length one: `row` is
 /// the equation from b and y.
-pub fn equations<'a>(
+fn equations(
     part: &[usize],
-    points: impl Iterator<Item = (&'a Vec<f64>, &'a Matrix)>,
+    points: &[AtPoint],
     row: impl Fn(&[f64], &[f64]) -> Vec<f64>,
 ) -> Matrix {
     let mut rows = Matrix::new();

@@ -30,7 +30,7 @@ impl FoundCasimir {
     fn new(form: Form, sight: &Sight<'_>, matrices: &[Matrix]) -> Self {
         let mut casimir = Finding::fitted();
         let at = sight.states.iter().zip(matrices);
-        sight.record(&mut casimir, at.map(|(y, b)| products(b, &form.gradient(y))));
+        sight.record(&mut casimir, at.map(|(y, b)| products(b, &form.gradient(y))), 0.0);
         let minimum = Minimum::of(&form, sight.points.are_positive());
         Self { formula: form.formula(), minimum, form, casimir }
     }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    algebra::{dot, moved, norm, scaled},
+    algebra::{moved, norm, scaled, share},
     finding::{Finding, Status, Term, product, sum},
     probe::Batch,
     random::{Purpose, Random},
@@ -42,33 +42,31 @@ const SINGLY: usize = 8;
 impl Hamiltonians {
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
         let noises = sight.probe.noises();
-        let few = noises <= SINGLY;
         let mut random = Random::new(Purpose::Weights);
         let weights = sight.weights(&mut random);
         let (proportional, silent) = proportional(sight, &mut random);
         let depend_on_time = sight.probe.description().depends_on_time;
         let mut found = Self { proportional, silent, depend_on_time, ..Self::default() };
-        for m in 0..=if few { noises } else { 0 } {
+        for m in 0..=if noises <= SINGLY { noises } else { 0 } {
             let unit = sight.probe.weights(m);
-            let shape = Shape::of(sight, &|probe, y| probe.energy(y, &unit));
-            found.shapes.push(shape);
+            found.shapes.push(Shape::of(sight, &|probe, y| probe.energy(y, &unit)));
         }
         let other = sight.weights(&mut random);
         let energies = [weights.clone(), other.clone(), moved(&weights, 1.0, &other)];
         let [a, b, both] = energies.map(|weights| sight.probe.energy(&sight.states, &weights));
-        let (mut linear, mut gradient) = (Finding::default(), Finding::default());
-        let terms = |n: usize| vec![sum([both[n], -a[n], -b[n]])];
-        sight.record(&mut linear, (0..a.len()).map(terms));
+        let linear = sight.found((0..a.len()).map(|n| vec![sum([both[n], -a[n], -b[n]])]));
         found.methods.push(("energy(y, dt, dw) is not linear in (dt, dw)", linear));
+        let mut sound = true;
         // Of a transverse field it is more than ∇h.
         if !sight.probe.description().is_transverse {
-            gradient = sight.gradient(&weights);
-            found.methods.push(("gradient is not the gradient of energy", gradient.clone()));
+            let gradient = sight.gradient(&weights);
+            sound = !gradient.fails();
+            found.methods.push(("gradient is not the gradient of energy", gradient));
         }
         if sight.probe.is_one_tile() {
             let singly = (0..found.shapes.len()).map(|m| sight.probe.weights(m));
             let all: Vec<_> = singly.chain([weights]).collect();
-            found.check_averages(sight, &all, !gradient.fails());
+            found.check_averages(sight, &all, sound);
         }
         found
     }
@@ -96,13 +94,13 @@ impl Hamiltonians {
                 (defect - (end[n] - start[n]), size + end[n].abs() + start[n].abs())
             };
             let changes: Vec<Term> = (0..states.len()).map(change).collect();
-            for (n, (defect, _)) in changes.iter().enumerate() {
-                let relative = defect.abs() / (norm(&mean[n]) * norm(&steps[n]));
-                self.quadrature_error = self.quadrature_error.max(relative);
-            }
+            let relative = |n: usize| changes[n].0.abs() / (norm(&mean[n]) * norm(&steps[n]));
+            let worst = (0..states.len()).map(relative).fold(0.0, f64::max);
+            self.quadrature_error = self.quadrature_error.max(worst);
             sight.compare(&mut at_points, &alone, &slope);
             sight.compare(&mut fields, &field, &expected);
-            sight.record(&mut self.discrete_gradient, changes.into_iter().map(|term| vec![term]));
+            let changes = changes.into_iter().map(|term| vec![term]);
+            sight.record(&mut self.discrete_gradient, changes, 0.0);
         }
         let what = "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))";
         self.methods.push((what, fields));
@@ -128,9 +126,8 @@ fn proportional(sight: &mut Sight<'_>, random: &mut Random) -> (Finding, bool) {
         let mut weights = sight.weights(random);
         weights[0] = 0.0;
         let noise = sight.probe.gradient(&sight.states, &weights);
-        let square = dot(&drift[0], &drift[0]);
         // Of H₀ = 0 the multiple is zero.
-        let c = if square > 0.0 { dot(&drift[0], &noise[0]) / square } else { 0.0 };
+        let c = share(&drift[0], &noise[0]);
         let multiple = drift.iter().map(|drift| scaled(c, drift)).collect();
         sight.compare(&mut proportional, &multiple, &noise);
         silent &= c == 0.0;

@@ -45,7 +45,6 @@ impl ClaimedInvariant {
 
     fn of(sight: &mut Sight<'_>, index: usize, claim: systems::Invariant) -> Self {
         let f: Values<'_> = &|probe, y| probe.invariant(index, y);
-        let (mut casimir, mut conserved) = (Finding::default(), Finding::default());
         let (states, mut random) = (sight.states.clone(), Random::new(Purpose::Areas));
         // ∇F along B and along the flows is zero: along all columns of a small B.
         let (columns, flows): (Vec<Batch>, Vec<Vec<f64>>) = match sight.matrices.len() {
@@ -57,15 +56,15 @@ impl ClaimedInvariant {
             }
         };
         let flows = flows.iter().map(|weights| sight.probe.gradient(&states, weights)).collect();
-        for (finding, vectors) in [(&mut casimir, columns), (&mut conserved, flows)] {
+        let [casimir, conserved] = [columns, flows].map(|vectors: Vec<Batch>| {
             let along = |v: &Batch| {
                 let field = sight.probe.structure(&states, v);
                 slopes(&mut sight.probe, &states, &field, &lengths(&states, &field), f)
             };
             let all: Vec<Vec<Term>> = vectors.iter().map(along).collect();
             let at = |n: usize| all.iter().map(|terms| terms[n]).collect();
-            sight.record(finding, (0..states.len()).map(at));
-        }
+            sight.found((0..states.len()).map(at))
+        });
         let mut invariant = Self {
             name: claim.name,
             formula: claim.formula,
@@ -83,8 +82,8 @@ impl ClaimedInvariant {
             }
             None => invariant.mistakes(),
         };
-        let named = format!("{} = {}", claim.name, claim.formula);
-        invariant.mistakes = mistakes.into_iter().map(|what| format!("{named} {what}")).collect();
+        let named = |what| format!("{} = {} {what}", claim.name, claim.formula);
+        invariant.mistakes = mistakes.into_iter().map(named).collect();
         invariant
     }
 
@@ -98,27 +97,24 @@ impl ClaimedInvariant {
     }
 
     fn mistakes(&self) -> Vec<String> {
-        let Self { claimed_degree, casimir, conserved, shape, .. } = self;
+        let Self { claimed_degree: claimed, casimir, conserved, shape, .. } = self;
         let mut mistakes = Vec::new();
         if self.claimed_casimir && casimir.fails() {
-            let but = match conserved.status {
-                Status::Holds => {
-                    ", a function of the Hamiltonian or another constant of the motion"
-                }
-                _ => "",
-            };
+            let constant = ", a function of the Hamiltonian or another constant of the motion";
+            let but = if conserved.holds() { constant } else { "" };
             mistakes.push(format!("is claimed as a Casimir and is none{but}: B∇F ({casimir})"));
         } else if !self.claimed_casimir && conserved.fails() {
-            mistakes
-                .push(format!("is claimed as an energy, and the flow changes it ({conserved})"));
+            let what = "is claimed as an energy, and the flow changes it";
+            mistakes.push(format!("{what} ({conserved})"));
         }
         match shape.degree {
-            Some(degree) if degree != *claimed_degree => mistakes.push(format!(
-                "is claimed to have degree {claimed_degree} and has degree {degree}"
-            )),
+            Some(degree) if degree != *claimed => {
+                mistakes
+                    .push(format!("is claimed to have degree {claimed} and has degree {degree}"));
+            }
             None if shape.homogeneous.fails() => {
-                let off = &shape.homogeneous;
-                mistakes.push(format!("is not homogeneous and hence has no conformal law ({off})"));
+                let what = "is not homogeneous and hence has no conformal law";
+                mistakes.push(format!("{what} ({})", shape.homogeneous));
             }
             _ => {}
         }

@@ -52,7 +52,7 @@ mod theory;
 
 use systems::{
     Damping, Problem,
-    run_time::{self, Lanes, System},
+    run_time::{Lanes, System},
 };
 
 use mc::Friction;
@@ -114,14 +114,6 @@ impl<'a> InspectSettings<'a> {
         let damping = Some((problem.damping() as &dyn Damping, problem.t_end()));
         Self { y0: Some(problem.y0().to_vec()), damping, ..Self::default() }
     }
-
-    /// The settings for a problem known at run time; areas are drawn if they enter by Jacobi's
-    /// identity.
-    pub fn at_run_time(problem: &'a run_time::Problem) -> Self {
-        let damping = Some((problem.damping(), problem.t_end()));
-        let areas = problem.system().description().jacobi_holds;
-        Self { y0: Some(problem.y0().to_vec()), damping, areas, ..Self::default() }
-    }
 }
 
 /// Inspects a system at random points of its domain.
@@ -167,9 +159,8 @@ pub fn inspect(
     let of_bound = casimirs.as_ref().filter(|_| uniform && structure.sound().holds());
     let bound = of_bound.and_then(|casimirs| Bound::of(&hamiltonians, casimirs));
     let few = !sight.matrices.is_empty();
-    let mut probe = sight.probe;
     let problem = y0.zip(settings.damping).map(|(y0, damping)| {
-        ProblemFindings::of((damping, settings.friction), y0, &mut probe, bound.as_ref())
+        ProblemFindings::of((damping, settings.friction), y0, system, bound.as_ref())
     });
     let (damped, finite_rates) = match &problem {
         Some(ProblemFindings { integral, .. }) => (!integral.none, integral.finite),

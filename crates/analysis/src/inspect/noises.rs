@@ -70,9 +70,12 @@ impl Noises {
                 };
                 // The size of a derivative of fields that are not nearly constant.
                 let typical = length(l) * length(m) / points.extent();
-                found.commute.record(&points.for_identities[n], cluster, typical);
+                let record = |to: &mut Finding| {
+                    to.record(&points.for_identities[n], cluster, typical);
+                };
+                record(&mut found.commute);
                 if n == points.random {
-                    found.at_start.record(&points.for_identities[n], cluster, typical);
+                    record(&mut found.at_start);
                 }
             }
         }

@@ -74,20 +74,22 @@ impl Points {
             if points.len() == wanted {
                 break;
             }
-            let y = match (&region, attempt / wanted) {
-                (Region::Near, _) => near(0.1, 0.1, &mut random),
-                (_, TRIES..) if attempt / wanted > TRIES && y0.is_some() => {
+            let y = match region {
+                Region::Near => near(0.1, 0.1, &mut random),
+                _ if attempt / wanted > TRIES && y0.is_some() => {
                     // A domain may be narrow.
                     let share = 0.3 * f64::powi(0.5, (attempt % NEARER) as i32);
                     near(share, 0.1 * norm(start), &mut random)
                 }
-                (_, TRIES..) => region.point(d, &mut random).into_iter().map(f64::abs).collect(),
-                _ => region.point(d, &mut random),
+                _ => {
+                    let y = region.point(d, &mut random).into_iter();
+                    y.map(|y| if attempt / wanted < TRIES { y } else { y.abs() }).collect()
+                }
             };
             if probe.in_domain(&y) {
                 points.push(y);
-            } else if attempt < TRIES * wanted {
-                everywhere = false;
+            } else {
+                everywhere &= attempt >= TRIES * wanted;
             }
         }
         if points.len() < identities {
@@ -105,8 +107,8 @@ impl Points {
             states.push(y.clone());
             for _ in 1..CLUSTER {
                 // Components that are zero remain so.
-                let near: Vec<f64> =
-                    y.iter().map(|y| y * (1.0 + APART * random.uniform())).collect();
+                let near = y.iter().map(|y| y * (1.0 + APART * random.uniform()));
+                let near: Vec<f64> = near.collect();
                 states.push(if probe.in_domain(&near) { near } else { y.clone() });
             }
         }

@@ -3,15 +3,14 @@
 use mc::Friction;
 use real::elementary;
 use serde::Serialize;
-use systems::Damping;
+use systems::{Damping, run_time::System};
 
 use super::{
     casimirs::{Casimirs, FoundCasimir},
     hamiltonian::Hamiltonians,
-    probe::Probe,
     shape::Minimum,
 };
-use crate::facts::{DampingIntegral, Form};
+use crate::facts::{DampingIntegral, Form, energy};
 
 /// A function F with a conformal law and m(F) > 0, which bounds exact and numerical paths:
 /// ‖y(t)‖ ≤ (F(y₀)/m(F))^{1/p} e^{−∫γ}.
@@ -45,10 +44,10 @@ impl Bound {
     }
 
     /// (F(y)/m(F))^{1/p}: the bound of undamped paths from y.
-    fn radius(&self, probe: &mut Probe<'_>, y: &[f64]) -> f64 {
+    fn radius(&self, system: &dyn System, y: &[f64]) -> f64 {
         let value = match &self.casimir {
             Some(casimir) => casimir.value(y),
-            None => probe.energy(&[y.to_vec()], &probe.weights(0))[0],
+            None => energy(system, y),
         };
         elementary::powf(value / self.minimum.value, 1.0 / self.degree)
     }
@@ -70,7 +69,7 @@ impl ProblemFindings {
     pub(super) fn of(
         ((damping, t_end), friction): ((&dyn Damping, f64), &[Friction]),
         y0: &[f64],
-        probe: &mut Probe<'_>,
+        system: &dyn System,
         bound: Option<&Bound>,
     ) -> Self {
         let of_friction =
@@ -80,7 +79,7 @@ impl ProblemFindings {
             |a: DampingIntegral, b: DampingIntegral| if b.agrees < a.agrees { b } else { a };
         let integral = of_friction.fold(first, worse);
         let bound = bound.filter(|_| integral.agrees.holds());
-        let radius = bound.map(|bound| bound.radius(probe, y0) * elementary::exp(-integral.least));
+        let radius = bound.map(|bound| bound.radius(system, y0) * elementary::exp(-integral.least));
         Self { damping: Friction::describe(friction, damping, t_end), integral, radius }
     }
 }

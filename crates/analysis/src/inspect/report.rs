@@ -74,8 +74,7 @@ impl Inspection {
             ("B(y) is not skew-symmetric", &self.structure.skew),
         ];
         let methods = self.hamiltonians.methods.iter().map(|(what, finding)| (*what, finding));
-        let words =
-            |(what, finding): (&str, &Finding)| (finding.status, format!("{what}: {finding}"));
+        let words = |(what, found): (&str, &Finding)| (found.status, format!("{what}: {found}"));
         let mut checks: Vec<_> = structure.into_iter().chain(methods).map(words).collect();
         if let Some(ProblemFindings { integral, .. }) = &self.problem {
             let what = "the integral of the damping is not the integral of its rate";
@@ -106,17 +105,12 @@ impl Inspection {
 
 impl Display for Inspection {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        writeln!(f, "{}", self.lines().join("\n"))?;
         let lists = [("Cannot tell", &self.undecided), ("Mistakes", &self.mistakes)];
-        for line in self.lines() {
-            writeln!(f, "{line}")?;
-        }
         for (head, list) in lists.iter().filter(|(_, list)| !list.is_empty()) {
             writeln!(f, "{head}\n  - {}", list.join("\n  - "))?;
         }
-        match self.mistakes.is_empty() {
-            true => f.write_str("No mistakes found."),
-            false => Ok(()),
-        }
+        f.write_str(if self.mistakes.is_empty() { "No mistakes found." } else { "" })
     }
 }
 
@@ -129,12 +123,9 @@ impl Inspection {
     fn lines(&self) -> Vec<String> {
         let Self { system, dimension, noises, points, region, hamiltonians: h, .. } = self;
         let domain = if self.defined_everywhere { "" } else { " in its domain" };
-        let mut lines = vec![
-            format!(
-                "{system}: D = {dimension}, M = {noises}; {points} points with {region}{domain}"
-            ),
-            row("B(y)", &self.structure),
-        ];
+        let head =
+            format!("{system}: D = {dimension}, M = {noises}; {points} points with {region}");
+        let mut lines = vec![head + domain, row("B(y)", &self.structure)];
         let shapes = h.shapes.iter().enumerate();
         lines.extend(shapes.map(|(m, shape)| row(&format!("H{m}"), shape)));
         let not_exact = format!(
@@ -144,12 +135,12 @@ impl Inspection {
         // The combining macron takes a character, but no width.
         lines.push(row("∇̄h ", format!(" {}", h.discrete_gradient.words("exact", &not_exact))));
         if *noises > 0 {
-            let energy = h.proportional.words("multiples of H0", "no multiples of H0");
+            lines
+                .push(row("noises", h.proportional.words("multiples of H0", "no multiples of H0")));
+        }
+        if *noises > 1 {
             let (yes, no) = ("commute", "do not commute: strong order 1 needs Lévy areas");
-            lines.push(row("noises", energy));
-            if *noises > 1 {
-                lines.push(row("", self.noise.commute.words(yes, no)));
-            }
+            lines.push(row("", self.noise.commute.words(yes, no)));
         }
         if h.depend_on_time {
             let words = "H depends on it, B does not: Casimirs are kept, energies are not";
@@ -160,7 +151,8 @@ impl Inspection {
             let kind = if invariant.claimed_casimir { "Casimir" } else { "energy" };
             let status = match invariant.status() {
                 Status::Fails => "WRONG, see below",
-                status => status.name(),
+                Status::Unknown => "cannot tell",
+                Status::Holds => "holds",
             };
             row(name, format!("{formula}: {kind} ({status}); {shape}"))
         });
@@ -168,15 +160,18 @@ impl Inspection {
         lines.extend(self.casimirs.iter().flat_map(Casimirs::lines));
         if let Some(ProblemFindings { damping, integral, radius }) = &self.problem {
             lines.push(row("damping", format!("{damping}; {integral}")));
-            let text = match (radius, &self.bound) {
-                (Some(radius), Some(Bound { minimum, .. })) => {
-                    let inside =
-                        if minimum.in_domain_only { " while they are in the domain" } else { "" };
-                    format!("stay within ‖y‖ ≤ {}{inside}", length(*radius))
-                }
-                _ => "no bound was found".into(),
+            let inside = match self.bound.as_ref().is_some_and(|bound| bound.minimum.in_domain_only)
+            {
+                true => " while they are in the domain",
+                false => "",
             };
-            lines.push(row("paths", text));
+            lines.push(row(
+                "paths",
+                match radius {
+                    Some(radius) => format!("stay within ‖y‖ ≤ {}{inside}", length(*radius)),
+                    None => "no bound was found".into(),
+                },
+            ));
         }
         let applies = self.theorems.iter().map(|Theorem { statement, applies }| {
             let applies = match applies {
@@ -186,12 +181,12 @@ impl Inspection {
             };
             (*statement, applies.to_owned())
         });
+        lines.push("Statements of the paper".into());
+        lines.extend(grouped(applies));
         let orders = self.orders.iter().map(|ExpectedOrder { scheme, strong, weak, known }| {
             let known = if known.holds() { "" } else { " at least" };
             (*scheme, format!("{strong}{known} / {weak}"))
         });
-        lines.push("Statements of the paper".into());
-        lines.extend(grouped(applies));
         lines.push("Expected orders, strong / weak".into());
         lines.extend(grouped(orders));
         for Recommendation { purpose, scheme, because } in &self.recommended {
@@ -250,19 +245,20 @@ impl Casimirs {
 impl Finding {
     /// `yes` if it holds, `yes?` if that cannot be told, else `no`; with the finding.
     fn words(&self, yes: &str, no: &str) -> String {
-        match self.status {
-            Status::Fails => format!("{no} ({self})"),
-            Status::Unknown => format!("{yes}? ({self})"),
-            Status::Holds => format!("{yes} ({self})"),
-        }
+        let (answer, doubt) = match self.status {
+            Status::Fails => (no, ""),
+            Status::Unknown => (yes, "?"),
+            Status::Holds => (yes, ""),
+        };
+        format!("{answer}{doubt} ({self})")
     }
 }
 
 impl Display for Finding {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { status, defect, at, .. } = self;
+        let Self { status, defect, at, points, .. } = self;
         match status {
-            _ if self.points == 0 => f.write_str("not looked at"),
+            _ if *points == 0 => f.write_str("not looked at"),
             Status::Holds if *defect == 0.0 => f.write_str("exactly"),
             Status::Holds => write!(f, "to {defect:.0e} of its terms"),
             Status::Unknown => write!(f, "cannot tell: {defect:.0e} of its terms at {}", point(at)),
@@ -309,12 +305,12 @@ impl Display for Structure {
 
 impl Display for Minimum {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let domain = if self.in_domain_only { " on the domain" } else { "" };
         match self.positive {
-            Status::Unknown => f.write_str("about 0")?,
-            Status::Fails => write!(f, "{:.4e}", self.value)?,
-            Status::Holds => write!(f, "{:.4e} > 0", self.value)?,
+            Status::Unknown => write!(f, "about 0{domain}"),
+            Status::Fails => write!(f, "{:.4e}{domain}", self.value),
+            Status::Holds => write!(f, "{:.4e} > 0{domain}", self.value),
         }
-        f.write_str(if self.in_domain_only { " on the domain" } else { "" })
     }
 }
 

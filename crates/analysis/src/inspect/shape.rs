@@ -42,15 +42,14 @@ const STRETCH: [f64; 2] = [2.0, 0.5];
 
 impl Shape {
     pub(super) fn of(sight: &mut Sight<'_>, f: Values<'_>) -> Self {
-        let Sight { probe, points, states, matrices } = sight;
-        let values = f(probe, states);
+        let values = f(&mut sight.probe, &sight.states);
         let factor = |at: &Vec<f64>| {
-            let inside = STRETCH.into_iter().find(|&c| probe.in_domain(&scaled(c, at)));
+            let inside = STRETCH.into_iter().find(|&c| sight.probe.in_domain(&scaled(c, at)));
             [inside.unwrap_or(1.0); CLUSTER]
         };
-        let factors: Vec<f64> = points.for_identities.iter().flat_map(factor).collect();
-        let stretch = |(y, c): (&Vec<f64>, &f64)| scaled(*c, y);
-        let stretched = f(probe, &states.iter().zip(&factors).map(stretch).collect::<Batch>());
+        let factors: Vec<f64> = sight.points.for_identities.iter().flat_map(factor).collect();
+        let states: Batch = sight.states.iter().zip(&factors).map(|(y, c)| scaled(*c, y)).collect();
+        let stretched = f(&mut sight.probe, &states);
         let zero = values.iter().chain(&stretched).all(|x| *x == 0.0);
         let typical = largest(&values);
         // The degree is read where F is largest.
@@ -60,29 +59,27 @@ impl Shape {
             elementary::ln(stretched[n] / values[n]) / elementary::ln(factors[n])
         });
         let degree = if zero { 0.0 } else { short(degree) + 0.0 };
-        let same = |mut finding: Finding, others: &dyn Fn(usize) -> f64| {
-            let term = |n: usize| vec![sum([stretched[n], -others(n)])];
-            let terms: Vec<_> = (0..values.len()).map(term).collect();
-            for (at, cluster) in points.for_identities.iter().zip(terms.chunks(CLUSTER)) {
-                finding.record(at, cluster, typical);
-            }
-            finding
+        let same = |sight: &Sight<'_>, finding: &mut Finding, others: &dyn Fn(usize) -> f64| {
+            let terms = (0..values.len()).map(|n| vec![sum([stretched[n], -others(n)])]);
+            sight.record(finding, terms, typical);
         };
-        let exact = if degree.fract() == 0.0 { Finding::default() } else { Finding::fitted() };
-        let homogeneous = if degree.is_finite() {
-            same(exact, &|n| elementary::powf(factors[n], degree) * values[n])
+        let mut homogeneous =
+            if degree.fract() == 0.0 { Finding::default() } else { Finding::fitted() };
+        if degree.is_finite() {
+            let power = |n: usize| elementary::powf(factors[n], degree) * values[n];
+            same(sight, &mut homogeneous, &power);
         } else {
-            let mut told = exact;
-            told.status = if typical.is_finite() { Status::Fails } else { Status::Unknown };
-            told
-        };
+            let told = if typical.is_finite() { Status::Fails } else { Status::Unknown };
+            homogeneous.status = told;
+        }
         let degree = Some(degree).filter(|_| homogeneous.holds() && !zero);
-        let whole = !matrices.is_empty() && points.everywhere;
+        let whole = !sight.matrices.is_empty() && sight.points.everywhere;
         let of_form = degree.filter(|degree| whole && [1.0, 2.0].contains(degree));
-        let form = of_form.map(|degree| form(probe, degree as u32, f));
+        let form = of_form.map(|degree| form(&mut sight.probe, degree as u32, f));
         let form = form.filter(|form| {
-            let value = |n: usize| form.value(&scaled(factors[n], &states[n]));
-            same(Finding::fitted(), &value).holds()
+            let mut fitted = Finding::fitted();
+            same(sight, &mut fitted, &|n| form.value(&states[n]));
+            fitted.holds()
         });
         Self { degree, homogeneous, minimum: form.map(|form| Minimum::of(&form, false)) }
     }

@@ -47,17 +47,29 @@ impl<'a> Sight<'a> {
         (0..=self.probe.noises()).map(|_| random.uniform()).collect()
     }
 
-    /// Records an identity whose terms are given at each state.
-    pub fn record(&self, finding: &mut Finding, terms: impl IntoIterator<Item = Vec<Term>>) {
+    /// Records an identity whose terms are given at each state, beside others of the size `wide`.
+    pub fn record(
+        &self,
+        finding: &mut Finding,
+        terms: impl IntoIterator<Item = Vec<Term>>,
+        wide: f64,
+    ) {
         let terms: Vec<_> = terms.into_iter().collect();
         for (at, cluster) in self.points.for_identities.iter().zip(terms.chunks(CLUSTER)) {
-            finding.record(at, cluster, 0.0);
+            finding.record(at, cluster, wide);
         }
+    }
+
+    /// What is found of an identity whose terms are given at each state.
+    pub fn found(&self, terms: impl IntoIterator<Item = Vec<Term>>) -> Finding {
+        let mut finding = Finding::default();
+        self.record(&mut finding, terms, 0.0);
+        finding
     }
 
     /// Records a = b at each state.
     pub fn compare(&self, finding: &mut Finding, a: &Batch, b: &Batch) {
-        self.record(finding, a.iter().zip(b).map(|(a, b)| differences(a, b)));
+        self.record(finding, a.iter().zip(b).map(|(a, b)| differences(a, b)), 0.0);
     }
 
     /// The ends of steps from each state.
@@ -91,12 +103,12 @@ impl<'a> Sight<'a> {
         // All values are on the segments.
         let slopes = slopes(&mut self.probe, &middles, &steps, &vec![0.125; steps.len()], energy);
         let gradients = self.probe.gradient(&middles, weights);
-        let term = |((slope, size), (gradient, step)): (Term, (&Vec<f64>, &Vec<f64>))| {
+        let terms = slopes.into_iter().zip(gradients.iter().zip(&steps));
+        let terms = terms.map(|((slope, size), (gradient, step))| {
             let (along, terms) = product(gradient, step);
             vec![(slope - along, size + terms)]
-        };
-        let terms: Vec<_> =
-            slopes.into_iter().zip(gradients.iter().zip(&steps)).map(term).collect();
+        });
+        let terms: Vec<_> = terms.collect();
         for (at, cluster) in self.points.for_identities.iter().zip(terms.chunks(CLUSTER)) {
             if cluster.iter().all(|terms| terms[0].1 < f64::INFINITY) {
                 finding.record(at, cluster, 0.0);

@@ -6,6 +6,7 @@ use super::{
     algebra::{Matrix, moved},
     finding::{Finding, Status, combined, differences, product, sum},
     form::places,
+    probe::Batch,
     random::{Purpose, Random},
     sight::Sight,
 };
@@ -26,38 +27,33 @@ pub struct Structure {
 
 impl Structure {
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
-        let mut found = Self::default();
         let mut random = Random::new(Purpose::Vectors);
         let [u, v] = [0, 1].map(|_| sight.vectors(&mut random));
-        let both: Vec<_> = u.iter().zip(&v).map(|(u, v)| moved(u, 1.0, v)).collect();
+        let both: Batch = u.iter().zip(&v).map(|(u, v)| moved(u, 1.0, v)).collect();
         let [bu, bv, b_both] = [&u, &v, &both].map(|v| sight.probe.structure(&sight.states, v));
-        let linear = |n: usize| {
-            let term = |i: usize| sum([b_both[n][i], -bu[n][i], -bv[n][i]]);
-            (0..u[n].len()).map(term).collect()
-        };
-        sight.record(&mut found.linear, (0..u.len()).map(linear));
+        let defect = |n: usize, i: usize| sum([b_both[n][i], -bu[n][i], -bv[n][i]]);
+        let defects = |n: usize| (0..u[n].len()).map(|i| defect(n, i)).collect();
+        let linear = sight.found((0..u.len()).map(defects));
         // Bᵢⱼ + Bⱼᵢ = 0, or vᵀB(y)v = 0.
-        if sight.matrices.is_empty() {
-            sight.record(&mut found.skew, v.iter().zip(&bv).map(|(v, bv)| vec![product(v, bv)]));
-        } else {
-            let terms =
-                |b: &Matrix| places(b.len()).map(|(i, j)| sum([b[i][j], b[j][i]])).collect();
-            sight.record(&mut found.skew, sight.matrices.iter().map(terms));
-        }
+        let pairs = |b: &Matrix| places(b.len()).map(|(i, j)| sum([b[i][j], b[j][i]])).collect();
+        let skew = match sight.matrices.is_empty() {
+            true => sight.found(v.iter().zip(&bv).map(|(v, bv)| vec![product(v, bv)])),
+            false => sight.found(sight.matrices.iter().map(pairs)),
+        };
         let fixed = sight.probe.structure(&sight.states, &v[..1]);
-        sight.record(&mut found.constant, fixed.iter().map(|bv| differences(bv, &fixed[0])));
+        let constant = sight.found(fixed.iter().map(|bv| differences(bv, &fixed[0])));
         // The Jacobi identity for three covectors.
-        let covectors = [u, v.clone(), sight.vectors(&mut random)];
+        let covectors = [u, v, sight.vectors(&mut random)];
         let turned = covectors.each_ref().map(|v| sight.probe.structure(&sight.states, v));
         let mut jacobi = vec![(0.0, 0.0); sight.states.len()];
         for k in 0..3 {
             let (a, b, c) = (&covectors[k], &covectors[(k + 1) % 3], &turned[(k + 2) % 3]);
             let along = sight.probe.structure_along(&sight.states, c, b);
             let terms: Vec<_> = a.iter().zip(&along).map(|(a, along)| product(a, along)).collect();
-            jacobi = combined(&jacobi, 1.0, &terms);
+            jacobi = combined(&jacobi, &terms);
         }
-        sight.record(&mut found.jacobi, jacobi.into_iter().map(|term| vec![term]));
-        found
+        let jacobi = sight.found(jacobi.into_iter().map(|term| vec![term]));
+        Self { linear, skew, constant, jacobi }
     }
 
     /// Whether B(y)v is linear in v and B skew-symmetric.

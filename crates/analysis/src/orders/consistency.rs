@@ -75,11 +75,9 @@ struct Error {
 
 /// Whether errors vanish as τ → 0, from those above rounding.
 fn vanishes(errors: &[Error]) -> Limit {
-    let shown: Vec<f64> = errors
-        .iter()
-        .take_while(|error| error.value > SHOWN * error.floor)
-        .map(|error| error.value)
-        .collect();
+    let shown =
+        errors.iter().map_while(|error| (error.value > SHOWN * error.floor).then_some(error.value));
+    let shown: Vec<f64> = shown.collect();
     // |Eδ|/τ and (E|δ|²/τ)^½ with τ a quarter as large.
     let exponents: Vec<f64> =
         shown.windows(2).map(|pair| 0.5 * elementary::log2(pair[0] / pair[1])).collect();
@@ -122,56 +120,27 @@ fn errors(
     visits: &[Known<'_>],
     tau: f64,
 ) -> Option<Errors> {
-    let problem = &steps.setup.problem;
-    let (mut drift, mut noise, mut covariance, mut motion) = (0.0, 0.0, 0.0, 0.0);
-    let (mut size, mut scale, mut failed) = (0.0, 0.0, 0);
+    let noises = steps.setup.problem.noises;
+    let (mut sums, mut failed) = ([0.0; 6], 0);
     // Normal increments, then signs.
-    let signed = signs(problem.noises).map(|signs| signs.map(|sign| sign * tau.sqrt()).collect());
+    let signed = signs(noises).map(|signs| signs.map(|sign| sign * tau.sqrt()).collect());
     let mut increments: Vec<Vec<f64>> = std::iter::once(Vec::new()).chain(signed).collect();
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
-        let mut normals = StepNoise::zero(problem.noises);
+        let mut normals = StepNoise::zero(noises);
         let mut wiener = WienerRows::new(sizes.key, block * WIDTH as u64);
         wiener.increments(tau.sqrt(), &mut normals.increments);
-        for (p, Known { visit: Visit { t, state: y }, at }) in visits.iter().enumerate() {
-            let Coefficients { drift: field, correction, noises: b } = at;
-            let step = Step::new(problem.damping, (t / tau).round() as u64, tau).ok()?;
-            let coefficient = |i: usize| field[i] + correction[i] - step.rate_at_start * y[i];
-            let a: Vec<f64> = (0..y.len()).map(coefficient).collect();
+        for (p, known) in visits.iter().enumerate() {
             if sizes.stop.is_asked() {
                 return None;
             }
             increments[0] = normals.increments.iter().map(|row| row[p]).collect();
-            let Some(changes) = changes(steps, &step, y, &increments) else {
-                failed += 1;
-                continue;
-            };
-            // δ of each step.
-            let error = |(change, dw): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
-                let of_noise = |i: usize| b.iter().zip(dw).map(|(b, dw)| b[i] * dw).sum::<f64>();
-                (0..y.len()).map(|i| change[i] - (a[i] * tau + of_noise(i))).collect()
-            };
-            let errors: Vec<Vec<f64>> = changes.iter().zip(&increments).map(error).collect();
-            if errors.iter().flatten().any(|error| !error.is_finite()) {
-                failed += 1;
-                continue;
+            match squares(steps, known, tau, &increments) {
+                Some(found) => sums.iter_mut().zip(found).for_each(|(sum, x)| *sum += x),
+                None => failed += 1,
             }
-            let (number, signed) = ((changes.len() - 1) as f64, &changes[1..]);
-            let mean = |i: usize| errors[1..].iter().map(|error| error[i]).sum::<f64>() / number;
-            let wrong = |i: usize, j: usize| {
-                let product = signed.iter().map(|change| change[i] * change[j]).sum::<f64>();
-                product / number - tau * b.iter().map(|b| b[i] * b[j]).sum::<f64>()
-            };
-            let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-            let (all, noises) = (0..y.len(), square(&b.concat()));
-            drift += square(&all.clone().map(mean).collect::<Vec<_>>());
-            noise += square(&errors[0]);
-            let of_row = |i: usize| all.clone().map(|j| wrong(i, j).powi(2)).sum::<f64>();
-            covariance += all.clone().map(of_row).sum::<f64>();
-            motion += square(&a) * problem.t_end * problem.t_end + noises * problem.t_end;
-            size += square(y);
-            scale += square(y) * noises;
         }
     }
+    let [drift, noise, covariance, motion, size, scale] = sums;
     let usable = 10 * failed <= visits.len() && size > 0.0;
     usable.then(|| Errors {
         drift: (drift / size).sqrt(),
@@ -179,6 +148,43 @@ fn errors(
         covariance: if scale > 0.0 { (covariance / scale).sqrt() } else { 0.0 },
         motion: (motion / size).sqrt(),
     })
+}
+
+/// The squares of which [`Errors`] are the roots, of steps from one state, then |y|² and
+/// |y|²Σ|fₘ|²; `None` if a step fails.
+fn squares(
+    steps: &mut Steps<'_>,
+    Known { visit: Visit { t, state: y }, at }: &Known<'_>,
+    tau: f64,
+    increments: &[Vec<f64>],
+) -> Option<[f64; 6]> {
+    let (problem, b) = (&steps.setup.problem, &at.noises);
+    let step = Step::new(problem.damping, (t / tau).round() as u64, tau).ok()?;
+    let coefficient = |i: usize| at.drift[i] + at.correction[i] - step.rate_at_start * y[i];
+    let a: Vec<f64> = (0..y.len()).map(coefficient).collect();
+    let changes = changes(steps, &step, y, increments)?;
+    // δ of each step.
+    let error = |(change, dw): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+        let of_noise = |i: usize| b.iter().zip(dw).map(|(b, dw)| b[i] * dw).sum::<f64>();
+        (0..y.len()).map(|i| change[i] - (a[i] * tau + of_noise(i))).collect()
+    };
+    let errors: Vec<Vec<f64>> = changes.iter().zip(increments).map(error).collect();
+    if errors.iter().flatten().any(|error| !error.is_finite()) {
+        return None;
+    }
+    let (number, all) = ((changes.len() - 1) as f64, 0..y.len());
+    let mean = |i: usize| errors[1..].iter().map(|error| error[i]).sum::<f64>() / number;
+    let wrong = |i: usize, j: usize| {
+        let product = changes[1..].iter().map(|change| change[i] * change[j]).sum::<f64>();
+        product / number - tau * b.iter().map(|b| b[i] * b[j]).sum::<f64>()
+    };
+    let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+    let row = |i: usize| all.clone().map(|j| wrong(i, j).powi(2)).sum::<f64>();
+    let (size, noises, t_end) = (square(y), square(&b.concat()), problem.t_end);
+    let drift = square(&all.clone().map(mean).collect::<Vec<_>>());
+    let covariance = all.clone().map(row).sum();
+    let motion = square(&a) * t_end * t_end + noises * t_end;
+    Some([drift, square(&errors[0]), covariance, motion, size, size * noises])
 }
 
 /// The changes Δy in steps from y on these increments; `None` if a step fails.

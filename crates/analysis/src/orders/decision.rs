@@ -57,10 +57,8 @@ pub fn undecided(more: More, because: impl Into<String>) -> Decision {
 pub fn kept(differences: &CrossMoments, steps: u64, size: f64) -> bool {
     let rounding = ROUND_OFF * steps as f64 * size.abs();
     differences.count() > 1
-        && (0..differences.length()).all(|k| {
-            let se = differences.covariance_of_means(k, k).max(0.0).sqrt();
-            differences.mean(k).abs() + 2.0 * se <= rounding
-        })
+        && (0..differences.length())
+            .all(|k| differences.mean(k).abs() + 2.0 * differences.standard_error(k) <= rounding)
 }
 
 /// The strong order.
@@ -68,17 +66,17 @@ pub fn strong(rate: Option<&Rate>, one_step: Option<OneStep>, limit: Limit) -> D
     let unclear = |orders| {
         undecided(More::Steps, format!("one step as τ → 0 shows {orders} a strong order can have"))
     };
-    let (rate, one_step) = match (usable(rate, limit), one_step) {
-        (Err(decision), _) => return decision,
-        (Ok(_), None) => return unclear("no order that"),
-        (Ok(rate), Some(one_step)) => (rate, one_step),
+    let rate = match usable(rate, limit) {
+        Ok(rate) => rate,
+        Err(decision) => return decision,
     };
+    let Some(one_step) = one_step else { return unclear("no order that") };
     let (lo, hi) = rate.interval(CONTRADICTION);
-    let mut possible = one_step.strong_orders().filter(|&order| order <= hi);
-    match (possible.next(), possible.next()) {
-        (None, _) => not_asymptotic(),
-        (Some(order), None) => Decision::Order { order, shown: lo <= order },
-        (Some(_), Some(_)) => unclear("one of two orders that"),
+    let possible: Vec<f64> = one_step.strong_orders().filter(|&order| order <= hi).collect();
+    match possible[..] {
+        [] => not_asymptotic(),
+        [order] => Decision::Order { order, shown: lo <= order },
+        _ => unclear("one of two orders that"),
     }
 }
 
@@ -115,31 +113,13 @@ fn usable(rate: Option<&Rate>, limit: Limit) -> Result<&Rate, Decision> {
     }
     let noise = "the differences between step sizes are inside their noise";
     let rate = rate.ok_or_else(|| undecided(More::Paths, noise))?;
-    let width = rate.hi - rate.lo;
-    if rate.misfits() {
-        Err(not_asymptotic())
-    } else if width.is_nan() || width > WIDEST {
-        let times = (width / WIDEST).powi(2).ceil();
-        Err(undecided(
-            More::Paths,
-            format!("the interval is wide, for {times} times as many paths"),
-        ))
-    } else if !matches!(limit, Limit::Consistent { .. } | Limit::Agrees { .. }) {
-        Err(undecided(More::Steps, "the limit could not be compared"))
-    } else {
-        Ok(rate)
-    }
-}
-
-impl Decision {
-    /// Widens the interval of a rate to the order that is named, or adds the warning that none is.
-    pub fn settle(&self, rate: &mut Rate) {
-        if let &Self::Order { order, .. } = self {
-            (rate.lo, rate.hi) = (rate.lo.min(order), rate.hi.max(order));
-        } else {
-            let before = rate.warning.take().map_or(String::new(), |warning| warning + "; ");
-            rate.warning = Some(format!("{before}{self}"));
-        }
+    let times = ((rate.hi - rate.lo) / WIDEST).powi(2).ceil();
+    let wide = || format!("the interval is wide, for {times} times as many paths");
+    match limit {
+        _ if rate.misfits() => Err(not_asymptotic()),
+        _ if times.is_nan() || times > 1.0 => Err(undecided(More::Paths, wide())),
+        Limit::Consistent { .. } | Limit::Agrees { .. } => Ok(rate),
+        _ => Err(undecided(More::Steps, "the limit could not be compared")),
     }
 }
 
@@ -166,18 +146,14 @@ impl fmt::Display for Order {
         if let Some(rate) = rate.as_ref().filter(|_| *decision != Decision::Kept) {
             write!(f, "; fitted {:.2} [{:.2}, {:.2}]", rate.estimate, rate.lo, rate.hi)?;
         }
-        match (decision, one_step) {
-            (Decision::Order { shown: false, .. }, Some(OneStep { tau, amplification, .. })) => {
-                write!(
-                    f,
-                    "; shown by one step at τ = {tau:.0e} and {amplification} times the noise"
-                )
-            }
-            (Decision::Order { shown: false, .. }, None) => {
-                f.write_str("; a lower order may have a tenth of the last difference")
-            }
-            _ => Ok(()),
-        }?;
+        if let Decision::Order { shown: false, .. } = decision {
+            match one_step {
+                Some(OneStep { tau, amplification: times, .. }) => {
+                    write!(f, "; shown by one step at τ = {tau:.0e} and {times} times the noise")
+                }
+                None => f.write_str("; a lower order may have a tenth of the last difference"),
+            }?;
+        }
         match limit {
             Limit::Consistent { defect } => write!(f, "; right in one step to {defect:.0e}"),
             Limit::Inconsistent { defect } => write!(f, "; wrong in one step by {defect:.0e}"),

@@ -63,10 +63,9 @@ fn constant(squares: &CrossMoments, [far, near]: [usize; 2], halvings: usize) ->
     (constant.mean(0), half_width(&constant, 0))
 }
 
-/// Half the width of the 95 % interval of mean number i. Where all paths agree, rounding may make
-/// the variance negative.
+/// Half the width of the 95 % interval of mean number i.
 fn half_width(moments: &CrossMoments, i: usize) -> f64 {
-    QUANTILE * moments.covariance_of_means(i, i).max(0.0).sqrt()
+    QUANTILE * moments.standard_error(i)
 }
 
 /// The distance of the limit from that of a reference, if squared errors against the reference

@@ -41,6 +41,7 @@ pub use decision::{Decision, More};
 pub use exact::Exact;
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
+pub(crate) use order::evaluate;
 pub use order::{squared_distance, strong_order, weak_order};
 pub use referee::{Judged, LevelNoise, Referee, SolverStates, VISITS};
 pub use step_sizes::StepSizes;
@@ -78,8 +79,12 @@ impl Order {
 }
 
 /// Compares single steps of the scheme with the coefficients of the equation as τ → 0, at states
-/// that its paths visit.
-pub(crate) fn single_steps(setup: &Setup<'_>, sizes: &StepSizes) -> Result<Limit, LadderError> {
-    let visits = runs::visits(setup, sizes, consistency::VISITS as u64)?;
-    Ok(consistency::consistency(setup, sizes, &visits, false))
+/// that its paths visit; or the first failure, if one of these fails.
+pub(crate) fn single_steps(
+    setup: &Setup<'_>,
+    sizes: &StepSizes,
+) -> Result<Result<Limit, String>, LadderError> {
+    let (visits, failure) = runs::visits(setup, sizes, consistency::VISITS as u64)?;
+    let limit = || consistency::consistency(setup, sizes, &visits, false);
+    Ok(failure.map_or_else(|| Ok(limit()), |failure| Err(failure.to_string())))
 }

@@ -94,25 +94,17 @@ pub fn least_order(
             break;
         }
     }
-    let mut least: Option<OneStep> = None;
-    for (squares, amplification) in squares.iter().zip(AMPLIFICATIONS) {
+    let clear = |(squares, amplification): (&Vec<(f64, f64)>, f64)| {
         // Squares with τ a quarter as large: E|δ|² falls by 4^{2q}.
-        let exponents: Vec<f64> =
-            squares.windows(2).map(|pair| 0.25 * elementary::log2(pair[0].1 / pair[1].1)).collect();
-        let found = match exponents[..] {
-            [.., before, last] => {
-                let order = 0.5 * (2.0 * last).round();
-                let clear = [before, last].iter().all(|q| (q - order).abs() < TOLERANCE);
-                clear.then(|| OneStep { order, tau: squares[squares.len() - 1].0, amplification })
-            }
-            _ => None,
-        };
-        least = match (least, found) {
-            (Some(least), Some(found)) if found.order >= least.order => Some(least),
-            (least, found) => found.or(least),
-        };
-    }
-    least.filter(|step| step.order > 0.0)
+        let exponent = |pair: &[(f64, f64)]| 0.25 * elementary::log2(pair[0].1 / pair[1].1);
+        let exponents: Vec<f64> = squares.windows(2).map(exponent).collect();
+        let (&[before, last], (tau, _)) = (exponents.last_chunk()?, squares.last()?);
+        let order = 0.5 * (2.0 * last).round();
+        let near = [before, last].iter().all(|q| (q - order).abs() < TOLERANCE);
+        near.then_some(OneStep { order, tau: *tau, amplification })
+    };
+    let all = squares.iter().zip(AMPLIFICATIONS).filter_map(clear);
+    all.min_by(|a, b| a.order.total_cmp(&b.order)).filter(|step| step.order > 0.0)
 }
 
 fn square_of(x: impl Iterator<Item = f64>) -> f64 {
@@ -153,6 +145,11 @@ fn differences(
     sums.into_iter().map(|(square, size, count)| (square / count, size / count)).collect()
 }
 
+/// No noise, with areas or without.
+pub fn no_noise(noises: usize, areas: bool) -> StepNoise {
+    if areas { StepNoise::with_areas(noises) } else { StepNoise::zero(noises) }
+}
+
 /// The noise of two steps τ of 32 paths, times a factor. Areas have one term of their series, since
 /// one step and two half steps share them and only their law is that of the series.
 pub fn two_steps(
@@ -168,10 +165,7 @@ pub fn two_steps(
     // Brownian motion times a factor is Brownian motion of another time.
     let time = tau * factor * factor;
     [(); 2].map(|()| {
-        let mut noise = match areas {
-            Some(_) => StepNoise::with_areas(noises),
-            None => StepNoise::zero(noises),
-        };
+        let mut noise = no_noise(noises, areas.is_some());
         wiener.increments(time.sqrt(), &mut noise.increments);
         if let Some(areas) = &mut areas {
             areas.areas(time, &noise.increments, &mut noise.areas);

@@ -95,10 +95,8 @@ fn once(
     let values = |view: &View<'_>, numbers: &mut [Row]| {
         let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
         let Some(observable) = observable else {
-            for (number, pair) in numbers.iter_mut().zip(states.windows(2)) {
-                *number = squared_distance(pair[0], pair[1], view.live);
-            }
-            return;
+            let squares = states.windows(2).map(|y| squared_distance(y[0], y[1], view.live));
+            return numbers.iter_mut().zip(squares).for_each(|(number, square)| *number = square);
         };
         // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the solution.
         let solution = exact.map(|exact| exact.rows(view, setup.problem.y0.len()));
@@ -109,11 +107,12 @@ fn once(
         }
     };
     let measured = |samples| {
-        let sizes = StepSizes { samples, ..sizes.clone() };
-        measure(setup, &sizes, exact.map(|exact| exact.time_change), number - 1 + one_more, &values)
+        let (sizes, clock) = (StepSizes { samples, ..sizes.clone() }, exact.map(|e| e.time_change));
+        measure(setup, &sizes, clock, number - 1 + one_more, &values)
     };
-    let mut measurement = measured(sizes.samples.min(FEW))?;
-    if 2 * measurement.failed <= sizes.samples.min(FEW) {
+    let few = sizes.samples.min(FEW);
+    let mut measurement = measured(few)?;
+    if 2 * measurement.failed <= few {
         measurement = measured(sizes.samples)?;
     }
     let (moments, failed) = (measurement.statistic.moments, measurement.failed);
@@ -121,7 +120,7 @@ fn once(
     if 10 * failed > paths {
         return Ok(failing(&measurement.failures, [failed, paths]));
     }
-    let visits = visits(setup, sizes, VISITS)?;
+    let (visits, _) = visits(setup, sizes, VISITS)?;
     let limit = match exact {
         Some(_) => weak_limit(&moments),
         None => consistency(setup, sizes, &visits, one_more > 0),
@@ -142,7 +141,9 @@ fn once(
     if let Some(because) = sizes.unresolved(setup) {
         order.decision = undecided(More::Steps, because);
     }
-    Ok(Order { failed, ..order }.settled())
+    order.failed = failed;
+    order.settle();
+    Ok(order)
 }
 
 /// The strong order from squared differences of successive step sizes.
@@ -181,12 +182,16 @@ pub fn weak(
 }
 
 impl Order {
-    /// With the interval of the rate and its warning as the decision wants them.
-    pub fn settled(mut self) -> Self {
-        if let Some(rate) = &mut self.rate {
-            self.decision.settle(rate);
+    /// Widens the interval of the rate to the order that is named, or adds the warning that none
+    /// is.
+    pub fn settle(&mut self) {
+        let Some(rate) = &mut self.rate else { return };
+        if let Decision::Order { order, .. } = self.decision {
+            (rate.lo, rate.hi) = (rate.lo.min(order), rate.hi.max(order));
+        } else {
+            let before = rate.warning.take().map_or(String::new(), |warning| warning + "; ");
+            rate.warning = Some(format!("{before}{}", self.decision));
         }
-        self
     }
 }
 
@@ -209,7 +214,7 @@ pub fn squared_distance(y: &[Row], x: &[Row], live: PathMask) -> Row {
 /// Means with normal intervals.
 fn mean_points(taus: &[f64], moments: &CrossMoments) -> Vec<Point> {
     let point = |(l, &tau): (usize, &f64)| {
-        let (value, se) = (moments.mean(l), moments.covariance_of_means(l, l).max(0.0).sqrt());
+        let (value, se) = (moments.mean(l), moments.standard_error(l));
         let [lo, hi] = [-1.96, 1.96].map(|reach| Some(value + reach * se));
         Point::Error { tau, value, se, lo, hi, warning: None }
     };

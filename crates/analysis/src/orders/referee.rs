@@ -11,18 +11,19 @@
 
 use std::sync::Arc;
 
-use mc::{Ladder, LadderError, NextNoise, Observe, Run, Setup, Statistic, View, drawn};
-use noise::{DyadicLadder, Purpose, StepNoise, StreamKey, WienerRows};
+use mc::{ConformalLaw, Ladder, LadderError, NextNoise, Observe, Run, Setup, View, drawn};
+use noise::{DyadicLadder, Purpose, StepNoise, WienerRows};
 use rayon::prelude::*;
 use real::{PathMask, Row, WIDTH};
 use stats::{Against, CrossMoments};
 
 use super::{
-    Decision, Limit, More, Order, StepSizes,
+    Decision, Limit, More, OneStep, Order, StepSizes,
     decision::undecided,
     limit::{strong_limit, weak_limit},
-    one_step::{least_order, taus, two_steps},
+    one_step::{least_order, no_noise, taus, two_steps},
     order::{evaluate, strong, weak},
+    runs::{Collected, state},
 };
 
 /// Factors of the noise of single steps; stronger noise would overflow solvers that do not expect
@@ -67,19 +68,16 @@ impl LevelNoise {
 
     /// Blocks of 32 paths side by side in each of these steps.
     fn joined(blocks: &[&Self], steps: usize) -> Self {
-        let of = |values: fn(&Self) -> &Vec<f64>| -> Vec<f64> {
-            let mut all = Vec::new();
-            for n in 0..steps {
-                for block in blocks {
-                    let length = values(block).len() / steps;
-                    all.extend(&values(block)[n * length..(n + 1) * length]);
-                }
-            }
-            all
+        let of = |values: fn(&Self) -> &[f64]| -> Vec<f64> {
+            let step = |n: usize, all: &[f64]| {
+                let length = all.len() / steps;
+                all[n * length..(n + 1) * length].to_vec()
+            };
+            let all = (0..steps).flat_map(|n| blocks.iter().map(move |b| step(n, values(b))));
+            all.flatten().collect()
         };
-        let increments = of(|block| &block.increments);
         Self {
-            increments,
+            increments: of(|block| &block.increments),
             areas: of(|block| &block.areas),
             space_time: of(|block| &block.space_time),
         }
@@ -91,14 +89,22 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
-/// The space-time area of two steps.
-fn joined_space_time(first: &[Row], second: &[Row], dw: [&[Row]; 2]) -> Vec<Row> {
-    let of = |m: usize| {
-        std::array::from_fn(|p| {
-            0.5 * (first[m][p] + second[m][p]) + 0.25 * (dw[0][m][p] - dw[1][m][p])
-        })
+/// The space-time area of two steps on this noise.
+fn joined_space_time([a, b]: [&[Row]; 2], [one, two]: [&StepNoise; 2]) -> Vec<Row> {
+    let of = |m: usize, p: usize| {
+        0.5 * (a[m][p] + b[m][p]) + 0.25 * (one.increments[m][p] - two.increments[m][p])
     };
-    (0..first.len()).map(of).collect()
+    (0..a.len()).map(|m| std::array::from_fn(|p| of(m, p))).collect()
+}
+
+/// φ at the states of these paths.
+fn values(phi: &dyn Observe, d: usize, states: &[f64], paths: &[usize]) -> Vec<f64> {
+    let block = |paths: &[usize]| {
+        let of = |i: usize, p: usize| paths.get(p).map_or(0.0, |path| states[path * d + i]);
+        let rows: Vec<Row> = (0..d).map(|i| std::array::from_fn(|p| of(i, p))).collect();
+        evaluate(phi, &rows, PathMask::first(paths.len())).into_iter().take(paths.len())
+    };
+    paths.chunks(WIDTH).flat_map(block).collect()
 }
 
 /// Gives noise to a solver, and judges the states that it gives back.
@@ -197,15 +203,9 @@ impl Referee<'_> {
         self.setup.problem.noises
     }
 
-    fn no_noise(&self) -> StepNoise {
-        match self.noises() {
-            noises @ ..=1 => StepNoise::zero(noises),
-            noises => StepNoise::with_areas(noises),
-        }
-    }
-
-    fn space_time_key(&self) -> StreamKey {
-        self.sizes.key.beside(Purpose::SpaceTimeAreas)
+    /// Space-time areas of the 32 paths from this one on.
+    fn space_time(&self, first: u64) -> WienerRows {
+        WienerRows::new(self.sizes.key.beside(Purpose::SpaceTimeAreas), first)
     }
 
     /// The noise of so many paths from path number `first` on, multiples of 32, at every step size
@@ -215,17 +215,14 @@ impl Referee<'_> {
     /// [`LadderError`] if areas would take too many terms.
     pub fn noise(&self, first: u64, paths: usize) -> Result<Vec<LevelNoise>, LadderError> {
         let sizes = &self.sizes;
-        let steps = sizes.reference_steps();
-        let tau = self.setup.problem.t_end / steps as f64;
+        let tau = self.setup.problem.t_end / sizes.reference_steps() as f64;
         let areas = (self.noises() > 1).then_some(self.noises());
         let source = drawn(sizes.key.paths_of(Purpose::Paths)?, tau, areas)?;
-        let blocks = (0..paths / WIDTH).into_par_iter();
-        let blocks: Vec<_> = blocks
-            .map(|block| {
-                let first = first + (block * WIDTH) as u64;
-                self.block(first, steps, tau, source(first))
-            })
-            .collect();
+        let blocks = (0..paths / WIDTH).into_par_iter().map(|block| {
+            let first = first + (block * WIDTH) as u64;
+            self.block(first, tau, source(first))
+        });
+        let blocks: Vec<_> = blocks.collect();
         let of_level = |l: usize| {
             let blocks: Vec<&LevelNoise> = blocks.iter().map(|block| &block[l]).collect();
             LevelNoise::joined(&blocks, (sizes.coarsest_steps << l) as usize)
@@ -234,22 +231,20 @@ impl Referee<'_> {
     }
 
     /// The noise of 32 paths.
-    fn block(&self, first: u64, steps: u64, tau: f64, mut next: NextNoise) -> Vec<LevelNoise> {
-        let (sizes, noises) = (&self.sizes, self.noises());
+    fn block(&self, first: u64, tau: f64, mut next: NextNoise) -> Vec<LevelNoise> {
+        let (sizes, mut others) = (&self.sizes, self.space_time(first));
         let (top, finest) = (sizes.level(0), sizes.refinement as usize);
-        let mut others = WienerRows::new(self.space_time_key(), first);
-        let mut ladder = DyadicLadder::new(top, || self.no_noise());
-        let zero = vec![[0.0; WIDTH]; noises];
+        let mut ladder = DyadicLadder::new(top, || no_noise(self.noises(), self.noises() > 1));
+        let zero = vec![[0.0; WIDTH]; self.noises()];
         // Of the whole step of each level, and of its first half.
         let (mut whole, mut half) = (vec![zero.clone(); top + 1], vec![zero; top + 2]);
         let mut found = vec![LevelNoise::default(); sizes.levels];
-        for _ in 0..steps {
+        for _ in 0..sizes.reference_steps() {
             let complete = ladder.push(|noise| next(noise));
             others.increments((tau / 12.0).sqrt(), &mut whole[0]);
             for level in 1..=complete {
-                let dw = [ladder.first_half(level), ladder.whole(level - 1)];
-                let dw = dw.map(|noise| &noise.increments[..]);
-                whole[level] = joined_space_time(&half[level], &whole[level - 1], dw);
+                let noise = [ladder.first_half(level), ladder.whole(level - 1)];
+                whole[level] = joined_space_time([&half[level], &whole[level - 1]], noise);
             }
             half[complete + 1].clone_from(&whole[complete]);
             for level in finest..=complete {
@@ -270,8 +265,12 @@ impl Referee<'_> {
         let runs = [0, 1].map(|level| Run::new(Arc::clone(scheme), level)).into();
         let (steps, levels) = (sizes.reference_steps(), sizes.level(0));
         let ladder = Ladder::new(problem, steps, levels, sizes.truncation, sizes.key, runs)?;
-        let none = || Ends { time: ladder.coarse_steps(), d, ends: Vec::new() };
-        let ends = ladder.run_until(&sizes.stop, first, paths as u64, none).statistic.ends;
+        let end = |view: &View<'_>, p: usize| {
+            let last = view.time == ladder.coarse_steps();
+            last.then(|| (view.first_path + p as u64, [0, 1].map(|run| state(view, run, p))))
+        };
+        let new = || Collected { of: &end, found: Vec::new() };
+        let ends = ladder.run_until(&sizes.stop, first, paths as u64, new).statistic.found;
         let mut found = [(); 3].map(|()| vec![f64::NAN; paths * d]);
         for block in (0..paths).step_by(WIDTH) {
             let start = problem.start(sizes.key, first + block as u64);
@@ -282,7 +281,7 @@ impl Referee<'_> {
         for (path, states) in ends {
             let at = (path - first) as usize * d;
             for (found, state) in found[1..].iter_mut().zip(states) {
-                found[at..at + d].copy_from_slice(&state);
+                found[at..at + d].copy_from_slice(&state[..d]);
             }
         }
         Ok(found)
@@ -296,52 +295,44 @@ impl Referee<'_> {
     /// The noise of one step and of two half steps from each of [`VISITS`] states, and from these
     /// again with stronger noise, by [strength, state].
     pub fn single_noise(&self, tau: f64) -> [LevelNoise; 2] {
-        let noises = self.noises();
-        let mut blocks = [Vec::new(), Vec::new()];
-        for (strength, first) in
-            STRENGTHS.iter().flat_map(|a| (0..VISITS).step_by(WIDTH).map(move |b| (a, b)))
-        {
-            let key = self.sizes.key;
-            let drawn = two_steps(noises, noises > 1, key, first as u64, 0.5 * tau, *strength);
-            let mut others = WienerRows::new(self.space_time_key(), first as u64);
-            let areas = [(); 2].map(|()| {
+        let (noises, key) = (self.noises(), self.sizes.key);
+        let block = |strength: f64, first: u64| {
+            let [mut one, two] = two_steps(noises, noises > 1, key, first, 0.5 * tau, strength);
+            let mut others = self.space_time(first);
+            let [a, b] = [(); 2].map(|()| {
                 let mut areas = vec![[0.0; WIDTH]; noises];
                 others.increments((tau / 24.0).sqrt() * strength, &mut areas);
                 areas
             });
-            let mut both = LevelNoise::default();
-            let halves = drawn.iter().zip(&areas);
-            halves.for_each(|(noise, space_time)| both.push(noise, space_time));
-            let dw = drawn.each_ref().map(|noise| &noise.increments[..]);
-            let space_time = joined_space_time(&areas[0], &areas[1], dw);
-            let [mut one, second] = drawn;
-            one.join(&second);
-            let mut whole = LevelNoise::default();
+            let [mut whole, mut halves] = [(); 2].map(|()| LevelNoise::default());
+            halves.push(&one, &a);
+            halves.push(&two, &b);
+            let space_time = joined_space_time([&a, &b], [&one, &two]);
+            one.join(&two);
             whole.push(&one, &space_time);
-            blocks[0].push(whole);
-            blocks[1].push(both);
-        }
-        let joined = |number: usize| {
-            let blocks: Vec<&LevelNoise> = blocks[number].iter().collect();
-            LevelNoise::joined(&blocks, number + 1)
+            [whole, halves]
         };
-        [joined(0), joined(1)]
+        let firsts = || (0..VISITS as u64).step_by(WIDTH);
+        let of = |strength: f64| firsts().map(move |first| block(strength, first));
+        let blocks: Vec<[LevelNoise; 2]> = STRENGTHS.into_iter().flat_map(of).collect();
+        [0, 1].map(|n| {
+            let blocks: Vec<&LevelNoise> = blocks.iter().map(|block| &block[n]).collect();
+            LevelNoise::joined(&blocks, n + 1)
+        })
     }
 
     /// What the states of a solver show of its strong order, of its weak order for functions, and
     /// of laws.
     pub fn judge(&self, observables: &[&dyn Observe], states: &SolverStates) -> Judged {
         let Self { setup: Setup { problem, .. }, sizes } = self;
-        let (d, levels) = (problem.y0.len(), sizes.levels);
-        let steps = sizes.coarsest_steps << (levels - 1);
-        let all: Vec<&[f64]> = states.levels.iter().map(|level| &level[..]).collect();
-        let all = [all, states.reference.iter().map(|level| &level[..]).collect()].concat();
-        let finite = |path: &usize| {
-            all.iter().all(|y| y[path * d..(path + 1) * d].iter().all(|y| y.is_finite()))
-        };
-        let (paths, failed): (Vec<usize>, Vec<usize>) =
-            (0..states.start.len() / d).partition(finite);
+        let (d, levels, number) =
+            (problem.y0.len(), sizes.levels, states.start.len() / problem.y0.len());
+        // At each step size, and of the reference.
+        let all: Vec<&Vec<f64>> = states.levels.iter().chain(&states.reference).collect();
         let of = |level: usize, path: usize| &all[level][path * d..(path + 1) * d];
+        let finite =
+            |path: &usize| (0..all.len()).all(|l| of(l, *path).iter().all(|y| y.is_finite()));
+        let (paths, failing): (Vec<usize>, Vec<usize>) = (0..number).partition(finite);
         // Differences, errors against the reference, and one of the reference.
         let mut squares = CrossMoments::new(2 * levels);
         for &path in &paths {
@@ -350,16 +341,16 @@ impl Referee<'_> {
             let own = distance(of(levels, path), of(levels + 1, path));
             squares.add(&next.chain(to_reference).chain([own]).collect::<Vec<f64>>());
         }
-        let taus = &sizes.taus(problem.t_end)[..levels - 1];
         let (differences, errors) =
             (squares.part(0..levels - 1), squares.part(levels - 1..2 * levels - 1));
         let reference_error = squares.mean(2 * levels - 1).sqrt();
         let limit = strong_limit(&errors, &differences, reference_error);
-        let mut strong = strong(taus, &differences, self.one_step(&states.single), limit);
-        strong.failed = failed.len() as u64;
+        let taus = sizes.taus(problem.t_end)[..levels].to_vec();
+        let between = &taus[..levels - 1];
+        let mut strong = strong(between, &differences, self.one_step(&states.single), limit);
         // Of a solver that is exact the differences are rounding errors.
-        let all_paths = paths.len() + failed.len();
-        let size: f64 = states.start.iter().map(|y| y * y).sum::<f64>() / all_paths as f64;
+        let steps = sizes.coarsest_steps << (levels - 1);
+        let size: f64 = states.start.iter().map(|y| y * y).sum::<f64>() / number as f64;
         let rounding = (ROUND_OFF * steps as f64).powi(2) * size;
         let exact = differences.means().into_iter().all(|square| square <= rounding);
         if exact && matches!(limit, Limit::Agrees { .. }) {
@@ -370,32 +361,19 @@ impl Referee<'_> {
             _ => None,
         };
         let weak = observables.iter().map(|phi| {
+            let values = |y: &[f64], paths: &[usize]| values(*phi, d, y, paths);
+            let at: Vec<Vec<f64>> = all.iter().map(|y| values(y, &paths)).collect();
             let mut moments = CrossMoments::new(levels);
-            for paths in paths.chunks(WIDTH) {
-                let live = PathMask::first(paths.len());
-                let values = |level: usize| {
-                    let row = |i: usize| {
-                        std::array::from_fn(|p| {
-                            paths.get(p).map_or(0.0, |&path| of(level, path)[i])
-                        })
-                    };
-                    evaluate(*phi, &(0..d).map(row).collect::<Vec<Row>>(), live)
-                };
-                let values: Vec<Row> = (0..levels + 2).map(values).collect();
-                for p in live.paths() {
-                    let at = |level: usize| values[level][p];
-                    // The weak error of the reference is extrapolated.
-                    let limit = 2.0 * at(levels) - at(levels + 1);
-                    let next = (1..levels).map(|l| at(l - 1) - at(l));
-                    let last = at(levels - 1) - limit;
-                    moments.add(&next.chain([last]).collect::<Vec<f64>>());
-                }
+            for k in 0..paths.len() {
+                // The weak error of the reference is extrapolated.
+                let last = at[levels - 1][k] - (2.0 * at[levels][k] - at[levels + 1][k]);
+                let next = (1..levels).map(|l| at[l - 1][k] - at[l][k]);
+                moments.add(&next.chain([last]).collect::<Vec<f64>>());
             }
-            let y0: Vec<Row> = states.start[..d].iter().map(|&y| [y; WIDTH]).collect();
-            let size = evaluate(*phi, &y0, PathMask::first(1))[0];
+            let rounding = (steps, values(&states.start, &[0])[0]);
             let (fitted, limit) = (moments.part(0..levels - 1), weak_limit(&moments));
-            let order = weak(taus, &fitted, Against::HalfStep, limit, (steps, size));
-            (phi.name().to_owned(), Order { failed: failed.len() as u64, ..order })
+            let order = weak(between, &fitted, Against::HalfStep, limit, rounding);
+            (phi.name().to_owned(), order)
         });
         let mut weak: Vec<(String, Order)> = weak.collect();
         // Paths that converge have means that converge.
@@ -403,68 +381,61 @@ impl Referee<'_> {
         if let Some((_, order)) = other {
             (strong.limit, strong.decision) = (order.limit, Decision::WrongLimit);
         }
-        // The rest says little about the solver.
-        if 10 * failed.len() > all_paths {
-            let because = format!("{} of {all_paths} paths failed", failed.len());
-            for order in [&mut strong].into_iter().chain(weak.iter_mut().map(|(_, order)| order)) {
+        for order in [&mut strong].into_iter().chain(weak.iter_mut().map(|(_, order)| order)) {
+            order.failed = failing.len() as u64;
+            // The rest says little about the solver.
+            if 10 * failing.len() > number {
+                let because = format!("{} of {number} paths failed", failing.len());
                 (order.rate, order.one_step) = (None, None);
-                order.decision = undecided(More::Steps, because.clone());
+                order.decision = undecided(More::Steps, because);
             }
+            order.settle();
         }
-        let weak = weak.into_iter().map(|(name, order)| (name, order.settled())).collect();
-        Judged {
-            weak,
-            taus: sizes.taus(problem.t_end)[..levels].to_vec(),
-            errors: errors.means().into_iter().map(f64::sqrt).collect(),
-            reference_error,
-            laws: self.laws(states, &paths),
-            solves,
-            strong: strong.settled(),
-        }
+        let laws = self.laws(states, &paths);
+        let errors = errors.means().into_iter().map(f64::sqrt).collect();
+        Judged { strong, weak, taus, errors, reference_error, laws, solves }
     }
 
     /// The order of single steps.
-    fn one_step(&self, single: &[[Vec<f64>; 2]]) -> Option<super::OneStep> {
+    fn one_step(&self, single: &[[Vec<f64>; 2]]) -> Option<OneStep> {
         let d = self.setup.problem.y0.len();
         let mut known = single.iter();
         least_order(self.setup.problem.t_end, &self.sizes, &mut |_, strengths| {
-            let Some([one, two]) = known.next() else { return Vec::new() };
-            let of = |strength: &f64| {
-                let place = STRENGTHS.iter().position(|a| a == strength).unwrap_or(0);
+            let Some(ends) = known.next() else { return Vec::new() };
+            let of = |place: usize| {
                 let range = place * VISITS * d..(place + 1) * VISITS * d;
-                let pairs = one[range.clone()].chunks(d).zip(two[range].chunks(d));
+                let [one, two] = ends.each_ref().map(|ends| ends[range.clone()].chunks(d));
                 let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
-                for (one, two) in pairs.filter(|(a, b)| a.iter().chain(*b).all(|y| y.is_finite())) {
+                let finite = |(a, b): &(&[f64], &[f64])| a.iter().chain(*b).all(|y| y.is_finite());
+                for (one, two) in one.zip(two).filter(finite) {
                     square += distance(one, two);
                     size += two.iter().map(|y| y * y).sum::<f64>();
                     count += 1.0;
                 }
                 (square / count, size / count)
             };
-            strengths.iter().filter(|strength| STRENGTHS.contains(strength)).map(of).collect()
+            let places = strengths.iter().filter_map(|a| STRENGTHS.iter().position(|b| a == b));
+            places.map(of).collect()
         })
     }
 
-    /// The largest defects of laws at the end, over all paths and step sizes.
+    /// The largest defects of laws at the end, over all paths and step sizes, beside rounding.
     fn laws(&self, states: &SolverStates, paths: &[usize]) -> Vec<(String, f64, f64)> {
-        let (problem, sizes) = (&self.setup.problem, &self.sizes);
+        let (problem, coarsest) = (&self.setup.problem, self.sizes.coarsest_steps);
         let (d, t_end) = (problem.y0.len(), problem.t_end);
-        let integrals: Vec<f64> =
-            problem.dampings().map(|damping| damping.integral(0.0, t_end)).collect();
-        let of = |law: &mc::ConformalLaw<'_>| {
-            let mut worst = (0.0f64, 0.0f64);
-            for (l, level) in states.levels.iter().enumerate() {
-                let rounding = ROUND_OFF * (sizes.coarsest_steps << l) as f64;
-                for path in paths {
-                    let at = |states: &[f64]| (law.value)(&states[path * d..(path + 1) * d]);
-                    let exact = law.decay(&integrals) * at(&states.start);
-                    let defect = (at(level) - exact).abs() / exact.abs().max(f64::MIN_POSITIVE);
-                    if defect / rounding >= worst.0 / worst.1 || worst.1 == 0.0 {
-                        worst = (defect, rounding);
-                    }
-                }
-            }
-            (law.name.clone(), worst.0, worst.1)
+        let integrals: Vec<f64> = problem.dampings().map(|one| one.integral(0.0, t_end)).collect();
+        let of = |law: &ConformalLaw<'_>| {
+            let levels = states.levels.iter().enumerate();
+            let all = levels.flat_map(|level| paths.iter().map(move |path| (level, path)));
+            let defects = all.map(|((l, level), path)| {
+                let at = |states: &[f64]| (law.value)(&states[path * d..(path + 1) * d]);
+                let exact = law.decay(&integrals) * at(&states.start);
+                let defect = (at(level) - exact).abs() / exact.abs().max(f64::MIN_POSITIVE);
+                (defect, ROUND_OFF * (coarsest << l) as f64)
+            });
+            let worst = defects.max_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)));
+            let (defect, rounding) = worst.unwrap_or_default();
+            (law.name.clone(), defect, rounding)
         };
         problem.laws.iter().map(of).collect()
     }
@@ -478,11 +449,10 @@ impl Referee<'_> {
         let finest = states.levels.last()?;
         // The squared distance from the ends of Euler's method, of the paths of a block.
         let of_block = |part: f64, paths: &[usize]| -> f64 {
-            let block = (paths[0] / WIDTH * WIDTH) as u64;
-            let mut wiener = WienerRows::new(sizes.key, block);
+            let mut wiener = WienerRows::new(sizes.key, (paths[0] / WIDTH * WIDTH) as u64);
             let mut dw = vec![[0.0; WIDTH]; problem.noises];
-            let state = |path: &usize| states.start[path * d..(path + 1) * d].to_vec();
-            let mut ends: Vec<Vec<f64>> = paths.iter().map(state).collect();
+            let at = |states: &[f64], path: &usize| states[path * d..(path + 1) * d].to_vec();
+            let mut ends: Vec<_> = paths.iter().map(|path| at(&states.start, path)).collect();
             for n in 0..steps {
                 let t = n as f64 * tau;
                 wiener.increments(tau.sqrt(), &mut dw);
@@ -498,8 +468,7 @@ impl Referee<'_> {
                     }
                 }
             }
-            let found = paths.iter().map(|path| &finest[path * d..(path + 1) * d]);
-            found.zip(&ends).map(|(a, b)| distance(a, b)).sum()
+            paths.iter().zip(&ends).map(|(path, end)| distance(&at(finest, path), end)).sum()
         };
         let few: Vec<usize> = paths.iter().copied().filter(|&path| path < FEW).collect();
         let blocks: Vec<&[usize]> = few.chunk_by(|a, b| a / WIDTH == b / WIDTH).collect();
@@ -507,36 +476,13 @@ impl Referee<'_> {
             let of_blocks = blocks.par_iter().map(|paths| of_block(part, paths));
             of_blocks.collect::<Vec<f64>>().iter().sum()
         };
-        let right = distance(1.0);
         let wrong = [
             (0.0, "the equation in the sense of Itô, without the correction ½Σb′b"),
             (0.5, "an equation with half of the Itô correction ½Σb′b"),
             (2.0, "an equation with twice the Itô correction ½Σb′b"),
         ];
         let found = wrong.map(|(part, words)| (distance(part), words));
-        let least = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        (least.0 < EXPLAINED * right).then_some(least.1)
-    }
-}
-
-/// Final states of two runs by path.
-struct Ends {
-    time: u64,
-    d: usize,
-    ends: Vec<(u64, [Vec<f64>; 2])>,
-}
-
-impl Statistic for Ends {
-    fn observe(&mut self, view: &View<'_>) {
-        if view.time == self.time {
-            for p in view.live.paths() {
-                let of = |run| view.state(run)[..self.d].iter().map(|row| row[p]).collect();
-                self.ends.push((view.first_path + p as u64, [0, 1].map(of)));
-            }
-        }
-    }
-
-    fn merge(&mut self, later: Self) {
-        self.ends.extend(later.ends);
+        let (least, words) = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (least < EXPLAINED * distance(1.0)).then_some(words)
     }
 }

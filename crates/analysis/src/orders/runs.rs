@@ -48,42 +48,50 @@ pub struct Visit {
     pub state: Vec<f64>,
 }
 
-/// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives.
-pub fn visits(setup: &Setup<'_>, sizes: &StepSizes, paths: u64) -> Result<Vec<Visit>, LadderError> {
+/// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives, and
+/// the first failure.
+pub fn visits(
+    setup: &Setup<'_>,
+    sizes: &StepSizes,
+    paths: u64,
+) -> Result<(Vec<Visit>, Option<PathFailure>), LadderError> {
     let (Setup { problem, scheme }, steps) = (setup, sizes.coarsest_steps << (sizes.levels - 1));
     let runs = vec![Run::new(Arc::clone(scheme), 0)];
     let ladder = Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?;
     let tau = problem.t_end / steps as f64;
-    let none = || Visits { steps, tau, visits: Vec::new() };
-    let mut visits = ladder.run_until(&sizes.stop, 0, paths, none).statistic.visits;
+    let visit = |view: &View<'_>, p: usize| {
+        // Multiples of the golden ratio, modulo one, are spread evenly.
+        let fraction = ((view.first_path + p as u64) as f64 * 0.618_033_988_749_894_8).fract();
+        let time = (1 + (fraction * steps as f64) as u64).min(steps);
+        let t = time as f64 * tau;
+        (time == view.time).then(|| Visit { t, state: state(view, 0, p) })
+    };
+    let new = || Collected { of: &visit, found: Vec::new() };
+    let measured = ladder.run_until(&sizes.stop, 0, paths, new);
+    let mut visits = measured.statistic.found;
     if visits.is_empty() {
         visits.push(Visit { t: 0.0, state: setup.start().iter().map(|row| row[0]).collect() });
     }
-    Ok(visits)
+    Ok((visits, measured.failures.into_iter().next()))
 }
 
-/// Collects states.
-struct Visits {
-    steps: u64,
-    tau: f64,
-    visits: Vec<Visit>,
+/// The state of path `p` of a block in a run.
+pub fn state(view: &View<'_>, run: usize, p: usize) -> Vec<f64> {
+    view.state(run).iter().map(|row| row[p]).collect()
 }
 
-impl Statistic for Visits {
+/// Collects something of paths p of a block that live, where and when there is some.
+pub struct Collected<'a, T> {
+    pub of: &'a (dyn Fn(&View<'_>, usize) -> Option<T> + Sync),
+    pub found: Vec<T>,
+}
+
+impl<T: Send> Statistic for Collected<'_, T> {
     fn observe(&mut self, view: &View<'_>) {
-        // Multiples of the golden ratio, modulo one, are spread evenly.
-        let fraction = |path: u64| (path as f64 * 0.618_033_988_749_894_8).fract();
-        for p in view.live.paths() {
-            let time = 1 + (fraction(view.first_path + p as u64) * self.steps as f64) as u64;
-            if time.min(self.steps) == view.time {
-                let t = view.time as f64 * self.tau;
-                let state = view.state(0).iter().map(|row| row[p]).collect();
-                self.visits.push(Visit { t, state });
-            }
-        }
+        self.found.extend(view.live.paths().filter_map(|p| (self.of)(view, p)));
     }
 
     fn merge(&mut self, later: Self) {
-        self.visits.extend(later.visits);
+        self.found.extend(later.found);
     }
 }

@@ -82,16 +82,14 @@ impl<'a> Steps<'a> {
         self.set(&visit.state, PathMask::ALL);
         self.state.step(&whole, &self.both, &mut status);
         self.one.copy_from_slice(self.state.state());
-        live = live.without(status.failed);
-        // More steps of a path that failed would only cost time.
-        self.take_noise(status.failed);
         self.set(&visit.state, PathMask::ALL);
-        self.state.step(&first, &self.noises[0], &mut status);
-        live = live.without(status.failed);
-        // A path that failed may hold anything.
-        self.take_noise(status.failed);
-        self.set(&visit.state, status.failed);
-        self.state.step(&second, &self.noises[1], &mut status);
+        for (k, half) in [first, second].iter().enumerate() {
+            live = live.without(status.failed);
+            // More steps of a path that failed, which may hold anything, would only cost time.
+            self.take_noise(status.failed);
+            self.set(&visit.state, status.failed);
+            self.state.step(half, &self.noises[k], &mut status);
+        }
         live = live.without(status.failed);
         Some(OneAndTwo { one: &self.one, two: self.state.state(), live })
     }

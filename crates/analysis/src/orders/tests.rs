@@ -97,15 +97,20 @@ fn a_weak_order_above_one_may_hide_a_lower_one() {
 #[test]
 fn a_decision_settles_the_interval_or_warns() {
     let mut fitted = rate(1.3, 1.2, 1.4);
-    Decision::Order { order: 1.0, shown: false }.settle(&mut fitted);
-    assert_eq!((fitted.lo, fitted.hi, &fitted.warning), (1.0, 1.4, &None));
-    Decision::Order { order: 1.5, shown: false }.settle(&mut fitted);
-    assert_eq!((fitted.lo, fitted.hi), (1.0, 1.5));
-    undecided(More::Paths, "why").settle(&mut fitted);
-    let first = fitted.warning.clone().unwrap();
+    let mut settled = |decision: Decision| {
+        let mut order = Order { rate: Some(fitted.clone()), ..order(decision, AGREES) };
+        order.settle();
+        fitted = order.rate.unwrap();
+        fitted.clone()
+    };
+    let named = settled(Decision::Order { order: 1.0, shown: false });
+    assert_eq!((named.lo, named.hi, named.warning), (1.0, 1.4, None));
+    let named = settled(Decision::Order { order: 1.5, shown: false });
+    assert_eq!((named.lo, named.hi), (1.0, 1.5));
+    let first = settled(undecided(More::Paths, "why")).warning.unwrap();
     assert_eq!(first, "undecided: why; more paths would decide");
-    Decision::WrongLimit.settle(&mut fitted);
-    assert_eq!(fitted.warning, Some(format!("{first}; {}", Decision::WrongLimit)));
+    let both = settled(Decision::WrongLimit).warning;
+    assert_eq!(both, Some(format!("{first}; {}", Decision::WrongLimit)));
 }
 
 fn order(decision: Decision, limit: Limit) -> Order {

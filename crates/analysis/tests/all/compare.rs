@@ -173,9 +173,9 @@ fn casimirs_that_were_found_are_measured() {
     let problem = problem(&definition, 0.2, &y0, 1.0);
     let scheme = |scheme| Setup::at_run_time(&problem, scheme).unwrap().scheme;
     let all = Candidates::against(scheme(&Sexp)).and(scheme(&Sexp)).and(scheme(&Heun));
-    let all = all.with_casimirs(found.iter().map(|casimir| casimir.form.clone()).collect());
-    let comparison =
-        compare(&mc::Problem::at_run_time(&problem), &all, &settings(0.02, 1), &|_, _| ());
+    let laws = found.iter().map(|casimir| casimir.form.law("C".into())).collect();
+    let lawful = mc::Problem { laws, ..mc::Problem::at_run_time(&problem) };
+    let comparison = compare(&lawful, &all, &settings(0.02, 1), &|_, _| ());
     let comparison = comparison.unwrap();
     let [sexp, heun] = &comparison.candidates[..] else { panic!("{comparison}") };
     // The law of |y|² holds to round-off for `sexp`, and to the error of the scheme for `heun`.

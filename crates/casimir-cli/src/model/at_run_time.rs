@@ -3,9 +3,9 @@
 use std::sync::{Arc, OnceLock};
 
 use casimir::{
-    analysis::facts::{DampingIntegral, Facts, Form, energy, fastest},
+    analysis::facts::{DampingIntegral, Facts, Form, fastest},
     formula::FormulaSystem,
-    mc::{self, ConformalLaw, Expect, Friction, Setup},
+    mc::{self, Expect, Friction, Setup},
     schemes::{BuiltIn, Method, SchemeError},
     systems::run_time::{Problem, System},
 };
@@ -40,22 +40,8 @@ impl AtRunTime {
 impl Model for AtRunTime {
     fn problem(&self) -> mc::Problem<'_> {
         let mut problem = mc::Problem::at_run_time(&self.problem);
-        if let (Some(facts), system) = (self.facts(), self.system()) {
-            let law = |name: String, degree, casimir, value| ConformalLaw {
-                name,
-                degree,
-                casimir,
-                value,
-                decay: None,
-            };
-            let casimirs = facts.casimirs.iter().enumerate().map(|(k, form)| {
-                let value = Arc::new(|y: &[f64]| form.value(y));
-                law(format!("C{}", k + 1), f64::from(form.degree), true, value)
-            });
-            let of_energy = |degree| {
-                law("H0".into(), degree, false, Arc::new(move |y: &[f64]| energy(system, y)))
-            };
-            problem.laws = casimirs.chain(facts.energy_law().map(of_energy)).collect();
+        if let Some(facts) = self.facts() {
+            problem.laws = facts.laws(self.system());
         }
         problem.with_friction(&self.friction)
     }

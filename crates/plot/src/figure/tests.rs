@@ -66,7 +66,6 @@ pub(crate) fn small_comparison() -> Comparison {
     let point = |steps: u64, resolved| ErrorPoint {
         steps,
         error: 0.5 / steps as f64,
-        se: 0.01,
         lo: 0.25 / steps as f64,
         hi: 1.0 / steps as f64,
         resolved,
