@@ -59,18 +59,18 @@ impl Tail {
     }
 }
 
-/// What does not exist, or perhaps not where that is within a standard error; and the index.
+/// What perhaps does not exist, by this sample, and the index. A lognormal law of large deviation has
+/// a mean that no sample shows.
 impl fmt::Display for Tail {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { shape, error } = self;
-        let (limit, lacks) = match (self.has_mean(), self.has_variance()) {
-            (false, _) => (1.0, "no mean"),
-            (_, false) => (0.5, "no variance"),
-            _ => (0.0, "variance hardly known"),
+        let lacks = match (self.has_mean(), self.has_variance()) {
+            (false, _) => "perhaps no mean",
+            (_, false) => "perhaps no variance",
+            _ => "variance hardly known",
         };
-        let perhaps = if shape - error < limit { "perhaps " } else { "" };
         let (index, error) = (1.0 / shape, error / (shape * shape));
-        write!(f, "{perhaps}{lacks} (tail index {index:.1} ± {error:.1})")
+        write!(f, "{lacks} (tail index {index:.1} ± {error:.1})")
     }
 }
 
