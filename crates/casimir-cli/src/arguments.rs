@@ -84,18 +84,18 @@ pub struct New {
 
 #[derive(Args, Debug)]
 pub struct Inspect {
-    /// The file of the scene
-    pub scene: PathBuf,
     /// A parameter of the scene: NAME=VALUE
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub sets: Vec<Set>,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub on: On,
 }
 
-#[derive(Args, Debug, Default)]
-pub struct Output {
+/// What every command on a scene has.
+#[derive(Args, Debug)]
+pub struct On {
+    /// The file of the scene
+    pub scene: PathBuf,
     /// The folder of results. Default: the name of the scene and the command, as `top-run`
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -103,14 +103,12 @@ pub struct Output {
     #[arg(long)]
     pub json: bool,
     /// Number of threads; the results are the same bits with any number
-    #[arg(long, value_name = "N")]
+    #[arg(long)]
     pub threads: Option<u64>,
 }
 
 #[derive(Args, Debug)]
 pub struct Run {
-    /// The file of the scene
-    pub scene: PathBuf,
     #[command(flatten)]
     pub changes: Changes,
     /// What to write beside the report
@@ -120,52 +118,48 @@ pub struct Run {
     #[arg(long)]
     pub large: bool,
     #[command(flatten)]
-    pub output: Output,
+    pub on: On,
 }
 
 #[derive(Args, Debug)]
 pub struct Expect {
-    /// The file of the scene, which has [expect]
-    pub scene: PathBuf,
     /// Half-width of the 95 % intervals, instead of that of the scene
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub accuracy: Option<f64>,
     /// Steps of the coarsest level. Default: chosen with the scheme; about eight in a unit of time
     /// for a scheme that is named, and with events or integrals
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_parser = count)]
     pub steps: Option<u64>,
     #[command(flatten)]
     pub scheme: SchemeAndSeed,
     #[command(flatten)]
-    pub output: Output,
+    pub on: On,
 }
 
 #[derive(Args, Debug)]
 pub struct Equilibrium {
-    /// The file of the scene
-    pub scene: PathBuf,
     /// Half-width of the 95 % intervals. Default: that of the scene; of `lyapunov` 0.01
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub accuracy: Option<f64>,
     /// Steps to `until`, for the first averages, instead of those of the scene
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_parser = count)]
     pub steps: Option<u64>,
     /// Number of chains
-    #[arg(long, value_name = "N", value_parser = count, default_value = "256")]
+    #[arg(long, value_parser = count, default_value = "256")]
     pub chains: u64,
     /// Path-steps that it may take
-    #[arg(long, value_name = "N", value_parser = count, default_value = "1e10")]
+    #[arg(long, value_parser = count, default_value = "1e10")]
     pub path_steps: u64,
     #[command(flatten)]
     pub scheme: SchemeAndSeed,
     #[command(flatten)]
-    pub output: Output,
+    pub on: On,
 }
 
 #[derive(Args, Debug)]
 pub struct Lyapunov {
     /// Number of exponents, from the largest on
-    #[arg(long, value_name = "N", value_parser = count, default_value = "1")]
+    #[arg(long, value_parser = count, default_value = "1")]
     pub count: u64,
     #[command(flatten)]
     pub chains: Equilibrium,
@@ -173,23 +167,19 @@ pub struct Lyapunov {
 
 #[derive(Args, Debug)]
 pub struct Order {
-    /// The file of the scene
-    pub scene: PathBuf,
     /// Path-steps that each measurement may take
-    #[arg(long, value_name = "N", value_parser = count, default_value = "3e8")]
+    #[arg(long, value_parser = count, default_value = "3e8")]
     pub path_steps: u64,
     #[command(flatten)]
     pub scheme: SchemeAndSeed,
     #[command(flatten)]
-    pub output: Output,
+    pub on: On,
 }
 
 #[derive(Args, Debug)]
 pub struct Compare {
-    /// The file of the scene
-    pub scene: PathBuf,
     /// The wanted root-mean-square error of y(T)
-    #[arg(long, value_name = "ERROR", allow_negative_numbers = true, default_value_t = 1e-3)]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 1e-3)]
     pub error: f64,
     /// Seconds that it may take
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = 60.0)]
@@ -198,10 +188,10 @@ pub struct Compare {
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub sets: Vec<Set>,
     /// Seed of the random numbers, instead of that of the scene
-    #[arg(long, value_name = "N")]
+    #[arg(long)]
     pub seed: Option<u64>,
     #[command(flatten)]
-    pub output: Output,
+    pub on: On,
 }
 
 #[derive(Args, Debug)]
@@ -209,13 +199,13 @@ pub struct Plan {
     /// The file of the scene
     pub scene: PathBuf,
     /// Number of parts
-    #[arg(long, value_name = "N")]
+    #[arg(long)]
     pub parts: u64,
     /// The folder of the parts
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Processors of a part
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, default_value_t = 1)]
     pub cpus: u64,
     /// A further option of `sbatch`, such as --account=physics; may be repeated
     #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
@@ -232,7 +222,7 @@ pub struct Part {
     #[arg(long, value_name = "K")]
     pub part: u64,
     /// Number of threads. Default: one for each processor
-    #[arg(long, value_name = "N")]
+    #[arg(long)]
     pub threads: Option<u64>,
 }
 
@@ -253,6 +243,6 @@ pub struct Extend {
     /// The folder that `casimir plan` made
     pub folder: PathBuf,
     /// The new number of paths, in all
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_parser = count)]
     pub paths: u64,
 }

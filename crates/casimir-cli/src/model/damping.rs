@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use casimir::{
     analysis::facts::is_divergence_free,
-    formula::{Definition, Formula, FormulaDamping, FormulaSystem, nearest},
+    formula::{Definition, FormulaDamping, FormulaSystem, nearest},
     mc::{self, Friction},
     systems::{
         Constant, Damping, Linearity, around,
@@ -12,7 +12,7 @@ use casimir::{
     },
 };
 
-use crate::scene::{At, Read, Reading, Text};
+use crate::scene::{At, Read, Reading, Text, refuse};
 
 /// The components with a rate, where each is damped alone.
 pub type Rates<'a> = Vec<(usize, &'a At<Text>)>;
@@ -47,8 +47,7 @@ pub fn rates<'a>(
         let named = vector.map_or(std::slice::from_ref(&**name), |(_, of)| of);
         for one in named {
             let Some(i) = components.iter().position(|known| known == one) else {
-                let message = format!("`{one}` is no component{}", nearest(one, components));
-                return Err(source.error(name.span(), message));
+                refuse!(source, name.span(), "`{one}` is no component{}", nearest(one, components));
             };
             if rates.iter().any(|(known, _)| *known == i) {
                 return Err(source.error(name.span(), format!("`{one}` is damped twice")));
@@ -68,8 +67,7 @@ pub fn damping(
     let none = Constant::new(0.0).unwrap_or_else(|error| unreachable!("{error}"));
     let Some(table) = &reading.file.damping else { return Ok((Arc::new(none), Vec::new())) };
     if let (Some(place), Some(_)) = (&table.temperature, &reading.file.system.name) {
-        let message = "a `temperature` is for formulas; a lattice has it as a parameter";
-        return Err(reading.source.error(place.span(), message));
+        refuse!(reading.source, place.span(), "a `temperature` is for formulas; a lattice has it as a parameter");
     }
     if let (Some(rate), []) = (&table.rate, &rates[..]) {
         return Ok((of_rate(reading, rate)?, Vec::new()));
@@ -112,8 +110,7 @@ pub fn bath(
     let Reading { source, file, settings, .. } = reading;
     let wrong = |message: String| source.error(temperature.span(), message);
     if let Some(noises) = &file.system.noises {
-        let message = "the noise follows from the `temperature`: leave out `H`";
-        return Err(source.error(noises.span(), message));
+        refuse!(source, noises.span(), "the noise follows from the `temperature`: leave out `H`");
     }
     if rates.is_empty() {
         let message = "a temperature needs friction on momenta: `components` or `rates`";
@@ -199,8 +196,7 @@ fn of_rate(reading: &Reading<'_>, rate: &At<Text>) -> Read<Arc<dyn Damping>> {
     let Reading { source, constants, settings, .. } = reading;
     let mut names = constants.names.clone();
     names.variable("t").map_err(|error| source.error(rate.span(), error))?;
-    let formula = Formula::parse(&rate.0, &names);
-    let formula = formula.map_err(|error| source.formula_error(rate, &error))?;
+    let formula = source.formula(rate, &names)?;
     for t in [0.0, settings.until] {
         if let Some(error) = formula.explain(&[t]) {
             let message = format!("{} at t = {t}", error.message);

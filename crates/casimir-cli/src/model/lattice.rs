@@ -11,7 +11,7 @@ use casimir::{
 };
 
 use super::{Built, at_run_time::AtRunTime, damping, project::numbered};
-use crate::scene::{Observable, Parameters, Quantity, Read, Reading, Settings};
+use crate::scene::{Further, Observable, Parameters, Quantity, Read, Reading, Settings, refuse};
 
 /// The parameters of a lattice.
 const PARAMETERS: [&str; 9] = [
@@ -36,8 +36,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let mut whole = Vec::new();
     for size in sizes {
         if size.fract() != 0.0 || !(1.0..=1e6).contains(&size) {
-            let message = format!("a size is a whole number of at least 1, got {size}");
-            return Err(parameters.error("sizes", message));
+            refuse!(parameters, "sizes", "a size is a whole number of at least 1, got {size}");
         }
         whole.push(size as usize);
     }
@@ -58,22 +57,17 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let noise = match given("temperature") {
         false => parameters.number("noise", 0.0)?,
         true if given("noise") => {
-            let message = "the noise follows from the temperature: give one of them";
-            return Err(parameters.error("temperature", message));
+            refuse!(parameters, "temperature", "the noise follows from the temperature: give one of them");
         }
         true => {
             let temperature = parameters.number("temperature", 0.0)?;
             if temperature < 0.0 || transverse <= 0.0 {
-                let message = format!(
-                    "a temperature of at least 0 needs `transverse` damping above 0, got \
-                     {temperature} and {transverse}"
-                );
-                return Err(parameters.error("temperature", message));
+                refuse!(parameters, "temperature", "a temperature of at least 0 needs `transverse` damping above 0, got \
+                     {temperature} and {transverse}");
             }
             if sites > 1 && !local || reading.file.damping.is_some() {
-                let message = "a temperature takes a noise for each spin, `local`, and no \
-                               [damping]: give `noise`";
-                return Err(parameters.error("temperature", message));
+                refuse!(parameters, "temperature", "a temperature takes a noise for each spin, `local`, and no \
+                               [damping]: give `noise`");
             }
             // Of random initial values those of the first 32 paths are looked at.
             let mut rows: Vec<Row> = y0.iter().map(|y| [*y; WIDTH]).collect();
@@ -89,8 +83,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
             let (least, most) =
                 lengths.fold((f64::INFINITY, 0.0f64), |(a, b), s| (a.min(s), b.max(s)));
             if most - least > ROUNDING * most {
-                let message = format!("spins have lengths from {least} to {most}: give `noise`");
-                return Err(parameters.error("temperature", message));
+                refuse!(parameters, "temperature", "spins have lengths from {least} to {most}: give `noise`");
             }
             let most = y0.chunks_exact(3).map(norm).fold(0.0, f64::max);
             // σ² = 2α kT/|s|. A length of one is not exactly one.
@@ -114,7 +107,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let per_spin = move |y: &[Row], values: &mut Row| {
         let dw = vec![[0.0; WIDTH]; system.description().noises];
         let mut scratch = vec![[0.0; WIDTH]; system.description().scratch_rows()];
-        system.energy(y, Weights { dt: 1.0, dw: &dw, ..Weights::NONE }, values, &mut scratch);
+        system.energy(&y[..3 * sites], Weights { dt: 1.0, dw: &dw, ..Weights::NONE }, values, &mut scratch);
         values.iter_mut().for_each(|value| *value /= sites as f64);
     };
     let energy = Quantity::Function(Arc::new(per_spin));
@@ -126,7 +119,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let mean = |axis: usize| {
         let mean = move |y: &[Row], values: &mut Row| {
             *values = [0.0; WIDTH];
-            for spin in y.chunks(3) {
+            for spin in y[..3 * sites].chunks(3) {
                 values.iter_mut().zip(&spin[axis]).for_each(|(sum, s)| *sum += s / sites as f64);
             }
         };
@@ -139,7 +132,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         model: Box::new(AtRunTime::new(problem, friction, None)),
         names,
         components,
-        energy: Some(energy),
+        energy: Further::Quantity(energy),
         quantities,
     })
 }

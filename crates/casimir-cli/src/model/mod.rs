@@ -18,7 +18,7 @@ use casimir::{
     systems::run_time::System,
 };
 
-use crate::scene::{MOST_COMPONENTS, Observable, Quantity, Read, Reading};
+use crate::scene::{Further, MOST_COMPONENTS, Observable, Read, Reading};
 
 pub use project::PROJECT;
 
@@ -54,19 +54,25 @@ pub trait Model: Send + Sync {
     /// Friction on some components.
     fn friction(&self) -> &[Friction];
 
-    /// What damping and noise do to the Gibbs measure, if the rates of damping are constant and the
-    /// system is small.
-    fn bath(&self) -> Option<Bath> {
-        let (problem, description) = (self.problem(), self.system().description());
-        let d = problem.y0.len();
+    /// The rates of the components, if they are constant in time.
+    fn constant_rates(&self) -> Option<Vec<f64>> {
+        let problem = self.problem();
         let rates = |t: f64| -> Vec<f64> {
             let of_all = problem.damping.rate(t);
-            Friction::rates(self.friction(), t, d).iter().map(|rate| rate + of_all).collect()
+            let friction = Friction::rates(self.friction(), t, problem.y0.len());
+            friction.iter().map(|rate| rate + of_all).collect()
         };
         let first = rates(0.0);
         let constant = [0.37, 1.0].iter().all(|part| rates(part * problem.t_end) == first);
-        (constant && !description.depends_on_time && d <= MOST_COMPONENTS)
-            .then(|| Bath::of(self.system(), &problem.y0, &first))
+        constant.then_some(first)
+    }
+
+    /// What damping and noise do to the Gibbs measure, if the rates of damping are constant and the
+    /// system is small.
+    fn bath(&self) -> Option<Bath> {
+        let (system, y0) = (self.system(), self.problem().y0);
+        let small = !system.description().depends_on_time && y0.len() <= MOST_COMPONENTS;
+        Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
     }
 
     /// Whether fields B∇H have no divergence, so that damping alone contracts volume.
@@ -124,8 +130,8 @@ pub struct Built {
     pub sizes: Vec<usize>,
     /// The names that formulas of observables may use.
     pub names: Names,
-    /// H₀; none of formulas, where it is a text.
-    pub energy: Option<Quantity>,
+    /// H₀.
+    pub energy: Further,
     /// Observables that come by themselves.
     pub quantities: Vec<Observable>,
 }

@@ -11,7 +11,7 @@ use casimir::{
 };
 use serde_json::{Value, json};
 
-use super::{Drawn, Report, Run, Section, figures::file, npz, page::TABLE};
+use super::{Drawn, Report, Run, Section, npz, page::TABLE};
 use crate::scene::{Observable, Scene, Settings, Varied};
 
 /// Curves in one figure, and small multiples.
@@ -68,23 +68,17 @@ impl Report<'_> {
             let words = format!("{name} against {parameter}");
             let svg = against(&words, drawn.title(parameter), drawn.title(name), &curves);
             let caption = format!("{name} at the end against {parameter}: mean, 95 % intervals.");
-            let panels =
-                self.runs.iter().map(|run| (run.one.label.clone(), &run.series[k])).collect();
-            let panels = spread(panels, MOST_PANELS);
-            let in_time = format!(
+            let against = Drawn::of("against", name, svg, caption);
+            let panels = self.runs.iter().map(|run| (run.one.label.clone(), &run.series[k]));
+            let panels = spread(panels.collect(), MOST_PANELS);
+            let caption = format!(
                 "{name} in time: bands between quantiles, line: median, dashes: mean. {} of {} \
                  combinations.",
                 panels.len(),
                 self.runs.len()
             );
-            [
-                Drawn { file: file("against", name), svg, caption },
-                Drawn {
-                    file: file("time", name),
-                    svg: multiples(name, drawn.title(name), &panels),
-                    caption: in_time,
-                },
-            ]
+            let svg = multiples(name, drawn.title(name), &panels);
+            [against, Drawn::of("time", name, svg, caption)]
         };
         let first = self.runs.first().into_iter().flat_map(|run| run.series.iter());
         let is_shown = |name| drawn.show.as_ref().is_none_or(|show| show.contains(name));

@@ -26,11 +26,9 @@ pub fn observable(source: &Source, text: &At<Text>, vocabulary: &mut Vocabulary)
         };
         (!inner.chars().any(closes)).then(|| At::new(text.span(), Text(inner.into())))
     };
-    let (inner, is_average) = match (of("integral"), of("average")) {
-        (Some(inner), _) => (inner, false),
-        (_, Some(inner)) => (inner, true),
-        _ => return vocabulary.quantity(source, text),
-    };
+    let (integral, average) = (of("integral"), of("average"));
+    let is_average = average.is_some();
+    let Some(inner) = integral.or(average) else { return vocabulary.quantity(source, text) };
     let v = vocabulary.quantity(source, &inner)?;
     let function = Arc::new(Observable::new("", v.clone()));
     let [integral] = vocabulary.collect(Along::Integral(function), [0.0]);
@@ -57,7 +55,7 @@ pub fn event(
     names: Option<&Names>,
     vocabulary: &mut Vocabulary,
 ) -> Read<[Quantity; 2]> {
-    let text = At::new(event.span(), event.when.clone());
+    let text = At::new(event.span(), event.0.when.clone());
     vocabulary.demand_condition(source, &text)?;
     let formula = names.and_then(|names| Formula::parse(&text.0, names).ok());
     let excess = formula.and_then(|formula| formula.excess());
@@ -75,7 +73,7 @@ pub fn event(
     let begun = f64::from(u8::from(vocabulary.at_start(&phi) > 0.0));
     let is_crude = gradient.is_none();
     let phi = Arc::new(Observable::new("", phi));
-    let passage = Along::Passage(Passage { phi, gradient, stops: event.stop });
+    let passage = Along::Passage(Passage { phi, gradient, stops: event.0.stop });
     let rows = vocabulary.collect(passage, [begun, 0.0]);
     Ok(rows.map(|row| match row {
         Quantity::Collected(row) if is_crude => Quantity::Monitored(row),

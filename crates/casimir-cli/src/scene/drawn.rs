@@ -3,10 +3,9 @@
 use casimir::{mc::study::Wanted, plot::figure::Title};
 
 use super::{
-    Columns, Settings,
-    file::{FiguresTable, StatisticsTable},
-    read::Constants,
-    source::Read,
+    Columns, Constants, Read, Settings,
+    file::{FiguresTable, Pair, StatisticsTable},
+    refuse,
 };
 
 /// Which figures are drawn, and how.
@@ -24,13 +23,12 @@ impl Drawn {
     pub(super) fn new(
         table: &FiguresTable,
         columns: &Columns<'_>,
-        others: &[String],
+        others: &[&str],
     ) -> Read<Self> {
-        let pair =
-            |[x, y]: &super::file::Pair| Ok([columns.check(x, &[])?, columns.check(y, &[])?]);
+        let check = |name: &_| columns.check(name, &[]);
+        let pair = |[x, y]: &Pair| Ok([check(x)?, check(y)?]);
         let portraits = table.portraits.as_ref().map(|pairs| pairs.iter().map(pair).collect());
-        let show = table.show.as_ref();
-        let show = show.map(|names| names.iter().map(|name| columns.check(name, &[])).collect());
+        let show = table.show.as_ref().map(|names| names.iter().map(check).collect());
         Ok(Self {
             portraits: portraits.transpose()?,
             show: show.transpose()?,
@@ -50,7 +48,7 @@ pub(super) fn wanted(
     columns: &Columns<'_>,
     (settings, constants): (&Settings, &Constants),
 ) -> Read<Wanted> {
-    let pair = |[a, b]: &super::file::Pair| Ok((columns.observable(a)?, columns.observable(b)?));
+    let pair = |[a, b]: &Pair| Ok((columns.observable(a)?, columns.observable(b)?));
     let mut wanted = Wanted {
         pairs: table.pairs.iter().map(pair).collect::<Read<_>>()?,
         lagged: table.autocorrelation.iter().map(|a| columns.observable(a)).collect::<Read<_>>()?,
@@ -59,8 +57,7 @@ pub(super) fn wanted(
     if let Some(from) = &table.from {
         let (time, until) = (constants.value(columns.source, from)?, settings.until);
         if !(0.0..until).contains(&time) {
-            let message = format!("autocorrelations begin from 0 to {until}, got {time}");
-            return Err(columns.source.error(from.span(), message));
+            refuse!(columns.source, from.span(), "autocorrelations begin from 0 to {until}, got {time}");
         }
         // Random initial values are a saved time as well.
         let place = (time / until * settings.times as f64 - 1e-9).ceil() as usize;

@@ -11,7 +11,7 @@ use casimir::{
 
 use super::{
     read::Constants,
-    source::{Read, Source},
+    source::{Read, Source, refuse},
     values::{At, Listed, Start, Text},
 };
 
@@ -66,10 +66,11 @@ fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Arc<Vec<Vec<f64>>
     if let Some(states) = &source.states {
         return Ok(states.clone());
     }
-    let wrong = |message: String| source.error(at.span(), message);
     let path = Path::new(&source.name).with_file_name(file);
-    let text = fs::read_to_string(&path);
-    let text = text.map_err(|error| wrong(format!("cannot read the states {file}: {error}")))?;
+    let text = match fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) => refuse!(source, at.span(), "cannot read the states {file}: {error}"),
+    };
     let mut states: Vec<Vec<f64>> = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let words = line.split([',', ' ', '\t']).filter(|word| !word.is_empty());
@@ -81,16 +82,13 @@ fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Arc<Vec<Vec<f64>>
                 states.push(state);
             }
             None if number == 0 => {}
-            _ => {
-                return Err(wrong(format!("line {} of {file} is no state: {line}", number + 1)));
-            }
+            _ => refuse!(source, at.span(), "line {} of {file} is no state: {line}", number + 1),
         }
     }
     if states.is_empty() {
-        Err(wrong(format!("{file} has no state")))
-    } else {
-        Ok(Arc::new(states))
+        refuse!(source, at.span(), "{file} has no state");
     }
+    Ok(Arc::new(states))
 }
 
 /// The initial values that a file has: in turn, or at random for points that have an order of their
@@ -122,7 +120,7 @@ pub fn initial(
 ) -> Read<Begun> {
     let texts = match &**at {
         Listed::List(none) if none.is_empty() => {
-            return Err(source.error(at.span(), "the initial value has no component"));
+            refuse!(source, at.span(), "the initial value has no component");
         }
         Listed::List(texts) => texts,
         Listed::Text(file) => return of_file(source, file, at),
@@ -132,9 +130,7 @@ pub fn initial(
         // A parameter may have the name.
         _ = names.variable(&name);
     }
-    let parse = |text: &At<Text>| {
-        Formula::parse(&text.0, &names).map_err(|error| source.formula_error(text, &error))
-    };
+    let parse = |text: &At<Text>| source.formula(text, &names);
     let formulas = texts.iter().map(parse).collect::<Read<Vec<_>>>()?;
     let variables = names.variables().iter().enumerate();
     let used = variables.filter(|(k, _)| formulas.iter().any(|formula| formula.depends_on(*k)));
@@ -143,7 +139,7 @@ pub fn initial(
     let mut rows = vec![[0.0; WIDTH]; texts.len()];
     random.draw(key, 0, &mut rows);
     if let Some((text, row)) = texts.iter().zip(&rows).find(|(_, row)| !row[0].is_finite()) {
-        return Err(source.error(text.span(), format!("this must be finite, and is {}", row[0])));
+        refuse!(source, text.span(), "this must be finite, and is {}", row[0]);
     }
     let y0 = rows.iter().map(|row| row[0]).collect();
     let is_random = !random.used.is_empty();

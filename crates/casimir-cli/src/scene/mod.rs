@@ -14,16 +14,18 @@ mod values;
 
 pub use drawn::Drawn;
 pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
-use observe::{Further, Vocabulary};
-pub use observe::{Observable, Quantity};
+use observe::Vocabulary;
+pub use observe::{Further, Observable, Quantity};
+pub(crate) use read::among;
 pub use read::{Constants, Parameters, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use shorthand::{State, structure};
+pub(crate) use source::refuse;
 pub use source::{Read, SceneError, Source};
 pub use sweep::{Combination, Set, Sweep, Varied};
 pub use values::{At, Listed, Parameter, Text, count};
 
-use std::{fmt::Display, ops::Range, path::Path};
+use std::{fmt::Display, path::Path};
 
 use casimir::{
     formula::nearest,
@@ -92,27 +94,17 @@ impl Scene {
             })?;
         let y0 = model.problem().y0;
         let description = model.system().description();
-        let (is_tiled, changes) = (description.layout.is_tiled(), description.depends_on_time);
-        let (dimension, in_steps) = (y0.len(), (!is_tiled).then(|| names.clone()));
-        let energy = match (energy, &file.system.energy) {
-            (None, Some(text)) => Further::Energy(text.clone()),
-            (energy, _) => {
-                Further::Quantity(energy.unwrap_or(Quantity::Component(0)).of_state(dimension))
-            }
-        };
+        let in_steps = (!description.layout.is_tiled()).then(|| names.clone());
         let mut vocabulary = Vocabulary::new(names, energy.clone(), &y0);
-        let energy = match energy {
-            Further::Quantity(energy) if !changes => Some(energy),
-            Further::Energy(text) if !changes => vocabulary.quantity(&source, &text).ok(),
-            _ => None,
+        let energy = match description.depends_on_time {
+            true => None,
+            false => vocabulary.of(&source, energy).ok(),
         };
         let energy = energy.map(|energy| Observable::new("H0", energy));
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
-        let (mut observables, mut given) = (Vec::<Observable>::new(), Vec::new());
-        for Observable { name, quantity } in quantities {
-            let quantity = quantity.of_state(dimension);
-            vocabulary.add(&name, Further::Quantity(quantity.clone()));
-            given.push(Observable { name, quantity });
+        let (mut observables, mut given) = (Vec::<Observable>::new(), quantities);
+        for Observable { name, quantity } in &given {
+            vocabulary.add(name, Further::Quantity(quantity.clone()));
         }
         if components.len() <= MOST_COMPONENTS {
             given.extend((0..components.len()).map(component));
@@ -124,7 +116,7 @@ impl Scene {
             let known = components.contains(name)
                 || observables.iter().chain(&given).any(|known| known.name == **name);
             if known || is_column(name) {
-                return Err(taken(&source, name, name.span()));
+                return Err(taken(&source, name));
             }
             let quantities = match entry {
                 Err(event) => {
@@ -146,14 +138,13 @@ impl Scene {
         conditions.try_for_each(|text| vocabulary.demand_condition(&source, text))?;
         observables.extend(given);
         if observables.is_empty() {
-            let message = "a system of so many components needs observables: add [observe]";
-            return Err(source.error(None, message));
+            refuse!(source, None, "a system of so many components needs observables: add [observe]");
         }
         let columns =
             Columns { source: &source, components: &components, observables: &observables };
         let chosen = |name: &At<String>| match is_column(name) {
             true => Ok(name.to_string()),
-            false => columns.check(name, &GROUPS.map(String::from)),
+            false => columns.check(name, &GROUPS),
         };
         let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
         let chosen: Option<Vec<String>> = chosen.transpose()?;
@@ -162,24 +153,37 @@ impl Scene {
         let place = |name: &At<String>| observables.iter().position(|known| known.name == **name);
         wanted.probabilities = conditions.filter_map(place).collect();
         let spectrum = |name: &At<String>| format!("spectrum({})", **name);
-        let spectra = file.statistics.autocorrelation.iter().map(spectrum);
-        let others = file.system.parameters.keys().map(|key| key.to_string());
-        let others: Vec<String> = others.chain(spectra).collect();
+        let spectra: Vec<String> = file.statistics.autocorrelation.iter().map(spectrum).collect();
+        let others = file.system.parameters.keys().map(|key| key.as_str());
+        let others: Vec<&str> = others.chain(spectra.iter().map(|name| &**name)).collect();
         let drawn = Drawn::new(&file.figures, &columns, &others)?;
-        let known = |text: &At<Text>| {
-            let name = text.0.as_str();
-            let known = observables.iter().find(|known| known.name == name).cloned();
-            let place = || components.iter().position(|component| component == name);
-            match known.or_else(|| place().map(component)) {
-                Some(known) => Ok(known),
-                None => Ok(Observable::new(name, vocabulary.quantity(&source, text)?)),
+        let (mut expected, mut accuracy) = (Vec::<Observable>::new(), None);
+        if let Some(ExpectTable { of, accuracy: wish }) = &file.expect {
+            let half_width = **wish;
+            if !(half_width > 0.0 && half_width.is_finite()) {
+                refuse!(
+                    source,
+                    wish.span(),
+                    "the accuracy must be positive and finite, got {half_width}"
+                );
             }
-        };
-        let expected = match &file.expect {
-            Some(table) => expected(&source, table, known)?,
-            None => Vec::new(),
-        };
-        let accuracy = file.expect.map(|table| *table.accuracy);
+            if of.is_empty() {
+                refuse!(source, of.span(), "name at least one function, such as \"y1\"");
+            }
+            accuracy = Some(half_width);
+            for text in of.iter() {
+                let name = text.0.as_str();
+                if expected.iter().any(|before| before.name == name) {
+                    refuse!(source, text.span(), "`{name}` is listed twice");
+                }
+                let known = observables.iter().find(|known| known.name == name).cloned();
+                let place = components.iter().position(|component| component == name);
+                expected.push(match known.or(place.map(component)) {
+                    Some(known) => known,
+                    None => Observable::new(name, vocabulary.quantity(&source, text)?),
+                });
+            }
+        }
         let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
         let name = file.system.name.as_deref().cloned();
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
@@ -206,19 +210,24 @@ impl Scene {
     /// # Errors
     /// Why the scheme is not for the system.
     pub fn setup(&self, name: &str) -> Read<Setup<'_>> {
-        let wrong = |message| self.source.error(self.settings.scheme_place.clone(), message);
+        let place = self.settings.scheme_place.clone();
         let Some(scheme) = BuiltIn::named(name) else {
-            let known = BuiltIn::ALL.map(BuiltIn::id);
-            let (hint, known) = (nearest(name, known), known.join(", "));
-            return Err(wrong(format!("no scheme `{name}`; there are auto, {known}{hint}")));
+            let known = [&[AUTO][..], &BuiltIn::ALL.map(BuiltIn::id)].concat();
+            refuse!(self.source, place, "no scheme `{name}`{}", among(name, &known));
         };
-        let scheme = self.model.scheme(scheme).map_err(|error| wrong(error.to_string()))?;
+        let scheme = self.model.scheme(scheme).map_err(|error| self.source.error(place, error))?;
         Ok(Setup { problem: self.problem(), scheme })
     }
 
     /// The same with what paths collect.
     pub fn collecting<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
         setup.collecting(self.model.system(), self.collected.clone())
+    }
+
+    /// The functions whose weak orders are measured: those of `[expect]`, or the first observable.
+    pub fn tested(&self) -> impl Iterator<Item = &Observable> {
+        let first = usize::from(self.expected.is_empty());
+        self.observables.iter().take(first).chain(&self.expected)
     }
 
     /// Whether paths collect something, so that states alone do not say what is observed.
@@ -272,17 +281,15 @@ pub struct Columns<'a> {
 
 impl Columns<'_> {
     /// Checks that a name is a component, an observable, or one of others.
-    fn check(&self, name: &At<String>, others: &[String]) -> Read<String> {
+    fn check(&self, name: &At<String>, others: &[&str]) -> Read<String> {
         let observables = self.observables.iter().map(|observable| &*observable.name);
         let known = self.components.iter().map(|name| &**name).chain(observables);
-        let known = known.chain(others.iter().map(|name| &**name));
-        match known.clone().any(|known| known == name.as_str()) {
-            true => Ok(name.to_string()),
-            false => {
-                let message = format!("no column `{}`{}", **name, nearest(name, known));
-                Err(self.source.error(name.span(), message))
-            }
+        let known = known.chain(others.iter().copied());
+        if !known.clone().any(|known| known == name.as_str()) {
+            let hint = nearest(name, known);
+            refuse!(self.source, name.span(), "no column `{}`{hint}", **name);
         }
+        Ok(name.to_string())
     }
 
     /// The number of an observable.
@@ -296,32 +303,8 @@ impl Columns<'_> {
 }
 
 /// A name that a column has already.
-fn taken(source: &Source, name: &str, place: Range<usize>) -> SceneError {
-    let message = format!("`{name}` is a column of the tables already: choose another name");
-    source.error(place, message)
+fn taken(source: &Source, name: &At<String>) -> SceneError {
+    let message = "is a column of the tables already: choose another name";
+    source.error(name.span(), format_args!("`{}` {message}", **name))
 }
 
-/// The test functions of `[expect]`, whose accuracy is checked.
-fn expected(
-    source: &Source,
-    table: &ExpectTable,
-    mut known: impl FnMut(&At<Text>) -> Read<Observable>,
-) -> Read<Vec<Observable>> {
-    let accuracy = *table.accuracy;
-    if !(accuracy > 0.0 && accuracy.is_finite()) {
-        let message = format!("the accuracy must be positive and finite, got {accuracy}");
-        return Err(source.error(table.accuracy.span(), message));
-    }
-    if table.of.is_empty() {
-        return Err(source.error(table.of.span(), "name at least one function, such as \"y1\""));
-    }
-    let mut expected: Vec<Observable> = Vec::new();
-    for formula in table.of.iter() {
-        let phi = known(formula)?;
-        if expected.iter().any(|before| before.name == phi.name) {
-            return Err(source.error(formula.span(), format!("`{}` is listed twice", phi.name)));
-        }
-        expected.push(phi);
-    }
-    Ok(expected)
-}

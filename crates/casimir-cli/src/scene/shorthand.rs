@@ -58,7 +58,7 @@ impl State {
             }
         }
         match state.components.iter().find(|name| is_column(name)) {
-            Some(name) => Err(taken(source, name, name.span())),
+            Some(name) => Err(taken(source, name)),
             None => Ok(state),
         }
     }

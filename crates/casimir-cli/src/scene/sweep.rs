@@ -2,14 +2,14 @@
 
 use std::{ops::Range, str::FromStr};
 
-use casimir::formula::{Formula, Names, nearest};
+use casimir::formula::{Formula, Names};
 use serde::{Deserialize, Serialize};
 
 use super::{
     Changes, Scene,
     file::SceneFile,
-    read,
-    source::{Read, Source},
+    read::{self, among},
+    source::{Read, Source, refuse},
     values::{At, MOST_VALUES, Parameter, Text, Values},
 };
 
@@ -77,8 +77,7 @@ impl Sweep {
         let numbers = chosen.iter().map(|one| one.values.len() as u64);
         let number = numbers.fold(1u64, u64::saturating_mul);
         if number > MOST_VALUES {
-            let message = format!("{number} combinations are too many: at most {MOST_VALUES}");
-            return Err(source.error(chosen[0].place.clone(), message));
+            refuse!(source, chosen[0].place.clone(), "{number} combinations are too many: at most {MOST_VALUES}");
         }
         let combination = |k: usize| {
             let (mut rest, mut words, mut places, mut file) = (k, vec![], vec![], file.clone());
@@ -97,14 +96,12 @@ impl Sweep {
             }
             Ok(Combination { label: words.join(", "), places, scene })
         };
-        let varied = chosen.iter().filter(|one| one.is_axis()).map(|one| Varied {
-            name: one.name.clone(),
-            values: one.values.iter().map(|(_, value)| *value).collect(),
+        let varied = chosen.iter().filter(|one| one.is_axis()).map(|one| {
+            let values = one.values.iter().map(|(_, value)| *value).collect();
+            Varied { name: one.name.clone(), values }
         });
-        Ok(Self {
-            varied: varied.collect(),
-            combinations: (0..number as usize).map(combination).collect::<Read<_>>()?,
-        })
+        let combinations = (0..number as usize).map(combination).collect::<Read<_>>()?;
+        Ok(Self { varied: varied.collect(), combinations })
     }
 }
 
@@ -144,7 +141,7 @@ fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Chosen>>
         own.map(|(name, values)| (Set::new(name, values), Some(values.span()))).collect();
     for (k, set) in given.iter().enumerate() {
         if given[..k].iter().any(|before| before.name == set.name) {
-            return Err(source.error(None, format!("--set {} is given twice", set.name)));
+            refuse!(source, None, "--set {} is given twice", set.name);
         }
         match sets.iter_mut().find(|(known, _)| known.name == set.name) {
             Some(known) => *known = (set.clone(), None),
@@ -158,12 +155,7 @@ fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Chosen>>
             return wrong(format!("`{name}` needs a value"));
         }
         if !known.contains(&&*name) && file.system.name.is_none() {
-            let hint = nearest(&name, &known);
-            let known = match known[..] {
-                [] => "this scene has none".into(),
-                _ => format!("there are {}", known.join(", ")),
-            };
-            return wrong(format!("no parameter `{name}` to set; {known}{hint}"));
+            return wrong(format!("no parameter `{name}` to set{}", among(&name, &known)));
         }
         let mut both = Vec::new();
         for text in values {
@@ -184,12 +176,9 @@ pub fn settle(source: &Source, file: &mut SceneFile, given: &[Set]) -> Read<()> 
     file.sweep.clear();
     for one in chosen(source, file, given)? {
         if let (name, [(first, _), _, ..]) = (&one.name, &one.values[..]) {
-            let message = format!(
-                "`{name}` has {} values, and only `run` and `plan` vary parameters: choose one by \
+            refuse!(source, one.place.clone(), "`{name}` has {} values, and only `run` and `plan` vary parameters: choose one by \
                  --set {name}={first}",
-                one.values.len(),
-            );
-            return Err(source.error(one.place.clone(), message));
+                one.values.len());
         }
         one.put(file, 0);
     }

@@ -21,7 +21,7 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     });
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
     let bath = model.bath();
-    let text = format!("{}\n{}", findings, bath.as_ref().map_or(String::new(), words));
+    let text = format!("{findings}\n{}", bath.as_ref().map_or(String::new(), words));
     let text = with_names(&text, &scene.components);
     let text = format!("{}{}\n", known.equation(), text.trim_end());
     let mut json = serde_json::to_value(&findings)?;

@@ -10,7 +10,7 @@ use casimir::{
     },
 };
 
-use super::{Settled, Watch};
+use super::{Settled, Watch, scheme};
 use crate::{
     failure::{Done, Failure},
     model::Known,
@@ -34,6 +34,11 @@ pub struct Results {
     pub check: Option<StepCheck>,
     /// Seconds of the computation.
     pub seconds: f64,
+}
+
+/// The schemes of all combinations.
+pub fn settle(sweep: &Sweep) -> Vec<Settled> {
+    sweep.combinations.iter().map(|one| scheme(&one.scene)).collect()
 }
 
 /// The runs of all combinations, checked.
@@ -118,20 +123,21 @@ impl Results {
 
     /// What a reader must know of single paths, of the steps and of the statistics.
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
-        let Self { tables, study, check, .. } = self;
-        let lines = |check| output::step_lines(check, study.as_ref(), tables, scene);
-        let steps = check.iter().flat_map(lines);
-        let warnings = study.iter().flat_map(|study| study.warnings.clone());
-        let halted = self.halted(scene).map(|(path, halted)| format!("path {path}: {halted}"));
-        let none = self.lacks_tables(scene);
-        let none =
-            none.then(|| "stopped before the tables of single paths, which come last".into());
-        let is_few =
-            study.is_none() && !(scene.wanted.pairs.is_empty() && scene.wanted.lagged.is_empty());
-        let few = "pairs and autocorrelations are of 100 paths or more: take more `paths`";
-        let few = is_few.then(|| few.to_owned());
-        let mistake = self.known.mistake.clone().into_iter();
-        mistake.chain(steps).chain(warnings).chain(halted).chain(none).chain(few).collect()
+        let Self { tables, study, check, known, .. } = self;
+        let mut all = Vec::from_iter(known.mistake.clone());
+        if let Some(check) = check {
+            all.extend(output::step_lines(check, study.as_ref(), tables, scene));
+        }
+        all.extend(study.iter().flat_map(|study| study.warnings.clone()));
+        all.extend(self.halted(scene).map(|(path, halted)| format!("path {path}: {halted}")));
+        if self.lacks_tables(scene) {
+            all.push("stopped before the tables of single paths, which come last".into());
+        }
+        if study.is_none() && !(scene.wanted.pairs.is_empty() && scene.wanted.lagged.is_empty()) {
+            let few = "pairs and autocorrelations are of 100 paths or more: take more `paths`";
+            all.push(few.into());
+        }
+        all
     }
 }
 
@@ -154,12 +160,11 @@ impl<'a> Ready<'a> {
             && let Err(error) = settings.truncation.bound(settings.until / settings.steps as f64)
         {
             let least = settings.until.floor() as u64 + 1;
-            let message = format!(
+            return Err(scene.steps_error(format_args!(
                 "{} truncates increments: {error}. Take at least {least} steps, or leave out \
                  `truncation`",
                 setup.scheme.id()
-            );
-            return Err(scene.steps_error(message).into());
+            )))?;
         }
         Ok(Self { label, scene, scheme, setup, because })
     }
