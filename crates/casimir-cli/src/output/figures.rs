@@ -82,7 +82,7 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
 
 /// The figures of the statistics of observables.
 fn of_study(drawn: &scene::Drawn, names: &[&String], study: &StudyResult) -> Vec<Section> {
-    let levels = study.record.quantiles.iter().map(|level| digits(Some(100.0 * level)));
+    let levels = study.record.quantiles.iter().map(|level| digits(100.0 * level));
     let levels = levels.collect::<Vec<_>>().join(" %, ");
     let (paths, mut in_time, mut at_end) = (study.record.paths, Vec::new(), Vec::new());
     for series in names.iter().filter_map(|name| study.series(name)) {
@@ -192,7 +192,7 @@ fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
         let at = |k: usize| k * last / (PICTURES - 1);
         let picture = |k: usize| {
             let values = spins.iter().map(|spin| spin[at(k)]).collect();
-            (format!("t = {}", digits(Some(times[at(k)]))), values)
+            (format!("t = {}", digits(times[at(k)])), values)
         };
         let pictures: Vec<(String, Vec<f64>)> = (0..PICTURES).map(picture).collect();
         (strip("spins", columns, &pictures), "at several times")

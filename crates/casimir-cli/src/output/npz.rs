@@ -103,31 +103,16 @@ pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item =
     alone.map(array).chain(vectors)
 }
 
-/// Statistics: `t`, `quantile levels`, and for each observable `<name> mean`, `<name> lo` and
-/// `<name> hi` (the 95 % interval of the mean), `<name> deviation` and `<name> quantiles`, an array
-/// [time, level]; autocorrelations and spectra likewise, with `lag` and `omega`; joint laws as
-/// counts with the edges of their bins. What is not known is NaN.
-pub fn study(result: &StudyResult) -> Vec<Array> {
-    let Some(first) = result.series.first() else { return Vec::new() };
-    let times: Vec<f64> = first.points.iter().map(|point| point.time).collect();
-    let joint = result.joint.iter().flat_map(|Joint { names: [a, b], grids, counts, .. }| {
+/// Joint laws.
+pub fn joint(result: &StudyResult) -> impl Iterator<Item = Array> {
+    result.joint.iter().flat_map(|Joint { names: [a, b], grids, counts, .. }| {
         let name = format!("joint({a}, {b})");
         let [x, y] = grids.map(|grid| (0..=grid.bins).map(|k| grid.edge(k)).collect::<Vec<_>>());
         let values = counts.iter().map(|&count| count as f64).collect();
-        let sides = [("x", &x), ("y", &y)]
-            .map(|(side, edges)| (format!("{name} {side}"), vec![edges.len()], edges.clone()));
-        [(name, vec![x.len() - 1, y.len() - 1], values)].into_iter().chain(sides)
-    });
-    let all = [("t".into(), vec![times.len()], times)].into_iter().chain(lags(result));
-    let series = [&result.series, &result.lagged].map(|series| statistics(&[], &[(0, series)]));
-    all.chain(series.concat()).chain(joint).collect()
-}
-
-/// Where autocorrelations and spectra are, if there are any: `lag` and `omega`.
-pub fn lags(result: &StudyResult) -> impl Iterator<Item = Array> {
-    ["lag", "omega"].into_iter().zip(&result.lagged).map(|(name, series)| {
-        let places: Vec<f64> = series.points.iter().map(|point| point.time).collect();
-        (name.into(), vec![places.len()], places)
+        let shape = vec![x.len() - 1, y.len() - 1];
+        let side = |side, edges: Vec<f64>| (format!("{name} {side}"), vec![edges.len()], edges);
+        let sides = [side("x", x), side("y", y)];
+        [(name, shape, values)].into_iter().chain(sides)
     })
 }
 

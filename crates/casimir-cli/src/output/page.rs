@@ -45,7 +45,7 @@ impl Report<'_> {
         let program = ("program".into(), format!("casimir {}", env!("CARGO_PKG_VERSION")));
         let Some(Run { results, .. }) = self.single() else {
             let varied = self.sweep.varied.iter().map(|Varied { name, values }| {
-                let values = values.iter().map(|value| digits(Some(*value))).collect::<Vec<_>>();
+                let values = values.iter().map(|value| digits(*value)).collect::<Vec<_>>();
                 (name.clone(), values.join(", "))
             });
             let keys = self.sweep.combinations.iter().map(|one| one.scene.settings.key);
@@ -58,7 +58,7 @@ impl Report<'_> {
         let because = results.because.as_ref().map(|because| format!(": {because}"));
         let law = settings.random.as_ref().map(|random| random.law.clone());
         let (until, steps) = (settings.until, settings.steps);
-        let tau = digits(Some(until / steps as f64));
+        let tau = digits(until / steps as f64);
         let fact = |term: &str, what| (term.to_owned(), what);
         vec![
             fact("system", first.map_or(String::new(), |table| table.system.clone())),
@@ -77,7 +77,7 @@ impl Report<'_> {
 fn numbers(values: &[f64]) -> String {
     const SHOWN: usize = 12;
     let mut words: Vec<String> =
-        values.iter().take(SHOWN).map(|value| digits(Some(*value))).collect();
+        values.iter().take(SHOWN).map(|value| digits(*value)).collect();
     if values.len() > SHOWN {
         words.push(format!("… {} in all", values.len()));
     }

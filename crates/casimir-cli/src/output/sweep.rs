@@ -14,6 +14,9 @@ use serde_json::{Value, json};
 use super::{Drawn, Report, Run, Section, npz, page::TABLE};
 use crate::scene::{Observable, Scene, Settings, Varied};
 
+/// Series of a run.
+type OfRun = for<'r> fn(&'r Run<'r>) -> &'r [Series];
+
 /// Curves in one figure, and small multiples.
 const MOST_CURVES: usize = 5;
 const MOST_PANELS: usize = 24;
@@ -108,36 +111,49 @@ impl Report<'_> {
     }
 
     /// The rows of each combination after the values of its parameters.
-    pub(super) fn csv(&self) -> io::Result<Vec<u8>> {
+    pub(super) fn csv(&self, of: OfRun) -> io::Result<Vec<u8>> {
         let names = self.sweep.varied.iter().map(|varied| quoted(&varied.name) + ",");
         let mut csv = (names.collect::<String>() + COLUMNS + "\n").into_bytes();
-        for Run { one, series, .. } in &self.runs {
-            let values = zip(&self.sweep.varied, &one.places);
+        for run in &self.runs {
+            let values = zip(&self.sweep.varied, &run.one.places);
             let values: String = values.map(|(of, &k)| format!("{},", of.values[k])).collect();
-            write_rows(series, &values, &mut csv)?;
+            write_rows(of(run), &values, &mut csv)?;
         }
         Ok(csv)
     }
 
-    /// The values of each parameter, the times, and statistics as arrays over the parameters and
-    /// times. What is not known is NaN.
+    /// Statistics as arrays: the values of each parameter; `t`; `quantile levels`; and for each
+    /// observable `<name> mean`, `<name> lo` and `<name> hi` (the 95 % interval of the mean),
+    /// `<name> deviation` and `<name> quantiles`, over the parameters, times and levels.
+    /// Autocorrelations and spectra likewise, with `lag` and `omega`; joint laws of a run alone as
+    /// counts with the edges of their bins. What is not known is NaN; none of a few paths alone.
     pub(super) fn arrays(&self) -> Vec<npz::Array> {
+        let single = self.single().map(|run| run.results.study.as_ref());
+        if let Some(None) = single {
+            return Vec::new();
+        }
+        let list = |name: &str, values: Vec<f64>| (name.to_owned(), vec![values.len()], values);
         let varied = &self.sweep.varied;
         let axes: Vec<usize> = varied.iter().map(|varied| varied.values.len()).collect();
-        let axis = |one: &Varied| (one.name.clone(), vec![one.values.len()], one.values.clone());
-        let mut arrays: Vec<_> = varied.iter().map(axis).collect();
+        let mut arrays: Vec<_> =
+            varied.iter().map(|one| list(&one.name, one.values.clone())).collect();
         let Settings { times, steps, until, .. } = self.scene.settings;
         // To the bit those of a run.
         let time = |k| (k * (steps / times)) as f64 * (until / steps as f64);
-        arrays.push(("t".into(), vec![times as usize + 1], (0..=times).map(time).collect()));
+        arrays.push(list("t", (0..=times).map(time).collect()));
         let place = |run: &Run<'_>| zip(&axes, &run.one.places).fold(0, |at, (n, k)| at * n + k);
-        let studies = self.runs.iter().map(|run| Some((place(run), run.results.study.as_ref()?)));
-        let studies = studies.collect::<Option<Vec<_>>>().unwrap_or_default();
-        arrays.extend(studies.first().into_iter().flat_map(|(_, study)| npz::lags(study)));
-        let runs: Vec<_> = self.runs.iter().map(|run| (place(run), &*run.series)).collect();
-        let lagged: Vec<_> = studies.iter().map(|(k, study)| (*k, &*study.lagged)).collect();
-        arrays.extend(npz::statistics(&axes, &runs));
+        let of = |of: OfRun| -> Vec<_> {
+            self.runs.iter().map(|run| (place(run), of(run))).collect()
+        };
+        // None where a part has not come so far.
+        let lagged = of(|run| run.lagged);
+        let lagged = if lagged.iter().all(|(_, all)| !all.is_empty()) { lagged } else { vec![] };
+        for (name, series) in zip(["lag", "omega"], lagged.iter().flat_map(|(_, all)| *all)) {
+            arrays.push(list(name, series.points.iter().map(|point| point.time).collect()));
+        }
+        arrays.extend(npz::statistics(&axes, &of(|run| &run.series)));
         arrays.extend(npz::statistics(&axes, &lagged));
+        arrays.extend(single.flatten().into_iter().flat_map(npz::joint));
         arrays
     }
 }

@@ -123,11 +123,9 @@ impl Results {
 
     /// What a reader must know of single paths, of the steps and of the statistics.
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
-        let Self { tables, study, check, known, .. } = self;
+        let Self { study, known, .. } = self;
         let mut all = Vec::from_iter(known.mistake.clone());
-        if let Some(check) = check {
-            all.extend(output::step_lines(check, study.as_ref(), tables, scene));
-        }
+        all.extend(output::step_lines(self, scene));
         all.extend(study.iter().flat_map(|study| study.warnings.clone()));
         all.extend(self.halted(scene).map(|(path, halted)| format!("path {path}: {halted}")));
         if self.lacks_tables(scene) {

@@ -88,7 +88,7 @@ pub fn equilibrium(
     match (asked, kt) {
         (Asked::Exponents(count, _), _) => text += &contraction(scene, &found, count),
         (Asked::Averages, Some(kt)) => {
-            text += &format!("exp(-H0/kT) is stationary with kT = {}\n", digits(Some(kt)));
+            text += &format!("exp(-H0/kT) is stationary with kT = {}\n", digits(kt));
         }
         _ => {}
     }
@@ -139,7 +139,7 @@ fn contraction(scene: &Scene, found: &Averages, count: usize) -> String {
     match found.means.last() {
         Some(sum) if count == d && canonical => format!(
             "volume contracts by -Σγᵢ = {}: the sum differs by {:.1e}\n",
-            digits(Some(-rate)),
+            digits(-rate),
             sum.mean + rate
         ),
         _ => String::new(),
