@@ -32,7 +32,13 @@ Exit codes: 0 done, 1 the run failed, 2 the scene or the command is wrong, 130 s
 pub enum Command {
     /// Print a commented scene to begin with
     #[command(after_help = "Example: casimir new heavy-top > top.toml")]
-    New(New),
+    New {
+        /// A scene of the gallery; without it an empty scene with all keys
+        name: Option<String>,
+        /// List the scenes and the systems of the project
+        #[arg(long)]
+        list: bool,
+    },
     /// Say what a system is: Casimirs, orders, mistakes, a scheme to take
     #[command(after_help = "Example: casimir inspect top.toml")]
     Inspect(Inspect),
@@ -61,25 +67,40 @@ pub enum Command {
     Plan(Plan),
     /// Compute one part; goes on from its checkpoint
     #[command(after_help = "Example: casimir part big --part 3")]
-    Part(Part),
+    Part {
+        /// The folder that `casimir plan` made
+        folder: PathBuf,
+        /// The number of the part, from 1
+        #[arg(long)]
+        part: u64,
+        /// Number of threads. Default: one for each processor
+        #[arg(long)]
+        threads: Option<u64>,
+    },
     /// Put the parts in a folder together, or say which are missing
-    Merge(Merge),
+    Merge {
+        /// The folder that `casimir plan` made
+        folder: PathBuf,
+        /// What to write beside the report
+        #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
+        write: Vec<Format>,
+        /// Print a summary as JSON
+        #[arg(long)]
+        json: bool,
+    },
     /// Ask for more paths in a folder, which keeps what it has
     #[command(after_help = "Example: casimir extend big --paths 1e9")]
-    Extend(Extend),
+    Extend {
+        /// The folder that `casimir plan` made
+        folder: PathBuf,
+        /// The new number of paths, in all
+        #[arg(long, value_parser = count)]
+        paths: u64,
+    },
     /// Print the JSON schema of scenes, for editors
     Schema,
     /// Test the program on this machine, for reports of faults
     Doctor,
-}
-
-#[derive(Args, Debug)]
-pub struct New {
-    /// A scene of the gallery; without it an empty scene with all keys
-    pub name: Option<String>,
-    /// List the scenes and the systems of the project
-    #[arg(long)]
-    pub list: bool,
 }
 
 #[derive(Args, Debug)]
@@ -212,37 +233,4 @@ pub struct Plan {
     pub sbatch: Vec<String>,
     #[command(flatten)]
     pub changes: Changes,
-}
-
-#[derive(Args, Debug)]
-pub struct Part {
-    /// The folder that `casimir plan` made
-    pub folder: PathBuf,
-    /// The number of the part, from 1
-    #[arg(long, value_name = "K")]
-    pub part: u64,
-    /// Number of threads. Default: one for each processor
-    #[arg(long)]
-    pub threads: Option<u64>,
-}
-
-#[derive(Args, Debug)]
-pub struct Merge {
-    /// The folder that `casimir plan` made
-    pub folder: PathBuf,
-    /// What to write beside the report
-    #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
-    pub write: Vec<Format>,
-    /// Print a summary as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-#[derive(Args, Debug)]
-pub struct Extend {
-    /// The folder that `casimir plan` made
-    pub folder: PathBuf,
-    /// The new number of paths, in all
-    #[arg(long, value_parser = count)]
-    pub paths: u64,
 }

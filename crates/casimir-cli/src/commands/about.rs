@@ -14,13 +14,11 @@ use casimir_cli::{
 use serde_json::{Value, json};
 
 use super::{print, print_json, source};
-use crate::arguments::New;
 
 /// Prints a scene, or lists them.
-pub fn new(arguments: &New) -> Done {
-    if !arguments.list {
-        let name = arguments.name.as_deref().unwrap_or("empty");
-        return print(scene(name).map_err(Failure::Usage)?);
+pub fn new(name: Option<&str>, list: bool) -> Done {
+    if !list {
+        return print(scene(name.unwrap_or("empty")).map_err(Failure::Usage)?);
     }
     let mut list = String::from("Scenes, for casimir new NAME:\n");
     for (name, text) in GALLERY {

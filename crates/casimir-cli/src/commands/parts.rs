@@ -2,7 +2,7 @@
 
 use std::{
     env, fs,
-    path::{Path, PathBuf},
+    path::Path,
     time::Duration,
 };
 
@@ -12,14 +12,17 @@ use casimir::{
 };
 use casimir_cli::{
     failure::{Done, Failure},
-    output::cluster::{JOB, Script},
+    output::{
+        Format,
+        cluster::{JOB, Script},
+    },
     scene::{Changes, Sweep},
     verbs::{self, Outcomes, Settled, Watch},
 };
 use serde::{Deserialize, Serialize};
 
 use super::{prepare, print, program, run, source, stoppable, threads, watch};
-use crate::arguments::{Extend, Merge, Part, Plan};
+use crate::arguments::Plan;
 
 /// What is divided into parts: `plan.json` in the folder of the parts, beside the scene.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -40,7 +43,6 @@ const MEASURED: Duration = Duration::from_millis(300);
 
 /// What a folder of parts has.
 struct Folder {
-    folder: PathBuf,
     divided: Divided,
     sweep: Sweep,
 }
@@ -55,11 +57,7 @@ impl Folder {
             Failure::Usage(format!("{file} does not say what its parts are: {error}"))
         })?;
         let sweep = Sweep::new(&source(&folder.join(SCENE))?, &divided.changes)?;
-        Ok(Self { folder: folder.to_owned(), divided, sweep })
-    }
-
-    fn write(&self) -> Done {
-        Ok(files::write_json(&self.folder.join(PLAN), &self.divided)?)
+        Ok(Self { divided, sweep })
     }
 
     /// Does with a job what the folder is for; the results if there are some here.
@@ -95,12 +93,11 @@ pub fn plan(arguments: &Plan) -> Done {
         fs::copy(scene.with_file_name(states), copy)?;
     }
     let (parts, changes, settled) = (*parts, changes.clone(), verbs::settle(&sweep));
-    let divided = Divided { parts, changes, settled };
-    let folder = Folder { folder: out.clone(), divided, sweep };
+    let opened = Folder { divided: Divided { parts, changes, settled }, sweep };
     let job = Job::pilot(MEASURED);
-    folder.compute(&job, &watch())?;
+    opened.compute(&job, &watch())?;
     let planned = job.plan()?;
-    folder.write()?;
+    files::write_json(&out.join(PLAN), &opened.divided)?;
     let (cpus, folder) = (*cpus.max(&1), fs::canonicalize(out)?);
     let seconds =
         |parts, threads| planned.iter().map(|work| work.seconds(parts, threads)).sum::<f64>();
@@ -125,56 +122,54 @@ pub fn plan(arguments: &Plan) -> Done {
 }
 
 /// Computes one part.
-pub fn part(arguments: &Part) -> Done {
-    threads(arguments.threads)?;
-    let folder = Folder::open(&arguments.folder)?;
-    let share = Share::new(arguments.part, folder.divided.parts)?;
+pub fn part(folder: &Path, part: u64, cpus: Option<u64>) -> Done {
+    threads(cpus)?;
+    let opened = Folder::open(folder)?;
+    let share = Share::new(part, opened.divided.parts)?;
     let watch = stoppable();
-    let job = Job::part(&folder.folder, share, program())?.stopped_by(&watch.stop);
-    folder.compute(&job, &watch)?;
+    let job = Job::part(folder, share, program())?.stopped_by(&watch.stop);
+    opened.compute(&job, &watch)?;
     match job.finish() {
         Ok(()) | Err(JobError::Stopped) if watch.stop.is_asked() => {
             Err(Failure::Stopped("the same command goes on from the checkpoint".into()))
         }
         finished => {
             finished?;
-            print(&format!(
-                "{share} is done; when all are: casimir merge {}\n",
-                arguments.folder.display()
-            ))
+            let folder = folder.display();
+            print(&format!("{share} is done; when all are: casimir merge {folder}\n"))
         }
     }
 }
 
 /// Puts the parts together.
-pub fn merge(arguments: &Merge) -> Done {
-    let folder = Folder::open(&arguments.folder)?;
+pub fn merge(folder: &Path, formats: &[Format], json: bool) -> Done {
+    let opened = Folder::open(folder)?;
     let watch = stoppable();
-    let job = Job::merge(&folder.folder, program())?.stopped_by(&watch.stop);
-    let found = folder.compute(&job, &watch)?;
+    let job = Job::merge(folder, program())?.stopped_by(&watch.stop);
+    let found = opened.compute(&job, &watch)?;
     job.finish()?;
     if watch.stop.is_asked() {
         return Err(Failure::Stopped("the same command merges them".into()));
     }
-    run::write(&found, &folder.folder, &arguments.write, arguments.json)
+    run::write(&found, folder, formats, json)
 }
 
 /// Asks for more in a folder.
-pub fn extend(arguments: &Extend) -> Done {
-    let mut folder = Folder::open(&arguments.folder)?;
-    let paths = folder.sweep.combinations[0].scene.settings.paths;
-    if arguments.paths <= paths {
-        return Err(Failure::Usage(format!("ask for more than {paths} paths: --paths N")));
+pub fn extend(folder: &Path, paths: u64) -> Done {
+    let mut opened = Folder::open(folder)?;
+    let before = opened.sweep.combinations[0].scene.settings.paths;
+    if paths <= before {
+        return Err(Failure::Usage(format!("ask for more than {before} paths: --paths N")));
     }
-    folder.divided.changes.paths = Some(arguments.paths);
-    let merged = merged_paths(&folder.folder, &program())?;
+    opened.divided.changes.paths = Some(paths);
+    let merged = merged_paths(folder, &program())?;
     let mut studies = merged.iter().filter(|(name, _)| name.ends_with("study"));
-    let (parts, name) = (folder.divided.parts, arguments.folder.display());
-    if merged.is_empty() || studies.any(|(_, merged)| *merged != paths) {
+    let (parts, name) = (opened.divided.parts, folder.display());
+    if merged.is_empty() || studies.any(|(_, merged)| *merged != before) {
         let message = format!("the parts are not merged yet: casimir merge {name}, then extend");
         return Err(Failure::Usage(message));
     }
-    folder.write()?;
+    files::write_json(&folder.join(PLAN), &opened.divided)?;
     print(&format!(
         "now compute parts 1 to {parts} again (sbatch {name}/{JOB}), and casimir merge {name}\n"
     ))

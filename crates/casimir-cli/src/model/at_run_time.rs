@@ -40,7 +40,7 @@ impl AtRunTime {
 impl Model for AtRunTime {
     fn problem(&self) -> mc::Problem<'_> {
         let mut problem = mc::Problem::at_run_time(&self.problem);
-        if let (Some(facts), system) = (self.facts(), self.system()) {
+        if let Some(facts) = self.facts() {
             let law = |name: String, degree, casimir, value| ConformalLaw {
                 name,
                 degree,
@@ -53,7 +53,8 @@ impl Model for AtRunTime {
                 law(format!("C{}", k + 1), f64::from(form.degree), true, value)
             });
             let of_energy = |degree| {
-                law("H0".into(), degree, false, Arc::new(move |y: &[f64]| energy(system, y)))
+                let value = Arc::new(|y: &[f64]| energy(self.system(), y));
+                law("H0".into(), degree, false, value)
             };
             problem.laws = casimirs.chain(facts.energy_law().map(of_energy)).collect();
         }
@@ -67,14 +68,12 @@ impl Model for AtRunTime {
 
     /// Formulas and lattices have areas for those who name their schemes.
     fn recommended(&self) -> (&'static str, String) {
-        let system = self.problem.system().description();
-        let (scheme, why) = self.kept(false).scheme(self.system());
-        match &system.parts {
-            Err(reason) if self.formulas.is_none() && !system.is_transverse => {
-                (scheme, format!("{why}; split would not do: {reason}"))
-            }
-            _ => (scheme, why),
+        let system = self.system().description();
+        let (scheme, mut why) = self.kept(false).scheme(self.system());
+        if let (Err(reason), None, false) = (&system.parts, &self.formulas, system.is_transverse) {
+            why += &format!("; split would not do: {reason}");
         }
+        (scheme, why)
     }
 
     fn known(&self) -> Known {
@@ -108,10 +107,7 @@ impl Model for AtRunTime {
     }
 
     fn fastest(&self) -> f64 {
-        match self.formulas {
-            Some(_) => fastest(self.problem.system(), self.problem.y0()),
-            None => 0.0,
-        }
+        self.formulas.as_ref().map_or(0.0, |_| fastest(self.system(), self.problem.y0()))
     }
 
     /// None for a lattice: a point has as many dimensions as spins, steps and noises together.

@@ -99,8 +99,7 @@ where
     let names = numbered(&components);
     let rates = damping::rates(reading, &components, &[])?;
     let (damping, friction) = damping::damping(reading, &rates, D)?;
-    let problem = Problem::new(system, damping, y0, reading.settings.until);
-    let problem = problem.map_err(|error| reading.initial_error(error))?;
+    let problem = Problem::new(system, damping, y0, reading.settings.until).map_err(|error| reading.initial_error(error))?;
     let energy = move |y: &[Row], values: &mut Row| {
         for (p, value) in values.iter_mut().enumerate() {
             *value = system.energy(std::array::from_fn(|i| y[i][p]), 1.0, [0.0; M]);

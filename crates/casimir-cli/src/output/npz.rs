@@ -64,8 +64,7 @@ fn header(shape: &[usize]) -> Vec<u8> {
 /// a lattice are one array [path, time, spin, 3]. A path that ended early has NaN from there on.
 pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item = Array> {
     let longest = tables.iter().max_by_key(|table| table.times().len());
-    let names = longest.map_or(&[][..], |table| &table.columns).iter();
-    let names: Vec<String> = names.map(|column| column.name.clone()).collect();
+    let names: Vec<String> = longest.map_or(&[][..], |table| &table.columns).iter().map(|column| column.name.clone()).collect();
     let times = longest.map_or(&[][..], |table| table.times()).to_vec();
     let components = &scene.components;
     let first = names.iter().position(|name| *name == components[0]);
@@ -120,8 +119,7 @@ pub fn joint(result: &StudyResult) -> impl Iterator<Item = Array> {
 /// quantiles.
 pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
     let [(_, first), ..] = runs else { return Vec::new() };
-    let levels = first.iter().map(|of| &of.last().quantiles).find(|all| !all.is_empty());
-    let levels: Vec<f64> = levels.into_iter().flatten().map(|one| one.level).collect();
+    let levels: Vec<f64> = first.iter().map(|of| &of.last().quantiles).find(|all| !all.is_empty()).into_iter().flatten().map(|one| one.level).collect();
     let mut arrays = Vec::new();
     for (k, of) in first.iter().enumerate() {
         let times = runs.iter().map(|(_, series)| series[k].points.len()).max().unwrap_or(0);

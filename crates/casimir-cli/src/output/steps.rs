@@ -109,8 +109,7 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
             // Of single paths the difference itself is shown.
             let columns = tables.iter().filter_map(|table| table.column(observable));
             let later = columns.flat_map(|column| &column[column.len() / 2..]);
-            let size = largest(&mut later.copied());
-            let size = size.max(elementary::hypot(mean.value, deviation.value));
+            let size = largest(&mut later.copied()).max(elementary::hypot(mean.value, deviation.value));
             let along = 2.0 * along_paths;
             if along > 0.01 * size {
                 sort(observable.clone(), StepError::About(along), size);

@@ -172,8 +172,7 @@ pub fn judge(
     text += "  step      error     ns per path-step\n";
     for (l, (tau, error)) in taus.iter().zip(errors).enumerate() {
         let steps = (referee.sizes.coarsest_steps << l) as f64 * measure.paths as f64;
-        let cost = claims.seconds.get(l).map(|s| format!("{:.0}", s / steps * 1e9));
-        let cost = cost.unwrap_or_else(|| "–".into());
+        let cost = claims.seconds.get(l).map(|s| format!("{:.0}", s / steps * 1e9)).unwrap_or_else(|| "–".into());
         text += &format!("  {tau:<8.2e}  {error:<8.2e}  {cost}\n");
     }
     let figures = figures("solver", strong, weak);

@@ -70,8 +70,7 @@ pub fn equilibrium(
             Asked::Averages => equilibrium.run(&phi, accuracy),
             Asked::Exponents(count, _) => equilibrium.lyapunov(count, accuracy),
         }
-    });
-    let found = found.map_err(|error| match error {
+    }).map_err(|error| match error {
         RunError::Stopped => {
             let words = "before the first averages; chains that are kept go on from there";
             Failure::Stopped(words.into())
