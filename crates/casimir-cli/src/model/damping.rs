@@ -61,12 +61,13 @@ pub fn rates<'a>(
     Ok(rates)
 }
 
-/// The damping of all components, and friction on those with these rates.
+/// The damping of all components, or friction on some. `vectors` are those of the state.
 pub fn damping(
     reading: &Reading<'_>,
-    rates: &Rates<'_>,
-    dimension: usize,
+    components: &[String],
+    vectors: &[(String, Vec<String>)],
 ) -> Read<(Arc<dyn Damping>, Vec<Friction>)> {
+    let rates = rates(reading, components, vectors)?;
     let Some(table) = &reading.file.damping else { return Ok((constant(0.0), Vec::new())) };
     if let (Some(place), Some(_)) = (&table.temperature, &reading.file.system.name) {
         refuse!(
@@ -82,12 +83,12 @@ pub fn damping(
     let mut groups: Vec<(&At<Text>, Vec<usize>)> = Vec::new();
     for (i, rate) in rates {
         match groups.iter_mut().find(|(known, _)| known.0 == rate.0) {
-            Some((_, all)) => all.push(*i),
-            None => groups.push((rate, vec![*i])),
+            Some((_, all)) => all.push(i),
+            None => groups.push((rate, vec![i])),
         }
     }
     match groups[..] {
-        [(rate, ref all)] if all.len() == dimension => Ok((of_rate(reading, rate)?, Vec::new())),
+        [(rate, ref all)] if all.len() == components.len() => Ok((of_rate(reading, rate)?, Vec::new())),
         _ => {
             let friction = groups.into_iter().map(|(rate, components)| {
                 Ok(Friction { damping: of_rate(reading, rate)?, components })

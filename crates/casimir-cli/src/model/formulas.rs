@@ -54,14 +54,14 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
     };
     let y0 = &settings.initial;
-    let rates = rates(reading, &definition.state, &state.vectors)?;
     if let Some(temperature) = file.damping.as_ref().and_then(|table| table.temperature.as_ref()) {
+        let rates = rates(reading, &definition.state, &state.vectors)?;
         definition.noises = bath(reading, &definition, &rates, temperature)?;
     }
     let system = FormulaSystem::new(&definition, y0);
     let system = Arc::new(system.map_err(|error| misdefined(reading, &state, &error))?);
     let names = system.names().clone();
-    let (damping, friction) = damping(reading, &rates, y0.len())?;
+    let (damping, friction) = damping(reading, &definition.state, &state.vectors)?;
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
         .map_err(|error| reading.initial_error(error))?;
     compare(reading, &system, (&problem, &friction))?;

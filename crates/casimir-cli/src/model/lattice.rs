@@ -10,7 +10,7 @@ use casimir::{
     },
 };
 
-use super::{Built, at_run_time::AtRunTime, damping, project::numbered};
+use super::{Built, at_run_time::AtRunTime, damping::damping, project::numbered};
 use crate::scene::{Further, Observable, Parameters, Quantity, Read, Reading, Settings, refuse};
 
 /// The parameters of a lattice.
@@ -123,8 +123,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     };
     let energy = Quantity::Function(Arc::new(per_spin));
     let names = numbered(&components);
-    let rates = damping::rates(reading, &components, &[])?;
-    let (damping, friction) = damping::damping(reading, &rates, components.len())?;
+    let (damping, friction) = damping(reading, &components, &[])?;
     let problem = Problem::new(Arc::new(lattice), damping, y0, *until)
         .map_err(|error| reading.initial_error(error))?;
     let mean = |axis: usize| {

@@ -10,7 +10,7 @@ use casimir::{
 
 use kernels::Tuned;
 
-use super::{Built, compiled::Compiled, damping, lattice};
+use super::{Built, compiled::Compiled, damping::damping, lattice};
 use crate::scene::{At, Further, Parameters, Quantity, Read, Reading, among, refuse};
 
 /// Name, parameters with their defaults, and what it is.
@@ -97,8 +97,7 @@ where
     })?;
     let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
     let names = numbered(&components);
-    let rates = damping::rates(reading, &components, &[])?;
-    let (damping, friction) = damping::damping(reading, &rates, D)?;
+    let (damping, friction) = damping(reading, &components, &[])?;
     let problem = Problem::new(system, damping, y0, reading.settings.until).map_err(|error| reading.initial_error(error))?;
     let energy = move |y: &[Row], values: &mut Row| {
         for (p, value) in values.iter_mut().enumerate() {

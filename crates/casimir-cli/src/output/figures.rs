@@ -65,10 +65,8 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
         Some(study) => of_study(drawn, &names, study),
         None => {
             let in_time = names.into_iter().map(|name| {
-                let traces = traces(results, |table| table.times().to_vec(), name);
-                let svg = lines(name, "time t", drawn.title(name), &traces);
-                let on = paths(traces.len(), results);
-                Drawn::of("time", name, svg, format!("{name} in time on {on}."))
+                let svg = lines(name, "time t", drawn.title(name), &traces(results, "t", name));
+                Drawn::of("time", name, svg, format!("{name} in time on {}.", paths(results)))
             });
             vec![("In time", in_time.collect())]
         }
@@ -107,22 +105,19 @@ fn of_study(drawn: &scene::Drawn, names: &[&String], study: &StudyResult) -> Vec
 }
 
 /// `path 0`, or how many of how many.
-fn paths(shown: usize, results: &Results) -> String {
-    match (shown, results.tables.len()) {
-        (1, 1) => "path 0".into(),
-        (shown, all) if shown == all => format!("{all} paths"),
-        (shown, all) => format!("the first {shown} of {all} paths"),
+fn paths(results: &Results) -> String {
+    match results.tables.len() {
+        1 => "path 0".into(),
+        all @ ..=SHOWN_PATHS => format!("{all} paths"),
+        all => format!("the first {SHOWN_PATHS} of {all} paths"),
     }
 }
 
-/// A column of the first tables against something.
-fn traces(results: &Results, x: impl Fn(&TimeSeries) -> Vec<f64>, y: &str) -> Vec<Trace> {
+/// A column of the first tables against another.
+fn traces(results: &Results, x: &str, y: &str) -> Vec<Trace> {
     let trace = |(path, table): (usize, &TimeSeries)| {
-        let values = table.column(y).unwrap_or_default();
-        Trace {
-            name: format!("path {path}"),
-            points: x(table).into_iter().zip(values.iter().copied()).collect(),
-        }
+        let [x, y] = [x, y].map(|name| table.column(name).unwrap_or_default().iter().copied());
+        Trace { name: format!("path {path}"), points: x.zip(y).collect() }
     };
     results.tables.iter().enumerate().take(SHOWN_PATHS).map(trace).collect()
 }
@@ -137,10 +132,8 @@ fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
     let few = pairs.iter().take(PORTRAITS).map(|&(i, j)| [names[i].clone(), names[j].clone()]);
     let pairs = scene.drawn.portraits.clone().unwrap_or_else(|| few.collect());
     let portrait = |[x, y]: &[String; 2]| {
-        let of = |table: &TimeSeries| table.column(x).unwrap_or_default().to_vec();
-        let traces = traces(results, of, y);
-        let svg = lines(&format!("{y} against {x}"), x, &**y, &traces);
-        let on = paths(traces.len(), results);
+        let svg = lines(&format!("{y} against {x}"), x, &**y, &traces(results, x, y));
+        let on = paths(results);
         let caption = format!("{y} against {x} on {on}; the marker is the initial value.");
         Drawn::of("portrait", &format!("{x} {y}"), svg, caption)
     };
@@ -214,18 +207,22 @@ fn laws(results: &Results) -> Vec<Drawn> {
     }
     let law = |(column, largest): (&str, f64)| {
         let name = column.trim_end_matches(" defect");
+        let point = |((&t, &value), &defect): ((&f64, &f64), &f64)| {
+            // The defect is (value − law)/|law|, or the value itself where the law is zero.
+            let positive = value / (1.0 + defect);
+            let exact = match value == defect {
+                true => 0.0,
+                false if positive < 0.0 => value / (1.0 - defect),
+                false => positive,
+            };
+            Point::Value { t, value, exact }
+        };
         let series = |(path, table): (usize, &TimeSeries)| {
-            let (values, defects) = (table.column(name)?, table.column(&format!("{name} defect"))?);
-            let points = table.times().iter().zip(values).zip(defects);
-            let points = points.map(|((&t, &value), &defect)| {
-                // The defect is (value − law)/|law|, or the value itself where the law is zero.
-                let law = if value == defect { 0.0 } else { law_of(value, defect) };
-                Point::Value { t, value, exact: law }
-            });
+            let (values, defects) = (table.column(name)?, table.column(column)?);
             Some(plot::Series {
                 scheme: format!("path {path}"),
                 quantity: name.into(),
-                points: points.collect(),
+                points: table.times().iter().zip(values).zip(defects).map(point).collect(),
                 ..plot::Series::default()
             })
         };
@@ -234,16 +231,9 @@ fn laws(results: &Results) -> Vec<Drawn> {
         let caption = format!(
             "{name} on {}: values with the conformal law e^(−p∫γ) {name}(y(0)) above, relative \
              defects below; the largest is {largest:.1e}.",
-            paths(series.len(), results)
+            paths(results)
         );
         Drawn::of("law", name, evolution(name, &series), caption)
     };
     defects.into_iter().map(law).collect()
-}
-
-/// The law of which `value` has the relative defect `defect`.
-fn law_of(value: f64, defect: f64) -> f64 {
-    let size = value / (1.0 + defect);
-    // (value − law)/|law| with a negative law: value = law(1 − defect).
-    if size < 0.0 { value / (1.0 - defect) } else { size }
 }

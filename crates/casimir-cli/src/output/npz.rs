@@ -50,8 +50,9 @@ pub fn write(file: &Path, arrays: impl IntoIterator<Item = Array>) -> io::Result
 /// blanks up to a multiple of 64 bytes. The libraries for it bring a parser of Python's literals,
 /// which needs a compiler of C.
 fn header(shape: &[usize]) -> Vec<u8> {
-    let comma = if shape.len() == 1 { "," } else { "" };
-    let shape = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ") + comma;
+    let sides: String = shape.iter().map(|side| format!("{side}, ")).collect();
+    // As Python writes tuples.
+    let shape = if shape.len() == 1 { sides.trim_end() } else { sides.trim_end_matches(", ") };
     let words = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
     let length = (10 + words.len() + 1).next_multiple_of(64) - 10;
     let mut header = b"\x93NUMPY\x01\x00".to_vec();
@@ -64,24 +65,24 @@ fn header(shape: &[usize]) -> Vec<u8> {
 /// a lattice are one array [path, time, spin, 3]. A path that ended early has NaN from there on.
 pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item = Array> {
     let longest = tables.iter().max_by_key(|table| table.times().len());
-    let names: Vec<String> = longest.map_or(&[][..], |table| &table.columns).iter().map(|column| column.name.clone()).collect();
+    let columns = longest.map_or(&[][..], |table| &table.columns).iter();
+    let names: Vec<String> = columns.map(|column| column.name.clone()).collect();
     let times = longest.map_or(&[][..], |table| table.times()).to_vec();
     let components = &scene.components;
-    let first = names.iter().position(|name| *name == components[0]);
+    let first = names.iter().position(|name| *name == components[0]).unwrap_or(0);
     // All components are there, or some by name.
-    let are_spins =
-        |first: &usize| !scene.sizes.is_empty() && names[*first..].starts_with(components);
-    let spins = first.filter(are_spins).map_or(0..0, |first| first..first + components.len());
-    let vectors = (!spins.is_empty()).then(|| {
-        let of_path = |table: &TimeSeries| {
-            let columns = &table.columns[spins.clone()];
-            let time = |k: usize| {
-                columns.iter().map(move |c| c.values.get(k).copied().unwrap_or(f64::NAN))
-            };
-            (0..times.len()).flat_map(time).collect::<Vec<_>>()
-        };
-        let values = tables.iter().flat_map(of_path).collect();
-        ("spins".to_owned(), vec![tables.len(), times.len(), components.len() / 3, 3], values)
+    let are_spins = !scene.sizes.is_empty() && names[first..].starts_with(components);
+    let spins = if are_spins { first..first + components.len() } else { 0..0 };
+    let vectors = are_spins.then(|| {
+        let shape = vec![tables.len(), times.len(), components.len() / 3, 3];
+        let mut values = Vec::with_capacity(shape.iter().product());
+        for table in &tables {
+            for k in 0..times.len() {
+                let columns = table.columns[spins.clone()].iter();
+                values.extend(columns.map(|c| c.values.get(k).copied().unwrap_or(f64::NAN)));
+            }
+        }
+        ("spins".to_owned(), shape, values)
     });
     let alone = names.into_iter().enumerate().filter(move |(k, _)| !spins.contains(k));
     let array = move |(k, name): (usize, String)| {

@@ -46,7 +46,7 @@ impl Report<'_> {
         let program = fact("program", format!("casimir {}", env!("CARGO_PKG_VERSION")));
         let Some(Run { results, .. }) = self.single() else {
             let varied = self.sweep.varied.iter();
-            let varied = varied.map(|Varied { name, values }| (name.clone(), list(values)));
+            let varied = varied.map(|Varied { name, values, .. }| (name.clone(), list(values)));
             let keys = self.sweep.combinations.iter().map(|one| one.scene.settings.key);
             let noise = if keys.is_sorted_by(|a, b| a == b) { "the same" } else { "others" };
             let noise = format!("seed {seed}, {noise} for each combination");

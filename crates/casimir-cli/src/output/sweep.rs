@@ -50,15 +50,14 @@ impl Report<'_> {
     pub(super) fn of_sweep(&self) -> Vec<Section> {
         let varied = self.sweep.varied.iter().enumerate().rev();
         let most = varied.max_by_key(|(_, varied)| varied.values.len());
-        let Some((x, Varied { name: parameter, values })) = most else { return Vec::new() };
+        let Some((x, Varied { name: parameter, values, .. })) = most else { return Vec::new() };
         let own = format!("{parameter} = ");
         let drawn = &self.scene.drawn;
         let of = |(k, Series { observable: name, .. }): (usize, &Series)| {
             let mut curves: Vec<(String, Vec<Sampled>)> = Vec::new();
             for Run { one, series, .. } in &self.runs {
-                let others: Vec<&str> =
-                    one.label.split(", ").filter(|part| !part.starts_with(&own)).collect();
-                let (last, others) = (series[k].last(), others.join(", "));
+                let others = one.label.split(", ").filter(|part| !part.starts_with(&own));
+                let (last, others) = (series[k].last(), others.collect::<Vec<_>>().join(", "));
                 let value = last.mean.unwrap_or(f64::NAN);
                 let point = (values[one.places[x]], value, last.mean_interval);
                 match curves.iter_mut().find(|(of, _)| *of == others) {
