@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand};
 
 /// Damped stochastic Poisson systems from a text file:
 /// dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ
-#[derive(Parser, Debug)]
+#[derive(Parser)]
 #[command(name = "casimir", version, max_term_width = 90, after_help = EXAMPLES)]
 #[command(arg_required_else_help = true, args_conflicts_with_subcommands = true)]
 pub struct Arguments {
@@ -28,7 +28,7 @@ Examples:
   casimir expect body.toml               expectations with 95 % intervals
 Exit codes: 0 done, 1 the run failed, 2 the scene or the command is wrong, 130 stopped";
 
-#[derive(Subcommand, Debug)]
+#[derive(Subcommand)]
 pub enum Command {
     /// Print a commented scene to begin with
     #[command(after_help = "Example: casimir new heavy-top > top.toml")]
@@ -103,7 +103,7 @@ pub enum Command {
     Doctor,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Inspect {
     /// A parameter of the scene: NAME=VALUE
     #[arg(long = "set", value_name = "NAME=VALUE")]
@@ -113,7 +113,7 @@ pub struct Inspect {
 }
 
 /// What every command on a scene has.
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct On {
     /// The file of the scene
     pub scene: PathBuf,
@@ -128,7 +128,7 @@ pub struct On {
     pub threads: Option<u64>,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Run {
     #[command(flatten)]
     pub changes: Changes,
@@ -142,7 +142,7 @@ pub struct Run {
     pub on: On,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Expect {
     /// Half-width of the 95 % intervals, instead of that of the scene
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
@@ -157,7 +157,7 @@ pub struct Expect {
     pub on: On,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Equilibrium {
     /// Half-width of the 95 % intervals. Default: that of the scene; of `lyapunov` 0.01
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
@@ -177,7 +177,7 @@ pub struct Equilibrium {
     pub on: On,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Lyapunov {
     /// Number of exponents, from the largest on
     #[arg(long, value_parser = count, default_value = "1")]
@@ -186,7 +186,7 @@ pub struct Lyapunov {
     pub chains: Equilibrium,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Order {
     /// Path-steps that each measurement may take
     #[arg(long, value_parser = count, default_value = "3e8")]
@@ -197,7 +197,7 @@ pub struct Order {
     pub on: On,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Compare {
     /// The wanted root-mean-square error of y(T)
     #[arg(long, allow_negative_numbers = true, default_value_t = 1e-3)]
@@ -215,7 +215,7 @@ pub struct Compare {
     pub on: On,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Plan {
     /// The file of the scene
     pub scene: PathBuf,

@@ -25,7 +25,7 @@ use super::{prepare, print, program, run, source, stoppable, threads, watch};
 use crate::arguments::Plan;
 
 /// What is divided into parts: `plan.json` in the folder of the parts, beside the scene.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 struct Divided {
     /// Number of parts.
     parts: u64,

@@ -89,21 +89,20 @@ impl<'a> Report<'a> {
 
     /// The results in words.
     pub fn text(&self) -> String {
-        let mut table = self.table();
-        let most = if self.single().is_some() { table.len() } else { 1 + MOST_LINES };
-        let more = table.len().saturating_sub(most);
-        table.truncate(most);
-        let more = (more > 0).then(|| format!("{more} more lines in the report\n"));
-        let (warnings, computed) = (warnings(&self.warnings()), self.computed());
-        format!("{warnings}{computed}\n{}{}", aligned(&table), more.unwrap_or_default())
+        let (warnings, mut table) = (warnings(&self.warnings()), self.table());
+        let mut more = String::new();
+        if self.single().is_none() && table.len() > 1 + MOST_LINES {
+            more = format!("{} more lines in the report\n", table.len() - 1 - MOST_LINES);
+            table.truncate(1 + MOST_LINES);
+        }
+        format!("{warnings}{}\n{}{more}", self.computed(), aligned(&table))
     }
 
     /// Warnings with the combinations that they are about.
     fn warnings(&self) -> Vec<String> {
         let of = |Run { one, results, .. }: &Run<'_>| {
-            let of = if one.label.is_empty() { String::new() } else { format!("{}: ", one.label) };
-            let warnings = results.warnings(&one.scene).into_iter();
-            warnings.map(|warning| format!("{of}{warning}")).collect::<Vec<_>>()
+            let (prefix, warnings) = (one.prefix(), results.warnings(&one.scene).into_iter());
+            warnings.map(move |warning| format!("{prefix}{warning}"))
         };
         let mut all: Vec<String> = self.runs.iter().flat_map(of).collect();
         let more = all.len().saturating_sub(MOST_LINES);
@@ -120,12 +119,13 @@ impl<'a> Report<'a> {
         let (schemes, steps) = (schemes.join(", "), self.scene.settings.steps);
         let because = self.single().and_then(|run| run.results.because.as_ref());
         let because = because.map_or(String::new(), |because| format!("\n{schemes}: {because}"));
-        let (here, all) = (self.runs.len(), self.sweep.combinations.len());
-        let of =
-            if all > 1 { format!("{here} of {all} combinations, each ") } else { String::new() };
+        let of = match self.sweep.combinations.len() {
+            1 => String::new(),
+            all => format!("{} of {all} combinations, each ", self.runs.len()),
+        };
         let paths = self.runs.first().map_or(0, |run| run.results.paths());
-        let word = if paths == 1 { "path" } else { "paths" };
-        format!("{of}{paths} {word}, {steps} steps of {schemes}, {seconds:.2} s{because}")
+        let s = if paths == 1 { "" } else { "s" };
+        format!("{of}{paths} path{s}, {steps} steps of {schemes}, {seconds:.2} s{because}")
     }
 
     /// The table at the end, after a header: of each combination, or of the first paths.

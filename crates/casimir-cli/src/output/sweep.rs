@@ -94,7 +94,8 @@ impl Report<'_> {
         of: impl Fn(&Run<'_>) -> serde_json::Result<Value>,
     ) -> serde_json::Result<Value> {
         let run = |run: &Run<'_>| {
-            let both = zip(&self.sweep.varied, &run.one.places).map(|(varied, &k)| (varied.name.clone(), json!(varied.values[k])));
+            let both = zip(&self.sweep.varied, &run.one.places);
+            let both = both.map(|(varied, &k)| (varied.name.clone(), json!(varied.values[k])));
             let mut found = of(run)?;
             found["parameters"] = both.collect();
             Ok(found)

@@ -9,7 +9,7 @@ use super::{
 };
 
 /// Which figures are drawn, and how.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Drawn {
     /// Pairs that are drawn against each other, if they are chosen.
     pub portraits: Option<Vec<[String; 2]>>,

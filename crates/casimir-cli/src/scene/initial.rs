@@ -20,7 +20,6 @@ const LEAST_NAMES: usize = 9;
 
 /// Initial values in formulas of independent standard normals z1, z2, … and of numbers u1, u2, …
 /// that are uniform on (0, 1).
-#[derive(Debug)]
 struct Random {
     formulas: Vec<Formula>,
     variables: usize,

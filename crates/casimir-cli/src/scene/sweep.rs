@@ -82,6 +82,13 @@ pub struct Combination {
     pub scene: Scene,
 }
 
+impl Combination {
+    /// What words about it begin with.
+    pub fn prefix(&self) -> String {
+        if self.label.is_empty() { String::new() } else { format!("{}: ", self.label) }
+    }
+}
+
 /// A scene at every combination of the values that are varied; the last parameter changes fastest.
 pub struct Sweep {
     /// What is varied: what `[sweep]` has, if of one value only, and `--set` with several.

@@ -16,7 +16,7 @@ use serde::{
 use toml::{Spanned, Value};
 
 /// A value at its place in the text.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 pub struct At<T> {
     value: T,
     place: Range<usize>,
@@ -62,22 +62,22 @@ impl<T: JsonSchema> JsonSchema for At<T> {
 }
 
 /// A formula: a string, or a number.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Text(pub String);
 
 /// A whole number of at least 1. 1e6 is one, too.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Count(pub u64);
 
 /// A whole number of 64 bits; one that TOML has no number for stands in quotes.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Seed(pub u64);
 
 /// A parameter: a number, a formula without names, or a list of them.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(try_from = "Value")]
 pub enum Parameter {
     /// A number or a formula.
@@ -89,7 +89,7 @@ pub enum Parameter {
 }
 
 /// A list, or a text that stands for one.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub enum Listed<T> {
     /// The list.
     List(Vec<T>),
@@ -133,12 +133,12 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for OfListed<T> {
 }
 
 /// An event: the condition when it happens, or a table of it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Event(pub EventTable);
 
 /// The keys of an event.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EventTable {
     /// The condition.
@@ -162,7 +162,7 @@ impl TryFrom<Value> for Event {
 }
 
 /// The values of a parameter that is varied: a list, or `"from:to:number"`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Values(pub Vec<String>);
 

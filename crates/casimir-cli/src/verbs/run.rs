@@ -84,8 +84,9 @@ impl Outcomes<'_> {
     /// # Errors
     /// The last failure.
     pub fn check(&self) -> Done {
-        let failures = self.found().map(|(_, results)| results.all_failed());
-        match failures.collect::<Option<Vec<_>>>().and_then(|mut failures| failures.pop()) {
+        let failures: Option<Vec<_>> =
+            self.found().map(|(_, results)| results.all_failed()).collect();
+        match failures.and_then(|mut failures| failures.pop()) {
             Some(failure) => Err(Failure::Run(format!(
                 "all paths failed: take more steps, or another scheme; {failure}"
             ))),
@@ -141,7 +142,7 @@ impl Results {
 
 /// A run that was checked.
 pub struct Ready<'a> {
-    label: &'a str,
+    prefix: String,
     scene: &'a Scene,
     scheme: String,
     setup: Setup<'a>,
@@ -151,7 +152,7 @@ pub struct Ready<'a> {
 impl<'a> Ready<'a> {
     /// Checks that the scheme can be run.
     pub fn new(combination: &'a Combination, (scheme, because): Settled) -> Done<Self> {
-        let Combination { label, scene, .. } = combination;
+        let (scene, prefix) = (&combination.scene, combination.prefix());
         let setup = scene.collecting(scene.setup(&scheme)?);
         let settings = &scene.settings;
         if setup.scheme.clips_increments()
@@ -164,15 +165,14 @@ impl<'a> Ready<'a> {
                 setup.scheme.id()
             )))?;
         }
-        Ok(Self { label, scene, scheme, setup, because })
+        Ok(Self { prefix, scene, scheme, setup, because })
     }
 
     /// Computes tables and statistics; none if another part has them.
     pub fn compute(self, job: &Job, watch: &Watch) -> Done<Option<Results>> {
         let start = Instant::now();
-        let Self { label, scene, scheme, setup, because } = self;
-        let of_label = if label.is_empty() { String::new() } else { format!("{label}: ") };
-        job.section(&of_label);
+        let Self { prefix, scene, scheme, setup, because } = self;
+        job.section(&prefix);
         let Scene { components, observables, settings, model, .. } = scene;
         let (steps, truncation, key) = (settings.steps, settings.truncation, settings.key);
         let wrong = |error| match error {
@@ -197,7 +197,7 @@ impl<'a> Ready<'a> {
             if watch.stop.is_asked() {
                 return Ok(None);
             }
-            study = watch.under(format!("{of_label}paths"), settings.paths * steps, || {
+            study = watch.under(format!("{prefix}paths"), settings.paths * steps, || {
                 of_all.telling(|done| watch.bar.inc(done)).run_in(job, "study")
             });
         }
