@@ -52,8 +52,7 @@ pub fn watched<'py>(
     gives_what_is_done: bool,
     work: impl FnOnce(&Watch) -> Done<Found> + Send + 'static,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let say = |words: &str| eprintln!("{words}");
-    let watch = Watch { bar: ProgressBar::hidden(), say, stop: Stop::default() };
+    let watch = Watch { bar: ProgressBar::hidden(), stop: Stop::default() };
     let (send, receive) = mpsc::channel();
     let receive = Mutex::new(receive);
     let own = watch.clone();
@@ -129,7 +128,7 @@ fn dictionary(py: Python<'_>, found: Found) -> PyResult<Bound<'_, PyDict>> {
         }
         Ok(arrays)
     };
-    let Found { common: verbs::Found { text, json, figures }, page, paths, statistics } = found;
+    let Found { common: verbs::Found { text, json, figures, .. }, page, paths, statistics } = found;
     let figures: Vec<_> = figures.into_iter().map(|one| (one.file, one.svg, one.caption)).collect();
     result.set_item("text", text)?;
     result.set_item("json", json.to_string())?;

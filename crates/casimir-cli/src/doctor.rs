@@ -68,7 +68,8 @@ pub fn self_test(Expected { bits, square, mean }: Expected) -> Done<(String, boo
         text += &format!("{} {words}\n", if holds { "ok   " } else { "FAILS" });
     };
     let (body, all) = (scene("rigid-body")?, rayon::current_num_threads());
-    let simulation = Simulation::new(body.setup("sexp-levy")?, body.settings.truncation).every(STEPS);
+    let simulation =
+        Simulation::new(body.setup("sexp-levy")?, body.settings.truncation).every(STEPS);
     let mut ends = Vec::new();
     for &level in Level::BUILT.iter().filter(|level| **level <= Level::available()) {
         limit_to(level);

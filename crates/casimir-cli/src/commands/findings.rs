@@ -7,7 +7,7 @@ use casimir::mc::expect::Keeping;
 use casimir_cli::{
     failure::{Done, Failure},
     scene::{Changes, Scene, SchemeAndSeed},
-    verbs::{self, Asked, Found, Watch},
+    verbs::{self, Found, Watch},
 };
 use serde::Serialize;
 
@@ -54,29 +54,25 @@ pub fn expect(Expect { accuracy, steps, scheme, on }: &Expect) -> Done {
 
 /// Averages over the stationary law.
 pub fn equilibrium(arguments: &Equilibrium) -> Done {
-    chains(arguments, "equilibrium", Asked::Averages)
+    chains(arguments, "equilibrium", None)
 }
 
 /// Lyapunov exponents.
 pub fn lyapunov(Lyapunov { count, chains: arguments }: &Lyapunov) -> Done {
-    let accuracy = arguments.accuracy.unwrap_or(ACCURACY);
-    chains(arguments, "lyapunov", Asked::Exponents(*count as usize, accuracy))
+    chains(arguments, "lyapunov", Some(*count as usize))
 }
 
-fn chains(arguments: &Equilibrium, command: &str, asked: Asked) -> Done {
+fn chains(arguments: &Equilibrium, command: &str, exponents: Option<usize>) -> Done {
     let Equilibrium { accuracy, steps, chains, path_steps, scheme, on } = arguments;
     let mut scene = open(on, Changes { steps: *steps, ..Changes::from(scheme) })?;
-    scene.accuracy = accuracy.or(scene.accuracy);
-    let exponents = match asked {
-        Asked::Averages => None,
-        Asked::Exponents(count, _) => Some(count),
-    };
+    let own = exponents.map_or(scene.accuracy, |_| Some(ACCURACY));
+    scene.accuracy = accuracy.or(own);
     let folder = folder(on, command);
     let changes = (scheme, steps, chains, exponents, LAYOUT);
     let kept = keeping(&scene, folder.join("chains.bin"), &changes)?;
     let watch = stoppable();
     let limits = (*chains, *path_steps);
-    let found = verbs::equilibrium(&scene, asked, limits, Some(kept.clone()), &watch)?;
+    let found = verbs::equilibrium(&scene, exponents, limits, Some(kept.clone()), &watch)?;
     finish(&found, Some(folder), (command, on.json), &watch, &kept)
 }
 

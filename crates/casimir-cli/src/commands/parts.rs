@@ -1,10 +1,6 @@
 //! `casimir plan`, `part`, `merge` and `extend`: a scene on many machines.
 
-use std::{
-    env, fs,
-    path::Path,
-    time::Duration,
-};
+use std::{env, fs, path::Path, time::Duration};
 
 use casimir::{
     mc::parts::{Job, JobError, Share, merged_paths},

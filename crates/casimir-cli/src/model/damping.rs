@@ -88,7 +88,9 @@ pub fn damping(
         }
     }
     match groups[..] {
-        [(rate, ref all)] if all.len() == components.len() => Ok((of_rate(reading, rate)?, Vec::new())),
+        [(rate, ref all)] if all.len() == components.len() => {
+            Ok((of_rate(reading, rate)?, Vec::new()))
+        }
         _ => {
             let friction = groups.into_iter().map(|(rate, components)| {
                 Ok(Friction { damping: of_rate(reading, rate)?, components })
@@ -120,11 +122,7 @@ pub fn bath(
         refuse!(source, noises.span(), "the noise follows from the `temperature`: leave out `H`");
     }
     if rates.is_empty() {
-        refuse!(
-            source,
-            place,
-            "a temperature needs friction on momenta: `components` or `rates`"
-        );
+        refuse!(source, place, "a temperature needs friction on momenta: `components` or `rates`");
     }
     let (kt, times) = (of_rate(reading, temperature)?, TIMES.map(|part| part * settings.until));
     if let Some(t) = times.into_iter().find(|t| kt.rate(*t) < 0.0) {
@@ -148,7 +146,11 @@ pub fn bath(
     }
     let of = mc::Problem::at_run_time(&problem);
     let times = if description.depends_on_time { &times[..] } else { &times[..1] };
-    let states: Vec<_> = points.iter().flat_map(|y| times.iter().map(move |t| (*t, y))).map(|(t, y)| (y, (of.coefficients)(t, y))).collect();
+    let states: Vec<_> = points
+        .iter()
+        .flat_map(|y| times.iter().map(move |t| (*t, y)))
+        .map(|(t, y)| (y, (of.coefficients)(t, y)))
+        .collect();
     let noise = |(i, rate): &(usize, &At<Text>)| {
         let (i, name) = (*i, &state[*i]);
         // Of a coordinate B∇q is constant, and acts on its momentum alone.

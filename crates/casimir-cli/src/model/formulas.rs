@@ -93,13 +93,23 @@ fn compare(
     let Some(drift) = drift else {
         let place = calculus.as_ref().map(At::span).or(noise.first().map(At::span));
         return place.map_or(Ok(()), |place| {
-            refuse!(source, place, "`calculus` and `noise` are for an equation: give its `drift` as well");
+            refuse!(
+                source,
+                place,
+                "`calculus` and `noise` are for an equation: give its `drift` as well"
+            );
         });
     };
     let of = mc::Problem::at_run_time(problem).with_friction(friction);
     let (y0, is_ito) = (problem.y0(), calculus.as_deref() == Some(&Calculus::Ito));
     if noise.len() != of.noises {
-        refuse!(source, noise.last().unwrap_or(drift).span(), "H has {} noises, and `noise` has {}", of.noises, noise.len());
+        refuse!(
+            source,
+            noise.last().unwrap_or(drift).span(),
+            "H has {} noises, and `noise` has {}",
+            of.noises,
+            noise.len()
+        );
     }
     let mut names = system.names().clone();
     names.variable("t").map_err(|error| source.error(drift.span(), error))?;
@@ -112,7 +122,11 @@ fn compare(
             given if given == y0.len() => (0..given).collect(),
             given => {
                 let d = y0.len();
-                refuse!(source, texts.span(), "one formula for each of {d} components, got {given}");
+                refuse!(
+                    source,
+                    texts.span(),
+                    "one formula for each of {d} components, got {given}"
+                );
             }
         };
         for (i, text) in all.into_iter().zip(texts.iter()) {
@@ -137,9 +151,13 @@ fn compare(
                 let what = if m == 0 { "drift".into() } else { format!("noise {m}") };
                 let sense = if is_ito { "Itô" } else { "Stratonovich" };
                 let equation = &system.equations(&damped(problem, friction))[i];
-                refuse!(source, text.span(), "this {what} is {given:.6} at y = {y:?}, t = {t}, and that of B and H is \
+                refuse!(
+                    source,
+                    text.span(),
+                    "this {what} is {given:.6} at y = {y:?}, t = {t}, and that of B and H is \
                      {own:.6} in the sense of {sense}{hint}: only equations of this form are \
-                     simulated. Theirs, of Stratonovich, is {equation}");
+                     simulated. Theirs, of Stratonovich, is {equation}"
+                );
             }
         }
     }

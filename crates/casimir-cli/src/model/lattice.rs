@@ -14,24 +14,15 @@ use super::{Built, at_run_time::AtRunTime, damping::damping, project::numbered};
 use crate::scene::{Further, Observable, Parameters, Quantity, Read, Reading, Settings, refuse};
 
 /// The parameters of a lattice.
-const PARAMETERS: [&str; 9] = [
-    "sizes",
-    "periodic",
-    "exchange",
-    "anisotropy",
-    "field",
-    "noise",
-    "local",
-    "transverse",
-    "temperature",
-];
+pub const PARAMETERS: &str =
+    "sizes, periodic, exchange, anisotropy, field, noise, local, transverse, temperature";
 
 /// What lengths of spins may differ by, relative.
 const ROUNDING: f64 = 1e-9;
 
 /// The model of a lattice.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
-    let parameters = Parameters::new(reading, &PARAMETERS)?;
+    let parameters = Parameters::new(reading, &PARAMETERS.split(", ").collect::<Vec<_>>())?;
     let sizes = parameters.list("sizes", &[8.0])?;
     if let Some(size) = sizes.iter().find(|n| n.fract() != 0.0 || !(1.0..=1e6).contains(*n)) {
         refuse!(parameters, "sizes", "a size is a whole number of at least 1, got {size}");
@@ -111,14 +102,20 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         local,
         damping: transverse,
     };
-    let lattice = SpinLattice::on_paths(shape, couplings).map_err(|error| parameters.error("sizes", error))?;
+    let lattice = SpinLattice::on_paths(shape, couplings)
+        .map_err(|error| parameters.error("sizes", error))?;
     let components: Vec<String> =
         (1..=sites).flat_map(|site| ["x", "y", "z"].map(|axis| format!("s{site}{axis}"))).collect();
     let system = lattice.clone();
     let per_spin = move |y: &[Row], values: &mut Row| {
         let dw = vec![[0.0; WIDTH]; system.description().noises];
         let mut scratch = vec![[0.0; WIDTH]; system.description().scratch_rows()];
-        system.energy(&y[..3 * sites], Weights { dt: 1.0, dw: &dw, ..Weights::NONE }, values, &mut scratch);
+        system.energy(
+            &y[..3 * sites],
+            Weights { dt: 1.0, dw: &dw, ..Weights::NONE },
+            values,
+            &mut scratch,
+        );
         values.iter_mut().for_each(|value| *value /= sites as f64);
     };
     let energy = Quantity::Function(Arc::new(per_spin));

@@ -26,7 +26,7 @@ pub const PROJECT: [(&str, &str, &str); 6] = [
     ("poisson3", "c = 1", "H₀ = Σ sin yᵢ with a constant B, one noise"),
     (
         "spin-lattice",
-        "sizes, periodic, exchange, anisotropy, field, noise, local, transverse, temperature",
+        lattice::PARAMETERS,
         "classical spins on a chain, a square or a cubic lattice",
     ),
 ];
@@ -98,7 +98,8 @@ where
     let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
     let names = numbered(&components);
     let (damping, friction) = damping(reading, &components, &[])?;
-    let problem = Problem::new(system, damping, y0, reading.settings.until).map_err(|error| reading.initial_error(error))?;
+    let problem = Problem::new(system, damping, y0, reading.settings.until)
+        .map_err(|error| reading.initial_error(error))?;
     let energy = move |y: &[Row], values: &mut Row| {
         for (p, value) in values.iter_mut().enumerate() {
             *value = system.energy(std::array::from_fn(|i| y[i][p]), 1.0, [0.0; M]);

@@ -80,7 +80,13 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
 
 /// The figures of the statistics of observables.
 fn of_study(drawn: &scene::Drawn, names: &[&String], study: &StudyResult) -> Vec<Section> {
-    let levels = study.record.quantiles.iter().map(|level| digits(100.0 * level)).collect::<Vec<_>>().join(" %, ");
+    let levels = study
+        .record
+        .quantiles
+        .iter()
+        .map(|level| digits(100.0 * level))
+        .collect::<Vec<_>>()
+        .join(" %, ");
     let (paths, mut in_time, mut at_end) = (study.record.paths, Vec::new(), Vec::new());
     for series in names.iter().filter_map(|name| study.series(name)) {
         let (Series { observable: name, points }, last) = (series, series.last());
@@ -173,7 +179,9 @@ fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
     let times = table.times();
     let last = times.len().checked_sub(1)?; // None if path 0 was not begun
     let plane = scene.sizes.iter().take(2).product::<usize>();
-    let spins = (0..plane).map(|site| table.column(&scene.components[3 * site + 2])).collect::<Option<Vec<_>>>()?;
+    let spins = (0..plane)
+        .map(|site| table.column(&scene.components[3 * site + 2]))
+        .collect::<Option<Vec<_>>>()?;
     let (svg, what) = if scene.sizes.len() == 1 {
         let ends = (0.0, times[last]);
         let values = spins.concat();
@@ -199,7 +207,12 @@ fn laws(results: &Results) -> Vec<Drawn> {
         let columns = results.tables.iter().filter_map(|table| table.column(name));
         columns.flatten().fold(0.0f64, |largest, defect| largest.max(defect.abs()))
     };
-    let mut defects: Vec<(&str, f64)> = first.columns.iter().filter(|column| column.name.ends_with(" defect")).map(|column| (&*column.name, largest(&column.name))).collect();
+    let mut defects: Vec<(&str, f64)> = first
+        .columns
+        .iter()
+        .filter(|column| column.name.ends_with(" defect"))
+        .map(|column| (&*column.name, largest(&column.name)))
+        .collect();
     // Those that deviate most, of many.
     if defects.len() > SHOWN_LAWS {
         defects.sort_by(|a, b| b.1.total_cmp(&a.1));

@@ -204,8 +204,12 @@ impl<'a> Report<'a> {
                     }
                 }
                 (Format::Json, Some(Some(study))) => {
-                    files::write(&file("json"), serde_json::to_string(study)? + "
-")?;
+                    files::write(
+                        &file("json"),
+                        serde_json::to_string(study)?
+                            + "
+",
+                    )?;
                 }
                 (Format::Json, None) => {
                     let json = self.of_each(|run| Ok(json!({ "series": run.series })))?;
@@ -301,7 +305,8 @@ fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> Vec<Vec<String>> {
     let mut rows = vec![vec!["at the end".into()]];
     rows[0].extend((0..shown.len()).map(|path| format!("path {path}")));
     for Observable { name, .. } in &scene.observables {
-        let last = |table: &TimeSeries| known(table.column(name).and_then(|all| all.last().copied()));
+        let last =
+            |table: &TimeSeries| known(table.column(name).and_then(|all| all.last().copied()));
         let mut row = vec![name.clone()];
         row.extend(shown.iter().map(last));
         rows.push(row);
@@ -314,9 +319,10 @@ fn summary(Run { one, results, .. }: &Run<'_>) -> serde_json::Result<Value> {
     let scene = &one.scene;
     let last = |series: &Series| {
         let mut last = json!(series.last());
-        last["step_error"] = json!(step_errors(results, &series.observable).map(
-            |[mean, deviation]| json!({ "mean": mean, "deviation": deviation })
-        ));
+        last["step_error"] = json!(
+            step_errors(results, &series.observable)
+                .map(|[mean, deviation]| json!({ "mean": mean, "deviation": deviation }))
+        );
         (series.observable.clone(), last)
     };
     let at_end = |study: &StudyResult| study.series.iter().map(last).collect::<Value>();

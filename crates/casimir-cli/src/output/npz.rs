@@ -120,7 +120,14 @@ pub fn joint(result: &StudyResult) -> impl Iterator<Item = Array> {
 /// quantiles.
 pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
     let [(_, first), ..] = runs else { return Vec::new() };
-    let levels: Vec<f64> = first.iter().map(|of| &of.last().quantiles).find(|all| !all.is_empty()).into_iter().flatten().map(|one| one.level).collect();
+    let levels: Vec<f64> = first
+        .iter()
+        .map(|of| &of.last().quantiles)
+        .find(|all| !all.is_empty())
+        .into_iter()
+        .flatten()
+        .map(|one| one.level)
+        .collect();
     let mut arrays = Vec::new();
     for (k, of) in first.iter().enumerate() {
         let times = runs.iter().map(|(_, series)| series[k].points.len()).max().unwrap_or(0);

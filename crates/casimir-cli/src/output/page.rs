@@ -53,9 +53,10 @@ impl Report<'_> {
             let facts = [fact("runs", self.computed()), fact("random numbers", noise), program];
             return varied.chain(facts).collect();
         };
-        let (system, damping) = results.tables.first().map_or_else(Default::default, |table| {
-            (table.system.clone(), table.damping.clone())
-        });
+        let (system, damping) = results
+            .tables
+            .first()
+            .map_or_else(Default::default, |table| (table.system.clone(), table.damping.clone()));
         let because = results.because.as_ref().map_or(String::new(), |why| format!(": {why}"));
         let law = settings.random.as_ref().map(|random| random.law.clone());
         let (until, steps) = (settings.until, settings.steps);

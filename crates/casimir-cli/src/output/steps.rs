@@ -91,7 +91,8 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
         StepError::CannotTell => hidden.push(name),
         StepError::Fine(_) | StepError::Below(_) => {}
     };
-    let largest = |all: &mut dyn Iterator<Item = f64>| all.fold(0.0f64, |most, x| most.max(x.abs()));
+    let largest =
+        |all: &mut dyn Iterator<Item = f64>| all.fold(0.0f64, |most, x| most.max(x.abs()));
     for StepErrors { observable, mean, deviation, along_paths } in &check.observables {
         if let Some([first, second]) = step_errors(results, observable) {
             // What passes zero at the end has digits along the later half of the way.
@@ -109,7 +110,8 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
             // Of single paths the difference itself is shown.
             let columns = tables.iter().filter_map(|table| table.column(observable));
             let later = columns.flat_map(|column| &column[column.len() / 2..]);
-            let size = largest(&mut later.copied()).max(elementary::hypot(mean.value, deviation.value));
+            let size =
+                largest(&mut later.copied()).max(elementary::hypot(mean.value, deviation.value));
             let along = 2.0 * along_paths;
             if along > 0.01 * size {
                 sort(observable.clone(), StepError::About(along), size);

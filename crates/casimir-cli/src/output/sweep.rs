@@ -141,9 +141,8 @@ impl Report<'_> {
         let time = |k| (k * (steps / times)) as f64 * (until / steps as f64);
         arrays.push(list("t", (0..=times).map(time).collect()));
         let place = |run: &Run<'_>| zip(&axes, &run.one.places).fold(0, |at, (n, k)| at * n + k);
-        let of = |of: OfRun| -> Vec<_> {
-            self.runs.iter().map(|run| (place(run), of(run))).collect()
-        };
+        let of =
+            |of: OfRun| -> Vec<_> { self.runs.iter().map(|run| (place(run), of(run))).collect() };
         // None where a part has not come so far.
         let lagged = of(|run| run.lagged);
         let lagged = if lagged.iter().all(|(_, all)| !all.is_empty()) { lagged } else { vec![] };

@@ -17,7 +17,8 @@ use super::{
 /// The observable of a formula: `integral(v)`, `average(v)`, or a function of the state.
 pub fn observable(source: &Source, text: &At<Text>, vocabulary: &mut Vocabulary) -> Read<Quantity> {
     let of = |word: &str| -> Option<At<Text>> {
-        let inner = text.0.trim().strip_prefix(word)?.trim_start().strip_prefix('(')?.strip_suffix(')')?;
+        let inner =
+            text.0.trim().strip_prefix(word)?.trim_start().strip_prefix('(')?.strip_suffix(')')?;
         let mut depth = 0;
         let closes = |c: char| {
             depth += i32::from(c == '(') - i32::from(c == ')');

@@ -20,11 +20,7 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    pub(super) fn new(
-        table: &FiguresTable,
-        columns: &Columns<'_>,
-        others: &[&str],
-    ) -> Read<Self> {
+    pub(super) fn new(table: &FiguresTable, columns: &Columns<'_>, others: &[&str]) -> Read<Self> {
         let check = |name: &_| columns.check(name, &[]);
         let pair = |[x, y]: &Pair| Ok([check(x)?, check(y)?]);
         let portraits = table.portraits.as_ref().map(|pairs| pairs.iter().map(pair).collect());
@@ -57,7 +53,11 @@ pub(super) fn wanted(
     if let Some(from) = &table.from {
         let (time, until) = (constants.value(columns.source, from)?, settings.until);
         if !(0.0..until).contains(&time) {
-            refuse!(columns.source, from.span(), "autocorrelations begin from 0 to {until}, got {time}");
+            refuse!(
+                columns.source,
+                from.span(),
+                "autocorrelations begin from 0 to {until}, got {time}"
+            );
         }
         // Random initial values are a saved time as well.
         let place = (time / until * settings.times as f64 - 1e-9).ceil() as usize;

@@ -132,7 +132,10 @@ pub fn initial(
     let parse = |text: &At<Text>| source.formula(text, &names);
     let formulas = texts.iter().map(parse).collect::<Read<Vec<_>>>()?;
     let variables = names.variables().iter().enumerate();
-    let used: Vec<_> = variables.filter(|(k, _)| formulas.iter().any(|formula| formula.depends_on(*k))).map(|(k, name)| (k, name.starts_with('u'))).collect();
+    let used: Vec<_> = variables
+        .filter(|(k, _)| formulas.iter().any(|formula| formula.depends_on(*k)))
+        .map(|(k, name)| (k, name.starts_with('u')))
+        .collect();
     let random = Random { formulas, variables: names.variables().len(), used };
     let mut rows = vec![[0.0; WIDTH]; texts.len()];
     random.draw(key, 0, &mut rows);

@@ -138,7 +138,11 @@ impl Scene {
         conditions.try_for_each(|text| vocabulary.demand_condition(&source, text))?;
         observables.extend(given);
         if observables.is_empty() {
-            refuse!(source, None, "a system of so many components needs observables: add [observe]");
+            refuse!(
+                source,
+                None,
+                "a system of so many components needs observables: add [observe]"
+            );
         }
         let columns =
             Columns { source: &source, components: &components, observables: &observables };
@@ -146,14 +150,25 @@ impl Scene {
             true => Ok(name.to_string()),
             false => columns.check(name, &GROUPS),
         };
-        let chosen: Option<Vec<String>> = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect()).transpose()?;
+        let chosen: Option<Vec<String>> = file
+            .run
+            .columns
+            .as_ref()
+            .map(|names| names.iter().map(chosen).collect())
+            .transpose()?;
         let mut wanted = drawn::wanted(&file.statistics, &columns, (&settings, &constants))?;
         let conditions = file.probabilities.keys().chain(file.events.keys());
         let place = |name: &At<String>| observables.iter().position(|known| known.name == **name);
         wanted.probabilities = conditions.filter_map(place).collect();
         let spectrum = |name: &At<String>| format!("spectrum({})", **name);
         let spectra: Vec<String> = file.statistics.autocorrelation.iter().map(spectrum).collect();
-        let others: Vec<&str> = file.system.parameters.keys().map(|key| key.as_str()).chain(spectra.iter().map(|name| &**name)).collect();
+        let others: Vec<&str> = file
+            .system
+            .parameters
+            .keys()
+            .map(|key| key.as_str())
+            .chain(spectra.iter().map(|name| &**name))
+            .collect();
         let drawn = Drawn::new(&file.figures, &columns, &others)?;
         let (mut expected, mut accuracy) = (Vec::<Observable>::new(), None);
         if let Some(ExpectTable { of, accuracy: wish }) = &file.expect {
@@ -281,7 +296,12 @@ impl Columns<'_> {
     /// Checks that a name is a component, an observable, or one of others.
     fn check(&self, name: &At<String>, others: &[&str]) -> Read<String> {
         let observables = self.observables.iter().map(|observable| &*observable.name);
-        let known = self.components.iter().map(|name| &**name).chain(observables).chain(others.iter().copied());
+        let known = self
+            .components
+            .iter()
+            .map(|name| &**name)
+            .chain(observables)
+            .chain(others.iter().copied());
         if !known.clone().any(|known| known == name.as_str()) {
             let hint = nearest(name, known);
             refuse!(self.source, name.span(), "no column `{}`{hint}", **name);
@@ -304,4 +324,3 @@ fn taken(source: &Source, name: &At<String>) -> SceneError {
     let message = "is a column of the tables already: choose another name";
     source.error(name.span(), format_args!("`{}` {message}", **name))
 }
-

@@ -175,7 +175,10 @@ impl Vocabulary {
     pub fn quantity(&mut self, source: &Source, text: &At<Text>) -> Read<Quantity> {
         let formula = source.formula(text, &self.names)?;
         let (dimension, all) = (self.dimension, self.dimension + self.further.len());
-        let used = (0..self.further.len()).filter(|k| formula.depends_on(dimension + k)).map(|k| Ok((k, self.known(source, k)?))).collect::<Read<Vec<_>>>()?;
+        let used = (0..self.further.len())
+            .filter(|k| formula.depends_on(dimension + k))
+            .map(|k| Ok((k, self.known(source, k)?)))
+            .collect::<Read<Vec<_>>>()?;
         let mut point = self.start[..dimension].to_vec();
         point.resize(all, 0.0);
         for (k, quantity) in &used {

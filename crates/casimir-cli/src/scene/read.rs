@@ -41,7 +41,10 @@ pub fn among(name: &str, known: &[&str]) -> String {
 /// The keys of a scene.
 pub fn parse(source: &Source) -> Read<SceneFile> {
     toml::from_str(&source.text).map_err(|error| {
-        let message = error.message().replace("unknown field", "unknown key").replace("missing field", "missing key");
+        let message = error
+            .message()
+            .replace("unknown field", "unknown key")
+            .replace("missing field", "missing key");
         // A key that is missing somewhere has no place.
         let place =
             error.span().filter(|span| !span.is_empty() || !message.starts_with("missing key"));

@@ -148,8 +148,7 @@ impl Settings {
             refuse!(source, place, "the order must be below 2^32, got {order}");
         };
         // Nobody asked for clipped increments that show in the results.
-        let truncation =
-            if run.truncation.is_none() { truncation.wide() } else { truncation };
+        let truncation = if run.truncation.is_none() { truncation.wide() } else { truncation };
         Ok(Self {
             initial,
             random,

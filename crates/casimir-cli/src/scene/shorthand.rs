@@ -204,7 +204,11 @@ fn block_of(state: &State, text: &str) -> Result<Block, String> {
     let mut vectors = Vec::new();
     for argument in arguments {
         let found = state.of(argument).ok_or_else(|| {
-            let known = state.vectors.iter().map(|(name, _)| name.as_str()).chain(state.components.iter().map(|name| name.as_str()));
+            let known = state
+                .vectors
+                .iter()
+                .map(|(name, _)| name.as_str())
+                .chain(state.components.iter().map(|name| name.as_str()));
             format!("`{argument}` is no part of the state{}", nearest(argument, known))
         })?;
         vectors.extend(found);

@@ -21,7 +21,8 @@ pub fn compare(scene: &Scene, error: f64, budget: f64, watch: &Watch) -> Done<Fo
         stop: watch.stop.clone(),
         ..CompareSettings::new(error, settings.truncation, settings.key)
     };
-    let candidates = Candidates::built_in(|id| scene.model.scheme(id)).map_err(|error| scene.source.error(None, error))?;
+    let candidates = Candidates::built_in(|id| scene.model.scheme(id))
+        .map_err(|error| scene.source.error(None, error))?;
     let what = format!("errors and times of all schemes, {budget} s at most");
     let problem = scene.problem();
     let comparison = watch.under(what, 0, || {

@@ -29,7 +29,7 @@ pub use inspect::inspect;
 pub use order::order;
 pub use referee::{Claims, Measure, SINGLE_STATES, judge, single_steps, solver_noise};
 pub use run::{Outcomes, Results, compute, ready, settle};
-pub use stationary::{Asked, equilibrium};
+pub use stationary::equilibrium;
 
 use crate::{
     failure::{Done, Failure},

@@ -44,7 +44,8 @@ pub fn order(scene: &Scene, path_steps: u64, watch: &Watch) -> Done<Found> {
     };
     let (_, strong) = order(&measured, None)?;
     let measured = scene.collecting(measured);
-    let weak = scene.tested().map(|phi| order(&measured, Some(phi))).collect::<Done<Vec<Measured>>>()?;
+    let weak =
+        scene.tested().map(|phi| order(&measured, Some(phi))).collect::<Done<Vec<Measured>>>()?;
     let seconds = start.elapsed().as_secs_f64();
     let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
     let mut text = warnings(&mistake) + &format!("{scheme}{reason}, {seconds:.1} s\n");

@@ -47,8 +47,7 @@ const REFINEMENT: u32 = 3;
 fn referee(scene: &Scene, measure: Measure) -> Done<Referee<'_>> {
     let settings = &scene.settings;
     let areas = !scene.model.system().description().noises_commute;
-    let scheme =
-        if areas && scene.setup("sexp-levy").is_ok() { "sexp-levy" } else { "sexp" };
+    let scheme = if areas && scene.setup("sexp-levy").is_ok() { "sexp-levy" } else { "sexp" };
     let steps = measure.steps.unwrap_or_else(|| coarsest_steps(settings.until));
     let sizes = StepSizes::new(steps, settings.truncation, settings.key);
     let (levels, samples) = (measure.levels, measure.paths);
@@ -172,13 +171,15 @@ pub fn judge(
     text += "  step      error     ns per path-step\n";
     for (l, (tau, error)) in taus.iter().zip(errors).enumerate() {
         let steps = (referee.sizes.coarsest_steps << l) as f64 * measure.paths as f64;
-        let cost = claims.seconds.get(l).map(|s| format!("{:.0}", s / steps * 1e9)).unwrap_or_else(|| "–".into());
+        let cost = claims
+            .seconds
+            .get(l)
+            .map(|s| format!("{:.0}", s / steps * 1e9))
+            .unwrap_or_else(|| "–".into());
         text += &format!("  {tau:<8.2e}  {error:<8.2e}  {cost}\n");
     }
     let figures = figures("solver", strong, weak);
-    let law = |(name, defect, rounding): &(String, f64, f64)| {
-        json!({ "law": name, "defect": defect, "rounding": rounding })
-    };
+    let law = |(name, defect, rounding): &(String, f64, f64)| json!({ "law": name, "defect": defect, "rounding": rounding });
     let mut json = described(strong, weak);
     for (key, value) in [
         ("title", json!(scene.title)),

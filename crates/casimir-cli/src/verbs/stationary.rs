@@ -21,31 +21,18 @@ use crate::{
     scene::{Observable, Read, Scene, refuse},
 };
 
-/// What chains are asked for.
-#[derive(Clone, Copy, Debug)]
-pub enum Asked {
-    /// Averages of what the scene expects.
-    Averages,
-    /// So many Lyapunov exponents, to an accuracy.
-    Exponents(usize, f64),
-}
-
-/// Computes averages over the stationary law of a scene, with chains that are kept if this is
-/// wanted, and so many path-steps at most.
+/// Computes averages over the stationary law of a scene, or so many Lyapunov exponents, with chains
+/// that are kept if this is wanted, and so many path-steps at most.
 pub fn equilibrium(
     scene: &Scene,
-    asked: Asked,
+    exponents: Option<usize>,
     (chains, max_cost): (u64, u64),
     keeping: Option<Keeping>,
     watch: &Watch,
 ) -> Done<Found> {
     // Without a wish, the first averages that chains are long enough for.
-    let wanted = match asked {
-        Asked::Averages => scene.accuracy,
-        Asked::Exponents(_, accuracy) => Some(accuracy),
-    };
-    let accuracy = wanted.unwrap_or(f64::MAX);
-    check(scene, asked)?;
+    let accuracy = scene.accuracy.unwrap_or(f64::MAX);
+    check(scene, exponents.is_none())?;
     let ((scheme, because), start) = (scheme(scene), Instant::now());
     let settings = EquilibriumSettings {
         key: scene.settings.key,
@@ -64,29 +51,31 @@ pub fn equilibrium(
     let of = if scene.expected.is_empty() { &scene.observables } else { &scene.expected };
     let of_state = of.iter().filter(|phi| phi.quantity.is_of_state());
     let phi: Vec<&dyn Observe> = of_state.map(|phi| phi as _).collect();
-    let found = watch.until("chains come to their law", accuracy, |told| {
-        let equilibrium = equilibrium.telling(told);
-        match asked {
-            Asked::Averages => equilibrium.run(&phi, accuracy),
-            Asked::Exponents(count, _) => equilibrium.lyapunov(count, accuracy),
-        }
-    }).map_err(|error| match error {
-        RunError::Stopped => {
-            let words = "before the first averages; chains that are kept go on from there";
-            Failure::Stopped(words.into())
-        }
-        RunError::Ladder(error) => scene.steps_error(error).into(),
-        error => scene.source.error(None, error).into(),
-    })?;
+    let found = watch
+        .until("chains come to their law", accuracy, |told| {
+            let equilibrium = equilibrium.telling(told);
+            match exponents {
+                None => equilibrium.run(&phi, accuracy),
+                Some(count) => equilibrium.lyapunov(count, accuracy),
+            }
+        })
+        .map_err(|error| match error {
+            RunError::Stopped => {
+                let words = "before the first averages; chains that are kept go on from there";
+                Failure::Stopped(words.into())
+            }
+            RunError::Ladder(error) => scene.steps_error(error).into(),
+            error => scene.source.error(None, error).into(),
+        })?;
     let kt = scene.model.bath().and_then(|bath| bath.beta).map(|beta| 1.0 / beta);
     let words = with_names(&found.to_string(), &scene.components);
     let mut text = warnings(&scene.model.known().mistake) + &words;
     if let Some(because) = &because {
         text += &format!("{scheme}: {because}\n");
     }
-    match (asked, kt) {
-        (Asked::Exponents(count, _), _) => text += &contraction(scene, &found, count),
-        (Asked::Averages, Some(kt)) => {
+    match (exponents, kt) {
+        (Some(count), _) => text += &contraction(scene, &found, count),
+        (None, Some(kt)) => {
             text += &format!("exp(-H0/kT) is stationary with kT = {}\n", digits(kt));
         }
         _ => {}
@@ -99,13 +88,13 @@ pub fn equilibrium(
     json["kT"] = json!(kt);
     json["reached"] = found.reached().into();
     json["estimates"] = found.means.iter().map(mean).collect();
-    json["accuracy"] = json!(wanted);
+    json["accuracy"] = json!(scene.accuracy);
     let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
-    Ok(Found::new(text, json, figures).to(found.reached(), wanted))
+    Ok(Found::new(text, json, figures).to(found.reached(), scene.accuracy))
 }
 
 /// Refuses what has no stationary law, or is no function of the state.
-fn check(scene: &Scene, asked: Asked) -> Read<()> {
+fn check(scene: &Scene, averages: bool) -> Read<()> {
     let (source, model) = (&scene.source, &scene.model);
     if model.system().description().depends_on_time {
         refuse!(
@@ -119,7 +108,7 @@ fn check(scene: &Scene, asked: Asked) -> Read<()> {
         refuse!(source, None, "a damping that depends on time has no stationary law");
     }
     let along = scene.expected.iter().find(|phi| !phi.quantity.is_of_state());
-    if let (Asked::Averages, Some(Observable { name, .. })) = (asked, along) {
+    if let (true, Some(Observable { name, .. })) = (averages, along) {
         refuse!(
             source,
             None,
