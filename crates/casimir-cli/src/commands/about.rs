@@ -46,9 +46,10 @@ pub fn doctor() -> Done {
     let (text, holds) = self_test(EXPECTED)?;
     print(&text)?;
     let words = "attach this text, the scene, the command, and what should have come out";
-    match holds {
-        true => print(&format!("To report a fault, {words}.\n")),
-        false => Err(Failure::Run(format!("a self-test fails: report it; {words}"))),
+    if holds {
+        print(&format!("To report a fault, {words}.\n"))
+    } else {
+        Err(Failure::Run(format!("a self-test fails: report it; {words}")))
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use casimir::mc::expect::Keeping;
 use casimir_cli::{
     failure::{Done, Failure},
-    scene::{Changes, Scene, SchemeAndSeed},
+    scene::{Scene, SchemeAndSeed},
     verbs::{self, Found, Watch},
 };
 use serde::Serialize;
@@ -22,13 +22,13 @@ const ACCURACY: f64 = 0.01;
 /// Says what a system is. The scheme of the scene is not asked for.
 pub fn inspect(Inspect { sets, on }: &Inspect) -> Done {
     let sets = SchemeAndSeed { sets: sets.clone(), ..SchemeAndSeed::default() };
-    let scene = open(on, Changes::from(&sets))?;
+    let scene = open(on, &sets, None)?;
     tell(&verbs::inspect(&scene, &watch())?, on.out.clone(), "inspect", on.json)
 }
 
 /// Measures the orders of a scheme on a scene.
 pub fn order(Order { path_steps, scheme, on }: &Order) -> Done {
-    let scene = open(on, Changes::from(scheme))?;
+    let scene = open(on, scheme, None)?;
     let found = verbs::order(&scene, *path_steps, &watch())?;
     tell(&found, Some(folder(on, "order")), "order", on.json)
 }
@@ -36,14 +36,14 @@ pub fn order(Order { path_steps, scheme, on }: &Order) -> Done {
 /// Compares all schemes on a scene.
 pub fn compare(Compare { error, budget, sets, seed, on }: &Compare) -> Done {
     let seed = SchemeAndSeed { scheme: None, seed: *seed, sets: sets.clone() };
-    let scene = open(on, Changes::from(&seed))?;
+    let scene = open(on, &seed, None)?;
     let found = verbs::compare(&scene, *error, *budget, &watch())?;
     tell(&found, Some(folder(on, "compare")), "compare", on.json)
 }
 
 /// Computes the expectations of a scene.
 pub fn expect(Expect { accuracy, steps, scheme, on }: &Expect) -> Done {
-    let mut scene = open(on, Changes { steps: *steps, ..Changes::from(scheme) })?;
+    let mut scene = open(on, scheme, *steps)?;
     scene.accuracy = accuracy.or(scene.accuracy);
     on.out.as_deref().map_or(Ok(()), prepare)?;
     let kept = keeping(&scene, folder(on, "expect").join("samples.bin"), &(scheme, steps))?;
@@ -64,7 +64,7 @@ pub fn lyapunov(Lyapunov { count, chains: arguments }: &Lyapunov) -> Done {
 
 fn chains(arguments: &Equilibrium, command: &str, exponents: Option<usize>) -> Done {
     let Equilibrium { accuracy, steps, chains, path_steps, scheme, on } = arguments;
-    let mut scene = open(on, Changes { steps: *steps, ..Changes::from(scheme) })?;
+    let mut scene = open(on, scheme, *steps)?;
     let own = exponents.map_or(scene.accuracy, |_| Some(ACCURACY));
     scene.accuracy = accuracy.or(own);
     let folder = folder(on, command);

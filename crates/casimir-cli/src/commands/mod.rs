@@ -18,7 +18,7 @@ use casimir::{
 };
 use casimir_cli::{
     failure::{Done, Failure},
-    scene::{Changes, Scene, Source},
+    scene::{Changes, Scene, SchemeAndSeed, Source},
     verbs::{Found, ProgressBar, Watch},
 };
 use serde::Serialize;
@@ -31,7 +31,8 @@ pub use run::run;
 use crate::arguments::On;
 
 /// Reads a scene and checks it, and takes as many threads as are asked for.
-fn open(on: &On, changes: Changes) -> Done<Scene> {
+fn open(on: &On, scheme: &SchemeAndSeed, steps: Option<u64>) -> Done<Scene> {
+    let changes = Changes { scheme: scheme.clone(), steps, ..Changes::default() };
     let scene = Scene::new(source(&on.scene)?, &changes)?;
     threads(on.threads)?;
     Ok(scene)

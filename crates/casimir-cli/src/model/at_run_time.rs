@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use casimir::{
-    analysis::facts::{DampingIntegral, Facts, Form, energy, fastest},
+    analysis::facts::{DampingIntegral, Facts, Form, Kept, energy, fastest},
     formula::FormulaSystem,
     mc::{self, ConformalLaw, Expect, Friction, Setup},
     schemes::{BuiltIn, Method, SchemeError},
@@ -69,7 +69,8 @@ impl Model for AtRunTime {
     /// Formulas and lattices have areas for those who name their schemes.
     fn recommended(&self) -> (&'static str, String) {
         let system = self.system().description();
-        let (scheme, mut why) = self.kept(false).scheme(self.system());
+        let kept = Kept::of(&self.problem(), self.system(), false);
+        let (scheme, mut why) = kept.scheme(self.system());
         if let (Err(reason), None, false) = (&system.parts, &self.formulas, system.is_transverse) {
             why += &format!("; split would not do: {reason}");
         }

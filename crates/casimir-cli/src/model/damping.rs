@@ -219,9 +219,10 @@ fn of_rate(reading: &Reading<'_>, rate: &At<Text>) -> Read<Arc<dyn Damping>> {
             return Err(source.error_in(rate, &error, message));
         }
     }
-    Ok(match formula.depends_on(0) {
-        true => Arc::new(FormulaDamping::new(formula)),
-        false => constant(formula.value(&[0.0])),
+    Ok(if formula.depends_on(0) {
+        Arc::new(FormulaDamping::new(formula))
+    } else {
+        constant(formula.value(&[0.0]))
     })
 }
 

@@ -28,9 +28,10 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         refuse!(parameters, "sizes", "a size is a whole number of at least 1, got {size}");
     }
     let sizes: Vec<usize> = sizes.iter().map(|size| *size as usize).collect();
-    let shape = match parameters.switch("periodic", false)? {
-        true => Shape::periodic(&sizes),
-        false => Shape::open(&sizes),
+    let shape = if parameters.switch("periodic", false)? {
+        Shape::periodic(&sizes)
+    } else {
+        Shape::open(&sizes)
     };
     let shape = shape.map_err(|error| parameters.error("sizes", error))?;
     let sites = shape.sites();

@@ -11,7 +11,7 @@ mod project;
 use std::sync::Arc;
 
 use casimir::{
-    analysis::facts::{Bath, Kept, fastest, is_divergence_free},
+    analysis::facts::{Bath, Kept, fastest},
     formula::Names,
     mc::{Expect, Friction, Problem},
     schemes::{BuiltIn, Method, SchemeError},
@@ -43,12 +43,8 @@ pub trait Model: Send + Sync {
     /// The scheme that `auto` takes, and why.
     fn recommended(&self) -> (&'static str, String) {
         let system = self.system();
-        self.kept(!system.description().noises_commute).scheme(system)
-    }
-
-    /// What a scheme for paths has to care for, with Lévy areas or without.
-    fn kept(&self, areas: bool) -> Kept {
-        Kept::of(&self.problem(), self.system(), areas)
+        let areas = !system.description().noises_commute;
+        Kept::of(&self.problem(), system, areas).scheme(system)
     }
 
     /// Friction on some components.
@@ -73,12 +69,6 @@ pub trait Model: Send + Sync {
         let (system, y0) = (self.system(), self.problem().y0);
         let small = !system.description().depends_on_time && y0.len() <= MOST_COMPONENTS;
         Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
-    }
-
-    /// Whether fields B∇H have no divergence, so that damping alone contracts volume.
-    fn contracts_volume(&self) -> bool {
-        !self.system().description().is_transverse
-            && is_divergence_free(self.system(), &self.problem().y0)
     }
 
     /// What the system is, as far as a run has to know; nothing of a system of the project.

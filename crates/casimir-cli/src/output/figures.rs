@@ -90,11 +90,10 @@ fn of_study(drawn: &scene::Drawn, names: &[&String], study: &StudyResult) -> Vec
     let (paths, mut in_time, mut at_end) = (study.record.paths, Vec::new(), Vec::new());
     for series in names.iter().filter_map(|name| study.series(name)) {
         let (Series { observable: name, points }, last) = (series, series.last());
-        let band = match points.iter().all(|point| point.quantiles.is_empty()) {
-            true => "Band: 95 % intervals; dashes: estimate.".into(),
-            false => {
-                format!("Bands between the quantiles {levels} %; line: median; dashes: mean.")
-            }
+        let band = if points.iter().all(|point| point.quantiles.is_empty()) {
+            "Band: 95 % intervals; dashes: estimate.".into()
+        } else {
+            format!("Bands between the quantiles {levels} %; line: median; dashes: mean.")
         };
         let svg = bands(name, "time t", drawn.title(name), points);
         let caption = format!("{name} in time, {paths} paths. {band}");

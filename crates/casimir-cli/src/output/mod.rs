@@ -72,7 +72,6 @@ impl<'a> Report<'a> {
         let run = |(one, results): (&'a Combination, &'a Results)| {
             let series = match &results.study {
                 Some(study) => Cow::Borrowed(&study.series[..]),
-                None if sweep.varied.is_empty() => Cow::default(),
                 None => sweep::means(&one.scene, &results.tables).into(),
             };
             let lagged = results.study.as_ref().map_or(&[][..], |study| &study.lagged);
@@ -289,9 +288,10 @@ fn at_end(series: &Series, results: &Results) -> [String; 7] {
         step_cell(step_errors(results, name)),
         known(last.deviation),
         quantile(0.5),
-        match last.quantiles.is_empty() {
-            true => "–".into(),
-            false => format!("{} … {}", quantile(0.05), quantile(0.95)),
+        if last.quantiles.is_empty() {
+            "–".into()
+        } else {
+            format!("{} … {}", quantile(0.05), quantile(0.95))
         },
     ]
 }

@@ -35,9 +35,10 @@ impl Random {
         let mut point = vec![[0.0; WIDTH]; self.variables];
         for site in rows.chunks_mut(self.formulas.len()) {
             for &(k, is_uniform) in &self.used {
-                match is_uniform {
-                    true => point[k] = uniform(&mut normals),
-                    false => normals.increments(1.0, from_mut(&mut point[k])),
+                if is_uniform {
+                    point[k] = uniform(&mut normals)
+                } else {
+                    normals.increments(1.0, from_mut(&mut point[k]))
                 }
             }
             for (formula, row) in self.formulas.iter().zip(site) {
@@ -100,9 +101,10 @@ fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
     let draw = move |key: StreamKey, first: u64, rows: &mut [Row]| {
         let places = uniform(&mut WienerRows::new(key, first));
         for p in 0..WIDTH {
-            let place = match is_level(key) {
-                true => ((places[p] * number as f64) as usize).min(number - 1),
-                false => ((first + p as u64) % number as u64) as usize,
+            let place = if is_level(key) {
+                ((places[p] * number as f64) as usize).min(number - 1)
+            } else {
+                ((first + p as u64) % number as u64) as usize
             };
             rows.iter_mut().zip(&states[place]).for_each(|(row, y)| row[p] = *y);
         }

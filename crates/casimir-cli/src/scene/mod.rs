@@ -96,10 +96,8 @@ impl Scene {
         let description = model.system().description();
         let in_steps = (!description.layout.is_tiled()).then(|| names.clone());
         let mut vocabulary = Vocabulary::new(names, energy.clone(), &y0);
-        let energy = match description.depends_on_time {
-            true => None,
-            false => vocabulary.of(&source, energy).ok(),
-        };
+        let energy =
+            if description.depends_on_time { None } else { vocabulary.of(&source, energy).ok() };
         let energy = energy.map(|energy| Observable::new("H0", energy));
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
         let (mut observables, mut given) = (Vec::<Observable>::new(), quantities);
@@ -146,9 +144,8 @@ impl Scene {
         }
         let columns =
             Columns { source: &source, components: &components, observables: &observables };
-        let chosen = |name: &At<String>| match is_column(name) {
-            true => Ok(name.to_string()),
-            false => columns.check(name, &GROUPS),
+        let chosen = |name: &At<String>| {
+            if is_column(name) { Ok(name.to_string()) } else { columns.check(name, &GROUPS) }
         };
         let chosen: Option<Vec<String>> = file
             .run

@@ -52,12 +52,6 @@ pub struct SchemeAndSeed {
     pub sets: Vec<Set>,
 }
 
-impl From<&SchemeAndSeed> for Changes {
-    fn from(scheme: &SchemeAndSeed) -> Self {
-        Self { scheme: scheme.clone(), ..Self::default() }
-    }
-}
-
 /// Checked settings of a run.
 #[derive(Clone)]
 pub struct Settings {
@@ -137,10 +131,7 @@ impl Settings {
             // Or the steps were changed on the command line.
             _ => divisor(TIMES),
         };
-        let tables = match paths < FEW_PATHS {
-            true => paths,
-            false => number(&run.tables, TABLES).min(paths),
-        };
+        let tables = if paths < FEW_PATHS { paths } else { number(&run.tables, TABLES).min(paths) };
         let order = number(&run.truncation, 4);
         let Some(truncation) = u32::try_from(order).ok().and_then(|k| Truncation::new(k).ok())
         else {

@@ -82,9 +82,10 @@ fn vectors(entry: &str) -> Option<Vec<(String, Vec<String>)>> {
 /// What stands in a bracket: letters, or numbers from and to.
 fn parts(bracket: &str) -> Option<Vec<String>> {
     let is_letters = bracket.chars().count() > 1 && bracket.chars().all(char::is_alphabetic);
-    match is_letters {
-        true => Some(bracket.chars().map(String::from).collect()),
-        false => Some(range(bracket)?.map(|k| k.to_string()).collect()),
+    if is_letters {
+        Some(bracket.chars().map(String::from).collect())
+    } else {
+        Some(range(bracket)?.map(|k| k.to_string()).collect())
     }
 }
 
@@ -175,9 +176,10 @@ fn next_block(text: &str) -> Option<(usize, usize)> {
     let (start, kind) = whole.min()?;
     let end = start + kind.len();
     let after = &text[end..];
-    let arguments = match after.trim_start().starts_with('(') {
-        true => after.find(')').map_or(after.len(), |at| at + 1),
-        false => 0,
+    let arguments = if after.trim_start().starts_with('(') {
+        after.find(')').map_or(after.len(), |at| at + 1)
+    } else {
+        0
     };
     Some((start, end + arguments))
 }

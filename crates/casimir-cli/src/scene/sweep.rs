@@ -29,14 +29,8 @@ impl FromStr for Set {
         let (name, values) = text.split_once('=').ok_or_else(|| {
             format!("`{text}` has no value: write NAME=VALUE, or NAME=0.1,0.2,0.5")
         })?;
-        let values: Values = values.parse()?;
-        Ok(Self::new(name.trim(), &values))
-    }
-}
-
-impl Set {
-    fn new(name: &str, values: &Values) -> Self {
-        Self { name: name.into(), values: values.0.clone() }
+        let Values(values) = values.parse()?;
+        Ok(Self { name: name.trim().into(), values })
     }
 }
 
@@ -139,37 +133,41 @@ impl Sweep {
 
 /// What the scene and the command line choose, which goes before.
 fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
+    let varied = |name: &str, texts: &[String], place| {
+        let (name, values, texts) = (name.into(), Vec::new(), texts.to_vec());
+        Varied { name, values, texts, place }
+    };
     let own = file.sweep.iter();
-    let mut sets: Vec<(Set, Option<Range<usize>>)> =
-        own.map(|(name, values)| (Set::new(name, values), Some(values.span()))).collect();
-    for (k, set) in given.iter().enumerate() {
-        if given[..k].iter().any(|before| before.name == set.name) {
-            refuse!(source, None, "--set {} is given twice", set.name);
+    let mut all: Vec<Varied> =
+        own.map(|(name, values)| varied(name, &values.0, Some(values.span()))).collect();
+    for (k, Set { name, values }) in given.iter().enumerate() {
+        if given[..k].iter().any(|before| before.name == *name) {
+            refuse!(source, None, "--set {name} is given twice");
         }
-        match sets.iter_mut().find(|(known, _)| known.name == set.name) {
-            Some(known) => *known = (set.clone(), None),
-            None => sets.push((set.clone(), None)),
+        let set = varied(name, values, None);
+        match all.iter_mut().find(|known| known.name == *name) {
+            Some(known) => *known = set,
+            None => all.push(set),
         }
     }
     let known: Vec<&str> = file.system.parameters.keys().map(|key| key.as_str()).collect();
-    let chosen = |(Set { name, values: texts }, place): (Set, Option<Range<usize>>)| {
+    for Varied { name, values, texts, place } in &mut all {
+        let place = place.clone();
         if texts.is_empty() {
             refuse!(source, place, "`{name}` needs a value");
         }
-        if !known.contains(&&*name) && file.system.name.is_none() {
-            refuse!(source, place, "no parameter `{name}` to set{}", among(&name, &known));
+        if !known.contains(&&**name) && file.system.name.is_none() {
+            refuse!(source, place, "no parameter `{name}` to set{}", among(name, &known));
         }
-        let mut values = Vec::new();
-        for text in &texts {
+        for text in texts {
             match Formula::parse(text, &Names::new()).map(|formula| formula.value(&[])) {
                 Ok(value) if value.is_finite() => values.push(value),
                 Ok(value) => refuse!(source, place, "{name} = {text}: it is {value}"),
                 Err(error) => refuse!(source, place, "{name} = {text}: {}", error.message),
             }
         }
-        Ok(Varied { name, values, texts, place })
-    };
-    sets.into_iter().map(chosen).collect()
+    }
+    Ok(all)
 }
 
 /// Gives the parameters of a scene the values that the command line chooses, one each.

@@ -142,9 +142,10 @@ impl Watch {
 
     /// Refuses to go on if the end was asked for.
     fn check(&self) -> Done {
-        match self.stop.is_asked() {
-            true => Err(Failure::Stopped("nothing is complete".into())),
-            false => Ok(()),
+        if self.stop.is_asked() {
+            Err(Failure::Stopped("nothing is complete".into()))
+        } else {
+            Ok(())
         }
     }
 }

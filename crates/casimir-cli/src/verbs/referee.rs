@@ -123,9 +123,12 @@ pub fn judge(
         verdicts
             .push(json!({ "what": what, "claimed": claimed, "verdict": verdict, "words": words }));
     };
-    let claim = claims.strong.map(|claimed| match own_noise {
-        true => (claimed, Verdict::Refuted),
-        false => (claimed, strong.is_strongly(claimed, claims.same_step)),
+    let claim = claims.strong.map(|claimed| {
+        if own_noise {
+            (claimed, Verdict::Refuted)
+        } else {
+            (claimed, strong.is_strongly(claimed, claims.same_step))
+        }
     });
     let confirmed = claim.is_some_and(|(_, verdict)| verdict == Verdict::Confirmed);
     let words = match (&strong.decision, solves) {
@@ -155,12 +158,11 @@ pub fn judge(
         say(format!("weak order of E[{name}]"), told(claim), words);
     }
     for (name, defect, rounding) in laws {
-        let (verdict, words) = match defect <= rounding {
-            true => (Verdict::Confirmed, format!("kept to {defect:.0e}, which is rounding")),
-            false => {
-                let words = format!("defect {defect:.1e}, rounding would be {rounding:.0e}");
-                (Verdict::Refuted, words)
-            }
+        let (verdict, words) = if defect <= rounding {
+            (Verdict::Confirmed, format!("kept to {defect:.0e}, which is rounding"))
+        } else {
+            let words = format!("defect {defect:.1e}, rounding would be {rounding:.0e}");
+            (Verdict::Refuted, words)
         };
         let claim = claims.keeps.then(|| ("kept".to_owned(), verdict));
         say(format!("law {name}"), claim, words);
