@@ -11,7 +11,7 @@ use casimir_cli::{
 };
 use serde::Serialize;
 
-use super::{folder, open, prepare, stoppable, tell, watch};
+use super::{folder, open, stoppable, tell, watch};
 use crate::arguments::{Compare, Equilibrium, Expect, Inspect, Lyapunov, Order};
 
 /// The layout of chains in their file.
@@ -45,7 +45,6 @@ pub fn compare(Compare { error, budget, sets, seed, on }: &Compare) -> Done {
 pub fn expect(Expect { accuracy, steps, scheme, on }: &Expect) -> Done {
     let mut scene = open(on, scheme, *steps)?;
     scene.accuracy = accuracy.or(scene.accuracy);
-    on.out.as_deref().map_or(Ok(()), prepare)?;
     let kept = keeping(&scene, folder(on, "expect").join("samples.bin"), &(scheme, steps))?;
     let watch = stoppable();
     let found = verbs::expect(&scene, Some(kept.clone()), &watch)?;
@@ -65,8 +64,7 @@ pub fn lyapunov(Lyapunov { count, chains: arguments }: &Lyapunov) -> Done {
 fn chains(arguments: &Equilibrium, command: &str, exponents: Option<usize>) -> Done {
     let Equilibrium { accuracy, steps, chains, path_steps, scheme, on } = arguments;
     let mut scene = open(on, scheme, *steps)?;
-    let own = exponents.map_or(scene.accuracy, |_| Some(ACCURACY));
-    scene.accuracy = accuracy.or(own);
+    scene.accuracy = accuracy.or(exponents.map_or(scene.accuracy, |_| Some(ACCURACY)));
     let folder = folder(on, command);
     let changes = (scheme, steps, chains, exponents, LAYOUT);
     let kept = keeping(&scene, folder.join("chains.bin"), &changes)?;

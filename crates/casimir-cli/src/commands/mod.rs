@@ -30,11 +30,12 @@ pub use run::run;
 
 use crate::arguments::On;
 
-/// Reads a scene and checks it, and takes as many threads as are asked for.
+/// Reads a scene and checks it and the folder, and takes as many threads as are asked for.
 fn open(on: &On, scheme: &SchemeAndSeed, steps: Option<u64>) -> Done<Scene> {
     let changes = Changes { scheme: scheme.clone(), steps, ..Changes::default() };
     let scene = Scene::new(source(&on.scene)?, &changes)?;
     threads(on.threads)?;
+    on.out.as_deref().map_or(Ok(()), files::prepare)?;
     Ok(scene)
 }
 
@@ -113,7 +114,7 @@ fn prepare(folder: &Path) -> Done {
 fn tell(found: &Found, folder: Option<PathBuf>, file: &str, json: bool) -> Done {
     let mut text = found.text.clone();
     if let Some(folder) = folder {
-        prepare(&folder)?;
+        files::prepare(&folder)?;
         files::write_json(&folder.join(format!("{file}.json")), &found.json)?;
         for figure in &found.figures {
             let file = folder.join(format!("{}.svg", figure.file));

@@ -31,7 +31,8 @@ pub fn observable(source: &Source, text: &At<Text>, vocabulary: &mut Vocabulary)
     let Some(inner) = integral.or(average) else { return vocabulary.quantity(source, text) };
     let v = vocabulary.quantity(source, &inner)?;
     let function = Arc::new(Observable::new("", v.clone()));
-    let [integral] = vocabulary.collect(Along::Integral(function), [0.0]);
+    let [row] = vocabulary.collect(Along::Integral(function), [0.0]);
+    let integral = Quantity::Collected(row);
     if !is_average {
         return Ok(integral);
     }
@@ -71,12 +72,8 @@ pub fn event(
         None => (vocabulary.quantity(source, &text)?, None),
     };
     let begun = f64::from(u8::from(vocabulary.at_start(&phi) > 0.0));
-    let is_crude = gradient.is_none();
+    let seen = if gradient.is_some() { Quantity::Collected } else { Quantity::Monitored };
     let phi = Arc::new(Observable::new("", phi));
-    let passage = Along::Passage(Passage { phi, gradient, stops: event.0.stop });
-    let rows = vocabulary.collect(passage, [begun, 0.0]);
-    Ok(rows.map(|row| match row {
-        Quantity::Collected(row) if is_crude => Quantity::Monitored(row),
-        row => row,
-    }))
+    let passage = Passage { phi, gradient, stops: event.0.stop };
+    Ok(vocabulary.collect(Along::Passage(passage), [begun, 0.0]).map(seen))
 }

@@ -131,12 +131,12 @@ impl Vocabulary {
         }
     }
 
-    /// Collects something, whose rows have these values at time zero.
-    pub fn collect<const N: usize>(&mut self, what: Along, at_start: [f64; N]) -> [Quantity; N] {
+    /// Collects something, whose rows have these values at time zero; the numbers of the rows.
+    pub fn collect<const N: usize>(&mut self, what: Along, at_start: [f64; N]) -> [usize; N] {
         let first = self.start.len();
         self.start.extend(at_start);
         self.collected.push(what);
-        std::array::from_fn(|k| Quantity::Collected(first + k))
+        std::array::from_fn(|k| first + k)
     }
 
     /// The quantity of a further input; the first is the time.
@@ -150,7 +150,7 @@ impl Vocabulary {
     pub fn of(&mut self, source: &Source, further: Further) -> Read<Quantity> {
         match further {
             Further::Quantity(quantity) => Ok(quantity),
-            Further::Time => Ok(self.collect(Along::Time, [0.0])[0].clone()),
+            Further::Time => Ok(Quantity::Collected(self.collect(Along::Time, [0.0])[0])),
             Further::Energy(text) => self.quantity(source, &text),
         }
     }

@@ -84,14 +84,12 @@ impl Outcomes<'_> {
     /// # Errors
     /// The last failure.
     pub fn check(&self) -> Done {
-        let failures: Option<Vec<_>> =
-            self.found().map(|(_, results)| results.all_failed()).collect();
-        match failures.and_then(|mut failures| failures.pop()) {
-            Some(failure) => Err(Failure::Run(format!(
-                "all paths failed: take more steps, or another scheme; {failure}"
-            ))),
-            None => Ok(()),
+        let failures: Option<Vec<_>> = self.found().map(|(_, found)| found.all_failed()).collect();
+        if let Some(last) = failures.and_then(|mut failures| failures.pop()) {
+            let words = "all paths failed: take more steps, or another scheme";
+            return Err(Failure::Run(format!("{words}; {last}")));
         }
+        Ok(())
     }
 }
 
