@@ -52,7 +52,8 @@ pub fn watched<'py>(
     gives_what_is_done: bool,
     work: impl FnOnce(&Watch) -> Done<Found> + Send + 'static,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let watch = Watch { bar: ProgressBar::hidden(), stop: Stop::default() };
+    let say = |words: &str| eprintln!("{words}");
+    let watch = Watch { bar: ProgressBar::hidden(), say, stop: Stop::default() };
     let (send, receive) = mpsc::channel();
     let receive = Mutex::new(receive);
     let own = watch.clone();

@@ -54,7 +54,8 @@ fn program() -> Program {
 
 /// A bar on the terminal; nothing stops the work but the end of the process.
 fn watch() -> Watch {
-    Watch { bar: ProgressBar::new(0), stop: Stop::default() }
+    let say = |words: &str| eprintln!("{words}");
+    Watch { bar: ProgressBar::new(0), say, stop: Stop::default() }
 }
 
 /// Signals within this time are one wish: it may come as two.

@@ -79,6 +79,8 @@ fn with_interval(estimate: &impl Serialize, (lo, hi): (f64, f64), half_width: f6
 pub struct Watch {
     /// The work that is under way.
     pub bar: ProgressBar,
+    /// Says what long work has come to.
+    pub say: fn(&str),
     /// Whether the end was asked for.
     pub stop: Stop,
 }
@@ -114,7 +116,7 @@ impl Watch {
             };
             let since = since / 60.0;
             let words = format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}");
-            self.bar.suspend(|| eprintln!("{words}"));
+            self.bar.suspend(|| (self.say)(&words));
         };
         watched(PATIENCE, say, || self.under(what.into(), 0, || work(&told)))
     }
