@@ -50,9 +50,8 @@ pub fn write(file: &Path, arrays: impl IntoIterator<Item = Array>) -> io::Result
 /// blanks up to a multiple of 64 bytes. The libraries for it bring a parser of Python's literals,
 /// which needs a compiler of C.
 fn header(shape: &[usize]) -> Vec<u8> {
-    let sides: String = shape.iter().map(|side| format!("{side}, ")).collect();
-    // As Python writes tuples.
-    let shape = if shape.len() == 1 { sides.trim_end() } else { sides.trim_end_matches(", ") };
+    let end = if shape.len() == 1 { ",)" } else { ")" };
+    let shape = format!("{shape:?}").replace('[', "(").replace(']', end);
     let words = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
     let length = (10 + words.len() + 1).next_multiple_of(64) - 10;
     let mut header = b"\x93NUMPY\x01\x00".to_vec();

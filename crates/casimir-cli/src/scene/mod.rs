@@ -136,83 +136,77 @@ impl Scene {
         conditions.try_for_each(|text| vocabulary.demand_condition(&source, text))?;
         observables.extend(given);
         if observables.is_empty() {
-            refuse!(
-                source,
-                None,
-                "a system of so many components needs observables: add [observe]"
-            );
-        }
-        let columns =
-            Columns { source: &source, components: &components, observables: &observables };
-        let chosen = |name: &At<String>| {
-            if is_column(name) { Ok(name.to_string()) } else { columns.check(name, &GROUPS) }
-        };
-        let chosen: Option<Vec<String>> = file
-            .run
-            .columns
-            .as_ref()
-            .map(|names| names.iter().map(chosen).collect())
-            .transpose()?;
-        let mut wanted = drawn::wanted(&file.statistics, &columns, (&settings, &constants))?;
-        let conditions = file.probabilities.keys().chain(file.events.keys());
-        let place = |name: &At<String>| observables.iter().position(|known| known.name == **name);
-        wanted.probabilities = conditions.filter_map(place).collect();
-        let spectrum = |name: &At<String>| format!("spectrum({})", **name);
-        let spectra: Vec<String> = file.statistics.autocorrelation.iter().map(spectrum).collect();
-        let others: Vec<&str> = file
-            .system
-            .parameters
-            .keys()
-            .map(|key| key.as_str())
-            .chain(spectra.iter().map(|name| &**name))
-            .collect();
-        let drawn = Drawn::new(&file.figures, &columns, &others)?;
-        let (mut expected, mut accuracy) = (Vec::<Observable>::new(), None);
-        if let Some(ExpectTable { of, accuracy: wish }) = &file.expect {
-            let half_width = **wish;
-            if !(half_width > 0.0 && half_width.is_finite()) {
-                refuse!(
-                    source,
-                    wish.span(),
-                    "the accuracy must be positive and finite, got {half_width}"
-                );
-            }
-            if of.is_empty() {
-                refuse!(source, of.span(), "name at least one function, such as \"y1\"");
-            }
-            accuracy = Some(half_width);
-            for text in of.iter() {
-                let name = text.0.as_str();
-                if expected.iter().any(|before| before.name == name) {
-                    refuse!(source, text.span(), "`{name}` is listed twice");
-                }
-                let known = observables.iter().find(|known| known.name == name).cloned();
-                let place = components.iter().position(|component| component == name);
-                expected.push(match known.or(place.map(component)) {
-                    Some(known) => known,
-                    None => Observable::new(name, vocabulary.quantity(&source, text)?),
-                });
-            }
+            refuse!(source, None, "so many components need observables: add [observe]");
         }
         let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
         let name = file.system.name.as_deref().cloned();
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
-        Ok(Self {
+        let mut scene = Self {
             source,
             title,
             components,
             sizes,
-            chosen,
+            chosen: None,
             model,
             settings,
             observables,
-            collected: vocabulary.collected,
-            wanted,
-            drawn,
+            collected: Vec::new(),
+            wanted: Wanted::default(),
+            drawn: Drawn::default(),
             energy,
-            expected,
-            accuracy,
-        })
+            expected: Vec::new(),
+            accuracy: None,
+        };
+        let chosen = |name: &At<String>| match is_column(name) {
+            true => Ok(name.to_string()),
+            false => scene.column(name, &GROUPS),
+        };
+        let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
+        scene.chosen = chosen.transpose()?;
+        scene.wanted = drawn::wanted(&file.statistics, &scene, &constants)?;
+        let conditions = file.probabilities.keys().chain(file.events.keys());
+        scene.wanted.probabilities = conditions.filter_map(|name| scene.place(name)).collect();
+        let spectrum = |name: &At<String>| format!("spectrum({})", **name);
+        let spectra: Vec<String> = file.statistics.autocorrelation.iter().map(spectrum).collect();
+        let others = file.system.parameters.keys().map(|key| key.as_str());
+        let others: Vec<&str> = others.chain(spectra.iter().map(|name| &**name)).collect();
+        scene.drawn = Drawn::new(&file.figures, &scene, &others)?;
+        if let Some(table) = &file.expect {
+            scene.expect(table, &mut vocabulary)?;
+        }
+        scene.collected = vocabulary.collected;
+        Ok(scene)
+    }
+
+    /// The test functions of `[expect]`, and their accuracy.
+    fn expect(&mut self, table: &ExpectTable, vocabulary: &mut Vocabulary) -> Read<()> {
+        let ExpectTable { of, accuracy } = table;
+        let half_width = **accuracy;
+        if !(half_width > 0.0 && half_width.is_finite()) {
+            refuse!(
+                self.source,
+                accuracy.span(),
+                "the accuracy must be positive and finite, got {half_width}"
+            );
+        }
+        if of.is_empty() {
+            refuse!(self.source, of.span(), "name at least one function, such as \"y1\"");
+        }
+        self.accuracy = Some(half_width);
+        for text in of.iter() {
+            let name = text.0.as_str();
+            if self.expected.iter().any(|before| before.name == name) {
+                refuse!(self.source, text.span(), "`{name}` is listed twice");
+            }
+            let component = self.components.iter().position(|component| component == name);
+            let quantity = match (self.place(name), component) {
+                (Some(k), _) => self.observables[k].quantity.clone(),
+                (_, Some(i)) => Quantity::Component(i),
+                _ => vocabulary.quantity(&self.source, text)?,
+            };
+            self.expected.push(Observable::new(name, quantity));
+        }
+        Ok(())
     }
 
     /// The problem and a scheme for it by its name.
@@ -255,6 +249,31 @@ impl Scene {
         self.source.error(self.settings.steps_place.clone(), message)
     }
 
+    /// Checks that a name is a component, an observable, or one of others.
+    fn column(&self, name: &At<String>, others: &[&str]) -> Read<String> {
+        let observables = self.observables.iter().map(|observable| &*observable.name);
+        let known = self.components.iter().map(|name| &**name).chain(observables);
+        let known = known.chain(others.iter().copied());
+        if !known.clone().any(|known| known == name.as_str()) {
+            let hint = nearest(name, known);
+            refuse!(self.source, name.span(), "no column `{}`{hint}", **name);
+        }
+        Ok(name.to_string())
+    }
+
+    /// The number of an observable.
+    fn observable(&self, name: &At<String>) -> Read<usize> {
+        self.column(name, &[])?;
+        self.place(name).ok_or_else(|| {
+            let message = format!("add `{0} = \"{0}\"` to [observe] first", **name);
+            self.source.error(name.span(), message)
+        })
+    }
+
+    fn place(&self, name: &str) -> Option<usize> {
+        self.observables.iter().position(|known| known.name == name)
+    }
+
     /// Whether tables have the column.
     pub fn keeps(&self, column: &str) -> bool {
         let is_component = self.components.iter().any(|name| name == column);
@@ -280,40 +299,6 @@ fn is_column(name: &str) -> bool {
     let number = law.strip_prefix('C').or(law.strip_prefix('H'));
     ["scheme", "path", "t"].contains(&name)
         || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
-}
-
-/// The columns that a scene may name.
-pub struct Columns<'a> {
-    source: &'a Source,
-    components: &'a [String],
-    observables: &'a [Observable],
-}
-
-impl Columns<'_> {
-    /// Checks that a name is a component, an observable, or one of others.
-    fn check(&self, name: &At<String>, others: &[&str]) -> Read<String> {
-        let observables = self.observables.iter().map(|observable| &*observable.name);
-        let known = self
-            .components
-            .iter()
-            .map(|name| &**name)
-            .chain(observables)
-            .chain(others.iter().copied());
-        if !known.clone().any(|known| known == name.as_str()) {
-            let hint = nearest(name, known);
-            refuse!(self.source, name.span(), "no column `{}`{hint}", **name);
-        }
-        Ok(name.to_string())
-    }
-
-    /// The number of an observable.
-    fn observable(&self, name: &At<String>) -> Read<usize> {
-        self.check(name, &[])?;
-        self.observables.iter().position(|known| known.name == **name).ok_or_else(|| {
-            let message = format!("add `{0} = \"{0}\"` to [observe] first", **name);
-            self.source.error(name.span(), message)
-        })
-    }
 }
 
 /// A name that a column has already.
