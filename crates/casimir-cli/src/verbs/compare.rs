@@ -7,7 +7,7 @@ use casimir::{
     plot::figure,
 };
 
-use super::{Found, Watch, warnings};
+use super::{Found, Watch};
 use crate::{failure::Done, output::Drawn, scene::Scene};
 
 /// Compares all schemes on a scene at a root-mean-square error of y(T), within seconds.
@@ -45,6 +45,6 @@ pub fn compare(scene: &Scene, error: f64, budget: f64, watch: &Watch) -> Done<Fo
     };
     let caption = "Errors of all schemes against their cost.";
     let figure = Drawn::new("compare", figure::comparison(&comparison), caption);
-    let text = warnings(&scene.model.known().mistake) + &format!("{comparison}\n{rule}.\n");
-    Ok(Found::new(text, serde_json::to_value(&comparison)?, vec![figure]))
+    let text = format!("{comparison}\n{rule}.\n");
+    Ok(Found::of(scene, &text, serde_json::to_value(&comparison)?, vec![figure]))
 }

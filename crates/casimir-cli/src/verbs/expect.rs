@@ -8,7 +8,7 @@ use casimir::mc::{
 };
 use serde_json::json;
 
-use super::{Found, Watch, coarsest_steps, scheme, warnings, with_interval};
+use super::{Found, Watch, coarsest_steps, scheme, with_interval};
 use crate::{
     failure::{Done, Failure},
     model::with_names,
@@ -31,7 +31,7 @@ pub fn expect(scene: &Scene, keeping: Option<Keeping>, watch: &Watch) -> Done<Fo
         return Err(Failure::Stopped("before the first estimates".into()));
     }
     let (found, seconds) = (found?, start.elapsed().as_secs_f64());
-    let mut text = warnings(&scene.model.known().mistake) + &found.to_string();
+    let mut text = found.to_string();
     for warning in &found.warnings {
         if let WarningKind::Component(_) = warning.kind {
             text = text.replace(&warning.text, &with_names(&warning.text, &scene.components));
@@ -43,13 +43,13 @@ pub fn expect(scene: &Scene, keeping: Option<Keeping>, watch: &Watch) -> Done<Fo
     text += &format!("{seconds:.2} s\n");
     let estimate = |one: &Estimate| with_interval(one, one.interval(), one.half_width());
     let json = json!({
-        "title": scene.title, "scheme": found.scheme, "because": because,
+        "scheme": found.scheme, "because": because,
         "accuracy": found.accuracy, "reached": found.reached(),
         "estimates": found.estimates.iter().map(estimate).collect::<Vec<_>>(),
         "levels": found.levels, "single_steps": found.single_steps,
         "path_steps": found.cost, "seconds": seconds,
     });
-    Ok(Found::new(text, json, Vec::new()).to(found.reached(), Some(accuracy)))
+    Ok(Found::of(scene, &text, json, Vec::new()).to(found.reached(), Some(accuracy)))
 }
 
 /// The accuracy that is wanted of a scene.

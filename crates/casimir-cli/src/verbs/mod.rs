@@ -51,6 +51,12 @@ pub struct Found {
 }
 
 impl Found {
+    /// Of a scene: with its title and what is wrong with it.
+    fn of(scene: &Scene, text: &str, mut json: Value, figures: Vec<Drawn>) -> Self {
+        json["title"] = json!(scene.title);
+        Self::new(warnings(&scene.model.known().mistake) + text, json, figures)
+    }
+
     /// With the warnings among the words as a list for programs.
     fn new(text: String, mut json: Value, figures: Vec<Drawn>) -> Self {
         json["warnings"] = text.lines().filter_map(|line| line.strip_prefix(WARNING)).collect();

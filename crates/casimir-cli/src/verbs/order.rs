@@ -9,7 +9,7 @@ use casimir::{
 };
 use serde_json::{Value, json};
 
-use super::{Found, Watch, coarsest_steps, scheme, warnings};
+use super::{Found, Watch, coarsest_steps, scheme};
 use crate::{
     failure::Done,
     output::Drawn,
@@ -22,7 +22,7 @@ pub type Measured = (String, Order);
 /// Measures the orders of the scheme of a scene. Each measurement may take so many path-steps.
 pub fn order(scene: &Scene, path_steps: u64, watch: &Watch) -> Done<Found> {
     let start = Instant::now();
-    let ((scheme, because), mistake) = (scheme(scene), scene.model.known().mistake);
+    let (scheme, because) = scheme(scene);
     let settings = &scene.settings;
     let measured = scene.setup(&scheme)?;
     let sizes = StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key)
@@ -48,18 +48,16 @@ pub fn order(scene: &Scene, path_steps: u64, watch: &Watch) -> Done<Found> {
         scene.tested().map(|phi| order(&measured, Some(phi))).collect::<Done<Vec<Measured>>>()?;
     let seconds = start.elapsed().as_secs_f64();
     let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
-    let mut text = warnings(&mistake) + &format!("{scheme}{reason}, {seconds:.1} s\n");
-    text += &format!("strong, y(T): {strong}\n");
+    let mut text = format!("{scheme}{reason}, {seconds:.1} s\nstrong, y(T): {strong}\n");
     for (quantity, order) in &weak {
         text += &format!("weak, {quantity}: {order}\n");
     }
     let figures = figures(&scheme, &strong, &weak);
     let mut json = described(&strong, &weak);
-    json["title"] = json!(scene.title);
     json["scheme"] = json!(scheme);
     json["because"] = json!(because);
     json["seconds"] = json!(seconds);
-    Ok(Found::new(text, json, figures))
+    Ok(Found::of(scene, &text, json, figures))
 }
 
 /// The figures of a strong order and of weak ones.

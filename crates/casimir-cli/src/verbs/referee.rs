@@ -184,7 +184,6 @@ pub fn judge(
     let law = |(name, defect, rounding): &(String, f64, f64)| json!({ "law": name, "defect": defect, "rounding": rounding });
     let mut json = described(strong, weak);
     for (key, value) in [
-        ("title", json!(scene.title)),
         ("verdicts", json!(verdicts)),
         ("laws", laws.iter().map(law).collect()),
         ("steps", json!(taus)),
@@ -196,5 +195,5 @@ pub fn judge(
     ] {
         json[key] = value;
     }
-    Ok(Found::new(text, json, figures))
+    Ok(Found::of(scene, &text, json, figures))
 }

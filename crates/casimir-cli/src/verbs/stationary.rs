@@ -13,7 +13,7 @@ use casimir::{
 };
 use serde_json::json;
 
-use super::{Found, Watch, scheme, warnings, with_interval};
+use super::{Found, Watch, scheme, with_interval};
 use crate::{
     failure::{Done, Failure},
     model::with_names,
@@ -68,8 +68,7 @@ pub fn equilibrium(
             error => scene.source.error(None, error).into(),
         })?;
     let kt = scene.model.bath().and_then(|bath| bath.beta).map(|beta| 1.0 / beta);
-    let words = with_names(&found.to_string(), &scene.components);
-    let mut text = warnings(&scene.model.known().mistake) + &words;
+    let mut text = with_names(&found.to_string(), &scene.components);
     if let Some(because) = &because {
         text += &format!("{scheme}: {because}\n");
     }
@@ -83,14 +82,13 @@ pub fn equilibrium(
     text += &format!("{:.2} s\n", start.elapsed().as_secs_f64());
     let mean = |mean: &StationaryMean| with_interval(mean, mean.interval(), mean.half_width());
     let mut json = json!(found);
-    json["title"] = json!(scene.title);
     json["because"] = json!(because);
     json["kT"] = json!(kt);
     json["reached"] = found.reached().into();
     json["estimates"] = found.means.iter().map(mean).collect();
     json["accuracy"] = json!(scene.accuracy);
     let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
-    Ok(Found::new(text, json, figures).to(found.reached(), scene.accuracy))
+    Ok(Found::of(scene, &text, json, figures).to(found.reached(), scene.accuracy))
 }
 
 /// Refuses what has no stationary law, or is no function of the state.
