@@ -83,23 +83,19 @@ pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item =
         }
         ("spins".to_owned(), shape, values)
     });
-    let alone = names.into_iter().enumerate().filter(move |(k, _)| !spins.contains(k));
+    let alone = names.into_iter().enumerate();
+    let alone = alone.filter(move |(k, name)| !spins.contains(k) && name != "t");
+    let t = longest.map(|_| ("t".to_owned(), vec![times.len()], times.clone()));
     let array = move |(k, name): (usize, String)| {
-        let mut columns = tables.iter_mut().map(|table| {
+        let mut values = Vec::with_capacity(tables.len() * times.len());
+        for table in &mut tables {
             let mut column = mem::take(&mut table.columns[k].values);
             column.resize(times.len(), f64::NAN);
-            column
-        });
-        let mut values = columns.next().unwrap_or_default();
-        if name == "t" {
-            columns.for_each(drop);
-            return (name, vec![times.len()], times.clone());
+            values.extend(column);
         }
-        values.reserve_exact(columns.len() * times.len());
-        columns.for_each(|column| values.extend(column));
         (name, vec![tables.len(), times.len()], values)
     };
-    alone.map(array).chain(vectors)
+    t.into_iter().chain(alone.map(array)).chain(vectors)
 }
 
 /// Joint laws.
