@@ -89,7 +89,7 @@ fn run<'py>(
         }
         found.check()?;
         let report = Report::new(&found);
-        let (json, figures) = (report.json()?, report.figures());
+        let (json, figures) = (report.json(), report.figures());
         let (text, page) = (report.text(), report.page(&figures));
         let figures = figures.into_iter().flat_map(|(_, figures)| figures).collect();
         drop(report);

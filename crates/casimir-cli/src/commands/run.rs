@@ -66,7 +66,7 @@ pub fn write(found: &Outcomes<'_>, folder: &Path, formats: &[Format], json: bool
     let (found, file) = (Report::new(found), folder.join(REPORT));
     found.write(folder, formats)?;
     if json {
-        let mut json = found.json()?;
+        let mut json = found.json();
         json["report"] = file.to_string_lossy().into();
         return print_json(&json);
     }

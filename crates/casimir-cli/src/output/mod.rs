@@ -145,18 +145,13 @@ impl<'a> Report<'a> {
     }
 
     /// The results for programs.
-    ///
-    /// # Errors
-    /// None that is known.
-    pub fn json(&self) -> serde_json::Result<Value> {
-        match self.single() {
-            Some(run) => summary(run),
-            None => {
-                let mut json = self.of_each(summary)?;
-                json["warnings"] = self.warnings().into();
-                Ok(json)
-            }
+    pub fn json(&self) -> Value {
+        if let Some(run) = self.single() {
+            return summary(run);
         }
+        let mut json = self.of_each(summary);
+        json["warnings"] = self.warnings().into();
+        json
     }
 
     /// All figures by section.
@@ -211,7 +206,7 @@ impl<'a> Report<'a> {
                     )?;
                 }
                 (Format::Json, None) => {
-                    let json = self.of_each(|run| Ok(json!({ "series": run.series })))?;
+                    let json = self.of_each(|run| json!({ "series": run.series }));
                     files::write_json(&file("json"), &json)?;
                 }
                 (Format::Npz, _) => npz::write(&file("npz"), self.arrays())?,
@@ -315,7 +310,7 @@ fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> Vec<Vec<String>> {
 }
 
 /// The results of a run for programs.
-fn summary(Run { one, results, .. }: &Run<'_>) -> serde_json::Result<Value> {
+fn summary(Run { one, results, .. }: &Run<'_>) -> Value {
     let scene = &one.scene;
     let last = |series: &Series| {
         let mut last = json!(series.last());
@@ -327,7 +322,7 @@ fn summary(Run { one, results, .. }: &Run<'_>) -> serde_json::Result<Value> {
     };
     let at_end = |study: &StudyResult| study.series.iter().map(last).collect::<Value>();
     let halted = results.halted(scene).map(|(path, why)| json!({ "path": path, "why": why }));
-    Ok(json!({
+    json!({
         "title": scene.title,
         "scheme": results.scheme,
         "because": results.because,
@@ -339,5 +334,5 @@ fn summary(Run { one, results, .. }: &Run<'_>) -> serde_json::Result<Value> {
         "warnings": results.warnings(scene),
         "halted": halted.collect::<Vec<_>>(),
         "seconds": results.seconds,
-    }))
+    })
 }

@@ -52,7 +52,7 @@ pub fn write(file: &Path, arrays: impl IntoIterator<Item = Array>) -> io::Result
 fn header(shape: &[usize]) -> Vec<u8> {
     let end = if shape.len() == 1 { ",)" } else { ")" };
     let shape = format!("{shape:?}").replace('[', "(").replace(']', end);
-    let words = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
+    let words = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
     let length = (10 + words.len() + 1).next_multiple_of(64) - 10;
     let mut header = b"\x93NUMPY\x01\x00".to_vec();
     header.extend((length as u16).to_le_bytes());
