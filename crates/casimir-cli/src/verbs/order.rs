@@ -53,10 +53,10 @@ pub fn order(scene: &Scene, path_steps: u64, watch: &Watch) -> Done<Found> {
         text += &format!("weak, {quantity}: {order}\n");
     }
     let figures = figures(&scheme, &strong, &weak);
-    let mut json = described(&strong, &weak);
-    json["scheme"] = json!(scheme);
-    json["because"] = json!(because);
-    json["seconds"] = json!(seconds);
+    let [strong, weak] = described(&strong, &weak);
+    let json = json!({
+        "scheme": scheme, "because": because, "strong": strong, "weak": weak, "seconds": seconds,
+    });
     Ok(Found::of(scene, &text, json, figures))
 }
 
@@ -80,14 +80,13 @@ pub fn figures(scheme: &str, strong: &Order, weak: &[Measured]) -> Vec<Drawn> {
     ]
 }
 
-/// Orders for programs.
-pub fn described(strong: &Order, weak: &[Measured]) -> Value {
+/// A strong order and weak ones for programs.
+pub fn described(strong: &Order, weak: &[Measured]) -> [Value; 2] {
     let one = |quantity: &str, order: &Order| {
         json!({
             "quantity": quantity, "order": order.order(), "words": order.to_string(),
             "rate": order.rate, "points": order.points, "failed_paths": order.failed,
         })
     };
-    let weak: Vec<Value> = weak.iter().map(|(quantity, order)| one(quantity, order)).collect();
-    json!({ "strong": one("y(T)", strong), "weak": weak })
+    [one("y(T)", strong), weak.iter().map(|(quantity, order)| one(quantity, order)).collect()]
 }

@@ -4,7 +4,7 @@ use casimir::{
     analysis::{Decision, Judged, LevelNoise, Referee, SolverStates, StepSizes, VISITS, Verdict},
     mc::{Observe, demand},
 };
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{
     Found, coarsest_steps,
@@ -182,18 +182,12 @@ pub fn judge(
     }
     let figures = figures("solver", strong, weak);
     let law = |(name, defect, rounding): &(String, f64, f64)| json!({ "law": name, "defect": defect, "rounding": rounding });
-    let mut json = described(strong, weak);
-    for (key, value) in [
-        ("verdicts", json!(verdicts)),
-        ("laws", laws.iter().map(law).collect()),
-        ("steps", json!(taus)),
-        ("errors", json!(errors)),
-        ("reference_error", json!(reference_error)),
-        ("solves", json!(solves)),
-        ("own_noise", json!(own_noise)),
-        ("seconds", json!(claims.seconds)),
-    ] {
-        json[key] = value;
-    }
+    let [strong, weak] = described(strong, weak);
+    let json = json!({
+        "verdicts": verdicts, "strong": strong, "weak": weak,
+        "laws": laws.iter().map(law).collect::<Value>(), "steps": taus, "errors": errors,
+        "reference_error": reference_error, "solves": solves, "own_noise": own_noise,
+        "seconds": claims.seconds,
+    });
     Ok(Found::of(scene, &text, json, figures))
 }
