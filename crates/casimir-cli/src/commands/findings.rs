@@ -1,5 +1,5 @@
-//! `casimir inspect`, `expect`, `equilibrium`, `lyapunov`, `order` and `compare`: what is found of a
-//! scene.
+//! `casimir inspect`, `expect`, `equilibrium`, `lyapunov`, `order` and `compare`: what is found of
+//! a scene.
 
 use std::path::PathBuf;
 

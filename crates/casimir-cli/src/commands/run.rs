@@ -82,8 +82,8 @@ fn check_size(sweep: &Sweep) -> Done {
     let gigabytes = 2e-8 * rows as f64 * columns as f64;
     if gigabytes > 1.0 {
         return Err(Failure::Usage(format!(
-            "{rows} rows of {columns} columns are {gigabytes:.1} GB of text: take fewer `tables` or \
-             `times`, or say --large"
+            "{rows} rows of {columns} columns are {gigabytes:.1} GB of text: take fewer `tables` \
+             or `times`, or say --large"
         )));
     }
     Ok(())

@@ -66,7 +66,8 @@ impl Source {
         let is_mean = |word: &str| error.message == format!("unknown function `{word}`");
         let message = match error.unknown_name.as_deref() {
             _ if is_mean("integral") || is_mean("average") => {
-                "this is an observable of its own: give it a name, a = \"integral(v)\", and use that"
+                "this is an observable of its own: give it a name, a = \"integral(v)\", and \
+                 use that"
             }
             Some("t") => "unknown name `t`: time is known in H0, H, the rate and observables",
             _ => &error.message,

@@ -152,7 +152,8 @@ pub fn judge(
         {
             *verdict = Verdict::Confirmed;
             words = format!(
-                "implied by the strong order, for steps that are smooth in τ and ΔW; by itself {order}"
+                "implied by the strong order, for steps that are smooth in τ and ΔW; by itself \
+                 {order}"
             );
         }
         say(format!("weak order of E[{name}]"), told(claim), words);
@@ -181,7 +182,11 @@ pub fn judge(
         text += &format!("  {tau:<8.2e}  {error:<8.2e}  {cost}\n");
     }
     let figures = figures("solver", strong, weak);
-    let law = |(name, defect, rounding): &(String, f64, f64)| json!({ "law": name, "defect": defect, "rounding": rounding });
+    let law = |(name, defect, rounding): &(String, f64, f64)| {
+        json!({
+            "law": name, "defect": defect, "rounding": rounding,
+        })
+    };
     let [strong, weak] = described(strong, weak);
     let json = json!({
         "verdicts": verdicts, "strong": strong, "weak": weak,

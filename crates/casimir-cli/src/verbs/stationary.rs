@@ -110,7 +110,8 @@ fn check(scene: &Scene, averages: bool) -> Read<()> {
         refuse!(
             source,
             None,
-            "averages over the stationary law are of functions of the state alone: leave out `{name}`"
+            "averages over the stationary law are of functions of the state alone: leave out \
+             `{name}`"
         );
     }
     Ok(())
