@@ -81,9 +81,7 @@ fn run<'py>(
     let (source, changes) = (given.source(), Changes { independent, ..Changes::default() });
     watched(py, &given.text, how.threads, how.show, true, move |watch| {
         let sweep = Sweep::new(&source, &changes)?;
-        let scenes = sweep.combinations.iter();
-        let settled = scenes.map(|one| verbs::scheme(&one.scene)).collect();
-        let ready = verbs::ready(&sweep, settled)?;
+        let ready = verbs::ready(&sweep, verbs::settle(&sweep))?;
         let job = Job::here().stopped_by(&watch.stop).giving_what_is_done();
         let mut found = verbs::compute(&sweep, ready, &job, watch)?;
         if watch.stop.is_asked() && found.paths() == 0 {
@@ -91,12 +89,13 @@ fn run<'py>(
         }
         found.check()?;
         let report = Report::new(&found);
-        let (json, figures) = (report.json()?, report.figures());
+        let (json, figures) = (report.json(), report.figures());
         let (text, page) = (report.text(), report.page(&figures));
         let figures = figures.into_iter().flat_map(|(_, figures)| figures).collect();
         drop(report);
         let [paths, statistics] = arrays(&mut found);
-        Ok(Found { common: verbs::Found { text, json, figures }, page, paths, statistics })
+        let common = verbs::Found { text, json, figures, unreached: None };
+        Ok(Found { common, page, paths, statistics })
     })
 }
 
@@ -109,7 +108,7 @@ fn expect<'py>(
     how: How,
 ) -> PyResult<Bound<'py, PyDict>> {
     let changes = Changes { steps: coarsest_steps, ..Changes::default() };
-    on_scene(py, given, changes, how, true, |scene, watch| Ok(verbs::expect(scene, None, watch)?.0))
+    on_scene(py, given, changes, how, true, |scene, watch| verbs::expect(scene, None, watch))
 }
 
 /// Averages over the stationary law, or so many Lyapunov exponents.
@@ -121,11 +120,10 @@ fn equilibrium<'py>(
     limits: (u64, u64),
     how: How,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let asked = exponents.map_or(verbs::Asked::Averages, |(count, accuracy)| {
-        verbs::Asked::Exponents(count, accuracy)
-    });
     on_scene(py, given, Changes::default(), how, true, move |scene, watch| {
-        Ok(verbs::equilibrium(scene, asked, limits, None, watch)?.0)
+        let (count, accuracy) = exponents.unzip();
+        scene.accuracy = accuracy.or(scene.accuracy);
+        verbs::equilibrium(scene, count, limits, None, watch)
     })
 }
 
@@ -159,7 +157,7 @@ fn compare<'py>(
 /// Says what a system is.
 #[pyfunction]
 fn inspect<'py>(py: Python<'py>, given: Given<'py>, how: How) -> PyResult<Bound<'py, PyDict>> {
-    on_scene(py, given, Changes::default(), how, false, verbs::inspect)
+    on_scene(py, given, Changes::default(), how, false, |scene, watch| verbs::inspect(scene, watch))
 }
 
 fn on_scene<'py>(
@@ -168,11 +166,11 @@ fn on_scene<'py>(
     changes: Changes,
     how: How,
     gives_what_is_done: bool,
-    work: impl FnOnce(&Scene, &Watch) -> Done<verbs::Found> + Send + 'static,
+    work: impl FnOnce(&mut Scene, &Watch) -> Done<verbs::Found> + Send + 'static,
 ) -> PyResult<Bound<'py, PyDict>> {
     let source = given.source();
     watched(py, &given.text, how.threads, how.show, gives_what_is_done, move |watch| {
-        let common = work(&Scene::new(source, &changes)?, watch)?;
+        let common = work(&mut Scene::new(source, &changes)?, watch)?;
         Ok(Found { common, ..Found::default() })
     })
 }

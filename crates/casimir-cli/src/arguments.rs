@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand};
 
 /// Damped stochastic Poisson systems from a text file:
 /// dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ
-#[derive(Parser, Debug)]
+#[derive(Parser)]
 #[command(name = "casimir", version, max_term_width = 90, after_help = EXAMPLES)]
 #[command(arg_required_else_help = true, args_conflicts_with_subcommands = true)]
 pub struct Arguments {
@@ -28,11 +28,17 @@ Examples:
   casimir expect body.toml               expectations with 95 % intervals
 Exit codes: 0 done, 1 the run failed, 2 the scene or the command is wrong, 130 stopped";
 
-#[derive(Subcommand, Debug)]
+#[derive(Subcommand)]
 pub enum Command {
     /// Print a commented scene to begin with
     #[command(after_help = "Example: casimir new heavy-top > top.toml")]
-    New(New),
+    New {
+        /// A scene of the gallery; without it an empty scene with all keys
+        name: Option<String>,
+        /// List the scenes and the systems of the project
+        #[arg(long)]
+        list: bool,
+    },
     /// Say what a system is: Casimirs, orders, mistakes, a scheme to take
     #[command(after_help = "Example: casimir inspect top.toml")]
     Inspect(Inspect),
@@ -61,41 +67,56 @@ pub enum Command {
     Plan(Plan),
     /// Compute one part; goes on from its checkpoint
     #[command(after_help = "Example: casimir part big --part 3")]
-    Part(Part),
+    Part {
+        /// The folder that `casimir plan` made
+        folder: PathBuf,
+        /// The number of the part, from 1
+        #[arg(long)]
+        part: u64,
+        /// Number of threads. Default: one for each processor
+        #[arg(long)]
+        threads: Option<u64>,
+    },
     /// Put the parts in a folder together, or say which are missing
-    Merge(Merge),
+    Merge {
+        /// The folder that `casimir plan` made
+        folder: PathBuf,
+        /// What to write beside the report
+        #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
+        write: Vec<Format>,
+        /// Print a summary as JSON
+        #[arg(long)]
+        json: bool,
+    },
     /// Ask for more paths in a folder, which keeps what it has
     #[command(after_help = "Example: casimir extend big --paths 1e9")]
-    Extend(Extend),
+    Extend {
+        /// The folder that `casimir plan` made
+        folder: PathBuf,
+        /// The new number of paths, in all
+        #[arg(long, value_parser = count)]
+        paths: u64,
+    },
     /// Print the JSON schema of scenes, for editors
     Schema,
     /// Test the program on this machine, for reports of faults
     Doctor,
 }
 
-#[derive(Args, Debug)]
-pub struct New {
-    /// A scene of the gallery; without it an empty scene with all keys
-    pub name: Option<String>,
-    /// List the scenes and the systems of the project
-    #[arg(long)]
-    pub list: bool,
-}
-
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Inspect {
-    /// The file of the scene
-    pub scene: PathBuf,
     /// A parameter of the scene: NAME=VALUE
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub sets: Vec<Set>,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub on: On,
 }
 
-#[derive(Args, Debug, Default)]
-pub struct Output {
+/// What every command on a scene has.
+#[derive(Args)]
+pub struct On {
+    /// The file of the scene
+    pub scene: PathBuf,
     /// The folder of results. Default: the name of the scene and the command, as `top-run`
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -103,14 +124,12 @@ pub struct Output {
     #[arg(long)]
     pub json: bool,
     /// Number of threads; the results are the same bits with any number
-    #[arg(long, value_name = "N")]
+    #[arg(long)]
     pub threads: Option<u64>,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Run {
-    /// The file of the scene
-    pub scene: PathBuf,
     #[command(flatten)]
     pub changes: Changes,
     /// What to write beside the report
@@ -120,76 +139,68 @@ pub struct Run {
     #[arg(long)]
     pub large: bool,
     #[command(flatten)]
-    pub output: Output,
+    pub on: On,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Expect {
-    /// The file of the scene, which has [expect]
-    pub scene: PathBuf,
     /// Half-width of the 95 % intervals, instead of that of the scene
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub accuracy: Option<f64>,
     /// Steps of the coarsest level. Default: chosen with the scheme; about eight in a unit of time
     /// for a scheme that is named, and with events or integrals
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_parser = count)]
     pub steps: Option<u64>,
     #[command(flatten)]
     pub scheme: SchemeAndSeed,
     #[command(flatten)]
-    pub output: Output,
+    pub on: On,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Equilibrium {
-    /// The file of the scene
-    pub scene: PathBuf,
     /// Half-width of the 95 % intervals. Default: that of the scene; of `lyapunov` 0.01
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub accuracy: Option<f64>,
     /// Steps to `until`, for the first averages, instead of those of the scene
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_parser = count)]
     pub steps: Option<u64>,
     /// Number of chains
-    #[arg(long, value_name = "N", value_parser = count, default_value = "256")]
+    #[arg(long, value_parser = count, default_value = "256")]
     pub chains: u64,
     /// Path-steps that it may take
-    #[arg(long, value_name = "N", value_parser = count, default_value = "1e10")]
+    #[arg(long, value_parser = count, default_value = "1e10")]
     pub path_steps: u64,
     #[command(flatten)]
     pub scheme: SchemeAndSeed,
     #[command(flatten)]
-    pub output: Output,
+    pub on: On,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Lyapunov {
     /// Number of exponents, from the largest on
-    #[arg(long, value_name = "N", value_parser = count, default_value = "1")]
+    #[arg(long, value_parser = count, default_value = "1")]
     pub count: u64,
     #[command(flatten)]
     pub chains: Equilibrium,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Order {
-    /// The file of the scene
-    pub scene: PathBuf,
     /// Path-steps that each measurement may take
-    #[arg(long, value_name = "N", value_parser = count, default_value = "3e8")]
+    #[arg(long, value_parser = count, default_value = "3e8")]
     pub path_steps: u64,
     #[command(flatten)]
     pub scheme: SchemeAndSeed,
     #[command(flatten)]
-    pub output: Output,
+    pub on: On,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Compare {
-    /// The file of the scene
-    pub scene: PathBuf,
     /// The wanted root-mean-square error of y(T)
-    #[arg(long, value_name = "ERROR", allow_negative_numbers = true, default_value_t = 1e-3)]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 1e-3)]
     pub error: f64,
     /// Seconds that it may take
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = 60.0)]
@@ -198,61 +209,28 @@ pub struct Compare {
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub sets: Vec<Set>,
     /// Seed of the random numbers, instead of that of the scene
-    #[arg(long, value_name = "N")]
+    #[arg(long)]
     pub seed: Option<u64>,
     #[command(flatten)]
-    pub output: Output,
+    pub on: On,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Plan {
     /// The file of the scene
     pub scene: PathBuf,
     /// Number of parts
-    #[arg(long, value_name = "N")]
+    #[arg(long)]
     pub parts: u64,
     /// The folder of the parts
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Processors of a part
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, default_value_t = 1)]
     pub cpus: u64,
     /// A further option of `sbatch`, such as --account=physics; may be repeated
     #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
     pub sbatch: Vec<String>,
     #[command(flatten)]
     pub changes: Changes,
-}
-
-#[derive(Args, Debug)]
-pub struct Part {
-    /// The folder that `casimir plan` made
-    pub folder: PathBuf,
-    /// The number of the part, from 1
-    #[arg(long, value_name = "K")]
-    pub part: u64,
-    /// Number of threads. Default: one for each processor
-    #[arg(long, value_name = "N")]
-    pub threads: Option<u64>,
-}
-
-#[derive(Args, Debug)]
-pub struct Merge {
-    /// The folder that `casimir plan` made
-    pub folder: PathBuf,
-    /// What to write beside the report
-    #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
-    pub write: Vec<Format>,
-    /// Print a summary as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-#[derive(Args, Debug)]
-pub struct Extend {
-    /// The folder that `casimir plan` made
-    pub folder: PathBuf,
-    /// The new number of paths, in all
-    #[arg(long, value_name = "N", value_parser = count)]
-    pub paths: u64,
 }

@@ -1,6 +1,6 @@
 //! The scenes of the gallery.
 
-use casimir::formula::nearest;
+use crate::scene::among;
 
 /// The scenes of the gallery, by name.
 macro_rules! gallery {
@@ -48,12 +48,7 @@ gallery! {
 /// # Errors
 /// The names that there are.
 pub fn scene(name: &str) -> Result<&'static str, String> {
-    match GALLERY.iter().find(|(known, _)| *known == name) {
-        Some((_, text)) => Ok(text),
-        None => {
-            let names: Vec<&str> = GALLERY.iter().map(|(name, _)| *name).collect();
-            let (hint, names) = (nearest(name, &names), names.join(", "));
-            Err(format!("no scene `{name}`; there are {names}{hint}"))
-        }
-    }
+    let names: Vec<&str> = GALLERY.iter().map(|(name, _)| *name).collect();
+    let found = GALLERY.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);
+    found.ok_or_else(|| format!("no scene `{name}`{}", among(name, &names)))
 }

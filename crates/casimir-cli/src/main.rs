@@ -14,31 +14,31 @@ fn main() -> ExitCode {
     let Arguments { citation, command } = Arguments::parse();
     let cited = || commands::citation(citation.flatten().as_deref());
     let done = command.map_or_else(cited, run);
-    let (code, words) = match done {
+    let (code, kind, words) = match done {
         Ok(()) => return ExitCode::SUCCESS,
-        Err(Failure::Scene(error)) => (2, format!("error: {error}")),
-        Err(Failure::Usage(words)) => (2, format!("error: {words}")),
-        Err(Failure::Run(words)) => (1, format!("error: {words}")),
-        Err(Failure::Stopped(words)) => (130, format!("stopped: {words}")),
+        Err(Failure::Scene(error)) => (2, "error", error.to_string()),
+        Err(Failure::Usage(words)) => (2, "error", words),
+        Err(Failure::Run(words)) => (1, "error", words),
+        Err(Failure::Stopped(words)) => (130, "stopped", words),
     };
-    eprintln!("{words}");
+    eprintln!("{kind}: {words}");
     ExitCode::from(code)
 }
 
 fn run(command: Command) -> Done {
     match command {
-        Command::New(arguments) => commands::new(&arguments),
-        Command::Inspect(arguments) => commands::inspect(&arguments),
-        Command::Run(arguments) => commands::run(&arguments),
-        Command::Expect(arguments) => commands::expect(&arguments),
-        Command::Equilibrium(arguments) => commands::equilibrium(&arguments),
-        Command::Lyapunov(arguments) => commands::lyapunov(&arguments),
-        Command::Order(arguments) => commands::order(&arguments),
-        Command::Compare(arguments) => commands::compare(&arguments),
-        Command::Plan(arguments) => commands::plan(&arguments),
-        Command::Part(arguments) => commands::part(&arguments),
-        Command::Merge(arguments) => commands::merge(&arguments),
-        Command::Extend(arguments) => commands::extend(&arguments),
+        Command::New { name, list } => commands::new(name.as_deref(), list),
+        Command::Inspect(asked) => commands::inspect(&asked),
+        Command::Run(asked) => commands::run(&asked),
+        Command::Expect(asked) => commands::expect(&asked),
+        Command::Equilibrium(asked) => commands::equilibrium(&asked),
+        Command::Lyapunov(asked) => commands::lyapunov(&asked),
+        Command::Order(asked) => commands::order(&asked),
+        Command::Compare(asked) => commands::compare(&asked),
+        Command::Plan(asked) => commands::plan(&asked),
+        Command::Part { folder, part, threads } => commands::part(&folder, part, threads),
+        Command::Merge { folder, write, json } => commands::merge(&folder, &write, json),
+        Command::Extend { folder, paths } => commands::extend(&folder, paths),
         Command::Schema => commands::schema(),
         Command::Doctor => commands::doctor(),
     }

@@ -1,19 +1,14 @@
 //! The commands.
 
-mod citation;
-mod doctor;
-mod expect;
+mod about;
 mod findings;
-mod folder;
-mod new;
 mod parts;
 mod run;
-mod stationary;
 
 use std::{
     fs,
     io::Write,
-    path::Path,
+    path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
@@ -23,23 +18,25 @@ use casimir::{
 };
 use casimir_cli::{
     failure::{Done, Failure},
-    scene::{Changes, Scene, Source},
+    scene::{Changes, Scene, SchemeAndSeed, Source},
     verbs::{Found, ProgressBar, Watch},
 };
 use serde::Serialize;
 
-pub use citation::citation;
-pub use doctor::doctor;
-pub use expect::expect;
-pub use findings::{compare, inspect, order};
-pub use new::new;
+pub use about::{citation, doctor, new, schema};
+pub use findings::{compare, equilibrium, expect, inspect, lyapunov, order};
 pub use parts::{extend, merge, part, plan};
 pub use run::run;
-pub use stationary::{equilibrium, lyapunov};
 
-/// Reads a scene and checks it.
-fn open(file: &Path, changes: &Changes) -> Done<Scene> {
-    Ok(Scene::new(source(file)?, changes)?)
+use crate::arguments::On;
+
+/// Reads a scene and checks it and the folder, and takes as many threads as are asked for.
+fn open(on: &On, scheme: &SchemeAndSeed, steps: Option<u64>) -> Done<Scene> {
+    let changes = Changes { scheme: scheme.clone(), steps, ..Changes::default() };
+    let scene = Scene::new(source(&on.scene)?, &changes)?;
+    threads(on.threads)?;
+    on.out.as_deref().map_or(Ok(()), files::prepare)?;
+    Ok(scene)
 }
 
 /// The text of a scene.
@@ -95,11 +92,31 @@ fn print(text: &str) -> Done {
     }
 }
 
+/// The folder of results: the one asked for, or `<scene>-<command>` here.
+fn folder(on: &On, command: &str) -> PathBuf {
+    let stem = on.scene.file_stem().unwrap_or_default().to_string_lossy();
+    on.out.clone().unwrap_or_else(|| format!("{stem}-{command}").into())
+}
+
+/// The report in a folder.
+const REPORT: &str = "index.html";
+
+/// Checks that a folder can be written, and says if it has results that will be replaced.
+fn prepare(folder: &Path) -> Done {
+    let replaces = folder.join(REPORT).exists();
+    files::prepare(folder)?;
+    if replaces {
+        eprintln!("note: the results in {} will be replaced", folder.display());
+    }
+    Ok(())
+}
+
 /// Writes figures and JSON into a folder, if there is one, and says what was found.
-fn tell(found: &Found, folder: Option<&Path>, command: &str, json: bool) -> Done {
+fn tell(found: &Found, folder: Option<PathBuf>, file: &str, json: bool) -> Done {
     let mut text = found.text.clone();
     if let Some(folder) = folder {
-        files::write_json(&folder.join(format!("{command}.json")), &found.json)?;
+        files::prepare(&folder)?;
+        files::write_json(&folder.join(format!("{file}.json")), &found.json)?;
         for figure in &found.figures {
             let file = folder.join(format!("{}.svg", figure.file));
             files::write(&file, &figure.svg)?;
@@ -111,9 +128,4 @@ fn tell(found: &Found, folder: Option<&Path>, command: &str, json: bool) -> Done
 
 fn print_json(value: &impl Serialize) -> Done {
     print(&format!("{}\n", serde_json::to_string_pretty(value)?))
-}
-
-/// Prints the JSON schema of scenes.
-pub fn schema() -> Done {
-    print_json(&casimir_cli::scene::schema())
 }

@@ -1,10 +1,6 @@
 //! `casimir plan`, `part`, `merge` and `extend`: a scene on many machines.
 
-use std::{
-    env, fs,
-    path::{Path, PathBuf},
-    time::Duration,
-};
+use std::{env, fs, path::Path, time::Duration};
 
 use casimir::{
     mc::parts::{Job, JobError, Share, merged_paths},
@@ -12,17 +8,20 @@ use casimir::{
 };
 use casimir_cli::{
     failure::{Done, Failure},
-    output::cluster::{JOB, Script},
+    output::{
+        Format,
+        cluster::{JOB, Script},
+    },
     scene::{Changes, Sweep},
     verbs::{self, Outcomes, Settled, Watch},
 };
 use serde::{Deserialize, Serialize};
 
-use super::{folder, print, program, run, source, stoppable, threads, watch};
-use crate::arguments::{Extend, Merge, Part, Plan};
+use super::{prepare, print, program, run, source, stoppable, threads, watch};
+use crate::arguments::Plan;
 
 /// What is divided into parts: `plan.json` in the folder of the parts, beside the scene.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 struct Divided {
     /// Number of parts.
     parts: u64,
@@ -40,7 +39,6 @@ const MEASURED: Duration = Duration::from_millis(300);
 
 /// What a folder of parts has.
 struct Folder {
-    folder: PathBuf,
     divided: Divided,
     sweep: Sweep,
 }
@@ -52,16 +50,10 @@ impl Folder {
         let divided = text.and_then(|text| serde_json::from_slice::<Divided>(&text));
         let divided = divided.map_err(|error| {
             let file = file.display();
-            Failure::Usage(format!(
-                "{file} does not say what its parts are: {error}; see casimir plan"
-            ))
+            Failure::Usage(format!("{file} does not say what its parts are: {error}"))
         })?;
         let sweep = Sweep::new(&source(&folder.join(SCENE))?, &divided.changes)?;
-        Ok(Self { folder: folder.to_owned(), divided, sweep })
-    }
-
-    fn write(&self) -> Done {
-        Ok(files::write_json(&self.folder.join(PLAN), &self.divided)?)
+        Ok(Self { divided, sweep })
     }
 
     /// Does with a job what the folder is for; the results if there are some here.
@@ -73,115 +65,107 @@ impl Folder {
 
 /// Writes what there is to be done, and a job script.
 pub fn plan(arguments: &Plan) -> Done {
-    let source = source(&arguments.scene)?;
-    let sweep = Sweep::new(&source, &arguments.changes)?;
-    if !sweep.combinations[0].scene.settings.is_study() {
-        let message = "a few paths are not divided: take at least 100 `paths`, or `casimir run`";
-        return Err(Failure::Usage(message.into()));
+    let Plan { scene, parts, out, cpus, sbatch: options, changes } = arguments;
+    let source = source(scene)?;
+    let sweep = Sweep::new(&source, changes)?;
+    let settings = &sweep.combinations[0].scene.settings;
+    let refused = |words: String| Err(Failure::Usage(words));
+    if !settings.is_study() {
+        let words = "a few paths are not divided: take at least 100 `paths`, or `casimir run`";
+        return refused(words.into());
     }
-    Share::new(1, arguments.parts)?;
-    let out = &arguments.out;
+    Share::new(1, *parts)?;
     if out.join(PLAN).exists() {
         let out = out.display();
-        let message =
-            format!("{out} has parts already: take another folder, or casimir extend {out}");
-        return Err(Failure::Usage(message));
+        return refused(format!(
+            "{out} has parts already: take another folder, or casimir extend {out}"
+        ));
     }
-    let settled = sweep.combinations.iter().map(|one| verbs::scheme(&one.scene)).collect();
-    folder::prepare(out)?;
+    prepare(out)?;
     files::write(&out.join(SCENE), &source.text)?;
-    if let Some(states) = &sweep.combinations[0].scene.settings.states {
+    if let Some(states) = &settings.states {
         let copy = out.join(states);
         files::prepare(files::folder(&copy))?;
-        fs::copy(arguments.scene.with_file_name(states), copy)?;
+        fs::copy(scene.with_file_name(states), copy)?;
     }
-    let (parts, changes) = (arguments.parts, arguments.changes.clone());
-    let divided = Divided { parts, changes, settled };
-    let folder = Folder { folder: out.clone(), divided, sweep };
+    let (parts, changes, settled) = (*parts, changes.clone(), verbs::settle(&sweep));
+    let opened = Folder { divided: Divided { parts, changes, settled }, sweep };
     let job = Job::pilot(MEASURED);
-    folder.compute(&job, &watch())?;
+    opened.compute(&job, &watch())?;
     let planned = job.plan()?;
-    folder.write()?;
-    let (cpus, folder) = (arguments.cpus.max(1), fs::canonicalize(out)?);
+    files::write_json(&out.join(PLAN), &opened.divided)?;
+    let (cpus, folder) = (*cpus.max(&1), fs::canonicalize(out)?);
     let seconds =
         |parts, threads| planned.iter().map(|work| work.seconds(parts, threads)).sum::<f64>();
     let part_seconds = seconds(parts, cpus);
-    let script = Script {
-        parts,
-        program: &env::current_exe()?,
-        folder: &folder,
-        // Twice as long as measured, and a minute to start.
-        minutes: 1 + (2.0 * part_seconds / 60.0).ceil() as u64,
-        cpus,
-        options: &arguments.sbatch,
-    };
+    // Twice as long as measured, and a minute to start.
+    let minutes = 1 + (2.0 * part_seconds / 60.0).ceil() as u64;
+    let program = &env::current_exe()?;
+    let script = Script { parts, program, folder: &folder, minutes, cpus, options };
     files::write(&out.join(JOB), script.slurm())?;
-    let works = planned.iter();
-    let works =
-        works.map(|work| format!("{}: {} paths of {} steps\n", work.name, work.paths, work.steps));
-    let path_steps = planned.iter().map(|work| work.paths * work.steps).sum::<u64>() as f64;
-    let nanoseconds = 1e9 * seconds(1, 1) / path_steps;
+    let (mut words, mut path_steps) = (String::new(), 0);
+    for work in &planned {
+        words += &format!("{}: {} paths of {} steps\n", work.name, work.paths, work.steps);
+        path_steps += work.paths * work.steps;
+    }
+    let nanoseconds = 1e9 * seconds(1, 1) / path_steps as f64;
     print(&format!(
-        "{}{path_steps:.3e} path-steps, {nanoseconds:.1} ns each on one thread; {parts} parts of about \
+        "{words}{:.3e} path-steps, {nanoseconds:.1} ns each on one thread; {parts} parts of about \
          {part_seconds:.0} s\n{}",
-        works.collect::<String>(),
+        path_steps as f64,
         script.lines()
     ))
 }
 
 /// Computes one part.
-pub fn part(arguments: &Part) -> Done {
-    threads(arguments.threads)?;
-    let folder = Folder::open(&arguments.folder)?;
-    let share = Share::new(arguments.part, folder.divided.parts)?;
+pub fn part(folder: &Path, part: u64, cpus: Option<u64>) -> Done {
+    threads(cpus)?;
+    let opened = Folder::open(folder)?;
+    let share = Share::new(part, opened.divided.parts)?;
     let watch = stoppable();
-    let job = Job::part(&folder.folder, share, program())?.stopped_by(&watch.stop);
-    folder.compute(&job, &watch)?;
+    let job = Job::part(folder, share, program())?.stopped_by(&watch.stop);
+    opened.compute(&job, &watch)?;
     match job.finish() {
         Ok(()) | Err(JobError::Stopped) if watch.stop.is_asked() => {
             Err(Failure::Stopped("the same command goes on from the checkpoint".into()))
         }
         finished => {
             finished?;
-            print(&format!(
-                "{share} is done; when all are: casimir merge {}\n",
-                arguments.folder.display()
-            ))
+            let folder = folder.display();
+            print(&format!("{share} is done; when all are: casimir merge {folder}\n"))
         }
     }
 }
 
 /// Puts the parts together.
-pub fn merge(arguments: &Merge) -> Done {
-    let folder = Folder::open(&arguments.folder)?;
+pub fn merge(folder: &Path, formats: &[Format], json: bool) -> Done {
+    let opened = Folder::open(folder)?;
     let watch = stoppable();
-    let job = Job::merge(&folder.folder, program())?.stopped_by(&watch.stop);
-    let found = folder.compute(&job, &watch)?;
+    let job = Job::merge(folder, program())?.stopped_by(&watch.stop);
+    let found = opened.compute(&job, &watch)?;
     job.finish()?;
     if watch.stop.is_asked() {
         return Err(Failure::Stopped("the same command merges them".into()));
     }
-    run::write(&found, &folder.folder, &arguments.write, arguments.json)
+    run::write(&found, folder, formats, json)
 }
 
 /// Asks for more in a folder.
-pub fn extend(arguments: &Extend) -> Done {
-    let mut folder = Folder::open(&arguments.folder)?;
-    let scene = &folder.sweep.combinations[0].scene;
-    let (parts, paths) = (folder.divided.parts, scene.settings.paths);
-    if arguments.paths <= paths {
-        return Err(Failure::Usage(format!("ask for more than {paths} paths: --paths N")));
+pub fn extend(folder: &Path, paths: u64) -> Done {
+    let mut opened = Folder::open(folder)?;
+    let before = opened.sweep.combinations[0].scene.settings.paths;
+    if paths <= before {
+        return Err(Failure::Usage(format!("ask for more than {before} paths: --paths N")));
     }
-    folder.divided.changes.paths = Some(arguments.paths);
-    let merged = merged_paths(&folder.folder, &program())?;
+    opened.divided.changes.paths = Some(paths);
+    let merged = merged_paths(folder, &program())?;
     let mut studies = merged.iter().filter(|(name, _)| name.ends_with("study"));
-    let is_merged = !merged.is_empty() && studies.all(|(_, merged)| *merged == paths);
-    let name = arguments.folder.display();
-    if !is_merged {
+    let (parts, name) = (opened.divided.parts, folder.display());
+    if merged.is_empty() || studies.any(|(_, merged)| *merged != before) {
         let message = format!("the parts are not merged yet: casimir merge {name}, then extend");
         return Err(Failure::Usage(message));
     }
-    folder.write()?;
+    files::write_json(&folder.join(PLAN), &opened.divided)?;
     print(&format!(
         "now compute parts 1 to {parts} again (sbatch {name}/{JOB}), and casimir merge {name}\n"
     ))

@@ -7,23 +7,23 @@ use casimir_cli::{
     failure::{Done, Failure},
     output::{Format, Report},
     scene::{Combination, Sweep},
-    verbs::{Outcomes, compute, ready, scheme},
+    verbs::{Outcomes, compute, ready, settle},
 };
 
-use super::{folder, print, print_json, program, source, stoppable, threads};
+use super::{REPORT, folder, prepare, print, print_json, program, source, stoppable, threads};
 use crate::arguments::Run;
 
 /// Runs a scene, at every combination of what is varied, and writes the results.
-pub fn run(arguments: &Run) -> Done {
-    let sweep = Sweep::new(&source(&arguments.scene)?, &arguments.changes)?;
-    threads(arguments.output.threads)?;
-    if !(arguments.write.is_empty() || arguments.large) {
+pub fn run(Run { changes, write: formats, large, on }: &Run) -> Done {
+    let sweep = Sweep::new(&source(&on.scene)?, changes)?;
+    threads(on.threads)?;
+    if !(formats.is_empty() || *large) {
         check_size(&sweep)?;
     }
     // The scenes are checked before the folder is made.
-    let settled = sweep.combinations.iter().map(|combination| scheme(&combination.scene)).collect();
-    let ready = ready(&sweep, settled)?;
-    let folder = folder::of(arguments.output.out.clone(), &arguments.scene, "run")?;
+    let ready = ready(&sweep, settle(&sweep))?;
+    let folder = folder(on, "run");
+    prepare(&folder)?;
     let is_study = sweep.combinations[0].scene.settings.is_study();
     let kept = is_study.then_some(&*folder);
     let (watch, mut job) = (stoppable(), Job::here());
@@ -48,7 +48,7 @@ pub fn run(arguments: &Run) -> Done {
     if stopped && results.paths() == 0 {
         return Err(Failure::Stopped("before the first path: nothing was computed".into()));
     }
-    write(&results, &folder, &arguments.write, arguments.output.json)?;
+    write(&results, &folder, formats, on.json)?;
     if stopped {
         let folder = folder.display();
         let next = if is_study { "goes on from there" } else { "begins anew" };
@@ -63,10 +63,10 @@ pub fn run(arguments: &Run) -> Done {
 
 /// Writes what was found, and says it.
 pub fn write(found: &Outcomes<'_>, folder: &Path, formats: &[Format], json: bool) -> Done {
-    let (found, file) = (Report::new(found), folder.join(folder::REPORT));
+    let (found, file) = (Report::new(found), folder.join(REPORT));
     found.write(folder, formats)?;
     if json {
-        let mut json = found.json()?;
+        let mut json = found.json();
         json["report"] = file.to_string_lossy().into();
         return print_json(&json);
     }
@@ -80,11 +80,11 @@ fn check_size(sweep: &Sweep) -> Done {
     let rows = scene.settings.tables * sweep.combinations.len() as u64 * (scene.settings.times + 1);
     // A number takes 20 bytes.
     let gigabytes = 2e-8 * rows as f64 * columns as f64;
-    match gigabytes > 1.0 {
-        true => Err(Failure::Usage(format!(
-            "{rows} rows of {columns} columns are {gigabytes:.1} GB of text: take fewer `tables` or \
-             `times`, or say --large"
-        ))),
-        false => Ok(()),
+    if gigabytes > 1.0 {
+        return Err(Failure::Usage(format!(
+            "{rows} rows of {columns} columns are {gigabytes:.1} GB of text: take fewer `tables` \
+             or `times`, or say --large"
+        )));
     }
+    Ok(())
 }

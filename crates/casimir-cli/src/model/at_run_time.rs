@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use casimir::{
-    analysis::facts::{DampingIntegral, Facts, Form, fastest},
+    analysis::facts::{DampingIntegral, Facts, Form, Kept, fastest},
     formula::FormulaSystem,
     mc::{self, Expect, Friction, Setup},
     schemes::{BuiltIn, Method, SchemeError},
@@ -53,14 +53,13 @@ impl Model for AtRunTime {
 
     /// Formulas and lattices have areas for those who name their schemes.
     fn recommended(&self) -> (&'static str, String) {
-        let system = self.problem.system().description();
-        let (scheme, why) = self.kept(false).scheme(self.system());
-        match &system.parts {
-            Err(reason) if self.formulas.is_none() && !system.is_transverse => {
-                (scheme, format!("{why}; split would not do: {reason}"))
-            }
-            _ => (scheme, why),
+        let system = self.system().description();
+        let kept = Kept::of(&self.problem(), self.system(), false);
+        let (scheme, mut why) = kept.scheme(self.system());
+        if let (Err(reason), None, false) = (&system.parts, &self.formulas, system.is_transverse) {
+            why += &format!("; split would not do: {reason}");
         }
+        (scheme, why)
     }
 
     fn known(&self) -> Known {
@@ -94,10 +93,7 @@ impl Model for AtRunTime {
     }
 
     fn fastest(&self) -> f64 {
-        match self.formulas {
-            Some(_) => fastest(self.problem.system(), self.problem.y0()),
-            None => 0.0,
-        }
+        self.formulas.as_ref().map_or(0.0, |_| fastest(self.system(), self.problem.y0()))
     }
 
     /// None for a lattice: a point has as many dimensions as spins, steps and noises together.

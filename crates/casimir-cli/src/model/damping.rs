@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use casimir::{
     analysis::facts::is_divergence_free,
-    formula::{Definition, Formula, FormulaDamping, FormulaSystem, nearest},
+    formula::{Definition, FormulaDamping, FormulaSystem, nearest},
     mc::{self, Friction},
     systems::{
         Constant, Damping, Linearity, around,
@@ -12,7 +12,7 @@ use casimir::{
     },
 };
 
-use crate::scene::{At, Read, Reading, Text};
+use crate::scene::{At, Read, Reading, Text, refuse};
 
 /// The components with a rate, where each is damped alone.
 pub type Rates<'a> = Vec<(usize, &'a At<Text>)>;
@@ -26,20 +26,22 @@ pub fn rates<'a>(
     let (source, Some(table)) = (reading.source, &reading.file.damping) else {
         return Ok(Vec::new());
     };
-    let given: Vec<(&At<String>, &At<Text>)> = match (&table.rate, &table.components) {
-        (Some(_), None) if table.rates.is_empty() => return Ok(Vec::new()),
-        (Some(rate), Some(named)) if table.rates.is_empty() => {
-            named.iter().map(|name| (name, rate)).collect()
-        }
-        (None, None) if !table.rates.is_empty() => table.rates.iter().collect(),
-        _ => {
-            let message = "[damping] has a `rate`, of all or of some `components`, or `rates` such \
-                           as { p1 = \"g1\" }";
-            let others = || table.rates.keys().next().map(At::span);
-            let place = table.rate.as_ref().map(At::span).or_else(others);
-            return Err(source.error(place, message));
-        }
-    };
+    let given: Vec<(&At<String>, &At<Text>)> =
+        match (&table.rate, &table.components, table.rates.is_empty()) {
+            (Some(_), None, true) => return Ok(Vec::new()),
+            (Some(rate), Some(named), true) => named.iter().map(|name| (name, rate)).collect(),
+            (None, None, false) => table.rates.iter().collect(),
+            (rate, ..) => {
+                let others = || table.rates.keys().next().map(At::span);
+                let place = rate.as_ref().map(At::span).or_else(others);
+                refuse!(
+                    source,
+                    place,
+                    "[damping] has a `rate`, of all or of some `components`, or `rates` such as \
+                     {{ p1 = \"g1\" }}"
+                );
+            }
+        };
     let mut rates = Rates::new();
     for (name, rate) in given {
         of_rate(reading, rate)?;
@@ -47,11 +49,11 @@ pub fn rates<'a>(
         let named = vector.map_or(std::slice::from_ref(&**name), |(_, of)| of);
         for one in named {
             let Some(i) = components.iter().position(|known| known == one) else {
-                let message = format!("`{one}` is no component{}", nearest(one, components));
-                return Err(source.error(name.span(), message));
+                let hint = nearest(one, components);
+                refuse!(source, name.span(), "`{one}` is no component{hint}");
             };
             if rates.iter().any(|(known, _)| *known == i) {
-                return Err(source.error(name.span(), format!("`{one}` is damped twice")));
+                refuse!(source, name.span(), "`{one}` is damped twice");
             }
             rates.push((i, rate));
         }
@@ -59,17 +61,20 @@ pub fn rates<'a>(
     Ok(rates)
 }
 
-/// The damping of all components, and friction on those with these rates.
+/// The damping of all components, or friction on some. `vectors` are those of the state.
 pub fn damping(
     reading: &Reading<'_>,
-    rates: &Rates<'_>,
-    dimension: usize,
+    components: &[String],
+    vectors: &[(String, Vec<String>)],
 ) -> Read<(Arc<dyn Damping>, Vec<Friction>)> {
-    let none = Constant::new(0.0).unwrap_or_else(|error| unreachable!("{error}"));
-    let Some(table) = &reading.file.damping else { return Ok((Arc::new(none), Vec::new())) };
+    let rates = rates(reading, components, vectors)?;
+    let Some(table) = &reading.file.damping else { return Ok((constant(0.0), Vec::new())) };
     if let (Some(place), Some(_)) = (&table.temperature, &reading.file.system.name) {
-        let message = "a `temperature` is for formulas; a lattice has it as a parameter";
-        return Err(reading.source.error(place.span(), message));
+        refuse!(
+            reading.source,
+            place.span(),
+            "a `temperature` is for formulas; a lattice has it as a parameter"
+        );
     }
     if let (Some(rate), []) = (&table.rate, &rates[..]) {
         return Ok((of_rate(reading, rate)?, Vec::new()));
@@ -78,17 +83,19 @@ pub fn damping(
     let mut groups: Vec<(&At<Text>, Vec<usize>)> = Vec::new();
     for (i, rate) in rates {
         match groups.iter_mut().find(|(known, _)| known.0 == rate.0) {
-            Some((_, all)) => all.push(*i),
-            None => groups.push((rate, vec![*i])),
+            Some((_, all)) => all.push(i),
+            None => groups.push((rate, vec![i])),
         }
     }
     match groups[..] {
-        [(rate, ref all)] if all.len() == dimension => Ok((of_rate(reading, rate)?, Vec::new())),
+        [(rate, ref all)] if all.len() == components.len() => {
+            Ok((of_rate(reading, rate)?, Vec::new()))
+        }
         _ => {
             let friction = groups.into_iter().map(|(rate, components)| {
                 Ok(Friction { damping: of_rate(reading, rate)?, components })
             });
-            Ok((Arc::new(none), friction.collect::<Read<_>>()?))
+            Ok((constant(0.0), friction.collect::<Read<_>>()?))
         }
     }
 }
@@ -110,18 +117,16 @@ pub fn bath(
     temperature: &At<Text>,
 ) -> Read<Vec<String>> {
     let Reading { source, file, settings, .. } = reading;
-    let wrong = |message: String| source.error(temperature.span(), message);
+    let place = temperature.span();
     if let Some(noises) = &file.system.noises {
-        let message = "the noise follows from the `temperature`: leave out `H`";
-        return Err(source.error(noises.span(), message));
+        refuse!(source, noises.span(), "the noise follows from the `temperature`: leave out `H`");
     }
     if rates.is_empty() {
-        let message = "a temperature needs friction on momenta: `components` or `rates`";
-        return Err(wrong(message.into()));
+        refuse!(source, place, "a temperature needs friction on momenta: `components` or `rates`");
     }
     let (kt, times) = (of_rate(reading, temperature)?, TIMES.map(|part| part * settings.until));
     if let Some(t) = times.into_iter().find(|t| kt.rate(*t) < 0.0) {
-        return Err(wrong(format!("kT is at least 0, got {} at t = {t}", kt.rate(t))));
+        refuse!(source, place, "kT is at least 0, got {} at t = {t}", kt.rate(t));
     }
     // With the components as Hamiltonians of noises, these have the columns of B.
     let columns = Definition { noises: definition.state.clone(), ..definition.clone() };
@@ -129,19 +134,23 @@ pub fn bath(
     // What is wrong with the definition is told without noises.
     let Ok(system) = FormulaSystem::new(&columns, y0) else { return Ok(Vec::new()) };
     let points = around(y0, |y| system.check_domain(y).is_ok());
-    let none = Constant::new(0.0).unwrap_or_else(|error| unreachable!("{error}"));
-    let problem = Problem::new(Arc::new(system), Arc::new(none), y0.clone(), settings.until);
+    let problem = Problem::new(Arc::new(system), constant(0.0), y0.clone(), settings.until);
     let Ok(problem) = problem else { return Ok(Vec::new()) };
     let description = problem.system().description();
     if description.linearity != Linearity::Constant && !is_divergence_free(problem.system(), y0) {
-        let message = "fields B∇H have a divergence here: exp(-H0/kT) is not stationary, with any \
-                       noise";
-        return Err(wrong(message.into()));
+        refuse!(
+            source,
+            place,
+            "fields B∇H have a divergence here: exp(-H0/kT) is not stationary, with any noise"
+        );
     }
     let of = mc::Problem::at_run_time(&problem);
     let times = if description.depends_on_time { &times[..] } else { &times[..1] };
-    let states = points.iter().flat_map(|y| times.iter().map(move |t| (*t, y)));
-    let states: Vec<_> = states.map(|(t, y)| (y, (of.coefficients)(t, y))).collect();
+    let states: Vec<_> = points
+        .iter()
+        .flat_map(|y| times.iter().map(move |t| (*t, y)))
+        .map(|(t, y)| (y, (of.coefficients)(t, y)))
+        .collect();
     let noise = |(i, rate): &(usize, &At<Text>)| {
         let (i, name) = (*i, &state[*i]);
         // Of a coordinate B∇q is constant, and acts on its momentum alone.
@@ -154,12 +163,14 @@ pub fn bath(
                 && columns.all(|mut all| all.all(|(k, x)| near(x, if k == i { b } else { 0.0 })))
         };
         let Some(q) = (0..state.len()).find(is_coordinate) else {
-            return Err(wrong(format!(
-                "`{name}` is not the momentum of one coordinate, with a constant entry of B. \
-                 Noise B∇H keeps Casimirs, as |L| of a body: a bath that changes them takes \
-                 momenta that stay zero, see \"Any other equation\" in docs/scenes.md; for spins \
-                 take `spin-lattice`"
-            )));
+            refuse!(
+                source,
+                temperature.span(),
+                "`{name}` is not the momentum of one coordinate, with a constant entry of B. Noise \
+                 B∇H keeps Casimirs, as |L| of a body: a bath that changes them takes momenta that \
+                 stay zero, see \"Any other equation\" in docs/scenes.md; for spins take \
+                 `spin-lattice`"
+            );
         };
         // dq = −b ∂H₀/∂p dt with ∂H₀/∂p = p/m.
         let b = states[0].1.noises[q][i];
@@ -182,11 +193,13 @@ pub fn bath(
                 Some(k) => format!("∂H0/∂{name} depends on `{}`", state[k]),
                 None => format!("H0 has no term {name}^2/(2*m)"),
             };
-            return Err(wrong(format!(
+            refuse!(
+                source,
+                temperature.span(),
                 "{what}: a bath takes a constant mass m. Write the noise as `H`: for a mass m of \
                  the coordinate or the time, with ∂H/∂{} = sqrt(2*γ*m*kT)",
                 state[q]
-            )));
+            );
         }
         let (rate, kt, factor) = (&rate.0, &temperature.0, m / (b * b));
         Ok(format!("sqrt(2*({rate})*({kt})*{factor:?})*{}", state[q]))
@@ -199,18 +212,21 @@ fn of_rate(reading: &Reading<'_>, rate: &At<Text>) -> Read<Arc<dyn Damping>> {
     let Reading { source, constants, settings, .. } = reading;
     let mut names = constants.names.clone();
     names.variable("t").map_err(|error| source.error(rate.span(), error))?;
-    let formula = Formula::parse(&rate.0, &names);
-    let formula = formula.map_err(|error| source.formula_error(rate, &error))?;
+    let formula = source.formula(rate, &names)?;
     for t in [0.0, settings.until] {
         if let Some(error) = formula.explain(&[t]) {
             let message = format!("{} at t = {t}", error.message);
             return Err(source.error_in(rate, &error, message));
         }
     }
-    Ok(match formula.depends_on(0) {
-        true => Arc::new(FormulaDamping::new(formula)),
-        false => {
-            Arc::new(Constant::new(formula.value(&[0.0])).unwrap_or_else(|e| unreachable!("{e}")))
-        }
+    Ok(if formula.depends_on(0) {
+        Arc::new(FormulaDamping::new(formula))
+    } else {
+        constant(formula.value(&[0.0]))
     })
+}
+
+/// A rate that is finite.
+fn constant(rate: f64) -> Arc<dyn Damping> {
+    Arc::new(Constant::new(rate).unwrap_or_else(|error| unreachable!("{error}")))
 }

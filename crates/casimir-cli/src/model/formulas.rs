@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use casimir::{
     analysis::facts::energy,
-    formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
+    formula::{Definition, DefinitionError, FormulaSystem, Which},
     mc::{self, Friction},
     systems::run_time::{Problem, System},
 };
@@ -15,8 +15,8 @@ use super::{
     damping::{bath, damping, rates},
 };
 use crate::scene::{
-    At, Calculus, Listed, Parameter, Read, Reading, SceneError, State, SystemTable, Text,
-    structure as entries,
+    At, Calculus, Further, Listed, Parameter, Read, Reading, SceneError, State, SystemTable, Text,
+    refuse, structure as entries,
 };
 
 /// The model of formulas.
@@ -31,17 +31,16 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
             (_, None) => "`B`, the structure matrix",
             _ => "`H0`, the Hamiltonian",
         };
-        let message = format!(
+        refuse!(
+            source,
+            None,
             "[system] needs {missing}; or the `name` of a system of the project, see `casimir new \
              --list`"
         );
-        return Err(source.error(None, message));
     };
-    if let Some((key, value)) =
-        table.parameters.iter().find(|(_, value)| !matches!(***value, Parameter::One(_)))
-    {
-        let message = format!("the parameter `{}` of formulas is one number", **key);
-        return Err(source.error(value.span(), message));
+    let is_list = |value: &At<Parameter>| !matches!(**value, Parameter::One(_));
+    if let Some((key, value)) = table.parameters.iter().find(|(_, value)| is_list(value)) {
+        refuse!(source, value.span(), "the parameter `{}` of formulas is one number", **key);
     }
     let words = |text: &At<Text>| text.0.clone();
     let state = State::new(source, state)?;
@@ -55,14 +54,14 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
     };
     let y0 = &settings.initial;
-    let rates = rates(reading, &definition.state, &state.vectors)?;
     if let Some(temperature) = file.damping.as_ref().and_then(|table| table.temperature.as_ref()) {
+        let rates = rates(reading, &definition.state, &state.vectors)?;
         definition.noises = bath(reading, &definition, &rates, temperature)?;
     }
     let system = FormulaSystem::new(&definition, y0);
     let system = Arc::new(system.map_err(|error| misdefined(reading, &state, &error))?);
     let names = system.names().clone();
-    let (damping, friction) = damping(reading, &rates, y0.len())?;
+    let (damping, friction) = damping(reading, &definition.state, &state.vectors)?;
     let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
         .map_err(|error| reading.initial_error(error))?;
     compare(reading, &system, (&problem, &friction))?;
@@ -71,7 +70,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         model: Box::new(AtRunTime::new(problem, friction, Some(system))),
         components: definition.state,
         names,
-        energy: None,
+        energy: Further::Energy(energy.clone()),
         quantities: Vec::new(),
     })
 }
@@ -94,15 +93,23 @@ fn compare(
     let Some(drift) = drift else {
         let place = calculus.as_ref().map(At::span).or(noise.first().map(At::span));
         return place.map_or(Ok(()), |place| {
-            let message = "`calculus` and `noise` are for an equation: give its `drift` as well";
-            Err(source.error(place, message))
+            refuse!(
+                source,
+                place,
+                "`calculus` and `noise` are for an equation: give its `drift` as well"
+            );
         });
     };
     let of = mc::Problem::at_run_time(problem).with_friction(friction);
     let (y0, is_ito) = (problem.y0(), calculus.as_deref() == Some(&Calculus::Ito));
     if noise.len() != of.noises {
-        let message = format!("H has {} noises, and `noise` has {}", of.noises, noise.len());
-        return Err(source.error(noise.last().unwrap_or(drift).span(), message));
+        refuse!(
+            source,
+            noise.last().unwrap_or(drift).span(),
+            "H has {} noises, and `noise` has {}",
+            of.noises,
+            noise.len()
+        );
     }
     let mut names = system.names().clone();
     names.variable("t").map_err(|error| source.error(drift.span(), error))?;
@@ -115,13 +122,15 @@ fn compare(
             given if given == y0.len() => (0..given).collect(),
             given => {
                 let d = y0.len();
-                let message = format!("one formula for each of {d} components, got {given}");
-                return Err(source.error(texts.span(), message));
+                refuse!(
+                    source,
+                    texts.span(),
+                    "one formula for each of {d} components, got {given}"
+                );
             }
         };
         for (i, text) in all.into_iter().zip(texts.iter()) {
-            let formula = Formula::parse(&text.0, &names);
-            let formula = formula.map_err(|error| source.formula_error(text, &error))?;
+            let formula = source.formula(text, &names)?;
             for (y, t) in points.iter().flat_map(|y| TIMES.map(|t| (y, t))) {
                 let given = formula.value(&[y, &[t][..]].concat());
                 let at = (of.coefficients)(t, y);
@@ -142,12 +151,13 @@ fn compare(
                 let what = if m == 0 { "drift".into() } else { format!("noise {m}") };
                 let sense = if is_ito { "Itô" } else { "Stratonovich" };
                 let equation = &system.equations(&damped(problem, friction))[i];
-                let message = format!(
+                refuse!(
+                    source,
+                    text.span(),
                     "this {what} is {given:.6} at y = {y:?}, t = {t}, and that of B and H is \
                      {own:.6} in the sense of {sense}{hint}: only equations of this form are \
                      simulated. Theirs, of Stratonovich, is {equation}"
                 );
-                return Err(source.error(text.span(), message));
             }
         }
     }

@@ -11,14 +11,14 @@ mod project;
 use std::sync::Arc;
 
 use casimir::{
-    analysis::facts::{Bath, Kept, fastest, is_divergence_free},
+    analysis::facts::{Bath, Kept, fastest},
     formula::Names,
     mc::{Expect, Friction, Problem},
     schemes::{BuiltIn, Method, SchemeError},
     systems::run_time::System,
 };
 
-use crate::scene::{MOST_COMPONENTS, Observable, Quantity, Read, Reading};
+use crate::scene::{Further, MOST_COMPONENTS, Observable, Read, Reading};
 
 pub use project::PROJECT;
 
@@ -43,36 +43,32 @@ pub trait Model: Send + Sync {
     /// The scheme that `auto` takes, and why.
     fn recommended(&self) -> (&'static str, String) {
         let system = self.system();
-        self.kept(!system.description().noises_commute).scheme(system)
-    }
-
-    /// What a scheme for paths has to care for, with Lévy areas or without.
-    fn kept(&self, areas: bool) -> Kept {
-        Kept::of(&self.problem(), self.system(), areas)
+        let areas = !system.description().noises_commute;
+        Kept::of(&self.problem(), system, areas).scheme(system)
     }
 
     /// Friction on some components.
     fn friction(&self) -> &[Friction];
 
-    /// What damping and noise do to the Gibbs measure, if the rates of damping are constant and the
-    /// system is small.
-    fn bath(&self) -> Option<Bath> {
-        let (problem, description) = (self.problem(), self.system().description());
-        let d = problem.y0.len();
+    /// The rates of the components, if they are constant in time.
+    fn constant_rates(&self) -> Option<Vec<f64>> {
+        let problem = self.problem();
         let rates = |t: f64| -> Vec<f64> {
             let of_all = problem.damping.rate(t);
-            Friction::rates(self.friction(), t, d).iter().map(|rate| rate + of_all).collect()
+            let friction = Friction::rates(self.friction(), t, problem.y0.len());
+            friction.iter().map(|rate| rate + of_all).collect()
         };
         let first = rates(0.0);
         let constant = [0.37, 1.0].iter().all(|part| rates(part * problem.t_end) == first);
-        (constant && !description.depends_on_time && d <= MOST_COMPONENTS)
-            .then(|| Bath::of(self.system(), &problem.y0, &first))
+        constant.then_some(first)
     }
 
-    /// Whether fields B∇H have no divergence, so that damping alone contracts volume.
-    fn contracts_volume(&self) -> bool {
-        !self.system().description().is_transverse
-            && is_divergence_free(self.system(), &self.problem().y0)
+    /// What damping and noise do to the Gibbs measure, if the rates of damping are constant and the
+    /// system is small.
+    fn bath(&self) -> Option<Bath> {
+        let (system, y0) = (self.system(), self.problem().y0);
+        let small = !system.description().depends_on_time && y0.len() <= MOST_COMPONENTS;
+        Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
     }
 
     /// What the system is, as far as a run has to know; nothing of a system of the project.
@@ -124,8 +120,8 @@ pub struct Built {
     pub sizes: Vec<usize>,
     /// The names that formulas of observables may use.
     pub names: Names,
-    /// H₀; none of formulas, where it is a text.
-    pub energy: Option<Quantity>,
+    /// H₀.
+    pub energy: Further,
     /// Observables that come by themselves.
     pub quantities: Vec<Observable>,
 }

@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use casimir::{
-    formula::{Names, nearest},
+    formula::Names,
     real::Row,
     systems::{LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody, SystemError},
 };
 
 use kernels::Tuned;
 
-use super::{Built, compiled::Compiled, damping, lattice};
-use crate::scene::{At, Parameters, Quantity, Read, Reading};
+use super::{Built, compiled::Compiled, damping::damping, lattice};
+use crate::scene::{At, Further, Parameters, Quantity, Read, Reading, among, refuse};
 
 /// Name, parameters with their defaults, and what it is.
 pub const PROJECT: [(&str, &str, &str); 6] = [
@@ -26,7 +26,7 @@ pub const PROJECT: [(&str, &str, &str); 6] = [
     ("poisson3", "c = 1", "H₀ = Σ sin yᵢ with a constant B, one noise"),
     (
         "spin-lattice",
-        "sizes, periodic, exchange, anisotropy, field, noise, local, transverse, temperature",
+        lattice::PARAMETERS,
         "classical spins on a chain, a square or a cubic lattice",
     ),
 ];
@@ -45,8 +45,7 @@ pub fn build(reading: &Reading<'_>, name: &At<String>) -> Read<Built> {
     ];
     if let Some((key, place)) = formulas.into_iter().find(|(_, place)| place.is_some()) {
         let name = name.as_str();
-        let message = format!("`{key}` is for formulas: remove it, or `name = \"{name}\"`");
-        return Err(source.error(place, message));
+        refuse!(source, place, "`{key}` is for formulas: remove it, or `name = \"{name}\"`");
     }
     let parameters = |known: &[&str]| Parameters::new(reading, known);
     match name.as_str() {
@@ -61,8 +60,7 @@ pub fn build(reading: &Reading<'_>, name: &At<String>) -> Read<Built> {
                     built(reading, RigidBody::three_noises(inertia, [a, b, c]).map_err(wrong)?)
                 }
                 ref list => {
-                    let message = format!("`noise` has one or three numbers, got {}", list.len());
-                    Err(p.error("noise", message))
+                    refuse!(p, "noise", "`noise` has one or three numbers, got {}", list.len());
                 }
             }
         }
@@ -74,10 +72,8 @@ pub fn build(reading: &Reading<'_>, name: &At<String>) -> Read<Built> {
         "poisson3" => built(reading, with_c(reading, Poisson3::new)?),
         "spin-lattice" => lattice::build(reading),
         unknown => {
-            let known = PROJECT.map(|(known, ..)| known);
-            let (hint, known) = (nearest(unknown, known), known.join(", "));
-            let message = format!("unknown system `{unknown}`; there are {known}{hint}");
-            Err(source.error(name.span(), message))
+            let known = among(unknown, &PROJECT.map(|(known, ..)| known));
+            refuse!(source, name.span(), "unknown system `{unknown}`{known}")
         }
     }
 }
@@ -101,10 +97,9 @@ where
     })?;
     let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
     let names = numbered(&components);
-    let rates = damping::rates(reading, &components, &[])?;
-    let (damping, friction) = damping::damping(reading, &rates, D)?;
-    let problem = Problem::new(system, damping, y0, reading.settings.until);
-    let problem = problem.map_err(|error| reading.initial_error(error))?;
+    let (damping, friction) = damping(reading, &components, &[])?;
+    let problem = Problem::new(system, damping, y0, reading.settings.until)
+        .map_err(|error| reading.initial_error(error))?;
     let energy = move |y: &[Row], values: &mut Row| {
         for (p, value) in values.iter_mut().enumerate() {
             *value = system.energy(std::array::from_fn(|i| y[i][p]), 1.0, [0.0; M]);
@@ -115,7 +110,7 @@ where
         model: Box::new(Compiled::new(problem, friction)),
         names,
         components,
-        energy: Some(Quantity::Function(Arc::new(energy))),
+        energy: Further::Quantity(Quantity::Function(Arc::new(energy))),
         quantities: Vec::new(),
     })
 }

@@ -28,6 +28,19 @@ pub struct Drawn {
     pub caption: String,
 }
 
+impl Drawn {
+    /// A drawing with the name of its file.
+    pub fn new(file: impl Into<String>, svg: String, caption: impl Into<String>) -> Self {
+        Self { file: file.into(), svg, caption: caption.into() }
+    }
+
+    /// A drawing of something with a name.
+    pub fn of(what: &str, name: &str, svg: String, caption: String) -> Self {
+        let name = name.replace(|c: char| !c.is_alphanumeric(), "-");
+        Self::new(format!("{what}-{name}"), svg, caption)
+    }
+}
+
 /// A section of figures.
 pub type Section = (&'static str, Vec<Drawn>);
 
@@ -42,122 +55,92 @@ const PORTRAITS: usize = 3;
 
 /// All figures of a run by section; that of the table at the end may have none.
 pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
-    let mut sections = Vec::new();
-    let mut add = |title, figures: Vec<Drawn>| {
-        if !figures.is_empty() || title == TABLE {
-            sections.push((title, figures));
-        }
-    };
     let drawn = &scene.drawn;
     let names: Vec<&String> = match (&drawn.show, &results.study) {
         (Some(show), _) => show.iter().collect(),
         (_, Some(study)) => study.series.iter().map(|series| &series.observable).collect(),
         _ => scene.observables.iter().map(|observable| &observable.name).collect(),
     };
-    match &results.study {
-        Some(study) => {
-            let levels = study.record.quantiles.iter().map(|level| digits(Some(100.0 * level)));
-            let levels = levels.collect::<Vec<_>>().join(" %, ");
-            let series: Vec<_> = names.iter().filter_map(|name| study.series(name)).collect();
-            let bands = series.iter().map(|Series { observable: name, points }| {
-                let paths = study.record.paths;
-                let is_estimate = points.iter().all(|point| point.quantiles.is_empty());
-                let band = match is_estimate {
-                    true => "Band: 95 % intervals; dashes: estimate.".into(),
-                    false => {
-                        format!(
-                            "Bands between the quantiles {levels} %; line: median; dashes: mean."
-                        )
-                    }
-                };
-                Drawn {
-                    file: file("time", name),
-                    svg: bands(name, "time t", drawn.title(name), points),
-                    caption: format!("{name} in time, {paths} paths. {band}"),
-                }
-            });
-            add("In time", bands.collect());
-            let with_histogram = series.iter().filter(|series| series.last().histogram.is_some());
-            let histograms = with_histogram.map(|series| Drawn {
-                file: file("end", &series.observable),
-                svg: histogram(&series.observable, &series.observable, series.last()),
-                caption: format!(
-                    "The law of {} at t = {}, {} paths: density; line: median; dashes: mean.",
-                    series.observable,
-                    series.last().time,
-                    series.last().count
-                ),
-            });
-            add(TABLE, histograms.collect());
-            add("Dependence", dependence(drawn, study));
-        }
+    let mut sections = match &results.study {
+        Some(study) => of_study(drawn, &names, study),
         None => {
-            let columns = names.into_iter().map(|name| {
-                let traces = traces(results, |table| table.times().to_vec(), name);
-                let shown = traces.len();
-                Drawn {
-                    file: file("time", name),
-                    svg: lines(name, "time t", drawn.title(name), &traces),
-                    caption: format!("{name} in time on {}.", paths(shown, results)),
-                }
+            let in_time = names.into_iter().map(|name| {
+                let svg = lines(name, "time t", drawn.title(name), &traces(results, "t", name));
+                Drawn::of("time", name, svg, format!("{name} in time on {}.", paths(results)))
             });
-            add("In time", columns.collect());
+            vec![("In time", in_time.collect())]
         }
-    }
-    add("Phase portraits", portraits(scene, results));
-    add("The lattice", lattice(scene, results).into_iter().collect());
-    add("Conserved but for the damping", laws(results));
+    };
+    sections.push(("Phase portraits", portraits(scene, results)));
+    sections.push(("The lattice", lattice(scene, results).into_iter().collect()));
+    sections.push(("Conserved but for the damping", laws(results)));
+    sections.retain(|(title, figures)| !figures.is_empty() || *title == TABLE);
     sections
 }
 
+/// The figures of the statistics of observables.
+fn of_study(drawn: &scene::Drawn, names: &[&String], study: &StudyResult) -> Vec<Section> {
+    let levels = study
+        .record
+        .quantiles
+        .iter()
+        .map(|level| digits(100.0 * level))
+        .collect::<Vec<_>>()
+        .join(" %, ");
+    let (paths, mut in_time, mut at_end) = (study.record.paths, Vec::new(), Vec::new());
+    for series in names.iter().filter_map(|name| study.series(name)) {
+        let (Series { observable: name, points }, last) = (series, series.last());
+        let band = if points.iter().all(|point| point.quantiles.is_empty()) {
+            "Band: 95 % intervals; dashes: estimate.".into()
+        } else {
+            format!("Bands between the quantiles {levels} %; line: median; dashes: mean.")
+        };
+        let svg = bands(name, "time t", drawn.title(name), points);
+        let caption = format!("{name} in time, {paths} paths. {band}");
+        in_time.push(Drawn::of("time", name, svg, caption));
+        if last.histogram.is_some() {
+            let caption = format!(
+                "The law of {name} at t = {}, {} paths: density; line: median; dashes: mean.",
+                last.time, last.count
+            );
+            at_end.push(Drawn::of("end", name, histogram(name, name, last), caption));
+        }
+    }
+    vec![("In time", in_time), (TABLE, at_end), ("Dependence", dependence(drawn, study))]
+}
+
 /// `path 0`, or how many of how many.
-fn paths(shown: usize, results: &Results) -> String {
-    match (shown, results.tables.len()) {
-        (1, 1) => "path 0".into(),
-        (shown, all) if shown == all => format!("{all} paths"),
-        (shown, all) => format!("the first {shown} of {all} paths"),
+fn paths(results: &Results) -> String {
+    match results.tables.len() {
+        1 => "path 0".into(),
+        all @ ..=SHOWN_PATHS => format!("{all} paths"),
+        all => format!("the first {SHOWN_PATHS} of {all} paths"),
     }
 }
 
-/// A name of a file.
-pub fn file(what: &str, name: &str) -> String {
-    let plain = |c: char| if c.is_alphanumeric() { c } else { '-' };
-    format!("{what}-{}", name.chars().map(plain).collect::<String>())
-}
-
-/// A column of the first tables against something.
-fn traces(results: &Results, x: impl Fn(&TimeSeries) -> Vec<f64>, y: &str) -> Vec<Trace> {
+/// A column of the first tables against another.
+fn traces(results: &Results, x: &str, y: &str) -> Vec<Trace> {
     let trace = |(path, table): (usize, &TimeSeries)| {
-        let values = table.column(y).unwrap_or_default();
-        Trace {
-            name: format!("path {path}"),
-            points: x(table).into_iter().zip(values.iter().copied()).collect(),
-        }
+        let [x, y] = [x, y].map(|name| table.column(name).unwrap_or_default().iter().copied());
+        Trace { name: format!("path {path}"), points: x.zip(y).collect() }
     };
     results.tables.iter().enumerate().take(SHOWN_PATHS).map(trace).collect()
 }
 
 fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
     let names = &scene.components;
-    let pairs: Vec<(usize, usize)> = match names.len() {
-        3 => vec![(0, 1), (1, 2), (0, 2)],
-        dimension if dimension > MOST_COMPONENTS => Vec::new(),
-        dimension => (1..dimension).step_by(2).map(|i| (i - 1, i)).collect(),
+    let pairs: &[(usize, usize)] = match names.len() {
+        3 => &[(0, 1), (1, 2), (0, 2)],
+        dimension if dimension > MOST_COMPONENTS => &[],
+        dimension => &(1..dimension).step_by(2).map(|i| (i - 1, i)).collect::<Vec<_>>(),
     };
     let few = pairs.iter().take(PORTRAITS).map(|&(i, j)| [names[i].clone(), names[j].clone()]);
     let pairs = scene.drawn.portraits.clone().unwrap_or_else(|| few.collect());
     let portrait = |[x, y]: &[String; 2]| {
-        let of = |table: &TimeSeries| table.column(x).unwrap_or_default().to_vec();
-        let traces = traces(results, of, y);
-        let shown = traces.len();
-        Drawn {
-            file: file("portrait", &format!("{x} {y}")),
-            svg: lines(&format!("{y} against {x}"), x, &**y, &traces),
-            caption: format!(
-                "{y} against {x} on {}; the marker is the initial value.",
-                paths(shown, results)
-            ),
-        }
+        let svg = lines(&format!("{y} against {x}"), x, &**y, &traces(results, x, y));
+        let on = paths(results);
+        let caption = format!("{y} against {x} on {on}; the marker is the initial value.");
+        Drawn::of("portrait", &format!("{x} {y}"), svg, caption)
     };
     pairs.iter().map(portrait).collect()
 }
@@ -170,26 +153,21 @@ fn dependence(drawn: &scene::Drawn, study: &StudyResult) -> Vec<Drawn> {
         // Roots, so that the tails are seen.
         let root = |k: usize| (counts[(k % columns) * rows + k / columns] as f64).sqrt();
         let values: Vec<f64> = (0..columns * rows).map(root).collect();
-        Drawn {
-            file: file("joint", &format!("{a} {b}")),
-            svg: picture(&format!("{b} and {a}"), (x, a), (y, b), columns, &values),
-            caption: format!(
-                "The joint law of {a} and {b} at the end: roots of counts, {outside} of {} paths \
-                 outside.",
-                study.record.paths
-            ),
-        }
+        let svg = picture(&format!("{b} and {a}"), (x, a), (y, b), columns, &values);
+        let caption = format!(
+            "The joint law of {a} and {b} at the end: roots of counts, {outside} of {} paths \
+             outside.",
+            study.record.paths
+        );
+        Drawn::of("joint", &format!("{a} {b}"), svg, caption)
     });
     let lagged = study.lagged.iter().enumerate().map(|(k, Series { observable: name, points })| {
         let (axis, law) = match k % 2 {
             0 => ("lag", ""),
             _ => ("angular frequency", " Its integral over all frequencies is the variance."),
         };
-        Drawn {
-            file: file("lag", name),
-            svg: bands(name, axis, drawn.title(name), points),
-            caption: format!("{name} against the {axis}. Band: 95 % intervals.{law}"),
-        }
+        let caption = format!("{name} against the {axis}. Band: 95 % intervals.{law}");
+        Drawn::of("lag", name, bands(name, axis, drawn.title(name), points), caption)
     });
     joint.chain(lagged).collect()
 }
@@ -200,8 +178,9 @@ fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
     let times = table.times();
     let last = times.len().checked_sub(1)?; // None if path 0 was not begun
     let plane = scene.sizes.iter().take(2).product::<usize>();
-    let spins = (0..plane).map(|site| table.column(&scene.components[3 * site + 2]));
-    let spins = spins.collect::<Option<Vec<_>>>()?;
+    let spins = (0..plane)
+        .map(|site| table.column(&scene.components[3 * site + 2]))
+        .collect::<Option<Vec<_>>>()?;
     let (svg, what) = if scene.sizes.len() == 1 {
         let ends = (0.0, times[last]);
         let values = spins.concat();
@@ -211,13 +190,13 @@ fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
         let at = |k: usize| k * last / (PICTURES - 1);
         let picture = |k: usize| {
             let values = spins.iter().map(|spin| spin[at(k)]).collect();
-            (format!("t = {}", digits(Some(times[at(k)]))), values)
+            (format!("t = {}", digits(times[at(k)])), values)
         };
         let pictures: Vec<(String, Vec<f64>)> = (0..PICTURES).map(picture).collect();
         (strip("spins", columns, &pictures), "at several times")
     };
     let caption = format!("z components of the spins of path 0 {what}: blue is up, red is down.");
-    Some(Drawn { file: "lattice".into(), svg, caption })
+    Some(Drawn::new("lattice", svg, caption))
 }
 
 /// Casimirs and energies with their conformal law and the defect from it.
@@ -227,9 +206,12 @@ fn laws(results: &Results) -> Vec<Drawn> {
         let columns = results.tables.iter().filter_map(|table| table.column(name));
         columns.flatten().fold(0.0f64, |largest, defect| largest.max(defect.abs()))
     };
-    let defects = first.columns.iter().filter(|column| column.name.ends_with(" defect"));
-    let mut defects: Vec<(&str, f64)> =
-        defects.map(|column| (&*column.name, largest(&column.name))).collect();
+    let mut defects: Vec<(&str, f64)> = first
+        .columns
+        .iter()
+        .filter(|column| column.name.ends_with(" defect"))
+        .map(|column| (&*column.name, largest(&column.name)))
+        .collect();
     // Those that deviate most, of many.
     if defects.len() > SHOWN_LAWS {
         defects.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -237,39 +219,33 @@ fn laws(results: &Results) -> Vec<Drawn> {
     }
     let law = |(column, largest): (&str, f64)| {
         let name = column.trim_end_matches(" defect");
+        let point = |((&t, &value), &defect): ((&f64, &f64), &f64)| {
+            // The defect is (value − law)/|law|, or the value itself where the law is zero.
+            let positive = value / (1.0 + defect);
+            let exact = match value == defect {
+                true => 0.0,
+                false if positive < 0.0 => value / (1.0 - defect),
+                false => positive,
+            };
+            Point::Value { t, value, exact }
+        };
         let series = |(path, table): (usize, &TimeSeries)| {
-            let (values, defects) = (table.column(name)?, table.column(&format!("{name} defect"))?);
-            let points = table.times().iter().zip(values).zip(defects);
-            let points = points.map(|((&t, &value), &defect)| {
-                // The defect is (value − law)/|law|, or the value itself where the law is zero.
-                let law = if value == defect { 0.0 } else { law_of(value, defect) };
-                Point::Value { t, value, exact: law }
-            });
+            let (values, defects) = (table.column(name)?, table.column(column)?);
             Some(plot::Series {
                 scheme: format!("path {path}"),
                 quantity: name.into(),
-                points: points.collect(),
+                points: table.times().iter().zip(values).zip(defects).map(point).collect(),
                 ..plot::Series::default()
             })
         };
         let tables = results.tables.iter().enumerate().take(SHOWN_PATHS);
         let series: Vec<plot::Series> = tables.filter_map(series).collect();
-        Drawn {
-            file: file("law", name),
-            svg: evolution(name, &series),
-            caption: format!(
-                "{name} on {}: values with the conformal law e^(−p∫γ) {name}(y(0)) above, relative \
-                 defects below; the largest is {largest:.1e}.",
-                paths(series.len(), results)
-            ),
-        }
+        let caption = format!(
+            "{name} on {}: values with the conformal law e^(−p∫γ) {name}(y(0)) above, relative \
+             defects below; the largest is {largest:.1e}.",
+            paths(results)
+        );
+        Drawn::of("law", name, evolution(name, &series), caption)
     };
     defects.into_iter().map(law).collect()
-}
-
-/// The law of which `value` has the relative defect `defect`.
-fn law_of(value: f64, defect: f64) -> f64 {
-    let size = value / (1.0 + defect);
-    // (value − law)/|law| with a negative law: value = law(1 − defect).
-    if size < 0.0 { value / (1.0 - defect) } else { size }
 }

@@ -7,17 +7,17 @@ mod page;
 mod steps;
 mod sweep;
 
-use casimir::real::elementary;
-use std::{borrow::Cow, path::Path};
+use std::{borrow::Cow, mem::take, path::Path};
 
 use casimir::{
-    analysis::{StepCheck, aligned},
+    analysis::aligned,
     mc::{
         TimeSeries,
-        study::{COLUMNS, Series, StudyResult, write_rows},
+        study::{Series, StudyResult},
         write_csv,
     },
     plot::files,
+    real::elementary,
 };
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -58,6 +58,8 @@ struct Run<'a> {
     one: &'a Combination,
     results: &'a Results,
     series: Cow<'a, [Series]>,
+    /// Autocorrelations and spectra.
+    lagged: &'a [Series],
 }
 
 /// Lines of the table of a sweep on a terminal, or of warnings.
@@ -70,10 +72,10 @@ impl<'a> Report<'a> {
         let run = |(one, results): (&'a Combination, &'a Results)| {
             let series = match &results.study {
                 Some(study) => Cow::Borrowed(&study.series[..]),
-                None if sweep.varied.is_empty() => Cow::default(),
                 None => sweep::means(&one.scene, &results.tables).into(),
             };
-            Run { one, results, series }
+            let lagged = results.study.as_ref().map_or(&[][..], |study| &study.lagged);
+            Run { one, results, series, lagged }
         };
         let runs = outcomes.found().map(run).collect();
         Self { sweep, scene: &sweep.combinations[0].scene, runs }
@@ -86,21 +88,20 @@ impl<'a> Report<'a> {
 
     /// The results in words.
     pub fn text(&self) -> String {
-        let mut table = self.table();
-        let most = if self.single().is_some() { table.len() } else { 1 + MOST_LINES };
-        let more = table.len().saturating_sub(most);
-        table.truncate(most);
-        let more = (more > 0).then(|| format!("{more} more lines in the report\n"));
-        let (warnings, computed) = (warnings(&self.warnings()), self.computed());
-        format!("{warnings}{computed}\n{}{}", aligned(&table), more.unwrap_or_default())
+        let (warnings, mut table) = (warnings(&self.warnings()), self.table());
+        let mut more = String::new();
+        if self.single().is_none() && table.len() > 1 + MOST_LINES {
+            more = format!("{} more lines in the report\n", table.len() - 1 - MOST_LINES);
+            table.truncate(1 + MOST_LINES);
+        }
+        format!("{warnings}{}\n{}{more}", self.computed(), aligned(&table))
     }
 
     /// Warnings with the combinations that they are about.
     fn warnings(&self) -> Vec<String> {
         let of = |Run { one, results, .. }: &Run<'_>| {
-            let of = if one.label.is_empty() { String::new() } else { format!("{}: ", one.label) };
-            let warnings = results.warnings(&one.scene).into_iter();
-            warnings.map(|warning| format!("{of}{warning}")).collect::<Vec<_>>()
+            let (prefix, warnings) = (one.prefix(), results.warnings(&one.scene).into_iter());
+            warnings.map(move |warning| format!("{prefix}{warning}"))
         };
         let mut all: Vec<String> = self.runs.iter().flat_map(of).collect();
         let more = all.len().saturating_sub(MOST_LINES);
@@ -117,44 +118,40 @@ impl<'a> Report<'a> {
         let (schemes, steps) = (schemes.join(", "), self.scene.settings.steps);
         let because = self.single().and_then(|run| run.results.because.as_ref());
         let because = because.map_or(String::new(), |because| format!("\n{schemes}: {because}"));
-        let (here, all) = (self.runs.len(), self.sweep.combinations.len());
-        let of =
-            if all > 1 { format!("{here} of {all} combinations, each ") } else { String::new() };
+        let of = match self.sweep.combinations.len() {
+            1 => String::new(),
+            all => format!("{} of {all} combinations, each ", self.runs.len()),
+        };
         let paths = self.runs.first().map_or(0, |run| run.results.paths());
-        let word = if paths == 1 { "path" } else { "paths" };
-        format!("{of}{paths} {word}, {steps} steps of {schemes}, {seconds:.2} s{because}")
+        let s = if paths == 1 { "" } else { "s" };
+        format!("{of}{paths} path{s}, {steps} steps of {schemes}, {seconds:.2} s{because}")
     }
 
     /// The table at the end, after a header: of each combination, or of the first paths.
     fn table(&self) -> Vec<Vec<String>> {
-        if let Some(Run { results: Results { study: None, tables, .. }, .. }) = self.single() {
+        let single = self.single();
+        if let Some(Run { results: Results { study: None, tables, .. }, .. }) = single {
             return paths_at_end(self.scene, tables);
         }
-        let header = [""].iter().chain(&AT_END).map(|&cell| cell.into()).collect();
-        let rows = self.runs.iter().flat_map(|Run { one, results, series }| {
-            let rows = rows_at_end(series, results.study.as_ref().zip(results.check.as_ref()));
-            rows.into_iter().map(|row| [vec![one.label.clone()], row.to_vec()].concat())
-        });
-        let mut table: Vec<Vec<String>> = [header].into_iter().chain(rows).collect();
-        if self.single().is_some() {
-            table.iter_mut().for_each(|row| drop(row.remove(0)));
+        let row = |label: &str, cells: [String; 7]| {
+            let label = single.is_none().then(|| label.to_owned());
+            label.into_iter().chain(cells).collect()
+        };
+        let mut table = vec![row("", AT_END.map(String::from))];
+        for Run { one, results, series, .. } in &self.runs {
+            table.extend(series.iter().map(|series| row(&one.label, at_end(series, results))));
         }
         table
     }
 
     /// The results for programs.
-    ///
-    /// # Errors
-    /// None that is known.
-    pub fn json(&self) -> serde_json::Result<Value> {
-        match self.single() {
-            Some(run) => summary(run),
-            None => {
-                let mut json = self.of_each(summary)?;
-                json["warnings"] = self.warnings().into();
-                Ok(json)
-            }
+    pub fn json(&self) -> Value {
+        if let Some(run) = self.single() {
+            return summary(run);
         }
+        let mut json = self.of_each(summary);
+        json["warnings"] = self.warnings().into();
+        json
     }
 
     /// All figures by section.
@@ -172,15 +169,47 @@ impl<'a> Report<'a> {
         for figure in figures.iter().flat_map(|(_, figures)| figures) {
             files::write(&drawings.join(format!("{}.svg", figure.file)), &figure.svg)?;
         }
+        let (single, file) = (self.single(), |name: &str| folder.join(name));
         for format in formats {
-            match (self.single(), format) {
-                (Some(run), _) => write_as(*format, self.scene, run.results, folder)?,
-                (None, Format::Csv) => files::write(&folder.join("sweep.csv"), self.csv()?)?,
-                (None, Format::Json) => {
-                    let json = self.of_each(|run| Ok(json!({ "series": run.series })))?;
-                    files::write_json(&folder.join("sweep.json"), &json)?;
+            if let Some(run) = single {
+                let tables = kept(self.scene, run.results.tables.clone());
+                match format {
+                    Format::Csv => {
+                        let mut text = Vec::new();
+                        write_csv(&tables, &mut text)?;
+                        files::write(&file("paths.csv"), text)?;
+                    }
+                    Format::Json => {
+                        files::write(&file("paths.json"), serde_json::to_string(&tables)? + "\n")?;
+                    }
+                    Format::Npz => {
+                        npz::write(&file("paths.npz"), npz::paths(self.scene, tables))?;
+                    }
                 }
-                (None, Format::Npz) => npz::write(&folder.join("sweep.npz"), self.arrays())?,
+            }
+            let name = if single.is_some() { "study" } else { "sweep" };
+            let file = |ending| file(&format!("{name}.{ending}"));
+            match (format, single.map(|run| run.results.study.as_ref())) {
+                (_, Some(None)) => {}
+                (Format::Csv, _) => {
+                    files::write(&file("csv"), self.csv(|run| &run.series)?)?;
+                    if single.is_some_and(|run| !run.lagged.is_empty()) {
+                        files::write(&folder.join("lags.csv"), self.csv(|run| run.lagged)?)?;
+                    }
+                }
+                (Format::Json, Some(Some(study))) => {
+                    files::write(
+                        &file("json"),
+                        serde_json::to_string(study)?
+                            + "
+",
+                    )?;
+                }
+                (Format::Json, None) => {
+                    let json = self.of_each(|run| json!({ "series": run.series }));
+                    files::write_json(&file("json"), &json)?;
+                }
+                (Format::Npz, _) => npz::write(&file("npz"), self.arrays())?,
             }
         }
         Ok(files::write(&folder.join("index.html"), self.page(&figures))?)
@@ -189,16 +218,11 @@ impl<'a> Report<'a> {
 
 /// Arrays of paths, which are taken, and of statistics.
 pub fn arrays(outcomes: &mut Outcomes<'_>) -> [Vec<Array>; 2] {
-    let both = outcomes.sweep.combinations.iter().zip(&mut outcomes.results);
-    let found = both.filter_map(|(one, results)| Some((&one.scene, results.as_mut()?))).next();
-    match found.filter(|_| outcomes.sweep.varied.is_empty()) {
-        None => [Vec::new(), Report::new(outcomes).arrays()],
-        Some((scene, results)) => {
-            let tables = kept(scene, std::mem::take(&mut results.tables));
-            let statistics = results.study.as_ref().map_or_else(Vec::new, npz::study);
-            [npz::paths(scene, tables).collect(), statistics]
-        }
-    }
+    let (statistics, sweep) = (Report::new(outcomes).arrays(), outcomes.sweep);
+    let scene = &sweep.combinations[0].scene;
+    let single = outcomes.results.iter_mut().flatten().filter(|_| sweep.varied.is_empty());
+    let tables = single.flat_map(|results| take(&mut results.tables)).collect();
+    [npz::paths(scene, kept(scene, tables)).collect(), statistics]
 }
 
 /// Tables with the columns that a scene keeps.
@@ -213,90 +237,58 @@ fn kept(scene: &Scene, mut tables: Vec<TimeSeries>) -> Vec<TimeSeries> {
     tables
 }
 
-fn write_as(format: Format, scene: &Scene, results: &Results, folder: &Path) -> Done {
-    let study = &results.study;
-    let tables = kept(scene, results.tables.clone());
-    let file = |name: &str| folder.join(name);
-    match format {
-        Format::Csv => {
-            let mut text = Vec::new();
-            write_csv(&tables, &mut text)?;
-            files::write(&file("paths.csv"), &text)?;
-            let both = study
-                .iter()
-                .flat_map(|study| [("study.csv", &study.series), ("lags.csv", &study.lagged)]);
-            for (name, series) in both.filter(|(_, series)| !series.is_empty()) {
-                let mut text = format!("{COLUMNS}\n").into_bytes();
-                write_rows(series, "", &mut text)?;
-                files::write(&file(name), &text)?;
-            }
-        }
-        Format::Json => {
-            files::write(&file("paths.json"), serde_json::to_string(&tables)? + "\n")?;
-            if let Some(study) = study {
-                files::write(&file("study.json"), serde_json::to_string(study)? + "\n")?;
-            }
-        }
-        Format::Npz => {
-            let paths = npz::paths(scene, tables);
-            npz::write(&file("paths.npz"), paths)?;
-            let write = |study| npz::write(&file("study.npz"), npz::study(study));
-            study.iter().try_for_each(write)?;
-        }
-    }
-    Ok(())
-}
-
 /// A number with as many digits as a reader needs.
-pub fn digits(value: Option<f64>) -> String {
-    match value {
-        None => "–".into(),
-        Some(0.0) => "0".into(),
-        Some(value) if (1e-3..1e5).contains(&value.abs()) => {
-            let decimals = (3.0 - elementary::log10(value.abs()).floor()).clamp(0.0, 8.0) as usize;
-            let text = format!("{value:.decimals$}");
-            // 0.2 and not 0.2000.
-            match text.contains('.') {
-                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-                false => text,
-            }
-        }
-        Some(value) => format!("{value:.3e}"),
+pub fn digits(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e5).contains(&size) {
+        return format!("{value:.3e}");
+    }
+    let decimals = (3.0 - elementary::log10(size).floor()).clamp(0.0, 8.0) as usize;
+    let text = format!("{value:.decimals$}");
+    // 0.2 and not 0.2000.
+    match decimals {
+        0 => text,
+        _ => text.trim_end_matches('0').trim_end_matches('.').into(),
     }
 }
 
-/// The columns of [`rows_at_end`].
+/// The same of what may be unknown.
+fn known(value: Option<f64>) -> String {
+    value.map_or("–".into(), digits)
+}
+
+/// The columns of [`at_end`].
 const AT_END: [&str; 7] =
     ["at the end", "mean", "95 % interval", "step error", "deviation", "median", "5 % … 95 %"];
 
 /// The statistics at the final time.
-fn rows_at_end(series: &[Series], checked: Option<(&StudyResult, &StepCheck)>) -> Vec<[String; 7]> {
-    let row = |series: &Series| {
-        let last = series.last();
-        let between = |(lo, hi)| format!("[{}, {}]", digits(Some(lo)), digits(Some(hi)));
-        let quantile = |level: f64| {
-            let found = last.quantiles.iter().find(|quantile| quantile.level == level);
-            let ends = found.filter(|found| found.value.is_none());
-            let ends = ends.and_then(|found| found.lo.zip(found.hi));
-            ends.map_or_else(|| digits(found.and_then(|found| found.value)), between)
-        };
-        let why = || last.interval_note.clone().unwrap_or("–".into());
-        [
-            series.observable.clone(),
-            digits(last.mean),
-            last.mean_interval.map_or_else(why, between),
-            step_cell(
-                checked.and_then(|(study, check)| step_errors(check, study, &series.observable)),
-            ),
-            digits(last.deviation),
-            quantile(0.5),
-            match last.quantiles.is_empty() {
-                true => "–".into(),
-                false => format!("{} … {}", quantile(0.05), quantile(0.95)),
-            },
-        ]
+fn at_end(series: &Series, results: &Results) -> [String; 7] {
+    let (name, last) = (&series.observable, series.last());
+    let between = |(lo, hi)| format!("[{}, {}]", digits(lo), digits(hi));
+    let quantile = |level: f64| {
+        let found = last.quantiles.iter().find(|quantile| quantile.level == level);
+        match found.map(|found| (found.value, found.lo.zip(found.hi))) {
+            Some((None, Some(ends))) => between(ends),
+            found => known(found.and_then(|(value, _)| value)),
+        }
     };
-    series.iter().map(row).collect()
+    let why = || last.interval_note.clone().unwrap_or("–".into());
+    [
+        name.clone(),
+        known(last.mean),
+        last.mean_interval.map_or_else(why, between),
+        step_cell(step_errors(results, name)),
+        known(last.deviation),
+        quantile(0.5),
+        if last.quantiles.is_empty() {
+            "–".into()
+        } else {
+            format!("{} … {}", quantile(0.05), quantile(0.95))
+        },
+    ]
 }
 
 /// Paths whose values at the end are shown.
@@ -305,46 +297,42 @@ const SHOWN_PATHS: usize = 5;
 /// The values at the end of the first of a few paths.
 fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> Vec<Vec<String>> {
     let shown = &tables[..tables.len().min(SHOWN_PATHS)];
-    let header = (0..shown.len()).map(|path| format!("path {path}"));
-    let row = |observable: &Observable| {
-        let last = |table: &TimeSeries| table.column(&observable.name)?.last().copied();
-        let values = shown.iter().map(|table| digits(last(table)));
-        [observable.name.clone()].into_iter().chain(values).collect()
-    };
-    let mut rows: Vec<Vec<String>> =
-        vec![["at the end".into()].into_iter().chain(header).collect()];
-    rows.extend(scene.observables.iter().map(row));
+    let mut rows = vec![vec!["at the end".into()]];
+    rows[0].extend((0..shown.len()).map(|path| format!("path {path}")));
+    for Observable { name, .. } in &scene.observables {
+        let last =
+            |table: &TimeSeries| known(table.column(name).and_then(|all| all.last().copied()));
+        let mut row = vec![name.clone()];
+        row.extend(shown.iter().map(last));
+        rows.push(row);
+    }
     rows
 }
 
 /// The results of a run for programs.
-fn summary(Run { one, results, .. }: &Run<'_>) -> serde_json::Result<Value> {
-    let (scene, results) = (&one.scene, *results);
-    let Results { scheme, because, study, check, seconds, .. } = results;
-    let last = |study: &StudyResult| {
-        let last = |series: &Series| {
-            let mut last = serde_json::to_value(series.last())?;
-            let check = check.as_ref();
-            let errors = check.and_then(|check| step_errors(check, study, &series.observable));
-            last["step_error"] = json!(errors.map(|[mean, deviation]| json!({
-                "mean": mean, "deviation": deviation,
-            })));
-            Ok((series.observable.clone(), last))
-        };
-        study.series.iter().map(last).collect::<serde_json::Result<serde_json::Map<_, _>>>()
+fn summary(Run { one, results, .. }: &Run<'_>) -> Value {
+    let scene = &one.scene;
+    let last = |series: &Series| {
+        let mut last = json!(series.last());
+        last["step_error"] = json!(
+            step_errors(results, &series.observable)
+                .map(|[mean, deviation]| json!({ "mean": mean, "deviation": deviation }))
+        );
+        (series.observable.clone(), last)
     };
+    let at_end = |study: &StudyResult| study.series.iter().map(last).collect::<Value>();
     let halted = results.halted(scene).map(|(path, why)| json!({ "path": path, "why": why }));
-    Ok(json!({
+    json!({
         "title": scene.title,
-        "scheme": scheme,
-        "because": because,
+        "scheme": results.scheme,
+        "because": results.because,
         "steps": scene.settings.steps,
         "paths": results.paths(),
         "seed": scene.settings.key.seed,
-        "at_end": study.as_ref().map(last).transpose()?,
-        "step_check": check,
+        "at_end": results.study.as_ref().map(at_end),
+        "step_check": results.check,
         "warnings": results.warnings(scene),
         "halted": halted.collect::<Vec<_>>(),
-        "seconds": seconds,
-    }))
+        "seconds": results.seconds,
+    })
 }

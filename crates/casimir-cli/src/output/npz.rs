@@ -50,9 +50,9 @@ pub fn write(file: &Path, arrays: impl IntoIterator<Item = Array>) -> io::Result
 /// blanks up to a multiple of 64 bytes. The libraries for it bring a parser of Python's literals,
 /// which needs a compiler of C.
 fn header(shape: &[usize]) -> Vec<u8> {
-    let comma = if shape.len() == 1 { "," } else { "" };
-    let shape = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ") + comma;
-    let words = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
+    let end = if shape.len() == 1 { ",)" } else { ")" };
+    let shape = format!("{shape:?}").replace('[', "(").replace(']', end);
+    let words = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
     let length = (10 + words.len() + 1).next_multiple_of(64) - 10;
     let mut header = b"\x93NUMPY\x01\x00".to_vec();
     header.extend((length as u16).to_le_bytes());
@@ -64,70 +64,50 @@ fn header(shape: &[usize]) -> Vec<u8> {
 /// a lattice are one array [path, time, spin, 3]. A path that ended early has NaN from there on.
 pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item = Array> {
     let longest = tables.iter().max_by_key(|table| table.times().len());
-    let names = longest.map_or(&[][..], |table| &table.columns).iter();
-    let names: Vec<String> = names.map(|column| column.name.clone()).collect();
+    let columns = longest.map_or(&[][..], |table| &table.columns).iter();
+    let names: Vec<String> = columns.map(|column| column.name.clone()).collect();
     let times = longest.map_or(&[][..], |table| table.times()).to_vec();
     let components = &scene.components;
-    let first = names.iter().position(|name| *name == components[0]);
+    let first = names.iter().position(|name| *name == components[0]).unwrap_or(0);
     // All components are there, or some by name.
-    let are_spins =
-        |first: &usize| !scene.sizes.is_empty() && names[*first..].starts_with(components);
-    let spins = first.filter(are_spins).map_or(0..0, |first| first..first + components.len());
-    let vectors = (!spins.is_empty()).then(|| {
-        let of_path = |table: &TimeSeries| {
-            let columns = &table.columns[spins.clone()];
-            let time = |k: usize| {
-                columns.iter().map(move |c| c.values.get(k).copied().unwrap_or(f64::NAN))
-            };
-            (0..times.len()).flat_map(time).collect::<Vec<_>>()
-        };
-        let values = tables.iter().flat_map(of_path).collect();
-        ("spins".to_owned(), vec![tables.len(), times.len(), components.len() / 3, 3], values)
+    let are_spins = !scene.sizes.is_empty() && names[first..].starts_with(components);
+    let spins = if are_spins { first..first + components.len() } else { 0..0 };
+    let vectors = are_spins.then(|| {
+        let shape = vec![tables.len(), times.len(), components.len() / 3, 3];
+        let mut values = Vec::with_capacity(shape.iter().product());
+        for table in &tables {
+            for k in 0..times.len() {
+                let columns = table.columns[spins.clone()].iter();
+                values.extend(columns.map(|c| c.values.get(k).copied().unwrap_or(f64::NAN)));
+            }
+        }
+        ("spins".to_owned(), shape, values)
     });
-    let alone = names.into_iter().enumerate().filter(move |(k, _)| !spins.contains(k));
+    let alone = names.into_iter().enumerate();
+    let alone = alone.filter(move |(k, name)| !spins.contains(k) && name != "t");
+    let t = longest.map(|_| ("t".to_owned(), vec![times.len()], times.clone()));
     let array = move |(k, name): (usize, String)| {
-        let mut columns = tables.iter_mut().map(|table| {
+        let mut values = Vec::with_capacity(tables.len() * times.len());
+        for table in &mut tables {
             let mut column = mem::take(&mut table.columns[k].values);
             column.resize(times.len(), f64::NAN);
-            column
-        });
-        let mut values = columns.next().unwrap_or_default();
-        if name == "t" {
-            columns.for_each(drop);
-            return (name, vec![times.len()], times.clone());
+            values.extend(column);
         }
-        values.reserve_exact(columns.len() * times.len());
-        columns.for_each(|column| values.extend(column));
         (name, vec![tables.len(), times.len()], values)
     };
-    alone.map(array).chain(vectors)
+    t.into_iter().chain(alone.map(array)).chain(vectors)
 }
 
-/// Statistics: `t`, `quantile levels`, and for each observable `<name> mean`, `<name> lo` and
-/// `<name> hi` (the 95 % interval of the mean), `<name> deviation` and `<name> quantiles`, an array
-/// [time, level]; autocorrelations and spectra likewise, with `lag` and `omega`; joint laws as
-/// counts with the edges of their bins. What is not known is NaN.
-pub fn study(result: &StudyResult) -> Vec<Array> {
-    let Some(first) = result.series.first() else { return Vec::new() };
-    let times: Vec<f64> = first.points.iter().map(|point| point.time).collect();
-    let joint = result.joint.iter().flat_map(|Joint { names: [a, b], grids, counts, .. }| {
+/// Joint laws.
+pub fn joint(result: &StudyResult) -> impl Iterator<Item = Array> {
+    result.joint.iter().flat_map(|Joint { names: [a, b], grids, counts, .. }| {
         let name = format!("joint({a}, {b})");
         let [x, y] = grids.map(|grid| (0..=grid.bins).map(|k| grid.edge(k)).collect::<Vec<_>>());
         let values = counts.iter().map(|&count| count as f64).collect();
-        let sides = [("x", &x), ("y", &y)]
-            .map(|(side, edges)| (format!("{name} {side}"), vec![edges.len()], edges.clone()));
-        [(name, vec![x.len() - 1, y.len() - 1], values)].into_iter().chain(sides)
-    });
-    let all = [("t".into(), vec![times.len()], times)].into_iter().chain(lags(result));
-    let series = [&result.series, &result.lagged].map(|series| statistics(&[], &[(0, series)]));
-    all.chain(series.concat()).chain(joint).collect()
-}
-
-/// Where autocorrelations and spectra are, if there are any: `lag` and `omega`.
-pub fn lags(result: &StudyResult) -> impl Iterator<Item = Array> {
-    ["lag", "omega"].into_iter().zip(&result.lagged).map(|(name, series)| {
-        let places: Vec<f64> = series.points.iter().map(|point| point.time).collect();
-        (name.into(), vec![places.len()], places)
+        let shape = vec![x.len() - 1, y.len() - 1];
+        let side = |side, edges: Vec<f64>| (format!("{name} {side}"), vec![edges.len()], edges);
+        let sides = [side("x", x), side("y", y)];
+        [(name, shape, values)].into_iter().chain(sides)
     })
 }
 
@@ -135,8 +115,14 @@ pub fn lags(result: &StudyResult) -> impl Iterator<Item = Array> {
 /// quantiles.
 pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
     let [(_, first), ..] = runs else { return Vec::new() };
-    let levels = first.iter().map(|of| &of.last().quantiles).find(|all| !all.is_empty());
-    let levels: Vec<f64> = levels.into_iter().flatten().map(|one| one.level).collect();
+    let levels: Vec<f64> = first
+        .iter()
+        .map(|of| &of.last().quantiles)
+        .find(|all| !all.is_empty())
+        .into_iter()
+        .flatten()
+        .map(|one| one.level)
+        .collect();
     let mut arrays = Vec::new();
     for (k, of) in first.iter().enumerate() {
         let times = runs.iter().map(|(_, series)| series[k].points.len()).max().unwrap_or(0);

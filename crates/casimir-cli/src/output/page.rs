@@ -3,7 +3,7 @@
 use casimir::plot::Document;
 
 use super::{Report, Run, Section, digits};
-use crate::scene::Varied;
+use crate::scene::{MOST_COMPONENTS, Varied};
 
 /// The section of figures that has the table at the end.
 pub const TABLE: &str = "At the end";
@@ -42,30 +42,31 @@ impl Report<'_> {
     fn facts(&self) -> Vec<(String, String)> {
         let settings = &self.scene.settings;
         let seed = settings.key.seed;
-        let program = ("program".into(), format!("casimir {}", env!("CARGO_PKG_VERSION")));
+        let fact = |term: &str, what: String| (term.to_owned(), what);
+        let program = fact("program", format!("casimir {}", env!("CARGO_PKG_VERSION")));
         let Some(Run { results, .. }) = self.single() else {
-            let varied = self.sweep.varied.iter().map(|Varied { name, values }| {
-                let values = values.iter().map(|value| digits(Some(*value))).collect::<Vec<_>>();
-                (name.clone(), values.join(", "))
-            });
+            let varied = self.sweep.varied.iter();
+            let varied = varied.map(|Varied { name, values, .. }| (name.clone(), list(values)));
             let keys = self.sweep.combinations.iter().map(|one| one.scene.settings.key);
             let noise = if keys.is_sorted_by(|a, b| a == b) { "the same" } else { "others" };
             let noise = format!("seed {seed}, {noise} for each combination");
-            let facts = [("runs".into(), self.computed()), ("random numbers".into(), noise)];
-            return varied.chain(facts).chain([program]).collect();
+            let facts = [fact("runs", self.computed()), fact("random numbers", noise), program];
+            return varied.chain(facts).collect();
         };
-        let first = results.tables.first();
-        let because = results.because.as_ref().map(|because| format!(": {because}"));
+        let (system, damping) = results
+            .tables
+            .first()
+            .map_or_else(Default::default, |table| (table.system.clone(), table.damping.clone()));
+        let because = results.because.as_ref().map_or(String::new(), |why| format!(": {why}"));
         let law = settings.random.as_ref().map(|random| random.law.clone());
         let (until, steps) = (settings.until, settings.steps);
-        let tau = digits(Some(until / steps as f64));
-        let fact = |term: &str, what| (term.to_owned(), what);
+        let tau = digits(until / steps as f64);
         vec![
-            fact("system", first.map_or(String::new(), |table| table.system.clone())),
-            fact("damping", first.map_or(String::new(), |table| table.damping.clone())),
+            fact("system", system),
+            fact("damping", damping),
             fact("initial value", law.unwrap_or_else(|| numbers(&settings.initial))),
             fact("time", format!("0 to {until} in {steps} steps of {tau}")),
-            fact("scheme", results.scheme.clone() + &because.unwrap_or_default()),
+            fact("scheme", results.scheme.clone() + &because),
             fact("paths", format!("{}, seed {seed}", results.paths())),
             fact("computing", format!("{:.2} s of wall time", results.seconds)),
             program,
@@ -73,13 +74,17 @@ impl Report<'_> {
     }
 }
 
+/// `0.2, 0.4`.
+fn list(values: &[f64]) -> String {
+    values.iter().map(|value| digits(*value)).collect::<Vec<_>>().join(", ")
+}
+
 /// `(0.2, 0.4)`, shortened where there are many.
 fn numbers(values: &[f64]) -> String {
-    const SHOWN: usize = 12;
-    let mut words: Vec<String> =
-        values.iter().take(SHOWN).map(|value| digits(Some(*value))).collect();
-    if values.len() > SHOWN {
-        words.push(format!("… {} in all", values.len()));
+    match values.get(..MOST_COMPONENTS) {
+        Some(first) if values.len() > first.len() => {
+            format!("({}, … {} in all)", list(first), values.len())
+        }
+        _ => format!("({})", list(values)),
     }
-    format!("({})", words.join(", "))
 }

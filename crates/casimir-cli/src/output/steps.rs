@@ -1,17 +1,17 @@
 //! Step errors in words.
 
-use casimir::real::elementary;
 use casimir::{
-    analysis::{STIFF, StepCheck, StepError, StepErrors, TURN},
-    mc::{TimeSeries, study::StudyResult},
+    analysis::{STIFF, StepError, StepErrors, TURN},
+    real::elementary,
 };
 
 use super::digits;
-use crate::scene::Scene;
+use crate::{scene::Scene, verbs::Results};
 
 /// What is known of the step errors of the mean and of the deviation of an observable that a study
 /// shows with the half-width of its interval.
-pub fn step_errors(check: &StepCheck, study: &StudyResult, name: &str) -> Option<[StepError; 2]> {
+pub fn step_errors(results: &Results, name: &str) -> Option<[StepError; 2]> {
+    let (study, check) = (results.study.as_ref()?, results.check.as_ref()?);
     let errors = check.observables.iter().find(|errors| errors.observable == name)?;
     let interval = study.series(name)?.last().mean_interval;
     // Without an interval a step error is compared with the spread alone.
@@ -22,20 +22,15 @@ pub fn step_errors(check: &StepCheck, study: &StudyResult, name: &str) -> Option
 
 /// The cell of a table: that of the mean, and in brackets that of the deviation.
 pub fn step_cell(errors: Option<[StepError; 2]>) -> String {
-    let word = |error| match error {
+    let Some(errors) = errors else { return "–".into() };
+    let [mean, deviation] = errors.map(|error| match error {
         StepError::Fine(_) => None,
         StepError::About(size) => Some(rough(size)),
         StepError::Below(size) => Some(format!("< {}", rough(size))),
         StepError::CannotTell => Some("?".into()),
-    };
-    match errors.map(|errors| errors.map(word)) {
-        None => "–".into(),
-        Some([None, None]) => "small".into(),
-        Some([mean, deviation]) => {
-            let mean = mean.unwrap_or("small".into());
-            mean + &deviation.map_or(String::new(), |deviation| format!(" ({deviation})"))
-        }
-    }
+    });
+    let deviation = deviation.map_or(String::new(), |deviation| format!(" ({deviation})"));
+    mean.unwrap_or("small".into()) + &deviation
 }
 
 /// A step error of this part of a value leaves no digit of it.
@@ -48,89 +43,78 @@ const LEFT: f64 = 0.01;
 
 /// The step errors that a reader must know of, the worst first; why they cannot be known, if half
 /// the step does not show them.
-pub fn step_lines(
-    check: &StepCheck,
-    study: Option<&StudyResult>,
-    tables: &[TimeSeries],
-    scene: &Scene,
-) -> Vec<String> {
-    let steps = scene.settings.steps;
-    let more = |times: f64| digits(Some((steps as f64 * times).ceil()));
-    let (half, all) =
-        (format!("{} paths with half the step", check.paths), check.failed + check.paths);
-    let failed = (check.failed > 0)
-        .then(|| format!("{} of {all} paths of the check of the steps failed", check.failed));
+pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
+    let Results { check: Some(check), study, tables, .. } = results else { return Vec::new() };
     let mut lines = Vec::new();
+    let steps = scene.settings.steps;
+    let more = |times: f64| digits((steps as f64 * times).ceil());
+    let half = format!("{} paths with half the step", check.paths);
+    let all = check.failed + check.paths;
     if all == 0 {
         return lines; // interrupted before
     }
+    let failed = (check.failed > 0)
+        .then(|| format!("{} of {all} paths of the check of the steps failed", check.failed));
+    let turns = format!("the fastest motion turns by {} radians in a step", rough(check.turn));
     if check.damping > STIFF {
         lines.push(format!(
             "the damping of a step is exp(-{}): what happens within a step is not resolved, take \
              more than {} steps",
-            digits(Some(check.damping)),
+            digits(check.damping),
             more(check.damping)
         ));
     }
     if check.turn > TURN {
-        lines.push(format!(
-            "the fastest motion turns by {} radians in a step, which is not resolved: take more than \
-             {} steps",
-            rough(check.turn),
-            more(check.turn)
-        ));
+        let steps = more(check.turn);
+        lines.push(format!("{turns}, which is not resolved: take more than {steps} steps"));
     }
     if let Some((t, enough)) = check.unresolved {
         let take = enough.map_or("many more".into(), |steps| steps.to_string());
         lines.push(format!(
             "H(t) changes within a step near t = {} by more than from step to step: a step that is \
              half as long may miss the same, take {take} steps",
-            digits(Some(t))
+            digits(t)
         ));
     }
     if !check.resolves() {
         lines.extend(failed);
         return lines;
     }
-    let noisy = scene.problem().noises > 0;
     let [mut worst, mut seen, mut below, mut hidden] = [const { Vec::new() }; 4];
+    // With the size of what it is an error of.
+    let mut sort = |name: String, error: StepError, size: f64| match error {
+        StepError::About(error) if error <= NO_DIGIT * size => {
+            let percent = rough(100.0 * error / size);
+            seen.push(format!("{name} about {} ({percent} %)", rough(error)));
+        }
+        StepError::About(_) => worst.push(name),
+        StepError::CannotTell => hidden.push(name),
+        StepError::Fine(_) | StepError::Below(_) => {}
+    };
     let largest =
-        |all: &mut dyn Iterator<Item = f64>| all.fold(0.0, |most: f64, x| most.max(x.abs()));
+        |all: &mut dyn Iterator<Item = f64>| all.fold(0.0f64, |most, x| most.max(x.abs()));
     for StepErrors { observable, mean, deviation, along_paths } in &check.observables {
-        // With the sizes of what they are errors of.
-        let errors = match study {
-            Some(study) => {
-                let Some([first, second]) = step_errors(check, study, observable) else { continue };
-                // What passes zero at the end has digits along the later half of the way.
-                let points = study.series(observable).map_or(&[][..], |series| &series.points);
-                let later = &points[points.len() / 2..];
-                let spread = largest(&mut later.iter().filter_map(|point| point.deviation));
-                let size = largest(&mut later.iter().filter_map(|point| point.mean)).max(spread);
-                let name = format!("the deviation of {observable}");
-                vec![(observable.clone(), first, size), (name, second, spread)]
+        if let Some([first, second]) = step_errors(results, observable) {
+            // What passes zero at the end has digits along the later half of the way.
+            let series = study.iter().find_map(|study| study.series(observable));
+            let points = series.map_or(&[][..], |series| &series.points);
+            let later = || points[points.len() / 2..].iter();
+            let spread = largest(&mut later().filter_map(|point| point.deviation));
+            let size = largest(&mut later().filter_map(|point| point.mean)).max(spread);
+            sort(observable.clone(), first, size);
+            sort(format!("the deviation of {observable}"), second, spread);
+            if let StepError::Below(_) = first {
+                below.push(observable.clone());
             }
+        } else if study.is_none() {
             // Of single paths the difference itself is shown.
-            None => {
-                let columns = tables.iter().filter_map(|table| table.column(observable));
-                let later = columns.flat_map(|column| &column[column.len() / 2..]);
-                let size = largest(&mut later.copied());
-                let size = size.max(elementary::hypot(mean.value, deviation.value));
-                let along = 2.0 * along_paths;
-                let is_fine = along <= 0.01 * size;
-                let error = if is_fine { StepError::Fine } else { StepError::About };
-                vec![(observable.clone(), error(along), size)]
-            }
-        };
-        for (name, error, size) in errors {
-            match error {
-                StepError::About(error) if error <= NO_DIGIT * size => {
-                    let percent = rough(100.0 * error / size);
-                    seen.push(format!("{name} about {} ({percent} %)", rough(error)));
-                }
-                StepError::About(_) => worst.push(name),
-                StepError::CannotTell => hidden.push(name),
-                StepError::Below(_) if name == *observable => below.push(name),
-                StepError::Fine(_) | StepError::Below(_) => {}
+            let columns = tables.iter().filter_map(|table| table.column(observable));
+            let later = columns.flat_map(|column| &column[column.len() / 2..]);
+            let size =
+                largest(&mut later.copied()).max(elementary::hypot(mean.value, deviation.value));
+            let along = 2.0 * along_paths;
+            if along > 0.01 * size {
+                sort(observable.clone(), StepError::About(along), size);
             }
         }
     }
@@ -144,13 +128,13 @@ pub fn step_lines(
     if !seen.is_empty() {
         lines.push(format!("step error{along} of {}; by {half}", seen.join(", of ")));
     }
-    if !(below.is_empty() && hidden.is_empty()) && noisy && check.energy_lost() >= LOST {
+    let is_unseen = !(below.is_empty() && hidden.is_empty());
+    if is_unseen && scene.problem().noises > 0 && check.energy_lost() >= LOST {
         // Where x²/(1 + x²) is LEFT.
         let enough = more(0.5 * check.turn * (1.0 / LEFT - 1.0).sqrt());
         lines.push(format!(
-            "the fastest motion turns by {} radians in a step: where noise drives it, schemes like \
-             the midpoint rule give it about {} % too little energy, and {enough} steps 1 %",
-            rough(check.turn),
+            "{turns}: where noise drives it, schemes like the midpoint rule give it about {} % too \
+             little energy, and {enough} steps 1 %",
             rough(100.0 * check.energy_lost())
         ));
     }
@@ -174,5 +158,5 @@ pub fn step_lines(
 
 /// To two digits.
 fn rough(x: f64) -> String {
-    digits(format!("{x:.1e}").parse().ok())
+    format!("{x:.1e}").parse().map_or("–".into(), digits)
 }

@@ -11,8 +11,11 @@ use casimir::{
 };
 use serde_json::{Value, json};
 
-use super::{Drawn, Report, Run, Section, figures::file, npz, page::TABLE};
+use super::{Drawn, Report, Run, Section, npz, page::TABLE};
 use crate::scene::{Observable, Scene, Settings, Varied};
+
+/// Series of a run.
+type OfRun = for<'r> fn(&'r Run<'r>) -> &'r [Series];
 
 /// Curves in one figure, and small multiples.
 const MOST_CURVES: usize = 5;
@@ -47,15 +50,14 @@ impl Report<'_> {
     pub(super) fn of_sweep(&self) -> Vec<Section> {
         let varied = self.sweep.varied.iter().enumerate().rev();
         let most = varied.max_by_key(|(_, varied)| varied.values.len());
-        let Some((x, Varied { name: parameter, values })) = most else { return Vec::new() };
+        let Some((x, Varied { name: parameter, values, .. })) = most else { return Vec::new() };
         let own = format!("{parameter} = ");
         let drawn = &self.scene.drawn;
         let of = |(k, Series { observable: name, .. }): (usize, &Series)| {
             let mut curves: Vec<(String, Vec<Sampled>)> = Vec::new();
             for Run { one, series, .. } in &self.runs {
-                let others: Vec<&str> =
-                    one.label.split(", ").filter(|part| !part.starts_with(&own)).collect();
-                let (last, others) = (series[k].last(), others.join(", "));
+                let others = one.label.split(", ").filter(|part| !part.starts_with(&own));
+                let (last, others) = (series[k].last(), others.collect::<Vec<_>>().join(", "));
                 let value = last.mean.unwrap_or(f64::NAN);
                 let point = (values[one.places[x]], value, last.mean_interval);
                 match curves.iter_mut().find(|(of, _)| *of == others) {
@@ -68,23 +70,17 @@ impl Report<'_> {
             let words = format!("{name} against {parameter}");
             let svg = against(&words, drawn.title(parameter), drawn.title(name), &curves);
             let caption = format!("{name} at the end against {parameter}: mean, 95 % intervals.");
-            let panels =
-                self.runs.iter().map(|run| (run.one.label.clone(), &run.series[k])).collect();
-            let panels = spread(panels, MOST_PANELS);
-            let in_time = format!(
+            let against = Drawn::of("against", name, svg, caption);
+            let panels = self.runs.iter().map(|run| (run.one.label.clone(), &run.series[k]));
+            let panels = spread(panels.collect(), MOST_PANELS);
+            let caption = format!(
                 "{name} in time: bands between quantiles, line: median, dashes: mean. {} of {} \
                  combinations.",
                 panels.len(),
                 self.runs.len()
             );
-            [
-                Drawn { file: file("against", name), svg, caption },
-                Drawn {
-                    file: file("time", name),
-                    svg: multiples(name, drawn.title(name), &panels),
-                    caption: in_time,
-                },
-            ]
+            let svg = multiples(name, drawn.title(name), &panels);
+            [against, Drawn::of("time", name, svg, caption)]
         };
         let first = self.runs.first().into_iter().flat_map(|run| run.series.iter());
         let is_shown = |name| drawn.show.as_ref().is_none_or(|show| show.contains(name));
@@ -93,57 +89,66 @@ impl Report<'_> {
     }
 
     /// The results for programs: `of` each combination.
-    pub(super) fn of_each(
-        &self,
-        of: impl Fn(&Run<'_>) -> serde_json::Result<Value>,
-    ) -> serde_json::Result<Value> {
+    pub(super) fn of_each(&self, of: impl Fn(&Run<'_>) -> Value) -> Value {
         let run = |run: &Run<'_>| {
             let both = zip(&self.sweep.varied, &run.one.places);
             let both = both.map(|(varied, &k)| (varied.name.clone(), json!(varied.values[k])));
-            let mut found = of(run)?;
+            let mut found = of(run);
             found["parameters"] = both.collect();
-            Ok(found)
+            found
         };
         let varied = self.sweep.varied.iter();
         let varied = varied.map(|varied| (varied.name.clone(), json!(varied.values)));
-        Ok(json!({
+        json!({
             "title": self.scene.title,
             "sweep": varied.collect::<Value>(),
-            "runs": self.runs.iter().map(run).collect::<serde_json::Result<Vec<_>>>()?,
-        }))
+            "runs": self.runs.iter().map(run).collect::<Value>(),
+        })
     }
 
     /// The rows of each combination after the values of its parameters.
-    pub(super) fn csv(&self) -> io::Result<Vec<u8>> {
+    pub(super) fn csv(&self, of: OfRun) -> io::Result<Vec<u8>> {
         let names = self.sweep.varied.iter().map(|varied| quoted(&varied.name) + ",");
         let mut csv = (names.collect::<String>() + COLUMNS + "\n").into_bytes();
-        for Run { one, series, .. } in &self.runs {
-            let values = zip(&self.sweep.varied, &one.places);
+        for run in &self.runs {
+            let values = zip(&self.sweep.varied, &run.one.places);
             let values: String = values.map(|(of, &k)| format!("{},", of.values[k])).collect();
-            write_rows(series, &values, &mut csv)?;
+            write_rows(of(run), &values, &mut csv)?;
         }
         Ok(csv)
     }
 
-    /// The values of each parameter, the times, and statistics as arrays over the parameters and
-    /// times. What is not known is NaN.
+    /// Statistics as arrays: the values of each parameter; `t`; `quantile levels`; and for each
+    /// observable `<name> mean`, `<name> lo` and `<name> hi` (the 95 % interval of the mean),
+    /// `<name> deviation` and `<name> quantiles`, over the parameters, times and levels.
+    /// Autocorrelations and spectra likewise, with `lag` and `omega`; joint laws of a run alone as
+    /// counts with the edges of their bins. What is not known is NaN; none of a few paths alone.
     pub(super) fn arrays(&self) -> Vec<npz::Array> {
+        let single = self.single().map(|run| run.results.study.as_ref());
+        if let Some(None) = single {
+            return Vec::new();
+        }
+        let list = |name: &str, values: Vec<f64>| (name.to_owned(), vec![values.len()], values);
         let varied = &self.sweep.varied;
         let axes: Vec<usize> = varied.iter().map(|varied| varied.values.len()).collect();
-        let axis = |one: &Varied| (one.name.clone(), vec![one.values.len()], one.values.clone());
-        let mut arrays: Vec<_> = varied.iter().map(axis).collect();
+        let mut arrays: Vec<_> =
+            varied.iter().map(|one| list(&one.name, one.values.clone())).collect();
         let Settings { times, steps, until, .. } = self.scene.settings;
         // To the bit those of a run.
         let time = |k| (k * (steps / times)) as f64 * (until / steps as f64);
-        arrays.push(("t".into(), vec![times as usize + 1], (0..=times).map(time).collect()));
+        arrays.push(list("t", (0..=times).map(time).collect()));
         let place = |run: &Run<'_>| zip(&axes, &run.one.places).fold(0, |at, (n, k)| at * n + k);
-        let studies = self.runs.iter().map(|run| Some((place(run), run.results.study.as_ref()?)));
-        let studies = studies.collect::<Option<Vec<_>>>().unwrap_or_default();
-        arrays.extend(studies.first().into_iter().flat_map(|(_, study)| npz::lags(study)));
-        let runs: Vec<_> = self.runs.iter().map(|run| (place(run), &*run.series)).collect();
-        let lagged: Vec<_> = studies.iter().map(|(k, study)| (*k, &*study.lagged)).collect();
-        arrays.extend(npz::statistics(&axes, &runs));
+        let of =
+            |of: OfRun| -> Vec<_> { self.runs.iter().map(|run| (place(run), of(run))).collect() };
+        // None where a part has not come so far.
+        let lagged = of(|run| run.lagged);
+        let lagged = if lagged.iter().all(|(_, all)| !all.is_empty()) { lagged } else { vec![] };
+        for (name, series) in zip(["lag", "omega"], lagged.iter().flat_map(|(_, all)| *all)) {
+            arrays.push(list(name, series.points.iter().map(|point| point.time).collect()));
+        }
+        arrays.extend(npz::statistics(&axes, &of(|run| &run.series)));
         arrays.extend(npz::statistics(&axes, &lagged));
+        arrays.extend(single.flatten().into_iter().flat_map(npz::joint));
         arrays
     }
 }

@@ -17,8 +17,8 @@ use super::{
 /// The observable of a formula: `integral(v)`, `average(v)`, or a function of the state.
 pub fn observable(source: &Source, text: &At<Text>, vocabulary: &mut Vocabulary) -> Read<Quantity> {
     let of = |word: &str| -> Option<At<Text>> {
-        let inner = text.0.trim().strip_prefix(word)?.trim_start();
-        let inner = inner.strip_prefix('(')?.strip_suffix(')')?;
+        let inner =
+            text.0.trim().strip_prefix(word)?.trim_start().strip_prefix('(')?.strip_suffix(')')?;
         let mut depth = 0;
         let closes = |c: char| {
             depth += i32::from(c == '(') - i32::from(c == ')');
@@ -26,14 +26,13 @@ pub fn observable(source: &Source, text: &At<Text>, vocabulary: &mut Vocabulary)
         };
         (!inner.chars().any(closes)).then(|| At::new(text.span(), Text(inner.into())))
     };
-    let (inner, is_average) = match (of("integral"), of("average")) {
-        (Some(inner), _) => (inner, false),
-        (_, Some(inner)) => (inner, true),
-        _ => return vocabulary.quantity(source, text),
-    };
+    let (integral, average) = (of("integral"), of("average"));
+    let is_average = average.is_some();
+    let Some(inner) = integral.or(average) else { return vocabulary.quantity(source, text) };
     let v = vocabulary.quantity(source, &inner)?;
     let function = Arc::new(Observable::new("", v.clone()));
-    let [integral] = vocabulary.collect(Along::Integral(function), [0.0]);
+    let [row] = vocabulary.collect(Along::Integral(function), [0.0]);
+    let integral = Quantity::Collected(row);
     if !is_average {
         return Ok(integral);
     }
@@ -57,7 +56,7 @@ pub fn event(
     names: Option<&Names>,
     vocabulary: &mut Vocabulary,
 ) -> Read<[Quantity; 2]> {
-    let text = At::new(event.span(), event.when.clone());
+    let text = At::new(event.span(), event.0.when.clone());
     vocabulary.demand_condition(source, &text)?;
     let formula = names.and_then(|names| Formula::parse(&text.0, names).ok());
     let excess = formula.and_then(|formula| formula.excess());
@@ -73,12 +72,8 @@ pub fn event(
         None => (vocabulary.quantity(source, &text)?, None),
     };
     let begun = f64::from(u8::from(vocabulary.at_start(&phi) > 0.0));
-    let is_crude = gradient.is_none();
+    let seen = if gradient.is_some() { Quantity::Collected } else { Quantity::Monitored };
     let phi = Arc::new(Observable::new("", phi));
-    let passage = Along::Passage(Passage { phi, gradient, stops: event.stop });
-    let rows = vocabulary.collect(passage, [begun, 0.0]);
-    Ok(rows.map(|row| match row {
-        Quantity::Collected(row) if is_crude => Quantity::Monitored(row),
-        row => row,
-    }))
+    let passage = Passage { phi, gradient, stops: event.0.stop };
+    Ok(vocabulary.collect(Along::Passage(passage), [begun, 0.0]).map(seen))
 }

@@ -3,14 +3,13 @@
 use casimir::{mc::study::Wanted, plot::figure::Title};
 
 use super::{
-    Columns, Settings,
-    file::{FiguresTable, StatisticsTable},
-    read::Constants,
-    source::Read,
+    Constants, Read, Scene, Settings,
+    file::{FiguresTable, Pair, StatisticsTable},
+    refuse,
 };
 
 /// Which figures are drawn, and how.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Drawn {
     /// Pairs that are drawn against each other, if they are chosen.
     pub portraits: Option<Vec<[String; 2]>>,
@@ -21,20 +20,15 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    pub(super) fn new(
-        table: &FiguresTable,
-        columns: &Columns<'_>,
-        others: &[String],
-    ) -> Read<Self> {
-        let pair =
-            |[x, y]: &super::file::Pair| Ok([columns.check(x, &[])?, columns.check(y, &[])?]);
+    pub(super) fn new(table: &FiguresTable, scene: &Scene, others: &[&str]) -> Read<Self> {
+        let check = |name: &_| scene.column(name, &[]);
+        let pair = |[x, y]: &Pair| Ok([check(x)?, check(y)?]);
         let portraits = table.portraits.as_ref().map(|pairs| pairs.iter().map(pair).collect());
-        let show = table.show.as_ref();
-        let show = show.map(|names| names.iter().map(|name| columns.check(name, &[])).collect());
+        let show = table.show.as_ref().map(|names| names.iter().map(check).collect());
         Ok(Self {
             portraits: portraits.transpose()?,
             show: show.transpose()?,
-            log: table.log.iter().map(|name| columns.check(name, others)).collect::<Read<_>>()?,
+            log: table.log.iter().map(|name| scene.column(name, others)).collect::<Read<_>>()?,
         })
     }
 
@@ -47,24 +41,25 @@ impl Drawn {
 /// The dependence that is wanted.
 pub(super) fn wanted(
     table: &StatisticsTable,
-    columns: &Columns<'_>,
-    (settings, constants): (&Settings, &Constants),
+    scene: &Scene,
+    constants: &Constants,
 ) -> Read<Wanted> {
-    let pair = |[a, b]: &super::file::Pair| Ok((columns.observable(a)?, columns.observable(b)?));
+    let number = |name: &_| scene.observable(name);
+    let pair = |[a, b]: &Pair| Ok((number(a)?, number(b)?));
     let mut wanted = Wanted {
         pairs: table.pairs.iter().map(pair).collect::<Read<_>>()?,
-        lagged: table.autocorrelation.iter().map(|a| columns.observable(a)).collect::<Read<_>>()?,
+        lagged: table.autocorrelation.iter().map(number).collect::<Read<_>>()?,
         ..Wanted::default()
     };
     if let Some(from) = &table.from {
-        let (time, until) = (constants.value(columns.source, from)?, settings.until);
-        if !(0.0..until).contains(&time) {
-            let message = format!("autocorrelations begin from 0 to {until}, got {time}");
-            return Err(columns.source.error(from.span(), message));
+        let (Settings { until, times, random, .. }, source) = (&scene.settings, &scene.source);
+        let time = constants.value(source, from)?;
+        if !(0.0..*until).contains(&time) {
+            refuse!(source, from.span(), "autocorrelations begin from 0 to {until}, got {time}");
         }
         // Random initial values are a saved time as well.
-        let place = (time / until * settings.times as f64 - 1e-9).ceil() as usize;
-        wanted.from = place.saturating_sub(usize::from(settings.random.is_none()));
+        let place = (time / until * *times as f64 - 1e-9).ceil() as usize;
+        wanted.from = place.saturating_sub(usize::from(random.is_none()));
     }
     Ok(wanted)
 }

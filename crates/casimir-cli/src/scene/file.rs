@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::values::{At, Count, Event, Parameter, Seed, Start, Structure, Text, Values};
 
 /// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     /// Title of reports. Default: the name of the system or of the file.
@@ -43,7 +43,7 @@ pub struct SceneFile {
 }
 
 /// A system of the project by its `name`, or formulas: `state`, `B`, `H0` and `H`.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SystemTable {
     /// A system of the project, see `casimir new --list`. Not together with formulas.
@@ -74,7 +74,7 @@ pub struct SystemTable {
 }
 
 /// The sense of a stochastic equation.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Calculus {
     /// Itô's.
@@ -84,7 +84,7 @@ pub enum Calculus {
 }
 
 /// Linear damping −γ(t)y, of all components or of some: friction.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DampingTable {
     /// γ(t) in 1/time, a formula in t and the parameters. A negative rate excites.
@@ -99,7 +99,7 @@ pub struct DampingTable {
 }
 
 /// How the system is simulated.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunTable {
     /// The initial value y(0): a number or a formula of the parameters for each component, and of
@@ -134,7 +134,7 @@ pub struct RunTable {
 }
 
 /// Expectations E[φ(y(T))] for `casimir expect`.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectTable {
     /// Functions φ: names of components or observables, or formulas.
@@ -144,7 +144,7 @@ pub struct ExpectTable {
 }
 
 /// How observables depend on each other and on their past, from 100 paths on.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatisticsTable {
     /// Pairs of components or names of `observe`: covariance, correlation, and joint law at the end.
@@ -161,7 +161,7 @@ pub struct StatisticsTable {
 pub type Pair = [At<String>; 2];
 
 /// Which figures are drawn, and how.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FiguresTable {
     /// Pairs of components or names of `observe` that are drawn against each other. Default: a few

@@ -11,7 +11,7 @@ use casimir::{
 
 use super::{
     read::Constants,
-    source::{Read, Source},
+    source::{Read, Source, refuse},
     values::{At, Listed, Start, Text},
 };
 
@@ -20,7 +20,6 @@ const LEAST_NAMES: usize = 9;
 
 /// Initial values in formulas of independent standard normals z1, z2, … and of numbers u1, u2, …
 /// that are uniform on (0, 1).
-#[derive(Debug)]
 struct Random {
     formulas: Vec<Formula>,
     variables: usize,
@@ -36,9 +35,10 @@ impl Random {
         let mut point = vec![[0.0; WIDTH]; self.variables];
         for site in rows.chunks_mut(self.formulas.len()) {
             for &(k, is_uniform) in &self.used {
-                match is_uniform {
-                    true => point[k] = uniform(&mut normals),
-                    false => normals.increments(1.0, from_mut(&mut point[k])),
+                if is_uniform {
+                    point[k] = uniform(&mut normals)
+                } else {
+                    normals.increments(1.0, from_mut(&mut point[k]))
                 }
             }
             for (formula, row) in self.formulas.iter().zip(site) {
@@ -66,10 +66,11 @@ fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Arc<Vec<Vec<f64>>
     if let Some(states) = &source.states {
         return Ok(states.clone());
     }
-    let wrong = |message: String| source.error(at.span(), message);
     let path = Path::new(&source.name).with_file_name(file);
-    let text = fs::read_to_string(&path);
-    let text = text.map_err(|error| wrong(format!("cannot read the states {file}: {error}")))?;
+    let text = match fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) => refuse!(source, at.span(), "cannot read the states {file}: {error}"),
+    };
     let mut states: Vec<Vec<f64>> = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let words = line.split([',', ' ', '\t']).filter(|word| !word.is_empty());
@@ -81,16 +82,13 @@ fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Arc<Vec<Vec<f64>>
                 states.push(state);
             }
             None if number == 0 => {}
-            _ => {
-                return Err(wrong(format!("line {} of {file} is no state: {line}", number + 1)));
-            }
+            _ => refuse!(source, at.span(), "line {} of {file} is no state: {line}", number + 1),
         }
     }
     if states.is_empty() {
-        Err(wrong(format!("{file} has no state")))
-    } else {
-        Ok(Arc::new(states))
+        refuse!(source, at.span(), "{file} has no state");
     }
+    Ok(Arc::new(states))
 }
 
 /// The initial values that a file has: in turn, or at random for points that have an order of their
@@ -103,9 +101,10 @@ fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
     let draw = move |key: StreamKey, first: u64, rows: &mut [Row]| {
         let places = uniform(&mut WienerRows::new(key, first));
         for p in 0..WIDTH {
-            let place = match is_level(key) {
-                true => ((places[p] * number as f64) as usize).min(number - 1),
-                false => ((first + p as u64) % number as u64) as usize,
+            let place = if is_level(key) {
+                ((places[p] * number as f64) as usize).min(number - 1)
+            } else {
+                ((first + p as u64) % number as u64) as usize
             };
             rows.iter_mut().zip(&states[place]).for_each(|(row, y)| row[p] = *y);
         }
@@ -122,7 +121,7 @@ pub fn initial(
 ) -> Read<Begun> {
     let texts = match &**at {
         Listed::List(none) if none.is_empty() => {
-            return Err(source.error(at.span(), "the initial value has no component"));
+            refuse!(source, at.span(), "the initial value has no component");
         }
         Listed::List(texts) => texts,
         Listed::Text(file) => return of_file(source, file, at),
@@ -132,18 +131,18 @@ pub fn initial(
         // A parameter may have the name.
         _ = names.variable(&name);
     }
-    let parse = |text: &At<Text>| {
-        Formula::parse(&text.0, &names).map_err(|error| source.formula_error(text, &error))
-    };
+    let parse = |text: &At<Text>| source.formula(text, &names);
     let formulas = texts.iter().map(parse).collect::<Read<Vec<_>>>()?;
     let variables = names.variables().iter().enumerate();
-    let used = variables.filter(|(k, _)| formulas.iter().any(|formula| formula.depends_on(*k)));
-    let used: Vec<_> = used.map(|(k, name)| (k, name.starts_with('u'))).collect();
+    let used: Vec<_> = variables
+        .filter(|(k, _)| formulas.iter().any(|formula| formula.depends_on(*k)))
+        .map(|(k, name)| (k, name.starts_with('u')))
+        .collect();
     let random = Random { formulas, variables: names.variables().len(), used };
     let mut rows = vec![[0.0; WIDTH]; texts.len()];
     random.draw(key, 0, &mut rows);
     if let Some((text, row)) = texts.iter().zip(&rows).find(|(_, row)| !row[0].is_finite()) {
-        return Err(source.error(text.span(), format!("this must be finite, and is {}", row[0])));
+        refuse!(source, text.span(), "this must be finite, and is {}", row[0]);
     }
     let y0 = rows.iter().map(|row| row[0]).collect();
     let is_random = !random.used.is_empty();

@@ -14,16 +14,18 @@ mod values;
 
 pub use drawn::Drawn;
 pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
-use observe::{Further, Vocabulary};
-pub use observe::{Observable, Quantity};
+use observe::Vocabulary;
+pub use observe::{Further, Observable, Quantity};
+pub(crate) use read::among;
 pub use read::{Constants, Parameters, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use shorthand::{State, structure};
+pub(crate) use source::refuse;
 pub use source::{Read, SceneError, Source};
 pub use sweep::{Combination, Set, Sweep, Varied};
 pub use values::{At, Listed, Parameter, Text, count};
 
-use std::{fmt::Display, ops::Range, path::Path};
+use std::{fmt::Display, path::Path};
 
 use casimir::{
     formula::nearest,
@@ -92,27 +94,15 @@ impl Scene {
             })?;
         let y0 = model.problem().y0;
         let description = model.system().description();
-        let (is_tiled, changes) = (description.layout.is_tiled(), description.depends_on_time);
-        let (dimension, in_steps) = (y0.len(), (!is_tiled).then(|| names.clone()));
-        let energy = match (energy, &file.system.energy) {
-            (None, Some(text)) => Further::Energy(text.clone()),
-            (energy, _) => {
-                Further::Quantity(energy.unwrap_or(Quantity::Component(0)).of_state(dimension))
-            }
-        };
+        let in_steps = (!description.layout.is_tiled()).then(|| names.clone());
         let mut vocabulary = Vocabulary::new(names, energy.clone(), &y0);
-        let energy = match energy {
-            Further::Quantity(energy) if !changes => Some(energy),
-            Further::Energy(text) if !changes => vocabulary.quantity(&source, &text).ok(),
-            _ => None,
-        };
+        let energy =
+            if description.depends_on_time { None } else { vocabulary.of(&source, energy).ok() };
         let energy = energy.map(|energy| Observable::new("H0", energy));
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
-        let (mut observables, mut given) = (Vec::<Observable>::new(), Vec::new());
-        for Observable { name, quantity } in quantities {
-            let quantity = quantity.of_state(dimension);
-            vocabulary.add(&name, Further::Quantity(quantity.clone()));
-            given.push(Observable { name, quantity });
+        let (mut observables, mut given) = (Vec::<Observable>::new(), quantities);
+        for Observable { name, quantity } in &given {
+            vocabulary.add(name, Further::Quantity(quantity.clone()));
         }
         if components.len() <= MOST_COMPONENTS {
             given.extend((0..components.len()).map(component));
@@ -124,7 +114,7 @@ impl Scene {
             let known = components.contains(name)
                 || observables.iter().chain(&given).any(|known| known.name == **name);
             if known || is_column(name) {
-                return Err(taken(&source, name, name.span()));
+                return Err(taken(&source, name));
             }
             let quantities = match entry {
                 Err(event) => {
@@ -146,59 +136,77 @@ impl Scene {
         conditions.try_for_each(|text| vocabulary.demand_condition(&source, text))?;
         observables.extend(given);
         if observables.is_empty() {
-            let message = "a system of so many components needs observables: add [observe]";
-            return Err(source.error(None, message));
+            refuse!(source, None, "so many components need observables: add [observe]");
         }
-        let columns =
-            Columns { source: &source, components: &components, observables: &observables };
-        let chosen = |name: &At<String>| match is_column(name) {
-            true => Ok(name.to_string()),
-            false => columns.check(name, &GROUPS.map(String::from)),
-        };
-        let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
-        let chosen: Option<Vec<String>> = chosen.transpose()?;
-        let mut wanted = drawn::wanted(&file.statistics, &columns, (&settings, &constants))?;
-        let conditions = file.probabilities.keys().chain(file.events.keys());
-        let place = |name: &At<String>| observables.iter().position(|known| known.name == **name);
-        wanted.probabilities = conditions.filter_map(place).collect();
-        let spectrum = |name: &At<String>| format!("spectrum({})", **name);
-        let spectra = file.statistics.autocorrelation.iter().map(spectrum);
-        let others = file.system.parameters.keys().map(|key| key.to_string());
-        let others: Vec<String> = others.chain(spectra).collect();
-        let drawn = Drawn::new(&file.figures, &columns, &others)?;
-        let known = |text: &At<Text>| {
-            let name = text.0.as_str();
-            let known = observables.iter().find(|known| known.name == name).cloned();
-            let place = || components.iter().position(|component| component == name);
-            match known.or_else(|| place().map(component)) {
-                Some(known) => Ok(known),
-                None => Ok(Observable::new(name, vocabulary.quantity(&source, text)?)),
-            }
-        };
-        let expected = match &file.expect {
-            Some(table) => expected(&source, table, known)?,
-            None => Vec::new(),
-        };
-        let accuracy = file.expect.map(|table| *table.accuracy);
         let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
         let name = file.system.name.as_deref().cloned();
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
-        Ok(Self {
+        let mut scene = Self {
             source,
             title,
             components,
             sizes,
-            chosen,
+            chosen: None,
             model,
             settings,
             observables,
-            collected: vocabulary.collected,
-            wanted,
-            drawn,
+            collected: Vec::new(),
+            wanted: Wanted::default(),
+            drawn: Drawn::default(),
             energy,
-            expected,
-            accuracy,
-        })
+            expected: Vec::new(),
+            accuracy: None,
+        };
+        let chosen = |name: &At<String>| match is_column(name) {
+            true => Ok(name.to_string()),
+            false => scene.column(name, &GROUPS),
+        };
+        let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
+        scene.chosen = chosen.transpose()?;
+        scene.wanted = drawn::wanted(&file.statistics, &scene, &constants)?;
+        let conditions = file.probabilities.keys().chain(file.events.keys());
+        scene.wanted.probabilities = conditions.filter_map(|name| scene.place(name)).collect();
+        let spectrum = |name: &At<String>| format!("spectrum({})", **name);
+        let spectra: Vec<String> = file.statistics.autocorrelation.iter().map(spectrum).collect();
+        let others = file.system.parameters.keys().map(|key| key.as_str());
+        let others: Vec<&str> = others.chain(spectra.iter().map(|name| &**name)).collect();
+        scene.drawn = Drawn::new(&file.figures, &scene, &others)?;
+        if let Some(table) = &file.expect {
+            scene.expect(table, &mut vocabulary)?;
+        }
+        scene.collected = vocabulary.collected;
+        Ok(scene)
+    }
+
+    /// The test functions of `[expect]`, and their accuracy.
+    fn expect(&mut self, table: &ExpectTable, vocabulary: &mut Vocabulary) -> Read<()> {
+        let ExpectTable { of, accuracy } = table;
+        let half_width = **accuracy;
+        if !(half_width > 0.0 && half_width.is_finite()) {
+            refuse!(
+                self.source,
+                accuracy.span(),
+                "the accuracy must be positive and finite, got {half_width}"
+            );
+        }
+        if of.is_empty() {
+            refuse!(self.source, of.span(), "name at least one function, such as \"y1\"");
+        }
+        self.accuracy = Some(half_width);
+        for text in of.iter() {
+            let name = text.0.as_str();
+            if self.expected.iter().any(|before| before.name == name) {
+                refuse!(self.source, text.span(), "`{name}` is listed twice");
+            }
+            let component = self.components.iter().position(|component| component == name);
+            let quantity = match (self.place(name), component) {
+                (Some(k), _) => self.observables[k].quantity.clone(),
+                (_, Some(i)) => Quantity::Component(i),
+                _ => vocabulary.quantity(&self.source, text)?,
+            };
+            self.expected.push(Observable::new(name, quantity));
+        }
+        Ok(())
     }
 
     /// The problem and a scheme for it by its name.
@@ -206,19 +214,24 @@ impl Scene {
     /// # Errors
     /// Why the scheme is not for the system.
     pub fn setup(&self, name: &str) -> Read<Setup<'_>> {
-        let wrong = |message| self.source.error(self.settings.scheme_place.clone(), message);
+        let place = self.settings.scheme_place.clone();
         let Some(scheme) = BuiltIn::named(name) else {
-            let known = BuiltIn::ALL.map(BuiltIn::id);
-            let (hint, known) = (nearest(name, known), known.join(", "));
-            return Err(wrong(format!("no scheme `{name}`; there are auto, {known}{hint}")));
+            let known = [&[AUTO][..], &BuiltIn::ALL.map(BuiltIn::id)].concat();
+            refuse!(self.source, place, "no scheme `{name}`{}", among(name, &known));
         };
-        let scheme = self.model.scheme(scheme).map_err(|error| wrong(error.to_string()))?;
+        let scheme = self.model.scheme(scheme).map_err(|error| self.source.error(place, error))?;
         Ok(Setup { problem: self.problem(), scheme })
     }
 
     /// The same with what paths collect.
     pub fn collecting<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
         setup.collecting(self.model.system(), self.collected.clone())
+    }
+
+    /// The functions whose weak orders are measured: those of `[expect]`, or the first observable.
+    pub fn tested(&self) -> impl Iterator<Item = &Observable> {
+        let first = usize::from(self.expected.is_empty());
+        self.observables.iter().take(first).chain(&self.expected)
     }
 
     /// Whether paths collect something, so that states alone do not say what is observed.
@@ -234,6 +247,31 @@ impl Scene {
     /// An error about the steps.
     pub fn steps_error(&self, message: impl Display) -> SceneError {
         self.source.error(self.settings.steps_place.clone(), message)
+    }
+
+    /// Checks that a name is a component, an observable, or one of others.
+    fn column(&self, name: &At<String>, others: &[&str]) -> Read<String> {
+        let observables = self.observables.iter().map(|observable| &*observable.name);
+        let known = self.components.iter().map(|name| &**name).chain(observables);
+        let known = known.chain(others.iter().copied());
+        if !known.clone().any(|known| known == name.as_str()) {
+            let hint = nearest(name, known);
+            refuse!(self.source, name.span(), "no column `{}`{hint}", **name);
+        }
+        Ok(name.to_string())
+    }
+
+    /// The number of an observable.
+    fn observable(&self, name: &At<String>) -> Read<usize> {
+        self.column(name, &[])?;
+        self.place(name).ok_or_else(|| {
+            let message = format!("add `{0} = \"{0}\"` to [observe] first", **name);
+            self.source.error(name.span(), message)
+        })
+    }
+
+    fn place(&self, name: &str) -> Option<usize> {
+        self.observables.iter().position(|known| known.name == name)
     }
 
     /// Whether tables have the column.
@@ -263,65 +301,8 @@ fn is_column(name: &str) -> bool {
         || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// The columns that a scene may name.
-pub struct Columns<'a> {
-    source: &'a Source,
-    components: &'a [String],
-    observables: &'a [Observable],
-}
-
-impl Columns<'_> {
-    /// Checks that a name is a component, an observable, or one of others.
-    fn check(&self, name: &At<String>, others: &[String]) -> Read<String> {
-        let observables = self.observables.iter().map(|observable| &*observable.name);
-        let known = self.components.iter().map(|name| &**name).chain(observables);
-        let known = known.chain(others.iter().map(|name| &**name));
-        match known.clone().any(|known| known == name.as_str()) {
-            true => Ok(name.to_string()),
-            false => {
-                let message = format!("no column `{}`{}", **name, nearest(name, known));
-                Err(self.source.error(name.span(), message))
-            }
-        }
-    }
-
-    /// The number of an observable.
-    fn observable(&self, name: &At<String>) -> Read<usize> {
-        self.check(name, &[])?;
-        self.observables.iter().position(|known| known.name == **name).ok_or_else(|| {
-            let message = format!("add `{0} = \"{0}\"` to [observe] first", **name);
-            self.source.error(name.span(), message)
-        })
-    }
-}
-
 /// A name that a column has already.
-fn taken(source: &Source, name: &str, place: Range<usize>) -> SceneError {
-    let message = format!("`{name}` is a column of the tables already: choose another name");
-    source.error(place, message)
-}
-
-/// The test functions of `[expect]`, whose accuracy is checked.
-fn expected(
-    source: &Source,
-    table: &ExpectTable,
-    mut known: impl FnMut(&At<Text>) -> Read<Observable>,
-) -> Read<Vec<Observable>> {
-    let accuracy = *table.accuracy;
-    if !(accuracy > 0.0 && accuracy.is_finite()) {
-        let message = format!("the accuracy must be positive and finite, got {accuracy}");
-        return Err(source.error(table.accuracy.span(), message));
-    }
-    if table.of.is_empty() {
-        return Err(source.error(table.of.span(), "name at least one function, such as \"y1\""));
-    }
-    let mut expected: Vec<Observable> = Vec::new();
-    for formula in table.of.iter() {
-        let phi = known(formula)?;
-        if expected.iter().any(|before| before.name == phi.name) {
-            return Err(source.error(formula.span(), format!("`{}` is listed twice", phi.name)));
-        }
-        expected.push(phi);
-    }
-    Ok(expected)
+fn taken(source: &Source, name: &At<String>) -> SceneError {
+    let message = "is a column of the tables already: choose another name";
+    source.error(name.span(), format_args!("`{}` {message}", **name))
 }

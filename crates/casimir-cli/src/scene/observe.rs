@@ -9,7 +9,7 @@ use casimir::{
 };
 
 use super::{
-    source::{Read, Source},
+    source::{Read, Source, refuse},
     values::{At, Text},
 };
 
@@ -32,18 +32,6 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The same of the first rows, which are those of the state.
-    pub fn of_state(self, dimension: usize) -> Self {
-        match self {
-            Self::Function(function) => {
-                Self::Function(Arc::new(move |y: &[Row], values: &mut Row| {
-                    function(&y[..dimension], values);
-                }))
-            }
-            other => other,
-        }
-    }
-
     /// Writes its values on 32 paths.
     pub fn evaluate(&self, y: &[Row], values: &mut Row) {
         match self {
@@ -143,23 +131,28 @@ impl Vocabulary {
         }
     }
 
-    /// Collects something, whose rows have these values at time zero.
-    pub fn collect<const N: usize>(&mut self, what: Along, at_start: [f64; N]) -> [Quantity; N] {
+    /// Collects something, whose rows have these values at time zero; the numbers of the rows.
+    pub fn collect<const N: usize>(&mut self, what: Along, at_start: [f64; N]) -> [usize; N] {
         let first = self.start.len();
         self.start.extend(at_start);
         self.collected.push(what);
-        std::array::from_fn(|k| Quantity::Collected(first + k))
+        std::array::from_fn(|k| first + k)
     }
 
     /// The quantity of a further input; the first is the time.
     pub fn known(&mut self, source: &Source, k: usize) -> Read<Quantity> {
-        let quantity = match self.further[k].clone() {
-            Further::Quantity(quantity) => quantity,
-            Further::Time => self.collect(Along::Time, [0.0])[0].clone(),
-            Further::Energy(text) => self.quantity(source, &text)?,
-        };
+        let quantity = self.of(source, self.further[k].clone())?;
         self.further[k] = Further::Quantity(quantity.clone());
         Ok(quantity)
+    }
+
+    /// What is meant.
+    pub fn of(&mut self, source: &Source, further: Further) -> Read<Quantity> {
+        match further {
+            Further::Quantity(quantity) => Ok(quantity),
+            Further::Time => Ok(Quantity::Collected(self.collect(Along::Time, [0.0])[0])),
+            Further::Energy(text) => self.quantity(source, &text),
+        }
     }
 
     /// The value of a quantity at time zero.
@@ -172,22 +165,20 @@ impl Vocabulary {
 
     /// Demands that a formula is a condition.
     pub fn demand_condition(&self, source: &Source, text: &At<Text>) -> Read<()> {
-        match Formula::parse(&text.0, &self.names) {
-            Ok(formula) if !formula.is_condition() => {
-                let message = "a probability is that of a condition, such as \"x > 0\"";
-                Err(source.error(text.span(), message))
-            }
-            _ => Ok(()),
+        if Formula::parse(&text.0, &self.names).is_ok_and(|formula| !formula.is_condition()) {
+            refuse!(source, text.span(), "a probability is that of a condition, such as \"x > 0\"");
         }
+        Ok(())
     }
 
     /// The quantity of a formula, which must have a value at the initial value.
     pub fn quantity(&mut self, source: &Source, text: &At<Text>) -> Read<Quantity> {
-        let formula = Formula::parse(&text.0, &self.names);
-        let formula = formula.map_err(|error| source.formula_error(text, &error))?;
+        let formula = source.formula(text, &self.names)?;
         let (dimension, all) = (self.dimension, self.dimension + self.further.len());
-        let used = (0..self.further.len()).filter(|k| formula.depends_on(dimension + k));
-        let used = used.map(|k| Ok((k, self.known(source, k)?))).collect::<Read<Vec<_>>>()?;
+        let used = (0..self.further.len())
+            .filter(|k| formula.depends_on(dimension + k))
+            .map(|k| Ok((k, self.known(source, k)?)))
+            .collect::<Read<Vec<_>>>()?;
         let mut point = self.start[..dimension].to_vec();
         point.resize(all, 0.0);
         for (k, quantity) in &used {

@@ -2,12 +2,12 @@
 
 use std::fmt::Display;
 
-use casimir::formula::{Formula, Names, nearest};
+use casimir::formula::{Names, nearest};
 
 use super::{
     file::{SceneFile, SystemTable},
     run::Settings,
-    source::{Read, SceneError, Source},
+    source::{Read, SceneError, Source, refuse},
     values::{At, Parameter, Text},
 };
 
@@ -30,11 +30,21 @@ impl Reading<'_> {
     }
 }
 
+/// The names that there are, and the nearest.
+pub fn among(name: &str, known: &[&str]) -> String {
+    match known {
+        [] => "; there is none".into(),
+        _ => format!("; there are {}{}", known.join(", "), nearest(name, known)),
+    }
+}
+
 /// The keys of a scene.
 pub fn parse(source: &Source) -> Read<SceneFile> {
     toml::from_str(&source.text).map_err(|error| {
-        let message = error.message().replace("unknown field", "unknown key");
-        let message = message.replace("missing field", "missing key");
+        let message = error
+            .message()
+            .replace("unknown field", "unknown key")
+            .replace("missing field", "missing key");
         // A key that is missing somewhere has no place.
         let place =
             error.span().filter(|span| !span.is_empty() || !message.starts_with("missing key"));
@@ -63,12 +73,11 @@ impl Constants {
         for (key, value) in &system.parameters {
             let Parameter::One(text) = &**value else { continue };
             let value = constant(source, &At::new(value.span(), text.clone()), &none)?;
-            let name = key.as_str();
+            let (name, place) = (key.as_str(), key.span());
             if name == "t" {
-                return Err(source.error(key.span(), "`t` is the time in the rate of damping"));
+                refuse!(source, place, "`t` is the time in the rate of damping");
             }
-            let taken = |error| source.error(key.span(), error);
-            names.parameter(name, value).map_err(taken)?;
+            names.parameter(name, value).map_err(|error| source.error(place, error))?;
             numbers.push((name.to_owned(), value));
         }
         Ok(Self { numbers, names })
@@ -81,13 +90,11 @@ impl Constants {
 }
 
 fn constant(source: &Source, text: &At<Text>, names: &Names) -> Read<f64> {
-    let formula = Formula::parse(&text.0, names);
-    let formula = formula.map_err(|error| source.formula_error(text, &error))?;
-    let value = formula.value(&[]);
-    match value.is_finite() {
-        true => Ok(value),
-        false => Err(source.error(text.span(), format!("this must be finite, and is {value}"))),
+    let value = source.formula(text, names)?.value(&[]);
+    if !value.is_finite() {
+        refuse!(source, text.span(), "this must be finite, and is {value}");
     }
+    Ok(value)
 }
 
 /// The parameters of a system of the project.
@@ -97,17 +104,11 @@ impl<'a> Parameters<'a> {
     /// Those of a scene, which may have these names only.
     pub fn new(reading: &'a Reading<'a>, known: &[&str]) -> Read<Self> {
         let mut keys = reading.file.system.parameters.keys();
-        match keys.find(|key| !known.contains(&key.as_str())) {
-            Some(key) => {
-                let name = key.as_str();
-                let message = match known {
-                    [] => format!("unknown parameter `{name}`: this system has none"),
-                    _ => format!("unknown parameter `{name}`; there are {}", known.join(", ")),
-                };
-                Err(reading.source.error(key.span(), message))
-            }
-            None => Ok(Self(reading)),
+        if let Some(key) = keys.find(|key| !known.contains(&key.as_str())) {
+            let known = among(key, known);
+            refuse!(reading.source, key.span(), "unknown parameter `{}`{known}", key.as_str());
         }
+        Ok(Self(reading))
     }
 
     /// A parameter, if it is given.
@@ -121,7 +122,7 @@ impl<'a> Parameters<'a> {
         match self.get(name).map(|value| &**value) {
             None => Ok(default),
             Some(Parameter::One(text)) => self.constant(name, text),
-            Some(_) => Err(self.error(name, format!("`{name}` is a number, such as {default}"))),
+            Some(_) => refuse!(self, name, "`{name}` is a number, such as {default}"),
         }
     }
 
@@ -132,8 +133,7 @@ impl<'a> Parameters<'a> {
             Some(Parameter::One(text)) => std::slice::from_ref(text),
             Some(Parameter::Many(texts)) => texts,
             Some(Parameter::Switch(_)) => {
-                let message = format!("`{name}` is a list of numbers, such as {default:?}");
-                return Err(self.error(name, message));
+                refuse!(self, name, "`{name}` is a list of numbers, such as {default:?}")
             }
         };
         texts.iter().map(|text| self.constant(name, text)).collect()
@@ -141,10 +141,10 @@ impl<'a> Parameters<'a> {
 
     /// Three numbers, or the default.
     pub fn three(&self, name: &str, default: [f64; 3]) -> Read<[f64; 3]> {
-        let wrong = |list: Vec<f64>| {
-            self.error(name, format!("`{name}` has three numbers, got {}", list.len()))
-        };
-        self.list(name, &default)?.try_into().map_err(wrong)
+        let list = self.list(name, &default)?;
+        let number = list.len();
+        list.try_into()
+            .map_err(|_| self.error(name, format_args!("`{name}` has three numbers, got {number}")))
     }
 
     /// `true` or `false`, or the default.
@@ -152,7 +152,7 @@ impl<'a> Parameters<'a> {
         match self.get(name).map(|value| &**value) {
             None => Ok(default),
             Some(Parameter::Switch(switch)) => Ok(*switch),
-            Some(_) => Err(self.error(name, format!("`{name}` is true or false"))),
+            Some(_) => refuse!(self, name, "`{name}` is true or false"),
         }
     }
 

@@ -13,7 +13,7 @@ use super::{
     file::RunTable,
     initial::initial,
     read::Constants,
-    source::{Read, Source},
+    source::{Read, Source, refuse},
     sweep::Set,
     values::{At, Count, Listed, count},
 };
@@ -50,12 +50,6 @@ pub struct SchemeAndSeed {
     #[arg(long = "set", value_name = "NAME=VALUE")]
     #[serde(default)]
     pub sets: Vec<Set>,
-}
-
-impl From<&SchemeAndSeed> for Changes {
-    fn from(scheme: &SchemeAndSeed) -> Self {
-        Self { scheme: scheme.clone(), ..Self::default() }
-    }
 }
 
 /// Checked settings of a run.
@@ -112,46 +106,40 @@ impl Settings {
         changes: &Changes,
     ) -> Read<Self> {
         let SchemeAndSeed { scheme: changed, seed, .. } = changes.scheme.clone();
-        let own = run.seed.as_ref().map(|seed| seed.0);
-        let key = StreamKey { seed: seed.or(own).unwrap_or(1), experiment: 0 };
+        let own = run.seed.as_ref().map_or(1, |seed| seed.0);
+        let key = StreamKey { seed: seed.unwrap_or(own), experiment: 0 };
         let (initial, random) = initial(source, &run.initial, constants, key)?;
         let until = constants.value(source, &run.until)?;
         if until <= 0.0 {
-            let message = format!("the final time must be positive, got {until}");
-            return Err(source.error(run.until.span(), message));
+            refuse!(source, run.until.span(), "the final time must be positive, got {until}");
         }
         let number =
-            |count: Option<&At<Count>>, otherwise| count.map_or(otherwise, |count| count.0);
+            |count: &Option<At<Count>>, otherwise| count.as_ref().map_or(otherwise, |n| n.0);
         let steps = changes.steps.unwrap_or(run.steps.0);
-        let paths = changes.paths.unwrap_or(number(run.paths.as_ref(), 1));
-        let divides = |times: &u64| steps.is_multiple_of(*times);
-        let default = (1..=TIMES.min(steps)).rev().find(divides).unwrap_or(1);
+        let paths = changes.paths.unwrap_or(number(&run.paths, 1));
+        let divisor = |most: u64| {
+            let mut down = (1..=most.min(steps)).rev();
+            down.find(|times| steps.is_multiple_of(*times)).unwrap_or(1)
+        };
         let times = match &run.times {
-            // The steps were changed on the command line.
-            Some(times) if changes.steps.is_some() && !divides(&times.0) => default,
-            Some(times) if !divides(&times.0) => {
-                let given = times.0;
-                let near = (1..=given.min(steps)).rev().find(divides).unwrap_or(1);
-                let message = format!("{given} times do not divide {steps} steps: take {near}");
-                return Err(source.error(times.span(), message));
+            Some(times) if steps.is_multiple_of(times.0) => times.0,
+            Some(times) if changes.steps.is_none() => {
+                let (given, near) = (times.0, divisor(times.0));
+                let place = times.span();
+                refuse!(source, place, "{given} times do not divide {steps} steps: take {near}");
             }
-            times => number(times.as_ref(), default),
+            // Or the steps were changed on the command line.
+            _ => divisor(TIMES),
         };
-        let tables = match paths < FEW_PATHS {
-            true => paths,
-            false => number(run.tables.as_ref(), TABLES).min(paths),
-        };
-        let order = number(run.truncation.as_ref(), 4);
-        let truncation = u32::try_from(order).ok().and_then(|order| Truncation::new(order).ok());
-        // Nobody asked for clipped increments that show in the results.
-        let truncation = match run.truncation {
-            None => truncation.map(Truncation::wide),
-            Some(_) => truncation,
-        };
-        let Some(truncation) = truncation else {
+        let tables = if paths < FEW_PATHS { paths } else { number(&run.tables, TABLES).min(paths) };
+        let order = number(&run.truncation, 4);
+        let Some(truncation) = u32::try_from(order).ok().and_then(|k| Truncation::new(k).ok())
+        else {
             let place = run.truncation.as_ref().map(At::span);
-            return Err(source.error(place, format!("the order must be below 2^32, got {order}")));
+            refuse!(source, place, "the order must be below 2^32, got {order}");
         };
+        // Nobody asked for clipped increments that show in the results.
+        let truncation = if run.truncation.is_none() { truncation.wide() } else { truncation };
         Ok(Self {
             initial,
             random,

@@ -6,7 +6,7 @@ use casimir::formula::{Formula, Names, nearest};
 
 use super::{
     is_column,
-    source::{Read, Source},
+    source::{Read, Source, refuse},
     taken,
     values::{At, Entries, Listed, Structure},
 };
@@ -32,25 +32,12 @@ impl State {
     pub fn new(source: &Source, entries: &[At<String>]) -> Read<Self> {
         let mut state = Self { components: Vec::new(), vectors: Vec::new() };
         for entry in entries {
-            let wrong = || source.error(entry.span(), format!("`{}` is neither {FORMS}", **entry));
-            let (name, brackets) = entry.split_once('[').unwrap_or((entry, ""));
-            let brackets: Vec<&str> = match brackets.strip_suffix(']') {
-                _ if brackets.is_empty() => Vec::new(),
-                inner => inner.ok_or_else(wrong)?.split("][").collect(),
+            let Some(vectors) = vectors(entry) else {
+                refuse!(source, entry.span(), "`{}` is neither {FORMS}", **entry);
             };
-            let parts = brackets.iter().map(|bracket| parts(bracket)).collect::<Option<Vec<_>>>();
-            let parts = parts.ok_or_else(wrong)?;
-            let vectors: Vec<(String, &[String])> = match &parts[..] {
-                [] => {
-                    state.components.push(entry.clone());
-                    continue;
-                }
-                [parts] => vec![(name.to_owned(), parts)],
-                [first, parts] => {
-                    first.iter().map(|k| (format!("{name}{k}"), &parts[..])).collect()
-                }
-                _ => return Err(wrong()),
-            };
+            if vectors.is_empty() {
+                state.components.push(entry.clone());
+            }
             for (vector, parts) in vectors {
                 let of: Vec<String> = parts.iter().map(|part| format!("{vector}{part}")).collect();
                 state.components.extend(of.iter().map(|of| At::new(entry.span(), of.clone())));
@@ -58,7 +45,7 @@ impl State {
             }
         }
         match state.components.iter().find(|name| is_column(name)) {
-            Some(name) => Err(taken(source, name, name.span())),
+            Some(name) => Err(taken(source, name)),
             None => Ok(state),
         }
     }
@@ -66,31 +53,39 @@ impl State {
     /// The components of what an argument names: a component, a vector, or several, `s[1..3]`.
     fn of(&self, argument: &str) -> Option<Vec<Vec<usize>>> {
         let place = |name: &str| self.components.iter().position(|known| **known == *name);
-        let one = |name: &str| -> Option<Vec<usize>> {
-            match self.vectors.iter().find(|(vector, _)| vector == name) {
-                Some((_, components)) => components.iter().map(|name| place(name)).collect(),
-                None => Some(vec![place(name)?]),
-            }
+        let one = |name: &str| match self.vectors.iter().find(|(vector, _)| vector == name) {
+            Some((_, components)) => components.iter().map(|name| place(name)).collect(),
+            None => Some(vec![place(name)?]),
         };
         match argument.split_once('[') {
             Some((name, numbers)) => {
-                let mut numbers = range(numbers.strip_suffix(']')?)?;
-                numbers.try_fold(Vec::new(), |mut all, k| {
-                    all.push(one(&format!("{name}{k}"))?);
-                    Some(all)
-                })
+                range(numbers.strip_suffix(']')?)?.map(|k| one(&format!("{name}{k}"))).collect()
             }
-            None => one(argument).map(|one| vec![one]),
+            None => Some(vec![one(argument)?]),
         }
+    }
+}
+
+/// The vectors that an entry makes, each with the ends of its components; none of a component.
+fn vectors(entry: &str) -> Option<Vec<(String, Vec<String>)>> {
+    let Some((name, brackets)) = entry.split_once('[') else { return Some(Vec::new()) };
+    let parts: Option<Vec<_>> = brackets.strip_suffix(']')?.split("][").map(parts).collect();
+    match &parts?[..] {
+        [parts] => Some(vec![(name.into(), parts.clone())]),
+        [first, parts] => {
+            Some(first.iter().map(|k| (format!("{name}{k}"), parts.clone())).collect())
+        }
+        _ => None,
     }
 }
 
 /// What stands in a bracket: letters, or numbers from and to.
 fn parts(bracket: &str) -> Option<Vec<String>> {
     let is_letters = bracket.chars().count() > 1 && bracket.chars().all(char::is_alphabetic);
-    match is_letters {
-        true => Some(bracket.chars().map(String::from).collect()),
-        false => Some(range(bracket)?.map(|k| k.to_string()).collect()),
+    if is_letters {
+        Some(bracket.chars().map(String::from).collect())
+    } else {
+        Some(range(bracket)?.map(|k| k.to_string()).collect())
     }
 }
 
@@ -141,15 +136,15 @@ fn blocks(
     let dimension = state.components.len();
     let none = vec!["0".to_owned(); found.len()];
     let mut sums: BTreeMap<(usize, usize), Vec<String>> = BTreeMap::new();
-    for (k, (i, j, entry)) in
-        found.iter().enumerate().flat_map(|(k, of)| of.iter().map(move |e| (k, e)))
-    {
-        let (i, j, sign) = if i < j { (*i, *j, "+") } else { (*j, *i, "-") };
-        if i == j {
-            return Err(wrong("a block joins different components".into()));
+    for (k, block) in found.iter().enumerate() {
+        for &(i, j, ref entry) in block {
+            let (place, sign) = if i < j { ((i, j), "+") } else { ((j, i), "-") };
+            if i == j {
+                return Err(wrong("a block joins different components".into()));
+            }
+            let sum = &mut sums.entry(place).or_insert_with(|| none.clone())[k];
+            *sum = format!("({sum}{sign}{entry})");
         }
-        let sum = &mut sums.entry((i, j)).or_insert_with(|| none.clone())[k];
-        *sum = format!("({sum}{sign}{entry})");
     }
     // Where all blocks are zero, so is a sum of multiples.
     let mut names = names.clone();
@@ -179,14 +174,14 @@ fn next_block(text: &str) -> Option<(usize, usize)> {
         !text[..*at].ends_with(is_letter) && !text[at + kind.len()..].starts_with(is_letter)
     });
     let (start, kind) = whole.min()?;
-    let (after, end) = (&text[start + kind.len()..], start + kind.len());
-    Some((
-        start,
-        match after.trim_start().starts_with('(') {
-            true => after.find(')').map_or(text.len(), |at| end + at + 1),
-            false => end,
-        },
-    ))
+    let end = start + kind.len();
+    let after = &text[end..];
+    let arguments = if after.trim_start().starts_with('(') {
+        after.find(')').map_or(after.len(), |at| at + 1)
+    } else {
+        0
+    };
+    Some((start, end + arguments))
 }
 
 /// Entries of B by their rows and columns.
@@ -195,11 +190,10 @@ type Block = Vec<(usize, usize, String)>;
 /// The entries of one block.
 fn block_of(state: &State, text: &str) -> Result<Block, String> {
     let (kind, arguments) = match text.split_once('(') {
-        Some((kind, inner)) => {
-            let inner =
-                inner.strip_suffix(')').ok_or_else(|| format!("`{text}` ends without `)`"))?;
-            (kind.trim(), split(inner, ','))
-        }
+        Some((kind, inner)) => match inner.strip_suffix(')') {
+            Some(inner) => (kind.trim(), split(inner, ',')),
+            None => return Err(format!("`{text}` ends without `)`")),
+        },
         None => (text, Vec::new()),
     };
     if !BLOCKS.contains(&kind) {
@@ -212,8 +206,11 @@ fn block_of(state: &State, text: &str) -> Result<Block, String> {
     let mut vectors = Vec::new();
     for argument in arguments {
         let found = state.of(argument).ok_or_else(|| {
-            let known = state.vectors.iter().map(|(name, _)| name.as_str());
-            let known = known.chain(state.components.iter().map(|name| name.as_str()));
+            let known = state
+                .vectors
+                .iter()
+                .map(|(name, _)| name.as_str())
+                .chain(state.components.iter().map(|name| name.as_str()));
             format!("`{argument}` is no part of the state{}", nearest(argument, known))
         })?;
         vectors.extend(found);

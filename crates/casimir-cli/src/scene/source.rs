@@ -2,7 +2,7 @@
 
 use std::{fmt::Display, ops::Range, sync::Arc};
 
-use casimir::formula::{FormulaError, excerpt};
+use casimir::formula::{Formula, FormulaError, Names, excerpt};
 
 use super::values::{At, Text};
 
@@ -29,6 +29,14 @@ pub struct SceneError {
 /// A result of reading a scene.
 pub type Read<T> = Result<T, SceneError>;
 
+/// Returns an error of a source, or of parameters, at a place.
+macro_rules! refuse {
+    ($of:expr, $place:expr, $($words:tt)+) => {
+        return Err($of.error($place, format_args!($($words)+)))
+    };
+}
+pub(crate) use refuse;
+
 impl Source {
     /// Something wrong at a place, in bytes of the text, or with the whole.
     pub fn error(
@@ -48,16 +56,20 @@ impl Source {
         SceneError { message, place: Some(span) }
     }
 
+    /// A formula in names.
+    pub fn formula(&self, text: &At<Text>, names: &Names) -> Read<Formula> {
+        Formula::parse(&text.0, names).map_err(|error| self.formula_error(text, &error))
+    }
+
     /// Something wrong with a formula, at its place in the file.
     pub fn formula_error(&self, formula: &At<Text>, error: &FormulaError) -> SceneError {
         let is_mean = |word: &str| error.message == format!("unknown function `{word}`");
         let message = match error.unknown_name.as_deref() {
             _ if is_mean("integral") || is_mean("average") => {
-                "this is an observable of its own: give it a name, a = \"integral(v)\", and use that"
+                "this is an observable of its own: give it a name, a = \"integral(v)\", and \
+                 use that"
             }
-            Some("t") => {
-                "unknown name `t`: time is known in H0, H, the rate of damping and observables"
-            }
+            Some("t") => "unknown name `t`: time is known in H0, H, the rate and observables",
             _ => &error.message,
         };
         self.error_in(formula, error, message)
@@ -71,13 +83,11 @@ impl Source {
         message: impl Display,
     ) -> SceneError {
         let (whole, text, span) = (formula.span(), &formula.0, &error.span);
-        let place = match self.text.get(whole.clone()).and_then(|written| written.find(&**text)) {
-            Some(before) => {
-                let start = whole.start + before;
-                start + span.start..start + span.end
-            }
-            None => whole,
-        };
+        let written = self.text.get(whole.clone()).and_then(|written| written.find(&**text));
+        let place = written.map_or(whole.clone(), |before| {
+            let start = whole.start + before;
+            start + span.start..start + span.end
+        });
         self.error(place, message)
     }
 }

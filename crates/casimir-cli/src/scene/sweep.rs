@@ -2,14 +2,14 @@
 
 use std::{ops::Range, str::FromStr};
 
-use casimir::formula::{Formula, Names, nearest};
+use casimir::formula::{Formula, Names};
 use serde::{Deserialize, Serialize};
 
 use super::{
     Changes, Scene,
     file::SceneFile,
-    read,
-    source::{Read, Source},
+    read::{self, among},
+    source::{Read, Source, refuse},
     values::{At, MOST_VALUES, Parameter, Text, Values},
 };
 
@@ -29,23 +29,41 @@ impl FromStr for Set {
         let (name, values) = text.split_once('=').ok_or_else(|| {
             format!("`{text}` has no value: write NAME=VALUE, or NAME=0.1,0.2,0.5")
         })?;
-        let values: Values = values.parse()?;
-        Ok(Self::new(name.trim(), &values))
+        let Values(values) = values.parse()?;
+        Ok(Self { name: name.trim().into(), values })
     }
 }
 
-impl Set {
-    fn new(name: &str, values: &Values) -> Self {
-        Self { name: name.into(), values: values.0.clone() }
-    }
-}
-
-/// A parameter that is varied.
+/// A parameter with the values that are chosen.
 pub struct Varied {
     /// Its name.
     pub name: String,
     /// Its values.
     pub values: Vec<f64>,
+    /// The same as they are written.
+    texts: Vec<String>,
+    /// Where they stand if they are of the scene.
+    place: Option<Range<usize>>,
+}
+
+impl Varied {
+    /// Whether results have an axis for it: `--set` with one value settles it.
+    fn is_axis(&self) -> bool {
+        self.values.len() > 1 || self.place.is_some()
+    }
+
+    /// Gives the parameter of a scene one of the values.
+    fn put(&self, file: &mut SceneFile, place: usize) {
+        let parameters = &mut file.system.parameters;
+        let found = parameters.iter().find(|(key, _)| key.as_str() == self.name);
+        // A system of the project knows its parameters itself.
+        let (key, at) = found.map_or_else(
+            || (At::new(0..0, self.name.clone()), 0..0),
+            |(key, value)| (key.clone(), value.span()),
+        );
+        let value = Parameter::One(Text(self.texts[place].clone()));
+        parameters.insert(key, At::new(at, value));
+    }
 }
 
 /// One combination of the values.
@@ -56,6 +74,13 @@ pub struct Combination {
     pub places: Vec<usize>,
     /// The scene with these values.
     pub scene: Scene,
+}
+
+impl Combination {
+    /// What words about it begin with.
+    pub fn prefix(&self) -> String {
+        if self.label.is_empty() { String::new() } else { format!("{}: ", self.label) }
+    }
 }
 
 /// A scene at every combination of the values that are varied; the last parameter changes fastest.
@@ -73,21 +98,24 @@ impl Sweep {
     /// [`SceneError`](super::SceneError) as that of [`Scene::new`], or about what is varied.
     pub fn new(source: &Source, changes: &Changes) -> Read<Self> {
         let file = read::parse(source)?;
-        let chosen = chosen(source, &file, &changes.scheme.sets)?;
-        let numbers = chosen.iter().map(|one| one.values.len() as u64);
+        let mut varied = chosen(source, &file, &changes.scheme.sets)?;
+        let numbers = varied.iter().map(|one| one.values.len() as u64);
         let number = numbers.fold(1u64, u64::saturating_mul);
         if number > MOST_VALUES {
-            let message = format!("{number} combinations are too many: at most {MOST_VALUES}");
-            return Err(source.error(chosen[0].place.clone(), message));
+            refuse!(
+                source,
+                varied[0].place.clone(),
+                "{number} combinations are too many: at most {MOST_VALUES}"
+            );
         }
         let combination = |k: usize| {
             let (mut rest, mut words, mut places, mut file) = (k, vec![], vec![], file.clone());
-            for one in chosen.iter().rev() {
+            for one in varied.iter().rev() {
                 let place = rest % one.values.len();
                 rest /= one.values.len();
                 one.put(&mut file, place);
                 if one.is_axis() {
-                    words.insert(0, format!("{} = {}", one.name, one.values[place].0));
+                    words.insert(0, format!("{} = {}", one.name, one.texts[place]));
                     places.insert(0, place);
                 }
             }
@@ -97,99 +125,63 @@ impl Sweep {
             }
             Ok(Combination { label: words.join(", "), places, scene })
         };
-        let varied = chosen.iter().filter(|one| one.is_axis()).map(|one| Varied {
-            name: one.name.clone(),
-            values: one.values.iter().map(|(_, value)| *value).collect(),
-        });
-        Ok(Self {
-            varied: varied.collect(),
-            combinations: (0..number as usize).map(combination).collect::<Read<_>>()?,
-        })
-    }
-}
-
-/// The values of a parameter that are chosen.
-struct Chosen {
-    name: String,
-    /// As they are written, and as numbers.
-    values: Vec<(String, f64)>,
-    /// Where they stand if they are of the scene.
-    place: Option<Range<usize>>,
-}
-
-impl Chosen {
-    /// Whether results have an axis for it: `--set` with one value settles it.
-    fn is_axis(&self) -> bool {
-        self.values.len() > 1 || self.place.is_some()
-    }
-
-    /// Gives the parameter of a scene one of the values.
-    fn put(&self, file: &mut SceneFile, place: usize) {
-        let parameters = &mut file.system.parameters;
-        let found = parameters.iter().find(|(key, _)| key.as_str() == self.name);
-        // A system of the project knows its parameters itself.
-        let (key, at) = found.map_or_else(
-            || (At::new(0..0, self.name.clone()), 0..0),
-            |(key, value)| (key.clone(), value.span()),
-        );
-        let value = Parameter::One(Text(self.values[place].0.clone()));
-        parameters.insert(key, At::new(at, value));
+        let combinations = (0..number as usize).map(combination).collect::<Read<_>>()?;
+        varied.retain(Varied::is_axis);
+        Ok(Self { varied, combinations })
     }
 }
 
 /// What the scene and the command line choose, which goes before.
-fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Chosen>> {
+fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
+    let varied = |name: &str, texts: &[String], place| {
+        let (name, values, texts) = (name.into(), Vec::new(), texts.to_vec());
+        Varied { name, values, texts, place }
+    };
     let own = file.sweep.iter();
-    let mut sets: Vec<(Set, Option<Range<usize>>)> =
-        own.map(|(name, values)| (Set::new(name, values), Some(values.span()))).collect();
-    for (k, set) in given.iter().enumerate() {
-        if given[..k].iter().any(|before| before.name == set.name) {
-            return Err(source.error(None, format!("--set {} is given twice", set.name)));
+    let mut all: Vec<Varied> =
+        own.map(|(name, values)| varied(name, &values.0, Some(values.span()))).collect();
+    for (k, Set { name, values }) in given.iter().enumerate() {
+        if given[..k].iter().any(|before| before.name == *name) {
+            refuse!(source, None, "--set {name} is given twice");
         }
-        match sets.iter_mut().find(|(known, _)| known.name == set.name) {
-            Some(known) => *known = (set.clone(), None),
-            None => sets.push((set.clone(), None)),
+        let set = varied(name, values, None);
+        match all.iter_mut().find(|known| known.name == *name) {
+            Some(known) => *known = set,
+            None => all.push(set),
         }
     }
     let known: Vec<&str> = file.system.parameters.keys().map(|key| key.as_str()).collect();
-    let chosen = |(Set { name, values }, place): (Set, Option<Range<usize>>)| {
-        let wrong = |message: String| Err(source.error(place.clone(), message));
-        if values.is_empty() {
-            return wrong(format!("`{name}` needs a value"));
+    for Varied { name, values, texts, place } in &mut all {
+        let place = place.clone();
+        if texts.is_empty() {
+            refuse!(source, place, "`{name}` needs a value");
         }
-        if !known.contains(&&*name) && file.system.name.is_none() {
-            let hint = nearest(&name, &known);
-            let known = match known[..] {
-                [] => "this scene has none".into(),
-                _ => format!("there are {}", known.join(", ")),
-            };
-            return wrong(format!("no parameter `{name}` to set; {known}{hint}"));
+        if !known.contains(&&**name) && file.system.name.is_none() {
+            refuse!(source, place, "no parameter `{name}` to set{}", among(name, &known));
         }
-        let mut both = Vec::new();
-        for text in values {
-            let value = Formula::parse(&text, &Names::new()).map(|formula| formula.value(&[]));
-            match value {
-                Ok(value) if value.is_finite() => both.push((text, value)),
-                Ok(value) => return wrong(format!("{name} = {text}: it is {value}")),
-                Err(error) => return wrong(format!("{name} = {text}: {}", error.message)),
+        for text in texts {
+            match Formula::parse(text, &Names::new()).map(|formula| formula.value(&[])) {
+                Ok(value) if value.is_finite() => values.push(value),
+                Ok(value) => refuse!(source, place, "{name} = {text}: it is {value}"),
+                Err(error) => refuse!(source, place, "{name} = {text}: {}", error.message),
             }
         }
-        Ok(Chosen { name, values: both, place })
-    };
-    sets.into_iter().map(chosen).collect()
+    }
+    Ok(all)
 }
 
 /// Gives the parameters of a scene the values that the command line chooses, one each.
 pub fn settle(source: &Source, file: &mut SceneFile, given: &[Set]) -> Read<()> {
     file.sweep.clear();
     for one in chosen(source, file, given)? {
-        if let (name, [(first, _), _, ..]) = (&one.name, &one.values[..]) {
-            let message = format!(
+        if let (name, [first, _, ..]) = (&one.name, &one.texts[..]) {
+            refuse!(
+                source,
+                one.place.clone(),
                 "`{name}` has {} values, and only `run` and `plan` vary parameters: choose one by \
                  --set {name}={first}",
-                one.values.len(),
+                one.values.len()
             );
-            return Err(source.error(one.place.clone(), message));
         }
         one.put(file, 0);
     }

@@ -16,7 +16,7 @@ use serde::{
 use toml::{Spanned, Value};
 
 /// A value at its place in the text.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 pub struct At<T> {
     value: T,
     place: Range<usize>,
@@ -62,22 +62,22 @@ impl<T: JsonSchema> JsonSchema for At<T> {
 }
 
 /// A formula: a string, or a number.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Text(pub String);
 
 /// A whole number of at least 1. 1e6 is one, too.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Count(pub u64);
 
 /// A whole number of 64 bits; one that TOML has no number for stands in quotes.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Seed(pub u64);
 
 /// A parameter: a number, a formula without names, or a list of them.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(try_from = "Value")]
 pub enum Parameter {
     /// A number or a formula.
@@ -89,7 +89,7 @@ pub enum Parameter {
 }
 
 /// A list, or a text that stands for one.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub enum Listed<T> {
     /// The list.
     List(Vec<T>),
@@ -133,40 +133,36 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for OfListed<T> {
 }
 
 /// An event: the condition when it happens, or a table of it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(try_from = "Value")]
-pub struct Event {
+pub struct Event(pub EventTable);
+
+/// The keys of an event.
+#[derive(Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EventTable {
     /// The condition.
     pub when: Text,
     /// Whether the path stays where it is from then on.
-    pub stop: bool,
-}
-
-/// The keys of an event.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct EventTable {
-    when: Text,
     #[serde(default)]
-    stop: bool,
+    pub stop: bool,
 }
 
 impl TryFrom<Value> for Event {
     type Error = String;
 
     fn try_from(value: Value) -> Result<Self, String> {
-        let EventTable { when, stop } = match value {
-            table @ Value::Table(_) => {
-                table.try_into().map_err(|error| error.message().to_owned())?
+        match value {
+            Value::Table(table) => {
+                table.try_into().map(Self).map_err(|error| error.message().to_owned())
             }
-            text => EventTable { when: Text::try_from(text)?, stop: false },
-        };
-        Ok(Self { when, stop })
+            text => Ok(Self(EventTable { when: Text::try_from(text)?, stop: false })),
+        }
     }
 }
 
 /// The values of a parameter that is varied: a list, or `"from:to:number"`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Values(pub Vec<String>);
 
@@ -191,8 +187,8 @@ impl FromStr for Values {
     /// `0.1,0.2,1/3`, or `from:to:number`.
     fn from_str(text: &str) -> Result<Self, String> {
         let ends: Vec<&str> = text.split(':').map(str::trim).collect();
-        Ok(Self(match ends[..] {
-            [_] => text.split(',').map(|value| value.trim().into()).collect(),
+        match ends[..] {
+            [_] => Ok(Self(text.split(',').map(|value| value.trim().into()).collect())),
             [from, to, number] => {
                 let number_of = |end: &str| {
                     let number = end.parse().ok().filter(|end: &f64| end.is_finite());
@@ -205,12 +201,10 @@ impl FromStr for Values {
                     let text = format!("{:.9e}", from + (to - from) * k as f64 / last);
                     text.parse().map_or(text, |x: f64| format!("{x:?}"))
                 };
-                (0..number.min(MOST_VALUES + 1)).map(value).collect()
+                Ok(Self((0..number.min(MOST_VALUES + 1)).map(value).collect()))
             }
-            _ => {
-                return Err(format!("{text} is neither values such as 0.1,0.2 nor from:to:number"));
-            }
-        }))
+            _ => Err(format!("{text} is neither values such as 0.1,0.2 nor from:to:number")),
+        }
     }
 }
 
@@ -253,11 +247,10 @@ impl TryFrom<Value> for Text {
             Value::Integer(number) => Ok(Self(number.to_string())),
             Value::Float(number) if number.is_finite() => Ok(Self(format!("{number:?}"))),
             Value::Float(number) => Err(format!("a number must be finite, got {number}")),
-            other => Err(format!(
-                "got a value of type {}, expected a number or a formula in quotes, such as \
-                 \"y1^2/2\"",
-                other.type_str()
-            )),
+            other => {
+                let got = other.type_str();
+                Err(format!("got {got}, expected a number or a formula in quotes: \"y1^2/2\""))
+            }
         }
     }
 }
@@ -278,11 +271,9 @@ impl TryFrom<Value> for Parameter {
 
 /// A whole number of at least 1 from its text.
 pub fn count(text: &str) -> Result<u64, String> {
-    let float = || {
-        // Beyond 2⁵³ a number is not exact.
-        let whole = |number: &f64| number.fract() == 0.0 && *number <= 9e15;
-        text.parse().ok().filter(whole).map(|number| number as u64)
-    };
+    // Beyond 2⁵³ a number is not exact.
+    let whole = |number: &f64| number.fract() == 0.0 && *number <= 9e15;
+    let float = || text.parse().ok().filter(whole).map(|number| number as u64);
     let number = text.parse().ok().or_else(float).filter(|&number| number > 0);
     number
         .ok_or_else(|| format!("`{text}` is not a whole number of at least 1, such as 1000 or 1e6"))

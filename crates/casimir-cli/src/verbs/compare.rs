@@ -1,13 +1,13 @@
 //! Which scheme is cheapest for an error.
 
-use std::{fmt::Display, time::Instant};
+use std::time::Instant;
 
 use casimir::{
     analysis::{self, Candidates, CompareSettings},
     plot::figure,
 };
 
-use super::{Found, Watch, warnings};
+use super::{Found, Watch};
 use crate::{failure::Done, output::Drawn, scene::Scene};
 
 /// Compares all schemes on a scene at a root-mean-square error of y(T), within seconds.
@@ -21,9 +21,8 @@ pub fn compare(scene: &Scene, error: f64, budget: f64, watch: &Watch) -> Done<Fo
         stop: watch.stop.clone(),
         ..CompareSettings::new(error, settings.truncation, settings.key)
     };
-    let wrong = |error: &dyn Display| scene.source.error(None, error);
-    let candidates = Candidates::built_in(|id| scene.model.scheme(id));
-    let candidates = candidates.map_err(|error| wrong(&error))?;
+    let candidates = Candidates::built_in(|id| scene.model.scheme(id))
+        .map_err(|error| scene.source.error(None, error))?;
     let what = format!("errors and times of all schemes, {budget} s at most");
     let problem = scene.problem();
     let comparison = watch.under(what, 0, || {
@@ -35,7 +34,7 @@ pub fn compare(scene: &Scene, error: f64, budget: f64, watch: &Watch) -> Done<Fo
         analysis::compare(&problem, &candidates, &wanted, &told)
     });
     watch.check()?;
-    let comparison = comparison.map_err(|error| wrong(&error))?;
+    let comparison = comparison.map_err(|error| scene.source.error(None, error))?;
     let rule = match comparison.recommended() {
         Some(scheme) if scheme == auto => format!("a run takes {auto}, too"),
         _ => format!(
@@ -44,11 +43,8 @@ pub fn compare(scene: &Scene, error: f64, budget: f64, watch: &Watch) -> Done<Fo
             settings.until
         ),
     };
-    let figure = Drawn {
-        file: "compare".into(),
-        svg: figure::comparison(&comparison),
-        caption: "Errors of all schemes against their cost.".into(),
-    };
-    let text = warnings(&scene.model.known().mistake) + &format!("{comparison}\n{rule}.\n");
-    Ok(Found::new(text, serde_json::to_value(&comparison)?, vec![figure]))
+    let caption = "Errors of all schemes against their cost.";
+    let figure = Drawn::new("compare", figure::comparison(&comparison), caption);
+    let text = format!("{comparison}\n{rule}.\n");
+    Ok(Found::of(scene, &text, serde_json::to_value(&comparison)?, vec![figure]))
 }

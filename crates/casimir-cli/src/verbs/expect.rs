@@ -4,20 +4,19 @@ use std::time::Instant;
 
 use casimir::mc::{
     self, ExpectSettings, Observe,
-    expect::{Estimate, Expectation, Keeping, WarningKind},
+    expect::{Estimate, Keeping, WarningKind},
 };
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::{Found, Watch, coarsest_steps, scheme, warnings};
+use super::{Found, Watch, coarsest_steps, scheme, with_interval};
 use crate::{
     failure::{Done, Failure},
     model::with_names,
     scene::{AUTO, Scene},
 };
 
-/// Computes the expectations of a scene, with samples that are kept if this is wanted; and whether
-/// their accuracy is reached.
-pub fn expect(scene: &Scene, keeping: Option<Keeping>, watch: &Watch) -> Done<(Found, bool)> {
+/// Computes the expectations of a scene, with samples that are kept if this is wanted.
+pub fn expect(scene: &Scene, keeping: Option<Keeping>, watch: &Watch) -> Done<Found> {
     let accuracy = wanted(scene)?;
     let (expect, settings, because) = chosen(scene)?;
     let start = Instant::now();
@@ -26,58 +25,41 @@ pub fn expect(scene: &Scene, keeping: Option<Keeping>, watch: &Watch) -> Done<(F
         expect = expect.keeping(keeping);
     }
     let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
-    let expectation = watch
+    let found = watch
         .until("the first estimates", accuracy, |told| expect.telling(told).run(&phi, accuracy));
-    if let (true, Err(_)) = (watch.stop.is_asked(), &expectation) {
+    if let (true, Err(_)) = (watch.stop.is_asked(), &found) {
         return Err(Failure::Stopped("before the first estimates".into()));
     }
-    let seconds = start.elapsed().as_secs_f64();
-    let (expectation, reason) = (expectation?, because.as_deref());
-    let words = text(scene, &expectation, reason, seconds);
-    let json = json(scene, &expectation, reason, seconds);
-    Ok((Found::new(words, json, Vec::new()), expectation.reached()))
+    let (found, seconds) = (found?, start.elapsed().as_secs_f64());
+    let mut text = found.to_string();
+    for warning in &found.warnings {
+        if let WarningKind::Component(_) = warning.kind {
+            text = text.replace(&warning.text, &with_names(&warning.text, &scene.components));
+        }
+    }
+    if let Some(because) = &because {
+        text += &format!("{}: {because}\n", found.scheme);
+    }
+    text += &format!("{seconds:.2} s\n");
+    let estimate = |one: &Estimate| with_interval(one, one.interval(), one.half_width());
+    let json = json!({
+        "scheme": found.scheme, "because": because,
+        "accuracy": found.accuracy, "reached": found.reached(),
+        "estimates": found.estimates.iter().map(estimate).collect::<Vec<_>>(),
+        "levels": found.levels, "single_steps": found.single_steps,
+        "path_steps": found.cost, "seconds": seconds,
+    });
+    Ok(Found::of(scene, &text, json, Vec::new()).to(found.reached(), Some(accuracy)))
 }
 
 /// The accuracy that is wanted of a scene.
-pub fn wanted(scene: &Scene) -> Done<f64> {
+fn wanted(scene: &Scene) -> Done<f64> {
     scene.accuracy.filter(|_| !scene.expected.is_empty()).ok_or_else(|| {
         let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
         let message = format!(
             "nothing is expected: add a table\n  [expect]\n  of = [\"{name}\"]\n  accuracy = 1e-3"
         );
         scene.source.error(None, message).into()
-    })
-}
-
-/// The expectations in words.
-fn text(scene: &Scene, expectation: &Expectation, because: Option<&str>, seconds: f64) -> String {
-    let mut text = warnings(&scene.model.known().mistake) + &expectation.to_string();
-    for warning in &expectation.warnings {
-        if let WarningKind::Component(_) = warning.kind {
-            text = text.replace(&warning.text, &with_names(&warning.text, &scene.components));
-        }
-    }
-    if let Some(because) = because {
-        text += &format!("{}: {because}\n", expectation.scheme);
-    }
-    text + &format!("{seconds:.2} s\n")
-}
-
-/// The expectations for programs.
-fn json(scene: &Scene, expectation: &Expectation, because: Option<&str>, seconds: f64) -> Value {
-    let estimate = |estimate: &Estimate| {
-        let (mut json, (lo, hi)) = (json!(estimate), estimate.interval());
-        json["lo"] = lo.into();
-        json["hi"] = hi.into();
-        json["half_width"] = estimate.half_width().into();
-        json
-    };
-    json!({
-        "title": scene.title, "scheme": expectation.scheme, "because": because,
-        "accuracy": expectation.accuracy, "reached": expectation.reached(),
-        "estimates": expectation.estimates.iter().map(estimate).collect::<Vec<_>>(),
-        "levels": expectation.levels, "single_steps": expectation.single_steps,
-        "path_steps": expectation.cost, "seconds": seconds,
     })
 }
 

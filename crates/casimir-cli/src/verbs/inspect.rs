@@ -2,6 +2,8 @@
 
 use casimir::analysis::{self, InspectSettings, facts::Bath};
 
+use serde_json::json;
+
 use super::{Found, Watch};
 use crate::{failure::Done, model::with_names, scene::Scene};
 
@@ -21,11 +23,11 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     });
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
     let bath = model.bath();
-    let text = format!("{}\n{}", findings, bath.as_ref().map_or(String::new(), words));
+    let text = format!("{findings}\n{}", bath.as_ref().map_or(String::new(), words));
     let text = with_names(&text, &scene.components);
     let text = format!("{}{}\n", known.equation(), text.trim_end());
-    let mut json = serde_json::to_value(&findings)?;
-    json["bath"] = serde_json::to_value(&bath)?;
+    let mut json = json!(findings);
+    json["bath"] = json!(bath);
     Ok(Found::new(text, json, Vec::new()))
 }
 

@@ -20,15 +20,16 @@ use std::{
 use casimir::{mc::parts::Stop, schemes::BuiltIn, systems::Linearity};
 pub use indicatif::ProgressBar;
 use indicatif::ProgressStyle;
-use serde_json::Value;
+use serde::Serialize;
+use serde_json::{Value, json};
 
 pub use compare::compare;
 pub use expect::expect;
 pub use inspect::inspect;
 pub use order::order;
 pub use referee::{Claims, Measure, SINGLE_STATES, judge, single_steps, solver_noise};
-pub use run::{Outcomes, Ready, Results, compute, ready};
-pub use stationary::{Asked, equilibrium};
+pub use run::{Outcomes, Results, compute, ready, settle};
+pub use stationary::equilibrium;
 
 use crate::{
     failure::{Done, Failure},
@@ -45,14 +46,38 @@ pub struct Found {
     pub json: Value,
     /// In figures.
     pub figures: Vec<Drawn>,
+    /// That the accuracy is not reached, if it is not.
+    pub unreached: Option<String>,
 }
 
 impl Found {
+    /// Of a scene: with its title and what is wrong with it.
+    fn of(scene: &Scene, text: &str, mut json: Value, figures: Vec<Drawn>) -> Self {
+        json["title"] = json!(scene.title);
+        Self::new(warnings(&scene.model.known().mistake) + text, json, figures)
+    }
+
     /// With the warnings among the words as a list for programs.
     fn new(text: String, mut json: Value, figures: Vec<Drawn>) -> Self {
         json["warnings"] = text.lines().filter_map(|line| line.strip_prefix(WARNING)).collect();
-        Self { text, json, figures }
+        Self { text, json, figures, unreached: None }
     }
+
+    /// The same of estimates to an accuracy, if there was a wish.
+    fn to(mut self, reached: bool, accuracy: Option<f64>) -> Self {
+        let wish = accuracy.map_or(String::new(), |wish| format!("±{wish:e} not reached, or "));
+        self.unreached = (!reached).then(|| wish + "not to be believed");
+        self
+    }
+}
+
+/// An estimate for programs with its interval.
+fn with_interval(estimate: &impl Serialize, (lo, hi): (f64, f64), half_width: f64) -> Value {
+    let mut json = json!(estimate);
+    for (key, value) in [("lo", lo), ("hi", hi), ("half_width", half_width)] {
+        json[key] = value.into();
+    }
+    json
 }
 
 /// How a command tells how far it is, and what ends it early.
@@ -85,19 +110,19 @@ impl Watch {
             ));
         };
         let say = || {
-            let (half_width, whole) = *last();
-            let ([since, more], told) = ([now(), whole - now()], half_width.is_finite());
-            if half_width > accuracy && (told || since >= PATIENCE.as_secs_f64()) {
-                let so_far = match told {
-                    true => {
-                        format!("±{half_width:.1e} so far, about {:.1} more", more.max(1.0) / 60.0)
-                    }
-                    false => "no estimate yet".into(),
-                };
-                let since = since / 60.0;
-                let words = format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}");
-                self.bar.suspend(|| (self.say)(&words));
-            }
+            let ((half_width, whole), since) = (*last(), now());
+            let so_far = match half_width.is_finite() {
+                _ if half_width <= accuracy => return,
+                true => {
+                    let more = (whole - since).max(1.0) / 60.0;
+                    format!("±{half_width:.1e} so far, about {more:.1} more")
+                }
+                false if since < PATIENCE.as_secs_f64() => return,
+                false => "no estimate yet".into(),
+            };
+            let since = since / 60.0;
+            let words = format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}");
+            self.bar.suspend(|| (self.say)(&words));
         };
         watched(PATIENCE, say, || self.under(what.into(), 0, || work(&told)))
     }
@@ -125,9 +150,10 @@ impl Watch {
 
     /// Refuses to go on if the end was asked for.
     fn check(&self) -> Done {
-        match self.stop.is_asked() {
-            true => Err(Failure::Stopped("nothing is complete".into())),
-            false => Ok(()),
+        if self.stop.is_asked() {
+            Err(Failure::Stopped("nothing is complete".into()))
+        } else {
+            Ok(())
         }
     }
 }

@@ -9,7 +9,7 @@ use casimir::{
 };
 use serde_json::{Value, json};
 
-use super::{Found, Watch, coarsest_steps, scheme, warnings};
+use super::{Found, Watch, coarsest_steps, scheme};
 use crate::{
     failure::Done,
     output::Drawn,
@@ -17,12 +17,12 @@ use crate::{
 };
 
 /// A quantity with the order of its errors.
-type Measured = (String, Order);
+pub type Measured = (String, Order);
 
 /// Measures the orders of the scheme of a scene. Each measurement may take so many path-steps.
 pub fn order(scene: &Scene, path_steps: u64, watch: &Watch) -> Done<Found> {
     let start = Instant::now();
-    let ((scheme, because), mistake) = (scheme(scene), scene.model.known().mistake);
+    let (scheme, because) = scheme(scene);
     let settings = &scene.settings;
     let measured = scene.setup(&scheme)?;
     let sizes = StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key)
@@ -42,58 +42,51 @@ pub fn order(scene: &Scene, path_steps: u64, watch: &Watch) -> Done<Found> {
         watch.check()?;
         Ok((quantity, order.map_err(|error| scene.steps_error(error))?))
     };
-    let strong = order(&measured, None)?;
+    let (_, strong) = order(&measured, None)?;
     let measured = scene.collecting(measured);
-    let first = usize::from(scene.expected.is_empty());
-    let weak = scene.observables.iter().take(first).chain(&scene.expected);
-    let weak = weak.map(|phi| order(&measured, Some(phi)));
-    let weak = weak.collect::<Done<Vec<Measured>>>()?;
+    let weak =
+        scene.tested().map(|phi| order(&measured, Some(phi))).collect::<Done<Vec<Measured>>>()?;
     let seconds = start.elapsed().as_secs_f64();
     let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
-    let mut text = warnings(&mistake) + &format!("{scheme}{reason}, {seconds:.1} s\n");
-    for (kind, (quantity, order)) in
-        [("strong", &strong)].into_iter().chain(weak.iter().map(|weak| ("weak", weak)))
-    {
-        text += &format!("{kind}, {quantity}: {order}\n");
+    let mut text = format!("{scheme}{reason}, {seconds:.1} s\nstrong, y(T): {strong}\n");
+    for (quantity, order) in &weak {
+        text += &format!("weak, {quantity}: {order}\n");
     }
-    let weak_series = weak.iter().map(|(quantity, order)| series(&scheme, quantity, order));
-    let figures = figures(series(&scheme, "y(T)", &strong.1), &weak_series.collect::<Vec<_>>());
-    let described = |(quantity, order): &Measured| described(quantity, order);
+    let figures = figures(&scheme, &strong, &weak);
+    let [strong, weak] = described(&strong, &weak);
     let json = json!({
-        "title": scene.title, "scheme": scheme, "because": because,
-        "strong": described(&strong), "weak": weak.iter().map(described).collect::<Vec<_>>(), "seconds": seconds,
+        "scheme": scheme, "because": because, "strong": strong, "weak": weak, "seconds": seconds,
     });
-    Ok(Found::new(text, json, figures))
+    Ok(Found::of(scene, &text, json, figures))
 }
 
-/// An order as a curve.
-pub fn series(scheme: &str, quantity: &str, order: &Order) -> Series {
-    Series {
+/// The figures of a strong order and of weak ones.
+pub fn figures(scheme: &str, strong: &Order, weak: &[Measured]) -> Vec<Drawn> {
+    let series = |quantity: &str, order: &Order| Series {
         scheme: scheme.into(),
         quantity: quantity.into(),
         points: order.points.clone(),
         rate: order.rate.clone(),
         ..Series::default()
-    }
-}
-
-/// The figures of a strong order and of weak ones.
-pub fn figures(strong: Series, weak: &[Series]) -> Vec<Drawn> {
-    let drawn = |file: &str, title, kind, series: &[Series]| Drawn {
-        file: file.into(),
-        svg: convergence(title, kind, series),
-        caption: format!("{title} against the step, 95 % intervals."),
     };
+    let drawn = |file: &str, title, kind, series: &[Series]| {
+        let caption = format!("{title} against the step, 95 % intervals.");
+        Drawn::new(file, convergence(title, kind, series), caption)
+    };
+    let weak: Vec<Series> = weak.iter().map(|(quantity, order)| series(quantity, order)).collect();
     vec![
-        drawn("strong", "Strong errors", Kind::Strong, &[strong]),
-        drawn("weak", "Weak errors", Kind::Weak, weak),
+        drawn("strong", "Strong errors", Kind::Strong, &[series("y(T)", strong)]),
+        drawn("weak", "Weak errors", Kind::Weak, &weak),
     ]
 }
 
-/// An order for programs.
-pub fn described(quantity: &str, order: &Order) -> Value {
-    json!({
-        "quantity": quantity, "order": order.order(), "words": order.to_string(),
-        "rate": order.rate, "points": order.points, "failed_paths": order.failed,
-    })
+/// A strong order and weak ones for programs.
+pub fn described(strong: &Order, weak: &[Measured]) -> [Value; 2] {
+    let one = |quantity: &str, order: &Order| {
+        json!({
+            "quantity": quantity, "order": order.order(), "words": order.to_string(),
+            "rate": order.rate, "points": order.points, "failed_paths": order.failed,
+        })
+    };
+    [one("y(T)", strong), weak.iter().map(|(quantity, order)| one(quantity, order)).collect()]
 }

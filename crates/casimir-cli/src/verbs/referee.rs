@@ -4,11 +4,11 @@ use casimir::{
     analysis::{Decision, Judged, LevelNoise, Referee, SolverStates, StepSizes, VISITS, Verdict},
     mc::{Observe, demand},
 };
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{
     Found, coarsest_steps,
-    order::{described, figures, series},
+    order::{described, figures},
 };
 use crate::{failure::Done, scene::Scene};
 
@@ -46,11 +46,8 @@ const REFINEMENT: u32 = 3;
 /// The referee of a scene.
 fn referee(scene: &Scene, measure: Measure) -> Done<Referee<'_>> {
     let settings = &scene.settings;
-    let scheme = match scene.model.system().description().noises_commute {
-        true => "sexp",
-        false if scene.setup("sexp-levy").is_ok() => "sexp-levy",
-        false => "sexp",
-    };
+    let areas = !scene.model.system().description().noises_commute;
+    let scheme = if areas && scene.setup("sexp-levy").is_ok() { "sexp-levy" } else { "sexp" };
     let steps = measure.steps.unwrap_or_else(|| coarsest_steps(settings.until));
     let sizes = StepSizes::new(steps, settings.truncation, settings.key);
     let (levels, samples) = (measure.levels, measure.paths);
@@ -106,32 +103,32 @@ pub fn judge(
     claims: &Claims,
 ) -> Done<Found> {
     let referee = referee(scene, measure)?;
-    let few = usize::from(scene.expected.is_empty());
-    let observables = scene.observables.iter().take(few).chain(&scene.expected);
-    let observables: Vec<&dyn Observe> = observables.map(|phi| phi as _).collect();
+    let observables: Vec<&dyn Observe> = scene.tested().map(|phi| phi as _).collect();
     let found = referee.judge(&observables, states);
     let Judged { strong, weak, taus, errors, reference_error, laws, solves } = &found;
     let own_noise = claims.own_noise;
     let (mut text, mut verdicts) = (String::new(), Vec::new());
     let mut say = |what: String, claim: Option<(String, Verdict)>, words: String| {
-        let judged = claim.as_ref().map(|(claimed, verdict)| {
-            let verdict = match verdict {
-                Verdict::Confirmed => "confirmed",
-                Verdict::Refuted => "refuted",
-                Verdict::CannotTell => "cannot tell",
-            };
-            (claimed, verdict)
+        let (claimed, verdict) = claim.unzip();
+        let verdict = verdict.map(|verdict| match verdict {
+            Verdict::Confirmed => "confirmed",
+            Verdict::Refuted => "refuted",
+            Verdict::CannotTell => "cannot tell",
         });
-        let told =
-            judged.map_or(String::new(), |(claimed, verdict)| format!(" {claimed}: {verdict}"));
-        text += &format!("{what}{told}: {words}\n");
-        let (claimed, verdict) = judged.unzip();
+        text += &what;
+        if let (Some(claimed), Some(verdict)) = (&claimed, verdict) {
+            text += &format!(" {claimed}: {verdict}");
+        }
+        text += &format!(": {words}\n");
         verdicts
             .push(json!({ "what": what, "claimed": claimed, "verdict": verdict, "words": words }));
     };
-    let claim = claims.strong.map(|claimed| match own_noise {
-        true => (claimed, Verdict::Refuted),
-        false => (claimed, strong.is_strongly(claimed, claims.same_step)),
+    let claim = claims.strong.map(|claimed| {
+        if own_noise {
+            (claimed, Verdict::Refuted)
+        } else {
+            (claimed, strong.is_strongly(claimed, claims.same_step))
+        }
     });
     let confirmed = claim.is_some_and(|(_, verdict)| verdict == Verdict::Confirmed);
     let words = match (&strong.decision, solves) {
@@ -147,26 +144,27 @@ pub fn judge(
     let told = |claim: Option<(f64, Verdict)>| claim.map(|(order, v)| (order.to_string(), v));
     say("strong order".into(), told(claim), words);
     for (name, order) in weak {
-        let claim = claims.weak.map(|claimed| (claimed, order.is_weakly(claimed)));
-        let (claim, words) = match claim {
-            Some((claimed, Verdict::CannotTell))
-                if !own_noise && strong.implies_weakly(order, claimed) =>
-            {
-                let words =
-                    "implied by the strong order, for steps that are smooth in τ and ΔW; by itself";
-                (Some((claimed, Verdict::Confirmed)), format!("{words} {order}"))
-            }
-            claim => (claim, order.to_string()),
-        };
+        let mut claim = claims.weak.map(|claimed| (claimed, order.is_weakly(claimed)));
+        let mut words = order.to_string();
+        if let Some((claimed, verdict @ Verdict::CannotTell)) = &mut claim
+            && !own_noise
+            && strong.implies_weakly(order, *claimed)
+        {
+            *verdict = Verdict::Confirmed;
+            words = format!(
+                "implied by the strong order, for steps that are smooth in τ and ΔW; by itself \
+                 {order}"
+            );
+        }
         say(format!("weak order of E[{name}]"), told(claim), words);
     }
     for (name, defect, rounding) in laws {
-        let kept = defect <= rounding;
-        let words = match kept {
-            true => format!("kept to {defect:.0e}, which is rounding"),
-            false => format!("defect {defect:.1e}, rounding would be {rounding:.0e}"),
+        let (verdict, words) = if defect <= rounding {
+            (Verdict::Confirmed, format!("kept to {defect:.0e}, which is rounding"))
+        } else {
+            let words = format!("defect {defect:.1e}, rounding would be {rounding:.0e}");
+            (Verdict::Refuted, words)
         };
-        let verdict = if kept { Verdict::Confirmed } else { Verdict::Refuted };
         let claim = claims.keeps.then(|| ("kept".to_owned(), verdict));
         say(format!("law {name}"), claim, words);
     }
@@ -176,20 +174,25 @@ pub fn judge(
     text += "  step      error     ns per path-step\n";
     for (l, (tau, error)) in taus.iter().zip(errors).enumerate() {
         let steps = (referee.sizes.coarsest_steps << l) as f64 * measure.paths as f64;
-        let cost = claims.seconds.get(l).map(|s| format!("{:.0}", s / steps * 1e9));
-        let cost = cost.unwrap_or_else(|| "–".into());
+        let cost = claims
+            .seconds
+            .get(l)
+            .map(|s| format!("{:.0}", s / steps * 1e9))
+            .unwrap_or_else(|| "–".into());
         text += &format!("  {tau:<8.2e}  {error:<8.2e}  {cost}\n");
     }
-    let of_weak = weak.iter().map(|(name, order)| series("solver", name, order));
-    let figures = figures(series("solver", "y(T)", strong), &of_weak.collect::<Vec<_>>());
+    let figures = figures("solver", strong, weak);
+    let law = |(name, defect, rounding): &(String, f64, f64)| {
+        json!({
+            "law": name, "defect": defect, "rounding": rounding,
+        })
+    };
+    let [strong, weak] = described(strong, weak);
     let json = json!({
-        "title": scene.title, "verdicts": verdicts, "strong": described("y(T)", strong),
-        "weak": weak.iter().map(|(name, order)| described(name, order)).collect::<Vec<_>>(),
-        "laws": laws.iter().map(|(name, defect, rounding)| {
-            json!({ "law": name, "defect": defect, "rounding": rounding })
-        }).collect::<Vec<_>>(),
-        "steps": taus, "errors": errors, "reference_error": reference_error,
-        "solves": solves, "own_noise": claims.own_noise, "seconds": claims.seconds,
+        "verdicts": verdicts, "strong": strong, "weak": weak,
+        "laws": laws.iter().map(law).collect::<Value>(), "steps": taus, "errors": errors,
+        "reference_error": reference_error, "solves": solves, "own_noise": own_noise,
+        "seconds": claims.seconds,
     });
-    Ok(Found::new(text, json, figures))
+    Ok(Found::of(scene, &text, json, figures))
 }

@@ -10,7 +10,7 @@ use casimir::{
     },
 };
 
-use super::{Settled, Watch};
+use super::{Settled, Watch, scheme};
 use crate::{
     failure::{Done, Failure},
     model::Known,
@@ -34,6 +34,11 @@ pub struct Results {
     pub check: Option<StepCheck>,
     /// Seconds of the computation.
     pub seconds: f64,
+}
+
+/// The schemes of all combinations.
+pub fn settle(sweep: &Sweep) -> Vec<Settled> {
+    sweep.combinations.iter().map(|one| scheme(&one.scene)).collect()
 }
 
 /// The runs of all combinations, checked.
@@ -79,13 +84,12 @@ impl Outcomes<'_> {
     /// # Errors
     /// The last failure.
     pub fn check(&self) -> Done {
-        let failures = self.found().map(|(_, results)| results.all_failed());
-        match failures.collect::<Option<Vec<_>>>().and_then(|mut failures| failures.pop()) {
-            Some(failure) => Err(Failure::Run(format!(
-                "all paths failed: take more steps, or another scheme; {failure}"
-            ))),
-            None => Ok(()),
+        let failures: Option<Vec<_>> = self.found().map(|(_, found)| found.all_failed()).collect();
+        if let Some(last) = failures.and_then(|mut failures| failures.pop()) {
+            let words = "all paths failed: take more steps, or another scheme";
+            return Err(Failure::Run(format!("{words}; {last}")));
         }
+        Ok(())
     }
 }
 
@@ -118,26 +122,25 @@ impl Results {
 
     /// What a reader must know of single paths, of the steps and of the statistics.
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
-        let Self { tables, study, check, .. } = self;
-        let lines = |check| output::step_lines(check, study.as_ref(), tables, scene);
-        let steps = check.iter().flat_map(lines);
-        let warnings = study.iter().flat_map(|study| study.warnings.clone());
-        let halted = self.halted(scene).map(|(path, halted)| format!("path {path}: {halted}"));
-        let none = self.lacks_tables(scene);
-        let none =
-            none.then(|| "stopped before the tables of single paths, which come last".into());
-        let is_few =
-            study.is_none() && !(scene.wanted.pairs.is_empty() && scene.wanted.lagged.is_empty());
-        let few = "pairs and autocorrelations are of 100 paths or more: take more `paths`";
-        let few = is_few.then(|| few.to_owned());
-        let mistake = self.known.mistake.clone().into_iter();
-        mistake.chain(steps).chain(warnings).chain(halted).chain(none).chain(few).collect()
+        let Self { study, known, .. } = self;
+        let mut all = Vec::from_iter(known.mistake.clone());
+        all.extend(output::step_lines(self, scene));
+        all.extend(study.iter().flat_map(|study| study.warnings.clone()));
+        all.extend(self.halted(scene).map(|(path, halted)| format!("path {path}: {halted}")));
+        if self.lacks_tables(scene) {
+            all.push("stopped before the tables of single paths, which come last".into());
+        }
+        if study.is_none() && !(scene.wanted.pairs.is_empty() && scene.wanted.lagged.is_empty()) {
+            let few = "pairs and autocorrelations are of 100 paths or more: take more `paths`";
+            all.push(few.into());
+        }
+        all
     }
 }
 
 /// A run that was checked.
 pub struct Ready<'a> {
-    label: &'a str,
+    prefix: String,
     scene: &'a Scene,
     scheme: String,
     setup: Setup<'a>,
@@ -147,29 +150,27 @@ pub struct Ready<'a> {
 impl<'a> Ready<'a> {
     /// Checks that the scheme can be run.
     pub fn new(combination: &'a Combination, (scheme, because): Settled) -> Done<Self> {
-        let Combination { label, scene, .. } = combination;
+        let (scene, prefix) = (&combination.scene, combination.prefix());
         let setup = scene.collecting(scene.setup(&scheme)?);
         let settings = &scene.settings;
         if setup.scheme.clips_increments()
             && let Err(error) = settings.truncation.bound(settings.until / settings.steps as f64)
         {
             let least = settings.until.floor() as u64 + 1;
-            let message = format!(
+            return Err(scene.steps_error(format_args!(
                 "{} truncates increments: {error}. Take at least {least} steps, or leave out \
                  `truncation`",
                 setup.scheme.id()
-            );
-            return Err(scene.steps_error(message).into());
+            )))?;
         }
-        Ok(Self { label, scene, scheme, setup, because })
+        Ok(Self { prefix, scene, scheme, setup, because })
     }
 
     /// Computes tables and statistics; none if another part has them.
     pub fn compute(self, job: &Job, watch: &Watch) -> Done<Option<Results>> {
         let start = Instant::now();
-        let Self { label, scene, scheme, setup, because } = self;
-        let of_label = if label.is_empty() { String::new() } else { format!("{label}: ") };
-        job.section(&of_label);
+        let Self { prefix, scene, scheme, setup, because } = self;
+        job.section(&prefix);
         let Scene { components, observables, settings, model, .. } = scene;
         let (steps, truncation, key) = (settings.steps, settings.truncation, settings.key);
         let wrong = |error| match error {
@@ -194,7 +195,7 @@ impl<'a> Ready<'a> {
             if watch.stop.is_asked() {
                 return Ok(None);
             }
-            study = watch.under(format!("{of_label}paths"), settings.paths * steps, || {
+            study = watch.under(format!("{prefix}paths"), settings.paths * steps, || {
                 of_all.telling(|done| watch.bar.inc(done)).run_in(job, "study")
             });
         }

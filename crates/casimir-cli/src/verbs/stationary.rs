@@ -3,173 +3,152 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::facts::gibbs_marginal,
+    analysis::facts::{gibbs_marginal, is_divergence_free},
     mc::{
-        Averages, Equilibrium, EquilibriumSettings, Observe, RunError, equilibrium::StationaryMean,
-        expect::Keeping,
+        Averages, Equilibrium, EquilibriumSettings, Friction, Observe, RunError,
+        equilibrium::StationaryMean, expect::Keeping,
     },
     plot::figure::{Trace, lines},
     schemes::BuiltIn,
 };
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::{Found, Watch, scheme, warnings};
+use super::{Found, Watch, scheme, with_interval};
 use crate::{
     failure::{Done, Failure},
     model::with_names,
     output::{Drawn, digits},
-    scene::{Observable, Scene},
+    scene::{Observable, Read, Scene, refuse},
 };
 
-/// What chains are asked for.
-#[derive(Clone, Copy, Debug)]
-pub enum Asked {
-    /// Averages of what the scene expects.
-    Averages,
-    /// So many Lyapunov exponents, to an accuracy.
-    Exponents(usize, f64),
-}
-
-/// Computes averages over the stationary law of a scene, with chains that are kept if this is
-/// wanted, and so many path-steps at most; and whether their accuracy is reached.
+/// Computes averages over the stationary law of a scene, or so many Lyapunov exponents, with chains
+/// that are kept if this is wanted, and so many path-steps at most.
 pub fn equilibrium(
     scene: &Scene,
-    asked: Asked,
-    (chains, path_steps): (u64, u64),
+    exponents: Option<usize>,
+    (chains, max_cost): (u64, u64),
     keeping: Option<Keeping>,
     watch: &Watch,
-) -> Done<(Found, bool)> {
+) -> Done<Found> {
     // Without a wish, the first averages that chains are long enough for.
-    let wanted = match asked {
-        Asked::Averages => scene.accuracy,
-        Asked::Exponents(_, accuracy) => Some(accuracy),
-    };
-    let accuracy = wanted.unwrap_or(f64::MAX);
-    check(scene, asked)?;
+    let accuracy = scene.accuracy.unwrap_or(f64::MAX);
+    check(scene, exponents.is_none())?;
     let ((scheme, because), start) = (scheme(scene), Instant::now());
-    let setup = scene.setup(&scheme)?;
     let settings = EquilibriumSettings {
         key: scene.settings.key,
         truncation: scene.settings.truncation,
         weak_order: BuiltIn::named(&scheme).map_or(1.0, |scheme| scheme.properties().weak),
         chains,
-        max_cost: path_steps,
+        max_cost,
         stop: watch.stop.clone(),
         ..EquilibriumSettings::new(scene.settings.steps)
     };
     let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
-    let mut equilibrium = Equilibrium::new(setup, settings).watching(energy);
+    let mut equilibrium = Equilibrium::new(scene.setup(&scheme)?, settings).watching(energy);
     if let Some(keeping) = keeping {
         equilibrium = equilibrium.keeping(keeping);
     }
     let of = if scene.expected.is_empty() { &scene.observables } else { &scene.expected };
     let of_state = of.iter().filter(|phi| phi.quantity.is_of_state());
     let phi: Vec<&dyn Observe> = of_state.map(|phi| phi as _).collect();
-    let found = watch.until("chains come to their law", accuracy, |told| {
-        let equilibrium = equilibrium.telling(told);
-        match asked {
-            Asked::Averages => equilibrium.run(&phi, accuracy),
-            Asked::Exponents(count, _) => equilibrium.lyapunov(count, accuracy),
-        }
-    });
-    let found = found.map_err(|error| match error {
-        RunError::Stopped => {
-            let words = "before the first averages; chains that are kept go on from there";
-            Failure::Stopped(words.into())
-        }
-        RunError::Ladder(error) => scene.steps_error(error).into(),
-        error => scene.source.error(None, error).into(),
-    })?;
+    let found = watch
+        .until("chains come to their law", accuracy, |told| {
+            let equilibrium = equilibrium.telling(told);
+            match exponents {
+                None => equilibrium.run(&phi, accuracy),
+                Some(count) => equilibrium.lyapunov(count, accuracy),
+            }
+        })
+        .map_err(|error| match error {
+            RunError::Stopped => {
+                let words = "before the first averages; chains that are kept go on from there";
+                Failure::Stopped(words.into())
+            }
+            RunError::Ladder(error) => scene.steps_error(error).into(),
+            error => scene.source.error(None, error).into(),
+        })?;
     let kt = scene.model.bath().and_then(|bath| bath.beta).map(|beta| 1.0 / beta);
-    let is_bath = matches!(asked, Asked::Averages);
-    let mistake = scene.model.known().mistake;
-    let mut text = warnings(&mistake) + &with_names(&found.to_string(), &scene.components);
+    let mut text = with_names(&found.to_string(), &scene.components);
     if let Some(because) = &because {
         text += &format!("{scheme}: {because}\n");
     }
-    if let Some(kt) = kt.filter(|_| is_bath) {
-        text += &format!("exp(-H0/kT) is stationary with kT = {}\n", digits(Some(kt)));
-    }
-    if let Asked::Exponents(count, _) = asked {
-        text += &contraction(scene, &found, count);
+    match (exponents, kt) {
+        (Some(count), _) => text += &contraction(scene, &found, count),
+        (None, Some(kt)) => {
+            text += &format!("exp(-H0/kT) is stationary with kT = {}\n", digits(kt));
+        }
+        _ => {}
     }
     text += &format!("{:.2} s\n", start.elapsed().as_secs_f64());
-    let mut json = json(scene, &found, because.as_deref(), kt);
-    json["accuracy"] = json!(wanted);
-    let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
-    Ok((Found::new(text, json, figures), found.reached()))
-}
-
-/// Refuses what has no stationary law, or is no function of the state.
-fn check(scene: &Scene, asked: Asked) -> Done {
-    let (problem, model) = (scene.problem(), &scene.model);
-    let changes = problem.dampings().any(|damping| {
-        let rate = damping.rate(0.0);
-        [0.37, 1.0].iter().any(|part| damping.rate(part * problem.t_end) != rate)
-    });
-    let along = scene.expected.iter().find(|phi| !phi.quantity.is_of_state());
-    let wrong = if model.system().description().depends_on_time {
-        "a system that depends on time has no stationary law: if it is periodic, make its phase a \
-         component, by a canonical pair (phi, J) with w*J in H0 and phi for w*t"
-            .into()
-    } else if changes {
-        "a damping that depends on time has no stationary law".into()
-    } else if let (Asked::Averages, Some(Observable { name, .. })) = (asked, along) {
-        format!(
-            "averages over the stationary law are of functions of the state alone: leave out `{name}`"
-        )
-    } else {
-        return Ok(());
-    };
-    Err(scene.source.error(None, wrong).into())
-}
-
-/// The sum of all exponents beside what it must be, where B has no divergence.
-fn contraction(scene: &Scene, found: &Averages, count: usize) -> String {
-    let (problem, d) = (scene.problem(), scene.components.len());
-    let rates: f64 = casimir::mc::Friction::rates(scene.model.friction(), 0.0, d).iter().sum();
-    let (rate, canonical) =
-        (rates + d as f64 * problem.damping.rate(0.0), scene.model.contracts_volume());
-    match found.means.last() {
-        Some(sum) if count == d && canonical => format!(
-            "volume contracts by -Σγᵢ = {}: the sum differs by {:.1e}\n",
-            digits(Some(-rate)),
-            sum.mean + rate
-        ),
-        _ => String::new(),
-    }
-}
-
-/// Averages for programs.
-fn json(scene: &Scene, found: &Averages, because: Option<&str>, kt: Option<f64>) -> Value {
-    let mean = |mean: &StationaryMean| {
-        let (mut json, (lo, hi)) = (json!(mean), mean.interval());
-        json["lo"] = lo.into();
-        json["hi"] = hi.into();
-        json["half_width"] = mean.half_width().into();
-        json
-    };
+    let mean = |mean: &StationaryMean| with_interval(mean, mean.interval(), mean.half_width());
     let mut json = json!(found);
-    json["title"] = json!(scene.title);
     json["because"] = json!(because);
     json["kT"] = json!(kt);
     json["reached"] = found.reached().into();
     json["estimates"] = found.means.iter().map(mean).collect();
-    json
+    json["accuracy"] = json!(scene.accuracy);
+    let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
+    Ok(Found::of(scene, &text, json, figures).to(found.reached(), scene.accuracy))
+}
+
+/// Refuses what has no stationary law, or is no function of the state.
+fn check(scene: &Scene, averages: bool) -> Read<()> {
+    let (source, model) = (&scene.source, &scene.model);
+    if model.system().description().depends_on_time {
+        refuse!(
+            source,
+            None,
+            "a system that depends on time has no stationary law: if it is periodic, make its \
+             phase a component, by a canonical pair (phi, J) with w*J in H0 and phi for w*t"
+        );
+    }
+    if model.constant_rates().is_none() {
+        refuse!(source, None, "a damping that depends on time has no stationary law");
+    }
+    let along = scene.expected.iter().find(|phi| !phi.quantity.is_of_state());
+    if let (true, Some(Observable { name, .. })) = (averages, along) {
+        refuse!(
+            source,
+            None,
+            "averages over the stationary law are of functions of the state alone: leave out \
+             `{name}`"
+        );
+    }
+    Ok(())
+}
+
+/// The sum of all exponents beside what it must be, where fields B∇H have no divergence, so that
+/// damping alone contracts volume.
+fn contraction(scene: &Scene, found: &Averages, count: usize) -> String {
+    let (problem, system) = (scene.problem(), scene.model.system());
+    let d = scene.components.len();
+    let rates: f64 = Friction::rates(scene.model.friction(), 0.0, d).iter().sum();
+    let rate = rates + d as f64 * problem.damping.rate(0.0);
+    match found.means.last() {
+        Some(sum)
+            if count == d
+                && !system.description().is_transverse
+                && is_divergence_free(system, &problem.y0) =>
+        {
+            let (own, off) = (digits(-rate), sum.mean + rate);
+            format!("volume contracts by -Σγᵢ = {own}: the sum differs by {off:.1e}\n")
+        }
+        _ => String::new(),
+    }
 }
 
 /// The density of an average, beside that of e^{−H₀/kT} where this is known.
 fn drawn(scene: &Scene, mean: &StationaryMean, kt: Option<f64>) -> Option<Drawn> {
     let histogram = mean.histogram.as_ref()?;
     let (grid, counts) = (&histogram.grid, &histogram.counts);
-    let all: u64 = counts.iter().sum::<u64>() + histogram.below + histogram.above;
+    let all = counts.iter().sum::<u64>() + histogram.below + histogram.above;
     let first = counts.iter().position(|&count| count > 0)?;
     let last = counts.iter().rposition(|&count| count > 0)?;
     let middle = |k: usize| grid.edge(k as u32) + 0.5 * grid.width;
     let x: Vec<f64> = (first..=last).map(middle).collect();
     let density = |k: usize| counts[k] as f64 / (all as f64 * grid.width);
-    let both = x.iter().copied().zip((first..=last).map(density));
-    let mut traces = vec![Trace { name: "chains".into(), points: both.collect() }];
+    let points = x.iter().copied().zip((first..=last).map(density)).collect();
+    let mut traces = vec![Trace { name: "chains".into(), points }];
     let place = scene.components.iter().position(|name| *name == mean.name);
     let known = kt.zip(place).and_then(|(kt, place)| {
         gibbs_marginal(scene.model.system(), &scene.problem().y0, place, 1.0 / kt, &x)
@@ -178,9 +157,6 @@ fn drawn(scene: &Scene, mean: &StationaryMean, kt: Option<f64>) -> Option<Drawn>
         let points = x.iter().copied().zip(known.iter().map(|y| y / grid.width)).collect();
         traces.push(Trace { name: "exp(-H0/kT)".into(), points });
     }
-    Some(Drawn {
-        file: format!("density-{}", mean.name.replace(|c: char| !c.is_alphanumeric(), "_")),
-        svg: lines(&mean.name, &mean.name, "density", &traces),
-        caption: format!("The stationary density of {}.", mean.name),
-    })
+    let svg = lines(&mean.name, &mean.name, "density", &traces);
+    Some(Drawn::of("density", &mean.name, svg, format!("The stationary density of {}.", mean.name)))
 }

@@ -45,8 +45,7 @@ pub fn picture(
     values: &[f64],
 ) -> String {
     let range = |(lo, hi)| Range { lo, hi };
-    let none = std::iter::empty();
-    let mut plain = Plain::new(none, 230.0, (range(x), Some(x_title)), (range(y), y_title));
+    let mut plain = Plain::new([], 230.0, (range(x), Some(x_title)), (range(y), y_title));
     draw(&mut plain.canvas, &plain.frame, columns, values);
     plain.page(title, values.is_empty())
 }

@@ -159,13 +159,13 @@ pub struct Plain {
 impl Plain {
     /// Draws legend and axes; each axis has a range and a title, but for one above another plot.
     pub fn new<'a>(
-        entries: impl Iterator<Item = (Sample, Label)>,
+        entries: impl IntoIterator<Item = (Sample, Label)>,
         height: f64,
         (x, x_title): (Range, Option<impl Into<Title<'a>>>),
         (y, y_title): (Range, impl Into<Title<'a>>),
     ) -> Self {
         let mut canvas = Canvas::default();
-        let top = legend(&mut canvas, entries, LEFT, WIDTH - LEFT - RIGHT);
+        let top = legend(&mut canvas, entries.into_iter(), LEFT, WIDTH - LEFT - RIGHT);
         let (x_title, y_title) = (x_title.map(Into::into), y_title.into());
         let of_x = x_title.unwrap_or(Title::from(""));
         let (across, up) = (of_x.axis(x, LEFT, WIDTH - RIGHT), y_title.axis(y, top + height, top));

@@ -43,13 +43,15 @@ pub fn bands<'a>(
         let opacity = 1.0 - elementary::powi(1.0 - OPACITY, n as i32 + 1);
         (Sample::Area(COLOR, opacity), Label::words(&format!("{low}–{high} %")))
     });
-    let median_entry =
-        levels.contains(&0.5).then(|| (Sample::Line(median_line()), Label::words("median")));
-    let interval = (Sample::Area(COLOR, OPACITY), Label::words("95 % interval"));
-    let interval = levels.is_empty().then_some(interval);
-    let mean = if levels.is_empty() { "estimate" } else { "mean" };
-    let mean_entry = (Sample::Line(mean_line()), Label::words(mean));
-    let entries = areas.chain(median_entry).chain([mean_entry]).chain(interval);
+    let mut entries: Vec<_> = areas.collect();
+    let mut add = |sample, words| entries.push((sample, Label::words(words)));
+    if levels.contains(&0.5) {
+        add(Sample::Line(median_line()), "median");
+    }
+    add(Sample::Line(mean_line()), if levels.is_empty() { "estimate" } else { "mean" });
+    if levels.is_empty() {
+        add(Sample::Area(COLOR, OPACITY), "95 % interval");
+    }
     let [times, values] = ranges(points.iter(), x_title, y_title);
     let mut plain = Plain::new(entries, 190.0, (times, Some(x_title)), (values, y_title));
     draw_bands(&mut plain.canvas, &plain.frame, points);

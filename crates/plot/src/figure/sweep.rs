@@ -29,7 +29,7 @@ pub fn against<'a>(
     let x = x_title.range(points().map(|point| point.0), 0.04);
     let ends = |&(_, value, interval): &Sampled| interval.map_or([value; 2], |(lo, hi)| [lo, hi]);
     let y = y_title.range(points().flat_map(ends), 0.06);
-    let mut plain = Plain::new(entries.into_iter(), 190.0, (x, Some(x_title)), (y, y_title));
+    let mut plain = Plain::new(entries, 190.0, (x, Some(x_title)), (y, y_title));
     for ((_, points), look) in curves.iter().zip(looks) {
         plain.line(points.iter().map(|point| (point.0, point.1)), Stroke::new(look.color, 0.8));
         for &(x, value, interval) in
