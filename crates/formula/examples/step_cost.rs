@@ -85,7 +85,7 @@ fn at_run_time<const M: usize>(
     let step = step();
     let (noise, mut status) = (noise(M), BlockStatus::explicit());
     let mut paths = scheme.stepper(system).unwrap();
-    let start = real::Rows::splat(y0).unwrap();
+    let start = real::Rows::splat(y0);
     // The state is set before each run, and carried by the stepper.
     let mut least = f64::INFINITY;
     for _ in 0..RUNS {

@@ -6,6 +6,7 @@ use std::{
     ops::Range,
 };
 
+use Unary::{Abs, Cos, Cosh, Exp, Ln, Neg, Sin, Sinc, Sinh, Sqrt, Tan, Tanh};
 use real::Real;
 
 use crate::functions;
@@ -58,35 +59,24 @@ pub enum Unary {
 
 impl Unary {
     /// The functions that a formula may name.
-    pub(crate) const NAMED: [Self; 11] = [
-        Self::Abs,
-        Self::Sqrt,
-        Self::Exp,
-        Self::Ln,
-        Self::Sin,
-        Self::Cos,
-        Self::Tan,
-        Self::Sinh,
-        Self::Cosh,
-        Self::Tanh,
-        Self::Sinc,
-    ];
+    pub(crate) const NAMED: [Self; 11] =
+        [Abs, Sqrt, Exp, Ln, Sin, Cos, Tan, Sinh, Cosh, Tanh, Sinc];
 
     /// The value at x, with the functions that a tape uses.
     pub(crate) fn value<R: Real>(self, x: R) -> R {
         match self {
-            Self::Neg => -x,
-            Self::Abs => functions::abs(x),
-            Self::Sqrt => x.sqrt(),
-            Self::Exp => x.exp(),
-            Self::Ln => x.ln(),
-            Self::Sin => x.sin(),
-            Self::Cos => x.cos(),
-            Self::Tan => functions::tan(x),
-            Self::Sinh => functions::sinh(x),
-            Self::Cosh => functions::cosh(x),
-            Self::Tanh => functions::tanh(x),
-            Self::Sinc => x.sinc(),
+            Neg => -x,
+            Abs => functions::abs(x),
+            Sqrt => x.sqrt(),
+            Exp => x.exp(),
+            Ln => x.ln(),
+            Sin => x.sin(),
+            Cos => x.cos(),
+            Tan => functions::tan(x),
+            Sinh => functions::sinh(x),
+            Cosh => functions::cosh(x),
+            Tanh => functions::tanh(x),
+            Sinc => x.sinc(),
         }
     }
 }
@@ -279,7 +269,7 @@ impl Graph {
     /// x, if the expression is −x.
     fn negated(&self, id: Id) -> Option<Id> {
         match self.node(id) {
-            Node::Unary(Unary::Neg, x) => Some(x),
+            Node::Unary(Neg, x) => Some(x),
             _ => None,
         }
     }
@@ -301,22 +291,22 @@ impl Graph {
             return self.scale(x, -c);
         }
         match self.node(a) {
-            Node::Unary(Unary::Neg, x) => x,
+            Node::Unary(Neg, x) => x,
             Node::Binary(Binary::Sub, x, y) => self.sub(y, x),
             Node::Binary(Binary::Add, x, y) if self.as_constant(y).is_some() => {
                 let y = self.neg(y);
                 self.sub(y, x)
             }
-            _ => self.intern(Node::Unary(Unary::Neg, a)),
+            _ => self.intern(Node::Unary(Neg, a)),
         }
     }
 
     /// A function of a.
     pub fn unary(&mut self, function: Unary, a: Id) -> Id {
         match (function, self.as_constant(a), self.negated(a)) {
-            (Unary::Neg, _, _) => self.neg(a),
+            (Neg, _, _) => self.neg(a),
             (_, Some(x), _) => self.constant(function.value(x)),
-            (Unary::Abs, _, Some(x)) => self.unary(function, x),
+            (Abs, _, Some(x)) => self.unary(function, x),
             _ => self.intern(Node::Unary(function, a)),
         }
     }

@@ -318,12 +318,11 @@ impl<'a> Parser<'a> {
     fn compared(&mut self, operator: &str, left: Placed, right: Placed) -> Parsed {
         let ((a, left), (b, right)) = (self.number(left)?, self.number(right)?);
         let [one, zero] = self.truths();
-        let (compared, span) = self.finish(left.start..right.end, |graph| match operator {
-            "<" => graph.where_less(a, b, one, zero),
-            ">" => graph.where_less(b, a, one, zero),
-            "<=" => graph.where_less(b, a, zero, one),
-            _ => graph.where_less(a, b, zero, one),
-        })?;
+        // a ≤ b is not b < a.
+        let (x, y) = if matches!(operator, "<" | ">=") { (a, b) } else { (b, a) };
+        let (yes, no) = if operator.len() == 1 { (one, zero) } else { (zero, one) };
+        let (compared, span) =
+            self.finish(left.start..right.end, |graph| graph.where_less(x, y, yes, no))?;
         self.conditions.insert(compared);
         Ok((vec![compared], span))
     }

@@ -78,11 +78,15 @@ pub fn uniform(graph: &Graph, inputs: &Range<usize>) -> Vec<bool> {
     uniform
 }
 
-/// An expression, or minus this expression, as a number of a tape.
+/// An expression, or one, as a number of a tape; or minus that.
 #[derive(Clone, Copy, Debug)]
 pub struct Number {
-    pub id: Id,
+    pub id: Option<Id>,
     pub negative: bool,
+}
+
+impl Number {
+    pub const ONE: Self = Self { id: None, negative: false };
 }
 
 impl Neg for Number {

@@ -86,7 +86,7 @@ fn implicit() {
     let mut paths = Sexp.stepper(&chain).unwrap();
     for tau in [0.05, 0.2, 0.3, 0.4, 0.45, 0.5, 0.7] {
         let step = Step::new(&damping, 0, tau).unwrap();
-        let noise = Rows::splat(&[0.1, -0.2, 0.3]).unwrap().into();
+        let noise = Rows::splat(&[0.1, -0.2, 0.3]).into();
         let (mut least, mut status) = (f64::INFINITY, BlockStatus::explicit());
         for _ in 0..5 {
             for (component, row) in paths.state_mut().iter_mut().enumerate() {

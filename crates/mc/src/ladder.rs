@@ -329,8 +329,7 @@ impl<'a> Ladder<'a> {
     /// `new` creates an empty statistic.
     ///
     /// # Panics
-    /// If a thread with a larger stack cannot be started, see [`runs_on_pool`](Self::runs_on_pool),
-    /// or if there is no memory for the noise of a group.
+    /// If a thread with a larger stack cannot be started, see [`runs_on_pool`](Self::runs_on_pool).
     pub fn run<T: Statistic>(&self, samples: u64, new: impl Fn() -> T + Sync) -> Measured<T> {
         self.run_until(&Stop::default(), 0, samples, new)
     }

@@ -103,7 +103,7 @@ impl<'a> LargePath<'a> {
             let message = format!(
                 "rows of `{name}` hold 32 paths: take an ensemble, or a layout for one path"
             );
-            return Err(SchemeError::Unsuited(message).into());
+            return Err(SchemeError(message).into());
         }
         if steps == 0 {
             return Err(LadderError::Steps { steps, multiple_of: 1 });
@@ -125,7 +125,7 @@ impl<'a> LargePath<'a> {
         } else {
             Source::Common(WienerPath::new(key, path))
         };
-        let noise = Rows::zero(layout.noise_rows).map_err(SchemeError::from)?.into();
+        let noise = Rows::zero(layout.noise_rows).into();
         let (scheme, cause) = (scheme.id(), Cause::NotFinite);
         let failure = PathFailure { path, key, scheme, swapped: false, tau, step: 0, cause };
         let checkpoint = None;

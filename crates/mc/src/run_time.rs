@@ -74,8 +74,8 @@ impl<'a> Setup<'a> {
     /// ```
     ///
     /// # Errors
-    /// Those of [`Scheme::stepper`]: the scheme is not for the system, or there is no memory.
-    /// [`SchemeError::Unsuited`] if rows of the system hold one path, which is for
+    /// Those of [`Scheme::stepper`]: the scheme is not for the system.
+    /// [`SchemeError`] if rows of the system hold one path, which is for
     /// [`LargePath`](crate::LargePath).
     pub fn at_run_time(
         problem: &'a run_time::Problem,
@@ -102,7 +102,7 @@ impl<'a> Setup<'a> {
         let system = problem.system();
         let description = system.description();
         if description.layout.lanes == Lanes::Components {
-            return Err(SchemeError::Unsuited(format!(
+            return Err(SchemeError(format!(
                 "rows of `{}` hold one path, and not 32: take `mc::LargePath`, or the layout of \
                  the system for many paths",
                 description.name
@@ -174,11 +174,8 @@ impl Stepper for Paths<'_> {
 }
 
 /// Rows for any operation of a system.
-///
-/// # Panics
-/// If there is no memory.
 fn scratch(system: &dyn System) -> Rows {
-    Rows::zero(system.description().scratch_rows()).unwrap_or_else(|error| panic!("{error}"))
+    Rows::zero(system.description().scratch_rows())
 }
 
 /// The coefficients at single states, on all places of a row.

@@ -12,7 +12,7 @@ impl Truncation {
     /// one tolerates an error of order τ³ in a step, so k ≥ 1 suffices.
     ///
     /// # Errors
-    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1.
+    /// [`NoiseError`] unless 0 < τ < 1.
     pub fn area_bound(self, tau: f64) -> Result<f64, NoiseError> {
         let bound = self.bound(tau)?;
         Ok(bound * bound / (2.0 * std::f64::consts::PI))

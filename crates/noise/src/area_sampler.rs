@@ -6,7 +6,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use real::{Kernel, Row, Rows, dispatch};
 
 use crate::{
-    Purpose, StreamKey, area_terms::trigamma_after, box_muller::fill_pair, skew, step::zero_rows,
+    Purpose, StreamKey, area_terms::trigamma_after, box_muller::fill_pair, skew,
     stream::BlockStreams,
 };
 
@@ -82,15 +82,12 @@ impl Series {
 impl AreaSampler {
     /// The sampler of `noises` noises on the paths `first_path` .. `first_path + 32`, with
     /// `terms` terms of the series, see [`area_terms`](crate::area_terms).
-    ///
-    /// # Panics
-    /// If there is no memory for it.
     pub fn new(key: StreamKey, first_path: u64, noises: usize, terms: usize) -> Self {
         Self {
             streams: BlockStreams::new(key.beside(Purpose::Areas), first_path),
             series: Series::new(terms),
             noises,
-            scratch: zero_rows(scratch_rows(noises)),
+            scratch: Rows::zero(scratch_rows(noises)),
         }
     }
 

@@ -40,7 +40,7 @@ pub fn area_error(step: f64, terms: usize, noises: usize) -> f64 {
 /// ```
 ///
 /// # Errors
-/// [`NoiseError::Argument`] unless `error` and `step` are positive and finite, and above
+/// [`NoiseError`] unless `error` and `step` are positive and finite, and above
 /// [`MOST_AREA_TERMS`] terms.
 pub fn area_terms(error: f64, step: f64, noises: usize) -> Result<usize, NoiseError> {
     NoiseError::unless_positive("the root-mean-square error of an area", error)?;
@@ -51,7 +51,7 @@ pub fn area_terms(error: f64, step: f64, noises: usize) -> Result<usize, NoiseEr
     let real = area_error(step, 1, noises) / error;
     if real > MOST_AREA_TERMS as f64 || real.is_nan() {
         let needs = format!("{real:.3e} terms a step, more than {MOST_AREA_TERMS}");
-        return Err(NoiseError::Argument(format!("the error asked of the areas needs {needs}")));
+        return Err(NoiseError(format!("the error asked of the areas needs {needs}")));
     }
     // Rounding may have moved the quotient across an integer.
     let mut terms = (real.ceil() as usize).max(1);

@@ -67,7 +67,7 @@ impl QuasiWiener {
     /// `scramble` of the key. Without noises there are no dimensions.
     ///
     /// # Errors
-    /// [`NoiseError::Argument`] unless `steps` and `t_end` are positive and finite, and above
+    /// [`NoiseError`] unless `steps` and `t_end` are positive and finite, and above
     /// [`MAX_DIMENSIONS`](Self::MAX_DIMENSIONS).
     pub fn new(
         key: StreamKey,
@@ -82,7 +82,7 @@ impl QuasiWiener {
         let dimensions = if noises == 0 { Some(0) } else { count };
         let Some(dimensions) = dimensions.filter(|&count| count <= Self::MAX_DIMENSIONS) else {
             let most = Self::MAX_DIMENSIONS;
-            return Err(NoiseError::Argument(format!(
+            return Err(NoiseError(format!(
                 "{steps} steps of {noises} noises have more than {most} dimensions"
             )));
         };

@@ -37,19 +37,13 @@ pub struct StepNoise {
 
 impl StepNoise {
     /// No noise, for so many noises, without areas.
-    ///
-    /// # Panics
-    /// If there is no memory for it.
     pub fn zero(noises: usize) -> Self {
-        zero_rows(noises).into()
+        Rows::zero(noises).into()
     }
 
     /// No noise, for so many noises, with areas.
-    ///
-    /// # Panics
-    /// If there is no memory for it.
     pub fn with_areas(noises: usize) -> Self {
-        let areas = zero_rows(noises.saturating_mul(noises));
+        let areas = Rows::zero(noises.saturating_mul(noises));
         Self { areas, ..Self::zero(noises) }
     }
 
@@ -175,12 +169,4 @@ impl<'a, const M: usize> From<&'a StepNoise> for BlockNoise<'a, M> {
 #[inline(always)]
 fn exactly<const M: usize>(rows: &[Row]) -> &[Row; M] {
     rows.try_into().unwrap_or_else(|_| panic!("a kernel of {M} noises, got {}", rows.len()))
-}
-
-/// Rows of zeros.
-///
-/// # Panics
-/// If there is no memory for them.
-pub(crate) fn zero_rows(count: usize) -> Rows {
-    Rows::zero(count).unwrap_or_else(|error| panic!("{error}"))
 }

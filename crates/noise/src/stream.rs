@@ -88,12 +88,12 @@ impl StreamKey {
     /// The key of a family of paths of this experiment.
     ///
     /// # Errors
-    /// [`NoiseError::Argument`] unless the number of the experiment is below 2⁴⁰: a larger one has
+    /// [`NoiseError`] unless the number of the experiment is below 2⁴⁰: a larger one has
     /// the streams of something else.
     pub fn paths_of(self, family: Purpose) -> Result<Self, NoiseError> {
         match self.experiment >> EXPERIMENT_BITS {
             0 => Ok(self.beside(family)),
-            _ => Err(NoiseError::Argument(format!(
+            _ => Err(NoiseError(format!(
                 "the experiment number must be below 2^40, got {}",
                 self.experiment
             ))),

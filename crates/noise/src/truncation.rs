@@ -23,11 +23,11 @@ impl Truncation {
     /// Truncation of order k ≥ 1. The theorems on `sexp` need k ≥ 2.
     ///
     /// # Errors
-    /// [`NoiseError::Argument`] for k = 0.
+    /// [`NoiseError`] for k = 0.
     pub fn new(k: u32) -> Result<Self, NoiseError> {
         if k == 0 {
             let needs = "must be at least 1 (the theorems ask k >= 2)";
-            Err(NoiseError::Argument(format!("the truncation order k {needs}, got k = 0")))
+            Err(NoiseError(format!("the truncation order k {needs}, got k = 0")))
         } else {
             Ok(Self { order: Some(k), wide: false })
         }
@@ -53,7 +53,7 @@ impl Truncation {
     /// The largest |ΔŴ| at step `tau`: √τ·√(2k|log τ|). Infinite for [`Truncation::none`].
     ///
     /// # Errors
-    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1, or 0 < τ < ∞ for a wide
+    /// [`NoiseError`] unless 0 < τ < 1, or 0 < τ < ∞ for a wide
     /// truncation. For τ ≥ 1 the threshold A is zero or increases with τ.
     pub fn bound(self, tau: f64) -> Result<f64, NoiseError> {
         match self.order {
@@ -63,7 +63,9 @@ impl Truncation {
                 Ok(tau.sqrt() * if self.wide { threshold.max(WIDE) } else { threshold })
             }
             Some(_) if self.wide && tau >= 1.0 && tau.is_finite() => Ok(tau.sqrt() * WIDE),
-            Some(_) => Err(NoiseError::StepOutsideUnitInterval { tau }),
+            Some(_) => Err(NoiseError(format!(
+                "truncated increments need a step size with 0 < tau < 1, got tau = {tau}"
+            ))),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::Real;
+use crate::{Real, operator::operator};
 
 /// A bound of the degree of a polynomial, found by evaluating its formula: sums take the larger
 /// degree, products add them.
@@ -56,77 +56,15 @@ impl Degree {
     }
 }
 
-impl Add for Degree {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, b: Self) -> Self {
-        self.larger(b)
-    }
-}
-
-impl Sub for Degree {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, b: Self) -> Self {
-        self.larger(b)
-    }
-}
-
-impl Mul for Degree {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, b: Self) -> Self {
-        Self(self.0.saturating_add(b.0))
-    }
-}
-
-impl Div for Degree {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, b: Self) -> Self {
-        if b.0 == 0 { self } else { Self::NONE }
-    }
-}
-
-impl Neg for Degree {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self
-    }
-}
-
-impl Add<f64> for Degree {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, _: f64) -> Self {
-        self
-    }
-}
-
-impl Sub<f64> for Degree {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, _: f64) -> Self {
-        self
-    }
-}
-
-impl Mul<f64> for Degree {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, _: f64) -> Self {
-        self
-    }
-}
-
-impl Div<f64> for Degree {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, _: f64) -> Self {
-        self
-    }
-}
+operator!([] Degree: Add::add(a, b: Self) => a.larger(b));
+operator!([] Degree: Sub::sub(a, b: Self) => a.larger(b));
+operator!([] Degree: Mul::mul(a, b: Self) => Self(a.0.saturating_add(b.0)));
+operator!([] Degree: Div::div(a, b: Self) => if b.0 == 0 { a } else { Self::NONE });
+operator!([] Degree: Neg::neg(a) => a);
+operator!([] Degree: Add::add(a, _b: f64) => a);
+operator!([] Degree: Sub::sub(a, _b: f64) => a);
+operator!([] Degree: Mul::mul(a, _b: f64) => a);
+operator!([] Degree: Div::div(a, _b: f64) => a);
 
 impl Real for Degree {
     const DEPTH: u32 = 0;

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::Real;
+use crate::{Real, operator::operator};
 
 /// The dual number value + derivative·ε with ε² = 0, for forward differentiation. A nested
 /// `Dual<Dual<f64>>` gives second derivatives.
@@ -118,81 +118,29 @@ impl<R: Real, V: Variation> DualNumber<R, V> {
     }
 }
 
-impl<R: Real, V: Variation> Add for DualNumber<R, V> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, b: Self) -> Self {
-        self.and(b, self.value + b.value, self.slope + b.slope, self.slope, b.slope)
-    }
-}
-
-impl<R: Real, V: Variation> Sub for DualNumber<R, V> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, b: Self) -> Self {
-        self.and(b, self.value - b.value, self.slope - b.slope, self.slope, -b.slope)
-    }
-}
-
-impl<R: Real, V: Variation> Mul for DualNumber<R, V> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, b: Self) -> Self {
-        let (mine, other) = (self.slope * b.value, self.value * b.slope);
-        self.and(b, self.value * b.value, mine + other, mine, other)
-    }
-}
-
-impl<R: Real, V: Variation> Div for DualNumber<R, V> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, b: Self) -> Self {
-        let quotient = self.value / b.value;
-        let other = quotient * b.slope;
-        let numerator = self.and(b, quotient, self.slope - other, self.slope, -other);
-        Self { slope: numerator.slope / b.value, ..numerator }
-    }
-}
-
-impl<R: Real, V: Variation> Neg for DualNumber<R, V> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self.with(-self.value, -self.slope)
-    }
-}
-
-impl<R: Real, V: Variation> Add<f64> for DualNumber<R, V> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, b: f64) -> Self {
-        self.with(self.value + b, self.slope)
-    }
-}
-
-impl<R: Real, V: Variation> Sub<f64> for DualNumber<R, V> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, b: f64) -> Self {
-        self.with(self.value - b, self.slope)
-    }
-}
-
-impl<R: Real, V: Variation> Mul<f64> for DualNumber<R, V> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, b: f64) -> Self {
-        self.with(self.value * b, self.slope * b)
-    }
-}
-
-impl<R: Real, V: Variation> Div<f64> for DualNumber<R, V> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, b: f64) -> Self {
-        self.with(self.value / b, self.slope / b)
-    }
-}
+operator!([R: Real, V: Variation] DualNumber<R, V>: Add::add(a, b: Self)
+    => a.and(b, a.value + b.value, a.slope + b.slope, a.slope, b.slope));
+operator!([R: Real, V: Variation] DualNumber<R, V>: Sub::sub(a, b: Self)
+    => a.and(b, a.value - b.value, a.slope - b.slope, a.slope, -b.slope));
+operator!([R: Real, V: Variation] DualNumber<R, V>: Mul::mul(a, b: Self) => {
+    let (mine, other) = (a.slope * b.value, a.value * b.slope);
+    a.and(b, a.value * b.value, mine + other, mine, other)
+});
+operator!([R: Real, V: Variation] DualNumber<R, V>: Div::div(a, b: Self) => {
+    let quotient = a.value / b.value;
+    let other = quotient * b.slope;
+    let numerator = a.and(b, quotient, a.slope - other, a.slope, -other);
+    Self { slope: numerator.slope / b.value, ..numerator }
+});
+operator!([R: Real, V: Variation] DualNumber<R, V>: Neg::neg(a) => a.with(-a.value, -a.slope));
+operator!([R: Real, V: Variation] DualNumber<R, V>: Add::add(a, b: f64)
+    => a.with(a.value + b, a.slope));
+operator!([R: Real, V: Variation] DualNumber<R, V>: Sub::sub(a, b: f64)
+    => a.with(a.value - b, a.slope));
+operator!([R: Real, V: Variation] DualNumber<R, V>: Mul::mul(a, b: f64)
+    => a.with(a.value * b, a.slope * b));
+operator!([R: Real, V: Variation] DualNumber<R, V>: Div::div(a, b: f64)
+    => a.with(a.value / b, a.slope / b));
 
 impl<R: Real, V: Variation> Real for DualNumber<R, V> {
     const DEPTH: u32 = R::DEPTH + V::DEPTH;

@@ -45,6 +45,7 @@ mod dual;
 pub mod elementary;
 mod factored;
 mod number;
+mod operator;
 mod powers;
 mod rows;
 
@@ -57,4 +58,4 @@ pub use dispatch::{Kernel, Level, dispatch, limit_to};
 pub use dual::{Dual, DualNumber, Partial, Variation, Varies};
 pub use factored::Factored;
 pub use number::Real;
-pub use rows::{OutOfMemory, Row, Rows};
+pub use rows::{Row, Rows};

@@ -106,14 +106,6 @@ impl Real for f64 {
         elementary::sin_cos(self)
     }
     #[inline(always)]
-    fn sin(self) -> Self {
-        elementary::sin(self)
-    }
-    #[inline(always)]
-    fn cos(self) -> Self {
-        elementary::cos(self)
-    }
-    #[inline(always)]
     fn exp(self) -> Self {
         elementary::exp(self)
     }

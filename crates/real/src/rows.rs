@@ -20,46 +20,19 @@ pub struct Rows {
     count: usize,
 }
 
-/// Memory that is not there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OutOfMemory {
-    /// Number of bytes that were asked for; `usize::MAX` if it exceeds that.
-    pub bytes: usize,
-}
-
-impl std::fmt::Display for OutOfMemory {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "there is no memory for {} bytes", self.bytes)
-    }
-}
-
-impl std::error::Error for OutOfMemory {}
-
 impl Rows {
     /// `count` rows of zeros.
-    ///
-    /// # Errors
-    /// [`OutOfMemory`] if the allocator has no room for them.
-    pub fn zero(count: usize) -> Result<Self, OutOfMemory> {
-        let length = count.checked_mul(WIDTH).and_then(|numbers| numbers.checked_add(LINE));
-        let bytes = length.and_then(|length| length.checked_mul(size_of::<f64>()));
-        let error = OutOfMemory { bytes: bytes.unwrap_or(usize::MAX) };
-        let length = length.ok_or(error)?;
-        let mut numbers = Vec::new();
-        numbers.try_reserve_exact(length).map_err(|_| error)?;
-        numbers.resize(length, 0.0);
+    pub fn zero(count: usize) -> Self {
+        let numbers = vec![0.0; count * WIDTH + LINE];
         let first = numbers.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
-        Ok(Self { numbers, first, count })
+        Self { numbers, first, count }
     }
 
     /// The same `y` on all 32 paths: row i is yᵢ.
-    ///
-    /// # Errors
-    /// As [`zero`](Self::zero).
-    pub fn splat(y: &[f64]) -> Result<Self, OutOfMemory> {
-        let mut rows = Self::zero(y.len())?;
+    pub fn splat(y: &[f64]) -> Self {
+        let mut rows = Self::zero(y.len());
         rows.iter_mut().zip(y).for_each(|(row, &y)| *row = [y; WIDTH]);
-        Ok(rows)
+        rows
     }
 }
 
@@ -87,19 +60,12 @@ mod tests {
     #[test]
     fn rows_are_aligned_and_zero() {
         for count in [0, 1, 3, 1000] {
-            let rows = Rows::zero(count).unwrap();
+            let rows = Rows::zero(count);
             assert_eq!((rows.len(), rows.as_ptr().align_offset(64)), (count, 0));
             assert!(rows.iter().all(|row| *row == [0.0; WIDTH]));
         }
-        let mut rows = Rows::splat(&[1.0, -2.0]).unwrap();
+        let mut rows = Rows::splat(&[1.0, -2.0]);
         rows[1][31] = 5.0;
         assert_eq!((rows[0], rows[1][0], rows[1][31]), ([1.0; WIDTH], -2.0, 5.0));
-    }
-
-    #[test]
-    fn memory_that_is_not_there_is_named() {
-        let error = Rows::zero(1 << 50).unwrap_err();
-        assert_eq!(error.bytes, (1 << 58) + 64);
-        assert_eq!(Rows::zero(usize::MAX).unwrap_err().bytes, usize::MAX);
     }
 }

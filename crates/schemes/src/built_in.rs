@@ -203,7 +203,13 @@ impl BuiltIn {
             Midpoint => Box::new(crate::Midpoint),
             Heun => Box::new(crate::Heun),
             EulerMaruyama => Box::new(crate::EulerMaruyama),
-            Split | Nv => return Err(self.without_flows(system.name(), "its flows are not known")),
+            Split | Nv => {
+                return Err(SchemeError::parts(
+                    self.id(),
+                    system.name(),
+                    "its flows are not known",
+                ));
+            }
         })
     }
 
@@ -241,15 +247,13 @@ impl BuiltIn {
             (Heun, _) => Box::new(crate::Heun),
             (EulerMaruyama, _) => Box::new(crate::EulerMaruyama),
             (Split, Ok(_)) => Box::new(crate::Split),
-            (Split | Nv, Err(reason)) => return Err(self.without_flows(&description.name, reason)),
-            (Nv, Ok(_)) => {
-                let reason = "the flow of each Hamiltonian is known of compiled systems only";
-                return Err(self.without_flows(&description.name, reason));
+            (Split | Nv, parts) => {
+                let reason = parts.as_ref().err().map_or(
+                    "the flow of each Hamiltonian is known of compiled systems only",
+                    String::as_str,
+                );
+                return Err(SchemeError::parts(self.id(), &description.name, reason));
             }
         })
-    }
-
-    fn without_flows(self, system: &str, reason: &str) -> SchemeError {
-        SchemeError::parts(self.id(), system, reason)
     }
 }

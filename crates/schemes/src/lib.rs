@@ -43,6 +43,7 @@
 //! A [`Method`] is a scheme on a system, of any dimension and with any number of noises.
 
 mod built_in;
+mod chosen;
 mod composition;
 mod em;
 mod error;

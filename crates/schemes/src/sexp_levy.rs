@@ -1,14 +1,11 @@
 //! The stochastic conformal exponential integrator with Lévy areas.
 
-use noise::{BlockNoise, Noise};
-use nonlin::{BlockStatus, Solution};
-use real::Block;
 use systems::{
     PoissonSystem, noises_commute,
     run_time::{self, Description},
 };
 
-use crate::{Implicit, Increment, Scheme, SchemeError, Sexp, Step};
+use crate::{Implicit, Increment, SchemeError};
 
 /// The stochastic conformal exponential integrator with Lévy areas, `sexp-levy`: an extension of
 /// [`Sexp`] (Bréhier, Cohen and Komori 2025) with strong order 1 for any number of noises.
@@ -45,7 +42,7 @@ impl SexpLevy {
     /// The scheme for a system known at run time, which says whether its noises commute.
     ///
     /// # Errors
-    /// [`SchemeError::Unsuited`] if they do not, unless the system
+    /// [`SchemeError`] if they do not, unless the system
     /// [shows the identity](run_time::Description::jacobi_holds).
     pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SchemeError> {
         let Description { name, noises_commute, jacobi_holds, .. } = system.description();
@@ -72,43 +69,5 @@ impl Implicit for WithAreas {
     #[inline(always)]
     fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
         (h.averaged_field(start, z) + h.commutators((z + start) * 0.5)) + start
-    }
-}
-
-impl SexpLevy {
-    fn formula<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        self,
-        _: &S,
-    ) -> &dyn Scheme<S, D, M> {
-        if const { M > 1 } && !self.commuting { &WithAreas } else { &Sexp }
-    }
-}
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for SexpLevy {
-    fn id(&self) -> &'static str {
-        WithAreas::ID
-    }
-
-    fn reads_areas(&self) -> bool {
-        M > 1 && !self.commuting
-    }
-
-    fn clips_increments(&self) -> bool {
-        true
-    }
-
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        self.formula(system).step_block(system, step, noise, y, status);
-    }
-
-    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        self.formula(system).step(system, step, noise, y)
     }
 }

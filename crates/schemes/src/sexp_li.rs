@@ -1,14 +1,11 @@
 //! The linearly implicit conformal exponential integrator.
 
-use noise::{BlockNoise, Noise};
-use nonlin::{BlockStatus, Solution};
-use real::Block;
 use systems::{
     Form, Invariant, InvariantKind, Linearity, PoissonSystem,
     run_time::{Description, System},
 };
 
-use crate::{Explicit, Increment, Scheme, SchemeError, Step};
+use crate::{Explicit, Increment, SchemeError};
 
 /// The linearly implicit conformal exponential integrator, `sexp-li`: the conformal laws of
 /// [`Sexp`](crate::Sexp) for Casimirs, at the price of an explicit scheme.
@@ -46,7 +43,7 @@ impl SexpLi {
     /// whether every step has a solution by [`systems::always_solvable`].
     ///
     /// # Errors
-    /// [`SchemeError::Unsuited`] if B is neither constant nor affine, unless the system names its
+    /// [`SchemeError`] if B is neither constant nor affine, unless the system names its
     /// Casimirs and all of them are linear.
     pub fn new<S, const D: usize, const M: usize>(
         system: &S,
@@ -63,7 +60,7 @@ impl SexpLi {
     /// [`new`](Self::new).
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`SchemeError::Unsuited`] unless [`systems::jacobi_holds`].
+    /// As [`new`](Self::new), and [`SchemeError`] unless [`systems::jacobi_holds`].
     pub fn with_areas<S, const D: usize, const M: usize>(
         system: &S,
         y0: [f64; D],
@@ -98,7 +95,7 @@ impl SexpLi {
         let linear = named && casimirs.all(|casimir| casimir.form == Form::Linear);
         if *linearity == Linearity::Other && !linear {
             let found = if named { "a Casimir that is not linear" } else { "no Casimir" };
-            return Err(SchemeError::Unsuited(format!(
+            return Err(SchemeError(format!(
                 "sexp-li needs a structure matrix that is constant or affine in y, or a system \
                  whose Casimirs are all linear; B of `{name}` is neither, and the system names \
                  {found}; sexp is for any B"
@@ -144,54 +141,5 @@ impl<const IMPLICIT: bool, const AREAS: bool> Explicit for LinearlyImplicit<IMPL
         }
         let z = if IMPLICIT { h.cayley(start, v) } else { start + h.structure(middle, v) };
         z * h.step().second_decay
-    }
-}
-
-impl SexpLi {
-    /// The formula that is meant. With one noise none with areas is compiled.
-    fn formula<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        self,
-        _: &S,
-    ) -> &dyn Scheme<S, D, M> {
-        if const { M > 1 } && self.areas {
-            match self.implicit {
-                true => &LinearlyImplicit::<true, true>,
-                false => &LinearlyImplicit::<false, true>,
-            }
-        } else {
-            match self.implicit {
-                true => &LinearlyImplicit::<true, false>,
-                false => &LinearlyImplicit::<false, false>,
-            }
-        }
-    }
-}
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for SexpLi {
-    fn id(&self) -> &'static str {
-        self.name()
-    }
-
-    fn reads_areas(&self) -> bool {
-        self.areas
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.clips
-    }
-
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        self.formula(system).step_block(system, step, noise, y, status);
-    }
-
-    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        self.formula(system).step(system, step, noise, y)
     }
 }

@@ -48,7 +48,7 @@ impl Constant {
     /// γ(t) = `rate` in 1/time. A negative rate excites the system.
     ///
     /// # Errors
-    /// [`SystemError::Parameter`] unless the rate is finite.
+    /// [`SystemError`] unless the rate is finite.
     pub fn new(rate: f64) -> Result<Self, SystemError> {
         Ok(Self { rate: finite("the damping rate", rate)? })
     }
@@ -76,7 +76,7 @@ impl Linear {
     /// γ(t) = `slope`·t, with the slope in 1/time².
     ///
     /// # Errors
-    /// [`SystemError::Parameter`] unless the slope is finite.
+    /// [`SystemError`] unless the slope is finite.
     pub fn new(slope: f64) -> Result<Self, SystemError> {
         Ok(Self { slope: finite("the slope of the damping rate", slope)? })
     }
@@ -111,7 +111,7 @@ impl<const SINE: bool> Harmonic<SINE> {
     /// α = `amplitude` and ω = `frequency`, both in 1/time.
     ///
     /// # Errors
-    /// [`SystemError::Parameter`] unless both are finite.
+    /// [`SystemError`] unless both are finite.
     pub fn new(amplitude: f64, frequency: f64) -> Result<Self, SystemError> {
         let amplitude = finite("the amplitude of the damping rate", amplitude)?;
         Ok(Self { amplitude, frequency: finite("the frequency of the damping rate", frequency)? })
@@ -158,9 +158,10 @@ impl<F: Fn(f64) -> f64 + Send + Sync> DampingFunction<F> {
     /// (b − a)^{2·nodes+1}.
     ///
     /// # Errors
-    /// [`SystemError::Quadrature`] unless 1 ≤ nodes ≤ [`MAX_NODES`](dgrad::MAX_NODES).
+    /// [`SystemError`] unless 1 ≤ nodes ≤ [`MAX_NODES`](dgrad::MAX_NODES).
     pub fn new(rate: F, nodes: usize) -> Result<Self, SystemError> {
-        Ok(Self { rate, rule: Rule::new(nodes)? })
+        let rule = Rule::new(nodes).map_err(|error| SystemError(error.to_string()))?;
+        Ok(Self { rate, rule })
     }
 }
 

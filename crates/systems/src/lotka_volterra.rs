@@ -37,7 +37,7 @@ impl<const P: i32, const Q: i32> LotkaVolterra<P, Q> {
     /// unless P ≥ 1, Q ≥ 1 and P + Q ≤ 5.
     ///
     /// # Errors
-    /// [`SystemError::Parameter`] unless c is finite.
+    /// [`SystemError`] unless c is finite.
     pub fn new(c: f64) -> Result<Self, SystemError> {
         const {
             assert!(
@@ -136,14 +136,7 @@ impl<const P: i32, const Q: i32> PoissonSystem<3, 1> for LotkaVolterra<P, Q> {
     /// Populations are positive. On the coordinate planes the prefactor of B or its derivative has
     /// a pole.
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        match y.iter().position(|&component| component.is_nan() || component <= 0.0) {
-            None => Ok(()),
-            Some(i) => Err(SystemError::OutsideDomain {
-                component: i + 1,
-                value: y[i],
-                domain: "y1 > 0, y2 > 0 and y3 > 0",
-            }),
-        }
+        SystemError::unless_all(&y, |x| x > 0.0, "y1 > 0, y2 > 0 and y3 > 0")
     }
 
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;

@@ -18,7 +18,7 @@ impl Pendulum {
     /// The pendulum with noise of size c.
     ///
     /// # Errors
-    /// [`SystemError::Parameter`] unless c is finite.
+    /// [`SystemError`] unless c is finite.
     pub fn new(c: f64) -> Result<Self, SystemError> {
         Ok(Self { noise: finite("the noise size c", c)? })
     }

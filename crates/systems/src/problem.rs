@@ -23,7 +23,7 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
     /// The problem with y(0) = `y0` on [0, `t_end`].
     ///
     /// # Errors
-    /// [`SystemError::OutsideDomain`] for an invalid initial value, [`SystemError::Parameter`]
+    /// [`SystemError`] for an invalid initial value, [`SystemError`]
     /// unless 0 < `t_end` < ∞.
     pub fn new<const M: usize>(
         system: S,
@@ -42,7 +42,7 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
     /// The same problem on [0, `t_end`].
     ///
     /// # Errors
-    /// [`SystemError::Parameter`] unless 0 < `t_end` < ∞.
+    /// [`SystemError`] unless 0 < `t_end` < ∞.
     pub fn until(self, t_end: f64) -> Result<Self, SystemError> {
         Ok(Self { t_end: final_time(t_end)?, ..self })
     }

@@ -46,7 +46,7 @@ impl RigidBody<3> {
     /// The body with moments of inertia I and three noises with moments Î.
     ///
     /// # Errors
-    /// [`SystemError::Parameter`] unless all moments are positive and finite.
+    /// [`SystemError`] unless all moments are positive and finite.
     pub fn three_noises(inertia: [f64; 3], noise_inertia: [f64; 3]) -> Result<Self, SystemError> {
         Self::with_noises(inertia, noise_inertia)
     }
@@ -56,7 +56,7 @@ impl RigidBody<1> {
     /// The body with moments of inertia I and the single noise W₁ with moment Î₁.
     ///
     /// # Errors
-    /// [`SystemError::Parameter`] unless all moments are positive and finite.
+    /// [`SystemError`] unless all moments are positive and finite.
     pub fn one_noise(inertia: [f64; 3], noise_inertia: f64) -> Result<Self, SystemError> {
         Self::with_noises(inertia, [noise_inertia])
     }
@@ -220,8 +220,8 @@ impl RigidBodyEnergy {
     /// The body with moments of inertia I and noise of size c.
     ///
     /// # Errors
-    /// [`SystemError::Parameter`] unless all moments are positive and finite,
-    /// [`SystemError::Parameter`] unless c is finite.
+    /// [`SystemError`] unless all moments are positive and finite,
+    /// [`SystemError`] unless c is finite.
     pub fn new(inertia: [f64; 3], c: f64) -> Result<Self, SystemError> {
         let body = RigidBody::with_noises(inertia, [])?;
         Ok(Self { body, noise: finite("the noise size c", c)? })

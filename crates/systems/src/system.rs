@@ -115,7 +115,7 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     /// Checks that y is in the domain of the system, which is all of ℝᴰ unless overridden.
     ///
     /// # Errors
-    /// [`SystemError::OutsideDomain`] with the component and the domain.
+    /// [`SystemError`] with the component and the domain.
     fn check_domain(&self, y: [f64; D]) -> Result<(), SystemError> {
         let _ = y;
         Ok(())

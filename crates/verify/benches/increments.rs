@@ -58,7 +58,7 @@ fn print_ns_per_normal() {
 fn both_kinds(noises: usize, steps: u64) -> [f64; 2] {
     let quasi = QuasiWiener::new(KEY, 0, steps, noises, 1.0).unwrap();
     let mut wiener = WienerRows::new(KEY, 0);
-    let mut rows = Rows::zero(quasi.dimensions()).unwrap();
+    let mut rows = Rows::zero(quasi.dimensions());
     let mut least = [Duration::MAX; 2];
     let blocks = STEPS / steps as usize * 4;
     for run in 0..RUNS as u64 {

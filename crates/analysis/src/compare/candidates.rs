@@ -63,7 +63,7 @@ impl<'a> Candidates<'a> {
     /// steps for an error that is small beside theirs.
     ///
     /// # Errors
-    /// Those of [`Sexp`](schemes::Sexp), or if there is no memory.
+    /// Those of [`Sexp`](schemes::Sexp).
     pub fn built_in(
         bind: impl Fn(BuiltIn) -> Result<Arc<dyn Method + 'a>, SchemeError>,
     ) -> Result<Self, SchemeError> {
@@ -73,7 +73,6 @@ impl<'a> Candidates<'a> {
                 // The same without areas is there already.
                 Ok(scheme) if id.is_for_areas() && !scheme.reads_areas() => {}
                 Ok(scheme) => all = all.and(scheme),
-                Err(error @ SchemeError::Memory(_)) => return Err(error),
                 Err(_) => {}
             }
         }

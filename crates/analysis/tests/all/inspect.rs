@@ -274,7 +274,7 @@ impl PoissonSystem<3, 3> for Spoiled {
         }
     }
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        let refused = SystemError::OutsideDomain { component: 1, value: y[0], domain: "nothing" };
+        let refused = SystemError::outside_domain(1, y[0], "nothing");
         if self.0 == Fault::Nowhere { Err(refused) } else { Ok(()) }
     }
 }

@@ -57,9 +57,9 @@ const MOST_EXPRESSIONS: usize = 100_000;
 /// let body = FormulaSystem::new(&definition, &[0.6, 0.0, 0.8])?;
 /// assert!(body.description().is_quadratic() && body.description().always_solvable);
 ///
-/// let (y, dw) = (Rows::splat(&[0.6, 0.0, 0.8])?, Rows::splat(&[0.3])?);
-/// let mut scratch = Rows::zero(body.description().scratch_rows())?;
-/// let (mut gradient, h) = (Rows::zero(3)?, Weights { dt: 0.01, dw: &dw, ..Weights::NONE });
+/// let (y, dw) = (Rows::splat(&[0.6, 0.0, 0.8]), Rows::splat(&[0.3]));
+/// let mut scratch = Rows::zero(body.description().scratch_rows());
+/// let (mut gradient, h) = (Rows::zero(3), Weights { dt: 0.01, dw: &dw, ..Weights::NONE });
 /// body.apply(Op::Gradient { y: &y }, 0..3, h, &mut gradient, &mut scratch);
 /// assert!((gradient[0][5] - 0.6 * (0.005 + 0.5 * 0.3)).abs() < 1e-16);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -219,8 +219,7 @@ impl System for FormulaSystem {
             None => Ok(()),
             Some(formula) => {
                 let i = (0..y.len()).find(|&i| formula.depends_on(i)).unwrap_or(0);
-                let domain = "that all formulas are finite";
-                Err(SystemError::OutsideDomain { component: i + 1, value: y[i], domain })
+                Err(SystemError::outside_domain(i + 1, y[i], "that all formulas are finite"))
             }
         }
     }

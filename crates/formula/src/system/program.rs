@@ -35,7 +35,7 @@ impl Programs {
                 compiled
             }
         }?;
-        let scratch = Rows::zero(compiled.tape.scratch_rows()).ok()?;
+        let scratch = Rows::zero(compiled.tape.scratch_rows());
         Some(FormulaProgram { numbers: compiled.tape.numbers.clone(), compiled, scratch })
     }
 }

@@ -247,7 +247,7 @@ impl<'a> Expect<'a> {
     /// Expectations of a problem known at run time.
     ///
     /// # Errors
-    /// [`SchemeError`] if no scheme is for the system, or an allocation failed.
+    /// [`SchemeError`] if no scheme is for the system.
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let system = problem.system();
         let constant = system.description().linearity == Linearity::Constant;

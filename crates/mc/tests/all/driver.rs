@@ -92,7 +92,8 @@ fn raw_increments_need_no_bound() {
     let mut wiener = WienerPath::<1>::new(KEY, 0);
     let w: f64 = (0..4).map(|_| wiener.increments(2f64.sqrt())[0]).sum();
     assert_eq!(last(&Euler::<false>), Ok(w));
-    let refused = LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 2.0 });
+    let refused = "truncated increments need a step size with 0 < tau < 1, got tau = 2";
+    let refused = LadderError::Noise(NoiseError(refused.into()));
     assert_eq!(last(&Euler::<true>), Err(refused));
 }
 

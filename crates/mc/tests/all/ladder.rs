@@ -200,7 +200,8 @@ fn impossible_ladders_are_refused() {
         let expected = LadderError::Level { level, swapped, levels };
         assert_eq!(refuse(8, levels, level, swapped), Some(expected));
     }
-    let error = LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 1.0 });
+    let error = "truncated increments need a step size with 0 < tau < 1, got tau = 1";
+    let error = LadderError::Noise(NoiseError(error.into()));
     assert_eq!(refuse(4, 2, 2, false), Some(error));
     // Found by fuzzing: the finest step of a tiny final time is zero.
     let short = body().until(5e-324).unwrap();

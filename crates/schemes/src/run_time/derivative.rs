@@ -15,7 +15,7 @@ type Differentiated<'a> = (Symbol<'a>, Option<Symbol<'a>>);
 /// computed.
 ///
 /// # Errors
-/// [`SchemeError::Unsuited`] for operations at z whose second derivatives would be needed: ½Σ
+/// [`SchemeError`] for operations at z whose second derivatives would be needed: ½Σ
 /// fₘ′fₘ, or the solution of a linear equation.
 pub fn derivative(operations: &Operations) -> Result<Recorder, SchemeError> {
     let recorder = Recorder::default();
@@ -84,7 +84,7 @@ fn apply<'a>(
         _ => {
             let message = "an implicit formula cannot have `cayley` or `ito_correction` of z, \
                            whose derivatives along z are not known: take them of ẑ";
-            return Err(SchemeError::Unsuited(message.into()));
+            return Err(SchemeError(message.into()));
         }
     };
     Ok((value, slope))

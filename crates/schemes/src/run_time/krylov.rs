@@ -10,7 +10,7 @@ use nonlin::{
     Outcome,
     criteria::{CONTRACTION, LEAST_STEP, MOST_ITERATIONS, ROUND_OFF, TOLERANCE},
 };
-use real::{OutOfMemory, PathMask, Row, Rows, WIDTH};
+use real::{PathMask, Row, Rows, WIDTH};
 use systems::run_time::{System, Weights};
 
 use super::{
@@ -45,29 +45,26 @@ pub struct Krylov<'a> {
 
 impl<'a> Krylov<'a> {
     /// Memory for a system.
-    ///
-    /// # Errors
-    /// [`OutOfMemory`].
-    pub fn new(system: &'a dyn System) -> Result<Self, OutOfMemory> {
+    pub fn new(system: &'a dyn System) -> Self {
         let rows = || Rows::zero(system.description().layout.rows);
-        Ok(Self {
+        Self {
             system,
-            psi: Machine::new(system)?,
-            slope: Machine::new(system)?,
-            z: rows()?,
-            before: rows()?,
-            defect: rows()?,
-            change: rows()?,
+            psi: Machine::new(system),
+            slope: Machine::new(system),
+            z: rows(),
+            before: rows(),
+            defect: rows(),
+            change: rows(),
             basis: Vec::new(),
             s: [0.0; WIDTH],
-        })
+        }
     }
 
     /// Solves the equations z = ψ(ẑ, z) of some paths on the branch that begins at `start` = ẑ; the
     /// solutions are in `z`. Returns how each ended.
     ///
     /// # Errors
-    /// [`SchemeError`] if memory is not there.
+    /// [`SchemeError`] if the derivative of the formula cannot be computed.
     pub fn solve<F: Implicit>(
         &mut self,
         formula: &F,
@@ -89,7 +86,7 @@ impl<'a> Krylov<'a> {
                 self.s[p] = f64::min(reached[p] + step[p], 1.0);
             }
             self.before.copy_from_slice(&self.z);
-            let converged = self.newton(h, going, &mut iterations)?;
+            let converged = self.newton(h, going, &mut iterations);
             let back = going.without(converged);
             for (z, before) in self.z.iter_mut().zip(self.before.iter()) {
                 back.paths().for_each(|p| z[p] = before[p]);
@@ -128,13 +125,13 @@ impl<'a> Krylov<'a> {
         h: Weights<'_>,
         paths: PathMask,
         iterations: &mut [u32; WIDTH],
-    ) -> Result<PathMask, OutOfMemory> {
+    ) -> PathMask {
         let mut before = [f64::INFINITY; WIDTH];
         let (mut going, mut converged) = (paths, PathMask::NONE);
         let starts = self.norm(&self.psi.buffers[0]);
         for _ in 0..MOST_ITERATIONS {
             self.find_defect(h);
-            self.solve_linear(h, going)?;
+            self.solve_linear(h, going);
             subtract(&mut self.z, &self.change, &weights(going));
             let (lengths, sizes) = (self.norm(&self.change), self.norm(&self.z));
             for p in going.paths() {
@@ -156,7 +153,7 @@ impl<'a> Krylov<'a> {
                 break;
             }
         }
-        Ok(converged)
+        converged
     }
 
     /// defect = z − z₀ − s(ψ(z) − z₀).
@@ -173,10 +170,10 @@ impl<'a> Krylov<'a> {
     }
 
     /// change = (I − sψ′(z))⁻¹ defect, by GMRES.
-    fn solve_linear(&mut self, h: Weights<'_>, paths: PathMask) -> Result<(), OutOfMemory> {
+    fn solve_linear(&mut self, h: Weights<'_>, paths: PathMask) {
         self.change.fill([0.0; WIDTH]);
         self.slope.buffers[1].copy_from_slice(&self.z);
-        self.reserve(2)?;
+        self.reserve(2);
         let aim = self.length(&self.defect).map(|length| LINEAR_TOLERANCE * length);
         for start in 0..STARTS {
             // The residual begins the basis.
@@ -187,31 +184,24 @@ impl<'a> Krylov<'a> {
             }
             let length = self.length(&self.basis[0]);
             if paths.paths().all(|p| length[p] <= aim[p] || !length[p].is_finite()) {
-                return Ok(());
+                return;
             }
             scale(&mut self.basis[0], length.map(inverse));
-            let weights = self.arnoldi(h, paths, length, aim)?;
+            let weights = self.arnoldi(h, paths, length, aim);
             for (direction, weight) in self.basis.iter().zip(&weights) {
                 subtract(&mut self.change, direction, &weight.map(|weight| -weight));
             }
         }
-        Ok(())
     }
 
     /// Builds the Krylov space, and gives the weights of its directions in the solution.
-    fn arnoldi(
-        &mut self,
-        h: Weights<'_>,
-        paths: PathMask,
-        length: Row,
-        aim: Row,
-    ) -> Result<Vec<Row>, OutOfMemory> {
+    fn arnoldi(&mut self, h: Weights<'_>, paths: PathMask, length: Row, aim: Row) -> Vec<Row> {
         // The upper triangular matrix after rotations, column by column, and the right-hand side.
         let mut columns: Vec<Vec<Row>> = Vec::new();
         let mut rotations: Vec<(Row, Row)> = Vec::new();
         let mut right = vec![length];
         for k in 0..DIRECTIONS {
-            self.reserve(k + 2)?;
+            self.reserve(k + 2);
             let (known, next) = self.basis.split_at_mut(k + 1);
             let next = &mut next[0];
             multiply(&mut self.slope, &self.s, h, &known[k], next);
@@ -257,15 +247,13 @@ impl<'a> Krylov<'a> {
                 weights[k][p] = (right[k][p] - known) * inverse(columns[k][k][p]);
             }
         }
-        Ok(weights)
+        weights
     }
 
     /// Memory for so many directions of the basis.
-    fn reserve(&mut self, directions: usize) -> Result<(), OutOfMemory> {
-        while self.basis.len() < directions {
-            self.basis.push(Rows::zero(self.z.len())?);
-        }
-        Ok(())
+    fn reserve(&mut self, directions: usize) {
+        let (missing, rows) = (directions.saturating_sub(self.basis.len()), self.z.len());
+        self.basis.extend((0..missing).map(|_| Rows::zero(rows)));
     }
 
     /// The Euclidean length of a state.

@@ -5,7 +5,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use real::{Kernel, OutOfMemory, Row, Rows, dispatch};
+use real::{Kernel, Row, Rows, dispatch};
 use systems::run_time::{Layout, MOST_INPUTS, Program, Recorded, System, Weights};
 
 use super::{
@@ -59,19 +59,15 @@ struct Execution<'a> {
 
 impl<'a> Machine<'a> {
     /// Memory for a system, without operations and buffers yet.
-    ///
-    /// # Errors
-    /// [`OutOfMemory`].
-    pub fn new(system: &'a dyn System) -> Result<Self, OutOfMemory> {
+    pub fn new(system: &'a dyn System) -> Self {
         let description = system.description();
         let layout = description.layout;
         let threads = if layout.is_tiled() { rayon::current_num_threads() } else { 1 };
-        let memory = || {
-            let scratch = Rows::zero(description.scratch_rows())?;
-            Ok(Mutex::new(TileMemory { slots: Vec::new(), scratch }))
+        let memory = |_| {
+            let scratch = Rows::zero(description.scratch_rows());
+            Mutex::new(TileMemory { slots: Vec::new(), scratch })
         };
-        let memories = (0..threads).map(|_| memory()).collect::<Result<_, OutOfMemory>>()?;
-        Ok(Self {
+        Self {
             system,
             layout,
             recorder: Recorder::default(),
@@ -79,9 +75,9 @@ impl<'a> Machine<'a> {
             plan: Plan::default(),
             program: None,
             output: Rows::default(),
-            memories,
+            memories: (0..threads).map(memory).collect(),
             slab: layout.tile_rows * layout.reach.max(SLAB_TILES * threads),
-        })
+        }
     }
 
     /// Records evaluations of a formula in a row, and plans them if they are new. Whether they are.
@@ -125,7 +121,7 @@ impl<'a> Machine<'a> {
         let is_average = |node: &Recorded| matches!(node, Recorded::Of(op) if op.is_average());
         let (name, layout) = (&self.system.description().name, self.layout);
         if layout.is_tiled() && nodes.iter().any(is_average) {
-            return Err(SchemeError::Unsuited(format!(
+            return Err(SchemeError(format!(
                 "∇̄h of `{name}`, whose h is not quadratic, cannot be computed in tiles: take \
                  midpoint, or one tile"
             )));
@@ -134,21 +130,21 @@ impl<'a> Machine<'a> {
         self.program = self.system.compile(nodes, inputs, results);
         self.plan = Plan { buffers: inputs, ..Plan::default() };
         match self.program {
-            Some(_) => self.output = Rows::zero(results.len() * layout.rows)?,
+            Some(_) => self.output = Rows::zero(results.len() * layout.rows),
             None => self.plan = Plan::new(nodes, results, inputs == 1),
         }
         if self.plan.stages.iter().any(|stage| stage.stores.len() > MOST_STORES) {
             let message = format!("the formula stores more than {MOST_STORES} states at a time");
-            return Err(SchemeError::Unsuited(message));
+            return Err(SchemeError(message));
         }
         for memory in &mut self.memories {
             let memory = memory.get_mut().unwrap_or_else(PoisonError::into_inner);
             while memory.slots.len() < self.plan.slots {
-                memory.slots.push(Rows::zero(layout.tile_rows.min(layout.rows))?);
+                memory.slots.push(Rows::zero(layout.tile_rows.min(layout.rows)));
             }
         }
         while self.buffers.len() < self.plan.buffers {
-            self.buffers.push(Rows::zero(layout.rows)?);
+            self.buffers.push(Rows::zero(layout.rows));
         }
         self.recorder = recorder;
         Ok(())

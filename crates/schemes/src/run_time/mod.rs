@@ -34,9 +34,9 @@
 //! let body = RigidBody::three_noises([2.0, 1.0, 0.5], [1.0, 2.0, 3.0])?;
 //! let system = Compiled::new(body, y0);
 //! let mut paths = Sexp.stepper(&system)?;
-//! paths.state_mut().copy_from_slice(&Rows::splat(&y0)?);
+//! paths.state_mut().copy_from_slice(&Rows::splat(&y0));
 //! let step = Step::new(&damping, 0, 0.01)?;
-//! let noise = StepNoise::from(Rows::splat(&[0.1, -0.2, 0.1])?);
+//! let noise = StepNoise::from(Rows::splat(&[0.1, -0.2, 0.1]));
 //! let mut status = BlockStatus::explicit();
 //! paths.step(&step, &noise, &mut status);
 //! let square: f64 = paths.state().iter().map(|row| row[31] * row[31]).sum();
@@ -52,8 +52,8 @@ mod norm;
 mod plan;
 mod record;
 mod scheme;
+mod split;
 mod stepper;
-mod without_iteration;
 
 pub use crate::SchemeError;
 pub use scheme::Scheme;

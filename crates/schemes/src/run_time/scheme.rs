@@ -31,7 +31,7 @@ fn check_areas(scheme: &'static str, system: &dyn System) -> Result<(), SchemeEr
     let Description { name, noises, jacobi_holds, layout, .. } = system.description();
     match (layout.lanes, jacobi_holds) {
         _ if *noises < 2 => Ok(()),
-        (Lanes::Components, _) => Err(SchemeError::Unsuited(format!(
+        (Lanes::Components, _) => Err(SchemeError(format!(
             "no Lévy areas are drawn for one large path, and {scheme} reads them: take sexp-li"
         ))),
         (Lanes::Paths, false) => Err(SchemeError::jacobi(scheme, name)),

@@ -38,7 +38,7 @@ pub struct FormulaStepper<'a, F> {
 impl<'a, F: Implicit> FormulaStepper<'a, F> {
     pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
         let rows = if F::EXPLICIT { 0 } else { system.description().layout.rows };
-        let (machine, state) = (Machine::new(system)?, Rows::zero(rows)?);
+        let (machine, state) = (Machine::new(system), Rows::zero(rows));
         let mut stepper = Self { formula, system, machine, state, krylov: None };
         // A step by which the memory of a formula is found out.
         stepper.record(&valid(Step::new(&valid(Constant::new(0.0)), 0, 1.0)))?;
@@ -81,10 +81,7 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
         paths: PathMask,
         h: Weights<'_>,
     ) -> Result<[Outcome; WIDTH], SchemeError> {
-        let krylov = match &mut self.krylov {
-            Some(krylov) => krylov,
-            none => none.insert(Krylov::new(self.system)?),
-        };
+        let krylov = self.krylov.get_or_insert_with(|| Krylov::new(self.system));
         let outcomes = krylov.solve(self.formula, step, h, &self.machine.buffers[0], paths)?;
         for (solution, z) in self.machine.buffers[1].iter_mut().zip(krylov.z.iter()) {
             for p in paths.paths() {

@@ -102,10 +102,10 @@ fn a_split_step_composes_the_flows_of_the_system() {
     let mut paths = run_time::Scheme::stepper(&Split, &chain).unwrap();
     let mut numbers = Numbers(2);
     paths.state_mut().iter_mut().flatten().for_each(|y| *y = numbers.next());
-    let mut y = Rows::zero(12).unwrap();
+    let mut y = Rows::zero(12);
     y.copy_from_slice(paths.state());
     let (dw, half) = (Rows::splat(&[0.2, -0.3, 0.4]), Rows::splat(&[0.1, -0.15, 0.2]));
-    let (noise, half) = (StepNoise::from(dw.unwrap()), half.unwrap());
+    let (noise, half) = (StepNoise::from(dw), half);
     let step = Step::new(&Cosine::new(0.5, 2.0).unwrap(), 3, 0.1).unwrap();
     paths.step(&step, &noise, &mut BlockStatus::explicit());
     y.iter_mut().flatten().for_each(|y| *y *= step.first_decay);
@@ -157,7 +157,7 @@ fn one_step<F: Implicit>(
     let mut status = BlockStatus::explicit();
     let step = Step::new(&Cosine::new(0.5, 2.0).unwrap(), 0, tau).unwrap();
     paths.step(&step, noise, &mut status);
-    let mut z = Rows::zero(y0.len()).unwrap();
+    let mut z = Rows::zero(y0.len());
     z.copy_from_slice(paths.state());
     (z, status)
 }
@@ -199,7 +199,7 @@ fn newton_without_a_matrix_finds_the_same_solutions() {
 fn large_increments_are_solved_on_the_branch_of_the_flow() {
     let (system, y0) = (body(), [0.6, 0.0, 0.8]);
     let adapter = Compiled::new(system, y0);
-    let dw = Rows::splat(&[3.0, -2.5, 2.0]).unwrap().into();
+    let dw = Rows::splat(&[3.0, -2.5, 2.0]).into();
     let (z, status) = one_step(&Sexp, &adapter, &y0, (0.5, &dw));
     assert!(status.failed.is_empty() && !status.robust.is_empty());
     let mut numbers = Numbers(5);

@@ -125,7 +125,7 @@ impl System for Chain {
 
 /// Unit vectors in many directions.
 fn start(system: &Chain) -> Rows {
-    let mut rows = Rows::zero(system.description.layout.rows).unwrap();
+    let mut rows = Rows::zero(system.description.layout.rows);
     for site in 0..system.spins {
         let (angle, height) = (site as f64 * 2.4, (site as f64 * 0.618).fract() * 2.0 - 1.0);
         let radius = (1.0 - height * height).sqrt();
@@ -145,7 +145,7 @@ fn run(scheme: &dyn Scheme, system: &Chain, threads: usize, tau: f64) -> (Vec<Ro
         for n in 0..8 {
             let step = Step::new(&Constant::new(0.1).unwrap(), n, tau).unwrap();
             let angle = n as f64;
-            let dw = Rows::splat(&[0.1 * angle.sin(), 0.1 * angle.cos(), 0.05]).unwrap();
+            let dw = Rows::splat(&[0.1 * angle.sin(), 0.1 * angle.cos(), 0.05]);
             path.step(&step, &dw.into(), &mut status);
             assert!(status.failed.is_empty());
             robust += usize::from(status.robust.contains(0));

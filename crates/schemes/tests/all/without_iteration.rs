@@ -276,7 +276,7 @@ fn the_kind_of_a_system_is_found() {
     assert!(SexpLi::new(&Squared(Some(Form::Linear)), [1.0; 3]).is_ok());
     for form in [None, Some(Form::Quadratic)] {
         let refused = SexpLi::new(&Squared(form), [1.0; 3]);
-        let Err(SchemeError::Unsuited(_)) = refused else { panic!("{refused:?}") };
+        let Err(SchemeError(_)) = refused else { panic!("{refused:?}") };
         assert!(refused.unwrap_err().to_string().contains("sexp is for any B"));
     }
 }

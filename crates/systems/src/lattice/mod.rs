@@ -25,7 +25,7 @@ mod shape;
 use std::ops::Range;
 
 use dgrad::Rule;
-use real::{OutOfMemory, Row, Rows, WIDTH, dispatch};
+use real::{Row, WIDTH, dispatch};
 
 use crate::{
     Invariant, Linearity, SystemError,
@@ -52,24 +52,6 @@ pub fn noise_at_temperature(damping: f64, temperature: f64) -> f64 {
     (2.0 * damping * temperature).sqrt()
 }
 
-/// An invalid lattice.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum LatticeError {
-    /// Sizes are missing, zero, too many or too large.
-    #[error("a lattice has one to three sizes, each at least 1, got {sizes:?}")]
-    Sizes {
-        /// The given sizes.
-        sizes: Vec<usize>,
-    },
-    /// A coupling is NaN or infinite.
-    #[error(transparent)]
-    Coupling(#[from] SystemError),
-    /// There is no memory for the lattice.
-    #[error(transparent)]
-    Memory(#[from] OutOfMemory),
-}
-
 /// Classical spins on a lattice: H₀ = −J Σ sᵢ·sⱼ − ½K Σ (sᵢᶻ)² − h·Σ sᵢ, noise that is common or
 /// local, and transverse damping; see the [module](self).
 ///
@@ -84,7 +66,7 @@ pub enum LatticeError {
 /// let couplings = Couplings { exchange: 1.0, noise: 0.1, local: true, ..Couplings::default() };
 /// let lattice = SpinLattice::one_path(Shape::periodic(&[100, 100, 100])?, couplings)?;
 /// assert_eq!(lattice.description().noises, 3_000_000);
-/// # Ok::<(), systems::lattice::LatticeError>(())
+/// # Ok::<(), systems::SystemError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct SpinLattice {
@@ -102,20 +84,14 @@ impl SpinLattice {
     /// The lattice on rows of 32 paths.
     ///
     /// # Errors
-    /// [`LatticeError::Coupling`].
-    pub fn on_paths(shape: Shape, couplings: Couplings) -> Result<Self, LatticeError> {
-        let Couplings { exchange, anisotropy, field: [x, y, z], noise, damping, .. } = couplings;
-        for (name, value) in [
-            ("the exchange J", exchange),
-            ("the anisotropy K", anisotropy),
-            ("the field h", x),
-            ("the field h", y),
-            ("the field h", z),
-            ("the noise σ", noise),
-            ("the damping α", damping),
-        ] {
-            finite(name, value)?;
-        }
+    /// [`SystemError`] if a coupling is NaN or infinite.
+    pub fn on_paths(shape: Shape, couplings: Couplings) -> Result<Self, SystemError> {
+        let Couplings { exchange, anisotropy, field, noise, damping, .. } = couplings;
+        finite("the exchange J", exchange)?;
+        finite("the anisotropy K", anisotropy)?;
+        field.iter().try_for_each(|&h| finite("the field h", h).map(drop))?;
+        finite("the noise σ", noise)?;
+        finite("the damping α", damping)?;
         let directions = shape.directions();
         let odd = (0..3).find(|&axis| shape.is_periodic(axis) && shape.sizes()[axis] % 2 == 1);
         let parts = Part::all(&shape, &couplings);
@@ -155,12 +131,11 @@ impl SpinLattice {
     /// The lattice on rows that hold one path.
     ///
     /// # Errors
-    /// [`LatticeError::Coupling`], and [`LatticeError::Memory`] if there is no memory for a state.
-    pub fn one_path(shape: Shape, couplings: Couplings) -> Result<Self, LatticeError> {
+    /// [`SystemError`] if a coupling is NaN or infinite.
+    pub fn one_path(shape: Shape, couplings: Couplings) -> Result<Self, SystemError> {
         let mut lattice = Self::on_paths(shape, couplings)?;
         let Description { dimension, noises, .. } = lattice.description;
         let mut layout = Layout::one_path(dimension, noises, 3, TILE_ROWS);
-        Rows::zero(layout.rows)?;
         let Self { shape, directions, .. } = &lattice;
         let sites = shape.sites();
         // One more, since the last tile may be shorter.

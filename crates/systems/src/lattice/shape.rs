@@ -1,6 +1,6 @@
 //! The shape of a lattice: sizes, boundaries, and who is whose neighbour.
 
-use super::LatticeError;
+use crate::SystemError;
 
 /// A chain, a square or a cubic lattice, periodic or open. Site x + L₁(y + L₂z) is that of the
 /// coordinates (x, y, z).
@@ -23,9 +23,9 @@ impl Shape {
     /// The lattice with one to three sizes, open at all ends.
     ///
     /// # Errors
-    /// [`LatticeError::Sizes`] unless there are one to three sizes, all of them positive, whose
-    /// product is a number of sites.
-    pub fn open(sizes: &[usize]) -> Result<Self, LatticeError> {
+    /// [`SystemError`] unless there are one to three sizes, all of them positive, whose
+    /// product is at most 2⁴⁸.
+    pub fn open(sizes: &[usize]) -> Result<Self, SystemError> {
         Self::new(sizes, false)
     }
 
@@ -34,16 +34,19 @@ impl Shape {
     ///
     /// # Errors
     /// As [`open`](Self::open).
-    pub fn periodic(sizes: &[usize]) -> Result<Self, LatticeError> {
+    pub fn periodic(sizes: &[usize]) -> Result<Self, SystemError> {
         Self::new(sizes, true)
     }
 
-    fn new(given: &[usize], periodic: bool) -> Result<Self, LatticeError> {
+    fn new(given: &[usize], periodic: bool) -> Result<Self, SystemError> {
         let mut sizes = [1; 3];
         let sites = given.iter().try_fold(1usize, |sites, &size| sites.checked_mul(size));
-        let fits = sites.is_some_and(|sites| sites > 0 && sites < usize::MAX / 64);
+        let fits = sites.is_some_and(|sites| sites > 0 && sites <= 1 << 48);
         if !(1..=3).contains(&given.len()) || !fits {
-            return Err(LatticeError::Sizes { sizes: given.to_vec() });
+            return Err(SystemError(format!(
+                "a lattice has one to three sizes, each at least 1, of 2^48 sites at most, got \
+                 {given:?}"
+            )));
         }
         sizes[..given.len()].copy_from_slice(given);
         Ok(Self { sizes, periodic: sizes.map(|size| periodic && size > 2) })

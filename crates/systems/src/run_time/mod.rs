@@ -18,9 +18,9 @@
 //! let system = Compiled::new(body, [0.6, 0.0, 0.8]);
 //! let description = system.description();
 //! assert_eq!((description.dimension, description.noises), (3, 3));
-//! let (y, dw) = (Rows::splat(&[0.6, 0.0, 0.8])?, Rows::splat(&[0.1, -0.2, 0.3])?);
-//! let (mut gradient, mut field) = (Rows::zero(3)?, Rows::zero(3)?);
-//! let mut scratch = Rows::zero(description.scratch_rows())?;
+//! let (y, dw) = (Rows::splat(&[0.6, 0.0, 0.8]), Rows::splat(&[0.1, -0.2, 0.3]));
+//! let (mut gradient, mut field) = (Rows::zero(3), Rows::zero(3));
+//! let mut scratch = Rows::zero(description.scratch_rows());
 //! let h = Weights { dt: 0.01, dw: &dw, ..Weights::NONE };
 //! system.apply(Op::Gradient { y: &y }, 0..3, h, &mut gradient, &mut scratch);
 //! system.apply(Op::Structure { y: &y, v: &gradient }, 0..3, h, &mut field, &mut scratch);

@@ -22,7 +22,7 @@ impl Problem {
     /// The problem with y(0) = `y0` on [0, `t_end`].
     ///
     /// # Errors
-    /// [`SystemError::Dimension`], and those of [`Problem::new`](crate::Problem::new).
+    /// [`SystemError`], and those of [`Problem::new`](crate::Problem::new).
     pub fn new(
         system: Arc<dyn System>,
         damping: Arc<dyn Damping>,
@@ -31,7 +31,9 @@ impl Problem {
     ) -> Result<Self, SystemError> {
         let (dimension, components) = (system.description().dimension, y0.len());
         if components != dimension {
-            return Err(SystemError::Dimension { dimension, components });
+            return Err(SystemError(format!(
+                "the initial value must have {dimension} components, got {components}"
+            )));
         }
         finite_state(&y0)?;
         system.check_domain(&y0)?;

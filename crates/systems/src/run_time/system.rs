@@ -97,7 +97,7 @@ pub trait System: Send + Sync {
     /// Checks that the components y are in the domain of the system: ℝᴰ unless overridden.
     ///
     /// # Errors
-    /// [`SystemError::OutsideDomain`].
+    /// [`SystemError`].
     fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
         let _ = y;
         Ok(())

@@ -139,14 +139,7 @@ impl PoissonSystem<2, 2> for Plane {
         y[1] * dw[0] + second * dw[1]
     }
     fn check_domain(&self, y: [f64; 2]) -> Result<(), SystemError> {
-        match y.iter().position(|x| *x <= 0.0) {
-            Some(i) => Err(SystemError::OutsideDomain {
-                component: i + 1,
-                value: y[i],
-                domain: "q, p > 0",
-            }),
-            None => Ok(()),
-        }
+        SystemError::unless_all(&y, |x| x > 0.0, "q, p > 0")
     }
 }
 

@@ -2,7 +2,7 @@
 
 use real::{Row, Rows, WIDTH};
 use systems::{
-    lattice::{Couplings, LatticeError, Shape, SpinLattice, noise_at_temperature},
+    lattice::{Couplings, Shape, SpinLattice, noise_at_temperature},
     run_time::{Op, System, Weights},
 };
 
@@ -20,7 +20,7 @@ fn spins(sites: usize, first: usize) -> Vec<Spin> {
 /// Vectors in the rows of a system, the same on all paths.
 fn rows(system: &dyn System, vectors: &[Spin]) -> Rows {
     let layout = system.description().layout;
-    let mut rows = Rows::zero(layout.rows).unwrap();
+    let mut rows = Rows::zero(layout.rows);
     for (component, &x) in vectors.as_flattened().iter().enumerate() {
         let (row, lane) = layout.place(component);
         rows[row][lane] = x;
@@ -114,7 +114,7 @@ fn near(found: &[Spin], expected: &[Spin], tolerance: f64, what: &str) {
 /// All rows of a result, tile by tile.
 fn tiles(system: &dyn System, op: Op<&Rows>, h: Weights<'_>) -> Rows {
     let layout = system.description().layout;
-    let mut out = Rows::zero(layout.rows).unwrap();
+    let mut out = Rows::zero(layout.rows);
     for first in (0..layout.rows).step_by(layout.tile_rows) {
         let tile = first..(first + layout.tile_rows).min(layout.rows);
         let is_local = op.is_local();
@@ -170,7 +170,7 @@ fn both_layouts_are_the_lattice_spin_by_spin() {
                     let layout = system.description().layout;
                     let what = format!("{} of {}", system.description().parameters, layout.rows);
                     let y = rows(system, &s);
-                    let dw = if local { rows(system, &w) } else { Rows::splat(&w[0]).unwrap() };
+                    let dw = if local { rows(system, &w) } else { Rows::splat(&w[0]) };
                     let h = Weights { dt, dw: &dw, ..Weights::NONE };
                     let gradient = tiles(system, Op::Gradient { y: &y }, h);
                     near(&vectors(system, &gradient), &v, tolerance, &what);
@@ -263,9 +263,9 @@ fn flows_turn_spins_and_lengths_stay() {
 #[test]
 fn wrong_lattices_are_refused() {
     let k = Couplings { exchange: 1.0, noise: 0.1, ..Couplings::default() };
-    for sizes in [&[][..], &[0], &[3, 0], &[1, 2, 3, 4], &[usize::MAX, 2]] {
+    for sizes in [&[][..], &[0], &[3, 0], &[1, 2, 3, 4], &[usize::MAX, 2], &[1 << 49]] {
         let error = Shape::open(sizes).unwrap_err();
-        assert_eq!(error, LatticeError::Sizes { sizes: sizes.to_vec() });
+        assert!(error.0.ends_with(&format!("got {sizes:?}")), "{error}");
     }
     let shape = Shape::periodic(&[4, 5]).unwrap();
     let nan = Couplings { anisotropy: f64::NAN, ..k };
@@ -276,9 +276,6 @@ fn wrong_lattices_are_refused() {
     let damped = Couplings { damping: 0.1, ..k };
     let lattice = SpinLattice::one_path(Shape::open(&[4]).unwrap(), damped).unwrap();
     assert!(lattice.description().parts.is_err());
-    // Two exbibytes.
-    let error = SpinLattice::one_path(Shape::open(&[1 << 56]).unwrap(), k).unwrap_err();
-    assert!(error.to_string().contains("1729382256910270528 bytes"), "{error}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use systems::{
 
 /// States near y0, one for each path.
 fn around(y0: &[f64], spread: f64, shift: usize) -> Rows {
-    let mut rows = Rows::splat(y0).unwrap();
+    let mut rows = Rows::splat(y0);
     for (i, row) in rows.iter_mut().enumerate() {
         for p in 0..WIDTH {
             let number = ((i + 7 * p + shift) as f64 * 0.618_033_988_749_894_9).fract();
@@ -33,7 +33,7 @@ where
     S: PoissonSystem<D, M> + Copy,
 {
     let adapter = Compiled::new(system, y0);
-    let mut scratch = Rows::zero(adapter.description().scratch_rows()).unwrap();
+    let mut scratch = Rows::zero(adapter.description().scratch_rows());
     let (a, b) = (around(&y0, 0.1, 0), around(&y0, 0.1, 1000));
     let (u, dw) = (around(&[0.0; D], 1.0, 77), around(&[0.0; M], 0.1, 5));
     let areas = around(&vec![0.0; M * M], 1.0, 99);
@@ -49,7 +49,7 @@ where
     };
     let (a, b, u): (&[Row], &[Row], &[Row]) = (&a, &b, &u);
     let mut apply = |op: Op<&[Row]>| {
-        let mut out = Rows::zero(D).unwrap();
+        let mut out = Rows::zero(D);
         adapter.apply(op, 0..D, h, &mut out, &mut scratch);
         out
     };
@@ -89,7 +89,7 @@ where
     adapter.energy(a, h, &mut energy, &mut scratch);
     assert_eq!(energy[9], system.energy(path(a, 9), h.dt, path(&dw, 9)));
     let mut derived = |op| {
-        let mut out = Rows::zero(D).unwrap();
+        let mut out = Rows::zero(D);
         derived(&adapter as &dyn System, op, h, &mut out, &mut scratch);
         out
     };

@@ -27,7 +27,7 @@ fn refuses<T: std::fmt::Debug>(
 ) {
     for &bad in bad {
         let error = make(bad).unwrap_err();
-        assert!(matches!(error, SystemError::Parameter { must, .. } if must == what), "{error:?}");
+        assert!(error.0.contains(&format!("must be {what}, got")), "{error:?}");
         named(error, name, bad);
     }
     assert!(good.iter().all(|&good| make(good).is_ok()));
@@ -72,7 +72,6 @@ fn dampings_refuse_parameters() {
     not_finite("frequency", |x| Cosine::new(1.0, x));
     for nodes in [0, 513] {
         let error = DampingFunction::new(|t| t, nodes).map(|_| ()).unwrap_err();
-        assert!(matches!(error, SystemError::Quadrature(_)), "{error:?}");
         assert!(error.to_string().ends_with(&format!("got {nodes}")));
     }
 }
@@ -97,9 +96,7 @@ fn problems_refuse_initial_values_and_final_times() {
     let damping = Constant::new(1.0).unwrap();
     let populations = LotkaVolterra::<1, 1>::new(1.0).unwrap();
     let outside = |error: SystemError, i: usize, name: &str, bad: f64| {
-        let component =
-            matches!(error, SystemError::OutsideDomain { component, .. } if component == i + 1);
-        assert!(component, "{error:?}");
+        assert!(error.0.contains(&format!("got y{} = ", i + 1)), "{error:?}");
         named(error, name, bad);
     };
     for i in 0..3 {

@@ -1,7 +1,9 @@
 //! Invariants along one path of each scheme, beside their conformal law.
 
+use kernels::Tuned;
 use schemes::{BuiltIn, Energy};
 use stats::Point;
+use systems::{Damping, Problem};
 
 use crate::{
     Compiled, Conditions, Findings, TRUNCATED, Words,
@@ -15,21 +17,22 @@ const VISIBLE: f64 = 1e-3;
 
 /// One path of each scheme on the same noise, with a claim for each of these invariants, the one of
 /// the paper first, and each curve.
-pub fn follow(
+pub fn follow<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions,
     words: Words,
     steps: u64,
     invariants: &[usize],
-    compiled: &Compiled<'_>,
+    problem: &Problem<S, G, D>,
 ) -> Findings {
-    let (id, problem) = (conditions.id, &compiled.problem);
+    let (id, compiled) = (conditions.id, Compiled::of(problem));
+    let problem = &compiled.problem;
     let of_steps = format!("τ = {}, {TRUNCATED}", problem.t_end / steps as f64);
     let mut panel = Panel {
         samples: 1,
         reference: "the conformal law exp(−p ∫γ) F(y₀)".into(),
         ..panel(words, id, Kind::Invariant, problem, &of_steps)
     };
-    let curves = of_paper(compiled).into_iter().map(|curve| {
+    let curves = of_paper(&compiled).into_iter().map(|curve| {
         let path = conditions.path(0, &curve.setup, steps, 0);
         let (t, _) = path[path.len() - 1];
         let failed = path.len() as u64 <= steps;

@@ -9,7 +9,7 @@ use real::elementary::{cos, sin};
 use systems::paper;
 
 use crate::{
-    Compiled, Experiment,
+    Experiment,
     experiment::{BODY_1, BODY_3, BODY_ENERGY, PENDULUM, POISSON, VOLTERRA},
 };
 use invariant::follow;
@@ -19,92 +19,138 @@ use weak::WEAK_IDS;
 /// Everything that makes a panel, in the order of the paper.
 pub const EXPERIMENTS: &[Experiment] = &[
     (&["pendulum-strong"], |conditions| {
-        let words = [
-            "Damped stochastic pendulum: strong convergence",
-            PENDULUM,
-            "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
-        ];
-        compare(conditions, words, (12, 500), true, &Compiled::of(&paper::pendulum()))
+        compare(
+            conditions,
+            [
+                "Pendulum: strong convergence",
+                PENDULUM,
+                "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
+            ],
+            (12, 500),
+            true,
+            &paper::pendulum(),
+        )
     }),
     (&["rigid-body-casimir"], |conditions| {
-        let words = [
-            "Damped stochastic rigid body: the Casimir ½|y|² along one path",
-            BODY_3,
-            "sexp follows the conformal law of the Casimir; Euler–Maruyama does not.",
-        ];
-        let problem = paper::rigid_body_three_noises(10.0);
-        follow(conditions, words, 100, &[0], &Compiled::of(&problem))
+        follow(
+            conditions,
+            [
+                "Rigid body: the Casimir ½|y|² along one path",
+                BODY_3,
+                "sexp follows the conformal law of the Casimir; Euler–Maruyama does not.",
+            ],
+            100,
+            &[0],
+            &paper::rigid_body_three_noises(10.0),
+        )
     }),
     (&["rigid-body-strong-3"], |conditions| {
-        let words = [
-            "Damped stochastic rigid body, three noises: strong convergence",
-            BODY_3,
-            "With several noises all three schemes have strong order 1/2.",
-        ];
-        let problem = paper::rigid_body_three_noises(1.0);
-        compare(conditions, words, (14, 1000), true, &Compiled::of(&problem))
+        compare(
+            conditions,
+            [
+                "Rigid body, three noises: strong convergence",
+                BODY_3,
+                "With several noises all three schemes have strong order 1/2.",
+            ],
+            (14, 1000),
+            true,
+            &paper::rigid_body_three_noises(1.0),
+        )
     }),
     (&["rigid-body-strong-1"], |conditions| {
-        let words = [
-            "Damped stochastic rigid body, only W₁: strong convergence",
-            BODY_1,
-            "With one noise sexp and midpoint have strong order 1, Euler–Maruyama 1/2.",
-        ];
-        compare(conditions, words, (14, 1000), true, &Compiled::of(&paper::rigid_body_one_noise()))
+        compare(
+            conditions,
+            [
+                "Rigid body, only W₁: strong convergence",
+                BODY_1,
+                "With one noise sexp and midpoint have strong order 1, Euler–Maruyama 1/2.",
+            ],
+            (14, 1000),
+            true,
+            &paper::rigid_body_one_noise(),
+        )
     }),
     (WEAK_IDS, weak::measure),
     (&["rigid-body-energy"], |conditions| {
-        let words = [
-            "Damped stochastic rigid body, noise H₀: the energy along one path",
-            BODY_ENERGY,
-            "sexp follows the conformal law of the energy.",
-        ];
-        let problem = paper::rigid_body_energy(10.0);
-        follow(conditions, words, 100, &[1, 0], &Compiled::of(&problem))
+        follow(
+            conditions,
+            [
+                "Rigid body, noise H₀: the energy along one path",
+                BODY_ENERGY,
+                "sexp follows the conformal law of the energy.",
+            ],
+            100,
+            &[1, 0],
+            &paper::rigid_body_energy(10.0),
+        )
     }),
     (&["lotka-volterra-energy"], |conditions| {
-        let words = [
-            "Damped stochastic Lotka–Volterra system: the energy along one path",
-            "Lotka–Volterra, a = −1, b = −2, c = 1",
-            "sexp follows the conformal law of the energy, a Hamiltonian that is not quadratic.",
-        ];
-        let problem = paper::lotka_volterra_2_2(10.0);
-        follow(conditions, words, 100, &[0, 1], &Compiled::of(&problem))
+        follow(
+            conditions,
+            [
+                "Lotka–Volterra: the energy along one path",
+                "Lotka–Volterra, a = −1, b = −2, c = 1",
+                "sexp follows the conformal law of the energy, a Hamiltonian that is not quadratic.",
+            ],
+            100,
+            &[0, 1],
+            &paper::lotka_volterra_2_2(10.0),
+        )
     }),
     (&["lotka-volterra-strong"], |conditions| {
-        let words = [
-            "Damped stochastic Lotka–Volterra system: strong convergence",
-            VOLTERRA,
-            "sexp has strong order 1; m(H) = 0, so the theorems do not apply. (The paper's \
+        compare(
+            conditions,
+            [
+                "Lotka–Volterra: strong convergence",
+                VOLTERRA,
+                "sexp has strong order 1; m(H) = 0, so the theorems do not apply. (The paper's \
              reference has the finest step of the figure, where the error is then zero by \
              construction; here it is finer.)",
-        ];
-        compare(conditions, words, (12, 500), false, &Compiled::of(&paper::lotka_volterra_1_1()))
+            ],
+            (12, 500),
+            false,
+            &paper::lotka_volterra_1_1(),
+        )
     }),
     (&["maxwell-bloch-casimir"], |conditions| {
-        let words = [
-            "Damped stochastic Maxwell–Bloch system: the Casimir ½(y₂² + y₃²) along one path",
-            "Maxwell–Bloch",
-            "sexp follows the conformal law of the Casimir.",
-        ];
-        follow(conditions, words, 500, &[0], &Compiled::of(&paper::maxwell_bloch(5.0)))
+        follow(
+            conditions,
+            [
+                "Maxwell–Bloch: the Casimir ½(y₂² + y₃²) along one path",
+                "Maxwell–Bloch",
+                "sexp follows the conformal law of the Casimir.",
+            ],
+            500,
+            &[0],
+            &paper::maxwell_bloch(5.0),
+        )
     }),
     (&["poisson3-casimir"], |conditions| {
-        let words = [
-            "Damped three-dimensional Poisson system: the Casimir ½(y₁+y₂+y₃)² along one path",
-            POISSON,
-            "sexp follows the conformal law of the Casimir; Euler–Maruyama slightly less well, \
+        follow(
+            conditions,
+            [
+                "Three-dimensional Poisson system: the Casimir ½(y₁+y₂+y₃)² along one path",
+                POISSON,
+                "sexp follows the conformal law of the Casimir; Euler–Maruyama slightly less well, \
              midpoint well.",
-        ];
-        follow(conditions, words, 100, &[0, 1], &Compiled::of(&paper::poisson3_casimir(2.0)))
+            ],
+            100,
+            &[0, 1],
+            &paper::poisson3_casimir(2.0),
+        )
     }),
     (&["poisson3-strong"], |conditions| {
-        let words = [
-            "Damped three-dimensional Poisson system: strong convergence",
-            POISSON,
-            "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
-        ];
-        compare(conditions, words, (12, 400), true, &Compiled::of(&paper::poisson3_strong()))
+        compare(
+            conditions,
+            [
+                "Three-dimensional Poisson system: strong convergence",
+                POISSON,
+                "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
+            ],
+            (12, 400),
+            true,
+            &paper::poisson3_strong(),
+        )
     }),
 ];
 

@@ -3,12 +3,13 @@
 use std::ops::RangeInclusive;
 
 use analysis::{Exact, FinalMoments, squared_distance, wrong_limit};
+use kernels::Tuned;
 use mc::{Ladder, Measured, Run, View};
 use noise::Truncation;
 use real::Row;
 use schemes::{BuiltIn, StrongOrder};
-use stats::{CrossMoments, fit_strong, root_mean_squares};
-use systems::paper::valid;
+use stats::{fit_strong, root_mean_squares};
+use systems::{Damping, Problem, paper::valid};
 
 use crate::{
     Compiled, Conditions, Curve, Findings, TRUNCATED, Words,
@@ -90,19 +91,16 @@ impl StrongPanel<'_> {
                 when.extend(times.into_iter().enumerate().map(|(s, time)| (time, first(s), sizes)));
             }
         }
-        let exact = self.exact.as_ref();
-        let squares = when.iter().map(|&(_, first, runs)| {
-            move |view: &View<'_>, rows: &mut [Row]| write_squares(first, runs, exact, view, rows)
-        });
-        let squares: Vec<_> = squares.collect();
+        let squares = |&(_, first, runs): &_| {
+            move |view: &View<'_>, rows: &mut [Row]| self.write_squares(first, runs, view, rows)
+        };
+        let squares: Vec<_> = when.iter().map(squares).collect();
         let statistic = || -> Vec<_> {
             let each = when.iter().zip(&squares);
             each.map(|(&(time, _, runs), squares)| FinalMoments::new(time, 3 * runs - 1, squares))
                 .collect()
         };
         let measured = ladder.run(self.samples, statistic);
-        let moments: Vec<&CrossMoments> =
-            measured.statistic.iter().map(|found| &found.moments).collect();
 
         let at_finest = format!("{} at τ = 2^-{}", finest.method.id(), self.last + 2);
         let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}", self.last, self.truncated);
@@ -113,8 +111,8 @@ impl StrongPanel<'_> {
             ..panel(self.words, id, Kind::Strong, problem, &steps)
         };
         let mut claims = Vec::new();
-        for (n, (squares, &(_, _, runs))) in moments.iter().zip(&when).enumerate() {
-            let (s, at_end) = (n % curves.len(), n < curves.len());
+        for (n, (found, &(_, _, runs))) in measured.statistic.iter().zip(&when).enumerate() {
+            let (squares, at_end) = (&found.moments, n < curves.len());
             if runs < sizes {
                 panel.reference = "the exact solution by a change of time, path by path".into();
                 let own = squares.mean(0).sqrt();
@@ -122,12 +120,12 @@ impl StrongPanel<'_> {
                     " {at_finest}, the kind of reference that the paper takes, is itself {own:.1e} \
                      (root mean square) away from the exact solution, {:.0} % of the error of sexp \
                      at τ = 2^-{}",
-                    100.0 * own / moments[0].mean(sizes - 1).sqrt(),
+                    100.0 * own / measured.statistic[0].moments.mean(sizes - 1).sqrt(),
                     self.last
                 );
                 break;
             }
-            let curve = &curves[s];
+            let curve = &curves[n % curves.len()];
             let (quantity, when) = match at_end {
                 true => ("y(T)", "at the final time"),
                 false => ("sup y", "largest over the common time grid"),
@@ -150,14 +148,9 @@ impl StrongPanel<'_> {
                 Some(_) => format!("sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ {bound} ({when})"),
                 None => format!("{} has strong order {order} ({when})", curve.method.id()),
             };
-            let measured_order = Evidence::Order {
-                order,
-                one_sided: bounded.is_some(),
-                rate: rate.clone(),
-                wrong_limit: wrong_limit(&errors, &differences),
-            };
-            let claim =
-                Claim::new(claim_id, statement, measured_order).about(id, curve.method.id());
+            let (one_sided, wrong_limit) = (bounded.is_some(), wrong_limit(&errors, &differences));
+            let evidence = Evidence::Order { order, one_sided, rate: rate.clone(), wrong_limit };
+            let claim = Claim::new(claim_id, statement, evidence).about(id, curve.method.id());
             claims.push(claim.proven(bounded == Some(true)));
             panel.series.push(Series {
                 scheme: curve.name.into(),
@@ -180,6 +173,24 @@ impl StrongPanel<'_> {
             }
         }
         Findings { panels: vec![panel], claims }
+    }
+
+    /// The squared errors |y − y_ref|² of these runs, the squares of the differences of each run
+    /// but the last from the next one, and the errors again where an increment was clipped, zero
+    /// elsewhere. y_ref is the exact solution at the random time of a path, or run 0.
+    fn write_squares(&self, first: usize, runs: usize, view: &View<'_>, rows: &mut [Row]) {
+        let finest = view.state(0);
+        let solution = self.exact.as_ref().map(|exact| exact.rows(view, finest.len()));
+        let reference = solution.as_deref().unwrap_or(finest);
+        let distance = |run, from| squared_distance(view.state(run), from, view.live);
+        for (r, run) in (first..first + runs).enumerate() {
+            rows[r] = distance(run, reference);
+            let clips = |p| if view.clipped[run].contains(p) { rows[r][p] } else { 0.0 };
+            rows[2 * runs - 1 + r] = std::array::from_fn(clips);
+            if r + 1 < runs {
+                rows[runs + r] = distance(run, view.state(run + 1));
+            }
+        }
     }
 
     /// For each curve the time of the common grid at which the error of its coarsest step is
@@ -214,31 +225,6 @@ pub fn finest_steps(last: u32, t_end: f64) -> u64 {
     (t_end * 2f64.powi(last as i32 + 2)).round() as u64
 }
 
-/// The squared errors |y − y_ref|² of these runs, the squares of the differences of each run but
-/// the last from the next one, and the errors again where an increment was clipped, zero elsewhere.
-/// y_ref is the exact solution at the random time of a path, or run 0.
-fn write_squares(
-    first: usize,
-    runs: usize,
-    exact: Option<&Exact<'_>>,
-    view: &View<'_>,
-    rows: &mut [Row],
-) {
-    let finest = view.state(0);
-    let solution = exact.map(|exact| exact.rows(view, finest.len()));
-    let reference = solution.as_deref().unwrap_or(finest);
-    for r in 0..runs {
-        let run = first + r;
-        rows[r] = squared_distance(view.state(run), reference, view.live);
-        let clips = |p| if view.clipped[run].contains(p) { rows[r][p] } else { 0.0 };
-        rows[2 * runs - 1 + r] = std::array::from_fn(clips);
-        if r + 1 < runs {
-            let difference = squared_distance(view.state(run), view.state(run + 1), view.live);
-            rows[runs + r] = difference;
-        }
-    }
-}
-
 pub fn power_of_half(exponent: u32) -> f64 {
     0.5f64.powi(exponent as i32)
 }
@@ -258,19 +244,20 @@ pub fn describe_failures<T>(Measured { failed, failures, .. }: &Measured<T>) -> 
 ///
 /// `sexp-levy` has itself at a finer step as reference. Drawing areas costs as many normals as the
 /// square root of the step count, so its steps end three levels before those of the others.
-pub fn compare(
+pub fn compare<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions,
     words: Words,
     (last, samples): (u32, u64),
     proven: bool,
-    compiled: &Compiled<'_>,
+    problem: &Problem<S, G, D>,
 ) -> Findings {
+    let compiled = Compiled::of(problem);
     let measure = |fewer: u32, curves: &[Curve<'_>]| {
         let sizes = conditions.choose((last - fewer, samples), (10, 512));
         let bound = Some(proven);
         StrongPanel { bound, ..StrongPanel::new(words, sizes) }.measure(conditions, curves)
     };
-    let mut findings = measure(0, &of_paper(compiled));
+    let mut findings = measure(0, &of_paper(&compiled));
     let areas = compiled.curves(&[BuiltIn::SexpLevy]);
     if !areas.is_empty() {
         let Findings { panels, claims } = measure(3, &areas);

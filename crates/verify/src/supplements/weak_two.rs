@@ -40,13 +40,10 @@ pub fn measure(conditions: &Conditions) -> Findings {
     let samples = SCRAMBLES * points;
     // Step sizes 2⁻¹ … 2⁻⁵.
     let grid = [1, 2, 3, 4].map(|l| DifferenceSamples { tau: power_of_half(l), samples });
-    let (mut moments, mut failures) = (Vec::new(), Vec::new());
-    for (part, difference) in (0..).zip(&grid) {
-        let (found, failed) = differences(conditions.key(part), difference.tau, points);
-        moments.push(found);
-        failures.extend(failed);
-    }
-    let series = series("nv", &grid, &moments, &OBSERVABLES, Expansion::EvenPowers);
+    let differences =
+        |part, sizes: &DifferenceSamples| differences(conditions.key(part), sizes.tau, points);
+    let even = Expansion::EvenPowers;
+    let (series, failures) = series("nv", &grid, &OBSERVABLES, even, differences);
     let claims = series.iter().map(|series| {
         let statement = format!("nv has weak order 2 for φ = {}", series.quantity);
         let measured = Evidence::order_bound(2.0, series.rate.clone());
