@@ -305,6 +305,7 @@ impl<'a> Marcher<'a> {
     }
 
     /// Finest step number n, counted from 1, and every coarser step that ends at the same time.
+    /// Where no live path moves, what they collect goes on.
     fn advance(
         &mut self,
         steps: &[StepPair],
@@ -313,35 +314,24 @@ impl<'a> Marcher<'a> {
         observe: &mut dyn FnMut(&View<'_>),
     ) {
         let driver = self.driver;
-        if self.rests {
-            return self.rest(steps, n, tally, observe);
-        }
-        let complete = self.ladder.push(&mut self.next_noise);
-        if let (Some(time_change), Some(noise)) = (driver.time_change, &mut self.time_change_noise)
-        {
-            let mut normals = [[0.0; WIDTH]];
-            noise.increments(1.0, &mut normals);
-            let (dw, [time]) = (&self.ladder.whole(0).increments[..], &mut self.random_time.0);
-            time_change.advance(n - 1, dw, &normals[0], time);
-        }
-        for batch in driver.batches.iter().filter(|batch| batch.due_level() <= complete) {
-            let StepPair { before, now } = steps[batch.level];
+        let complete = match self.rests {
+            true => driver.levels.min(n.trailing_zeros() as usize),
+            false => self.draw(n),
+        };
+        let lives = !self.live.is_empty();
+        let due = |batch: &&Batch| lives && batch.due_level() <= complete;
+        for batch in driver.batches.iter().filter(due) {
+            let StepPair { before, now } = &steps[batch.level];
             if batch.swapped {
                 // The second half of the step of the level above comes first.
-                self.truncate(batch, false, tally);
-                self.step(batch, &before, false, tally);
+                self.step(batch, before, false, tally);
             }
-            let as_drawn = batch.level == 0
-                && !batch.swapped
-                && batch.bounds.increment == f64::INFINITY
-                && driver.area_reader.is_none();
-            if !as_drawn {
-                self.truncate(batch, batch.swapped, tally);
-            }
-            self.step(batch, &now, as_drawn, tally);
+            self.step(batch, now, batch.swapped, tally);
         }
         if complete == driver.levels {
-            self.drop_non_finite(n, tally);
+            if lives {
+                self.drop_non_finite(n, tally);
+            }
             self.show(n >> driver.levels, observe);
             let Self { live, states, .. } = self;
             self.rests = live.is_empty()
@@ -349,29 +339,17 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// [`advance`](Self::advance) where no live path moves: what they collect goes on.
-    fn rest(
-        &mut self,
-        steps: &[StepPair],
-        n: u64,
-        tally: &mut Tally,
-        observe: &mut dyn FnMut(&View<'_>),
-    ) {
-        let driver = self.driver;
-        let complete = driver.levels.min(n.trailing_zeros() as usize);
-        let none = self.live.is_empty();
-        let due = |batch: &&Batch| batch.due_level() <= complete && !none;
-        for batch in driver.batches.iter().filter(due) {
-            let StepPair { before, now } = &steps[batch.level];
-            let both = if batch.swapped { &[before, now][..] } else { &[now] };
-            both.iter().for_each(|step| self.step(batch, step, true, tally));
+    /// Draws the noise of finest step number n. Returns the highest level whose step is complete.
+    fn draw(&mut self, n: u64) -> usize {
+        let complete = self.ladder.push(&mut self.next_noise);
+        if let (Some(change), Some(noise)) = (self.driver.time_change, &mut self.time_change_noise)
+        {
+            let mut normals = [[0.0; WIDTH]];
+            noise.increments(1.0, &mut normals);
+            let (dw, [time]) = (&self.ladder.whole(0).increments[..], &mut self.random_time.0);
+            change.advance(n - 1, dw, &normals[0], time);
         }
-        if complete == driver.levels {
-            if !none {
-                self.drop_non_finite(n, tally);
-            }
-            self.show(n >> driver.levels, observe);
-        }
+        complete
     }
 
     /// Truncates the noise of the last step of the level of the batch, or of the step before.
@@ -398,10 +376,15 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// One step of the runs of a batch, with the truncated noise, or with that of the finest step
-    /// as it was drawn, which saves copying it.
+    /// One step of the runs of a batch, with the truncated noise of the last step of its level or of
+    /// the step before; or with that of the finest step as it was drawn, which saves copying it.
     #[inline]
-    fn step(&mut self, batch: &Batch, step: &Step, as_drawn: bool, tally: &mut Tally) {
+    fn step(&mut self, batch: &Batch, step: &Step, one_before: bool, tally: &mut Tally) {
+        let is_finest = batch.level == 0 && !batch.swapped && self.driver.area_reader.is_none();
+        let as_drawn = self.rests || is_finest && batch.bounds.increment == f64::INFINITY;
+        if !as_drawn {
+            self.truncate(batch, one_before, tally);
+        }
         for &number in &batch.runs {
             let noise = if as_drawn { self.ladder.whole(0) } else { &self.truncated };
             let status = &mut self.statuses[number];

@@ -8,7 +8,7 @@ use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
-    Initial, LadderError, NextNoise, PathFailure, Problem, Run,
+    LadderError, NextNoise, PathFailure, Problem, Run,
     driver::{Batch, Bounds, Driver, Failed, GROUP_PATHS, StepTable, Tally},
     noise_source::drawn,
     observable::{components, path},
@@ -138,15 +138,6 @@ const DESCRIBED_FAILURES: usize = 8;
 const PROBES: u64 = 4;
 const PROBE_STEPS: u64 = 16;
 
-/// The states of runs on blocks at time 0.
-fn start<'a>(
-    problem: &Problem<'a>,
-    key: StreamKey,
-) -> Box<dyn Fn(usize, u64) -> Vec<Row> + Sync + 'a> {
-    let (initial, y0) = (problem.initial.clone(), problem.y0.clone());
-    Box::new(move |_, first| Initial::start(initial.as_ref(), &y0, key, first))
-}
-
 impl<'a> Ladder<'a> {
     /// A ladder with `finest_steps` steps on [0, T] at level 0 and `levels` levels above it, for
     /// schemes on the system of `problem`. The noise is drawn from the streams of `key`.
@@ -200,10 +191,11 @@ impl<'a> Ladder<'a> {
         let area_reader = runs.iter().find(|run| run.scheme.reads_areas());
         let area_reader = area_reader.map(|run| run.scheme.id());
         let area_noises = area_reader.map(|_| problem.noises);
+        let same = problem.clone();
         let mut driver = Driver {
             dampings: problem.dampings().collect(),
             noises: problem.noises,
-            start: start(problem, key),
+            start: Box::new(move |_, first| same.start(key, first)),
             from_start: false,
             t_end: problem.t_end,
             finest_steps,

@@ -54,7 +54,7 @@ use real::{Row, WIDTH};
 use schemes::Method;
 
 use crate::{
-    Initial, Ladder, Observe, Run, RunError, Setup,
+    Ladder, Observe, Run, RunError, Setup,
     expect::{Keeping, Told},
     ladder::Measured,
     parts::Stop,
@@ -217,13 +217,11 @@ impl<'a> Equilibrium<'a> {
     pub fn lyapunov(&self, count: usize, accuracy: f64) -> Result<Averages, RunError> {
         let most = self.setup.problem.y0.len();
         let allowed = (1..=most).contains(&count);
-        RunError::unmet([(allowed, "number of exponents", "from 1 to that of components", {
-            count as f64
-        })])?;
-        let method = Arc::clone(&self.setup.scheme);
+        let range = "from 1 to that of components";
+        RunError::unmet([(allowed, "number of exponents", range, count as f64)])?;
         let rows = if count == 1 { 1 } else { count + 1 };
-        let tangents = Arc::new(Tangents { method, dimension: most, count });
-        self.averages(&(tangents as Arc<dyn Method>), Averaged::Growth(rows), accuracy)
+        let scheme = Tangents { dimension: most, count }.around(Arc::clone(&self.setup.scheme));
+        self.averages(&scheme, Averaged::Growth(rows), accuracy)
     }
 
     fn averages(
@@ -339,7 +337,5 @@ impl<'a> Equilibrium<'a> {
 
 /// The states of a method on a block of chains at first.
 fn first(setup: &Setup<'_>, scheme: &dyn Method, key: StreamKey, path: u64) -> Vec<Row> {
-    let problem = &setup.problem;
-    let y = Initial::start(problem.initial.as_ref(), &problem.y0, key, path);
-    scheme.start(&y).state().to_vec()
+    scheme.start(&setup.problem.start(key, path)).state().to_vec()
 }
