@@ -1,7 +1,10 @@
 //! Chains that go on from batch to batch, and what is summed along them.
 
+use std::ops::Range;
+
 use real::{PathMask, Row, WIDTH};
 use serde::{Deserialize, Serialize};
+use stats::CentralMoments;
 
 use super::{Averaged, EquilibriumSettings, LEVELS, STEPS, wells::Watched};
 use crate::{
@@ -33,6 +36,27 @@ struct Block {
 /// Of each chain the means over a batch of each average at each step size, and of its square at the
 /// finest, and the values of watched functions at its end.
 pub type Batch = Vec<Vec<f64>>;
+
+/// The batches of the chains that have not failed.
+pub struct Living<'a> {
+    pub batches: &'a [Batch],
+    /// Their numbers.
+    pub chains: Vec<usize>,
+}
+
+impl Living<'_> {
+    /// Of each chain the sum over batches of a row.
+    pub fn sums(&self, row: usize, batches: Range<usize>) -> impl Iterator<Item = f64> {
+        let batches = &self.batches[batches];
+        self.chains.iter().map(move |&n| batches.iter().map(|batch| batch[row][n]).sum())
+    }
+}
+
+pub fn moments(values: impl Iterator<Item = f64>) -> CentralMoments {
+    let mut moments = CentralMoments::default();
+    values.for_each(|x| moments.add(x));
+    moments
+}
 
 /// All chains.
 #[derive(Serialize, Deserialize)]
@@ -111,8 +135,12 @@ impl Chains {
         Some(if self.batches.is_empty() { &states[..dimension] } else { states })
     }
 
+    pub fn living(&self) -> Living<'_> {
+        Living { batches: &self.batches, chains: self.live().collect() }
+    }
+
     /// The numbers of the chains that have not failed.
-    pub fn live(&self) -> impl Iterator<Item = usize> {
+    fn live(&self) -> impl Iterator<Item = usize> {
         let blocks = self.blocks.iter();
         blocks.flat_map(|block| PathMask(block.live).paths().map(|p| block.first as usize + p))
     }

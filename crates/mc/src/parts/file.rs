@@ -18,7 +18,7 @@ use super::{JobError, Share, atomic};
 use crate::driver::GROUP_PATHS;
 
 /// The version of the format.
-const SCHEMA: u32 = 5;
+const SCHEMA: u32 = 6;
 /// Bytes of a SHA-256.
 const SUM: usize = 32;
 

@@ -7,7 +7,7 @@ use stats::{Tail, quantile_ranks};
 
 use super::{
     Grid, Joint, Wanted,
-    dependence::Found,
+    dependence::{Cells, Found},
     record::Record,
     summary::{CROWDED, Histogram, Place, Ranks, Summary, TOO_FEW},
     sums::StudyStatistic,
@@ -105,12 +105,10 @@ impl StudyResult {
             warnings.push(format!("stopped after {paths} of {planned} paths"));
         }
         let found = Found {
-            wanted,
+            of: Cells { wanted, grids, observables: record.observables.len() },
             names: &record.observables,
             at: record.times.iter().map(|&step| (step, record.time(step))).collect(),
-            grids,
-            sums: &sums.batches,
-            joint: &sums.joint,
+            sums: &sums.dependence,
         };
         series.extend(found.pairs(record.start.is_none().then_some(paths)));
         let (joint, lagged) = (found.joint(), found.lagged());

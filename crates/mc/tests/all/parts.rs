@@ -317,7 +317,7 @@ fn parts_of_another_study_are_refused_by_name() {
         (Study { paths: 999, ..STUDY }, "sum has a number of paths 999, here it is 19217"),
         (
             Study { version: "0.9", ..STUDY },
-            "the file has the program test 0.9, format 5, here it is test 1, format 5",
+            "the file has the program test 0.9, format 6, here it is test 1, format 6",
         ),
     ];
     for (other, why) in changes {
