@@ -72,9 +72,6 @@ impl<'a> Setup<'a> {
     /// The same with friction. Laws that it breaks go.
     #[must_use]
     pub fn with_friction(self, friction: &'a [Friction]) -> Self {
-        if friction.is_empty() {
-            return self;
-        }
         let scheme = Friction::around(self.scheme, friction);
         Self { problem: self.problem.with_friction(friction), scheme }
     }

@@ -382,13 +382,27 @@ impl<'a> Ladder<'a> {
         groups: Range<u64>,
         new: &(dyn Fn() -> T + Sync),
     ) -> Nodes<T> {
+        let mut tree = MergeTree::new(merge);
+        self.grow(&mut tree, (paths, groups), new, stop, &mut |_, _| true);
+        tree.nodes
+    }
+
+    /// Adds the sums of groups before path number `paths` to a tree. `after` sees the nodes and the
+    /// next group now and then, and says whether to go on. Returns the first group that is not
+    /// computed.
+    pub(crate) fn grow<T: Statistic>(
+        &self,
+        tree: &mut MergeTree<Sum<T>>,
+        (paths, groups): (u64, Range<u64>),
+        new: &(dyn Fn() -> T + Sync),
+        stop: &Stop,
+        after: &mut dyn FnMut(&[Node<Sum<T>>], u64) -> bool,
+    ) -> u64 {
         let compute = |group| {
             let (statistic, tally) = self.group(0, paths, group, new, stop);
             tally.ok().map(|tally| (statistic, tally))
         };
-        let mut tree = MergeTree::new(merge);
-        grow(&mut tree, groups, &compute, &mut |_, _| true);
-        tree.nodes
+        grow(tree, groups, &compute, after)
     }
 
     /// Adds the nodes of more groups to those before, and gives the sum of all.
@@ -406,7 +420,7 @@ impl<'a> Ladder<'a> {
 
     /// The statistic of one group of `samples` paths from path number `first` on; `Err` with the
     /// counts if `stop` cut it short.
-    pub(crate) fn group<T: Statistic>(
+    fn group<T: Statistic>(
         &self,
         first: u64,
         samples: u64,

@@ -173,8 +173,8 @@ impl Chains {
         let mut values = vec![Vec::new(); (LEVELS + 1) * self.averages];
         let scale = 1.0 / self.batch_steps as f64;
         for sums in &batch.blocks {
-            let both = sums.sums.iter().chain(&sums.squares);
-            values.iter_mut().zip(both).for_each(|(all, row)| all.extend(row.map(|x| scale * x)));
+            let rows = values.iter_mut().zip(&sums.sums);
+            rows.for_each(|(all, row)| all.extend(row.map(|x| scale * x)));
             for (found, counts) in self.histograms.iter_mut().zip(&sums.counts) {
                 found.add(counts);
             }
@@ -267,10 +267,8 @@ impl Chains {
 /// The sums of 32 chains over a batch.
 struct Sums {
     block: Block,
-    /// Of each average at each step size.
+    /// Of each average at each step size, and of its square at the finest.
     sums: Vec<Row>,
-    /// Of its squares at the finest.
-    squares: Vec<Row>,
     counts: Vec<Vec<u64>>,
 }
 
@@ -300,13 +298,12 @@ impl Statistic for Gather<'_> {
         let at = known.unwrap_or_else(|| {
             blocks.push(Sums {
                 block: Block { first, live: view.live.0, states: Vec::new() },
-                sums: vec![[0.0; WIDTH]; LEVELS * count],
-                squares: vec![[0.0; WIDTH]; count],
+                sums: vec![[0.0; WIDTH]; (LEVELS + 1) * count],
                 counts: grids.iter().map(|grid| vec![0; grid.cells()]).collect(),
             });
             blocks.len() - 1
         });
-        let Sums { block, sums, squares, counts } = &mut blocks[at];
+        let Sums { block, sums, counts } = &mut blocks[at];
         let is_last = view.time == *last;
         if is_last {
             block.live = view.live.0;
@@ -320,8 +317,7 @@ impl Statistic for Gather<'_> {
                         phi.evaluate(view.state(run), view.live, &mut values);
                         add(&mut sums[run * count + k], &values);
                     }
-                    let squared = values.map(|x| x * x);
-                    add(&mut squares[k], &squared);
+                    add(&mut sums[LEVELS * count + k], &values.map(|x| x * x));
                     if let Some(grid) = grids.get(k) {
                         let mut places = [0; WIDTH];
                         grid.place(&values, &mut places);

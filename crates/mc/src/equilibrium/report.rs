@@ -329,9 +329,8 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
         false => ways(order),
     };
     let [plain, extrapolated] = ways.map(|[weights, bias]| {
-        let with = |sign: f64| {
-            kept.mean(std::array::from_fn(|run| weights[run] + sign * bias[run])).1
-        };
+        let with =
+            |sign: f64| kept.mean(std::array::from_fn(|run| weights[run] + sign * bias[run])).1;
         let ((mean, error), seen) = (kept.mean(weights), kept.mean(bias));
         let sampling = quantile * error + ROUND_OFF * mean.abs();
         let whole = seen.0.abs() + quantile * with(1.0).max(with(-1.0));

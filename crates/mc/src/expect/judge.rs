@@ -66,7 +66,7 @@ impl Evidence<'_> {
                 resolution: !self.unresolved.iter().any(|warning| warning.concerns(&estimate.name)),
             };
             for (kind, text) in found {
-                Warning::add(&mut warnings, &estimate.name, kind, text);
+                Warning::of_all(kind, text).add_to(&mut warnings, &estimate.name);
             }
         }
         warnings

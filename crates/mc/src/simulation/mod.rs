@@ -143,13 +143,75 @@ impl<'a> Simulation<'a> {
         key: StreamKey,
         paths: Range<u64>,
     ) -> Result<Vec<TimeSeries>, RunError> {
-        let Setup { problem, scheme } = &self.setup;
+        if self.every == 0 {
+            let text = "to save every k-th step, k must be at least 1, got k = 0";
+            return Err(RunError::Setting(text.into()));
+        }
+        let (Setup { problem, scheme }, count) =
+            (&self.setup, paths.end.saturating_sub(paths.start));
         let runs = vec![Run::new(Arc::clone(scheme), 0)];
-        let mut ladder = Ladder::new(problem, steps, 0, self.truncation, key, runs)?;
+        let ladder = Ladder::new(problem, steps, 0, self.truncation, key, runs)?;
+        let mut ladder = ladder.describing(count as usize).with_start();
         if let Some(source) = &self.noise {
             ladder = ladder.with_noise(source);
         }
-        self.run(ladder, key, paths)
+        let (names, tau) = (self.names()?, ladder.tau(0));
+        self.demand(steps, count)?;
+        let damped = self.damping_integrals(steps, tau)?;
+        // Where the values of laws begin among the columns.
+        let laws = 1 + problem.y0.len() + self.observables.len();
+        let none = || {
+            let columns = names.iter().map(|_| Vec::with_capacity(damped.len()));
+            columns.collect::<Vec<Vec<f64>>>()
+        };
+        let save = |view: &View<'_>, of_path: &mut BTreeMap<u64, Vec<Vec<f64>>>| {
+            let Some(damped) = damped.get(&view.time) else { return };
+            let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
+            let observables = self.observables.iter().zip(&mut observed);
+            observables.for_each(|(phi, values)| phi.evaluate(view.state(0), view.live, values));
+            for p in view.live.paths() {
+                let columns = of_path.entry(view.first_path + p as u64).or_insert_with(none);
+                let state = &view.state(0)[..problem.y0.len()];
+                let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
+                let observed = observed.iter().map(|values| values[p]);
+                let row = [view.time as f64 * tau].into_iter().chain(y.iter().copied());
+                columns.iter_mut().zip(row.chain(observed)).for_each(|(of, x)| of.push(x));
+                let of_laws = columns[laws..].chunks_exact_mut(2).zip(&problem.laws);
+                for (columns, conformal) in of_laws {
+                    let value = (conformal.value)(&y);
+                    let initial = columns[0].first().copied().unwrap_or(value);
+                    let law = conformal.decay(damped) * initial;
+                    let relative = (value - law) / law.abs();
+                    columns[0].push(value);
+                    columns[1].push(if initial == 0.0 { value } else { relative });
+                }
+            }
+        };
+        let new = || PathColumns { save: &save, of_path: BTreeMap::new() };
+        let measured = ladder.run_until(&self.stop, paths.start, count, new);
+        let mut of_path = measured.statistic.of_path;
+        let series = paths.map(|path| {
+            let values = of_path.remove(&path).unwrap_or_else(none);
+            let end = values[0].last().map_or(0.0, |t| *t);
+            let columns = names.iter().cloned().zip(values);
+            let columns = columns.map(|(name, values)| Column { name, values });
+            let failure = measured.failures.iter().find(|failure| failure.path == path);
+            let halted = failure.map(|&PathFailure { step, cause, .. }| {
+                format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
+            });
+            let stopped = (self.stop.is_asked() && end < steps as f64 * tau)
+                .then(|| format!("stopped after t = {end}"));
+            TimeSeries {
+                system: problem.name.clone(),
+                damping: problem.describe_damping(),
+                scheme: scheme.id().into(),
+                tau,
+                noise: NoiseOrigin { seed: key.seed, experiment: key.experiment, path },
+                halted: halted.or(stopped),
+                columns: columns.collect(),
+            }
+        });
+        Ok(series.collect())
     }
 
     /// Refuses the tables of so many paths that need more memory than there is: twice that of their
@@ -187,78 +249,6 @@ impl<'a> Simulation<'a> {
             ))),
             None => Ok(names),
         }
-    }
-
-    fn run(
-        &self,
-        ladder: Ladder<'_>,
-        StreamKey { seed, experiment }: StreamKey,
-        paths: Range<u64>,
-    ) -> Result<Vec<TimeSeries>, RunError> {
-        if self.every == 0 {
-            let text = "to save every k-th step, k must be at least 1, got k = 0";
-            return Err(RunError::Setting(text.into()));
-        }
-        let (Setup { problem, scheme }, tau) = (&self.setup, ladder.tau(0));
-        let (names, steps) = (self.names()?, ladder.coarse_steps());
-        self.demand(steps, paths.end.saturating_sub(paths.start))?;
-        let damped = self.damping_integrals(steps, tau)?;
-        // Where the values of laws begin among the columns.
-        let laws = 1 + problem.y0.len() + self.observables.len();
-        let none = || {
-            let columns = names.iter().map(|_| Vec::with_capacity(damped.len()));
-            columns.collect::<Vec<Vec<f64>>>()
-        };
-        let save = |view: &View<'_>, of_path: &mut BTreeMap<u64, Vec<Vec<f64>>>| {
-            let Some(damped) = damped.get(&view.time) else { return };
-            let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
-            let observables = self.observables.iter().zip(&mut observed);
-            observables.for_each(|(phi, values)| phi.evaluate(view.state(0), view.live, values));
-            for p in view.live.paths() {
-                let columns = of_path.entry(view.first_path + p as u64).or_insert_with(none);
-                let state = &view.state(0)[..problem.y0.len()];
-                let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
-                let observed = observed.iter().map(|values| values[p]);
-                let row = [view.time as f64 * tau].into_iter().chain(y.iter().copied());
-                columns.iter_mut().zip(row.chain(observed)).for_each(|(of, x)| of.push(x));
-                let of_laws = columns[laws..].chunks_exact_mut(2).zip(&problem.laws);
-                for (columns, conformal) in of_laws {
-                    let value = (conformal.value)(&y);
-                    let initial = columns[0].first().copied().unwrap_or(value);
-                    let law = conformal.decay(damped) * initial;
-                    let relative = (value - law) / law.abs();
-                    columns[0].push(value);
-                    columns[1].push(if initial == 0.0 { value } else { relative });
-                }
-            }
-        };
-        let count = paths.end.saturating_sub(paths.start);
-        let ladder = ladder.describing(count as usize).with_start();
-        let new = || PathColumns { save: &save, of_path: BTreeMap::new() };
-        let measured = ladder.run_until(&self.stop, paths.start, count, new);
-        let mut of_path = measured.statistic.of_path;
-        let series = paths.map(|path| {
-            let values = of_path.remove(&path).unwrap_or_else(none);
-            let end = values[0].last().map_or(0.0, |t| *t);
-            let columns = names.iter().cloned().zip(values);
-            let columns = columns.map(|(name, values)| Column { name, values });
-            let failure = measured.failures.iter().find(|failure| failure.path == path);
-            let halted = failure.map(|&PathFailure { step, cause, .. }| {
-                format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
-            });
-            let stopped = (self.stop.is_asked() && end < steps as f64 * tau)
-                .then(|| format!("stopped after t = {end}"));
-            TimeSeries {
-                system: problem.name.clone(),
-                damping: problem.describe_damping(),
-                scheme: scheme.id().into(),
-                tau,
-                noise: NoiseOrigin { seed, experiment, path },
-                halted: halted.or(stopped),
-                columns: columns.collect(),
-            }
-        });
-        Ok(series.collect())
     }
 
     /// ∫γ of all dampings from 0 to time 0 and to the end of every saved step. Compensated summation

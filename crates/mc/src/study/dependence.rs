@@ -130,8 +130,7 @@ impl Past {
     /// Adds values at a step to the filtered ones at the saved times before and after it: with
     /// `every` steps between these, counted from the first of them.
     pub fn filter(&mut self, step: u64, every: u64, rows: &[Row]) {
-        let (first, after, size) =
-            ((step / every) as usize, (step % every) as f64, every as f64);
+        let (first, after, size) = ((step / every) as usize, (step % every) as f64, every as f64);
         let length = self.filtered.len().max(first + 2);
         self.filtered.resize(length, vec![[0.0; WIDTH]; rows.len()]);
         for (place, weight) in [(first, size - after), (first + 1, after)] {

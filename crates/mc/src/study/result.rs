@@ -72,7 +72,7 @@ impl StudyResult {
         let paths = sums.moments[last].count() + sums.not_finite[last] + losses.failed;
         let record = Record { paths, ..record.clone() };
         // They are kept, since most counts are the same.
-        let mut known = BTreeMap::<u64, Vec<Ranks>>::new();
+        let mut known = BTreeMap::<(u64, usize), Vec<Ranks>>::new();
         let tail = |k: usize| {
             sums.moments[last + k].tail(sums.first.get(k).map_or(&[][..], Vec::as_slice))
         };
@@ -87,15 +87,12 @@ impl StudyResult {
                 let cell = time * record.observables.len() + k;
                 let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
                 let count = sums.moments[cell].count();
-                let ranks = known.entry(count).or_insert_with(|| {
-                    let levels = record.quantiles.iter();
-                    levels.map(|&level| (level, quantile_ranks(count, level))).collect()
+                let ranks = known.entry((count, levels.len())).or_insert_with(|| {
+                    levels.iter().map(|&level| (level, quantile_ranks(count, level))).collect()
                 });
                 let at = (step, record.time(step));
-                points.push(match is_probability {
-                    true => Summary::new(at, sums, cell, histogram, (&[], tail)).of_probability(),
-                    false => Summary::new(at, sums, cell, histogram, (ranks, tail)),
-                });
+                let summary = Summary::new(at, sums, cell, histogram, (ranks, tail));
+                points.push(if is_probability { summary.of_probability() } else { summary });
             }
             Series { observable: name.clone(), points }
         });

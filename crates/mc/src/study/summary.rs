@@ -158,11 +158,10 @@ impl Summary {
         let spread = range.map_or(0.0, |(least, largest)| largest - least);
         let size = range.map_or(0.0, |(least, largest)| least.abs().max(largest.abs()));
         let equal = spread <= ROUNDING * size;
-        // A spread whose square is zero is not known.
-        let known = |x: &f64| count > 1 && (*x > 0.0 || spread == 0.0);
         let variance = moments.variance();
         let tail = if moments.may_be_heavy() { tail } else { Tail::default() };
-        let known = |x: &f64| known(x) && tail.has_variance();
+        // A spread whose square is zero is not known.
+        let known = |x: &f64| count > 1 && (*x > 0.0 || spread == 0.0) && tail.has_variance();
         let mean_interval = moments.mean_interval().filter(|_| !equal && tail.has_variance());
         let mean_interval = mean_interval.map(scaled);
         let note = || match tail.is_heavy() {
