@@ -153,13 +153,6 @@ pub const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 /// Number of finest steps between two reports of progress.
 const PROGRESS_STEPS: u64 = 4096;
 
-/// The current step of a level and the one before.
-#[derive(Clone, Copy)]
-struct StepPair {
-    before: Step,
-    now: Step,
-}
-
 impl Driver<'_> {
     /// No noise, with areas if a scheme reads them.
     pub fn no_noise(&self) -> StepNoise {
@@ -221,8 +214,7 @@ impl Driver<'_> {
         let levels = 0..=self.levels;
         let is_used = |level| self.batches.iter().any(|batch| batch.level == level);
         let used: Vec<bool> = levels.clone().map(is_used).collect();
-        let first = levels.map(|level| self.step(level, 0));
-        let mut steps: Vec<_> = first.map(|step| StepPair { before: step, now: step }).collect();
+        let mut steps: Vec<Step> = levels.map(|level| self.step(level, 0)).collect();
         let (mut reported, total) = (0, self.steps_per_path());
         for n in 1..=self.finest_steps {
             if stop.is_asked() {
@@ -230,8 +222,7 @@ impl Driver<'_> {
             }
             for level in (0..=self.levels).take_while(|level| n.is_multiple_of(1 << level)) {
                 if used[level] {
-                    let now = self.step(level, (n >> level) - 1);
-                    steps[level] = StepPair { before: steps[level].now, now };
+                    steps[level] = self.step(level, (n >> level) - 1);
                 }
             }
             for block in &mut blocks {
@@ -308,7 +299,7 @@ impl<'a> Marcher<'a> {
     /// Where no live path moves, what they collect goes on.
     fn advance(
         &mut self,
-        steps: &[StepPair],
+        steps: &[Step],
         n: u64,
         tally: &mut Tally,
         observe: &mut dyn FnMut(&View<'_>),
@@ -321,10 +312,11 @@ impl<'a> Marcher<'a> {
         let lives = !self.live.is_empty();
         let due = |batch: &&Batch| lives && batch.due_level() <= complete;
         for batch in driver.batches.iter().filter(due) {
-            let StepPair { before, now } = &steps[batch.level];
+            let now = &steps[batch.level];
             if batch.swapped {
                 // The second half of the step of the level above comes first.
-                self.step(batch, before, false, tally);
+                let before = driver.step(batch.level, now.number() - 1);
+                self.step(batch, &before, false, tally);
             }
             self.step(batch, now, batch.swapped, tally);
         }

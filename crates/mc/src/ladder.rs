@@ -3,7 +3,7 @@
 use std::{ops::Range, sync::OnceLock};
 
 use noise::{Purpose, StreamKey, Truncation};
-use real::{PathMask, Row, elementary};
+use real::{PathMask, Row};
 use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
@@ -248,17 +248,12 @@ impl<'a> Ladder<'a> {
         self.with_noise(move |first| {
             let mut next = drawn(first);
             let factors: Row = std::array::from_fn(|p| factor(first + p as u64));
-            let scale = move |rows: &mut [Row], power| {
-                rows.iter_mut().for_each(|row| {
-                    row.iter_mut()
-                        .zip(factors)
-                        .for_each(|(x, factor)| *x *= elementary::powi(factor, power));
-                });
-            };
+            let scale = |row: &mut Row, by: Row| row.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
             Box::new(move |noise| {
                 next(noise);
-                scale(&mut noise.increments, 1);
-                scale(&mut noise.areas, 2);
+                noise.increments.iter_mut().for_each(|row| scale(row, factors));
+                let squares = factors.map(|factor| factor * factor);
+                noise.areas.iter_mut().for_each(|row| scale(row, squares));
             })
         })
     }

@@ -409,23 +409,25 @@ impl fmt::Display for Averages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let longest = self.means.iter().map(|mean| mean.name.chars().count()).max().unwrap_or(0);
         for mean in &self.means {
-            let StationaryMean { name, sampling, bias, autocorrelation_time, .. } = mean;
-            let (half_width, width) = (mean.half_width(), longest);
+            let StationaryMean { name, sampling, bias, unsettled, autocorrelation_time, .. } = mean;
+            let half_width = mean.half_width();
             let value = written(mean.mean, half_width);
-            write!(f, "{name:width$} = {value} ± {half_width:.1e} (sampling ")?;
-            write!(f, "{sampling:.1e}, step {bias:.1e}")?;
-            if mean.unsettled > 0.0 {
-                write!(f, ", growth {:.1e}", mean.unsettled)?;
+            write!(
+                f,
+                "{name:longest$} = {value} ± {half_width:.1e} (sampling {sampling:.1e}, step {bias:.1e}"
+            )?;
+            if *unsettled > 0.0 {
+                write!(f, ", growth {unsettled:.1e}")?;
             }
             write!(f, ")")?;
             if let (Some(time), Some(samples)) = (autocorrelation_time, mean.effective_samples)
                 && mean.deviation > 0.0
             {
-                write!(f, ", autocorrelation time {}, ", short(*time))?;
-                write!(f, "{samples:.1e} effective samples")?;
+                let time = short(*time);
+                write!(f, ", autocorrelation time {time}, {samples:.1e} effective samples")?;
             }
             writeln!(f)?;
-            if mean.unsettled > 0.0 {
+            if *unsettled > 0.0 {
                 let (lo, hi) = mean.interval();
                 let (sign, end) = if mean.mean > 0.0 { ("≤", hi) } else { ("≥", lo) };
                 let end = written(end, half_width);
@@ -435,17 +437,13 @@ impl fmt::Display for Averages {
                 writeln!(f, "  cannot tell: {why}")?;
             }
         }
-        let Self { scheme, taus, chains, time, burn_in, spent, accuracy, .. } = self;
+        let Self { scheme, taus: [coarse, middle, fine], chains, accuracy, .. } = self;
+        let [time, burn_in] = [self.time, self.burn_in].map(short);
         writeln!(
             f,
-            "{scheme} with steps {:.2e}, {:.2e}, {:.2e}; {chains} chains of length {}, \
-             burn-in {}; {:.2e} path-steps",
-            taus[0],
-            taus[1],
-            taus[2],
-            short(*time),
-            short(*burn_in),
-            *spent as f64
+            "{scheme} with steps {coarse:.2e}, {middle:.2e}, {fine:.2e}; {chains} chains of length \
+             {time}, burn-in {burn_in}; {:.2e} path-steps",
+            self.spent as f64
         )?;
         for why in &self.unknown {
             writeln!(f, "cannot tell: {why}")?;

@@ -154,6 +154,10 @@ impl<'a> Estimator<'a> {
             Some(kept) => self.restore(kept)?,
             None => self.begin(pilot)?,
         }
+        let out_of_reach = |why: String| {
+            let text = format!("the accuracy is out of reach: {why}");
+            Some((WarningKind::OutOfReach, text))
+        };
         let mut helps = None;
         let limit = loop {
             if !self.noisy {
@@ -179,23 +183,19 @@ impl<'a> Estimator<'a> {
                 }
                 if lost > MOST_LOST * accuracy {
                     helps = Some(false);
-                    let text = format!(
-                        "the accuracy is out of reach: a share of {before:.1e} of the paths fails, \
-                         and {share:.1e} with steps an eighth as long; times the range of the \
-                         function that is {lost:.1e}; write the equation in variables without a \
-                         singular point, as √x for x"
-                    );
-                    break Some((WarningKind::OutOfReach, text));
+                    break out_of_reach(format!(
+                        "a share of {before:.1e} of the paths fails, and {share:.1e} with steps an \
+                         eighth as long; times the range of the function that is {lost:.1e}; write \
+                         the equation in variables without a singular point, as √x for x"
+                    ));
                 }
             }
             let least = self.least_cost(&sums, finer);
             if least > max_cost as f64 {
-                let text = format!(
-                    "the accuracy is out of reach: it takes {least:.0e} path-steps or more, {:.0e} \
-                     are allowed",
-                    max_cost as f64
-                );
-                break Some((WarningKind::OutOfReach, text));
+                let allowed = max_cost as f64;
+                break out_of_reach(format!(
+                    "it takes {least:.0e} path-steps or more, {allowed:.0e} are allowed"
+                ));
             }
             let (level, points) = if finer && last < self.max_level {
                 self.add_level()?;
@@ -218,8 +218,8 @@ impl<'a> Estimator<'a> {
             let samples = &self.levels[level];
             let cost = spent.get().saturating_add(self.cost(samples, points - samples.points));
             let limit = if cost > max_cost || samples.points >= MAX_POINTS {
-                let text = format!("not reached with the {max_cost} path-steps allowed");
-                (WarningKind::Cost, format!("the accuracy was {text}"))
+                let text = "the accuracy was not reached with the";
+                (WarningKind::Cost, format!("{text} {max_cost} path-steps allowed"))
             } else if self.sample(level, points)? {
                 // Once points are doubled, the first level stays.
                 if self.levels.iter().all(|samples| samples.points == pilot) {
@@ -488,8 +488,9 @@ impl<'a> Estimator<'a> {
             let terms = self.sum_from(first, k).terms;
             terms.iter().map(|term| (term.variance * term.cost).sqrt()).sum::<f64>()
         };
-        let mut totals = vec![0.0; self.levels.len() - 2];
-        for k in self.numbers() {
+        let (numbers, last) = (self.numbers(), self.levels.len() - 1);
+        let mut totals = vec![0.0; last - 1];
+        for &k in &numbers {
             let roots: Vec<f64> = (0..totals.len()).map(|first| root(first, k)).collect();
             let least = roots.iter().copied().fold(f64::INFINITY, f64::min);
             if least > 0.0 {
@@ -498,12 +499,12 @@ impl<'a> Estimator<'a> {
         }
         let best = (0..totals.len()).min_by(|&a, &b| totals[a].total_cmp(&totals[b])).unwrap_or(0);
         let most = |first: usize| {
-            self.numbers().into_iter().map(|k| self.sum_from(first, k).root()).fold(0.0, f64::max)
+            numbers.iter().map(|&k| self.sum_from(first, k).root()).fold(0.0, f64::max)
         };
-        let last = self.levels.len() - 1;
-        let uncoupled =
-            |values: &Values| values.sample.variance() >= UNCOUPLED * values.fine.variance();
-        let apart = self.numbers().iter().all(|&k| uncoupled(&self.levels[last].values[k]));
+        let apart = numbers.iter().all(|&k| {
+            let Values { sample, fine, .. } = &self.levels[last].values[k];
+            sample.variance() >= UNCOUPLED * fine.variance()
+        });
         if self.noisy && apart && most(last) < SINGLE * most(best) { last } else { best }
     }
 

@@ -43,13 +43,12 @@ impl Keeping {
     pub(crate) fn read<T: DeserializeOwned>(&self) -> Option<T> {
         let bytes = fs::read(&self.file).ok()?;
         let (study, rest) = postcard::take_from_bytes::<String>(&bytes).ok()?;
-        (study == self.study).then(|| postcard::from_bytes(rest).ok()).flatten()
+        if study == self.study { postcard::from_bytes(rest).ok() } else { None }
     }
 
     /// Whether there is something to go on from.
     pub fn holds(&self) -> bool {
-        let bytes = fs::read(&self.file).unwrap_or_default();
-        postcard::take_from_bytes::<String>(&bytes).is_ok_and(|(study, _)| study == self.study)
+        self.read::<()>().is_some()
     }
 
     pub(crate) fn write(&self, kept: &impl Serialize) {

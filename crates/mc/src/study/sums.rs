@@ -91,8 +91,6 @@ pub struct StudyStatistic<'a> {
     /// The values of all observables, and those of each block so far.
     values: Vec<Row>,
     past: BTreeMap<u64, Past>,
-    /// Number of the time that was seen last.
-    last: usize,
 }
 
 impl<'a> StudyStatistic<'a> {
@@ -110,20 +108,7 @@ impl<'a> StudyStatistic<'a> {
             of,
             values: vec![[0.0; WIDTH]; observables.len()],
             past: BTreeMap::new(),
-            last: 0,
         }
-    }
-
-    /// The number of a step among the times. Steps come in order, so the last one is remembered;
-    /// where they do not, it is searched for.
-    fn number(&mut self, step: u64) -> Option<usize> {
-        let time = |n: usize| self.times.get(n).copied().unwrap_or(u64::MAX);
-        if step == time(self.last + 1) {
-            self.last += 1;
-        } else if step < time(self.last) || step > time(self.last + 1) {
-            self.last = self.times.partition_point(|&time| time < step);
-        }
-        (time(self.last) == step).then_some(self.last)
     }
 
     /// Filters what has a spectrum, at every step.
@@ -145,7 +130,7 @@ impl Statistic for StudyStatistic<'_> {
     fn observe(&mut self, view: &View<'_>) {
         let state = view.state(0);
         self.filter(view);
-        let Some(time) = self.number(view.time) else { return };
+        let Ok(time) = self.times.binary_search(&view.time) else { return };
         let first = time * self.observables.len();
         let keeps = view.first_path < FIRST_PATHS && time + 1 == self.times.len();
         if keeps {
