@@ -248,7 +248,8 @@ impl<'a> Ladder<'a> {
         self.with_noise(move |first| {
             let mut next = drawn(first);
             let factors: Row = std::array::from_fn(|p| factor(first + p as u64));
-            let scale = |row: &mut Row, by: Row| row.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
+            let scale =
+                |row: &mut Row, by: Row| row.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
             Box::new(move |noise| {
                 next(noise);
                 noise.increments.iter_mut().for_each(|row| scale(row, factors));

@@ -98,8 +98,7 @@ impl<'a> Setup<'a> {
         let description = system.description();
         if description.layout.lanes == Lanes::Components {
             return Err(SchemeError::Unsuited(format!(
-                "rows of `{}` hold one path, and not 32: take `mc::LargePath`, or the layout of \
-                 the system for many paths",
+                "rows of `{}` hold one path: take `mc::LargePath`, or the layout for many paths",
                 description.name
             )));
         }

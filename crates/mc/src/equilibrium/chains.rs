@@ -59,7 +59,7 @@ pub fn moments(values: impl Iterator<Item = f64>) -> CentralMoments {
 }
 
 /// All chains.
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 pub struct Chains {
     /// Steps of the coarsest size on [0, T].
     pub steps: u64,
@@ -92,21 +92,7 @@ impl Chains {
         let coarse = settings.steps.div_ceil(1 << (LEVELS - 1));
         // An even number in each batch, for schemes that alternate.
         let steps = coarse.next_multiple_of(2 * batches);
-        Self {
-            steps,
-            halvings: 0,
-            batch_steps: steps / batches,
-            number: 0,
-            spent: 0,
-            spent_before: 0,
-            doubled: false,
-            blocks: Vec::new(),
-            batches: Vec::new(),
-            histograms: Vec::new(),
-            failed_before: 0,
-            failure: None,
-            averages: of.count(),
-        }
+        Self { steps, batch_steps: steps / batches, averages: of.count(), ..Self::default() }
     }
 
     /// Whether averages can be formed: when batches are full, and between.

@@ -213,16 +213,14 @@ impl Averages {
                 mean.mean = 0.5 * (lo + hi) * unit;
             } else if let Some(Well { of, crossings }) = well {
                 mean.lengths = mean.lengths.min(crossings);
-                mean.unknown.get_or_insert(format!(
-                    "the chains stay in wells, which they found with too much noise, and it \
-                     depends on the well: {of} does not forget"
-                ));
+                let why = "the chains stay in wells on which it depends";
+                mean.unknown.get_or_insert(format!("{why}: {of} does not forget"));
             }
             mean
         });
         let means: Vec<StationaryMean> = means.collect();
-        let drifts = "the chains still drift after half of their time: they have not come to a \
-                      stationary law, or there is none";
+        let drifts = "the chains still drift after half of their time: no stationary law is \
+                      reached, or there is none";
         let settles = |mean: &StationaryMean| mean.unsettled == 0.0;
         let drifts = (burn_in.is_none() && means.iter().take(settling).any(settles))
             .then(|| drifts.to_owned());

@@ -185,8 +185,8 @@ impl<'a> Estimator<'a> {
                     helps = Some(false);
                     break out_of_reach(format!(
                         "a share of {before:.1e} of the paths fails, and {share:.1e} with steps an \
-                         eighth as long; times the range of the function that is {lost:.1e}; write \
-                         the equation in variables without a singular point, as √x for x"
+                         eighth as long, which may change the result by {lost:.1e}; write the \
+                         equation in variables without a singular point, as √x for x"
                     ));
                 }
             }
@@ -278,18 +278,12 @@ impl<'a> Estimator<'a> {
     }
 
     /// Keeps the samples.
-    fn keep(&self) {
+    fn keep(&mut self) {
         let Some(keeping) = &self.request.expect.keeping else { return };
-        let level = |(samples, (_, nodes)): (&Samples, &(_, Vec<Nodes<PathValues<'a>>>))| {
-            (samples.points, nodes.clone())
-        };
-        let both = self.levels.iter().zip(&self.ladders);
-        keeping.write(&Kept {
-            attempt: self.attempt,
-            spent: self.request.spent.get(),
-            first: self.first,
-            levels: both.map(level).collect(),
-        });
+        let (attempt, spent, first) = (self.attempt, self.request.spent.get(), self.first);
+        let both = self.levels.iter().zip(&mut self.ladders);
+        let levels = both.map(|(samples, (_, nodes))| (samples.points, std::mem::take(nodes)));
+        keeping.write(&Kept { attempt, spent, first, levels: levels.collect() });
     }
 
     /// No samples of a level.

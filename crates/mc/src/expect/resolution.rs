@@ -72,12 +72,11 @@ impl Motion {
         if view.runs() < 2 {
             return;
         }
-        let (fine, coarse, live) = (view.state(0), view.state(1), view.live);
-        let swapped = if view.runs() > 2 { view.state(2) } else { fine };
-        let other = if view.runs() > 3 { view.state(3) } else { coarse };
-        self.points += f64::from(live.len());
+        let second = |run: usize| if run + 2 < view.runs() { run + 2 } else { run };
+        let states = [0, second(0), 1, second(1)].map(|run| view.state(run));
+        self.points += f64::from(view.live.len());
         for i in 0..self.start.len() {
-            self.add_one(i, [&fine[i], &swapped[i], &coarse[i], &other[i]], live);
+            self.add_one(i, states.map(|state| &state[i]), view.live);
         }
     }
 

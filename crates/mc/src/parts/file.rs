@@ -137,7 +137,7 @@ pub fn foreign(
 ) -> JobError {
     JobError::Refused(format!(
         "{} is of another study: {work} has {what} {found}, here it is {here}. Take another folder, \
-         or the arguments with which that study was begun",
+         or the arguments of that study",
         path.display()
     ))
 }

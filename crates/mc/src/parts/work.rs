@@ -56,7 +56,7 @@ impl<T: Kept> Work<'_, T> {
             (Ok(nodes), Ok(again)) if nodes == again => Ok(Entry { header, nodes }),
             (_, again) => Err(JobError::Refused(format!(
                 "the sums of {} cannot be written and read back: {}. Derive Serialize and \
-                 Deserialize for them without skipping or flattening fields",
+                 Deserialize for all of their fields",
                 self.name,
                 again.map_or_else(|error| error.to_string(), |_| "they come back as others".into())
             ))),

@@ -164,7 +164,7 @@ impl<'a> Simulation<'a> {
             let columns = names.iter().map(|_| Vec::with_capacity(damped.len()));
             columns.collect::<Vec<Vec<f64>>>()
         };
-        let save = |view: &View<'_>, of_path: &mut BTreeMap<u64, Vec<Vec<f64>>>| {
+        let save = |view: &View<'_>, of_path: &mut Columns| {
             let Some(damped) = damped.get(&view.time) else { return };
             let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
             let observables = self.observables.iter().zip(&mut observed);
@@ -242,13 +242,8 @@ impl<'a> Simulation<'a> {
             };
             names.extend([name.clone(), format!("{name} defect")]);
         }
-        match (0..names.len()).find(|&n| names[..n].contains(&names[n])) {
-            Some(n) => Err(RunError::Setting(format!(
-                "two columns have the name {:?}; rename the observable",
-                names[n]
-            ))),
-            None => Ok(names),
-        }
+        RunError::twice("columns", &names)?;
+        Ok(names)
     }
 
     /// ∫γ of all dampings from 0 to time 0 and to the end of every saved step. Compensated summation
@@ -276,16 +271,16 @@ impl<'a> Simulation<'a> {
 /// The integrals of all dampings by the number of steps.
 type Integrals = BTreeMap<u64, Vec<f64>>;
 
-/// Adds a row of a block to the columns of its paths.
-type Save<'a> = dyn Fn(&View<'_>, &mut BTreeMap<u64, Vec<Vec<f64>>>) + Sync + 'a;
+/// The columns of every path.
+type Columns = BTreeMap<u64, Vec<Vec<f64>>>;
 
-/// The saved columns of every path.
-struct PathColumns<'a> {
-    save: &'a Save<'a>,
-    of_path: BTreeMap<u64, Vec<Vec<f64>>>,
+/// The saved columns, and what adds a row of a block to those of its paths.
+struct PathColumns<F> {
+    save: F,
+    of_path: Columns,
 }
 
-impl Statistic for PathColumns<'_> {
+impl<F: Fn(&View<'_>, &mut Columns) + Send> Statistic for PathColumns<F> {
     fn observe(&mut self, view: &View<'_>) {
         (self.save)(view, &mut self.of_path);
     }

@@ -97,10 +97,7 @@ impl StudySettings {
             (some, "number of observables", "at least 1", number),
         ])?;
         let names: Vec<&str> = observables.iter().map(|observable| observable.name()).collect();
-        if let Some(n) = (0..names.len()).find(|&n| names[..n].contains(&names[n])) {
-            let text = format!("two observables have the name {:?}; rename one", names[n]);
-            return Err(RunError::Setting(text));
-        }
+        RunError::twice("observables", &names)?;
         for (n, level) in self.quantiles.iter().enumerate() {
             let met = 0.0 < *level && *level < 1.0 && !self.quantiles[..n].contains(level);
             RunError::unmet([(met, "level of a quantile", "between 0 and 1, once each", *level)])?;

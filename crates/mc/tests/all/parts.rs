@@ -460,7 +460,7 @@ fn sums_that_do_not_come_back_and_names_given_twice_are_errors() {
     let sum = || Sum::new(1.0);
     assert!(ladder.run_in(&job, "sum", 500, sum).is_some());
     assert!(ladder.run_in(&job, "sum", 500, sum).is_none());
-    assert!(message(job.finish()).contains("\"sum\" is given to two pieces of work"));
+    assert!(message(job.finish()).contains("two pieces of work have the name \"sum\""));
 }
 
 #[test]
