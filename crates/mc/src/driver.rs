@@ -211,19 +211,14 @@ impl Driver<'_> {
         if self.from_start {
             blocks.iter().for_each(|block| block.show(0, observe));
         }
-        let levels = 0..=self.levels;
-        let is_used = |level| self.batches.iter().any(|batch| batch.level == level);
-        let used: Vec<bool> = levels.clone().map(is_used).collect();
-        let mut steps: Vec<Step> = levels.map(|level| self.step(level, 0)).collect();
+        let mut steps: Vec<Step> = (0..=self.levels).map(|level| self.step(level, 0)).collect();
         let (mut reported, total) = (0, self.steps_per_path());
         for n in 1..=self.finest_steps {
             if stop.is_asked() {
                 return Err(tally);
             }
             for level in (0..=self.levels).take_while(|level| n.is_multiple_of(1 << level)) {
-                if used[level] {
-                    steps[level] = self.step(level, (n >> level) - 1);
-                }
+                steps[level] = self.step(level, (n >> level) - 1);
             }
             for block in &mut blocks {
                 block.advance(&steps, n, &mut tally, observe);

@@ -146,19 +146,19 @@ impl Chains {
     /// while they are spread.
     pub fn take(
         &mut self,
-        mut batch: Gather<'_>,
+        mut batch: Vec<Sums>,
         failures: Vec<PathFailure>,
         start: &dyn Fn(u64) -> Vec<Row>,
         watched: Watched<'_>,
     ) {
         let spreading = self.number < SPREADING;
-        batch.blocks.sort_by_key(|sums| sums.block.first);
-        let chains = batch.blocks.len() * WIDTH;
+        batch.sort_by_key(|sums| sums.block.first);
+        let chains = batch.len() * WIDTH;
         self.spent += self.batch_steps * STEPS * chains as u64;
         self.number += 1;
         let mut values = vec![Vec::new(); (LEVELS + 1) * self.averages];
         let scale = 1.0 / self.batch_steps as f64;
-        for sums in &batch.blocks {
+        for sums in &batch {
             let rows = values.iter_mut().zip(&sums.sums);
             rows.for_each(|(all, row)| all.extend(row.map(|x| scale * x)));
             for (found, counts) in self.histograms.iter_mut().zip(&sums.counts) {
@@ -166,7 +166,7 @@ impl Chains {
             }
         }
         let before = std::mem::take(&mut self.blocks);
-        self.blocks = batch.blocks.into_iter().map(|sums| sums.block).collect();
+        self.blocks = batch.into_iter().map(|sums| sums.block).collect();
         self.revive(start);
         if spreading {
             self.blocks.iter_mut().for_each(|block| block.live = PathMask::ALL.0);
@@ -251,7 +251,7 @@ impl Chains {
 }
 
 /// The sums of 32 chains over a batch.
-struct Sums {
+pub struct Sums {
     block: Block,
     /// Of each average at each step size, and of its square at the finest.
     sums: Vec<Row>,
@@ -260,37 +260,27 @@ struct Sums {
 
 /// The sums of chains over a batch.
 pub struct Gather<'a> {
-    of: Averaged<'a>,
-    last: u64,
-    grids: Vec<Grid>,
-    /// The chains of each block that live.
-    alive: Vec<u32>,
-    blocks: Vec<Sums>,
-}
-
-impl<'a> Gather<'a> {
-    pub fn new(of: Averaged<'a>, chains: &Chains) -> Self {
-        let grids = chains.histograms.iter().map(|found| found.grid).collect();
-        let alive = chains.blocks.iter().map(|block| block.live).collect();
-        Self { of, last: chains.batch_steps, grids, alive, blocks: Vec::new() }
-    }
+    pub of: Averaged<'a>,
+    /// The chains before the batch.
+    pub chains: &'a Chains,
+    pub blocks: Vec<Sums>,
 }
 
 impl Statistic for Gather<'_> {
     fn observe(&mut self, view: &View<'_>) {
-        let Self { of, last, grids, alive, blocks } = self;
+        let Self { of, chains, blocks } = self;
         let (count, first) = (of.count(), view.first_path);
         let known = blocks.iter().rposition(|sums| sums.block.first == first);
         let at = known.unwrap_or_else(|| {
             blocks.push(Sums {
                 block: Block { first, live: view.live.0, states: Vec::new() },
                 sums: vec![[0.0; WIDTH]; (LEVELS + 1) * count],
-                counts: grids.iter().map(|grid| vec![0; grid.cells()]).collect(),
+                counts: chains.histograms.iter().map(|of| vec![0; of.grid.cells()]).collect(),
             });
             blocks.len() - 1
         });
         let Sums { block, sums, counts } = &mut blocks[at];
-        let is_last = view.time == *last;
+        let is_last = view.time == chains.batch_steps;
         if is_last {
             block.live = view.live.0;
             block.states = (0..LEVELS).map(|run| view.state(run).to_vec()).collect();
@@ -304,11 +294,11 @@ impl Statistic for Gather<'_> {
                         add(&mut sums[run * count + k], &values);
                     }
                     add(&mut sums[LEVELS * count + k], &values.map(|x| x * x));
-                    if let Some(grid) = grids.get(k) {
+                    let known = chains.histograms.get(k).zip(chains.block(first));
+                    if let Some((Histogram { grid, .. }, before)) = known {
                         let mut places = [0; WIDTH];
                         grid.place(&values, &mut places);
-                        let alive = alive[(first / WIDTH as u64) as usize];
-                        let live = view.live.and(PathMask(alive));
+                        let live = view.live.and(PathMask(before.live));
                         live.paths().for_each(|p| counts[k][places[p] as usize] += 1);
                     }
                 }

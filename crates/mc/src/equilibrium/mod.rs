@@ -323,14 +323,14 @@ impl<'a> Equilibrium<'a> {
         let ladder = ladder.starting(|run, path| {
             known.states(run, path, watched.dimension).map_or_else(|| first(path), <[Row]>::to_vec)
         });
-        let new = || Gather::new(of, known);
-        let Measured { statistic, failures, .. } =
+        let new = || Gather { of, chains: known, blocks: Vec::new() };
+        let Measured { statistic: Gather { blocks, .. }, failures, .. } =
             ladder.run_until(stop, 0, settings.blocks_of_chains(), new);
         drop(ladder);
         if stop.is_asked() {
             return Ok(false);
         }
-        chains.take(statistic, failures, &first, watched);
+        chains.take(blocks, failures, &first, watched);
         Ok(true)
     }
 }

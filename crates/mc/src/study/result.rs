@@ -126,34 +126,30 @@ impl Series {
     }
 }
 
-/// Whether a warning concerns a time.
-type Concerns<'a> = &'a dyn Fn(&Summary) -> bool;
-
 fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> Vec<String> {
     let failed = losses.failed;
     let lost = format!("{failed} of {paths} paths failed: what is left is no fair sample");
     let mut warnings: Vec<String> = (failed > 0).then_some(lost).into_iter().collect();
     let at = |point: &Summary, of: &[Place]| point.quantiles.iter().any(|q| of.contains(&q.place));
-    let concerns: [(&str, Concerns<'_>); 4] = [
-        ("values that are not finite, left out", &|point| point.not_finite > 0),
-        (TOO_FEW, &|point| point.interval_note.as_deref() == Some(TOO_FEW)),
-        (
-            "a quantile lies outside of the grid: a larger pilot would choose a wider one",
-            &|point| at(point, &[Place::BelowGrid, Place::AboveGrid]),
-        ),
-        (CROWDED, &|point| at(point, &[Place::Crowded])),
-    ];
+    let noted = |point: &Summary, note: &str| point.interval_note.as_deref() == Some(note);
     for (Series { observable, points }, tail) in series.iter().zip(tails) {
-        let words = tail.to_string();
-        let heavy = |point: &Summary| point.interval_note.as_deref() == Some(&words);
-        let tail = tail.is_heavy().then_some((&*words, &heavy as Concerns<'_>));
-        for (what, concerns) in concerns.into_iter().chain(tail) {
-            let times: Vec<f64> =
-                points.iter().filter(|point| concerns(point)).map(|point| point.time).collect();
-            if let [first, ..] = times[..] {
-                let number = times.len();
-                warnings
-                    .push(format!("{observable}: {what} at {number} times, first t = {first:.6}"));
+        let heavy = tail.to_string();
+        let concerns: [(&str, &dyn Fn(&Summary) -> bool); 5] = [
+            ("values that are not finite, left out", &|point| point.not_finite > 0),
+            (TOO_FEW, &|point| noted(point, TOO_FEW)),
+            (
+                "a quantile lies outside of the grid: a larger pilot would choose a wider one",
+                &|point| at(point, &[Place::BelowGrid, Place::AboveGrid]),
+            ),
+            (CROWDED, &|point| at(point, &[Place::Crowded])),
+            (&heavy, &|point| noted(point, &heavy)),
+        ];
+        for (what, concerns) in concerns {
+            let mut times = points.iter().filter(|point| concerns(point)).map(|point| point.time);
+            if let Some(first) = times.next() {
+                let number = 1 + times.count();
+                let when = format!("at {number} times, first t = {first:.6}");
+                warnings.push(format!("{observable}: {what} {when}"));
             }
         }
     }

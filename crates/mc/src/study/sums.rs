@@ -67,12 +67,11 @@ impl Sums {
     fn add(&mut self, cell: usize, values: &[f64; WIDTH], live: PathMask, grid: Option<&Grid>) {
         let sum = &mut self.moments[cell];
         let finite = sum.add_block(values, grid.map_or(1.0, Grid::scale), live);
-        let count = sum.count();
         self.not_finite[cell] += u64::from(live.without(finite).len());
         let Some(grid) = grid else { return };
         let mut places = [0; WIDTH];
         grid.place(values, &mut places);
-        self.counts.add(cell * grid.cells(), &places, finite, count);
+        self.counts.add(cell * grid.cells(), &places, finite);
     }
 
     /// Underflow, bins and overflow of a cell.
