@@ -72,8 +72,8 @@ pub struct Chains {
     /// Path-steps so far, and before steps were halved.
     pub spent: u64,
     pub spent_before: u64,
-    /// Whether batches were joined, so that their first half is old.
-    doubled: bool,
+    /// Whether batches were joined, so that their first half is old and they may be the last ones.
+    pub doubled: bool,
     blocks: Vec<Block>,
     /// The batches of this time, after those of spreading.
     pub batches: Vec<Batch>,
@@ -103,11 +103,6 @@ impl Chains {
     /// Whether batches are full.
     pub fn is_full(&self) -> bool {
         self.batches.len() == BATCHES
-    }
-
-    /// Whether they may be the last ones.
-    pub fn is_long(&self) -> bool {
-        self.doubled
     }
 
     fn block(&self, path: u64) -> Option<&Block> {
@@ -179,12 +174,12 @@ impl Chains {
             format!("{scheme} with steps {tau:.2e}: {cause}")
         };
         self.failure = self.failure.take().or(failures.first().map(words));
-        let seen = self.blocks.iter().map(|block| watched.values(&block.states[LEVELS - 1]));
-        let mut rows = vec![Vec::new(); watched.count()];
-        for seen in seen {
-            rows.iter_mut().zip(seen).for_each(|(all, row)| all.extend(row));
+        let first = values.len();
+        for block in &self.blocks {
+            let seen = watched.values(&block.states[LEVELS - 1]);
+            values.resize(first + seen.len(), Vec::new());
+            values[first..].iter_mut().zip(seen).for_each(|(all, row)| all.extend(row));
         }
-        values.extend(rows);
         self.batches.push(values);
     }
 

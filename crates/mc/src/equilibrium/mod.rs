@@ -253,11 +253,11 @@ impl<'a> Equilibrium<'a> {
                 let limited = now.is_out_of_reach(settings.max_cost);
                 let is_reached = now.reached();
                 found = Some(now);
-                if !hopeful || chains.is_long() && (limited || is_reached && !halves) {
+                if !hopeful || chains.doubled && (limited || is_reached && !halves) {
                     reached = is_reached;
                     break;
                 }
-                if fails || halves && chains.is_long() {
+                if fails || halves && chains.doubled {
                     chains.halve();
                 } else if chains.is_full() {
                     chains.double(of);

@@ -69,11 +69,6 @@ impl Watched<'_> {
         if self.dimension > SUMS { SUMS } else { 0 }
     }
 
-    /// The number of functions.
-    pub fn count(&self) -> usize {
-        self.components().count() + self.sums() + self.functions.len()
-    }
-
     fn names(&self) -> Vec<String> {
         let components = self.components().map(|i| format!("y{}", i + 1));
         let sums = (1..=self.sums()).map(|c| format!("y{c} + y{} + …", c + SUMS));

@@ -118,11 +118,6 @@ impl Motion {
         self.points * (self.start[i] * self.start[i]) + self.sums(i)[1]
     }
 
-    /// Mean square of the motion of component i.
-    fn mean_square(&self, i: usize) -> f64 {
-        self.sums(i)[1] / self.points
-    }
-
     fn largest(&self) -> f64 {
         (0..self.start.len()).map(|i| self.size(i)).fold(0.0, f64::max)
     }
@@ -207,7 +202,10 @@ fn quotients(levels: [&Samples; 3], part: usize, i: usize) -> [f64; 3] {
 
 /// Whether the steps resolve component i in a first part of the time, in which it moves as later.
 fn begins_resolved(levels: [&Samples; 3], i: usize) -> bool {
-    let size = |part: usize| levels[2].motion[part].mean_square(i);
+    let size = |part: usize| {
+        let motion = &levels[2].motion[part];
+        motion.sums(i)[1] / motion.points
+    };
     (1..PARTS).any(|part| {
         levels[0].motion[part].points >= FEWEST_TIMES * levels[0].paths as f64
             && size(part) >= BEGUN * BEGUN * size(0)

@@ -246,10 +246,14 @@ impl<'a> Simulation<'a> {
         Ok(names)
     }
 
-    /// ∫γ of all dampings from 0 to time 0 and to the end of every saved step. Compensated summation
-    /// (Kahan 1965) of the integrals over the steps keeps rounding errors from accumulating in the
-    /// conformal law.
-    fn damping_integrals(&self, steps: u64, tau: f64) -> Result<Integrals, LadderError> {
+    /// By the number of steps ∫γ of all dampings from 0 to time 0 and to the end of every saved step.
+    /// Compensated summation (Kahan 1965) of the integrals over the steps keeps rounding errors from
+    /// accumulating in the conformal law.
+    fn damping_integrals(
+        &self,
+        steps: u64,
+        tau: f64,
+    ) -> Result<BTreeMap<u64, Vec<f64>>, LadderError> {
         let dampings: Vec<_> = self.setup.problem.dampings().collect();
         let (mut damped, mut lost) = (vec![0.0; dampings.len()], vec![0.0; dampings.len()]);
         let mut integrals = BTreeMap::from([(0, damped.clone())]);
@@ -267,9 +271,6 @@ impl<'a> Simulation<'a> {
         Ok(integrals)
     }
 }
-
-/// The integrals of all dampings by the number of steps.
-type Integrals = BTreeMap<u64, Vec<f64>>;
 
 /// The columns of every path.
 type Columns = BTreeMap<u64, Vec<Vec<f64>>>;

@@ -71,10 +71,6 @@ struct Unit {
 }
 
 impl Unit {
-    fn of(grid: &Grid) -> Self {
-        Self { middle: grid.edge(grid.bins / 2), scale: grid.scale() }
-    }
-
     fn row(self, values: &Row) -> Row {
         values.map(|x| (x - self.middle) * self.scale)
     }
@@ -104,7 +100,8 @@ impl<'a> Cells<'a> {
     }
 
     fn unit(self, time: usize, k: usize) -> Unit {
-        Unit::of(self.grid(time, k))
+        let grid = self.grid(time, k);
+        Unit { middle: grid.edge(grid.bins / 2), scale: grid.scale() }
     }
 
     /// Number of times from which lags are counted.

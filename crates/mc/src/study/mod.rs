@@ -67,7 +67,7 @@ use std::sync::Arc;
 
 use noise::Purpose;
 
-use crate::{Ladder, Measured, Observe, Run, RunError, Setup, observable::erased, parts::Job};
+use crate::{Ladder, Measured, Observe, Run, RunError, Setup, parts::Job};
 use sums::StudyStatistic;
 
 pub use dependence::{Joint, Wanted};
@@ -104,7 +104,7 @@ impl<'a> Study<'a> {
         settings: &StudySettings,
     ) -> Result<Self, RunError> {
         settings.demand(observables.len())?;
-        let observables = erased(observables);
+        let observables: Vec<_> = observables.iter().map(|phi| phi as &dyn Observe).collect();
         let record = Record::new(setup, &observables, settings)?;
         let ladder = |family| {
             let runs = vec![Run::new(Arc::clone(&setup.scheme), 0)];

@@ -85,7 +85,8 @@ impl StudyResult {
             let tail = tails[k];
             for (time, &step) in record.times.iter().enumerate() {
                 let cell = time * record.observables.len() + k;
-                let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
+                let mut histogram = Histogram::empty(grids[cell]);
+                histogram.add(&sums.counts(cell, &grids[cell]));
                 let count = sums.moments[cell].count();
                 let ranks = known.entry((count, levels.len())).or_insert_with(|| {
                     levels.iter().map(|&level| (level, quantile_ranks(count, level))).collect()
