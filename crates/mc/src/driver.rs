@@ -82,8 +82,8 @@ pub struct Driver<'a> {
     pub levels: usize,
     pub key: StreamKey,
     pub noise: NoiseSource<'a>,
-    /// The first scheme that reads Lévy areas, if one does.
-    pub area_reader: Option<&'static str>,
+    /// Whether a scheme reads Lévy areas.
+    pub with_areas: bool,
     pub runs: Vec<Run<'a>>,
     pub batches: Vec<Batch>,
     pub time_change: Option<&'a dyn TimeChange>,
@@ -156,9 +156,9 @@ const PROGRESS_STEPS: u64 = 4096;
 impl Driver<'_> {
     /// No noise, with areas if a scheme reads them.
     pub fn no_noise(&self) -> StepNoise {
-        match self.area_reader {
-            Some(_) => StepNoise::with_areas(self.noises),
-            None => StepNoise::zero(self.noises),
+        match self.with_areas {
+            true => StepNoise::with_areas(self.noises),
+            false => StepNoise::zero(self.noises),
         }
     }
 
@@ -367,7 +367,7 @@ impl<'a> Marcher<'a> {
     /// the step before; or with that of the finest step as it was drawn, which saves copying it.
     #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, one_before: bool, tally: &mut Tally) {
-        let is_finest = batch.level == 0 && !batch.swapped && self.driver.area_reader.is_none();
+        let is_finest = batch.level == 0 && !batch.swapped && !self.driver.with_areas;
         let as_drawn = self.rests || is_finest && batch.bounds.increment == f64::INFINITY;
         if !as_drawn {
             self.truncate(batch, one_before, tally);

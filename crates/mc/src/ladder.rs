@@ -117,6 +117,8 @@ pub struct Ladder<'a> {
 pub(crate) type Sum<T> = (T, Tally);
 /// The sums of a piece of work, on the largest subtrees that it covers.
 pub(crate) type Nodes<T> = Vec<Node<Sum<T>>>;
+/// Sees the nodes and the next group, and says whether to go on.
+pub(crate) type After<'a, T> = dyn FnMut(&[Node<Sum<T>>], u64) -> bool + 'a;
 
 /// The results of a ladder.
 #[derive(Clone, Debug)]
@@ -188,9 +190,7 @@ impl<'a> Ladder<'a> {
         if !(finest > 0.0 && finest.is_finite()) {
             return Err(StepError { tau: finest }.into());
         }
-        let area_reader = runs.iter().find(|run| run.scheme.reads_areas());
-        let area_reader = area_reader.map(|run| run.scheme.id());
-        let area_noises = area_reader.map(|_| problem.noises);
+        let with_areas = runs.iter().any(|run| run.scheme.reads_areas());
         let same = problem.clone();
         let mut driver = Driver {
             dampings: problem.dampings().collect(),
@@ -201,8 +201,8 @@ impl<'a> Ladder<'a> {
             finest_steps,
             levels,
             key,
-            noise: drawn(key, finest, area_noises)?,
-            area_reader,
+            noise: drawn(key, finest, with_areas.then_some(problem.noises))?,
+            with_areas,
             runs: Vec::new(),
             batches: Vec::new(),
             time_change: None,
@@ -392,7 +392,7 @@ impl<'a> Ladder<'a> {
         (paths, groups): (u64, Range<u64>),
         new: &(dyn Fn() -> T + Sync),
         stop: &Stop,
-        after: &mut dyn FnMut(&[Node<Sum<T>>], u64) -> bool,
+        after: &mut After<'_, T>,
     ) -> u64 {
         let compute = |group| {
             let (statistic, tally) = self.group(0, paths, group, new, stop);

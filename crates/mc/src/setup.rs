@@ -234,9 +234,7 @@ impl<'a> Problem<'a> {
             in_time: None,
         }
     }
-}
 
-impl<'a> Problem<'a> {
     /// The damping of all components, and the friction.
     pub fn dampings(&self) -> impl Iterator<Item = &'a dyn Damping> + use<'a> {
         let friction = self.friction.iter().map(|friction| &*friction.damping as &dyn Damping);

@@ -250,7 +250,8 @@ impl<'a> Equilibrium<'a> {
                 let few_revivals = chains.halvings < MOST_REVIVALS;
                 let helps = few_revivals || 2 * chains.failed() <= chains.failed_before;
                 let hopeful = half_width.is_finite() && (!fails || helps) || fails && few_revivals;
-                let limited = now.is_out_of_reach(settings.max_cost);
+                let since = chains.spent - chains.spent_before;
+                let limited = now.is_out_of_reach(since, settings.max_cost);
                 let is_reached = now.reached();
                 found = Some(now);
                 if !hopeful || chains.doubled && (limited || is_reached && !halves) {

@@ -38,9 +38,6 @@ pub struct Averages {
     pub failure: Option<String>,
     /// Why nobody can tell, for all averages.
     pub unknown: Vec<String>,
-    /// Path-steps with these steps.
-    #[serde(skip)]
-    since_halved: u64,
     /// Whether too many chains failed.
     #[serde(skip)]
     pub(super) fails: bool,
@@ -244,7 +241,6 @@ impl Averages {
             time,
             burn_in: time * first as f64 / batches as f64,
             spent: chains.spent,
-            since_halved: chains.spent - chains.spent_before,
             failure: chains.failure.clone(),
             unknown: drifts.into_iter().chain(failed).collect(),
             fails,
@@ -256,10 +252,10 @@ impl Averages {
         self.means.iter().map(StationaryMean::half_width).fold(0.0, stats::worse)
     }
 
-    /// Whether more path-steps than so many are needed.
-    pub(super) fn is_out_of_reach(&self, most: u64) -> bool {
+    /// Whether more path-steps than so many are needed, of which `since` were done with these steps.
+    pub(super) fn is_out_of_reach(&self, since: u64, most: u64) -> bool {
         let lacks = self.means.iter().map(|mean| mean.lacks(self.accuracy)).fold(1.0, f64::max);
-        let [spent, since, most] = [self.spent, self.since_halved, most].map(|n| n as f64);
+        let [spent, since, most] = [self.spent, since, most].map(|n| n as f64);
         spent >= most || since > FORECAST * most && since * lacks > MARGIN * most
     }
 

@@ -1,7 +1,7 @@
 //! What was sampled of an expectation that was stopped, in a file to go on from.
 
 use std::{
-    fs,
+    fs, io,
     path::PathBuf,
     sync::{Arc, OnceLock},
 };
@@ -52,13 +52,13 @@ impl Keeping {
     }
 
     pub(crate) fn write(&self, kept: &impl Serialize) {
-        let bytes = postcard::to_stdvec(&(&self.study, kept)).map_err(|error| error.to_string());
+        let bytes = postcard::to_stdvec(&(&self.study, kept)).map_err(io::Error::other);
         let written = bytes.and_then(|bytes| {
-            let prepared = fs::create_dir_all(folder(&self.file));
-            prepared.and_then(|()| replace(&self.file, &bytes)).map_err(|error| error.to_string())
+            fs::create_dir_all(folder(&self.file))?;
+            replace(&self.file, &bytes)
         });
         if let Err(error) = written {
-            self.failure.get_or_init(|| error);
+            self.failure.get_or_init(|| error.to_string());
         }
     }
 }

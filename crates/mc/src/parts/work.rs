@@ -9,7 +9,7 @@ use super::{
 use crate::{
     Kept, Ladder,
     driver::{GROUP_PATHS, Tally},
-    ladder::{Nodes, Sum, merge},
+    ladder::{After, Nodes, Sum, merge},
     tree::{MergeTree, Node},
 };
 
@@ -36,7 +36,7 @@ impl<T: Kept> Work<'_, T> {
         &self,
         tree: &mut MergeTree<Sum<T>>,
         groups: Range<u64>,
-        after: &mut dyn FnMut(&[Node<Sum<T>>], u64) -> bool,
+        after: &mut After<'_, T>,
     ) -> u64 {
         self.ladder.grow(tree, (self.paths, groups), self.new, self.stop, after)
     }

@@ -127,6 +127,9 @@ impl Series {
     }
 }
 
+/// Whether a warning concerns a time.
+type Concerns<'a> = &'a dyn Fn(&Summary) -> bool;
+
 fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> Vec<String> {
     let failed = losses.failed;
     let lost = format!("{failed} of {paths} paths failed: what is left is no fair sample");
@@ -135,7 +138,7 @@ fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> V
     let noted = |point: &Summary, note: &str| point.interval_note.as_deref() == Some(note);
     for (Series { observable, points }, tail) in series.iter().zip(tails) {
         let heavy = tail.to_string();
-        let concerns: [(&str, &dyn Fn(&Summary) -> bool); 5] = [
+        let concerns: [(&str, Concerns<'_>); 5] = [
             ("values that are not finite, left out", &|point| point.not_finite > 0),
             (TOO_FEW, &|point| noted(point, TOO_FEW)),
             (
