@@ -24,7 +24,12 @@ use real::{PathMask, Row, WIDTH, elementary};
 use schemes::{Method, Step, Stepper};
 use systems::run_time::{Op, System, Weights};
 
-use crate::{Coefficients, Observe, Problem, Setup, observable::splat, setup::CoefficientsAt};
+use crate::{
+    Coefficients, Observe, Problem, Setup,
+    around::{Around, Wrap},
+    observable::splat,
+    setup::CoefficientsAt,
+};
 
 /// A function of the states of 32 paths.
 pub type OfStates = Arc<dyn Observe + Send + Sync>;
@@ -110,7 +115,7 @@ impl<'a> Setup<'a> {
         let coefficients = Arc::new(move |t: f64, y: &[f64]| {
             extended(&*coefficients, &of, damping.rate(t), (t, y))
         });
-        let scheme = Arc::new(Collecting { method, system, quantities });
+        let scheme = Arc::new(Around { method, wrap: Collecting { system, quantities } });
         Self { problem: Problem { coefficients, ..self.problem }, scheme }
     }
 }
@@ -148,36 +153,19 @@ fn extended(
     at
 }
 
-/// A method and what its paths collect.
+/// What paths of a method collect.
 struct Collecting<'a> {
-    method: Arc<dyn Method + 'a>,
-    /// The system that it is for.
+    /// The system that the method is for.
     system: &'a dyn System,
     /// What is collected, row after row.
     quantities: Vec<Along>,
 }
 
-impl Method for Collecting<'_> {
-    fn id(&self) -> &'static str {
-        self.method.id()
-    }
-
-    fn reads_areas(&self) -> bool {
-        self.method.reads_areas()
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.method.clips_increments()
-    }
-
-    fn stack(&self) -> usize {
-        self.method.stack()
-    }
-
+impl Wrap for Collecting<'_> {
     /// With nothing collected so far, or with what `y` has after the state.
-    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+    fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's> {
         let (state, collected) = y.split_at(self.system.description().dimension);
-        let inner = self.method.start(state);
+        let inner = method.start(state);
         let before = inner.state().to_vec();
         let mut rows = [&before, collected].concat();
         for quantity in self.quantities.iter().filter(|_| collected.is_empty()) {

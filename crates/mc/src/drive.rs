@@ -16,12 +16,12 @@
 //! intervals, as formulas do, intervals are halved until bounds leave no room for a pulse between
 //! random times.
 
-use std::{array, cell::RefCell, collections::BTreeMap, sync::Arc};
+use std::{array, cell::RefCell, collections::BTreeMap};
 
 use real::{Bounded, Row, WIDTH};
 use systems::run_time::InTime;
 
-use crate::{Problem, setup::InTimeAt};
+use crate::{Problem, run_time::in_time};
 
 /// Steps that are compared together.
 const WINDOW: usize = 8;
@@ -40,86 +40,78 @@ const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// Whether steps resolve what changes with time.
 pub struct DriveResolution<'a> {
-    in_time: Option<Arc<InTimeAt<'a>>>,
-    states: [Vec<f64>; 2],
+    /// The functions at y₀ and at the point beside it.
+    functions: Vec<Box<dyn InTime + 'a>>,
     t_end: f64,
     known: RefCell<BTreeMap<u64, Option<f64>>>,
 }
 
 impl<'a> DriveResolution<'a> {
     /// For the Hamiltonians of a problem.
-    pub fn new(problem: &Problem<'a>) -> Self {
-        let Problem { y0, t_end, in_time, .. } = problem;
+    pub fn new(Problem { y0, t_end, in_time: changing, .. }: &Problem<'a>) -> Self {
         let place = |i: usize| (GOLDEN * (i + 1) as f64).fract() - 0.5;
         let moved = |(i, y): (usize, &f64)| y + BESIDE * place(i) * y.abs().max(1.0);
-        let states = [y0.clone(), y0.iter().enumerate().map(moved).collect()];
-        Self { in_time: in_time.clone(), states, t_end: *t_end, known: RefCell::default() }
+        let beside: Vec<f64> = y0.iter().enumerate().map(moved).collect();
+        let at = |system| [y0, &beside].map(|y| in_time(system, y));
+        let functions = changing.iter().flat_map(|&system| at(system)).collect();
+        Self { functions, t_end: *t_end, known: RefCell::default() }
     }
 
     /// A time near which as many steps, or half as many, do not resolve a function.
     pub fn unresolved(&self, steps: u64) -> Option<f64> {
-        let in_time = self.in_time.as_ref()?;
-        let find = |steps: u64| {
-            *self.known.borrow_mut().entry(steps).or_insert_with(|| {
-                let mut found = None;
-                for y in &self.states {
-                    in_time(y, &mut |functions| {
-                        found = found.or_else(|| self.search(functions, steps));
-                    });
-                }
-                found
-            })
-        };
+        let search = |steps| self.functions.iter().find_map(|of| search(&**of, self.t_end, steps));
+        let find = |n| *self.known.borrow_mut().entry(n).or_insert_with(|| search(n));
         [steps.div_ceil(2), steps].into_iter().find_map(find)
     }
+}
 
-    /// A time near which steps of this number do not resolve one of the functions.
-    fn search(&self, functions: &dyn InTime, steps: u64) -> Option<f64> {
-        let tau = self.t_end / steps as f64;
-        let (mut scales, mut budget) = (Vec::new(), BUDGET);
+/// A time near which as many steps on [0, T] do not resolve one of the functions.
+fn search(functions: &dyn InTime, t_end: f64, steps: u64) -> Option<f64> {
+    let tau = t_end / steps as f64;
+    let (mut scales, mut budget) = (Vec::new(), BUDGET);
+    let length = steps.min(WINDOW as u64);
+    let count = length as usize;
+    (0..steps).step_by(WINDOW).find_map(|first| {
         // The last window is as long as the others.
-        let (length, last) = (steps.min(WINDOW as u64), steps.saturating_sub(WINDOW as u64));
-        let count = length as usize;
-        (0..steps).step_by(WINDOW).map(|first| first.min(last)).find_map(|first| {
-            // Of the step before, of each step, and of the step after.
-            let middle = |k: usize| ((first as f64 + k as f64 - 0.5) * tau).clamp(0.0, self.t_end);
-            let read = functions.values(&array::from_fn(|k| middle(k.min(count + 1))));
-            let inside: Row = array::from_fn(|k| {
-                let part = (GOLDEN * (first as f64 * INSIDE as f64 + k as f64)).fract();
-                let part = (part + (k % INSIDE) as f64) / INSIDE as f64;
-                (first as f64 + (k / INSIDE).min(count - 1) as f64 + part) * tau
-            });
-            let values = functions.values(&inside);
-            scales.resize(read.len(), 0.0f64);
-            let window = (first as f64 * tau, (first as f64 + count as f64) * tau);
-            let bounds = functions.bounds(interval(window));
-            read.iter().zip(&values).zip(&mut scales).enumerate().find_map(|(i, (rows, scale))| {
-                let (read, inside_values) = (&rows.0[..count + 2], &rows.1[..count * INSIDE]);
-                let all = || read.iter().chain(inside_values);
-                *scale = all().fold(*scale, |scale, f| scale.max(f.abs()));
-                let changes = read.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-                let visible = 2.0 * changes.sum::<f64>() * count as f64 / (count + 1) as f64;
-                let apart = |(k, f): (usize, &f64)| {
-                    (inside[k], (f - read[1 + k / INSIDE]).abs() / INSIDE as f64)
-                };
-                let mut parts: Vec<_> = inside_values.iter().enumerate().map(apart).collect();
-                let lo = all().copied().fold(f64::INFINITY, f64::min);
-                let hi = all().copied().fold(f64::NEG_INFINITY, f64::max);
-                let seen = (2.0 * lo - hi, 2.0 * hi - lo);
-                let is_seen = |bound: &Bounded| {
-                    seen.0 <= bound.value - bound.error && bound.value + bound.error <= seen.1
-                };
-                if !bounds.get(i).is_none_or(is_seen) {
-                    beyond(functions, i, seen, *scale, window, &mut budget, &mut |t, area| {
-                        parts.push((t, area / tau));
-                    });
-                }
-                let within: f64 = parts.iter().map(|part| part.1).sum();
-                let (t, _) = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-                (within > MOST * visible + NEGLIGIBLE * *scale).then_some(t)
-            })
+        let first = first.min(steps - length) as f64;
+        // Of the step before, of each step, and of the step after.
+        let middle = |k: usize| ((first + k as f64 - 0.5) * tau).clamp(0.0, t_end);
+        let read = functions.values(&array::from_fn(|k| middle(k.min(count + 1))));
+        let inside: Row = array::from_fn(|k| {
+            let part = (GOLDEN * (first * INSIDE as f64 + k as f64)).fract();
+            let part = (part + (k % INSIDE) as f64) / INSIDE as f64;
+            (first + (k / INSIDE).min(count - 1) as f64 + part) * tau
+        });
+        let values = functions.values(&inside);
+        scales.resize(read.len(), 0.0f64);
+        let window = (first * tau, (first + count as f64) * tau);
+        let bounds = functions.bounds(interval(window));
+        read.iter().zip(&values).zip(&mut scales).enumerate().find_map(|(i, (rows, scale))| {
+            let (read, values) = (&rows.0[..count + 2], &rows.1[..count * INSIDE]);
+            let all = || read.iter().chain(values).copied();
+            let (lo, hi) =
+                (all().fold(f64::INFINITY, f64::min), all().fold(-f64::INFINITY, f64::max));
+            *scale = all().fold(*scale, |scale, f| scale.max(f.abs()));
+            let changes = read.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+            let visible = 2.0 * changes.sum::<f64>() * count as f64 / (count + 1) as f64;
+            let apart = |(k, f): (usize, &f64)| {
+                (inside[k], (f - read[1 + k / INSIDE]).abs() / INSIDE as f64)
+            };
+            let mut parts: Vec<_> = values.iter().enumerate().map(apart).collect();
+            let seen = (2.0 * lo - hi, 2.0 * hi - lo);
+            let is_seen = |bound: &Bounded| {
+                seen.0 <= bound.value - bound.error && bound.value + bound.error <= seen.1
+            };
+            if !bounds.get(i).is_none_or(is_seen) {
+                beyond(functions, i, seen, *scale, window, &mut budget, &mut |t, area| {
+                    parts.push((t, area / tau));
+                });
+            }
+            let within: f64 = parts.iter().map(|part| part.1).sum();
+            let (t, _) = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+            (within > MOST * visible + NEGLIGIBLE * *scale).then_some(t)
         })
-    }
+    })
 }
 
 /// A time of an interval.
@@ -128,8 +120,7 @@ fn interval((a, b): (f64, f64)) -> Bounded {
 }
 
 /// Calls `found` with times of a window at which function number i is outside of what was seen,
-/// from
-/// `lo` to `hi`, and with the area there, by halving intervals until bounds leave no more.
+/// from `lo` to `hi`, and with the area there, by halving intervals until bounds leave no more.
 fn beyond(
     functions: &dyn InTime,
     i: usize,
@@ -148,8 +139,7 @@ fn beyond(
         let (most, least) = (outside(value - error).max(outside(value + error)), outside(value));
         // Of values, not of bounds, which may be far too large.
         largest = largest.max(value.abs());
-        let negligible = NEGLIGIBLE * (window.1 - window.0) * largest;
-        if most * (b - a) <= negligible {
+        if most * (b - a) <= NEGLIGIBLE * (window.1 - window.0) * largest {
             continue;
         }
         if error <= 0.5 * least || *budget == 0 || half <= f64::EPSILON * middle {
@@ -177,11 +167,10 @@ mod tests {
     }
 
     /// Whether 100 or 200 steps on [0, 1] do not resolve it.
-    fn missed(f: impl Fn(f64) -> f64 + Send + Sync + Copy) -> Option<f64> {
-        let look = move |_: &[f64], look: &mut dyn FnMut(&dyn InTime)| look(&Of(f));
-        let known = RefCell::default();
-        let states = [Vec::new(), Vec::new()];
-        DriveResolution { in_time: Some(Arc::new(look)), states, t_end: 1.0, known }.unresolved(200)
+    fn missed<'a>(f: impl Fn(f64) -> f64 + Send + Sync + 'a) -> Option<f64> {
+        let (functions, known): (Vec<Box<dyn InTime + 'a>>, _) =
+            (vec![Box::new(Of(f))], RefCell::default());
+        DriveResolution { functions, t_end: 1.0, known }.unresolved(200)
     }
 
     #[test]

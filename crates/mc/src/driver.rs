@@ -82,8 +82,8 @@ pub struct Driver<'a> {
     pub levels: usize,
     pub key: StreamKey,
     pub noise: NoiseSource<'a>,
-    /// The first scheme that reads Lévy areas, if one does.
-    pub area_reader: Option<&'static str>,
+    /// Whether a scheme reads Lévy areas.
+    pub with_areas: bool,
     pub runs: Vec<Run<'a>>,
     pub batches: Vec<Batch>,
     pub time_change: Option<&'a dyn TimeChange>,
@@ -153,19 +153,12 @@ pub const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 /// Number of finest steps between two reports of progress.
 const PROGRESS_STEPS: u64 = 4096;
 
-/// The current step of a level and the one before.
-#[derive(Clone, Copy)]
-struct StepPair {
-    before: Step,
-    now: Step,
-}
-
 impl Driver<'_> {
     /// No noise, with areas if a scheme reads them.
     pub fn no_noise(&self) -> StepNoise {
-        match self.area_reader {
-            Some(_) => StepNoise::with_areas(self.noises),
-            None => StepNoise::zero(self.noises),
+        match self.with_areas {
+            true => StepNoise::with_areas(self.noises),
+            false => StepNoise::zero(self.noises),
         }
     }
 
@@ -218,21 +211,14 @@ impl Driver<'_> {
         if self.from_start {
             blocks.iter().for_each(|block| block.show(0, observe));
         }
-        let levels = 0..=self.levels;
-        let is_used = |level| self.batches.iter().any(|batch| batch.level == level);
-        let used: Vec<bool> = levels.clone().map(is_used).collect();
-        let first = levels.map(|level| self.step(level, 0));
-        let mut steps: Vec<_> = first.map(|step| StepPair { before: step, now: step }).collect();
+        let mut steps: Vec<Step> = (0..=self.levels).map(|level| self.step(level, 0)).collect();
         let (mut reported, total) = (0, self.steps_per_path());
         for n in 1..=self.finest_steps {
             if stop.is_asked() {
                 return Err(tally);
             }
             for level in (0..=self.levels).take_while(|level| n.is_multiple_of(1 << level)) {
-                if used[level] {
-                    let now = self.step(level, (n >> level) - 1);
-                    steps[level] = StepPair { before: steps[level].now, now };
-                }
+                steps[level] = self.step(level, (n >> level) - 1);
             }
             for block in &mut blocks {
                 block.advance(&steps, n, &mut tally, observe);
@@ -305,43 +291,34 @@ impl<'a> Marcher<'a> {
     }
 
     /// Finest step number n, counted from 1, and every coarser step that ends at the same time.
+    /// Where no live path moves, what they collect goes on.
     fn advance(
         &mut self,
-        steps: &[StepPair],
+        steps: &[Step],
         n: u64,
         tally: &mut Tally,
         observe: &mut dyn FnMut(&View<'_>),
     ) {
         let driver = self.driver;
-        if self.rests {
-            return self.rest(steps, n, tally, observe);
-        }
-        let complete = self.ladder.push(&mut self.next_noise);
-        if let (Some(time_change), Some(noise)) = (driver.time_change, &mut self.time_change_noise)
-        {
-            let mut normals = [[0.0; WIDTH]];
-            noise.increments(1.0, &mut normals);
-            let (dw, [time]) = (&self.ladder.whole(0).increments[..], &mut self.random_time.0);
-            time_change.advance(n - 1, dw, &normals[0], time);
-        }
-        for batch in driver.batches.iter().filter(|batch| batch.due_level() <= complete) {
-            let StepPair { before, now } = steps[batch.level];
+        let complete = match self.rests {
+            true => driver.levels.min(n.trailing_zeros() as usize),
+            false => self.draw(n),
+        };
+        let lives = !self.live.is_empty();
+        let due = |batch: &&Batch| lives && batch.due_level() <= complete;
+        for batch in driver.batches.iter().filter(due) {
+            let now = &steps[batch.level];
             if batch.swapped {
                 // The second half of the step of the level above comes first.
-                self.truncate(batch, false, tally);
+                let before = driver.step(batch.level, now.number() - 1);
                 self.step(batch, &before, false, tally);
             }
-            let as_drawn = batch.level == 0
-                && !batch.swapped
-                && batch.bounds.increment == f64::INFINITY
-                && driver.area_reader.is_none();
-            if !as_drawn {
-                self.truncate(batch, batch.swapped, tally);
-            }
-            self.step(batch, &now, as_drawn, tally);
+            self.step(batch, now, batch.swapped, tally);
         }
         if complete == driver.levels {
-            self.drop_non_finite(n, tally);
+            if lives {
+                self.drop_non_finite(n, tally);
+            }
             self.show(n >> driver.levels, observe);
             let Self { live, states, .. } = self;
             self.rests = live.is_empty()
@@ -349,29 +326,17 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// [`advance`](Self::advance) where no live path moves: what they collect goes on.
-    fn rest(
-        &mut self,
-        steps: &[StepPair],
-        n: u64,
-        tally: &mut Tally,
-        observe: &mut dyn FnMut(&View<'_>),
-    ) {
-        let driver = self.driver;
-        let complete = driver.levels.min(n.trailing_zeros() as usize);
-        let none = self.live.is_empty();
-        let due = |batch: &&Batch| batch.due_level() <= complete && !none;
-        for batch in driver.batches.iter().filter(due) {
-            let StepPair { before, now } = &steps[batch.level];
-            let both = if batch.swapped { &[before, now][..] } else { &[now] };
-            both.iter().for_each(|step| self.step(batch, step, true, tally));
+    /// Draws the noise of finest step number n. Returns the highest level whose step is complete.
+    fn draw(&mut self, n: u64) -> usize {
+        let complete = self.ladder.push(&mut self.next_noise);
+        if let (Some(change), Some(noise)) = (self.driver.time_change, &mut self.time_change_noise)
+        {
+            let mut normals = [[0.0; WIDTH]];
+            noise.increments(1.0, &mut normals);
+            let (dw, [time]) = (&self.ladder.whole(0).increments[..], &mut self.random_time.0);
+            change.advance(n - 1, dw, &normals[0], time);
         }
-        if complete == driver.levels {
-            if !none {
-                self.drop_non_finite(n, tally);
-            }
-            self.show(n >> driver.levels, observe);
-        }
+        complete
     }
 
     /// Truncates the noise of the last step of the level of the batch, or of the step before.
@@ -398,10 +363,15 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// One step of the runs of a batch, with the truncated noise, or with that of the finest step
-    /// as it was drawn, which saves copying it.
+    /// One step of the runs of a batch, with the truncated noise of the last step of its level or of
+    /// the step before; or with that of the finest step as it was drawn, which saves copying it.
     #[inline]
-    fn step(&mut self, batch: &Batch, step: &Step, as_drawn: bool, tally: &mut Tally) {
+    fn step(&mut self, batch: &Batch, step: &Step, one_before: bool, tally: &mut Tally) {
+        let is_finest = batch.level == 0 && !batch.swapped && !self.driver.with_areas;
+        let as_drawn = self.rests || is_finest && batch.bounds.increment == f64::INFINITY;
+        if !as_drawn {
+            self.truncate(batch, one_before, tally);
+        }
         for &number in &batch.runs {
             let noise = if as_drawn { self.ladder.whole(0) } else { &self.truncated };
             let status = &mut self.statuses[number];

@@ -117,6 +117,15 @@ fn gigabytes(bytes: f64) -> String {
 }
 
 impl RunError {
+    /// Refuses a name that two of `what` have.
+    pub(crate) fn twice<T: AsRef<str> + PartialEq>(what: &str, names: &[T]) -> Result<(), Self> {
+        let same = (0..names.len()).find(|&n| names[..n].contains(&names[n]));
+        same.map_or(Ok(()), |n| {
+            let name = names[n].as_ref();
+            Err(Self::Setting(format!("two {what} have the name {name:?}; rename one")))
+        })
+    }
+
     /// The first of these settings, each with its name and the values allowed, that is not `met`.
     pub(crate) fn unmet(
         settings: impl IntoIterator<Item = (bool, &'static str, &'static str, f64)>,

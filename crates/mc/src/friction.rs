@@ -8,7 +8,10 @@ use real::{Row, elementary};
 use schemes::{Method, Step, Stepper};
 use systems::Damping;
 
-use crate::{Coefficients, ConformalLaw, Problem, Setup};
+use crate::{
+    Coefficients, ConformalLaw, Problem, Setup,
+    around::{Around, Wrap},
+};
 
 /// Friction −γ(t)yᵢ on some components i, besides the damping of all of them: with several, and
 /// the damping γ₀ of the problem, dy = (B∇H₀ − Γy)dt + Σ B∇Hₘ ∘ dWₘ with Γ = diag(γ₀ + γ₁, …).
@@ -41,7 +44,7 @@ pub struct Friction {
 impl Friction {
     /// A method between two halves of friction.
     pub fn around<'a>(method: Arc<dyn Method + 'a>, all: &'a [Self]) -> Arc<dyn Method + 'a> {
-        if all.is_empty() { method } else { Arc::new(Damped { method, friction: all }) }
+        if all.is_empty() { method } else { Arc::new(Around { method, wrap: all }) }
     }
 
     /// The formulas of the damping of all components up to `t_end`, and of friction.
@@ -69,9 +72,6 @@ impl<'a> Setup<'a> {
     /// The same with friction. Laws that it breaks go.
     #[must_use]
     pub fn with_friction(self, friction: &'a [Friction]) -> Self {
-        if friction.is_empty() {
-            return self;
-        }
         let scheme = Friction::around(self.scheme, friction);
         Self { problem: self.problem.with_friction(friction), scheme }
     }
@@ -149,34 +149,13 @@ fn decaying<'a>(
     Some(ConformalLaw { decay: Some(Arc::new(decay)), ..law })
 }
 
-/// A method between two halves of friction.
-struct Damped<'a> {
-    method: Arc<dyn Method + 'a>,
-    friction: &'a [Friction],
-}
-
-impl Method for Damped<'_> {
-    fn id(&self) -> &'static str {
-        self.method.id()
-    }
-
-    fn reads_areas(&self) -> bool {
-        self.method.reads_areas()
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.method.clips_increments()
-    }
-
-    fn stack(&self) -> usize {
-        self.method.stack()
-    }
-
-    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
-        Box::new(DampedStepper { inner: self.method.start(y), friction: self.friction })
+impl Wrap for &[Friction] {
+    fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's> {
+        Box::new(DampedStepper { inner: method.start(y), friction: self })
     }
 }
 
+/// A stepper between two halves of friction.
 struct DampedStepper<'a> {
     inner: Box<dyn Stepper + 'a>,
     friction: &'a [Friction],

@@ -3,12 +3,12 @@
 use std::{ops::Range, sync::OnceLock};
 
 use noise::{Purpose, StreamKey, Truncation};
-use real::{PathMask, Row, elementary};
+use real::{PathMask, Row};
 use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
-    Initial, LadderError, NextNoise, PathFailure, Problem, Run,
+    LadderError, NextNoise, PathFailure, Problem, Run,
     driver::{Batch, Bounds, Driver, Failed, GROUP_PATHS, StepTable, Tally},
     noise_source::drawn,
     observable::{components, path},
@@ -117,6 +117,8 @@ pub struct Ladder<'a> {
 pub(crate) type Sum<T> = (T, Tally);
 /// The sums of a piece of work, on the largest subtrees that it covers.
 pub(crate) type Nodes<T> = Vec<Node<Sum<T>>>;
+/// Sees the nodes and the next group, and says whether to go on.
+pub(crate) type After<'a, T> = dyn FnMut(&[Node<Sum<T>>], u64) -> bool + 'a;
 
 /// The results of a ladder.
 #[derive(Clone, Debug)]
@@ -137,15 +139,6 @@ const DESCRIBED_FAILURES: usize = 8;
 /// Paths whose statistics are in a fingerprint, and coarse steps of its states.
 const PROBES: u64 = 4;
 const PROBE_STEPS: u64 = 16;
-
-/// The states of runs on blocks at time 0.
-fn start<'a>(
-    problem: &Problem<'a>,
-    key: StreamKey,
-) -> Box<dyn Fn(usize, u64) -> Vec<Row> + Sync + 'a> {
-    let (initial, y0) = (problem.initial.clone(), problem.y0.clone());
-    Box::new(move |_, first| Initial::start(initial.as_ref(), &y0, key, first))
-}
 
 impl<'a> Ladder<'a> {
     /// A ladder with `finest_steps` steps on [0, T] at level 0 and `levels` levels above it, for
@@ -197,20 +190,19 @@ impl<'a> Ladder<'a> {
         if !(finest > 0.0 && finest.is_finite()) {
             return Err(StepError { tau: finest }.into());
         }
-        let area_reader = runs.iter().find(|run| run.scheme.reads_areas());
-        let area_reader = area_reader.map(|run| run.scheme.id());
-        let area_noises = area_reader.map(|_| problem.noises);
+        let with_areas = runs.iter().any(|run| run.scheme.reads_areas());
+        let same = problem.clone();
         let mut driver = Driver {
             dampings: problem.dampings().collect(),
             noises: problem.noises,
-            start: start(problem, key),
+            start: Box::new(move |_, first| same.start(key, first)),
             from_start: false,
             t_end: problem.t_end,
             finest_steps,
             levels,
             key,
-            noise: drawn(key, finest, area_noises)?,
-            area_reader,
+            noise: drawn(key, finest, with_areas.then_some(problem.noises))?,
+            with_areas,
             runs: Vec::new(),
             batches: Vec::new(),
             time_change: None,
@@ -256,17 +248,13 @@ impl<'a> Ladder<'a> {
         self.with_noise(move |first| {
             let mut next = drawn(first);
             let factors: Row = std::array::from_fn(|p| factor(first + p as u64));
-            let scale = move |rows: &mut [Row], power| {
-                rows.iter_mut().for_each(|row| {
-                    row.iter_mut()
-                        .zip(factors)
-                        .for_each(|(x, factor)| *x *= elementary::powi(factor, power));
-                });
-            };
+            let scale =
+                |row: &mut Row, by: Row| row.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
             Box::new(move |noise| {
                 next(noise);
-                scale(&mut noise.increments, 1);
-                scale(&mut noise.areas, 2);
+                noise.increments.iter_mut().for_each(|row| scale(row, factors));
+                let squares = factors.map(|factor| factor * factor);
+                noise.areas.iter_mut().for_each(|row| scale(row, squares));
             })
         })
     }
@@ -389,13 +377,27 @@ impl<'a> Ladder<'a> {
         groups: Range<u64>,
         new: &(dyn Fn() -> T + Sync),
     ) -> Nodes<T> {
+        let mut tree = MergeTree::new(merge);
+        self.grow(&mut tree, (paths, groups), new, stop, &mut |_, _| true);
+        tree.nodes
+    }
+
+    /// Adds the sums of groups before path number `paths` to a tree. `after` sees the nodes and the
+    /// next group now and then, and says whether to go on. Returns the first group that is not
+    /// computed.
+    pub(crate) fn grow<T: Statistic>(
+        &self,
+        tree: &mut MergeTree<Sum<T>>,
+        (paths, groups): (u64, Range<u64>),
+        new: &(dyn Fn() -> T + Sync),
+        stop: &Stop,
+        after: &mut After<'_, T>,
+    ) -> u64 {
         let compute = |group| {
             let (statistic, tally) = self.group(0, paths, group, new, stop);
             tally.ok().map(|tally| (statistic, tally))
         };
-        let mut tree = MergeTree::new(merge);
-        grow(&mut tree, groups, &compute, &mut |_, _| true);
-        tree.nodes
+        grow(tree, groups, &compute, after)
     }
 
     /// Adds the nodes of more groups to those before, and gives the sum of all.
@@ -413,7 +415,7 @@ impl<'a> Ladder<'a> {
 
     /// The statistic of one group of `samples` paths from path number `first` on; `Err` with the
     /// counts if `stop` cut it short.
-    pub(crate) fn group<T: Statistic>(
+    fn group<T: Statistic>(
         &self,
         first: u64,
         samples: u64,

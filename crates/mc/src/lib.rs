@@ -64,6 +64,7 @@
 //! systems known at run time, such as formulas.
 
 mod along;
+mod around;
 mod damping_resolution;
 mod drive;
 mod driver;
@@ -99,9 +100,7 @@ pub use large_path::LargePath;
 pub use memory::demand;
 pub use noise_source::{NextNoise, NoiseSource, drawn};
 pub use observable::{Observable, Observe, StateFunction};
-pub use setup::{
-    Coefficients, ConformalLaw, InTimeAt, Initial, Problem, Run, Setup, bind, bind_owned,
-};
+pub use setup::{Coefficients, ConformalLaw, Initial, Problem, Run, Setup, bind, bind_owned};
 pub use simulation::{Column, NoiseOrigin, Simulation, TimeSeries, quoted, write_csv};
 pub use study::{Study, StudyResult, StudySettings};
 pub use tangents::Tangents;

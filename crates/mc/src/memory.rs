@@ -23,9 +23,8 @@ pub fn demand(what: impl Into<String>, bytes: f64) -> Result<(), RunError> {
 /// 2), whose pages of files can be dropped.
 fn free() -> Option<f64> {
     let number = |text: &str, key: &str| -> Option<f64> {
-        let mut words = text.lines().map(str::split_whitespace);
-        words
-            .find_map(|mut words| (words.next() == Some(key)).then(|| words.next()?.parse().ok()))?
+        let after = text.lines().find_map(|line| line.strip_prefix(key))?;
+        after.split_whitespace().next()?.parse().ok()
     };
     let read = |folder: &Path, file| fs::read_to_string(folder.join(file)).ok();
     let machine = 1024.0 * number(&read(Path::new("/proc"), "meminfo")?, "MemAvailable:")?;
@@ -35,7 +34,7 @@ fn free() -> Option<f64> {
         let folder = Path::new("/sys/fs/cgroup").join(group);
         let [limit, used] = ["memory.max", "memory.current"]
             .map(|file| read(&folder, file)?.trim().parse::<f64>().ok());
-        Some(limit? - used? + number(&read(&folder, "memory.stat")?, "file")?)
+        Some(limit? - used? + number(&read(&folder, "memory.stat")?, "file ")?)
     };
     Some(Path::new(group).ancestors().filter_map(left).fold(machine, f64::min))
 }

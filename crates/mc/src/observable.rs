@@ -72,11 +72,6 @@ impl<T: Observe + ?Sized> Observe for &T {
     }
 }
 
-/// Observables as objects.
-pub(crate) fn erased<O: Observe>(observables: &[O]) -> Vec<&dyn Observe> {
-    observables.iter().map(|observable| observable as &dyn Observe).collect()
-}
-
 /// φ of the first path of a block.
 pub(crate) fn value(observable: &dyn Observe, rows: &[Row]) -> f64 {
     let mut values = [0.0; WIDTH];

@@ -28,8 +28,8 @@ const GROWTH: u64 = 16;
 ///
 /// A task is a run of items, which it merges. The first wave has one item for each thread, so that
 /// little is lost when slow ones are interrupted.
-pub fn grow<T: Send, F: Fn(&mut T, T) + Sync>(
-    tree: &mut MergeTree<T, F>,
+pub fn grow<T: Send>(
+    tree: &mut MergeTree<T>,
     items: Range<u64>,
     compute: &(dyn Fn(u64) -> Option<T> + Sync),
     after: &mut dyn FnMut(&[Node<T>], u64) -> bool,
@@ -41,7 +41,7 @@ pub fn grow<T: Send, F: Fn(&mut T, T) + Sync>(
         let end = items.end.min(next + wave);
         // A power of two, and tasks that begin at multiples of it: each is a node of the tree.
         let size = wave.div_ceil(TASKS * threads).next_power_of_two();
-        let (merge, whole) = (&tree.merge, tree.whole);
+        let (merge, whole) = (tree.merge, tree.whole);
         let task = |number: u64| {
             let mut own = MergeTree::of_whole(merge, whole);
             for item in next.max(number * size)..end.min((number + 1) * size) {

@@ -36,12 +36,7 @@ impl<'a> Problem<'a> {
             friction: &[],
             laws: description.invariants.iter().enumerate().map(law).collect(),
             coefficients: Arc::new(|t, y| coefficients(system, t, y)),
-            in_time: description.depends_on_time.then(|| {
-                Arc::new(|y: &[f64], look: &mut dyn FnMut(&dyn InTime)| match system.in_time(y) {
-                    Some(known) => look(&*known),
-                    None => look(&Sampled { system, y }),
-                }) as _
-            }),
+            in_time: description.depends_on_time.then_some(system),
         }
     }
 }
@@ -103,8 +98,7 @@ impl<'a> Setup<'a> {
         let description = system.description();
         if description.layout.lanes == Lanes::Components {
             return Err(SchemeError(format!(
-                "rows of `{}` hold one path, and not 32: take `mc::LargePath`, or the layout of \
-                 the system for many paths",
+                "rows of `{}` hold one path: take `mc::LargePath`, or the layout for many paths",
                 description.name
             )));
         }
@@ -208,18 +202,25 @@ fn apply(system: &dyn System, op: Op<&[Row]>, h: Weights<'_>) -> impl Iterator<I
     out.into_iter()
 }
 
-/// All fields at a state, at single times.
+/// What changes with time at a state: all fields at single times, where nothing else is known.
+pub fn in_time<'a>(system: &'a dyn System, y: &[f64]) -> Box<dyn InTime + 'a> {
+    match system.in_time(y) {
+        Some(known) => known,
+        None => Box::new(Sampled { system, y: y.into() }),
+    }
+}
+
 struct Sampled<'a> {
     system: &'a dyn System,
-    y: &'a [f64],
+    y: Vec<f64>,
 }
 
 impl InTime for Sampled<'_> {
     fn values(&self, times: &Row) -> Vec<Row> {
-        let Self { system, y } = self;
-        let fields =
-            |t| (0..=system.description().noises).flat_map(move |k| field(*system, t, y, k));
-        let at: Vec<Vec<f64>> = times.iter().map(|&t| fields(t).collect()).collect();
+        let at = times.map(|t| {
+            let Coefficients { drift, noises, .. } = coefficients(self.system, t, &self.y);
+            [drift, noises.concat()].concat()
+        });
         (0..at[0].len()).map(|i| std::array::from_fn(|p| at[p][i])).collect()
     }
 }

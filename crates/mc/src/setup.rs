@@ -7,7 +7,7 @@ use nonlin::BlockStatus;
 use real::{Block, Row, elementary};
 use schemes::{Method, Scheme, Step, Stepper};
 use systems::{
-    Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, run_time::InTime, unit_noise,
+    Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, run_time::System, unit_noise,
     vector_field,
 };
 
@@ -43,13 +43,10 @@ pub struct Problem<'a> {
     pub laws: Vec<ConformalLaw<'a>>,
     /// The coefficients of the equation at a time and a state.
     pub coefficients: Arc<CoefficientsAt<'a>>,
-    /// Shows what changes with time at a state, of the drift without damping and of the noise; none
-    /// if nothing does. See [`DriveResolution`](crate::DriveResolution).
-    pub in_time: Option<Arc<InTimeAt<'a>>>,
+    /// The system, if its Hamiltonians change with time. See
+    /// [`DriveResolution`](crate::DriveResolution).
+    pub in_time: Option<&'a dyn System>,
 }
-
-/// Takes a state, and what looks at functions of time.
-pub type InTimeAt<'a> = dyn Fn(&[f64], &mut dyn FnMut(&dyn InTime)) + Send + Sync + 'a;
 
 /// Random initial values.
 #[derive(Clone)]
@@ -62,22 +59,6 @@ pub struct Initial<'a> {
 }
 
 type Draw<'a> = dyn Fn(StreamKey, u64, &mut [Row]) + Send + Sync + 'a;
-
-impl Initial<'_> {
-    /// The states of 32 paths at time 0, of a problem with these initial values or with `y0`.
-    pub(crate) fn start(
-        initial: Option<&Self>,
-        y0: &[f64],
-        key: StreamKey,
-        first: u64,
-    ) -> Vec<Row> {
-        let mut rows = splat(y0);
-        if let Some(Self { draw, .. }) = initial {
-            draw(key.beside(Purpose::InitialValues), first, &mut rows);
-        }
-        rows
-    }
-}
 
 /// A function F that obeys the conformal law F(y(t)) = e^{−p∫γ}F(y(0)); with friction on single
 /// components, a function of which all monomials decay alike.
@@ -253,9 +234,7 @@ impl<'a> Problem<'a> {
             in_time: None,
         }
     }
-}
 
-impl<'a> Problem<'a> {
     /// The damping of all components, and the friction.
     pub fn dampings(&self) -> impl Iterator<Item = &'a dyn Damping> + use<'a> {
         let friction = self.friction.iter().map(|friction| &*friction.damping as &dyn Damping);
@@ -264,7 +243,11 @@ impl<'a> Problem<'a> {
 
     /// The states of 32 paths from path number `first` on at time 0.
     pub fn start(&self, key: StreamKey, first: u64) -> Vec<Row> {
-        Initial::start(self.initial.as_ref(), &self.y0, key, first)
+        let mut rows = splat(&self.y0);
+        if let Some(Initial { draw, .. }) = &self.initial {
+            draw(key.beside(Purpose::InitialValues), first, &mut rows);
+        }
+        rows
     }
 
     /// The formulas of all dampings.

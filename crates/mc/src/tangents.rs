@@ -7,17 +7,17 @@ use nonlin::BlockStatus;
 use real::{Row, WIDTH, elementary};
 use schemes::{Method, Step, Stepper};
 
-/// A method whose states have tangent vectors after those of another method, and the logarithms of
-/// what they have grown by since the start, which orthogonalisation keeps apart (Benettin, Galgani,
+use crate::around::{Around, Wrap};
+
+/// Tangent vectors after the states of a method, and the logarithms of what they have grown by since
+/// the start, which orthogonalisation keeps apart (Benettin, Galgani,
 /// Giorgilli and Strelcyn, *Meccanica* 15, 1980); last the sum of these.
 ///
 /// A tangent vector v is carried along by the difference of a step from y + δv and one from y, both
 /// with the same noise, over δ = √(10⁻¹⁵ ab) with the largest component a of y and the largest
 /// change b of a component in a step so far: in between what rounds and what bends, also far from
 /// zero. At first, and at rest, δ is 10⁻⁷ times a, or one.
-pub struct Tangents<'a> {
-    /// The method.
-    pub method: Arc<dyn Method + 'a>,
+pub struct Tangents {
     /// Number of components of the state.
     pub dimension: usize,
     /// Number of vectors.
@@ -30,25 +30,16 @@ const DIFFERENCE: f64 = 1e-7;
 /// States below this size count as zero, where δ is the one of rest.
 const SMALLEST: f64 = 1e-150;
 
-impl Method for Tangents<'_> {
-    fn id(&self) -> &'static str {
-        self.method.id()
+impl Tangents {
+    /// The method whose states have these vectors.
+    pub fn around<'a>(self, method: Arc<dyn Method + 'a>) -> Arc<dyn Method + 'a> {
+        Arc::new(Around { method, wrap: self })
     }
+}
 
-    fn reads_areas(&self) -> bool {
-        self.method.reads_areas()
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.method.clips_increments()
-    }
-
-    fn stack(&self) -> usize {
-        self.method.stack()
-    }
-
+impl Wrap for Tangents {
     /// With generic vectors, or those that `y` has after the state.
-    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+    fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's> {
         let &Self { dimension, count, .. } = self;
         let (state, vectors) = y.split_at(dimension);
         let mut rows = state.to_vec();
@@ -61,8 +52,8 @@ impl Method for Tangents<'_> {
             }
         }
         rows.resize(rows.len() + count + 1, [0.0; WIDTH]);
-        let inner = self.method.start(state);
-        let near = (0..count).map(|_| self.method.start(state)).collect();
+        let inner = method.start(state);
+        let near = (0..count).map(|_| method.start(state)).collect();
         Box::new(Carried { dimension, inner, near, rows, moved: [0.0; WIDTH] })
     }
 }

@@ -33,23 +33,23 @@ impl<T> Node<T> {
 /// The tree depends on the number of leaves alone. So the bits depend neither on the thread or time
 /// of computation nor on how leaves were gathered into nodes before. Depth, memory and round-off
 /// are logarithmic.
-pub struct MergeTree<T, F> {
+pub struct MergeTree<T> {
     /// The largest nodes of the tree that cover the leaves so far.
     pub nodes: Vec<Node<T>>,
     /// How two sums become one.
-    pub merge: F,
+    pub merge: fn(&mut T, T),
     /// Leaves from this one on are no part of larger nodes.
     pub whole: u64,
 }
 
-impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
-    pub fn new(merge: F) -> Self {
+impl<T> MergeTree<T> {
+    pub fn new(merge: fn(&mut T, T)) -> Self {
         Self::of_whole(merge, u64::MAX)
     }
 
     /// A tree that merges leaf number `whole` and those after it in [`finish`](Self::finish) only,
     /// so that they can be replaced until then. If it is the last one, the bits are the same.
-    pub fn of_whole(merge: F, whole: u64) -> Self {
+    pub fn of_whole(merge: fn(&mut T, T), whole: u64) -> Self {
         Self { nodes: Vec::new(), merge, whole }
     }
 

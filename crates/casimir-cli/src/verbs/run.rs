@@ -189,9 +189,10 @@ impl<'a> Ready<'a> {
         if settings.is_study() {
             let wanted = StudySettings {
                 wanted: scene.wanted.clone(),
+                stop: watch.stop.clone(),
                 ..StudySettings::new(steps, settings.times, settings.paths, truncation, key)
             };
-            let of_all = Study::until(&setup, observables, &wanted, &watch.stop).map_err(wrong)?;
+            let of_all = Study::new(&setup, observables, &wanted).map_err(wrong)?;
             if watch.stop.is_asked() {
                 return Ok(None);
             }

@@ -1,7 +1,10 @@
 //! Chains that go on from batch to batch, and what is summed along them.
 
+use std::ops::Range;
+
 use real::{PathMask, Row, WIDTH};
 use serde::{Deserialize, Serialize};
+use stats::CentralMoments;
 
 use super::{Averaged, EquilibriumSettings, LEVELS, STEPS, wells::Watched};
 use crate::{
@@ -34,8 +37,29 @@ struct Block {
 /// finest, and the values of watched functions at its end.
 pub type Batch = Vec<Vec<f64>>;
 
+/// The batches of the chains that have not failed.
+pub struct Living<'a> {
+    pub batches: &'a [Batch],
+    /// Their numbers.
+    pub chains: Vec<usize>,
+}
+
+impl Living<'_> {
+    /// Of each chain the sum over batches of a row.
+    pub fn sums(&self, row: usize, batches: Range<usize>) -> impl Iterator<Item = f64> {
+        let batches = &self.batches[batches];
+        self.chains.iter().map(move |&n| batches.iter().map(|batch| batch[row][n]).sum())
+    }
+}
+
+pub fn moments(values: impl Iterator<Item = f64>) -> CentralMoments {
+    let mut moments = CentralMoments::default();
+    values.for_each(|x| moments.add(x));
+    moments
+}
+
 /// All chains.
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 pub struct Chains {
     /// Steps of the coarsest size on [0, T].
     pub steps: u64,
@@ -48,8 +72,8 @@ pub struct Chains {
     /// Path-steps so far, and before steps were halved.
     pub spent: u64,
     pub spent_before: u64,
-    /// Whether batches were joined, so that their first half is old.
-    doubled: bool,
+    /// Whether batches were joined, so that their first half is old and they may be the last ones.
+    pub doubled: bool,
     blocks: Vec<Block>,
     /// The batches of this time, after those of spreading.
     pub batches: Vec<Batch>,
@@ -68,21 +92,7 @@ impl Chains {
         let coarse = settings.steps.div_ceil(1 << (LEVELS - 1));
         // An even number in each batch, for schemes that alternate.
         let steps = coarse.next_multiple_of(2 * batches);
-        Self {
-            steps,
-            halvings: 0,
-            batch_steps: steps / batches,
-            number: 0,
-            spent: 0,
-            spent_before: 0,
-            doubled: false,
-            blocks: Vec::new(),
-            batches: Vec::new(),
-            histograms: Vec::new(),
-            failed_before: 0,
-            failure: None,
-            averages: of.count(),
-        }
+        Self { steps, batch_steps: steps / batches, averages: of.count(), ..Self::default() }
     }
 
     /// Whether averages can be formed: when batches are full, and between.
@@ -93,11 +103,6 @@ impl Chains {
     /// Whether batches are full.
     pub fn is_full(&self) -> bool {
         self.batches.len() == BATCHES
-    }
-
-    /// Whether they may be the last ones.
-    pub fn is_long(&self) -> bool {
-        self.doubled
     }
 
     fn block(&self, path: u64) -> Option<&Block> {
@@ -111,8 +116,12 @@ impl Chains {
         Some(if self.batches.is_empty() { &states[..dimension] } else { states })
     }
 
+    pub fn living(&self) -> Living<'_> {
+        Living { batches: &self.batches, chains: self.live().collect() }
+    }
+
     /// The numbers of the chains that have not failed.
-    pub fn live(&self) -> impl Iterator<Item = usize> {
+    fn live(&self) -> impl Iterator<Item = usize> {
         let blocks = self.blocks.iter();
         blocks.flat_map(|block| PathMask(block.live).paths().map(|p| block.first as usize + p))
     }
@@ -132,27 +141,27 @@ impl Chains {
     /// while they are spread.
     pub fn take(
         &mut self,
-        mut batch: Gather<'_>,
+        mut batch: Vec<Sums>,
         failures: Vec<PathFailure>,
         start: &dyn Fn(u64) -> Vec<Row>,
         watched: Watched<'_>,
     ) {
         let spreading = self.number < SPREADING;
-        batch.blocks.sort_by_key(|sums| sums.block.first);
-        let chains = batch.blocks.len() * WIDTH;
+        batch.sort_by_key(|sums| sums.block.first);
+        let chains = batch.len() * WIDTH;
         self.spent += self.batch_steps * STEPS * chains as u64;
         self.number += 1;
         let mut values = vec![Vec::new(); (LEVELS + 1) * self.averages];
         let scale = 1.0 / self.batch_steps as f64;
-        for sums in &batch.blocks {
-            let both = sums.sums.iter().chain(&sums.squares);
-            values.iter_mut().zip(both).for_each(|(all, row)| all.extend(row.map(|x| scale * x)));
+        for sums in &batch {
+            let rows = values.iter_mut().zip(&sums.sums);
+            rows.for_each(|(all, row)| all.extend(row.map(|x| scale * x)));
             for (found, counts) in self.histograms.iter_mut().zip(&sums.counts) {
                 found.add(counts);
             }
         }
         let before = std::mem::take(&mut self.blocks);
-        self.blocks = batch.blocks.into_iter().map(|sums| sums.block).collect();
+        self.blocks = batch.into_iter().map(|sums| sums.block).collect();
         self.revive(start);
         if spreading {
             self.blocks.iter_mut().for_each(|block| block.live = PathMask::ALL.0);
@@ -165,12 +174,12 @@ impl Chains {
             format!("{scheme} with steps {tau:.2e}: {cause}")
         };
         self.failure = self.failure.take().or(failures.first().map(words));
-        let seen = self.blocks.iter().map(|block| watched.values(&block.states[LEVELS - 1]));
-        let mut rows = vec![Vec::new(); watched.count()];
-        for seen in seen {
-            rows.iter_mut().zip(seen).for_each(|(all, row)| all.extend(row));
+        let first = values.len();
+        for block in &self.blocks {
+            let seen = watched.values(&block.states[LEVELS - 1]);
+            values.resize(first + seen.len(), Vec::new());
+            values[first..].iter_mut().zip(seen).for_each(|(all, row)| all.extend(row));
         }
-        values.extend(rows);
         self.batches.push(values);
     }
 
@@ -237,49 +246,36 @@ impl Chains {
 }
 
 /// The sums of 32 chains over a batch.
-struct Sums {
+pub struct Sums {
     block: Block,
-    /// Of each average at each step size.
+    /// Of each average at each step size, and of its square at the finest.
     sums: Vec<Row>,
-    /// Of its squares at the finest.
-    squares: Vec<Row>,
     counts: Vec<Vec<u64>>,
 }
 
 /// The sums of chains over a batch.
 pub struct Gather<'a> {
-    of: Averaged<'a>,
-    last: u64,
-    grids: Vec<Grid>,
-    /// The chains of each block that live.
-    alive: Vec<u32>,
-    blocks: Vec<Sums>,
-}
-
-impl<'a> Gather<'a> {
-    pub fn new(of: Averaged<'a>, chains: &Chains) -> Self {
-        let grids = chains.histograms.iter().map(|found| found.grid).collect();
-        let alive = chains.blocks.iter().map(|block| block.live).collect();
-        Self { of, last: chains.batch_steps, grids, alive, blocks: Vec::new() }
-    }
+    pub of: Averaged<'a>,
+    /// The chains before the batch.
+    pub chains: &'a Chains,
+    pub blocks: Vec<Sums>,
 }
 
 impl Statistic for Gather<'_> {
     fn observe(&mut self, view: &View<'_>) {
-        let Self { of, last, grids, alive, blocks } = self;
+        let Self { of, chains, blocks } = self;
         let (count, first) = (of.count(), view.first_path);
         let known = blocks.iter().rposition(|sums| sums.block.first == first);
         let at = known.unwrap_or_else(|| {
             blocks.push(Sums {
                 block: Block { first, live: view.live.0, states: Vec::new() },
-                sums: vec![[0.0; WIDTH]; LEVELS * count],
-                squares: vec![[0.0; WIDTH]; count],
-                counts: grids.iter().map(|grid| vec![0; grid.cells()]).collect(),
+                sums: vec![[0.0; WIDTH]; (LEVELS + 1) * count],
+                counts: chains.histograms.iter().map(|of| vec![0; of.grid.cells()]).collect(),
             });
             blocks.len() - 1
         });
-        let Sums { block, sums, squares, counts } = &mut blocks[at];
-        let is_last = view.time == *last;
+        let Sums { block, sums, counts } = &mut blocks[at];
+        let is_last = view.time == chains.batch_steps;
         if is_last {
             block.live = view.live.0;
             block.states = (0..LEVELS).map(|run| view.state(run).to_vec()).collect();
@@ -292,13 +288,12 @@ impl Statistic for Gather<'_> {
                         phi.evaluate(view.state(run), view.live, &mut values);
                         add(&mut sums[run * count + k], &values);
                     }
-                    let squared = values.map(|x| x * x);
-                    add(&mut squares[k], &squared);
-                    if let Some(grid) = grids.get(k) {
+                    add(&mut sums[LEVELS * count + k], &values.map(|x| x * x));
+                    let known = chains.histograms.get(k).zip(chains.block(first));
+                    if let Some((Histogram { grid, .. }, before)) = known {
                         let mut places = [0; WIDTH];
                         grid.place(&values, &mut places);
-                        let alive = alive[(first / WIDTH as u64) as usize];
-                        let live = view.live.and(PathMask(alive));
+                        let live = view.live.and(PathMask(before.live));
                         live.paths().for_each(|p| counts[k][places[p] as usize] += 1);
                     }
                 }

@@ -12,9 +12,8 @@
 //! to 0 where growth becomes faster, as a slow shear does at first.
 
 use real::elementary::ln;
-use stats::CentralMoments;
 
-use super::chains::{Batch, Chains};
+use super::chains::{Living, moments};
 
 /// Standard errors by which λ and k are seen, and by which growth is bent.
 const SEEN: f64 = 2.0;
@@ -35,17 +34,17 @@ struct Fit {
 
 impl Fit {
     /// The fit of batches from number `first` > 0 on.
-    fn new(batches: &[Batch], first: usize, row: usize, live: &[usize]) -> Self {
-        let late = &batches[first..];
+    fn new(living: &Living<'_>, row: usize, first: usize) -> Self {
+        let late = &living.batches[first..];
         let count = late.len() as f64;
-        let z: Vec<f64> = (first..batches.len()).map(|b| ln(1.0 + 1.0 / b as f64)).collect();
+        let of_time = |b: usize| ln(1.0 + 1.0 / b as f64);
+        let z: Vec<f64> = (first..living.batches.len()).map(of_time).collect();
         let logarithm = z.iter().sum::<f64>() / count;
         let square: f64 = z.iter().map(|z| (z - logarithm) * (z - logarithm)).sum();
         let of = |weight: &dyn Fn(f64) -> f64| {
-            let mut moments = CentralMoments::default();
-            for &n in live {
-                moments.add(late.iter().zip(&z).map(|(batch, &z)| weight(z) * batch[row][n]).sum());
-            }
+            let grown =
+                |&n: &usize| late.iter().zip(&z).map(|(batch, &z)| weight(z) * batch[row][n]).sum();
+            let moments = moments(living.chains.iter().map(grown));
             (moments.mean(), moments.variance_of_mean().sqrt())
         };
         let power = |z: f64| (z - logarithm) / square;
@@ -57,17 +56,14 @@ impl Fit {
 /// of a damped oscillator, which no standard error shows: the range of the mean growth about its
 /// line at the ends of batches from number `first` on, over their number. Zero where the range is
 /// that of independent batches (N. Kuiper, *Indag. Math.* 63, 1960).
-pub fn wander((chains, live): (&Chains, &[usize]), (row, first): (usize, usize)) -> f64 {
-    let late = &chains.batches[first..];
-    let count = late.len() as f64;
-    let mut totals = CentralMoments::default();
-    for &n in live {
-        totals.add(late.iter().map(|batch| batch[row][n]).sum());
-    }
+pub fn wander(living: &Living<'_>, row: usize, first: usize) -> f64 {
+    let batches = first..living.batches.len();
+    let count = batches.len() as f64;
+    let totals = moments(living.sums(row, batches.clone()));
     let (mut sum, mut least, mut most) = (0.0, 0.0f64, 0.0f64);
-    for batch in late {
-        let grown: f64 = live.iter().map(|&n| batch[row][n]).sum();
-        sum += grown / live.len() as f64 - totals.mean() / count;
+    for b in batches {
+        let grown: f64 = living.sums(row, b..b + 1).sum();
+        sum += grown / living.chains.len() as f64 - totals.mean() / count;
         (least, most) = (least.min(sum), most.max(sum));
     }
     let range = most - least;
@@ -77,11 +73,12 @@ pub fn wander((chains, live): (&Chains, &[usize]), (row, first): (usize, usize))
 /// The interval of the exponent in a row of batches, in their units, if growth is bent or is no
 /// exponent that is seen, from batch number `first` on.
 pub fn unsettled(
-    (chains, live): (&Chains, &[usize]),
-    (row, first): (usize, usize),
+    living: &Living<'_>,
+    row: usize,
+    first: usize,
     (mut lo, mut hi): (f64, f64),
 ) -> Option<(f64, f64)> {
-    let [all, kept] = [1, first].map(|first| Fit::new(&chains.batches, first, row, live));
+    let [all, kept] = [1, first].map(|first| Fit::new(living, row, first));
     let mean = 0.5 * (lo + hi);
     let sign = mean.signum();
     let exceeds = |(value, error): (f64, f64), times: f64| value > times * error;

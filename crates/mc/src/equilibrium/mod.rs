@@ -54,7 +54,7 @@ use real::{Row, WIDTH};
 use schemes::Method;
 
 use crate::{
-    Initial, Ladder, Observe, Run, RunError, Setup,
+    Ladder, Observe, Run, RunError, Setup,
     expect::{Keeping, Told},
     ladder::Measured,
     parts::Stop,
@@ -217,13 +217,11 @@ impl<'a> Equilibrium<'a> {
     pub fn lyapunov(&self, count: usize, accuracy: f64) -> Result<Averages, RunError> {
         let most = self.setup.problem.y0.len();
         let allowed = (1..=most).contains(&count);
-        RunError::unmet([(allowed, "number of exponents", "from 1 to that of components", {
-            count as f64
-        })])?;
-        let method = Arc::clone(&self.setup.scheme);
+        let range = "from 1 to that of components";
+        RunError::unmet([(allowed, "number of exponents", range, count as f64)])?;
         let rows = if count == 1 { 1 } else { count + 1 };
-        let tangents = Arc::new(Tangents { method, dimension: most, count });
-        self.averages(&(tangents as Arc<dyn Method>), Averaged::Growth(rows), accuracy)
+        let scheme = Tangents { dimension: most, count }.around(Arc::clone(&self.setup.scheme));
+        self.averages(&scheme, Averaged::Growth(rows), accuracy)
     }
 
     fn averages(
@@ -252,14 +250,15 @@ impl<'a> Equilibrium<'a> {
                 let few_revivals = chains.halvings < MOST_REVIVALS;
                 let helps = few_revivals || 2 * chains.failed() <= chains.failed_before;
                 let hopeful = half_width.is_finite() && (!fails || helps) || fails && few_revivals;
-                let limited = now.is_out_of_reach(settings.max_cost);
+                let since = chains.spent - chains.spent_before;
+                let limited = now.is_out_of_reach(since, settings.max_cost);
                 let is_reached = now.reached();
                 found = Some(now);
-                if !hopeful || chains.is_long() && (limited || is_reached && !halves) {
+                if !hopeful || chains.doubled && (limited || is_reached && !halves) {
                     reached = is_reached;
                     break;
                 }
-                if fails || halves && chains.is_long() {
+                if fails || halves && chains.doubled {
                     chains.halve();
                 } else if chains.is_full() {
                     chains.double(of);
@@ -325,21 +324,19 @@ impl<'a> Equilibrium<'a> {
         let ladder = ladder.starting(|run, path| {
             known.states(run, path, watched.dimension).map_or_else(|| first(path), <[Row]>::to_vec)
         });
-        let new = || Gather::new(of, known);
-        let Measured { statistic, failures, .. } =
+        let new = || Gather { of, chains: known, blocks: Vec::new() };
+        let Measured { statistic: Gather { blocks, .. }, failures, .. } =
             ladder.run_until(stop, 0, settings.blocks_of_chains(), new);
         drop(ladder);
         if stop.is_asked() {
             return Ok(false);
         }
-        chains.take(statistic, failures, &first, watched);
+        chains.take(blocks, failures, &first, watched);
         Ok(true)
     }
 }
 
 /// The states of a method on a block of chains at first.
 fn first(setup: &Setup<'_>, scheme: &dyn Method, key: StreamKey, path: u64) -> Vec<Row> {
-    let problem = &setup.problem;
-    let y = Initial::start(problem.initial.as_ref(), &problem.y0, key, path);
-    scheme.start(&y).state().to_vec()
+    scheme.start(&setup.problem.start(key, path)).state().to_vec()
 }

@@ -8,7 +8,7 @@ use stats::{CONFIDENCE, CentralMoments, FEW_SAMPLES, two_sided};
 
 use super::{
     Averaged, EquilibriumSettings, LEVELS,
-    chains::{Batch, Chains},
+    chains::{Chains, Living, moments},
     growth::{unsettled, wander},
     wells::{Watched, Well},
 };
@@ -38,9 +38,6 @@ pub struct Averages {
     pub failure: Option<String>,
     /// Why nobody can tell, for all averages.
     pub unknown: Vec<String>,
-    /// Path-steps with these steps.
-    #[serde(skip)]
-    since_halved: u64,
     /// Whether too many chains failed.
     #[serde(skip)]
     pub(super) fails: bool,
@@ -127,39 +124,33 @@ const ALIKE: f64 = 3.0;
 /// The part of the chains that may fail.
 const MOST_FAILED: f64 = 0.01;
 
-/// What is taken of the means at 4τ, 2τ, τ, and what bounds the bias.
-struct Taken {
-    weights: [f64; LEVELS],
-    bias: [f64; LEVELS],
-}
-
-/// Both ways for the weak order p.
-fn ways(p: f64) -> [Taken; 2] {
+/// For the weak order p both ways: what is taken of the means at 4τ, 2τ, τ, and what bounds the
+/// bias.
+fn ways(p: f64) -> [[[f64; LEVELS]; 2]; 2] {
     let power = elementary::exp2(p);
     let (last, c) = (1.0 / (power * power - 1.0), 1.0 / (power - 1.0));
     [
-        Taken { weights: [0.0, 0.0, 1.0], bias: [-last, 0.0, last] },
-        Taken { weights: [0.0, -c, 1.0 + c], bias: [c * c, -c * c * (1.0 + power), c * c * power] },
+        [[0.0, 0.0, 1.0], [-last, 0.0, last]],
+        [[0.0, -c, 1.0 + c], [c * c, -c * c * (1.0 + power), c * c * power]],
     ]
 }
 
 /// The means of chains after a burn-in.
 struct Kept {
-    /// Of each chain at each step size.
-    means: Vec<[f64; LEVELS]>,
+    /// At each step size of each chain.
+    means: [Vec<f64>; LEVELS],
     /// The mean square of all at the finest.
     square: f64,
     /// The variance over the chains of the mean of so many independent batches.
     of_batches: f64,
+    /// The time of each chain.
+    time: f64,
 }
 
 impl Kept {
     fn moments(&self, weights: [f64; LEVELS]) -> CentralMoments {
-        let mut moments = CentralMoments::default();
-        for means in &self.means {
-            moments.add((0..LEVELS).map(|run| weights[run] * means[run]).sum());
-        }
-        moments
+        let one = |n: usize| (0..LEVELS).map(|run| weights[run] * self.means[run][n]).sum::<f64>();
+        moments((0..self.means[0].len()).map(one))
     }
 
     /// A mean with its standard error.
@@ -177,104 +168,81 @@ impl Averages {
         accuracy: f64,
         watched: Watched<'_>,
     ) -> Self {
-        let live: Vec<usize> = chains.live().collect();
-        let count = of.count();
+        let (living, count) = (chains.living(), of.count());
+        let (batches, live) = (living.batches.len(), living.chains.len());
         let is_average = matches!(of, Averaged::Of(_));
-        let unit = if is_average { 1.0 } else { 1.0 / tau };
-        let least = if is_average { 0.0 } else { NEGLIGIBLE * accuracy };
-        let burn_ins =
-            (0..count).map(|k| burn_in(chains, &live, ((LEVELS - 1) * count + k, least / unit)));
+        let (unit, least) =
+            if is_average { (1.0, 0.0) } else { (1.0 / tau, NEGLIGIBLE * accuracy) };
+        let finest = |k: usize| (LEVELS - 1) * count + k;
+        // The sum of exponents is known to settle.
+        let settling = if is_average { count } else { (count - 1).max(1) };
+        let burn_ins = (0..count).map(|k| burn_in(&living, finest(k), least / unit));
         let burn_in = burn_ins.reduce(|a, b| Some(a?.max(b?))).flatten();
-        let all = settings.blocks_of_chains();
-        let failed = (all - live.len() as u64) as f64;
-        let mut unknown = Vec::new();
-        let fails = failed > MOST_FAILED * all as f64;
-        if fails {
-            let large = match chains.are_large() {
-                true => {
-                    "; states are beyond 1e50: steps are too long, or they grow without bound, and \
-                     exponents of a linear system are those at y = 0"
-                }
-                false => "",
-            };
-            unknown.push(format!("{failed} of {all} chains failed{large}"));
-        }
-        let all_batches = chains.batches.len();
-        let first = burn_in.unwrap_or(all_batches / 2);
-        let late = &chains.batches[first..];
-        let time = tau * (chains.batch_steps * all_batches as u64) as f64;
+        let first = burn_in.unwrap_or(batches / 2);
+        let late = (batches - first) as f64;
+        let time = tau * (chains.batch_steps * batches as u64) as f64;
         let kept = |k: usize| {
-            let at = |row: usize, n: usize| {
-                late.iter().map(|batch| batch[row][n]).sum::<f64>() * unit / late.len() as f64
-            };
-            let means = |&n: &usize| std::array::from_fn(|run| at(run * count + k, n));
-            let squares = live.iter().map(|&n| at(LEVELS * count + k, n)).sum::<f64>();
-            let finest = (LEVELS - 1) * count + k;
-            let all = late.iter().map(|batch| spread(batch, &live, finest)).sum::<f64>();
+            let means = |row: usize| living.sums(row, first..batches).map(|sum| sum * unit / late);
+            let all = (first..batches).map(|b| spread(&living, finest(k), b)).sum::<f64>();
             Kept {
-                means: live.iter().map(means).collect(),
-                square: squares / live.len() as f64,
-                of_batches: all * unit * unit / (late.len() as f64).powi(2),
+                means: std::array::from_fn(|run| means(run * count + k).collect()),
+                square: means(LEVELS * count + k).sum::<f64>() / live as f64,
+                of_batches: all * unit * unit / (late * late),
+                time: time * late / batches as f64,
             }
         };
-        let long = time * late.len() as f64 / all_batches as f64;
-        let wells = watched.wells((chains, &live), (count, is_average), first);
+        let wells = watched.wells(&living, (count, is_average), first);
         let names = of.names().into_iter().enumerate().zip(wells);
         let means = names.map(|((k, name), well)| {
-            let histogram = chains.histograms.get(k).cloned();
-            let mut mean = mean(&kept(k), settings.weak_order, (name, long), of);
-            mean.histogram = histogram;
-            let row = (LEVELS - 1) * count + k;
+            let mut mean = mean(&kept(k), settings.weak_order, name, is_average);
+            mean.histogram = chains.histograms.get(k).cloned();
             if !is_average {
-                let wander = unit * wander((chains, &live), (row, first));
+                let wander = unit * wander(&living, finest(k), first);
                 mean.sampling = elementary::hypot(mean.sampling, wander);
             }
             let (lo, hi) = mean.interval();
-            let of_sum = count > 1 && k + 1 == count;
-            let reach = (!is_average && !of_sum)
-                .then(|| unsettled((chains, &live), (row, first), (lo / unit, hi / unit)))
+            let reach = (!is_average && k < settling)
+                .then(|| unsettled(&living, finest(k), first, (lo / unit, hi / unit)))
                 .flatten()
                 .filter(|(lo, hi)| 0.5 * (hi - lo) * unit > mean.half_width() + least);
-            match (reach, well) {
-                (Some((lo, hi)), _) => {
-                    mean.unsettled = 0.5 * (hi - lo) * unit - mean.half_width();
-                    mean.mean = 0.5 * (lo + hi) * unit;
-                }
-                (None, Some(Well { of, crossings })) => {
-                    mean.lengths = mean.lengths.min(crossings);
-                    mean.unknown.get_or_insert(format!(
-                        "the chains stay in wells, which they found with too much noise, and it \
-                         depends on the well: {of} does not forget"
-                    ));
-                }
-                (None, None) => {}
+            if let Some((lo, hi)) = reach {
+                mean.unsettled = 0.5 * (hi - lo) * unit - mean.half_width();
+                mean.mean = 0.5 * (lo + hi) * unit;
+            } else if let Some(Well { of, crossings }) = well {
+                mean.lengths = mean.lengths.min(crossings);
+                let why = "the chains stay in wells on which it depends";
+                mean.unknown.get_or_insert(format!("{why}: {of} does not forget"));
             }
             mean
         });
         let means: Vec<StationaryMean> = means.collect();
-        // The sum of exponents is known to settle.
-        let exponents = if is_average { count } else { (count - 1).max(1) };
+        let drifts = "the chains still drift after half of their time: no stationary law is \
+                      reached, or there is none";
         let settles = |mean: &StationaryMean| mean.unsettled == 0.0;
-        if burn_in.is_none() && means.iter().take(exponents).any(settles) {
-            unknown.insert(
-                0,
-                "the chains still drift after half of their time: they have not come to a \
-                 stationary law, or there is none"
-                    .into(),
-            );
-        }
+        let drifts = (burn_in.is_none() && means.iter().take(settling).any(settles))
+            .then(|| drifts.to_owned());
+        let all = settings.blocks_of_chains();
+        let failed = all - live as u64;
+        let fails = failed as f64 > MOST_FAILED * all as f64;
+        let large = match chains.are_large() {
+            true => {
+                "; states are beyond 1e50: steps are too long, or they grow without bound, and \
+                 exponents of a linear system are those at y = 0"
+            }
+            false => "",
+        };
+        let failed = fails.then(|| format!("{failed} of {all} chains failed{large}"));
         Self {
             scheme: scheme.into(),
             means,
             accuracy,
             taus: [tau, 0.5 * tau, 0.25 * tau],
-            chains: live.len(),
+            chains: live,
             time,
-            burn_in: time * first as f64 / all_batches as f64,
+            burn_in: time * first as f64 / batches as f64,
             spent: chains.spent,
-            since_halved: chains.spent - chains.spent_before,
             failure: chains.failure.clone(),
-            unknown,
+            unknown: drifts.into_iter().chain(failed).collect(),
             fails,
         }
     }
@@ -284,10 +252,10 @@ impl Averages {
         self.means.iter().map(StationaryMean::half_width).fold(0.0, stats::worse)
     }
 
-    /// Whether more path-steps than so many are needed.
-    pub(super) fn is_out_of_reach(&self, most: u64) -> bool {
+    /// Whether more path-steps than so many are needed, of which `since` were done with these steps.
+    pub(super) fn is_out_of_reach(&self, since: u64, most: u64) -> bool {
         let lacks = self.means.iter().map(|mean| mean.lacks(self.accuracy)).fold(1.0, f64::max);
-        let [spent, since, most] = [self.spent, self.since_halved, most].map(|n| n as f64);
+        let [spent, since, most] = [self.spent, since, most].map(|n| n as f64);
         spent >= most || since > FORECAST * most && since * lacks > MARGIN * most
     }
 
@@ -312,32 +280,26 @@ impl StationaryMean {
 }
 
 /// The variance over the chains of a row of a batch.
-fn spread(batch: &Batch, live: &[usize], row: usize) -> f64 {
-    let mut moments = CentralMoments::default();
-    live.iter().for_each(|&n| moments.add(batch[row][n]));
-    moments.variance()
+fn spread(living: &Living<'_>, row: usize, batch: usize) -> f64 {
+    moments(living.sums(row, batch..batch + 1)).variance()
 }
 
 /// Batches to leave out for the average in this row of batches, of which `least` is no change; none
 /// if more than half.
-fn burn_in(chains: &Chains, live: &[usize], (row, least): (usize, f64)) -> Option<usize> {
-    let (all, half) = (chains.batches.len(), chains.batches.len() / 2);
-    // How far the means of two ranges of batches differ, in standard errors over the chains.
+fn burn_in(living: &Living<'_>, row: usize, least: f64) -> Option<usize> {
+    let (all, half) = (living.batches.len(), living.batches.len() / 2);
+    let last = living.sums(row, all - 1..all).map(f64::abs).fold(0.0, f64::max);
+    // Whether the means of two ranges of batches differ.
     let differ = |a: Range<usize>, b: Range<usize>| {
-        let mut moments = CentralMoments::default();
-        for &n in live {
-            let mean = |batches: &Range<usize>| {
-                let values = batches.clone().map(|b| chains.batches[b][row][n]);
-                values.sum::<f64>() / batches.len() as f64
-            };
-            moments.add(mean(&a) - mean(&b));
-        }
-        let last = live.iter().map(|&n| chains.batches[all - 1][row][n].abs());
-        let size = last.fold(0.0, f64::max);
-        moments.mean().abs()
-            > DRIFTS * moments.variance_of_mean().sqrt() + least.max(ROUND_OFF * size)
+        let means = |batches: Range<usize>| {
+            let length = batches.len() as f64;
+            living.sums(row, batches).map(move |sum| sum / length)
+        };
+        let moments = moments(means(a).zip(means(b)).map(|(a, b)| a - b));
+        let error = moments.variance_of_mean().sqrt();
+        moments.mean().abs() > DRIFTS * error + least.max(ROUND_OFF * last)
     };
-    let spread = |b: usize| spread(&chains.batches[b], live, row);
+    let spread = |b: usize| spread(living, row, b);
     let usual = (half..all).map(spread).sum::<f64>() / half as f64;
     let is_early = |b: usize| differ(b..b + 1, half..all) || spread(b) > WIDER * usual;
     let late = (0..half).rev().find(|b| is_early(*b));
@@ -345,9 +307,9 @@ fn burn_in(chains: &Chains, live: &[usize], (row, least): (usize, f64)) -> Optio
     (first <= half && !differ(first..(first + all) / 2, (first + all) / 2..all)).then_some(first)
 }
 
-/// An average from the means of its chains over the time `long`.
-fn mean(kept: &Kept, order: f64, (name, long): (String, f64), of: Averaged<'_>) -> StationaryMean {
-    let count = kept.means.len() as f64;
+/// An average, or an exponent, from the means of its chains.
+fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMean {
+    let count = kept.means[0].len() as f64;
     let quantile = two_sided(CONFIDENCE, Some(count - 1.0));
     // Differences have one sign, and fall by 2^p or nearly so.
     let (coarse, fine) = (kept.mean([1.0, -1.0, 0.0]), kept.mean([0.0, 1.0, -1.0]));
@@ -356,59 +318,51 @@ fn mean(kept: &Kept, order: f64, (name, long): (String, f64), of: Averaged<'_>) 
     let (sign, least) = (if turns { -1.0 } else { 1.0 }, LEAST_FALL * elementary::exp2(order));
     let (excess, error) = kept.mean([-sign, sign + least, -least]);
     let slow = excess * fine.0.signum() > EXCEEDS * error;
-    let falls = !(slow || turns && seen(coarse) && seen(fine));
-    let way = |Taken { weights, bias }: Taken| {
-        let with = |sign: f64| {
-            let weights = std::array::from_fn(|run| weights[run] + sign * bias[run]);
-            kept.mean(weights).1
-        };
+    let ways = match slow || turns && seen(coarse) && seen(fine) {
+        true => [[[0.0, 0.0, 1.0], [-sign, sign - 1.0, 1.0]]; 2],
+        false => ways(order),
+    };
+    let [plain, extrapolated] = ways.map(|[weights, bias]| {
+        let with =
+            |sign: f64| kept.mean(std::array::from_fn(|run| weights[run] + sign * bias[run])).1;
         let ((mean, error), seen) = (kept.mean(weights), kept.mean(bias));
         let sampling = quantile * error + ROUND_OFF * mean.abs();
         let whole = seen.0.abs() + quantile * with(1.0).max(with(-1.0));
         (mean, sampling, (whole - sampling).max(0.0), (seen.0.abs(), seen.1))
-    };
-    let ways = match falls {
-        true => ways(order).map(way),
-        false => {
-            let bias = [-sign, sign - 1.0, 1.0];
-            [0, 1].map(|_| way(Taken { weights: [0.0, 0.0, 1.0], bias }))
-        }
-    };
-    let shorter = usize::from(ways[1].1 + ways[1].2 < ways[0].1 + ways[0].2);
-    let (mean, sampling, bias, seen) = ways[shorter];
+    });
+    let is_shorter = extrapolated.1 + extrapolated.2 < plain.1 + plain.2;
+    let (mean, sampling, bias, seen) = if is_shorter { extrapolated } else { plain };
     let finest = kept.moments([0.0, 0.0, 1.0]);
     let variance = kept.square - finest.mean() * finest.mean();
     let deviation = if variance > 1e-14 * kept.square { variance.sqrt() } else { 0.0 };
     let of_mean = finest.variance();
     let ratio = if deviation == 0.0 { 0.0 } else { of_mean / (deviation * deviation) };
-    let time = 0.5 * long * ratio;
-    let few = finest.effective_samples();
     // Of exponents, batches are as good as independent.
-    let lengths = match of {
-        Averaged::Of(_) => 2.0 / ratio,
-        Averaged::Growth(_) if of_mean.sqrt() <= ROUND_OFF * mean.abs() => f64::INFINITY,
-        Averaged::Growth(_) => LEAST_LENGTH * ALIKE * kept.of_batches / of_mean,
+    let lengths = match is_average {
+        true => 2.0 / ratio,
+        false if of_mean.sqrt() <= ROUND_OFF * mean.abs() => f64::INFINITY,
+        false => LEAST_LENGTH * ALIKE * kept.of_batches / of_mean,
     };
     let unknown = if !mean.is_finite() {
         Some("it is not finite".into())
     } else if lengths < LEAST_LENGTH {
-        Some(match of {
-            Averaged::Of(_) => format!(
+        Some(match is_average {
+            true => format!(
                 "the chains are {lengths:.1} autocorrelation times long, or disagree: \
                  {LEAST_LENGTH} are wanted"
             ),
-            Averaged::Growth(_) => "the chains are too short, or disagree".into(),
+            false => "the chains are too short, or disagree".into(),
         })
-    } else if few < FEW_SAMPLES.min(count / 6.0) {
-        Some("a few chains decide".into())
     } else {
-        None
+        let few = finest.effective_samples() < FEW_SAMPLES.min(count / 6.0);
+        few.then(|| "a few chains decide".into())
     };
-    let is_average = matches!(of, Averaged::Of(_));
     let level = |run: usize| {
-        let unit = |run: usize| std::array::from_fn(|n| f64::from(u8::from(n == run)));
-        let [own, finest] = [unit(run), unit(LEVELS - 1)];
-        let (difference, error) = kept.mean(std::array::from_fn(|n| own[n] - finest[n]));
+        let mut weights = [0.0, 0.0, -1.0];
+        weights[run] += 1.0;
+        let (difference, error) = kept.mean(weights);
+        let mut own = [0.0; LEVELS];
+        own[run] = 1.0;
         (kept.mean(own).0, difference, error)
     };
     StationaryMean {
@@ -418,7 +372,7 @@ fn mean(kept: &Kept, order: f64, (name, long): (String, f64), of: Averaged<'_>) 
         bias,
         unsettled: 0.0,
         deviation,
-        autocorrelation_time: is_average.then_some(time),
+        autocorrelation_time: is_average.then_some(0.5 * kept.time * ratio),
         effective_samples: is_average.then_some(count / ratio),
         levels: std::array::from_fn(level),
         unknown,
@@ -449,23 +403,25 @@ impl fmt::Display for Averages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let longest = self.means.iter().map(|mean| mean.name.chars().count()).max().unwrap_or(0);
         for mean in &self.means {
-            let StationaryMean { name, sampling, bias, autocorrelation_time, .. } = mean;
-            let (half_width, width) = (mean.half_width(), longest);
+            let StationaryMean { name, sampling, bias, unsettled, autocorrelation_time, .. } = mean;
+            let half_width = mean.half_width();
             let value = written(mean.mean, half_width);
-            write!(f, "{name:width$} = {value} ± {half_width:.1e} (sampling ")?;
-            write!(f, "{sampling:.1e}, step {bias:.1e}")?;
-            if mean.unsettled > 0.0 {
-                write!(f, ", growth {:.1e}", mean.unsettled)?;
+            write!(
+                f,
+                "{name:longest$} = {value} ± {half_width:.1e} (sampling {sampling:.1e}, step {bias:.1e}"
+            )?;
+            if *unsettled > 0.0 {
+                write!(f, ", growth {unsettled:.1e}")?;
             }
             write!(f, ")")?;
             if let (Some(time), Some(samples)) = (autocorrelation_time, mean.effective_samples)
                 && mean.deviation > 0.0
             {
-                write!(f, ", autocorrelation time {}, ", short(*time))?;
-                write!(f, "{samples:.1e} effective samples")?;
+                let time = short(*time);
+                write!(f, ", autocorrelation time {time}, {samples:.1e} effective samples")?;
             }
             writeln!(f)?;
-            if mean.unsettled > 0.0 {
+            if *unsettled > 0.0 {
                 let (lo, hi) = mean.interval();
                 let (sign, end) = if mean.mean > 0.0 { ("≤", hi) } else { ("≥", lo) };
                 let end = written(end, half_width);
@@ -475,17 +431,13 @@ impl fmt::Display for Averages {
                 writeln!(f, "  cannot tell: {why}")?;
             }
         }
-        let Self { scheme, taus, chains, time, burn_in, spent, accuracy, .. } = self;
+        let Self { scheme, taus: [coarse, middle, fine], chains, accuracy, .. } = self;
+        let [time, burn_in] = [self.time, self.burn_in].map(short);
         writeln!(
             f,
-            "{scheme} with steps {:.2e}, {:.2e}, {:.2e}; {chains} chains of length {}, \
-             burn-in {}; {:.2e} path-steps",
-            taus[0],
-            taus[1],
-            taus[2],
-            short(*time),
-            short(*burn_in),
-            *spent as f64
+            "{scheme} with steps {coarse:.2e}, {middle:.2e}, {fine:.2e}; {chains} chains of length \
+             {time}, burn-in {burn_in}; {:.2e} path-steps",
+            self.spent as f64
         )?;
         for why in &self.unknown {
             writeln!(f, "cannot tell: {why}")?;

@@ -14,12 +14,13 @@
 //! function is conserved and differs from chain to chain, initial values are random parameters on
 //! purpose, and nothing is tested.
 
+use std::ops::Range;
+
 use real::{PathMask, Row, WIDTH, elementary::ln};
-use stats::CentralMoments;
 
 use super::{
     LEVELS,
-    chains::{Batch, Chains},
+    chains::{Living, moments},
 };
 use crate::Observe;
 
@@ -68,11 +69,6 @@ impl Watched<'_> {
         if self.dimension > SUMS { SUMS } else { 0 }
     }
 
-    /// The number of functions.
-    pub fn count(&self) -> usize {
-        self.components().count() + self.sums() + self.functions.len()
-    }
-
     fn names(&self) -> Vec<String> {
         let components = self.components().map(|i| format!("y{}", i + 1));
         let sums = (1..=self.sums()).map(|c| format!("y{c} + y{} + …", c + SUMS));
@@ -100,40 +96,37 @@ impl Watched<'_> {
     /// batch number `first` on; `own` if those show wells themselves.
     pub fn wells(
         &self,
-        (chains, live): (&Chains, &[usize]),
+        living: &Living<'_>,
         (count, own): (usize, bool),
         first: usize,
     ) -> Vec<Option<Well>> {
-        let all = chains.batches.len();
+        let all = living.batches.len();
         let quarter = first + (all - first) / 4;
-        let means = |row: usize, batches: &[Batch]| -> Vec<f64> {
-            let mean = |&n: &usize| {
-                batches.iter().map(|batch| batch[row][n]).sum::<f64>() / batches.len() as f64
-            };
-            live.iter().map(mean).collect()
+        let means = |row: usize, batches: Range<usize>| -> Vec<f64> {
+            let length = batches.len() as f64;
+            living.sums(row, batches).map(|sum| sum / length).collect()
         };
-        let (early, late) = (&chains.batches[..quarter][first - 1..], &chains.batches[quarter..]);
         let (finest, watched) = ((LEVELS - 1) * count, (LEVELS + 1) * count);
         let names = self.names();
-        let ends = |row: usize| [&early[..1], &late[late.len() - 1..]].map(|end| means(row, end));
+        let ends = |row: usize| [first - 1, all - 1].map(|end| means(row, end..end + 1));
         if (watched..watched + names.len()).any(|row| is_conserved(&ends(row))) {
             return (0..count).map(|_| None).collect();
         }
         // Those that keep their wells, with what they were early.
-        let root = (live.len() as f64 - 1.0).sqrt();
+        let root = (living.chains.len() as f64 - 1.0).sqrt();
         let keeping = names.iter().enumerate().filter_map(|(k, name)| {
-            let early = means(watched + k, early);
-            let r = correlation(&early, &means(watched + k, late));
+            let early = means(watched + k, first - 1..quarter);
+            let r = correlation(&early, &means(watched + k, quarter..all));
             (r * root > KEEPS).then_some((&**name, early, r))
         });
         let keeping: Vec<_> = keeping.collect();
         let least = (DEPENDS + 2.0 * ln(keeping.len().max(1) as f64)).sqrt();
         let well = |k: usize| {
-            let late = means(finest + k, late);
+            let late = means(finest + k, quarter..all);
             let depends = |early: &[f64]| correlation(early, &late).abs();
             let of = keeping.iter().map(|(name, early, r)| (*name, depends(early), *r));
             let of = of.filter(|(_, depends, _)| depends * root > least);
-            let itself = depends(&means(finest + k, &chains.batches[first..quarter]));
+            let itself = depends(&means(finest + k, first..quarter));
             let itself = (own && itself * root > KEEPS).then_some(("it", itself, itself));
             let (of, _, r) = of.chain(itself).max_by(|a, b| a.1.total_cmp(&b.1))?;
             // The correlation falls by e in a time of crossing.
@@ -152,8 +145,7 @@ fn is_conserved([early, late]: &[Vec<f64>; 2]) -> bool {
 
 /// The deviation, none if it is round-off, and the mean.
 fn spread(values: &[f64]) -> (f64, f64) {
-    let mut moments = CentralMoments::default();
-    values.iter().for_each(|&x| moments.add(x));
+    let moments = moments(values.iter().copied());
     let (deviation, mean) = (moments.variance().sqrt(), moments.mean());
     (if deviation > ROUND_OFF * mean.abs() { deviation } else { 0.0 }, mean)
 }

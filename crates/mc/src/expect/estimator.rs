@@ -7,10 +7,10 @@ use real::{WIDTH, elementary};
 use stats::CONFIDENCE;
 
 use super::{
-    Candidate, ExpectSettings, Orders, Told,
+    Candidate, Expect, ExpectSettings, Orders,
     extrapolation::{Extrapolation, extrapolation, seen_orders},
     judge::Evidence,
-    kept::{Keeping, Kept},
+    kept::Kept,
     level::{PathValues, Samples, Values, hull, tail},
     rates,
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
@@ -19,7 +19,8 @@ use super::{
 };
 use crate::{
     DampingResolution, DriveResolution, Ladder, LadderError, NextNoise, Observe, Run, RunError,
-    driver::GROUP_PATHS, ladder::Nodes, observable::value, parallel::in_parallel, tree::Node,
+    Setup, driver::GROUP_PATHS, ladder::Nodes, observable::value, parallel::in_parallel,
+    tree::Node,
 };
 
 /// The highest level of the pilot.
@@ -82,12 +83,9 @@ fn points(scrambles: Vec<QuasiWiener>, noises: usize) -> impl Fn(u64) -> NextNoi
 /// What every attempt is asked for.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
-    pub settings: &'a ExpectSettings,
+    pub expect: &'a Expect<'a>,
     pub observables: &'a [&'a dyn Observe],
     pub accuracy: f64,
-    pub told: &'a Told<'a>,
-    pub counted: &'a (dyn Fn(u64) + Sync),
-    pub keeping: Option<&'a Keeping>,
     /// Path-steps of all attempts so far, which the limit is for.
     pub spent: &'a Cell<u64>,
 }
@@ -122,7 +120,8 @@ impl<'a> Estimator<'a> {
         orders: Orders,
         (attempt, coarsest_steps): (usize, u64),
     ) -> Self {
-        let (problem, scheme) = (&candidate.setup.problem, &candidate.setup.scheme);
+        let Setup { problem, scheme } = &candidate.setup;
+        let settings = &request.expect.settings;
         let noisy = problem.noises > 0 || problem.initial.is_some();
         let halvings = MOST_HALVINGS.saturating_sub(coarsest_steps.ilog2() as usize);
         Self {
@@ -131,12 +130,12 @@ impl<'a> Estimator<'a> {
             orders,
             attempt,
             coarsest_steps,
-            max_level: if noisy { request.settings.max_level } else { halvings.max(3) },
+            max_level: if noisy { settings.max_level } else { halvings.max(3) },
             replicates: if noisy { REPLICATES } else { 1 },
             damping: DampingResolution::new(&candidate.setup, coarsest_steps),
             drive: DriveResolution::new(problem),
             noisy,
-            sobol: problem.noises > 0 && !request.settings.random_points && !scheme.reads_areas(),
+            sobol: problem.noises > 0 && !settings.random_points && !scheme.reads_areas(),
             levels: Vec::new(),
             ladders: Vec::new(),
             first: 0,
@@ -149,12 +148,16 @@ impl<'a> Estimator<'a> {
         mut self,
         kept: Option<Kept<'a>>,
     ) -> Result<(Expectation, Option<bool>), RunError> {
-        let Request { settings, accuracy, spent, .. } = self.request;
+        let Request { expect: Expect { settings, .. }, accuracy, spent, .. } = self.request;
         let (pilot, max_cost) = (if self.noisy { GROUP_PATHS } else { 1 }, settings.max_cost);
         match kept {
             Some(kept) => self.restore(kept)?,
             None => self.begin(pilot)?,
         }
+        let out_of_reach = |why: String| {
+            let text = format!("the accuracy is out of reach: {why}");
+            Some((WarningKind::OutOfReach, text))
+        };
         let mut helps = None;
         let limit = loop {
             if !self.noisy {
@@ -180,23 +183,19 @@ impl<'a> Estimator<'a> {
                 }
                 if lost > MOST_LOST * accuracy {
                     helps = Some(false);
-                    let text = format!(
-                        "the accuracy is out of reach: a share of {before:.1e} of the paths fails, \
-                         and {share:.1e} with steps an eighth as long; times the range of the \
-                         function that is {lost:.1e}; write the equation in variables without a \
-                         singular point, as √x for x"
-                    );
-                    break Some((WarningKind::OutOfReach, text));
+                    break out_of_reach(format!(
+                        "a share of {before:.1e} of the paths fails, and {share:.1e} with steps an \
+                         eighth as long, which may change the result by {lost:.1e}; write the \
+                         equation in variables without a singular point, as √x for x"
+                    ));
                 }
             }
             let least = self.least_cost(&sums, finer);
             if least > max_cost as f64 {
-                let text = format!(
-                    "the accuracy is out of reach: it takes {least:.0e} path-steps or more, {:.0e} \
-                     are allowed",
-                    max_cost as f64
-                );
-                break Some((WarningKind::OutOfReach, text));
+                let allowed = max_cost as f64;
+                break out_of_reach(format!(
+                    "it takes {least:.0e} path-steps or more, {allowed:.0e} are allowed"
+                ));
             }
             let (level, points) = if finer && last < self.max_level {
                 self.add_level()?;
@@ -219,8 +218,8 @@ impl<'a> Estimator<'a> {
             let samples = &self.levels[level];
             let cost = spent.get().saturating_add(self.cost(samples, points - samples.points));
             let limit = if cost > max_cost || samples.points >= MAX_POINTS {
-                let text = format!("not reached with the {max_cost} path-steps allowed");
-                (WarningKind::Cost, format!("the accuracy was {text}"))
+                let text = "the accuracy was not reached with the";
+                (WarningKind::Cost, format!("{text} {max_cost} path-steps allowed"))
             } else if self.sample(level, points)? {
                 // Once points are doubled, the first level stays.
                 if self.levels.iter().all(|samples| samples.points == pilot) {
@@ -242,7 +241,7 @@ impl<'a> Estimator<'a> {
 
     /// Samples the first levels.
     fn begin(&mut self, pilot: u64) -> Result<(), RunError> {
-        let max_cost = self.request.settings.max_cost;
+        let max_cost = self.request.expect.settings.max_cost;
         (0..=PILOT_LEVEL).try_for_each(|_| self.add_level())?;
         let costs = self.levels.iter().map(|samples| self.cost(samples, pilot));
         let pilot_cost = costs.fold(self.request.spent.get(), u64::saturating_add);
@@ -279,18 +278,12 @@ impl<'a> Estimator<'a> {
     }
 
     /// Keeps the samples.
-    fn keep(&self) {
-        let Some(keeping) = self.request.keeping else { return };
-        let level = |(samples, (_, nodes)): (&Samples, &(_, Vec<Nodes<PathValues<'a>>>))| {
-            (samples.points, nodes.clone())
-        };
-        let both = self.levels.iter().zip(&self.ladders);
-        keeping.write(&Kept {
-            attempt: self.attempt,
-            spent: self.request.spent.get(),
-            first: self.first,
-            levels: both.map(level).collect(),
-        });
+    fn keep(&mut self) {
+        let Some(keeping) = &self.request.expect.keeping else { return };
+        let (attempt, spent, first) = (self.attempt, self.request.spent.get(), self.first);
+        let both = self.levels.iter().zip(&mut self.ladders);
+        let levels = both.map(|(samples, (_, nodes))| (samples.points, std::mem::take(nodes)));
+        keeping.write(&Kept { attempt, spent, first, levels: levels.collect() });
     }
 
     /// No samples of a level.
@@ -310,14 +303,12 @@ impl<'a> Estimator<'a> {
 
     /// Tells how far the round is.
     fn tell(&self, sums: &[Sum]) {
-        let Request { accuracy, told, .. } = self.request;
+        let Request { expect, accuracy, .. } = self.request;
         let half_width = sums.iter().map(Sum::half_width).fold(0.0, f64::max);
         // Errors fall as N^{−1/2} for random points, and as N^{−2/3} or faster for Sobol points.
         let growth = if self.sobol { 1.5 } else { 2.0 };
-        told(
-            half_width,
-            elementary::exp(-growth * elementary::ln((half_width / accuracy).max(1.0))),
-        );
+        let lacks = elementary::ln((half_width / accuracy).max(1.0));
+        (expect.told)(half_width, elementary::exp(-growth * lacks));
     }
 
     /// Whether a finer level is wanted: the bias has more than its share, significantly.
@@ -332,8 +323,7 @@ impl<'a> Estimator<'a> {
     fn unresolved(&self) -> Vec<Warning> {
         let Request { observables, accuracy, .. } = self.request;
         let names: Vec<&str> = observables.iter().map(|phi| phi.name()).collect();
-        let steps = self.coarsest_steps << (self.levels.len() - 1);
-        let drive = self.drive.unresolved(steps);
+        let drive = self.drive.unresolved(self.steps(self.levels.len() - 1));
         let wanted = (accuracy, self.is_single(self.first));
         unresolved(&self.levels[1..], (&self.damping, drive), &names, wanted)
     }
@@ -377,12 +367,12 @@ impl<'a> Estimator<'a> {
     /// Adds a level without points.
     fn add_level(&mut self) -> Result<(), RunError> {
         let (level, problem) = (self.levels.len(), &self.candidate.setup.problem);
-        let (settings, steps) = (self.request.settings, self.steps(level));
-        let (key, family) = (settings.key, Purpose::Level(level as u64));
+        let Expect { settings, counted, .. } = self.request.expect;
+        let &ExpectSettings { key, truncation, .. } = settings;
+        let (steps, family) = (self.steps(level), Purpose::Level(level as u64));
         let (levels, runs) = (usize::from(level > 0), self.candidate.runs(level > 0));
-        let mut ladder =
-            Ladder::of(problem, steps, levels, settings.truncation, (key, family), runs)?
-                .telling(self.request.counted);
+        let ladder = Ladder::of(problem, steps, levels, truncation, (key, family), runs)?;
+        let mut ladder = ladder.telling(counted);
         if self.sobol && steps.saturating_mul(problem.noises as u64) <= MOST_DIMENSIONS {
             let key = key.beside(family);
             let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end);
@@ -405,7 +395,7 @@ impl<'a> Estimator<'a> {
     fn sample(&mut self, level: usize, points: u64) -> Result<bool, RunError> {
         let before = self.levels[level].points;
         let new_cost = self.cost(&self.levels[level], points - before);
-        let Request { settings, observables, spent, .. } = self.request;
+        let Request { expect: Expect { settings, .. }, observables, spent, .. } = self.request;
         let new = self.empty(level);
         let empty = || new.clone();
         let (ladder, nodes) = &mut self.ladders[level];
@@ -431,14 +421,13 @@ impl<'a> Estimator<'a> {
         if samples.count() < 1 + u64::from(self.noisy) {
             return Err(RunError::NoPaths { level, failed: samples.failed, first });
         }
-        let finite = |values: &Values| match self.noisy {
-            true => values.sample.variance().is_finite(),
-            false => values.sample.mean().is_finite(),
-        };
-        match observables.iter().zip(&samples.values).find(|(_, values)| !finite(values)) {
-            Some((phi, _)) => Err(RunError::NotFinite { observable: phi.name().to_owned(), level }),
-            None => Ok(true),
+        for (phi, Values { sample, .. }) in observables.iter().zip(&samples.values) {
+            let number = if self.noisy { sample.variance() } else { sample.mean() };
+            if !number.is_finite() {
+                return Err(RunError::NotFinite { observable: phi.name().to_owned(), level });
+            }
         }
+        Ok(true)
     }
 
     /// How far test function number k may spread: as on all levels so far, or by one if it is the
@@ -493,8 +482,9 @@ impl<'a> Estimator<'a> {
             let terms = self.sum_from(first, k).terms;
             terms.iter().map(|term| (term.variance * term.cost).sqrt()).sum::<f64>()
         };
-        let mut totals = vec![0.0; self.levels.len() - 2];
-        for k in self.numbers() {
+        let (numbers, last) = (self.numbers(), self.levels.len() - 1);
+        let mut totals = vec![0.0; last - 1];
+        for &k in &numbers {
             let roots: Vec<f64> = (0..totals.len()).map(|first| root(first, k)).collect();
             let least = roots.iter().copied().fold(f64::INFINITY, f64::min);
             if least > 0.0 {
@@ -503,12 +493,12 @@ impl<'a> Estimator<'a> {
         }
         let best = (0..totals.len()).min_by(|&a, &b| totals[a].total_cmp(&totals[b])).unwrap_or(0);
         let most = |first: usize| {
-            self.numbers().into_iter().map(|k| self.sum_from(first, k).root()).fold(0.0, f64::max)
+            numbers.iter().map(|&k| self.sum_from(first, k).root()).fold(0.0, f64::max)
         };
-        let last = self.levels.len() - 1;
-        let uncoupled =
-            |values: &Values| values.sample.variance() >= UNCOUPLED * values.fine.variance();
-        let apart = self.numbers().iter().all(|&k| uncoupled(&self.levels[last].values[k]));
+        let apart = numbers.iter().all(|&k| {
+            let Values { sample, fine, .. } = &self.levels[last].values[k];
+            sample.variance() >= UNCOUPLED * fine.variance()
+        });
         if self.noisy && apart && most(last) < SINGLE * most(best) { last } else { best }
     }
 

@@ -54,7 +54,7 @@ impl Evidence<'_> {
                 let [below, level] = [pair[0].level, pair[1].level];
                 let text = format!(
                     "the coarse mean of level {level} is {deviation:.1} standard errors from the \
-                     fine mean of level {below}, the levels do not telescope"
+                     fine mean of level {below}"
                 );
                 (WarningKind::Telescope, text)
             });
@@ -66,7 +66,7 @@ impl Evidence<'_> {
                 resolution: !self.unresolved.iter().any(|warning| warning.concerns(&estimate.name)),
             };
             for (kind, text) in found {
-                Warning::add(&mut warnings, &estimate.name, kind, text);
+                Warning::of_all(kind, text).add_to(&mut warnings, &estimate.name);
             }
         }
         warnings
@@ -81,7 +81,7 @@ impl Evidence<'_> {
         let begin = &self.levels[self.first];
         let tail = tail(self.levels, k);
         if tail.is_heavy() {
-            let text = format!("{tail}: more paths do not make an interval of its mean right");
+            let text = format!("{tail}: more paths do not help");
             return Some((WarningKind::FewSamples, text));
         }
         let found = self.levels[last..].iter().find(blind).map(|samples| (samples, 0.0));

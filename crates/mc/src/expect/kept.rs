@@ -1,7 +1,7 @@
 //! What was sampled of an expectation that was stopped, in a file to go on from.
 
 use std::{
-    fs,
+    fs, io,
     path::PathBuf,
     sync::{Arc, OnceLock},
 };
@@ -43,23 +43,22 @@ impl Keeping {
     pub(crate) fn read<T: DeserializeOwned>(&self) -> Option<T> {
         let bytes = fs::read(&self.file).ok()?;
         let (study, rest) = postcard::take_from_bytes::<String>(&bytes).ok()?;
-        (study == self.study).then(|| postcard::from_bytes(rest).ok()).flatten()
+        if study == self.study { postcard::from_bytes(rest).ok() } else { None }
     }
 
     /// Whether there is something to go on from.
     pub fn holds(&self) -> bool {
-        let bytes = fs::read(&self.file).unwrap_or_default();
-        postcard::take_from_bytes::<String>(&bytes).is_ok_and(|(study, _)| study == self.study)
+        self.read::<()>().is_some()
     }
 
     pub(crate) fn write(&self, kept: &impl Serialize) {
-        let bytes = postcard::to_stdvec(&(&self.study, kept)).map_err(|error| error.to_string());
+        let bytes = postcard::to_stdvec(&(&self.study, kept)).map_err(io::Error::other);
         let written = bytes.and_then(|bytes| {
-            let prepared = fs::create_dir_all(folder(&self.file));
-            prepared.and_then(|()| replace(&self.file, &bytes)).map_err(|error| error.to_string())
+            fs::create_dir_all(folder(&self.file))?;
+            replace(&self.file, &bytes)
         });
         if let Err(error) = written {
-            self.failure.get_or_init(|| error);
+            self.failure.get_or_init(|| error.to_string());
         }
     }
 }

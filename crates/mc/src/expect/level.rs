@@ -66,11 +66,6 @@ impl Values {
         self.fine.effective_samples() < FEW_SAMPLES && !self.fine.is_two_valued()
     }
 
-    /// The tail of the law of φ on fine paths.
-    fn tail(&self) -> Tail {
-        self.fine.tail(&self.pilot)
-    }
-
     /// Whether the samples vary by more than round-off.
     pub fn varies(&self) -> bool {
         self.sample.is_spread(self.fine.mean().abs() + self.fine.variance().sqrt())
@@ -89,7 +84,8 @@ pub fn hull(a: Option<(f64, f64)>, b: Option<(f64, f64)>) -> Option<(f64, f64)> 
 /// solution: on coarse levels increments are clipped, and states that steps do not resolve grow
 /// large.
 pub fn tail(levels: &[Samples], k: usize) -> Tail {
-    levels[levels.len() - 1].values[k].tail()
+    let Values { fine, pilot, .. } = &levels[levels.len() - 1].values[k];
+    fine.tail(pilot)
 }
 
 /// The samples of one level so far.

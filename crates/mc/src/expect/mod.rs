@@ -341,15 +341,13 @@ impl<'a> Expect<'a> {
         accuracy: f64,
     ) -> Result<Expectation, RunError> {
         if observables.is_empty() {
-            let none = "an expectation needs at least one test function, got none";
-            return Err(RunError::Setting(none.into()));
+            let few = "an expectation needs at least one test function, got none";
+            return Err(RunError::Setting(few.into()));
         }
-        let Self { candidates, settings, told, counted, keeping } = self;
+        let Self { candidates, settings, keeping, .. } = self;
         let spent = Cell::new(0);
-        let keeping = keeping.as_ref();
-        let request =
-            Request { settings, observables, accuracy, told, counted, keeping, spent: &spent };
-        let mut kept = keeping.and_then(Keeping::read::<Kept<'_>>);
+        let request = Request { expect: self, observables, accuracy, spent: &spent };
+        let mut kept = keeping.as_ref().and_then(Keeping::read::<Kept<'_>>);
         let attempts = candidates.iter().flat_map(|candidate| {
             let steps = settings.coarsest_steps.max(candidate.least_steps());
             (0..=REFINEMENTS).map(move |doubled| (candidate, steps << doubled))
@@ -369,7 +367,9 @@ impl<'a> Expect<'a> {
                     };
                     while attempts.next_if(same).is_some() {}
                     if attempts.peek().is_none() || helps.is_none() || found.reached() {
-                        if let Some(keeping) = keeping.filter(|_| !settings.stop.is_asked()) {
+                        if let Some(keeping) = keeping
+                            && !settings.stop.is_asked()
+                        {
                             _ = std::fs::remove_file(&keeping.file);
                         }
                         return Ok(found);

@@ -203,12 +203,12 @@ impl Warning {
         Self { kind, observables: Vec::new(), text }
     }
 
-    /// Adds a φ to the warning of its kind.
-    pub(super) fn add(warnings: &mut Vec<Self>, observable: &str, kind: WarningKind, text: String) {
-        let known = warnings.iter().position(|warning| warning.kind == kind);
+    /// Adds a φ to the warning of this kind, which is this one if there is none yet.
+    pub(super) fn add_to(self, warnings: &mut Vec<Self>, observable: &str) {
+        let known = warnings.iter().position(|warning| warning.kind == self.kind);
         let n = known.unwrap_or(warnings.len());
         if known.is_none() {
-            warnings.push(Self::of_all(kind, text));
+            warnings.push(self);
         }
         let names = &mut warnings[n].observables;
         if names.last().is_none_or(|last| last != observable) {

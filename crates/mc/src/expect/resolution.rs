@@ -72,12 +72,11 @@ impl Motion {
         if view.runs() < 2 {
             return;
         }
-        let (fine, coarse, live) = (view.state(0), view.state(1), view.live);
-        let swapped = if view.runs() > 2 { view.state(2) } else { fine };
-        let other = if view.runs() > 3 { view.state(3) } else { coarse };
-        self.points += f64::from(live.len());
+        let second = |run: usize| if run + 2 < view.runs() { run + 2 } else { run };
+        let states = [0, second(0), 1, second(1)].map(|run| view.state(run));
+        self.points += f64::from(view.live.len());
         for i in 0..self.start.len() {
-            self.add_one(i, [&fine[i], &swapped[i], &coarse[i], &other[i]], live);
+            self.add_one(i, states.map(|state| &state[i]), view.live);
         }
     }
 
@@ -117,11 +116,6 @@ impl Motion {
     /// Σ start² + (fine − start)².
     fn size(&self, i: usize) -> f64 {
         self.points * (self.start[i] * self.start[i]) + self.sums(i)[1]
-    }
-
-    /// Mean square of the motion of component i.
-    fn mean_square(&self, i: usize) -> f64 {
-        self.sums(i)[1] / self.points
     }
 
     fn largest(&self) -> f64 {
@@ -208,7 +202,10 @@ fn quotients(levels: [&Samples; 3], part: usize, i: usize) -> [f64; 3] {
 
 /// Whether the steps resolve component i in a first part of the time, in which it moves as later.
 fn begins_resolved(levels: [&Samples; 3], i: usize) -> bool {
-    let size = |part: usize| levels[2].motion[part].mean_square(i);
+    let size = |part: usize| {
+        let motion = &levels[2].motion[part];
+        motion.sums(i)[1] / motion.points
+    };
     (1..PARTS).any(|part| {
         levels[0].motion[part].points >= FEWEST_TIMES * levels[0].paths as f64
             && size(part) >= BEGUN * BEGUN * size(0)
@@ -236,34 +233,33 @@ pub fn unresolved(
 ) -> Vec<Warning> {
     let [.., a, b, last] = differences else { return Vec::new() };
     let (levels, level) = ([a, b, last], last.level);
-    let text = |what: &str, how: String| {
-        format!(
-            "the steps do not resolve {what}: on level {level} {how}; take more steps of the \
-             coarsest level"
-        )
+    let warning = |kind, what: &str, how: String| {
+        let advice = "take more steps of the coarsest level";
+        let text = format!("the steps do not resolve {what}: on level {level} {how}; {advice}");
+        Warning::of_all(kind, text)
     };
     let differ = |by: f64| format!("fine and coarse paths differ by {by:.1e} of its motion");
     let components = (0..last.motion[0].start.len()).map(|i| (i + 1, quotients(levels, 0, i)));
     let parted = |i: usize, [a, _, c]: [f64; 3]| c > GAIN * a && begins_resolved(levels, i - 1);
     let unresolved = components.filter(|&(i, of_all)| !resolved(of_all) && !parted(i, of_all));
     let component = unresolved.max_by(|one, other| one.1[2].total_cmp(&other.1[2]));
-    let component =
-        component.map(|(i, [.., by])| (WarningKind::Component(i), format!("y{i}"), differ(by)));
+    let component = component
+        .map(|(i, [.., by])| warning(WarningKind::Component(i), &format!("y{i}"), differ(by)));
     let exponent = damping.lasting_exponent(level);
-    let damping = match exponent > LARGEST_EXPONENT {
-        true => Some((WarningKind::StrongDamping, format!("it is e^-{exponent:.1} in one step"))),
-        false => damping.unresolved(level).map(|by| {
-            let how = format!("its sums over the steps differ from the integral by {by:.1e}");
-            (WarningKind::Damping, how)
-        }),
+    let strong = (exponent > LARGEST_EXPONENT).then(|| {
+        let how = format!("it is e^-{exponent:.1} in one step");
+        warning(WarningKind::StrongDamping, "the damping", how)
+    });
+    let damping = || {
+        let by = damping.unresolved(level)?;
+        let how = format!("its sums over the steps differ from the integral by {by:.1e}");
+        Some(warning(WarningKind::Damping, "the damping", how))
     };
-    let damping = damping.map(|(kind, how)| (kind, "the damping".to_owned(), how));
     let drive = drive.map(|t| {
         let how = format!("it changes within a step near t = {t:.4} more than from step to step");
-        (WarningKind::Drive, "H(t)".to_owned(), how)
+        warning(WarningKind::Drive, "H(t)", how)
     });
-    let of_all = component.into_iter().chain(damping).chain(drive);
-    let of_all = of_all.map(|(kind, what, how)| Warning::of_all(kind, text(&what, how)));
+    let of_all = component.into_iter().chain(strong.or_else(damping)).chain(drive);
     let mut warnings: Vec<_> = of_all.collect();
     // Of single paths only the means must agree: the bound on the bias is for them.
     let scattered = |k: usize| levels.iter().all(|samples| is_scattered(&samples.values[k]));
@@ -272,8 +268,7 @@ pub fn unresolved(
             continue;
         }
         if let Some(by) = unresolved_function(levels, k, accuracy) {
-            let text = text("it", differ(by));
-            Warning::add(&mut warnings, name, WarningKind::Function, text);
+            warning(WarningKind::Function, "it", differ(by)).add_to(&mut warnings, name);
         }
     }
     warnings

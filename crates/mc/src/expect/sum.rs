@@ -150,10 +150,9 @@ impl Sum {
 
     /// What extrapolation adds.
     pub fn bias(&self) -> f64 {
-        let extrapolated = &self.terms[..if self.single { 2 } else { self.terms.len() }];
-        let plain = f64::from(u8::from(!self.single));
-        let parts = extrapolated.iter().enumerate();
-        parts.map(|(n, term)| (self.weight(n) - plain) * term.mean).sum()
+        let is_plain = |n: usize| !self.single || n + 1 == self.terms.len();
+        let added = |n: usize| self.weight(n) - f64::from(u8::from(is_plain(n)));
+        self.terms.iter().enumerate().map(|(n, term)| added(n) * term.mean).sum()
     }
 
     /// Half of the interval, in standard errors, times the root of the path-steps that it takes:

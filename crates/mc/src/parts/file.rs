@@ -18,7 +18,7 @@ use super::{JobError, Share, atomic};
 use crate::driver::GROUP_PATHS;
 
 /// The version of the format.
-const SCHEMA: u32 = 5;
+const SCHEMA: u32 = 6;
 /// Bytes of a SHA-256.
 const SUM: usize = 32;
 
@@ -137,7 +137,7 @@ pub fn foreign(
 ) -> JobError {
     JobError::Refused(format!(
         "{} is of another study: {work} has {what} {found}, here it is {here}. Take another folder, \
-         or the arguments with which that study was begun",
+         or the arguments of that study",
         path.display()
     ))
 }

@@ -4,7 +4,7 @@ use std::{
     collections::BTreeSet,
     fs,
     path::Path,
-    sync::{Mutex, PoisonError},
+    sync::{Mutex, MutexGuard, PoisonError},
     thread::available_parallelism,
     time::Duration,
 };
@@ -94,6 +94,10 @@ impl Job {
         Self { stop: Stop::default(), interval: INTERVAL, incomplete: false, state }
     }
 
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Ends early when `stop` asks for it, with a checkpoint.
     pub fn stopped_by(mut self, stop: &Stop) -> Self {
         self.stop = stop.clone();
@@ -115,14 +119,12 @@ impl Job {
 
     /// Begins a section: the names of works begin with that of their section from now on.
     pub fn section(&self, name: &str) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        name.clone_into(&mut state.section);
+        name.clone_into(&mut self.state().section);
     }
 
     /// Whether this job goes on from a checkpoint.
     pub fn resumes(&self) -> bool {
-        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        matches!(&state.mode, Mode::Part(part) if part.resumes)
+        matches!(&self.state().mode, Mode::Part(part) if part.resumes)
     }
 
     /// Ends a [`pilot`](Self::pilot): what there is to compute, and how long it takes.
@@ -176,10 +178,9 @@ impl Job {
         let work = &Work { name: &name, ..work };
         let is_new = names.insert(name.clone());
         let found = match mode {
-            _ if !is_new => Err(JobError::Refused(format!(
-                "the name {:?} is given to two pieces of work; names tell them apart in files",
-                work.name
-            ))),
+            _ if !is_new => {
+                Err(JobError::Refused(format!("two pieces of work have the name {:?}", work.name)))
+            }
             Mode::Here => {
                 let mut tree = work.tree();
                 let end = work.grow(&mut tree, 0..work.groups(), &mut |_, _| true);

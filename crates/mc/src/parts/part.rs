@@ -117,12 +117,12 @@ impl Part {
 
     /// Takes up what a checkpoint has of these groups, where those before `known` are merged.
     /// Returns the first group that it has not.
-    fn resume<T: Kept, F: Fn(&mut Sum<T>, Sum<T>)>(
+    fn resume<T: Kept>(
         &self,
         work: &Work<'_, T>,
         known: u64,
         header: &Header,
-        tree: &mut MergeTree<Sum<T>, F>,
+        tree: &mut MergeTree<Sum<T>>,
     ) -> Result<u64, JobError> {
         let (path, groups) = (&self.file.path, &header.groups);
         let Some(entry) = self.file.works.get(work.name) else { return Ok(groups.start) };

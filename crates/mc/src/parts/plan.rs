@@ -31,20 +31,17 @@ impl Planned {
 /// Measures some groups of a piece of work, for so long or a single one. There are no results.
 pub fn measure<T: Kept>(each: Duration, work: &Work<'_, T>) -> Result<Planned, JobError> {
     let (groups, threads) = (work.groups(), rayon::current_num_threads() as u64);
-    let mut tree = MergeTree::new(merge);
-    let (start, mut next, mut waves) = (Instant::now(), 0, 0);
-    while next < groups && (waves == 0 || start.elapsed() < each) {
-        let end = groups.min(next + threads);
-        if work.grow(&mut tree, next..end, &mut |_, _| true) < end {
-            return Err(JobError::Stopped);
-        }
-        (next, waves) = (end, waves + 1);
+    let (mut tree, start) = (MergeTree::new(merge), Instant::now());
+    let done = work.grow(&mut tree, 0..groups, &mut |_, _| start.elapsed() < each);
+    if work.stop.is_asked() {
+        return Err(JobError::Stopped);
     }
+    let each_thread = threads.min(done) as f64 / done.max(1) as f64;
     Ok(Planned {
         name: work.name.to_owned(),
         paths: work.paths,
         steps: work.ladder.steps_per_path(),
         groups,
-        seconds: start.elapsed().as_secs_f64() / f64::from(waves.max(1)),
+        seconds: start.elapsed().as_secs_f64() * each_thread,
     })
 }

@@ -26,7 +26,7 @@ impl Share {
             Ok(Self { number, of })
         } else {
             Err(JobError::Argument(format!(
-                "there is no part {number} of {of}: parts are numbered from 1 to their number"
+                "there is no part {number} of {of}: parts are numbered from 1"
             )))
         }
     }

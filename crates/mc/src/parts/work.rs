@@ -9,8 +9,7 @@ use super::{
 use crate::{
     Kept, Ladder,
     driver::{GROUP_PATHS, Tally},
-    ladder::{Nodes, Sum, merge},
-    parallel::grow,
+    ladder::{After, Nodes, Sum, merge},
     tree::{MergeTree, Node},
 };
 
@@ -26,33 +25,25 @@ pub struct Work<'a, T> {
     pub stop: &'a Stop,
 }
 
-/// Sees the nodes and the next group, and says whether to go on.
-type After<'a, T> = dyn FnMut(&[Node<Sum<T>>], u64) -> bool + 'a;
-
 impl<T: Kept> Work<'_, T> {
     /// The number of its groups of paths.
     pub fn groups(&self) -> u64 {
         self.paths.div_ceil(GROUP_PATHS)
     }
 
-    /// Adds the sums of groups to a tree. `after` sees the nodes and the next group now and then,
-    /// and says whether to go on. Returns the first group that is not computed.
-    pub fn grow<F: Fn(&mut Sum<T>, Sum<T>) + Sync>(
+    /// Adds the sums of groups to a tree; see [`Ladder::grow`].
+    pub fn grow(
         &self,
-        tree: &mut MergeTree<Sum<T>, F>,
+        tree: &mut MergeTree<Sum<T>>,
         groups: Range<u64>,
         after: &mut After<'_, T>,
     ) -> u64 {
-        let compute = |group| {
-            let (statistic, tally) = self.ladder.group(0, self.paths, group, self.new, self.stop);
-            tally.ok().map(|tally| (statistic, tally))
-        };
-        grow(tree, groups, &compute, after)
+        self.ladder.grow(tree, (self.paths, groups), self.new, self.stop, after)
     }
 
     /// An empty tree for its nodes. The last group stays apart if it is not full, since it is
     /// computed again when there are more paths.
-    pub fn tree(&self) -> MergeTree<Sum<T>, impl Fn(&mut Sum<T>, Sum<T>) + Sync> {
+    pub fn tree(&self) -> MergeTree<Sum<T>> {
         MergeTree::of_whole(merge, self.paths / GROUP_PATHS)
     }
 
@@ -65,7 +56,7 @@ impl<T: Kept> Work<'_, T> {
             (Ok(nodes), Ok(again)) if nodes == again => Ok(Entry { header, nodes }),
             (_, again) => Err(JobError::Refused(format!(
                 "the sums of {} cannot be written and read back: {}. Derive Serialize and \
-                 Deserialize for them without skipping or flattening fields",
+                 Deserialize for all of their fields",
                 self.name,
                 again.map_or_else(|error| error.to_string(), |_| "they come back as others".into())
             ))),

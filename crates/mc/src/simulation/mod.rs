@@ -143,13 +143,75 @@ impl<'a> Simulation<'a> {
         key: StreamKey,
         paths: Range<u64>,
     ) -> Result<Vec<TimeSeries>, RunError> {
-        let Setup { problem, scheme } = &self.setup;
+        if self.every == 0 {
+            let text = "to save every k-th step, k must be at least 1, got k = 0";
+            return Err(RunError::Setting(text.into()));
+        }
+        let (Setup { problem, scheme }, count) =
+            (&self.setup, paths.end.saturating_sub(paths.start));
         let runs = vec![Run::new(Arc::clone(scheme), 0)];
-        let mut ladder = Ladder::new(problem, steps, 0, self.truncation, key, runs)?;
+        let ladder = Ladder::new(problem, steps, 0, self.truncation, key, runs)?;
+        let mut ladder = ladder.describing(count as usize).with_start();
         if let Some(source) = &self.noise {
             ladder = ladder.with_noise(source);
         }
-        self.run(ladder, key, paths)
+        let (names, tau) = (self.names()?, ladder.tau(0));
+        self.demand(steps, count)?;
+        let damped = self.damping_integrals(steps, tau)?;
+        // Where the values of laws begin among the columns.
+        let laws = 1 + problem.y0.len() + self.observables.len();
+        let none = || {
+            let columns = names.iter().map(|_| Vec::with_capacity(damped.len()));
+            columns.collect::<Vec<Vec<f64>>>()
+        };
+        let save = |view: &View<'_>, of_path: &mut Columns| {
+            let Some(damped) = damped.get(&view.time) else { return };
+            let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
+            let observables = self.observables.iter().zip(&mut observed);
+            observables.for_each(|(phi, values)| phi.evaluate(view.state(0), view.live, values));
+            for p in view.live.paths() {
+                let columns = of_path.entry(view.first_path + p as u64).or_insert_with(none);
+                let state = &view.state(0)[..problem.y0.len()];
+                let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
+                let observed = observed.iter().map(|values| values[p]);
+                let row = [view.time as f64 * tau].into_iter().chain(y.iter().copied());
+                columns.iter_mut().zip(row.chain(observed)).for_each(|(of, x)| of.push(x));
+                let of_laws = columns[laws..].chunks_exact_mut(2).zip(&problem.laws);
+                for (columns, conformal) in of_laws {
+                    let value = (conformal.value)(&y);
+                    let initial = columns[0].first().copied().unwrap_or(value);
+                    let law = conformal.decay(damped) * initial;
+                    let relative = (value - law) / law.abs();
+                    columns[0].push(value);
+                    columns[1].push(if initial == 0.0 { value } else { relative });
+                }
+            }
+        };
+        let new = || PathColumns { save: &save, of_path: BTreeMap::new() };
+        let measured = ladder.run_until(&self.stop, paths.start, count, new);
+        let mut of_path = measured.statistic.of_path;
+        let series = paths.map(|path| {
+            let values = of_path.remove(&path).unwrap_or_else(none);
+            let end = values[0].last().map_or(0.0, |t| *t);
+            let columns = names.iter().cloned().zip(values);
+            let columns = columns.map(|(name, values)| Column { name, values });
+            let failure = measured.failures.iter().find(|failure| failure.path == path);
+            let halted = failure.map(|&PathFailure { step, cause, .. }| {
+                format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
+            });
+            let stopped = (self.stop.is_asked() && end < steps as f64 * tau)
+                .then(|| format!("stopped after t = {end}"));
+            TimeSeries {
+                system: problem.name.clone(),
+                damping: problem.describe_damping(),
+                scheme: scheme.id().into(),
+                tau,
+                noise: NoiseOrigin { seed: key.seed, experiment: key.experiment, path },
+                halted: halted.or(stopped),
+                columns: columns.collect(),
+            }
+        });
+        Ok(series.collect())
     }
 
     /// Refuses the tables of so many paths that need more memory than there is: twice that of their
@@ -180,91 +242,18 @@ impl<'a> Simulation<'a> {
             };
             names.extend([name.clone(), format!("{name} defect")]);
         }
-        match (0..names.len()).find(|&n| names[..n].contains(&names[n])) {
-            Some(n) => Err(RunError::Setting(format!(
-                "two columns have the name {:?}; rename the observable",
-                names[n]
-            ))),
-            None => Ok(names),
-        }
+        RunError::twice("columns", &names)?;
+        Ok(names)
     }
 
-    fn run(
+    /// By the number of steps ∫γ of all dampings from 0 to time 0 and to the end of every saved step.
+    /// Compensated summation (Kahan 1965) of the integrals over the steps keeps rounding errors from
+    /// accumulating in the conformal law.
+    fn damping_integrals(
         &self,
-        ladder: Ladder<'_>,
-        StreamKey { seed, experiment }: StreamKey,
-        paths: Range<u64>,
-    ) -> Result<Vec<TimeSeries>, RunError> {
-        if self.every == 0 {
-            let text = "to save every k-th step, k must be at least 1, got k = 0";
-            return Err(RunError::Setting(text.into()));
-        }
-        let (Setup { problem, scheme }, tau) = (&self.setup, ladder.tau(0));
-        let (names, steps) = (self.names()?, ladder.coarse_steps());
-        self.demand(steps, paths.end.saturating_sub(paths.start))?;
-        let damped = self.damping_integrals(steps, tau)?;
-        // Where the values of laws begin among the columns.
-        let laws = 1 + problem.y0.len() + self.observables.len();
-        let none = || {
-            let columns = names.iter().map(|_| Vec::with_capacity(damped.len()));
-            columns.collect::<Vec<Vec<f64>>>()
-        };
-        let save = |view: &View<'_>, of_path: &mut BTreeMap<u64, Vec<Vec<f64>>>| {
-            let Some(damped) = damped.get(&view.time) else { return };
-            let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
-            let observables = self.observables.iter().zip(&mut observed);
-            observables.for_each(|(phi, values)| phi.evaluate(view.state(0), view.live, values));
-            for p in view.live.paths() {
-                let columns = of_path.entry(view.first_path + p as u64).or_insert_with(none);
-                let state = &view.state(0)[..problem.y0.len()];
-                let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
-                let observed = observed.iter().map(|values| values[p]);
-                let row = [view.time as f64 * tau].into_iter().chain(y.iter().copied());
-                columns.iter_mut().zip(row.chain(observed)).for_each(|(of, x)| of.push(x));
-                let of_laws = columns[laws..].chunks_exact_mut(2).zip(&problem.laws);
-                for (columns, conformal) in of_laws {
-                    let value = (conformal.value)(&y);
-                    let initial = columns[0].first().copied().unwrap_or(value);
-                    let law = conformal.decay(damped) * initial;
-                    let relative = (value - law) / law.abs();
-                    columns[0].push(value);
-                    columns[1].push(if initial == 0.0 { value } else { relative });
-                }
-            }
-        };
-        let count = paths.end.saturating_sub(paths.start);
-        let ladder = ladder.describing(count as usize).with_start();
-        let new = || PathColumns { save: &save, of_path: BTreeMap::new() };
-        let measured = ladder.run_until(&self.stop, paths.start, count, new);
-        let mut of_path = measured.statistic.of_path;
-        let series = paths.map(|path| {
-            let values = of_path.remove(&path).unwrap_or_else(none);
-            let end = values[0].last().map_or(0.0, |t| *t);
-            let columns = names.iter().cloned().zip(values);
-            let columns = columns.map(|(name, values)| Column { name, values });
-            let failure = measured.failures.iter().find(|failure| failure.path == path);
-            let halted = failure.map(|&PathFailure { step, cause, .. }| {
-                format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
-            });
-            let stopped = (self.stop.is_asked() && end < steps as f64 * tau)
-                .then(|| format!("stopped after t = {end}"));
-            TimeSeries {
-                system: problem.name.clone(),
-                damping: problem.describe_damping(),
-                scheme: scheme.id().into(),
-                tau,
-                noise: NoiseOrigin { seed, experiment, path },
-                halted: halted.or(stopped),
-                columns: columns.collect(),
-            }
-        });
-        Ok(series.collect())
-    }
-
-    /// ∫γ of all dampings from 0 to time 0 and to the end of every saved step. Compensated summation
-    /// (Kahan 1965) of the integrals over the steps keeps rounding errors from accumulating in the
-    /// conformal law.
-    fn damping_integrals(&self, steps: u64, tau: f64) -> Result<Integrals, LadderError> {
+        steps: u64,
+        tau: f64,
+    ) -> Result<BTreeMap<u64, Vec<f64>>, LadderError> {
         let dampings: Vec<_> = self.setup.problem.dampings().collect();
         let (mut damped, mut lost) = (vec![0.0; dampings.len()], vec![0.0; dampings.len()]);
         let mut integrals = BTreeMap::from([(0, damped.clone())]);
@@ -283,19 +272,16 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// The integrals of all dampings by the number of steps.
-type Integrals = BTreeMap<u64, Vec<f64>>;
+/// The columns of every path.
+type Columns = BTreeMap<u64, Vec<Vec<f64>>>;
 
-/// Adds a row of a block to the columns of its paths.
-type Save<'a> = dyn Fn(&View<'_>, &mut BTreeMap<u64, Vec<Vec<f64>>>) + Sync + 'a;
-
-/// The saved columns of every path.
-struct PathColumns<'a> {
-    save: &'a Save<'a>,
-    of_path: BTreeMap<u64, Vec<Vec<f64>>>,
+/// The saved columns, and what adds a row of a block to those of its paths.
+struct PathColumns<F> {
+    save: F,
+    of_path: Columns,
 }
 
-impl Statistic for PathColumns<'_> {
+impl<F: Fn(&View<'_>, &mut Columns) + Send> Statistic for PathColumns<F> {
     fn observe(&mut self, view: &View<'_>) {
         (self.save)(view, &mut self.of_path);
     }

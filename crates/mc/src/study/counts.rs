@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 /// The counts of all cells, one after the other. Counts are integers, so they are the same in
 /// whatever order paths are added and merged.
 ///
-/// They have two bytes until one may need more: what a group of paths sums up fits into the cache.
+/// They have two bytes until one may need more, which is never in a group of paths: what a group
+/// sums up fits into the cache.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(into = "Vec<u64>", from = "Vec<u64>")]
 pub struct Counts {
@@ -21,13 +22,13 @@ impl Counts {
         Self { narrow: vec![0; length], wide: Vec::new() }
     }
 
-    /// Adds one to the count number `first` + `places[p]` of each path p. `most` is what none of
-    /// these counts exceeds afterwards.
-    pub fn add(&mut self, first: usize, places: &[u32; WIDTH], paths: PathMask, most: u64) {
-        self.reserve(most);
-        match self.wide.is_empty() {
-            true => count(&mut self.narrow[first..], places, paths, |count| *count += 1),
-            false => count(&mut self.wide[first..], places, paths, |count| *count += 1),
+    /// Adds one to the count number `first` + `places[p]` of each path p of a group, whose counts
+    /// are narrow.
+    pub fn add(&mut self, first: usize, places: &[u32; WIDTH], paths: PathMask) {
+        let counts = &mut self.narrow[first..];
+        match paths == PathMask::ALL {
+            true => places.iter().for_each(|&place| counts[place as usize] += 1),
+            false => paths.paths().for_each(|p| counts[places[p] as usize] += 1),
         }
     }
 
@@ -60,15 +61,6 @@ impl Counts {
     }
 }
 
-#[inline(always)]
-fn count<T>(counts: &mut [T], places: &[u32; WIDTH], paths: PathMask, add: impl Fn(&mut T)) {
-    if paths == PathMask::ALL {
-        places.iter().for_each(|&place| add(&mut counts[place as usize]));
-    } else {
-        paths.paths().for_each(|p| add(&mut counts[places[p] as usize]));
-    }
-}
-
 impl From<Counts> for Vec<u64> {
     fn from(counts: Counts) -> Self {
         counts.iter().collect()
@@ -93,18 +85,20 @@ mod tests {
 
     #[test]
     fn counts_are_widened_before_they_overflow() {
-        let full = || Counts::from(vec![65_535, 0]);
-        let (places, one) = ([0; WIDTH], PathMask(1 << 7));
-        let mut counts = Counts::new(2);
+        let places = [0; WIDTH];
+        let (mut counts, mut one) = (Counts::new(2), Counts::new(2));
+        one.add(0, &places, PathMask(1 << 7));
         for most in 1..=65_535 {
-            counts.add(0, &places, one, most);
+            counts.merge(&one, most);
         }
-        assert!(counts.wide.is_empty() && counts == full());
-        counts.add(0, &places, PathMask::ALL, 65_567);
+        assert!(counts.wide.is_empty() && counts == Counts::from(vec![65_535, 0]));
+        let mut block = Counts::new(2);
+        block.add(0, &places, PathMask::ALL);
+        counts.merge(&block, 65_567);
         assert_eq!(counts, Counts::from(vec![65_567, 0]));
 
         let mut narrow = Counts::new(2);
-        narrow.add(1, &places, one, 1);
+        narrow.add(1, &places, PathMask(1));
         for (first, second) in [(&narrow, &counts), (&counts, &narrow)] {
             let mut sum = first.clone();
             sum.merge(second, 65_567);

@@ -25,6 +25,7 @@
 use std::f64::consts::PI;
 
 use real::{PathMask, Row, WIDTH, elementary};
+use serde::{Deserialize, Serialize};
 use stats::two_sided;
 
 use super::{Grid, Series, Summary};
@@ -44,7 +45,7 @@ pub struct Wanted {
 }
 
 /// The joint law of two observables at the final time: counts in bins.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
     /// Their names.
     pub names: [String; 2],
@@ -56,10 +57,12 @@ pub struct Joint {
     pub outside: u64,
 }
 
-/// Rows of a pair at a time: n, Σa, Σb, Σab, Σa², Σb².
-const OF_PAIR: usize = 6;
+/// Sums of a pair at a time: n, Σa, Σb, Σab, Σa², Σb².
+type OfPair = [Row; 6];
 /// Bins of a joint law on each side, or fewer.
 const BINS: u32 = 64;
+/// Counts of a joint law: of its bins, and of what lies outside of them.
+const CELLS: usize = (BINS * BINS) as usize + 1;
 
 /// Where the numbers of observables have the size one.
 #[derive(Clone, Copy)]
@@ -69,40 +72,8 @@ struct Unit {
 }
 
 impl Unit {
-    fn of(grid: &Grid) -> Self {
-        Self { middle: grid.edge(grid.bins / 2), scale: grid.scale() }
-    }
-
     fn row(self, values: &Row) -> Row {
         values.map(|x| (x - self.middle) * self.scale)
-    }
-}
-
-impl Wanted {
-    /// Number of lags among so many times, lag zero included.
-    fn lags(&self, times: usize) -> usize {
-        times.saturating_sub(self.from) / 2 + 1
-    }
-
-    /// Number of rows of sums.
-    pub(super) fn rows(&self, times: usize) -> usize {
-        self.pairs.len() * times * OF_PAIR + 2 * self.lagged.len() * (2 + self.lags(times))
-    }
-
-    /// The values of the observables of which lags are wanted, in the same unit at all times.
-    pub(super) fn rows_of_lagged(
-        &self,
-        grids: &[Grid],
-        observables: usize,
-        values: &[Row],
-    ) -> impl ExactSizeIterator<Item = Row> {
-        let last = grids.len() - observables;
-        self.lagged.iter().map(move |&k| Unit::of(&grids[last + k]).row(&values[k]))
-    }
-
-    /// Number of counts of joint laws: bins and what lies outside of them.
-    pub(super) fn cells(&self) -> usize {
-        self.pairs.len() * ((BINS * BINS) as usize + 1)
     }
 }
 
@@ -111,104 +82,166 @@ fn joined(grid: &Grid) -> u32 {
     grid.bins.div_ceil(BINS)
 }
 
+/// What dependence is summed of.
+#[derive(Clone, Copy)]
+pub struct Cells<'a> {
+    pub wanted: &'a Wanted,
+    /// The grids of all observables, time by time; none in a pilot.
+    pub grids: &'a [Grid],
+    pub observables: usize,
+}
+
+impl<'a> Cells<'a> {
+    fn times(self) -> usize {
+        self.grids.len() / self.observables
+    }
+
+    fn grid(self, time: usize, k: usize) -> &'a Grid {
+        &self.grids[time * self.observables + k]
+    }
+
+    fn unit(self, time: usize, k: usize) -> Unit {
+        let grid = self.grid(time, k);
+        Unit { middle: grid.edge(grid.bins / 2), scale: grid.scale() }
+    }
+
+    /// Number of times from which lags are counted.
+    fn lagged_times(self) -> usize {
+        self.times().saturating_sub(self.wanted.from)
+    }
+
+    /// The values of the observables of which lags are wanted, in the same unit at all times.
+    pub fn lagged(self, values: &[Row]) -> Vec<Row> {
+        let last = self.times() - 1;
+        self.wanted.lagged.iter().map(|&k| self.unit(last, k).row(&values[k])).collect()
+    }
+}
+
 /// The values of one block so far at saved times, as they are and filtered.
 #[derive(Default)]
-pub struct Past([Vec<Row>; 2]);
+pub struct Past {
+    values: Vec<Vec<Row>>,
+    filtered: Vec<Vec<Row>>,
+}
 
 impl Past {
     /// Adds values at a step to the filtered ones at the saved times before and after it: with
     /// `every` steps between these, counted from the first of them.
-    pub fn filter(&mut self, step: u64, every: u64, rows: impl ExactSizeIterator<Item = Row>) {
-        let (number, filtered) = (rows.len(), &mut self.0[1]);
-        let (first, after) = ((step / every) as usize * number, (step % every) as f64);
-        filtered.resize(filtered.len().max(first + 2 * number), [0.0; WIDTH]);
-        let size = every as f64;
-        for (n, row) in rows.enumerate() {
-            for (place, weight) in [(first, size - after), (first + number, after)] {
-                let weight = weight / (size * size);
-                filtered[place + n].iter_mut().zip(row).for_each(|(sum, x)| *sum += weight * x);
-            }
+    pub fn filter(&mut self, step: u64, every: u64, rows: &[Row]) {
+        let (first, after, size) = ((step / every) as usize, (step % every) as f64, every as f64);
+        let length = self.filtered.len().max(first + 2);
+        self.filtered.resize(length, vec![[0.0; WIDTH]; rows.len()]);
+        for (place, weight) in [(first, size - after), (first + 1, after)] {
+            let weight = weight / (size * size);
+            let pairs = self.filtered[place].iter_mut().flatten().zip(rows.iter().flatten());
+            pairs.for_each(|(sum, x)| *sum += weight * x);
         }
     }
 }
 
-/// Sums of dependence, and what adds to them.
-pub struct Adding<'a> {
-    pub wanted: &'a Wanted,
-    pub grids: &'a [Grid],
-    pub observables: usize,
-    pub times: usize,
-    pub sums: &'a mut [Row],
-    pub joint: &'a mut [u64],
+/// Sums of dependence; rows are in 32 batches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Dependence {
+    /// Of each pair at each time.
+    pairs: Vec<Vec<OfPair>>,
+    /// Of each observable as it is, and filtered but for the ends, on one side of which no values
+    /// are: n, the mean over times, and for each lag the sum of products.
+    lagged: Vec<[Vec<Row>; 2]>,
+    /// The joint law of each pair.
+    joint: Vec<Vec<u64>>,
 }
 
-impl Adding<'_> {
+impl Dependence {
+    pub fn new(of: Cells<'_>) -> Self {
+        let Wanted { pairs, lagged, .. } = of.wanted;
+        let zero = [0.0; WIDTH];
+        // Lag zero included.
+        let lags = of.lagged_times() / 2 + 1;
+        Self {
+            pairs: vec![vec![[zero; 6]; pairs.len()]; of.times()],
+            lagged: vec![[(); 2].map(|()| vec![zero; 2 + lags]); lagged.len()],
+            joint: vec![vec![0; CELLS]; pairs.len()],
+        }
+    }
+
+    pub fn merge(&mut self, later: &Self) {
+        let pairs = self.pairs.iter_mut().zip(&later.pairs).flat_map(|(a, b)| a.iter_mut().zip(b));
+        for (sums, more) in pairs {
+            add(sums, more);
+        }
+        let lagged = self.lagged.iter_mut().flatten().zip(later.lagged.iter().flatten());
+        lagged.for_each(|(sums, more)| add(sums, more));
+        let joint = self.joint.iter_mut().flatten().zip(later.joint.iter().flatten());
+        joint.for_each(|(sum, more)| *sum += more);
+    }
+
     /// Adds the values of all observables on a block at a time.
-    pub fn add(&mut self, time: usize, values: &[Row], live: PathMask, past: &mut Past) {
-        let Self { wanted, grids, observables, times, sums, joint } = self;
-        let grid = |k: usize| &grids[time * *observables + k];
-        let pairs = wanted.pairs.iter().enumerate();
-        for (n, &(k, l)) in pairs {
-            let [a, b] = [k, l].map(|k| Unit::of(grid(k)).row(&values[k]));
-            let rows = &mut sums[(time * wanted.pairs.len() + n) * OF_PAIR..][..OF_PAIR];
-            let last = (time + 1 == *times).then(|| {
-                [k, l].map(|k| {
-                    let mut places = [0; WIDTH];
-                    grid(k).place(&values[k], &mut places);
-                    places.map(|place| {
-                        let inside = (1..=grid(k).bins).contains(&place);
-                        inside.then(|| (place - 1) / joined(grid(k)))
-                    })
-                })
-            });
+    pub fn add(
+        &mut self,
+        of: Cells<'_>,
+        time: usize,
+        values: &[Row],
+        live: PathMask,
+        past: &mut Past,
+    ) {
+        let (wanted, is_last) = (of.wanted, time + 1 == of.times());
+        let pairs = wanted.pairs.iter().zip(&mut self.pairs[time]).zip(&mut self.joint);
+        for ((&(k, l), sums), joint) in pairs {
+            let [a, b] = [k, l].map(|k| of.unit(time, k).row(&values[k]));
+            let bins = |k: usize| {
+                let (grid, mut places) = (of.grid(time, k), [0; WIDTH]);
+                grid.place(&values[k], &mut places);
+                let inside = |place| (1..=grid.bins).contains(&place);
+                places.map(|place| inside(place).then(|| (place - 1) / joined(grid)))
+            };
+            let last = is_last.then(|| [k, l].map(bins));
             for p in live.paths().filter(|&p| (a[p] * b[p]).is_finite()) {
                 let terms = [1.0, a[p], b[p], a[p] * b[p], a[p] * a[p], b[p] * b[p]];
-                rows.iter_mut().zip(terms).for_each(|(row, term)| row[p] += term);
+                sums.iter_mut().zip(terms).for_each(|(row, term)| row[p] += term);
                 if let Some([i, j]) = last {
-                    let cell = i[p].zip(j[p]).map_or(BINS * BINS, |(i, j)| i * BINS + j);
-                    joint[n * ((BINS * BINS) as usize + 1) + cell as usize] += 1;
+                    let cell = i[p].zip(j[p]).map(|(i, j)| (i * BINS + j) as usize);
+                    joint[cell.unwrap_or(CELLS - 1)] += 1;
                 }
             }
         }
         if time >= wanted.from && !wanted.lagged.is_empty() {
-            past.0[0].extend(wanted.rows_of_lagged(grids, *observables, values));
-            if time + 1 == *times {
+            past.values.push(of.lagged(values));
+            if is_last {
                 self.add_lags(std::mem::take(past), live);
             }
         }
     }
 
-    /// Adds the products of all lags on a block: n, the mean over times, and for each lag the sum;
-    /// of values as they are, and filtered but for the ends, on one side of which none are.
-    fn add_lags(&mut self, Past([values, mut filtered]): Past, live: PathMask) {
-        let Self { wanted, sums, times, .. } = self;
-        let (number, lags) = (wanted.lagged.len(), wanted.lags(*times));
-        let first = wanted.pairs.len() * *times * OF_PAIR;
-        filtered.truncate(values.len().saturating_sub(number));
-        filtered.drain(..number.min(filtered.len()));
-        for n in 0..2 * number {
-            let past = if n < number { &values } else { &filtered };
-            let mut x: Vec<Row> = past.iter().skip(n % number).step_by(number).copied().collect();
-            let is_whole = |p: &usize| x.iter().map(|row| row[*p]).sum::<f64>().is_finite();
-            let counted: Vec<usize> = live.paths().filter(is_whole).collect();
-            let others = (0..WIDTH).filter(|p| !counted.contains(p));
-            others.for_each(|p| x.iter_mut().for_each(|row| row[p] = 0.0));
-            let rows = &mut sums[first + n * (2 + lags)..][..2 + lags];
-            counted.iter().for_each(|&p| rows[0][p] += 1.0);
-            let length = x.len() as f64;
-            for p in 0..WIDTH {
-                rows[1][p] += x.iter().map(|row| row[p]).sum::<f64>() / length;
-            }
-            for k in 0..lags.min(x.len()) {
-                let sum = &mut rows[2 + k];
-                for (a, b) in x.iter().zip(&x[k..]) {
-                    for p in 0..WIDTH {
-                        sum[p] += a[p] * b[p];
+    fn add_lags(&mut self, Past { values, mut filtered }: Past, live: PathMask) {
+        filtered.truncate(values.len() - 1);
+        filtered.drain(..1.min(filtered.len()));
+        for (n, sums) in self.lagged.iter_mut().enumerate() {
+            for (past, rows) in [&values, &filtered].into_iter().zip(sums) {
+                let mut x: Vec<Row> = past.iter().map(|all| all[n]).collect();
+                let is_whole = |p: &usize| x.iter().map(|row| row[*p]).sum::<f64>().is_finite();
+                let counted: Vec<usize> = live.paths().filter(is_whole).collect();
+                let others = (0..WIDTH).filter(|p| !counted.contains(p));
+                others.for_each(|p| x.iter_mut().for_each(|row| row[p] = 0.0));
+                counted.iter().for_each(|&p| rows[0][p] += 1.0);
+                let length = x.len() as f64;
+                for p in 0..WIDTH {
+                    rows[1][p] += x.iter().map(|row| row[p]).sum::<f64>() / length;
+                }
+                for (k, sum) in rows[2..].iter_mut().enumerate().take(x.len()) {
+                    for (a, b) in x.iter().zip(&x[k..]) {
+                        for p in 0..WIDTH {
+                            sum[p] += a[p] * b[p];
+                        }
                     }
                 }
             }
         }
     }
+}
+
+fn add(sums: &mut [Row], more: &[Row]) {
+    let pairs = sums.iter_mut().flatten().zip(more.iter().flatten());
+    pairs.for_each(|(sum, more)| *sum += more);
 }
 
 /// Values with their 95 % intervals, by the jackknife over the batches of `sums` that have paths in
@@ -245,23 +278,19 @@ type At = (u64, f64);
 
 /// What was found of the dependence of observables.
 pub struct Found<'a> {
-    pub wanted: &'a Wanted,
+    pub of: Cells<'a>,
     pub names: &'a [String],
     pub at: Vec<At>,
-    pub grids: &'a [Grid],
-    pub sums: &'a [Row],
-    pub joint: &'a [u64],
+    pub sums: &'a Dependence,
 }
 
 impl Found<'_> {
     /// Covariance and correlation of each pair in time; before it none at a fixed initial value.
     pub fn pairs(&self, start: Option<u64>) -> Vec<Series> {
-        let number = self.wanted.pairs.len();
         let of = |(n, &(k, l)): (usize, &(usize, usize))| {
             let point = |(time, &(step, t)): (usize, &At)| {
-                let sums = &self.sums[(time * number + n) * OF_PAIR..][..OF_PAIR];
-                let [a, b] =
-                    [k, l].map(|k| Unit::of(&self.grids[time * self.names.len() + k]).scale);
+                let sums = &self.sums.pairs[time][n];
+                let [a, b] = [k, l].map(|k| self.of.unit(time, k).scale);
                 let found = jackknife(sums, |s| {
                     let product = |sum: f64, x: f64, y: f64| (sum - x * y / s[0]) / (s[0] - 1.0);
                     let covariance = product(s[3], s[1], s[2]);
@@ -275,32 +304,24 @@ impl Found<'_> {
             };
             let points: Vec<_> = self.at.iter().enumerate().map(point).collect();
             let names = format!("({}, {})", self.names[k], self.names[l]);
-            [("cov", 0), ("corr", 1)].map(|(what, column)| Series {
-                observable: format!("{what}{names}"),
-                points: start
-                    .map(|paths| summary(0, 0.0, paths, (column == 0).then_some([0.0; 3])))
-                    .into_iter()
-                    .chain(points.iter().map(|point| point[column].clone()))
-                    .collect(),
+            [("cov", 0), ("corr", 1)].map(|(what, column)| {
+                let zero = (column == 0).then_some([0.0; 3]);
+                let first = start.map(|paths| summary(0, 0.0, paths, zero));
+                let points = points.iter().map(|point| point[column].clone());
+                let observable = format!("{what}{names}");
+                Series { observable, points: first.into_iter().chain(points).collect() }
             })
         };
-        self.wanted.pairs.iter().enumerate().flat_map(of).collect()
+        self.of.wanted.pairs.iter().enumerate().flat_map(of).collect()
     }
 
     /// Autocorrelations against the lag, and spectra against the frequency.
     pub fn lagged(&self) -> Vec<Series> {
-        let (times, names) = (self.at.len(), self.names);
-        let (lags, number) = (self.wanted.lags(times), times.saturating_sub(self.wanted.from));
-        let (Some(last), Some(before)) = (self.at.last(), self.at.get(times.wrapping_sub(2)))
-        else {
-            return Vec::new();
-        };
-        let (delta, half) = (last.1 - before.1, (lags - 1).max(1));
-        let first = self.wanted.pairs.len() * times * OF_PAIR;
-        let all = self.sums[first..].chunks_exact(2 + lags);
-        let filtered = all.clone().skip(self.wanted.lagged.len());
-        let of = |(&k, (sums, filtered)): (&usize, (&[Row], &[Row]))| {
-            let unit = Unit::of(&self.grids[(times - 1) * names.len() + k]).scale;
+        let [.., before, last] = self.at[..] else { return Vec::new() };
+        let number = self.of.lagged_times();
+        let (delta, half) = (last.1 - before.1, (number / 2).max(1));
+        let of = |(&k, [sums, filtered]): (&usize, &[Vec<Row>; 2])| {
+            let unit = self.of.unit(self.at.len() - 1, k).scale;
             let covariances = |s: &[f64], number: usize| -> Vec<f64> {
                 let mean = s[1] / s[0];
                 let number = |k: usize| number as f64 - k as f64;
@@ -334,30 +355,24 @@ impl Found<'_> {
                 frequencies.clone().map(spectrum).collect()
             });
             let count = sums[0].iter().sum::<f64>() as u64;
-            let series = |what: &str, axis: f64, values: Vec<Option<[f64; 3]>>| Series {
-                observable: format!("{what}({})", names[k]),
-                points: (0..)
-                    .zip(values)
-                    .map(|(k, x)| summary(k, axis * k as f64, count, x))
-                    .collect(),
+            let series = |(what, axis, values): (&str, f64, Vec<Option<[f64; 3]>>)| {
+                let point = |(k, x)| summary(k, axis * k as f64, count, x);
+                let points = (0..).zip(values).map(point).collect();
+                Series { observable: format!("{what}({})", self.names[k]), points }
             };
             let frequency = PI / (delta * half as f64);
-            [
-                series("autocorrelation", delta, autocorrelation),
-                series("spectrum", frequency, spectrum),
-            ]
+            [("autocorrelation", delta, autocorrelation), ("spectrum", frequency, spectrum)]
+                .map(series)
         };
-        self.wanted.lagged.iter().zip(all.zip(filtered)).flat_map(of).collect()
+        self.of.wanted.lagged.iter().zip(&self.sums.lagged).flat_map(of).collect()
     }
 
     /// The joint laws at the final time.
     pub fn joint(&self) -> Vec<Joint> {
-        let last = self.at.len().saturating_sub(1) * self.names.len();
-        let all = self.joint.chunks((BINS * BINS) as usize + 1);
-        let of = |(&(k, l), counts): (&(usize, usize), &[u64])| {
+        let of = |(&(k, l), counts): (&(usize, usize), &Vec<u64>)| {
             let grids = [k, l].map(|k| {
-                let Grid { lo, width, bins } = self.grids[last + k];
-                let joined = joined(&self.grids[last + k]);
+                let grid @ &Grid { lo, width, bins } = self.of.grid(self.at.len() - 1, k);
+                let joined = joined(grid);
                 Grid { lo, width: width * f64::from(joined), bins: bins.div_ceil(joined) }
             });
             let [x, y] = grids.map(|grid| grid.bins as usize);
@@ -366,9 +381,9 @@ impl Found<'_> {
                 names: [k, l].map(|k| self.names[k].clone()),
                 grids,
                 counts: cells.copied().collect(),
-                outside: counts[(BINS * BINS) as usize],
+                outside: counts[CELLS - 1],
             }
         };
-        self.wanted.pairs.iter().zip(all).map(of).collect()
+        self.of.wanted.pairs.iter().zip(&self.sums.joint).map(of).collect()
     }
 }

@@ -67,11 +67,7 @@ use std::sync::Arc;
 
 use noise::Purpose;
 
-use crate::{
-    Ladder, Measured, Observe, Run, RunError, Setup,
-    observable::erased,
-    parts::{Job, Stop},
-};
+use crate::{Ladder, Measured, Observe, Run, RunError, Setup, parts::Job};
 use sums::StudyStatistic;
 
 pub use dependence::{Joint, Wanted};
@@ -107,21 +103,8 @@ impl<'a> Study<'a> {
         observables: &'a [impl Observe],
         settings: &StudySettings,
     ) -> Result<Self, RunError> {
-        Self::until(setup, observables, settings, &Stop::default())
-    }
-
-    /// The same with a pilot that `stop` ends early; then nothing should be run.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub fn until(
-        setup: &Setup<'a>,
-        observables: &'a [impl Observe],
-        settings: &StudySettings,
-        stop: &Stop,
-    ) -> Result<Self, RunError> {
         settings.demand(observables.len())?;
-        let observables = erased(observables);
+        let observables: Vec<_> = observables.iter().map(|phi| phi as &dyn Observe).collect();
         let record = Record::new(setup, &observables, settings)?;
         let ladder = |family| {
             let runs = vec![Run::new(Arc::clone(&setup.scheme), 0)];
@@ -131,7 +114,7 @@ impl<'a> Study<'a> {
         };
         let pilot = ladder(Purpose::Pilot)?;
         let new = || StudyStatistic::new(&observables, &record.times, &[], &settings.wanted);
-        let seen = pilot.run_until(stop, 0, settings.pilot, new).statistic.sums;
+        let seen = pilot.run_until(&settings.stop, 0, settings.pilot, new).statistic.sums;
         let ranges = seen.moments.iter().map(|moments| moments.range());
         let grids = ranges.map(|range| Grid::covering(range, settings.bins)).collect();
         let ladder = ladder(Purpose::Paths)?;

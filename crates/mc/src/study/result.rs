@@ -7,7 +7,7 @@ use stats::{Tail, quantile_ranks};
 
 use super::{
     Grid, Joint, Wanted,
-    dependence::Found,
+    dependence::{Cells, Found},
     record::Record,
     summary::{CROWDED, Histogram, Place, Ranks, Summary, TOO_FEW},
     sums::StudyStatistic,
@@ -72,7 +72,7 @@ impl StudyResult {
         let paths = sums.moments[last].count() + sums.not_finite[last] + losses.failed;
         let record = Record { paths, ..record.clone() };
         // They are kept, since most counts are the same.
-        let mut known = BTreeMap::<u64, Vec<Ranks>>::new();
+        let mut known = BTreeMap::<(u64, usize), Vec<Ranks>>::new();
         let tail = |k: usize| {
             sums.moments[last + k].tail(sums.first.get(k).map_or(&[][..], Vec::as_slice))
         };
@@ -85,17 +85,15 @@ impl StudyResult {
             let tail = tails[k];
             for (time, &step) in record.times.iter().enumerate() {
                 let cell = time * record.observables.len() + k;
-                let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
+                let mut histogram = Histogram::empty(grids[cell]);
+                histogram.add(&sums.counts(cell, &grids[cell]));
                 let count = sums.moments[cell].count();
-                let ranks = known.entry(count).or_insert_with(|| {
-                    let levels = record.quantiles.iter();
-                    levels.map(|&level| (level, quantile_ranks(count, level))).collect()
+                let ranks = known.entry((count, levels.len())).or_insert_with(|| {
+                    levels.iter().map(|&level| (level, quantile_ranks(count, level))).collect()
                 });
                 let at = (step, record.time(step));
-                points.push(match is_probability {
-                    true => Summary::new(at, sums, cell, histogram, (&[], tail)).of_probability(),
-                    false => Summary::new(at, sums, cell, histogram, (ranks, tail)),
-                });
+                let summary = Summary::new(at, sums, cell, histogram, (ranks, tail));
+                points.push(if is_probability { summary.of_probability() } else { summary });
             }
             Series { observable: name.clone(), points }
         });
@@ -105,12 +103,10 @@ impl StudyResult {
             warnings.push(format!("stopped after {paths} of {planned} paths"));
         }
         let found = Found {
-            wanted,
+            of: Cells { wanted, grids, observables: record.observables.len() },
             names: &record.observables,
             at: record.times.iter().map(|&step| (step, record.time(step))).collect(),
-            grids,
-            sums: &sums.batches,
-            joint: &sums.joint,
+            sums: &sums.dependence,
         };
         series.extend(found.pairs(record.start.is_none().then_some(paths)));
         let (joint, lagged) = (found.joint(), found.lagged());
@@ -156,26 +152,25 @@ fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> V
     let lost = format!("{failed} of {paths} paths failed: what is left is no fair sample");
     let mut warnings: Vec<String> = (failed > 0).then_some(lost).into_iter().collect();
     let at = |point: &Summary, of: &[Place]| point.quantiles.iter().any(|q| of.contains(&q.place));
-    let concerns: [(&str, Concerns<'_>); 4] = [
-        ("values that are not finite, left out", &|point| point.not_finite > 0),
-        (TOO_FEW, &|point| point.interval_note.as_deref() == Some(TOO_FEW)),
-        (
-            "a quantile lies outside of the grid: a larger pilot would choose a wider one",
-            &|point| at(point, &[Place::BelowGrid, Place::AboveGrid]),
-        ),
-        (CROWDED, &|point| at(point, &[Place::Crowded])),
-    ];
+    let noted = |point: &Summary, note: &str| point.interval_note.as_deref() == Some(note);
     for (Series { observable, points }, tail) in series.iter().zip(tails) {
-        let words = tail.to_string();
-        let heavy = |point: &Summary| point.interval_note.as_deref() == Some(&words);
-        let tail = tail.is_heavy().then_some((&*words, &heavy as Concerns<'_>));
-        for (what, concerns) in concerns.into_iter().chain(tail) {
-            let times: Vec<f64> =
-                points.iter().filter(|point| concerns(point)).map(|point| point.time).collect();
-            if let [first, ..] = times[..] {
-                let number = times.len();
-                warnings
-                    .push(format!("{observable}: {what} at {number} times, first t = {first:.6}"));
+        let heavy = tail.to_string();
+        let concerns: [(&str, Concerns<'_>); 5] = [
+            ("values that are not finite, left out", &|point| point.not_finite > 0),
+            (TOO_FEW, &|point| noted(point, TOO_FEW)),
+            (
+                "a quantile lies outside of the grid: a larger pilot would choose a wider one",
+                &|point| at(point, &[Place::BelowGrid, Place::AboveGrid]),
+            ),
+            (CROWDED, &|point| at(point, &[Place::Crowded])),
+            (&heavy, &|point| noted(point, &heavy)),
+        ];
+        for (what, concerns) in concerns {
+            let mut times = points.iter().filter(|point| concerns(point)).map(|point| point.time);
+            if let Some(first) = times.next() {
+                let number = 1 + times.count();
+                let when = format!("at {number} times, first t = {first:.6}");
+                warnings.push(format!("{observable}: {what} {when}"));
             }
         }
     }

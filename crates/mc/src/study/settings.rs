@@ -5,10 +5,10 @@ use real::Row;
 use stats::CentralMoments;
 
 use super::{Summary, Wanted};
-use crate::{Observe, RunError, demand, driver::GROUP_PATHS};
+use crate::{Observe, RunError, demand, driver::GROUP_PATHS, parts::Stop};
 
 /// Settings of a [`Study`](super::Study).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct StudySettings {
     /// Number of steps on [0, T].
     pub steps: u64,
@@ -34,6 +34,8 @@ pub struct StudySettings {
     /// Covariances, joint laws and autocorrelations; none unless set. Times are evenly spaced for
     /// the latter.
     pub wanted: Wanted,
+    /// What ends the pilot early; then nothing should be run.
+    pub stop: Stop,
 }
 
 impl StudySettings {
@@ -49,6 +51,7 @@ impl StudySettings {
             bins: 256,
             pilot: 1024,
             wanted: Wanted::default(),
+            stop: Stop::default(),
         }
     }
 
@@ -94,10 +97,7 @@ impl StudySettings {
             (some, "number of observables", "at least 1", number),
         ])?;
         let names: Vec<&str> = observables.iter().map(|observable| observable.name()).collect();
-        if let Some(n) = (0..names.len()).find(|&n| names[..n].contains(&names[n])) {
-            let text = format!("two observables have the name {:?}; rename one", names[n]);
-            return Err(RunError::Setting(text));
-        }
+        RunError::twice("observables", &names)?;
         for (n, level) in self.quantiles.iter().enumerate() {
             let met = 0.0 < *level && *level < 1.0 && !self.quantiles[..n].contains(level);
             RunError::unmet([(met, "level of a quantile", "between 0 and 1, once each", *level)])?;

@@ -158,11 +158,10 @@ impl Summary {
         let spread = range.map_or(0.0, |(least, largest)| largest - least);
         let size = range.map_or(0.0, |(least, largest)| least.abs().max(largest.abs()));
         let equal = spread <= ROUNDING * size;
-        // A spread whose square is zero is not known.
-        let known = |x: &f64| count > 1 && (*x > 0.0 || spread == 0.0);
         let variance = moments.variance();
         let tail = if moments.may_be_heavy() { tail } else { Tail::default() };
-        let known = |x: &f64| known(x) && tail.has_variance();
+        // A spread whose square is zero is not known.
+        let known = |x: &f64| count > 1 && (*x > 0.0 || spread == 0.0) && tail.has_variance();
         let mean_interval = moments.mean_interval().filter(|_| !equal && tail.has_variance());
         let mean_interval = mean_interval.map(scaled);
         let note = || match tail.is_heavy() {
@@ -211,12 +210,6 @@ impl Summary {
 pub type Ranks = (f64, (u64, u64));
 
 impl Histogram {
-    /// The histogram with these counts of underflow, bins and overflow.
-    pub(super) fn new(grid: Grid, counts: Vec<u64>) -> Self {
-        let bins = grid.bins as usize;
-        Self { grid, below: counts[0], counts: counts[1..=bins].to_vec(), above: counts[bins + 1] }
-    }
-
     /// The bin, underflow or overflow of the value that `reached` says of the number of values up
     /// to it: its number among them all, and the number of values below it.
     fn find(&self, reached: impl Fn(u64) -> bool) -> (usize, u64) {
@@ -299,7 +292,9 @@ mod tests {
 
     /// Bins of width 1 on [0, 4], and values between −2 and 9.
     fn histogram(counts: [u64; 6]) -> Histogram {
-        Histogram::new(Grid { lo: 0.0, width: 1.0, bins: 4 }, counts.to_vec())
+        let mut histogram = Histogram::empty(Grid { lo: 0.0, width: 1.0, bins: 4 });
+        histogram.add(&counts);
+        histogram
     }
 
     fn quantile(histogram: &Histogram, level: f64, range: Option<(f64, f64)>) -> Quantile {

@@ -9,7 +9,7 @@ use stats::CentralMoments;
 use super::{
     Wanted,
     counts::Counts,
-    dependence::{Adding, Past},
+    dependence::{Cells, Dependence, Past},
     grid::Grid,
 };
 use crate::{Kept, Observe, Statistic, View, parts::hash};
@@ -25,9 +25,7 @@ pub struct Sums {
     /// Number of values that are not finite, of paths that had not failed.
     pub(super) not_finite: Vec<u64>,
     counts: Counts,
-    /// Sums of dependence in 32 batches, and counts of joint laws.
-    pub(super) batches: Vec<Row>,
-    pub(super) joint: Vec<u64>,
+    pub(super) dependence: Dependence,
     /// The finite values of each observable at the last time on the first paths, in the unit of the
     /// grid: they show the tail of its law.
     pub(super) first: Vec<Vec<f64>>,
@@ -37,15 +35,15 @@ pub struct Sums {
 const FIRST_PATHS: u64 = 8192;
 
 impl Sums {
-    /// No paths. `cells` is the number of times and observables, `places` that of counts for each.
-    pub(super) fn new(cells: usize, places: usize, batches: usize, joint: usize) -> Self {
+    /// No paths of observables at as many times.
+    fn new(times: usize, of: Cells<'_>) -> Self {
+        let cells = times * of.observables;
         Self {
             first: Vec::new(),
             moments: vec![CentralMoments::default(); cells],
             not_finite: vec![0; cells],
-            counts: Counts::new(cells * places),
-            batches: vec![[0.0; WIDTH]; batches],
-            joint: vec![0; joint],
+            counts: Counts::new(of.grids.iter().map(Grid::cells).sum()),
+            dependence: Dependence::new(of),
         }
     }
 
@@ -60,9 +58,7 @@ impl Sums {
             *sum += more;
         }
         self.counts.merge(&later.counts, most);
-        let batches = self.batches.iter_mut().flatten().zip(later.batches.iter().flatten());
-        batches.for_each(|(sum, more)| *sum += more);
-        self.joint.iter_mut().zip(&later.joint).for_each(|(sum, more)| *sum += more);
+        self.dependence.merge(&later.dependence);
         self.first.resize(self.first.len().max(later.first.len()), Vec::new());
         self.first.iter_mut().zip(&later.first).for_each(|(sum, more)| sum.extend(more));
     }
@@ -71,12 +67,11 @@ impl Sums {
     fn add(&mut self, cell: usize, values: &[f64; WIDTH], live: PathMask, grid: Option<&Grid>) {
         let sum = &mut self.moments[cell];
         let finite = sum.add_block(values, grid.map_or(1.0, Grid::scale), live);
-        let count = sum.count();
         self.not_finite[cell] += u64::from(live.without(finite).len());
         let Some(grid) = grid else { return };
         let mut places = [0; WIDTH];
         grid.place(values, &mut places);
-        self.counts.add(cell * grid.cells(), &places, finite, count);
+        self.counts.add(cell * grid.cells(), &places, finite);
     }
 
     /// Underflow, bins and overflow of a cell.
@@ -91,14 +86,10 @@ pub struct StudyStatistic<'a> {
     pub(super) sums: Sums,
     observables: &'a [&'a dyn Observe],
     times: &'a [u64],
-    /// The grids of all cells, or none in a pilot.
-    grids: &'a [Grid],
-    wanted: &'a Wanted,
+    of: Cells<'a>,
     /// The values of all observables, and those of each block so far.
     values: Vec<Row>,
     past: BTreeMap<u64, Past>,
-    /// Number of the time that was seen last.
-    last: usize,
 }
 
 impl<'a> StudyStatistic<'a> {
@@ -108,45 +99,29 @@ impl<'a> StudyStatistic<'a> {
         grids: &'a [Grid],
         wanted: &'a Wanted,
     ) -> Self {
-        let places = grids.first().map_or(0, Grid::cells);
-        let batches = if places > 0 { wanted.rows(times.len()) } else { 0 };
+        let of = Cells { wanted, grids, observables: observables.len() };
         Self {
-            sums: Sums::new(times.len() * observables.len(), places, batches, wanted.cells()),
+            sums: Sums::new(times.len(), of),
             observables,
             times,
-            grids,
-            wanted,
+            of,
             values: vec![[0.0; WIDTH]; observables.len()],
             past: BTreeMap::new(),
-            last: 0,
         }
-    }
-
-    /// The number of a step among the times. Steps come in order, so the last one is remembered;
-    /// where they do not, it is searched for.
-    fn number(&mut self, step: u64) -> Option<usize> {
-        let time = |n: usize| self.times.get(n).copied().unwrap_or(u64::MAX);
-        if step == time(self.last + 1) {
-            self.last += 1;
-        } else if step < time(self.last) || step > time(self.last + 1) {
-            self.last = self.times.partition_point(|&time| time < step);
-        }
-        (time(self.last) == step).then_some(self.last)
     }
 
     /// Filters what has a spectrum, at every step.
     fn filter(&mut self, view: &View<'_>) {
-        let Wanted { from, lagged, .. } = self.wanted;
+        let Wanted { from, lagged, .. } = self.of.wanted;
         let &[first, second, ..] = self.times.get(*from..).unwrap_or_default() else { return };
-        if lagged.is_empty() || self.grids.is_empty() || view.time < first {
+        if lagged.is_empty() || self.of.grids.is_empty() || view.time < first {
             return;
         }
         for &k in lagged {
             self.observables[k].evaluate(view.state(0), view.live, &mut self.values[k]);
         }
-        let rows = self.wanted.rows_of_lagged(self.grids, self.observables.len(), &self.values);
         let past = self.past.entry(view.first_path).or_default();
-        past.filter(view.time - first, second - first, rows);
+        past.filter(view.time - first, second - first, &self.of.lagged(&self.values));
     }
 }
 
@@ -154,7 +129,7 @@ impl Statistic for StudyStatistic<'_> {
     fn observe(&mut self, view: &View<'_>) {
         let state = view.state(0);
         self.filter(view);
-        let Some(time) = self.number(view.time) else { return };
+        let Ok(time) = self.times.binary_search(&view.time) else { return };
         let first = time * self.observables.len();
         let keeps = view.first_path < FIRST_PATHS && time + 1 == self.times.len();
         if keeps {
@@ -162,24 +137,16 @@ impl Statistic for StudyStatistic<'_> {
         }
         for (k, (observable, values)) in self.observables.iter().zip(&mut self.values).enumerate() {
             observable.evaluate(state, view.live, values);
-            let grid = self.grids.get(first + k);
+            let grid = self.of.grids.get(first + k);
             self.sums.add(first + k, values, view.live, grid);
             if let Some(grid) = grid.filter(|_| keeps) {
                 let values = view.live.paths().map(|p| values[p] * grid.scale());
                 self.sums.first[k].extend(values.filter(|x| x.is_finite()));
             }
         }
-        if !self.sums.batches.is_empty() {
+        if !self.of.grids.is_empty() {
             let past = self.past.entry(view.first_path).or_default();
-            let mut adding = Adding {
-                wanted: self.wanted,
-                grids: self.grids,
-                observables: self.observables.len(),
-                times: self.times.len(),
-                sums: &mut self.sums.batches,
-                joint: &mut self.sums.joint,
-            };
-            adding.add(time, &self.values, view.live, past);
+            self.sums.dependence.add(self.of, time, &self.values, view.live, past);
         }
     }
 
@@ -200,8 +167,8 @@ impl Kept for StudyStatistic<'_> {
     }
 
     fn fixed(&self) -> String {
-        let Wanted { pairs, lagged, from, .. } = self.wanted;
-        hash(&(self.times, self.grids, pairs, lagged, from))
+        let Cells { wanted: Wanted { pairs, lagged, from, .. }, grids, .. } = self.of;
+        hash(&(self.times, grids, pairs, lagged, from))
     }
 
     fn some_times(&self, _: u64) -> Vec<u64> {

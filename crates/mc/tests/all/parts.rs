@@ -317,7 +317,7 @@ fn parts_of_another_study_are_refused_by_name() {
         (Study { paths: 999, ..STUDY }, "sum has a number of paths 999, here it is 19217"),
         (
             Study { version: "0.9", ..STUDY },
-            "the file has the program test 0.9, format 5, here it is test 1, format 5",
+            "the file has the program test 0.9, format 6, here it is test 1, format 6",
         ),
     ];
     for (other, why) in changes {
@@ -460,7 +460,7 @@ fn sums_that_do_not_come_back_and_names_given_twice_are_errors() {
     let sum = || Sum::new(1.0);
     assert!(ladder.run_in(&job, "sum", 500, sum).is_some());
     assert!(ladder.run_in(&job, "sum", 500, sum).is_none());
-    assert!(message(job.finish()).contains("\"sum\" is given to two pieces of work"));
+    assert!(message(job.finish()).contains("two pieces of work have the name \"sum\""));
 }
 
 #[test]

@@ -121,7 +121,7 @@ fn bad_simulations_are_refused() {
     assert!(refused.ends_with("got k = 0"), "{refused}");
     let twice = simulation().observing(StateFunction::new("y2", |y: [f64; 3]| y[1]));
     let refused = twice.path(8, KEY, 0).unwrap_err().to_string();
-    assert_eq!(refused, "two columns have the name \"y2\"; rename the observable");
+    assert_eq!(refused, "two columns have the name \"y2\"; rename one");
     let steps = |steps| simulation().path(steps, KEY, 0).unwrap_err();
     assert!(matches!(steps(0), RunError::Ladder(LadderError::Steps { .. })));
     assert!(matches!(steps(1), RunError::Ladder(LadderError::Noise(_))));
