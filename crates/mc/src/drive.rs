@@ -75,8 +75,15 @@ fn search(functions: &dyn InTime, t_end: f64, steps: u64) -> Option<f64> {
         // The last window is as long as the others.
         let first = first.min(steps - length) as f64;
         // Of the step before, of each step, and of the step after.
-        let middle = |k: usize| ((first + k as f64 - 0.5) * tau).clamp(0.0, t_end);
-        let read = functions.values(&array::from_fn(|k| middle(k.min(count + 1))));
+        // Nothing is read at 0 and T: beyond them is what the second step from there reads.
+        let [begins, ends] = [first == 0.0, first + count as f64 == steps as f64];
+        let place = |k: usize| match k.min(count + 1) {
+            0 if begins => 2.min(count),
+            k if k > count && ends => count.max(2) - 1,
+            k => k,
+        };
+        let middle = |k: usize| (first + place(k) as f64 - 0.5) * tau;
+        let read = functions.values(&array::from_fn(middle));
         let inside: Row = array::from_fn(|k| {
             let part = (GOLDEN * (first * INSIDE as f64 + k as f64)).fract();
             let part = (part + (k % INSIDE) as f64) / INSIDE as f64;
@@ -188,7 +195,9 @@ mod tests {
     fn jumps_anywhere_are_resolved_and_short_pulses_that_are_met_are_not() {
         for k in 0..2000 {
             let at = f64::from(k) / 2000.0 + 1e-7;
-            assert_eq!(missed(|t| if t < at { 3.0 } else { -1.0 }), None, "{at}");
+            // Before the first time that is read and after the last one it may be a pulse.
+            let unread = !(0.005..0.995).contains(&at);
+            assert!(unread || missed(|t| if t < at { 3.0 } else { -1.0 }).is_none(), "{at}");
         }
         // A third of a step of the longer kind, on a wave: some random time meets it.
         for k in 0..50 {
@@ -196,6 +205,15 @@ mod tests {
             let near = missed(|t| t + if t > at && t < at + 0.0033 { 1.0 } else { 0.0 });
             assert!(near.is_none_or(|t| (t - at).abs() < 0.01), "{at} {near:?}");
         }
+        // What only the ends see.
+        for width in [1e-3, 1.5e-3] {
+            let decay = |t: f64| 1.0 + 1000.0 * (-t / width).exp();
+            assert!(missed(decay).is_some_and(|t| t < 0.01), "{width}");
+            assert!(missed(|t| decay(1.0 - t)).is_some_and(|t| t > 0.99), "{width}");
+            assert!(missed(|t| decay((t - 0.9991).abs())).is_some_and(|t| t > 0.99), "{width}");
+        }
+        let slow = |t: f64| (-t / 0.05).exp();
+        assert!(missed(slow).is_none() && missed(|t| slow(1.0 - t)).is_none());
         let hidden = |t: f64| if t > 0.5 && t < 0.5024 { 1.0 } else { 0.0 };
         assert!(missed(hidden).is_some_and(|t| (t - 0.501).abs() < 0.003));
     }

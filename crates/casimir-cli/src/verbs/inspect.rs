@@ -5,7 +5,7 @@ use casimir::analysis::{self, InspectSettings, facts::Bath};
 use serde_json::json;
 
 use super::{Found, Watch};
-use crate::{failure::Done, model::with_names, scene::Scene};
+use crate::{failure::Done, model::with_names, output::digits, scene::Scene};
 
 /// Inspects the system of a scene, whose scheme is not asked for.
 pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
@@ -36,8 +36,8 @@ fn words(Bath { beta, any, mismatch }: &Bath) -> String {
     match beta {
         _ if *any => "Without damping and heat: every function of H0 is stationary".into(),
         Some(beta) => {
-            let kt = 1.0 / beta;
-            format!("Heat bath: exp(-H0/kT) is stationary with kT = {kt:.9}, if it has an integral")
+            let kt = digits(1.0 / beta);
+            format!("Heat bath: exp(-H0/kT) is stationary with kT = {kt}, if it has an integral")
         }
         None => format!("No heat bath:\n  - {}", mismatch.join("\n  - ")),
     }

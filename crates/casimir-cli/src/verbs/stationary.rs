@@ -75,7 +75,8 @@ pub fn equilibrium(
     match (exponents, kt) {
         (Some(count), _) => text += &contraction(scene, &found, count),
         (None, Some(kt)) => {
-            text += &format!("exp(-H0/kT) is stationary with kT = {}\n", digits(kt));
+            let kt = digits(kt);
+            text += &format!("exp(-H0/kT) is stationary with kT = {kt}, if it has an integral\n");
         }
         _ => {}
     }

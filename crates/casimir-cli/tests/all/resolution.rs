@@ -47,6 +47,10 @@ fn a_run_names_what_its_steps_do_not_resolve_and_a_number_that_does() {
         ("0.1*sin(2*pi*800*t) + 5".into(), "1"),
         ("cos(2*pi*401*t)".into(), "1"),
         ("1/(1 + ((t - 1.03)/1e-5)^2)/1e-5".into(), "0"),
+        // At the ends, which no step reads.
+        ("1000*exp(-t/0.0007)".into(), "0"),
+        ("500*(1 + tanh((t - 1.9991)/0.0003))".into(), "0"),
+        (pulse(1.9994, 4e-4), "1"),
     ] {
         let unresolved = &check(&driven(&force, k, "until = 2\nsteps = 200"))["unresolved"];
         assert!(unresolved.is_array(), "{force}: {unresolved}");

@@ -9,7 +9,7 @@
 //! time, λ over the time that is kept does not have it by 2, and a power of at most 3 explains x:
 //! then its interval has 0 in it. Growth is **bent** where k over the time that is kept differs
 //! from 0 by 3, and λ is outside of the interval: then this reaches to λ ± 2 standard errors, and
-//! to 0 where growth becomes faster, as a slow shear does at first.
+//! to 0 where a power explains x.
 
 use real::elementary::ln;
 
@@ -86,7 +86,6 @@ pub fn unsettled(
     let is_seen = exceeds((sign * kept.slope.0, kept.slope.1), SEEN);
     let is_power = mean.abs() <= MOST_POWER * kept.logarithm;
     let (slope, error) = kept.slope;
-    let rises = sign * kept.power.0 < 0.0;
     let is_bent = exceeds((kept.power.0.abs(), kept.power.1), BENT) && !(lo..=hi).contains(&slope);
     if !(is_bent || falls && !is_seen && is_power) {
         return None;
@@ -97,7 +96,7 @@ pub fn unsettled(
     } else {
         hi = hi.max(slope + reach);
     }
-    if is_power && (rises || !is_seen) {
+    if is_power {
         (lo, hi) = (lo.min(0.0), hi.max(0.0));
     }
     Some((lo, hi))

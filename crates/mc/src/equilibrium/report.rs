@@ -121,8 +121,6 @@ const LEAST_LENGTH: f64 = 20.0;
 const MARGIN: f64 = 2.0;
 /// The variance of a chain over that of independent batches, at most.
 const ALIKE: f64 = 3.0;
-/// The part of the chains that may fail.
-const MOST_FAILED: f64 = 0.01;
 
 /// For the weak order p both ways: what is taken of the means at 4τ, 2τ, τ, and what bounds the
 /// bias.
@@ -223,7 +221,7 @@ impl Averages {
             .then(|| drifts.to_owned());
         let all = settings.blocks_of_chains();
         let failed = all - live as u64;
-        let fails = failed as f64 > MOST_FAILED * all as f64;
+        let fails = failed > 0;
         let large = match chains.are_large() {
             true => {
                 "; states are beyond 1e50: steps are too long, or they grow without bound, and \

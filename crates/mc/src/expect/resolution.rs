@@ -222,6 +222,9 @@ fn vanishes([a, b, c]: [f64; 3]) -> bool {
 /// variance x/sinh x of the true one, x = γτ, which has an expansion in τ where x is below one.
 pub const LARGEST_EXPONENT: f64 = 1.0;
 
+/// The part of the accuracy that an error of ∫γ may have, beside φ.
+const DAMPED: f64 = 0.01;
+
 /// What the steps of the last difference do not resolve: the worst component of the motion, the
 /// damping, Hamiltonians near the time `drive`, and every test function of these names. Nothing is
 /// known of fewer than three levels.
@@ -250,8 +253,10 @@ pub fn unresolved(
         let how = format!("it is e^-{exponent:.1} in one step");
         warning(WarningKind::StrongDamping, "the damping", how)
     });
+    let sizes = last.values.iter().map(|of| of.fine.mean().abs() + of.fine.variance().sqrt());
+    let largest = sizes.fold(0.0, f64::max);
     let damping = || {
-        let by = damping.unresolved(level)?;
+        let by = damping.unresolved(level).filter(|by| by * largest > DAMPED * accuracy)?;
         let how = format!("its sums over the steps differ from the integral by {by:.1e}");
         Some(warning(WarningKind::Damping, "the damping", how))
     };
