@@ -4,10 +4,10 @@ use real::elementary;
 
 use crate::{functions, graph::Unary};
 
-/// What an instruction computes from rows a, …, d and numbers k, l, m, see [`run`]. Every product and
-/// every sum is rounded: there is no fused multiply-add. Terms of sums have a factor each, and so
-/// has the whole; a factor is one where nothing else is wanted: it costs no time beside the rows
-/// that are read and written.
+/// What an instruction computes from rows a, …, d and numbers k, l, m, see [`run`]. Every product
+/// and every sum is rounded: there is no fused multiply-add. Terms of sums have a factor each, and
+/// so has the whole; a factor is one where nothing else is wanted: it costs little time beside the
+/// rows that are read and written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     Copy,

@@ -8,7 +8,8 @@ use systems::{
 use crate::{Implicit, Increment, SchemeError};
 
 /// The stochastic conformal exponential integrator with Lévy areas, `sexp-levy`: an extension of
-/// [`Sexp`] (Bréhier, Cohen and Komori 2025) with strong order 1 for any number of noises.
+/// [`Sexp`](crate::Sexp) (Bréhier, Cohen and Komori 2025) with strong order 1 for any number of
+/// noises.
 ///
 /// With ẑ = e^{−∫γ, first half} y_n, z̄ = (ẑ+z)/2 and the truncated Lévy areas Â_ml of the step,
 ///
@@ -21,9 +22,10 @@ use crate::{Implicit, Increment, SchemeError};
 /// increments ([`noise::Truncation::area_bound`]), so that the equation remains solvable.
 ///
 /// - Orders: strong 1, weak 1.
-/// - Preserves the same conformal laws as [`Sexp`].
+/// - Preserves the same conformal laws as [`Sexp`](crate::Sexp).
 /// - Cost per step: one nonlinear system of D equations, the commutators in every evaluation, and
-///   the Lévy areas. If the noises commute, no areas are read and a step is one of [`Sexp`].
+///   the Lévy areas. If the noises commute, no areas are read and a step is one of
+///   [`Sexp`](crate::Sexp).
 #[derive(Clone, Copy, Debug)]
 pub struct SexpLevy {
     commuting: bool,
