@@ -4,10 +4,9 @@ use real::elementary;
 
 use crate::{functions, graph::Unary};
 
-/// What an instruction computes from rows a, …, d and numbers k, l, m, see [`run`]. Every product
-/// and every sum is rounded: there is no fused multiply-add. Terms of sums have a factor each, and
-/// so has the whole; a factor is one where nothing else is wanted: it costs little time beside the
-/// rows that are read and written.
+/// What an instruction computes from rows a, …, f and numbers k, l, see [`run`]. Every product and
+/// every sum is rounded: there is no fused multiply-add. Sums have one more factor, which is one
+/// where nothing else is wanted: it costs no time beside the rows that are read and written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     Copy,
@@ -15,6 +14,8 @@ pub enum Operation {
     Of(Unary),
     Add,
     AddNumber,
+    Sub,
+    NumberSub,
     Mul,
     Scale,
     Div,
@@ -24,17 +25,23 @@ pub enum Operation {
     Max,
     Where,
     MulAdd,
+    MulSub,
+    SubMul,
     MulAddNumber,
+    NumberSubMul,
+    ScaleAdd,
+    ScaleAddNumber,
+    ScaleAddScale,
     MulAddMul,
+    MulSubMul,
 }
 
 /// The rows that an instruction finds, by number: groups of inputs are counted from zero.
 pub const SCRATCH: u32 = u32::MAX - 1;
 pub const OUT: u32 = u32::MAX;
 
-/// The most rows and numbers that an operation reads.
+/// The most rows that an operation reads.
 pub const MOST_ROWS: usize = 4;
-pub const MOST_NUMBERS: usize = 3;
 
 /// A row of a bank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,7 +58,7 @@ pub struct Instruction {
     pub to: Place,
     pub from: [Place; MOST_ROWS],
     /// Places in the numbers of the tape.
-    pub numbers: [u32; MOST_NUMBERS],
+    pub numbers: [u32; 2],
 }
 
 #[inline(always)]
@@ -118,12 +125,11 @@ pub fn run<const W: usize>(
             Of(Cosh), [a], [] => functions::cosh(a);
             Of(Tanh), [a], [] => functions::tanh(a);
             Of(Sinc), [a], [] => elementary::sinc(a);
-            Add, [a b], [k l m] => (a * k + b * l) * m;
-            AddNumber, [a], [k l m] => (a * k + l) * m;
-            Mul, [a b], [_k _l m] => a * b * m;
-            MulAdd, [a b c], [k l m] => (a * b * k + c * l) * m;
-            MulAddNumber, [a b], [k l m] => (a * b * k + l) * m;
-            MulAddMul, [a b c d], [k l m] => (a * b * k + c * d * l) * m;
+            Add, [a b], [k] => (a + b) * k;
+            AddNumber, [a], [k l] => (a + k) * l;
+            Sub, [a b], [k] => (a - b) * k;
+            NumberSub, [a], [k] => k - a;
+            Mul, [a b], [k] => (a * b) * k;
             Scale, [a], [k] => a * k;
             Div, [a b], [] => a / b;
             NumberDiv, [a], [k] => k / a;
@@ -131,6 +137,16 @@ pub fn run<const W: usize>(
             Min, [a b], [] => functions::min(a, b);
             Max, [a b], [] => functions::max(a, b);
             Where, [a b c d], [] => if a < b { c } else { d };
+            MulAdd, [a b c], [k] => (a * b + c) * k;
+            MulSub, [a b c], [k] => (a * b - c) * k;
+            SubMul, [a b c], [k] => (c - a * b) * k;
+            MulAddNumber, [a b], [k] => a * b + k;
+            NumberSubMul, [a b], [k] => k - a * b;
+            ScaleAdd, [a b], [k l] => (a * k + b) * l;
+            ScaleAddNumber, [a], [k l] => a * k + l;
+            ScaleAddScale, [a b], [k l] => a * k + b * l;
+            MulAddMul, [a b c d], [k] => (a * b + c * d) * k;
+            MulSubMul, [a b c d], [k] => (a * b - c * d) * k;
         }
     }
 }

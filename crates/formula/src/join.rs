@@ -3,7 +3,7 @@
 use crate::{
     Id,
     graph::{Binary, Graph, Node},
-    instruction::{MOST_NUMBERS, Operation},
+    instruction::Operation,
     uniform::Number,
 };
 
@@ -12,15 +12,26 @@ use crate::{
 pub struct Joined {
     pub operation: Operation,
     pub operands: Vec<Id>,
-    pub numbers: [Number; MOST_NUMBERS],
+    /// A number that is not there is one.
+    pub numbers: [Option<Number>; 2],
 }
 
 impl Joined {
-    /// Numbers that are not given are one.
-    fn new<const N: usize>(operation: Operation, operands: [Id; N], given: &[Number]) -> Self {
-        let mut numbers = [Number::ONE; MOST_NUMBERS];
-        numbers[..given.len()].copy_from_slice(given);
+    fn new<const N: usize>(operation: Operation, operands: [Id; N], numbers: &[Number]) -> Self {
+        let numbers = [0, 1].map(|k| numbers.get(k).copied());
         Self { operation, operands: operands.to_vec(), numbers }
+    }
+
+    /// The same times a number, if the operation has such a factor.
+    fn times(mut self, k: Number) -> Option<Self> {
+        use Operation::*;
+        let factor = match self.operation {
+            Add | Sub | Mul | MulAdd | MulSub | SubMul | MulAddMul | MulSubMul => 0,
+            AddNumber | ScaleAdd => 1,
+            _ => return None,
+        };
+        self.numbers[factor] = Some(k);
+        Some(self)
     }
 }
 
@@ -52,11 +63,12 @@ struct Join<'a> {
     uniform: &'a [bool],
 }
 
-/// An operand of a sum: a number, or a row or a product of rows times a number.
+/// An operand of a sum.
 enum Term {
     Number(Number),
-    Row(Id, Number),
-    Product(Id, Id, Number),
+    Product(Id, Id),
+    Scaled(Id, Number),
+    Other,
 }
 
 impl Join<'_> {
@@ -76,15 +88,15 @@ impl Join<'_> {
     fn inner(&self, id: Id) -> Option<Joined> {
         let of = |function| self.alone(id, function);
         match (of(Binary::Add), of(Binary::Sub), of(Binary::Mul)) {
-            (Some((a, b)), ..) => Some(self.sum(a, b, Number::ONE)),
-            (_, Some((a, b)), _) => Some(self.sum(a, b, -Number::ONE)),
+            (Some((a, b)), ..) => Some(self.sum(a, b)),
+            (_, Some((a, b)), _) => Some(self.difference(a, b)),
             (.., Some((a, b))) if self.scaled(a, b).is_none() => Some(self.product(a, b)),
             _ => None,
         }
     }
 
     fn number(&self, id: Id) -> Option<Number> {
-        self.uniform[id.index()].then_some(Number { id: Some(id), negative: false })
+        self.uniform[id.index()].then_some(Number { id, negative: false })
     }
 
     /// The factors, if one of them is a number.
@@ -92,16 +104,14 @@ impl Join<'_> {
         self.number(b).map(|k| (a, k)).or_else(|| self.number(a).map(|k| (b, k)))
     }
 
-    /// An operand with a sign, which is one or minus one.
-    fn term(&self, id: Id, sign: Number) -> Term {
-        let signed = |k: Number| if sign.negative { -k } else { k };
+    fn term(&self, id: Id) -> Term {
         match (self.number(id), self.alone(id, Binary::Mul)) {
-            (Some(k), _) => Term::Number(signed(k)),
+            (Some(k), _) => Term::Number(k),
             (_, Some((a, b))) => match self.scaled(a, b) {
-                Some((x, k)) => Term::Row(x, signed(k)),
-                None => Term::Product(a, b, sign),
+                Some((x, k)) => Term::Scaled(x, k),
+                None => Term::Product(a, b),
             },
-            _ => Term::Row(id, sign),
+            _ => Term::Other,
         }
     }
 
@@ -113,8 +123,8 @@ impl Join<'_> {
         Some(match self.graph.node(id) {
             Node::Input(_) => return None,
             Node::Unary(function, a) => Joined::new(Operation::Of(function), [a], &[]),
-            Node::Binary(Binary::Add, a, b) => self.sum(a, b, Number::ONE),
-            Node::Binary(Binary::Sub, a, b) => self.sum(a, b, -Number::ONE),
+            Node::Binary(Binary::Add, a, b) => self.sum(a, b),
+            Node::Binary(Binary::Sub, a, b) => self.difference(a, b),
             Node::Binary(Binary::Mul, a, b) => self.product(a, b),
             Node::Binary(Binary::Div, a, b) => match (self.number(a), self.number(b)) {
                 (Some(k), _) => Joined::new(Operation::NumberDiv, [b], &[k]),
@@ -129,38 +139,51 @@ impl Join<'_> {
         })
     }
 
-    /// a + b, or a − b if the sign is minus one. The order of terms does not change a bit.
-    fn sum(&self, a: Id, b: Id, sign: Number) -> Joined {
-        use {
-            Operation::*,
-            Term::{Product, Row},
-        };
-        match (self.term(a, Number::ONE), self.term(b, sign)) {
-            (Product(a, b, k), Product(c, d, l)) => Joined::new(MulAddMul, [a, b, c, d], &[k, l]),
-            (Product(a, b, k), Row(c, l)) | (Row(c, l), Product(a, b, k)) => {
-                Joined::new(MulAdd, [a, b, c], &[k, l])
-            }
-            (Product(a, b, k), Term::Number(l)) | (Term::Number(l), Product(a, b, k)) => {
-                Joined::new(MulAddNumber, [a, b], &[k, l])
-            }
-            (Row(a, k), Row(b, l)) => Joined::new(Add, [a, b], &[k, l]),
-            (Row(a, k), Term::Number(l)) | (Term::Number(l), Row(a, k)) => {
-                Joined::new(AddNumber, [a], &[k, l])
-            }
-            (Term::Number(_), Term::Number(_)) => unreachable!("a sum of numbers is a number"),
+    fn sum(&self, a: Id, b: Id) -> Joined {
+        self.sum_of((a, self.term(a)), (b, self.term(b)))
+    }
+
+    fn sum_of(&self, (a, left): (Id, Term), (b, right): (Id, Term)) -> Joined {
+        use Operation::*;
+        // a + b = b + a to the bit.
+        if let Term::Number(_) = left {
+            return self.sum_of((b, right), (a, left));
+        }
+        match (left, right) {
+            (Term::Product(a, b), Term::Product(c, d)) => Joined::new(MulAddMul, [a, b, c, d], &[]),
+            (Term::Product(a, b), Term::Number(k)) => Joined::new(MulAddNumber, [a, b], &[k]),
+            (Term::Product(x, y), _) => Joined::new(MulAdd, [x, y, b], &[]),
+            (_, Term::Product(x, y)) => Joined::new(MulAdd, [x, y, a], &[]),
+            (Term::Scaled(a, k), Term::Scaled(b, l)) => Joined::new(ScaleAddScale, [a, b], &[k, l]),
+            (Term::Scaled(a, k), Term::Number(l)) => Joined::new(ScaleAddNumber, [a], &[k, l]),
+            (Term::Scaled(x, k), _) => Joined::new(ScaleAdd, [x, b], &[k]),
+            (_, Term::Scaled(x, k)) => Joined::new(ScaleAdd, [x, a], &[k]),
+            (_, Term::Number(k)) => Joined::new(AddNumber, [a], &[k]),
+            _ => Joined::new(Add, [a, b], &[]),
+        }
+    }
+
+    fn difference(&self, a: Id, b: Id) -> Joined {
+        use Operation::*;
+        match (self.term(a), self.term(b)) {
+            (Term::Product(a, b), Term::Product(c, d)) => Joined::new(MulSubMul, [a, b, c, d], &[]),
+            (Term::Number(k), Term::Product(a, b)) => Joined::new(NumberSubMul, [a, b], &[k]),
+            (Term::Product(a, b), Term::Number(k)) => Joined::new(MulAddNumber, [a, b], &[-k]),
+            (Term::Product(x, y), _) => Joined::new(MulSub, [x, y, b], &[]),
+            (_, Term::Product(x, y)) => Joined::new(SubMul, [x, y, a], &[]),
+            (term, Term::Scaled(x, k)) => self.sum_of((a, term), (b, Term::Scaled(x, -k))),
+            (term, Term::Number(k)) => self.sum_of((a, term), (b, Term::Number(-k))),
+            (Term::Number(k), _) => Joined::new(NumberSub, [b], &[k]),
+            _ => Joined::new(Sub, [a, b], &[]),
         }
     }
 
     fn product(&self, a: Id, b: Id) -> Joined {
-        match self.scaled(a, b) {
-            Some((x, k)) => match self.inner(x) {
-                Some(step) => {
-                    let [first, second, _] = step.numbers;
-                    Joined { numbers: [first, second, k], ..step }
-                }
-                None => Joined::new(Operation::Scale, [x], &[k]),
-            },
-            None => Joined::new(Operation::Mul, [a, b], &[]),
+        use Operation::*;
+        if let Some((x, k)) = self.scaled(a, b) {
+            let inner = self.inner(x).and_then(|step| step.times(k));
+            return inner.unwrap_or_else(|| Joined::new(Scale, [x], &[k]));
         }
+        Joined::new(Mul, [a, b], &[])
     }
 }

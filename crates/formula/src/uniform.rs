@@ -78,15 +78,11 @@ pub fn uniform(graph: &Graph, inputs: &Range<usize>) -> Vec<bool> {
     uniform
 }
 
-/// An expression, or one, as a number of a tape; or minus that.
+/// An expression, or minus this expression, as a number of a tape.
 #[derive(Clone, Copy, Debug)]
 pub struct Number {
-    pub id: Option<Id>,
+    pub id: Id,
     pub negative: bool,
-}
-
-impl Number {
-    pub const ONE: Self = Self { id: None, negative: false };
 }
 
 impl Neg for Number {
