@@ -9,7 +9,7 @@
 //! time, λ over the time that is kept does not have it by 2, and a power of at most 3 explains x:
 //! then its interval has 0 in it. Growth is **bent** where k over the time that is kept differs
 //! from 0 by 3, and λ is outside of the interval: then this reaches to λ ± 2 standard errors, and
-//! to 0 where a power explains x.
+//! to 0 where growth becomes faster, as a slow shear does at first.
 
 use real::elementary::ln;
 
@@ -54,8 +54,9 @@ impl Fit {
 
 /// The error of an exponent by the bounded motion of ln|v| that all chains share, such as the phase
 /// of a damped oscillator, which no standard error shows: the range of the mean growth about its
-/// line at the ends of batches from number `first` on, over their number. Zero where the range is
-/// that of independent batches (N. Kuiper, *Indag. Math.* 63, 1960).
+/// line at the ends of batches from number `first` on, twice since the line takes a part of the
+/// motion, over their number. Zero where the range is that of independent batches (N. Kuiper,
+/// *Indag. Math.* 63, 1960).
 pub fn wander(living: &Living<'_>, row: usize, first: usize) -> f64 {
     let batches = first..living.batches.len();
     let count = batches.len() as f64;
@@ -67,7 +68,7 @@ pub fn wander(living: &Living<'_>, row: usize, first: usize) -> f64 {
         (least, most) = (least.min(sum), most.max(sum));
     }
     let range = most - least;
-    if range > KUIPER * totals.variance_of_mean().sqrt() { range / count } else { 0.0 }
+    if range > KUIPER * totals.variance_of_mean().sqrt() { 2.0 * range / count } else { 0.0 }
 }
 
 /// The interval of the exponent in a row of batches, in their units, if growth is bent or is no
@@ -86,6 +87,7 @@ pub fn unsettled(
     let is_seen = exceeds((sign * kept.slope.0, kept.slope.1), SEEN);
     let is_power = mean.abs() <= MOST_POWER * kept.logarithm;
     let (slope, error) = kept.slope;
+    let rises = sign * kept.power.0 < 0.0;
     let is_bent = exceeds((kept.power.0.abs(), kept.power.1), BENT) && !(lo..=hi).contains(&slope);
     if !(is_bent || falls && !is_seen && is_power) {
         return None;
@@ -96,7 +98,7 @@ pub fn unsettled(
     } else {
         hi = hi.max(slope + reach);
     }
-    if is_power {
+    if is_power && (rises || !is_seen) {
         (lo, hi) = (lo.min(0.0), hi.max(0.0));
     }
     Some((lo, hi))
