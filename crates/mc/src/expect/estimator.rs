@@ -210,7 +210,7 @@ impl<'a> Estimator<'a> {
                 let stuck = unresolved || sums.iter().any(|sum| sum.extrapolation.size > most);
                 if !self.noisy || enough || finer && stuck {
                     let text = format!("the bias is too large on the finest level allowed, {last}");
-                    break finer.then_some((WarningKind::Level, text));
+                    break (unresolved || wide).then_some((WarningKind::Level, text));
                 }
                 let level = if wide { self.worst(&sums) } else { self.first };
                 (level, 2 * self.levels[level].points)
