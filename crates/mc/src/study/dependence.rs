@@ -13,14 +13,15 @@
 //! Lags go up to half of these times.
 //!
 //! **Spectrum**: S(ω) = (Δ/2π) Σₖ w(k) C(kΔ) cos(kωΔ)/|H(ω)|², two-sided, so that ∫S dω is the
-//! variance. The window w is one up to K/3 and falls as a cos² to zero at K: smooth spectra keep
-//! their level and their curvature (Politis and Romano, *J. Time Ser. Anal.* 16, 1995), with a
-//! resolution of about 2π/KΔ. C is the covariance of v after a filter: a mean over all r steps h between two saved
-//! times on both sides with weights that fall linearly, of which H = (sin ½ωΔ/r sin ½ωh)² is the
-//! transform. It has a zero at every multiple of 2π/Δ but zero. So of what oscillates faster than
-//! π/Δ, which the saved times cannot tell from slower motion (aliasing), S(ω) has the part (x/(x −
-//! π))⁴ and less, x = ½ωΔ. S ends at π/2Δ, where this is 1/81, and at π/8h, where as much of a
-//! spectrum that falls as 1/ω² is beyond the reach of the steps themselves.
+//! variance. The window w(k) = cos²(πk/2K) leaves a resolution of about 2π/KΔ (Blackman and Tukey
+//! 1958). The interval contains that with a window which is one up to K/4 and falls then: it smooths
+//! nearly nothing where C has vanished at K (Politis and Romano, *J. Time Ser. Anal.* 16, 1995), but
+//! has negative lobes beside lines. C is the covariance of v after a filter: a mean over all r steps
+//! h between two saved times on both sides with weights that fall linearly, of which H = (sin
+//! ½ωΔ/r sin ½ωh)² is the transform. It has a zero at every multiple of 2π/Δ but zero. So of what
+//! oscillates faster than π/Δ, which the saved times cannot tell from slower motion (aliasing), S(ω)
+//! has the part (x/(x − π))⁴ and less, x = ½ωΔ. S ends at π/2Δ, where this is 1/81, and at π/8h,
+//! where as much of a spectrum that falls as 1/ω² is beyond the reach of the steps themselves.
 
 use std::f64::consts::PI;
 
@@ -61,6 +62,8 @@ pub struct Joint {
 type OfPair = [Row; 6];
 /// Bins of a joint law on each side, or fewer.
 const BINS: u32 = 64;
+/// The part of the lags over which the two windows of spectra are flat.
+const FLAT: [f64; 2] = [0.0, 0.25];
 /// Counts of a joint law: of its bins, and of what lies outside of them.
 const CELLS: usize = (BINS * BINS) as usize + 1;
 
@@ -334,26 +337,37 @@ impl Found<'_> {
             });
             let every = (last.0 - before.0) as f64;
             let frequencies = 0..=(half / 2).min((half as f64 * every / 8.0) as usize);
-            let spectrum = jackknife(filtered, |s| {
+            let angle = |n: usize| PI * n as f64 / half as f64;
+            let cosines: Vec<f64> = (0..2 * half).map(|n| elementary::cos(angle(n))).collect();
+            let windows = (0..half).map(|k| {
+                let both = if k == 0 { 1.0 } else { 2.0 };
+                FLAT.map(|flat| {
+                    let falls = (angle(k) - PI * flat).max(0.0) / (1.0 - flat);
+                    both * (0.5 + 0.5 * elementary::cos(falls))
+                })
+            });
+            let windows: Vec<[f64; 2]> = windows.collect();
+            let both = jackknife(filtered, |s| {
                 let c = covariances(s, number.saturating_sub(2));
                 let spectrum = |j: usize| {
-                    let term = |(k, c): (usize, &f64)| {
-                        let cos = |n: usize| elementary::cos(PI * n as f64 / half as f64);
-                        let falls = (3 * k).saturating_sub(half) as f64 / (2 * half) as f64;
-                        let window = 0.5 * (1.0 + elementary::cos(PI * falls));
-                        let both = if k == 0 { 1.0 } else { 2.0 };
-                        both * window * c * cos(j * k % (2 * half))
-                    };
-                    let x = PI * j as f64 / (2 * half) as f64;
+                    let x = 0.5 * angle(j);
                     let root = match j {
                         0 => 1.0,
                         _ => elementary::sin(x) / (every * elementary::sin(x / every)),
                     };
-                    let sum = c.iter().take(half).enumerate().map(term).sum::<f64>();
-                    delta / (2.0 * PI) * sum / (elementary::powi(root, 4) * unit * unit)
+                    let scale = delta / (2.0 * PI * elementary::powi(root, 4) * unit * unit);
+                    let terms = (0..).zip(&c).map(|(k, c)| scale * c * cosines[j * k % (2 * half)]);
+                    terms.zip(&windows).fold([0.0; 2], |sum, (term, window)| {
+                        [0, 1].map(|n| sum[n] + window[n] * term)
+                    })
                 };
-                frequencies.clone().map(spectrum).collect()
+                frequencies.clone().flat_map(spectrum).collect()
             });
+            let widened = |of: &[Option<[f64; 3]>]| {
+                let ([mean, lo, hi], [_, least, most]) = (of[0]?, of[1]?);
+                Some([mean, lo.min(least), hi.max(most)])
+            };
+            let spectrum = both.chunks_exact(2).map(widened).collect();
             let count = sums[0].iter().sum::<f64>() as u64;
             let series = |(what, axis, values): (&str, f64, Vec<Option<[f64; 3]>>)| {
                 let point = |(k, x)| summary(k, axis * k as f64, count, x);
