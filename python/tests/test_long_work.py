@@ -131,7 +131,7 @@ def test_progress_is_shown_by_the_thread_that_waits(
 
 @pytest.mark.parametrize("verb", ["order", "compare"])
 def test_measurements_end_with_their_interrupt(verb: str, oscillator: casimir.Scene) -> None:
-    scene = oscillator.with_(scheme="em", until=20)
+    scene = oscillator.with_(scheme="em", until=200)
 
     def measure() -> object:
         if verb == "order":
