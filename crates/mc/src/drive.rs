@@ -74,15 +74,15 @@ fn search(functions: &dyn InTime, t_end: f64, steps: u64) -> Option<f64> {
     (0..steps).step_by(WINDOW).find_map(|first| {
         // The last window is as long as the others.
         let first = first.min(steps - length) as f64;
-        // Of the step before, of each step, and of the step after.
-        // Nothing is read at 0 and T: beyond them is what the second step from there reads.
+        // Of the step before, of each step, and of the step after. Nothing is read at 0 and T:
+        // beyond them is what the second step from there reads. One step alone has no other.
         let [begins, ends] = [first == 0.0, first + count as f64 == steps as f64];
         let place = |k: usize| match k.min(count + 1) {
-            0 if begins => 2.min(count),
-            k if k > count && ends => count.max(2) - 1,
+            0 if begins && count > 1 => 2,
+            k if k > count && ends && count > 1 => count - 1,
             k => k,
         };
-        let middle = |k: usize| (first + place(k) as f64 - 0.5) * tau;
+        let middle = |k: usize| ((first + place(k) as f64 - 0.5) * tau).clamp(0.0, t_end);
         let read = functions.values(&array::from_fn(middle));
         let inside: Row = array::from_fn(|k| {
             let part = (GOLDEN * (first * INSIDE as f64 + k as f64)).fract();
@@ -214,6 +214,10 @@ mod tests {
         }
         let slow = |t: f64| (-t / 0.05).exp();
         assert!(missed(slow).is_none() && missed(|t| slow(1.0 - t)).is_none());
+        // A slope by few steps.
+        for steps in [1, 2, 3] {
+            assert!(search(&Of(|t: f64| 1.0 + t), 1.0, steps).is_none(), "{steps}");
+        }
         let hidden = |t: f64| if t > 0.5 && t < 0.5024 { 1.0 } else { 0.0 };
         assert!(missed(hidden).is_some_and(|t| (t - 0.501).abs() < 0.003));
     }

@@ -363,8 +363,8 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// One step of the runs of a batch, with the truncated noise of the last step of its level or of
-    /// the step before; or with that of the finest step as it was drawn, which saves copying it.
+    /// One step of the runs of a batch, with the truncated noise of the last step of its level or
+    /// of the step before; or with that of the finest step as it was drawn, which saves copying it.
     #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, one_before: bool, tally: &mut Tally) {
         let is_finest = batch.level == 0 && !batch.swapped && !self.driver.with_areas;

@@ -9,9 +9,9 @@ use schemes::{Method, Step, Stepper};
 
 use crate::around::{Around, Wrap};
 
-/// Tangent vectors after the states of a method, and the logarithms of what they have grown by since
-/// the start, which orthogonalisation keeps apart (Benettin, Galgani,
-/// Giorgilli and Strelcyn, *Meccanica* 15, 1980); last the sum of these.
+/// Tangent vectors after the states of a method, and the logarithms of what they have grown by
+/// since the start, which orthogonalisation keeps apart (Benettin, Galgani, Giorgilli and Strelcyn,
+/// *Meccanica* 15, 1980); last the sum of these.
 ///
 /// A tangent vector v is carried along by the difference of a step from y + δv and one from y, both
 /// with the same noise, over δ = √(10⁻¹⁵ ab) with the largest component a of y and the largest

@@ -59,8 +59,8 @@ impl Tail {
     }
 }
 
-/// What perhaps does not exist, by this sample, and the index. A lognormal law of large deviation has
-/// a mean that no sample shows.
+/// Which moment perhaps does not exist, and the index. It is never certain: a lognormal law of
+/// large deviation has a mean that no sample shows.
 impl fmt::Display for Tail {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { shape, error } = self;

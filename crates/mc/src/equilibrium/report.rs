@@ -250,7 +250,8 @@ impl Averages {
         self.means.iter().map(StationaryMean::half_width).fold(0.0, stats::worse)
     }
 
-    /// Whether more path-steps than so many are needed, of which `since` were done with these steps.
+    /// Whether more path-steps than so many are needed, of which `since` were done with these
+    /// steps.
     pub(super) fn is_out_of_reach(&self, since: u64, most: u64) -> bool {
         let lacks = self.means.iter().map(|mean| mean.lacks(self.accuracy)).fold(1.0, f64::max);
         let [spent, since, most] = [self.spent, since, most].map(|n| n as f64);

@@ -16,8 +16,8 @@
 //! their means are hardly known and may pass through zero.
 //!
 //! **Single paths** of level L, where levels do not help, are extrapolated by the difference two
-//! levels below, which costs a quarter: by 2^{−2p}c·d_{L−2}. The largest of that, 2^{−p}c·d_{L−1} and
-//! c·d_L is the bound, errors of sampling included: single paths may be known better than the
+//! levels below, which costs a quarter: by 2^{−2p}c·d_{L−2}. The largest of that, 2^{−p}c·d_{L−1}
+//! and c·d_L is the bound, errors of sampling included: single paths may be known better than the
 //! differences, which then show no bias however large it is beside the error of the paths.
 
 use real::elementary;

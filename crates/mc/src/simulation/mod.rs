@@ -246,9 +246,9 @@ impl<'a> Simulation<'a> {
         Ok(names)
     }
 
-    /// By the number of steps ∫γ of all dampings from 0 to time 0 and to the end of every saved step.
-    /// Compensated summation (Kahan 1965) of the integrals over the steps keeps rounding errors from
-    /// accumulating in the conformal law.
+    /// By the number of steps ∫γ of all dampings from 0 to time 0 and to the end of every saved
+    /// step. Compensated summation (Kahan 1965) of the integrals over the steps keeps rounding
+    /// errors from accumulating in the conformal law.
     fn damping_integrals(
         &self,
         steps: u64,

@@ -117,8 +117,8 @@ fn spectrum(gamma: f64, j: usize) -> f64 {
     4.0 * gamma / (PI * (gamma * gamma + omega * omega))
 }
 
-/// The mean of an estimate with a flat window, which what oscillates faster than half of the saved times can
-/// tell raises by up to 1.6 % here. That shows beside 4096 paths.
+/// The mean of an estimate with a flat window. What oscillates faster than half of the saved times
+/// can tell raises it by up to 1.6 % here, which shows beside 4096 paths.
 fn estimated(gamma: f64, j: usize) -> f64 {
     let (half, r) = (TIMES as usize / 2, (STEPS / TIMES) as i32);
     let (delta, h) = (T / TIMES as f64, T / STEPS as f64);
