@@ -19,10 +19,10 @@
 //! 16, 1995), but has negative lobes beside lines. C is the covariance of v after a filter: a mean
 //! over all r steps h between two saved times on both sides with weights that fall linearly, of
 //! which H = (sin ½ωΔ/r sin ½ωh)² is the transform. It has a zero at every multiple of 2π/Δ but
-//! zero. So of what oscillates faster than π/Δ, which the saved times cannot tell from slower motion
-//! (aliasing), S(ω) has the part (x/(x − π))⁴ and less, x = ½ωΔ. S ends at π/2Δ, where this is 1/81,
-//! and at π/8h, where as much of a spectrum that falls as 1/ω² is beyond the reach of the steps
-//! themselves.
+//! zero. So of what oscillates faster than π/Δ, which the saved times cannot tell from slower
+//! motion (aliasing), S(ω) has the part (x/(x − π))⁴ and less, x = ½ωΔ. S ends at π/2Δ, where this
+//! is 1/81, and at π/8h, where as much of a spectrum that falls as 1/ω² is beyond the reach of the
+//! steps themselves.
 
 use std::f64::consts::PI;
 
