@@ -136,7 +136,7 @@ fn order<'py>(
     how: How,
 ) -> PyResult<Bound<'py, PyDict>> {
     on_scene(py, given, Changes::default(), how, false, move |scene, watch| {
-        verbs::order(scene, path_steps, watch)
+        verbs::order(scene, path_steps, None, watch)
     })
 }
 
@@ -150,7 +150,7 @@ fn compare<'py>(
     how: How,
 ) -> PyResult<Bound<'py, PyDict>> {
     on_scene(py, given, Changes::default(), how, false, move |scene, watch| {
-        verbs::compare(scene, error, budget, watch)
+        verbs::compare(scene, error, budget, None, watch)
     })
 }
 

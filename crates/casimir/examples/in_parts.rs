@@ -32,7 +32,11 @@ fn main() -> ExitCode {
 type Error = Box<dyn std::error::Error>;
 
 fn run(arguments: Vec<String>) -> Result<(), Error> {
-    let program = Program { name: "in_parts".into(), version: env!("CARGO_PKG_VERSION").into() };
+    let program = Program {
+        name: "in_parts".into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        input: String::new(),
+    };
     let value = |name: &str| {
         let at = arguments.iter().position(|argument| argument == name)?;
         arguments.get(at + 1)

@@ -4,9 +4,12 @@
 //! the seconds and a hash of the state at the end. Kill it, and start it again: with a file it goes
 //! on from there, and the hash is the same.
 
-use std::{path::PathBuf, sync::Arc, time::Instant};
+use std::{sync::Arc, time::Instant};
 
-use mc::{LargePath, expect::Keeping, parts::hash};
+use mc::{
+    Checkpoint, LargePath,
+    parts::{Program, hash},
+};
 use noise::{StreamKey, Truncation};
 use schemes::SexpLi;
 use systems::{
@@ -25,10 +28,11 @@ fn main() {
     let (damping, y0) = (Arc::new(Constant::new(0.0).unwrap()), [0.6, 0.0, 0.8].repeat(1_000_000));
     let problem = Problem::new(Arc::new(lattice), damping, y0, 0.01 * steps as f64).unwrap();
     let (key, truncation) = (StreamKey { seed: 1, experiment: 1 }, Truncation::new(4).unwrap());
+    let program = Program { input: format!("{steps} steps"), ..Program::default() };
+    let checkpoint = arguments.get(2).map(|file| Checkpoint::new(file, program));
     let mut path = LargePath::new(&problem, &scheme, steps, truncation, key, 0).unwrap();
-    if let Some(file) = arguments.get(2).map(PathBuf::from) {
-        path =
-            path.keeping(Keeping { file, study: format!("{steps} steps"), ..Keeping::default() });
+    if let Some(checkpoint) = &checkpoint {
+        path = path.keeping(checkpoint).unwrap();
         eprintln!("from step {}", path.steps_done());
     }
     let begin = Instant::now();

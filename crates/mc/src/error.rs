@@ -3,7 +3,7 @@
 use noise::NoiseError;
 use schemes::{StepError, run_time::SchemeError};
 
-use crate::PathFailure;
+use crate::{PathFailure, parts::JobError};
 
 /// An invalid ladder, detected before the first step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -83,6 +83,9 @@ pub enum RunError {
         /// The bytes that are free.
         free: f64,
     },
+    /// A checkpoint cannot be read, is damaged, or is of another computation.
+    #[error("{0}")]
+    Checkpoint(String),
     /// An expectation was stopped before it had estimates.
     #[error("stopped before the first estimates")]
     Stopped,
@@ -107,6 +110,12 @@ pub enum RunError {
         /// The level.
         level: usize,
     },
+}
+
+impl From<JobError> for RunError {
+    fn from(error: JobError) -> Self {
+        Self::Checkpoint(error.to_string())
+    }
 }
 
 fn gigabytes(bytes: f64) -> String {

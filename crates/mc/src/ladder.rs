@@ -361,8 +361,24 @@ impl<'a> Ladder<'a> {
         samples: u64,
         new: impl Fn() -> T + Sync,
     ) -> Option<Measured<T>> {
+        self.run_in_until(job, job.stop(), name, samples, new)
+    }
+
+    /// The same until `stop` asks for the end, which may be before that of the job: the sums are
+    /// then those of some paths, if the job [gives](Job::giving_what_is_done) them.
+    ///
+    /// # Panics
+    /// As [`run`](Self::run).
+    pub fn run_in_until<T: Kept>(
+        &self,
+        job: &Job,
+        stop: &Stop,
+        name: &str,
+        samples: u64,
+        new: impl Fn() -> T + Sync,
+    ) -> Option<Measured<T>> {
         let (paths, study) = (samples, OnceLock::new());
-        let work = Work { name, paths, ladder: self, study, new: &new, stop: job.stop() };
+        let work = Work { name, paths, ladder: self, study, new: &new, stop };
         let nodes = job.collect(work)?;
         let mut tree = MergeTree::new(merge);
         nodes.into_iter().for_each(|node| tree.push(node));

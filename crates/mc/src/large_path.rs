@@ -1,7 +1,5 @@
 //! One path of a system with very many components.
 
-use std::time::{Duration, Instant};
-
 use noise::{Purpose, StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::BlockStatus;
 use rayon::prelude::*;
@@ -16,7 +14,10 @@ use systems::{
     run_time::{Description, Lanes, Problem, System},
 };
 
-use crate::{Cause, LadderError, PathFailure, driver::AreFinite, expect::Keeping};
+use crate::{
+    Cause, Checkpoint, LadderError, PathFailure, checkpoint::foreign, driver::AreFinite,
+    parts::JobError,
+};
 
 /// One path of a system whose rows hold one path, such as a lattice of a million spins. A step uses
 /// all threads of the current rayon pool, and its bits do not depend on their number. Memory is a
@@ -58,14 +59,7 @@ pub struct LargePath<'a> {
     done: u64,
     /// What describes a failure.
     failure: PathFailure,
-    checkpoint: Option<Checkpoint>,
-}
-
-/// Where a path is kept, and what that takes.
-struct Checkpoint {
-    keeping: Keeping,
-    written: Instant,
-    takes: Duration,
+    checkpoint: Option<&'a Checkpoint>,
 }
 
 /// Where increments come from.
@@ -79,8 +73,6 @@ enum Source {
 
 /// Steps between two checks that the state is finite.
 const CHECKED: u64 = 64;
-/// Between checkpoints lies at least this multiple of the time that one takes, and a second.
-const RARELY: u32 = 50;
 
 impl<'a> LargePath<'a> {
     /// Path number `path` of a problem in `steps` steps on [0, T].
@@ -144,26 +136,30 @@ impl<'a> LargePath<'a> {
     }
 
     /// Goes on from what a file has of this path, with the same bits, and keeps the path there now
-    /// and then while it advances, for a fiftieth of the time. The file stays at the end.
-    #[must_use]
-    pub fn keeping(mut self, keeping: Keeping) -> Self {
-        let known = keeping.read::<(u64, Vec<Row>, Source)>();
-        if let Some((done, rows, source)) = known
-            && rows.len() == self.stepper.state().len()
-        {
+    /// and then while it advances. The file stays at the end.
+    ///
+    /// # Errors
+    /// [`JobError`] if the file cannot be read, is damaged or is of another path.
+    pub fn keeping(mut self, checkpoint: &'a Checkpoint) -> Result<Self, JobError> {
+        if let Some((done, rows, source)) = checkpoint.read::<(u64, Vec<Row>, Source)>()? {
+            let here = self.stepper.state().len();
+            if rows.len() != here {
+                let [found, here] =
+                    [rows.len(), here].map(|rows| format!("a state of {rows} rows"));
+                return Err(foreign(checkpoint.file(), &found, &here));
+            }
             self.stepper.state_mut().copy_from_slice(&rows);
             (self.done, self.source) = (done, source);
         }
-        let (written, takes) = (Instant::now(), Duration::ZERO);
-        Self { checkpoint: Some(Checkpoint { keeping, written, takes }), ..self }
+        Ok(Self { checkpoint: Some(checkpoint), ..self })
     }
 
-    /// Writes the checkpoint, if there is a file for it.
-    pub fn keep(&mut self) {
-        let Self { stepper, source, done, checkpoint: Some(checkpoint), .. } = self else { return };
-        let begun = Instant::now();
-        checkpoint.keeping.write(&(*done, stepper.state(), source));
-        (checkpoint.written, checkpoint.takes) = (Instant::now(), begun.elapsed());
+    /// Writes the checkpoint, if there is a file for it. [`Checkpoint::failure`] says why that
+    /// failed.
+    pub fn keep(&self) {
+        if let Some(checkpoint) = self.checkpoint {
+            _ = checkpoint.write(&(self.done, self.stepper.state(), &self.source));
+        }
     }
 
     /// Advances by so many steps, also beyond T.
@@ -186,11 +182,7 @@ impl<'a> LargePath<'a> {
                 return failed(Cause::NotFinite);
             }
             self.done += 1;
-            let due = |checkpoint: &Checkpoint| {
-                let pause = (RARELY * checkpoint.takes).max(Duration::from_secs(1));
-                checkpoint.written.elapsed() > pause
-            };
-            if self.checkpoint.as_ref().is_some_and(due) {
+            if self.checkpoint.is_some_and(Checkpoint::is_due) {
                 self.keep();
             }
         }

@@ -65,6 +65,7 @@
 
 mod along;
 mod around;
+mod checkpoint;
 mod damping_resolution;
 mod drive;
 mod driver;
@@ -88,6 +89,7 @@ mod tangents;
 mod tree;
 
 pub use along::{Along, Gradient, OfStates, Passage};
+pub use checkpoint::Checkpoint;
 pub use damping_resolution::DampingResolution;
 pub use drive::DriveResolution;
 pub use equilibrium::{Averages, Equilibrium, EquilibriumSettings};

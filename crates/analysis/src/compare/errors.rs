@@ -9,7 +9,11 @@ use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, root_mean_square_interval};
 
 use super::search::Search;
-use crate::{FinalMoments, Spread, facts::Form, orders::squared_distance};
+use crate::{
+    FinalMoments, Spread,
+    facts::Form,
+    orders::{kept, squared_distance},
+};
 
 /// The error of one scheme at one step size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -112,7 +116,8 @@ impl<'a> Search<'a> {
         let key = self.key(0);
         let ladder = Ladder::new(problem, base << finest, top, settings.truncation, key, runs)?;
         let new = || FinalMoments::new(ladder.coarse_steps(), length, &values);
-        let measured = ladder.run_until(stop, 0, samples, new);
+        let (job, name) = (settings.job.as_deref(), format!("{sizes:?}, reference {reference}"));
+        let measured = kept(&ladder, (job, stop), &name, samples, new);
         let moments = measured.statistic.moments;
 
         let rms = |index: usize| moments.mean(index).sqrt();

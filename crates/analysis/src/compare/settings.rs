@@ -1,6 +1,11 @@
 //! What is asked of a comparison.
 
-use mc::{LadderError, parts::Stop};
+use std::sync::Arc;
+
+use mc::{
+    LadderError,
+    parts::{Job, Stop},
+};
 use noise::{StreamKey, Truncation};
 
 /// What is wanted of a comparison, and what it may cost.
@@ -18,6 +23,8 @@ pub struct CompareSettings {
     pub key: StreamKey,
     /// Ends the comparison early, as if the time were over.
     pub stop: Stop,
+    /// Keeps errors, if there is one.
+    pub job: Option<Arc<Job>>,
 }
 
 /// Paths without which there are no intervals.
@@ -60,7 +67,15 @@ pub enum CompareError {
 impl CompareSettings {
     /// An error, on this noise: 256 paths, a minute.
     pub fn new(error: f64, truncation: Truncation, key: StreamKey) -> Self {
-        Self { error, budget_s: 60.0, samples: 256, truncation, key, stop: Stop::default() }
+        Self {
+            error,
+            budget_s: 60.0,
+            samples: 256,
+            truncation,
+            key,
+            stop: Stop::default(),
+            job: None,
+        }
     }
 
     /// Refuses what cannot be done.

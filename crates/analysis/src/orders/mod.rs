@@ -44,6 +44,7 @@ pub use one_step::OneStep;
 pub(crate) use order::evaluate;
 pub use order::{squared_distance, strong_order, weak_order};
 pub use referee::{Judged, LevelNoise, Referee, SolverStates, VISITS};
+pub(crate) use runs::kept;
 pub use step_sizes::StepSizes;
 
 /// The order of one scheme, with what it rests on.

@@ -12,7 +12,7 @@ use super::{
     decision::{self, More, undecided},
     limit::weak_limit,
     one_step::one_step as one_step_of,
-    runs::{failing, measure, visits},
+    runs::{FEW, failing, measure, visits},
     within::within,
 };
 
@@ -22,9 +22,6 @@ const MODEL_ERROR: f64 = 0.01;
 
 /// Paths whose states single steps start from.
 const VISITS: u64 = 256;
-
-/// Paths that show whether most fail: steps that fail take longest.
-const FEW: u64 = 32;
 
 /// The strong order of a scheme, from root-mean-square differences y_τ − y_{τ/2} at the final time.
 ///

@@ -3,13 +3,19 @@
 
 use std::sync::Arc;
 
-use mc::{Ladder, LadderError, Measured, PathFailure, Run, Setup, Statistic, TimeChange, View};
+use mc::{
+    Kept, Ladder, LadderError, Measured, PathFailure, Run, Setup, Statistic, TimeChange, View,
+    parts::{Job, Stop},
+};
 
 use super::{
     Limit, Order, StepSizes,
     decision::{More, undecided},
 };
 use crate::{FinalMoments, FinalRows, number};
+
+/// Paths that show whether most fail: steps that fail take longest.
+pub const FEW: u64 = 32;
 
 /// Moments of a vector of this length, made of the final states of the scheme at every step size,
 /// coarsest first.
@@ -27,7 +33,23 @@ pub fn measure<'a>(
         ladder = ladder.with_time_change(time_change);
     }
     let none = || FinalMoments::new(ladder.coarse_steps(), length, values);
-    Ok(ladder.run_until(&sizes.stop, 0, sizes.samples, none))
+    // Few paths show whether most fail, at step sizes that more paths have again.
+    let job = sizes.job.as_deref().filter(|_| sizes.samples > FEW);
+    Ok(kept(&ladder, (job, &sizes.stop), &format!("{steps} steps"), sizes.samples, none))
+}
+
+/// A statistic of so many paths, with a job as the work of a name and this number of paths. Of no
+/// path if the job met an error.
+pub fn kept<T: Kept>(
+    ladder: &Ladder<'_>,
+    (job, stop): (Option<&Job>, &Stop),
+    name: &str,
+    samples: u64,
+    new: impl Fn() -> T + Sync,
+) -> Measured<T> {
+    let Some(job) = job else { return ladder.run_until(stop, 0, samples, new) };
+    let found = ladder.run_in_until(job, stop, &format!("{name}, {samples} paths"), samples, &new);
+    found.unwrap_or_else(|| ladder.run(0, new))
 }
 
 /// What is said where so many of all paths failed: the rest says little about the scheme.

@@ -1,6 +1,11 @@
 //! Step sizes, paths and noise of a measurement.
 
-use mc::{DampingResolution, DriveResolution, LadderError, Setup, parts::Stop};
+use std::sync::Arc;
+
+use mc::{
+    DampingResolution, DriveResolution, LadderError, Setup,
+    parts::{Job, Stop},
+};
 use noise::{StreamKey, Truncation};
 
 /// Step sizes, paths and noise of a measurement of an order.
@@ -24,6 +29,8 @@ pub struct StepSizes {
     pub path_steps: u64,
     /// Ends the measurement early: what it gives is then of no use.
     pub stop: Stop,
+    /// Keeps measurements, by their steps and paths, if there is one.
+    pub job: Option<Arc<Job>>,
 }
 
 /// The most step sizes: 2⁴⁸ steps would take years.
@@ -34,8 +41,17 @@ impl StepSizes {
     /// each of the coarsest.
     pub fn new(coarsest_steps: u64, truncation: Truncation, key: StreamKey) -> Self {
         let (levels, refinement, samples, path_steps) = (5, 2, 1000, 0);
-        let stop = Stop::default();
-        Self { coarsest_steps, levels, refinement, samples, truncation, key, path_steps, stop }
+        Self {
+            coarsest_steps,
+            levels,
+            refinement,
+            samples,
+            truncation,
+            key,
+            path_steps,
+            stop: Stop::default(),
+            job: None,
+        }
     }
 
     /// Measures again with more paths or finer steps, whatever would decide, until an order is

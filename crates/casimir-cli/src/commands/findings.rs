@@ -1,18 +1,20 @@
 //! `casimir inspect`, `expect`, `equilibrium`, `lyapunov`, `order` and `compare`: what is found of
 //! a scene.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
-use casimir::mc::expect::Keeping;
+use casimir::mc::{
+    Checkpoint,
+    parts::{Job, JobError, Program, Share, remove},
+};
 use casimir_cli::{
     failure::{Done, Failure},
-    scene::{Scene, SchemeAndSeed},
+    scene::{Changes, SchemeAndSeed},
     verbs::{self, Found, Watch},
 };
-use serde::Serialize;
 
-use super::{folder, open, stoppable, tell, watch};
-use crate::arguments::{Compare, Equilibrium, Expect, Inspect, Lyapunov, Order};
+use super::{folder, going_on, keeping, open, program, stoppable, tell, watch};
+use crate::arguments::{Compare, Equilibrium, Expect, Inspect, Lyapunov, On, Order};
 
 /// The layout of chains in their file.
 const LAYOUT: u32 = 2;
@@ -29,25 +31,58 @@ pub fn inspect(Inspect { sets, on }: &Inspect) -> Done {
 /// Measures the orders of a scheme on a scene.
 pub fn order(Order { path_steps, scheme, on }: &Order) -> Done {
     let scene = open(on, scheme, None)?;
-    let found = verbs::order(&scene, *path_steps, &watch())?;
-    tell(&found, Some(folder(on, "order")), "order", on.json)
+    let further = format!("verb = order\npath steps = {path_steps}\n");
+    let changes = Changes { scheme: scheme.clone(), ..Changes::default() };
+    kept(on, "order", program(&scene, &changes, &further), |job, watch| {
+        verbs::order(&scene, *path_steps, Some(job), watch)
+    })
 }
 
 /// Compares all schemes on a scene.
 pub fn compare(Compare { error, budget, sets, seed, on }: &Compare) -> Done {
     let seed = SchemeAndSeed { scheme: None, seed: *seed, sets: sets.clone() };
     let scene = open(on, &seed, None)?;
-    let found = verbs::compare(&scene, *error, *budget, &watch())?;
-    tell(&found, Some(folder(on, "compare")), "compare", on.json)
+    let further = format!("verb = compare\nerror = {error}\n");
+    let changes = Changes { scheme: seed, ..Changes::default() };
+    kept(on, "compare", program(&scene, &changes, &further), |job, watch| {
+        verbs::compare(&scene, *error, *budget, Some(job), watch)
+    })
+}
+
+/// Does work as a job that keeps it, and says what was found.
+fn kept(
+    on: &On,
+    command: &str,
+    program: Program,
+    work: impl FnOnce(&Arc<Job>, &Watch) -> Done<Found>,
+) -> Done {
+    let (folder, watch) = (folder(on, command), stoppable());
+    let job = Arc::new(keeping(&folder, program, &watch)?);
+    let found = work(&job, &watch);
+    match Arc::into_inner(job).map_or(Ok(()), Job::finish) {
+        Err(JobError::Stopped) if watch.stop.is_asked() => {
+            let folder = folder.display();
+            let words = format!("{folder} has what was measured; the same command goes on");
+            return Err(Failure::Stopped(words));
+        }
+        Err(error @ JobError::File { .. }) => eprintln!("warning: no checkpoint: {error}"),
+        // Or the time is over.
+        Ok(()) | Err(JobError::Stopped) => {}
+        Err(error) => return Err(error.into()),
+    }
+    tell(&found?, Some(folder.clone()), command, on.json)?;
+    Ok(remove(&folder, Share::WHOLE)?)
 }
 
 /// Computes the expectations of a scene.
 pub fn expect(Expect { accuracy, steps, scheme, on }: &Expect) -> Done {
     let mut scene = open(on, scheme, *steps)?;
     scene.accuracy = accuracy.or(scene.accuracy);
-    let kept = keeping(&scene, folder(on, "expect").join("samples.bin"), &(scheme, steps))?;
+    let changes = Changes { scheme: scheme.clone(), steps: *steps, ..Changes::default() };
+    let program = program(&scene, &changes, "verb = expect\n");
+    let kept = checkpoint(folder(on, "expect").join("samples.bin"), program)?;
     let watch = stoppable();
-    let found = verbs::expect(&scene, Some(kept.clone()), &watch)?;
+    let found = verbs::expect(&scene, Some(&kept), &watch)?;
     finish(&found, on.out.clone(), ("expectation", on.json), &watch, &kept)
 }
 
@@ -66,11 +101,16 @@ fn chains(arguments: &Equilibrium, command: &str, exponents: Option<usize>) -> D
     let mut scene = open(on, scheme, *steps)?;
     scene.accuracy = accuracy.or(exponents.map_or(scene.accuracy, |_| Some(ACCURACY)));
     let folder = folder(on, command);
-    let changes = (scheme, steps, chains, exponents, LAYOUT);
-    let kept = keeping(&scene, folder.join("chains.bin"), &changes)?;
+    let changes = Changes { scheme: scheme.clone(), steps: *steps, ..Changes::default() };
+    let further = format!(
+        "verb = {command}\nchains = {chains}\nexponents = {}\nlayout = {LAYOUT}\n",
+        exponents.unwrap_or(0)
+    );
+    let program = program(&scene, &changes, &further);
+    let kept = checkpoint(folder.join("chains.bin"), program)?;
     let watch = stoppable();
     let limits = (*chains, *path_steps);
-    let found = verbs::equilibrium(&scene, exponents, limits, Some(kept.clone()), &watch)?;
+    let found = verbs::equilibrium(&scene, exponents, limits, Some(&kept), &watch)?;
     finish(&found, Some(folder), (command, on.json), &watch, &kept)
 }
 
@@ -80,11 +120,11 @@ fn finish(
     folder: Option<PathBuf>,
     (file, json): (&str, bool),
     watch: &Watch,
-    kept: &Keeping,
+    kept: &Checkpoint,
 ) -> Done {
     tell(found, folder, file, json)?;
-    let file = kept.file.display();
-    if let Some(error) = kept.failure.get() {
+    let file = kept.file().display();
+    if let Some(error) = kept.failure() {
         eprintln!("warning: the samples are not kept in {file}: {error}");
     }
     match &found.unreached {
@@ -97,14 +137,11 @@ fn finish(
     }
 }
 
-/// Where samples are kept, and what they depend on.
-fn keeping(scene: &Scene, file: PathBuf, changes: &impl Serialize) -> Done<Keeping> {
-    let law = scene.settings.random.as_ref().map_or("", |random| &random.law);
-    let changes = serde_json::to_string(changes)?;
-    let study = [env!("CARGO_PKG_VERSION"), &changes, law, &scene.source.text].join("\n");
-    let keeping = Keeping { file, study, ..Keeping::default() };
-    if keeping.holds() {
-        eprintln!("going on from {}; to begin anew, delete it", keeping.file.display());
+/// A file for samples or chains.
+fn checkpoint(file: PathBuf, program: Program) -> Done<Checkpoint> {
+    let checkpoint = Checkpoint::new(file, program);
+    if checkpoint.holds()? {
+        going_on(checkpoint.file());
     }
-    Ok(keeping)
+    Ok(checkpoint)
 }

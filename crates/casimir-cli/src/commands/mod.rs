@@ -13,12 +13,12 @@ use std::{
 };
 
 use casimir::{
-    mc::parts::{Program, Stop, limit_threads},
+    mc::parts::{Job, Program, Share, Stop, limit_threads},
     plot::files,
 };
 use casimir_cli::{
     failure::{Done, Failure},
-    scene::{Changes, Scene, SchemeAndSeed, Source},
+    scene::{Changes, Scene, SchemeAndSeed, Source, meaning},
     verbs::{Found, ProgressBar, Watch},
 };
 use serde::Serialize;
@@ -47,9 +47,29 @@ fn source(file: &Path) -> Done<Source> {
     Ok(Source { name, text, states: None })
 }
 
-/// This program, as files of parts name it.
-fn program() -> Program {
-    Program { name: "casimir".into(), version: env!("CARGO_PKG_VERSION").into() }
+/// This program and what it computes of a scene, as files for unfinished work name it: the lines of
+/// a command beside scene and changes.
+fn program(scene: &Scene, changes: &Changes, further: &str) -> Program {
+    let law = scene.settings.random.as_ref().map(|random| &*random.law);
+    Program {
+        name: "casimir".into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        input: meaning(&scene.source, law, changes, further),
+    }
+}
+
+/// A job with checkpoints in a folder.
+fn keeping(folder: &Path, program: Program, watch: &Watch) -> Done<Job> {
+    let job = Job::part(folder, Share::WHOLE, program)?;
+    if job.resumes() {
+        going_on(&folder.join(Share::WHOLE.file_name()));
+    }
+    Ok(job.stopped_by(&watch.stop).giving_what_is_done())
+}
+
+/// Says that work goes on from a file.
+fn going_on(file: &Path) {
+    eprintln!("going on from {}; to begin anew, delete it", file.display());
 }
 
 /// A bar on the terminal; nothing stops the work but the end of the process.

@@ -3,7 +3,7 @@
 use std::{env, fs, path::Path, time::Duration};
 
 use casimir::{
-    mc::parts::{Job, JobError, Share, merged_paths},
+    mc::parts::{Job, JobError, Program, Share, hash, merged_paths},
     plot::files,
 };
 use casimir_cli::{
@@ -30,6 +30,8 @@ struct Divided {
     changes: Changes,
     /// The scheme that `auto` means in all parts, and why; for each combination.
     settled: Vec<Settled>,
+    /// A hash of the rest and of what the scene means.
+    sum: String,
 }
 
 const PLAN: &str = "plan.json";
@@ -53,7 +55,35 @@ impl Folder {
             Failure::Usage(format!("{file} does not say what its parts are: {error}"))
         })?;
         let sweep = Sweep::new(&source(&folder.join(SCENE))?, &divided.changes)?;
-        Ok(Self { divided, sweep })
+        let opened = Self { divided, sweep };
+        if opened.divided.sum != opened.sum()? {
+            let folder = folder.display();
+            return Err(Failure::Usage(format!(
+                "{folder}: {PLAN} or {SCENE} was changed since `casimir plan`: put back what was \
+                 there, or plan in another folder"
+            )));
+        }
+        Ok(opened)
+    }
+
+    /// This program and what it computes in the folder.
+    fn program(&self) -> Program {
+        let Divided { changes, settled, .. } = &self.divided;
+        let schemes: Vec<&str> = settled.iter().map(|(scheme, _)| &**scheme).collect();
+        let further = format!("verb = run\nschemes = {}\n", schemes.join(", "));
+        program(&self.sweep.combinations[0].scene, changes, &further)
+    }
+
+    /// A hash of all that was planned.
+    fn sum(&self) -> Done<String> {
+        let Divided { parts, changes, settled, .. } = &self.divided;
+        Ok(hash(&serde_json::to_string(&(parts, changes, settled, self.program().input))?))
+    }
+
+    /// Writes what was planned.
+    fn write(mut self, folder: &Path) -> Done {
+        self.divided.sum = self.sum()?;
+        Ok(files::write_json(&folder.join(PLAN), &self.divided)?)
     }
 
     /// Does with a job what the folder is for; the results if there are some here.
@@ -89,11 +119,12 @@ pub fn plan(arguments: &Plan) -> Done {
         fs::copy(scene.with_file_name(states), copy)?;
     }
     let (parts, changes, settled) = (*parts, changes.clone(), verbs::settle(&sweep));
-    let opened = Folder { divided: Divided { parts, changes, settled }, sweep };
+    let divided = Divided { parts, changes, settled, sum: String::new() };
+    let opened = Folder { divided, sweep };
     let job = Job::pilot(MEASURED);
     opened.compute(&job, &watch())?;
     let planned = job.plan()?;
-    files::write_json(&out.join(PLAN), &opened.divided)?;
+    opened.write(out)?;
     let (cpus, folder) = (*cpus.max(&1), fs::canonicalize(out)?);
     let seconds =
         |parts, threads| planned.iter().map(|work| work.seconds(parts, threads)).sum::<f64>();
@@ -123,7 +154,7 @@ pub fn part(folder: &Path, part: u64, cpus: Option<u64>) -> Done {
     let opened = Folder::open(folder)?;
     let share = Share::new(part, opened.divided.parts)?;
     let watch = stoppable();
-    let job = Job::part(folder, share, program())?.stopped_by(&watch.stop);
+    let job = Job::part(folder, share, opened.program())?.stopped_by(&watch.stop);
     opened.compute(&job, &watch)?;
     match job.finish() {
         Ok(()) | Err(JobError::Stopped) if watch.stop.is_asked() => {
@@ -141,7 +172,7 @@ pub fn part(folder: &Path, part: u64, cpus: Option<u64>) -> Done {
 pub fn merge(folder: &Path, formats: &[Format], json: bool) -> Done {
     let opened = Folder::open(folder)?;
     let watch = stoppable();
-    let job = Job::merge(folder, program())?.stopped_by(&watch.stop);
+    let job = Job::merge(folder, opened.program())?.stopped_by(&watch.stop);
     let found = opened.compute(&job, &watch)?;
     job.finish()?;
     if watch.stop.is_asked() {
@@ -158,14 +189,14 @@ pub fn extend(folder: &Path, paths: u64) -> Done {
         return Err(Failure::Usage(format!("ask for more than {before} paths: --paths N")));
     }
     opened.divided.changes.paths = Some(paths);
-    let merged = merged_paths(folder, &program())?;
+    let merged = merged_paths(folder, &opened.program())?;
     let mut studies = merged.iter().filter(|(name, _)| name.ends_with("study"));
     let (parts, name) = (opened.divided.parts, folder.display());
     if merged.is_empty() || studies.any(|(_, merged)| *merged != before) {
         let message = format!("the parts are not merged yet: casimir merge {name}, then extend");
         return Err(Failure::Usage(message));
     }
-    files::write_json(&folder.join(PLAN), &opened.divided)?;
+    opened.write(folder)?;
     print(&format!(
         "now compute parts 1 to {parts} again (sbatch {name}/{JOB}), and casimir merge {name}\n"
     ))

@@ -10,7 +10,9 @@ use casimir_cli::{
     verbs::{Outcomes, compute, ready, settle},
 };
 
-use super::{REPORT, folder, prepare, print, print_json, program, source, stoppable, threads};
+use super::{
+    REPORT, folder, keeping, prepare, print, print_json, program, source, stoppable, threads,
+};
 use crate::arguments::Run;
 
 /// Runs a scene, at every combination of what is varied, and writes the results.
@@ -26,15 +28,14 @@ pub fn run(Run { changes, write: formats, large, on }: &Run) -> Done {
     prepare(&folder)?;
     let is_study = sweep.combinations[0].scene.settings.is_study();
     let kept = is_study.then_some(&*folder);
-    let (watch, mut job) = (stoppable(), Job::here());
-    if let Some(folder) = kept {
-        job = Job::part(folder, Share::WHOLE, program())?;
-        if job.resumes() {
-            let file = folder.join(Share::WHOLE.file_name());
-            eprintln!("going on from a checkpoint; to begin anew, delete {}", file.display());
+    let watch = stoppable();
+    let job = match kept {
+        Some(folder) => {
+            let program = program(&sweep.combinations[0].scene, changes, "verb = run\n");
+            keeping(folder, program, &watch)?
         }
-    }
-    let job = job.stopped_by(&watch.stop).giving_what_is_done();
+        None => Job::here().stopped_by(&watch.stop).giving_what_is_done(),
+    };
     let results = compute(&sweep, ready, &job, &watch)?;
     let stopped = match job.finish() {
         Err(JobError::Stopped) => true,

@@ -4,6 +4,7 @@ mod collected;
 mod drawn;
 mod file;
 mod initial;
+mod meaning;
 mod observe;
 mod read;
 mod run;
@@ -14,6 +15,7 @@ mod values;
 
 pub use drawn::Drawn;
 pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
+pub use meaning::meaning;
 use observe::Vocabulary;
 pub use observe::{Further, Observable, Quantity};
 pub(crate) use read::among;

@@ -212,7 +212,7 @@ impl FromStr for Values {
 pub const MOST_VALUES: u64 = 10_000;
 
 /// A number as it is written, or what stands in its place.
-fn number(value: &Value) -> String {
+pub fn number(value: &Value) -> String {
     match value {
         Value::Integer(number) => number.to_string(),
         Value::Float(number) => number.to_string(),

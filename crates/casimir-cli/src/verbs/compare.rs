@@ -1,17 +1,25 @@
 //! Which scheme is cheapest for an error.
 
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 use casimir::{
     analysis::{self, Candidates, CompareSettings},
+    mc::parts::Job,
     plot::figure,
 };
 
 use super::{Found, Watch};
 use crate::{failure::Done, output::Drawn, scene::Scene};
 
-/// Compares all schemes on a scene at a root-mean-square error of y(T), within seconds.
-pub fn compare(scene: &Scene, error: f64, budget: f64, watch: &Watch) -> Done<Found> {
+/// Compares all schemes on a scene at a root-mean-square error of y(T), within seconds. Errors are
+/// kept by a job if there is one.
+pub fn compare(
+    scene: &Scene,
+    error: f64,
+    budget: f64,
+    job: Option<&Arc<Job>>,
+    watch: &Watch,
+) -> Done<Found> {
     let (settings, start) = (&scene.settings, Instant::now());
     // What a run takes, for other reasons.
     let (auto, because) = scene.model.recommended();
@@ -19,6 +27,7 @@ pub fn compare(scene: &Scene, error: f64, budget: f64, watch: &Watch) -> Done<Fo
     let wanted = CompareSettings {
         budget_s: (budget - spent).max(0.5 * budget),
         stop: watch.stop.clone(),
+        job: job.cloned(),
         ..CompareSettings::new(error, settings.truncation, settings.key)
     };
     let candidates = Candidates::built_in(|id| scene.model.scheme(id))

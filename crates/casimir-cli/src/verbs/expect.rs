@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use casimir::mc::{
-    self, ExpectSettings, Observe,
-    expect::{Estimate, Keeping, WarningKind},
+    self, Checkpoint, ExpectSettings, Observe,
+    expect::{Estimate, WarningKind},
 };
 use serde_json::json;
 
@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Computes the expectations of a scene, with samples that are kept if this is wanted.
-pub fn expect(scene: &Scene, keeping: Option<Keeping>, watch: &Watch) -> Done<Found> {
+pub fn expect(scene: &Scene, keeping: Option<&Checkpoint>, watch: &Watch) -> Done<Found> {
     let accuracy = wanted(scene)?;
     let (expect, settings, because) = chosen(scene)?;
     let start = Instant::now();

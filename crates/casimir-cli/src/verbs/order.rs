@@ -1,10 +1,10 @@
 //! How fast the errors of a scheme fall.
 
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 use casimir::{
     analysis::{Order, StepSizes, strong_order, weak_order},
-    mc::Setup,
+    mc::{Setup, parts::Job},
     plot::{Kind, Series, figure::convergence},
 };
 use serde_json::{Value, json};
@@ -19,21 +19,25 @@ use crate::{
 /// A quantity with the order of its errors.
 pub type Measured = (String, Order);
 
-/// Measures the orders of the scheme of a scene. Each measurement may take so many path-steps.
-pub fn order(scene: &Scene, path_steps: u64, watch: &Watch) -> Done<Found> {
+/// Measures the orders of the scheme of a scene, kept by a job if there is one. Each measurement may
+/// take so many path-steps.
+pub fn order(scene: &Scene, path_steps: u64, job: Option<&Arc<Job>>, watch: &Watch) -> Done<Found> {
     let start = Instant::now();
     let (scheme, because) = scheme(scene);
     let settings = &scene.settings;
     let measured = scene.setup(&scheme)?;
     let sizes = StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key)
         .within(path_steps);
-    let sizes = StepSizes { stop: watch.stop.clone(), ..sizes };
+    let sizes = StepSizes { stop: watch.stop.clone(), job: job.cloned(), ..sizes };
     // The strong order, or a weak one.
     let order = |setup: &Setup<'_>, phi: Option<&Observable>| -> Done<Measured> {
         let (kind, quantity) = match phi {
             Some(phi) => ("weak", format!("E[{}]", phi.name)),
             None => ("strong", "y(T)".into()),
         };
+        if let Some(job) = job {
+            job.section(&format!("{kind} order, {quantity}: "));
+        }
         let what = format!("{kind} order of {scheme} for {quantity}");
         let order = watch.under(what, 0, || match phi {
             Some(phi) => weak_order(setup, phi, &sizes, None),

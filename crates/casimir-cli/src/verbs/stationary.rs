@@ -5,8 +5,8 @@ use std::time::Instant;
 use casimir::{
     analysis::facts::{gibbs_marginal, is_divergence_free},
     mc::{
-        Averages, Equilibrium, EquilibriumSettings, Friction, Observe, RunError,
-        equilibrium::StationaryMean, expect::Keeping,
+        Averages, Checkpoint, Equilibrium, EquilibriumSettings, Friction, Observe, RunError,
+        equilibrium::StationaryMean,
     },
     plot::figure::{Trace, lines},
     schemes::BuiltIn,
@@ -27,7 +27,7 @@ pub fn equilibrium(
     scene: &Scene,
     exponents: Option<usize>,
     (chains, max_cost): (u64, u64),
-    keeping: Option<Keeping>,
+    keeping: Option<&Checkpoint>,
     watch: &Watch,
 ) -> Done<Found> {
     // Without a wish, the first averages that chains are long enough for.

@@ -12,6 +12,7 @@ mod friction;
 mod gallery;
 mod initial;
 mod ito;
+mod kept;
 mod parts;
 mod promised;
 mod resolution;

@@ -8,7 +8,7 @@ use std::{
     time::Duration,
 };
 
-use crate::common::{BODY, OSCILLATOR, casimir, fails, json, read_json, succeeds, with_scene};
+use crate::common::{BODY, casimir, fails, read_json, succeeds, with_scene};
 
 /// Runs parts of the folder `big`.
 fn parts(path: &Path, numbers: &[&str]) {
@@ -83,28 +83,6 @@ fn a_folder_of_parts_may_have_any_results() {
     succeeds(path, &["extend", "big", "--paths", "300"]);
     parts(path, &["1", "2"]);
     succeeds(path, &merge);
-}
-
-/// `plan` settles what `auto` means, and parts do not ask again.
-#[test]
-fn parts_take_the_scheme_that_was_settled() {
-    let scene =
-        OSCILLATOR.replace("scheme = \"sexp-li\"\n", "").replace("paths = 4", "paths = 200");
-    let folder = with_scene(&scene);
-    let path = folder.path();
-    succeeds(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"]);
-    let plan = path.join("big/plan.json");
-    let mut divided = read_json(&plan);
-    let run = json(path, &["run", "scene.toml", "--json"]);
-    assert_eq!(divided["settled"][0][0], run["scheme"]);
-    // Another version of the program might choose another scheme.
-    divided["settled"] = serde_json::json!([["em", "it was chosen then"]]);
-    fs::write(&plan, divided.to_string()).unwrap();
-    parts(path, &["1", "2"]);
-    let merged = json(path, &["merge", "big", "--json"]);
-    assert_eq!([&merged["scheme"], &merged["because"]], ["em", "it was chosen then"]);
-    let em = json(path, &["run", "scene.toml", "--scheme", "em", "--json"]);
-    assert_eq!(merged["at_end"], em["at_end"]);
 }
 
 /// Sends a signal to the program after some milliseconds, as Ctrl-C does.

@@ -44,20 +44,14 @@ mod growth;
 mod report;
 mod wells;
 
-use std::{
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::sync::Arc;
 
 use noise::{Purpose, StreamKey, Truncation};
 use real::{Row, WIDTH};
 use schemes::Method;
 
 use crate::{
-    Ladder, Observe, Run, RunError, Setup,
-    expect::{Keeping, Told},
-    ladder::Measured,
-    parts::Stop,
+    Checkpoint, Ladder, Observe, Run, RunError, Setup, expect::Told, ladder::Measured, parts::Stop,
     tangents::Tangents,
 };
 use chains::{Chains, Gather};
@@ -155,7 +149,7 @@ pub struct Equilibrium<'a> {
     setup: Setup<'a>,
     settings: EquilibriumSettings,
     told: Box<Told<'a>>,
-    keeping: Option<Keeping>,
+    checkpoint: Option<&'a Checkpoint>,
     watched: Vec<&'a dyn Observe>,
 }
 
@@ -165,8 +159,6 @@ pub(crate) const LEVELS: usize = 3;
 const STEPS: u64 = (1 << LEVELS) - 1;
 /// What multiplies the noise of chains at first.
 const HEAT: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
-/// Seconds between checkpoints.
-const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(2);
 /// Steps are halved at most so often.
 const MOST_HALVINGS: u32 = 20;
 /// And so often where all chains fail, or as many as before fail.
@@ -175,7 +167,7 @@ const MOST_REVIVALS: u32 = 3;
 impl<'a> Equilibrium<'a> {
     /// Averages of a problem with a scheme.
     pub fn new(setup: Setup<'a>, settings: EquilibriumSettings) -> Self {
-        Self { setup, settings, told: Box::new(|_, _| ()), keeping: None, watched: Vec::new() }
+        Self { setup, settings, told: Box::new(|_, _| ()), checkpoint: None, watched: Vec::new() }
     }
 
     /// Tells after each batch how far it is.
@@ -187,8 +179,8 @@ impl<'a> Equilibrium<'a> {
     /// Keeps the chains in a file every few seconds, and goes on from what the file has, with the
     /// same bits. It is removed when the accuracy is reached.
     #[must_use]
-    pub fn keeping(self, keeping: Keeping) -> Self {
-        Self { keeping: Some(keeping), ..self }
+    pub fn keeping(self, checkpoint: &'a Checkpoint) -> Self {
+        Self { checkpoint: Some(checkpoint), ..self }
     }
 
     /// Tests by these functions, beside components, whether chains stay in wells: H₀, for example.
@@ -201,7 +193,8 @@ impl<'a> Equilibrium<'a> {
     ///
     /// # Errors
     /// [`RunError`] if a setting is out of range, the scheme cannot be run, all chains would be the
-    /// same, or it was stopped before the first averages.
+    /// same, the checkpoint is damaged or of another computation, or it was stopped before the
+    /// first averages.
     pub fn run(&self, observables: &[&dyn Observe], accuracy: f64) -> Result<Averages, RunError> {
         if observables.is_empty() {
             return Err(RunError::Setting("averages need at least one test function".into()));
@@ -230,13 +223,13 @@ impl<'a> Equilibrium<'a> {
         of: Averaged<'_>,
         accuracy: f64,
     ) -> Result<Averages, RunError> {
-        let Self { setup, settings, told, keeping, watched: functions } = self;
+        let Self { setup, settings, told, checkpoint, watched: functions } = self;
         self.check(accuracy)?;
         let number = settings.blocks_of_chains() as usize;
         let watched = Watched { functions, dimension: setup.problem.y0.len(), chains: number };
-        let kept = keeping.as_ref().and_then(Keeping::read);
+        let kept = checkpoint.map_or(Ok(None), Checkpoint::read)?;
         let mut chains = kept.unwrap_or_else(|| Chains::new(settings, of));
-        let (mut found, mut reached, mut written) = (None, false, Instant::now());
+        let (mut found, mut reached) = (None, false);
         loop {
             if chains.is_due() {
                 let tau = setup.problem.t_end / chains.steps as f64;
@@ -265,19 +258,16 @@ impl<'a> Equilibrium<'a> {
                 }
             }
             let goes_on = self.advance(scheme, (of, watched), &mut chains)?;
-            if let Some(keeping) = keeping
-                && (!goes_on || written.elapsed() > BETWEEN_CHECKPOINTS)
-            {
-                keeping.write(&chains);
-                written = Instant::now();
+            if let Some(checkpoint) = checkpoint.filter(|to| goes_on && to.is_due()) {
+                _ = checkpoint.write(&chains);
             }
             if !goes_on {
                 break;
             }
         }
-        match keeping {
-            Some(keeping) if reached => _ = std::fs::remove_file(&keeping.file),
-            Some(keeping) => keeping.write(&chains),
+        match checkpoint {
+            Some(checkpoint) if reached => checkpoint.remove(),
+            Some(checkpoint) => _ = checkpoint.write(&chains),
             None => {}
         }
         found.ok_or(RunError::Stopped)

@@ -1,16 +1,20 @@
 //! Which points are drawn on which level, and when to stop.
 
-use std::{cell::Cell, sync::Arc};
+use std::{
+    cell::Cell,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use noise::{Purpose, QuasiWiener, ScrambledSobol};
 use real::{WIDTH, elementary};
+use serde::{Deserialize, Serialize};
 use stats::CONFIDENCE;
 
 use super::{
     Candidate, Expect, ExpectSettings, Orders,
     extrapolation::{Extrapolation, extrapolation, seen_orders},
     judge::Evidence,
-    kept::Kept,
     level::{PathValues, Samples, Values, hull, tail},
     rates,
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
@@ -18,8 +22,8 @@ use super::{
     sum::{BIAS_LEVELS, Sum, Term},
 };
 use crate::{
-    DampingResolution, DriveResolution, Ladder, LadderError, NextNoise, Observe, Run, RunError,
-    Setup, driver::GROUP_PATHS, ladder::Nodes, observable::value, parallel::in_parallel,
+    Checkpoint, DampingResolution, DriveResolution, Ladder, LadderError, NextNoise, Observe, Run,
+    RunError, Setup, driver::GROUP_PATHS, ladder::Nodes, observable::value, parallel::in_parallel,
     tree::Node,
 };
 
@@ -60,6 +64,9 @@ const SINGLE: f64 = 0.5;
 /// paths that levels couple no more. Else differences are known well, and single paths hide a bias.
 const UNCOUPLED: f64 = 0.25;
 
+/// Groups of all replicates between two looks at the clock take as long, or less.
+const BETWEEN: Duration = Duration::from_millis(500);
+
 /// The most levels of a path without noise: 2²² steps take seconds.
 const MOST_HALVINGS: usize = 22;
 /// In more dimensions Sobol points gain nothing over random ones, and take memory.
@@ -78,6 +85,19 @@ fn points(scrambles: Vec<QuasiWiener>, noises: usize) -> impl Fn(u64) -> NextNoi
             next += noises;
         })
     }
+}
+
+/// The samples of an attempt.
+#[derive(Serialize, Deserialize)]
+pub struct Kept<'a> {
+    /// Number of the attempt.
+    pub attempt: usize,
+    /// Path-steps of the complete rounds of all attempts so far.
+    spent: u64,
+    /// The level that the sum begins with.
+    first: usize,
+    /// Of each level the points of complete rounds, and the nodes of each replicate.
+    levels: Vec<(u64, Vec<Nodes<PathValues<'a>>>)>,
 }
 
 /// What every attempt is asked for.
@@ -107,7 +127,8 @@ pub struct Estimator<'a> {
     sobol: bool,
     /// All levels so far.
     levels: Vec<Samples>,
-    /// The ladder of each, and the nodes of its replicates so far.
+    /// The ladder of each, and the nodes of its replicates so far. The last may be of a level that
+    /// was begun before it was stopped.
     ladders: Vec<(Ladder<'a>, Vec<Nodes<PathValues<'a>>>)>,
     /// The level that the sum begins with: the last one for single paths.
     first: usize,
@@ -150,10 +171,10 @@ impl<'a> Estimator<'a> {
     ) -> Result<(Expectation, Option<bool>), RunError> {
         let Request { expect: Expect { settings, .. }, accuracy, spent, .. } = self.request;
         let (pilot, max_cost) = (if self.noisy { GROUP_PATHS } else { 1 }, settings.max_cost);
-        match kept {
-            Some(kept) => self.restore(kept)?,
-            None => self.begin(pilot)?,
+        if let Some(kept) = kept {
+            self.restore(kept)?;
         }
+        self.begin(pilot)?;
         let out_of_reach = |why: String| {
             let text = format!("the accuracy is out of reach: {why}");
             Some((WarningKind::OutOfReach, text))
@@ -231,24 +252,24 @@ impl<'a> Estimator<'a> {
             };
             self.levels.retain(|samples| samples.paths > 0);
             self.first = self.first.min(self.levels.len() - 1);
-            if settings.stop.is_asked() {
-                self.keep();
-            }
             break Some(limit);
         };
         Ok((self.report(limit), helps))
     }
 
-    /// Samples the first levels.
+    /// Samples the first levels, those that were not kept.
     fn begin(&mut self, pilot: u64) -> Result<(), RunError> {
-        let max_cost = self.request.expect.settings.max_cost;
-        (0..=PILOT_LEVEL).try_for_each(|_| self.add_level())?;
-        let costs = self.levels.iter().map(|samples| self.cost(samples, pilot));
+        let (kept, max_cost) = (self.levels.len(), self.request.expect.settings.max_cost);
+        if kept > PILOT_LEVEL {
+            return Ok(());
+        }
+        (kept..=PILOT_LEVEL).try_for_each(|_| self.add_level())?;
+        let costs = self.levels[kept..].iter().map(|samples| self.cost(samples, pilot));
         let pilot_cost = costs.fold(self.request.spent.get(), u64::saturating_add);
         if pilot_cost > max_cost {
             return Err(RunError::PilotCost { pilot_cost, max_cost });
         }
-        for level in 0..=PILOT_LEVEL {
+        for level in kept..=PILOT_LEVEL {
             if !self.sample(level, pilot)? {
                 return Err(RunError::Stopped);
             }
@@ -272,18 +293,25 @@ impl<'a> Estimator<'a> {
             }
             self.levels[level].take(complete, points);
         }
+        self.levels.retain(|samples| samples.points > 0);
         self.request.spent.set(kept.spent);
         self.first = kept.first;
         Ok(())
     }
 
-    /// Keeps the samples.
-    fn keep(&mut self) {
-        let Some(keeping) = &self.request.expect.keeping else { return };
-        let (attempt, spent, first) = (self.attempt, self.request.spent.get(), self.first);
-        let both = self.levels.iter().zip(&mut self.ladders);
-        let levels = both.map(|(samples, (_, nodes))| (samples.points, std::mem::take(nodes)));
-        keeping.write(&Kept { attempt, spent, first, levels: levels.collect() });
+    /// Keeps the samples if it is time, or the end. [`Checkpoint::failure`] says if that fails.
+    fn keep(&self) {
+        let Request { expect: Expect { settings, checkpoint, .. }, spent, .. } = self.request;
+        let due = |to: &&Checkpoint| settings.stop.is_asked() || to.is_due();
+        let Some(checkpoint) = checkpoint.filter(due) else { return };
+        let complete = self.levels.iter().filter(|samples| samples.points > 0).count();
+        // As a [`Kept`].
+        let (first, points) =
+            (self.first.min(complete.saturating_sub(1)), |samples: &Samples| samples.points);
+        let levels =
+            self.levels.iter().map(points).zip(self.ladders.iter().map(|(_, nodes)| nodes));
+        let levels: Vec<_> = levels.collect();
+        _ = checkpoint.write(&(self.attempt, spent.get(), first, levels));
     }
 
     /// No samples of a level.
@@ -382,7 +410,9 @@ impl<'a> Estimator<'a> {
         }
         let cost_per_path = ladder.steps_per_path();
         self.levels.push(Samples { level, cost_per_path, ..Samples::default() });
-        self.ladders.push((ladder, vec![Vec::new(); self.replicates as usize]));
+        if self.ladders.len() == level {
+            self.ladders.push((ladder, vec![Vec::new(); self.replicates as usize]));
+        }
         Ok(())
     }
 
@@ -398,22 +428,34 @@ impl<'a> Estimator<'a> {
         let Request { expect: Expect { settings, .. }, observables, spent, .. } = self.request;
         let new = self.empty(level);
         let empty = || new.clone();
-        let (ladder, nodes) = &mut self.ladders[level];
-        // All replicates are begun: none depends on another. They go on from where they stopped.
-        let more = in_parallel(0..self.replicates, &|replicate| {
-            let first = replicate * ScrambledSobol::POINTS;
-            let done = nodes[replicate as usize].last().map_or(first / GROUP_PATHS, Node::end);
-            let groups = done..(first + points).div_ceil(GROUP_PATHS);
-            ladder.nodes(&settings.stop, first + points, groups, &empty)
-        });
-        let replicates = nodes.iter_mut().zip(more);
-        if settings.stop.is_asked() {
+        let groups = points.div_ceil(GROUP_PATHS);
+        let (mut done, mut some, mut begun) = (0, 1, Instant::now());
+        while done < groups {
+            done = groups.min(done + some);
+            let (ladder, nodes) = &mut self.ladders[level];
+            // All replicates are begun: none depends on another. They go on from where they
+            // stopped.
+            let more = in_parallel(0..self.replicates, &|replicate| {
+                let first = replicate * ScrambledSobol::POINTS;
+                let (first, begin) = (first, first / GROUP_PATHS);
+                let next = nodes[replicate as usize].last().map_or(begin, Node::end);
+                let groups = next..(begin + done).max(next);
+                ladder.nodes(&settings.stop, first + points, groups, &empty)
+            });
             // Complete rounds stay nodes of their own.
-            replicates.for_each(|(nodes, more)| nodes.extend(more));
-            return Ok(false);
+            nodes.iter_mut().zip(more).for_each(|(nodes, more)| nodes.extend(more));
+            self.keep();
+            if settings.stop.is_asked() {
+                return Ok(false);
+            }
+            if begun.elapsed() < BETWEEN {
+                some *= 4;
+            }
+            begun = Instant::now();
         }
+        let (ladder, nodes) = &mut self.ladders[level];
         let replicates: Vec<_> =
-            replicates.map(|(nodes, more)| ladder.join(nodes, more, &empty)).collect();
+            nodes.iter_mut().map(|nodes| ladder.join(nodes, Vec::new(), &empty)).collect();
         let samples = &mut self.levels[level];
         let first = replicates.iter().find_map(|replicate| replicate.failures.first().copied());
         spent.set(spent.get() + new_cost);

@@ -64,7 +64,6 @@
 mod estimator;
 mod extrapolation;
 mod judge;
-mod kept;
 mod level;
 mod rates;
 mod report;
@@ -81,11 +80,11 @@ use schemes::{
 };
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
-use crate::{Friction, Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop};
-use estimator::{Estimator, Request};
+use crate::{
+    Checkpoint, Friction, Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop,
+};
+use estimator::{Estimator, Kept, Request};
 
-pub use kept::Keeping;
-use kept::Kept;
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
 
 /// The computation of expectations: the scheme is chosen or given, everything else may be
@@ -121,7 +120,7 @@ pub struct Expect<'a> {
     settings: ExpectSettings,
     told: Box<Told<'a>>,
     counted: Box<dyn Fn(u64) + Sync + 'a>,
-    keeping: Option<Keeping>,
+    checkpoint: Option<&'a Checkpoint>,
 }
 
 /// Hears how far a computation is: the largest half-width so far, and the path-steps done over
@@ -280,8 +279,14 @@ impl<'a> Expect<'a> {
     }
 
     fn among(candidates: Vec<Candidate<'a>>) -> Self {
-        let (settings, keeping) = (ExpectSettings::default(), None);
-        Self { candidates, settings, told: Box::new(|_, _| ()), counted: Box::new(|_| ()), keeping }
+        let (settings, checkpoint) = (ExpectSettings::default(), None);
+        Self {
+            candidates,
+            settings,
+            told: Box::new(|_, _| ()),
+            counted: Box::new(|_| ()),
+            checkpoint,
+        }
     }
 
     /// Takes these settings.
@@ -302,11 +307,11 @@ impl<'a> Expect<'a> {
         Self { counted: Box::new(counted), ..self }
     }
 
-    /// Keeps the samples in a file when it is stopped, and goes on from what the file has, with
-    /// the same bits. It is removed at the end.
+    /// Keeps the samples in a file every few seconds and when it is stopped, and goes on from what
+    /// the file has, with the same bits. It is removed at the end.
     #[must_use]
-    pub fn keeping(self, keeping: Keeping) -> Self {
-        Self { keeping: Some(keeping), ..self }
+    pub fn keeping(self, checkpoint: &'a Checkpoint) -> Self {
+        Self { checkpoint: Some(checkpoint), ..self }
     }
 
     /// With friction on some components.
@@ -333,7 +338,8 @@ impl<'a> Expect<'a> {
     ///
     /// # Errors
     /// [`RunError`] if a setting is out of range, a level cannot be run or has no paths left, φ is
-    /// not finite, or it was stopped in its pilot. Reaching a limit is no error: the result says so
+    /// not finite, the checkpoint is damaged or of another computation, or it was stopped in its
+    /// pilot. Reaching a limit is no error: the result says so
     /// in its [`warnings`](Expectation::warnings), and its intervals are those that were reached.
     pub fn run(
         &self,
@@ -344,10 +350,10 @@ impl<'a> Expect<'a> {
             let few = "an expectation needs at least one test function, got none";
             return Err(RunError::Setting(few.into()));
         }
-        let Self { candidates, settings, keeping, .. } = self;
+        let Self { candidates, settings, checkpoint, .. } = self;
         let spent = Cell::new(0);
         let request = Request { expect: self, observables, accuracy, spent: &spent };
-        let mut kept = keeping.as_ref().and_then(Keeping::read::<Kept<'_>>);
+        let mut kept = checkpoint.map_or(Ok(None), Checkpoint::read::<Kept<'_>>)?;
         let attempts = candidates.iter().flat_map(|candidate| {
             let steps = settings.coarsest_steps.max(candidate.least_steps());
             (0..=REFINEMENTS).map(move |doubled| (candidate, steps << doubled))
@@ -367,10 +373,8 @@ impl<'a> Expect<'a> {
                     };
                     while attempts.next_if(same).is_some() {}
                     if attempts.peek().is_none() || helps.is_none() || found.reached() {
-                        if let Some(keeping) = keeping
-                            && !settings.stop.is_asked()
-                        {
-                            _ = std::fs::remove_file(&keeping.file);
+                        if let (Some(checkpoint), false) = (checkpoint, settings.stop.is_asked()) {
+                            checkpoint.remove();
                         }
                         return Ok(found);
                     }

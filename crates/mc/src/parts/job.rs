@@ -2,7 +2,7 @@
 
 use std::{
     collections::BTreeSet,
-    fs,
+    fmt, fs,
     path::Path,
     sync::{Mutex, MutexGuard, PoisonError},
     thread::available_parallelism,
@@ -11,16 +11,12 @@ use std::{
 
 use super::{
     JobError, Program, Share, Stop,
-    file::file_error,
     merging::Merging,
     part::Part,
     plan::{Planned, measure},
     work::Work,
 };
-use crate::{Kept, ladder::Nodes};
-
-/// How often a checkpoint is written, unless said otherwise.
-const INTERVAL: Duration = Duration::from_secs(60);
+use crate::{Kept, checkpoint::file_error, ladder::Nodes};
 
 /// What a program does with its Monte Carlo work: compute it here, compute one part, or merge.
 ///
@@ -31,10 +27,15 @@ const INTERVAL: Duration = Duration::from_secs(60);
 #[must_use = "a job is written and its errors are told by `finish`"]
 pub struct Job {
     stop: Stop,
-    interval: Duration,
     /// Whether work that was stopped gives the result of what is done.
     incomplete: bool,
     state: Mutex<State>,
+}
+
+impl fmt::Debug for Job {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Job").finish_non_exhaustive()
+    }
 }
 
 struct State {
@@ -91,7 +92,7 @@ impl Job {
     fn new(mode: Mode) -> Self {
         let state =
             Mutex::new(State { mode, error: None, names: BTreeSet::new(), section: String::new() });
-        Self { stop: Stop::default(), interval: INTERVAL, incomplete: false, state }
+        Self { stop: Stop::default(), incomplete: false, state }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -111,9 +112,12 @@ impl Job {
         self
     }
 
-    /// Writes a checkpoint as often as this; a minute by default.
-    pub fn with_checkpoints_every(mut self, interval: Duration) -> Self {
-        self.interval = interval;
+    /// Writes a checkpoint as often as this, or for a fiftieth of the time at most; every two
+    /// seconds by default.
+    pub fn with_checkpoints_every(self, interval: Duration) -> Self {
+        if let Mode::Part(part) = &mut self.state().mode {
+            part.file.kept.set_interval(interval);
+        }
         self
     }
 
@@ -187,7 +191,7 @@ impl Job {
                 let done = end == work.groups() || self.incomplete;
                 done.then(|| Some(tree.nodes)).ok_or(JobError::Stopped)
             }
-            Mode::Part(part) => part.collect(work, self.interval, self.incomplete),
+            Mode::Part(part) => part.collect(work, self.incomplete),
             Mode::Merge(merging) => merging.collect(work),
             Mode::Plan(each, works) => {
                 measure(*each, work).map(|planned| works.push(planned)).map(|()| None)

@@ -8,10 +8,10 @@ use std::{
 
 use super::{
     JobError, Program, Share,
-    file::{Header, PartFile, file_error, foreign},
+    file::{Header, PartFile, differs},
     work::Work,
 };
-use crate::{Kept, ladder::Nodes, tree::Node};
+use crate::{Kept, checkpoint::file_error, ladder::Nodes, tree::Node};
 
 /// What was merged before, in the file `merged.bin`.
 pub struct Known(PartFile);
@@ -24,7 +24,7 @@ impl Known {
     /// Its nodes of a piece of work, from the first group on: all of them, or fewer if there are
     /// more paths now.
     pub fn nodes<T: Kept>(&self, work: &Work<'_, T>) -> Result<Nodes<T>, JobError> {
-        let path = &self.0.path;
+        let path = self.0.kept.file();
         let Some(entry) = self.0.works.get(work.name) else { return Ok(Vec::new()) };
         work.check(path, &entry.header)?;
         if entry.header.paths > work.paths {
@@ -149,7 +149,7 @@ impl Merging {
                 return Err(work.other_paths(path, header));
             }
             if part.of != of {
-                return Err(foreign(path, work.name, "a number of parts", part.of, of));
+                return Err(differs(path, work.name, "a number of parts", part.of, of));
             }
             if header.is_complete() {
                 complete.insert(part.number);

@@ -18,7 +18,7 @@
 //! # }
 //! # let folder = tempfile::tempdir()?;
 //! # let folder = folder.path();
-//! # let program = || Program { name: "momentum".into(), version: "1".into() };
+//! # let program = || Program { name: "momentum".into(), ..Program::default() };
 //! # let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
 //! # let key = StreamKey { seed: 1, experiment: 1 };
 //! // A statistic of which everything is kept.
@@ -67,7 +67,6 @@ mod work;
 
 pub use atomic::{folder, replace};
 pub use error::JobError;
-pub use file::Program;
 pub use job::{Job, limit_threads};
 pub use merging::merged_paths;
 pub use part::remove;
@@ -75,5 +74,5 @@ pub use plan::Planned;
 pub use share::Share;
 pub use stop::Stop;
 
-pub use file::hash;
+pub use crate::checkpoint::{Program, hash};
 pub(crate) use work::Work;

@@ -3,17 +3,17 @@
 use std::{
     fs, io,
     path::{Path, PathBuf},
-    time::{Duration, Instant},
 };
 
 use super::{
     JobError, Program, Share, atomic,
-    file::{Header, PartFile, file_error, foreign},
+    file::{Header, PartFile, differs},
     merging::Known,
     work::Work,
 };
 use crate::{
     Kept,
+    checkpoint::file_error,
     driver::GROUP_PATHS,
     ladder::{Nodes, Sum},
     tree::{MergeTree, Node},
@@ -43,10 +43,9 @@ pub fn remove(folder: &Path, share: Share) -> Result<(), JobError> {
 /// A part with its file.
 pub struct Part {
     share: Share,
-    file: PartFile,
+    pub file: PartFile,
     /// Whether its file has work from before.
     pub resumes: bool,
-    written: Instant,
     known: Known,
     _lock: atomic::Lock,
 }
@@ -68,7 +67,7 @@ impl Part {
         // A folder that cannot be written is found now and not after hours.
         file.write()?;
         let (known, resumes) = (Known::open(folder, program)?, !file.works.is_empty());
-        Ok(Self { share, file, resumes, written: Instant::now(), known, _lock: lock })
+        Ok(Self { share, file, resumes, known, _lock: lock })
     }
 
     pub fn finish(self) -> Result<(), JobError> {
@@ -80,7 +79,6 @@ impl Part {
     pub fn collect<T: Kept>(
         &mut self,
         work: &Work<'_, T>,
-        interval: Duration,
         incomplete: bool,
     ) -> Result<Option<Nodes<T>>, JobError> {
         let is_whole = self.share == Share::WHOLE;
@@ -97,10 +95,10 @@ impl Part {
         let mut kept = Ok(());
         let rest = header.done..header.groups.end;
         header.done = work.grow(&mut tree, rest, &mut |nodes, done| {
-            if self.written.elapsed() >= interval && kept.is_ok() {
+            if self.file.kept.is_due() && kept.is_ok() {
                 kept = self.record(work, Header { done, ..header.clone() }, nodes);
                 // A full disk may have room again when the next checkpoint is due; `finish` tells.
-                _ = self.write();
+                _ = self.file.write();
             }
             kept.is_ok()
         });
@@ -108,7 +106,7 @@ impl Part {
         let stopped = !header.is_complete();
         self.record(work, header, &tree.nodes)?;
         if stopped && !(incomplete && is_whole) {
-            self.write()?;
+            self.file.write()?;
             return Err(JobError::Stopped);
         }
         nodes.extend(tree.nodes);
@@ -124,7 +122,7 @@ impl Part {
         header: &Header,
         tree: &mut MergeTree<Sum<T>>,
     ) -> Result<u64, JobError> {
-        let (path, groups) = (&self.file.path, &header.groups);
+        let (path, groups) = (self.file.kept.file(), &header.groups);
         let Some(entry) = self.file.works.get(work.name) else { return Ok(groups.start) };
         let found = &entry.header;
         work.check(path, found)?;
@@ -137,7 +135,7 @@ impl Part {
             Err(work.other_paths(path, found))
         } else {
             let [found, here] = [&found.groups, groups].map(|groups| format!("{groups:?}"));
-            Err(foreign(path, work.name, "the groups", found, here))
+            Err(differs(path, work.name, "the groups", found, here))
         }
     }
 
@@ -150,11 +148,5 @@ impl Part {
     ) -> Result<(), JobError> {
         self.file.works.insert(work.name.to_owned(), work.entry(header, nodes)?);
         Ok(())
-    }
-
-    fn write(&mut self) -> Result<(), JobError> {
-        // After a failure, too: a disk that is full is not asked again after every wave.
-        self.written = Instant::now();
-        self.file.write()
     }
 }

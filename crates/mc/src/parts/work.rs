@@ -4,10 +4,11 @@ use std::{ops::Range, path::Path, sync::OnceLock};
 
 use super::{
     JobError, Stop,
-    file::{Entry, Header, damaged, foreign},
+    file::{Entry, Header, differs},
 };
 use crate::{
     Kept, Ladder,
+    checkpoint::damaged,
     driver::{GROUP_PATHS, Tally},
     ladder::{After, Nodes, Sum, merge},
     tree::{MergeTree, Node},
@@ -102,13 +103,13 @@ impl<T: Kept> Work<'_, T> {
     pub fn check(&self, path: &Path, found: &Header) -> Result<(), JobError> {
         match &found.study == self.study() {
             true => Ok(()),
-            false => Err(foreign(path, self.name, "the fingerprint", &found.study, self.study())),
+            false => Err(differs(path, self.name, "the fingerprint", &found.study, self.study())),
         }
     }
 
     /// That a file has another number of paths.
     pub fn other_paths(&self, path: &Path, found: &Header) -> JobError {
-        foreign(path, self.name, "a number of paths", found.paths, self.paths)
+        differs(path, self.name, "a number of paths", found.paths, self.paths)
     }
 }
 

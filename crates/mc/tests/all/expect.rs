@@ -1,15 +1,19 @@
 //! Expectations with everything chosen: exact values, the same bits for any threads and flows, and
 //! what is done where a scheme is not for a system.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicU64, Ordering},
+use std::{
+    fs,
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::Duration,
 };
 
 use mc::{
-    Expect, ExpectSettings, Observable, RunError, Setup,
-    expect::{Keeping, WarningKind},
-    parts::Stop,
+    Checkpoint, Expect, ExpectSettings, Observable, RunError, Setup,
+    expect::WarningKind,
+    parts::{Program, Stop},
 };
 use real::Real;
 use schemes::Sexp;
@@ -229,41 +233,77 @@ fn few_failed_paths_widen_the_interval() {
     assert!(estimate.bias_bound > 2e-4, "{found}");
 }
 
-/// Stopped at several places, again and again, and each time gone on from the file.
+/// Stopped at several places, again and again, and each time gone on from the file: in the pilot,
+/// which is nearly all for the first accuracy, and in rounds.
 #[test]
 fn who_goes_on_has_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let problem = body();
-    let keeping = || Keeping {
-        file: folder.path().join("kept/samples.bin"),
-        study: "cos y3".into(),
-        ..Keeping::default()
+    let checkpoint = |input: &str| {
+        let file = folder.path().join("kept/samples.bin");
+        Checkpoint::new(file, Program { input: input.into(), ..Program::default() })
     };
-    let whole = Expect::new(&problem).run(&[&COS_Y3], 1e-5).unwrap();
-    let mut stops = 0;
-    let found = loop {
-        let stop = Stop::default();
-        let done = AtomicU64::new(0);
-        let progress = |steps: u64| {
-            if done.fetch_add(steps, Ordering::Relaxed) > whole.cost / 5 {
-                stop.now();
+    for (accuracy, pilots) in [(1e-2, 2), (1e-5, 0)] {
+        let whole = Expect::new(&problem).run(&[&COS_Y3], accuracy).unwrap();
+        let (mut stops, mut before) = (0, 0);
+        let found = loop {
+            let stop = Stop::default();
+            let done = AtomicU64::new(0);
+            let progress = |steps: u64| {
+                if done.fetch_add(steps, Ordering::Relaxed) > whole.cost / 5 {
+                    stop.now();
+                }
+            };
+            let settings = ExpectSettings { stop: stop.clone(), ..Default::default() };
+            let keeping = checkpoint("cos y3");
+            let expect = Expect::new(&problem).with(settings).keeping(&keeping);
+            let found = expect.counting(progress).run(&[&COS_Y3], accuracy);
+            if !stop.is_asked() {
+                break found.unwrap();
             }
+            match found {
+                Err(error) => {
+                    assert_eq!(error, RunError::Stopped);
+                    before += 1;
+                }
+                Ok(found) => assert!(!found.reached() && warns(&found, WarningKind::Stopped)),
+            }
+            assert!(keeping.holds().unwrap());
+            // Another expectation does not take the samples.
+            let another = checkpoint("p");
+            let refused = Expect::new(&problem).keeping(&another).run(&[&COS_Y3], accuracy);
+            assert!(matches!(refused, Err(RunError::Checkpoint(_))));
+            stops += 1;
+            assert!(stops < 20, "it does not get on");
         };
-        let settings = ExpectSettings { stop: stop.clone(), ..Default::default() };
-        let expect = Expect::new(&problem).with(settings).keeping(keeping());
-        let found = expect.counting(progress).run(&[&COS_Y3], 1e-5).unwrap();
-        if !stop.is_asked() {
-            break found;
+        assert!(stops > 2 && before >= pilots, "{stops} stops, {before} in the pilot");
+        assert!(found == whole, "{found} {whole}");
+        assert!(!checkpoint("").file().exists());
+    }
+}
+
+/// A copy of the file at any time is what a kill would leave.
+#[test]
+fn samples_are_kept_every_few_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    let problem = body();
+    let (file, copy) = (folder.path().join("samples.bin"), folder.path().join("copy.bin"));
+    let mut often = Checkpoint::new(&file, Program::default());
+    often.set_interval(Duration::ZERO);
+    let seen = AtomicU64::new(0);
+    let told = |_| {
+        if fs::copy(&file, &copy).is_ok() {
+            seen.fetch_add(1, Ordering::Relaxed);
         }
-        assert!(!found.reached() && warns(&found, WarningKind::Stopped));
-        assert!(keeping().holds());
-        // Another expectation does not take the samples.
-        assert!(!Keeping { study: "p".into(), ..keeping() }.holds());
-        stops += 1;
-        assert!(stops < 20, "it does not get on");
     };
-    assert!(stops > 2 && found == whole, "{stops} stops: {found} {whole}");
-    assert!(!keeping().file.exists());
+    let whole = Expect::new(&problem).keeping(&often).counting(told).run(&[&COS_Y3], 1e-5).unwrap();
+    assert!(seen.into_inner() > 10 && !file.exists());
+    let left = Checkpoint::new(&copy, Program::default());
+    let counted = AtomicU64::new(0);
+    let count = |steps| _ = counted.fetch_add(steps, Ordering::Relaxed);
+    let found = Expect::new(&problem).keeping(&left).counting(count).run(&[&COS_Y3], 1e-5).unwrap();
+    assert_eq!(found, whole);
+    assert!(counted.into_inner() < whole.cost / 2);
 }
 
 #[test]

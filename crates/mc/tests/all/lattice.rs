@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mc::{LadderError, LargePath, Setup, Simulation, expect::Keeping};
+use mc::{Checkpoint, LadderError, LargePath, Setup, Simulation, parts::Program};
 use noise::{StreamKey, Truncation};
 use nonlin::Solver;
 use schemes::{Explicit, Heun, Increment, Sexp, SexpLi, Split, WithSolver, run_time::Scheme};
@@ -263,20 +263,21 @@ fn a_path_goes_on_from_its_file_with_the_same_bits() {
         let new = || LargePath::new(&problem, &sexp_li, 30, truncation(), KEY, 0).unwrap();
         let mut whole = new();
         whole.advance(30).unwrap();
-        let keeping = |study: &str| {
+        let checkpoint = |input: &str| {
             let file = folder.path().join(format!("path-{local}.bin"));
-            Keeping { file, study: study.into(), ..Keeping::default() }
+            Checkpoint::new(file, Program { input: input.into(), ..Program::default() })
         };
-        let mut first = new().keeping(keeping("one"));
+        let one = checkpoint("one");
+        let mut first = new().keeping(&one).unwrap();
         first.advance(13).unwrap();
         first.keep();
         first.advance(4).unwrap();
-        let mut second = new().keeping(keeping("one"));
+        let mut second = new().keeping(&one).unwrap();
         assert_eq!(second.steps_done(), 13);
         second.advance(17).unwrap();
         assert_eq!(second.state(), whole.state());
-        // That of another study is left alone.
-        assert_eq!(new().keeping(keeping("another")).steps_done(), 0);
+        // That of another path is refused.
+        assert!(new().keeping(&checkpoint("another")).is_err());
     }
 }
 

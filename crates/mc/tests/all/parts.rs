@@ -98,7 +98,7 @@ const STUDY: Study =
 
 impl Study {
     fn program(self) -> Program {
-        Program { name: "test".into(), version: self.version.into() }
+        Program { name: "test".into(), version: self.version.into(), input: String::new() }
     }
 
     fn part(self, folder: &Path, number: u64, of: u64) -> Result<Job, JobError> {
@@ -308,13 +308,16 @@ fn any_number_of_paths_can_be_extended() {
 
 #[test]
 fn parts_of_another_study_are_refused_by_name() {
-    let fingerprint = "sum has the fingerprint";
+    let fingerprint = "it has\n  the fingerprint";
     let changes: [(Study, &str); 6] = [
         (Study { seed: 2, ..STUDY }, fingerprint),
         (Study { c: 1.0 + 1e-15, ..STUDY }, fingerprint),
         (Study { heun: false, ..STUDY }, fingerprint),
         (Study { frequency: 3.0 + 1e-13, ..STUDY }, fingerprint),
-        (Study { paths: 999, ..STUDY }, "sum has a number of paths 999, here it is 19217"),
+        (
+            Study { paths: 999, ..STUDY },
+            "a number of paths 999 of sum\nand here is\n  a number of paths 19217",
+        ),
         (
             Study { version: "0.9", ..STUDY },
             "the file has the program test 0.9, format 6, here it is test 1, format 6",

@@ -187,7 +187,7 @@ fn threads_change_no_bit_of_a_study() {
 }
 
 fn program() -> Program {
-    Program { name: "study".into(), version: "1".into() }
+    Program { name: "study".into(), ..Program::default() }
 }
 
 pub fn run_part(study: &Study<'_>, folder: &Path, number: u64, of: u64) {

@@ -1,0 +1,111 @@
+//! All that results depend on, as text.
+
+use toml::{Table, Value};
+
+use super::{Changes, Source, values::number};
+
+/// What changes how results are shown or how many there are, and not what they are of: of samples
+/// that are kept, more may be wanted.
+const APART: [&str; 6] =
+    ["title", "figures.", "expect.accuracy", "run.paths", "run.tables", "run.columns"];
+
+/// A scene and what a command line changes, in lines `key = value`. Comments, blanks and ways to
+/// write a number do not count.
+///
+/// `law` is that of random initial values, which has the sum of a file of states; `further` lines
+/// are of the command.
+pub fn meaning(source: &Source, law: Option<&str>, changes: &Changes, further: &str) -> String {
+    // It was read before.
+    let scene: Table = toml::from_str(&source.text).unwrap_or_default();
+    let mut lines = Vec::new();
+    flatten(String::new(), &scene.into(), &mut lines);
+    lines.retain(|line| !APART.iter().any(|key| line.starts_with(key)));
+    lines.extend(law.map(|law| format!("run.initial is {law}")));
+    // More paths may be asked for.
+    let changes = Changes { paths: None, ..changes.clone() };
+    let changes = Value::try_from(changes).unwrap_or_else(|error| unreachable!("{error}"));
+    flatten("--".into(), &changes, &mut lines);
+    lines.join("\n") + "\n" + further
+}
+
+fn flatten(key: String, value: &Value, lines: &mut Vec<String>) {
+    let dot = if key.is_empty() || key.ends_with('-') { "" } else { "." };
+    match value {
+        Value::Table(table) => {
+            table
+                .iter()
+                .for_each(|(name, value)| flatten(format!("{key}{dot}{name}"), value, lines));
+        }
+        Value::Array(list) => {
+            (1..).zip(list).for_each(|(n, value)| flatten(format!("{key}[{n}]"), value, lines));
+        }
+        Value::String(text) => lines.push(format!("{key} = {}", canonical(text))),
+        Value::Boolean(switch) => lines.push(format!("{key} = {switch}")),
+        other => lines.push(format!("{key} = {}", canonical(&number(other)))),
+    }
+}
+
+/// A number in one way, and a formula without blanks but those between words.
+fn canonical(text: &str) -> String {
+    // Beyond 2⁵³ a number is not exact.
+    match text.parse::<f64>() {
+        Ok(number) if number.abs() < 9e15 => return number.to_string(),
+        _ => {}
+    }
+    let mut all = String::new();
+    for word in text.split_whitespace() {
+        let joins =
+            |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == '.');
+        if joins(all.chars().next_back()) && joins(word.chars().next()) {
+            all.push(' ');
+        }
+        all += word;
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> String {
+        let source = Source { name: "s.toml".into(), text: text.into(), states: None };
+        meaning(&source, None, &Changes::default(), "")
+    }
+
+    const SCENE: &str = "[system]\nstate = [\"q\", \"p\"]\nH0 = \"2 q^2 + p*q\"\n\
+                         [run]\nuntil = 10\npaths = 5\n[events]\nfar = \"q > 4 or p > 1\"\n";
+
+    #[test]
+    fn what_means_the_same_is_the_same() {
+        let same = "# a comment\ntitle = \"T\"\n[system]\nstate = ['q','p'] # another\n\
+                    H0 = \" 2 q^2+p * q\"\n[run]\nuntil = 1e1\n paths=7\n\n[events]\n\
+                    far=\"q>4  or p>1.0\"\n[figures]\nlog = [\"q\"]\n[expect]\naccuracy = 1\n";
+        // A number within a formula stays as it is written.
+        assert_eq!(of(&same.replace("1.0", "1")), of(SCENE));
+        assert!(of(SCENE).contains("\nevents.far = q>4 or p>1\n"), "{}", of(SCENE));
+        for seed in ["18446744073709551615", "18446744073709551614"] {
+            assert!(of(&format!("[run]\nseed = \"{seed}\"")).contains(seed));
+        }
+    }
+
+    #[test]
+    fn every_other_change_shows() {
+        let edits =
+            [("4", "4.5"), ("2 q", "2*q"), ("10", "11"), ("far", "near"), (" or ", " and ")];
+        for (old, new) in edits {
+            assert_ne!(of(&SCENE.replacen(old, new, 1)), of(SCENE), "{old} {new}");
+        }
+        let source = Source { name: "s.toml".into(), text: SCENE.into(), states: None };
+        let with = |law, changes: Changes| meaning(&source, law, &changes, "");
+        let none = Changes::default;
+        assert_eq!(with(None, Changes { paths: Some(9), ..none() }), of(SCENE));
+        assert_ne!(with(None, Changes { steps: Some(9), ..none() }), of(SCENE));
+        assert!(with(None, Changes { steps: Some(9), ..none() }).contains("--steps = 9"));
+        assert_ne!(with(None, Changes { independent: true, ..none() }), of(SCENE));
+        let mut set = none();
+        set.scheme.sets.push("a=1,2".parse().unwrap());
+        assert!(with(None, set).contains("--sets[1].values[2] = 2\n"));
+        assert_ne!(with(Some("the 3 states of f, SHA-256 0"), none()), of(SCENE));
+    }
+}
