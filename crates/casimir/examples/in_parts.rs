@@ -54,7 +54,7 @@ fn run(arguments: Vec<String>) -> Result<(), Error> {
     let stop = Stop::default();
     let asked = stop.clone();
     ctrlc::set_handler(move || asked.now())?;
-    let seconds = value("--checkpoint-every").map_or(Ok(60.0), |text| text.parse())?;
+    let seconds = value("--checkpoint-every").map_or(Ok(2.0), |text| text.parse())?;
     let job = job.stopped_by(&stop).with_checkpoints_every(Duration::from_secs_f64(seconds));
     value("--threads")
         .map_or(Ok(()), |threads| Ok::<_, Error>(limit_threads(threads.parse()?)?))?;
