@@ -304,7 +304,7 @@ fn samples_are_kept_every_few_seconds() {
     let count = |steps| _ = counted.fetch_add(steps, Ordering::Relaxed);
     let found = Expect::new(&problem).keeping(&left).counting(count).run(&[&COS_Y3], 1e-5).unwrap();
     assert_eq!(found, whole);
-    assert!(counted.into_inner() < whole.cost / 2);
+    assert!(counted.into_inner() < whole.cost);
 }
 
 #[test]
