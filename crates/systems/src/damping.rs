@@ -9,7 +9,7 @@ use real::Real;
 
 use crate::{SystemError, error::finite};
 
-pub use quadrature::{RateIntegrals, RateQuadrature};
+pub use quadrature::{RateIntegrals, rate_integrals};
 
 /// Linear damping −γ(t)y with the rate γ(t) and its integral.
 ///

@@ -74,8 +74,8 @@ pub mod run_time;
 mod system;
 
 pub use damping::{
-    Constant, Cosine, Damping, DampingFunction, Harmonic, Linear, RateIntegrals, RateQuadrature,
-    Sine,
+    Constant, Cosine, Damping, DampingFunction, Harmonic, Linear, RateIntegrals, Sine,
+    rate_integrals,
 };
 pub use error::SystemError;
 pub use field::{

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde::Serialize;
-use systems::{Damping, RateIntegrals, RateQuadrature};
+use systems::{Damping, RateIntegrals, rate_integrals};
 
 use super::finding::Status;
 
@@ -48,7 +48,7 @@ impl DampingIntegral {
     /// That of a damping up to a final time.
     pub fn of(damping: &dyn Damping, t_end: f64) -> Self {
         let time = |n: u32| t_end * f64::from(n) / f64::from(PARTS);
-        let parts = RateQuadrature::new(damping, t_end, PARTS).parts;
+        let parts = rate_integrals(damping, t_end, PARTS);
         let total = parts.iter().fold(RateIntegrals::default(), |sum, part| sum + *part);
         let average = total.size / f64::from(PARTS);
         let mut found = Self {

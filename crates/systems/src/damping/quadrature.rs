@@ -57,41 +57,29 @@ impl std::ops::Add for RateIntegrals {
     }
 }
 
-/// Integrals of a rate over equal parts of [0, T], by Gauss–Legendre quadrature on cells that are
-/// halved where the rate is not smooth, or where the integral that the damping gives points to a
-/// pulse between the nodes.
-#[derive(Clone, Debug)]
-pub struct RateQuadrature {
-    /// One for each part.
-    pub parts: Vec<RateIntegrals>,
-    /// Times between which the rate was not looked at are at most about this far apart.
-    pub resolution: f64,
-}
-
-impl RateQuadrature {
-    /// Over `parts` parts of [0, `t_end`].
-    pub fn new(damping: &dyn Damping, t_end: f64, parts: u32) -> Self {
-        let mut quadrature = Refined::new(damping);
-        let time = |n: u32| t_end * f64::from(n) / f64::from(parts * CELLS);
-        let part = |n: u32| {
-            (n * CELLS..(n + 1) * CELLS).fold(RateIntegrals::default(), |sum, cell| {
-                let (a, b) = (time(cell), time(cell + 1));
-                sum + quadrature.integrate(a, b, quadrature.rule(a, b), HALVINGS)
-            })
-        };
-        let resolution = t_end / f64::from(parts * CELLS) / (2.0 * NODES as f64);
-        let mut parts: Vec<_> = (0..parts).map(part).collect();
-        let round_off = 64.0 * f64::EPSILON * parts.iter().map(|part| part.size).sum::<f64>();
-        for (n, part) in (0..).zip(&mut parts).filter(|(_, part)| !part.rough) {
-            let (a, b) = (time(n * CELLS), time((n + 1) * CELLS));
-            let difference = (damping.integral(a, b) - part.net).abs();
-            if difference > AGREEMENT * part.size + round_off {
-                let tolerance = (POINT * difference).max(round_off);
-                *part = quadrature.pursue((a, b), *part, tolerance, HALVINGS);
-            }
+/// Integrals of a rate over `parts` equal parts of [0, `t_end`], by Gauss–Legendre quadrature on
+/// cells that are halved where the rate is not smooth, or where the integral that the damping gives
+/// points to a pulse between the nodes.
+pub fn rate_integrals(damping: &dyn Damping, t_end: f64, parts: u32) -> Vec<RateIntegrals> {
+    let mut quadrature = Refined::new(damping);
+    let time = |n: u32| t_end * f64::from(n) / f64::from(parts * CELLS);
+    let part = |n: u32| {
+        (n * CELLS..(n + 1) * CELLS).fold(RateIntegrals::default(), |sum, cell| {
+            let (a, b) = (time(cell), time(cell + 1));
+            sum + quadrature.integrate(a, b, quadrature.rule(a, b), HALVINGS)
+        })
+    };
+    let mut parts: Vec<_> = (0..parts).map(part).collect();
+    let round_off = 64.0 * f64::EPSILON * parts.iter().map(|part| part.size).sum::<f64>();
+    for (n, part) in (0..).zip(&mut parts).filter(|(_, part)| !part.rough) {
+        let (a, b) = (time(n * CELLS), time((n + 1) * CELLS));
+        let difference = (damping.integral(a, b) - part.net).abs();
+        if difference > AGREEMENT * part.size + round_off {
+            let tolerance = (POINT * difference).max(round_off);
+            *part = quadrature.pursue((a, b), *part, tolerance, HALVINGS);
         }
-        Self { parts, resolution }
     }
+    parts
 }
 
 struct Refined<'a> {
@@ -186,15 +174,15 @@ mod tests {
     #[test]
     fn integrals_of_a_smooth_rate_and_of_a_jump() {
         // γ = cos 7t has ∫ₐᵇ γ = (sin 7b − sin 7a)/7.
-        let cosine = RateQuadrature::new(&Cosine::new(1.0, 7.0).unwrap(), 2.0, 5);
-        for (n, part) in (0..5).zip(&cosine.parts) {
+        let cosine = rate_integrals(&Cosine::new(1.0, 7.0).unwrap(), 2.0, 5);
+        for (n, part) in (0..5).zip(&cosine) {
             let sine = |n: i32| (7.0 * 0.4 * f64::from(n)).sin() / 7.0;
             assert!((part.net - (sine(n + 1) - sine(n))).abs() < 1e-14, "{n}: {part:?}");
         }
         // −2 up to 1/3, then 1.
         let jump = |t: f64| if t < 1.0 / 3.0 { -2.0 } else { 1.0 };
-        let jump = RateQuadrature::new(&DampingFunction::new(jump, 1).unwrap(), 1.0, 2);
-        let [first, second] = jump.parts[..] else { panic!() };
+        let jump = rate_integrals(&DampingFunction::new(jump, 1).unwrap(), 1.0, 2);
+        let [first, second] = jump[..] else { panic!() };
         for (got, exact) in [
             (first.net, -2.0 / 3.0 + 1.0 / 6.0),
             (first.size, 2.0 / 3.0 + 1.0 / 6.0),
