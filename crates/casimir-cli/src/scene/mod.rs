@@ -175,6 +175,11 @@ impl Scene {
             scene.expect(table, &mut vocabulary)?;
         }
         scene.collected = vocabulary.collected;
+        let scheme = &scene.settings.scheme;
+        if scheme != AUTO && BuiltIn::named(scheme).is_none() {
+            // Not every command takes the scheme.
+            scene.setup(scheme)?;
+        }
         Ok(scene)
     }
 
