@@ -86,14 +86,14 @@ pub fn plan(arguments: &Plan) -> Done {
     if let Some(states) = &settings.states {
         let copy = out.join(states);
         files::prepare(files::folder(&copy))?;
-        fs::copy(scene.with_file_name(states), copy)?;
+        // Read first: by an absolute path the copy is the file itself.
+        files::write(&copy, fs::read(scene.with_file_name(states))?)?;
     }
     let (parts, changes, settled) = (*parts, changes.clone(), verbs::settle(&sweep));
     let opened = Folder { divided: Divided { parts, changes, settled }, sweep };
     let job = Job::pilot(MEASURED);
     opened.compute(&job, &watch())?;
     let planned = job.plan()?;
-    files::write_json(&out.join(PLAN), &opened.divided)?;
     let (cpus, folder) = (*cpus.max(&1), fs::canonicalize(out)?);
     let seconds =
         |parts, threads| planned.iter().map(|work| work.seconds(parts, threads)).sum::<f64>();
@@ -103,6 +103,8 @@ pub fn plan(arguments: &Plan) -> Done {
     let program = &env::current_exe()?;
     let script = Script { parts, program, folder: &folder, minutes, cpus, options };
     files::write(&out.join(JOB), script.slurm())?;
+    // Last: a folder with a plan is complete.
+    files::write_json(&out.join(PLAN), &opened.divided)?;
     let (mut words, mut path_steps) = (String::new(), 0);
     for work in &planned {
         words += &format!("{}: {} paths of {} steps\n", work.name, work.paths, work.steps);
@@ -140,14 +142,20 @@ pub fn part(folder: &Path, part: u64, cpus: Option<u64>) -> Done {
 /// Puts the parts together.
 pub fn merge(folder: &Path, formats: &[Format], json: bool) -> Done {
     let opened = Folder::open(folder)?;
+    files::check(folder)?;
     let watch = stoppable();
     let job = Job::merge(folder, program())?.stopped_by(&watch.stop);
     let found = opened.compute(&job, &watch)?;
-    job.finish()?;
+    let merged = job.finish();
     if watch.stop.is_asked() {
+        merged?;
         return Err(Failure::Stopped("the same command merges them".into()));
     }
-    run::write(&found, folder, formats, json)
+    // Whether or not the file of what was merged can be written.
+    if found.results.iter().all(Option::is_some) {
+        run::write(&found, folder, formats, json)?;
+    }
+    Ok(merged?)
 }
 
 /// Asks for more in a folder.

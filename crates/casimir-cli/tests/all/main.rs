@@ -24,4 +24,5 @@ mod sweeps;
 mod time;
 mod truths;
 mod warnings;
+mod written;
 mod wrong_numbers;
