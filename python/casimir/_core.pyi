@@ -45,7 +45,7 @@ class _How(Protocol):
 class _Found(TypedDict):
     text: str
     json: str
-    figures: list[tuple[str, str, str]]
+    figures: list[tuple[str, str, str, str]]
     page: str
     paths: dict[str, NDArray[np.float64]]
     statistics: dict[str, NDArray[np.float64]]

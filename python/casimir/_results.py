@@ -44,12 +44,15 @@ class Figure:
 
 
 class Figures(Mapping[str, Figure]):
-    """All figures by name, shown one after the other by notebooks."""
+    """All figures by the names of their files, shown one after the other by notebooks. `time-a/b`
+    is found by this name, too."""
 
-    def __init__(self, figures: list[tuple[str, str, str]]) -> None:
-        self._figures = {one[0]: Figure(*one) for one in figures}
+    def __init__(self, figures: list[tuple[str, str, str, str]]) -> None:
+        self._figures = {one[0]: Figure(*one[:3]) for one in figures}
+        self._files = {one[3]: one[0] for one in figures}
 
     def __getitem__(self, name: str) -> Figure:
+        name = self._files.get(name, name)
         if name in self._figures:
             return self._figures[name]
         raise KeyError(f"no figure {name!r}; there are {', '.join(self._figures)}")

@@ -130,7 +130,7 @@ fn dictionary(py: Python<'_>, found: Found) -> PyResult<Bound<'_, PyDict>> {
         Ok(arrays)
     };
     let Found { common: verbs::Found { text, json, figures, .. }, page, paths, statistics } = found;
-    let figures: Vec<_> = figures.into_iter().map(|one| (one.file, one.svg, one.caption)).collect();
+    let figures: Vec<_> = figures.into_iter().map(|one| (one.file, one.svg, one.caption, one.name)).collect();
     result.set_item("text", text)?;
     result.set_item("json", json.to_string())?;
     result.set_item("figures", figures)?;

@@ -84,7 +84,7 @@ fn run<'py>(
         let ready = verbs::ready(&sweep, verbs::settle(&sweep))?;
         let job = Job::here().stopped_by(&watch.stop).giving_what_is_done();
         let mut found = verbs::compute(&sweep, ready, &job, watch)?;
-        if watch.stop.is_asked() && found.paths() == 0 {
+        if watch.stop.is_asked() && found.are_empty() {
             return Err(Failure::Stopped("before the first path".into()));
         }
         found.check()?;

@@ -114,6 +114,8 @@ def test_files(oscillator: casimir.Scene, tmp_path: Path) -> None:
     run.save(tmp_path / "r.html")
     assert "Oscillator" in (tmp_path / "r.html").read_text()
     run.plot("q").save(tmp_path / "q.svg")
+    alike = oscillator.with_(observe={"q+p": "q + p", "q-p": "q - p"}).run(paths=2)
+    assert "q - p" not in alike.plot("q+p").svg and alike.plot("q+p").svg != alike.plot("q-p").svg
     assert (tmp_path / "q.svg").read_text().startswith("<svg")
     with pytest.raises(casimir.SceneError, match=r"written as \.npz or \.html"):
         run.save(tmp_path / "r.csv")

@@ -12,6 +12,7 @@ use arguments::{Arguments, Command};
 
 fn main() -> ExitCode {
     let Arguments { citation, command } = Arguments::parse();
+    commands::handle_signals();
     let cited = || commands::citation(citation.flatten().as_deref());
     let done = command.map_or_else(cited, run);
     let (code, kind, words) = match done {

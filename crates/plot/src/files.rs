@@ -8,21 +8,37 @@ use std::{
 
 pub use mc::parts::folder;
 use serde::Serialize;
-use tempfile::NamedTempFile;
 
 fn named(what: &str, path: &Path) -> impl FnOnce(Error) -> Error {
     move |error| Error::new(error.kind(), format!("cannot {what} {}: {error}", path.display()))
 }
 
-/// Creates a folder and checks that a file can be written into it.
+/// Creates a folder and checks that a file can be written into it. What processes that were killed
+/// left there is removed.
 ///
 /// # Errors
 ///
 /// When it cannot; the error names the folder.
 pub fn prepare(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(named("create the output folder", folder))?;
-    NamedTempFile::new_in(folder).map_err(named("write into the output folder", folder))?;
+    mc::parts::tidy_folder(folder);
+    let file = folder.join(".casimir");
+    mc::parts::replace(&file, b"\n").map_err(named("write into the output folder", folder))?;
+    // Or another process has done that.
+    _ = fs::remove_file(file);
     Ok(())
+}
+
+/// Checks the same of a folder, and leaves nothing that was not there.
+///
+/// # Errors
+///
+/// When it cannot be created or written; the error names the folder.
+pub fn check(folder: &Path) -> Result<()> {
+    let new: Vec<&Path> = folder.ancestors().take_while(|folder| !folder.exists()).collect();
+    let checked = prepare(folder);
+    new.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+    checked
 }
 
 /// Replaces a file in one step, as [`mc::parts::replace`] does: a reader sees the old file or the

@@ -9,7 +9,7 @@ use casimir::mc::{
 };
 use casimir_cli::{
     failure::{Done, Failure},
-    scene::{Changes, SchemeAndSeed},
+    scene::SchemeAndSeed,
     verbs::{self, Found, Watch},
 };
 
@@ -31,9 +31,7 @@ pub fn inspect(Inspect { sets, on }: &Inspect) -> Done {
 /// Measures the orders of a scheme on a scene.
 pub fn order(Order { path_steps, scheme, on }: &Order) -> Done {
     let scene = open(on, scheme, None)?;
-    let further = format!("verb = order\npath steps = {path_steps}\n");
-    let changes = Changes { scheme: scheme.clone(), ..Changes::default() };
-    kept(on, "order", program(&scene, &changes, &further), |job, watch| {
+    kept(on, "order", program(&scene, &format!("path steps = {path_steps}\n")), |job, watch| {
         verbs::order(&scene, *path_steps, Some(job), watch)
     })
 }
@@ -42,9 +40,7 @@ pub fn order(Order { path_steps, scheme, on }: &Order) -> Done {
 pub fn compare(Compare { error, budget, sets, seed, on }: &Compare) -> Done {
     let seed = SchemeAndSeed { scheme: None, seed: *seed, sets: sets.clone() };
     let scene = open(on, &seed, None)?;
-    let further = format!("verb = compare\nerror = {error}\n");
-    let changes = Changes { scheme: seed, ..Changes::default() };
-    kept(on, "compare", program(&scene, &changes, &further), |job, watch| {
+    kept(on, "compare", program(&scene, &format!("error = {error}\n")), |job, watch| {
         verbs::compare(&scene, *error, *budget, Some(job), watch)
     })
 }
@@ -56,7 +52,7 @@ fn kept(
     program: Program,
     work: impl FnOnce(&Arc<Job>, &Watch) -> Done<Found>,
 ) -> Done {
-    let (folder, watch) = (folder(on, command), stoppable());
+    let (folder, watch) = (folder(on, command)?, stoppable());
     let job = Arc::new(keeping(&folder, program, &watch)?);
     let found = work(&job, &watch);
     match Arc::into_inner(job).map_or(Ok(()), Job::finish) {
@@ -78,12 +74,11 @@ fn kept(
 pub fn expect(Expect { accuracy, steps, scheme, on }: &Expect) -> Done {
     let mut scene = open(on, scheme, *steps)?;
     scene.accuracy = accuracy.or(scene.accuracy);
-    let changes = Changes { scheme: scheme.clone(), steps: *steps, ..Changes::default() };
-    let program = program(&scene, &changes, "verb = expect\n");
-    let kept = checkpoint(folder(on, "expect").join("samples.bin"), program)?;
+    let file = folder(on, "expect")?.join("samples.bin");
+    let kept = checkpoint(file, program(&scene, "verb = expect\n"))?;
     let watch = stoppable();
-    let found = verbs::expect(&scene, Some(&kept), &watch)?;
-    finish(&found, on.out.clone(), ("expectation", on.json), &watch, &kept)
+    let found = verbs::expect(&scene, Some(&kept), &watch);
+    finish(found, on.out.clone(), ("expectation", on.json), &watch, &kept)
 }
 
 /// Averages over the stationary law.
@@ -100,40 +95,38 @@ fn chains(arguments: &Equilibrium, command: &str, exponents: Option<usize>) -> D
     let Equilibrium { accuracy, steps, chains, path_steps, scheme, on } = arguments;
     let mut scene = open(on, scheme, *steps)?;
     scene.accuracy = accuracy.or(exponents.map_or(scene.accuracy, |_| Some(ACCURACY)));
-    let folder = folder(on, command);
-    let changes = Changes { scheme: scheme.clone(), steps: *steps, ..Changes::default() };
-    let further = format!(
-        "verb = {command}\nchains = {chains}\nexponents = {}\nlayout = {LAYOUT}\n",
-        exponents.unwrap_or(0)
-    );
-    let program = program(&scene, &changes, &further);
-    let kept = checkpoint(folder.join("chains.bin"), program)?;
+    let (folder, count) = (folder(on, command)?, exponents.unwrap_or(0));
+    let further = format!("chains = {chains}\nexponents = {count}\nlayout = {LAYOUT}\n");
+    let kept = checkpoint(folder.join("chains.bin"), program(&scene, &further))?;
     let watch = stoppable();
     let limits = (*chains, *path_steps);
-    let found = verbs::equilibrium(&scene, exponents, limits, Some(&kept), &watch)?;
-    finish(&found, Some(folder), (command, on.json), &watch, &kept)
+    let found = verbs::equilibrium(&scene, exponents, limits, Some(&kept), &watch);
+    finish(found, Some(folder), (command, on.json), &watch, &kept)
 }
 
-/// Says what was found; whether it was stopped or its accuracy not reached is the exit code.
+/// Says what was found and what is kept; whether it was stopped or its accuracy not reached is the
+/// exit code.
 fn finish(
-    found: &Found,
+    found: Done<Found>,
     folder: Option<PathBuf>,
     (file, json): (&str, bool),
     watch: &Watch,
     kept: &Checkpoint,
 ) -> Done {
-    tell(found, folder, file, json)?;
+    let told = found.and_then(|found| tell(&found, folder, file, json).map(|()| found.unreached));
     let file = kept.file().display();
     if let Some(error) = kept.failure() {
         eprintln!("warning: the samples are not kept in {file}: {error}");
     }
-    match &found.unreached {
-        _ if watch.stop.is_asked() => {
-            let words = format!("the samples are in {file}: the same command goes on from them");
-            Err(Failure::Stopped(words))
-        }
-        Some(words) => Err(Failure::Run(words.clone())),
-        None => Ok(()),
+    let next = || match kept.holds() {
+        Ok(true) => format!("samples are in {file}: the same command goes on from them"),
+        _ => "no samples are kept: the same command begins anew".into(),
+    };
+    match told {
+        Err(Failure::Stopped(words)) => Err(Failure::Stopped(format!("{words}; {}", next()))),
+        Ok(_) if watch.stop.is_asked() => Err(Failure::Stopped(next())),
+        Ok(Some(words)) => Err(Failure::Run(words)),
+        told => told.map(drop),
     }
 }
 

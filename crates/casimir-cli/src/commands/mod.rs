@@ -9,6 +9,8 @@ use std::{
     fs,
     io::Write,
     path::{Path, PathBuf},
+    process,
+    sync::OnceLock,
     time::{Duration, Instant},
 };
 
@@ -18,7 +20,7 @@ use casimir::{
 };
 use casimir_cli::{
     failure::{Done, Failure},
-    scene::{Changes, Scene, SchemeAndSeed, Source, meaning},
+    scene::{Changes, Scene, SchemeAndSeed, Source},
     verbs::{Found, ProgressBar, Watch},
 };
 use serde::Serialize;
@@ -35,7 +37,7 @@ fn open(on: &On, scheme: &SchemeAndSeed, steps: Option<u64>) -> Done<Scene> {
     let changes = Changes { scheme: scheme.clone(), steps, ..Changes::default() };
     let scene = Scene::new(source(&on.scene)?, &changes)?;
     threads(on.threads)?;
-    on.out.as_deref().map_or(Ok(()), files::prepare)?;
+    on.out.as_deref().map_or(Ok(()), files::check)?;
     Ok(scene)
 }
 
@@ -47,15 +49,11 @@ fn source(file: &Path) -> Done<Source> {
     Ok(Source { name, text, states: None })
 }
 
-/// This program and what it computes of a scene, as files for unfinished work name it: the lines of
-/// a command beside scene and changes.
-fn program(scene: &Scene, changes: &Changes, further: &str) -> Program {
-    let law = scene.settings.random.as_ref().map(|random| &*random.law);
-    Program {
-        name: "casimir".into(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        input: meaning(&scene.source, law, changes, further),
-    }
+/// This program and what it computes of a scene, as files for unfinished work name it: with further
+/// lines of a command.
+fn program(scene: &Scene, further: &str) -> Program {
+    let (name, version) = ("casimir".into(), env!("CARGO_PKG_VERSION").into());
+    Program { name, version, input: scene.meaning() + further }
 }
 
 /// A job with checkpoints in a folder.
@@ -72,7 +70,7 @@ fn going_on(file: &Path) {
     eprintln!("going on from {}; to begin anew, delete it", file.display());
 }
 
-/// A bar on the terminal; nothing stops the work but the end of the process.
+/// A bar on the terminal; a signal ends the process.
 fn watch() -> Watch {
     let say = |words: &str| eprintln!("{words}");
     Watch { bar: ProgressBar::new(0), say, stop: Stop::default() }
@@ -81,22 +79,35 @@ fn watch() -> Watch {
 /// Signals within this time are one wish: it may come as two.
 const ONE_WISH: Duration = Duration::from_secs(1);
 
-/// The same, stopped by Ctrl-C and by SIGTERM. A second signal ends the process at once.
-fn stoppable() -> Watch {
-    let watch = watch();
-    let (stop, mut first) = (watch.stop.clone(), None);
+/// What ends work that is [`stoppable`].
+static STOP: OnceLock<Stop> = OnceLock::new();
+
+/// Ends the process at Ctrl-C and SIGTERM. Work that is [`stoppable`] ends by itself, and at a
+/// second signal the process does.
+pub fn handle_signals() {
+    let mut first = None;
     let handled = ctrlc::set_handler(move || {
+        let Some(stop) = STOP.get() else {
+            eprintln!("stopped: what is not printed or written yet is lost");
+            process::exit(130);
+        };
         let asked = *first.get_or_insert_with(Instant::now);
         if !stop.is_asked() {
             eprintln!("stopping; once more to stop without a checkpoint");
             stop.now();
         } else if asked.elapsed() > ONE_WISH {
-            std::process::exit(130);
+            process::exit(130);
         }
     });
     if let Err(error) = handled {
         eprintln!("warning: Ctrl-C loses what is not in a checkpoint: {error}");
     }
+}
+
+/// The same for work that a signal stops: it keeps what it has.
+fn stoppable() -> Watch {
+    let watch = watch();
+    _ = STOP.set(watch.stop.clone());
     watch
 }
 
@@ -107,15 +118,20 @@ fn threads(threads: Option<u64>) -> Done {
 /// Prints to the standard output; a reader that went away is no error.
 fn print(text: &str) -> Done {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::Run(format!("cannot print: {error}")))
+        }
         _ => Ok(()),
     }
 }
 
-/// The folder of results: the one asked for, or `<scene>-<command>` here.
-fn folder(on: &On, command: &str) -> PathBuf {
-    let stem = on.scene.file_stem().unwrap_or_default().to_string_lossy();
-    on.out.clone().unwrap_or_else(|| format!("{stem}-{command}").into())
+/// The folder of results, which can be written: the one asked for, or `<scene>-<command>` here.
+fn folder(on: &On, command: &str) -> Done<PathBuf> {
+    let mut name = on.scene.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("-{command}"));
+    let folder = on.out.clone().unwrap_or(name.into());
+    files::check(&folder)?;
+    Ok(folder)
 }
 
 /// The report in a folder.
@@ -131,21 +147,24 @@ fn prepare(folder: &Path) -> Done {
     Ok(())
 }
 
-/// Writes figures and JSON into a folder, if there is one, and says what was found.
+/// Says what was found, and writes figures and JSON into a folder, if there is one.
 fn tell(found: &Found, folder: Option<PathBuf>, file: &str, json: bool) -> Done {
-    let mut text = found.text.clone();
+    // First, and whatever becomes of the files.
+    let told = if json { print_json(&found.json) } else { print(&found.text) };
+    let mut written = String::new();
     if let Some(folder) = folder {
         files::prepare(&folder)?;
         files::write_json(&folder.join(format!("{file}.json")), &found.json)?;
         for figure in &found.figures {
             let file = folder.join(format!("{}.svg", figure.file));
             files::write(&file, &figure.svg)?;
-            text += &format!("figure: {}\n", file.display());
+            written += &format!("figure: {}\n", file.display());
         }
     }
-    if json { print_json(&found.json) } else { print(&text) }
+    told?;
+    if json { Ok(()) } else { print(&written) }
 }
 
 fn print_json(value: &impl Serialize) -> Done {
-    print(&format!("{}\n", serde_json::to_string_pretty(value)?))
+    print(&(serde_json::to_string_pretty(value)? + "\n"))
 }

@@ -68,10 +68,8 @@ impl Folder {
 
     /// This program and what it computes in the folder.
     fn program(&self) -> Program {
-        let Divided { changes, settled, .. } = &self.divided;
-        let schemes: Vec<&str> = settled.iter().map(|(scheme, _)| &**scheme).collect();
-        let further = format!("verb = run\nschemes = {}\n", schemes.join(", "));
-        program(&self.sweep.combinations[0].scene, changes, &further)
+        let schemes = self.divided.settled.iter().map(|(scheme, _)| format!("scheme = {scheme}\n"));
+        program(&self.sweep.combinations[0].scene, &schemes.collect::<String>())
     }
 
     /// A hash of all that was planned.
@@ -116,7 +114,8 @@ pub fn plan(arguments: &Plan) -> Done {
     if let Some(states) = &settings.states {
         let copy = out.join(states);
         files::prepare(files::folder(&copy))?;
-        fs::copy(scene.with_file_name(states), copy)?;
+        // Read first: by an absolute path the copy is the file itself.
+        files::write(&copy, fs::read(scene.with_file_name(states))?)?;
     }
     let (parts, changes, settled) = (*parts, changes.clone(), verbs::settle(&sweep));
     let divided = Divided { parts, changes, settled, sum: String::new() };
@@ -124,7 +123,6 @@ pub fn plan(arguments: &Plan) -> Done {
     let job = Job::pilot(MEASURED);
     opened.compute(&job, &watch())?;
     let planned = job.plan()?;
-    opened.write(out)?;
     let (cpus, folder) = (*cpus.max(&1), fs::canonicalize(out)?);
     let seconds =
         |parts, threads| planned.iter().map(|work| work.seconds(parts, threads)).sum::<f64>();
@@ -134,6 +132,8 @@ pub fn plan(arguments: &Plan) -> Done {
     let program = &env::current_exe()?;
     let script = Script { parts, program, folder: &folder, minutes, cpus, options };
     files::write(&out.join(JOB), script.slurm())?;
+    // Last: a folder with a plan is complete.
+    opened.write(out)?;
     let (mut words, mut path_steps) = (String::new(), 0);
     for work in &planned {
         words += &format!("{}: {} paths of {} steps\n", work.name, work.paths, work.steps);
@@ -171,14 +171,20 @@ pub fn part(folder: &Path, part: u64, cpus: Option<u64>) -> Done {
 /// Puts the parts together.
 pub fn merge(folder: &Path, formats: &[Format], json: bool) -> Done {
     let opened = Folder::open(folder)?;
+    files::check(folder)?;
     let watch = stoppable();
     let job = Job::merge(folder, opened.program())?.stopped_by(&watch.stop);
     let found = opened.compute(&job, &watch)?;
-    job.finish()?;
+    let merged = job.finish();
     if watch.stop.is_asked() {
+        merged?;
         return Err(Failure::Stopped("the same command merges them".into()));
     }
-    run::write(&found, folder, formats, json)
+    // Whether or not the file of what was merged can be written.
+    if found.results.iter().all(Option::is_some) {
+        run::write(&found, folder, formats, json)?;
+    }
+    Ok(merged?)
 }
 
 /// Asks for more in a folder.

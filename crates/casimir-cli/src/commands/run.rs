@@ -24,35 +24,36 @@ pub fn run(Run { changes, write: formats, large, on }: &Run) -> Done {
     }
     // The scenes are checked before the folder is made.
     let ready = ready(&sweep, settle(&sweep))?;
-    let folder = folder(on, "run");
+    let folder = folder(on, "run")?;
     prepare(&folder)?;
     let is_study = sweep.combinations[0].scene.settings.is_study();
     let kept = is_study.then_some(&*folder);
     let watch = stoppable();
     let job = match kept {
         Some(folder) => {
-            let program = program(&sweep.combinations[0].scene, changes, "verb = run\n");
+            let program = program(&sweep.combinations[0].scene, "");
             keeping(folder, program, &watch)?
         }
         None => Job::here().stopped_by(&watch.stop).giving_what_is_done(),
     };
     let results = compute(&sweep, ready, &job, &watch)?;
-    let stopped = match job.finish() {
-        Err(JobError::Stopped) => true,
+    let mut stopped = watch.stop.is_asked();
+    let mut next = if is_study { "goes on from there" } else { "begins anew" };
+    match job.finish() {
         // The results are here.
         Err(error @ JobError::File { .. }) => {
             eprintln!("warning: no checkpoint: {error}");
-            watch.stop.is_asked()
+            next = "goes on from an older checkpoint, or begins anew";
         }
-        finished => finished.map(|()| watch.stop.is_asked())?,
-    };
-    if stopped && results.paths() == 0 {
-        return Err(Failure::Stopped("before the first path: nothing was computed".into()));
+        Err(JobError::Stopped) => stopped = true,
+        finished => finished?,
+    }
+    if stopped && results.are_empty() {
+        return Err(Failure::Stopped("before the first results: nothing is written".into()));
     }
     write(&results, &folder, formats, on.json)?;
     if stopped {
         let folder = folder.display();
-        let next = if is_study { "goes on from there" } else { "begins anew" };
         let words = format!("{folder} has what is complete; the same command {next}");
         return Err(Failure::Stopped(words));
     }
@@ -62,16 +63,20 @@ pub fn run(Run { changes, write: formats, large, on }: &Run) -> Done {
     results.check()
 }
 
-/// Writes what was found, and says it.
+/// Says what was found, and writes it.
 pub fn write(found: &Outcomes<'_>, folder: &Path, formats: &[Format], json: bool) -> Done {
     let (found, file) = (Report::new(found), folder.join(REPORT));
-    found.write(folder, formats)?;
-    if json {
+    // First, and whatever becomes of the files.
+    let told = if json {
         let mut json = found.json();
         json["report"] = file.to_string_lossy().into();
-        return print_json(&json);
-    }
-    print(&format!("{}report: {}\n", found.text(), file.display()))
+        print_json(&json)
+    } else {
+        print(&found.text())
+    };
+    found.write(folder, formats)?;
+    told?;
+    if json { Ok(()) } else { print(&format!("report: {}\n", file.display())) }
 }
 
 /// Refuses to write gigabytes of text by mistake.

@@ -210,6 +210,9 @@ fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> 
         Which::Energy => formula = table.energy.as_ref(),
         Which::Noise(m) => {
             formula = table.noises.as_ref().and_then(|noises| noises.get(m - 1));
+            // Or a bath made it.
+            let bath = reading.file.damping.as_ref().and_then(|table| table.temperature.as_ref());
+            place = bath.map(At::span).or(place);
         }
         Which::InitialValue => place = Some(reading.settings.initial_place.clone()),
         Which::State => {

@@ -28,8 +28,12 @@ impl Script<'_> {
     pub fn slurm(&self) -> String {
         let Self { parts, minutes, cpus, .. } = self;
         let options = self.options.iter().map(|option| format!("#SBATCH {option}\n"));
-        let (options, log) =
-            (options.collect::<String>(), quoted(&self.folder.join("part-%a.log")));
+        let mut options = options.collect::<String>();
+        let log = quoted(&self.folder.join("part-%a.log"));
+        // Slurm itself does not read words with escapes.
+        if !log.starts_with('$') {
+            options = format!("#SBATCH --output={log}\n{options}");
+        }
         let [program, folder] = [self.program, self.folder].map(quoted);
         format!(
             "#!/bin/bash\n\
@@ -41,7 +45,6 @@ impl Script<'_> {
              #SBATCH --signal=B:TERM@60\n\
              #SBATCH --requeue\n\
              #SBATCH --open-mode=append\n\
-             #SBATCH --output={log}\n\
              {options}\
              part=${{SLURM_ARRAY_TASK_ID:-${{HQ_TASK_ID:-$1}}}}\n\
              cd {folder} || exit 2\n\
@@ -67,10 +70,13 @@ pub const JOB: &str = "job.sh";
 
 /// A path as a word for the shell.
 fn quoted(path: &Path) -> String {
-    let word = path.display().to_string();
+    let bytes = path.as_os_str().as_encoded_bytes();
+    let Some(word) = path.to_str().filter(|word| !word.contains(char::is_control)) else {
+        return format!("$'{}'", bytes.escape_ascii());
+    };
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
     if word.chars().all(plain) {
-        return word;
+        return word.into();
     }
     format!("'{}'", word.replace('\'', r"'\''"))
 }

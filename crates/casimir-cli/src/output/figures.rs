@@ -1,8 +1,11 @@
 //! The figures of a run.
 
+use std::collections::BTreeMap;
+
 use casimir::{
     mc::{
         TimeSeries,
+        parts::hash,
         study::{Joint, Series, StudyResult},
     },
     plot::{
@@ -20,7 +23,9 @@ use crate::{
 
 /// A drawing with its file and the words below it.
 pub struct Drawn {
-    /// The name of its file without `.svg`.
+    /// What it is called, as `time-q`.
+    pub name: String,
+    /// The name of its file without `.svg`; see [`distinct`].
     pub file: String,
     /// The SVG document.
     pub svg: String,
@@ -29,15 +34,32 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// A drawing with the name of its file.
-    pub fn new(file: impl Into<String>, svg: String, caption: impl Into<String>) -> Self {
-        Self { file: file.into(), svg, caption: caption.into() }
+    /// A drawing with its name.
+    pub fn new(name: impl Into<String>, svg: String, caption: impl Into<String>) -> Self {
+        let (name, caption) = (name.into(), caption.into());
+        let plain = |c: char| if c.is_alphanumeric() { c } else { '-' };
+        let file = name.chars().take(LONGEST).map(plain).collect();
+        Self { name, file, svg, caption }
     }
 
     /// A drawing of something with a name.
     pub fn of(what: &str, name: &str, svg: String, caption: String) -> Self {
-        let name = name.replace(|c: char| !c.is_alphanumeric(), "-");
         Self::new(format!("{what}-{name}"), svg, caption)
+    }
+}
+
+/// Characters of the name of a figure in that of its file, which has at most 255 bytes.
+const LONGEST: usize = 48;
+
+/// Figures whose files would have one name, where capital letters are small ones too, have a hash
+/// of what they are called in it.
+pub fn distinct<'a>(figures: impl Iterator<Item = &'a mut Drawn>) {
+    let mut all = BTreeMap::<String, Vec<_>>::new();
+    for figure in figures {
+        all.entry(figure.file.to_lowercase()).or_default().push(figure);
+    }
+    for figure in all.into_values().filter(|same| same.len() > 1).flatten() {
+        figure.file += &format!("-{}", &hash(&figure.name)[..8]);
     }
 }
 
@@ -140,7 +162,7 @@ fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
         let svg = lines(&format!("{y} against {x}"), x, &**y, &traces(results, x, y));
         let on = paths(results);
         let caption = format!("{y} against {x} on {on}; the marker is the initial value.");
-        Drawn::of("portrait", &format!("{x} {y}"), svg, caption)
+        Drawn::of("portrait", &format!("{x}\0{y}"), svg, caption)
     };
     pairs.iter().map(portrait).collect()
 }
@@ -159,7 +181,7 @@ fn dependence(drawn: &scene::Drawn, study: &StudyResult) -> Vec<Drawn> {
              outside.",
             study.record.paths
         );
-        Drawn::of("joint", &format!("{a} {b}"), svg, caption)
+        Drawn::of("joint", &format!("{a}\0{b}"), svg, caption)
     });
     let lagged = study.lagged.iter().enumerate().map(|(k, Series { observable: name, points })| {
         let (axis, law) = match k % 2 {

@@ -24,7 +24,7 @@ use serde_json::{Value, json};
 
 use steps::{step_cell, step_errors};
 
-pub use figures::{Drawn, Section};
+pub use figures::{Drawn, Section, distinct};
 pub use npz::Array;
 pub use steps::step_lines;
 
@@ -156,10 +156,12 @@ impl<'a> Report<'a> {
 
     /// All figures by section.
     pub fn figures(&self) -> Vec<Section> {
-        match self.single() {
+        let mut figures = match self.single() {
             Some(run) => figures::all(self.scene, run.results),
             None => self.of_sweep(),
-        }
+        };
+        distinct(figures.iter_mut().flat_map(|(_, figures)| figures));
+        figures
     }
 
     /// Writes the report with its figures, and what else is asked for.
@@ -169,47 +171,41 @@ impl<'a> Report<'a> {
         for figure in figures.iter().flat_map(|(_, figures)| figures) {
             files::write(&drawings.join(format!("{}.svg", figure.file)), &figure.svg)?;
         }
-        let (single, file) = (self.single(), |name: &str| folder.join(name));
         for format in formats {
+            let ending = format!("{format:?}").to_lowercase();
+            let write = |name: &str, mut bytes: Vec<u8>| {
+                if let Format::Json = format {
+                    bytes.push(b'\n');
+                }
+                files::write(&folder.join(format!("{name}.{ending}")), bytes)
+            };
+            let single = self.single();
             if let Some(run) = single {
                 let tables = kept(self.scene, run.results.tables.clone());
+                let mut text = Vec::new();
                 match format {
-                    Format::Csv => {
-                        let mut text = Vec::new();
-                        write_csv(&tables, &mut text)?;
-                        files::write(&file("paths.csv"), text)?;
-                    }
-                    Format::Json => {
-                        files::write(&file("paths.json"), serde_json::to_string(&tables)? + "\n")?;
-                    }
-                    Format::Npz => {
-                        npz::write(&file("paths.npz"), npz::paths(self.scene, tables))?;
-                    }
+                    Format::Csv => write_csv(&tables, &mut text)?,
+                    Format::Json => text = serde_json::to_vec(&tables)?,
+                    Format::Npz => text = npz::bytes(npz::paths(self.scene, tables))?,
                 }
+                write("paths", text)?;
             }
             let name = if single.is_some() { "study" } else { "sweep" };
-            let file = |ending| file(&format!("{name}.{ending}"));
-            match (format, single.map(|run| run.results.study.as_ref())) {
-                (_, Some(None)) => {}
-                (Format::Csv, _) => {
-                    files::write(&file("csv"), self.csv(|run| &run.series)?)?;
-                    if single.is_some_and(|run| !run.lagged.is_empty()) {
-                        files::write(&folder.join("lags.csv"), self.csv(|run| run.lagged)?)?;
-                    }
-                }
-                (Format::Json, Some(Some(study))) => {
-                    files::write(
-                        &file("json"),
-                        serde_json::to_string(study)?
-                            + "
-",
-                    )?;
-                }
+            let found = match (format, single.map(|run| run.results.study.as_ref())) {
+                (_, Some(None)) => continue,
+                (Format::Csv, _) => self.csv(|run| &run.series)?,
+                (Format::Json, Some(study)) => serde_json::to_vec(&study)?,
                 (Format::Json, None) => {
                     let json = self.of_each(|run| json!({ "series": run.series }));
-                    files::write_json(&file("json"), &json)?;
+                    serde_json::to_vec_pretty(&json)?
                 }
-                (Format::Npz, _) => npz::write(&file("npz"), self.arrays())?,
+                (Format::Npz, _) => npz::bytes(self.arrays())?,
+            };
+            write(name, found)?;
+            if let (Format::Csv, Some(run)) = (format, single)
+                && !run.lagged.is_empty()
+            {
+                write("lags", self.csv(|run| run.lagged)?)?;
             }
         }
         Ok(files::write(&folder.join("index.html"), self.page(&figures))?)

@@ -1,10 +1,8 @@
 //! Arrays for NumPy.
 
 use std::{
-    fs::File,
-    io::{self, BufWriter, Write},
+    io::{self, Cursor, Write},
     mem,
-    path::Path,
 };
 
 use crate::scene::Scene;
@@ -28,9 +26,9 @@ const STATISTICS: [(&str, Statistic); 5] = [
 /// Name, shape, and numbers in row-major order.
 pub type Array = (String, Vec<usize>, Vec<f64>);
 
-/// Writes arrays.
-pub fn write(file: &Path, arrays: impl IntoIterator<Item = Array>) -> io::Result<()> {
-    let mut out = ZipWriter::new(BufWriter::new(File::create(file)?));
+/// The file of arrays.
+pub fn bytes(arrays: impl IntoIterator<Item = Array>) -> io::Result<Vec<u8>> {
+    let mut out = ZipWriter::new(Cursor::new(Vec::new()));
     // Without the time of day: the same results are the same bytes.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
@@ -42,8 +40,7 @@ pub fn write(file: &Path, arrays: impl IntoIterator<Item = Array>) -> io::Result
             out.write_all(&value.to_le_bytes())?;
         }
     }
-    out.finish()?;
-    Ok(())
+    Ok(out.finish()?.into_inner())
 }
 
 /// What stands before the numbers of an array, by version 1.0 of NumPy's format: a dictionary, with

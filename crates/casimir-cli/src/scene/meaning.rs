@@ -2,21 +2,26 @@
 
 use toml::{Table, Value};
 
-use super::{Changes, Source, values::number};
+use super::{Changes, Scene, values::number};
 
 /// What changes how results are shown or how many there are, and not what they are of: of samples
 /// that are kept, more may be wanted.
 const APART: [&str; 6] =
     ["title", "figures.", "expect.accuracy", "run.paths", "run.tables", "run.columns"];
 
-/// A scene and what a command line changes, in lines `key = value`. Comments, blanks and ways to
-/// write a number do not count.
-///
-/// `law` is that of random initial values, which has the sum of a file of states; `further` lines
-/// are of the command.
-pub fn meaning(source: &Source, law: Option<&str>, changes: &Changes, further: &str) -> String {
+impl Scene {
+    /// The scene and what a command line changes, in lines `key = value`. Comments, blanks and ways
+    /// to write a number do not count.
+    pub fn meaning(&self) -> String {
+        let law = self.settings.random.as_ref().map(|random| &*random.law);
+        lines(&self.source.text, law, &self.changes)
+    }
+}
+
+/// The same of a text. The law of random initial values has the sum of a file of states.
+fn lines(text: &str, law: Option<&str>, changes: &Changes) -> String {
     // It was read before.
-    let scene: Table = toml::from_str(&source.text).unwrap_or_default();
+    let scene: Table = toml::from_str(text).unwrap_or_default();
     let mut lines = Vec::new();
     flatten(String::new(), &scene.into(), &mut lines);
     lines.retain(|line| !APART.iter().any(|key| line.starts_with(key)));
@@ -25,7 +30,7 @@ pub fn meaning(source: &Source, law: Option<&str>, changes: &Changes, further: &
     let changes = Changes { paths: None, ..changes.clone() };
     let changes = Value::try_from(changes).unwrap_or_else(|error| unreachable!("{error}"));
     flatten("--".into(), &changes, &mut lines);
-    lines.join("\n") + "\n" + further
+    lines.join("\n") + "\n"
 }
 
 fn flatten(key: String, value: &Value, lines: &mut Vec<String>) {
@@ -69,8 +74,7 @@ mod tests {
     use super::*;
 
     fn of(text: &str) -> String {
-        let source = Source { name: "s.toml".into(), text: text.into(), states: None };
-        meaning(&source, None, &Changes::default(), "")
+        lines(text, None, &Changes::default())
     }
 
     const SCENE: &str = "[system]\nstate = [\"q\", \"p\"]\nH0 = \"2 q^2 + p*q\"\n\
@@ -96,8 +100,7 @@ mod tests {
         for (old, new) in edits {
             assert_ne!(of(&SCENE.replacen(old, new, 1)), of(SCENE), "{old} {new}");
         }
-        let source = Source { name: "s.toml".into(), text: SCENE.into(), states: None };
-        let with = |law, changes: Changes| meaning(&source, law, &changes, "");
+        let with = |law, changes: Changes| lines(SCENE, law, &changes);
         let none = Changes::default;
         assert_eq!(with(None, Changes { paths: Some(9), ..none() }), of(SCENE));
         assert_ne!(with(None, Changes { steps: Some(9), ..none() }), of(SCENE));

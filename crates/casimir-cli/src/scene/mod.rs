@@ -15,7 +15,6 @@ mod values;
 
 pub use drawn::Drawn;
 pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
-pub use meaning::meaning;
 use observe::Vocabulary;
 pub use observe::{Further, Observable, Quantity};
 pub(crate) use read::among;
@@ -41,6 +40,8 @@ use crate::model::{self, Model};
 pub struct Scene {
     /// Its text.
     pub source: Source,
+    /// What the command line changes.
+    changes: Changes,
     /// The title of reports.
     pub title: String,
     /// The names of the components.
@@ -145,6 +146,7 @@ impl Scene {
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
         let mut scene = Self {
             source,
+            changes: changes.clone(),
             title,
             components,
             sizes,
@@ -177,6 +179,11 @@ impl Scene {
             scene.expect(table, &mut vocabulary)?;
         }
         scene.collected = vocabulary.collected;
+        let scheme = &scene.settings.scheme;
+        if scheme != AUTO && BuiltIn::named(scheme).is_none() {
+            // Not every command takes the scheme.
+            scene.setup(scheme)?;
+        }
         Ok(scene)
     }
 

@@ -33,7 +33,7 @@ pub use stationary::equilibrium;
 
 use crate::{
     failure::{Done, Failure},
-    output::Drawn,
+    output::{Drawn, distinct},
     scene::{AUTO, Scene},
 };
 
@@ -58,7 +58,8 @@ impl Found {
     }
 
     /// With the warnings among the words as a list for programs.
-    fn new(text: String, mut json: Value, figures: Vec<Drawn>) -> Self {
+    fn new(text: String, mut json: Value, mut figures: Vec<Drawn>) -> Self {
+        distinct(figures.iter_mut());
         json["warnings"] = text.lines().filter_map(|line| line.strip_prefix(WARNING)).collect();
         Self { text, json, figures, unreached: None }
     }

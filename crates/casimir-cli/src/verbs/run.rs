@@ -74,9 +74,12 @@ impl Outcomes<'_> {
         both.filter_map(|(combination, results)| Some((combination, results.as_ref()?)))
     }
 
-    /// Number of paths of all.
-    pub fn paths(&self) -> u64 {
-        self.found().map(|(_, results)| results.paths()).sum()
+    /// Whether there is nothing after t = 0.
+    pub fn are_empty(&self) -> bool {
+        self.found().all(|(_, results)| match &results.study {
+            Some(study) => study.record.paths == 0,
+            None => results.tables.iter().all(|table| table.times().len() < 2),
+        })
     }
 
     /// Refuses results of which no path came to its end.

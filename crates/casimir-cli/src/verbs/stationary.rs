@@ -60,10 +60,7 @@ pub fn equilibrium(
             }
         })
         .map_err(|error| match error {
-            RunError::Stopped => {
-                let words = "before the first averages; chains that are kept go on from there";
-                Failure::Stopped(words.into())
-            }
+            RunError::Stopped => Failure::Stopped("before the first averages".into()),
             RunError::Ladder(error) => scene.steps_error(error).into(),
             error => scene.source.error(None, error).into(),
         })?;

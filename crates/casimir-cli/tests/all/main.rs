@@ -25,4 +25,5 @@ mod sweeps;
 mod time;
 mod truths;
 mod warnings;
+mod written;
 mod wrong_numbers;

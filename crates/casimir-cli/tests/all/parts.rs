@@ -87,17 +87,23 @@ fn a_folder_of_parts_may_have_any_results() {
 
 /// Sends a signal to the program after some milliseconds, as Ctrl-C does.
 #[cfg(unix)]
-fn signalled(path: &Path, arguments: &[&str], signal: &str, after: u64) -> Option<i32> {
-    let mut child = casimir(path)
+pub fn signalled(
+    path: &Path,
+    arguments: &[&str],
+    signal: &str,
+    after: u64,
+) -> (Option<i32>, String) {
+    let child = casimir(path)
         .args(arguments)
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .expect("the program starts");
     sleep(Duration::from_millis(after));
     let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
     assert!(sent.is_ok());
-    child.wait().expect("it ends").code()
+    let output = child.wait_with_output().expect("it ends");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into())
 }
 
 #[cfg(unix)]
@@ -111,7 +117,7 @@ fn what_is_complete_is_written_when_it_is_interrupted() {
     let mut before = 0.0;
     for moment in 0..10u64 {
         // Moments from 50 to 600 ms, in no order.
-        let code = signalled(path, &arguments, "-INT", 50 + 61 * (moment * 7 % 10));
+        let (code, _) = signalled(path, &arguments, "-INT", 50 + 61 * (moment * 7 % 10));
         match code {
             // Interrupted before signals were waited for: nothing is written, or all of the last.
             None => continue,
@@ -144,19 +150,23 @@ fn what_has_no_whole_path_is_named() {
     let text = BODY.replace("= 256", "= 3e5").replace("= 64", "= 200000");
     let folder = with_scene(&text);
     let arguments = ["run", "scene.toml", "--threads", "1", "--write", "json"];
-    assert_eq!(signalled(folder.path(), &arguments, "-INT", 500), Some(130));
+    assert_eq!(signalled(folder.path(), &arguments, "-INT", 500).0, Some(130));
     assert!(!folder.path().join("scene-run/index.html").exists());
-    // A long path ends where it is interrupted.
-    let text = BODY.replace("paths = 256", "paths = 1").replace("= 64", "= 10000000");
+    // Long paths end where they are interrupted, if that is after the check of the steps.
+    let text = BODY.replace("paths = 256", "paths = 99").replace("= 64", "= 2000000");
     let folder = with_scene(&text);
-    assert_eq!(signalled(folder.path(), &arguments, "-INT", 700), Some(130));
-    let json = read_json(folder.path().join("scene-run/paths.json"));
-    assert!(json[0]["halted"].as_str().unwrap().starts_with("stopped after t = "));
+    let file = folder.path().join("scene-run/paths.json");
+    let mut moments = (1..).map(|k| 500 * k);
+    while !file.exists() {
+        let (code, _) = signalled(folder.path(), &arguments, "-INT", moments.next().unwrap());
+        assert_eq!(code, Some(130));
+    }
+    assert!(read_json(file)[0]["halted"].as_str().unwrap().starts_with("stopped after t = 0."));
     // A lattice, of whose spins there is no picture yet.
     let lattice = succeeds(folder.path(), &["new", "spin-lattice"]);
     let lattice =
         lattice.replace("paths = 500", "paths = 20").replace("steps = 500", "steps = 5e5");
     fs::write(folder.path().join("lattice.toml"), lattice).unwrap();
-    let code = signalled(folder.path(), &["run", "lattice.toml"], "-INT", 700);
+    let (code, _) = signalled(folder.path(), &["run", "lattice.toml"], "-INT", 700);
     assert_eq!(code, Some(130));
 }

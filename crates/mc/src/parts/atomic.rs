@@ -4,9 +4,15 @@ use std::{
     fs, io,
     io::Write,
     path::{Path, PathBuf},
+    time::{Duration, SystemTime},
 };
 
 use tempfile::Builder;
+
+/// What the names of temporary files end with.
+const TEMPORARY: &str = ".casimir";
+/// A temporary file that nobody changed for so long is of a process that was killed.
+const STALE: Duration = Duration::from_secs(600);
 
 /// The folder of a file.
 pub fn folder(file: &Path) -> &Path {
@@ -28,6 +34,7 @@ pub fn replace(file: &Path, content: &[u8]) -> io::Result<()> {
     // Temporary files are private by default; this one is for everybody whom the umask admits.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.suffix(TEMPORARY);
     let mut temporary = builder.prefix(&prefix(file)).tempfile_in(folder(file))?;
     temporary.write_all(content)?;
     temporary.as_file().sync_all()?;
@@ -37,12 +44,26 @@ pub fn replace(file: &Path, content: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes temporary files that a killed process left beside `file`.
+/// Removes temporary files of `file`, which no other process writes.
 pub fn tidy(file: &Path) {
-    let prefix = prefix(file);
-    let entries = fs::read_dir(folder(file)).into_iter().flatten().flatten();
-    let left = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix));
-    left.for_each(|entry| drop(fs::remove_file(entry.path())));
+    remove_temporary(folder(file), &prefix(file), Duration::ZERO);
+}
+
+/// Removes temporary files that processes left in a folder when they were killed.
+pub fn tidy_folder(folder: &Path) {
+    remove_temporary(folder, ".", STALE);
+}
+
+/// Removes temporary files whose names begin with `prefix`, and that are as old as this.
+fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let modified = || entry.metadata().and_then(|data| data.modified());
+        let is_old = |time: SystemTime| time.elapsed().is_ok_and(|since| since >= age);
+        if name.starts_with(prefix) && name.ends_with(TEMPORARY) && modified().is_ok_and(is_old) {
+            _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// A lock that ends with the process, however that ends.

@@ -133,7 +133,8 @@ impl Merging {
         Ok(Some(nodes))
     }
 
-    /// Whether the files have all groups from group `known` on. Remembers which parts have not.
+    /// Whether the files have all groups from group `known` on. Remembers which parts have not, and
+    /// refuses if each has what it was to have after a merge that is lost.
     fn are_complete<T: Kept>(
         &mut self,
         work: &Work<'_, T>,
@@ -146,7 +147,11 @@ impl Merging {
             let Place { path, part, header } = place;
             work.check(path, header)?;
             if header.paths != work.paths {
-                return Err(work.other_paths(path, header));
+                let (other, lost) = (work.other_paths(path, header), self.lost(work.name));
+                return Err(match header.paths < work.paths {
+                    true => JobError::Refused(format!("{other}. Or it was extended: {lost}")),
+                    false => other,
+                });
             }
             if part.of != of {
                 return Err(differs(path, work.name, "a number of parts", part.of, of));
@@ -174,7 +179,20 @@ impl Merging {
         let others = (1..=of).filter(|number| !complete.contains(number));
         let (some, none): (Vec<u64>, Vec<u64>) =
             others.partition(|&number| !Share { number, of }.range(&groups).is_empty());
-        self.missing.extend(if some.is_empty() { none } else { some });
+        let parts = if some.is_empty() { none } else { some };
+        if parts.is_empty() {
+            return Err(self.lost(work.name));
+        }
+        self.missing.extend(parts);
         Ok(false)
+    }
+
+    /// That paths were merged before, and that file is no more.
+    fn lost(&self, work: &str) -> JobError {
+        JobError::Refused(format!(
+            "{} lacks paths of {work} that were merged before: put it back, or delete part-*.bin and \
+             run all parts again",
+            self.known.0.kept.file().display()
+        ))
     }
 }

@@ -65,7 +65,7 @@ mod share;
 mod stop;
 mod work;
 
-pub use atomic::{folder, replace};
+pub use atomic::{folder, replace, tidy_folder};
 pub use error::JobError;
 pub use job::{Job, limit_threads};
 pub use merging::merged_paths;

@@ -357,10 +357,12 @@ fn parts_of_two_numbers_of_parts_are_refused() {
 fn what_others_left_in_the_folder_does_no_harm() {
     let folder = tempfile::tempdir().unwrap();
     drop(STUDY.part(folder.path(), 9, 64).unwrap());
-    let left = folder.path().join(".part-1-of-3.bin.x1Yz");
+    let left = folder.path().join(".part-1-of-3.bin.x1Yz.casimir");
     fs::write(&left, "half of a checkp").unwrap();
+    let swap = folder.path().join(".part-1-of-3.bin.swp");
+    fs::write(&swap, "an editor's").unwrap();
     STUDY.run_parts(folder.path(), [1, 3], 3);
-    assert!(!left.exists());
+    assert!(!left.exists() && swap.exists());
     let missing = message(STUDY.merged(folder.path()));
     assert!(missing.ends_with("--array=2"), "{missing}");
     STUDY.run_parts(folder.path(), [2], 3);
