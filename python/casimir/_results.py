@@ -44,7 +44,7 @@ class Figure:
 
 
 class Figures(Mapping[str, Figure]):
-    """All figures by the names of their files, shown one after the other by notebooks. `time-a/b`
+    """All figures by the names of their files, shown one after the other by notebooks. ``time-a/b``
     is found by this name, too."""
 
     def __init__(self, figures: list[tuple[str, str, str, str]]) -> None:

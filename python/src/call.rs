@@ -13,7 +13,7 @@ use std::{
 use casimir::mc::parts::Stop;
 use casimir_cli::{
     failure::{Done, Failure},
-    output::Array,
+    output::{Array, Drawn},
     verbs::{self, ProgressBar, Watch},
 };
 use numpy::{PyArray1, PyArrayMethods};
@@ -130,7 +130,8 @@ fn dictionary(py: Python<'_>, found: Found) -> PyResult<Bound<'_, PyDict>> {
         Ok(arrays)
     };
     let Found { common: verbs::Found { text, json, figures, .. }, page, paths, statistics } = found;
-    let figures: Vec<_> = figures.into_iter().map(|one| (one.file, one.svg, one.caption, one.name)).collect();
+    let figure = |one: Drawn| (one.file, one.svg, one.caption, one.name);
+    let figures: Vec<_> = figures.into_iter().map(figure).collect();
     result.set_item("text", text)?;
     result.set_item("json", json.to_string())?;
     result.set_item("figures", figures)?;

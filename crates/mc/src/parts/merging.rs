@@ -190,8 +190,8 @@ impl Merging {
     /// That paths were merged before, and that file is no more.
     fn lost(&self, work: &str) -> JobError {
         JobError::Refused(format!(
-            "{} lacks paths of {work} that were merged before: put it back, or delete part-*.bin and \
-             run all parts again",
+            "{} lacks paths of {work} that were merged before: put it back, or delete part-*.bin \
+             and run all parts again",
             self.known.0.kept.file().display()
         ))
     }
