@@ -1,7 +1,11 @@
 //! `casimir inspect`, `expect`, `equilibrium`, `lyapunov`, `order` and `compare`: what is found of
 //! a scene.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use casimir::mc::{
     Checkpoint,
@@ -53,10 +57,11 @@ fn kept(
     work: impl FnOnce(&Arc<Job>, &Watch) -> Done<Found>,
 ) -> Done {
     let (folder, watch) = (folder(on, command)?, stoppable());
+    let new: Vec<&Path> = folder.ancestors().take_while(|folder| !folder.exists()).collect();
     let job = Arc::new(keeping(&folder, program, &watch)?);
     let found = work(&job, &watch);
     match Arc::into_inner(job).map_or(Ok(()), Job::finish) {
-        Err(JobError::Stopped) if watch.stop.is_asked() => {
+        Ok(()) | Err(JobError::Stopped) if watch.stop.is_asked() => {
             let folder = folder.display();
             let words = format!("{folder} has what was measured; the same command goes on");
             return Err(Failure::Stopped(words));
@@ -66,8 +71,13 @@ fn kept(
         Ok(()) | Err(JobError::Stopped) => {}
         Err(error) => return Err(error.into()),
     }
-    tell(&found?, Some(folder.clone()), command, on.json)?;
-    Ok(remove(&folder, Share::WHOLE)?)
+    let told = found.and_then(|found| tell(&found, Some(folder.clone()), command, on.json));
+    // With an answer, or with a wrong question, there is nothing to go on from.
+    if !matches!(told, Err(Failure::Run(_) | Failure::Stopped(_))) {
+        remove(&folder, Share::WHOLE)?;
+        new.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+    }
+    told
 }
 
 /// Computes the expectations of a scene.

@@ -11,6 +11,7 @@ use std::{
     path::{Path, PathBuf},
     process,
     sync::OnceLock,
+    thread,
     time::{Duration, Instant},
 };
 
@@ -24,6 +25,11 @@ use casimir_cli::{
     verbs::{Found, ProgressBar, Watch},
 };
 use serde::Serialize;
+#[cfg(unix)]
+use signal_hook::{
+    consts::{SIGINT, SIGTERM},
+    iterator::Signals,
+};
 
 pub use about::{citation, doctor, new, schema};
 pub use findings::{compare, equilibrium, expect, inspect, lyapunov, order};
@@ -86,7 +92,7 @@ static STOP: OnceLock<Stop> = OnceLock::new();
 /// second signal the process does.
 pub fn handle_signals() {
     let mut first = None;
-    let handled = ctrlc::set_handler(move || {
+    let handled = on_signals(move || {
         let Some(stop) = STOP.get() else {
             eprintln!("stopped: what is not printed or written yet is lost");
             process::exit(130);
@@ -103,6 +109,17 @@ pub fn handle_signals() {
         eprintln!("warning: Ctrl-C loses what is not in a checkpoint: {error}");
     }
 }
+
+/// Calls this at Ctrl-C and SIGTERM. SIGHUP is left to `nohup`: it ends the process, or it does not.
+#[cfg(unix)]
+fn on_signals(mut act: impl FnMut() + Send + 'static) -> std::io::Result<()> {
+    let mut signals = Signals::new([SIGINT, SIGTERM])?;
+    thread::spawn(move || signals.forever().for_each(|_| act()));
+    Ok(())
+}
+
+#[cfg(not(unix))]
+use ctrlc::set_handler as on_signals;
 
 /// The same for work that a signal stops: it keeps what it has.
 fn stoppable() -> Watch {

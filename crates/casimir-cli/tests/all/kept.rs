@@ -61,7 +61,7 @@ fn what_is_kept_is_of_one_scene() {
         (&["run", "scene.toml"], "run/part-1-of-1.bin"),
         (&["expect", "scene.toml"], "expect/samples.bin"),
         (&["equilibrium", "scene.toml"], "equilibrium/chains.bin"),
-        (&["lyapunov", "scene.toml"], "lyapunov/chains.bin"),
+        (&["lyapunov", "scene.toml", "--accuracy", "2e-3"], "lyapunov/chains.bin"),
         (&["order", "scene.toml", "--path-steps", "2e7"], "order/part-1-of-1.bin"),
     ];
     let rare = "events.far = q>2.5\nand here is\n  events.far = q>2.6\n";

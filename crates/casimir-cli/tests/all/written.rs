@@ -3,6 +3,7 @@
 use std::{
     fs::{self, File},
     path::Path,
+    thread,
     time::{Duration, SystemTime},
 };
 
@@ -248,20 +249,31 @@ fn a_folder_that_is_no_text_has_a_script() {
 #[test]
 fn a_signal_ends_with_a_line_and_exit_code_130() {
     let folder = with_scene(&BODY.replace("steps = 64", "steps = 50000000"));
-    for arguments in [
-        &["order", "scene.toml", "--path-steps", "1e13"][..],
-        &["compare", "scene.toml", "--budget", "100"],
-        &["plan", "scene.toml", "--parts", "2", "--out", "big"],
+    let kept = "has what was measured; the same command goes on";
+    let lost = "stopped: what is not printed or written yet is lost";
+    for (arguments, said) in [
+        (&["order", "scene.toml", "--path-steps", "1e13"][..], kept),
+        (&["compare", "scene.toml", "--budget", "100"], kept),
+        (&["plan", "scene.toml", "--parts", "2", "--out", "big"], lost),
     ] {
         for signal in ["-INT", "-TERM"] {
             let (code, words) = signalled(folder.path(), arguments, signal, 400);
             assert_eq!(code, Some(130), "{arguments:?}: {words}");
-            assert!(
-                words.contains("stopped: what is not printed or written yet is lost"),
-                "{words}"
-            );
+            assert!(words.contains(said), "{words}");
         }
     }
+}
+
+/// Work that is started by `nohup` goes on when the terminal hangs up.
+#[cfg(unix)]
+#[test]
+fn nohup_works() {
+    let folder = with_scene(&OSCILLATOR.replace("paths = 4", "paths = 1e6"));
+    let program = "nohup \"$0\" run scene.toml --json > told & sleep 0.2; kill -HUP $!; wait $!";
+    let mut shell = std::process::Command::new("bash");
+    shell.args(["-c", program, env!("CARGO_BIN_EXE_casimir")]).current_dir(folder.path());
+    assert!(shell.output().unwrap().status.success());
+    assert!(fs::read_to_string(folder.path().join("told")).unwrap().contains("\"seconds\""));
 }
 
 #[cfg(unix)]
@@ -273,12 +285,26 @@ fn what_is_said_of_stopped_work_is_true() {
     assert_eq!(code, Some(130), "{words}");
     assert!(words.contains("nothing is written") && !words.contains("complete"), "{words}");
     assert!(!folder.path().join("scene-run/index.html").exists());
-    // A folder is in the place of the samples.
+    // A folder is in the place of the samples, or they cannot be written any more.
     let folder = with_scene(OSCILLATOR);
     for (command, file) in [("expect", "samples.bin"), ("equilibrium", "chains.bin")] {
-        fs::create_dir_all(folder.path().join(format!("scene-{command}")).join(file)).unwrap();
+        let kept = folder.path().join(format!("scene-{command}"));
+        fs::create_dir_all(kept.join(file)).unwrap();
         let arguments = [command, "scene.toml", "--accuracy", "1e-7"];
-        let (code, words) = signalled(folder.path(), &arguments, "-INT", 1500);
+        fails(folder.path(), &arguments, 1, &["cannot read", file]);
+        fs::remove_dir_all(&kept).unwrap();
+        // Whose figures have no folder then.
+        if command == "equilibrium" {
+            continue;
+        }
+        let (code, words) = thread::scope(|scope| {
+            scope.spawn(|| {
+                thread::sleep(Duration::from_millis(700));
+                _ = fs::remove_dir_all(&kept);
+                fs::write(&kept, "").unwrap();
+            });
+            signalled(folder.path(), &arguments, "-INT", 1500)
+        });
         assert_eq!(code, Some(130), "{words}");
         assert!(words.contains("no samples are kept: the same command begins anew"), "{words}");
         assert!(!words.contains("samples are in"), "{words}");
