@@ -4,7 +4,7 @@
 //! few unknowns. Each linear equation (I − sψ′(z))δ = defect is solved by GMRES as in Walker and
 //! Zhou (1994), with products ψ′(z)p. A step in s is accepted if Newton's method contracts from its
 //! first iteration on, otherwise it is halved. Every path has numbers of its own, 32 in a [`Row`];
-//! if a row belongs to one path they are equal. No path depends on the others.
+//! if a row belongs to one path they are equal.
 
 use std::array::from_fn;
 

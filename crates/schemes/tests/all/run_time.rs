@@ -292,27 +292,6 @@ fn an_equation_without_a_solution_fails() {
     assert_eq!(status.failed.len(), WIDTH as u32);
 }
 
-/// Path 3 has the same bits among other paths and among copies of itself.
-#[test]
-fn no_path_depends_on_others() {
-    let adapter = Compiled::new(body(), [0.6, 0.0, 0.8]);
-    let noise = StepNoise::from(Rows::splat(&[3.0, -2.5, 2.0]));
-    let step = Step::new(&Constant::new(0.1).unwrap(), 0, 0.5).unwrap();
-    let path = |copies: bool| {
-        let mut paths = run_time::Scheme::stepper(&Sexp, &adapter).unwrap();
-        let mut numbers = Numbers(5);
-        for (row, y) in paths.state_mut().iter_mut().zip([0.6, 0.0, 0.8]) {
-            *row = std::array::from_fn(|_| y + 0.3 * numbers.next());
-            *row = if copies { [row[3]; WIDTH] } else { *row };
-        }
-        let mut status = BlockStatus::explicit();
-        paths.step(&step, &noise, &mut status);
-        assert!(status.robust.contains(3));
-        [0, 1, 2].map(|i| paths.state()[i][3].to_bits())
-    };
-    assert_eq!(path(false), path(true));
-}
-
 #[test]
 fn schemes_that_cannot_run_say_why() {
     let adapter = Compiled::new(body(), [0.6, 0.0, 0.8]);
