@@ -178,6 +178,13 @@ impl Expressions {
         self.graph.forward(roots, &direction)
     }
 
+    /// ∂∇̄h(y, u)/∂u·v; none if there is no ∇̄h.
+    pub fn averaged_along(&mut self) -> Option<Vec<Id>> {
+        let averaged = self.of(&Op::AveragedGradient { a: (), b: () })?.1.clone();
+        let direction: Vec<(usize, Id)> = self.group(U).zip(self.inputs(V)).collect();
+        Some(self.graph.forward(&averaged, &direction))
+    }
+
     /// H₀ with its weight, H₁, ….
     fn with_weights(&self, weights: &[Id]) -> Vec<(Id, Id)> {
         self.hamiltonians.iter().copied().zip(weights.iter().copied()).collect()

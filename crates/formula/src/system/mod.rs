@@ -181,8 +181,8 @@ impl System for FormulaSystem {
         inputs: usize,
         results: &[usize],
     ) -> Option<Box<dyn Program>> {
-        let (rule, key) = (&self.description.rule, (operations.into(), inputs, results.into()));
-        Some(Box::new(self.programs.program(&self.expressions, rule, key)?))
+        let key = (operations.into(), inputs, results.into());
+        Some(Box::new(self.programs.program(&self.expressions, key)?))
     }
 
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {

@@ -5,15 +5,10 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use dgrad::Rule;
 use real::{Row, Rows};
 use systems::run_time::{MOST_INPUTS, Op, Program, Recorded, Weights};
 
-use super::{
-    MOST_EXPRESSIONS,
-    average::{add, point},
-    expressions::Expressions,
-};
+use super::{MOST_EXPRESSIONS, average::point, expressions::Expressions};
 use crate::{Graph, Id, Tape, uniform::Numbers};
 
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
@@ -25,12 +20,12 @@ pub type Key = (Vec<Recorded>, usize, Vec<usize>);
 
 impl Programs {
     /// The tape of a formula; none if it would be too long.
-    pub fn program(&self, system: &Expressions, rule: &Rule, key: Key) -> Option<FormulaProgram> {
+    pub fn program(&self, system: &Expressions, key: Key) -> Option<FormulaProgram> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let compiled = match known.iter().find(|(known, _)| *known == key) {
             Some((_, compiled)) => compiled.clone(),
             None => {
-                let compiled = SchemeTape::new(system, rule, &key).map(Arc::new);
+                let compiled = SchemeTape::new(system, &key).map(Arc::new);
                 known.push((key, compiled.clone()));
                 compiled
             }
@@ -58,7 +53,7 @@ struct SchemeTape {
 }
 
 impl SchemeTape {
-    fn new(system: &Expressions, rule: &Rule, (nodes, inputs, results): &Key) -> Option<Self> {
+    fn new(system: &Expressions, (nodes, inputs, results): &Key) -> Option<Self> {
         let inputs = *inputs;
         let is_multiple = |n: &usize| matches!(nodes[*n], Recorded::Multiple(_));
         let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
@@ -71,7 +66,7 @@ impl SchemeTape {
         let end = areas + system.noises * system.noises;
         let more = (noise..end).chain([t]).map(|k| graph.input(k));
         let weights = once(dt).chain(more).collect();
-        let mut builder = SchemeBuilder { system, rule, graph, weights, states: Vec::new() };
+        let mut builder = SchemeBuilder { system, graph, weights, states: Vec::new() };
         for (n, &node) in nodes.iter().enumerate() {
             let factor = multiples.iter().position(|&multiple| multiple == n);
             let factor = factor.map(|k| builder.graph.input(numbers + 1 + k));
@@ -119,7 +114,6 @@ impl Program for FormulaProgram {
 /// The states of a formula, operation by operation.
 struct SchemeBuilder<'a> {
     system: &'a Expressions,
-    rule: &'a Rule,
     graph: Graph,
     /// dt, dw₁, …, the areas, and t.
     weights: Vec<Id>,
@@ -155,7 +149,12 @@ impl SchemeBuilder<'_> {
     /// An operation of the system; none if it has no expression.
     fn apply(&mut self, op: Op<Vec<Id>>) -> Option<Vec<Id>> {
         match op {
-            Op::AveragedHessian { a, b, u } => self.averaged_hessian(&a, &b, &u),
+            Op::AveragedHessian { a, b, u } => {
+                let mut system = self.system.clone();
+                let roots = system.averaged_along()?;
+                let inputs = [a, b, u, self.weights.clone()].concat();
+                Some(self.graph.copy(Some(&system.graph), &roots, &inputs))
+            }
             Op::AveragedField { a, b } => {
                 let y = point(&mut self.graph, &a, &b, 0.0);
                 let v = self.apply(Op::AveragedGradient { a, b })?;
@@ -173,17 +172,5 @@ impl SchemeBuilder<'_> {
                 Some(self.graph.copy(Some(&self.system.graph), roots, &inputs))
             }
         }
-    }
-
-    /// ∂∇̄h(a, b)/∂b·u.
-    fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Option<Vec<Id>> {
-        let mut sum = vec![self.graph.constant(0.0); self.system.dimension];
-        for k in 0..self.rule.nodes().len() {
-            let (node, weight) = (self.rule.nodes()[k], self.rule.weights()[k]);
-            let y = point(&mut self.graph, a, b, node - 0.5);
-            let value = self.apply(Op::Hessian { y, u: u.into() })?;
-            add(&mut self.graph, &mut sum, &value, weight * node);
-        }
-        Some(sum)
     }
 }

@@ -58,6 +58,7 @@ impl Pair {
             Op::Gradient { y },
             Op::Hessian { y, u },
             Op::AveragedField { a: y, b: v },
+            Op::AveragedHessian { a: y, b: v, u },
             Op::ItoCorrection { y },
         ];
         if affine {

@@ -1,10 +1,12 @@
 //! Newton's method with continuation, without a matrix, on all paths at once.
 //!
 //! The homotopy z = z₀ + s(ψ(z) − z₀) connects the start z₀ with the equation, as in [`nonlin`] for
-//! few unknowns. Each linear equation (I − sψ′(z))δ = defect is solved by GMRES (Saad and Schultz
-//! 1986) with products ψ′(z)u. A step in s is accepted if Newton's method contracts from its first
-//! iteration on, otherwise it is halved. Every path has numbers of its own, 32 in a [`Row`]; if a
-//! row belongs to one path they are equal.
+//! few unknowns. Each linear equation (I − sψ′(z))δ = defect is solved by GMRES as in Walker and
+//! Zhou (1994), with products ψ′(z)p. A step in s is accepted if Newton's method contracts from its
+//! first iteration on, otherwise it is halved. Every path has numbers of its own, 32 in a [`Row`];
+//! if a row belongs to one path they are equal.
+
+use std::array::from_fn;
 
 use nonlin::{
     Outcome,
@@ -21,12 +23,9 @@ use super::{
 };
 use crate::{Implicit, Step};
 
-/// Dimension of the Krylov space at most; then it is begun anew.
-const DIRECTIONS: usize = 40;
-/// Times that it is begun.
-const STARTS: usize = 10;
-/// The residual of a linear equation relative to its right-hand side.
-const LINEAR_TOLERANCE: f64 = 1e-8;
+/// The most directions of a linear equation. If the eigenvalues of sψ′ are between −iλ and iλ, the
+/// residual contracts by λ/(1 + √(1 + λ²)) with each: by [`CONTRACTION`] with all if λ = 28.
+const DIRECTIONS: usize = 20;
 
 /// Memory of the method.
 pub struct Krylov<'a> {
@@ -37,8 +36,11 @@ pub struct Krylov<'a> {
     pub z: Rows,
     before: Rows,
     defect: Rows,
+    /// The solution δ of a linear equation, and what it leaves of the defect.
     change: Rows,
-    basis: Vec<Rows>,
+    rest: Rows,
+    /// Directions p and the images q = (I − sψ′(z))p, which are orthonormal.
+    basis: Vec<[Rows; 2]>,
     /// s of every path.
     s: Row,
 }
@@ -55,6 +57,7 @@ impl<'a> Krylov<'a> {
             before: rows(),
             defect: rows(),
             change: rows(),
+            rest: rows(),
             basis: Vec::new(),
             s: [0.0; WIDTH],
         }
@@ -109,7 +112,7 @@ impl<'a> Krylov<'a> {
         self.s = [1.0; WIDTH];
         self.find_defect(h);
         let residuals = self.norm(&self.defect);
-        Ok(std::array::from_fn(|p| {
+        Ok(from_fn(|p| {
             let (residual, iterations) = (residuals[p], iterations[p]);
             match failed.contains(p) {
                 true => Outcome::Failed { residual },
@@ -131,12 +134,13 @@ impl<'a> Krylov<'a> {
         let starts = self.norm(&self.psi.buffers[0]);
         for _ in 0..MOST_ITERATIONS {
             self.find_defect(h);
-            self.solve_linear(h, going);
+            let is_solved = self.solve_linear(h, going);
             subtract(&mut self.z, &self.change, &weights(going));
             let (lengths, sizes) = (self.norm(&self.change), self.norm(&self.z));
             for p in going.paths() {
                 iterations[p] += 1;
-                let (length, size) = (lengths[p], sizes[p] + starts[p]);
+                let length = if is_solved[p] { lengths[p] } else { f64::NAN };
+                let size = sizes[p] + starts[p];
                 let solved = length <= TOLERANCE * size;
                 // With a NaN both are false.
                 let contracts = length <= CONTRACTION * before[p];
@@ -169,96 +173,50 @@ impl<'a> Krylov<'a> {
         }
     }
 
-    /// change = (I − sψ′(z))⁻¹ defect, by GMRES.
-    fn solve_linear(&mut self, h: Weights<'_>, paths: PathMask) {
-        self.change.fill([0.0; WIDTH]);
-        self.slope.buffers[1].copy_from_slice(&self.z);
-        self.reserve(2);
-        let aim = self.length(&self.defect).map(|length| LINEAR_TOLERANCE * length);
-        for start in 0..STARTS {
-            // The residual begins the basis.
-            self.basis[0].copy_from_slice(&self.defect);
-            if let ([residual, product, ..], true) = (&mut self.basis[..], start > 0) {
-                multiply(&mut self.slope, &self.s, h, &self.change, product);
-                subtract(residual, product, &[1.0; WIDTH]);
-            }
-            let length = self.length(&self.basis[0]);
-            if paths.paths().all(|p| length[p] <= aim[p] || !length[p].is_finite()) {
-                return;
-            }
-            scale(&mut self.basis[0], length.map(inverse));
-            let weights = self.arnoldi(h, paths, length, aim);
-            for (direction, weight) in self.basis.iter().zip(&weights) {
-                subtract(&mut self.change, direction, &weight.map(|weight| -weight));
-            }
-        }
-    }
-
-    /// Builds the Krylov space, and gives the weights of its directions in the solution.
-    fn arnoldi(&mut self, h: Weights<'_>, paths: PathMask, length: Row, aim: Row) -> Vec<Row> {
-        // The upper triangular matrix after rotations, column by column, and the right-hand side.
-        let mut columns: Vec<Vec<Row>> = Vec::new();
-        let mut rotations: Vec<(Row, Row)> = Vec::new();
-        let mut right = vec![length];
-        for k in 0..DIRECTIONS {
-            self.reserve(k + 2);
-            let (known, next) = self.basis.split_at_mut(k + 1);
-            let next = &mut next[0];
-            multiply(&mut self.slope, &self.s, h, &known[k], next);
-            let mut column = vec![[0.0; WIDTH]; k + 1];
-            // Twice is enough to be orthogonal (Giraud, Langou and Rozloznik 2005).
-            for _ in 0..2 {
-                for (direction, entry) in known.iter().zip(&mut column) {
-                    let [part] = sums(self.system, Product, [next, direction, direction]);
-                    subtract(next, direction, &part);
-                    (0..WIDTH).for_each(|p| entry[p] += part[p]);
-                }
-            }
-            let rest = self.length(&self.basis[k + 1]);
-            scale(&mut self.basis[k + 1], rest.map(inverse));
-            let (mut cosine, mut sine) = ([1.0; WIDTH], [0.0; WIDTH]);
-            let mut after = [0.0; WIDTH];
-            for p in 0..WIDTH {
-                for (j, (c, d)) in rotations.iter().enumerate() {
-                    let (a, b) = (column[j][p], column[j + 1][p]);
-                    (column[j][p], column[j + 1][p]) = (c[p] * a + d[p] * b, c[p] * b - d[p] * a);
-                }
-                let radius = (column[k][p] * column[k][p] + rest[p] * rest[p]).sqrt();
-                if radius > 0.0 {
-                    (cosine[p], sine[p]) = (column[k][p] / radius, rest[p] / radius);
-                }
-                column[k][p] = radius;
-                after[p] = -sine[p] * right[k][p];
-                right[k][p] *= cosine[p];
-            }
-            columns.push(column);
-            rotations.push((cosine, sine));
-            right.push(after);
-            // With a NaN there is nothing to be gained.
-            if paths.paths().all(|p| after[p].abs() <= aim[p] || after[p].is_nan()) {
+    /// change = (I − sψ′(z))⁻¹ defect. On which paths it is known well enough for Newton's method
+    /// to contract.
+    fn solve_linear(&mut self, h: Weights<'_>, paths: PathMask) -> [bool; WIDTH] {
+        let Self { system, slope, z, defect, change, rest, basis, s, .. } = self;
+        let product = |x: &[Row], y: &[Row]| sums(*system, Product, [x, y, y])[0];
+        let length = |x: &[Row]| product(x, x).map(f64::sqrt);
+        change.fill([0.0; WIDTH]);
+        rest.copy_from_slice(defect);
+        slope.buffers[1].copy_from_slice(z);
+        let whole = length(defect);
+        let mut left = whole;
+        // More directions than components are dependent.
+        for k in 0..DIRECTIONS.min(system.description().dimension) {
+            // Nothing is gained with a NaN.
+            let is_open = |l: usize| left[l] > TOLERANCE * whole[l];
+            if !paths.paths().any(is_open) {
                 break;
             }
-        }
-        let mut weights = vec![[0.0; WIDTH]; columns.len()];
-        for k in (0..columns.len()).rev() {
-            for p in 0..WIDTH {
-                let known: f64 =
-                    (k + 1..columns.len()).map(|j| columns[j][k][p] * weights[j][p]).sum();
-                weights[k][p] = (right[k][p] - known) * inverse(columns[k][k][p]);
+            if basis.len() == k {
+                basis.push([(); 2].map(|()| Rows::zero(z.len())));
             }
+            let (known, next) = basis.split_at_mut(k);
+            let [p, q] = &mut next[0];
+            p.copy_from_slice(known.last().map_or(&defect[..], |[_, q]| q));
+            q.copy_from_slice(p);
+            slope.buffers[2].copy_from_slice(p);
+            slope.execute(h);
+            subtract(q, slope.result(0), s);
+            for [direction, image] in known {
+                let part = product(q, image);
+                subtract(p, direction, &part);
+                subtract(q, image, &part);
+            }
+            let unit = length(q).map(|length| if length == 0.0 { 0.0 } else { 1.0 / length });
+            for x in p.iter_mut().chain(q.iter_mut()) {
+                (0..WIDTH).for_each(|l| x[l] *= unit[l]);
+            }
+            let part = product(q, rest);
+            let part = from_fn(|l| if is_open(l) { part[l] } else { 0.0 });
+            subtract(rest, q, &part);
+            subtract(change, p, &part.map(|part| -part));
+            left = length(rest);
         }
-        weights
-    }
-
-    /// Memory for so many directions of the basis.
-    fn reserve(&mut self, directions: usize) {
-        let (missing, rows) = (directions.saturating_sub(self.basis.len()), self.z.len());
-        self.basis.extend((0..missing).map(|_| Rows::zero(rows)));
-    }
-
-    /// The Euclidean length of a state.
-    fn length(&self, x: &[Row]) -> Row {
-        sums(self.system, Product, [x; 3])[0].map(f64::sqrt)
+        from_fn(|l| left[l] <= CONTRACTION * whole[l])
     }
 
     /// The sum of the absolute values of a state.
@@ -267,22 +225,9 @@ impl<'a> Krylov<'a> {
     }
 }
 
-/// out = (I − sψ′(z))u, where the machine has z.
-fn multiply(slope: &mut Machine<'_>, s: &Row, h: Weights<'_>, u: &[Row], out: &mut [Row]) {
-    slope.buffers[2].copy_from_slice(u);
-    slope.execute(h);
-    out.copy_from_slice(u);
-    subtract(out, slope.result(0), s);
-}
-
 /// 1 on the paths, else 0.
 fn weights(paths: PathMask) -> Row {
-    std::array::from_fn(|p| if paths.contains(p) { 1.0 } else { 0.0 })
-}
-
-/// 1/x, and 0 for 0.
-fn inverse(x: f64) -> f64 {
-    if x == 0.0 { 0.0 } else { 1.0 / x }
+    from_fn(|p| if paths.contains(p) { 1.0 } else { 0.0 })
 }
 
 /// x − weight·y. Where the weight is zero y may be NaN.
@@ -292,9 +237,4 @@ fn subtract(x: &mut [Row], y: &[Row], weights: &Row) {
             x[p] -= if weights[p] == 0.0 { 0.0 } else { y[p] * weights[p] };
         }
     }
-}
-
-/// weight·x.
-fn scale(x: &mut [Row], weights: Row) {
-    x.iter_mut().for_each(|row| (0..WIDTH).for_each(|p| row[p] *= weights[p]));
 }

@@ -4,12 +4,13 @@
 use kernels::Tuned;
 use noise::{BlockNoise, StepNoise, StreamKey, WienerRows};
 use nonlin::{BlockStatus, Method, Solver};
-use real::{Block, Rows, WIDTH};
+use real::{Block, Real, Rows, WIDTH};
 use schemes::{
-    BuiltIn, Heun, Implicit, Midpoint, Scheme, Sexp, SexpLi, Split, Step, WithSolver, run_time,
+    BuiltIn, Heun, Implicit, Increment, Midpoint, Scheme, Sexp, SexpLi, Split, Step, WithSolver,
+    run_time,
 };
 use systems::{
-    Cosine, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
+    Constant, Cosine, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
     lattice::{Couplings, Shape, SpinLattice},
     run_time::{Compiled, System, Weights},
 };
@@ -216,6 +217,79 @@ fn large_increments_are_solved_on_the_branch_of_the_flow() {
     for (z, expected) in z.iter().flatten().zip(y.0.iter().flatten()) {
         assert!((z - expected).abs() < 1e-12, "{z} {expected}");
     }
+}
+
+/// An oscillator with a quartic potential whose unit of length, and of time, is `unit`.
+#[derive(Clone, Copy)]
+struct Quartic {
+    unit: f64,
+}
+
+impl PoissonSystem<2, 1> for Quartic {
+    fn name(&self) -> &'static str {
+        "quartic"
+    }
+
+    #[inline(always)]
+    fn structure<R: Real>(&self, _: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        let square = y[0] * y[0] * self.unit.powi(-2);
+        (y[1] * y[1] + square + square * square * 0.5) * (0.5 * dt) - y[0] * dw[0]
+    }
+}
+
+/// Positions are 10⁻⁸ times the momenta, and the equations are still solved, for steps of one and
+/// of two units of time.
+#[test]
+fn units_do_not_matter() {
+    for time in [1.0, 2.0] {
+        let solve = |unit: f64| {
+            let adapter = Compiled::new(Quartic { unit }, [unit, 0.5]);
+            let mut paths = run_time::Scheme::stepper(&Sexp, &adapter).unwrap();
+            let mut numbers = Numbers(5);
+            for p in 0..WIDTH {
+                let [q, momentum] = numbers.point([1.0, 0.5], 1.0);
+                (paths.state_mut()[0][p], paths.state_mut()[1][p]) = (unit * q, momentum);
+            }
+            let step = Step::new(&Constant::new(0.0).unwrap(), 0, unit * time).unwrap();
+            let mut status = BlockStatus::explicit();
+            paths.step(&step, &StepNoise::zero(1), &mut status);
+            assert!(status.failed.is_empty(), "{unit} {time}: {}", status.failed.len());
+            assert!(!status.robust.is_empty());
+            let [q, p] = [0, 1].map(|i| paths.state()[i]);
+            (q.map(|q| q / unit), p)
+        };
+        let unit = 1e-8;
+        let ((q, p), (expected_q, expected_p)) = (solve(unit), solve(1.0));
+        for l in 0..WIDTH {
+            // Residuals are a few ε of |p|, which is ε/unit of q.
+            let error = (q[l] - expected_q[l]).abs() + (p[l] - expected_p[l]).abs();
+            assert!(error < 200.0 * f64::EPSILON / unit, "{time}: {error:e}");
+        }
+    }
+}
+
+/// z = z + B(ẑ)∇h(ẑ), which has no solution: z − ψ(z) has the derivative 0.
+struct Unsolvable;
+
+impl Implicit for Unsolvable {
+    const ID: &'static str = "unsolvable";
+
+    #[inline(always)]
+    fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
+        z + h.field(start)
+    }
+}
+
+#[test]
+fn an_equation_without_a_solution_fails() {
+    let (y0, noise) = ([0.6, 0.0, 0.8], StepNoise::zero(3));
+    let (_, status) = one_step(&Unsolvable, &Compiled::new(body(), y0), &y0, (0.5, &noise));
+    assert_eq!(status.failed.len(), WIDTH as u32);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use real::{Kernel, Row, WIDTH};
+use real::{Kernel, Real, Row, WIDTH, derivatives};
 
 use super::{
     Shape,
@@ -150,65 +150,54 @@ impl Couplings {
         )
     }
 
-    /// The field on a spin, −∂H₀/∂s = JΣs′ + K s_z e_z + h.
-    #[inline(always)]
-    fn field_on(self, s: [f64; 3], sum: [f64; 3]) -> [f64; 3] {
-        let [x, y, z] = self.field;
-        let j = self.exchange;
-        [sum[0] * j + x, sum[1] * j + y, sum[2] * j + (s[2] * self.anisotropy + z)]
-    }
-
     #[inline(always)]
     fn gradient(self, spins: Spins, sum: Spins, noise: Spins, dt: f64) -> Spins {
-        let damped = self.damping != 0.0;
         let [mut x, mut y, mut z] = spins;
         for p in 0..WIDTH {
-            let s = [x[p], y[p], z[p]];
-            let field = self.field_on(s, [sum[0][p], sum[1][p], sum[2][p]]);
-            let mut v = [0.0; 3];
-            for c in 0..3 {
-                v[c] = -(field[c] * dt + noise[c][p] * self.noise);
-            }
-            if damped {
-                let turned = cross(s, field);
-                let weight = -self.damping * dt * inverse_length(s);
-                for c in 0..3 {
-                    v[c] += turned[c] * weight;
-                }
-            }
+            let lane = |spins: &Spins| [spins[0][p], spins[1][p], spins[2][p]];
+            let v = self.at_spin([x[p], y[p], z[p]], lane(&sum), lane(&noise), dt);
             (x[p], y[p], z[p]) = (v[0], v[1], v[2]);
         }
         [x, y, z]
     }
 
-    /// With F the field on s and F′ that of the direction, without h: −F′ − α(u × F + s × F′ − (s ×
-    /// F)(s·u)/|s|²)/|s|.
     #[inline(always)]
     fn hessian(self, (spins, along): (Spins, Spins), sums: (Spins, Spins), dt: f64) -> Spins {
         let [mut x, mut y, mut z] = spins;
-        let linear = Self { field: [0.0; 3], ..self };
         for p in 0..WIDTH {
             let lane = |spins: &Spins| [spins[0][p], spins[1][p], spins[2][p]];
-            let (s, u) = ([x[p], y[p], z[p]], lane(&along));
-            let (field, moved) =
-                (self.field_on(s, lane(&sums.0)), linear.field_on(u, lane(&sums.1)));
-            let (bent, turned, plain) = (cross(u, field), cross(s, moved), cross(s, field));
-            let inverse = inverse_length(s);
-            let share = (s[0] * u[0] + s[1] * u[1] + s[2] * u[2]) * inverse * inverse;
-            let mut v = [0.0; 3];
-            for c in 0..3 {
-                let transverse = (bent[c] + turned[c] - plain[c] * share) * inverse;
-                v[c] = -(moved[c] + transverse * self.damping) * dt;
-            }
+            let s = real::along([x[p], y[p], z[p]], lane(&along));
+            let sum = real::along(lane(&sums.0), lane(&sums.1));
+            let v = derivatives(self.at_spin(s, sum, [0.0; 3], dt));
             (x[p], y[p], z[p]) = (v[0], v[1], v[2]);
         }
         [x, y, z]
+    }
+
+    /// The v of a spin: −(F dt + σ dw) − α dt (s × F)/|s| with the field F = −∂H₀/∂s =
+    /// JΣs′ + K s_z e_z + h on it.
+    #[inline(always)]
+    fn at_spin<R: Real>(self, s: [R; 3], sum: [R; 3], noise: [f64; 3], dt: f64) -> [R; 3] {
+        let ([x, y, z], j) = (self.field, self.exchange);
+        let field = [sum[0] * j + x, sum[1] * j + y, sum[2] * j + (s[2] * self.anisotropy + z)];
+        let mut v = [R::zero(); 3];
+        for c in 0..3 {
+            v[c] = -(field[c] * dt + noise[c] * self.noise);
+        }
+        if self.damping != 0.0 {
+            let turned = cross(s, field);
+            let weight = inverse_length(s) * (-self.damping * dt);
+            for c in 0..3 {
+                v[c] = v[c] + turned[c] * weight;
+            }
+        }
+        v
     }
 }
 
 /// 1/|s|, and 0 where there is no spin.
 #[inline(always)]
-fn inverse_length(s: [f64; 3]) -> f64 {
+fn inverse_length<R: Real>(s: [R; 3]) -> R {
     let square = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
-    if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 }
+    R::where_less(R::zero(), square, R::constant(1.0) / square.sqrt(), R::zero())
 }
