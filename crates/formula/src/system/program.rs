@@ -12,7 +12,7 @@ use systems::run_time::{MOST_INPUTS, Op, Program, Recorded, Weights};
 use super::{
     MOST_EXPRESSIONS,
     average::{add, point},
-    expressions::Expressions,
+    expressions::{Expressions, number_of_areas},
 };
 use crate::{Graph, Id, Tape, uniform::Numbers};
 
@@ -68,7 +68,7 @@ impl SchemeTape {
         let mut graph = Graph::new();
         let dt = graph.input(numbers);
         let areas = noise + system.noises;
-        let end = areas + system.noises * system.noises;
+        let end = areas + number_of_areas(system.noises);
         let more = (noise..end).chain([t]).map(|k| graph.input(k));
         let weights = once(dt).chain(more).collect();
         let mut builder = SchemeBuilder { system, rule, graph, weights, states: Vec::new() };
