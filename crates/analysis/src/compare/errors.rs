@@ -111,6 +111,7 @@ impl<'a> Search<'a> {
         let values = |view: &View<'_>, values: &mut [Row]| squares(view, &casimirs, values);
         let key = self.key(0);
         let ladder = Ladder::new(problem, base << finest, top, settings.truncation, key, runs)?;
+        let ladder = ladder.fitting(samples)?;
         let new = || FinalMoments::new(ladder.coarse_steps(), length, &values);
         let measured = ladder.run_until(stop, 0, samples, new);
         let moments = measured.statistic.moments;
