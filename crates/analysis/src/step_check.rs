@@ -151,7 +151,8 @@ pub fn checked_paths(run: u64, problem: &Problem<'_>) -> u64 {
 
 /// Checks the steps of a run, as a piece of work of a job with the name "steps"; `None` if the
 /// results are not here. `fastest` is the rate of the fastest motion, see
-/// [`fastest`](crate::facts::fastest()).
+/// [`fastest`](crate::facts::fastest()). It is `told` the path-steps that are done: three for each
+/// step of a path.
 ///
 /// # Errors
 /// [`LadderError`] if the scheme cannot be run on twice as many steps.
@@ -162,12 +163,13 @@ pub fn step_check(
     paths: u64,
     fastest: f64,
     (truncation, key): (Truncation, StreamKey),
-    job: &Job,
+    (job, told): (&Job, &(dyn Fn(u64) + Sync)),
 ) -> Result<Option<StepCheck>, LadderError> {
     let run = |level| Run::new(Arc::clone(&setup.scheme), level);
     let key = (key, Purpose::StepCheck);
     let (twice, runs) = (steps.saturating_mul(2), vec![run(1), run(0)]);
-    let ladder = Ladder::of(&setup.problem, twice, 1, truncation, key, runs)?;
+    let ladder =
+        Ladder::of(&setup.problem, twice, 1, truncation, key, runs)?.fitting(paths)?.telling(told);
     let initial = setup.start();
     let center = |phi: &&dyn Observe| {
         let value = evaluate(*phi, &initial, PathMask::first(1))[0];

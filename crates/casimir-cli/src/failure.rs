@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use casimir::mc::{RunError, parts::JobError};
+use casimir::mc::{MemoryError, RunError, parts::JobError};
 
 use crate::scene::SceneError;
 
@@ -28,7 +28,8 @@ impl<E: Error + 'static> From<E> for Failure {
         let any: &dyn Error = &error;
         let argument = matches!(any.downcast_ref(), Some(JobError::Argument(_)));
         let setting = any.downcast_ref();
-        let setting = matches!(setting, Some(RunError::Setting(_) | RunError::Memory { .. }));
+        let setting = matches!(setting, Some(RunError::Setting(_) | RunError::Memory(_)));
+        let setting = setting || any.is::<MemoryError>();
         match any.downcast_ref::<SceneError>() {
             Some(error) => Self::Scene(error.clone()),
             None if argument || setting => Self::Usage(error.to_string()),

@@ -70,6 +70,8 @@ impl FormulaDamping {
         let mut rates = [[0.0; WIDTH]];
         let mut scratch = vec![[0.0; WIDTH]; self.formula.tape.scratch_rows()];
         self.formula.tape.evaluate(&[&[times]], &mut rates, &mut scratch);
+        // About a time at which it is infinite a rate may have an integral.
+        rates[0].iter_mut().filter(|rate| rate.is_infinite()).for_each(|rate| *rate = 0.0);
         let used = [0, NODES].map(|first| &rates[0][first..first + nodes.len()]);
         let extreme = |f: fn(f64, f64) -> f64| used.into_iter().flatten().copied().reduce(f);
         let change =

@@ -1,6 +1,9 @@
 //! One formula with its text.
 
-use std::slice::{from_mut, from_ref};
+use std::{
+    slice::{from_mut, from_ref},
+    sync::Arc,
+};
 
 use real::{Row, WIDTH};
 
@@ -25,7 +28,7 @@ pub struct Formula {
     /// The text.
     pub text: String,
     /// The names of the variables, in their order.
-    pub variables: Vec<String>,
+    pub variables: Arc<Vec<String>>,
     /// The graph of the formula, with the variables as inputs.
     pub graph: Graph,
     /// The formula in its graph.
@@ -42,7 +45,7 @@ impl Formula {
     pub fn parse(text: &str, names: &Names) -> Result<Self, FormulaError> {
         let mut graph = Graph::new();
         let root = parse(text, names, &mut graph)?;
-        let variables = names.variables().to_vec();
+        let variables = names.variables.clone();
         let tape = Tape::new(&graph, &[root], from_ref(&(0..variables.len())));
         Ok(Self { text: text.to_owned(), variables, graph, root, tape })
     }

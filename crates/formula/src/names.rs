@@ -1,6 +1,6 @@
 //! The names that a formula may use.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
 use crate::graph::{Binary, Unary};
 
@@ -44,7 +44,7 @@ pub(crate) enum OfVectors {
 /// functions are taken.
 #[derive(Clone, Debug)]
 pub struct Names {
-    variables: Vec<String>,
+    pub(crate) variables: Arc<Vec<String>>,
     meanings: HashMap<String, Meaning>,
     /// The inputs of vectors.
     vectors: HashMap<String, Vec<usize>>,
@@ -73,7 +73,7 @@ impl Default for Names {
         ];
         let more = more.map(|(name, meaning)| (name.to_owned(), meaning));
         let meanings = unary.into_iter().chain(more).collect();
-        Self { variables: Vec::new(), meanings, vectors: HashMap::new() }
+        Self { variables: Arc::default(), meanings, vectors: HashMap::new() }
     }
 }
 
@@ -102,7 +102,7 @@ impl Names {
     /// [`NameError`].
     pub fn variable(&mut self, name: &str) -> Result<(), NameError> {
         self.insert(name, Meaning::Variable(self.variables.len()))?;
-        self.variables.push(name.to_owned());
+        Arc::make_mut(&mut self.variables).push(name.to_owned());
         Ok(())
     }
 

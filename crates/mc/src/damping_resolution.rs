@@ -83,7 +83,7 @@ impl<'a> Resolution<'a> {
             times = if times.is_multiple_of(2) { times / 2 } else { 1 };
         }
         let per_time = LEAST_PARTS.div_ceil(times);
-        let parts = rate_integrals(damping, t_end, (times * per_time) as u32);
+        let (parts, _) = rate_integrals(damping, t_end, (times * per_time) as u32);
         let mut sum = 0.0;
         let exact = parts.chunks(per_time as usize).map(|parts| {
             sum += parts.iter().map(|part| part.net).sum::<f64>();

@@ -73,6 +73,8 @@ pub struct Driver<'a> {
     pub dampings: Vec<&'a dyn Damping>,
     /// Number of noises.
     pub noises: usize,
+    /// Number of components.
+    pub dimension: usize,
     /// From the number of a run and of the first path of a block to its states at time 0.
     pub start: Box<dyn Fn(usize, u64) -> Vec<Row> + Sync + 'a>,
     /// Whether statistics see these states.
@@ -146,7 +148,7 @@ impl Tally {
 
 /// Number of blocks that advance together and share the damping of each step, which costs as much
 /// as two paths of a block.
-const GROUP_BLOCKS: usize = 4;
+pub const GROUP_BLOCKS: usize = 4;
 /// Number of paths of a group, which is computed in one piece.
 pub const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 

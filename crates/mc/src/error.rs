@@ -1,9 +1,11 @@
 //! Errors of ladders, and of what runs them.
 
+use std::collections::HashSet;
+
 use noise::NoiseError;
 use schemes::{StepError, run_time::SchemeError};
 
-use crate::{PathFailure, parts::JobError};
+use crate::{MemoryError, PathFailure, parts::JobError};
 
 /// An invalid ladder, detected before the first step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -50,6 +52,9 @@ pub enum LadderError {
     /// The scheme is not for the system.
     #[error(transparent)]
     Scheme(#[from] SchemeError),
+    /// The states of the paths take more memory than there is.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
 }
 
 /// Why there is no simulation, study or expectation.
@@ -71,18 +76,8 @@ pub enum RunError {
         max_cost: u64,
     },
     /// It takes more memory than there is; nothing was computed.
-    #[error(
-        "{what} would take about {} of memory, and {} is free",
-        gigabytes(*bytes), gigabytes(*free)
-    )]
-    Memory {
-        /// What takes the memory, and what would take less.
-        what: String,
-        /// An estimate of the bytes.
-        bytes: f64,
-        /// The bytes that are free.
-        free: f64,
-    },
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// A checkpoint cannot be read, is damaged, or is of another computation.
     #[error("{0}")]
     Checkpoint(String),
@@ -118,19 +113,12 @@ impl From<JobError> for RunError {
     }
 }
 
-fn gigabytes(bytes: f64) -> String {
-    match bytes / 1e9 {
-        size @ 0.1..1e6 => format!("{size:.1} GB"),
-        size => format!("{size:.0e} GB"),
-    }
-}
-
 impl RunError {
     /// Refuses a name that two of `what` have.
-    pub(crate) fn twice<T: AsRef<str> + PartialEq>(what: &str, names: &[T]) -> Result<(), Self> {
-        let same = (0..names.len()).find(|&n| names[..n].contains(&names[n]));
-        same.map_or(Ok(()), |n| {
-            let name = names[n].as_ref();
+    pub(crate) fn twice<T: AsRef<str>>(what: &str, names: &[T]) -> Result<(), Self> {
+        let mut seen = HashSet::new();
+        let same = names.iter().map(AsRef::as_ref).find(|name| !seen.insert(*name));
+        same.map_or(Ok(()), |name| {
             Err(Self::Setting(format!("two {what} have the name {name:?}; rename one")))
         })
     }

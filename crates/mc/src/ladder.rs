@@ -3,13 +3,13 @@
 use std::{ops::Range, sync::OnceLock};
 
 use noise::{Purpose, StreamKey, Truncation};
-use real::{PathMask, Row};
+use real::{PathMask, Row, WIDTH};
 use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
-    LadderError, NextNoise, PathFailure, Problem, Run,
-    driver::{Batch, Bounds, Driver, Failed, GROUP_PATHS, StepTable, Tally},
+    LadderError, NextNoise, PathFailure, Problem, Run, demand,
+    driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, StepTable, Tally},
     noise_source::drawn,
     observable::{components, path},
     parallel::grow,
@@ -134,6 +134,8 @@ pub struct Measured<T> {
     pub clipped: Vec<u64>,
 }
 
+/// Rows of a run on a block for each component: its state, and what a step makes of it.
+const STATES: usize = 16;
 /// Default number of failures that are described.
 const DESCRIBED_FAILURES: usize = 8;
 /// Paths whose statistics are in a fingerprint, and coarse steps of its states.
@@ -195,6 +197,7 @@ impl<'a> Ladder<'a> {
         let mut driver = Driver {
             dampings: problem.dampings().collect(),
             noises: problem.noises,
+            dimension: problem.y0.len(),
             start: Box::new(move |_, first| same.start(key, first)),
             from_start: false,
             t_end: problem.t_end,
@@ -225,6 +228,23 @@ impl<'a> Ladder<'a> {
         let stack = runs.iter().map(|run| run.scheme.stack()).max().unwrap_or(0);
         driver.runs = runs;
         Ok(Self { driver, stack, progress: Box::new(|_| ()) })
+    }
+
+    /// Refuses to run so many paths where their states take more memory than there is.
+    ///
+    /// # Errors
+    /// [`LadderError::Memory`].
+    pub fn fitting(self, paths: u64) -> Result<Self, LadderError> {
+        let Driver { noises, levels, runs, dimension, .. } = &self.driver;
+        let most = (GROUP_BLOCKS * rayon::current_num_threads()) as u64;
+        let blocks = most.min(paths.div_ceil(WIDTH as u64));
+        let rows = STATES * dimension * runs.len() + noises * (levels + 3);
+        let what = format!(
+            "{} paths at a time with {dimension} components (fewer of both, or threads, take less)",
+            blocks * WIDTH as u64
+        );
+        demand(what, (rows * size_of::<Row>()) as f64 * blocks as f64)?;
+        Ok(self)
     }
 
     /// Computes a random time along each path, see [`TimeChange`].

@@ -99,7 +99,7 @@ pub use failure::{Cause, PathFailure};
 pub use friction::Friction;
 pub use ladder::{Kept, Ladder, Measured, Statistic, TimeChange, View};
 pub use large_path::LargePath;
-pub use memory::demand;
+pub use memory::{MemoryError, demand};
 pub use noise_source::{NextNoise, NoiseSource, drawn};
 pub use observable::{Observable, Observe, StateFunction};
 pub use setup::{Coefficients, ConformalLaw, Initial, Problem, Run, Setup, bind, bind_owned};

@@ -2,25 +2,51 @@
 
 use std::{fs, path::Path};
 
-use crate::RunError;
+/// It takes more memory than there is; nothing was computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "{what} would take about {} of memory, and {} is free",
+    gigabytes(*bytes), gigabytes(*free)
+)]
+pub struct MemoryError {
+    /// What takes the memory, and what would take less.
+    pub what: String,
+    /// An estimate of the bytes.
+    pub bytes: f64,
+    /// The bytes that are free.
+    pub free: f64,
+}
+
+fn gigabytes(bytes: f64) -> String {
+    match bytes / 1e9 {
+        size @ 0.1..1e6 => format!("{size:.1} GB"),
+        size => format!("{size:.0e} GB"),
+    }
+}
 
 /// Bytes that any work may take where the system does not say how many are free.
 const UNKNOWN: f64 = (1u64 << 40) as f64;
 
+/// Fewer bytes are taken without a question.
+const SMALL: f64 = 1e8;
+
 /// Refuses `what` where it takes about so many bytes and fewer are free.
 ///
 /// # Errors
-/// [`RunError::Memory`].
-pub fn demand(what: impl Into<String>, bytes: f64) -> Result<(), RunError> {
+/// [`MemoryError`].
+pub fn demand(what: impl Into<String>, bytes: f64) -> Result<(), MemoryError> {
+    if bytes < SMALL {
+        return Ok(());
+    }
     let free = free().unwrap_or(UNKNOWN);
     match bytes <= free {
         true => Ok(()),
-        false => Err(RunError::Memory { what: what.into(), bytes, free }),
+        false => Err(MemoryError { what: what.into(), bytes, free }),
     }
 }
 
-/// Bytes that are free on Linux, within the limits of the control groups of the process (version
-/// 2), whose pages of files can be dropped.
+/// Bytes that are free on Linux, within the limits of the process and of its control groups
+/// (version 2), whose pages of files can be dropped.
 fn free() -> Option<f64> {
     let number = |text: &str, key: &str| -> Option<f64> {
         let after = text.lines().find_map(|line| line.strip_prefix(key))?;
@@ -28,6 +54,9 @@ fn free() -> Option<f64> {
     };
     let read = |folder: &Path, file| fs::read_to_string(folder.join(file)).ok();
     let machine = 1024.0 * number(&read(Path::new("/proc"), "meminfo")?, "MemAvailable:")?;
+    let own = |file, key| number(&read(Path::new("/proc/self"), file)?, key);
+    let addresses = own("limits", "Max address space").zip(own("status", "VmSize:"));
+    let limit = addresses.map_or(machine, |(most, used)| machine.min(most - 1024.0 * used));
     let groups = read(Path::new("/proc/self"), "cgroup").unwrap_or_default();
     let group = groups.lines().find_map(|line| line.strip_prefix("0::/")).unwrap_or_default();
     let left = |group: &Path| {
@@ -36,7 +65,7 @@ fn free() -> Option<f64> {
             .map(|file| read(&folder, file)?.trim().parse::<f64>().ok());
         Some(limit? - used? + number(&read(&folder, "memory.stat")?, "file ")?)
     };
-    Some(Path::new(group).ancestors().filter_map(left).fold(machine, f64::min))
+    Some(Path::new(group).ancestors().filter_map(left).fold(limit, f64::min))
 }
 
 #[cfg(test)]

@@ -115,6 +115,7 @@ impl<'a> Search<'a> {
         let values = |view: &View<'_>, values: &mut [Row]| squares(view, &casimirs, values);
         let key = self.key(0);
         let ladder = Ladder::new(problem, base << finest, top, settings.truncation, key, runs)?;
+        let ladder = ladder.fitting(samples)?;
         let new = || FinalMoments::new(ladder.coarse_steps(), length, &values);
         let (job, name) = (settings.job.as_deref(), format!("{sizes:?}, reference {reference}"));
         let measured = kept(&ladder, (job, stop), &name, samples, new);

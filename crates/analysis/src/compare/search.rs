@@ -211,6 +211,7 @@ impl<'a> Search<'a> {
             for point in points {
                 let runs = vec![Run::new(Arc::clone(scheme), 0)];
                 let ladder = Ladder::new(problem, point.steps, 0, truncation, self.key(2), runs)?;
+                let ladder = ladder.fitting(PATHS)?;
                 all.push((ladder, point, Vec::new()));
             }
         }

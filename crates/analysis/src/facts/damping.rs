@@ -48,7 +48,7 @@ impl DampingIntegral {
     /// That of a damping up to a final time.
     pub fn of(damping: &dyn Damping, t_end: f64) -> Self {
         let time = |n: u32| t_end * f64::from(n) / f64::from(PARTS);
-        let parts = rate_integrals(damping, t_end, PARTS);
+        let (parts, pole) = rate_integrals(damping, t_end, PARTS);
         let total = parts.iter().fold(RateIntegrals::default(), |sum, part| sum + *part);
         let average = total.size / f64::from(PARTS);
         let mut found = Self {
@@ -80,6 +80,9 @@ impl DampingIntegral {
                 let because = if unresolved { Status::Unknown } else { Status::Fails };
                 found.agrees = found.agrees.min(because);
             }
+        }
+        if pole.is_some() {
+            found.agrees = Status::Fails;
         }
         found.none = total.size == 0.0 && found.defect == 0.0;
         found

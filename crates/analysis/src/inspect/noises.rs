@@ -20,6 +20,9 @@ pub struct Noises {
     pub(super) at_start: Finding,
 }
 
+/// More noises than these are looked at together, as two random combinations.
+const FEW: usize = 32;
+
 impl Noises {
     pub(super) fn of(sight: &mut Sight<'_>) -> Self {
         let mut found = Self { commute: Finding::strict(), at_start: Finding::strict() };
@@ -27,7 +30,7 @@ impl Noises {
         if noises < 2 {
             return found;
         }
-        let few = !sight.matrices.is_empty();
+        let few = !sight.matrices.is_empty() && noises <= FEW;
         let mut random = Random::new(Purpose::Areas);
         // Two random combinations of all noises commute if all do.
         let mut combination = || {

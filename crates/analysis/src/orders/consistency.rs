@@ -10,7 +10,7 @@
 //! A law is the right one, whatever the paths, if the covariance of a step replaces its noise:
 //! |Eδ| = o(τ) and |E[ΔyΔyᵀ] − Σ fₘfₘᵀτ| = o(τ) (Milstein, *Theory Probab. Appl.* 30, 1986).
 
-use mc::{Coefficients, Setup};
+use mc::{Coefficients, Setup, demand};
 use noise::{StepNoise, WienerRows};
 use real::{PathMask, WIDTH, elementary};
 use schemes::Step;
@@ -38,6 +38,10 @@ const STAYS: f64 = 0.1;
 /// law alone: the limit is consistent, inconsistent or unchecked. It is unchecked where steps fail
 /// or it is stopped.
 pub fn consistency(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit], law: bool) -> Limit {
+    let numbers = (setup.problem.y0.len() * setup.problem.noises * VISITS) as f64;
+    if demand("coefficients", 8.0 * numbers).is_err() {
+        return Limit::Unchecked;
+    }
     let of = |visit| Known { visit, at: (setup.problem.coefficients)(visit.t, &visit.state) };
     let visits = visits.iter().take(VISITS).map(of);
     let (visits, mut steps) = (visits.collect::<Vec<_>>(), Steps::new(setup));

@@ -265,6 +265,7 @@ impl Referee<'_> {
         let runs = [0, 1].map(|level| Run::new(Arc::clone(scheme), level)).into();
         let (steps, levels) = (sizes.reference_steps(), sizes.level(0));
         let ladder = Ladder::new(problem, steps, levels, sizes.truncation, sizes.key, runs)?;
+        let ladder = ladder.fitting(paths as u64)?;
         let end = |view: &View<'_>, p: usize| {
             let last = view.time == ladder.coarse_steps();
             last.then(|| (view.first_path + p as u64, [0, 1].map(|run| state(view, run, p))))

@@ -28,7 +28,8 @@ pub fn measure<'a>(
 ) -> Result<Measured<FinalMoments<'a>>, LadderError> {
     let (steps, top) = (sizes.reference_steps(), sizes.level(0));
     let runs = (0..=top).rev().map(|level| Run::new(Arc::clone(scheme), level)).collect();
-    let mut ladder = Ladder::new(problem, steps, top, sizes.truncation, sizes.key, runs)?;
+    let ladder = Ladder::new(problem, steps, top, sizes.truncation, sizes.key, runs)?;
+    let mut ladder = ladder.fitting(sizes.samples)?;
     if let Some(time_change) = time_change {
         ladder = ladder.with_time_change(time_change);
     }
@@ -79,7 +80,8 @@ pub fn visits(
 ) -> Result<(Vec<Visit>, Option<PathFailure>), LadderError> {
     let (Setup { problem, scheme }, steps) = (setup, sizes.coarsest_steps << (sizes.levels - 1));
     let runs = vec![Run::new(Arc::clone(scheme), 0)];
-    let ladder = Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?;
+    let ladder =
+        Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?.fitting(paths)?;
     let tau = problem.t_end / steps as f64;
     let visit = |view: &View<'_>, p: usize| {
         // Multiples of the golden ratio, modulo one, are spread evenly.

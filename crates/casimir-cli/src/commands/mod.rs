@@ -41,11 +41,15 @@ use crate::arguments::On;
 /// Reads a scene and checks it and the folder, and takes as many threads as are asked for.
 fn open(on: &On, scheme: &SchemeAndSeed, steps: Option<u64>) -> Done<Scene> {
     let changes = Changes { scheme: scheme.clone(), steps, ..Changes::default() };
-    let scene = Scene::new(source(&on.scene)?, &changes)?;
+    let source = source(&on.scene)?;
+    let scene = watch().under(READING.into(), 0, || Scene::new(source, &changes))?;
     threads(on.threads)?;
     on.out.as_deref().map_or(Ok(()), files::check)?;
     Ok(scene)
 }
+
+/// What takes long with large systems.
+const READING: &str = "reading the scene";
 
 /// The text of a scene.
 fn source(file: &Path) -> Done<Source> {

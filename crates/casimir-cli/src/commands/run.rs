@@ -11,19 +11,21 @@ use casimir_cli::{
 };
 
 use super::{
-    REPORT, folder, keeping, prepare, print, print_json, program, source, stoppable, threads,
+    READING, REPORT, folder, keeping, prepare, print, print_json, program, source, stoppable,
+    threads, watch,
 };
 use crate::arguments::Run;
 
 /// Runs a scene, at every combination of what is varied, and writes the results.
 pub fn run(Run { changes, write: formats, large, on }: &Run) -> Done {
-    let sweep = Sweep::new(&source(&on.scene)?, changes)?;
+    let source = source(&on.scene)?;
+    let sweep = watch().under(READING.into(), 0, || Sweep::new(&source, changes))?;
     threads(on.threads)?;
     if !(formats.is_empty() || *large) {
         check_size(&sweep)?;
     }
     // The scenes are checked before the folder is made.
-    let ready = ready(&sweep, settle(&sweep))?;
+    let ready = watch().under(READING.into(), 0, || ready(&sweep, settle(&sweep)))?;
     let folder = folder(on, "run")?;
     prepare(&folder)?;
     let is_study = sweep.combinations[0].scene.settings.is_study();
@@ -74,7 +76,7 @@ pub fn write(found: &Outcomes<'_>, folder: &Path, formats: &[Format], json: bool
     } else {
         print(&found.text())
     };
-    found.write(folder, formats)?;
+    watch().under("writing the results".into(), 0, || found.write(folder, formats))?;
     told?;
     if json { Ok(()) } else { print(&format!("report: {}\n", file.display())) }
 }

@@ -7,11 +7,12 @@ use casimir::{
     formula::{Definition, FormulaDamping, FormulaSystem, nearest},
     mc::{self, Friction},
     systems::{
-        Constant, Damping, Linearity, around,
+        Constant, Damping, Linearity, around, rate_integrals,
         run_time::{Problem, System},
     },
 };
 
+use crate::output::digits;
 use crate::scene::{At, Read, Reading, Text, refuse};
 
 /// The components with a rate, where each is damped alone.
@@ -207,6 +208,9 @@ pub fn bath(
     rates.iter().map(noise).collect()
 }
 
+/// Parts of [0, T] on which a rate is integrated before a run.
+const PARTS: u32 = 64;
+
 /// The damping of a rate.
 fn of_rate(reading: &Reading<'_>, rate: &At<Text>) -> Read<Arc<dyn Damping>> {
     let Reading { source, constants, settings, .. } = reading;
@@ -219,11 +223,14 @@ fn of_rate(reading: &Reading<'_>, rate: &At<Text>) -> Read<Arc<dyn Damping>> {
             return Err(source.error_in(rate, &error, message));
         }
     }
-    Ok(if formula.depends_on(0) {
-        Arc::new(FormulaDamping::new(formula))
-    } else {
-        constant(formula.value(&[0.0]))
-    })
+    if !formula.depends_on(0) {
+        return Ok(constant(formula.value(&[0.0])));
+    }
+    let damping = FormulaDamping::new(formula);
+    if let (_, Some(t)) = rate_integrals(&damping, settings.until, PARTS) {
+        refuse!(source, rate.span(), "this has no integral about t = {}", digits(t));
+    }
+    Ok(Arc::new(damping))
 }
 
 /// A rate that is finite.

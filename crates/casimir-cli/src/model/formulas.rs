@@ -5,7 +5,7 @@ use std::sync::Arc;
 use casimir::{
     analysis::facts::energy,
     formula::{Definition, DefinitionError, FormulaSystem, Which},
-    mc::{self, Friction},
+    mc::{self, Friction, demand},
     systems::run_time::{Problem, System},
 };
 
@@ -18,6 +18,9 @@ use crate::scene::{
     At, Calculus, Further, Listed, Parameter, Read, Reading, SceneError, State, SystemTable, Text,
     refuse, structure as entries,
 };
+
+/// Bytes of an entry of B.
+const ENTRY: f64 = 2e3;
 
 /// The model of formulas.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
@@ -44,6 +47,9 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     }
     let words = |text: &At<Text>| text.0.clone();
     let state = State::new(source, state)?;
+    let d = state.components.len();
+    demand(format!("a matrix B for {d} components"), ENTRY * (d * d) as f64)
+        .map_err(|error| source.error(structure.span(), error))?;
     let mut definition = Definition {
         name: file.title.clone().unwrap_or("formulas".into()),
         state: state.components.iter().map(|name| name.to_string()).collect(),

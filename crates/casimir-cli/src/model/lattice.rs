@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use casimir::{
+    mc::demand,
     real::{Row, WIDTH},
     systems::{
         lattice::{Couplings, Shape, SpinLattice, noise_at_temperature},
@@ -17,6 +18,8 @@ use crate::scene::{Further, Observable, Parameters, Quantity, Read, Reading, Set
 pub const PARAMETERS: &str =
     "sizes, periodic, exchange, anisotropy, field, noise, local, transverse, temperature";
 
+/// Bytes that a site takes where it is simulated or inspected.
+const SITE: f64 = 1.5e4;
 /// What lengths of spins may differ by, relative.
 const ROUNDING: f64 = 1e-9;
 
@@ -35,6 +38,8 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     };
     let shape = shape.map_err(|error| parameters.error("sizes", error))?;
     let sites = shape.sites();
+    demand(format!("a lattice of {sites} sites"), SITE * sites as f64)
+        .map_err(|error| parameters.error("sizes", error))?;
     let Settings { initial, until, .. } = reading.settings;
     let y0 = match initial[..] {
         [x, y, z] => [x, y, z].repeat(sites),

@@ -22,6 +22,9 @@ use crate::scene::{Further, MOST_COMPONENTS, Observable, Read, Reading};
 
 pub use project::PROJECT;
 
+/// More noises are too many to be compared with a bath one by one.
+const MOST_NOISES: usize = 100;
+
 /// A system with its damping and initial value.
 pub trait Model: Send + Sync {
     /// The problem with its friction, and the laws that it obeys.
@@ -67,7 +70,9 @@ pub trait Model: Send + Sync {
     /// system is small.
     fn bath(&self) -> Option<Bath> {
         let (system, y0) = (self.system(), self.problem().y0);
-        let small = !system.description().depends_on_time && y0.len() <= MOST_COMPONENTS;
+        let description = system.description();
+        let few = y0.len() <= MOST_COMPONENTS && description.noises <= MOST_NOISES;
+        let small = few && !description.depends_on_time;
         Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
     }
 

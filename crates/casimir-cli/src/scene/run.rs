@@ -94,6 +94,8 @@ pub const AUTO: &str = "auto";
 pub const FEW_PATHS: u64 = 100;
 /// Tables that are kept beside statistics.
 const TABLES: u64 = 3;
+/// Most saved times that are tried for others.
+const MOST_TRIED: u64 = 1_000_000;
 /// Most saved times unless the scene says otherwise.
 const TIMES: u64 = 200;
 
@@ -124,7 +126,7 @@ impl Settings {
         let times = match &run.times {
             Some(times) if steps.is_multiple_of(times.0) => times.0,
             Some(times) if changes.steps.is_none() => {
-                let (given, near) = (times.0, divisor(times.0));
+                let (given, near) = (times.0, divisor(times.0.min(MOST_TRIED)));
                 let place = times.span();
                 refuse!(source, place, "{given} times do not divide {steps} steps: take {near}");
             }

@@ -72,7 +72,7 @@ fn vectors(entry: &str) -> Option<Vec<(String, Vec<String>)>> {
     let parts: Option<Vec<_>> = brackets.strip_suffix(']')?.split("][").map(parts).collect();
     match &parts?[..] {
         [parts] => Some(vec![(name.into(), parts.clone())]),
-        [first, parts] => {
+        [first, parts] if first.len() * parts.len() <= MOST as usize => {
             Some(first.iter().map(|k| (format!("{name}{k}"), parts.clone())).collect())
         }
         _ => None,

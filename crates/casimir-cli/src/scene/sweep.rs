@@ -161,6 +161,9 @@ fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>>
         }
         for text in texts {
             match Formula::parse(text, &Names::new()).map(|formula| formula.value(&[])) {
+                Ok(value) if values.contains(&value) => {
+                    refuse!(source, place, "`{name}` has the value {text} twice")
+                }
                 Ok(value) if value.is_finite() => values.push(value),
                 Ok(value) => refuse!(source, place, "{name} = {text}: it is {value}"),
                 Err(error) => refuse!(source, place, "{name} = {text}: {}", error.message),

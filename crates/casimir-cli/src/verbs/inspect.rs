@@ -11,18 +11,17 @@ use crate::{failure::Done, model::with_names, output::digits, scene::Scene};
 pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let model = &scene.model;
     let (problem, system) = (model.problem(), model.system());
-    let settings = InspectSettings {
-        run: Some(model.recommended()),
-        y0: Some(problem.y0.clone()),
-        damping: Some((problem.damping, problem.t_end)),
-        friction: model.friction(),
-        areas: system.description().jacobi_holds,
-    };
-    let (known, findings) = watch.under("looking at points".into(), 0, || {
-        (model.known(), analysis::inspect(system, &settings))
+    let (known, bath, findings) = watch.under("looking at points".into(), 0, || {
+        let settings = InspectSettings {
+            run: Some(model.recommended()),
+            y0: Some(problem.y0.clone()),
+            damping: Some((problem.damping, problem.t_end)),
+            friction: model.friction(),
+            areas: system.description().jacobi_holds,
+        };
+        (model.known(), model.bath(), analysis::inspect(system, &settings))
     });
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
-    let bath = model.bath();
     let text = format!("{findings}\n{}", bath.as_ref().map_or(String::new(), words));
     let text = with_names(&text, &scene.components);
     let text = format!("{}{}\n", known.equation(), text.trim_end());

@@ -92,6 +92,8 @@ pub struct Watch {
     pub stop: Stop,
 }
 
+/// After so long it is said how far work is, where no bar shows it.
+const SOON: Duration = Duration::from_secs(8);
 /// After so long it is said how far an accuracy is.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -125,12 +127,14 @@ impl Watch {
             let words = format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}");
             self.bar.suspend(|| (self.say)(&words));
         };
-        watched(PATIENCE, say, || self.under(what.into(), 0, || work(&told)))
+        let result = watched(PATIENCE, say, || self.under(what.into(), 0, || work(&told)));
+        say();
+        result
     }
 
-    /// Does work of about so many path-steps, zero if that is not known, under the bar, which shows
-    /// nothing where the output is no terminal.
-    fn under<R>(&self, what: String, path_steps: u64, work: impl FnOnce() -> R) -> R {
+    /// Does work of about so many path-steps, zero if that is not known, under the bar. Where the
+    /// output is no terminal it shows nothing, and it is said once how far long work is.
+    pub fn under<R>(&self, what: String, path_steps: u64, work: impl FnOnce() -> R) -> R {
         let template = match path_steps {
             0 => "{elapsed:>4} {spinner} {msg}",
             _ => "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left",
@@ -140,11 +144,20 @@ impl Watch {
         bar.set_style(style.progress_chars("=> "));
         bar.set_length(path_steps);
         bar.reset();
-        bar.set_message(what);
+        bar.set_message(what.clone());
+        let start = Instant::now();
+        let say = || {
+            let since = start.elapsed().as_secs_f64();
+            let left = since * (path_steps as f64 / bar.position() as f64 - 1.0);
+            let known = left.is_finite().then(|| format!(", about {left:.0} s left"));
+            if bar.is_hidden() {
+                (self.say)(&format!("{what}: {since:.0} s so far{}", known.unwrap_or_default()));
+            }
+        };
         if !bar.is_hidden() {
             bar.enable_steady_tick(Duration::from_millis(200));
         }
-        let result = work();
+        let result = watched(SOON, say, work);
         bar.finish_and_clear();
         result
     }
@@ -159,7 +172,7 @@ impl Watch {
     }
 }
 
-/// Does work, and says something if that takes longer than `patience`, and at its end.
+/// Does work, and says something if that takes longer than `patience`.
 fn watched<R>(patience: Duration, say: impl Fn() + Sync, work: impl FnOnce() -> R) -> R {
     thread::scope(|scope| {
         let ((working, ended), say) = (channel::<()>(), &say);
@@ -170,7 +183,6 @@ fn watched<R>(patience: Duration, say: impl Fn() + Sync, work: impl FnOnce() -> 
         });
         let result = work();
         drop(working);
-        say();
         result
     })
 }
@@ -214,8 +226,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn long_work_is_spoken_of_once_and_at_its_end() {
-        for (patience, expected) in [(Duration::from_millis(1), 2), (PATIENCE, 1)] {
+    fn long_work_is_spoken_of_once() {
+        for (patience, expected) in [(Duration::from_millis(1), 1), (PATIENCE, 0)] {
             let said = AtomicU32::new(0);
             let say = || _ = said.fetch_add(1, Ordering::Relaxed);
             watched(patience, say, || thread::sleep(Duration::from_millis(200)));

@@ -5,7 +5,7 @@ use std::time::Instant;
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
     mc::{
-        Observe, RunError, Setup, Simulation, Study, StudySettings, TimeSeries, parts::Job,
+        Observe, RunError, Setup, Simulation, Study, StudySettings, TimeSeries, demand, parts::Job,
         study::StudyResult,
     },
 };
@@ -17,6 +17,9 @@ use crate::{
     output,
     scene::{Combination, Scene, Sweep},
 };
+
+/// Bytes of the moments of two observables of which step errors are found.
+const MOMENTS: f64 = 150.0;
 
 /// What a run found.
 pub struct Results {
@@ -177,7 +180,7 @@ impl<'a> Ready<'a> {
         let Scene { components, observables, settings, model, .. } = scene;
         let (steps, truncation, key) = (settings.steps, settings.truncation, settings.key);
         let wrong = |error| match error {
-            RunError::Memory { .. } => Failure::from(error),
+            RunError::Memory(_) => Failure::from(error),
             error => scene.steps_error(error).into(),
         };
         let mut simulation = Simulation::new(setup.clone(), truncation)
@@ -188,6 +191,8 @@ impl<'a> Ready<'a> {
             simulation = simulation.observing(observable.clone());
         }
         simulation.demand(steps, settings.tables).map_err(wrong)?;
+        let number = observables.len();
+        demand(format!("step errors of {number} observables"), MOMENTS * (number * number) as f64)?;
         let mut study = None;
         if settings.is_study() {
             let wanted = StudySettings {
@@ -195,23 +200,35 @@ impl<'a> Ready<'a> {
                 stop: watch.stop.clone(),
                 ..StudySettings::new(steps, settings.times, settings.paths, truncation, key)
             };
-            let of_all = Study::new(&setup, observables, &wanted).map_err(wrong)?;
+            let of_all = watch
+                .under(format!("{prefix}bins"), 0, || Study::new(&setup, observables, &wanted));
+            let of_all = of_all.map_err(wrong)?;
             if watch.stop.is_asked() {
                 return Ok(None);
             }
-            study = watch.under(format!("{prefix}paths"), settings.paths * steps, || {
-                of_all.telling(|done| watch.bar.inc(done)).run_in(job, "study")
-            });
+            study =
+                watch.under(format!("{prefix}paths"), settings.paths.saturating_mul(steps), || {
+                    of_all.telling(|done| watch.bar.inc(done)).run_in(job, "study")
+                });
         }
         let checked = checked_paths(settings.paths, &setup.problem);
         let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
+        let told = |done| watch.bar.inc(done);
         let check =
-            step_check(&setup, &phi, steps, checked, model.fastest(), (truncation, key), job);
+            watch.under(format!("{prefix}step errors"), steps.saturating_mul(3 * checked), || {
+                let fastest = model.fastest();
+                step_check(&setup, &phi, steps, checked, fastest, (truncation, key), (job, &told))
+            });
         let check = check.map_err(|error| scene.steps_error(error))?;
         if settings.is_study() && study.is_none() {
             return Ok(None);
         }
-        let tables = simulation.paths(steps, key, 0..settings.tables).map_err(wrong)?;
+        let simulation = simulation.telling(told);
+        let tables =
+            watch.under(format!("{prefix}tables"), settings.tables.saturating_mul(steps), || {
+                simulation.paths(steps, key, 0..settings.tables)
+            });
+        let tables = tables.map_err(wrong)?;
         let (known, seconds) = (model.known(), start.elapsed().as_secs_f64());
         Ok(Some(Results { scheme, because, known, tables, study, check, seconds }))
     }

@@ -146,7 +146,7 @@ fn has_gradient(which: Which, formula: &Formula, start: &[f64]) -> Result<(), De
     let all: Vec<usize> = (0..start.len() - 1).collect();
     let mut gradient = vec![0.0; all.len()];
     formula.gradient(&all).evaluate_one(&[start], &mut gradient);
-    match gradient.iter().zip(&formula.variables).find(|(slope, _)| !slope.is_finite()) {
+    match gradient.iter().zip(&*formula.variables).find(|(slope, _)| !slope.is_finite()) {
         Some((slope, variable)) => {
             let message =
                 format!("the derivative of {which} by {variable} is {slope} at the initial value");

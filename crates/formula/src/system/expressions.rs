@@ -47,12 +47,22 @@ const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
 /// The most noises whose Lévy areas are used.
 const MOST_NOISES: usize = 16;
 
+/// The input of the first area.
+fn first_area(dimension: usize, noises: usize) -> usize {
+    3 * dimension + 1 + noises
+}
+
+/// The number of areas; none where they are not used.
+pub fn number_of_areas(noises: usize) -> usize {
+    if noises <= MOST_NOISES { noises * noises } else { 0 }
+}
+
 impl Expressions {
     pub fn new(formulas: &Formulas) -> Self {
         let (dimension, noises) = (formulas.structure.len(), formulas.hamiltonians.len() - 1);
         let mut graph = Graph::new();
         let y: Vec<Id> = (0..dimension).map(|k| graph.input(k)).collect();
-        let t = graph.input(3 * dimension + 1 + noises + noises * noises);
+        let t = graph.input(first_area(dimension, noises) + number_of_areas(noises));
         let variables = [&y[..], &[t]].concat();
         let mut import =
             |formula: &Formula| graph.copy(Some(&formula.graph), &[formula.root], &variables)[0];
@@ -100,8 +110,8 @@ impl Expressions {
     /// The inputs of a group.
     fn group(&self, group: usize) -> Range<usize> {
         let (d, m) = (self.dimension, self.noises);
-        let areas = 3 * d + 1 + m;
-        let ends = [0, d, 2 * d, 3 * d, 3 * d + 1, areas, areas + m * m, areas + m * m + 1];
+        let (first, last) = (first_area(d, m), first_area(d, m) + number_of_areas(m));
+        let ends = [0, d, 2 * d, 3 * d, 3 * d + 1, first, last, last + 1];
         ends[group]..ends[group + 1]
     }
 

@@ -8,7 +8,11 @@ use std::{
 use real::{Row, Rows};
 use systems::run_time::{MOST_INPUTS, Op, Program, Recorded, Weights};
 
-use super::{MOST_EXPRESSIONS, average::point, expressions::Expressions};
+use super::{
+    MOST_EXPRESSIONS,
+    average::point,
+    expressions::{Expressions, number_of_areas},
+};
 use crate::{Graph, Id, Tape, uniform::Numbers};
 
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
@@ -63,7 +67,7 @@ impl SchemeTape {
         let mut graph = Graph::new();
         let dt = graph.input(numbers);
         let areas = noise + system.noises;
-        let end = areas + system.noises * system.noises;
+        let end = areas + number_of_areas(system.noises);
         let more = (noise..end).chain([t]).map(|k| graph.input(k));
         let weights = once(dt).chain(more).collect();
         let mut builder = SchemeBuilder { system, graph, weights, states: Vec::new() };

@@ -51,10 +51,10 @@ use real::{Row, WIDTH};
 use schemes::Method;
 
 use crate::{
-    Checkpoint, Ladder, Observe, Run, RunError, Setup, expect::Told, ladder::Measured, parts::Stop,
-    tangents::Tangents,
+    Checkpoint, Ladder, Observe, Run, RunError, Setup, demand, expect::Told, ladder::Measured,
+    parts::Stop, tangents::Tangents,
 };
-use chains::{Chains, Gather};
+use chains::{BATCHES, Chains, Gather, SPREADING};
 use wells::Watched;
 
 pub use report::{Averages, StationaryMean};
@@ -227,6 +227,7 @@ impl<'a> Equilibrium<'a> {
         self.check(accuracy)?;
         let number = settings.blocks_of_chains() as usize;
         let watched = Watched { functions, dimension: setup.problem.y0.len(), chains: number };
+        self.demand(of, watched)?;
         let kept = checkpoint.map_or(Ok(None), Checkpoint::read)?;
         let mut chains = kept.unwrap_or_else(|| Chains::new(settings, of));
         let (mut found, mut reached) = (None, false);
@@ -247,11 +248,15 @@ impl<'a> Equilibrium<'a> {
                 let limited = now.is_out_of_reach(since, settings.max_cost);
                 let is_reached = now.reached();
                 found = Some(now);
-                if !hopeful || chains.doubled && (limited || is_reached && !halves) {
+                let shorter = fails || halves && chains.doubled;
+                let more = if shorter { 2 * BATCHES } else { BATCHES };
+                let ends =
+                    chains.spent.saturating_add(self.cost(&chains, more)) > settings.max_cost;
+                if !hopeful || ends || chains.doubled && (limited || is_reached && !halves) {
                     reached = is_reached;
                     break;
                 }
-                if fails || halves && chains.doubled {
+                if shorter {
                     chains.halve();
                 } else if chains.is_full() {
                     chains.double(of);
@@ -290,6 +295,28 @@ impl<'a> Equilibrium<'a> {
         ])
     }
 
+    /// Path-steps of so many batches.
+    fn cost(&self, chains: &Chains, batches: usize) -> u64 {
+        let each = self.settings.blocks_of_chains() * STEPS;
+        chains.batch_steps.saturating_mul(batches as u64).saturating_mul(each)
+    }
+
+    /// Refuses chains whose first averages, which need twice the time, take more path-steps than
+    /// allowed, or that take more memory than there is.
+    fn demand(&self, of: Averaged<'_>, watched: Watched<'_>) -> Result<(), RunError> {
+        let (settings, max_cost) = (&self.settings, self.settings.max_cost);
+        let pilot_cost = self.cost(&Chains::new(settings, of), SPREADING as usize + 2 * BATCHES);
+        if pilot_cost > max_cost {
+            return Err(RunError::PilotCost { pilot_cost, max_cost });
+        }
+        let Watched { chains, dimension, .. } = watched;
+        let vectors = if let Averaged::Growth(count) = of { count + 1 } else { 1 };
+        let rows = (LEVELS + 1) * of.count() + watched.names().len();
+        let kept = BATCHES * rows + 2 * LEVELS * dimension * vectors;
+        let what = format!("{chains} chains of {dimension} components");
+        Ok(demand(what, 8.0 * kept as f64 * chains as f64)?)
+    }
+
     /// One more batch of all chains; false if it was stopped.
     fn advance(
         &self,
@@ -305,8 +332,10 @@ impl<'a> Equilibrium<'a> {
         let family = (key, Purpose::Batch(chains.number));
         let runs = (0..LEVELS).rev().map(|level| Run::new(Arc::clone(scheme), level)).collect();
         let finest = chains.batch_steps << (LEVELS - 1);
-        let mut ladder = Ladder::of(&problem, finest, LEVELS - 1, truncation, family, runs)?;
-        if chains.number < chains::SPREADING {
+        let number = settings.blocks_of_chains();
+        let ladder = Ladder::of(&problem, finest, LEVELS - 1, truncation, family, runs)?;
+        let mut ladder = ladder.fitting(number)?;
+        if chains.number < SPREADING {
             ladder = ladder.heated(|path| HEAT[path as usize % HEAT.len()]);
         }
         let known = &*chains;
@@ -316,7 +345,7 @@ impl<'a> Equilibrium<'a> {
         });
         let new = || Gather { of, chains: known, blocks: Vec::new() };
         let Measured { statistic: Gather { blocks, .. }, failures, .. } =
-            ladder.run_until(stop, 0, settings.blocks_of_chains(), new);
+            ladder.run_until(stop, 0, number, new);
         drop(ladder);
         if stop.is_asked() {
             return Ok(false);

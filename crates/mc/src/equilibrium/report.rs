@@ -254,8 +254,8 @@ impl Averages {
     /// steps.
     pub(super) fn is_out_of_reach(&self, since: u64, most: u64) -> bool {
         let lacks = self.means.iter().map(|mean| mean.lacks(self.accuracy)).fold(1.0, f64::max);
-        let [spent, since, most] = [self.spent, since, most].map(|n| n as f64);
-        spent >= most || since > FORECAST * most && since * lacks > MARGIN * most
+        let [since, most] = [since, most].map(|n| n as f64);
+        since > FORECAST * most && since * lacks > MARGIN * most
     }
 
     /// Whether the bias is large, or chains fail.

@@ -69,7 +69,7 @@ impl Watched<'_> {
         if self.dimension > SUMS { SUMS } else { 0 }
     }
 
-    fn names(&self) -> Vec<String> {
+    pub fn names(&self) -> Vec<String> {
         let components = self.components().map(|i| format!("y{}", i + 1));
         let sums = (1..=self.sums()).map(|c| format!("y{c} + y{} + …", c + SUMS));
         let functions = self.functions.iter().map(|function| function.name().to_owned());

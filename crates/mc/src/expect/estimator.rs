@@ -400,7 +400,7 @@ impl<'a> Estimator<'a> {
         let (steps, family) = (self.steps(level), Purpose::Level(level as u64));
         let (levels, runs) = (usize::from(level > 0), self.candidate.runs(level > 0));
         let ladder = Ladder::of(problem, steps, levels, truncation, (key, family), runs)?;
-        let mut ladder = ladder.telling(counted);
+        let mut ladder = ladder.fitting(GROUP_PATHS * self.replicates)?.telling(counted);
         if self.sobol && steps.saturating_mul(problem.noises as u64) <= MOST_DIMENSIONS {
             let key = key.beside(family);
             let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end);

@@ -10,8 +10,8 @@ use real::WIDTH;
 use schemes::Step;
 
 use crate::{
-    ConformalLaw, Ladder, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Run, RunError,
-    Setup, Statistic, View, demand, parts::Stop,
+    ConformalLaw, Ladder, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Problem, Run,
+    RunError, Setup, Statistic, View, demand, parts::Stop,
 };
 
 pub use series::{Column, NoiseOrigin, TimeSeries};
@@ -52,13 +52,24 @@ pub struct Simulation<'a> {
     noise: Option<NoiseSource<'a>>,
     components: Option<Vec<String>>,
     stop: Stop,
+    progress: Box<dyn Fn(u64) + Sync + 'a>,
 }
 
 impl<'a> Simulation<'a> {
     /// A simulation that saves every step and has no observables.
     pub fn new(setup: Setup<'a>, truncation: Truncation) -> Self {
         let (observables, stop) = (Vec::new(), Stop::default());
-        Self { setup, truncation, every: 1, observables, noise: None, components: None, stop }
+        let progress = Box::new(|_| ());
+        Self {
+            setup,
+            truncation,
+            every: 1,
+            observables,
+            noise: None,
+            components: None,
+            stop,
+            progress,
+        }
     }
 
     /// Names the columns of the state, which are `y1` … `yD` otherwise.
@@ -76,6 +87,13 @@ impl<'a> Simulation<'a> {
     #[must_use]
     pub fn stopped_by(mut self, stop: &Stop) -> Self {
         self.stop = stop.clone();
+        self
+    }
+
+    /// Calls `progress` from any thread with the number of path-steps done since its last call.
+    #[must_use]
+    pub fn telling(mut self, progress: impl Fn(u64) + Sync + 'a) -> Self {
+        self.progress = Box::new(progress);
         self
     }
 
@@ -151,7 +169,8 @@ impl<'a> Simulation<'a> {
             (&self.setup, paths.end.saturating_sub(paths.start));
         let runs = vec![Run::new(Arc::clone(scheme), 0)];
         let ladder = Ladder::new(problem, steps, 0, self.truncation, key, runs)?;
-        let mut ladder = ladder.describing(count as usize).with_start();
+        let mut ladder = ladder.fitting(count)?.describing(count as usize).with_start();
+        ladder = ladder.telling(&self.progress);
         if let Some(source) = &self.noise {
             ladder = ladder.with_noise(source);
         }
@@ -222,7 +241,7 @@ impl<'a> Simulation<'a> {
     pub fn demand(&self, steps: u64, paths: u64) -> Result<(), RunError> {
         let (columns, times) = (self.names()?.len(), steps / self.every.max(1) + 1);
         let what = format!("tables of {paths} paths, {columns} columns and {times} times");
-        demand(what, 16.0 * columns as f64 * times as f64 * (paths + 1) as f64)
+        Ok(demand(what, 16.0 * columns as f64 * times as f64 * (paths + 1) as f64)?)
     }
 
     /// The names of the columns.
@@ -254,7 +273,9 @@ impl<'a> Simulation<'a> {
         steps: u64,
         tau: f64,
     ) -> Result<BTreeMap<u64, Vec<f64>>, LadderError> {
-        let dampings: Vec<_> = self.setup.problem.dampings().collect();
+        let Problem { laws, .. } = &self.setup.problem;
+        let none = if laws.is_empty() { 0 } else { usize::MAX };
+        let dampings: Vec<_> = self.setup.problem.dampings().take(none).collect();
         let (mut damped, mut lost) = (vec![0.0; dampings.len()], vec![0.0; dampings.len()]);
         let mut integrals = BTreeMap::from([(0, damped.clone())]);
         for n in (1..=steps).take_while(|_| !self.stop.is_asked()) {

@@ -60,13 +60,13 @@ pub struct Joint {
 }
 
 /// Sums of a pair at a time: n, Σa, Σb, Σab, Σa², Σb².
-type OfPair = [Row; 6];
+pub type OfPair = [Row; 6];
 /// Bins of a joint law on each side, or fewer.
 const BINS: u32 = 64;
 /// The part of the lags over which the two windows of spectra are flat.
 const FLAT: [f64; 2] = [0.0, 0.25];
 /// Counts of a joint law: of its bins, and of what lies outside of them.
-const CELLS: usize = (BINS * BINS) as usize + 1;
+pub const CELLS: usize = (BINS * BINS) as usize + 1;
 
 /// Where the numbers of observables have the size one.
 #[derive(Clone, Copy)]

@@ -112,7 +112,7 @@ impl<'a> Study<'a> {
             let ladder = Ladder::of(&setup.problem, steps, 0, settings.truncation, key, runs);
             ladder.map(|ladder| if record.start.is_some() { ladder.with_start() } else { ladder })
         };
-        let pilot = ladder(Purpose::Pilot)?;
+        let pilot = ladder(Purpose::Pilot)?.fitting(settings.pilot)?;
         let new = || StudyStatistic::new(&observables, &record.times, &[], &settings.wanted);
         let seen = pilot.run_until(&settings.stop, 0, settings.pilot, new).statistic.sums;
         let ranges = seen.moments.iter().map(|moments| moments.range());

@@ -4,7 +4,10 @@ use noise::{StreamKey, Truncation};
 use real::Row;
 use stats::CentralMoments;
 
-use super::{Summary, Wanted};
+use super::{
+    Summary, Wanted,
+    dependence::{CELLS, OfPair},
+};
 use crate::{Observe, RunError, demand, driver::GROUP_PATHS, parts::Stop};
 
 /// Settings of a [`Study`](super::Study).
@@ -78,10 +81,15 @@ impl StudySettings {
         let sum = size(size_of::<CentralMoments>() + size_of::<u64>()) + 2.0 * bins;
         // Counts of the result are wide, and quantiles stand beside them.
         let result = size(2 * size_of::<Summary>()) + 8.0 * bins;
+        let pairs = self.wanted.pairs.len() as f64;
+        let of_pair = times * size(size_of::<OfPair>()) + size(CELLS * size_of::<u64>());
+        let lags = size(4 * self.wanted.lagged.len() * size_of::<Row>()) * times;
         let past = size(self.wanted.lagged.len() * size_of::<Row>()) * sums;
         let values = times * size(observables);
-        let what = format!("statistics of {observables} observables at {times} times");
-        demand(what, values * (sums * sum + result) + times * past)
+        let what =
+            format!("statistics of {observables} observables and {pairs} pairs at {times} times");
+        let dependence = (sums + 1.0) * (pairs * of_pair + lags);
+        Ok(demand(what, values * (sums * sum + result) + times * past + dependence)?)
     }
 
     /// Checks all but the times, the steps and the truncation.

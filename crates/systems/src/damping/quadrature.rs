@@ -21,6 +21,14 @@ const CLOSED: [(f64, f64); 5] = [
 ];
 /// Halvings of a cell in which the rate is not smooth. What is left is round-off of the times.
 const HALVINGS: u32 = 40;
+/// Nor are cells halved that are shorter than this part of their time.
+const LEAST: f64 = 1e-12;
+/// Halvings left between which the cells about a point have less of ∫|γ| than those that are
+/// nearer, if it is a pole: about 1/t each halving has the same, and all that are nearer 1.2 times
+/// as much; about 1/t^0.9 each has 7 % less, and they half as much.
+const FAR: u32 = HALVINGS - 2;
+const NEAR: u32 = HALVINGS - 15;
+const DIVERGES: f64 = 1.1;
 /// Most cells that are halved: each jump takes one for every halving.
 const BUDGET: u32 = 40_000;
 /// A cell is smooth if halving it changes the integral by no more than this part of ∫|γ|.
@@ -59,8 +67,13 @@ impl std::ops::Add for RateIntegrals {
 
 /// Integrals of a rate over `parts` equal parts of [0, `t_end`], by Gauss–Legendre quadrature on
 /// cells that are halved where the rate is not smooth, or where the integral that the damping gives
-/// points to a pulse between the nodes.
-pub fn rate_integrals(damping: &dyn Damping, t_end: f64, parts: u32) -> Vec<RateIntegrals> {
+/// points to a pulse between the nodes. With a time about which the rate has no integral, as about
+/// a pole, if there is one: parts that are nearer count as much as those that are farther.
+pub fn rate_integrals(
+    damping: &dyn Damping,
+    t_end: f64,
+    parts: u32,
+) -> (Vec<RateIntegrals>, Option<f64>) {
     let mut quadrature = Refined::new(damping);
     let time = |n: u32| t_end * f64::from(n) / f64::from(parts * CELLS);
     let part = |n: u32| {
@@ -79,7 +92,9 @@ pub fn rate_integrals(damping: &dyn Damping, t_end: f64, parts: u32) -> Vec<Rate
             *part = quadrature.pursue((a, b), *part, tolerance, HALVINGS);
         }
     }
-    parts
+    let infinite = parts.iter().position(|part| !part.net.is_finite());
+    let infinite = infinite.map(|n| time(n as u32 * CELLS));
+    (parts, quadrature.pole.or(infinite))
 }
 
 struct Refined<'a> {
@@ -87,11 +102,20 @@ struct Refined<'a> {
     rule: Rule,
     /// Halvings left.
     budget: u32,
+    /// ∫|γ| over all that is nearer, in the cell under way, and its time.
+    near: (f64, f64),
+    pole: Option<f64>,
 }
 
 impl<'a> Refined<'a> {
     fn new(damping: &'a dyn Damping) -> Self {
-        Self { damping, rule: valid(Rule::new(NODES)), budget: BUDGET }
+        Self {
+            damping,
+            rule: valid(Rule::new(NODES)),
+            budget: BUDGET,
+            near: (0.0, 0.0),
+            pole: None,
+        }
     }
 
     fn rule(&self, a: f64, b: f64) -> RateIntegrals {
@@ -122,17 +146,28 @@ impl<'a> Refined<'a> {
         // Times are rounded: with them rates, by as much as they change.
         let [first, second, third] = [a, middle, b].map(|t| self.damping.rate(t));
         let rounding = f64::EPSILON * b.abs() * ((second - first).abs() + (third - second).abs());
+        let rounding = if rounding.is_finite() { rounding } else { 0.0 };
         let smooth = |other: f64| (other - halves.net).abs() <= SMOOTH * halves.size + rounding;
         if smooth(whole.net) && smooth(self.closed(a, b)) {
             return halves;
         }
         let rough = |halves| RateIntegrals { rough: true, ..halves };
-        if halvings == 0 || self.budget == 0 || halves.net.is_nan() {
+        let is_point = b - a < LEAST * b;
+        if halvings == 0 || is_point || self.budget == 0 || halves.net.is_nan() {
             return rough(halves);
         }
         self.budget -= 1;
         let left = self.integrate(a, middle, left, halvings - 1);
-        rough(left + self.integrate(middle, b, right, halvings - 1))
+        let sum = left + self.integrate(middle, b, right, halvings - 1);
+        if halvings == NEAR {
+            self.near = (self.near.0 + sum.size, middle);
+        }
+        if halvings == FAR {
+            let (near, t) = std::mem::take(&mut self.near);
+            let is_pole = near > DIVERGES * (sum.size - near);
+            self.pole = self.pole.or(is_pole.then_some(t));
+        }
+        rough(sum)
     }
 
     /// Looks for a pulse that the quadrature of [a, b] missed, in the half with more of the
@@ -174,14 +209,14 @@ mod tests {
     #[test]
     fn integrals_of_a_smooth_rate_and_of_a_jump() {
         // γ = cos 7t has ∫ₐᵇ γ = (sin 7b − sin 7a)/7.
-        let cosine = rate_integrals(&Cosine::new(1.0, 7.0).unwrap(), 2.0, 5);
+        let (cosine, _) = rate_integrals(&Cosine::new(1.0, 7.0).unwrap(), 2.0, 5);
         for (n, part) in (0..5).zip(&cosine) {
             let sine = |n: i32| (7.0 * 0.4 * f64::from(n)).sin() / 7.0;
             assert!((part.net - (sine(n + 1) - sine(n))).abs() < 1e-14, "{n}: {part:?}");
         }
         // −2 up to 1/3, then 1.
         let jump = |t: f64| if t < 1.0 / 3.0 { -2.0 } else { 1.0 };
-        let jump = rate_integrals(&DampingFunction::new(jump, 1).unwrap(), 1.0, 2);
+        let (jump, _) = rate_integrals(&DampingFunction::new(jump, 1).unwrap(), 1.0, 2);
         let [first, second] = jump[..] else { panic!() };
         for (got, exact) in [
             (first.net, -2.0 / 3.0 + 1.0 / 6.0),
@@ -193,5 +228,23 @@ mod tests {
             assert!((got - exact).abs() < 1e-12, "{got} {exact}");
         }
         assert!(first.rough && !second.rough);
+    }
+
+    #[test]
+    fn a_rate_has_an_integral_about_a_weak_singularity_and_none_about_a_pole() {
+        for at in [0.5, 1.0 / 3.0, 0.7, 0.001, 0.001_953_125 * 1.125, 0.5 + 1.0 / 1024.0 / 512.0] {
+            for power in [0.25, 0.5, 0.75, 0.9, 1.0, 1.1, 2.0] {
+                let rate = move |t: f64| (t - at).abs().powf(-power);
+                let damping = DampingFunction::new(rate, 8).unwrap();
+                let (parts, pole) = rate_integrals(&damping, 1.0, 64);
+                assert_eq!(pole.is_some(), power >= 1.0, "{at} {power}");
+                assert!(pole.is_none_or(|t| (t - at).abs() < 1e-4), "{at} {power}");
+                // ∫|t − at|^−p has a closed form.
+                let exact = [at, 1.0 - at].map(|x| x.powf(1.0 - power) / (1.0 - power));
+                let net: f64 = parts.iter().map(|part| part.net).sum();
+                let error = net / exact.iter().sum::<f64>() - 1.0;
+                assert!(power > 0.5 || error.abs() < 1e-5, "{at} {power}: {error:e}");
+            }
+        }
     }
 }
