@@ -5,9 +5,7 @@
 //! errors of the run are: about twice the difference at weak order one, 4/3 of it at order two.
 //! Chaotic paths part, but their means agree. What cannot be seen with so few paths is said.
 
-use std::sync::Arc;
-
-use mc::{DriveResolution, Ladder, LadderError, Observe, Problem, Run, Setup, View, parts::Job};
+use mc::{DriveResolution, LadderError, Observe, Problem, Setup, View, parts::Job};
 use noise::{Purpose, StreamKey, Truncation};
 use real::{PathMask, Row, WIDTH, elementary};
 use serde::Serialize;
@@ -165,11 +163,8 @@ pub fn step_check(
     (truncation, key): (Truncation, StreamKey),
     (job, told): (&Job, &(dyn Fn(u64) + Sync)),
 ) -> Result<Option<StepCheck>, LadderError> {
-    let run = |level| Run::new(Arc::clone(&setup.scheme), level);
-    let key = (key, Purpose::StepCheck);
-    let (twice, runs) = (steps.saturating_mul(2), vec![run(1), run(0)]);
-    let ladder =
-        Ladder::of(&setup.problem, twice, 1, truncation, key, runs)?.fitting(paths)?.telling(told);
+    let (twice, family) = (steps.saturating_mul(2), (key, Purpose::StepCheck));
+    let ladder = setup.ladder(twice, 1, truncation, family, paths)?.telling(told);
     let initial = setup.start();
     let center = |phi: &&dyn Observe| {
         let value = evaluate(*phi, &initial, PathMask::first(1))[0];

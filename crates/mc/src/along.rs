@@ -22,12 +22,13 @@ use noise::{StepNoise, inverse_normal};
 use nonlin::BlockStatus;
 use real::{PathMask, Row, WIDTH, elementary};
 use schemes::{Method, Step, Stepper};
-use systems::run_time::{Op, System, Weights};
+use systems::run_time::System;
 
 use crate::{
     Coefficients, Observe, Problem, Setup,
     around::{Around, Wrap},
     observable::splat,
+    run_time::field,
     setup::CoefficientsAt,
 };
 
@@ -64,18 +65,10 @@ pub type Gradient = dyn Fn(&[Row], &mut [Row]) + Send + Sync;
 /// The variance rate s(y) = Σₘ(∇φ·B∇Hₘ)² of a function with this gradient, for a system with one
 /// tile.
 fn variance_rate(system: &dyn System, gradient: &Gradient, y: &[Row], t: f64) -> Row {
-    let description = system.description();
-    let (zero, mut rate) = ([0.0; WIDTH], [0.0; WIDTH]);
-    let [mut slope, mut v, mut field] = [(); 3].map(|()| vec![zero; y.len()]);
-    let mut scratch = vec![zero; description.scratch_rows()];
+    let (mut slope, mut rate) = (vec![[0.0; WIDTH]; y.len()], [0.0; WIDTH]);
     gradient(y, &mut slope);
-    for m in 0..description.noises {
-        let mut dw = vec![zero; description.noises];
-        dw[m] = [1.0; WIDTH];
-        let h = Weights { t, dw: &dw, ..Weights::NONE };
-        system.apply(Op::Gradient { y }, 0..y.len(), h, &mut v, &mut scratch);
-        let along = Op::Structure { y, v: &v };
-        system.apply(along, 0..y.len(), Weights::NONE, &mut field, &mut scratch);
+    for m in 1..=system.description().noises {
+        let field = field(system, t, y, m);
         for p in 0..WIDTH {
             let change: f64 = slope.iter().zip(&field).map(|(a, b)| a[p] * b[p]).sum();
             rate[p] += change * change;
@@ -143,13 +136,13 @@ fn extended(
             }
         }
     }
-    if stays {
-        at.drift[..first].fill(0.0);
-        at.noises.iter_mut().chain([&mut at.correction]).for_each(|of| of.fill(0.0));
+    let moving = if stays { 0 } else { first };
+    at.drift[moving..first].fill(0.0);
+    for of in at.noises.iter_mut().chain([&mut at.correction]) {
+        of.truncate(moving);
+        of.resize(y.len(), 0.0);
     }
-    at.noises.iter_mut().chain([&mut at.correction]).for_each(|of| of.resize(y.len(), 0.0));
-    let undamped = if stays { 0..y.len() } else { first..y.len() };
-    undamped.for_each(|i| at.drift[i] += gamma * y[i]);
+    (moving..y.len()).for_each(|i| at.drift[i] += gamma * y[i]);
     at
 }
 
@@ -206,9 +199,8 @@ impl Collector<'_> {
         (self.stopped, self.is_set, self.rests) = (PathMask::NONE, false, false);
         for (quantity, value) in self.of.quantities.iter().zip(&mut self.values) {
             *value = quantity.value(&self.rows);
-            if let Along::Passage(Passage { stops: true, .. }) = quantity {
-                let passed = (0..WIDTH).filter(|&p| self.rows[first][p] > 0.0);
-                passed.for_each(|p| self.stopped.insert(p));
+            if let Along::Passage(passage) = quantity {
+                passage.stop(&self.rows[first], &mut self.stopped);
             }
             first += quantity.rows();
         }
@@ -259,10 +251,7 @@ impl Stepper for Collector<'_> {
                     let ends = (&*value, &next);
                     let noise = (step, noise, held);
                     passage.advance(*system, before, ends, noise, [crossed, time]);
-                    if passage.stops {
-                        let passed = (0..WIDTH).filter(|&p| crossed[p] > 0.0);
-                        passed.for_each(|p| self.stopped.insert(p));
-                    }
+                    passage.stop(crossed, &mut self.stopped);
                 }
                 _ => unreachable!("each quantity has its number of rows"),
             }
@@ -277,6 +266,12 @@ impl Stepper for Collector<'_> {
 }
 
 impl Passage {
+    /// Adds the paths that stay where they passed.
+    fn stop(&self, crossed: &Row, stopped: &mut PathMask) {
+        let passed = (0..WIDTH).filter(|&p| self.stops && crossed[p] > 0.0);
+        passed.for_each(|p| stopped.insert(p));
+    }
+
     /// Marks the paths that pass zero within a step from `before`, with φ at both ends. Those that
     /// are `held` where they are pass by the time alone.
     fn advance(
@@ -328,7 +323,7 @@ fn word(noise: &StepNoise, step: &Step, p: usize) -> u64 {
 }
 
 /// The output function of SplitMix64 (Steele, Lea and Flood 2014), a bijection.
-fn mix(x: u64) -> u64 {
+pub fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -57,7 +57,7 @@ pub enum LadderError {
     Memory(#[from] MemoryError),
 }
 
-/// Why there is no simulation, study or expectation.
+/// Why there is no simulation, study, expectation or comparison.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
@@ -124,7 +124,10 @@ impl RunError {
     }
 
     /// The first of these settings, each with its name and the values allowed, that is not `met`.
-    pub(crate) fn unmet(
+    ///
+    /// # Errors
+    /// [`Setting`](Self::Setting).
+    pub fn unmet(
         settings: impl IntoIterator<Item = (bool, &'static str, &'static str, f64)>,
     ) -> Result<(), Self> {
         match settings.into_iter().find(|(met, ..)| !met) {

@@ -1,6 +1,9 @@
 //! Schemes on a dyadic ladder of steps.
 
-use std::{ops::Range, sync::OnceLock};
+use std::{
+    ops::Range,
+    sync::{Arc, OnceLock},
+};
 
 use noise::{Purpose, StreamKey, Truncation};
 use real::{PathMask, Row, WIDTH};
@@ -8,7 +11,7 @@ use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
-    LadderError, NextNoise, PathFailure, Problem, Run, demand,
+    LadderError, NextNoise, PathFailure, Problem, Run, Setup, demand,
     driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, StepTable, Tally},
     noise_source::drawn,
     observable::{components, path},
@@ -529,6 +532,26 @@ impl<'a> Ladder<'a> {
             (damping.collect::<Vec<_>>(), bounds.collect::<Vec<_>>(), schemes.collect::<Vec<_>>()),
             (new().fixed(), statistics.iter().map(|one| hash(one.sums())).collect::<Vec<_>>()),
         ))
+    }
+}
+
+impl<'a> Setup<'a> {
+    /// The scheme on a ladder, with a run for each level from `levels` to 0, for so many paths.
+    ///
+    /// # Errors
+    /// As [`Ladder::new`]; and [`LadderError::Memory`] where the states of the paths take more
+    /// memory than there is.
+    pub fn ladder(
+        &self,
+        steps: u64,
+        levels: usize,
+        truncation: Truncation,
+        family: (StreamKey, Purpose),
+        paths: u64,
+    ) -> Result<Ladder<'a>, LadderError> {
+        let run = |level| Run::new(Arc::clone(&self.scheme), level);
+        let runs = (0..=levels).rev().map(run).collect();
+        Ladder::of(&self.problem, steps, levels, truncation, family, runs)?.fitting(paths)
     }
 }
 

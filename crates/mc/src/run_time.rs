@@ -174,32 +174,32 @@ fn scratch(system: &dyn System) -> Rows {
 
 /// The coefficients at single states, on all places of a row.
 fn coefficients(system: &dyn System, t: f64, y: &[f64]) -> Coefficients {
-    let (field, noises) = (|k| field(system, t, y, k), system.description().noises);
+    let (y, noises) = (&splat(y)[..], system.description().noises);
+    let first = |rows: Vec<Row>| rows.iter().map(|row| row[0]).collect();
+    let field = |k| first(field(system, t, y, k));
     let h = Weights { t, ..Weights::NONE };
     Coefficients {
         drift: field(0),
         noises: (1..=noises).map(field).collect(),
-        correction: apply(system, Op::ItoCorrection { y: &splat(y) }, h)
-            .map(|row| row[0])
-            .collect(),
+        correction: first(apply(system, Op::ItoCorrection { y }, h)),
     }
 }
 
-/// fₖ = B∇Hₖ.
-fn field(system: &dyn System, t: f64, y: &[f64], k: usize) -> Vec<f64> {
-    let (y, noises) = (splat(y), system.description().noises);
+/// fₖ = B∇Hₖ at 32 states.
+pub fn field(system: &dyn System, t: f64, y: &[Row], k: usize) -> Vec<Row> {
+    let noises = system.description().noises;
     let dw: Vec<f64> = (1..=noises).map(|m| f64::from(u8::from(m == k))).collect();
     let dw = splat(&dw);
     let h = Weights { t, dt: f64::from(u8::from(k == 0)), dw: &dw, areas: &[] };
-    let v: Vec<Row> = apply(system, Op::Gradient { y: &y }, h).collect();
-    apply(system, Op::Structure { y: &y, v: &v }, h).map(|row| row[0]).collect()
+    let v = apply(system, Op::Gradient { y }, h);
+    apply(system, Op::Structure { y, v: &v }, h)
 }
 
 /// The rows of an operation.
-fn apply(system: &dyn System, op: Op<&[Row]>, h: Weights<'_>) -> impl Iterator<Item = Row> + use<> {
+fn apply(system: &dyn System, op: Op<&[Row]>, h: Weights<'_>) -> Vec<Row> {
     let mut out = splat(&vec![0.0; system.description().dimension]);
     system.apply(op, 0..out.len(), h, &mut out, &mut scratch(system));
-    out.into_iter()
+    out
 }
 
 /// What changes with time at a state: all fields at single times, where nothing else is known.

@@ -66,12 +66,12 @@ mod verdict;
 
 use std::time::Instant;
 
-use mc::Problem;
+use mc::{Problem, RunError};
 use serde::{Deserialize, Serialize};
 
 pub use candidates::Candidates;
 pub use errors::{ErrorPoint, Sampled};
-pub use settings::{CompareError, CompareSettings};
+pub use settings::CompareSettings;
 pub use verdict::{Candidate, Choice, Keeps, Outcome};
 
 /// Errors and costs of several schemes, and which to take.
@@ -130,7 +130,7 @@ impl Comparison {
 /// its interval, and the seconds that are left at most.
 ///
 /// # Errors
-/// [`CompareError`] if there is no scheme, if a setting is out of range, if the reference fails, or
+/// [`RunError`] if there is no scheme, if a setting is out of range, if the reference fails, or
 /// if a step size is refused.
 ///
 /// # Panics
@@ -140,7 +140,7 @@ pub fn compare(
     candidates: &Candidates<'_>,
     settings: &CompareSettings,
     told: &dyn Fn(f64, f64),
-) -> Result<Comparison, CompareError> {
+) -> Result<Comparison, RunError> {
     settings.check(candidates.schemes.len(), problem.t_end)?;
     let (base, start) = (search::longest_steps(problem.t_end), Instant::now());
     search::Search { problem, settings, candidates, base, start, told }.run()

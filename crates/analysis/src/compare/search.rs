@@ -2,13 +2,13 @@
 
 use std::{hint::black_box, ops::Range, sync::Arc, time::Instant};
 
-use mc::{DriveResolution, Ladder, LadderError, Problem, Run, Setup, parts::Stop};
-use noise::StreamKey;
+use mc::{DriveResolution, LadderError, Problem, RunError, Setup, parts::Stop};
+use noise::{Purpose, StreamKey};
 use rayon::ThreadPoolBuilder;
 use schemes::Method;
 
 use super::{
-    Candidate, Candidates, Choice, CompareError, CompareSettings, Comparison, Outcome, Stopped,
+    Candidate, Candidates, Choice, CompareSettings, Comparison, Outcome, Stopped,
     errors::{ErrorPoint, Errors},
     settings::LEAST_SAMPLES,
     verdict::choose,
@@ -67,6 +67,10 @@ impl<'a> Search<'a> {
         StreamKey { seed, experiment: experiment.wrapping_add(part) }
     }
 
+    fn setup(&self, scheme: &Arc<dyn Method + 'a>) -> Setup<'a> {
+        Setup { problem: self.problem.clone(), scheme: Arc::clone(scheme) }
+    }
+
     /// Seconds that are left of the budget.
     fn left(&self) -> f64 {
         self.settings.budget_s - self.start.elapsed().as_secs_f64()
@@ -77,15 +81,18 @@ impl<'a> Search<'a> {
         self.settings.stop.within(part * self.left())
     }
 
-    pub fn run(self) -> Result<Comparison, CompareError> {
+    pub fn run(self) -> Result<Comparison, RunError> {
         let Self { problem, settings, candidates, .. } = self;
         let stop = self.within(PILOTS);
         let reference = self.coarsest(&candidates.reference, &stop)?;
         let all = candidates.schemes.iter().map(|scheme| self.coarsest(scheme, &stop));
         let coarsest = all.collect::<Result<Vec<Coarsest>, _>>()?;
         if let Err(Outcome::Fails(failure)) = reference {
-            let scheme = candidates.reference.id();
-            return Err(CompareError::Reference { scheme, steps: self.base << FINEST, failure });
+            let (scheme, steps) = (candidates.reference.id(), self.base << FINEST);
+            return Err(RunError::Setting(format!(
+                "{scheme} fails on pilot paths with {steps} steps, too: {failure}; take a shorter \
+                 final time, or another reference"
+            )));
         }
         let (found, cut) = self.errors(&coarsest, &reference, &self.within(ERRORS))?;
         let Errors { sampled, of_reference, mut points } = found;
@@ -124,7 +131,7 @@ impl<'a> Search<'a> {
         scheme: &Arc<dyn Method + 'a>,
         stop: &Stop,
     ) -> Result<Coarsest, LadderError> {
-        let setup = Setup { problem: self.problem.clone(), scheme: Arc::clone(scheme) };
+        let setup = self.setup(scheme);
         let mut why = Outcome::NotMeasured;
         for size in 0..=FINEST {
             let sizes = StepSizes::new(self.base << size, self.settings.truncation, self.key(1));
@@ -205,13 +212,12 @@ impl<'a> Search<'a> {
     /// Times paths on one thread, coarse steps first, each in turn, so that a disturbance hits all
     /// of them. Where there is no time, a step costs what one of the finest timed ones does.
     fn time(&self, points: &mut [Vec<ErrorPoint>], stop: &Stop) -> Result<(), LadderError> {
-        let (problem, truncation) = (self.problem, self.settings.truncation);
+        let (truncation, family) = (self.settings.truncation, (self.key(2), Purpose::Paths));
         let mut all = Vec::new();
         for (scheme, points) in self.candidates.schemes.iter().zip(points.iter_mut()) {
             for point in points {
-                let runs = vec![Run::new(Arc::clone(scheme), 0)];
-                let ladder = Ladder::new(problem, point.steps, 0, truncation, self.key(2), runs)?;
-                let ladder = ladder.fitting(PATHS)?;
+                let ladder =
+                    self.setup(scheme).ladder(point.steps, 0, truncation, family, PATHS)?;
                 all.push((ladder, point, Vec::new()));
             }
         }

@@ -9,9 +9,7 @@
 //! ∫(W − t ΔW/τ)dt/τ are drawn there, N(0, τ/12), independent of the Lévy areas given W, and joined
 //! exactly: H = ½(H₁ + H₂) + ¼(ΔW₁ − ΔW₂).
 
-use std::sync::Arc;
-
-use mc::{ConformalLaw, Ladder, LadderError, NextNoise, Observe, Run, Setup, View, drawn};
+use mc::{ConformalLaw, LadderError, NextNoise, Observe, Setup, View, drawn};
 use noise::{DyadicLadder, Purpose, StepNoise, WienerRows};
 use rayon::prelude::*;
 use real::{PathMask, Row, WIDTH};
@@ -260,21 +258,18 @@ impl Referee<'_> {
     /// # Errors
     /// [`LadderError`] as of a [`Ladder`].
     pub fn reference(&self, first: u64, paths: usize) -> Result<[Vec<f64>; 3], LadderError> {
-        let Self { setup: Setup { problem, scheme }, sizes } = self;
-        let d = problem.y0.len();
-        let runs = [0, 1].map(|level| Run::new(Arc::clone(scheme), level)).into();
-        let (steps, levels) = (sizes.reference_steps(), sizes.level(0));
-        let ladder = Ladder::new(problem, steps, levels, sizes.truncation, sizes.key, runs)?;
-        let ladder = ladder.fitting(paths as u64)?;
+        let Self { setup, sizes } = self;
+        let d = setup.problem.y0.len();
+        let ladder = sizes.ladder(setup, sizes.reference_steps(), 1, paths as u64)?;
         let end = |view: &View<'_>, p: usize| {
             let last = view.time == ladder.coarse_steps();
-            last.then(|| (view.first_path + p as u64, [0, 1].map(|run| state(view, run, p))))
+            last.then(|| (view.first_path + p as u64, [1, 0].map(|run| state(view, run, p))))
         };
         let new = || Collected { of: &end, found: Vec::new() };
         let ends = ladder.run_until(&sizes.stop, first, paths as u64, new).statistic.found;
         let mut found = [(); 3].map(|()| vec![f64::NAN; paths * d]);
         for block in (0..paths).step_by(WIDTH) {
-            let start = problem.start(sizes.key, first + block as u64);
+            let start = setup.problem.start(sizes.key, first + block as u64);
             for (p, y) in found[0][block * d..(block + WIDTH) * d].chunks_mut(d).enumerate() {
                 y.iter_mut().zip(&start).for_each(|(y, row)| *y = row[p]);
             }

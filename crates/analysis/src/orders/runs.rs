@@ -1,10 +1,8 @@
 //! Runs of a scheme at several step sizes, moments of what is made of their final states, and
 //! states that paths visit.
 
-use std::sync::Arc;
-
 use mc::{
-    Kept, Ladder, LadderError, Measured, PathFailure, Run, Setup, Statistic, TimeChange, View,
+    Kept, Ladder, LadderError, Measured, PathFailure, Setup, Statistic, TimeChange, View,
     parts::{Job, Stop},
 };
 
@@ -20,16 +18,14 @@ pub const FEW: u64 = 32;
 /// Moments of a vector of this length, made of the final states of the scheme at every step size,
 /// coarsest first.
 pub fn measure<'a>(
-    Setup { problem, scheme }: &'a Setup<'a>,
+    setup: &'a Setup<'a>,
     sizes: &StepSizes,
     time_change: Option<&dyn TimeChange>,
     length: usize,
     values: &'a FinalRows<'a>,
 ) -> Result<Measured<FinalMoments<'a>>, LadderError> {
     let (steps, top) = (sizes.reference_steps(), sizes.level(0));
-    let runs = (0..=top).rev().map(|level| Run::new(Arc::clone(scheme), level)).collect();
-    let ladder = Ladder::new(problem, steps, top, sizes.truncation, sizes.key, runs)?;
-    let mut ladder = ladder.fitting(sizes.samples)?;
+    let mut ladder = sizes.ladder(setup, steps, top, sizes.samples)?;
     if let Some(time_change) = time_change {
         ladder = ladder.with_time_change(time_change);
     }
@@ -78,11 +74,9 @@ pub fn visits(
     sizes: &StepSizes,
     paths: u64,
 ) -> Result<(Vec<Visit>, Option<PathFailure>), LadderError> {
-    let (Setup { problem, scheme }, steps) = (setup, sizes.coarsest_steps << (sizes.levels - 1));
-    let runs = vec![Run::new(Arc::clone(scheme), 0)];
-    let ladder =
-        Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?.fitting(paths)?;
-    let tau = problem.t_end / steps as f64;
+    let steps = sizes.coarsest_steps << (sizes.levels - 1);
+    let ladder = sizes.ladder(setup, steps, 0, paths)?;
+    let tau = ladder.tau(0);
     let visit = |view: &View<'_>, p: usize| {
         // Multiples of the golden ratio, modulo one, are spread evenly.
         let fraction = ((view.first_path + p as u64) as f64 * 0.618_033_988_749_894_8).fract();

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use mc::{
-    DampingResolution, DriveResolution, LadderError, Setup,
+    DampingResolution, DriveResolution, Ladder, LadderError, Setup,
     parts::{Job, Stop},
 };
-use noise::{StreamKey, Truncation};
+use noise::{Purpose, StreamKey, Truncation};
 
 /// Step sizes, paths and noise of a measurement of an order.
 ///
@@ -85,6 +85,17 @@ impl StepSizes {
     /// Path-steps of a scheme at all step sizes.
     pub(super) fn cost(&self) -> u64 {
         self.samples.saturating_mul(2 * self.reference_steps())
+    }
+
+    /// A scheme in so many finest steps on these levels; see [`Setup::ladder`].
+    pub(super) fn ladder<'a>(
+        &self,
+        setup: &Setup<'a>,
+        steps: u64,
+        levels: usize,
+        paths: u64,
+    ) -> Result<Ladder<'a>, LadderError> {
+        setup.ladder(steps, levels, self.truncation, (self.key, Purpose::Paths), paths)
     }
 
     /// What of the damping or of H(t) the finest steps do not resolve.

@@ -44,14 +44,11 @@ mod growth;
 mod report;
 mod wells;
 
-use std::sync::Arc;
-
 use noise::{Purpose, StreamKey, Truncation};
 use real::{Row, WIDTH};
-use schemes::Method;
 
 use crate::{
-    Checkpoint, Ladder, Observe, Run, RunError, Setup, demand, expect::Told, ladder::Measured,
+    Checkpoint, Observe, RunError, Setup, demand, expect::Told, ladder::Measured,
     parts::Stop, tangents::Tangents,
 };
 use chains::{BATCHES, Chains, Gather, SPREADING};
@@ -199,7 +196,7 @@ impl<'a> Equilibrium<'a> {
         if observables.is_empty() {
             return Err(RunError::Setting("averages need at least one test function".into()));
         }
-        self.averages(&self.setup.scheme, Averaged::Of(observables), accuracy)
+        self.averages(&self.setup, Averaged::Of(observables), accuracy)
     }
 
     /// The `count` largest Lyapunov exponents, in 1/time, and the sum of several, by [tangent
@@ -213,17 +210,18 @@ impl<'a> Equilibrium<'a> {
         let range = "from 1 to that of components";
         RunError::unmet([(allowed, "number of exponents", range, count as f64)])?;
         let rows = if count == 1 { 1 } else { count + 1 };
-        let scheme = Tangents { dimension: most, count }.around(Arc::clone(&self.setup.scheme));
-        self.averages(&scheme, Averaged::Growth(rows), accuracy)
+        let mut setup = self.setup.clone();
+        setup.scheme = Tangents { dimension: most, count }.around(setup.scheme);
+        self.averages(&setup, Averaged::Growth(rows), accuracy)
     }
 
     fn averages(
         &self,
-        scheme: &Arc<dyn Method + '_>,
+        setup: &Setup<'_>,
         of: Averaged<'_>,
         accuracy: f64,
     ) -> Result<Averages, RunError> {
-        let Self { setup, settings, told, checkpoint, watched: functions } = self;
+        let Self { settings, told, checkpoint, watched: functions, .. } = self;
         self.check(accuracy)?;
         let number = settings.blocks_of_chains() as usize;
         let watched = Watched { functions, dimension: setup.problem.y0.len(), chains: number };
@@ -262,7 +260,7 @@ impl<'a> Equilibrium<'a> {
                     chains.double(of);
                 }
             }
-            let goes_on = self.advance(scheme, (of, watched), &mut chains)?;
+            let goes_on = self.advance(setup, (of, watched), &mut chains)?;
             if let Some(checkpoint) = checkpoint.filter(|to| goes_on && to.is_due()) {
                 _ = checkpoint.write(&chains);
             }
@@ -320,26 +318,24 @@ impl<'a> Equilibrium<'a> {
     /// One more batch of all chains; false if it was stopped.
     fn advance(
         &self,
-        scheme: &Arc<dyn Method + '_>,
+        setup: &Setup<'_>,
         (of, watched): (Averaged<'_>, Watched<'_>),
         chains: &mut Chains,
     ) -> Result<bool, RunError> {
-        let Self { setup, settings, .. } = self;
-        let &EquilibriumSettings { key, truncation, ref stop, .. } = settings;
+        let &EquilibriumSettings { key, truncation, ref stop, .. } = &self.settings;
+        let mut batch = setup.clone();
         let tau = setup.problem.t_end / chains.steps as f64;
-        let mut problem = setup.problem.clone();
-        problem.t_end = tau * chains.batch_steps as f64;
+        batch.problem.t_end = tau * chains.batch_steps as f64;
         let family = (key, Purpose::Batch(chains.number));
-        let runs = (0..LEVELS).rev().map(|level| Run::new(Arc::clone(scheme), level)).collect();
         let finest = chains.batch_steps << (LEVELS - 1);
-        let number = settings.blocks_of_chains();
-        let ladder = Ladder::of(&problem, finest, LEVELS - 1, truncation, family, runs)?;
-        let mut ladder = ladder.fitting(number)?;
+        let number = self.settings.blocks_of_chains();
+        let mut ladder = batch.ladder(finest, LEVELS - 1, truncation, family, number)?;
         if chains.number < SPREADING {
             ladder = ladder.heated(|path| HEAT[path as usize % HEAT.len()]);
         }
         let known = &*chains;
-        let first = |path| first(setup, &**scheme, settings.key, path);
+        // The states of a block at first.
+        let first = |path| setup.scheme.start(&setup.problem.start(key, path)).state().to_vec();
         let ladder = ladder.starting(|run, path| {
             known.states(run, path, watched.dimension).map_or_else(|| first(path), <[Row]>::to_vec)
         });
@@ -353,9 +349,4 @@ impl<'a> Equilibrium<'a> {
         chains.take(blocks, failures, &first, watched);
         Ok(true)
     }
-}
-
-/// The states of a method on a block of chains at first.
-fn first(setup: &Setup<'_>, scheme: &dyn Method, key: StreamKey, path: u64) -> Vec<Row> {
-    scheme.start(&setup.problem.start(key, path)).state().to_vec()
 }

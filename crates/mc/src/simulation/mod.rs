@@ -3,15 +3,15 @@
 mod series;
 mod write;
 
-use std::{collections::BTreeMap, ops::Range, sync::Arc};
+use std::{collections::BTreeMap, ops::Range};
 
-use noise::{StreamKey, Truncation};
+use noise::{Purpose, StreamKey, Truncation};
 use real::WIDTH;
 use schemes::Step;
 
 use crate::{
-    ConformalLaw, Ladder, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Problem, Run,
-    RunError, Setup, Statistic, View, demand, parts::Stop,
+    ConformalLaw, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Problem, RunError, Setup,
+    Statistic, View, demand, parts::Stop,
 };
 
 pub use series::{Column, NoiseOrigin, TimeSeries};
@@ -144,7 +144,7 @@ impl<'a> Simulation<'a> {
     /// The table of path number `path` in `steps` steps to the final time.
     ///
     /// # Errors
-    /// [`RunError::Ladder`] as in [`Ladder::new`]. [`RunError::Setting`] if `every` is zero, or two
+    /// [`RunError::Ladder`] as in [`Setup::ladder`]. [`RunError::Setting`] if `every` is zero, or two
     /// columns have the same name.
     pub fn path(&self, steps: u64, key: StreamKey, path: u64) -> Result<TimeSeries, RunError> {
         Ok(self.paths(steps, key, path..path + 1)?.swap_remove(0))
@@ -167,13 +167,13 @@ impl<'a> Simulation<'a> {
         }
         let (Setup { problem, scheme }, count) =
             (&self.setup, paths.end.saturating_sub(paths.start));
-        let runs = vec![Run::new(Arc::clone(scheme), 0)];
-        let ladder = Ladder::new(problem, steps, 0, self.truncation, key, runs)?;
-        let mut ladder = ladder.fitting(count)?.describing(count as usize).with_start();
-        ladder = ladder.telling(&self.progress);
-        if let Some(source) = &self.noise {
-            ladder = ladder.with_noise(source);
-        }
+        let family = (key, Purpose::Paths);
+        let ladder = self.setup.ladder(steps, 0, self.truncation, family, count)?;
+        let ladder = ladder.describing(count as usize).with_start().telling(&self.progress);
+        let ladder = match &self.noise {
+            Some(source) => ladder.with_noise(source),
+            None => ladder,
+        };
         let (names, tau) = (self.names()?, ladder.tau(0));
         self.demand(steps, count)?;
         let damped = self.damping_integrals(steps, tau)?;

@@ -63,11 +63,9 @@ mod summary;
 mod sums;
 mod write;
 
-use std::sync::Arc;
-
 use noise::Purpose;
 
-use crate::{Ladder, Measured, Observe, Run, RunError, Setup, parts::Job};
+use crate::{Ladder, Measured, Observe, RunError, Setup, parts::Job};
 use sums::StudyStatistic;
 
 pub use dependence::{Joint, Wanted};
@@ -107,12 +105,11 @@ impl<'a> Study<'a> {
         let observables: Vec<_> = observables.iter().map(|phi| phi as &dyn Observe).collect();
         let record = Record::new(setup, &observables, settings)?;
         let ladder = |family| {
-            let runs = vec![Run::new(Arc::clone(&setup.scheme), 0)];
-            let (steps, key) = (settings.steps, (settings.key, family));
-            let ladder = Ladder::of(&setup.problem, steps, 0, settings.truncation, key, runs);
+            let &StudySettings { steps, truncation, key, pilot, .. } = settings;
+            let ladder = setup.ladder(steps, 0, truncation, (key, family), pilot);
             ladder.map(|ladder| if record.start.is_some() { ladder.with_start() } else { ladder })
         };
-        let pilot = ladder(Purpose::Pilot)?.fitting(settings.pilot)?;
+        let pilot = ladder(Purpose::Pilot)?;
         let new = || StudyStatistic::new(&observables, &record.times, &[], &settings.wanted);
         let seen = pilot.run_until(&settings.stop, 0, settings.pilot, new).statistic.sums;
         let ranges = seen.moments.iter().map(|moments| moments.range());
