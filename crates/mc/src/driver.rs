@@ -119,7 +119,7 @@ pub struct Failed {
 }
 
 /// Counts of failed paths and clipped increments.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Tally {
     pub failed: u64,
     pub failures: Vec<Failed>,
@@ -158,10 +158,7 @@ const PROGRESS_STEPS: u64 = 4096;
 impl Driver<'_> {
     /// No noise, with areas if a scheme reads them.
     pub fn no_noise(&self) -> StepNoise {
-        match self.with_areas {
-            true => StepNoise::with_areas(self.noises),
-            false => StepNoise::zero(self.noises),
-        }
+        StepNoise::none(self.noises, self.with_areas)
     }
 
     pub fn tau(&self, level: usize) -> f64 {
@@ -173,12 +170,8 @@ impl Driver<'_> {
     }
 
     pub fn tally(&self) -> Tally {
-        Tally {
-            failed: 0,
-            failures: Vec::new(),
-            clipped: vec![0; self.levels + 1],
-            described: self.described_failures,
-        }
+        let (clipped, described) = (vec![0; self.levels + 1], self.described_failures);
+        Tally { clipped, described, ..Tally::default() }
     }
 
     /// Step number `n` of a level.

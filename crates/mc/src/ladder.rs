@@ -404,7 +404,7 @@ impl<'a> Ladder<'a> {
         let work = Work { name, paths, ladder: self, study, new: &new, stop };
         let nodes = job.collect(work)?;
         let mut tree = MergeTree::new(merge);
-        nodes.into_iter().for_each(|node| tree.push(node));
+        tree.extend(nodes);
         Some(self.measured(tree.finish(), &new))
     }
 
@@ -439,15 +439,14 @@ impl<'a> Ladder<'a> {
         grow(tree, groups, &compute, after)
     }
 
-    /// Adds the nodes of more groups to those before, and gives the sum of all.
+    /// The sum of all nodes, of which those that are halves of one are joined.
     pub(crate) fn join<T: Statistic + Clone>(
         &self,
         nodes: &mut Nodes<T>,
-        more: Nodes<T>,
         new: &dyn Fn() -> T,
     ) -> Measured<T> {
         let mut tree = MergeTree::new(merge);
-        nodes.drain(..).chain(more).for_each(|node| tree.push(node));
+        tree.extend(nodes.drain(..));
         nodes.extend_from_slice(&tree.nodes);
         self.measured(tree.finish(), new)
     }
@@ -515,8 +514,7 @@ impl<'a> Ladder<'a> {
         };
         // It is stopped, or at its end.
         let _ = on_stack(self.stack, || {
-            let paths = real::WIDTH as u64;
-            self.driver.march(0, paths, &mut observe, &|_| (), &stop).map(|_| ())
+            self.driver.march(0, WIDTH as u64, &mut observe, &|_| (), &stop).map(|_| ())
         });
         // NaN has many forms, and any is as good as another.
         let one_nan = |x: f64| if x.is_nan() { f64::NAN } else { x };

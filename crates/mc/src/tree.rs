@@ -64,6 +64,11 @@ impl<T> MergeTree<T> {
         self.nodes.push(node);
     }
 
+    /// Adds nodes in their order.
+    pub fn extend(&mut self, nodes: impl IntoIterator<Item = Node<T>>) {
+        nodes.into_iter().for_each(|node| self.push(node));
+    }
+
     /// The sum of all leaves, which begin with leaf 0; `None` without leaves.
     pub fn finish(mut self) -> Option<T> {
         let mut sum = self.nodes.pop()?.sum;

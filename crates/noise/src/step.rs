@@ -47,6 +47,11 @@ impl StepNoise {
         Self { areas, ..Self::zero(noises) }
     }
 
+    /// No noise, for so many noises, with areas or without.
+    pub fn none(noises: usize, areas: bool) -> Self {
+        if areas { Self::with_areas(noises) } else { Self::zero(noises) }
+    }
+
     /// The noise of path `p`.
     ///
     /// # Panics

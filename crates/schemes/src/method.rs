@@ -21,10 +21,7 @@ pub trait Method: Send + Sync {
 
     /// No noise of a step, with areas if the method reads them.
     fn no_noise(&self, noises: usize) -> StepNoise {
-        match self.reads_areas() {
-            true => StepNoise::with_areas(noises),
-            false => StepNoise::zero(noises),
-        }
+        StepNoise::none(noises, self.reads_areas())
     }
 
     /// Whether the driver truncates increments and areas for this method.

@@ -145,11 +145,6 @@ fn differences(
     sums.into_iter().map(|(square, size, count)| (square / count, size / count)).collect()
 }
 
-/// No noise, with areas or without.
-pub fn no_noise(noises: usize, areas: bool) -> StepNoise {
-    if areas { StepNoise::with_areas(noises) } else { StepNoise::zero(noises) }
-}
-
 /// The noise of two steps τ of 32 paths, times a factor. Areas have one term of their series, since
 /// one step and two half steps share them and only their law is that of the series.
 pub fn two_steps(
@@ -165,7 +160,7 @@ pub fn two_steps(
     // Brownian motion times a factor is Brownian motion of another time.
     let time = tau * factor * factor;
     [(); 2].map(|()| {
-        let mut noise = no_noise(noises, areas.is_some());
+        let mut noise = StepNoise::none(noises, areas.is_some());
         wiener.increments(time.sqrt(), &mut noise.increments);
         if let Some(areas) = &mut areas {
             areas.areas(time, &noise.increments, &mut noise.areas);

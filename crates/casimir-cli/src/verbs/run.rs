@@ -183,10 +183,9 @@ impl<'a> Ready<'a> {
             RunError::Memory(_) => Failure::from(error),
             error => scene.steps_error(error).into(),
         };
-        let mut simulation = Simulation::new(setup.clone(), truncation)
-            .every(steps / settings.times)
-            .with_components(components.clone())
-            .stopped_by(&watch.stop);
+        let simulation = Simulation::new(setup.clone(), truncation);
+        let mut simulation = simulation.every(steps / settings.times);
+        (simulation.components, simulation.stop) = (components.clone(), watch.stop.clone());
         for observable in observables.iter().filter(|observable| !observable.is_component()) {
             simulation = simulation.observing(observable.clone());
         }
@@ -223,7 +222,7 @@ impl<'a> Ready<'a> {
         if settings.is_study() && study.is_none() {
             return Ok(None);
         }
-        let simulation = simulation.telling(told);
+        simulation.told = Box::new(told);
         let tables =
             watch.under(format!("{prefix}tables"), settings.tables.saturating_mul(steps), || {
                 simulation.paths(steps, key, 0..settings.tables)

@@ -44,16 +44,14 @@ pub fn equilibrium(
         ..EquilibriumSettings::new(scene.settings.steps)
     };
     let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
-    let mut equilibrium = Equilibrium::new(scene.setup(&scheme)?, settings).watching(energy);
-    if let Some(keeping) = keeping {
-        equilibrium = equilibrium.keeping(keeping);
-    }
+    let mut equilibrium = Equilibrium::new(scene.setup(&scheme)?, settings);
+    (equilibrium.watched, equilibrium.checkpoint) = (energy.collect(), keeping);
     let of = if scene.expected.is_empty() { &scene.observables } else { &scene.expected };
     let of_state = of.iter().filter(|phi| phi.quantity.is_of_state());
     let phi: Vec<&dyn Observe> = of_state.map(|phi| phi as _).collect();
     let found = watch
         .until("chains come to their law", accuracy, |told| {
-            let equilibrium = equilibrium.telling(told);
+            let equilibrium = Equilibrium { told: Box::new(told), ..equilibrium };
             match exponents {
                 None => equilibrium.run(&phi, accuracy),
                 Some(count) => equilibrium.lyapunov(count, accuracy),

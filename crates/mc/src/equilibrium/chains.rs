@@ -50,6 +50,12 @@ impl Living<'_> {
         let batches = &self.batches[batches];
         self.chains.iter().map(move |&n| batches.iter().map(|batch| batch[row][n]).sum())
     }
+
+    /// Of each chain the mean over batches of a row.
+    pub fn means(&self, row: usize, batches: Range<usize>) -> impl Iterator<Item = f64> {
+        let length = batches.len() as f64;
+        self.sums(row, batches).map(move |sum| sum / length)
+    }
 }
 
 pub fn moments(values: impl Iterator<Item = f64>) -> CentralMoments {

@@ -143,11 +143,18 @@ impl EquilibriumSettings {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Equilibrium<'a> {
-    setup: Setup<'a>,
-    settings: EquilibriumSettings,
-    told: Box<Told<'a>>,
-    checkpoint: Option<&'a Checkpoint>,
-    watched: Vec<&'a dyn Observe>,
+    /// The problem and its scheme.
+    pub setup: Setup<'a>,
+    /// How chains are run.
+    pub settings: EquilibriumSettings,
+    /// Hears after each batch how far it is.
+    pub told: Box<Told<'a>>,
+    /// Keeps the chains every few seconds; they go on from what it has, with the same bits. It is
+    /// removed when the accuracy is reached.
+    pub checkpoint: Option<&'a Checkpoint>,
+    /// Functions, such as H₀, by which it is tested, beside components, whether chains stay in
+    /// wells.
+    pub watched: Vec<&'a dyn Observe>,
 }
 
 /// Step sizes of a chain.
@@ -165,25 +172,6 @@ impl<'a> Equilibrium<'a> {
     /// Averages of a problem with a scheme.
     pub fn new(setup: Setup<'a>, settings: EquilibriumSettings) -> Self {
         Self { setup, settings, told: Box::new(|_, _| ()), checkpoint: None, watched: Vec::new() }
-    }
-
-    /// Tells after each batch how far it is.
-    #[must_use]
-    pub fn telling(self, told: impl Fn(f64, f64) + 'a) -> Self {
-        Self { told: Box::new(told), ..self }
-    }
-
-    /// Keeps the chains in a file every few seconds, and goes on from what the file has, with the
-    /// same bits. It is removed when the accuracy is reached.
-    #[must_use]
-    pub fn keeping(self, checkpoint: &'a Checkpoint) -> Self {
-        Self { checkpoint: Some(checkpoint), ..self }
-    }
-
-    /// Tests by these functions, beside components, whether chains stay in wells: H₀, for example.
-    #[must_use]
-    pub fn watching(self, watched: impl IntoIterator<Item = &'a dyn Observe>) -> Self {
-        Self { watched: watched.into_iter().collect(), ..self }
     }
 
     /// The averages of test functions, each to the half-width `accuracy` of its 95 % interval.

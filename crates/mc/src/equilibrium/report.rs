@@ -290,11 +290,8 @@ fn burn_in(living: &Living<'_>, row: usize, least: f64) -> Option<usize> {
     let last = living.sums(row, all - 1..all).map(f64::abs).fold(0.0, f64::max);
     // Whether the means of two ranges of batches differ.
     let differ = |a: Range<usize>, b: Range<usize>| {
-        let means = |batches: Range<usize>| {
-            let length = batches.len() as f64;
-            living.sums(row, batches).map(move |sum| sum / length)
-        };
-        let moments = moments(means(a).zip(means(b)).map(|(a, b)| a - b));
+        let (a, b) = (living.means(row, a), living.means(row, b));
+        let moments = moments(a.zip(b).map(|(a, b)| a - b));
         let error = moments.variance_of_mean().sqrt();
         moments.mean().abs() > DRIFTS * error + least.max(ROUND_OFF * last)
     };

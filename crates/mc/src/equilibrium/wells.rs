@@ -103,8 +103,7 @@ impl Watched<'_> {
         let all = living.batches.len();
         let quarter = first + (all - first) / 4;
         let means = |row: usize, batches: Range<usize>| -> Vec<f64> {
-            let length = batches.len() as f64;
-            living.sums(row, batches).map(|sum| sum / length).collect()
+            living.means(row, batches).collect()
         };
         let (finest, watched) = ((LEVELS - 1) * count, (LEVELS + 1) * count);
         let names = self.names();

@@ -288,7 +288,7 @@ impl<'a> Estimator<'a> {
             for (nodes, mut whole) in nodes.iter_mut().zip(replicates) {
                 whole.iter_mut().for_each(|node| node.sum.0.observables = empty.observables);
                 let later = whole.split_off(1.min(whole.len()));
-                complete.push(ladder.join(&mut whole, Vec::new(), &|| empty.clone()));
+                complete.push(ladder.join(&mut whole, &|| empty.clone()));
                 *nodes = [whole, later].concat();
             }
             self.levels[level].take(complete, points);
@@ -454,8 +454,7 @@ impl<'a> Estimator<'a> {
             begun = Instant::now();
         }
         let (ladder, nodes) = &mut self.ladders[level];
-        let replicates: Vec<_> =
-            nodes.iter_mut().map(|nodes| ladder.join(nodes, Vec::new(), &empty)).collect();
+        let replicates: Vec<_> = nodes.iter_mut().map(|of| ladder.join(of, &empty)).collect();
         let samples = &mut self.levels[level];
         let first = replicates.iter().find_map(|replicate| replicate.failures.first().copied());
         spent.set(spent.get() + new_cost);

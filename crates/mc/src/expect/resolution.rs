@@ -69,9 +69,6 @@ impl Motion {
     /// if there are. Averages take the place of both: without areas the average of fine and swapped
     /// paths is near the coarse path by order one where the fine one is by one half.
     pub fn add(&mut self, view: &View<'_>) {
-        if view.runs() < 2 {
-            return;
-        }
         let second = |run: usize| if run + 2 < view.runs() { run + 2 } else { run };
         let states = [0, second(0), 1, second(1)].map(|run| view.state(run));
         self.points += f64::from(view.live.len());

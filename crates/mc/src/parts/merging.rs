@@ -105,7 +105,7 @@ impl Merging {
     /// The nodes of all groups, if the parts have them.
     pub fn collect<T: Kept>(&mut self, work: &Work<'_, T>) -> Result<Option<Nodes<T>>, JobError> {
         let mut tree = work.tree();
-        self.known.nodes(work)?.into_iter().for_each(|node| tree.push(node));
+        tree.extend(self.known.nodes(work)?);
         let known = tree.nodes.last().map_or(0, Node::end);
         if known < work.groups() {
             let mut places = self.works.remove(work.name).unwrap_or_default();
@@ -125,7 +125,7 @@ impl Merging {
                         "{file} was replaced while it was merged: merge again"
                     ))
                 })?;
-                work.nodes(&path, entry)?.into_iter().for_each(|node| tree.push(node));
+                tree.extend(work.nodes(&path, entry)?);
             }
         }
         let (header, nodes) = (work.header(0..work.groups(), work.groups()), tree.nodes);

@@ -127,7 +127,7 @@ impl Part {
         let found = &entry.header;
         work.check(path, found)?;
         if found.groups == *groups && found.paths == work.paths {
-            work.nodes(path, entry)?.into_iter().for_each(|node| tree.push(node));
+            tree.extend(work.nodes(path, entry)?);
             Ok(found.done)
         } else if self.known.has(work, found, known) {
             Ok(groups.start)

@@ -50,51 +50,27 @@ pub struct Simulation<'a> {
     every: u64,
     observables: Vec<Box<dyn Observe + 'a>>,
     noise: Option<NoiseSource<'a>>,
-    components: Option<Vec<String>>,
-    stop: Stop,
-    progress: Box<dyn Fn(u64) + Sync + 'a>,
+    /// Names of the columns of the state, one for each component; `y1` … `yD` unless set.
+    pub components: Vec<String>,
+    /// Ends all tables early when it asks for it; [`TimeSeries::halted`] says so.
+    pub stop: Stop,
+    /// Hears from any thread the number of path-steps done since its last call.
+    pub told: Box<dyn Fn(u64) + Sync + 'a>,
 }
 
 impl<'a> Simulation<'a> {
     /// A simulation that saves every step and has no observables.
     pub fn new(setup: Setup<'a>, truncation: Truncation) -> Self {
-        let (observables, stop) = (Vec::new(), Stop::default());
-        let progress = Box::new(|_| ());
         Self {
-            setup,
             truncation,
             every: 1,
-            observables,
+            observables: Vec::new(),
             noise: None,
-            components: None,
-            stop,
-            progress,
+            components: (1..=setup.problem.y0.len()).map(|i| format!("y{i}")).collect(),
+            stop: Stop::default(),
+            told: Box::new(|_| ()),
+            setup,
         }
-    }
-
-    /// Names the columns of the state, which are `y1` … `yD` otherwise.
-    ///
-    /// # Panics
-    /// Unless there is a name for each component.
-    #[must_use]
-    pub fn with_components(mut self, names: Vec<String>) -> Self {
-        assert_eq!(names.len(), self.setup.problem.y0.len(), "names of components");
-        self.components = Some(names);
-        self
-    }
-
-    /// Ends all tables early when `stop` asks for it; [`TimeSeries::halted`] says so.
-    #[must_use]
-    pub fn stopped_by(mut self, stop: &Stop) -> Self {
-        self.stop = stop.clone();
-        self
-    }
-
-    /// Calls `progress` from any thread with the number of path-steps done since its last call.
-    #[must_use]
-    pub fn telling(mut self, progress: impl Fn(u64) + Sync + 'a) -> Self {
-        self.progress = Box::new(progress);
-        self
     }
 
     /// Saves only every `every`-th step, the initial state and the last step.
@@ -169,7 +145,7 @@ impl<'a> Simulation<'a> {
             (&self.setup, paths.end.saturating_sub(paths.start));
         let family = (key, Purpose::Paths);
         let ladder = self.setup.ladder(steps, 0, self.truncation, family, count)?;
-        let ladder = ladder.describing(count as usize).with_start().telling(&self.progress);
+        let ladder = ladder.describing(count as usize).with_start().telling(&self.told);
         let ladder = match &self.noise {
             Some(source) => ladder.with_noise(source),
             None => ladder,
@@ -247,11 +223,10 @@ impl<'a> Simulation<'a> {
     /// The names of the columns.
     fn names(&self) -> Result<Vec<String>, RunError> {
         let Setup { problem, .. } = &self.setup;
-        let mut names = vec!["t".into()];
-        match &self.components {
-            Some(components) => names.extend_from_slice(components),
-            None => names.extend((1..=problem.y0.len()).map(|i| format!("y{i}"))),
-        }
+        let (components, named) = (problem.y0.len(), self.components.len());
+        let all = components == named;
+        RunError::unmet([(all, "number of names", "that of components", named as f64)])?;
+        let mut names = [&["t".to_owned()], &self.components[..]].concat();
         names.extend(self.observables.iter().map(|observable| observable.name().into()));
         for (index, ConformalLaw { name, .. }) in problem.laws.iter().enumerate() {
             let same = |among: &[ConformalLaw]| among.iter().filter(|i| i.name == *name).count();
