@@ -11,7 +11,7 @@ use real::{PathMask, Row, WIDTH, elementary};
 use serde::Serialize;
 use stats::CrossMoments;
 
-use crate::{FinalMoments, orders::evaluate};
+use crate::FinalMoments;
 
 /// The step errors of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -167,15 +167,15 @@ pub fn step_check(
     let ladder = setup.ladder(twice, 1, truncation, family, paths)?.telling(told);
     let initial = setup.start();
     let center = |phi: &&dyn Observe| {
-        let value = evaluate(*phi, &initial, PathMask::first(1))[0];
+        let value = phi.values(&initial, PathMask::first(1))[0];
         if value.is_finite() { value } else { 0.0 }
     };
     let centers: Vec<f64> = observables.iter().map(center).collect();
     let numbers = |view: &View<'_>, rows: &mut [Row]| {
         for ((phi, &center), rows) in observables.iter().zip(&centers).zip(rows.chunks_mut(3)) {
             let [one, half, square] = rows else { unreachable!("three rows") };
-            *one = evaluate(*phi, view.state(0), view.live);
-            *half = evaluate(*phi, view.state(1), view.live);
+            *one = phi.values(view.state(0), view.live);
+            *half = phi.values(view.state(1), view.live);
             for p in 0..WIDTH {
                 (one[p], half[p]) = (one[p] - center, half[p] - center);
                 square[p] = one[p] * one[p] - half[p] * half[p];

@@ -85,11 +85,12 @@ impl Along {
 
     /// The function that is followed, of the state and of what is collected before; none of time.
     fn value(&self, rows: &[Row]) -> Row {
-        let mut value = [0.0; WIDTH];
-        if let Self::Integral(phi) | Self::Passage(Passage { phi, .. }) = self {
-            phi.evaluate(rows, PathMask::ALL, &mut value);
+        match self {
+            Self::Time => [0.0; WIDTH],
+            Self::Integral(phi) | Self::Passage(Passage { phi, .. }) => {
+                phi.values(rows, PathMask::ALL)
+            }
         }
-        value
     }
 }
 

@@ -19,6 +19,13 @@ pub trait Observe: Sync {
     /// Writes φ of the paths `live`, and anything for the others. Row i of `y` is component i.
     fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row);
 
+    /// φ of the paths `live`.
+    fn values(&self, y: &[Row], live: PathMask) -> Row {
+        let mut values = [0.0; WIDTH];
+        self.evaluate(y, live, &mut values);
+        values
+    }
+
     /// The order with which the error of its mean falls, with a scheme of weak order one.
     fn weak_order(&self) -> f64 {
         1.0
@@ -73,14 +80,12 @@ impl<T: Observe + ?Sized> Observe for &T {
 }
 
 /// φ of the first path of a block.
-pub(crate) fn value(observable: &dyn Observe, rows: &[Row]) -> f64 {
-    let mut values = [0.0; WIDTH];
-    observable.evaluate(rows, PathMask::first(1), &mut values);
-    values[0]
+pub fn value(observable: &dyn Observe, rows: &[Row]) -> f64 {
+    observable.values(rows, PathMask::first(1))[0]
 }
 
 /// The same state on all paths.
-pub(crate) fn splat(y: &[f64]) -> Vec<Row> {
+pub fn splat(y: &[f64]) -> Vec<Row> {
     y.iter().map(|&y| [y; WIDTH]).collect()
 }
 
@@ -88,13 +93,13 @@ pub(crate) fn splat(y: &[f64]) -> Vec<Row> {
 ///
 /// # Panics
 /// If the states have another dimension.
-pub(crate) fn components<const D: usize>(y: &[Row]) -> &[Row; D] {
+pub fn components<const D: usize>(y: &[Row]) -> &[Row; D] {
     y.try_into().unwrap_or_else(|_| panic!("a state has {} dimensions, not {D}", y.len()))
 }
 
 /// The state of path p.
 #[inline(always)]
-pub(crate) fn path<const D: usize>(y: &[Row; D], p: usize) -> [f64; D] {
+pub fn path<const D: usize>(y: &[Row; D], p: usize) -> [f64; D] {
     let mut state = [0.0; D];
     for i in 0..D {
         state[i] = y[i][p];

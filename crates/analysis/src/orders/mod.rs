@@ -41,7 +41,6 @@ pub use decision::{Decision, More};
 pub use exact::Exact;
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
-pub(crate) use order::evaluate;
 pub use order::{squared_distance, strong_order, weak_order};
 pub use referee::{Judged, LevelNoise, Referee, SolverStates, VISITS};
 pub(crate) use runs::kept;

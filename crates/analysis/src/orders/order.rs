@@ -98,7 +98,7 @@ fn once(
         // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the solution.
         let solution = exact.map(|exact| exact.rows(view, setup.problem.y0.len()));
         let states = states.into_iter().chain(solution.as_deref());
-        let phi: Vec<Row> = states.map(|y| evaluate(observable, y, view.live)).collect();
+        let phi: Vec<Row> = states.map(|y| observable.values(y, view.live)).collect();
         for (number, pair) in numbers.iter_mut().zip(phi.windows(2)) {
             *number = std::array::from_fn(|p| pair[0][p] - pair[1][p]);
         }
@@ -129,7 +129,7 @@ fn once(
             Some(_) => (errors(number, &moments), Against::Exact),
             None => (moments.part(0..number - 1), Against::HalfStep),
         };
-        let size = evaluate(observable, &setup.start(), PathMask::first(1))[0];
+        let size = observable.values(&setup.start(), PathMask::first(1))[0];
         let rounding = (sizes.reference_steps(), size);
         weak(&taus[..fitted.length()], &fitted, against, limit, rounding)
     } else {
@@ -190,13 +190,6 @@ impl Order {
             rate.warning = Some(format!("{before}{}", self.decision));
         }
     }
-}
-
-/// φ of the paths that are live.
-pub fn evaluate(observable: &dyn Observe, y: &[Row], live: PathMask) -> Row {
-    let mut values = [0.0; WIDTH];
-    observable.evaluate(y, live, &mut values);
-    values
 }
 
 /// |y − x|² of the paths that are live.

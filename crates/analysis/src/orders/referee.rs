@@ -20,7 +20,7 @@ use super::{
     decision::undecided,
     limit::{strong_limit, weak_limit},
     one_step::{least_order, taus, two_steps},
-    order::{evaluate, strong, weak},
+    order::{strong, weak},
     runs::{Collected, state},
 };
 
@@ -100,7 +100,7 @@ fn values(phi: &dyn Observe, d: usize, states: &[f64], paths: &[usize]) -> Vec<f
     let block = |paths: &[usize]| {
         let of = |i: usize, p: usize| paths.get(p).map_or(0.0, |path| states[path * d + i]);
         let rows: Vec<Row> = (0..d).map(|i| std::array::from_fn(|p| of(i, p))).collect();
-        evaluate(phi, &rows, PathMask::first(paths.len())).into_iter().take(paths.len())
+        phi.values(&rows, PathMask::first(paths.len())).into_iter().take(paths.len())
     };
     paths.chunks(WIDTH).flat_map(block).collect()
 }

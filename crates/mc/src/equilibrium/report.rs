@@ -12,7 +12,10 @@ use super::{
     growth::{unsettled, wander},
     wells::{Watched, Well},
 };
-use crate::study::Histogram;
+use crate::{
+    expect::{short, written},
+    study::Histogram,
+};
 
 /// Averages over the stationary law.
 #[derive(Clone, Debug, Serialize)]
@@ -376,22 +379,6 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
         lengths,
         seen,
     }
-}
-
-/// A number to two digits of its error, with a power of ten where both are small or it is large.
-fn written(x: f64, error: f64) -> String {
-    let order = |x: f64| elementary::log10(x.abs()).floor() as i32;
-    let place = |x: f64| if x == 0.0 || !x.is_finite() { -9 } else { order(x) };
-    let digits = |n: i32| n.clamp(0, 16) as usize;
-    match (1e-3..1e6).contains(&x.abs().max(error.abs())) || x == 0.0 {
-        true => format!("{x:.*}", digits(1 - place(error))),
-        false => format!("{x:.*e}", digits(1 + place(x) - place(error))),
-    }
-}
-
-/// A number in three digits.
-fn short(x: f64) -> String {
-    written(x, 0.1 * x)
 }
 
 /// Each average with its interval and the parts of it, what it cost, and what is unknown.

@@ -84,11 +84,7 @@ impl Watched<'_> {
             sums[i % SUMS].iter_mut().zip(y).for_each(|(sum, y)| *sum += y);
         }
         rows.extend(&sums[..self.sums()]);
-        rows.extend(self.functions.iter().map(|function| {
-            let mut values = [0.0; WIDTH];
-            function.evaluate(y, PathMask::ALL, &mut values);
-            values
-        }));
+        rows.extend(self.functions.iter().map(|function| function.values(y, PathMask::ALL)));
         rows
     }
 

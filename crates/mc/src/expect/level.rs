@@ -197,7 +197,8 @@ impl Statistic for PathValues<'_> {
         if !last && !compared {
             return;
         }
-        for (k, (observable, values)) in self.observables.iter().zip(&mut self.values).enumerate() {
+        let mut functions = Vec::new();
+        for (observable, values) in self.observables.iter().zip(&mut self.values) {
             let mut phi = [[0.0; WIDTH]; 4];
             for (run, phi) in phi.iter_mut().enumerate().take(view.runs()) {
                 observable.evaluate(view.state(run), view.live, phi);
@@ -209,15 +210,17 @@ impl Statistic for PathValues<'_> {
             };
             let fine = mean(0, if coupled { 2 } else { 1 });
             let coarse = coupled.then(|| mean(1, 3));
-            if let Some(coarse) = &coarse {
-                self.functions.add_function(k, &fine, coarse, view.live);
-            }
+            functions.extend(coarse.map(|coarse| [fine, coarse]));
             if last {
                 values.add(&fine, coarse.as_ref(), view.live);
                 if view.first_path % ScrambledSobol::POINTS < GROUP_PATHS {
                     values.pilot.extend(view.live.paths().map(|p| fine[p]));
                 }
             }
+        }
+        if coupled {
+            let rows = functions.iter().map(|[fine, coarse]| [fine, fine, coarse, coarse]);
+            self.functions.add_rows(view.live, rows);
         }
     }
 

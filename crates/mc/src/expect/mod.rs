@@ -85,6 +85,7 @@ use crate::{
 };
 use estimator::{Estimator, Kept, Request};
 
+pub(crate) use report::{short, written};
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
 
 /// The computation of expectations: the scheme is chosen or given, everything else may be

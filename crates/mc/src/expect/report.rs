@@ -253,24 +253,36 @@ impl fmt::Display for Expectation {
     }
 }
 
+/// A number to two digits of its error, with a power of ten where both are small or it is large.
+pub fn written(x: f64, error: f64) -> String {
+    let order = |x: f64| elementary::log10(x.abs()).floor() as i32;
+    let place = |x: f64| if x == 0.0 || !x.is_finite() { -9 } else { order(x) };
+    let digits = |n: i32| n.clamp(0, 16) as usize;
+    match (1e-3..1e6).contains(&x.abs().max(error.abs())) || x == 0.0 {
+        true => format!("{x:.*}", digits(1 - place(error))),
+        false => format!("{x:.*e}", digits(1 + place(x) - place(error))),
+    }
+}
+
+/// A number in three digits.
+pub fn short(x: f64) -> String {
+    written(x, 0.1 * x)
+}
+
 /// The value to two digits of the half-width, and the parts of that.
 impl fmt::Display for Estimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let half_width = self.half_width();
-        let decimals = match half_width > 0.0 && half_width.is_finite() {
-            true => (1.0 - elementary::log10(half_width).floor()).clamp(0.0, 17.0) as usize,
-            false => 6,
-        };
         if half_width == f64::INFINITY {
-            let value = Some(self.value).filter(|value| !value.is_nan());
-            let value = value.map_or("no mean".into(), |value| format!("{value:.decimals$}"));
+            let value = if self.value.is_nan() { "no mean".into() } else { short(self.value) };
             return write!(f, "{value}, no interval; NOT to be believed");
         }
+        let value = written(self.value, half_width);
         let sampling = elementary::hypot(self.quantile * self.standard_error, self.missed);
         write!(
             f,
-            "{:.decimals$} ± {half_width:.1e} (95 %): sampling {sampling:.1e}, bias at most {:.1e}",
-            self.value, self.bias_bound
+            "{value} ± {half_width:.1e} (95 %): sampling {sampling:.1e}, bias at most {:.1e}",
+            self.bias_bound
         )?;
         if self.judged.all() { Ok(()) } else { write!(f, "; NOT to be believed") }
     }

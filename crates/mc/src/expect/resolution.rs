@@ -71,24 +71,16 @@ impl Motion {
     pub fn add(&mut self, view: &View<'_>) {
         let second = |run: usize| if run + 2 < view.runs() { run + 2 } else { run };
         let states = [0, second(0), 1, second(1)].map(|run| view.state(run));
-        self.points += f64::from(view.live.len());
-        for i in 0..self.start.len() {
-            self.add_one(i, states.map(|state| &state[i]), view.live);
-        }
+        self.add_rows(view.live, (0..).map(|i| states.map(|state| &state[i])));
     }
 
-    /// Adds component or function number i on two fine and two coarse paths, but not the points.
-    fn add_one(&mut self, i: usize, rows: [&Row; 4], live: PathMask) {
-        let (difference, displacement) = (&mut self.difference[i], &mut self.displacement[i]);
-        dispatch(AddMotion { difference, displacement, start: self.start[i], rows, live });
-    }
-
-    /// Adds the points of all functions on the paths `live`, and φ number k on them.
-    pub fn add_function(&mut self, k: usize, fine: &Row, coarse: &Row, live: PathMask) {
-        if k == 0 {
-            self.points += f64::from(live.len());
+    /// Adds components or functions on two fine and two coarse paths.
+    pub fn add_rows<'r>(&mut self, live: PathMask, rows: impl Iterator<Item = [&'r Row; 4]>) {
+        self.points += f64::from(live.len());
+        for (i, (&start, rows)) in self.start.iter().zip(rows).enumerate() {
+            let (difference, displacement) = (&mut self.difference[i], &mut self.displacement[i]);
+            dispatch(AddMotion { difference, displacement, start, rows, live });
         }
-        self.add_one(k, [fine, fine, coarse, coarse], live);
     }
 
     pub fn merge(&mut self, later: &Self) {

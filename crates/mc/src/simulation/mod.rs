@@ -6,7 +6,6 @@ mod write;
 use std::{collections::BTreeMap, ops::Range};
 
 use noise::{Purpose, StreamKey, Truncation};
-use real::WIDTH;
 use schemes::Step;
 
 use crate::{
@@ -161,9 +160,8 @@ impl<'a> Simulation<'a> {
         };
         let save = |view: &View<'_>, of_path: &mut Columns| {
             let Some(damped) = damped.get(&view.time) else { return };
-            let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
-            let observables = self.observables.iter().zip(&mut observed);
-            observables.for_each(|(phi, values)| phi.evaluate(view.state(0), view.live, values));
+            let observed = self.observables.iter().map(|phi| phi.values(view.state(0), view.live));
+            let observed: Vec<_> = observed.collect();
             for p in view.live.paths() {
                 let columns = of_path.entry(view.first_path + p as u64).or_insert_with(none);
                 let state = &view.state(0)[..problem.y0.len()];

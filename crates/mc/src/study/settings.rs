@@ -5,7 +5,7 @@ use real::Row;
 use stats::CentralMoments;
 
 use super::{
-    Summary, Wanted,
+    Wanted,
     dependence::{CELLS, OfPair},
 };
 use crate::{Observe, RunError, demand, driver::GROUP_PATHS, parts::Stop};
@@ -74,22 +74,18 @@ impl StudySettings {
     pub(super) fn demand(&self, observables: usize) -> Result<(), RunError> {
         let threads = rayon::current_num_threads() as f64;
         let groups = (self.paths as f64 / GROUP_PATHS as f64).max(1.0);
-        // Groups under way and just done, and nodes of the tree that wait for their neighbours.
-        let sums = (2.0 * threads).min(groups) + f64::from((groups as u64).ilog2()) + 1.0;
-        let (bins, times) = (f64::from(self.bins), self.times as f64);
-        let size = |bytes: usize| bytes as f64;
-        let sum = size(size_of::<CentralMoments>() + size_of::<u64>()) + 2.0 * bins;
-        // Counts of the result are wide, and quantiles stand beside them.
-        let result = size(2 * size_of::<Summary>()) + 8.0 * bins;
-        let pairs = self.wanted.pairs.len() as f64;
-        let of_pair = times * size(size_of::<OfPair>()) + size(CELLS * size_of::<u64>());
-        let lags = size(4 * self.wanted.lagged.len() * size_of::<Row>()) * times;
-        let past = size(self.wanted.lagged.len() * size_of::<Row>()) * sums;
-        let values = times * size(observables);
+        // Groups under way and just done, nodes of the tree that wait for their neighbours, and
+        // the result, which is four times as wide.
+        let sums = (2.0 * threads).min(groups) + f64::from((groups as u64).ilog2()) + 5.0;
+        let (pairs, lagged) = (self.wanted.pairs.len(), self.wanted.lagged.len());
+        let value = size_of::<CentralMoments>() + size_of::<u64>() + 2 * self.bins as usize;
+        let at_a_time =
+            observables * value + pairs * size_of::<OfPair>() + 5 * lagged * size_of::<Row>();
+        let joint = (pairs * CELLS * size_of::<u64>()) as f64;
+        let times = self.times as f64;
         let what =
             format!("statistics of {observables} observables and {pairs} pairs at {times} times");
-        let dependence = (sums + 1.0) * (pairs * of_pair + lags);
-        Ok(demand(what, values * (sums * sum + result) + times * past + dependence)?)
+        Ok(demand(what, sums * (times * at_a_time as f64 + joint))?)
     }
 
     /// Checks all but the times, the steps and the truncation.
