@@ -12,8 +12,7 @@ use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
     LadderError, NextNoise, PathFailure, Problem, Run, Setup, demand,
-    driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, StepTable, Tally},
-    noise_source::drawn,
+    driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, StepTable, Tally, drawn},
     observable::{components, path},
     parallel::grow,
     parts::{Job, Stop, Work, hash},

@@ -61,7 +61,6 @@ mod candidates;
 mod display;
 mod errors;
 mod search;
-mod settings;
 mod verdict;
 
 use std::time::Instant;
@@ -69,9 +68,8 @@ use std::time::Instant;
 use mc::{Problem, RunError};
 use serde::{Deserialize, Serialize};
 
-pub use candidates::Candidates;
+pub use candidates::{Candidates, CompareSettings};
 pub use errors::{ErrorPoint, Sampled};
-pub use settings::CompareSettings;
 pub use verdict::{Candidate, Choice, Keeps, Outcome};
 
 /// Errors and costs of several schemes, and which to take.

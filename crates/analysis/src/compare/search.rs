@@ -9,8 +9,8 @@ use schemes::Method;
 
 use super::{
     Candidate, Candidates, Choice, CompareSettings, Comparison, Outcome, Stopped,
+    candidates::LEAST_SAMPLES,
     errors::{ErrorPoint, Errors},
-    settings::LEAST_SAMPLES,
     verdict::choose,
 };
 use crate::{

@@ -10,7 +10,6 @@ mod bath;
 mod damping;
 pub(crate) mod finding;
 pub(crate) mod form;
-mod gibbs;
 pub(crate) mod probe;
 pub(crate) mod random;
 mod scheme;
@@ -28,11 +27,10 @@ use probe::{Batch, Probe};
 use random::{Purpose, Random};
 use search::{ZERO, casimirs};
 
-pub use bath::Bath;
+pub use bath::{Bath, gibbs_marginal, is_divergence_free};
 pub use damping::DampingIntegral;
 pub use finding::{Finding, Status};
 pub use form::Form;
-pub use gibbs::{gibbs_marginal, is_divergence_free};
 pub use scheme::Kept;
 pub(crate) use scheme::is_damped;
 

@@ -37,13 +37,11 @@
 //! ```
 
 mod casimirs;
-mod error;
 mod hamiltonian;
 mod invariants;
 mod noises;
 mod points;
 mod problem;
-mod recommendation;
 mod report;
 mod shape;
 mod sight;
@@ -65,17 +63,15 @@ use sight::Sight;
 
 pub use crate::facts::{DampingIntegral, Finding, Form, Status};
 pub use casimirs::{Casimirs, FoundCasimir};
-pub use error::InspectError;
 pub use hamiltonian::Hamiltonians;
 pub use invariants::ClaimedInvariant;
 pub use noises::Noises;
-pub use points::Region;
+pub use points::{InspectError, Region};
 pub use problem::{Bound, ProblemFindings};
-pub use recommendation::Recommendation;
 pub use report::Inspection;
 pub use shape::{Minimum, Shape};
 pub use structure::Structure;
-pub use theory::{Applies, ExpectedOrder, Theorem};
+pub use theory::{Applies, ExpectedOrder, Recommendation, Theorem};
 
 /// Half the side of the box in which a system alone is inspected.
 const HALF_SIDE: f64 = 2.0;
@@ -191,7 +187,7 @@ pub fn inspect(
     };
     report.orders = theory::orders(&report, settings.areas, finite_rates);
     report.theorems = theory::theorems(&report, damped, uniform);
-    report.recommended = recommendation::recommendations(&report, system, settings, damped);
+    report.recommended = theory::recommendations(&report, system, settings, damped);
     Ok(report.with_mistakes())
 }
 

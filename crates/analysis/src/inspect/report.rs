@@ -13,10 +13,9 @@ use super::{
     points::Region,
     probe::TIME,
     problem::{Bound, ProblemFindings},
-    recommendation::Recommendation,
     shape::{Minimum, Shape},
     structure::Structure,
-    theory::{Applies, ExpectedOrder, Theorem},
+    theory::{Applies, ExpectedOrder, Recommendation, Theorem},
 };
 
 /// The report on a system: its properties, what theory says of it, and its mistakes.

@@ -21,7 +21,6 @@
 mod claim;
 mod consistency;
 mod decision;
-mod exact;
 mod limit;
 mod one_step;
 mod order;
@@ -31,17 +30,15 @@ mod step_sizes;
 mod steps;
 #[cfg(test)]
 mod tests;
-mod within;
 
 use mc::{LadderError, Setup};
 use stats::{Point, Rate};
 
 pub use claim::Verdict;
 pub use decision::{Decision, More};
-pub use exact::Exact;
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
-pub use order::{squared_distance, strong_order, weak_order};
+pub use order::{Exact, squared_distance, strong_order, weak_order};
 pub use referee::{Judged, LevelNoise, Referee, SolverStates, VISITS};
 pub(crate) use runs::kept;
 pub use step_sizes::StepSizes;

@@ -1,19 +1,19 @@
-//! Strong and weak orders.
+//! Strong and weak orders; an exact solution on sampled paths.
 
-use mc::{LadderError, Observe, Setup, View};
+use mc::{LadderError, Observe, Setup, TimeChange, View};
 use real::{PathMask, Row, WIDTH};
 use stats::{
     Against, CrossMoments, Expansion, Point, fit_strong, fit_weak, lower_share, root_mean_squares,
 };
 
 use super::{
-    Decision, Exact, Limit, OneStep, Order, StepSizes,
+    Decision, Limit, OneStep, Order, StepSizes,
     consistency::consistency,
     decision::{self, More, undecided},
     limit::weak_limit,
     one_step::one_step as one_step_of,
     runs::{FEW, failing, measure, visits},
-    within::within,
+    step_sizes::within,
 };
 
 /// Relative error of a weak difference for which the model, some powers of an expansion, is not
@@ -215,4 +215,33 @@ fn mean_points(taus: &[f64], moments: &CrossMoments) -> Vec<Point> {
 fn errors(sizes: usize, moments: &CrossMoments) -> CrossMoments {
     let row = |l: usize| (0..sizes).map(|k| f64::from(u8::from(k >= l))).collect();
     moments.combined(&(0..sizes).map(row).collect::<Vec<Vec<f64>>>())
+}
+
+/// An exact solution at the final time, a function of a random time ([`TimeChange`]).
+pub struct Exact<'a> {
+    /// The random time, carried along each path.
+    pub time_change: &'a dyn TimeChange,
+    /// y(T) as a function of the random time at T.
+    solution: Box<dyn Fn(f64) -> Vec<f64> + Sync + 'a>,
+}
+
+impl<'a> Exact<'a> {
+    /// The solution y(T) as a function of the random time at T, which `time_change` carries along
+    /// each path.
+    pub fn new<Y: Into<Vec<f64>>>(
+        time_change: &'a dyn TimeChange,
+        solution: impl Fn(f64) -> Y + Sync + 'a,
+    ) -> Self {
+        Self { time_change, solution: Box::new(move |time| solution(time).into()) }
+    }
+
+    /// The solutions of the paths of a block that are live; zero on the others.
+    pub fn rows(&self, view: &View<'_>, dimension: usize) -> Vec<Row> {
+        let mut rows = vec![[0.0; WIDTH]; dimension];
+        for p in view.live.paths() {
+            let solution = (self.solution)(view.random_time[p]);
+            rows.iter_mut().zip(solution).for_each(|(row, y)| row[p] = y);
+        }
+        rows
+    }
 }

@@ -48,8 +48,8 @@ use noise::{Purpose, StreamKey, Truncation};
 use real::{Row, WIDTH};
 
 use crate::{
-    Checkpoint, Observe, RunError, Setup, demand, expect::Told, ladder::Measured,
-    parts::Stop, tangents::Tangents,
+    Checkpoint, Observe, RunError, Setup, demand, expect::Told, ladder::Measured, parts::Stop,
+    tangents::Tangents,
 };
 use chains::{BATCHES, Chains, Gather, SPREADING};
 use wells::Watched;

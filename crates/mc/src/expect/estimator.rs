@@ -13,10 +13,9 @@ use stats::CONFIDENCE;
 
 use super::{
     Candidate, Expect, ExpectSettings, Orders,
-    extrapolation::{Extrapolation, extrapolation, seen_orders},
+    extrapolation::{Extrapolation, alpha, beta, extrapolation, seen_orders},
     judge::Evidence,
     level::{PathValues, Samples, Values, hull, tail},
-    rates,
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
     resolution::{LARGEST_EXPONENT, Motion, PARTS, unresolved},
     sum::{BIAS_LEVELS, Sum, Term},
@@ -496,7 +495,7 @@ impl<'a> Estimator<'a> {
         // Single paths are extrapolated from below: all differences must show the order.
         let (single, all) = (self.is_single(first), (&self.levels[1..], &differences[..]));
         let (levels, terms) = if single { all } else { (of_last, last) };
-        let seen = (rates::alpha(levels, terms, k), rates::beta(of_last, k));
+        let seen = (alpha(levels, terms, k), beta(of_last, k));
         let orders = match self.noisy {
             true => self.orders,
             false => seen_orders(last, self.orders),
@@ -579,8 +578,8 @@ impl<'a> Estimator<'a> {
                 missed: if tail.has_variance() { sum.missed() } else { f64::INFINITY },
                 bias: sum.bias(),
                 bias_bound: sum.bias_bound(),
-                alpha: rates::alpha(&differences[from..], &terms[from..], k),
-                beta: rates::beta(&differences[from..], k),
+                alpha: alpha(&differences[from..], &terms[from..], k),
+                beta: beta(&differences[from..], k),
                 failed: levels[first..].iter().map(|samples| samples.failed).sum(),
                 judged: Judged::default(),
             }

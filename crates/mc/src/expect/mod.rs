@@ -65,7 +65,6 @@ mod estimator;
 mod extrapolation;
 mod judge;
 mod level;
-mod rates;
 mod report;
 mod resolution;
 mod sum;
@@ -85,8 +84,8 @@ use crate::{
 };
 use estimator::{Estimator, Kept, Request};
 
-pub(crate) use report::{short, written};
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
+pub(crate) use report::{short, written};
 
 /// The computation of expectations: the scheme is chosen or given, everything else may be
 /// [set](ExpectSettings). See [the module](self) for the algorithm.

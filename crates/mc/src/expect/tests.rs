@@ -148,14 +148,14 @@ fn exponents_are_slopes_of_weighted_lines() {
             (f64::from(l), term.mean.abs().log2(), 1.0 / relative)
         };
         let points: Vec<_> = terms[..3].iter().zip(1..).map(point).collect();
-        assert!(is_line(rates::alpha(&levels, &terms, 0).unwrap(), &points));
+        assert!(is_line(alpha(&levels, &terms, 0).unwrap(), &points));
         // No rate is named where significant signs differ, though |d_l| falls.
         let mut signs = terms.clone();
         signs[1].mean *= -1.0;
-        assert_eq!(rates::alpha(&levels, &signs, 0), None);
+        assert_eq!(alpha(&levels, &signs, 0), None);
         // What was missed counts as an error.
         let missed: Vec<Term> = terms.iter().map(|term| Term { missed: 1.0, ..*term }).collect();
-        assert_eq!(rates::alpha(&levels, &missed, 0), None);
+        assert_eq!(alpha(&levels, &missed, 0), None);
     }
     // Variances: the variance of the logarithm of a sample variance is (κ − 1 + 1/N)/N.
     let levels = [(1, 1.0, 50), (2, 0.4, 100), (3, 0.3, 25)].map(|(l, size, times)| {
@@ -169,8 +169,8 @@ fn exponents_are_slopes_of_weighted_lines() {
             (samples.level as f64, moments.variance().log2(), 1.0 / relative)
         })
         .collect();
-    assert!(is_line(rates::beta(&levels, 0).unwrap(), &points));
-    assert_eq!(rates::beta(&levels[..1], 0), None);
+    assert!(is_line(beta(&levels, 0).unwrap(), &points));
+    assert_eq!(beta(&levels[..1], 0), None);
 }
 
 /// Motion whose fine path moves by one and whose coarse path is `q` away from it.

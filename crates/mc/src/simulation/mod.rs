@@ -1,7 +1,6 @@
 //! Tables of paths with observables and invariants.
 
 mod series;
-mod write;
 
 use std::{collections::BTreeMap, ops::Range};
 
@@ -9,12 +8,11 @@ use noise::{Purpose, StreamKey, Truncation};
 use schemes::Step;
 
 use crate::{
-    ConformalLaw, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Problem, RunError, Setup,
-    Statistic, View, demand, parts::Stop,
+    ConformalLaw, LadderError, NextNoise, NoiseSource, Observe, PathFailure, Problem, RunError,
+    Setup, Statistic, View, demand, parts::Stop,
 };
 
-pub use series::{Column, NoiseOrigin, TimeSeries};
-pub use write::{quoted, write_csv};
+pub use series::{Column, NoiseOrigin, TimeSeries, quoted, write_csv};
 
 /// Simulation of paths of a problem by a scheme. The table of each path contains time, state,
 /// observables, and every invariant of the system with its relative defect from the conformal law.

@@ -56,12 +56,10 @@
 mod counts;
 mod dependence;
 mod grid;
-mod record;
 mod result;
 mod settings;
 mod summary;
 mod sums;
-mod write;
 
 use noise::Purpose;
 
@@ -70,11 +68,9 @@ use sums::StudyStatistic;
 
 pub use dependence::{Joint, Wanted};
 pub use grid::Grid;
-pub use record::Record;
-pub use result::{Losses, Series, StudyResult};
-pub use settings::StudySettings;
+pub use result::{COLUMNS, Losses, Series, StudyResult, write_rows};
+pub use settings::{Record, StudySettings};
 pub use summary::{Histogram, Place, Quantile, Summary};
-pub use write::{COLUMNS, write_rows};
 
 /// Observables of many paths of a problem by a scheme, see the [module](self). The bins are chosen
 /// when it is made, the paths are simulated by [`run`](Self::run).
