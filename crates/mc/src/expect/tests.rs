@@ -6,9 +6,9 @@ use stats::{CentralMoments, ROUND_OFF};
 use systems::{Constant, Pendulum, Problem};
 
 use super::{
+    extrapolation::{alpha, beta},
     judge::{Evidence, deviation},
     level::{PathValues, Samples, Values, hull},
-    rates,
     report::{Estimate, Expectation, Judged, QUANTILE, Rate, Warning, WarningKind},
     resolution::{Motion, coupled, part, share, unresolved},
     sum::{Term, UNSEEN},
