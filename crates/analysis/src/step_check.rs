@@ -7,7 +7,7 @@
 
 use mc::{DriveResolution, LadderError, Observe, Problem, Setup, View, parts::Job};
 use noise::{Purpose, StreamKey, Truncation};
-use real::{PathMask, Row, WIDTH, elementary};
+use real::{PathMask, Row, WIDTH, elementary::exp2};
 use serde::Serialize;
 use stats::CrossMoments;
 
@@ -226,7 +226,7 @@ fn errors(phi: &dyn Observe, center: f64, moments: &CrossMoments, first: usize) 
         difference: a - b,
         standard_error: above(error([1.0, -1.0, 0.0])),
         rounding: ROUNDING[0] * (center.abs() + a.abs()),
-        of_error: 1.0 / (1.0 - elementary::exp2(-phi.weak_order())),
+        of_error: 1.0 / (1.0 - exp2(-phi.weak_order())),
     };
     let deviations = [0, 1].map(|k| above((count * covariance(k, k)).max(0.0).sqrt()));
     let sum = deviations[0] + deviations[1];

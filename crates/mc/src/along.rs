@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 use noise::{StepNoise, inverse_normal};
 use nonlin::BlockStatus;
-use real::{PathMask, Row, WIDTH, elementary};
+use real::{PathMask, Row, WIDTH, elementary::exp};
 use schemes::{Method, Step, Stepper};
 use systems::run_time::System;
 
@@ -299,7 +299,7 @@ impl Passage {
                 word
             };
             let uniform = |word: u64| ((word >> 11) as f64 + 0.5) * 2f64.powi(-53);
-            let between = |u: f64| variance > 0.0 && u < elementary::exp(-2.0 * a * b / variance);
+            let between = |u: f64| variance > 0.0 && u < exp(-2.0 * a * b / variance);
             if b <= 0.0 && !between(uniform(next())) {
                 time[p] = step.t + step.tau;
                 continue;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{Row, elementary};
+use real::{Row, elementary::exp};
 use schemes::{Method, Step, Stepper};
 use systems::Damping;
 
@@ -119,7 +119,7 @@ fn damped(y: &[f64], friction: &[Friction], integrals: &[f64]) -> Vec<f64> {
     for (Friction { components, .. }, integral) in friction.iter().zip(&integrals[1..]) {
         components.iter().for_each(|&i| sums[i] += integral);
     }
-    y.iter().zip(sums).map(|(y, sum)| y * elementary::exp(-sum)).collect()
+    y.iter().zip(sums).map(|(y, sum)| y * exp(-sum)).collect()
 }
 
 /// A law with its decay by friction; none if points decay differently, so that friction breaks it.

@@ -4,7 +4,7 @@ use std::{ops::Deref, sync::Arc};
 
 use noise::{Purpose, StepNoise, StreamKey};
 use nonlin::BlockStatus;
-use real::{Block, Row, elementary};
+use real::{Block, Row, elementary::exp};
 use schemes::{Method, Scheme, Step, Stepper};
 use systems::{
     Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, run_time::System, unit_noise,
@@ -92,7 +92,7 @@ impl<'a> ConformalLaw<'a> {
     pub fn decay(&self, integrals: &[f64]) -> f64 {
         match &self.decay {
             Some(decay) => decay(integrals),
-            None => elementary::exp(-self.degree * integrals[0]),
+            None => exp(-self.degree * integrals[0]),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{Row, WIDTH, elementary};
+use real::{Row, WIDTH, elementary::ln};
 use schemes::{Method, Step, Stepper};
 
 use crate::{
@@ -152,7 +152,7 @@ fn orthogonalise(vectors: &mut [Row], d: usize, grown: &mut [Row]) {
         for p in 0..WIDTH {
             let length = square[p].sqrt();
             v.iter_mut().for_each(|row| row[p] /= length);
-            let logarithm = elementary::ln(length);
+            let logarithm = ln(length);
             grown[n][p] += logarithm;
             grown[count][p] += logarithm;
         }

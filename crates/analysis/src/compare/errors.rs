@@ -3,7 +3,10 @@
 use std::{ops::Range, sync::Arc};
 
 use mc::{ConformalLaw, Ladder, LadderError, Problem, Run, View, parts::Stop};
-use real::{Row, elementary};
+use real::{
+    Row,
+    elementary::{exp2, log2},
+};
 use schemes::Method;
 use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, root_mean_square_interval};
@@ -212,10 +215,10 @@ fn root_mean_square(squares: &CrossMoments, index: usize) -> [f64; 3] {
 /// if they do not fall.
 fn left(before: f64, [_, last, most]: [f64; 3]) -> f64 {
     const FALLS: f64 = 0.25;
-    let p = elementary::log2(before / last);
+    let p = log2(before / last);
     match last {
         0.0 => 0.0,
-        _ if p >= FALLS => most.max(last) / (elementary::exp2(p.clamp(0.5, 1.0)) - 1.0),
+        _ if p >= FALLS => most.max(last) / (exp2(p.clamp(0.5, 1.0)) - 1.0),
         _ => f64::INFINITY,
     }
 }

@@ -1,6 +1,6 @@
 //! Which scheme to take, from errors and times.
 
-use real::elementary;
+use real::elementary::{ln, log2, powf};
 use schemes::{BuiltIn, Energy, Explicitness, Properties};
 use serde::{Deserialize, Serialize};
 
@@ -169,8 +169,8 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     let halvings = resolved.len().saturating_sub(1).min(3);
     let before = resolved.iter().rev().nth(halvings).filter(|_| halvings > 0);
     let needs = before.and_then(|before| {
-        let p = elementary::log2(before.error / last.error) / halvings as f64;
-        let factor = elementary::powf(last.error / wanted, 1.0 / p.clamp(0.5, 1.0));
+        let p = log2(before.error / last.error) / halvings as f64;
+        let factor = powf(last.error / wanted, 1.0 / p.clamp(0.5, 1.0));
         (p >= FALLS).then_some(last.steps as f64 * factor.max(1.0))
     });
     Outcome::NotReached { needs }
@@ -191,9 +191,9 @@ fn cost(mut usable: Vec<[f64; 3]>, wanted: f64) -> Option<(f64, f64)> {
     let (a, b) = (pair[0], pair[1]);
     let share = match a[0] == b[0] {
         true => 1.0,
-        false => elementary::ln(wanted / a[0]) / elementary::ln(b[0] / a[0]),
+        false => ln(wanted / a[0]) / ln(b[0] / a[0]),
     };
-    let between = |k: usize| a[k] * elementary::powf(b[k] / a[k], share);
+    let between = |k: usize| a[k] * powf(b[k] / a[k], share);
     Some((between(1), between(2)))
 }
 

@@ -1,6 +1,6 @@
 //! Dense linear algebra for matrices of the size of a system.
 
-use real::elementary;
+use real::elementary::{exp, ln};
 
 /// A matrix by rows.
 pub type Matrix = Vec<Vec<f64>>;
@@ -59,12 +59,12 @@ pub fn spectral_radius(mut power: Matrix, squarings: u32) -> f64 {
         if size == 0.0 {
             return 0.0;
         }
-        log_radius += elementary::ln(size) * f64::powi(0.5, n as i32);
+        log_radius += ln(size) * f64::powi(0.5, n as i32);
         power.iter_mut().flatten().for_each(|x| *x /= size);
         let columns = transposed(&power);
         power = power.iter().map(|row| times(&columns, row)).collect();
     }
-    elementary::exp(log_radius)
+    exp(log_radius)
 }
 
 /// The smallest eigenvalue of a symmetric matrix: its shift less the spectral radius of what the

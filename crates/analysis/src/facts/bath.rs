@@ -1,6 +1,6 @@
 //! Stationary laws: whether friction and noise are a heat bath, densities e^{−βH₀}, and volume.
 
-use real::elementary;
+use real::elementary::exp;
 use serde::Serialize;
 use systems::run_time::System;
 
@@ -235,8 +235,7 @@ pub fn gibbs_marginal(
         energy.iter().zip(first).all(same)
     });
     let least = first.iter().copied().fold(f64::INFINITY, f64::min);
-    let density: Vec<f64> =
-        first.iter().map(|energy| elementary::exp(-beta * (energy - least))).collect();
+    let density: Vec<f64> = first.iter().map(|energy| exp(-beta * (energy - least))).collect();
     let sum: f64 = density.iter().sum();
     alike.then(|| density.iter().map(|x| x / sum).collect())
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use mc::ConformalLaw;
-use real::elementary;
+use real::elementary::ln;
 use serde::Serialize;
 
 use super::algebra::{Matrix, dot, largest};
@@ -57,7 +57,7 @@ impl Form {
     /// The value at y.
     pub fn value(&self, y: &[f64]) -> f64 {
         match self.degree {
-            0 => self.coefficients.iter().zip(y).map(|(c, y)| c * elementary::ln(y.abs())).sum(),
+            0 => self.coefficients.iter().zip(y).map(|(c, y)| c * ln(y.abs())).sum(),
             degree => dot(&self.gradient(y), y) / f64::from(degree),
         }
     }

@@ -1,6 +1,6 @@
 //! The search for linear and quadratic Casimirs, from B alone.
 
-use real::elementary;
+use real::elementary::sin;
 use systems::Linearity;
 
 use super::{
@@ -108,7 +108,7 @@ fn parts(probe: &mut Probe<'_>, points: &[AtPoint]) -> Vec<Vec<usize>> {
     let y: Batch = points.iter().map(|(y, _)| y.clone()).collect();
     let mut label: Vec<usize> = (0..d).collect();
     // A vector without special ratios.
-    let v: Vec<f64> = (0..d).map(|i| elementary::sin(1.0 + 0.7 * i as f64)).collect();
+    let v: Vec<f64> = (0..d).map(|i| sin(1.0 + 0.7 * i as f64)).collect();
     for j in 0..d {
         let along = probe.structure_along(&y, &[axis(d, j)], std::slice::from_ref(&v));
         let moves = |i: &usize| {

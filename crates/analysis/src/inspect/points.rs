@@ -1,6 +1,6 @@
 //! The points at which a system is inspected.
 
-use real::elementary;
+use real::elementary::powf;
 use serde::Serialize;
 
 use super::{
@@ -147,11 +147,8 @@ impl Region {
                 let direction: Vec<f64> = (0..d).map(|_| random.normals.normal()).collect();
                 // Uniform in the ball; one point in four on the sphere, where suprema tend to be.
                 let share = random.uniform().abs();
-                let length = if share < 0.25 {
-                    1.0
-                } else {
-                    elementary::powf((share - 0.25) / 0.75, 1.0 / d as f64)
-                };
+                let length =
+                    if share < 0.25 { 1.0 } else { powf((share - 0.25) / 0.75, 1.0 / d as f64) };
                 let scale = radius * length / norm(&direction);
                 direction.into_iter().map(|x| x * scale).collect()
             }

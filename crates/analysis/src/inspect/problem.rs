@@ -1,7 +1,7 @@
 //! What damping and initial value add: the integral of the damping and a bound of all paths.
 
 use mc::Friction;
-use real::elementary;
+use real::elementary::{exp, powf};
 use serde::Serialize;
 use systems::{Damping, run_time::System};
 
@@ -49,7 +49,7 @@ impl Bound {
             Some(casimir) => casimir.value(y),
             None => energy(system, y),
         };
-        elementary::powf(value / self.minimum.value, 1.0 / self.degree)
+        powf(value / self.minimum.value, 1.0 / self.degree)
     }
 }
 
@@ -79,7 +79,7 @@ impl ProblemFindings {
             |a: DampingIntegral, b: DampingIntegral| if b.agrees < a.agrees { b } else { a };
         let integral = of_friction.fold(first, worse);
         let bound = bound.filter(|_| integral.agrees.holds());
-        let radius = bound.map(|bound| bound.radius(system, y0) * elementary::exp(-integral.least));
+        let radius = bound.map(|bound| bound.radius(system, y0) * exp(-integral.least));
         Self { damping: Friction::describe(friction, damping, t_end), integral, radius }
     }
 }

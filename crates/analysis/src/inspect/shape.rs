@@ -1,7 +1,7 @@
 //! The shape of a scalar function, from its values: whether it is homogeneous, its degree, and the
 //! minimum of a linear or quadratic form on the unit sphere.
 
-use real::elementary;
+use real::elementary::{ln, powf};
 use serde::Serialize;
 
 use super::{
@@ -55,9 +55,7 @@ impl Shape {
         // The degree is read where F is largest.
         let moving = (0..values.len()).filter(|&n| factors[n] != 1.0);
         let best = moving.max_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs()));
-        let degree = best.map_or(f64::NAN, |n| {
-            elementary::ln(stretched[n] / values[n]) / elementary::ln(factors[n])
-        });
+        let degree = best.map_or(f64::NAN, |n| ln(stretched[n] / values[n]) / ln(factors[n]));
         let degree = if zero { 0.0 } else { short(degree) + 0.0 };
         let same = |sight: &Sight<'_>, finding: &mut Finding, others: &dyn Fn(usize) -> f64| {
             let terms = (0..values.len()).map(|n| vec![sum([stretched[n], -others(n)])]);
@@ -66,7 +64,7 @@ impl Shape {
         let mut homogeneous =
             if degree.fract() == 0.0 { Finding::default() } else { Finding::fitted() };
         if degree.is_finite() {
-            let power = |n: usize| elementary::powf(factors[n], degree) * values[n];
+            let power = |n: usize| powf(factors[n], degree) * values[n];
             same(sight, &mut homogeneous, &power);
         } else {
             let told = if typical.is_finite() { Status::Fails } else { Status::Unknown };

@@ -12,7 +12,7 @@
 
 use mc::{Coefficients, Setup, demand};
 use noise::{StepNoise, WienerRows};
-use real::{PathMask, WIDTH, elementary};
+use real::{PathMask, WIDTH, elementary::log2};
 use schemes::Step;
 
 use super::{Limit, StepSizes, runs::Visit, steps::Steps};
@@ -83,8 +83,7 @@ fn vanishes(errors: &[Error]) -> Limit {
         errors.iter().map_while(|error| (error.value > SHOWN * error.floor).then_some(error.value));
     let shown: Vec<f64> = shown.collect();
     // |Eδ|/τ and (E|δ|²/τ)^½ with τ a quarter as large.
-    let exponents: Vec<f64> =
-        shown.windows(2).map(|pair| 0.5 * elementary::log2(pair[0] / pair[1])).collect();
+    let exponents: Vec<f64> = shown.windows(2).map(|pair| 0.5 * log2(pair[0] / pair[1])).collect();
     match (&shown[..], &exponents[..]) {
         // Nothing but rounding, from the first or the second step size on.
         ([] | [_], _) => match errors.get(shown.len()) {

@@ -2,7 +2,7 @@
 //!
 //! Without one, [`consistency`](super::consistency()) sees it in single steps.
 
-use real::elementary;
+use real::elementary::exp2;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use stats::CrossMoments;
@@ -55,7 +55,7 @@ const TAIL: f64 = 2.42;
 /// step sizes that are 2^`halvings` apart: c ≤ (2ⁿX(τ) − X(2ⁿτ))/(2ⁿ − 1), with its 95 %
 /// half-width.
 fn constant(squares: &CrossMoments, [far, near]: [usize; 2], halvings: usize) -> (f64, f64) {
-    let growth = elementary::exp2(halvings as f64);
+    let growth = exp2(halvings as f64);
     let mut row = vec![0.0; squares.length()];
     row[near] = growth / (growth - 1.0);
     row[far] = -1.0 / (growth - 1.0);

@@ -9,7 +9,7 @@
 
 use mc::Setup;
 use noise::{AreaSampler, StepNoise, StreamKey, WienerRows};
-use real::{WIDTH, elementary};
+use real::{WIDTH, elementary::log2};
 
 use super::{
     StepSizes,
@@ -96,7 +96,7 @@ pub fn least_order(
     }
     let clear = |(squares, amplification): (&Vec<(f64, f64)>, f64)| {
         // Squares with τ a quarter as large: E|δ|² falls by 4^{2q}.
-        let exponent = |pair: &[(f64, f64)]| 0.25 * elementary::log2(pair[0].1 / pair[1].1);
+        let exponent = |pair: &[(f64, f64)]| 0.25 * log2(pair[0].1 / pair[1].1);
         let exponents: Vec<f64> = squares.windows(2).map(exponent).collect();
         let (&[before, last], (tau, _)) = (exponents.last_chunk()?, squares.last()?);
         let order = 0.5 * (2.0 * last).round();

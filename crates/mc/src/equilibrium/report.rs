@@ -2,7 +2,7 @@
 
 use std::{fmt, ops::Range};
 
-use real::elementary;
+use real::elementary::{exp2, hypot};
 use serde::Serialize;
 use stats::{CONFIDENCE, CentralMoments, FEW_SAMPLES, two_sided};
 
@@ -128,7 +128,7 @@ const ALIKE: f64 = 3.0;
 /// For the weak order p both ways: what is taken of the means at 4τ, 2τ, τ, and what bounds the
 /// bias.
 fn ways(p: f64) -> [[[f64; LEVELS]; 2]; 2] {
-    let power = elementary::exp2(p);
+    let power = exp2(p);
     let (last, c) = (1.0 / (power * power - 1.0), 1.0 / (power - 1.0));
     [
         [[0.0, 0.0, 1.0], [-last, 0.0, last]],
@@ -199,7 +199,7 @@ impl Averages {
             mean.histogram = chains.histograms.get(k).cloned();
             if !is_average {
                 let wander = unit * wander(&living, finest(k), first);
-                mean.sampling = elementary::hypot(mean.sampling, wander);
+                mean.sampling = hypot(mean.sampling, wander);
             }
             let (lo, hi) = mean.interval();
             let reach = (!is_average && k < settling)
@@ -314,7 +314,7 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
     let (coarse, fine) = (kept.mean([1.0, -1.0, 0.0]), kept.mean([0.0, 1.0, -1.0]));
     let seen = |(mean, error): (f64, f64)| mean.abs() > EXCEEDS * error;
     let turns = coarse.0 * fine.0 < 0.0;
-    let (sign, least) = (if turns { -1.0 } else { 1.0 }, LEAST_FALL * elementary::exp2(order));
+    let (sign, least) = (if turns { -1.0 } else { 1.0 }, LEAST_FALL * exp2(order));
     let (excess, error) = kept.mean([-sign, sign + least, -least]);
     let slow = excess * fine.0.signum() > EXCEEDS * error;
     let ways = match slow || turns && seen(coarse) && seen(fine) {

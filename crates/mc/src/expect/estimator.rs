@@ -7,7 +7,10 @@ use std::{
 };
 
 use noise::{Purpose, QuasiWiener, ScrambledSobol};
-use real::{WIDTH, elementary};
+use real::{
+    WIDTH,
+    elementary::{exp, ln},
+};
 use serde::{Deserialize, Serialize};
 use stats::CONFIDENCE;
 
@@ -334,8 +337,8 @@ impl<'a> Estimator<'a> {
         let half_width = sums.iter().map(Sum::half_width).fold(0.0, f64::max);
         // Errors fall as N^{−1/2} for random points, and as N^{−2/3} or faster for Sobol points.
         let growth = if self.sobol { 1.5 } else { 2.0 };
-        let lacks = elementary::ln((half_width / accuracy).max(1.0));
-        (expect.told)(half_width, elementary::exp(-growth * lacks));
+        let lacks = ln((half_width / accuracy).max(1.0));
+        (expect.told)(half_width, exp(-growth * lacks));
     }
 
     /// Whether a finer level is wanted: the bias has more than its share, significantly.

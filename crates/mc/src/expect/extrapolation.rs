@@ -22,7 +22,7 @@
 
 use std::f64::consts::LN_2;
 
-use real::elementary;
+use real::elementary::{exp, ln};
 
 use super::{
     Orders,
@@ -48,7 +48,7 @@ const WHOLE: f64 = 0.2;
 /// whole numbers: the first by d_{L−1}/d_L and d_{L−2}/d_{L−1}, the second by those of R; else
 /// `given`.
 pub fn seen_orders(differences: &[Term], given: Orders) -> Orders {
-    let order = |before: f64, last: f64| elementary::ln((before / last).max(0.0)) / LN_2;
+    let order = |before: f64, last: f64| ln((before / last).max(0.0)) / LN_2;
     let whole =
         |x: f64, width: f64| (x.round() >= 1.0 && (x - x.round()).abs() < width).then(|| x.round());
     let [.., a, b, c] = differences else { return given };
@@ -56,7 +56,7 @@ pub fn seen_orders(differences: &[Term], given: Orders) -> Orders {
     if whole(order(a.mean, b.mean), 0.5) != Some(weak) {
         return given;
     }
-    let factor = 1.0 / (elementary::exp(weak * LN_2) - 1.0);
+    let factor = 1.0 / (exp(weak * LN_2) - 1.0);
     let change = |last: &Term, before: &Term| (1.0 + factor) * last.mean - factor * before.mean;
     let next = whole(order(change(b, a), change(c, b)), WHOLE).filter(|next| *next > weak);
     Orders { weak, next: next.unwrap_or(weak + 1.0).min(2.0 * weak + 2.0) }
@@ -96,7 +96,7 @@ pub fn extrapolation(
     let order = if falls { orders.weak } else { least.max(lowest) };
     let rough = beta.is_some_and(|beta| beta.value < SMOOTH);
     let expands = falls && !rough;
-    let one_over = |order: f64| 1.0 / (elementary::exp(order * LN_2) - 1.0);
+    let one_over = |order: f64| 1.0 / (exp(order * LN_2) - 1.0);
     let (c, next) = (one_over(order), one_over(orders.next));
     // c′(R_L − R_{L−1}), in differences.
     let change = |last: &Term, before: &Term| {
@@ -107,7 +107,7 @@ pub fn extrapolation(
     let whole = |term: &Term| (c * term.mean.abs(), c * term.variance.sqrt());
     let larger = |a: (f64, f64), b: (f64, f64)| if a.0 < b.0 { b } else { a };
     if let ([below, between, last], true) = (differences, single) {
-        let falls = elementary::exp(-order * LN_2);
+        let falls = exp(-order * LN_2);
         let weight = c * falls * falls;
         let scaled = |(size, error): (f64, f64), by: f64| (by * size, by * error);
         let smaller = [scaled(whole(between), falls), scaled(whole(below), falls * falls)];
@@ -138,7 +138,7 @@ fn local_order(before: &Term, last: &Term) -> Option<f64> {
     if !(significant(before) && significant(last) && ratio > 0.0) {
         return None;
     }
-    Some((elementary::ln(ratio) + QUANTILE * (square(before) + square(last)).sqrt()) / LN_2)
+    Some((ln(ratio) + QUANTILE * (square(before) + square(last)).sqrt()) / LN_2)
 }
 
 /// Differences of this many standard errors have a logarithm that is nearly normal.
@@ -177,7 +177,7 @@ pub fn beta(differences: &[Samples], k: usize) -> Option<Rate> {
 }
 
 fn log2(x: f64) -> f64 {
-    elementary::ln(x) / LN_2
+    ln(x) / LN_2
 }
 
 /// Weighted least squares for minus the slope of (level, logarithm, variance of it). If the points

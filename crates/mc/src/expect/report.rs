@@ -1,6 +1,6 @@
 //! The result: estimates, levels and warnings, and all of it in words.
 
-use real::elementary;
+use real::elementary::{hypot, log10};
 use std::fmt;
 
 use serde::Serialize;
@@ -255,7 +255,7 @@ impl fmt::Display for Expectation {
 
 /// A number to two digits of its error, with a power of ten where both are small or it is large.
 pub fn written(x: f64, error: f64) -> String {
-    let order = |x: f64| elementary::log10(x.abs()).floor() as i32;
+    let order = |x: f64| log10(x.abs()).floor() as i32;
     let place = |x: f64| if x == 0.0 || !x.is_finite() { -9 } else { order(x) };
     let digits = |n: i32| n.clamp(0, 16) as usize;
     match (1e-3..1e6).contains(&x.abs().max(error.abs())) || x == 0.0 {
@@ -278,7 +278,7 @@ impl fmt::Display for Estimate {
             return write!(f, "{value}, no interval; NOT to be believed");
         }
         let value = written(self.value, half_width);
-        let sampling = elementary::hypot(self.quantile * self.standard_error, self.missed);
+        let sampling = hypot(self.quantile * self.standard_error, self.missed);
         write!(
             f,
             "{value} ± {half_width:.1e} (95 %): sampling {sampling:.1e}, bias at most {:.1e}",

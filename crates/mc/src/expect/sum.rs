@@ -1,6 +1,6 @@
 //! The sum over the levels for one test function: value, interval, cost.
 
-use real::elementary;
+use real::elementary::{exp, hypot, ln, powi};
 use stats::{FEW_SAMPLES, two_sided};
 
 use super::{extrapolation::Extrapolation, level::Samples, report::QUANTILE};
@@ -131,13 +131,13 @@ impl Sum {
         let third = self.over(|weight, term| weight * weight * weight * term.third);
         let few = self.over(|weight, term| weight * weight * term.ends) > FEW_DECIDE * variance;
         let x = student(if few { HIGH_CONFIDENCE } else { self.confidence });
-        let skewness = third * third / elementary::powi(variance, 3).max(f64::MIN_POSITIVE);
-        x + x * (elementary::powi(x, 4) + 2.0 * x * x - 3.0) * skewness / (18.0 * self.replicates)
+        let skewness = third * third / powi(variance, 3).max(f64::MIN_POSITIVE);
+        x + x * (powi(x, 4) + 2.0 * x * x - 3.0) * skewness / (18.0 * self.replicates)
     }
 
     /// Half of the interval without the bias.
     pub fn spread(&self) -> f64 {
-        elementary::hypot(self.quantile() * self.standard_error(), self.missed())
+        hypot(self.quantile() * self.standard_error(), self.missed())
     }
 
     /// Below single paths differences make it with their errors, which are no smaller than that of
@@ -185,9 +185,8 @@ impl Sum {
     /// with its points as N^{−1/growth}.
     pub fn cost(&self, wanted: f64, growth: f64) -> f64 {
         self.over(|weight, term| {
-            let error =
-                weight * elementary::hypot(self.quantile() * term.variance.sqrt(), term.missed);
-            let more = elementary::exp(growth * elementary::ln((error / wanted).max(1.0)));
+            let error = weight * hypot(self.quantile() * term.variance.sqrt(), term.missed);
+            let more = exp(growth * ln((error / wanted).max(1.0)));
             term.cost * more
         })
     }

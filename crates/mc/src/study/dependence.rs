@@ -26,7 +26,10 @@
 
 use std::f64::consts::PI;
 
-use real::{PathMask, Row, WIDTH, elementary};
+use real::{
+    PathMask, Row, WIDTH,
+    elementary::{cos, ln, powi, sin, tanh},
+};
 use serde::{Deserialize, Serialize};
 use stats::two_sided;
 
@@ -300,10 +303,10 @@ impl Found<'_> {
                     let covariance = product(s[3], s[1], s[2]);
                     let variances = product(s[4], s[1], s[1]) * product(s[5], s[2], s[2]);
                     let (r, unit) = (covariance / variances.sqrt(), 1.0 / (a * b));
-                    vec![covariance * unit, 0.5 * elementary::ln((1.0 + r) / (1.0 - r))]
+                    vec![covariance * unit, 0.5 * ln((1.0 + r) / (1.0 - r))]
                 });
                 let count = sums[0].iter().sum::<f64>() as u64;
-                let correlation = found[1].map(|ends| ends.map(elementary::tanh));
+                let correlation = found[1].map(|ends| ends.map(tanh));
                 [found[0], correlation].map(|value| summary(step, t, count, value))
             };
             let points: Vec<_> = self.at.iter().enumerate().map(point).collect();
@@ -339,12 +342,12 @@ impl Found<'_> {
             let every = (last.0 - before.0) as f64;
             let frequencies = 0..=(half / 2).min((half as f64 * every / 8.0) as usize);
             let angle = |n: usize| PI * n as f64 / half as f64;
-            let cosines: Vec<f64> = (0..2 * half).map(|n| elementary::cos(angle(n))).collect();
+            let cosines: Vec<f64> = (0..2 * half).map(|n| cos(angle(n))).collect();
             let windows = (0..half).map(|k| {
                 let both = if k == 0 { 1.0 } else { 2.0 };
                 FLAT.map(|flat| {
                     let falls = (angle(k) - PI * flat).max(0.0) / (1.0 - flat);
-                    both * (0.5 + 0.5 * elementary::cos(falls))
+                    both * (0.5 + 0.5 * cos(falls))
                 })
             });
             let windows: Vec<[f64; 2]> = windows.collect();
@@ -354,9 +357,9 @@ impl Found<'_> {
                     let x = 0.5 * angle(j);
                     let root = match j {
                         0 => 1.0,
-                        _ => elementary::sin(x) / (every * elementary::sin(x / every)),
+                        _ => sin(x) / (every * sin(x / every)),
                     };
-                    let scale = delta / (2.0 * PI * elementary::powi(root, 4) * unit * unit);
+                    let scale = delta / (2.0 * PI * powi(root, 4) * unit * unit);
                     let terms = (0..).zip(&c).map(|(k, c)| scale * c * cosines[j * k % (2 * half)]);
                     terms.zip(&windows).fold([0.0; 2], |sum, (term, window)| {
                         [0, 1].map(|n| sum[n] + window[n] * term)
