@@ -5,12 +5,8 @@ use serde::Serialize;
 use systems::run_time::System;
 
 use super::{
-    algebra::{axis, dot, largest, moved, norm, null_space, share},
-    finding::Term,
-    probe::{Batch, Probe},
-    search::ZERO,
-    seen,
-    slopes::{Values, lengths, slopes},
+    Batch, Probe, Term, Values, ZERO, axis, dot, largest, lengths, moved, norm, null_space, seen,
+    share, slopes,
 };
 
 /// What is stationary under damping and noise.

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 use systems::{Damping, RateIntegrals, rate_integrals};
 
-use super::finding::Status;
+use super::Status;
 
 /// The integral of a damping compared with the integral of its rate, by quadrature that is refined
 /// until it resolves the rate, on 1024 parts of [0, T] and on two uneven pieces of each, whose

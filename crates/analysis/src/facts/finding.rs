@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::algebra::largest;
+use super::largest;
 
 /// The answer to whether a property holds, from the worst to the best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -6,7 +6,7 @@ use mc::ConformalLaw;
 use real::elementary::ln;
 use serde::Serialize;
 
-use super::algebra::{Matrix, dot, largest};
+use super::{Matrix, dot, largest};
 
 /// Σβᵢ ln|yᵢ|, βᵀy, or ½yᵀQy.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -5,16 +5,16 @@
 //! with three answers, and the search for Casimirs. The bits of all this are the same on every
 //! machine.
 
-pub(crate) mod algebra;
+mod algebra;
 mod bath;
 mod damping;
-pub(crate) mod finding;
-pub(crate) mod form;
-pub(crate) mod probe;
-pub(crate) mod random;
+mod finding;
+mod form;
+mod probe;
+mod random;
 mod scheme;
-pub(crate) mod search;
-pub(crate) mod slopes;
+mod search;
+mod slopes;
 
 use std::sync::Arc;
 
@@ -22,10 +22,8 @@ use mc::ConformalLaw;
 use real::WIDTH;
 use systems::run_time::{Problem, System};
 
-use algebra::{dot, largest, moved, norm, share, spectral_radius};
-use probe::{Batch, Probe};
-use random::{Purpose, Random};
-use search::{ZERO, casimirs};
+// What facts and inspections are made of.
+pub(crate) use {algebra::*, finding::*, form::*, probe::*, random::*, search::*, slopes::*};
 
 pub use bath::{Bath, gibbs_marginal, is_divergence_free};
 pub use damping::DampingIntegral;

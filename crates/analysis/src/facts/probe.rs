@@ -3,7 +3,7 @@
 use real::{Row, WIDTH};
 use systems::run_time::{Description, Lanes, Op, System, Weights, derived};
 
-use super::algebra::{Matrix, axis, moved, transposed};
+use super::{Matrix, axis, moved, transposed};
 
 /// The time at which Hamiltonians are looked at that depend on it.
 pub const TIME: f64 = 0.618;

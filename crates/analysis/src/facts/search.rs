@@ -4,9 +4,8 @@ use real::elementary::sin;
 use systems::Linearity;
 
 use super::{
-    algebra::{Matrix, axis, dot, largest, moved, norm, null_space},
-    form::{Form, places, readable, without_own},
-    probe::{Batch, Probe},
+    Batch, Form, Matrix, Probe, axis, dot, largest, moved, norm, null_space, places, readable,
+    without_own,
 };
 
 /// What is relative to its terms below this is zero.

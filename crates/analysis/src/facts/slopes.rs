@@ -1,10 +1,6 @@
 //! Derivatives of functions of the state by differences.
 
-use super::{
-    algebra::{dot, largest, moved},
-    finding::Term,
-    probe::{Batch, Probe},
-};
+use super::{Batch, Probe, Term, dot, largest, moved};
 
 /// A function of the state at many points.
 pub type Values<'f> = &'f dyn Fn(&mut Probe<'_>, &[Vec<f64>]) -> Vec<f64>;

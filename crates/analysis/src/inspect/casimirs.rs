@@ -3,14 +3,8 @@
 use real::WIDTH;
 use serde::Serialize;
 
-use super::{
-    algebra::{Matrix, moved},
-    finding::{Finding, products},
-    form::Form,
-    search::{Candidates, casimirs},
-    shape::Minimum,
-    sight::Sight,
-};
+use super::{shape::Minimum, sight::Sight};
+use crate::facts::{Candidates, Finding, Form, Matrix, casimirs, moved, products};
 
 /// A Casimir that follows from B alone.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,13 +2,9 @@
 
 use serde::Serialize;
 
-use super::{
-    algebra::{moved, norm, scaled, share},
-    finding::{Finding, Status, Term, product, sum},
-    probe::Batch,
-    random::{Purpose, Random},
-    shape::Shape,
-    sight::Sight,
+use super::{shape::Shape, sight::Sight};
+use crate::facts::{
+    Batch, Finding, Purpose, Random, Status, Term, moved, norm, product, scaled, share, sum,
 };
 
 /// The Hamiltonians H₀, …, H_M and the methods that follow from them.

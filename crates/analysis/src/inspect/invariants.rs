@@ -3,15 +3,8 @@
 use serde::Serialize;
 use systems::InvariantKind;
 
-use super::{
-    algebra::axis,
-    finding::{Finding, Status, Term},
-    probe::Batch,
-    random::{Purpose, Random},
-    shape::Shape,
-    sight::Sight,
-    slopes::{Values, lengths, slopes},
-};
+use super::{shape::Shape, sight::Sight};
+use crate::facts::{Batch, Finding, Purpose, Random, Status, Term, Values, axis, lengths, slopes};
 
 /// An invariant that a system claims, and what was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -55,10 +55,8 @@ use systems::{
 
 use mc::Friction;
 
-use crate::facts::{algebra, finding, form, probe, random, search, slopes};
-use algebra::norm;
+use crate::facts::{Probe, norm};
 use points::Points;
-use probe::Probe;
 use sight::Sight;
 
 pub use crate::facts::{DampingIntegral, Finding, Form, Status};

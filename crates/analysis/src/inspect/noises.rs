@@ -2,13 +2,8 @@
 
 use serde::Serialize;
 
-use super::{
-    algebra::{axis, norm},
-    finding::{CLUSTER, Finding, Term, sum},
-    probe::Batch,
-    random::{Purpose, Random},
-    sight::Sight,
-};
+use super::sight::Sight;
+use crate::facts::{Batch, CLUSTER, Finding, Purpose, Random, Term, axis, norm, sum};
 
 /// Commutators of the noise fields fₘ = B∇Hₘ.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -3,12 +3,7 @@
 use real::elementary::powf;
 use serde::Serialize;
 
-use super::{
-    algebra::{moved, norm},
-    finding::{APART, CLUSTER},
-    probe::{Batch, Probe},
-    random::{Purpose, Random},
-};
+use crate::facts::{APART, Batch, CLUSTER, Probe, Purpose, Random, moved, norm};
 
 /// The region of the points of an inspection.
 #[derive(Clone, Debug, PartialEq, Serialize)]

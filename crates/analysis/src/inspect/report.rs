@@ -6,17 +6,16 @@ use serde::Serialize;
 
 use super::{
     casimirs::{Casimirs, FoundCasimir},
-    finding::{Finding, Status},
     hamiltonian::Hamiltonians,
     invariants::ClaimedInvariant,
     noises::Noises,
     points::Region,
-    probe::TIME,
     problem::{Bound, ProblemFindings},
     shape::{Minimum, Shape},
     structure::Structure,
     theory::{Applies, ExpectedOrder, Recommendation, Theorem},
 };
+use crate::facts::{Finding, Status, TIME};
 
 /// The report on a system: its properties, what theory says of it, and its mistakes.
 ///

@@ -4,13 +4,10 @@
 use real::elementary::{ln, powf};
 use serde::Serialize;
 
-use super::{
-    algebra::{axis, largest, moved, norm, scaled, smallest_eigenvalue},
-    finding::{CLUSTER, Finding, Status, sum},
-    form::Form,
-    probe::{Batch, Probe},
-    sight::Sight,
-    slopes::Values,
+use super::sight::Sight;
+use crate::facts::{
+    Batch, CLUSTER, Finding, Form, Probe, Status, Values, axis, largest, moved, norm, scaled,
+    smallest_eigenvalue, sum,
 };
 
 /// The shape of a function F.

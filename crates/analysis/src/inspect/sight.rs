@@ -1,12 +1,9 @@
 //! What all checks look at: a system at clusters of points, and identities of derivatives.
 
-use super::{
-    algebra::{Matrix, moved},
-    finding::{CLUSTER, Finding, Term, differences, product},
-    points::Points,
-    probe::{Batch, Probe},
-    random::Random,
-    slopes::{Values, slopes},
+use super::points::Points;
+use crate::facts::{
+    Batch, CLUSTER, Finding, Matrix, Probe, Random, Term, Values, differences, moved, product,
+    slopes,
 };
 
 /// A system at clusters of points.

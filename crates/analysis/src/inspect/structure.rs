@@ -2,13 +2,10 @@
 
 use serde::Serialize;
 
-use super::{
-    algebra::{Matrix, moved},
-    finding::{Finding, Status, combined, differences, product, sum},
-    form::places,
-    probe::Batch,
-    random::{Purpose, Random},
-    sight::Sight,
+use super::sight::Sight;
+use crate::facts::{
+    Batch, Finding, Matrix, Purpose, Random, Status, combined, differences, moved, places, product,
+    sum,
 };
 
 /// Properties of the structure matrix B(y).

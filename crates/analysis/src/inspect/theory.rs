@@ -4,8 +4,8 @@ use schemes::{BuiltIn, Properties, SexpLi, StrongOrder};
 use serde::Serialize;
 use systems::{Linearity, run_time::System};
 
-use super::{InspectSettings, finding::Status, report::Inspection};
-use crate::facts::Kept;
+use super::{InspectSettings, report::Inspection};
+use crate::facts::{Kept, Status};
 
 /// Whether a statement of the paper applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
