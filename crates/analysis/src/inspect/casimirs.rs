@@ -3,7 +3,7 @@
 use real::WIDTH;
 use serde::Serialize;
 
-use super::{shape::Minimum, sight::Sight};
+use super::{Sight, shape::Minimum};
 use crate::facts::{Candidates, Finding, Form, Matrix, casimirs, moved, products};
 
 /// A Casimir that follows from B alone.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{shape::Shape, sight::Sight};
+use super::{Sight, shape::Shape};
 use crate::facts::{
     Batch, Finding, Purpose, Random, Status, Term, moved, norm, product, scaled, share, sum,
 };

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use systems::InvariantKind;
 
-use super::{shape::Shape, sight::Sight};
+use super::{Sight, shape::Shape};
 use crate::facts::{Batch, Finding, Purpose, Random, Status, Term, Values, axis, lengths, slopes};
 
 /// An invariant that a system claims, and what was found.

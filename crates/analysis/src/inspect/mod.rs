@@ -44,7 +44,6 @@ mod points;
 mod problem;
 mod report;
 mod shape;
-mod sight;
 mod structure;
 mod theory;
 
@@ -56,8 +55,7 @@ use systems::{
 use mc::Friction;
 
 use crate::facts::{Probe, norm};
-use points::Points;
-use sight::Sight;
+use points::{Points, Sight};
 
 pub use crate::facts::{DampingIntegral, Finding, Form, Status};
 pub use casimirs::{Casimirs, FoundCasimir};

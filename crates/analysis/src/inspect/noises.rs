@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::sight::Sight;
+use super::Sight;
 use crate::facts::{Batch, CLUSTER, Finding, Purpose, Random, Term, axis, norm, sum};
 
 /// Commutators of the noise fields fₘ = B∇Hₘ.

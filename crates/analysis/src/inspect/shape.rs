@@ -4,7 +4,7 @@
 use real::elementary::{ln, powf};
 use serde::Serialize;
 
-use super::sight::Sight;
+use super::Sight;
 use crate::facts::{
     Batch, CLUSTER, Finding, Form, Probe, Status, Values, axis, largest, moved, norm, scaled,
     smallest_eigenvalue, sum,

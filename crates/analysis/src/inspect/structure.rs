@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::sight::Sight;
+use super::Sight;
 use crate::facts::{
     Batch, Finding, Matrix, Purpose, Random, Status, combined, differences, moved, places, product,
     sum,

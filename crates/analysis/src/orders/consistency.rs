@@ -15,7 +15,7 @@ use noise::{StepNoise, WienerRows};
 use real::{PathMask, WIDTH, elementary::log2};
 use schemes::Step;
 
-use super::{Limit, StepSizes, runs::Visit, steps::Steps};
+use super::{Limit, StepSizes, one_step::Steps, runs::Visit};
 
 /// Paths whose states are taken.
 pub const VISITS: usize = 64;

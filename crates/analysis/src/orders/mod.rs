@@ -27,7 +27,6 @@ mod order;
 mod referee;
 mod runs;
 mod step_sizes;
-mod steps;
 #[cfg(test)]
 mod tests;
 

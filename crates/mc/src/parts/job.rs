@@ -1,4 +1,4 @@
-//! A run of a program: whole, one part of it, or the merging of parts.
+//! A run of a program: whole, one part of it, the merging of parts, or a plan of it.
 
 use std::{
     collections::BTreeSet,
@@ -6,17 +6,16 @@ use std::{
     path::Path,
     sync::{Mutex, MutexGuard, PoisonError},
     thread::available_parallelism,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
-use super::{
-    JobError, Program, Share, Stop,
-    merging::Merging,
-    part::Part,
-    plan::{Planned, measure},
-    work::Work,
+use super::{JobError, Program, Share, Stop, merging::Merging, part::Part, work::Work};
+use crate::{
+    Kept,
+    checkpoint::file_error,
+    ladder::{Nodes, merge},
+    tree::MergeTree,
 };
-use crate::{Kept, checkpoint::file_error, ladder::Nodes};
 
 /// What a program does with its Monte Carlo work: compute it here, compute one part, or merge.
 ///
@@ -229,4 +228,45 @@ pub fn limit_threads(threads: u64) -> Result<(), JobError> {
     let most = THREADS_EACH * available_parallelism().map_or(1, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(most.min(threads as usize));
     pool.build_global().map_err(|error| refused(error.to_string()))
+}
+
+/// A piece of work before it is computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// Its name.
+    pub name: String,
+    /// Paths.
+    pub paths: u64,
+    /// Steps of a path.
+    pub steps: u64,
+    /// Groups of paths: what is divided among parts.
+    pub groups: u64,
+    /// Seconds of a group on one thread, while all threads are busy.
+    pub seconds: f64,
+}
+
+impl Planned {
+    /// Seconds that the longest of so many parts takes. Groups are computed by all threads at a
+    /// time; the last ones leave some idle.
+    pub fn seconds(&self, parts: u64, threads: u64) -> f64 {
+        self.groups.div_ceil(parts).div_ceil(threads) as f64 * self.seconds
+    }
+}
+
+/// Measures some groups of a piece of work, for so long or a single one. There are no results.
+pub fn measure<T: Kept>(each: Duration, work: &Work<'_, T>) -> Result<Planned, JobError> {
+    let (groups, threads) = (work.groups(), rayon::current_num_threads() as u64);
+    let (mut tree, start) = (MergeTree::new(merge), Instant::now());
+    let done = work.grow(&mut tree, 0..groups, &mut |_, _| start.elapsed() < each);
+    if work.stop.is_asked() {
+        return Err(JobError::Stopped);
+    }
+    let each_thread = threads.min(done) as f64 / done.max(1) as f64;
+    Ok(Planned {
+        name: work.name.to_owned(),
+        paths: work.paths,
+        steps: work.ladder.steps_per_path(),
+        groups,
+        seconds: start.elapsed().as_secs_f64() * each_thread,
+    })
 }

@@ -8,8 +8,7 @@ use std::{
 
 use super::{
     JobError, Program, Share,
-    file::{Header, PartFile, differs},
-    work::Work,
+    work::{Header, PartFile, Work, differs},
 };
 use crate::{Kept, checkpoint::file_error, ladder::Nodes, tree::Node};
 

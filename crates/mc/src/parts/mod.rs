@@ -56,21 +56,18 @@
 
 mod atomic;
 mod error;
-mod file;
 mod job;
 mod merging;
 mod part;
-mod plan;
 mod share;
 mod stop;
 mod work;
 
 pub use atomic::{folder, replace, tidy_folder};
 pub use error::JobError;
-pub use job::{Job, limit_threads};
+pub use job::{Job, Planned, limit_threads};
 pub use merging::merged_paths;
 pub use part::remove;
-pub use plan::Planned;
 pub use share::Share;
 pub use stop::Stop;
 

@@ -7,9 +7,8 @@ use std::{
 
 use super::{
     JobError, Program, Share, atomic,
-    file::{Header, PartFile, differs},
     merging::Known,
-    work::Work,
+    work::{Header, PartFile, Work, differs},
 };
 use crate::{
     Kept,
