@@ -85,16 +85,11 @@ pub trait Kept: Statistic {
     /// The sums so far, to be replaced.
     fn sums_mut(&mut self) -> &mut Self::Sums;
 
-    /// What tells it from another statistic beside its sums, such as times and bins: a hash, or
-    /// text.
-    fn fixed(&self) -> String {
-        String::new()
-    }
-
-    /// Some of the times up to `last` at which it adds something, by which it is told from another
-    /// statistic. The first and the last unless said otherwise.
-    fn some_times(&self, last: u64) -> Vec<u64> {
-        vec![1, last]
+    /// What tells it from another statistic beside its sums, such as bins, as a hash or text; and
+    /// some of the times up to `last` at which it adds something: the first and the last unless
+    /// said otherwise.
+    fn fixed(&self, last: u64) -> (String, Vec<u64>) {
+        (String::new(), vec![1, last])
     }
 }
 
@@ -116,11 +111,11 @@ pub struct Ladder<'a> {
 }
 
 /// The sums of some paths.
-pub(crate) type Sum<T> = (T, Tally);
+pub type Sum<T> = (T, Tally);
 /// The sums of a piece of work, on the largest subtrees that it covers.
-pub(crate) type Nodes<T> = Vec<Node<Sum<T>>>;
+pub type Nodes<T> = Vec<Node<Sum<T>>>;
 /// Sees the nodes and the next group, and says whether to go on.
-pub(crate) type After<'a, T> = dyn FnMut(&[Node<Sum<T>>], u64) -> bool + 'a;
+pub type After<'a, T> = dyn FnMut(&[Node<Sum<T>>], u64) -> bool + 'a;
 
 /// The results of a ladder.
 #[derive(Clone, Debug)]
@@ -493,7 +488,7 @@ impl<'a> Ladder<'a> {
         let Driver {
             ref dampings, t_end, finest_steps, levels, ref runs, ref batches, key, ..
         } = self.driver;
-        let times = new().some_times(self.coarse_steps());
+        let (fixed, times) = new().fixed(self.coarse_steps());
         // One path at a time: a sum over many would hide small differences.
         let mut statistics: Vec<T> = (0..PROBES).map(|_| new()).collect();
         let (mut states, stop) = (Vec::new(), Stop::default());
@@ -527,7 +522,7 @@ impl<'a> Ladder<'a> {
         hash(&(
             (key.seed, key.experiment, finest_steps, levels, states),
             (damping.collect::<Vec<_>>(), bounds.collect::<Vec<_>>(), schemes.collect::<Vec<_>>()),
-            (new().fixed(), statistics.iter().map(|one| hash(one.sums())).collect::<Vec<_>>()),
+            (fixed, statistics.iter().map(|one| hash(one.sums())).collect::<Vec<_>>()),
         ))
     }
 }
@@ -553,7 +548,7 @@ impl<'a> Setup<'a> {
 }
 
 /// Merges statistics and tallies.
-pub(crate) fn merge<T: Statistic>(sum: &mut Sum<T>, later: Sum<T>) {
+pub fn merge<T: Statistic>(sum: &mut Sum<T>, later: Sum<T>) {
     sum.0.merge(later.0);
     sum.1.merge(later.1);
 }

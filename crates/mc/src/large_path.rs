@@ -212,26 +212,22 @@ impl<'a> LargePath<'a> {
     }
 
     /// The rows of the state, in the layout of the system.
-    #[must_use]
     pub fn state(&self) -> &[Row] {
         self.stepper.state()
     }
 
     /// A component of the state.
-    #[must_use]
     pub fn component(&self, number: usize) -> f64 {
         let (row, place) = self.system.description().layout.place(number);
         self.state()[row][place]
     }
 
     /// The number of steps done.
-    #[must_use]
     pub fn steps_done(&self) -> u64 {
         self.done
     }
 
     /// The time.
-    #[must_use]
     pub fn time(&self) -> f64 {
         self.done as f64 * self.tau
     }

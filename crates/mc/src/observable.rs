@@ -65,20 +65,6 @@ impl<F: Fn([f64; D]) -> f64 + Sync, const D: usize> Observe for StateFunction<F,
     }
 }
 
-impl<T: Observe + ?Sized> Observe for &T {
-    fn name(&self) -> &str {
-        (**self).name()
-    }
-
-    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
-        (**self).evaluate(y, live, values);
-    }
-
-    fn weak_order(&self) -> f64 {
-        (**self).weak_order()
-    }
-}
-
 /// φ of the first path of a block.
 pub fn value(observable: &dyn Observe, rows: &[Row]) -> f64 {
     observable.values(rows, PathMask::first(1))[0]

@@ -104,7 +104,7 @@ pub struct CompareSettings {
 }
 
 /// Paths without which there are no intervals.
-pub(super) const LEAST_SAMPLES: u64 = 32;
+pub const LEAST_SAMPLES: u64 = 32;
 /// From this final time on, steps below ½ are too many.
 const LATEST: f64 = 1e9;
 

@@ -198,7 +198,7 @@ fn cost(mut usable: Vec<[f64; 3]>, wanted: f64) -> Option<(f64, f64)> {
 }
 
 /// The candidate that keeps most among those that do not cost significantly more than the cheapest.
-pub(super) fn choose(candidates: &[Candidate]) -> Choice {
+pub fn choose(candidates: &[Candidate]) -> Choice {
     let costs = candidates.iter().enumerate().filter_map(|(n, one)| Some((n, one.cost()?.0)));
     let Some((cheapest, _)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else {
         return Choice::NoneReaches;

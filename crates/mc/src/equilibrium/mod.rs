@@ -48,8 +48,8 @@ use noise::{Purpose, StreamKey, Truncation};
 use real::{Row, WIDTH};
 
 use crate::{
-    Checkpoint, Observe, RunError, Setup, demand, expect::Told, ladder::Measured, parts::Stop,
-    tangents::Tangents,
+    Checkpoint, ExpectSettings, Observe, RunError, Setup, demand, expect::Told, ladder::Measured,
+    parts::Stop, tangents::Tangents,
 };
 use chains::{BATCHES, Chains, Gather, SPREADING};
 use wells::Watched;
@@ -109,15 +109,8 @@ pub struct EquilibriumSettings {
 impl EquilibriumSettings {
     /// The settings for so many steps on [0, T].
     pub fn new(steps: u64) -> Self {
-        Self {
-            key: StreamKey { seed: 1, experiment: 0 },
-            truncation: Truncation::new(4).unwrap_or_else(|error| unreachable!("{error}")),
-            weak_order: 1.0,
-            steps,
-            chains: 256,
-            max_cost: 10_000_000_000,
-            stop: Stop::default(),
-        }
+        let ExpectSettings { key, truncation, max_cost, stop, .. } = ExpectSettings::default();
+        Self { key, truncation, weak_order: 1.0, steps, chains: 256, max_cost, stop }
     }
 
     /// Number of chains in whole blocks.

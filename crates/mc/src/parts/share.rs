@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::JobError;
 
 /// Part `number` of `of` parts, counted from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Share {
     pub(super) number: u64,
     pub(super) of: u64,

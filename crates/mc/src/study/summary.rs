@@ -6,9 +6,9 @@ use stats::{Tail, proportion};
 use super::{Grid, sums::Sums};
 
 /// Why there is no interval of a mean.
-pub(super) const TOO_FEW: &str = "too few values carry the mean";
+pub const TOO_FEW: &str = "too few values carry the mean";
 /// Why there is no quantile.
-pub(super) const CROWDED: &str = "a quantile lies in a bin with many more values than its \
+pub const CROWDED: &str = "a quantile lies in a bin with many more values than its \
                                   neighbours: more bins would resolve it";
 /// Values that differ by less than this part of them are equal but for rounding errors.
 const ROUNDING: f64 = 1e-12;

@@ -20,14 +20,14 @@ use crate::{Kept, Observe, Statistic, View, parts::hash};
 pub struct Sums {
     /// Of the finite values, in the unit of the grid; time by time, and for each time observable by
     /// observable.
-    pub(super) moments: Vec<CentralMoments>,
+    pub moments: Vec<CentralMoments>,
     /// Number of values that are not finite, of paths that had not failed.
-    pub(super) not_finite: Vec<u64>,
+    pub not_finite: Vec<u64>,
     counts: Counts,
-    pub(super) dependence: Dependence,
+    pub dependence: Dependence,
     /// The finite values of each observable at the last time on the first paths, in the unit of the
     /// grid: they show the tail of its law.
-    pub(super) first: Vec<Vec<f64>>,
+    pub first: Vec<Vec<f64>>,
 }
 
 /// Paths whose values are kept: with more the estimate of a tail is hardly better.
@@ -74,7 +74,7 @@ impl Sums {
     }
 
     /// Underflow, bins and overflow of a cell.
-    pub(super) fn counts(&self, cell: usize, grid: &Grid) -> Vec<u64> {
+    pub fn counts(&self, cell: usize, grid: &Grid) -> Vec<u64> {
         self.counts.range(cell * grid.cells(), grid.cells())
     }
 }
@@ -82,7 +82,7 @@ impl Sums {
 /// The statistic of a study on a [`Ladder`](crate::Ladder) with one run.
 pub struct StudyStatistic<'a> {
     /// What was added up.
-    pub(super) sums: Sums,
+    pub sums: Sums,
     observables: &'a [&'a dyn Observe],
     times: &'a [u64],
     of: Cells<'a>,
@@ -92,7 +92,7 @@ pub struct StudyStatistic<'a> {
 }
 
 impl<'a> StudyStatistic<'a> {
-    pub(super) fn new(
+    pub fn new(
         observables: &'a [&'a dyn Observe],
         times: &'a [u64],
         grids: &'a [Grid],
@@ -165,13 +165,9 @@ impl Kept for StudyStatistic<'_> {
         &mut self.sums
     }
 
-    fn fixed(&self) -> String {
+    fn fixed(&self, _: u64) -> (String, Vec<u64>) {
         let Cells { wanted: Wanted { pairs, lagged, from, .. }, grids, .. } = self.of;
-        hash(&(self.times, grids, pairs, lagged, from))
-    }
-
-    fn some_times(&self, _: u64) -> Vec<u64> {
-        self.times.to_vec()
+        (hash(&(self.times, grids, pairs, lagged, from)), self.times.to_vec())
     }
 }
 
