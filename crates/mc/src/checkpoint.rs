@@ -45,7 +45,9 @@ pub struct Program {
 pub struct Checkpoint {
     file: PathBuf,
     program: Program,
-    interval: Duration,
+    /// It is written as often as this, but for a fiftieth of the time at most; every two seconds
+    /// unless set.
+    pub interval: Duration,
     state: Mutex<State>,
 }
 
@@ -62,11 +64,6 @@ impl Checkpoint {
     pub fn new(file: impl Into<PathBuf>, program: Program) -> Self {
         let state = State { written: Instant::now(), takes: Duration::ZERO, failure: None };
         Self { file: file.into(), program, interval: INTERVAL, state: Mutex::new(state) }
-    }
-
-    /// Written as often as this.
-    pub fn set_interval(&mut self, interval: Duration) {
-        self.interval = interval;
     }
 
     /// The file.
@@ -262,7 +259,7 @@ mod tests {
     fn checkpoints_take_a_fiftieth_of_the_time_at_most() {
         let mut here = Checkpoint::new("work.bin", of(""));
         assert!(!here.is_due());
-        here.set_interval(Duration::ZERO);
+        here.interval = Duration::ZERO;
         assert!(here.is_due());
         here.state().takes = Duration::from_secs(60);
         assert!(!here.is_due());

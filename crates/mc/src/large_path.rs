@@ -120,7 +120,6 @@ impl<'a> LargePath<'a> {
         let noise = Rows::zero(layout.noise_rows).into();
         let (scheme, cause) = (scheme.id(), Cause::NotFinite);
         let failure = PathFailure { path, key, scheme, swapped: false, tau, step: 0, cause };
-        let checkpoint = None;
         Ok(Self {
             system,
             damping,
@@ -131,7 +130,7 @@ impl<'a> LargePath<'a> {
             tau,
             done: 0,
             failure,
-            checkpoint,
+            checkpoint: None,
         })
     }
 
@@ -178,7 +177,7 @@ impl<'a> LargePath<'a> {
             if !status.failed.is_empty() {
                 return failed(Cause::of_residual(status.residual(0)));
             }
-            if (n % CHECKED == 0 || n == steps) && !is_finite(self.stepper.state()) {
+            if (n % CHECKED == 0 || n == steps) && !self.is_finite() {
                 return failed(Cause::NotFinite);
             }
             self.done += 1;
@@ -211,6 +210,10 @@ impl<'a> LargePath<'a> {
         }
     }
 
+    fn is_finite(&self) -> bool {
+        self.state().par_chunks(1024).all(|rows| dispatch(AreFinite(rows)))
+    }
+
     /// The rows of the state, in the layout of the system.
     pub fn state(&self) -> &[Row] {
         self.stepper.state()
@@ -231,9 +234,4 @@ impl<'a> LargePath<'a> {
     pub fn time(&self) -> f64 {
         self.done as f64 * self.tau
     }
-}
-
-/// Whether all numbers are finite.
-fn is_finite(state: &[Row]) -> bool {
-    state.par_chunks(1024).all(|rows| dispatch(AreFinite(rows)))
 }

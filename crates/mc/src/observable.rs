@@ -70,6 +70,12 @@ pub fn value(observable: &dyn Observe, rows: &[Row]) -> f64 {
     observable.values(rows, PathMask::first(1))[0]
 }
 
+/// Adds rows to rows.
+pub fn add(sums: &mut [Row], more: &[Row]) {
+    let pairs = sums.iter_mut().flatten().zip(more.iter().flatten());
+    pairs.for_each(|(sum, more)| *sum += more);
+}
+
 /// The same state on all paths.
 pub fn splat(y: &[f64]) -> Vec<Row> {
     y.iter().map(|&y| [y; WIDTH]).collect()

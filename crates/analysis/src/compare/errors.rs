@@ -74,17 +74,6 @@ pub struct Errors {
     pub points: Vec<Vec<ErrorPoint>>,
 }
 
-impl Errors {
-    /// None, of so many schemes.
-    pub fn none(reference: &str, schemes: usize) -> Self {
-        Self {
-            sampled: Sampled { reference: reference.into(), ..Sampled::default() },
-            of_reference: f64::INFINITY,
-            points: vec![Vec::new(); schemes],
-        }
-    }
-}
-
 /// Step sizes of the reference: with the next two, its own error is estimated.
 const REFERENCES: usize = 3;
 /// The part of an error that the error of the reference may be.

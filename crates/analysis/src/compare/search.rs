@@ -10,7 +10,7 @@ use schemes::Method;
 use super::{
     Candidate, Candidates, Choice, CompareSettings, Comparison, Outcome, Stopped,
     candidates::LEAST_SAMPLES,
-    errors::{ErrorPoint, Errors},
+    errors::{ErrorPoint, Errors, Sampled},
     verdict::choose,
 };
 use crate::{
@@ -163,7 +163,14 @@ impl<'a> Search<'a> {
         stop: &Stop,
     ) -> Result<(Errors, bool), LadderError> {
         let schemes = &self.candidates.schemes;
-        let mut found = Errors::none(self.candidates.reference.id(), schemes.len());
+        let mut found = Errors {
+            sampled: Sampled {
+                reference: self.candidates.reference.id().into(),
+                ..Sampled::default()
+            },
+            of_reference: f64::INFINITY,
+            points: vec![Vec::new(); schemes.len()],
+        };
         let first = match reference {
             Ok(size) => *size,
             Err(why) => return Ok((found, *why == Outcome::NotMeasured)),

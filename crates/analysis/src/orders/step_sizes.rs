@@ -43,15 +43,14 @@ impl StepSizes {
     /// Five step sizes from T/`coarsest_steps` on, two beyond, 1000 paths: some 250 000 steps for
     /// each of the coarsest.
     pub fn new(coarsest_steps: u64, truncation: Truncation, key: StreamKey) -> Self {
-        let (levels, refinement, samples, path_steps) = (5, 2, 1000, 0);
         Self {
             coarsest_steps,
-            levels,
-            refinement,
-            samples,
+            levels: 5,
+            refinement: 2,
+            samples: 1000,
             truncation,
             key,
-            path_steps,
+            path_steps: 0,
             stop: Stop::default(),
             job: None,
         }

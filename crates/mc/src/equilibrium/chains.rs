@@ -9,6 +9,7 @@ use stats::CentralMoments;
 use super::{Averaged, EquilibriumSettings, LEVELS, STEPS, wells::Watched};
 use crate::{
     PathFailure, Statistic, View,
+    observable::add,
     study::{Grid, Histogram},
 };
 
@@ -288,13 +289,15 @@ impl Statistic for Gather<'_> {
         }
         match of {
             Averaged::Of(observables) => {
-                let mut values = [0.0; WIDTH];
                 for (k, phi) in observables.iter().enumerate() {
+                    let mut add =
+                        |row: usize, values: Row| add(&mut sums[row * count + k..], &[values]);
+                    let mut values = [0.0; WIDTH];
                     for run in 0..LEVELS {
-                        phi.evaluate(view.state(run), view.live, &mut values);
-                        add(&mut sums[run * count + k], &values);
+                        values = phi.values(view.state(run), view.live);
+                        add(run, values);
                     }
-                    add(&mut sums[LEVELS * count + k], &values.map(|x| x * x));
+                    add(LEVELS, values.map(|x| x * x));
                     let known = chains.histograms.get(k).zip(chains.block(first));
                     if let Some((Histogram { grid, .. }, before)) = known {
                         let mut places = [0; WIDTH];
@@ -318,8 +321,4 @@ impl Statistic for Gather<'_> {
     fn merge(&mut self, later: Self) {
         self.blocks.extend(later.blocks);
     }
-}
-
-fn add(sum: &mut Row, values: &Row) {
-    sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += x);
 }

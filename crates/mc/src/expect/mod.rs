@@ -279,13 +279,12 @@ impl<'a> Expect<'a> {
     }
 
     fn among(candidates: Vec<Candidate<'a>>) -> Self {
-        let (settings, checkpoint) = (ExpectSettings::default(), None);
         Self {
             candidates,
-            settings,
+            settings: ExpectSettings::default(),
             told: Box::new(|_, _| ()),
             counted: Box::new(|_| ()),
-            checkpoint,
+            checkpoint: None,
         }
     }
 

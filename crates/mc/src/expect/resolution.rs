@@ -17,7 +17,7 @@ use super::{
     level::{Samples, Values},
     report::{Warning, WarningKind},
 };
-use crate::{DampingResolution, View};
+use crate::{DampingResolution, View, observable::add};
 
 /// The largest quotient that counts as resolved, on the last level: a rotation differs by half a
 /// radian to one, and the fine path is wrong by a third of that (phases have order two). The same
@@ -69,6 +69,9 @@ impl Motion {
     /// if there are. Averages take the place of both: without areas the average of fine and swapped
     /// paths is near the coarse path by order one where the fine one is by one half.
     pub fn add(&mut self, view: &View<'_>) {
+        if view.runs() < 2 {
+            return;
+        }
         let second = |run: usize| if run + 2 < view.runs() { run + 2 } else { run };
         let states = [0, second(0), 1, second(1)].map(|run| view.state(run));
         self.add_rows(view.live, (0..).map(|i| states.map(|state| &state[i])));
@@ -89,13 +92,8 @@ impl Motion {
             return;
         }
         self.points += later.points;
-        for (sums, more) in [
-            (&mut self.difference, &later.difference),
-            (&mut self.displacement, &later.displacement),
-        ] {
-            let pairs = sums.iter_mut().flatten().zip(more.iter().flatten());
-            pairs.for_each(|(sum, more)| *sum += more);
-        }
+        add(&mut self.difference, &later.difference);
+        add(&mut self.displacement, &later.displacement);
     }
 
     fn sums(&self, i: usize) -> [f64; 2] {

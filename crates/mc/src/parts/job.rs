@@ -115,7 +115,7 @@ impl Job {
     /// seconds by default.
     pub fn with_checkpoints_every(self, interval: Duration) -> Self {
         if let Mode::Part(part) = &mut self.state().mode {
-            part.file.kept.set_interval(interval);
+            part.file.kept.interval = interval;
         }
         self
     }

@@ -34,6 +34,7 @@ use serde::{Deserialize, Serialize};
 use stats::two_sided;
 
 use super::{Grid, Series, Summary};
+use crate::observable::add;
 
 /// What is asked for of the observables of these numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -244,11 +245,6 @@ impl Dependence {
             }
         }
     }
-}
-
-fn add(sums: &mut [Row], more: &[Row]) {
-    let pairs = sums.iter_mut().flatten().zip(more.iter().flatten());
-    pairs.for_each(|(sum, more)| *sum += more);
 }
 
 /// Values with their 95 % intervals, by the jackknife over the batches of `sums` that have paths in

@@ -289,7 +289,7 @@ fn samples_are_kept_every_few_seconds() {
     let problem = body();
     let (file, copy) = (folder.path().join("samples.bin"), folder.path().join("copy.bin"));
     let mut often = Checkpoint::new(&file, Program::default());
-    often.set_interval(Duration::from_millis(10));
+    often.interval = Duration::from_millis(10);
     let (calls, seen) = (AtomicU64::new(0), AtomicU64::new(0));
     let told = |_| {
         let call = calls.fetch_add(1, Ordering::Relaxed);
