@@ -26,10 +26,10 @@ use systems::run_time::System;
 
 use crate::{
     Coefficients, Observe, Problem, Setup,
-    around::{Around, Wrap},
     observable::splat,
     run_time::field,
     setup::CoefficientsAt,
+    setup::{Around, Wrap},
 };
 
 /// A function of the states of 32 paths.

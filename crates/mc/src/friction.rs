@@ -10,7 +10,7 @@ use systems::Damping;
 
 use crate::{
     Coefficients, ConformalLaw, Problem, Setup,
-    around::{Around, Wrap},
+    setup::{Around, Wrap},
 };
 
 /// Friction −γ(t)yᵢ on some components i, besides the damping of all of them: with several, and

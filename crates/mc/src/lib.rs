@@ -64,7 +64,6 @@
 //! systems known at run time, such as formulas.
 
 mod along;
-mod around;
 mod checkpoint;
 mod damping_resolution;
 mod drive;

@@ -9,7 +9,7 @@ use schemes::{Method, Step, Stepper};
 
 use crate::{
     along::mix,
-    around::{Around, Wrap},
+    setup::{Around, Wrap},
 };
 
 /// Tangent vectors after the states of a method, and the logarithms of what they have grown by

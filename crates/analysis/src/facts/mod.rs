@@ -14,7 +14,6 @@ mod probe;
 mod random;
 mod scheme;
 mod search;
-mod slopes;
 
 use std::sync::Arc;
 
@@ -23,7 +22,7 @@ use real::WIDTH;
 use systems::run_time::{Problem, System};
 
 // What facts and inspections are made of.
-pub(crate) use {algebra::*, finding::*, form::*, probe::*, random::*, search::*, slopes::*};
+pub(crate) use {algebra::*, finding::*, form::*, probe::*, random::*, search::*};
 
 pub use bath::{Bath, gibbs_marginal, is_divergence_free};
 pub use damping::DampingIntegral;

@@ -55,21 +55,17 @@
 //! | `merged.bin` | the nodes of all works that were merged, for extensions |
 
 mod atomic;
-mod error;
 mod job;
 mod merging;
 mod part;
 mod share;
-mod stop;
 mod work;
 
 pub use atomic::{folder, replace, tidy_folder};
-pub use error::JobError;
-pub use job::{Job, Planned, limit_threads};
+pub use job::{Job, Planned, Stop, limit_threads};
 pub use merging::merged_paths;
 pub use part::remove;
-pub use share::Share;
-pub use stop::Stop;
+pub use share::{JobError, Share};
 
 pub use crate::checkpoint::{Program, hash};
 pub(crate) use work::Work;
