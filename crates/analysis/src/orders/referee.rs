@@ -257,7 +257,7 @@ impl Referee<'_> {
     /// size, [path, component]; NaN where it fails.
     ///
     /// # Errors
-    /// [`LadderError`] as of a [`Ladder`].
+    /// [`LadderError`] as of [`Setup::ladder`].
     pub fn reference(&self, first: u64, paths: usize) -> Result<[Vec<f64>; 3], LadderError> {
         let Self { setup, sizes } = self;
         let d = setup.problem.y0.len();

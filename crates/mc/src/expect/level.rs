@@ -1,7 +1,7 @@
 //! The samples of one level, by replicates and all together.
 
 use noise::ScrambledSobol;
-use real::{PathMask, Row, WIDTH};
+use real::{PathMask, Row};
 use serde::{Deserialize, Serialize};
 use stats::{CentralMoments, FEW_SAMPLES, Tail};
 
@@ -199,13 +199,11 @@ impl Statistic for PathValues<'_> {
         }
         let mut functions = Vec::new();
         for (observable, values) in self.observables.iter().zip(&mut self.values) {
-            let mut phi = [[0.0; WIDTH]; 4];
-            for (run, phi) in phi.iter_mut().enumerate().take(view.runs()) {
-                observable.evaluate(view.state(run), view.live, phi);
-            }
+            let of_run = |run| observable.values(view.state(run), view.live);
+            let phi: Vec<Row> = (0..view.runs()).map(of_run).collect();
             // The mean over a run and its second one, if there is one.
             let mean = |run: usize, second: usize| {
-                let (a, b) = (&phi[run], &phi[if second < view.runs() { second } else { run }]);
+                let (a, b) = (&phi[run], phi.get(second).unwrap_or(&phi[run]));
                 std::array::from_fn(|p| 0.5 * (a[p] + b[p]))
             };
             let fine = mean(0, if coupled { 2 } else { 1 });
