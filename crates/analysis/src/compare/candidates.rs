@@ -72,11 +72,14 @@ impl<'a> Candidates<'a> {
         bind: impl Fn(BuiltIn) -> Result<Arc<dyn Method + 'a>, SchemeError>,
     ) -> Result<Self, SchemeError> {
         let mut all = Self::against(bind(BuiltIn::SexpLevy).or_else(|_| bind(BuiltIn::Sexp))?);
-        // The same without areas is there already.
-        let differs =
-            |id: BuiltIn, scheme: &Arc<dyn Method>| !id.is_for_areas() || scheme.reads_areas();
-        let usable = |id| bind(id).ok().filter(|scheme| differs(id, scheme));
-        all.schemes.extend(BuiltIn::ALL.into_iter().filter_map(usable));
+        for id in BuiltIn::ALL {
+            match bind(id) {
+                // The same without areas is there already.
+                Ok(scheme) if id.is_for_areas() && !scheme.reads_areas() => {}
+                Ok(scheme) => all = all.and(scheme),
+                Err(_) => {}
+            }
+        }
         Ok(all)
     }
 }

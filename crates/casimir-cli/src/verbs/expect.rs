@@ -21,12 +21,13 @@ pub fn expect(scene: &Scene, keeping: Option<&Checkpoint>, watch: &Watch) -> Don
     let (expect, settings, because) = chosen(scene)?;
     let start = Instant::now();
     let mut expect = expect.with(ExpectSettings { stop: watch.stop.clone(), ..settings });
-    if let Some(keeping) = keeping {
-        expect = expect.keeping(keeping);
-    }
+    expect.checkpoint = keeping;
     let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
-    let found = watch
-        .until("the first estimates", accuracy, |told| expect.telling(told).run(&phi, accuracy));
+    let found = watch.until("the first estimates", accuracy, |told| {
+        let mut expect = expect;
+        expect.told = Box::new(told);
+        expect.run(&phi, accuracy)
+    });
     if let (true, Err(_)) = (watch.stop.is_asked(), &found) {
         return Err(Failure::Stopped("before the first estimates".into()));
     }

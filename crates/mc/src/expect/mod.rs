@@ -118,9 +118,13 @@ pub(crate) use report::{short, written};
 pub struct Expect<'a> {
     candidates: Vec<Candidate<'a>>,
     settings: ExpectSettings,
-    told: Box<Told<'a>>,
-    counted: Box<dyn Fn(u64) + Sync + 'a>,
-    checkpoint: Option<&'a Checkpoint>,
+    /// Hears after each round how far it is.
+    pub told: Box<Told<'a>>,
+    /// Hears from any thread the number of path-steps done since its last call.
+    pub counted: Box<dyn Fn(u64) + Sync + 'a>,
+    /// Keeps the samples every few seconds and when it is stopped; it goes on from what that has,
+    /// with the same bits. It is removed at the end.
+    pub checkpoint: Option<&'a Checkpoint>,
 }
 
 /// Hears how far a computation is: the largest half-width so far, and the path-steps done over
@@ -292,25 +296,6 @@ impl<'a> Expect<'a> {
     #[must_use]
     pub fn with(self, settings: ExpectSettings) -> Self {
         Self { settings, ..self }
-    }
-
-    /// Tells after each round how far it is.
-    #[must_use]
-    pub fn telling(self, told: impl Fn(f64, f64) + 'a) -> Self {
-        Self { told: Box::new(told), ..self }
-    }
-
-    /// Counts path-steps: calls `counted` from any thread with those done since its last call.
-    #[must_use]
-    pub fn counting(self, counted: impl Fn(u64) + Sync + 'a) -> Self {
-        Self { counted: Box::new(counted), ..self }
-    }
-
-    /// Keeps the samples in a file every few seconds and when it is stopped, and goes on from what
-    /// the file has, with the same bits. It is removed at the end.
-    #[must_use]
-    pub fn keeping(self, checkpoint: &'a Checkpoint) -> Self {
-        Self { checkpoint: Some(checkpoint), ..self }
     }
 
     /// With friction on some components.

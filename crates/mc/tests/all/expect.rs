@@ -194,9 +194,11 @@ fn the_limit_is_for_all_attempts_together() {
         // y₂ = tan(θ₀ + t + W) from θ₀ = −0.46 on.
         let damping = Constant::new(0.0).unwrap();
         let problem = Problem::new(Explosive, damping, [0.1, -0.5], 1.0).unwrap();
-        let expect = Expect::new(&problem).with(ExpectSettings { max_cost, ..Default::default() });
-        let found = expect.counting(progress).run(&[&COS_SQUARED], 1e-2);
-        let done = done.into_inner();
+        let settings = ExpectSettings { max_cost, ..Default::default() };
+        let mut expect = Expect::new(&problem).with(settings);
+        expect.counted = Box::new(progress);
+        let found = expect.run(&[&COS_SQUARED], 1e-2);
+        let done = done.load(Ordering::Relaxed);
         assert!(done <= max_cost, "{done}");
         match found {
             Ok(found) => assert!(found.cost == done && !found.reached(), "{found} {done}"),
@@ -256,8 +258,10 @@ fn who_goes_on_has_the_same_bits() {
             };
             let settings = ExpectSettings { stop: stop.clone(), ..Default::default() };
             let keeping = checkpoint("cos y3");
-            let expect = Expect::new(&problem).with(settings).keeping(&keeping);
-            let found = expect.counting(progress).run(&[&COS_Y3], accuracy);
+            let mut expect = Expect::new(&problem).with(settings);
+            expect.checkpoint = Some(&keeping);
+            expect.counted = Box::new(progress);
+            let found = expect.run(&[&COS_Y3], accuracy);
             if !stop.is_asked() {
                 break found.unwrap();
             }
@@ -271,7 +275,9 @@ fn who_goes_on_has_the_same_bits() {
             assert!(keeping.holds().unwrap());
             // Another expectation does not take the samples.
             let another = checkpoint("p");
-            let refused = Expect::new(&problem).keeping(&another).run(&[&COS_Y3], accuracy);
+            let mut other = Expect::new(&problem);
+            other.checkpoint = Some(&another);
+            let refused = other.run(&[&COS_Y3], accuracy);
             assert!(matches!(refused, Err(RunError::Checkpoint(_))));
             stops += 1;
             assert!(stops < 20, "it does not get on");
@@ -297,14 +303,19 @@ fn samples_are_kept_every_few_seconds() {
             seen.fetch_add(1, Ordering::Relaxed);
         }
     };
-    let whole = Expect::new(&problem).keeping(&often).counting(told).run(&[&COS_Y3], 1e-5).unwrap();
-    assert!(seen.into_inner() > 3 && !file.exists());
+    let kept = |checkpoint, counted| {
+        let mut expect = Expect::new(&problem);
+        (expect.checkpoint, expect.counted) = (Some(checkpoint), counted);
+        expect.run(&[&COS_Y3], 1e-5).unwrap()
+    };
+    let whole = kept(&often, Box::new(told));
+    assert!(seen.load(Ordering::Relaxed) > 3 && !file.exists());
     let left = Checkpoint::new(&copy, Program::default());
     let counted = AtomicU64::new(0);
     let count = |steps| _ = counted.fetch_add(steps, Ordering::Relaxed);
-    let found = Expect::new(&problem).keeping(&left).counting(count).run(&[&COS_Y3], 1e-5).unwrap();
+    let found = kept(&left, Box::new(count));
     assert_eq!(found, whole);
-    assert!(counted.into_inner() < whole.cost);
+    assert!(counted.load(Ordering::Relaxed) < whole.cost);
 }
 
 #[test]
@@ -319,11 +330,15 @@ fn who_is_stopped_keeps_the_estimates_so_far() {
     };
     let settings =
         || ExpectSettings { max_cost: u64::MAX, stop: stop.clone(), ..Default::default() };
-    let expect = || Expect::new(&problem).with(settings());
-    let found = expect().counting(progress).run(&[&Q], 1e-7).unwrap();
+    let expect = || {
+        let mut expect = Expect::new(&problem).with(settings());
+        expect.counted = Box::new(progress);
+        expect.run(&[&Q], 1e-7)
+    };
+    let found = expect().unwrap();
     assert!(!found.reached() && warns(&found, WarningKind::Stopped), "{found}");
     assert!(found.estimates[0].half_width() < 1e-2, "{found}");
-    assert_eq!(expect().counting(progress).run(&[&Q], 1e-7), Err(RunError::Stopped));
+    assert_eq!(expect(), Err(RunError::Stopped));
 }
 
 #[test]

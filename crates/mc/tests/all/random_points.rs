@@ -391,11 +391,12 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
         let done = AtomicU64::new(0);
         let progress = |steps| _ = done.fetch_add(steps, Ordering::Relaxed);
         let settings = ExpectSettings { max_cost, ..random(9) };
-        let expect = Expect::with_scheme(Setup::of(&problem, &Sexp)).with(settings);
-        let result = expect.counting(progress).run(&[&COS_Y3[0]], 6e-5);
+        let mut expect = Expect::with_scheme(Setup::of(&problem, &Sexp)).with(settings);
+        expect.counted = Box::new(progress);
+        let result = expect.run(&[&COS_Y3[0]], 6e-5);
         if let Ok(result) = &result {
             // Every path-step is counted, and those that progress was told of are all.
-            assert_eq!(done.into_inner(), result.cost);
+            assert_eq!(done.load(Ordering::Relaxed), result.cost);
             let levels = result
                 .levels
                 .iter()
