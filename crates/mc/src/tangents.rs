@@ -4,13 +4,10 @@ use std::sync::Arc;
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{Row, WIDTH, elementary::ln};
+use real::{Row, WIDTH, elementary};
 use schemes::{Method, Step, Stepper};
 
-use crate::{
-    along::mix,
-    setup::{Around, Wrap},
-};
+use crate::setup::{Around, Wrap};
 
 /// Tangent vectors after the states of a method, and the logarithms of what they have grown by
 /// since the start, which orthogonalisation keeps apart (Benettin, Galgani, Giorgilli and Strelcyn,
@@ -65,8 +62,10 @@ impl Wrap for Tangents {
 /// [−1, 1) by the mixing of SplitMix64 (Steele, Lea and Flood 2014). They are the same on all
 /// paths, so that chains differ by their noise alone.
 fn generic(n: usize) -> Row {
-    let z = mix((n as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15));
-    [(z >> 11) as f64 * f64::EPSILON - 1.0; WIDTH]
+    let z = (n as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    [(z >> 11) as f64 * (f64::EPSILON) - 1.0; WIDTH]
 }
 
 struct Carried<'a> {
@@ -152,7 +151,7 @@ fn orthogonalise(vectors: &mut [Row], d: usize, grown: &mut [Row]) {
         for p in 0..WIDTH {
             let length = square[p].sqrt();
             v.iter_mut().for_each(|row| row[p] /= length);
-            let logarithm = ln(length);
+            let logarithm = elementary::ln(length);
             grown[n][p] += logarithm;
             grown[count][p] += logarithm;
         }
