@@ -2,15 +2,6 @@
 
 use real::{PathMask, Row, WIDTH};
 
-/// A test function φ with its name.
-#[derive(Clone, Copy, Debug)]
-pub struct Observable<const D: usize> {
-    /// Its name in results, for example `y1` or `cos y3`.
-    pub name: &'static str,
-    /// φ(y).
-    pub function: fn([f64; D]) -> f64,
-}
-
 /// A test function φ of states of any dimension.
 pub trait Observe: Sync {
     /// Its name in results.
@@ -32,21 +23,17 @@ pub trait Observe: Sync {
     }
 }
 
-impl<const D: usize> Observe for Observable<D> {
-    fn name(&self) -> &str {
-        self.name
-    }
-
-    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
-        evaluate(self.function, components(y), live, values);
-    }
+/// A test function φ of D components, such as a closure, with its name.
+#[derive(Clone, Copy, Debug)]
+pub struct StateFunction<F, const D: usize, N = String> {
+    /// Its name in results, for example `y1` or `cos y3`.
+    pub name: N,
+    /// φ(y).
+    pub function: F,
 }
 
-/// A test function of D components, such as a closure.
-pub struct StateFunction<F, const D: usize> {
-    name: String,
-    function: F,
-}
+/// A test function φ that is no closure, with its name.
+pub type Observable<const D: usize> = StateFunction<fn([f64; D]) -> f64, D, &'static str>;
 
 impl<F: Fn([f64; D]) -> f64 + Sync, const D: usize> StateFunction<F, D> {
     /// φ with its name in results.
@@ -55,13 +42,29 @@ impl<F: Fn([f64; D]) -> f64 + Sync, const D: usize> StateFunction<F, D> {
     }
 }
 
-impl<F: Fn([f64; D]) -> f64 + Sync, const D: usize> Observe for StateFunction<F, D> {
+impl<F, const D: usize, N> Observe for StateFunction<F, D, N>
+where
+    F: Fn([f64; D]) -> f64 + Sync,
+    N: AsRef<str> + Sync,
+{
     fn name(&self) -> &str {
-        &self.name
+        self.name.as_ref()
     }
 
+    /// States are copied eight at a time: a function that reads what was stored just before, in
+    /// other pieces, waits.
     fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
-        evaluate(&self.function, components(y), live, values);
+        let (phi, y) = (&self.function, components(y));
+        if live != PathMask::ALL {
+            live.paths().for_each(|p| values[p] = phi(path(y, p)));
+            return;
+        }
+        for p in (0..WIDTH).step_by(8) {
+            let [a, b, c, d] = [path(y, p), path(y, p + 1), path(y, p + 2), path(y, p + 3)];
+            let [e, f, g, h] = [path(y, p + 4), path(y, p + 5), path(y, p + 6), path(y, p + 7)];
+            let eight = [phi(a), phi(b), phi(c), phi(d), phi(e), phi(f), phi(g), phi(h)];
+            values[p..p + 8].copy_from_slice(&eight);
+        }
     }
 }
 
@@ -97,26 +100,4 @@ pub fn path<const D: usize>(y: &[Row; D], p: usize) -> [f64; D] {
         state[i] = y[i][p];
     }
     state
-}
-
-/// Writes φ of the states of the paths `live`.
-///
-/// States are copied eight at a time: a function that reads what was stored just before, in other
-/// pieces, waits.
-fn evaluate<const D: usize>(
-    phi: impl Fn([f64; D]) -> f64,
-    y: &[Row; D],
-    live: PathMask,
-    values: &mut Row,
-) {
-    if live != PathMask::ALL {
-        live.paths().for_each(|p| values[p] = phi(path(y, p)));
-        return;
-    }
-    for p in (0..WIDTH).step_by(8) {
-        let [a, b, c, d] = [path(y, p), path(y, p + 1), path(y, p + 2), path(y, p + 3)];
-        let [e, f, g, h] = [path(y, p + 4), path(y, p + 5), path(y, p + 6), path(y, p + 7)];
-        let eight = [phi(a), phi(b), phi(c), phi(d), phi(e), phi(f), phi(g), phi(h)];
-        values[p..p + 8].copy_from_slice(&eight);
-    }
 }
