@@ -52,8 +52,7 @@ impl FormulaDamping {
         assert_eq!(formula.variables.len(), 1, "variables of a damping rate");
         let degree = formula.degree(&[0]).map(|degree| nodes_for_degree(degree as usize));
         let exact = degree.filter(|&nodes| nodes <= NODES);
-        let rule = Rule::new(exact.unwrap_or(NODES).max(1));
-        let rule = rule.unwrap_or_else(|error| unreachable!("{error}"));
+        let rule = Rule::new(exact.unwrap_or(NODES).max(1)).expect("a rule has a node or more");
         let closed = ClosedIntegral::of(&formula);
         Self { formula, rule, exact: exact.is_some(), closed }
     }
@@ -67,9 +66,7 @@ impl FormulaDamping {
             times[k] = a + half * node;
             times[k + NODES] = a + half + half * node;
         }
-        let mut rates = [[0.0; WIDTH]];
-        let mut scratch = vec![[0.0; WIDTH]; self.formula.tape.scratch_rows()];
-        self.formula.tape.evaluate(&[&[times]], &mut rates, &mut scratch);
+        let mut rates = self.formula.tape.rows(&[&[times]]);
         // About a time at which it is infinite a rate may have an integral.
         rates[0].iter_mut().filter(|rate| rate.is_infinite()).for_each(|rate| *rate = 0.0);
         let used = [0, NODES].map(|first| &rates[0][first..first + nodes.len()]);
