@@ -1,6 +1,6 @@
 //! Errors against the step size, or cost against accuracy.
 
-use real::elementary;
+use real::elementary::{ln, powf};
 use stats::{Point, Rate};
 
 use super::chart::{Curve, Figure, Line, Measured, Plot};
@@ -64,18 +64,17 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> String {
 }
 
 fn measured(point: &Point) -> Option<Measured> {
-    let exact = |x, y| Measured { x, y, lo: y, hi: y };
-    match *point {
+    let (x, y, half, ends) = match *point {
         Point::Error { tau, value, se, lo, hi, .. } => {
-            let half = QUANTILE * se.abs();
-            let ends = lo.zip(hi).filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
-            let (lo, hi) = ends.unwrap_or((value - half, value + half));
-            let known = half.is_finite() && half != 0.0;
-            Some(if known { Measured { lo, hi, ..exact(tau, value) } } else { exact(tau, value) })
+            (tau, value, QUANTILE * se.abs(), lo.zip(hi))
         }
-        Point::Cost { accuracy, path_steps } => Some(exact(accuracy, path_steps as f64)),
-        Point::Value { .. } => None,
-    }
+        Point::Cost { accuracy, path_steps } => (accuracy, path_steps as f64, 0.0, None),
+        Point::Value { .. } => return None,
+    };
+    let ends = ends.filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
+    let known = half.is_finite() && half != 0.0;
+    let (lo, hi) = if known { ends.unwrap_or((y - half, y + half)) } else { (y, y) };
+    Some(Measured { x, y, lo, hi })
 }
 
 /// An order with the half-width of its interval, which is never rounded to zero.
@@ -90,7 +89,7 @@ pub fn order(rate: &Rate) -> String {
 /// The order between the first point and the last; NaN without two points.
 pub fn overall_order(points: &[(f64, f64)]) -> f64 {
     match points {
-        [first, .., last] => elementary::ln(last.1 / first.1) / elementary::ln(last.0 / first.0),
+        [first, .., last] => ln(last.1 / first.1) / ln(last.0 / first.0),
         _ => f64::NAN,
     }
 }
@@ -104,7 +103,7 @@ pub fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
     let mut lines = Vec::new();
     for (power, name) in [(2.0, "slope 2"), (1.0, "slope 1"), (0.5, "slope 1/2")] {
         let points = trends.iter().flat_map(|(_, points)| points);
-        let ratios = points.map(|(tau, error)| error / elementary::powf(*tau, power));
+        let ratios = points.map(|(tau, error)| error / powf(*tau, power));
         let constant = match lines.is_empty() {
             true => ratios.reduce(f64::min).map(|ratio| ratio / CLEARANCE),
             false => ratios.reduce(f64::max).map(|ratio| ratio * CLEARANCE),
