@@ -14,22 +14,15 @@ use super::{Known, Model, formulas::damped};
 
 /// A problem whose system is known at run time.
 pub struct AtRunTime {
-    problem: Problem,
-    friction: Vec<Friction>,
-    formulas: Option<Arc<FormulaSystem>>,
-    facts: OnceLock<Facts>,
+    pub problem: Problem,
+    pub friction: Vec<Friction>,
+    /// None of a lattice.
+    pub formulas: Option<Arc<FormulaSystem>>,
+    /// Those of formulas, when they are found.
+    pub facts: OnceLock<Facts>,
 }
 
 impl AtRunTime {
-    /// The problem of a lattice, or that of formulas.
-    pub fn new(
-        problem: Problem,
-        friction: Vec<Friction>,
-        formulas: Option<Arc<FormulaSystem>>,
-    ) -> Self {
-        Self { problem, friction, formulas, facts: OnceLock::new() }
-    }
-
     /// What formulas keep, found once. Lattices are too large.
     fn facts(&self) -> Option<&Facts> {
         self.formulas.as_ref()?;

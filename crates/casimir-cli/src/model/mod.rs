@@ -2,7 +2,6 @@
 //! those that are known at run time.
 
 mod at_run_time;
-mod compiled;
 mod damping;
 mod formulas;
 mod lattice;
