@@ -62,7 +62,8 @@ impl Unary {
     pub(crate) const NAMED: [Self; 11] =
         [Abs, Sqrt, Exp, Ln, Sin, Cos, Tan, Sinh, Cosh, Tanh, Sinc];
 
-    /// The value at x, with the functions that a tape uses.
+    /// The value at x, as a tape computes it.
+    #[inline(always)]
     pub(crate) fn value<R: Real>(self, x: R) -> R {
         match self {
             Neg => -x,

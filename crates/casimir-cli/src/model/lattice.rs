@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use casimir::{
     mc::demand,
-    real::{Row, WIDTH},
+    real::{Row, Rows, WIDTH},
     systems::{
         lattice::{Couplings, Shape, SpinLattice, noise_at_temperature},
         run_time::{Problem, System, Weights},
@@ -110,8 +110,8 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         (1..=sites).flat_map(|site| ["x", "y", "z"].map(|axis| format!("s{site}{axis}"))).collect();
     let system = lattice.clone();
     let per_spin = move |y: &[Row], values: &mut Row| {
-        let dw = vec![[0.0; WIDTH]; system.description().noises];
-        let mut scratch = vec![[0.0; WIDTH]; system.description().scratch_rows()];
+        let description = system.description();
+        let [dw, mut scratch] = [description.noises, description.scratch_rows()].map(Rows::zero);
         system.energy(
             &y[..3 * sites],
             Weights { dt: 1.0, dw: &dw, ..Weights::NONE },
