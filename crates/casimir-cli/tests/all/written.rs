@@ -99,8 +99,8 @@ fn numbers_are_printed_also_where_a_file_cannot_be_written() {
         ("inspect scene.toml", "inspect.json", "D = 2"),
         ("expect scene.toml", "expectation.json", "E[energy]"),
         ("expect scene.toml --json", "expectation.json", "\"half_width\""),
-        ("equilibrium scene.toml --path-steps 1e5", "equilibrium.json", "energy"),
-        ("lyapunov scene.toml --path-steps 1e5", "lyapunov.json", "λ1"),
+        ("equilibrium scene.toml --path-steps 1e6", "equilibrium.json", "energy"),
+        ("lyapunov scene.toml --path-steps 1e6", "lyapunov.json", "λ1"),
     ] {
         fs::create_dir_all(path.join("out").join(file)).unwrap();
         let mut arguments: Vec<&str> = arguments.split(' ').collect();
