@@ -54,7 +54,6 @@
 //! | [`FormulaError`] | what is wrong, with line, column and carets |
 //! | [`excerpt`], [`nearest()`] | the same for other texts |
 
-mod closed_integral;
 mod compile;
 mod damping;
 mod derivative;

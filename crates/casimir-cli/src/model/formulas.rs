@@ -10,8 +10,7 @@ use casimir::{
 };
 
 use super::{
-    Built,
-    at_run_time::AtRunTime,
+    AtRunTime, Built,
     damping::{bath, damping, rates},
 };
 use crate::scene::{

@@ -11,7 +11,7 @@ use casimir::{
     },
 };
 
-use super::{Built, at_run_time::AtRunTime, damping::damping, project::numbered};
+use super::{AtRunTime, Built, damping::damping, project::numbered};
 use crate::scene::{Further, Observable, Quantity, Read, Reading, Settings, refuse};
 
 /// The parameters of a lattice.
