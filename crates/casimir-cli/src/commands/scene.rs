@@ -1,5 +1,5 @@
-//! `casimir run`, `inspect`, `expect`, `equilibrium`, `lyapunov`, `order` and `compare`: commands on
-//! a scene.
+//! `casimir run`, `inspect`, `expect`, `equilibrium`, `lyapunov`, `order` and `compare`: commands
+//! on a scene.
 
 use std::{fs, path::Path, sync::Arc};
 

@@ -81,8 +81,8 @@ fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
     Ok((y0, Some(Initial { law, draw: Arc::new(draw) })))
 }
 
-/// The initial values of a scene: of formulas of independent standard normals z1, z2, … and of numbers
-/// u1, u2, … that are uniform on (0, 1), or of a file.
+/// The initial values of a scene: of formulas of independent standard normals z1, z2, … and of
+/// numbers u1, u2, … that are uniform on (0, 1), or of a file.
 pub fn initial(
     source: &Source,
     at: &At<Start>,

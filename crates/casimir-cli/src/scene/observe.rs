@@ -1,5 +1,5 @@
-//! Functions of the state that are of interest, and what paths collect for them: the time, integrals,
-//! averages and events.
+//! Functions of the state that are of interest, and what paths collect for them: the time,
+//! integrals, averages and events.
 
 use std::{slice::from_mut, sync::Arc};
 
@@ -231,8 +231,8 @@ impl Vocabulary {
         })))
     }
 
-    /// Whether an event has happened, and when. A condition in `names`, components and parameters, is
-    /// followed within steps, too.
+    /// Whether an event has happened, and when. A condition in `names`, components and parameters,
+    /// is followed within steps, too.
     pub fn event(&mut self, event: &At<Event>, names: Option<&Names>) -> Read<[Quantity; 2]> {
         let text = At::new(event.span(), event.0.when.clone());
         self.demand_condition(&text)?;

@@ -173,11 +173,13 @@ pub fn judge(
         text += &format!("  {tau:<8.2e}  {error:<8.2e}  {cost}\n");
     }
     let figures = figures("solver", strong, weak);
-    let law = |(name, defect, rounding): &(String, f64, f64)| json!({ "law": name, "defect": defect, "rounding": rounding });
+    let laws = laws.iter().map(
+        |(name, defect, rounding)| json!({ "law": name, "defect": defect, "rounding": rounding }),
+    );
     let [strong, weak] = described(strong, weak);
     let json = json!({
         "verdicts": verdicts, "strong": strong, "weak": weak,
-        "laws": laws.iter().map(law).collect::<Value>(), "steps": taus, "errors": errors,
+        "laws": laws.collect::<Value>(), "steps": taus, "errors": errors,
         "reference_error": reference_error, "solves": solves, "own_noise": own_noise,
         "seconds": claims.seconds,
     });
