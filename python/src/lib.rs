@@ -9,7 +9,7 @@ use casimir::mc::parts::Job;
 use casimir_cli::{
     failure::{Done, Failure},
     gallery,
-    output::{Report, arrays},
+    output::arrays,
     scene::{Changes, Scene, Source, Sweep},
     verbs::{self, Watch},
 };
@@ -50,7 +50,7 @@ fn check(py: Python<'_>, given: Given<'_>) -> PyResult<String> {
     let source = given.source();
     let found = py.detach(|| -> Done<Value> {
         let sweep = Sweep::new(&source, &Changes::default())?;
-        let scene = &sweep.combinations[0].scene;
+        let scene = sweep.scene();
         let names = |all: &[casimir_cli::scene::Observable]| {
             all.iter().map(|one| one.name.clone()).collect::<Vec<_>>()
         };
@@ -88,11 +88,9 @@ fn run<'py>(
             return Err(Failure::Stopped("before the first path".into()));
         }
         found.check()?;
-        let report = Report::new(&found);
-        let (json, figures) = (report.json(), report.figures());
-        let (text, page) = (report.text(), report.page(&figures));
+        let (json, figures) = (found.json(), found.figures());
+        let (text, page) = (found.text(), found.page(&figures));
         let figures = figures.into_iter().flat_map(|(_, figures)| figures).collect();
-        drop(report);
         let [paths, statistics] = arrays(&mut found);
         let common = verbs::Found { text, json, figures, unreached: None };
         Ok(Found { common, page, paths, statistics })

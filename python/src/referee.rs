@@ -1,6 +1,6 @@
 //! Solvers of others: their noise as arrays, and what their states show.
 
-use casimir::analysis::{LevelNoise, SolverStates};
+use casimir::analysis::{LevelNoise, SolverStates, VISITS};
 use casimir_cli::{
     failure::Failure,
     scene::{Changes, Scene},
@@ -85,7 +85,7 @@ pub fn single_steps<'py>(
         let paths = one.increments.len() / noises.max(1);
         Ok((tau, [arrays(py, one, paths, noises)?, arrays(py, two, paths, noises)?]))
     };
-    Ok((verbs::SINGLE_STATES, steps.into_iter().map(of).collect::<PyResult<_>>()?))
+    Ok((VISITS, steps.into_iter().map(of).collect::<PyResult<_>>()?))
 }
 
 /// What is said of a solver: strong and weak order; whether it keeps laws, all steps are the same map,

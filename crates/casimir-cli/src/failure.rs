@@ -25,15 +25,19 @@ pub type Done<T = ()> = Result<T, Failure>;
 /// A scene or an argument is wrong, or else the run failed.
 impl<E: Error + 'static> From<E> for Failure {
     fn from(error: E) -> Self {
-        let any: &dyn Error = &error;
-        let argument = matches!(any.downcast_ref(), Some(JobError::Argument(_)));
-        let setting = any.downcast_ref();
-        let setting = matches!(setting, Some(RunError::Setting(_) | RunError::Memory(_)));
-        let setting = setting || any.is::<MemoryError>();
+        let (any, words): (&dyn Error, _) = (&error, error.to_string());
         match any.downcast_ref::<SceneError>() {
             Some(error) => Self::Scene(error.clone()),
-            None if argument || setting => Self::Usage(error.to_string()),
-            None => Self::Run(error.to_string()),
+            None if any.is::<MemoryError>()
+                || matches!(any.downcast_ref(), Some(JobError::Argument(_)))
+                || matches!(
+                    any.downcast_ref(),
+                    Some(RunError::Setting(_) | RunError::Memory(_))
+                ) =>
+            {
+                Self::Usage(words)
+            }
+            None => Self::Run(words),
         }
     }
 }

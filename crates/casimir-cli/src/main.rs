@@ -27,20 +27,21 @@ fn main() -> ExitCode {
 }
 
 fn run(command: Command) -> Done {
+    use Command::*;
     match command {
-        Command::New { name, list } => commands::new(name.as_deref(), list),
-        Command::Inspect(asked) => commands::inspect(&asked),
-        Command::Run(asked) => commands::run(&asked),
-        Command::Expect(asked) => commands::expect(&asked),
-        Command::Equilibrium(asked) => commands::equilibrium(&asked),
-        Command::Lyapunov(asked) => commands::lyapunov(&asked),
-        Command::Order(asked) => commands::order(&asked),
-        Command::Compare(asked) => commands::compare(&asked),
-        Command::Plan(asked) => commands::plan(&asked),
-        Command::Part { folder, part, threads } => commands::part(&folder, part, threads),
-        Command::Merge { folder, write, json } => commands::merge(&folder, &write, json),
-        Command::Extend { folder, paths } => commands::extend(&folder, paths),
-        Command::Schema => commands::schema(),
-        Command::Doctor => commands::doctor(),
+        New { name, list } => commands::new(name.as_deref(), list),
+        Inspect(asked) => commands::inspect(&asked),
+        Run(asked) => commands::run(&asked),
+        Expect(asked) => commands::expect(&asked),
+        Equilibrium(asked) => commands::equilibrium(&asked),
+        Lyapunov(asked) => commands::lyapunov(&asked),
+        Order(asked) => commands::order(&asked),
+        Compare(asked) => commands::compare(&asked),
+        Plan(asked) => commands::plan(&asked),
+        Part { folder, part, threads } => commands::part(&folder, part, threads),
+        Merge { folder, write, json } => commands::merge(&folder, &write, json),
+        Extend { folder, paths } => commands::extend(&folder, paths),
+        Schema => commands::schema(),
+        Doctor => commands::doctor(),
     }
 }

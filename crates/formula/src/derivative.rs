@@ -2,7 +2,11 @@
 
 use crate::{
     Id,
-    graph::{Binary, Graph, Node, Unary},
+    graph::{
+        Binary::*,
+        Graph, Node,
+        Unary::{self, *},
+    },
 };
 
 /// Terms of the series of sinc′: the first omitted one is below half an ulp at x = 1.
@@ -62,25 +66,25 @@ impl Graph {
         let [first, second, third, fourth] = [0, 1, 2, 3].map(|n| (n == k).then_some(weight));
         Some(match self.node(f) {
             Node::Constant(_) | Node::Input(_) => return None,
-            Node::Unary(Unary::Neg, _) => self.neg(weight),
-            Node::Unary(Unary::Abs, a) => {
+            Node::Unary(Neg, _) => self.neg(weight),
+            Node::Unary(Abs, a) => {
                 let (zero, other) = (self.constant(0.0), self.neg(weight));
                 self.where_less(a, zero, other, weight)
             }
-            Node::Unary(Unary::Sqrt, _) => {
+            Node::Unary(Sqrt, _) => {
                 let twice = self.scale(f, 2.0);
                 self.div(weight, twice)
             }
-            Node::Unary(Unary::Ln, a) => self.div(weight, a),
+            Node::Unary(Ln, a) => self.div(weight, a),
             Node::Unary(function, a) => {
                 let slope = self.slope(function, f, a);
                 self.mul(weight, slope)
             }
-            Node::Binary(Binary::Add, ..) => weight,
-            Node::Binary(Binary::Sub, ..) if is_first => weight,
-            Node::Binary(Binary::Sub, ..) => self.neg(weight),
-            Node::Binary(Binary::Mul, a, b) => self.mul(weight, if is_first { b } else { a }),
-            Node::Binary(Binary::Div, _, b) => {
+            Node::Binary(Add, ..) => weight,
+            Node::Binary(Sub, ..) if is_first => weight,
+            Node::Binary(Sub, ..) => self.neg(weight),
+            Node::Binary(Mul, a, b) => self.mul(weight, if is_first { b } else { a }),
+            Node::Binary(Div, _, b) => {
                 let part = self.div(weight, b);
                 if is_first {
                     return Some(part);
@@ -88,8 +92,8 @@ impl Graph {
                 let part = self.mul(part, f);
                 self.neg(part)
             }
-            Node::Binary(Binary::Min, a, b) => self.chosen(a, b, first, second)?,
-            Node::Binary(Binary::Max, a, b) => self.chosen(b, a, first, second)?,
+            Node::Binary(Min, a, b) => self.chosen(a, b, first, second)?,
+            Node::Binary(Max, a, b) => self.chosen(b, a, first, second)?,
             Node::Power(a, n) => {
                 let power = self.power_of_size(a, n - 1);
                 let weight = self.scale(weight, f64::from(n));
@@ -102,20 +106,20 @@ impl Graph {
     /// The derivative of f = function(a), for smooth functions other than √, ln and −.
     fn slope(&mut self, function: Unary, f: Id, a: Id) -> Id {
         match function {
-            Unary::Exp => f,
-            Unary::Sin => self.unary(Unary::Cos, a),
-            Unary::Cos => {
-                let sin = self.unary(Unary::Sin, a);
+            Exp => f,
+            Sin => self.unary(Cos, a),
+            Cos => {
+                let sin = self.unary(Sin, a);
                 self.neg(sin)
             }
-            Unary::Sinh => self.unary(Unary::Cosh, a),
-            Unary::Cosh => self.unary(Unary::Sinh, a),
-            Unary::Tan | Unary::Tanh => {
+            Sinh => self.unary(Cosh, a),
+            Cosh => self.unary(Sinh, a),
+            Tan | Tanh => {
                 let (one, square) = (self.constant(1.0), self.power(f, 2));
-                if function == Unary::Tan { self.add(square, one) } else { self.sub(one, square) }
+                if function == Tan { self.add(square, one) } else { self.sub(one, square) }
             }
-            Unary::Sinc => self.sinc_slope(f, a),
-            Unary::Neg | Unary::Abs | Unary::Sqrt | Unary::Ln => {
+            Sinc => self.sinc_slope(f, a),
+            Neg | Abs | Sqrt | Ln => {
                 unreachable!("{function} has a rule of its own")
             }
         }
@@ -137,7 +141,7 @@ impl Graph {
         let near = self.scale(product, -1.0 / 3.0);
         // Where the series is taken, the quotient is not 0/0.
         let safe = self.where_less(square, one, one, x);
-        let cos = self.unary(Unary::Cos, x);
+        let cos = self.unary(Cos, x);
         let difference = self.sub(cos, sinc);
         let far = self.div(difference, safe);
         self.where_less(square, one, near, far)
@@ -174,7 +178,7 @@ impl Graph {
                 let rate = of(a)?;
                 self.part(f, 0, rate)?
             }
-            Node::Binary(Binary::Add | Binary::Mul, a, b) => {
+            Node::Binary(Add | Sub | Mul, a, b) => {
                 let parts = [a, b].map(of);
                 let mut part = |k: usize| parts[k].and_then(|rate| self.part(f, k, rate));
                 match (part(0), part(1)) {
@@ -182,12 +186,7 @@ impl Graph {
                     (left, right) => left.or(right)?,
                 }
             }
-            Node::Binary(Binary::Sub, a, b) => match (of(a), of(b)) {
-                (Some(a), Some(b)) => self.sub(a, b),
-                (Some(a), None) => a,
-                (None, b) => self.neg(b?),
-            },
-            Node::Binary(Binary::Div, a, b) => {
+            Node::Binary(Div, a, b) => {
                 let lower = of(b).map(|rate| self.mul(f, rate));
                 let upper = match (of(a), lower) {
                     (Some(upper), Some(lower)) => self.sub(upper, lower),
@@ -196,8 +195,8 @@ impl Graph {
                 };
                 self.div(upper, b)
             }
-            Node::Binary(Binary::Min, a, b) => self.chosen(a, b, of(a), of(b))?,
-            Node::Binary(Binary::Max, a, b) => self.chosen(b, a, of(a), of(b))?,
+            Node::Binary(Min, a, b) => self.chosen(a, b, of(a), of(b))?,
+            Node::Binary(Max, a, b) => self.chosen(b, a, of(a), of(b))?,
             Node::Power(a, n) => {
                 let (rate, power) = (of(a)?, self.power_of_size(a, n - 1));
                 let slope = self.scale(power, f64::from(n));

@@ -1,11 +1,8 @@
 //! One formula with its text.
 
-use std::{
-    slice::{from_mut, from_ref},
-    sync::Arc,
-};
+use std::{slice::from_ref, sync::Arc};
 
-use real::{Row, WIDTH};
+use real::Row;
 
 use crate::{Binary, FormulaError, Graph, Id, Names, Node, Tape, parse};
 
@@ -61,14 +58,36 @@ impl Formula {
         value[0]
     }
 
+    /// Why the formula has no finite value at a point: its first operation that is not finite
+    /// although its operands are, as `this is NaN for -0.3`. None if it has one: an infinite
+    /// operand that is divided by does no harm.
+    ///
+    /// # Panics
+    /// Unless the point has a number for each variable.
+    #[must_use]
+    pub fn explain(&self, point: &[f64]) -> Option<FormulaError> {
+        assert_eq!(point.len(), self.variables.len(), "numbers of a point");
+        let (graph, root, text) = (&self.graph, self.root, &self.text);
+        let values = graph.values(&[root], point);
+        if values[root.index()].is_finite() {
+            return None;
+        }
+        let needed = graph.needed(&[root]);
+        let id = graph.ids().find(|id| needed[id.index()] && !values[id.index()].is_finite())?;
+        let operands = graph.node(id).operands().map(|operand| values[operand.index()].to_string());
+        let operands = operands.collect::<Vec<_>>().join(" and ");
+        let of = if operands.is_empty() { "" } else { " for " };
+        let message = format!("this is {}{of}{operands}", values[id.index()]);
+        Some(FormulaError::new(message, text, graph.place(id).unwrap_or(0..text.len())))
+    }
+
     /// The values at 32 points, with a row for each variable. For formulas that are evaluated now
     /// and then: memory is allocated, which a [`tape`](field@Self::tape) does not.
     ///
     /// # Panics
     /// Unless there is a row for each variable.
     pub fn values(&self, points: &[Row], values: &mut Row) {
-        let mut scratch = vec![[0.0; WIDTH]; self.tape.scratch_rows()];
-        self.tape.evaluate(&[points], from_mut(values), &mut scratch);
+        *values = self.tape.rows(&[points])[0];
     }
 
     /// The derivatives with respect to the variables of these numbers, as a tape on the variables.

@@ -6,8 +6,8 @@ use std::{
     ops::Range,
 };
 
-use Unary::{Abs, Cos, Cosh, Exp, Ln, Neg, Sin, Sinc, Sinh, Sqrt, Tan, Tanh};
-use real::Real;
+use real::{Degree, Real};
+use {Binary::*, Unary::*};
 
 use crate::functions;
 
@@ -62,7 +62,8 @@ impl Unary {
     pub(crate) const NAMED: [Self; 11] =
         [Abs, Sqrt, Exp, Ln, Sin, Cos, Tan, Sinh, Cosh, Tanh, Sinc];
 
-    /// The value at x, with the functions that a tape uses.
+    /// The value at x, as a tape computes it.
+    #[inline(always)]
     pub(crate) fn value<R: Real>(self, x: R) -> R {
         match self {
             Neg => -x,
@@ -108,12 +109,12 @@ impl Binary {
     /// The value at (a, b).
     pub(crate) fn value<R: Real>(self, a: R, b: R) -> R {
         match self {
-            Self::Add => a + b,
-            Self::Sub => a - b,
-            Self::Mul => a * b,
-            Self::Div => a / b,
-            Self::Min => functions::min(a, b),
-            Self::Max => functions::max(a, b),
+            Add => a + b,
+            Sub => a - b,
+            Mul => a * b,
+            Div => a / b,
+            Min => functions::min(a, b),
+            Max => functions::max(a, b),
         }
     }
 }
@@ -277,7 +278,7 @@ impl Graph {
     /// (x, c), if the expression is c·x.
     fn scaled(&self, id: Id) -> Option<(Id, f64)> {
         match self.node(id) {
-            Node::Binary(Binary::Mul, x, c) => Some((x, self.as_constant(c)?)),
+            Node::Binary(Mul, x, c) => Some((x, self.as_constant(c)?)),
             _ => None,
         }
     }
@@ -292,8 +293,8 @@ impl Graph {
         }
         match self.node(a) {
             Node::Unary(Neg, x) => x,
-            Node::Binary(Binary::Sub, x, y) => self.sub(y, x),
-            Node::Binary(Binary::Add, x, y) if self.as_constant(y).is_some() => {
+            Node::Binary(Sub, x, y) => self.sub(y, x),
+            Node::Binary(Add, x, y) if self.as_constant(y).is_some() => {
                 let y = self.neg(y);
                 self.sub(y, x)
             }
@@ -314,11 +315,11 @@ impl Graph {
     /// A function of a and b.
     pub fn binary(&mut self, function: Binary, a: Id, b: Id) -> Id {
         match function {
-            Binary::Add => self.add(a, b),
-            Binary::Sub => self.sub(a, b),
-            Binary::Mul => self.mul(a, b),
-            Binary::Div => self.div(a, b),
-            Binary::Min | Binary::Max => match (self.as_constant(a), self.as_constant(b)) {
+            Add => self.add(a, b),
+            Sub => self.sub(a, b),
+            Mul => self.mul(a, b),
+            Div => self.div(a, b),
+            Min | Max => match (self.as_constant(a), self.as_constant(b)) {
                 (Some(x), Some(y)) => self.constant(function.value(x, y)),
                 _ if a == b => a,
                 _ => self.intern(Node::Binary(function, a, b)),
@@ -338,7 +339,7 @@ impl Graph {
         match (self.negated(a), self.negated(b)) {
             (_, Some(y)) => self.sub(a, y),
             (Some(x), None) => self.sub(b, x),
-            _ => self.commutative(Binary::Add, a, b),
+            _ => self.commutative(Add, a, b),
         }
     }
 
@@ -360,7 +361,7 @@ impl Graph {
                 let sum = self.add(x, b);
                 self.neg(sum)
             }
-            _ => self.intern(Node::Binary(Binary::Sub, a, b)),
+            _ => self.intern(Node::Binary(Sub, a, b)),
         }
     }
 
@@ -375,7 +376,7 @@ impl Graph {
         }
         match self.unsigned(a, b, Self::mul) {
             Some(product) => product,
-            None => self.commutative(Binary::Mul, a, b),
+            None => self.commutative(Mul, a, b),
         }
     }
 
@@ -396,7 +397,7 @@ impl Graph {
             return self.scale(x, c * inner);
         }
         let c = self.constant(c);
-        self.intern(Node::Binary(Binary::Mul, a, c))
+        self.intern(Node::Binary(Mul, a, c))
     }
 
     /// a/b.
@@ -416,7 +417,7 @@ impl Graph {
         }
         match self.unsigned(a, b, Self::div) {
             Some(quotient) => quotient,
-            None => self.intern(Node::Binary(Binary::Div, a, b)),
+            None => self.intern(Node::Binary(Div, a, b)),
         }
     }
 
@@ -507,6 +508,27 @@ impl Graph {
             }
         }
         needed
+    }
+
+    /// A bound of the degree of an expression as a polynomial in `inputs`, as in [`real::Degree`];
+    /// none if it does not show a polynomial. An expression made of pieces is none.
+    #[must_use]
+    pub fn degree(&self, root: Id, inputs: &[usize]) -> Option<u32> {
+        self.degrees(&[root], inputs)[root.index()]
+    }
+
+    /// The [`degree`](Self::degree) of the `roots`, and of what they are made of.
+    pub(crate) fn degrees(&self, roots: &[Id], inputs: &[usize]) -> Vec<Option<u32>> {
+        let mut degrees = vec![Degree::CONSTANT; self.inputs()];
+        let known = inputs.iter().filter(|&&k| k < self.inputs());
+        known.for_each(|&k| degrees[k] = Degree::VARIABLE);
+        self.values(roots, &degrees).into_iter().map(Degree::get).collect()
+    }
+
+    /// Whether one of the expressions that `roots` use is such a node.
+    pub(crate) fn uses(&self, roots: &[Id], is: impl Fn(Node) -> bool) -> bool {
+        let needed = self.needed(roots);
+        self.ids().any(|id| needed[id.index()] && is(self.node(id)))
     }
 
     /// The values of `roots` and of what they are made of, on numbers of any type.

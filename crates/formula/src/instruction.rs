@@ -1,7 +1,5 @@
 //! The instructions of a tape, and the loop that runs them.
 
-use real::elementary;
-
 use crate::{functions, graph::Unary};
 
 /// What an instruction computes from rows a, …, f and numbers k, l, see [`run`]. Every product and
@@ -92,6 +90,9 @@ pub fn run<const W: usize>(
         // A plain loop over lanes for each operation. The result is a value that overlaps with no
         // operand, and so the compiler vectorises the loop and keeps the result in registers.
         macro_rules! on_lanes {
+            (of $($function:ident)*; $($rest:tt)*) => {
+                on_lanes! { $(Of($function), [a], [] => $function.value(a);)* $($rest)* }
+            };
             ($($operation:pat, [$($row:ident)*], [$($number:ident)*] => $value:expr;)*) => {
                 match operation {
                     $($operation => {
@@ -111,20 +112,9 @@ pub fn run<const W: usize>(
             };
         }
         on_lanes! {
+            of Neg Abs Sqrt Exp Ln Sin Cos Tan Sinh Cosh Tanh Sinc;
             Copy, [a], [] => a;
             Fill, [], [k] => k;
-            Of(Neg), [a], [] => -a;
-            Of(Abs), [a], [] => a.abs();
-            Of(Sqrt), [a], [] => a.sqrt();
-            Of(Exp), [a], [] => elementary::exp(a);
-            Of(Ln), [a], [] => elementary::ln(a);
-            Of(Sin), [a], [] => elementary::sin(a);
-            Of(Cos), [a], [] => elementary::cos(a);
-            Of(Tan), [a], [] => functions::tan(a);
-            Of(Sinh), [a], [] => functions::sinh(a);
-            Of(Cosh), [a], [] => functions::cosh(a);
-            Of(Tanh), [a], [] => functions::tanh(a);
-            Of(Sinc), [a], [] => elementary::sinc(a);
             Add, [a b], [k] => (a + b) * k;
             AddNumber, [a], [k l] => (a + k) * l;
             Sub, [a b], [k] => (a - b) * k;

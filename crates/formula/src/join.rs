@@ -3,7 +3,7 @@
 use crate::{
     Id,
     graph::{Binary, Graph, Node},
-    instruction::Operation,
+    instruction::Operation::{self, *},
     uniform::Number,
 };
 
@@ -16,15 +16,16 @@ pub struct Joined {
     pub numbers: [Option<Number>; 2],
 }
 
-impl Joined {
-    fn new<const N: usize>(operation: Operation, operands: [Id; N], numbers: &[Number]) -> Self {
+impl Operation {
+    fn on<const N: usize>(self, operands: [Id; N], numbers: &[Number]) -> Joined {
         let numbers = [0, 1].map(|k| numbers.get(k).copied());
-        Self { operation, operands: operands.to_vec(), numbers }
+        Joined { operation: self, operands: operands.to_vec(), numbers }
     }
+}
 
+impl Joined {
     /// The same times a number, if the operation has such a factor.
     fn times(mut self, k: Number) -> Option<Self> {
-        use Operation::*;
         let factor = match self.operation {
             Add | Sub | Mul | MulAdd | MulSub | SubMul | MulAddMul | MulSubMul => 0,
             AddNumber | ScaleAdd => 1,
@@ -62,6 +63,8 @@ struct Join<'a> {
     uses: Vec<u32>,
     uniform: &'a [bool],
 }
+
+use Term::{Other, Product, Scaled};
 
 /// An operand of a sum.
 enum Term {
@@ -108,32 +111,32 @@ impl Join<'_> {
         match (self.number(id), self.alone(id, Binary::Mul)) {
             (Some(k), _) => Term::Number(k),
             (_, Some((a, b))) => match self.scaled(a, b) {
-                Some((x, k)) => Term::Scaled(x, k),
-                None => Term::Product(a, b),
+                Some((x, k)) => Scaled(x, k),
+                None => Product(a, b),
             },
-            _ => Term::Other,
+            _ => Other,
         }
     }
 
     /// The step for an expression; none for an input.
     fn step(&self, id: Id) -> Option<Joined> {
         if let Some(k) = self.number(id) {
-            return Some(Joined::new(Operation::Fill, [], &[k]));
+            return Some(Fill.on([], &[k]));
         }
         Some(match self.graph.node(id) {
             Node::Input(_) => return None,
-            Node::Unary(function, a) => Joined::new(Operation::Of(function), [a], &[]),
+            Node::Unary(function, a) => Of(function).on([a], &[]),
             Node::Binary(Binary::Add, a, b) => self.sum(a, b),
             Node::Binary(Binary::Sub, a, b) => self.difference(a, b),
             Node::Binary(Binary::Mul, a, b) => self.product(a, b),
             Node::Binary(Binary::Div, a, b) => match (self.number(a), self.number(b)) {
-                (Some(k), _) => Joined::new(Operation::NumberDiv, [b], &[k]),
-                (_, Some(k)) => Joined::new(Operation::DivNumber, [a], &[k]),
-                _ => Joined::new(Operation::Div, [a, b], &[]),
+                (Some(k), _) => NumberDiv.on([b], &[k]),
+                (_, Some(k)) => DivNumber.on([a], &[k]),
+                _ => Div.on([a, b], &[]),
             },
-            Node::Binary(Binary::Min, a, b) => Joined::new(Operation::Min, [a, b], &[]),
-            Node::Binary(Binary::Max, a, b) => Joined::new(Operation::Max, [a, b], &[]),
-            Node::Where(all) => Joined::new(Operation::Where, all, &[]),
+            Node::Binary(Binary::Min, a, b) => Min.on([a, b], &[]),
+            Node::Binary(Binary::Max, a, b) => Max.on([a, b], &[]),
+            Node::Where(all) => Where.on(all, &[]),
             Node::Constant(_) => unreachable!("constants are numbers"),
             Node::Power(..) => unreachable!("powers are written out"),
         })
@@ -144,46 +147,40 @@ impl Join<'_> {
     }
 
     fn sum_of(&self, (a, left): (Id, Term), (b, right): (Id, Term)) -> Joined {
-        use Operation::*;
         // a + b = b + a to the bit.
         if let Term::Number(_) = left {
             return self.sum_of((b, right), (a, left));
         }
         match (left, right) {
-            (Term::Product(a, b), Term::Product(c, d)) => Joined::new(MulAddMul, [a, b, c, d], &[]),
-            (Term::Product(a, b), Term::Number(k)) => Joined::new(MulAddNumber, [a, b], &[k]),
-            (Term::Product(x, y), _) => Joined::new(MulAdd, [x, y, b], &[]),
-            (_, Term::Product(x, y)) => Joined::new(MulAdd, [x, y, a], &[]),
-            (Term::Scaled(a, k), Term::Scaled(b, l)) => Joined::new(ScaleAddScale, [a, b], &[k, l]),
-            (Term::Scaled(a, k), Term::Number(l)) => Joined::new(ScaleAddNumber, [a], &[k, l]),
-            (Term::Scaled(x, k), _) => Joined::new(ScaleAdd, [x, b], &[k]),
-            (_, Term::Scaled(x, k)) => Joined::new(ScaleAdd, [x, a], &[k]),
-            (_, Term::Number(k)) => Joined::new(AddNumber, [a], &[k]),
-            _ => Joined::new(Add, [a, b], &[]),
+            (Product(a, b), Product(c, d)) => MulAddMul.on([a, b, c, d], &[]),
+            (Product(a, b), Term::Number(k)) => MulAddNumber.on([a, b], &[k]),
+            (Product(x, y), _) => MulAdd.on([x, y, b], &[]),
+            (_, Product(x, y)) => MulAdd.on([x, y, a], &[]),
+            (Scaled(a, k), Scaled(b, l)) => ScaleAddScale.on([a, b], &[k, l]),
+            (Scaled(a, k), Term::Number(l)) => ScaleAddNumber.on([a], &[k, l]),
+            (Scaled(x, k), _) => ScaleAdd.on([x, b], &[k]),
+            (_, Scaled(x, k)) => ScaleAdd.on([x, a], &[k]),
+            (_, Term::Number(k)) => AddNumber.on([a], &[k]),
+            _ => Add.on([a, b], &[]),
         }
     }
 
     fn difference(&self, a: Id, b: Id) -> Joined {
-        use Operation::*;
         match (self.term(a), self.term(b)) {
-            (Term::Product(a, b), Term::Product(c, d)) => Joined::new(MulSubMul, [a, b, c, d], &[]),
-            (Term::Number(k), Term::Product(a, b)) => Joined::new(NumberSubMul, [a, b], &[k]),
-            (Term::Product(a, b), Term::Number(k)) => Joined::new(MulAddNumber, [a, b], &[-k]),
-            (Term::Product(x, y), _) => Joined::new(MulSub, [x, y, b], &[]),
-            (_, Term::Product(x, y)) => Joined::new(SubMul, [x, y, a], &[]),
-            (term, Term::Scaled(x, k)) => self.sum_of((a, term), (b, Term::Scaled(x, -k))),
+            (Product(a, b), Product(c, d)) => MulSubMul.on([a, b, c, d], &[]),
+            (Term::Number(k), Product(a, b)) => NumberSubMul.on([a, b], &[k]),
             (term, Term::Number(k)) => self.sum_of((a, term), (b, Term::Number(-k))),
-            (Term::Number(k), _) => Joined::new(NumberSub, [b], &[k]),
-            _ => Joined::new(Sub, [a, b], &[]),
+            (Product(x, y), _) => MulSub.on([x, y, b], &[]),
+            (_, Product(x, y)) => SubMul.on([x, y, a], &[]),
+            (term, Scaled(x, k)) => self.sum_of((a, term), (b, Scaled(x, -k))),
+            (Term::Number(k), _) => NumberSub.on([b], &[k]),
+            _ => Sub.on([a, b], &[]),
         }
     }
 
     fn product(&self, a: Id, b: Id) -> Joined {
-        use Operation::*;
-        if let Some((x, k)) = self.scaled(a, b) {
-            let inner = self.inner(x).and_then(|step| step.times(k));
-            return inner.unwrap_or_else(|| Joined::new(Scale, [x], &[k]));
-        }
-        Joined::new(Mul, [a, b], &[])
+        let Some((x, k)) = self.scaled(a, b) else { return Mul.on([a, b], &[]) };
+        let inner = self.inner(x).and_then(|step| step.times(k));
+        inner.unwrap_or_else(|| Scale.on([x], &[k]))
     }
 }

@@ -54,11 +54,9 @@
 //! | [`FormulaError`] | what is wrong, with line, column and carets |
 //! | [`excerpt`], [`nearest()`] | the same for other texts |
 
-mod closed_integral;
 mod compile;
 mod damping;
 mod derivative;
-mod domain;
 mod error;
 mod formula;
 mod functions;
@@ -67,7 +65,6 @@ mod instruction;
 mod join;
 mod names;
 mod parse;
-mod shape;
 mod system;
 mod tape;
 mod terms;

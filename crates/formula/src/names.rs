@@ -5,7 +5,7 @@ use std::{collections::HashMap, sync::Arc};
 use crate::graph::{Binary, Unary};
 
 /// What a name stands for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) enum Meaning {
     /// Input number k.
     Variable(usize),
@@ -16,7 +16,7 @@ pub(crate) enum Meaning {
     /// A function of two numbers.
     Binary(Binary),
     /// Inputs that make a vector.
-    Vector,
+    Vector(Vec<usize>),
     /// A function of vectors.
     OfVectors(OfVectors),
     /// Σ of an expression over an index.
@@ -25,6 +25,13 @@ pub(crate) enum Meaning {
     If,
     /// A word between conditions.
     Word,
+}
+
+impl Meaning {
+    /// Whether it is a function or another word, and no number or vector.
+    fn is_function(&self) -> bool {
+        !matches!(self, Self::Variable(_) | Self::Value(_) | Self::Vector(_))
+    }
 }
 
 /// A function of vectors.
@@ -46,8 +53,6 @@ pub(crate) enum OfVectors {
 pub struct Names {
     pub(crate) variables: Arc<Vec<String>>,
     meanings: HashMap<String, Meaning>,
-    /// The inputs of vectors.
-    vectors: HashMap<String, Vec<usize>>,
 }
 
 /// A name that cannot be given, or a parameter that is not finite: what is wrong with it.
@@ -73,7 +78,7 @@ impl Default for Names {
         ];
         let more = more.map(|(name, meaning)| (name.to_owned(), meaning));
         let meanings = unary.into_iter().chain(more).collect();
-        Self { variables: Arc::default(), meanings, vectors: HashMap::new() }
+        Self { variables: Arc::default(), meanings }
     }
 }
 
@@ -121,20 +126,13 @@ impl Names {
     ///
     /// # Errors
     /// [`NameError`].
-    pub fn vector<S: AsRef<str>>(&mut self, name: &str, of: &[S]) -> Result<(), NameError> {
-        let component = |of: &S| match self.meaning(of.as_ref()) {
-            Some(Meaning::Variable(k)) => Ok(k),
-            _ => Err(NameError(format!("`{}` in the vector `{name}` is no variable", of.as_ref()))),
+    pub fn vector(&mut self, name: &str, of: &[String]) -> Result<(), NameError> {
+        let component = |of: &String| match self.meaning(of) {
+            Some(Meaning::Variable(k)) => Ok(*k),
+            _ => Err(NameError(format!("`{of}` in the vector `{name}` is no variable"))),
         };
         let components = of.iter().map(component).collect::<Result<_, _>>()?;
-        self.insert(name, Meaning::Vector)?;
-        self.vectors.insert(name.to_owned(), components);
-        Ok(())
-    }
-
-    /// The inputs of a vector.
-    pub(crate) fn components(&self, vector: &str) -> Option<&[usize]> {
-        self.vectors.get(vector).map(Vec::as_slice)
+        self.insert(name, Meaning::Vector(components))
     }
 
     fn insert(&mut self, name: &str, meaning: Meaning) -> Result<(), NameError> {
@@ -142,9 +140,7 @@ impl Names {
             _ if !crate::parse::is_name(name) => {
                 "is no name: a name is a letter, then letters, digits and _"
             }
-            Some(Meaning::Variable(_) | Meaning::Value(_) | Meaning::Vector) => {
-                "is given twice, or a constant"
-            }
+            Some(known) if !known.is_function() => "is given twice, or a constant",
             Some(_) => "is a word of formulas: choose another name",
             None => {
                 self.meanings.insert(name.to_owned(), meaning);
@@ -160,16 +156,14 @@ impl Names {
         &self.variables
     }
 
-    pub(crate) fn meaning(&self, name: &str) -> Option<Meaning> {
-        self.meanings.get(name).copied()
+    pub(crate) fn meaning(&self, name: &str) -> Option<&Meaning> {
+        self.meanings.get(name)
     }
 
     /// The nearest name of a function, or of what is none.
     pub(crate) fn nearest(&self, name: &str, of_function: bool) -> String {
-        let is_function = |meaning: &Meaning| {
-            !matches!(meaning, Meaning::Variable(_) | Meaning::Value(_) | Meaning::Vector)
-        };
-        let known = self.meanings.iter().filter(|(_, meaning)| is_function(meaning) == of_function);
+        let known =
+            self.meanings.iter().filter(|(_, meaning)| meaning.is_function() == of_function);
         nearest(name, known.map(|(name, _)| name))
     }
 }

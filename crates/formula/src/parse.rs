@@ -45,27 +45,17 @@ const POWER: u32 = 7;
 /// # Errors
 /// [`FormulaError`] with the place in the text and what would be right.
 pub fn parse(text: &str, names: &Names, graph: &mut Graph) -> Result<Id, FormulaError> {
+    let (at, last, depth, terms) = (0, "", 0, 0);
+    let (conditions, indices) = (HashSet::new(), Vec::new());
+    let mut parser = Parser { text, names, graph, at, last, depth, conditions, indices, terms };
     let bytes = text.len();
     if bytes > MAX_BYTES {
         let message = format!("the formula has {bytes} bytes, and at most {MAX_BYTES} are allowed");
-        return Err(FormulaError::new(message, text, 0..0));
+        return parser.error(message, 0..0);
     }
     if text.trim().is_empty() {
-        let message = "the formula is empty: write a number or an expression";
-        return Err(FormulaError::new(message, text, 0..0));
+        return parser.error("the formula is empty: write a number or an expression", 0..0);
     }
-    let conditions = HashSet::new();
-    let mut parser = Parser {
-        text,
-        names,
-        graph,
-        at: 0,
-        last: "",
-        depth: 0,
-        conditions,
-        indices: Vec::new(),
-        terms: 0,
-    };
     parser.skip("");
     let value = parser.expression(OR)?;
     match parser.token() {
@@ -388,10 +378,9 @@ impl<'a> Parser<'a> {
             return self.alone(span, |graph| graph.constant(value));
         }
         match self.names.meaning(name) {
-            Some(Meaning::Variable(k)) => self.alone(span, |graph| graph.input(k)),
-            Some(Meaning::Value(value)) => self.alone(span, |graph| graph.constant(value)),
-            Some(Meaning::Vector) => {
-                let components = self.names.components(name).unwrap_or_default();
+            Some(Meaning::Variable(k)) => self.alone(span, |graph| graph.input(*k)),
+            Some(Meaning::Value(value)) => self.alone(span, |graph| graph.constant(*value)),
+            Some(Meaning::Vector(components)) => {
                 Ok((components.iter().map(|&k| self.graph.input(k)).collect(), span))
             }
             Some(Meaning::Word) => {
@@ -421,7 +410,7 @@ impl<'a> Parser<'a> {
             token @ "]" => self.skip(token),
             _ => return self.error("this bracket is not closed: `]` is missing", open),
         }
-        let Some(components) = self.names.components(name) else {
+        let Some(Meaning::Vector(components)) = self.names.meaning(name) else {
             return self.name(&format!("{name}{index}"), at.start..end);
         };
         match components.get((index as usize).wrapping_sub(1)) {
@@ -520,36 +509,35 @@ impl<'a> Parser<'a> {
         let meaning = self.names.meaning(function);
         let expected = match meaning {
             Some(Meaning::Sum) => return self.sum(at),
-            Some(Meaning::Unary(_) | Meaning::OfVectors(OfVectors::Norm)) => "1 argument",
-            Some(Meaning::Binary(_) | Meaning::OfVectors(_)) => "2 arguments",
-            Some(Meaning::If) => "3 arguments",
+            Some(Meaning::Unary(_) | Meaning::OfVectors(OfVectors::Norm)) => 1,
+            Some(Meaning::Binary(_) | Meaning::OfVectors(_)) => 2,
+            Some(Meaning::If) => 3,
             _ => return self.error(self.unknown_function(function), at),
         };
         let (arguments, end) = self.bracket()?;
-        let span = at.start..end;
-        match (meaning, &arguments[..]) {
-            (Some(Meaning::OfVectors(of)), [(a, _), b @ ..])
-                if b.is_empty() == (of == OfVectors::Norm) && b.len() < 2 =>
-            {
-                self.of_vectors(of, a, b.first().map_or(a, |(b, _)| b), span)
+        let (span, found) = (at.start..end, arguments.len());
+        if found != expected {
+            let s = if expected == 1 { "" } else { "s" };
+            let message = format!("`{function}` takes {expected} argument{s}, got {found}");
+            return self.error(message, span);
+        }
+        if let Some(Meaning::OfVectors(of)) = meaning {
+            return self.of_vectors(*of, &arguments[0].0, &arguments[expected - 1].0, span);
+        }
+        let mut numbers = Vec::new();
+        for (k, argument) in arguments.into_iter().enumerate() {
+            let is_condition = expected == 3 && k == 0;
+            numbers.push(
+                if is_condition { self.condition(argument) } else { self.number(argument) }?.0,
+            );
+        }
+        match (meaning, &numbers[..]) {
+            (Some(Meaning::Unary(unary)), &[a]) => self.alone(span, |graph| graph.unary(*unary, a)),
+            (Some(Meaning::Binary(binary)), &[a, b]) => {
+                self.alone(span, |graph| graph.binary(*binary, a, b))
             }
-            (Some(Meaning::Unary(unary)), [a]) => {
-                let (a, _) = self.number(a.clone())?;
-                self.alone(span, |graph| graph.unary(unary, a))
-            }
-            (Some(Meaning::Binary(binary)), [a, b]) => {
-                let ((a, _), (b, _)) = (self.number(a.clone())?, self.number(b.clone())?);
-                self.alone(span, |graph| graph.binary(binary, a, b))
-            }
-            (Some(Meaning::If), [condition, a, b]) => {
-                let (condition, _) = self.condition(condition.clone())?;
-                let ((a, _), (b, _)) = (self.number(a.clone())?, self.number(b.clone())?);
-                self.chosen(condition, [a, b], span)
-            }
-            (_, found) => {
-                let found = found.len();
-                self.error(format!("`{function}` takes {expected}, got {found}"), span)
-            }
+            (_, &[condition, a, b]) => self.chosen(condition, [a, b], span),
+            _ => unreachable!("it has {expected} arguments"),
         }
     }
 

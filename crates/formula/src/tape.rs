@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use real::{Kernel, Row, dispatch};
+use real::{Kernel, Row, WIDTH, dispatch};
 
 use crate::{
     Id,
@@ -95,6 +95,17 @@ impl Tape {
     /// result, and `scratch` has at least [`scratch_rows`](Self::scratch_rows) rows.
     pub fn evaluate(&self, inputs: &[&[Row]], out: &mut [Row], scratch: &mut [Row]) {
         self.evaluate_with(&self.numbers, inputs, out, scratch);
+    }
+
+    /// The results at 32 points, for what is evaluated now and then: memory is allocated.
+    ///
+    /// # Panics
+    /// Unless `inputs` are as many groups of as many rows as the tape has.
+    #[must_use]
+    pub fn rows(&self, inputs: &[&[Row]]) -> Vec<Row> {
+        let [mut out, mut scratch] = [self.outputs, self.scratch].map(|n| vec![[0.0; WIDTH]; n]);
+        self.evaluate(inputs, &mut out, &mut scratch);
+        out
     }
 
     pub(crate) fn evaluate_with(

@@ -2,7 +2,11 @@
 
 use crate::{
     Graph, Id,
-    graph::{Binary, Node, Unary},
+    graph::{
+        Binary::{Add, Div, Max, Min, Mul, Sub},
+        Node,
+        Unary::Neg,
+    },
 };
 
 /// Parts whose text is longer are not written out: shared ones may make an endless text.
@@ -33,16 +37,16 @@ pub fn text(graph: &Graph, root: Id, names: &[String], least: Binding) -> String
         // A product as its constant and its other factors.
         let factors = match graph.node(id) {
             Node::Constant(bits) => Some((f64::from_bits(bits), String::new())),
-            Node::Unary(Unary::Neg, a) => {
+            Node::Unary(Neg, a) => {
                 let (c, x) = &products[a.index()];
                 Some((-c, x.clone()))
             }
-            Node::Binary(Binary::Mul, a, b) => {
+            Node::Binary(Mul, a, b) => {
                 let [(c, x), (d, y)] = [a, b].map(|id| &products[id.index()]);
                 let gap = if x.is_empty() || y.is_empty() { "" } else { " " };
                 Some((c * d, format!("{x}{gap}{y}")))
             }
-            Node::Binary(Binary::Div, a, b) => {
+            Node::Binary(Div, a, b) => {
                 let ((c, x), below) = (&products[a.index()], of(b, Power));
                 Some(match x.is_empty() {
                     true => (c.signum(), format!("{}/{below}", number(c.abs()))),
@@ -65,14 +69,10 @@ pub fn text(graph: &Graph, root: Id, names: &[String], least: Binding) -> String
             (_, Some(factors)) => product(factors),
             (Node::Input(k), _) => (names[k as usize].clone(), Whole),
             (Node::Unary(function, a), _) => (format!("{function}({})", of(a, Sum)), Whole),
-            (Node::Binary(Binary::Add, a, b), _) => sum(a, b, false),
-            (Node::Binary(Binary::Sub, a, b), _) => sum(a, b, true),
-            (Node::Binary(Binary::Min, a, b), _) => {
-                (format!("min({})", two(a, b, ", ", [Sum; 2])), Whole)
-            }
-            (Node::Binary(Binary::Max, a, b), _) => {
-                (format!("max({})", two(a, b, ", ", [Sum; 2])), Whole)
-            }
+            (Node::Binary(Add, a, b), _) => sum(a, b, false),
+            (Node::Binary(Sub, a, b), _) => sum(a, b, true),
+            (Node::Binary(Min, a, b), _) => (format!("min({})", two(a, b, ", ", [Sum; 2])), Whole),
+            (Node::Binary(Max, a, b), _) => (format!("max({})", two(a, b, ", ", [Sum; 2])), Whole),
             (Node::Power(a, n), _) => (format!("{}^{n}", of(a, Whole)), Power),
             (Node::Where([x, y, a, b]), _) => {
                 let condition = two(x, y, " < ", [Sum; 2]);
@@ -114,9 +114,9 @@ pub fn negated(graph: &mut Graph, id: Id) -> Option<Id> {
 /// Whether the constants of a product have a negative product.
 fn is_negative(graph: &Graph, id: Id) -> bool {
     match graph.node(id) {
-        Node::Unary(Unary::Neg, a) => !is_negative(graph, a),
-        Node::Binary(Binary::Mul, a, b) => is_negative(graph, a) != is_negative(graph, b),
-        Node::Binary(Binary::Div, a, _) => is_negative(graph, a),
+        Node::Unary(Neg, a) => !is_negative(graph, a),
+        Node::Binary(Mul, a, b) => is_negative(graph, a) != is_negative(graph, b),
+        Node::Binary(Div, a, _) => is_negative(graph, a),
         _ => graph.as_constant(id).is_some_and(|c| c < 0.0),
     }
 }

@@ -33,17 +33,16 @@ impl Document {
 
     /// Begins a section.
     pub fn section(&mut self, title: &str) {
-        self.end_section();
+        self.body += self.end();
         self.sections += 1;
         let (n, title) = (self.sections, escape(title));
         self.navigation += &format!("<a href=\"#section-{n}\">{title}</a> ");
         self.body += &format!("<section id=\"section-{n}\"><h2>{title}</h2>\n");
     }
 
-    fn end_section(&mut self) {
-        if self.sections > 0 {
-            self.body += "</section>\n";
-        }
+    /// The end of the section that was begun.
+    fn end(&self) -> &'static str {
+        if self.sections > 0 { "</section>\n" } else { "" }
     }
 
     /// Adds a paragraph.
@@ -124,8 +123,8 @@ impl Document {
     }
 
     /// The page.
-    pub fn html(mut self) -> String {
-        self.end_section();
+    pub fn html(self) -> String {
+        let end = self.end();
         let Self { kicker, title, navigation, body, .. } = self;
         format!(
             r#"<!DOCTYPE html>
@@ -143,7 +142,7 @@ impl Document {
 <h1>{title}</h1>
 <nav>{navigation}</nav></header>
 <main>
-{body}</main>
+{body}{end}</main>
 </body>
 </html>
 "#

@@ -26,7 +26,7 @@ pub fn new(name: Option<&str>, list: bool) -> Done {
         list += &format!("  {name:<18}{headline}\n");
     }
     list += "\nSystems of the project, for `name` in [system], and their parameters:\n";
-    for (name, parameters, what) in PROJECT {
+    for (name, parameters, what, _) in PROJECT {
         list += &format!("  {name:<18}{what}\n");
         if !parameters.is_empty() {
             list += &format!("{:20}{parameters}\n", "");

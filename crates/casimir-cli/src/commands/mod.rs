@@ -1,9 +1,8 @@
 //! The commands.
 
 mod about;
-mod findings;
 mod parts;
-mod run;
+mod scene;
 
 use std::{
     fs,
@@ -21,7 +20,7 @@ use casimir::{
 };
 use casimir_cli::{
     failure::{Done, Failure},
-    scene::{Changes, Scene, SchemeAndSeed, Source},
+    scene::{Changes, Scene, SceneError, SchemeAndSeed, Source},
     verbs::{Found, ProgressBar, Watch},
 };
 use serde::Serialize;
@@ -32,20 +31,25 @@ use signal_hook::{
 };
 
 pub use about::{citation, doctor, new, schema};
-pub use findings::{compare, equilibrium, expect, inspect, lyapunov, order};
 pub use parts::{extend, merge, part, plan};
-pub use run::run;
+pub use scene::{compare, equilibrium, expect, inspect, lyapunov, order, run};
 
 use crate::arguments::On;
 
-/// Reads a scene and checks it and the folder, and takes as many threads as are asked for.
+/// Reads what a command is on and checks it and the folder, and takes as many threads as are asked
+/// for.
+fn read<T>(on: &On, read: impl FnOnce(Source) -> Result<T, SceneError>) -> Done<T> {
+    let source = source(&on.scene)?;
+    let read = watch().under(READING, 0, || read(source))?;
+    on.threads.map_or(Ok(()), limit_threads)?;
+    on.out.as_deref().map_or(Ok(()), files::check)?;
+    Ok(read)
+}
+
+/// A scene with changes.
 fn open(on: &On, scheme: &SchemeAndSeed, steps: Option<u64>) -> Done<Scene> {
     let changes = Changes { scheme: scheme.clone(), steps, ..Changes::default() };
-    let source = source(&on.scene)?;
-    let scene = watch().under(READING.into(), 0, || Scene::new(source, &changes))?;
-    threads(on.threads)?;
-    on.out.as_deref().map_or(Ok(()), files::check)?;
-    Ok(scene)
+    read(on, |source| Scene::new(source, &changes))
 }
 
 /// What takes long with large systems.
@@ -132,10 +136,6 @@ fn stoppable() -> Watch {
     watch
 }
 
-fn threads(threads: Option<u64>) -> Done {
-    Ok(threads.map_or(Ok(()), limit_threads)?)
-}
-
 /// Prints to the standard output; a reader that went away is no error.
 fn print(text: &str) -> Done {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
@@ -169,12 +169,12 @@ fn prepare(folder: &Path) -> Done {
 }
 
 /// Says what was found, and writes figures and JSON into a folder, if there is one.
-fn tell(found: &Found, folder: Option<PathBuf>, file: &str, json: bool) -> Done {
+fn tell(found: &Found, folder: Option<&Path>, file: &str, json: bool) -> Done {
     // First, and whatever becomes of the files.
     let told = if json { print_json(&found.json) } else { print(&found.text) };
     let mut written = String::new();
     if let Some(folder) = folder {
-        files::prepare(&folder)?;
+        files::prepare(folder)?;
         files::write_json(&folder.join(format!("{file}.json")), &found.json)?;
         for figure in &found.figures {
             let file = folder.join(format!("{}.svg", figure.file));

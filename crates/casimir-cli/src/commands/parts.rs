@@ -3,7 +3,7 @@
 use std::{env, fs, path::Path, time::Duration};
 
 use casimir::{
-    mc::parts::{Job, JobError, Program, Share, hash, merged_paths},
+    mc::parts::{Job, JobError, Program, Share, hash, limit_threads, merged_paths},
     plot::files,
 };
 use casimir_cli::{
@@ -17,7 +17,7 @@ use casimir_cli::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::{prepare, print, program, run, source, stoppable, threads, watch};
+use super::{prepare, print, program, scene::write, source, stoppable, watch};
 use crate::arguments::Plan;
 
 /// What is divided into parts: `plan.json` in the folder of the parts, beside the scene.
@@ -69,7 +69,7 @@ impl Folder {
     /// This program and what it computes in the folder.
     fn program(&self) -> Program {
         let schemes = self.divided.settled.iter().map(|(scheme, _)| format!("scheme = {scheme}\n"));
-        program(&self.sweep.combinations[0].scene, &schemes.collect::<String>())
+        program(self.sweep.scene(), &schemes.collect::<String>())
     }
 
     /// A hash of all that was planned.
@@ -96,7 +96,7 @@ pub fn plan(arguments: &Plan) -> Done {
     let Plan { scene, parts, out, cpus, sbatch: options, changes } = arguments;
     let source = source(scene)?;
     let sweep = Sweep::new(&source, changes)?;
-    let settings = &sweep.combinations[0].scene.settings;
+    let settings = &sweep.scene().settings;
     let refused = |words: String| Err(Failure::Usage(words));
     if !settings.is_study() {
         let words = "a few paths are not divided: take at least 100 `paths`, or `casimir run`";
@@ -150,7 +150,7 @@ pub fn plan(arguments: &Plan) -> Done {
 
 /// Computes one part.
 pub fn part(folder: &Path, part: u64, cpus: Option<u64>) -> Done {
-    threads(cpus)?;
+    cpus.map_or(Ok(()), limit_threads)?;
     let opened = Folder::open(folder)?;
     let share = Share::new(part, opened.divided.parts)?;
     let watch = stoppable();
@@ -182,7 +182,7 @@ pub fn merge(folder: &Path, formats: &[Format], json: bool) -> Done {
     }
     // Whether or not the file of what was merged can be written.
     if found.results.iter().all(Option::is_some) {
-        run::write(&found, folder, formats, json)?;
+        write(&found, folder, formats, json)?;
     }
     Ok(merged?)
 }
@@ -190,7 +190,7 @@ pub fn merge(folder: &Path, formats: &[Format], json: bool) -> Done {
 /// Asks for more in a folder.
 pub fn extend(folder: &Path, paths: u64) -> Done {
     let mut opened = Folder::open(folder)?;
-    let before = opened.sweep.combinations[0].scene.settings.paths;
+    let before = opened.sweep.scene().settings.paths;
     if paths <= before {
         return Err(Failure::Usage(format!("ask for more than {before} paths: --paths N")));
     }

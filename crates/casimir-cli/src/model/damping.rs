@@ -13,7 +13,7 @@ use casimir::{
 };
 
 use crate::output::digits;
-use crate::scene::{At, Read, Reading, Text, refuse};
+use crate::scene::{At, Read, Reading, Text, Wrong, place, refuse};
 
 /// The components with a rate, where each is damped alone.
 pub type Rates<'a> = Vec<(usize, &'a At<Text>)>;
@@ -24,9 +24,7 @@ pub fn rates<'a>(
     components: &[String],
     vectors: &[(String, Vec<String>)],
 ) -> Read<Rates<'a>> {
-    let (source, Some(table)) = (reading.source, &reading.file.damping) else {
-        return Ok(Vec::new());
-    };
+    let Some(table) = &reading.file.damping else { return Ok(Vec::new()) };
     let given: Vec<(&At<String>, &At<Text>)> =
         match (&table.rate, &table.components, table.rates.is_empty()) {
             (Some(_), None, true) => return Ok(Vec::new()),
@@ -34,9 +32,8 @@ pub fn rates<'a>(
             (None, None, false) => table.rates.iter().collect(),
             (rate, ..) => {
                 let others = || table.rates.keys().next().map(At::span);
-                let place = rate.as_ref().map(At::span).or_else(others);
+                let place = place(rate).or_else(others);
                 refuse!(
-                    source,
                     place,
                     "[damping] has a `rate`, of all or of some `components`, or `rates` such as \
                      {{ p1 = \"g1\" }}"
@@ -51,10 +48,10 @@ pub fn rates<'a>(
         for one in named {
             let Some(i) = components.iter().position(|known| known == one) else {
                 let hint = nearest(one, components);
-                refuse!(source, name.span(), "`{one}` is no component{hint}");
+                refuse!(name, "`{one}` is no component{hint}");
             };
             if rates.iter().any(|(known, _)| *known == i) {
-                refuse!(source, name.span(), "`{one}` is damped twice");
+                refuse!(name, "`{one}` is damped twice");
             }
             rates.push((i, rate));
         }
@@ -71,33 +68,27 @@ pub fn damping(
     let rates = rates(reading, components, vectors)?;
     let Some(table) = &reading.file.damping else { return Ok((constant(0.0), Vec::new())) };
     if let (Some(place), Some(_)) = (&table.temperature, &reading.file.system.name) {
-        refuse!(
-            reading.source,
-            place.span(),
-            "a `temperature` is for formulas; a lattice has it as a parameter"
-        );
-    }
-    if let (Some(rate), []) = (&table.rate, &rates[..]) {
-        return Ok((of_rate(reading, rate)?, Vec::new()));
+        refuse!(place, "a `temperature` is for formulas; a lattice has it as a parameter");
     }
     // Rates that are the same are one friction.
-    let mut groups: Vec<(&At<Text>, Vec<usize>)> = Vec::new();
+    let all = table.rate.iter().filter(|_| rates.is_empty());
+    let mut groups: Vec<(&At<Text>, Vec<usize>)> =
+        all.map(|rate| (rate, (0..components.len()).collect())).collect();
     for (i, rate) in rates {
         match groups.iter_mut().find(|(known, _)| known.0 == rate.0) {
             Some((_, all)) => all.push(i),
             None => groups.push((rate, vec![i])),
         }
     }
-    match groups[..] {
-        [(rate, ref all)] if all.len() == components.len() => {
-            Ok((of_rate(reading, rate)?, Vec::new()))
+    let friction = groups
+        .into_iter()
+        .map(|(rate, components)| Ok(Friction { damping: of_rate(reading, rate)?, components }));
+    let mut friction = friction.collect::<Read<Vec<_>>>()?;
+    match &friction[..] {
+        [one] if one.components.len() == components.len() => {
+            Ok((friction.swap_remove(0).damping, Vec::new()))
         }
-        _ => {
-            let friction = groups.into_iter().map(|(rate, components)| {
-                Ok(Friction { damping: of_rate(reading, rate)?, components })
-            });
-            Ok((constant(0.0), friction.collect::<Read<_>>()?))
-        }
+        _ => Ok((constant(0.0), friction)),
     }
 }
 
@@ -117,17 +108,16 @@ pub fn bath(
     rates: &Rates<'_>,
     temperature: &At<Text>,
 ) -> Read<Vec<String>> {
-    let Reading { source, file, settings, .. } = reading;
-    let place = temperature.span();
+    let Reading { file, settings, .. } = reading;
     if let Some(noises) = &file.system.noises {
-        refuse!(source, noises.span(), "the noise follows from the `temperature`: leave out `H`");
+        refuse!(noises, "the noise follows from the `temperature`: leave out `H`");
     }
     if rates.is_empty() {
-        refuse!(source, place, "a temperature needs friction on momenta: `components` or `rates`");
+        refuse!(temperature, "a temperature needs friction on momenta: `components` or `rates`");
     }
     let (kt, times) = (of_rate(reading, temperature)?, TIMES.map(|part| part * settings.until));
     if let Some(t) = times.into_iter().find(|t| kt.rate(*t) < 0.0) {
-        refuse!(source, place, "kT is at least 0, got {} at t = {t}", kt.rate(t));
+        refuse!(temperature, "kT is at least 0, got {} at t = {t}", kt.rate(t));
     }
     // With the components as Hamiltonians of noises, these have the columns of B.
     let columns = Definition { noises: definition.state.clone(), ..definition.clone() };
@@ -140,8 +130,7 @@ pub fn bath(
     let description = problem.system().description();
     if description.linearity != Linearity::Constant && !is_divergence_free(problem.system(), y0) {
         refuse!(
-            source,
-            place,
+            temperature,
             "fields B∇H have a divergence here: exp(-H0/kT) is not stationary, with any noise"
         );
     }
@@ -165,8 +154,7 @@ pub fn bath(
         };
         let Some(q) = (0..state.len()).find(is_coordinate) else {
             refuse!(
-                source,
-                temperature.span(),
+                temperature,
                 "`{name}` is not the momentum of one coordinate, with a constant entry of B. Noise \
                  B∇H keeps Casimirs, as |L| of a body: a bath that changes them takes momenta that \
                  stay zero, see \"Any other equation\" in docs/scenes.md; for spins take \
@@ -195,8 +183,7 @@ pub fn bath(
                 None => format!("H0 has no term {name}^2/(2*m)"),
             };
             refuse!(
-                source,
-                temperature.span(),
+                temperature,
                 "{what}: a bath takes a constant mass m. Write the noise as `H`: for a mass m of \
                  the coordinate or the time, with ∂H/∂{} = sqrt(2*γ*m*kT)",
                 state[q]
@@ -213,14 +200,14 @@ const PARTS: u32 = 64;
 
 /// The damping of a rate.
 fn of_rate(reading: &Reading<'_>, rate: &At<Text>) -> Read<Arc<dyn Damping>> {
-    let Reading { source, constants, settings, .. } = reading;
+    let Reading { constants, settings, .. } = reading;
     let mut names = constants.names.clone();
-    names.variable("t").map_err(|error| source.error(rate.span(), error))?;
-    let formula = source.formula(rate, &names)?;
+    names.variable("t").map_err(|error| Wrong::new(rate, error))?;
+    let formula = rate.formula(&names)?;
     for t in [0.0, settings.until] {
         if let Some(error) = formula.explain(&[t]) {
             let message = format!("{} at t = {t}", error.message);
-            return Err(source.error_in(rate, &error, message));
+            return Err(Wrong::in_formula(rate, &error, message));
         }
     }
     if !formula.depends_on(0) {
@@ -228,12 +215,12 @@ fn of_rate(reading: &Reading<'_>, rate: &At<Text>) -> Read<Arc<dyn Damping>> {
     }
     let damping = FormulaDamping::new(formula);
     if let (_, Some(t)) = rate_integrals(&damping, settings.until, PARTS) {
-        refuse!(source, rate.span(), "this has no integral about t = {}", digits(t));
+        refuse!(rate, "this has no integral about t = {}", digits(t));
     }
     Ok(Arc::new(damping))
 }
 
 /// A rate that is finite.
 fn constant(rate: f64) -> Arc<dyn Damping> {
-    Arc::new(Constant::new(rate).unwrap_or_else(|error| unreachable!("{error}")))
+    Arc::new(Constant::new(rate).expect("the rate is finite"))
 }

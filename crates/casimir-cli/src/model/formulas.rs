@@ -1,6 +1,6 @@
 //! A system from formulas.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use casimir::{
     analysis::facts::energy,
@@ -10,13 +10,12 @@ use casimir::{
 };
 
 use super::{
-    Built,
-    at_run_time::AtRunTime,
+    AtRunTime, Built,
     damping::{bath, damping, rates},
 };
 use crate::scene::{
-    At, Calculus, Further, Listed, Parameter, Read, Reading, SceneError, State, SystemTable, Text,
-    refuse, structure as entries,
+    At, Calculus, Further, Listed, Parameter, Read, Reading, State, SystemTable, Text, Wrong,
+    place as place_of, refuse, structure as entries,
 };
 
 /// Bytes of an entry of B.
@@ -24,7 +23,7 @@ const ENTRY: f64 = 2e3;
 
 /// The model of formulas.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
-    let Reading { source, file, constants, settings } = reading;
+    let Reading { file, constants, settings } = reading;
     let table = &file.system;
     let (Some(state), Some(structure), Some(energy)) =
         (&table.state, &table.structure, &table.energy)
@@ -35,7 +34,6 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
             _ => "`H0`, the Hamiltonian",
         };
         refuse!(
-            source,
             None,
             "[system] needs {missing}; or the `name` of a system of the project, see `casimir new \
              --list`"
@@ -43,19 +41,19 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     };
     let is_list = |value: &At<Parameter>| !matches!(**value, Parameter::One(_));
     if let Some((key, value)) = table.parameters.iter().find(|(_, value)| is_list(value)) {
-        refuse!(source, value.span(), "the parameter `{}` of formulas is one number", **key);
+        refuse!(value, "the parameter `{}` of formulas is one number", **key);
     }
     let words = |text: &At<Text>| text.0.clone();
-    let state = State::new(source, state)?;
+    let state = State::new(state)?;
     let d = state.components.len();
     demand(format!("a matrix B for {d} components"), ENTRY * (d * d) as f64)
-        .map_err(|error| source.error(structure.span(), error))?;
+        .map_err(|error| Wrong::new(structure, error))?;
     let mut definition = Definition {
         name: file.title.clone().unwrap_or("formulas".into()),
         state: state.components.iter().map(|name| name.to_string()).collect(),
         vectors: state.vectors.clone(),
         parameters: constants.numbers.clone(),
-        structure: entries(source, (&state, &constants.names), structure)?,
+        structure: entries((&state, &constants.names), structure)?,
         energy: words(energy),
         noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
     };
@@ -73,7 +71,12 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     compare(reading, &system, (&problem, &friction))?;
     Ok(Built {
         sizes: Vec::new(),
-        model: Box::new(AtRunTime::new(problem, friction, Some(system))),
+        model: Box::new(AtRunTime {
+            problem,
+            friction,
+            formulas: Some(system),
+            facts: OnceLock::new(),
+        }),
         components: definition.state,
         names,
         energy: Further::Energy(energy.clone()),
@@ -93,32 +96,26 @@ fn compare(
     system: &FormulaSystem,
     (problem, friction): (&Problem, &[Friction]),
 ) -> Read<()> {
-    let Reading { source, file, .. } = reading;
-    let SystemTable { calculus, drift, noise, .. } = &file.system;
+    let SystemTable { calculus, drift, noise, .. } = &reading.file.system;
     let noise = noise.as_deref().unwrap_or_default();
     let Some(drift) = drift else {
-        let place = calculus.as_ref().map(At::span).or(noise.first().map(At::span));
+        let place = place_of(calculus).or(noise.first().map(At::span));
         return place.map_or(Ok(()), |place| {
-            refuse!(
-                source,
-                place,
-                "`calculus` and `noise` are for an equation: give its `drift` as well"
-            );
+            refuse!(place, "`calculus` and `noise` are for an equation: give its `drift` as well");
         });
     };
     let of = mc::Problem::at_run_time(problem).with_friction(friction);
     let (y0, is_ito) = (problem.y0(), calculus.as_deref() == Some(&Calculus::Ito));
     if noise.len() != of.noises {
         refuse!(
-            source,
-            noise.last().unwrap_or(drift).span(),
+            noise.last().unwrap_or(drift),
             "H has {} noises, and `noise` has {}",
             of.noises,
             noise.len()
         );
     }
     let mut names = system.names().clone();
-    names.variable("t").map_err(|error| source.error(drift.span(), error))?;
+    names.variable("t").map_err(|error| Wrong::new(drift, error))?;
     let mut points = casimir::systems::around(y0, |y| system.check_domain(y).is_ok());
     let moving = moving(&of, system, &mut points);
     for (m, texts) in noise.iter().enumerate().map(|(m, noise)| (m + 1, noise)).chain([(0, drift)])
@@ -128,15 +125,11 @@ fn compare(
             given if given == y0.len() => (0..given).collect(),
             given => {
                 let d = y0.len();
-                refuse!(
-                    source,
-                    texts.span(),
-                    "one formula for each of {d} components, got {given}"
-                );
+                refuse!(texts, "one formula for each of {d} components, got {given}");
             }
         };
         for (i, text) in all.into_iter().zip(texts.iter()) {
-            let formula = source.formula(text, &names)?;
+            let formula = text.formula(&names)?;
             for (y, t) in points.iter().flat_map(|y| TIMES.map(|t| (y, t))) {
                 let given = formula.value(&[y, &[t][..]].concat());
                 let at = (of.coefficients)(t, y);
@@ -158,8 +151,7 @@ fn compare(
                 let sense = if is_ito { "Itô" } else { "Stratonovich" };
                 let equation = &system.equations(&damped(problem, friction))[i];
                 refuse!(
-                    source,
-                    text.span(),
+                    text,
                     "this {what} is {given:.6} at y = {y:?}, t = {t}, and that of B and H is \
                      {own:.6} in the sense of {sense}{hint}: only equations of this form are \
                      simulated. Theirs, of Stratonovich, is {equation}"
@@ -200,8 +192,8 @@ pub fn damped(problem: &Problem, friction: &[Friction]) -> Vec<bool> {
 }
 
 /// What is wrong with a definition, at its place.
-fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> SceneError {
-    let (source, table) = (reading.source, &reading.file.system);
+fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> Wrong {
+    let table = &reading.file.system;
     let structure = table.structure.as_ref();
     let (mut formula, mut place) = (None, structure.map(At::span));
     match error.which {
@@ -225,12 +217,12 @@ fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> 
             // A name in the message is in quotes.
             let is_named = |name: &&At<String>| error.message.contains(&format!("`{}`", ***name));
             let name = state.components.iter().rfind(is_named);
-            place = name.map(At::span).or(table.state.as_ref().map(At::span));
+            place = name.map(At::span).or(place_of(&table.state));
         }
     }
     match (formula, &error.formula) {
-        (Some(formula), Some(inner)) => source.formula_error(formula, inner),
-        (Some(formula), None) => source.error(formula.span(), error),
-        (None, _) => source.error(place, error),
+        (Some(formula), Some(inner)) => Wrong::formula(formula, inner),
+        (Some(formula), None) => Wrong::new(formula, error),
+        (None, _) => Wrong::new(place, error),
     }
 }

@@ -1,18 +1,18 @@
 //! Spins on a lattice.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use casimir::{
     mc::demand,
-    real::{Row, WIDTH},
+    real::{Row, Rows, WIDTH},
     systems::{
         lattice::{Couplings, Shape, SpinLattice, noise_at_temperature},
         run_time::{Problem, System, Weights},
     },
 };
 
-use super::{Built, at_run_time::AtRunTime, damping::damping, project::numbered};
-use crate::scene::{Further, Observable, Parameters, Quantity, Read, Reading, Settings, refuse};
+use super::{AtRunTime, Built, damping::damping, project::numbered};
+use crate::scene::{Further, Observable, Quantity, Read, Reading, Settings, refuse};
 
 /// The parameters of a lattice.
 pub const PARAMETERS: &str =
@@ -25,51 +25,48 @@ const ROUNDING: f64 = 1e-9;
 
 /// The model of a lattice.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
-    let parameters = Parameters::new(reading, &PARAMETERS.split(", ").collect::<Vec<_>>())?;
-    let sizes = parameters.list("sizes", &[8.0])?;
+    reading.know(&PARAMETERS.split(", ").collect::<Vec<_>>())?;
+    let sizes = reading.list("sizes", &[8.0])?;
     if let Some(size) = sizes.iter().find(|n| n.fract() != 0.0 || !(1.0..=1e6).contains(*n)) {
-        refuse!(parameters, "sizes", "a size is a whole number of at least 1, got {size}");
+        refuse!(reading.place("sizes"), "a size is a whole number of at least 1, got {size}");
     }
     let sizes: Vec<usize> = sizes.iter().map(|size| *size as usize).collect();
-    let shape = if parameters.switch("periodic", false)? {
+    let shape = if reading.switch("periodic", false)? {
         Shape::periodic(&sizes)
     } else {
         Shape::open(&sizes)
     };
-    let shape = shape.map_err(|error| parameters.error("sizes", error))?;
+    let shape = shape.map_err(|error| reading.error("sizes", error))?;
     let sites = shape.sites();
     demand(format!("a lattice of {sites} sites"), SITE * sites as f64)
-        .map_err(|error| parameters.error("sizes", error))?;
+        .map_err(|error| reading.error("sizes", error))?;
     let Settings { initial, until, .. } = reading.settings;
     let y0 = match initial[..] {
         [x, y, z] => [x, y, z].repeat(sites),
         ref all => all.to_vec(),
     };
-    let transverse = parameters.number("transverse", 0.0)?;
-    let local = parameters.switch("local", true)?;
-    let noise = match parameters.get("temperature") {
-        None => parameters.number("noise", 0.0)?,
+    let transverse = reading.number("transverse", 0.0)?;
+    let local = reading.switch("local", true)?;
+    let noise = match reading.get("temperature") {
+        None => reading.number("noise", 0.0)?,
         Some(_) => {
-            let kt = parameters.number("temperature", 0.0)?;
-            if parameters.get("noise").is_some() {
+            let kt = reading.number("temperature", 0.0)?;
+            if reading.get("noise").is_some() {
                 refuse!(
-                    parameters,
-                    "temperature",
+                    reading.place("temperature"),
                     "the noise follows from the temperature: give one of them"
                 );
             }
             if kt < 0.0 || transverse <= 0.0 {
                 refuse!(
-                    parameters,
-                    "temperature",
+                    reading.place("temperature"),
                     "a temperature of at least 0 needs `transverse` damping above 0, got {kt} and \
                      {transverse}"
                 );
             }
             if sites > 1 && !local || reading.file.damping.is_some() {
                 refuse!(
-                    parameters,
-                    "temperature",
+                    reading.place("temperature"),
                     "a temperature takes a noise for each spin, `local`, and no [damping]: give \
                      `noise`"
                 );
@@ -89,8 +86,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
             }
             if most - least > ROUNDING * most {
                 refuse!(
-                    parameters,
-                    "temperature",
+                    reading.place("temperature"),
                     "spins have lengths from {least} to {most}: give `noise`"
                 );
             }
@@ -101,21 +97,21 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
         }
     };
     let couplings = Couplings {
-        exchange: parameters.number("exchange", 1.0)?,
-        anisotropy: parameters.number("anisotropy", 0.0)?,
-        field: parameters.three("field", [0.0; 3])?,
+        exchange: reading.number("exchange", 1.0)?,
+        anisotropy: reading.number("anisotropy", 0.0)?,
+        field: reading.three("field", [0.0; 3])?,
         noise,
         local,
         damping: transverse,
     };
-    let lattice = SpinLattice::on_paths(shape, couplings)
-        .map_err(|error| parameters.error("sizes", error))?;
+    let lattice =
+        SpinLattice::on_paths(shape, couplings).map_err(|error| reading.error("sizes", error))?;
     let components: Vec<String> =
         (1..=sites).flat_map(|site| ["x", "y", "z"].map(|axis| format!("s{site}{axis}"))).collect();
     let system = lattice.clone();
     let per_spin = move |y: &[Row], values: &mut Row| {
-        let dw = vec![[0.0; WIDTH]; system.description().noises];
-        let mut scratch = vec![[0.0; WIDTH]; system.description().scratch_rows()];
+        let description = system.description();
+        let [dw, mut scratch] = [description.noises, description.scratch_rows()].map(Rows::zero);
         system.energy(
             &y[..3 * sites],
             Weights { dt: 1.0, dw: &dw, ..Weights::NONE },
@@ -142,7 +138,7 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     quantities.push(Observable::new("energy", energy.clone()));
     Ok(Built {
         sizes,
-        model: Box::new(AtRunTime::new(problem, friction, None)),
+        model: Box::new(AtRunTime { problem, friction, formulas: None, facts: OnceLock::new() }),
         names,
         components,
         energy: Further::Quantity(energy),

@@ -1,26 +1,26 @@
 //! A system with its damping, initial value and schemes, behind one trait for compiled systems and
 //! those that are known at run time.
 
-mod at_run_time;
-mod compiled;
 mod damping;
 mod formulas;
 mod lattice;
 mod project;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use casimir::{
-    analysis::facts::{Bath, Kept, fastest},
-    formula::Names,
-    mc::{Expect, Friction, Problem},
+    analysis::facts::{Bath, DampingIntegral, Facts, Form, Kept, fastest},
+    formula::{FormulaSystem, Names},
+    mc::{Expect, Friction, Problem, Setup},
     schemes::{BuiltIn, Method, SchemeError},
-    systems::run_time::System,
+    systems::run_time::{self, System},
 };
 
 use crate::scene::{Further, MOST_COMPONENTS, Observable, Read, Reading};
 
 pub use project::PROJECT;
+
+use formulas::damped;
 
 /// More noises are too many to be compared with a bath one by one.
 const MOST_NOISES: usize = 100;
@@ -85,6 +85,98 @@ pub trait Model: Send + Sync {
     /// known.
     fn fastest(&self) -> f64 {
         fastest(self.system(), &self.problem().y0)
+    }
+}
+
+/// A problem whose system is known at run time.
+struct AtRunTime {
+    problem: run_time::Problem,
+    friction: Vec<Friction>,
+    /// None of a lattice.
+    formulas: Option<Arc<FormulaSystem>>,
+    /// Those of formulas, when they are found.
+    facts: OnceLock<Facts>,
+}
+
+impl AtRunTime {
+    /// What formulas keep, found once. Lattices are too large.
+    fn facts(&self) -> Option<&Facts> {
+        self.formulas.as_ref()?;
+        Some(self.facts.get_or_init(|| Facts::of(&self.problem)))
+    }
+}
+
+impl Model for AtRunTime {
+    fn problem(&self) -> Problem<'_> {
+        let mut problem = Problem::at_run_time(&self.problem);
+        if let Some(facts) = self.facts() {
+            problem.laws = facts.laws(self.system());
+        }
+        problem.with_friction(&self.friction)
+    }
+
+    fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
+        let scheme = scheme.at_run_time(self.problem.system())?;
+        Ok(Friction::around(Setup::owning(&self.problem, scheme)?.scheme, &self.friction))
+    }
+
+    /// Formulas and lattices have areas for those who name their schemes.
+    fn recommended(&self) -> (&'static str, String) {
+        let system = self.system().description();
+        let kept = Kept::of(&self.problem(), self.system(), false);
+        let (scheme, mut why) = kept.scheme(self.system());
+        if let (Err(reason), None, false) = (&system.parts, &self.formulas, system.is_transverse) {
+            why += &format!("; split would not do: {reason}");
+        }
+        (scheme, why)
+    }
+
+    fn known(&self) -> Known {
+        let Some((facts, system)) = self.facts().zip(self.formulas.as_ref()) else {
+            return Known::default();
+        };
+        let laws = self.problem().laws;
+        let holds = |name: &str| laws.iter().any(|law| law.name == name);
+        let form = |(k, form): (usize, &Form)| {
+            let name = format!("C{}", k + 1);
+            let broken = if holds(&name) { "" } else { ", which friction breaks" };
+            format!("Casimir {name} = {}{broken}", form.formula())
+        };
+        let energy = facts.energy_law().filter(|_| holds("H0")).map(|degree| {
+            match (facts.damped, self.friction.is_empty()) {
+                (false, true) => "H0 is constant".into(),
+                (_, true) => format!("H0 decays as exp(-{degree} ∫γ)"),
+                _ => "H0 decays as each of its monomials".into(),
+            }
+        });
+        let of_friction = || {
+            let t_end = self.problem.t_end();
+            let mut all = self.friction.iter();
+            all.find_map(|one| DampingIntegral::of(&*one.damping, t_end).mistake())
+        };
+        Known {
+            equations: system.equations(&damped(&self.problem, &self.friction)),
+            laws: facts.casimirs.iter().enumerate().map(form).chain(energy).collect(),
+            mistake: facts.mistake.clone().or_else(of_friction),
+        }
+    }
+
+    fn fastest(&self) -> f64 {
+        self.formulas.as_ref().map_or(0.0, |_| fastest(self.system(), self.problem.y0()))
+    }
+
+    /// None for a lattice: a point has as many dimensions as spins, steps and noises together.
+    fn expect(&self) -> Option<Expect<'_>> {
+        self.formulas.as_ref()?;
+        Some(Expect::at_run_time(&self.problem).ok()?.with_friction(&self.friction))
+    }
+
+    fn friction(&self) -> &[Friction] {
+        &self.friction
+    }
+
+    fn system(&self) -> &dyn System {
+        self.problem.system()
     }
 }
 

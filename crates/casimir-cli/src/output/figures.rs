@@ -78,10 +78,9 @@ const PORTRAITS: usize = 3;
 /// All figures of a run by section; that of the table at the end may have none.
 pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
     let drawn = &scene.drawn;
-    let names: Vec<&String> = match (&drawn.show, &results.study) {
-        (Some(show), _) => show.iter().collect(),
-        (_, Some(study)) => study.series.iter().map(|series| &series.observable).collect(),
-        _ => scene.observables.iter().map(|observable| &observable.name).collect(),
+    let names: Vec<&String> = match &drawn.show {
+        Some(show) => show.iter().collect(),
+        None => results.series().iter().map(|series| &series.observable).collect(),
     };
     let mut sections = match &results.study {
         Some(study) => of_study(drawn, &names, study),
@@ -102,13 +101,8 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
 
 /// The figures of the statistics of observables.
 fn of_study(drawn: &scene::Drawn, names: &[&String], study: &StudyResult) -> Vec<Section> {
-    let levels = study
-        .record
-        .quantiles
-        .iter()
-        .map(|level| digits(100.0 * level))
-        .collect::<Vec<_>>()
-        .join(" %, ");
+    let levels = study.record.quantiles.iter().map(|level| digits(100.0 * level));
+    let levels = levels.collect::<Vec<_>>().join(" %, ");
     let (paths, mut in_time, mut at_end) = (study.record.paths, Vec::new(), Vec::new());
     for series in names.iter().filter_map(|name| study.series(name)) {
         let (Series { observable: name, points }, last) = (series, series.last());

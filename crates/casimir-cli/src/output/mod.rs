@@ -7,7 +7,7 @@ mod page;
 mod steps;
 mod sweep;
 
-use std::{borrow::Cow, mem::take, path::Path};
+use std::{mem::take, path::Path};
 
 use casimir::{
     analysis::aligned,
@@ -30,7 +30,7 @@ pub use steps::step_lines;
 
 use crate::{
     failure::Done,
-    scene::{Combination, Observable, Scene, Sweep},
+    scene::{Combination, Observable, Scene},
     verbs::{Outcomes, Results, warnings},
 };
 
@@ -45,45 +45,17 @@ pub enum Format {
     Npz,
 }
 
-/// What was computed, ready to be told: a run, or runs at each combination of what is varied.
-pub struct Report<'a> {
-    sweep: &'a Sweep,
-    scene: &'a Scene,
-    /// The runs that are here; one if nothing is varied.
-    runs: Vec<Run<'a>>,
-}
-
-/// One run, with observables in time: statistics of many paths, the mean of a few.
-struct Run<'a> {
-    one: &'a Combination,
-    results: &'a Results,
-    series: Cow<'a, [Series]>,
-    /// Autocorrelations and spectra.
-    lagged: &'a [Series],
-}
+/// A run that is here.
+type Run<'a> = (&'a Combination, &'a Results);
 
 /// Lines of the table of a sweep on a terminal, or of warnings.
 const MOST_LINES: usize = 24;
 
-impl<'a> Report<'a> {
-    /// What was found.
-    pub fn new(outcomes: &'a Outcomes<'_>) -> Self {
-        let Outcomes { sweep, .. } = outcomes;
-        let run = |(one, results): (&'a Combination, &'a Results)| {
-            let series = match &results.study {
-                Some(study) => Cow::Borrowed(&study.series[..]),
-                None => sweep::means(&one.scene, &results.tables).into(),
-            };
-            let lagged = results.study.as_ref().map_or(&[][..], |study| &study.lagged);
-            Run { one, results, series, lagged }
-        };
-        let runs = outcomes.found().map(run).collect();
-        Self { sweep, scene: &sweep.combinations[0].scene, runs }
-    }
-
+/// What was computed, as it is told.
+impl Outcomes<'_> {
     /// The run, if nothing is varied.
-    fn single(&self) -> Option<&Run<'a>> {
-        self.runs.first().filter(|_| self.sweep.varied.is_empty())
+    fn single(&self) -> Option<Run<'_>> {
+        self.found().next().filter(|_| self.sweep.varied.is_empty())
     }
 
     /// The results in words.
@@ -99,11 +71,11 @@ impl<'a> Report<'a> {
 
     /// Warnings with the combinations that they are about.
     fn warnings(&self) -> Vec<String> {
-        let of = |Run { one, results, .. }: &Run<'_>| {
+        let of = |(one, results): Run<'_>| {
             let (prefix, warnings) = (one.prefix(), results.warnings(&one.scene).into_iter());
             warnings.map(move |warning| format!("{prefix}{warning}"))
         };
-        let mut all: Vec<String> = self.runs.iter().flat_map(of).collect();
+        let mut all: Vec<String> = self.found().flat_map(of).collect();
         let more = all.len().saturating_sub(MOST_LINES);
         all.truncate(MOST_LINES);
         all.extend((more > 0).then(|| format!("and {more} more")));
@@ -112,17 +84,17 @@ impl<'a> Report<'a> {
 
     /// What was computed, in a line, and why by this scheme.
     fn computed(&self) -> String {
-        let seconds = self.runs.iter().map(|run| run.results.seconds).sum::<f64>();
-        let mut schemes: Vec<&str> = self.runs.iter().map(|run| &*run.results.scheme).collect();
+        let seconds = self.found().map(|(_, found)| found.seconds).sum::<f64>();
+        let mut schemes: Vec<&str> = self.found().map(|(_, found)| &*found.scheme).collect();
         schemes.dedup();
-        let (schemes, steps) = (schemes.join(", "), self.scene.settings.steps);
-        let because = self.single().and_then(|run| run.results.because.as_ref());
+        let (schemes, steps) = (schemes.join(", "), self.sweep.scene().settings.steps);
+        let because = self.single().and_then(|(_, found)| found.because.as_ref());
         let because = because.map_or(String::new(), |because| format!("\n{schemes}: {because}"));
         let of = match self.sweep.combinations.len() {
             1 => String::new(),
-            all => format!("{} of {all} combinations, each ", self.runs.len()),
+            all => format!("{} of {all} combinations, each ", self.found().count()),
         };
-        let paths = self.runs.first().map_or(0, |run| run.results.paths());
+        let paths = self.found().next().map_or(0, |(_, found)| found.paths());
         let s = if paths == 1 { "" } else { "s" };
         format!("{of}{paths} path{s}, {steps} steps of {schemes}, {seconds:.2} s{because}")
     }
@@ -130,16 +102,17 @@ impl<'a> Report<'a> {
     /// The table at the end, after a header: of each combination, or of the first paths.
     fn table(&self) -> Vec<Vec<String>> {
         let single = self.single();
-        if let Some(Run { results: Results { study: None, tables, .. }, .. }) = single {
-            return paths_at_end(self.scene, tables);
+        if let Some((_, Results { study: None, tables, .. })) = single {
+            return paths_at_end(self.sweep.scene(), tables);
         }
         let row = |label: &str, cells: [String; 7]| {
             let label = single.is_none().then(|| label.to_owned());
             label.into_iter().chain(cells).collect()
         };
         let mut table = vec![row("", AT_END.map(String::from))];
-        for Run { one, results, series, .. } in &self.runs {
-            table.extend(series.iter().map(|series| row(&one.label, at_end(series, results))));
+        for (one, results) in self.found() {
+            let series = results.series().iter();
+            table.extend(series.map(|series| row(&one.label, at_end(series, results))));
         }
         table
     }
@@ -157,7 +130,7 @@ impl<'a> Report<'a> {
     /// All figures by section.
     pub fn figures(&self) -> Vec<Section> {
         let mut figures = match self.single() {
-            Some(run) => figures::all(self.scene, run.results),
+            Some((one, found)) => figures::all(&one.scene, found),
             None => self.of_sweep(),
         };
         distinct(figures.iter_mut().flat_map(|(_, figures)| figures));
@@ -180,32 +153,32 @@ impl<'a> Report<'a> {
                 files::write(&folder.join(format!("{name}.{ending}")), bytes)
             };
             let single = self.single();
-            if let Some(run) = single {
-                let tables = kept(self.scene, run.results.tables.clone());
+            if let Some((one, found)) = single {
+                let tables = kept(&one.scene, found.tables.clone());
                 let mut text = Vec::new();
                 match format {
                     Format::Csv => write_csv(&tables, &mut text)?,
                     Format::Json => text = serde_json::to_vec(&tables)?,
-                    Format::Npz => text = npz::bytes(npz::paths(self.scene, tables))?,
+                    Format::Npz => text = npz::bytes(npz::paths(&one.scene, tables))?,
                 }
                 write("paths", text)?;
             }
             let name = if single.is_some() { "study" } else { "sweep" };
-            let found = match (format, single.map(|run| run.results.study.as_ref())) {
+            let found = match (format, single.map(|(_, found)| found.study.as_ref())) {
                 (_, Some(None)) => continue,
-                (Format::Csv, _) => self.csv(|run| &run.series)?,
+                (Format::Csv, _) => self.csv(Results::series)?,
                 (Format::Json, Some(study)) => serde_json::to_vec(&study)?,
                 (Format::Json, None) => {
-                    let json = self.of_each(|run| json!({ "series": run.series }));
+                    let json = self.of_each(|(_, found)| json!({ "series": found.series() }));
                     serde_json::to_vec_pretty(&json)?
                 }
                 (Format::Npz, _) => npz::bytes(self.arrays())?,
             };
             write(name, found)?;
-            if let (Format::Csv, Some(run)) = (format, single)
-                && !run.lagged.is_empty()
+            if let (Format::Csv, Some((_, found))) = (format, single)
+                && !found.lagged().is_empty()
             {
-                write("lags", self.csv(|run| run.lagged)?)?;
+                write("lags", self.csv(Results::lagged)?)?;
             }
         }
         Ok(files::write(&folder.join("index.html"), self.page(&figures))?)
@@ -214,11 +187,10 @@ impl<'a> Report<'a> {
 
 /// Arrays of paths, which are taken, and of statistics.
 pub fn arrays(outcomes: &mut Outcomes<'_>) -> [Vec<Array>; 2] {
-    let (statistics, sweep) = (Report::new(outcomes).arrays(), outcomes.sweep);
-    let scene = &sweep.combinations[0].scene;
+    let (statistics, sweep) = (outcomes.arrays(), outcomes.sweep);
     let single = outcomes.results.iter_mut().flatten().filter(|_| sweep.varied.is_empty());
     let tables = single.flat_map(|results| take(&mut results.tables)).collect();
-    [npz::paths(scene, kept(scene, tables)).collect(), statistics]
+    [npz::paths(sweep.scene(), kept(sweep.scene(), tables)).collect(), statistics]
 }
 
 /// Tables with the columns that a scene keeps.
@@ -306,7 +278,7 @@ fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> Vec<Vec<String>> {
 }
 
 /// The results of a run for programs.
-fn summary(Run { one, results, .. }: &Run<'_>) -> Value {
+fn summary((one, results): Run<'_>) -> Value {
     let scene = &one.scene;
     let last = |series: &Series| {
         let mut last = json!(series.last());

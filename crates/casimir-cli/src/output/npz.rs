@@ -26,6 +26,11 @@ const STATISTICS: [(&str, Statistic); 5] = [
 /// Name, shape, and numbers in row-major order.
 pub type Array = (String, Vec<usize>, Vec<f64>);
 
+/// An array of one axis.
+pub fn list(name: impl Into<String>, values: Vec<f64>) -> Array {
+    (name.into(), vec![values.len()], values)
+}
+
 /// The file of arrays.
 pub fn bytes(arrays: impl IntoIterator<Item = Array>) -> io::Result<Vec<u8>> {
     let mut out = ZipWriter::new(Cursor::new(Vec::new()));
@@ -82,7 +87,7 @@ pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item =
     });
     let alone = names.into_iter().enumerate();
     let alone = alone.filter(move |(k, name)| !spins.contains(k) && name != "t");
-    let t = longest.map(|_| ("t".to_owned(), vec![times.len()], times.clone()));
+    let t = longest.map(|_| list("t", times.clone()));
     let array = move |(k, name): (usize, String)| {
         let mut values = Vec::with_capacity(tables.len() * times.len());
         for table in &mut tables {
@@ -102,8 +107,7 @@ pub fn joint(result: &StudyResult) -> impl Iterator<Item = Array> {
         let [x, y] = grids.map(|grid| (0..=grid.bins).map(|k| grid.edge(k)).collect::<Vec<_>>());
         let values = counts.iter().map(|&count| count as f64).collect();
         let shape = vec![x.len() - 1, y.len() - 1];
-        let side = |side, edges: Vec<f64>| (format!("{name} {side}"), vec![edges.len()], edges);
-        let sides = [side("x", x), side("y", y)];
+        let sides = [list(format!("{name} x"), x), list(format!("{name} y"), y)];
         [(name, shape, values)].into_iter().chain(sides)
     })
 }
@@ -142,7 +146,7 @@ pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
         }
     }
     if !levels.is_empty() {
-        arrays.push(("quantile levels".into(), vec![levels.len()], levels));
+        arrays.push(list("quantile levels", levels));
     }
     arrays
 }

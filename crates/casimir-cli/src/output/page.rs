@@ -2,16 +2,19 @@
 
 use casimir::plot::Document;
 
-use super::{Report, Run, Section, digits};
-use crate::scene::{MOST_COMPONENTS, Varied};
+use super::{Section, digits};
+use crate::{
+    scene::{MOST_COMPONENTS, Varied},
+    verbs::Outcomes,
+};
 
 /// The section of figures that has the table at the end.
 pub const TABLE: &str = "At the end";
 
-impl Report<'_> {
+impl Outcomes<'_> {
     /// The page with these figures.
     pub fn page(&self, figures: &[Section]) -> String {
-        let mut page = Document::new("casimir run", &self.scene.title);
+        let mut page = Document::new("casimir run", &self.sweep.scene().title);
         page.section("What was computed");
         page.facts(self.facts());
         self.warnings().iter().for_each(|warning| page.warning(warning));
@@ -28,23 +31,24 @@ impl Report<'_> {
             }
             page.figures(figures.iter().map(|drawn| (drawn.svg.clone(), drawn.caption.clone())));
         }
-        let known = self.single().map(|run| run.results.known.text(&self.scene.components));
+        let known = self.single().map(|(one, found)| found.known.text(&one.scene.components));
         if let Some(known) = known.filter(|known| !known.is_empty()) {
             page.section("What the system is");
             page.verbatim("see casimir inspect for more", &known);
         }
         page.section("The scene");
-        page.verbatim(&self.scene.source.name, &self.scene.source.text);
+        let source = &self.sweep.scene().source;
+        page.verbatim(&source.name, &source.text);
         page.html()
     }
 
     /// Terms and what they are.
     fn facts(&self) -> Vec<(String, String)> {
-        let settings = &self.scene.settings;
+        let settings = &self.sweep.scene().settings;
         let seed = settings.key.seed;
         let fact = |term: &str, what: String| (term.to_owned(), what);
         let program = fact("program", format!("casimir {}", env!("CARGO_PKG_VERSION")));
-        let Some(Run { results, .. }) = self.single() else {
+        let Some((_, results)) = self.single() else {
             let varied = self.sweep.varied.iter();
             let varied = varied.map(|Varied { name, values, .. }| (name.clone(), list(values)));
             let keys = self.sweep.combinations.iter().map(|one| one.scene.settings.key);

@@ -1,7 +1,11 @@
 //! Step errors in words.
 
 use casimir::{
-    analysis::{STIFF, StepError, StepErrors, TURN},
+    analysis::{
+        STIFF,
+        StepError::{self, About, Below, CannotTell, Fine},
+        StepErrors, TURN,
+    },
     real::elementary,
 };
 
@@ -24,10 +28,10 @@ pub fn step_errors(results: &Results, name: &str) -> Option<[StepError; 2]> {
 pub fn step_cell(errors: Option<[StepError; 2]>) -> String {
     let Some(errors) = errors else { return "–".into() };
     let [mean, deviation] = errors.map(|error| match error {
-        StepError::Fine(_) => None,
-        StepError::About(size) => Some(rough(size)),
-        StepError::Below(size) => Some(format!("< {}", rough(size))),
-        StepError::CannotTell => Some("?".into()),
+        Fine(_) => None,
+        About(size) => Some(rough(size)),
+        Below(size) => Some(format!("< {}", rough(size))),
+        CannotTell => Some("?".into()),
     });
     let deviation = deviation.map_or(String::new(), |deviation| format!(" ({deviation})"));
     mean.unwrap_or("small".into()) + &deviation
@@ -83,13 +87,13 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
     let [mut worst, mut seen, mut below, mut hidden] = [const { Vec::new() }; 4];
     // With the size of what it is an error of.
     let mut sort = |name: String, error: StepError, size: f64| match error {
-        StepError::About(error) if error <= NO_DIGIT * size => {
+        About(error) if error <= NO_DIGIT * size => {
             let percent = rough(100.0 * error / size);
             seen.push(format!("{name} about {} ({percent} %)", rough(error)));
         }
-        StepError::About(_) => worst.push(name),
-        StepError::CannotTell => hidden.push(name),
-        StepError::Fine(_) | StepError::Below(_) => {}
+        About(_) => worst.push(name),
+        CannotTell => hidden.push(name),
+        Fine(_) | Below(_) => {}
     };
     let largest =
         |all: &mut dyn Iterator<Item = f64>| all.fold(0.0f64, |most, x| most.max(x.abs()));
@@ -103,7 +107,7 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
             let size = largest(&mut later().filter_map(|point| point.mean)).max(spread);
             sort(observable.clone(), first, size);
             sort(format!("the deviation of {observable}"), second, spread);
-            if let StepError::Below(_) = first {
+            if let Below(_) = first {
                 below.push(observable.clone());
             }
         } else if study.is_none() {
@@ -114,7 +118,7 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
                 largest(&mut later.copied()).max(elementary::hypot(mean.value, deviation.value));
             let along = 2.0 * along_paths;
             if along > 0.01 * size {
-                sort(observable.clone(), StepError::About(along), size);
+                sort(observable.clone(), About(along), size);
             }
         }
     }

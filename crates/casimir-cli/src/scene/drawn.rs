@@ -52,10 +52,10 @@ pub(super) fn wanted(
         ..Wanted::default()
     };
     if let Some(from) = &table.from {
-        let (Settings { until, times, random, .. }, source) = (&scene.settings, &scene.source);
-        let time = constants.value(source, from)?;
+        let Settings { until, times, random, .. } = &scene.settings;
+        let time = constants.value(from)?;
         if !(0.0..*until).contains(&time) {
-            refuse!(source, from.span(), "autocorrelations begin from 0 to {until}, got {time}");
+            refuse!(from, "autocorrelations begin from 0 to {until}, got {time}");
         }
         // Random initial values are a saved time as well.
         let place = (time / until * *times as f64 - 1e-9).ceil() as usize;

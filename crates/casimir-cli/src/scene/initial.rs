@@ -3,7 +3,6 @@
 use std::{fs, path::Path, slice::from_mut, sync::Arc};
 
 use casimir::{
-    formula::Formula,
     mc::{Initial, expect::is_level, parts::hash},
     noise::{StreamKey, WienerRows},
     real::{Row, WIDTH, elementary},
@@ -17,36 +16,6 @@ use super::{
 
 /// Fewest names z1, z2, … and u1, u2, … that there are.
 const LEAST_NAMES: usize = 9;
-
-/// Initial values in formulas of independent standard normals z1, z2, … and of numbers u1, u2, …
-/// that are uniform on (0, 1).
-struct Random {
-    formulas: Vec<Formula>,
-    variables: usize,
-    /// The variables that are used, and which of them are uniform.
-    used: Vec<(usize, bool)>,
-}
-
-impl Random {
-    /// Draws the states of 32 paths. Where a lattice has more components than there are formulas,
-    /// these are of each site, with random numbers of its own.
-    fn draw(&self, key: StreamKey, first_path: u64, rows: &mut [Row]) {
-        let mut normals = WienerRows::new(key, first_path);
-        let mut point = vec![[0.0; WIDTH]; self.variables];
-        for site in rows.chunks_mut(self.formulas.len()) {
-            for &(k, is_uniform) in &self.used {
-                if is_uniform {
-                    point[k] = uniform(&mut normals)
-                } else {
-                    normals.increments(1.0, from_mut(&mut point[k]))
-                }
-            }
-            for (formula, row) in self.formulas.iter().zip(site) {
-                formula.values(&point, row);
-            }
-        }
-    }
-}
 
 /// Numbers on (0, 1): the squared radius of two normals is exponential.
 fn uniform(normals: &mut WienerRows) -> Row {
@@ -69,7 +38,7 @@ fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Arc<Vec<Vec<f64>>
     let path = Path::new(&source.name).with_file_name(file);
     let text = match fs::read_to_string(path) {
         Ok(text) => text,
-        Err(error) => refuse!(source, at.span(), "cannot read the states {file}: {error}"),
+        Err(error) => refuse!(at, "cannot read the states {file}: {error}"),
     };
     let mut states: Vec<Vec<f64>> = Vec::new();
     for (number, line) in text.lines().enumerate() {
@@ -82,11 +51,11 @@ fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Arc<Vec<Vec<f64>>
                 states.push(state);
             }
             None if number == 0 => {}
-            _ => refuse!(source, at.span(), "line {} of {file} is no state: {line}", number + 1),
+            _ => refuse!(at, "line {} of {file} is no state: {line}", number + 1),
         }
     }
     if states.is_empty() {
-        refuse!(source, at.span(), "{file} has no state");
+        refuse!(at, "{file} has no state");
     }
     Ok(Arc::new(states))
 }
@@ -112,7 +81,8 @@ fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
     Ok((y0, Some(Initial { law, draw: Arc::new(draw) })))
 }
 
-/// The initial values of a scene.
+/// The initial values of a scene: of formulas of independent standard normals z1, z2, … and of
+/// numbers u1, u2, … that are uniform on (0, 1), or of a file.
 pub fn initial(
     source: &Source,
     at: &At<Start>,
@@ -121,7 +91,7 @@ pub fn initial(
 ) -> Read<Begun> {
     let texts = match &**at {
         Listed::List(none) if none.is_empty() => {
-            refuse!(source, at.span(), "the initial value has no component");
+            refuse!(at, "the initial value has no component");
         }
         Listed::List(texts) => texts,
         Listed::Text(file) => return of_file(source, file, at),
@@ -131,23 +101,40 @@ pub fn initial(
         // A parameter may have the name.
         _ = names.variable(&name);
     }
-    let parse = |text: &At<Text>| source.formula(text, &names);
+    let parse = |text: &At<Text>| text.formula(&names);
     let formulas = texts.iter().map(parse).collect::<Read<Vec<_>>>()?;
+    // The variables that are used, and which of them are uniform.
     let variables = names.variables().iter().enumerate();
     let used: Vec<_> = variables
         .filter(|(k, _)| formulas.iter().any(|formula| formula.depends_on(*k)))
         .map(|(k, name)| (k, name.starts_with('u')))
         .collect();
-    let random = Random { formulas, variables: names.variables().len(), used };
+    let (variables, is_random) = (names.variables().len(), !used.is_empty());
+    // Where a lattice has more components than there are formulas, these are of each site, with
+    // random numbers of its own.
+    let draw = move |key: StreamKey, first_path: u64, rows: &mut [Row]| {
+        let mut normals = WienerRows::new(key, first_path);
+        let mut point = vec![[0.0; WIDTH]; variables];
+        for site in rows.chunks_mut(formulas.len()) {
+            for &(k, is_uniform) in &used {
+                if is_uniform {
+                    point[k] = uniform(&mut normals)
+                } else {
+                    normals.increments(1.0, from_mut(&mut point[k]))
+                }
+            }
+            for (formula, row) in formulas.iter().zip(site) {
+                formula.values(&point, row);
+            }
+        }
+    };
     let mut rows = vec![[0.0; WIDTH]; texts.len()];
-    random.draw(key, 0, &mut rows);
+    draw(key, 0, &mut rows);
     if let Some((text, row)) = texts.iter().zip(&rows).find(|(_, row)| !row[0].is_finite()) {
-        refuse!(source, text.span(), "this must be finite, and is {}", row[0]);
+        refuse!(text, "this must be finite, and is {}", row[0]);
     }
     let y0 = rows.iter().map(|row| row[0]).collect();
-    let is_random = !random.used.is_empty();
     let words = texts.iter().map(|text| &*text.0).collect::<Vec<_>>().join(", ");
-    let draw = move |key, first, rows: &mut [Row]| random.draw(key, first, rows);
     let law = Initial { law: format!("({words})"), draw: Arc::new(draw) };
     Ok((y0, is_random.then_some(law)))
 }

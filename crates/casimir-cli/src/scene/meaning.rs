@@ -28,7 +28,7 @@ fn lines(text: &str, law: Option<&str>, changes: &Changes) -> String {
     lines.extend(law.map(|law| format!("run.initial is {law}")));
     // More paths may be asked for.
     let changes = Changes { paths: None, ..changes.clone() };
-    let changes = Value::try_from(changes).unwrap_or_else(|error| unreachable!("{error}"));
+    let changes = Value::try_from(changes).expect("they are keys and values");
     flatten("--".into(), &changes, &mut lines);
     lines.join("\n") + "\n"
 }

@@ -1,6 +1,5 @@
 //! A scene: read from its file, checked, and ready to be run.
 
-mod collected;
 mod drawn;
 mod file;
 mod initial;
@@ -18,13 +17,13 @@ pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
 use observe::Vocabulary;
 pub use observe::{Further, Observable, Quantity};
 pub(crate) use read::among;
-pub use read::{Constants, Parameters, Reading};
+pub use read::{Constants, Reading};
 pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use shorthand::{State, structure};
 pub(crate) use source::refuse;
-pub use source::{Read, SceneError, Source};
+pub use source::{Read, SceneError, Source, Wrong};
 pub use sweep::{Combination, Set, Sweep, Varied};
-pub use values::{At, Listed, Parameter, Text, count};
+pub use values::{At, Listed, Parameter, Text, count, place};
 
 use std::{fmt::Display, path::Path};
 
@@ -41,7 +40,7 @@ pub struct Scene {
     /// Its text.
     pub source: Source,
     /// What the command line changes.
-    changes: Changes,
+    pub changes: Changes,
     /// The title of reports.
     pub title: String,
     /// The names of the components.
@@ -78,29 +77,26 @@ impl Scene {
     ///
     /// # Errors
     /// [`SceneError`] with line and column of what is wrong.
-    pub fn new(source: Source, changes: &Changes) -> Read<Self> {
-        let mut file = read::parse(&source)?;
-        sweep::settle(&source, &mut file, &changes.scheme.sets)?;
-        Self::of(source, file, changes)
+    pub fn new(source: Source, changes: &Changes) -> Result<Self, SceneError> {
+        let read = || {
+            let mut file = read::parse(&source.text)?;
+            sweep::settle(&mut file, &changes.scheme.sets)?;
+            Self::of(&source, file, changes)
+        };
+        source.located(read())
     }
 
     /// The scene of the keys of a text.
-    fn of(source: Source, file: SceneFile, changes: &Changes) -> Read<Self> {
-        let constants = Constants::new(&source, &file.system)?;
-        let settings = Settings::new(&source, &file.run, &constants, changes)?;
+    fn of(source: &Source, file: SceneFile, changes: &Changes) -> Read<Self> {
+        let constants = Constants::new(&file.system)?;
+        let settings = Settings::new(source, &file.run, &constants, changes)?;
         let model::Built { model, components, sizes, names, energy, quantities } =
-            model::build(&Reading {
-                source: &source,
-                file: &file,
-                constants: &constants,
-                settings: &settings,
-            })?;
+            model::build(&Reading { file: &file, constants: &constants, settings: &settings })?;
         let y0 = model.problem().y0;
         let description = model.system().description();
         let in_steps = (!description.layout.is_tiled()).then(|| names.clone());
         let mut vocabulary = Vocabulary::new(names, energy.clone(), &y0);
-        let energy =
-            if description.depends_on_time { None } else { vocabulary.of(&source, energy).ok() };
+        let energy = if description.depends_on_time { None } else { vocabulary.of(energy).ok() };
         let energy = energy.map(|energy| Observable::new("H0", energy));
         let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
         let (mut observables, mut given) = (Vec::<Observable>::new(), quantities);
@@ -117,17 +113,18 @@ impl Scene {
             let known = components.contains(name)
                 || observables.iter().chain(&given).any(|known| known.name == **name);
             if known || is_column(name) {
-                return Err(taken(&source, name));
+                return Err(taken(name));
             }
             let quantities = match entry {
                 Err(event) => {
-                    let [happened, time] =
-                        collected::event(&source, event, in_steps.as_ref(), &mut vocabulary)?;
+                    let [happened, time] = vocabulary.event(event, in_steps.as_ref())?;
                     vec![(name.to_string(), happened), (format!("{} time", **name), time)]
                 }
                 Ok(formula) => {
-                    let quantity = collected::observable(&source, formula, &mut vocabulary)?;
-                    vec![(name.to_string(), quantity)]
+                    if file.probabilities.contains_key(name) {
+                        vocabulary.demand_condition(formula)?;
+                    }
+                    vec![(name.to_string(), vocabulary.observable(formula)?)]
                 }
             };
             for (name, quantity) in quantities {
@@ -135,17 +132,15 @@ impl Scene {
                 observables.push(Observable { name, quantity });
             }
         }
-        let mut conditions = file.probabilities.values();
-        conditions.try_for_each(|text| vocabulary.demand_condition(&source, text))?;
         observables.extend(given);
         if observables.is_empty() {
-            refuse!(source, None, "so many components need observables: add [observe]");
+            refuse!(None, "so many components need observables: add [observe]");
         }
         let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
         let name = file.system.name.as_deref().cloned();
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
         let mut scene = Self {
-            source,
+            source: source.clone(),
             changes: changes.clone(),
             title,
             components,
@@ -180,9 +175,9 @@ impl Scene {
         }
         scene.collected = vocabulary.collected;
         let scheme = &scene.settings.scheme;
-        if scheme != AUTO && BuiltIn::named(scheme).is_none() {
-            // Not every command takes the scheme.
-            scene.setup(scheme)?;
+        if scheme != AUTO {
+            // Whether it is for the system is asked by commands that take it.
+            scene.built_in(scheme)?;
         }
         Ok(scene)
     }
@@ -192,26 +187,22 @@ impl Scene {
         let ExpectTable { of, accuracy } = table;
         let half_width = **accuracy;
         if !(half_width > 0.0 && half_width.is_finite()) {
-            refuse!(
-                self.source,
-                accuracy.span(),
-                "the accuracy must be positive and finite, got {half_width}"
-            );
+            refuse!(accuracy, "the accuracy must be positive and finite, got {half_width}");
         }
         if of.is_empty() {
-            refuse!(self.source, of.span(), "name at least one function, such as \"y1\"");
+            refuse!(of, "name at least one function, such as \"y1\"");
         }
         self.accuracy = Some(half_width);
         for text in of.iter() {
             let name = text.0.as_str();
             if self.expected.iter().any(|before| before.name == name) {
-                refuse!(self.source, text.span(), "`{name}` is listed twice");
+                refuse!(text, "`{name}` is listed twice");
             }
             let component = self.components.iter().position(|component| component == name);
             let quantity = match (self.place(name), component) {
                 (Some(k), _) => self.observables[k].quantity.clone(),
                 (_, Some(i)) => Quantity::Component(i),
-                _ => vocabulary.quantity(&self.source, text)?,
+                _ => vocabulary.quantity(text)?,
             };
             self.expected.push(Observable::new(name, quantity));
         }
@@ -222,14 +213,19 @@ impl Scene {
     ///
     /// # Errors
     /// Why the scheme is not for the system.
-    pub fn setup(&self, name: &str) -> Read<Setup<'_>> {
+    pub fn setup(&self, name: &str) -> Result<Setup<'_>, SceneError> {
+        let scheme = self.source.located(self.built_in(name))?;
         let place = self.settings.scheme_place.clone();
-        let Some(scheme) = BuiltIn::named(name) else {
-            let known = [&[AUTO][..], &BuiltIn::ALL.map(BuiltIn::id)].concat();
-            refuse!(self.source, place, "no scheme `{name}`{}", among(name, &known));
-        };
         let scheme = self.model.scheme(scheme).map_err(|error| self.source.error(place, error))?;
         Ok(Setup { problem: self.problem(), scheme })
+    }
+
+    fn built_in(&self, name: &str) -> Read<BuiltIn> {
+        BuiltIn::named(name).ok_or_else(|| {
+            let known = [&[AUTO][..], &BuiltIn::ALL.map(BuiltIn::id)].concat();
+            let message = format!("no scheme `{name}`{}", among(name, &known));
+            Wrong::new(self.settings.scheme_place.clone(), message)
+        })
     }
 
     /// The same with what paths collect.
@@ -265,7 +261,7 @@ impl Scene {
         let known = known.chain(others.iter().copied());
         if !known.clone().any(|known| known == name.as_str()) {
             let hint = nearest(name, known);
-            refuse!(self.source, name.span(), "no column `{}`{hint}", **name);
+            refuse!(name, "no column `{}`{hint}", **name);
         }
         Ok(name.to_string())
     }
@@ -275,7 +271,7 @@ impl Scene {
         self.column(name, &[])?;
         self.place(name).ok_or_else(|| {
             let message = format!("add `{0} = \"{0}\"` to [observe] first", **name);
-            self.source.error(name.span(), message)
+            Wrong::new(name, message)
         })
     }
 
@@ -311,7 +307,7 @@ fn is_column(name: &str) -> bool {
 }
 
 /// A name that a column has already.
-fn taken(source: &Source, name: &At<String>) -> SceneError {
+fn taken(name: &At<String>) -> Wrong {
     let message = "is a column of the tables already: choose another name";
-    source.error(name.span(), format_args!("`{}` {message}", **name))
+    Wrong::new(name, format_args!("`{}` {message}", **name))
 }

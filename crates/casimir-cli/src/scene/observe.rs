@@ -1,16 +1,17 @@
-//! Functions of the state that are of interest.
+//! Functions of the state that are of interest, and what paths collect for them: the time,
+//! integrals, averages and events.
 
 use std::{slice::from_mut, sync::Arc};
 
 use casimir::{
     formula::{Formula, Names, Tape},
-    mc::{Along, Observe},
+    mc::{Along, Gradient, Observe, Passage},
     real::{PathMask, Row, WIDTH},
 };
 
 use super::{
-    source::{Read, Source, refuse},
-    values::{At, Text},
+    source::{Read, Wrong, refuse},
+    values::{At, Event, Text},
 };
 
 /// A function of the states of 32 paths; row i is component i.
@@ -53,15 +54,6 @@ pub struct Observable {
     pub name: String,
     /// What it is.
     pub quantity: Quantity,
-}
-
-impl From<Formula> for Quantity {
-    fn from(formula: Formula) -> Self {
-        let inputs = formula.variables.len();
-        Self::Function(Arc::new(move |y: &[Row], values: &mut Row| {
-            formula.values(&y[..inputs], values);
-        }))
-    }
 }
 
 impl Observable {
@@ -140,18 +132,18 @@ impl Vocabulary {
     }
 
     /// The quantity of a further input; the first is the time.
-    pub fn known(&mut self, source: &Source, k: usize) -> Read<Quantity> {
-        let quantity = self.of(source, self.further[k].clone())?;
+    pub fn known(&mut self, k: usize) -> Read<Quantity> {
+        let quantity = self.of(self.further[k].clone())?;
         self.further[k] = Further::Quantity(quantity.clone());
         Ok(quantity)
     }
 
     /// What is meant.
-    pub fn of(&mut self, source: &Source, further: Further) -> Read<Quantity> {
+    pub fn of(&mut self, further: Further) -> Read<Quantity> {
         match further {
             Further::Quantity(quantity) => Ok(quantity),
             Further::Time => Ok(Quantity::Collected(self.collect(Along::Time, [0.0])[0])),
-            Further::Energy(text) => self.quantity(source, &text),
+            Further::Energy(text) => self.quantity(&text),
         }
     }
 
@@ -164,20 +156,20 @@ impl Vocabulary {
     }
 
     /// Demands that a formula is a condition.
-    pub fn demand_condition(&self, source: &Source, text: &At<Text>) -> Read<()> {
+    pub fn demand_condition(&self, text: &At<Text>) -> Read<()> {
         if Formula::parse(&text.0, &self.names).is_ok_and(|formula| !formula.is_condition()) {
-            refuse!(source, text.span(), "a probability is that of a condition, such as \"x > 0\"");
+            refuse!(text, "a probability is that of a condition, such as \"x > 0\"");
         }
         Ok(())
     }
 
     /// The quantity of a formula, which must have a value at the initial value.
-    pub fn quantity(&mut self, source: &Source, text: &At<Text>) -> Read<Quantity> {
-        let formula = source.formula(text, &self.names)?;
+    pub fn quantity(&mut self, text: &At<Text>) -> Read<Quantity> {
+        let formula = text.formula(&self.names)?;
         let (dimension, all) = (self.dimension, self.dimension + self.further.len());
         let used = (0..self.further.len())
             .filter(|k| formula.depends_on(dimension + k))
-            .map(|k| Ok((k, self.known(source, k)?)))
+            .map(|k| Ok((k, self.known(k)?)))
             .collect::<Read<Vec<_>>>()?;
         let mut point = self.start[..dimension].to_vec();
         point.resize(all, 0.0);
@@ -186,7 +178,7 @@ impl Vocabulary {
         }
         if let Some(error) = formula.explain(&point) {
             let message = format!("{} at the initial value", error.message);
-            return Err(source.error_in(text, &error, message));
+            return Err(Wrong::in_formula(text, &error, message));
         }
         let tape = Tape::new(&formula.graph, &[formula.root], &[0..dimension, dimension..all]);
         let further = all - dimension;
@@ -198,5 +190,70 @@ impl Vocabulary {
             tape.evaluate(&[&y[..dimension], others], from_mut(values), scratch);
         });
         Ok(if is_of_state { Quantity::Function(function) } else { Quantity::AlongPath(function) })
+    }
+
+    /// The observable of a formula: `integral(v)`, `average(v)`, or a function of the state.
+    pub fn observable(&mut self, text: &At<Text>) -> Read<Quantity> {
+        let of = |word: &str| -> Option<At<Text>> {
+            let inner = text
+                .0
+                .trim()
+                .strip_prefix(word)?
+                .trim_start()
+                .strip_prefix('(')?
+                .strip_suffix(')')?;
+            let mut depth = 0;
+            let closes = |c: char| {
+                depth += i32::from(c == '(') - i32::from(c == ')');
+                depth < 0
+            };
+            (!inner.chars().any(closes)).then(|| At::new(text.span(), Text(inner.into())))
+        };
+        let (integral, average) = (of("integral"), of("average"));
+        let is_average = average.is_some();
+        let Some(inner) = integral.or(average) else { return self.quantity(text) };
+        let v = self.quantity(&inner)?;
+        let function = Arc::new(Observable::new("", v.clone()));
+        let [row] = self.collect(Along::Integral(function), [0.0]);
+        let integral = Quantity::Collected(row);
+        if !is_average {
+            return Ok(integral);
+        }
+        let time = self.known(0)?;
+        Ok(Quantity::AlongPath(Arc::new(move |y: &[Row], values: &mut Row| {
+            let mut t = [0.0; WIDTH];
+            time.evaluate(y, &mut t);
+            if t[0] == 0.0 {
+                return v.evaluate(y, values);
+            }
+            integral.evaluate(y, values);
+            values.iter_mut().zip(t).for_each(|(value, t)| *value /= t);
+        })))
+    }
+
+    /// Whether an event has happened, and when. A condition in `names`, components and parameters,
+    /// is followed within steps, too.
+    pub fn event(&mut self, event: &At<Event>, names: Option<&Names>) -> Read<[Quantity; 2]> {
+        let text = At::new(event.span(), event.0.when.clone());
+        self.demand_condition(&text)?;
+        let formula = names.and_then(|names| Formula::parse(&text.0, names).ok());
+        let excess = formula.and_then(|formula| formula.excess());
+        let (phi, gradient) = match excess {
+            Some(excess) => {
+                let inputs = excess.variables.len();
+                let tape = excess.gradient(&(0..inputs).collect::<Vec<_>>());
+                let gradient =
+                    move |y: &[Row], slope: &mut [Row]| slope.copy_from_slice(&tape.rows(&[y]));
+                let phi = move |y: &[Row], values: &mut Row| excess.values(&y[..inputs], values);
+                let phi = Quantity::Function(Arc::new(phi));
+                (phi, Some(Arc::new(gradient) as Arc<Gradient>))
+            }
+            None => (self.quantity(&text)?, None),
+        };
+        let begun = f64::from(u8::from(self.at_start(&phi) > 0.0));
+        let seen = if gradient.is_some() { Quantity::Collected } else { Quantity::Monitored };
+        let phi = Arc::new(Observable::new("", phi));
+        let passage = Passage { phi, gradient, stops: event.0.stop };
+        Ok(self.collect(Along::Passage(passage), [begun, 0.0]).map(seen))
     }
 }

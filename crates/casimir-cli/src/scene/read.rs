@@ -1,20 +1,18 @@
 //! From a text to the keys of a scene, and the constants in it.
 
-use std::fmt::Display;
+use std::{fmt::Display, ops::Range};
 
 use casimir::formula::{Names, nearest};
 
 use super::{
     file::{SceneFile, SystemTable},
     run::Settings,
-    source::{Read, SceneError, Source, refuse},
+    source::{Read, Wrong, refuse},
     values::{At, Parameter, Text},
 };
 
 /// A scene that is being read.
 pub struct Reading<'a> {
-    /// Its text.
-    pub source: &'a Source,
     /// Its keys.
     pub file: &'a SceneFile,
     /// Its parameters.
@@ -25,8 +23,8 @@ pub struct Reading<'a> {
 
 impl Reading<'_> {
     /// An error about the initial value.
-    pub fn initial_error(&self, message: impl Display) -> SceneError {
-        self.source.error(self.settings.initial_place.clone(), message)
+    pub fn initial_error(&self, message: impl Display) -> Wrong {
+        Wrong::new(self.settings.initial_place.clone(), message)
     }
 }
 
@@ -39,8 +37,8 @@ pub fn among(name: &str, known: &[&str]) -> String {
 }
 
 /// The keys of a scene.
-pub fn parse(source: &Source) -> Read<SceneFile> {
-    toml::from_str(&source.text).map_err(|error| {
+pub fn parse(text: &str) -> Read<SceneFile> {
+    toml::from_str(text).map_err(|error| {
         let message = error
             .message()
             .replace("unknown field", "unknown key")
@@ -54,7 +52,7 @@ pub fn parse(source: &Source) -> Read<SceneFile> {
             [key, ref known @ ..] if message.starts_with("unknown key") => nearest(key, known),
             _ => String::new(),
         };
-        source.error(place, message + &hint)
+        Wrong::new(place, message + &hint)
     })
 }
 
@@ -68,52 +66,48 @@ pub struct Constants {
 
 impl Constants {
     /// The values of parameters that are numbers.
-    pub fn new(source: &Source, system: &SystemTable) -> Read<Self> {
+    pub fn new(system: &SystemTable) -> Read<Self> {
         let (mut numbers, mut names, none) = (Vec::new(), Names::new(), Names::new());
         for (key, value) in &system.parameters {
             let Parameter::One(text) = &**value else { continue };
-            let value = constant(source, &At::new(value.span(), text.clone()), &none)?;
-            let (name, place) = (key.as_str(), key.span());
-            if name == "t" {
-                refuse!(source, place, "`t` is the time in the rate of damping");
+            let value = constant(&At::new(value.span(), text.clone()), &none)?;
+            if **key == "t" {
+                refuse!(key, "`t` is the time in the rate of damping");
             }
-            names.parameter(name, value).map_err(|error| source.error(place, error))?;
-            numbers.push((name.to_owned(), value));
+            names.parameter(key, value).map_err(|error| Wrong::new(key, error))?;
+            numbers.push((key.to_string(), value));
         }
         Ok(Self { numbers, names })
     }
 
     /// The value of a formula of the parameters.
-    pub fn value(&self, source: &Source, text: &At<Text>) -> Read<f64> {
-        constant(source, text, &self.names)
+    pub fn value(&self, text: &At<Text>) -> Read<f64> {
+        constant(text, &self.names)
     }
 }
 
-fn constant(source: &Source, text: &At<Text>, names: &Names) -> Read<f64> {
-    let value = source.formula(text, names)?.value(&[]);
+fn constant(text: &At<Text>, names: &Names) -> Read<f64> {
+    let value = text.formula(names)?.value(&[]);
     if !value.is_finite() {
-        refuse!(source, text.span(), "this must be finite, and is {value}");
+        refuse!(text, "this must be finite, and is {value}");
     }
     Ok(value)
 }
 
 /// The parameters of a system of the project.
-pub struct Parameters<'a>(&'a Reading<'a>);
-
-impl<'a> Parameters<'a> {
-    /// Those of a scene, which may have these names only.
-    pub fn new(reading: &'a Reading<'a>, known: &[&str]) -> Read<Self> {
-        let mut keys = reading.file.system.parameters.keys();
+impl<'a> Reading<'a> {
+    /// Checks that there are parameters with these names only.
+    pub fn know(&self, known: &[&str]) -> Read<()> {
+        let mut keys = self.file.system.parameters.keys();
         if let Some(key) = keys.find(|key| !known.contains(&key.as_str())) {
-            let known = among(key, known);
-            refuse!(reading.source, key.span(), "unknown parameter `{}`{known}", key.as_str());
+            refuse!(key, "unknown parameter `{}`{}", **key, among(key, known));
         }
-        Ok(Self(reading))
+        Ok(())
     }
 
     /// A parameter, if it is given.
     pub fn get(&self, name: &str) -> Option<&'a At<Parameter>> {
-        let mut given = self.0.file.system.parameters.iter();
+        let mut given = self.file.system.parameters.iter();
         given.find(|(key, _)| key.as_str() == name).map(|(_, value)| value)
     }
 
@@ -122,7 +116,7 @@ impl<'a> Parameters<'a> {
         match self.get(name).map(|value| &**value) {
             None => Ok(default),
             Some(Parameter::One(text)) => self.constant(name, text),
-            Some(_) => refuse!(self, name, "`{name}` is a number, such as {default}"),
+            Some(_) => refuse!(self.place(name), "`{name}` is a number, such as {default}"),
         }
     }
 
@@ -133,7 +127,7 @@ impl<'a> Parameters<'a> {
             Some(Parameter::One(text)) => std::slice::from_ref(text),
             Some(Parameter::Many(texts)) => texts,
             Some(Parameter::Switch(_)) => {
-                refuse!(self, name, "`{name}` is a list of numbers, such as {default:?}")
+                refuse!(self.place(name), "`{name}` is a list of numbers, such as {default:?}")
             }
         };
         texts.iter().map(|text| self.constant(name, text)).collect()
@@ -152,17 +146,22 @@ impl<'a> Parameters<'a> {
         match self.get(name).map(|value| &**value) {
             None => Ok(default),
             Some(Parameter::Switch(switch)) => Ok(*switch),
-            Some(_) => refuse!(self, name, "`{name}` is true or false"),
+            Some(_) => refuse!(self.place(name), "`{name}` is true or false"),
         }
     }
 
     /// An error at a parameter.
-    pub fn error(&self, name: &str, message: impl Display) -> SceneError {
-        self.0.source.error(self.get(name).map(At::span), message)
+    pub fn error(&self, name: &str, message: impl Display) -> Wrong {
+        Wrong::new(self.place(name), message)
+    }
+
+    /// The place of a parameter, if it is given.
+    pub fn place(&self, name: &str) -> Option<Range<usize>> {
+        self.get(name).map(At::span)
     }
 
     fn constant(&self, name: &str, text: &Text) -> Read<f64> {
-        let place = self.get(name).map_or(0..0, At::span);
-        constant(self.0.source, &At::new(place, text.clone()), &Names::new())
+        let place = self.place(name).unwrap_or_default();
+        constant(&At::new(place, text.clone()), &Names::new())
     }
 }

@@ -15,7 +15,7 @@ use super::{
     read::Constants,
     source::{Read, Source, refuse},
     sweep::Set,
-    values::{At, Count, Listed, count},
+    values::{At, Count, Listed, count, place},
 };
 
 /// What a command line changes in a scene.
@@ -65,8 +65,6 @@ pub struct Settings {
     pub until: f64,
     /// Number of steps.
     pub steps: u64,
-    /// Steps of the coarsest level of expectations, if the command line says it.
-    pub coarsest_steps: Option<u64>,
     /// The scheme, or `auto`.
     pub scheme: String,
     /// Number of paths.
@@ -111,9 +109,9 @@ impl Settings {
         let own = run.seed.as_ref().map_or(1, |seed| seed.0);
         let key = StreamKey { seed: seed.unwrap_or(own), experiment: 0 };
         let (initial, random) = initial(source, &run.initial, constants, key)?;
-        let until = constants.value(source, &run.until)?;
+        let until = constants.value(&run.until)?;
         if until <= 0.0 {
-            refuse!(source, run.until.span(), "the final time must be positive, got {until}");
+            refuse!(&run.until, "the final time must be positive, got {until}");
         }
         let number =
             |count: &Option<At<Count>>, otherwise| count.as_ref().map_or(otherwise, |n| n.0);
@@ -127,8 +125,7 @@ impl Settings {
             Some(times) if steps.is_multiple_of(times.0) => times.0,
             Some(times) if changes.steps.is_none() => {
                 let (given, near) = (times.0, divisor(times.0.min(MOST_TRIED)));
-                let place = times.span();
-                refuse!(source, place, "{given} times do not divide {steps} steps: take {near}");
+                refuse!(times, "{given} times do not divide {steps} steps: take {near}");
             }
             // Or the steps were changed on the command line.
             _ => divisor(TIMES),
@@ -137,8 +134,7 @@ impl Settings {
         let order = number(&run.truncation, 4);
         let Some(truncation) = u32::try_from(order).ok().and_then(|k| Truncation::new(k).ok())
         else {
-            let place = run.truncation.as_ref().map(At::span);
-            refuse!(source, place, "the order must be below 2^32, got {order}");
+            refuse!(place(&run.truncation), "the order must be below 2^32, got {order}");
         };
         // Nobody asked for clipped increments that show in the results.
         let truncation = if run.truncation.is_none() { truncation.wide() } else { truncation };
@@ -151,7 +147,6 @@ impl Settings {
             },
             until,
             steps,
-            coarsest_steps: changes.steps,
             paths,
             tables,
             times,

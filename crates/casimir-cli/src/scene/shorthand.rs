@@ -1,12 +1,12 @@
 //! Short forms of a state and of B: vectors, and blocks.
 
-use std::{collections::BTreeMap, ops::Range};
+use std::collections::BTreeMap;
 
 use casimir::formula::{Formula, Names, nearest};
 
 use super::{
     is_column,
-    source::{Read, Source, refuse},
+    source::{Read, refuse},
     taken,
     values::{At, Entries, Listed, Structure},
 };
@@ -29,11 +29,11 @@ impl State {
     /// The state that `state` means: a name is a component, `q[1..3]` the vector q of q1, q2 and
     /// q3, `s[xyz]` the vector s of sx, sy and sz, `s[1..2][xyz]` the vectors s1 and s2 of such
     /// components.
-    pub fn new(source: &Source, entries: &[At<String>]) -> Read<Self> {
+    pub fn new(entries: &[At<String>]) -> Read<Self> {
         let mut state = Self { components: Vec::new(), vectors: Vec::new() };
         for entry in entries {
             let Some(vectors) = vectors(entry) else {
-                refuse!(source, entry.span(), "`{}` is neither {FORMS}", **entry);
+                refuse!(entry, "`{}` is neither {FORMS}", **entry);
             };
             if vectors.is_empty() {
                 state.components.push(entry.clone());
@@ -45,7 +45,7 @@ impl State {
             }
         }
         match state.components.iter().find(|name| is_column(name)) {
-            Some(name) => Err(taken(source, name)),
+            Some(name) => Err(taken(name)),
             None => Ok(state),
         }
     }
@@ -97,37 +97,31 @@ fn range(text: &str) -> Option<impl Iterator<Item = u32> + use<>> {
 }
 
 /// The entries of B as texts, in rows.
-pub fn structure(
-    source: &Source,
-    state: (&State, &Names),
-    at: &At<Structure>,
-) -> Read<Vec<Vec<String>>> {
+pub fn structure(state: (&State, &Names), at: &At<Structure>) -> Read<Vec<Vec<String>>> {
     match &**at {
         Listed::List(rows) => {
             let row = |row: &Entries| row.iter().map(|text| text.0.clone()).collect();
             Ok(rows.iter().map(row).collect())
         }
-        Listed::Text(text) => blocks(source, state, text, at.span()),
+        Listed::Text(text) => blocks(state, text, at),
     }
 }
 
 /// A sum of multiples of blocks, as the entries above the diagonal: in each stand the entries of
 /// the blocks for these.
 fn blocks(
-    source: &Source,
     (state, names): (&State, &Names),
     text: &str,
-    place: Range<usize>,
+    at: &At<Structure>,
 ) -> Read<Vec<Vec<String>>> {
-    let wrong = |message: String| source.error(place.clone(), message);
     let (mut gaps, mut found, mut rest) = (Vec::new(), Vec::new(), text);
     while let Some((start, end)) = next_block(rest) {
         gaps.push(&rest[..start]);
-        found.push(block_of(state, &rest[start..end]).map_err(wrong)?);
+        found.push(block_of(state, &rest[start..end], at)?);
         rest = &rest[end..];
     }
     if found.is_empty() {
-        block_of(state, text.trim()).map_err(wrong)?;
+        block_of(state, text.trim(), at)?;
     }
     let filled = |of: &[String]| {
         let all = gaps.iter().zip(of).map(|(gap, entry)| format!("{gap}{entry}"));
@@ -140,7 +134,7 @@ fn blocks(
         for &(i, j, ref entry) in block {
             let (place, sign) = if i < j { ((i, j), "+") } else { ((j, i), "-") };
             if i == j {
-                return Err(wrong("a block joins different components".into()));
+                refuse!(at, "a block joins different components");
             }
             let sum = &mut sums.entry(place).or_insert_with(|| none.clone())[k];
             *sum = format!("({sum}{sign}{entry})");
@@ -156,7 +150,7 @@ fn blocks(
         Err(error) => error.unknown_name.is_none(),
     };
     if is_other {
-        return Err(wrong("each term of B is a multiple of a block".into()));
+        refuse!(at, "each term of B is a multiple of a block");
     }
     let entry = |i, j| sums.get(&(i, j)).map_or("0".into(), |of| filled(of));
     let row = |i: usize| (i + 1..dimension).map(|j| entry(i, j)).collect();
@@ -188,31 +182,29 @@ fn next_block(text: &str) -> Option<(usize, usize)> {
 type Block = Vec<(usize, usize, String)>;
 
 /// The entries of one block.
-fn block_of(state: &State, text: &str) -> Result<Block, String> {
-    let (kind, arguments) = match text.split_once('(') {
+fn block_of(state: &State, text: &str, at: &At<Structure>) -> Read<Block> {
+    let (kind, given) = match text.split_once('(') {
         Some((kind, inner)) => match inner.strip_suffix(')') {
-            Some(inner) => (kind.trim(), split(inner, ',')),
-            None => return Err(format!("`{text}` ends without `)`")),
+            Some(inner) => (kind.trim(), arguments(inner)),
+            None => refuse!(at, "`{text}` ends without `)`"),
         },
         None => (text, Vec::new()),
     };
     if !BLOCKS.contains(&kind) {
         let hint = nearest(kind, BLOCKS);
-        return Err(format!(
+        refuse!(
+            at,
             "unknown block `{kind}`: B is rows of entries, or a sum of canonical(q, p), \
              spins(s1, s2, …) and rigid{hint}"
-        ));
+        );
     }
     let mut vectors = Vec::new();
-    for argument in arguments {
-        let found = state.of(argument).ok_or_else(|| {
-            let known = state
-                .vectors
-                .iter()
-                .map(|(name, _)| name.as_str())
-                .chain(state.components.iter().map(|name| name.as_str()));
-            format!("`{argument}` is no part of the state{}", nearest(argument, known))
-        })?;
+    for argument in given {
+        let Some(found) = state.of(argument) else {
+            let vectors = state.vectors.iter().map(|(name, _)| name);
+            let known = vectors.chain(state.components.iter().map(|name| &**name));
+            refuse!(at, "`{argument}` is no part of the state{}", nearest(argument, known));
+        };
         vectors.extend(found);
     }
     let all: Vec<usize> = (0..state.components.len()).collect();
@@ -221,11 +213,11 @@ fn block_of(state: &State, text: &str) -> Result<Block, String> {
         let [q, p] = match &vectors[..] {
             [] => [all[..half].to_vec(), all[half..].to_vec()],
             [q, p] => [q.clone(), p.clone()],
-            _ => return Err("write canonical(q, p): positions and their momenta".into()),
+            _ => refuse!(at, "write canonical(q, p): positions and their momenta"),
         };
         if q.len() != p.len() {
             let (q, p) = (q.len(), p.len());
-            return Err(format!("canonical takes as many momenta as positions, got {q} and {p}"));
+            refuse!(at, "canonical takes as many momenta as positions, got {q} and {p}");
         }
         return Ok(q.into_iter().zip(p).map(|(q, p)| (q, p, "1".into())).collect());
     }
@@ -235,8 +227,7 @@ fn block_of(state: &State, text: &str) -> Result<Block, String> {
     let mut block = Vec::new();
     for vector in vectors {
         let [x, y, z] = vector[..] else {
-            let length = vector.len();
-            return Err(format!("{kind} takes vectors of three components, got {length}"));
+            refuse!(at, "{kind} takes vectors of three components, got {}", vector.len());
         };
         // B(s)v = s × v.
         for (i, j, k) in [(x, y, z), (y, z, x), (z, x, y)] {
@@ -246,12 +237,12 @@ fn block_of(state: &State, text: &str) -> Result<Block, String> {
     Ok(block)
 }
 
-/// The parts of a text between characters that stand in no bracket.
-fn split(text: &str, at: char) -> Vec<&str> {
+/// What stands between commas that are in no bracket.
+fn arguments(text: &str) -> Vec<&str> {
     let mut depth = 0;
     let outside = |c: char| {
         depth += i32::from(c == '(') - i32::from(c == ')');
-        c == at && depth == 0
+        c == ',' && depth == 0
     };
     text.split(outside).map(str::trim).collect()
 }

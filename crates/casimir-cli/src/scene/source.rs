@@ -26,13 +26,49 @@ pub struct SceneError {
     pub place: Option<Range<usize>>,
 }
 
-/// A result of reading a scene.
-pub type Read<T> = Result<T, SceneError>;
+/// The same before it is said of which source: see [`Source::located`].
+#[derive(Debug)]
+pub struct Wrong {
+    message: String,
+    place: Option<Range<usize>>,
+    /// Of a formula at the place its text, and the part of it that is meant.
+    part: Option<(String, Range<usize>)>,
+}
 
-/// Returns an error of a source, or of parameters, at a place.
+/// What was read of a scene.
+pub type Read<T> = Result<T, Wrong>;
+
+impl Wrong {
+    /// Something wrong at a place, or with the whole.
+    pub fn new(place: impl Into<Option<Range<usize>>>, message: impl Display) -> Self {
+        Self { message: message.to_string(), place: place.into(), part: None }
+    }
+
+    /// Something wrong with a part of a formula.
+    pub fn in_formula(formula: &At<Text>, error: &FormulaError, message: impl Display) -> Self {
+        let part = Some((formula.0.clone(), error.span.clone()));
+        Self { part, ..Self::new(formula, message) }
+    }
+
+    /// Something wrong with a formula, in its own words.
+    pub fn formula(formula: &At<Text>, error: &FormulaError) -> Self {
+        let is_mean = |word: &str| error.message == format!("unknown function `{word}`");
+        let message = match error.unknown_name.as_deref() {
+            _ if is_mean("integral") || is_mean("average") => {
+                "this is an observable of its own: give it a name, a = \"integral(v)\", and \
+                 use that"
+            }
+            Some("t") => "unknown name `t`: time is known in H0, H, the rate and observables",
+            _ => &error.message,
+        };
+        Self::in_formula(formula, error, message)
+    }
+}
+
+/// Returns an error at a place.
 macro_rules! refuse {
-    ($of:expr, $place:expr, $($words:tt)+) => {
-        return Err($of.error($place, format_args!($($words)+)))
+    ($place:expr, $($words:tt)+) => {
+        return Err($crate::scene::Wrong::new($place, format_args!($($words)+)))
     };
 }
 pub(crate) use refuse;
@@ -56,39 +92,22 @@ impl Source {
         SceneError { message, place: Some(span) }
     }
 
-    /// A formula in names.
-    pub fn formula(&self, text: &At<Text>, names: &Names) -> Read<Formula> {
-        Formula::parse(&text.0, names).map_err(|error| self.formula_error(text, &error))
+    /// What was read of this source. The whole formula is shown if it is written with escapes.
+    pub fn located<T>(&self, read: Read<T>) -> Result<T, SceneError> {
+        read.map_err(|Wrong { message, place, part }| {
+            let within = place.as_ref().zip(part).and_then(|(whole, (formula, span))| {
+                let start = whole.start + self.text.get(whole.clone())?.find(&formula)?;
+                Some(start + span.start..start + span.end)
+            });
+            self.error(within.or(place), message)
+        })
     }
+}
 
-    /// Something wrong with a formula, at its place in the file.
-    pub fn formula_error(&self, formula: &At<Text>, error: &FormulaError) -> SceneError {
-        let is_mean = |word: &str| error.message == format!("unknown function `{word}`");
-        let message = match error.unknown_name.as_deref() {
-            _ if is_mean("integral") || is_mean("average") => {
-                "this is an observable of its own: give it a name, a = \"integral(v)\", and \
-                 use that"
-            }
-            Some("t") => "unknown name `t`: time is known in H0, H, the rate and observables",
-            _ => &error.message,
-        };
-        self.error_in(formula, error, message)
-    }
-
-    /// The same in other words. The whole formula is shown if it is written with escapes.
-    pub fn error_in(
-        &self,
-        formula: &At<Text>,
-        error: &FormulaError,
-        message: impl Display,
-    ) -> SceneError {
-        let (whole, text, span) = (formula.span(), &formula.0, &error.span);
-        let written = self.text.get(whole.clone()).and_then(|written| written.find(&**text));
-        let place = written.map_or(whole.clone(), |before| {
-            let start = whole.start + before;
-            start + span.start..start + span.end
-        });
-        self.error(place, message)
+impl At<Text> {
+    /// The formula in names.
+    pub fn formula(&self, names: &Names) -> Read<Formula> {
+        Formula::parse(&self.0, names).map_err(|error| Wrong::formula(self, &error))
     }
 }
 

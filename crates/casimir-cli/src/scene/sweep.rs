@@ -9,7 +9,7 @@ use super::{
     Changes, Scene,
     file::SceneFile,
     read::{self, among},
-    source::{Read, Source, refuse},
+    source::{Read, SceneError, Source, refuse},
     values::{At, MOST_VALUES, Parameter, Text, Values},
 };
 
@@ -29,7 +29,7 @@ impl FromStr for Set {
         let (name, values) = text.split_once('=').ok_or_else(|| {
             format!("`{text}` has no value: write NAME=VALUE, or NAME=0.1,0.2,0.5")
         })?;
-        let Values(values) = values.parse()?;
+        let Values(values) = Values::new(values)?;
         Ok(Self { name: name.trim().into(), values })
     }
 }
@@ -95,15 +95,23 @@ impl Sweep {
     /// The scenes of a text, with the changes that a command line makes.
     ///
     /// # Errors
-    /// [`SceneError`](super::SceneError) as that of [`Scene::new`], or about what is varied.
-    pub fn new(source: &Source, changes: &Changes) -> Read<Self> {
-        let file = read::parse(source)?;
-        let mut varied = chosen(source, &file, &changes.scheme.sets)?;
+    /// [`SceneError`] as that of [`Scene::new`], or about what is varied.
+    pub fn new(source: &Source, changes: &Changes) -> Result<Self, SceneError> {
+        source.located(Self::of(source, changes))
+    }
+
+    /// The scene of the first combination.
+    pub fn scene(&self) -> &Scene {
+        &self.combinations[0].scene
+    }
+
+    fn of(source: &Source, changes: &Changes) -> Read<Self> {
+        let file = read::parse(&source.text)?;
+        let mut varied = chosen(&file, &changes.scheme.sets)?;
         let numbers = varied.iter().map(|one| one.values.len() as u64);
         let number = numbers.fold(1u64, u64::saturating_mul);
         if number > MOST_VALUES {
             refuse!(
-                source,
                 varied[0].place.clone(),
                 "{number} combinations are too many: at most {MOST_VALUES}"
             );
@@ -119,7 +127,7 @@ impl Sweep {
                     places.insert(0, place);
                 }
             }
-            let mut scene = Scene::of(source.clone(), file, changes)?;
+            let mut scene = Scene::of(source, file, changes)?;
             if changes.independent {
                 scene.settings.key.experiment = k as u64;
             }
@@ -132,7 +140,7 @@ impl Sweep {
 }
 
 /// What the scene and the command line choose, which goes before.
-fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
+fn chosen(file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
     let varied = |name: &str, texts: &[String], place| {
         let (name, values, texts) = (name.into(), Vec::new(), texts.to_vec());
         Varied { name, values, texts, place }
@@ -142,7 +150,7 @@ fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>>
         own.map(|(name, values)| varied(name, &values.0, Some(values.span()))).collect();
     for (k, Set { name, values }) in given.iter().enumerate() {
         if given[..k].iter().any(|before| before.name == *name) {
-            refuse!(source, None, "--set {name} is given twice");
+            refuse!(None, "--set {name} is given twice");
         }
         let set = varied(name, values, None);
         match all.iter_mut().find(|known| known.name == *name) {
@@ -154,19 +162,19 @@ fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>>
     for Varied { name, values, texts, place } in &mut all {
         let place = place.clone();
         if texts.is_empty() {
-            refuse!(source, place, "`{name}` needs a value");
+            refuse!(place, "`{name}` needs a value");
         }
         if !known.contains(&&**name) && file.system.name.is_none() {
-            refuse!(source, place, "no parameter `{name}` to set{}", among(name, &known));
+            refuse!(place, "no parameter `{name}` to set{}", among(name, &known));
         }
         for text in texts {
             match Formula::parse(text, &Names::new()).map(|formula| formula.value(&[])) {
                 Ok(value) if values.contains(&value) => {
-                    refuse!(source, place, "`{name}` has the value {text} twice")
+                    refuse!(place, "`{name}` has the value {text} twice")
                 }
                 Ok(value) if value.is_finite() => values.push(value),
-                Ok(value) => refuse!(source, place, "{name} = {text}: it is {value}"),
-                Err(error) => refuse!(source, place, "{name} = {text}: {}", error.message),
+                Ok(value) => refuse!(place, "{name} = {text}: it is {value}"),
+                Err(error) => refuse!(place, "{name} = {text}: {}", error.message),
             }
         }
     }
@@ -174,12 +182,11 @@ fn chosen(source: &Source, file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>>
 }
 
 /// Gives the parameters of a scene the values that the command line chooses, one each.
-pub fn settle(source: &Source, file: &mut SceneFile, given: &[Set]) -> Read<()> {
+pub fn settle(file: &mut SceneFile, given: &[Set]) -> Read<()> {
     file.sweep.clear();
-    for one in chosen(source, file, given)? {
+    for one in chosen(file, given)? {
         if let (name, [first, _, ..]) = (&one.name, &one.texts[..]) {
             refuse!(
-                source,
                 one.place.clone(),
                 "`{name}` has {} values, and only `run` and `plan` vary parameters: choose one by \
                  --set {name}={first}",

@@ -5,7 +5,6 @@ use std::{
     fmt::{self, Formatter},
     marker::PhantomData,
     ops::{Deref, Range},
-    str::FromStr,
 };
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -16,9 +15,11 @@ use serde::{
 use toml::{Spanned, Value};
 
 /// A value at its place in the text.
-#[derive(Clone, PartialEq, Eq, Hash)]
+#[derive(Clone, PartialEq, Eq, Hash, JsonSchema)]
+#[schemars(transparent)]
 pub struct At<T> {
     value: T,
+    #[schemars(skip)]
     place: Range<usize>,
 }
 
@@ -31,6 +32,17 @@ impl<T> At<T> {
     /// The place.
     pub fn span(&self) -> Range<usize> {
         self.place.clone()
+    }
+}
+
+/// The place of what may not be there.
+pub fn place<T>(of: &Option<At<T>>) -> Option<Range<usize>> {
+    of.as_ref().map(At::span)
+}
+
+impl<T> From<&At<T>> for Option<Range<usize>> {
+    fn from(at: &At<T>) -> Self {
+        Some(at.span())
     }
 }
 
@@ -49,36 +61,20 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for At<T> {
     }
 }
 
-impl<T: JsonSchema> JsonSchema for At<T> {
-    fn inline_schema() -> bool {
-        T::inline_schema()
-    }
-    fn schema_name() -> Cow<'static, str> {
-        T::schema_name()
-    }
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        T::json_schema(generator)
-    }
-}
-
 /// A formula: a string, or a number.
-#[derive(Clone, Deserialize)]
-#[serde(try_from = "Value")]
+#[derive(Clone)]
 pub struct Text(pub String);
 
 /// A whole number of at least 1. 1e6 is one, too.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "Value")]
+#[derive(Clone, Copy)]
 pub struct Count(pub u64);
 
 /// A whole number of 64 bits; one that TOML has no number for stands in quotes.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "Value")]
+#[derive(Clone, Copy)]
 pub struct Seed(pub u64);
 
 /// A parameter: a number, a formula without names, or a list of them.
-#[derive(Clone, Deserialize)]
-#[serde(try_from = "Value")]
+#[derive(Clone)]
 pub enum Parameter {
     /// A number or a formula.
     One(Text),
@@ -89,7 +85,8 @@ pub enum Parameter {
 }
 
 /// A list, or a text that stands for one.
-#[derive(Clone)]
+#[derive(Clone, JsonSchema)]
+#[schemars(untagged)]
 pub enum Listed<T> {
     /// The list.
     List(Vec<T>),
@@ -133,8 +130,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for OfListed<T> {
 }
 
 /// An event: the condition when it happens, or a table of it.
-#[derive(Clone, Deserialize)]
-#[serde(try_from = "Value")]
+#[derive(Clone)]
 pub struct Event(pub EventTable);
 
 /// The keys of an event.
@@ -148,44 +144,13 @@ pub struct EventTable {
     pub stop: bool,
 }
 
-impl TryFrom<Value> for Event {
-    type Error = String;
-
-    fn try_from(value: Value) -> Result<Self, String> {
-        match value {
-            Value::Table(table) => {
-                table.try_into().map(Self).map_err(|error| error.message().to_owned())
-            }
-            text => Ok(Self(EventTable { when: Text::try_from(text)?, stop: false })),
-        }
-    }
-}
-
 /// The values of a parameter that is varied: a list, or `"from:to:number"`.
-#[derive(Clone, Deserialize)]
-#[serde(try_from = "Value")]
+#[derive(Clone)]
 pub struct Values(pub Vec<String>);
 
-impl TryFrom<Value> for Values {
-    type Error = String;
-
-    fn try_from(value: Value) -> Result<Self, String> {
-        match value {
-            Value::String(text) => text.parse(),
-            Value::Array(list) => {
-                let text = |value| Text::try_from(value).map(|Text(text)| text);
-                Ok(Self(list.into_iter().map(text).collect::<Result<_, _>>()?))
-            }
-            other => Text::try_from(other).map(|Text(one)| Self(vec![one])),
-        }
-    }
-}
-
-impl FromStr for Values {
-    type Err = String;
-
+impl Values {
     /// `0.1,0.2,1/3`, or `from:to:number`.
-    fn from_str(text: &str) -> Result<Self, String> {
+    pub fn new(text: &str) -> Result<Self, String> {
         let ends: Vec<&str> = text.split(':').map(str::trim).collect();
         match ends[..] {
             [_] => Ok(Self(text.split(',').map(|value| value.trim().into()).collect())),
@@ -220,55 +185,6 @@ pub fn number(value: &Value) -> String {
     }
 }
 
-impl TryFrom<Value> for Count {
-    type Error = String;
-
-    fn try_from(value: Value) -> Result<Self, String> {
-        count(&number(&value)).map(Self)
-    }
-}
-
-impl TryFrom<Value> for Seed {
-    type Error = String;
-
-    fn try_from(value: Value) -> Result<Self, String> {
-        let text = value.as_str().map_or_else(|| number(&value), str::to_owned);
-        let wrong = || format!("`{text}` is not a seed: a whole number from 0 to {}", u64::MAX);
-        text.parse().map(Self).map_err(|_| wrong())
-    }
-}
-
-impl TryFrom<Value> for Text {
-    type Error = String;
-
-    fn try_from(value: Value) -> Result<Self, String> {
-        match value {
-            Value::String(text) => Ok(Self(text)),
-            Value::Integer(number) => Ok(Self(number.to_string())),
-            Value::Float(number) if number.is_finite() => Ok(Self(format!("{number:?}"))),
-            Value::Float(number) => Err(format!("a number must be finite, got {number}")),
-            other => {
-                let got = other.type_str();
-                Err(format!("got {got}, expected a number or a formula in quotes: \"y1^2/2\""))
-            }
-        }
-    }
-}
-
-impl TryFrom<Value> for Parameter {
-    type Error = String;
-
-    fn try_from(value: Value) -> Result<Self, String> {
-        match value {
-            Value::Boolean(switch) => Ok(Self::Switch(switch)),
-            Value::Array(list) => {
-                list.into_iter().map(Text::try_from).collect::<Result<_, _>>().map(Self::Many)
-            }
-            one => Text::try_from(one).map(Self::One),
-        }
-    }
-}
-
 /// A whole number of at least 1 from its text.
 pub fn count(text: &str) -> Result<u64, String> {
     // Beyond 2⁵³ a number is not exact.
@@ -279,41 +195,78 @@ pub fn count(text: &str) -> Result<u64, String> {
         .ok_or_else(|| format!("`{text}` is not a whole number of at least 1, such as 1000 or 1e6"))
 }
 
-macro_rules! schema {
-    ($type:ty, $name:literal, $($schema:tt)+) => {
+/// A formula from a string or a number.
+fn text(value: Value) -> Result<Text, String> {
+    match value {
+        Value::String(text) => Ok(Text(text)),
+        Value::Integer(number) => Ok(Text(number.to_string())),
+        Value::Float(number) if number.is_finite() => Ok(Text(format!("{number:?}"))),
+        Value::Float(number) => Err(format!("a number must be finite, got {number}")),
+        other => {
+            let got = other.type_str();
+            Err(format!("got {got}, expected a number or a formula in quotes: \"y1^2/2\""))
+        }
+    }
+}
+
+fn texts(list: Vec<Value>) -> Result<Vec<Text>, String> {
+    list.into_iter().map(text).collect()
+}
+
+/// Types with their names and schemas, and how a value is read.
+macro_rules! written {
+    ($($type:ident, $name:literal, $schema:tt, $read:expr;)+) => {$(
         impl JsonSchema for $type {
             fn schema_name() -> Cow<'static, str> {
                 $name.into()
             }
             fn json_schema(_: &mut SchemaGenerator) -> Schema {
-                json_schema!($($schema)+)
+                json_schema!($schema)
             }
         }
-    };
+        impl<'de> Deserialize<'de> for $type {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let read: fn(Value) -> Result<Self, String> = $read;
+                read(Value::deserialize(deserializer)?).map_err(Error::custom)
+            }
+        }
+    )+};
 }
 
-schema!(Text, "Formula", { "type": ["string", "number"] });
-schema!(Count, "Count", { "type": "number", "minimum": 1, "multipleOf": 1 });
-schema!(Seed, "Seed", { "type": ["integer", "string"], "minimum": 0 });
-schema!(Values, "Values", {
-    "type": ["array", "string", "number"],
-    "items": { "type": ["string", "number"] }
-});
-schema!(Event, "Event", {
-    "type": ["string", "object"],
-    "properties": { "when": { "type": "string" }, "stop": { "type": "boolean" } },
-    "required": ["when"],
-    "additionalProperties": false
-});
-schema!(Structure, "Structure", {
-    "type": ["string", "array"],
-    "items": { "type": "array", "items": { "type": ["string", "number"] } }
-});
-schema!(Start, "Start", {
-    "type": ["string", "array"],
-    "items": { "type": ["string", "number"] }
-});
-schema!(Parameter, "Parameter", {
-    "type": ["string", "number", "boolean", "array"],
-    "items": { "type": ["string", "number"] }
-});
+written! {
+    Text, "Formula", { "type": ["string", "number"] }, text;
+    Count, "Count", { "type": "number", "minimum": 1, "multipleOf": 1 },
+        |value| count(&number(&value)).map(Self);
+    Seed, "Seed", { "type": ["integer", "string"], "minimum": 0 }, |value| {
+        let text = value.as_str().map_or_else(|| number(&value), str::to_owned);
+        let wrong = || format!("`{text}` is not a seed: a whole number from 0 to {}", u64::MAX);
+        text.parse().map(Self).map_err(|_| wrong())
+    };
+    Parameter, "Parameter", {
+        "type": ["string", "number", "boolean", "array"],
+        "items": { "type": ["string", "number"] }
+    }, |value| match value {
+        Value::Boolean(switch) => Ok(Self::Switch(switch)),
+        Value::Array(list) => texts(list).map(Self::Many),
+        one => text(one).map(Self::One),
+    };
+    Values, "Values", {
+        "type": ["array", "string", "number"],
+        "items": { "type": ["string", "number"] }
+    }, |value| match value {
+        Value::String(text) => Self::new(&text),
+        Value::Array(list) => Ok(Self(texts(list)?.into_iter().map(|Text(text)| text).collect())),
+        one => text(one).map(|Text(one)| Self(vec![one])),
+    };
+    Event, "Event", {
+        "type": ["string", "object"],
+        "properties": { "when": { "type": "string" }, "stop": { "type": "boolean" } },
+        "required": ["when"],
+        "additionalProperties": false
+    }, |value| match value {
+        Value::Table(table) => {
+            table.try_into().map(Self).map_err(|error| error.message().to_owned())
+        }
+        one => Ok(Self(EventTable { when: text(one)?, stop: false })),
+    };
+}

@@ -79,6 +79,6 @@ fn chosen(scene: &Scene) -> Done<(mc::Expect<'_>, ExpectSettings, Option<String>
             (mc::Expect::with_scheme(scene.collecting(scene.setup(&scheme)?)), because)
         }
     };
-    with.coarsest_steps = settings.coarsest_steps.unwrap_or(with.coarsest_steps);
+    with.coarsest_steps = scene.changes.steps.unwrap_or(with.coarsest_steps);
     Ok((expect, with, because))
 }

@@ -11,7 +11,7 @@ use crate::{failure::Done, model::with_names, output::digits, scene::Scene};
 pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let model = &scene.model;
     let (problem, system) = (model.problem(), model.system());
-    let (known, bath, findings) = watch.under("looking at points".into(), 0, || {
+    let (known, bath, findings) = watch.under("looking at points", 0, || {
         let settings = InspectSettings {
             run: Some(model.recommended()),
             y0: Some(problem.y0.clone()),

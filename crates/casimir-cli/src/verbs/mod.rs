@@ -27,7 +27,7 @@ pub use compare::compare;
 pub use expect::expect;
 pub use inspect::inspect;
 pub use order::order;
-pub use referee::{Claims, Measure, SINGLE_STATES, judge, single_steps, solver_noise};
+pub use referee::{Claims, Measure, judge, single_steps, solver_noise};
 pub use run::{Outcomes, Results, compute, ready, settle};
 pub use stationary::equilibrium;
 
@@ -127,14 +127,14 @@ impl Watch {
             let words = format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}");
             self.bar.suspend(|| (self.say)(&words));
         };
-        let result = watched(PATIENCE, say, || self.under(what.into(), 0, || work(&told)));
+        let result = watched(PATIENCE, say, || self.under(what, 0, || work(&told)));
         say();
         result
     }
 
     /// Does work of about so many path-steps, zero if that is not known, under the bar. Where the
     /// output is no terminal it shows nothing, and it is said once how far long work is.
-    pub fn under<R>(&self, what: String, path_steps: u64, work: impl FnOnce() -> R) -> R {
+    pub fn under<R>(&self, what: &str, path_steps: u64, work: impl FnOnce() -> R) -> R {
         let template = match path_steps {
             0 => "{elapsed:>4} {spinner} {msg}",
             _ => "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left",
@@ -144,7 +144,7 @@ impl Watch {
         bar.set_style(style.progress_chars("=> "));
         bar.set_length(path_steps);
         bar.reset();
-        bar.set_message(what.clone());
+        bar.set_message(what.to_owned());
         let start = Instant::now();
         let say = || {
             let since = start.elapsed().as_secs_f64();

@@ -1,7 +1,7 @@
 //! Orders of solvers that are not ours.
 
 use casimir::{
-    analysis::{Decision, Judged, LevelNoise, Referee, SolverStates, StepSizes, VISITS, Verdict},
+    analysis::{Decision, Judged, LevelNoise, Referee, SolverStates, StepSizes, Verdict},
     mc::{Observe, demand},
 };
 use serde_json::{Value, json};
@@ -89,9 +89,6 @@ pub fn single_steps(scene: &Scene, measure: Measure) -> Done<Vec<(f64, [LevelNoi
     Ok(taus.map(|tau| (tau, referee.single_noise(tau))).collect())
 }
 
-/// The number of states from which single steps begin.
-pub const SINGLE_STATES: usize = VISITS;
-
 /// Judges the states of a solver.
 ///
 /// # Errors
@@ -123,12 +120,9 @@ pub fn judge(
         verdicts
             .push(json!({ "what": what, "claimed": claimed, "verdict": verdict, "words": words }));
     };
-    let claim = claims.strong.map(|claimed| {
-        if own_noise {
-            (claimed, Verdict::Refuted)
-        } else {
-            (claimed, strong.is_strongly(claimed, claims.same_step))
-        }
+    let claim = claims.strong.map(|claimed| match own_noise {
+        true => (claimed, Verdict::Refuted),
+        false => (claimed, strong.is_strongly(claimed, claims.same_step)),
     });
     let confirmed = claim.is_some_and(|(_, verdict)| verdict == Verdict::Confirmed);
     let words = match (&strong.decision, solves) {
@@ -174,23 +168,18 @@ pub fn judge(
     text += "  step      error     ns per path-step\n";
     for (l, (tau, error)) in taus.iter().zip(errors).enumerate() {
         let steps = (referee.sizes.coarsest_steps << l) as f64 * measure.paths as f64;
-        let cost = claims
-            .seconds
-            .get(l)
-            .map(|s| format!("{:.0}", s / steps * 1e9))
-            .unwrap_or_else(|| "–".into());
+        let cost = claims.seconds.get(l);
+        let cost = cost.map_or("–".into(), |seconds| format!("{:.0}", seconds / steps * 1e9));
         text += &format!("  {tau:<8.2e}  {error:<8.2e}  {cost}\n");
     }
     let figures = figures("solver", strong, weak);
-    let law = |(name, defect, rounding): &(String, f64, f64)| {
-        json!({
-            "law": name, "defect": defect, "rounding": rounding,
-        })
-    };
+    let laws = laws.iter().map(
+        |(name, defect, rounding)| json!({ "law": name, "defect": defect, "rounding": rounding }),
+    );
     let [strong, weak] = described(strong, weak);
     let json = json!({
         "verdicts": verdicts, "strong": strong, "weak": weak,
-        "laws": laws.iter().map(law).collect::<Value>(), "steps": taus, "errors": errors,
+        "laws": laws.collect::<Value>(), "steps": taus, "errors": errors,
         "reference_error": reference_error, "solves": solves, "own_noise": own_noise,
         "seconds": claims.seconds,
     });

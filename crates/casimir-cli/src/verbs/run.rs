@@ -5,8 +5,9 @@ use std::time::Instant;
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
     mc::{
-        Observe, RunError, Setup, Simulation, Study, StudySettings, TimeSeries, demand, parts::Job,
-        study::StudyResult,
+        Observe, RunError, Setup, Simulation, Study, StudySettings, TimeSeries, demand,
+        parts::Job,
+        study::{Series, StudyResult, Summary},
     },
 };
 
@@ -15,7 +16,7 @@ use crate::{
     failure::{Done, Failure},
     model::Known,
     output,
-    scene::{Combination, Scene, Sweep},
+    scene::{Combination, Observable, Scene, Sweep},
 };
 
 /// Bytes of the moments of two observables of which step errors are found.
@@ -33,6 +34,8 @@ pub struct Results {
     pub tables: Vec<TimeSeries>,
     /// Statistics of all paths, if there are many.
     pub study: Option<StudyResult>,
+    /// The means of a few paths in time.
+    means: Vec<Series>,
     /// How large the step errors are.
     pub check: Option<StepCheck>,
     /// Seconds of the computation.
@@ -105,6 +108,16 @@ impl Results {
         self.study.as_ref().map_or(self.tables.len() as u64, |study| study.record.paths)
     }
 
+    /// Observables in time: statistics of many paths, the mean of a few.
+    pub fn series(&self) -> &[Series] {
+        self.study.as_ref().map_or(&self.means, |study| &study.series)
+    }
+
+    /// Autocorrelations and spectra.
+    pub fn lagged(&self) -> &[Series] {
+        self.study.as_ref().map_or(&[], |study| &study.lagged)
+    }
+
     /// The first failure, if no path came to its end.
     fn all_failed(&self) -> Option<String> {
         match &self.study {
@@ -144,20 +157,34 @@ impl Results {
     }
 }
 
+/// The means of the observables of a few paths in time.
+fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
+    let longest = tables.iter().map(|table| table.times()).max_by_key(|times| times.len());
+    let series = |Observable { name, .. }: &Observable| {
+        let columns: Vec<&[f64]> = tables.iter().filter_map(|table| table.column(name)).collect();
+        let point = |(k, &time): (usize, &f64)| {
+            let values = columns.iter().filter_map(|values| values.get(k));
+            let (sum, count) = values.fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
+            Summary { time, count, mean: Some(sum / count as f64), ..Summary::default() }
+        };
+        let points = longest.unwrap_or_default().iter().enumerate().map(point).collect();
+        Series { observable: name.clone(), points }
+    };
+    scene.observables.iter().map(series).collect()
+}
+
 /// A run that was checked.
 pub struct Ready<'a> {
-    prefix: String,
-    scene: &'a Scene,
-    scheme: String,
+    combination: &'a Combination,
     setup: Setup<'a>,
-    because: Option<String>,
+    settled: Settled,
 }
 
 impl<'a> Ready<'a> {
     /// Checks that the scheme can be run.
-    pub fn new(combination: &'a Combination, (scheme, because): Settled) -> Done<Self> {
-        let (scene, prefix) = (&combination.scene, combination.prefix());
-        let setup = scene.collecting(scene.setup(&scheme)?);
+    pub fn new(combination: &'a Combination, settled: Settled) -> Done<Self> {
+        let scene = &combination.scene;
+        let setup = scene.collecting(scene.setup(&settled.0)?);
         let settings = &scene.settings;
         if setup.scheme.clips_increments()
             && let Err(error) = settings.truncation.bound(settings.until / settings.steps as f64)
@@ -169,13 +196,14 @@ impl<'a> Ready<'a> {
                 setup.scheme.id()
             )))?;
         }
-        Ok(Self { prefix, scene, scheme, setup, because })
+        Ok(Self { combination, setup, settled })
     }
 
     /// Computes tables and statistics; none if another part has them.
     pub fn compute(self, job: &Job, watch: &Watch) -> Done<Option<Results>> {
         let start = Instant::now();
-        let Self { prefix, scene, scheme, setup, because } = self;
+        let Self { combination, setup, settled: (scheme, because) } = self;
+        let (scene, prefix) = (&combination.scene, combination.prefix());
         job.section(&prefix);
         let Scene { components, observables, settings, model, .. } = scene;
         let (steps, truncation, key) = (settings.steps, settings.truncation, settings.key);
@@ -192,6 +220,7 @@ impl<'a> Ready<'a> {
         simulation.demand(steps, settings.tables).map_err(wrong)?;
         let number = observables.len();
         demand(format!("step errors of {number} observables"), MOMENTS * (number * number) as f64)?;
+        let told = |done| watch.bar.inc(done);
         let mut study = None;
         if settings.is_study() {
             let wanted = StudySettings {
@@ -199,36 +228,31 @@ impl<'a> Ready<'a> {
                 stop: watch.stop.clone(),
                 ..StudySettings::new(steps, settings.times, settings.paths, truncation, key)
             };
-            let of_all = watch
-                .under(format!("{prefix}bins"), 0, || Study::new(&setup, observables, &wanted));
-            let of_all = of_all.map_err(wrong)?;
+            let new = || Study::new(&setup, observables, &wanted);
+            let of_all = watch.under(&format!("{prefix}bins"), 0, new).map_err(wrong)?;
             if watch.stop.is_asked() {
                 return Ok(None);
             }
-            study =
-                watch.under(format!("{prefix}paths"), settings.paths.saturating_mul(steps), || {
-                    of_all.telling(|done| watch.bar.inc(done)).run_in(job, "study")
-                });
+            let (what, cost) = (format!("{prefix}paths"), settings.paths.saturating_mul(steps));
+            study = watch.under(&what, cost, || of_all.telling(told).run_in(job, "study"));
         }
         let checked = checked_paths(settings.paths, &setup.problem);
         let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
-        let told = |done| watch.bar.inc(done);
-        let check =
-            watch.under(format!("{prefix}step errors"), steps.saturating_mul(3 * checked), || {
-                let fastest = model.fastest();
-                step_check(&setup, &phi, steps, checked, fastest, (truncation, key), (job, &told))
-            });
+        let (what, cost) = (format!("{prefix}step errors"), steps.saturating_mul(3 * checked));
+        let check = watch.under(&what, cost, || {
+            let fastest = model.fastest();
+            step_check(&setup, &phi, steps, checked, fastest, (truncation, key), (job, &told))
+        });
         let check = check.map_err(|error| scene.steps_error(error))?;
         if settings.is_study() && study.is_none() {
             return Ok(None);
         }
         simulation.told = Box::new(told);
-        let tables =
-            watch.under(format!("{prefix}tables"), settings.tables.saturating_mul(steps), || {
-                simulation.paths(steps, key, 0..settings.tables)
-            });
-        let tables = tables.map_err(wrong)?;
+        let (what, cost) = (format!("{prefix}tables"), settings.tables.saturating_mul(steps));
+        let paths = || simulation.paths(steps, key, 0..settings.tables);
+        let tables = watch.under(&what, cost, paths).map_err(wrong)?;
+        let means = if study.is_none() { means(scene, &tables) } else { Vec::new() };
         let (known, seconds) = (model.known(), start.elapsed().as_secs_f64());
-        Ok(Some(Results { scheme, because, known, tables, study, check, seconds }))
+        Ok(Some(Results { scheme, because, known, tables, study, means, check, seconds }))
     }
 }

@@ -32,7 +32,7 @@ pub fn equilibrium(
 ) -> Done<Found> {
     // Without a wish, the first averages that chains are long enough for.
     let accuracy = scene.accuracy.unwrap_or(f64::MAX);
-    check(scene, exponents.is_none())?;
+    scene.source.located(check(scene, exponents.is_none()))?;
     let ((scheme, because), start) = (scheme(scene), Instant::now());
     let settings = EquilibriumSettings {
         key: scene.settings.key,
@@ -89,22 +89,20 @@ pub fn equilibrium(
 
 /// Refuses what has no stationary law, or is no function of the state.
 fn check(scene: &Scene, averages: bool) -> Read<()> {
-    let (source, model) = (&scene.source, &scene.model);
+    let model = &scene.model;
     if model.system().description().depends_on_time {
         refuse!(
-            source,
             None,
             "a system that depends on time has no stationary law: if it is periodic, make its \
              phase a component, by a canonical pair (phi, J) with w*J in H0 and phi for w*t"
         );
     }
     if model.constant_rates().is_none() {
-        refuse!(source, None, "a damping that depends on time has no stationary law");
+        refuse!(None, "a damping that depends on time has no stationary law");
     }
     let along = scene.expected.iter().find(|phi| !phi.quantity.is_of_state());
     if let (true, Some(Observable { name, .. })) = (averages, along) {
         refuse!(
-            source,
             None,
             "averages over the stationary law are of functions of the state alone: leave out \
              `{name}`"

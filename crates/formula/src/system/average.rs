@@ -107,7 +107,7 @@ fn at(graph: &mut Graph, roots: &[Id], state: &[Id]) -> Vec<Id> {
 }
 
 fn by_quadrature(graph: &mut Graph, gradient: &[Id], nodes: usize, a: &[Id], b: &[Id]) -> Vec<Id> {
-    let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
+    let rule = Rule::new(nodes).expect("a rule has a node or more");
     let at_distance = |graph: &mut Graph, distance: f64| {
         let point = point(graph, a, b, distance);
         at(graph, gradient, &point)

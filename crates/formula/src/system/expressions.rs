@@ -78,9 +78,10 @@ impl Expressions {
         let field_along = new.along(&field, &u);
         let weights = [new.inputs(DT), new.inputs(DW)].concat();
         new.energy = new.graph.dot(&new.hamiltonians, &weights);
-        let gradient = new.gradient_of(&weights);
+        // ∇(H₀w₀ + H₁w₁ + …).
+        let weighted: Vec<(Id, Id)> = new.hamiltonians.iter().copied().zip(weights).collect();
+        let gradient = new.graph.reverse(&weighted, &new.y());
         let hessian = new.along(&gradient, &u);
-        let weighted = new.with_weights(&weights);
         let averaged = average::averaged_gradient(&mut new.graph, &weighted, &y, &u);
         let correction = new.corrected();
         new.operations = vec![
@@ -195,16 +196,6 @@ impl Expressions {
         Some(self.graph.forward(&averaged, &direction))
     }
 
-    /// H₀ with its weight, H₁, ….
-    fn with_weights(&self, weights: &[Id]) -> Vec<(Id, Id)> {
-        self.hamiltonians.iter().copied().zip(weights.iter().copied()).collect()
-    }
-
-    /// ∇(H₀w₀ + H₁w₁ + …).
-    fn gradient_of(&mut self, weights: &[Id]) -> Vec<Id> {
-        self.graph.reverse(&self.with_weights(weights), &self.y())
-    }
-
     /// ½Σₘ fₘ′fₘ.
     fn corrected(&mut self) -> Vec<Id> {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
@@ -279,9 +270,8 @@ impl Expressions {
 
     /// The same of one.
     fn field_of(&mut self, m: usize) -> (Vec<Id>, Vec<Id>) {
-        let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
-        unit[m] = self.graph.constant(1.0);
-        let gradient = self.gradient_of(&unit);
+        let one = self.graph.constant(1.0);
+        let gradient = self.graph.reverse(&[(self.hamiltonians[m], one)], &self.y());
         let field = self.field_at(V, &gradient);
         (gradient, field)
     }

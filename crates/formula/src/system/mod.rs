@@ -4,14 +4,15 @@ mod average;
 mod cayley;
 mod definition;
 mod expressions;
-mod in_time;
 mod program;
-mod skew;
 
-use std::ops::Range;
+use std::{
+    ops::Range,
+    slice::{from_mut, from_ref},
+};
 
 use dgrad::{Rule, nodes_for_degree};
-use real::{Row, WIDTH};
+use real::{Bounded, Row, WIDTH};
 use systems::{
     Linearity, SystemError,
     run_time::{Description, InTime, MOST_INPUTS, Op, Program, Recorded, System, Weights},
@@ -20,10 +21,9 @@ use systems::{
 
 pub use definition::{Definition, DefinitionError, Which};
 
-use crate::{Formula, Names, Tape};
+use crate::{Formula, Graph, Id, Names, Tape};
 use definition::Formulas;
 use expressions::Expressions;
-use in_time::Expressed;
 use program::Programs;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
@@ -102,7 +102,7 @@ impl FormulaSystem {
                 })
             }
         };
-        let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
+        let rule = Rule::new(nodes).expect("a rule has a node or more");
         let parameters =
             definition.parameters.iter().map(|(name, value)| format!("{name} = {value}"));
         let (dimension, noises) = (definition.state.len(), definition.noises.len());
@@ -189,11 +189,13 @@ impl System for FormulaSystem {
         let (times, scratch) = scratch.split_at_mut(2);
         times.copy_from_slice(&[[h.dt; WIDTH], [h.t; WIDTH]]);
         let inputs = [y, &times[..1], h.dw, &times[1..]];
-        self.energy.evaluate(&inputs, std::slice::from_mut(out), scratch);
+        self.energy.evaluate(&inputs, from_mut(out), scratch);
     }
 
     fn in_time(&self, y: &[f64]) -> Option<Box<dyn InTime>> {
-        Some(Box::new(Expressed::new(self.expressions.clone().in_time(y))))
+        let (graph, roots) = self.expressions.clone().in_time(y);
+        let tape = Tape::new(&graph, &roots, from_ref(&(0..1)));
+        Some(Box::new(Expressed { graph, roots, tape }))
     }
 
     /// H₀ + H₁ + … and the entries of B.
@@ -202,7 +204,7 @@ impl System for FormulaSystem {
             Some(guard) => {
                 let (time, scratch) = scratch.split_at_mut(1);
                 time[0] = [t; WIDTH];
-                guard.evaluate(&[y, time], std::slice::from_mut(out), scratch);
+                guard.evaluate(&[y, time], from_mut(out), scratch);
             }
             None => out.fill(0.0),
         }
@@ -222,5 +224,23 @@ impl System for FormulaSystem {
                 Err(SystemError::outside_domain(i + 1, y[i], "that all formulas are finite"))
             }
         }
+    }
+}
+
+/// What changes with time, as expressions in t.
+struct Expressed {
+    graph: Graph,
+    roots: Vec<Id>,
+    tape: Tape,
+}
+
+impl InTime for Expressed {
+    fn values(&self, times: &Row) -> Vec<Row> {
+        self.tape.rows(&[&[*times]])
+    }
+
+    fn bounds(&self, time: Bounded) -> Vec<Bounded> {
+        let values = self.graph.values(&self.roots, &[time]);
+        self.roots.iter().map(|root| values[root.index()]).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! From a value to a position on the page: linear and logarithmic axes and the ranges they cover.
 
-use real::elementary;
+use real::elementary::{ln, log10, powf};
 
 /// The range of values an axis covers, `lo < hi`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,14 +52,11 @@ impl Range {
 
     /// Widened until it holds two powers of ten, because one labelled tick does not define a scale.
     pub fn with_two_decades(self) -> Self {
-        let (lo, hi) = (elementary::log10(self.lo), elementary::log10(self.hi));
+        let (lo, hi) = (log10(self.lo), log10(self.hi));
         if hi.floor() - lo.ceil() >= 1.0 {
             return self;
         }
-        Self {
-            lo: self.lo.min(elementary::powf(10f64, lo.floor())),
-            hi: self.hi.max(elementary::powf(10f64, hi.ceil())),
-        }
+        Self { lo: self.lo.min(powf(10f64, lo.floor())), hi: self.hi.max(powf(10f64, hi.ceil())) }
     }
 }
 
@@ -85,7 +82,7 @@ impl Axis {
             return self.start;
         }
         // Differences of logarithms, because the ratio of two values may overflow.
-        let scale = if self.logarithmic { elementary::ln } else { |value| value };
+        let scale = if self.logarithmic { ln } else { |value| value };
         let [value, lo, hi] = [value, lo, hi].map(scale);
         self.start + (value - lo) / (hi - lo) * (self.end - self.start)
     }

@@ -33,12 +33,12 @@ pub struct Stroke {
 
 impl Stroke {
     /// An opaque stroke without gaps.
-    pub fn new(color: Color, width: f64) -> Self {
+    pub const fn new(color: Color, width: f64) -> Self {
         Self { color, width, opacity: 1.0, dashed: false }
     }
 
     /// The same stroke in dashes.
-    pub fn dashed(self) -> Self {
+    pub const fn dashed(self) -> Self {
         Self { dashed: true, ..self }
     }
 }

@@ -45,7 +45,8 @@ pub fn picture(
     values: &[f64],
 ) -> String {
     let range = |(lo, hi)| Range { lo, hi };
-    let mut plain = Plain::new([], 230.0, (range(x), Some(x_title)), (range(y), y_title));
+    let mut plain =
+        Plain::new([], 230.0, (range(x), Some(x_title.into())), (range(y), y_title.into()));
     draw(&mut plain.canvas, &plain.frame, columns, values);
     plain.page(title, values.is_empty())
 }

@@ -1,7 +1,7 @@
 //! Curves in logarithmic coordinates: plots side by side under one legend and with one vertical
 //! axis.
 
-use real::elementary;
+use real::elementary::{exp, ln, powf};
 use std::collections::{HashMap, HashSet};
 
 use super::{
@@ -102,14 +102,14 @@ impl Curve {
 
 impl Line {
     pub fn at(&self, x: f64) -> f64 {
-        self.constant * elementary::powf(x, self.power)
+        self.constant * powf(x, self.power)
     }
 
     /// Draws the part inside of the frame, and the name beside its middle: on the side where a line
     /// that rises leaves the data.
     fn draw(&self, canvas: &mut Canvas, frame: &Frame) {
         const SIZE: f64 = 10.0;
-        let inverse = |y: f64| elementary::powf(y / self.constant, 1.0 / self.power);
+        let inverse = |y: f64| powf(y / self.constant, 1.0 / self.power);
         let [x, y] = [frame.x.range, frame.y.range];
         let (lo, hi) = (x.lo.max(inverse(y.lo)), x.hi.min(inverse(y.hi)));
         if lo < hi {
@@ -153,9 +153,8 @@ impl Figure {
             let start = LEFT + n as f64 * (WIDTH + BETWEEN);
             let range = plot.measured(Range { lo: 2f64.powi(-12), hi: 2f64.powi(-5) });
             // A difference of logarithms, because the ratio may overflow.
-            let length = elementary::ln(range.hi) - elementary::ln(range.lo);
-            let range =
-                range.times(if length > 0.0 { elementary::exp(0.04 * length) } else { 2.0 });
+            let length = ln(range.hi) - ln(range.lo);
+            let range = range.times(if length > 0.0 { exp(0.04 * length) } else { 2.0 });
             let frame = Frame { x: axis(range, start, start + WIDTH), y };
             let x =
                 if plot.decades { Ticks::decades(range, 7) } else { Ticks::powers(2, range, 8) };

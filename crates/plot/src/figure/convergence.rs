@@ -1,6 +1,7 @@
-//! Errors against the step size, or cost against accuracy.
+//! Errors against the step size or against cost, or cost against accuracy.
 
-use real::elementary;
+use analysis::compare::{Comparison, ErrorPoint};
+use real::elementary::{ln, powf};
 use stats::{Point, Rate};
 
 use super::chart::{Curve, Figure, Line, Measured, Plot};
@@ -63,19 +64,47 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> String {
     Figure { title: title.into(), y_title, signed: weak, lines, plots }.svg()
 }
 
-fn measured(point: &Point) -> Option<Measured> {
-    let exact = |x, y| Measured { x, y, lo: y, hi: y };
-    match *point {
-        Point::Error { tau, value, se, lo, hi, .. } => {
-            let half = QUANTILE * se.abs();
-            let ends = lo.zip(hi).filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
-            let (lo, hi) = ends.unwrap_or((value - half, value + half));
-            let known = half.is_finite() && half != 0.0;
-            Some(if known { Measured { lo, hi, ..exact(tau, value) } } else { exact(tau, value) })
-        }
-        Point::Cost { accuracy, path_steps } => Some(exact(accuracy, path_steps as f64)),
-        Point::Value { .. } => None,
+/// The strong errors of a comparison with their intervals against the time and against the steps of
+/// a path, as an SVG document. Points that the reference does not resolve are left out.
+pub fn comparison(comparison: &Comparison) -> String {
+    let plot = |x_title: &str, decades, cost: fn(&ErrorPoint) -> Option<f64>| {
+        let curves = comparison.candidates.iter().map(|candidate| {
+            let resolved = candidate.points.iter().filter(|point| point.resolved);
+            let measured = |point: &ErrorPoint| {
+                let ErrorPoint { error: y, lo, hi, .. } = *point;
+                Some(Measured { x: cost(point)?, y, lo, hi })
+            };
+            Curve::new(&candidate.scheme, resolved.filter_map(measured))
+        });
+        Plot { x_title: x_title.into(), decades, curves: curves.collect() }
+    };
+    let time = |point: &ErrorPoint| Some(1e6 * point.time?.best);
+    let plots = vec![
+        plot("processor time of a path, μs", true, time),
+        plot("steps of a path", false, |point| Some(point.steps as f64)),
+    ];
+    Figure {
+        title: format!("{}: strong error against cost", comparison.system),
+        y_title: "RMS error of y(T)".into(),
+        signed: false,
+        lines: Vec::new(),
+        plots,
     }
+    .svg()
+}
+
+fn measured(point: &Point) -> Option<Measured> {
+    let (x, y, half, ends) = match *point {
+        Point::Error { tau, value, se, lo, hi, .. } => {
+            (tau, value, QUANTILE * se.abs(), lo.zip(hi))
+        }
+        Point::Cost { accuracy, path_steps } => (accuracy, path_steps as f64, 0.0, None),
+        Point::Value { .. } => return None,
+    };
+    let ends = ends.filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
+    let known = half.is_finite() && half != 0.0;
+    let (lo, hi) = if known { ends.unwrap_or((y - half, y + half)) } else { (y, y) };
+    Some(Measured { x, y, lo, hi })
 }
 
 /// An order with the half-width of its interval, which is never rounded to zero.
@@ -90,7 +119,7 @@ pub fn order(rate: &Rate) -> String {
 /// The order between the first point and the last; NaN without two points.
 pub fn overall_order(points: &[(f64, f64)]) -> f64 {
     match points {
-        [first, .., last] => elementary::ln(last.1 / first.1) / elementary::ln(last.0 / first.0),
+        [first, .., last] => ln(last.1 / first.1) / ln(last.0 / first.0),
         _ => f64::NAN,
     }
 }
@@ -104,7 +133,7 @@ pub fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
     let mut lines = Vec::new();
     for (power, name) in [(2.0, "slope 2"), (1.0, "slope 1"), (0.5, "slope 1/2")] {
         let points = trends.iter().flat_map(|(_, points)| points);
-        let ratios = points.map(|(tau, error)| error / elementary::powf(*tau, power));
+        let ratios = points.map(|(tau, error)| error / powf(*tau, power));
         let constant = match lines.is_empty() {
             true => ratios.reduce(f64::min).map(|ratio| ratio / CLEARANCE),
             false => ratios.reduce(f64::max).map(|ratio| ratio * CLEARANCE),

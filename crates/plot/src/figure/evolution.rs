@@ -47,7 +47,7 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let entries = entries.chain([(Sample::Line(law), Label::words("conformal law"))]);
     let times = Range::of(all().map(|p| p[0]), UNIT).padded(0.0);
     let mut plain =
-        Plain::new(entries, VALUE_HEIGHT, (times, None::<&str>), (value_range(&curves), quantity));
+        Plain::new(entries, VALUE_HEIGHT, (times, None), (value_range(&curves), quantity.into()));
     let values = plain.frame;
     let largest = Range::of_positive(all().map(|p| defect(*p)), UNIT).hi;
     let range = Range { lo: 0.4 * FLOOR, hi: (4.0 * largest).max(1e-14) };

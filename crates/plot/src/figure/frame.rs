@@ -158,16 +158,15 @@ pub struct Plain {
 
 impl Plain {
     /// Draws legend and axes; each axis has a range and a title, but for one above another plot.
-    pub fn new<'a>(
+    pub fn new(
         entries: impl IntoIterator<Item = (Sample, Label)>,
         height: f64,
-        (x, x_title): (Range, Option<impl Into<Title<'a>>>),
-        (y, y_title): (Range, impl Into<Title<'a>>),
+        (x, x_title): (Range, Option<Title<'_>>),
+        (y, y_title): (Range, Title<'_>),
     ) -> Self {
         let mut canvas = Canvas::default();
         let top = legend(&mut canvas, entries.into_iter(), LEFT, WIDTH - LEFT - RIGHT);
-        let (x_title, y_title) = (x_title.map(Into::into), y_title.into());
-        let of_x = x_title.unwrap_or(Title::from(""));
+        let of_x = x_title.unwrap_or("".into());
         let (across, up) = (of_x.axis(x, LEFT, WIDTH - RIGHT), y_title.axis(y, top + height, top));
         let frame = Frame { x: across, y: up };
         let x = (&of_x.ticks(x, 6), x_title.map(|title| title.words));

@@ -19,7 +19,7 @@ pub struct Trace {
 /// Curves as an SVG document. A marker stands where each begins. A single curve has no legend.
 pub fn lines<'a>(
     title: &str,
-    x_title: &'a str,
+    x_title: &str,
     y_title: impl Into<Title<'a>>,
     traces: &[Trace],
 ) -> String {
@@ -32,7 +32,7 @@ pub fn lines<'a>(
     let of_time = traces.iter().all(|trace| trace.points.is_sorted_by(|a, b| a.0 <= b.0));
     let x = if x.lo < x.hi && of_time { x } else { x.padded(0.04) };
     let y = y_title.range(points().map(|point| point.1), 0.06);
-    let mut plain = Plain::new(entries, 190.0, (x, Some(x_title)), (y, y_title));
+    let mut plain = Plain::new(entries, 190.0, (x, Some(x_title.into())), (y, y_title));
     for (trace, look) in traces.iter().zip(looks) {
         plain.line(trace.points.iter().copied(), Stroke::new(look.color, 1.1));
         let first = plain.places(trace.points.first().copied());

@@ -10,7 +10,6 @@ mod canvas;
 mod cells;
 mod chart;
 mod convergence;
-mod cost;
 mod evolution;
 mod frame;
 mod legend;
@@ -21,8 +20,7 @@ mod sweep;
 mod ticks;
 
 pub use cells::{picture, strip};
-pub use convergence::convergence;
-pub use cost::comparison;
+pub use convergence::{comparison, convergence};
 pub use evolution::evolution;
 pub use frame::Title;
 pub use lines::{Trace, lines};

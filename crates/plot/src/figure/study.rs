@@ -18,24 +18,19 @@ const COLOR: Color = BLUE;
 /// Opacity of one band; bands inside of others are darker.
 const OPACITY: f64 = 0.22;
 
-fn mean_line() -> Stroke {
-    Stroke::new(INK, 1.1).dashed()
-}
-
-fn median_line() -> Stroke {
-    Stroke::new(COLOR, 1.6)
-}
+const MEAN: Stroke = Stroke::new(INK, 1.1).dashed();
+const MEDIAN: Stroke = Stroke::new(COLOR, 1.6);
 
 /// The figure of an observable in time as an SVG document: a band between each two quantiles of
 /// levels p and 1 − p, the median and the mean; without quantiles that between the ends of the 95 %
 /// intervals. A band is interrupted where a quantile lies outside of the grid of its histogram.
 pub fn bands<'a>(
     title: &str,
-    x_title: impl Into<Title<'a>>,
+    x_title: &str,
     y_title: impl Into<Title<'a>>,
     points: &[Summary],
 ) -> String {
-    let (x_title, y_title) = (x_title.into(), y_title.into());
+    let (x_title, y_title) = (Title::from(x_title), y_title.into());
     let levels = levels(points);
     let pairs = pairs(&levels);
     let areas = pairs.iter().enumerate().map(|(n, &(low, high))| {
@@ -46,9 +41,9 @@ pub fn bands<'a>(
     let mut entries: Vec<_> = areas.collect();
     let mut add = |sample, words| entries.push((sample, Label::words(words)));
     if levels.contains(&0.5) {
-        add(Sample::Line(median_line()), "median");
+        add(Sample::Line(MEDIAN), "median");
     }
-    add(Sample::Line(mean_line()), if levels.is_empty() { "estimate" } else { "mean" });
+    add(Sample::Line(MEAN), if levels.is_empty() { "estimate" } else { "mean" });
     if levels.is_empty() {
         add(Sample::Area(COLOR, OPACITY), "95 % interval");
     }
@@ -104,9 +99,9 @@ pub fn draw_bands(canvas: &mut Canvas, frame: &Frame, points: &[Summary]) {
         frame.polyline(canvas, &points.iter().map(place).collect::<Vec<_>>(), stroke);
     };
     if let Some(median) = levels.iter().position(|level| *level == 0.5) {
-        line(&quantile(median), median_line());
+        line(&quantile(median), MEDIAN);
     }
-    line(&|point| point.mean, mean_line());
+    line(&|point| point.mean, MEAN);
 }
 
 /// Pairs of levels p and 1 − p, from the outside to the inside.
@@ -130,7 +125,7 @@ pub const MOST_BARS: usize = 64;
 /// bins, median and mean. Values outside of the bins are counted in the title of the axis.
 pub fn histogram(title: &str, observable: &str, summary: &Summary) -> String {
     let median = summary.quantiles.iter().find(|q| q.level == 0.5).and_then(|q| q.value);
-    let lines = [("median", median, median_line()), ("mean", summary.mean, mean_line())];
+    let lines = [("median", median, MEDIAN), ("mean", summary.mean, MEAN)];
     let entries = lines.iter().map(|(name, _, stroke)| (Sample::Line(*stroke), Label::words(name)));
     let bars = bars(summary);
     let values = Range::of(bars.iter().flat_map(|&(lo, hi, _)| [lo, hi]), UNIT).padded(0.04);
@@ -141,7 +136,12 @@ pub fn histogram(title: &str, observable: &str, summary: &Summary) -> String {
     if outside > 0 {
         x_title += &format!(", {outside} of {} outside", summary.count);
     }
-    let mut plain = Plain::new(entries, 170.0, (values, Some(&*x_title)), (densities, "density"));
+    let mut plain = Plain::new(
+        entries,
+        170.0,
+        (values, Some((&*x_title).into())),
+        (densities, "density".into()),
+    );
     let mut outline: Vec<_> = bars.iter().flat_map(|&(lo, hi, d)| [(lo, d), (hi, d)]).collect();
     if let (Some(first), Some(last)) = (bars.first(), bars.last()) {
         outline.insert(0, (first.0, 0.0));

@@ -16,13 +16,12 @@ pub type Sampled = (f64, f64, Option<(f64, f64)>);
 
 /// Curves of values against a parameter as an SVG document, each with its name in the legend; a
 /// single one has none.
-pub fn against<'a>(
+pub fn against(
     title: &str,
-    x_title: impl Into<Title<'a>>,
-    y_title: impl Into<Title<'a>>,
+    x_title: Title<'_>,
+    y_title: Title<'_>,
     curves: &[(String, Vec<Sampled>)],
 ) -> String {
-    let (x_title, y_title) = (x_title.into(), y_title.into());
     let names: Vec<&str> = curves.iter().map(|(name, _)| &**name).collect();
     let (looks, entries) = of_curves(&names);
     let points = || curves.iter().flat_map(|(_, points)| points);
@@ -55,12 +54,8 @@ const HEIGHT: f64 = 74.0;
 
 /// Small multiples of an observable in time as an SVG document: bands, median and mean as in
 /// [`bands`](super::bands()), a plot for each name, all with the same axes.
-pub fn multiples<'a>(
-    title: &str,
-    y_title: impl Into<Title<'a>>,
-    panels: &[(String, &Series)],
-) -> String {
-    let (x_title, y_title) = (Title::from(""), y_title.into());
+pub fn multiples(title: &str, y_title: Title<'_>, panels: &[(String, &Series)]) -> String {
+    let x_title = Title::from("");
     let all = panels.iter().flat_map(|(_, series)| &series.points);
     let [times, values] = ranges(all, x_title, y_title);
     let columns = COLUMNS.min(panels.len()).max(1);

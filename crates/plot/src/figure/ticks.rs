@@ -2,7 +2,7 @@
 
 use super::axis::Range;
 use crate::label::Label;
-use real::elementary;
+use real::elementary::{log10, powi};
 
 /// The marks of an axis.
 #[derive(Default)]
@@ -19,11 +19,10 @@ impl Ticks {
     /// Powers of ten, at most `most` of them labelled; multiples in between where there is room.
     pub fn decades(range: Range, most: usize) -> Self {
         let mut ticks = Self::powers(10, range, most);
-        let decades = elementary::log10(range.hi / range.lo);
+        let decades = log10(range.hi / range.lo);
         if decades <= most.min(6) as f64 {
-            let [first, last] =
-                [range.lo, range.hi].map(|value| elementary::log10(value).floor() as i32);
-            let multiples = |k| (2..10).map(move |m| f64::from(m) * elementary::powi(10f64, k));
+            let [first, last] = [range.lo, range.hi].map(|value| log10(value).floor() as i32);
+            let multiples = |k| (2..10).map(move |m| f64::from(m) * powi(10f64, k));
             let minor = (first..=last).flat_map(multiples);
             ticks.minor.extend(minor.filter(|value| (range.lo..=range.hi).contains(value)));
         }
@@ -36,14 +35,14 @@ impl Ticks {
         const MOST_MARKS: usize = 40;
         // A range that ends on a power must keep it in spite of the rounding of the logarithm.
         const ROUNDING: f64 = 1e-9;
-        let exponent = |v: f64| elementary::log10(v) / elementary::log10(f64::from(base));
+        let exponent = |v: f64| log10(v) / log10(f64::from(base));
         let first = (exponent(range.lo) - ROUNDING).ceil() as i32;
         let last = (exponent(range.hi) + ROUNDING).floor() as i32;
         let count = usize::try_from(last - first + 1).unwrap_or(0);
         let stride = count.div_ceil(most.max(1)).max(1) as i32;
         let mut ticks = Self::default();
         for k in first..=last {
-            let value = elementary::powi(f64::from(base), k);
+            let value = powi(f64::from(base), k);
             if k % stride == 0 {
                 ticks.major.push((value, Label::new(&format!("{base}^{k}"))));
             } else if count <= MOST_MARKS {
@@ -59,14 +58,14 @@ impl Ticks {
         if !(rough.is_finite() && rough > 0.0) {
             return Self::default();
         }
-        let magnitude = elementary::log10(rough).floor() as i32;
-        let (mantissa, magnitude) = match rough / elementary::powi(10f64, magnitude) {
+        let magnitude = log10(rough).floor() as i32;
+        let (mantissa, magnitude) = match rough / powi(10f64, magnitude) {
             ..=1.0 => (1, magnitude),
             ..=2.0 => (2, magnitude),
             ..=5.0 => (5, magnitude),
             _ => (1, magnitude + 1),
         };
-        let step = f64::from(mantissa) * elementary::powi(10f64, magnitude);
+        let step = f64::from(mantissa) * powi(10f64, magnitude);
         let (first, last) = ((range.lo / step).ceil(), (range.hi / step).floor());
         let largest = range.lo.abs().max(range.hi.abs());
         // Beyond 2^53 steps the multiples are no longer distinct, and there is nothing sensible to
@@ -77,16 +76,16 @@ impl Ticks {
         // Plain digits while they are few, otherwise the power of ten of the largest value.
         let power = match largest {
             1e-2..1e4 => 0,
-            v => elementary::log10(v).floor() as i32,
+            v => log10(v).floor() as i32,
         };
         let decimals = usize::try_from(power - magnitude).unwrap_or(0);
-        let unit = elementary::powi(10f64, magnitude - power);
+        let unit = powi(10f64, magnitude - power);
         let major = (0..=(last - first) as usize)
             .map(|i| {
                 let integer = f64::from(mantissa) * (first + i as f64);
                 let decimals = if integer == 0.0 { 0 } else { decimals };
                 let text = format!("{:.decimals$}", integer * unit);
-                (integer * elementary::powi(10f64, magnitude), Label::new(&text))
+                (integer * powi(10f64, magnitude), Label::new(&text))
             })
             .collect();
         let factor = (power != 0).then(|| Label::new(&format!("×10^{power}")));
