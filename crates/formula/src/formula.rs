@@ -1,8 +1,11 @@
 //! One formula with its text.
 
-use std::{slice::from_ref, sync::Arc};
+use std::{
+    slice::{from_mut, from_ref},
+    sync::Arc,
+};
 
-use real::Row;
+use real::{Row, WIDTH};
 
 use crate::{Binary, FormulaError, Graph, Id, Names, Node, Tape, parse};
 
@@ -87,7 +90,8 @@ impl Formula {
     /// # Panics
     /// Unless there is a row for each variable.
     pub fn values(&self, points: &[Row], values: &mut Row) {
-        *values = self.tape.rows(&[points])[0];
+        let mut scratch = vec![[0.0; WIDTH]; self.tape.scratch_rows()];
+        self.tape.evaluate(&[points], from_mut(values), &mut scratch);
     }
 
     /// The derivatives with respect to the variables of these numbers, as a tape on the variables.

@@ -22,12 +22,11 @@ use noise::{StepNoise, inverse_normal};
 use nonlin::BlockStatus;
 use real::{PathMask, Row, WIDTH, elementary::exp};
 use schemes::{Method, Step, Stepper};
-use systems::run_time::System;
+use systems::run_time::{Op, System, Weights};
 
 use crate::{
     Coefficients, Observe, Problem, Setup,
     observable::splat,
-    run_time::field,
     setup::CoefficientsAt,
     setup::{Around, Wrap},
 };
@@ -65,10 +64,18 @@ pub type Gradient = dyn Fn(&[Row], &mut [Row]) + Send + Sync;
 /// The variance rate s(y) = Σₘ(∇φ·B∇Hₘ)² of a function with this gradient, for a system with one
 /// tile.
 fn variance_rate(system: &dyn System, gradient: &Gradient, y: &[Row], t: f64) -> Row {
-    let (mut slope, mut rate) = (vec![[0.0; WIDTH]; y.len()], [0.0; WIDTH]);
+    let description = system.description();
+    let (zero, mut rate) = ([0.0; WIDTH], [0.0; WIDTH]);
+    let [mut slope, mut v, mut field] = [(); 3].map(|()| vec![zero; y.len()]);
+    let mut scratch = vec![zero; description.scratch_rows()];
     gradient(y, &mut slope);
-    for m in 1..=system.description().noises {
-        let field = field(system, t, y, m);
+    for m in 0..description.noises {
+        let mut dw = vec![zero; description.noises];
+        dw[m] = [1.0; WIDTH];
+        let h = Weights { t, dw: &dw, ..Weights::NONE };
+        system.apply(Op::Gradient { y }, 0..y.len(), h, &mut v, &mut scratch);
+        let along = Op::Structure { y, v: &v };
+        system.apply(along, 0..y.len(), Weights::NONE, &mut field, &mut scratch);
         for p in 0..WIDTH {
             let change: f64 = slope.iter().zip(&field).map(|(a, b)| a[p] * b[p]).sum();
             rate[p] += change * change;
@@ -269,8 +276,10 @@ impl Stepper for Collector<'_> {
 impl Passage {
     /// Adds the paths that stay where they passed.
     fn stop(&self, crossed: &Row, stopped: &mut PathMask) {
-        let passed = (0..WIDTH).filter(|&p| self.stops && crossed[p] > 0.0);
-        passed.for_each(|p| stopped.insert(p));
+        if self.stops {
+            let passed = (0..WIDTH).filter(|&p| crossed[p] > 0.0);
+            passed.for_each(|p| stopped.insert(p));
+        }
     }
 
     /// Marks the paths that pass zero within a step from `before`, with φ at both ends. Those that

@@ -186,7 +186,7 @@ fn coefficients(system: &dyn System, t: f64, y: &[f64]) -> Coefficients {
 }
 
 /// fₖ = B∇Hₖ at 32 states.
-pub fn field(system: &dyn System, t: f64, y: &[Row], k: usize) -> Vec<Row> {
+fn field(system: &dyn System, t: f64, y: &[Row], k: usize) -> Vec<Row> {
     let noises = system.description().noises;
     let dw: Vec<f64> = (1..=noises).map(|m| f64::from(u8::from(m == k))).collect();
     let dw = splat(&dw);
