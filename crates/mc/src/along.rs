@@ -62,22 +62,30 @@ pub struct Passage {
 pub type Gradient = dyn Fn(&[Row], &mut [Row]) + Send + Sync;
 
 /// The variance rate s(y) = Σₘ(∇φ·B∇Hₘ)² of a function with this gradient, for a system with one
-/// tile.
-fn variance_rate(system: &dyn System, gradient: &Gradient, y: &[Row], t: f64) -> Row {
-    let description = system.description();
-    let (zero, mut rate) = ([0.0; WIDTH], [0.0; WIDTH]);
-    let [mut slope, mut v, mut field] = [(); 3].map(|()| vec![zero; y.len()]);
-    let mut scratch = vec![zero; description.scratch_rows()];
-    gradient(y, &mut slope);
+/// tile. Memory is allocated in the first call with these rows.
+fn variance_rate(
+    system: &dyn System,
+    gradient: &Gradient,
+    (y, t): (&[Row], f64),
+    rows: &mut Vec<Row>,
+) -> Row {
+    let (d, description) = (y.len(), system.description());
+    rows.resize(3 * d + description.noises + description.scratch_rows(), [0.0; WIDTH]);
+    let (slope, rest) = rows.split_at_mut(d);
+    let (v, rest) = rest.split_at_mut(d);
+    let (field, rest) = rest.split_at_mut(d);
+    let (dw, scratch) = rest.split_at_mut(description.noises);
+    slope.fill([0.0; WIDTH]);
+    gradient(y, slope);
+    let mut rate = [0.0; WIDTH];
     for m in 0..description.noises {
-        let mut dw = vec![zero; description.noises];
+        dw.fill([0.0; WIDTH]);
         dw[m] = [1.0; WIDTH];
-        let h = Weights { t, dw: &dw, ..Weights::NONE };
-        system.apply(Op::Gradient { y }, 0..y.len(), h, &mut v, &mut scratch);
-        let along = Op::Structure { y, v: &v };
-        system.apply(along, 0..y.len(), Weights::NONE, &mut field, &mut scratch);
+        let h = Weights { t, dw, ..Weights::NONE };
+        system.apply(Op::Gradient { y }, 0..d, h, v, scratch);
+        system.apply(Op::Structure { y, v }, 0..d, Weights::NONE, field, scratch);
         for p in 0..WIDTH {
-            let change: f64 = slope.iter().zip(&field).map(|(a, b)| a[p] * b[p]).sum();
+            let change: f64 = slope.iter().zip(&*field).map(|(a, b)| a[p] * b[p]).sum();
             rate[p] += change * change;
         }
     }
@@ -176,9 +184,17 @@ impl Wrap for Collecting<'_> {
             }
             rows.push([0.0; WIDTH]);
         }
-        let (values, stopped) = (vec![[0.0; WIDTH]; self.quantities.len()], PathMask::NONE);
-        let (is_set, rests) = (true, false);
-        Box::new(Collector { inner, of: self, before, rows, values, stopped, is_set, rests })
+        Box::new(Collector {
+            inner,
+            of: self,
+            before,
+            rows,
+            values: vec![[0.0; WIDTH]; self.quantities.len()],
+            scratch: Vec::new(),
+            stopped: PathMask::NONE,
+            is_set: true,
+            rests: false,
+        })
     }
 }
 
@@ -191,6 +207,8 @@ struct Collector<'a> {
     rows: Vec<Row>,
     /// The functions at the state.
     values: Vec<Row>,
+    /// For variance rates.
+    scratch: Vec<Row>,
     /// The paths that stay where they are.
     stopped: PathMask,
     /// Whether `rows` were set, so that all else follows from them.
@@ -257,8 +275,8 @@ impl Stepper for Collector<'_> {
                 }
                 (Along::Passage(passage), [crossed, time]) => {
                     let ends = (&*value, &next);
-                    let noise = (step, noise, held);
-                    passage.advance(*system, before, ends, noise, [crossed, time]);
+                    let (noise, scratch) = ((step, noise, held), &mut self.scratch);
+                    passage.advance(*system, before, ends, noise, [crossed, time], scratch);
                     passage.stop(crossed, &mut self.stopped);
                 }
                 _ => unreachable!("each quantity has its number of rows"),
@@ -291,15 +309,17 @@ impl Passage {
         (a, b): (&Row, &Row),
         (step, noise, held): (&Step, &StepNoise, PathMask),
         [crossed, time]: [&mut Row; 2],
+        scratch: &mut Vec<Row>,
     ) {
-        let open = |p: &usize| crossed[*p] == 0.0;
-        let open: Vec<usize> = (0..WIDTH).filter(open).collect();
-        let moves = open.iter().any(|&p| !held.contains(p));
-        let gradient = self.gradient.as_ref().filter(|_| moves);
-        let middle = step.t + 0.5 * step.tau;
-        let rate = gradient
-            .map_or([0.0; WIDTH], |gradient| variance_rate(system, &**gradient, before, middle));
-        for p in open {
+        let mut open = PathMask::NONE;
+        (0..WIDTH).filter(|&p| crossed[p] == 0.0).for_each(|p| open.insert(p));
+        let moves = !open.without(held).is_empty();
+        let middle = (before, step.t + 0.5 * step.tau);
+        let rate = match &self.gradient {
+            Some(gradient) if moves => variance_rate(system, &**gradient, middle, scratch),
+            _ => [0.0; WIDTH],
+        };
+        for p in open.paths() {
             let variance = if held.contains(p) { 0.0 } else { rate[p] * step.tau };
             let (a, b) = (a[p], b[p]);
             let mut word = word(noise, step, p);
