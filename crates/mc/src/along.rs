@@ -359,3 +359,26 @@ fn mix(x: u64) -> u64 {
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ (x >> 31)
 }
+
+#[cfg(test)]
+mod tests {
+    use systems::{RigidBody, run_time::Compiled};
+
+    use super::*;
+
+    /// ∇Hₘ = yₘeₘ/Îₘ and B(y)v = ±y × v, so that the first component of the field of H₂ is
+    /// ∓y₂y₃/Î₂, that of H₃ ±y₂y₃/Î₃, and H₁ has none.
+    #[test]
+    fn variance_rates_are_sums_over_noises_whatever_the_rows_had() {
+        let (y, moments) = ([0.3, 0.5, 0.7], [1.0, 2.0, 4.0]);
+        let body = Compiled::new(RigidBody::three_noises([1.0; 3], moments).unwrap(), y);
+        let (y, mut rows) = (y.map(|y| [y; WIDTH]), Vec::new());
+        let all = |_: &[Row], slope: &mut [Row]| slope.fill([1.0; WIDTH]);
+        let one = |_: &[Row], slope: &mut [Row]| slope[0] = [1.0; WIDTH];
+        variance_rate(&body, &all, (&y, 0.0), &mut rows);
+        let found = variance_rate(&body, &one, (&y, 0.0), &mut rows);
+        let [second, third] = [2.0, 4.0].map(|moment| 0.5 * 0.7 / moment);
+        let exact: f64 = second * second + third * third;
+        assert!(found.iter().all(|rate| (rate - exact).abs() < 1e-15), "{found:?} {exact}");
+    }
+}
