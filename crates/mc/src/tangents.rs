@@ -59,7 +59,7 @@ impl Wrap for Tangents {
 }
 
 /// Number n of the components of vectors that are in no subspace that a system keeps: numbers in
-/// [−1, 1) by the mixing of SplitMix64 (Steele, Lea and Flood 2014). They are the same on all
+/// [−1, 1) by the multiplications of SplitMix64 (Steele, Lea and Flood 2014). They are the same on all
 /// paths, so that chains differ by their noise alone.
 fn generic(n: usize) -> Row {
     let z = (n as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);

@@ -118,7 +118,7 @@ pub fn handle_signals() {
     }
 }
 
-/// Calls this at Ctrl-C and SIGTERM. SIGHUP is left to `nohup`: it ends the process, or it does not.
+/// Calls `act` at Ctrl-C and SIGTERM. SIGHUP keeps what `nohup` made of it.
 #[cfg(unix)]
 fn on_signals(mut act: impl FnMut() + Send + 'static) -> std::io::Result<()> {
     let mut signals = Signals::new([SIGINT, SIGTERM])?;

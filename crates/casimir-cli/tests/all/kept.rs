@@ -1,16 +1,12 @@
 //! Unfinished work: gone on from with the same bits, and never mixed with that of another scene.
 
-use std::{
-    fs,
-    path::Path,
-    process::{Command, Stdio},
-    thread::sleep,
-    time::Duration,
-};
+use std::{fs, path::Path};
 
 use serde_json::Value;
 
-use crate::common::{casimir, fails, read_json, succeeds, with_scene};
+use crate::common::{fails, read_json, succeeds, with_scene};
+#[cfg(unix)]
+use crate::parts::signalled;
 
 /// A double well with something rare.
 const WELL: &str = r#"[system]
@@ -32,17 +28,6 @@ far = "q > 2.5"
 of = ["q^2"]
 accuracy = 2e-3
 "#;
-
-/// Runs the program for some milliseconds, until it is stopped by a signal. Exit code and words.
-fn stopped(path: &Path, arguments: &[&str], after: u64) -> (Option<i32>, String) {
-    let mut child = casimir(path);
-    let child = child.args(arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    sleep(Duration::from_millis(after));
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(sent.unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    (output.status.code(), String::from_utf8(output.stderr).unwrap())
-}
 
 /// The JSON of a command without the seconds that it took.
 fn result(path: &Path, arguments: &[&str]) -> Value {
@@ -75,7 +60,7 @@ fn what_is_kept_is_of_one_scene() {
         let folder = with_scene(WELL);
         let path = folder.path();
         let file = path.join(format!("scene-{file}"));
-        let (code, said) = stopped(path, arguments, 200);
+        let (code, said) = signalled(path, arguments, "-INT", 200);
         assert!(code == Some(130) && said.contains("goes on"), "{arguments:?} {code:?}: {said}");
         let kept = fs::read(&file).unwrap();
         fs::write(path.join("scene.toml"), WELL.replacen(old, new, 1)).unwrap();
@@ -91,7 +76,7 @@ fn what_is_kept_is_of_one_scene() {
             assert_eq!(found, result(path, arguments), "{arguments:?}");
         } else {
             // The others go on to the same bits where they are tested.
-            let (code, said) = stopped(path, arguments, 200);
+            let (code, said) = signalled(path, arguments, "-INT", 200);
             assert!(code == Some(130) && said.contains("going on from"), "{code:?}: {said}");
         }
     }
