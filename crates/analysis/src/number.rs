@@ -16,10 +16,13 @@ pub fn number(x: f64) -> String {
     }
 }
 
-/// Lines of cells, with columns as wide as their widest cell.
+/// The widest that a column becomes.
+const WIDEST: usize = 100;
+
+/// Lines of cells, with columns as wide as their widest cell, or a hundred characters.
 pub fn aligned(rows: &[Vec<String>]) -> String {
     let cell = |row: &Vec<String>, k: usize| row.get(k).map_or(0, |cell| cell.chars().count());
-    let width = |k: usize| rows.iter().map(|row| cell(row, k)).max().unwrap_or(0);
+    let width = |k: usize| rows.iter().map(|row| cell(row, k)).max().unwrap_or(0).min(WIDEST);
     let line = |row: &Vec<String>| {
         let cells = row.iter().enumerate();
         let cells = cells.map(|(k, cell)| format!("{cell:<0$}", width(k)));

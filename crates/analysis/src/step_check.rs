@@ -5,13 +5,13 @@
 //! errors of the run are: about twice the difference at weak order one, 4/3 of it at order two.
 //! Chaotic paths part, but their means agree. What cannot be seen with so few paths is said.
 
-use mc::{DriveResolution, LadderError, Observe, Problem, Setup, View, parts::Job};
+use mc::{
+    DriveResolution, Kept, LadderError, Observe, Problem, Setup, Statistic, View, parts::Job,
+};
 use noise::{Purpose, StreamKey, Truncation};
-use real::{PathMask, Row, WIDTH, elementary::exp2};
+use real::{PathMask, WIDTH, elementary::exp2};
 use serde::Serialize;
 use stats::CrossMoments;
-
-use crate::FinalMoments;
 
 /// The step errors of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -171,21 +171,13 @@ pub fn step_check(
         if value.is_finite() { value } else { 0.0 }
     };
     let centers: Vec<f64> = observables.iter().map(center).collect();
-    let numbers = |view: &View<'_>, rows: &mut [Row]| {
-        for ((phi, &center), rows) in observables.iter().zip(&centers).zip(rows.chunks_mut(3)) {
-            let [one, half, square] = rows else { unreachable!("three rows") };
-            *one = phi.values(view.state(0), view.live);
-            *half = phi.values(view.state(1), view.live);
-            for p in 0..WIDTH {
-                (one[p], half[p]) = (one[p] - center, half[p] - center);
-                square[p] = one[p] * one[p] - half[p] * half[p];
-            }
-        }
+    let new = || {
+        let sums = vec![CrossMoments::new(3); observables.len()];
+        AtBoth { sums, steps, observables, centers: &centers }
     };
-    let new = || FinalMoments::new(steps, 3 * observables.len(), &numbers);
     let Some(measured) = ladder.run_in(job, "steps", paths, new) else { return Ok(None) };
-    let moments = &measured.statistic.moments;
-    let of = |(k, phi): (usize, &&dyn Observe)| errors(*phi, centers[k], moments, 3 * k);
+    let of =
+        |((phi, &center), sums): ((&&dyn Observe, &f64), &CrossMoments)| errors(*phi, center, sums);
     let end = setup.problem.t_end;
     let drive = DriveResolution::new(&setup.problem);
     let resolved = |steps: &u64| drive.unresolved(2 * steps).is_none();
@@ -197,21 +189,64 @@ pub fn step_check(
         damping: dampings.map(|one| one.integral(last, end).abs()).fold(0.0, f64::max),
         turn: fastest * end / steps as f64,
         unresolved,
-        paths: moments.count(),
+        paths: paths - measured.failed,
         failed: measured.failed,
-        observables: observables.iter().enumerate().map(of).collect(),
+        observables: observables
+            .iter()
+            .zip(&centers)
+            .zip(&measured.statistic.sums)
+            .map(of)
+            .collect(),
     }))
 }
 
-/// The step errors from the moments of a = φ_τ − c, b = φ_{τ/2} − c and a² − b².
-fn errors(phi: &dyn Observe, center: f64, moments: &CrossMoments, first: usize) -> StepErrors {
-    let count = moments.count() as f64;
-    let mean = |k| moments.mean(first + k);
+/// For each observable the moments of a = φ_τ − c, b = φ_{τ/2} − c and a² − b².
+struct AtBoth<'a> {
+    sums: Vec<CrossMoments>,
+    steps: u64,
+    observables: &'a [&'a dyn Observe],
+    centers: &'a [f64],
+}
+
+impl Statistic for AtBoth<'_> {
+    fn observe(&mut self, view: &View<'_>) {
+        if view.time != self.steps {
+            return;
+        }
+        for ((phi, center), sums) in self.observables.iter().zip(self.centers).zip(&mut self.sums) {
+            let values = [0, 1].map(|run| phi.values(view.state(run), view.live));
+            for p in view.live.paths() {
+                let [a, b] = values.map(|row| row[p] - center);
+                sums.add(&[a, b, a * a - b * b]);
+            }
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.sums.iter_mut().zip(&later.sums).for_each(|(sum, more)| sum.merge(more));
+    }
+}
+
+impl Kept for AtBoth<'_> {
+    type Sums = Vec<CrossMoments>;
+
+    fn sums(&self) -> &Self::Sums {
+        &self.sums
+    }
+
+    fn sums_mut(&mut self) -> &mut Self::Sums {
+        &mut self.sums
+    }
+}
+
+/// The step errors of an observable from its moments.
+fn errors(phi: &dyn Observe, center: f64, moments: &CrossMoments) -> StepErrors {
+    let (count, mean) = (moments.count() as f64, |k| moments.mean(k));
     // Of one path there is no variance, and without noise none is needed.
     let covariance = |k, l| match moments.count() {
         0 => f64::NAN,
         1 => 0.0,
-        _ => moments.covariance_of_means(first + k, first + l),
+        _ => moments.covariance_of_means(k, l),
     };
     let error = |row: [f64; 3]| {
         let terms = (0..9).map(|k| row[k / 3] * row[k % 3] * covariance(k / 3, k % 3));

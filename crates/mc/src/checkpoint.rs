@@ -7,7 +7,8 @@
 use std::{
     collections::HashSet,
     fmt::Display,
-    fs, io,
+    fs,
+    io::{self, BufWriter, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
     sync::{Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
@@ -16,7 +17,7 @@ use std::{
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use sha2::{Digest, Sha256};
 
-use crate::parts::{JobError, folder, replace};
+use crate::parts::{JobError, folder, replace_by};
 
 /// The version of the format.
 const FORMAT: u32 = 7;
@@ -117,10 +118,16 @@ impl Checkpoint {
     /// [`failure`](Self::failure) says so.
     pub fn write(&self, work: &impl Serialize) -> Result<(), JobError> {
         let begun = Instant::now();
-        let content = postcard::to_stdvec(&(FORMAT, &self.program, work));
-        let written = content.map_err(io::Error::other).and_then(|content| {
-            fs::create_dir_all(folder(&self.file))?;
-            replace(&self.file, &[&Sha256::digest(&content)[..], &content].concat())
+        let content = (FORMAT, &self.program, work);
+        let written = fs::create_dir_all(folder(&self.file)).and_then(|()| {
+            replace_by(&self.file, |file| {
+                file.write_all(&[0; SUM])?;
+                let to = Summed { file: BufWriter::new(file), sum: Sha256::new() };
+                let to = postcard::to_io(&content, to).map_err(io::Error::other)?;
+                let (sum, file) = (to.sum.finalize(), to.file.into_inner()?);
+                file.seek(SeekFrom::Start(0))?;
+                file.write_all(&sum)
+            })
         });
         let written = written.map_err(file_error("write", &self.file));
         let mut state = self.state();
@@ -148,6 +155,24 @@ impl Checkpoint {
 
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A file with the sum of what was written.
+struct Summed<'a> {
+    file: BufWriter<&'a mut fs::File>,
+    sum: Sha256,
+}
+
+impl Write for Summed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.sum.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
     }
 }
 

@@ -25,7 +25,7 @@ pub use source::{Read, SceneError, Source, Wrong};
 pub use sweep::{Combination, Set, Sweep, Varied};
 pub use values::{At, Listed, Parameter, Text, count, place};
 
-use std::{fmt::Display, path::Path};
+use std::{fmt::Display, path::Path, sync::Arc};
 
 use casimir::{
     formula::nearest,
@@ -40,7 +40,7 @@ pub struct Scene {
     /// Its text.
     pub source: Source,
     /// What the command line changes.
-    pub changes: Changes,
+    pub changes: Arc<Changes>,
     /// The title of reports.
     pub title: String,
     /// The names of the components.
@@ -81,13 +81,13 @@ impl Scene {
         let read = || {
             let mut file = read::parse(&source.text)?;
             sweep::settle(&mut file, &changes.scheme.sets)?;
-            Self::of(&source, file, changes)
+            Self::of(&source, file, &Arc::new(changes.clone()))
         };
         source.located(read())
     }
 
     /// The scene of the keys of a text.
-    fn of(source: &Source, file: SceneFile, changes: &Changes) -> Read<Self> {
+    fn of(source: &Source, file: SceneFile, changes: &Arc<Changes>) -> Read<Self> {
         let constants = Constants::new(&file.system)?;
         let settings = Settings::new(source, &file.run, &constants, changes)?;
         let model::Built { model, components, sizes, names, energy, quantities } =
@@ -141,7 +141,7 @@ impl Scene {
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
         let mut scene = Self {
             source: source.clone(),
-            changes: changes.clone(),
+            changes: Arc::clone(changes),
             title,
             components,
             sizes,

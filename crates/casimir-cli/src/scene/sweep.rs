@@ -1,6 +1,6 @@
 //! A scene at several values of its parameters.
 
-use std::{ops::Range, str::FromStr};
+use std::{ops::Range, str::FromStr, sync::Arc};
 
 use casimir::formula::{Formula, Names};
 use serde::{Deserialize, Serialize};
@@ -108,6 +108,8 @@ impl Sweep {
     fn of(source: &Source, changes: &Changes) -> Read<Self> {
         let file = read::parse(&source.text)?;
         let mut varied = chosen(&file, &changes.scheme.sets)?;
+        // One for all scenes, which may be many.
+        let changes = &Arc::new(changes.clone());
         let numbers = varied.iter().map(|one| one.values.len() as u64);
         let number = numbers.fold(1u64, u64::saturating_mul);
         if number > MOST_VALUES {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
     mc::{
-        Observe, RunError, Setup, Simulation, Study, StudySettings, TimeSeries, demand,
+        Observe, RunError, Setup, Simulation, Study, StudySettings, TimeSeries,
         parts::Job,
         study::{Series, StudyResult, Summary},
     },
@@ -18,9 +18,6 @@ use crate::{
     output,
     scene::{Combination, Observable, Scene, Sweep},
 };
-
-/// Bytes of the moments of two observables of which step errors are found.
-const MOMENTS: f64 = 150.0;
 
 /// What a run found.
 pub struct Results {
@@ -218,8 +215,6 @@ impl<'a> Ready<'a> {
             simulation = simulation.observing(observable.clone());
         }
         simulation.demand(steps, settings.tables).map_err(wrong)?;
-        let number = observables.len();
-        demand(format!("step errors of {number} observables"), MOMENTS * (number * number) as f64)?;
         let told = |done| watch.bar.inc(done);
         let mut study = None;
         if settings.is_study() {

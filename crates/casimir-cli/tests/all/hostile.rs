@@ -5,12 +5,18 @@ use std::{path::Path, process::Output};
 
 use crate::common::{OSCILLATOR, json, run, with_scene};
 
-/// The program in 4 GB of addresses.
-fn confined(folder: &Path, arguments: &str) -> Output {
+/// The program in so many megabytes of addresses.
+fn confined(folder: &Path, arguments: &str, megabytes: u32) -> Output {
     let program = env!("CARGO_BIN_EXE_casimir");
-    let line = format!("ulimit -v 4000000; exec {program} {arguments}");
+    let line = format!("ulimit -v {megabytes}000; exec {program} {arguments}");
     let mut command = std::process::Command::new("sh");
-    command.current_dir(folder).args(["-c", &line]).output().expect("a shell")
+    // Without memory the search for line numbers may wait for itself.
+    command
+        .current_dir(folder)
+        .env("RUST_BACKTRACE", "0")
+        .args(["-c", &line])
+        .output()
+        .expect("a shell")
 }
 
 /// The oscillator with a line in the place of another.
@@ -84,7 +90,7 @@ fn what_is_too_large_is_refused_before_the_first_step() {
     ];
     for (scene, arguments, words) in table {
         let folder = with_scene(&scene);
-        let output = confined(folder.path(), arguments);
+        let output = confined(folder.path(), arguments, 4000);
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments}: {message}");
         assert!(message.contains(words), "{arguments}, {words}: {message}");
@@ -102,6 +108,34 @@ fn chains_that_fail_keep_to_their_path_steps() {
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(found["spent"].as_u64().is_some_and(|spent| spent <= 1_000_000), "{found}");
+}
+
+/// What is unusual but fits: a long name, as many values as a sweep may have, hundreds of
+/// observables with their pairs.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_fits_is_computed() {
+    let name = "o".repeat(70_000);
+    let named = with("\"q\", \"p\"", &format!("\"{name}\", \"p\""))
+        .replace("+ k*q^2/2", &format!("+ k*{name}^2/2"))
+        .replace("s*q", &format!("s*{name}"))
+        .replace("\"energy\", \"q\"", "\"energy\"");
+    let one = with("paths = 4", "paths = 1").replace("steps = 64", "steps = 1");
+    let observables: String = (0..300).map(|k| format!("o{k} = \"q + {k}*p\"\n")).collect();
+    let ring = (0..300).map(|k| format!("[\"o{k}\", \"o{}\"]", (k + 1) % 300));
+    let ring =
+        format!("{observables}[statistics]\npairs = [{}]\n", ring.collect::<Vec<_>>().join(", "));
+    let ring = with("paths = 4", "paths = 1000")
+        .replace("energy = \"H0\"\n", &format!("energy = \"H0\"\n{ring}"));
+    for (scene, arguments, megabytes) in [
+        (named, "run scene.toml", 4000),
+        (one, "run scene.toml --threads 2 --set k=0:1:2500", 500),
+        (ring, "run scene.toml --threads 2", 1400),
+    ] {
+        let output = confined(with_scene(&scene).path(), arguments, megabytes);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{arguments}: {message}");
+    }
 }
 
 #[test]

@@ -30,13 +30,21 @@ fn prefix(file: &Path) -> String {
 /// # Errors
 /// When it cannot be written; the old file is then still there.
 pub fn replace(file: &Path, content: &[u8]) -> io::Result<()> {
+    replace_by(file, |to| to.write_all(content))
+}
+
+/// The same with what `write` writes.
+pub fn replace_by(
+    file: &Path,
+    write: impl FnOnce(&mut fs::File) -> io::Result<()>,
+) -> io::Result<()> {
     let mut builder = Builder::new();
     // Temporary files are private by default; this one is for everybody whom the umask admits.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.suffix(TEMPORARY);
     let mut temporary = builder.prefix(&prefix(file)).tempfile_in(folder(file))?;
-    temporary.write_all(content)?;
+    write(temporary.as_file_mut())?;
     temporary.as_file().sync_all()?;
     temporary.persist(file)?;
     // The new name is durable when the folder is. Not every file system can do that.

@@ -61,6 +61,7 @@ mod part;
 mod share;
 mod work;
 
+pub(crate) use atomic::replace_by;
 pub use atomic::{folder, replace, tidy_folder};
 pub use job::{Job, Planned, Stop, limit_threads};
 pub use merging::merged_paths;

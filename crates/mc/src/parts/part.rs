@@ -145,6 +145,8 @@ impl Part {
         header: Header,
         nodes: &[Node<Sum<T>>],
     ) -> Result<(), JobError> {
+        // The old ones make room first.
+        self.file.works.remove(work.name);
         self.file.works.insert(work.name.to_owned(), work.entry(header, nodes)?);
         Ok(())
     }

@@ -4,6 +4,7 @@
 use std::{
     collections::BTreeMap,
     fmt::Display,
+    io::{self, Write},
     ops::Range,
     path::{Path, PathBuf},
     sync::OnceLock,
@@ -57,17 +58,26 @@ impl<T: Kept> Work<'_, T> {
     /// The nodes as a file has them. What cannot be read back must be known before hours of
     /// computing depend on it.
     pub fn entry(&self, header: Header, nodes: &[Node<Sum<T>>]) -> Result<Entry, JobError> {
-        let packed = pack(nodes);
-        let again = packed.clone().and_then(|bytes| pack(&self.unpack(&bytes)?));
-        match (packed, again) {
-            (Ok(nodes), Ok(again)) if nodes == again => Ok(Entry { header, nodes }),
-            (_, again) => Err(JobError::Refused(format!(
-                "the sums of {} cannot be written and read back: {}. Derive Serialize and \
+        let checked = |node| {
+            let bytes = packed(node, Vec::new())?;
+            match packed(&self.unpacked(&bytes)?, Same(&bytes))?.0 {
+                [] => Ok(bytes),
+                _ => Err(postcard::Error::SerializeBufferFull),
+            }
+        };
+        let nodes = nodes.iter().map(checked).collect::<postcard::Result<_>>();
+        let nodes = nodes.map_err(|error| {
+            let why = match error {
+                postcard::Error::SerializeBufferFull => "they come back as others".into(),
+                error => error.to_string(),
+            };
+            JobError::Refused(format!(
+                "the sums of {} cannot be written and read back: {why}. Derive Serialize and \
                  Deserialize for all of their fields",
                 self.name,
-                again.map_or_else(|error| error.to_string(), |_| "they come back as others".into())
-            ))),
-        }
+            ))
+        })?;
+        Ok(Entry { header, nodes })
     }
 
     /// The nodes of a file, which must be the tree's nodes of the groups that are done.
@@ -76,7 +86,9 @@ impl<T: Kept> Work<'_, T> {
         path: &Path,
         Entry { header, nodes }: &Entry,
     ) -> Result<Nodes<T>, JobError> {
-        let nodes = self.unpack(nodes).map_err(|error| damaged(path, error))?;
+        let nodes = nodes.iter().map(|bytes| self.unpacked(bytes));
+        let nodes: Nodes<T> =
+            nodes.collect::<postcard::Result<_>>().map_err(|error| damaged(path, error))?;
         let next = nodes.iter().try_fold(header.groups.start, |next, node| {
             (node.first == next && node.level < 64).then(|| node.end())
         });
@@ -86,14 +98,12 @@ impl<T: Kept> Work<'_, T> {
         }
     }
 
-    fn unpack(&self, bytes: &[u8]) -> postcard::Result<Nodes<T>> {
-        let parts: Vec<(u64, u32, T::Sums, Tally)> = postcard::from_bytes(bytes)?;
-        let node = |(first, level, sums, tally)| {
-            let mut statistic = (self.new)();
-            *statistic.sums_mut() = sums;
-            Node { first, level, sum: (statistic, tally) }
-        };
-        Ok(parts.into_iter().map(node).collect())
+    fn unpacked(&self, bytes: &[u8]) -> postcard::Result<Node<Sum<T>>> {
+        let (first, level, sums, tally) =
+            postcard::from_bytes::<(u64, u32, T::Sums, Tally)>(bytes)?;
+        let mut statistic = (self.new)();
+        *statistic.sums_mut() = sums;
+        Ok(Node { first, level, sum: (statistic, tally) })
     }
 
     fn study(&self) -> &String {
@@ -119,11 +129,23 @@ impl<T: Kept> Work<'_, T> {
     }
 }
 
-fn pack<T: Kept>(nodes: &[Node<Sum<T>>]) -> postcard::Result<Vec<u8>> {
-    let parts = nodes.iter().map(|Node { first, level, sum: (statistic, tally) }| {
-        (first, level, statistic.sums(), tally)
-    });
-    postcard::to_stdvec(&parts.collect::<Vec<_>>())
+fn packed<T: Kept, W: Write>(node: &Node<Sum<T>>, to: W) -> postcard::Result<W> {
+    let Node { first, level, sum: (statistic, tally) } = node;
+    postcard::to_io(&(first, level, statistic.sums(), tally), to)
+}
+
+/// Takes these bytes and no others.
+struct Same<'a>(&'a [u8]);
+
+impl Write for Same<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0 = self.0.strip_prefix(bytes).ok_or(io::ErrorKind::InvalidData)?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// What a file says of a piece of work beside its sums.
@@ -151,11 +173,11 @@ impl Header {
     }
 }
 
-/// A piece of work in a file: its nodes as bytes.
+/// A piece of work in a file: each of its nodes as bytes.
 #[derive(Serialize, Deserialize)]
 pub struct Entry {
     pub header: Header,
-    pub nodes: Vec<u8>,
+    pub nodes: Vec<Vec<u8>>,
 }
 
 /// A file whose pieces of work are in memory.

@@ -8,6 +8,7 @@ use stats::CentralMoments;
 use super::{
     Wanted,
     dependence::{CELLS, OfPair},
+    sums::FIRST_PATHS,
 };
 use crate::{
     Observe, RunError, Setup, demand, driver::GROUP_PATHS, observable::value, parts::Stop,
@@ -77,18 +78,20 @@ impl StudySettings {
     pub(super) fn demand(&self, observables: usize) -> Result<(), RunError> {
         let threads = rayon::current_num_threads() as f64;
         let groups = (self.paths as f64 / GROUP_PATHS as f64).max(1.0);
-        // Groups under way and just done, nodes of the tree that wait for their neighbours, and
-        // the result, which is four times as wide.
-        let sums = (2.0 * threads).min(groups) + f64::from((groups as u64).ilog2()) + 5.0;
+        // Groups under way and just done, nodes of the tree that wait for their neighbours, those of
+        // the checkpoint, and the result, which is four times as wide.
+        let nodes = f64::from((groups as u64).ilog2()) + 2.0;
+        let sums = (2.0 * threads).min(groups) + 2.0 * nodes + 5.0;
         let (pairs, lagged) = (self.wanted.pairs.len(), self.wanted.lagged.len());
         let value = size_of::<CentralMoments>() + size_of::<u64>() + 2 * self.bins as usize;
         let at_a_time =
             observables * value + pairs * size_of::<OfPair>() + 5 * lagged * size_of::<Row>();
-        let joint = (pairs * CELLS * size_of::<u64>()) as f64;
+        let joint = pairs * CELLS * size_of::<u64>();
+        let first = observables * FIRST_PATHS.min(self.paths) as usize * size_of::<f64>();
         let times = self.times as f64;
         let what =
             format!("statistics of {observables} observables and {pairs} pairs at {times} times");
-        Ok(demand(what, sums * (times * at_a_time as f64 + joint))?)
+        Ok(demand(what, sums * (times * at_a_time as f64 + (joint + first) as f64))?)
     }
 
     /// Checks all but the times, the steps and the truncation.

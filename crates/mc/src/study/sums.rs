@@ -31,7 +31,7 @@ pub struct Sums {
 }
 
 /// Paths whose values are kept: with more the estimate of a tail is hardly better.
-const FIRST_PATHS: u64 = 8192;
+pub const FIRST_PATHS: u64 = 8192;
 
 impl Sums {
     /// No paths of observables at as many times.
