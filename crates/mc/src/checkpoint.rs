@@ -20,7 +20,7 @@ use sha2::{Digest, Sha256};
 use crate::parts::{JobError, folder, replace_by};
 
 /// The version of the format.
-const FORMAT: u32 = 7;
+const FORMAT: u32 = 8;
 /// Bytes of a SHA-256.
 const SUM: usize = 32;
 /// Time between checkpoints, unless set,

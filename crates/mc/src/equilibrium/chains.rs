@@ -20,7 +20,7 @@ const DUE: usize = 24;
 /// Batches of the same length before the first, in which chains are spread.
 pub const SPREADING: u64 = BATCHES as u64;
 /// Bins of a histogram.
-const BINS: u32 = 256;
+pub const BINS: u32 = 256;
 /// Deviations from the mean that a histogram reaches.
 const REACH: f64 = 6.0;
 
@@ -158,7 +158,8 @@ impl Chains {
         let chains = batch.len() * WIDTH;
         self.spent += self.batch_steps * STEPS * chains as u64;
         self.number += 1;
-        let mut values = vec![Vec::new(); (LEVELS + 1) * self.averages];
+        let exactly = || Vec::with_capacity(chains);
+        let mut values: Batch = (0..(LEVELS + 1) * self.averages).map(|_| exactly()).collect();
         let scale = 1.0 / self.batch_steps as f64;
         for sums in &batch {
             let rows = values.iter_mut().zip(&sums.sums);
@@ -184,7 +185,7 @@ impl Chains {
         let first = values.len();
         for block in &self.blocks {
             let seen = watched.values(&block.states[LEVELS - 1]);
-            values.resize(first + seen.len(), Vec::new());
+            values.resize_with(first + seen.len(), exactly);
             values[first..].iter_mut().zip(seen).for_each(|(all, row)| all.extend(row));
         }
         self.batches.push(values);

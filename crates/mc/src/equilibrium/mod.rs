@@ -51,7 +51,7 @@ use crate::{
     Checkpoint, ExpectSettings, Observe, RunError, Setup, demand, expect::Told, ladder::Measured,
     parts::Stop, tangents::Tangents,
 };
-use chains::{BATCHES, Chains, Gather, SPREADING};
+use chains::{BATCHES, BINS, Chains, Gather, SPREADING};
 use wells::Watched;
 
 pub use report::{Averages, StationaryMean};
@@ -291,7 +291,10 @@ impl<'a> Equilibrium<'a> {
         let Watched { chains, dimension, .. } = watched;
         let vectors = if let Averaged::Growth(count) = of { count + 1 } else { 1 };
         let rows = (LEVELS + 1) * of.count() + watched.names().len();
-        let kept = BATCHES * rows + 2 * LEVELS * dimension * vectors;
+        // With batches that are joined, a batch that is gathered, and its histograms.
+        let batches =
+            3 * BATCHES / 2 * rows + 2 * rows + of.count() * (BINS as usize).div_ceil(WIDTH);
+        let kept = batches + 3 * LEVELS * dimension * vectors;
         let what = format!("{chains} chains of {dimension} components");
         Ok(demand(what, 8.0 * kept as f64 * chains as f64)?)
     }
