@@ -11,11 +11,12 @@ use std::{env, path::Path, process::ExitCode, time::Duration};
 
 use casimir::{
     mc::{
-        Observable, Setup, Study, StudySettings,
+        Observable, Setup,
         parts::{Job, Program, Share, Stop, limit_threads},
     },
     prelude::*,
     real::{Level, limit_to},
+    study::{Study, StudySettings},
     systems::{Cosine, RigidBody},
 };
 

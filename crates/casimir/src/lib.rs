@@ -26,8 +26,8 @@
 //!   [`Problem`](systems::Problem).
 //! - [`schemes`]: [`Sexp`](schemes::Sexp) and its peers; [`Explicit`](schemes::Explicit) and
 //!   [`Implicit`](schemes::Implicit) for your own.
-//! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`Study`](mc::Study),
-//!   [`Ladder`](mc::Ladder) and [`Expect`](mc::Expect).
+//! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`Study`](study::Study),
+//!   [`Ladder`](mc::Ladder) and [`Expect`](expectation::Expect).
 //! - [`analysis`]: [`inspect`](analysis::inspect()), [`strong_order`](analysis::strong_order),
 //!   [`weak_order`](analysis::weak_order), and [`compare`](analysis::compare()), which says which
 //!   scheme is cheapest for an error.
@@ -39,18 +39,20 @@
 
 #[cfg(feature = "plot")]
 pub use plot;
-pub use {analysis, dgrad, formula, mc, noise, nonlin, real, schemes, stats, systems};
+pub use {
+    analysis, dgrad, expectation, formula, mc, noise, nonlin, real, schemes, stationary, stats,
+    study, systems,
+};
 
 /// The names that most programs use: `use casimir::prelude::*`.
 pub mod prelude {
     pub use analysis::{
         Candidates, CompareSettings, InspectSettings, StepSizes, compare, inspect, strong_order,
     };
-    pub use mc::{
-        Observable, Setup, Simulation, StateFunction, Study, StudySettings, bind, write_csv,
-    };
+    pub use mc::{Observable, Setup, Simulation, StateFunction, bind, write_csv};
     pub use noise::{StreamKey, Truncation};
     pub use real::Real;
     pub use schemes::{Explicit, Heun, Implicit, Increment, Scheme, Sexp, SexpLevy, SexpLi, Split};
+    pub use study::{Study, StudySettings};
     pub use systems::{Constant, Damping, PoissonSystem, Problem, run_time::Compiled};
 }

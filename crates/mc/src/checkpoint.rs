@@ -148,7 +148,7 @@ impl Checkpoint {
     }
 
     /// Whether the next one is due.
-    pub(crate) fn is_due(&self) -> bool {
+    pub fn is_due(&self) -> bool {
         let State { written, takes, .. } = &*self.state();
         written.elapsed() >= self.interval.max(RARELY * *takes)
     }

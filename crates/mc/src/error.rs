@@ -164,7 +164,7 @@ impl From<JobError> for RunError {
 
 impl RunError {
     /// Refuses a name that two of `what` have.
-    pub(crate) fn twice<T: AsRef<str>>(what: &str, names: &[T]) -> Result<(), Self> {
+    pub fn twice<T: AsRef<str>>(what: &str, names: &[T]) -> Result<(), Self> {
         let mut seen = HashSet::new();
         let same = names.iter().map(AsRef::as_ref).find(|name| !seen.insert(*name));
         same.map_or(Ok(()), |name| {

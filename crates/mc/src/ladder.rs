@@ -26,7 +26,8 @@ pub struct View<'a> {
     pub time: u64,
     /// Number of the first path of the block.
     pub first_path: u64,
-    pub(crate) states: &'a [Box<dyn Stepper + 'a>],
+    /// The states of the runs.
+    pub states: &'a [Box<dyn Stepper + 'a>],
     /// For each run the paths with a clipped increment so far.
     pub clipped: &'a [PathMask],
     /// The random time of each path by the [`TimeChange`] of the ladder; zero without one.
@@ -260,7 +261,7 @@ impl<'a> Ladder<'a> {
     }
 
     /// Multiplies the noise of each path by a factor.
-    pub(crate) fn heated(mut self, factor: impl Fn(u64) -> f64 + Sync + 'a) -> Self {
+    pub fn heated(mut self, factor: impl Fn(u64) -> f64 + Sync + 'a) -> Self {
         let drawn = std::mem::replace(&mut self.driver.noise, Box::new(|_| Box::new(|_| ())));
         self.with_noise(move |first| {
             let mut next = drawn(first);
@@ -277,13 +278,13 @@ impl<'a> Ladder<'a> {
     }
 
     /// Starts each run on each block, from its first path on, at states of their own.
-    pub(crate) fn starting(mut self, start: impl Fn(usize, u64) -> Vec<Row> + Sync + 'a) -> Self {
+    pub fn starting(mut self, start: impl Fn(usize, u64) -> Vec<Row> + Sync + 'a) -> Self {
         self.driver.start = Box::new(start);
         self
     }
 
     /// Shows statistics the states at time 0, too.
-    pub(crate) fn with_start(mut self) -> Self {
+    pub fn with_start(mut self) -> Self {
         self.driver.from_start = true;
         self
     }
@@ -403,7 +404,7 @@ impl<'a> Ladder<'a> {
     }
 
     /// The nodes of some groups of paths before path number `paths`; fewer if it is stopped.
-    pub(crate) fn nodes<T: Statistic>(
+    pub fn nodes<T: Statistic>(
         &self,
         stop: &Stop,
         paths: u64,
@@ -434,7 +435,7 @@ impl<'a> Ladder<'a> {
     }
 
     /// The sum of all nodes, of which those that are halves of one are joined.
-    pub(crate) fn join<T: Statistic + Clone>(
+    pub fn join<T: Statistic + Clone>(
         &self,
         nodes: &mut Nodes<T>,
         new: &dyn Fn() -> T,
@@ -568,51 +569,4 @@ fn on_stack<R: Send>(stack: usize, work: impl FnOnce() -> R + Send) -> R {
         });
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use noise::StepNoise;
-    use nonlin::BlockStatus;
-    use real::{Block, PathMask, Row, WIDTH};
-    use schemes::{Step, Stepper};
-
-    use super::View;
-
-    /// States that are given.
-    struct Given<const D: usize>(Block<D>);
-
-    impl<const D: usize> Stepper for Given<D> {
-        fn step(&mut self, _: &Step, _: &StepNoise, _: &mut BlockStatus) {}
-
-        fn state(&self) -> &[Row] {
-            &self.0.0
-        }
-
-        fn state_mut(&mut self) -> &mut [Row] {
-            &mut self.0.0
-        }
-    }
-
-    impl View<'_> {
-        /// Shows the states of runs at a time.
-        pub(crate) fn show<const D: usize>(
-            states: &[Block<D>],
-            time: u64,
-            live: PathMask,
-            observe: &mut dyn FnMut(&View<'_>),
-        ) {
-            let states: Vec<_> =
-                states.iter().map(|&state| Box::new(Given(state)) as Box<dyn Stepper>).collect();
-            let random_time = &[0.0; WIDTH];
-            observe(&View {
-                time,
-                first_path: 0,
-                states: &states,
-                clipped: &[],
-                random_time,
-                live,
-            });
-        }
-    }
 }

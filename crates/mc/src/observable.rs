@@ -69,12 +69,12 @@ where
 }
 
 /// φ of the first path of a block.
-pub fn value(observable: &dyn Observe, rows: &[Row]) -> f64 {
+pub fn value_at(observable: &dyn Observe, rows: &[Row]) -> f64 {
     observable.values(rows, PathMask::first(1))[0]
 }
 
 /// Adds rows to rows.
-pub fn add(sums: &mut [Row], more: &[Row]) {
+pub fn add_rows(sums: &mut [Row], more: &[Row]) {
     let pairs = sums.iter_mut().flatten().zip(more.iter().flatten());
     pairs.for_each(|(sum, more)| *sum += more);
 }

@@ -3,8 +3,11 @@
 /// The sum over the 2^level leaves from leaf number `first` on, where 2^level divides `first`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Node<T> {
+    /// The number of its first leaf.
     pub first: u64,
+    /// The binary logarithm of the number of its leaves.
     pub level: u32,
+    /// The sum over them.
     pub sum: T,
 }
 

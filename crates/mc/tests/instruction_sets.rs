@@ -5,7 +5,8 @@
 
 use std::sync::Arc;
 
-use mc::{Expect, Observable, expect::Expectation};
+use expectation::{Expect, Expectation};
+use mc::Observable;
 use real::{Level, elementary, limit_to};
 use systems::{
     Cosine, Problem, RigidBody,

@@ -10,8 +10,9 @@ use std::sync::{Arc, OnceLock};
 
 use casimir::{
     analysis::facts::{Bath, DampingIntegral, Facts, Form, Kept, fastest},
+    expectation::Expect,
     formula::{FormulaSystem, Names},
-    mc::{Expect, Friction, Problem, Setup},
+    mc::{Friction, Problem, Setup},
     schemes::{BuiltIn, Method, SchemeError},
     systems::run_time::{self, System},
 };

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use casimir::{
+    expectation::Expect,
     formula::Names,
-    mc::{self, Expect, Friction, bind_owned},
+    mc::{self, Friction, bind_owned},
     real::Row,
     schemes::{BuiltIn, Method, SchemeError},
     systems::{

@@ -3,16 +3,13 @@
 use std::collections::BTreeMap;
 
 use casimir::{
-    mc::{
-        TimeSeries,
-        parts::hash,
-        study::{Joint, Series, StudyResult},
-    },
+    mc::{TimeSeries, parts::hash},
     plot::{
         self,
         figure::{Trace, bands, evolution, histogram, lines, picture, strip},
     },
     stats::Point,
+    study::{Joint, Series, StudyResult},
 };
 
 use super::{digits, page::TABLE};

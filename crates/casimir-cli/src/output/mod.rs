@@ -11,13 +11,10 @@ use std::{mem::take, path::Path};
 
 use casimir::{
     analysis::aligned,
-    mc::{
-        TimeSeries,
-        study::{Series, StudyResult},
-        write_csv,
-    },
+    mc::{TimeSeries, write_csv},
     plot::files,
     real::elementary,
+    study::{Series, StudyResult},
 };
 use clap::ValueEnum;
 use serde_json::{Value, json};

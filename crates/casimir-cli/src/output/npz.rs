@@ -6,10 +6,8 @@ use std::{
 };
 
 use crate::scene::Scene;
-use casimir::mc::{
-    TimeSeries,
-    study::{Joint, Series, StudyResult, Summary},
-};
+use casimir::mc::TimeSeries;
+use casimir::study::{Joint, Series, StudyResult, Summary};
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
 type Statistic = fn(&Summary) -> Option<f64>;

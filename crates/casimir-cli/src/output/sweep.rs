@@ -3,11 +3,9 @@
 use std::{io, iter::zip};
 
 use casimir::{
-    mc::{
-        quoted,
-        study::{COLUMNS, Series, write_rows},
-    },
+    mc::quoted,
     plot::figure::{Sampled, against, multiples},
+    study::{COLUMNS, Series, write_rows},
 };
 use serde_json::{Value, json};
 

@@ -1,6 +1,6 @@
 //! Which dependence of observables is computed, and which figures are drawn.
 
-use casimir::{mc::study::Wanted, plot::figure::Title};
+use casimir::{plot::figure::Title, study::Wanted};
 
 use super::{
     Constants, Read, Scene, Settings,

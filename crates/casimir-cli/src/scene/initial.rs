@@ -3,7 +3,8 @@
 use std::{fs, path::Path, slice::from_mut, sync::Arc};
 
 use casimir::{
-    mc::{Initial, expect::is_level, parts::hash},
+    expectation::is_level,
+    mc::{Initial, parts::hash},
     noise::{StreamKey, WienerRows},
     real::{Row, WIDTH, elementary},
 };

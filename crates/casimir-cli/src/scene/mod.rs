@@ -29,8 +29,9 @@ use std::{fmt::Display, path::Path, sync::Arc};
 
 use casimir::{
     formula::nearest,
-    mc::{Along, Problem, Setup, study::Wanted},
+    mc::{Along, Problem, Setup},
     schemes::BuiltIn,
+    study::Wanted,
 };
 
 use crate::model::{self, Model};

@@ -2,10 +2,8 @@
 
 use std::time::Instant;
 
-use casimir::mc::{
-    self, Checkpoint, ExpectSettings, Observe,
-    expect::{Estimate, WarningKind},
-};
+use casimir::expectation::{Estimate, Expect, ExpectSettings, WarningKind};
+use casimir::mc::{Checkpoint, Observe};
 use serde_json::json;
 
 use super::{Found, Watch, coarsest_steps, scheme, with_interval};
@@ -65,7 +63,7 @@ fn wanted(scene: &Scene) -> Done<f64> {
 }
 
 /// The scheme that is named; or all that go with it is chosen: points, levels and order.
-fn chosen(scene: &Scene) -> Done<(mc::Expect<'_>, ExpectSettings, Option<String>)> {
+fn chosen(scene: &Scene) -> Done<(Expect<'_>, ExpectSettings, Option<String>)> {
     let settings = &scene.settings;
     let mut with = ExpectSettings { key: settings.key, ..ExpectSettings::default() };
     let is_auto = settings.scheme == AUTO;
@@ -76,7 +74,7 @@ fn chosen(scene: &Scene) -> Done<(mc::Expect<'_>, ExpectSettings, Option<String>
             let (scheme, because) = scheme(scene);
             with.truncation = settings.truncation;
             with.coarsest_steps = coarsest_steps(settings.until);
-            (mc::Expect::with_scheme(scene.collecting(scene.setup(&scheme)?)), because)
+            (Expect::with_scheme(scene.collecting(scene.setup(&scheme)?)), because)
         }
     };
     with.coarsest_steps = scene.changes.steps.unwrap_or(with.coarsest_steps);

@@ -4,11 +4,8 @@ use std::time::Instant;
 
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
-    mc::{
-        Observe, RunError, Setup, Simulation, Study, StudySettings, TimeSeries,
-        parts::Job,
-        study::{Series, StudyResult, Summary},
-    },
+    mc::{Observe, RunError, Setup, Simulation, TimeSeries, parts::Job},
+    study::{Series, Study, StudyResult, StudySettings, Summary},
 };
 
 use super::{Settled, Watch, scheme};

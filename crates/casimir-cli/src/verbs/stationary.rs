@@ -4,12 +4,10 @@ use std::time::Instant;
 
 use casimir::{
     analysis::facts::{gibbs_marginal, is_divergence_free},
-    mc::{
-        Averages, Checkpoint, Equilibrium, EquilibriumSettings, Friction, Observe, RunError,
-        equilibrium::StationaryMean,
-    },
+    mc::{Checkpoint, Friction, Observe, RunError},
     plot::figure::{Trace, lines},
     schemes::BuiltIn,
+    stationary::{Averages, Equilibrium, EquilibriumSettings, StationaryMean},
 };
 use serde_json::json;
 

@@ -6,11 +6,12 @@ use std::sync::{
 };
 
 use casimir::{
-    mc::{Simulation, Study, StudySettings, TimeSeries, study::StudyResult},
+    mc::{Simulation, TimeSeries},
     noise::StepNoise,
     nonlin::BlockStatus,
     real::{Row, WIDTH},
     schemes::{Method, Step, Stepper},
+    study::{Study, StudyResult, StudySettings},
 };
 use casimir_cli::scene::{Changes, Scene, Source};
 

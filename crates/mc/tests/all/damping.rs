@@ -1,10 +1,8 @@
 //! Dampings that oscillate or have a pulse within the steps: whether the steps are said to resolve
 //! them.
 
-use mc::{
-    DampingResolution, Expect, ExpectSettings, Observable, Setup,
-    expect::{Expectation, WarningKind},
-};
+use expectation::{Expect, ExpectSettings, Expectation, WarningKind};
+use mc::{DampingResolution, Observable, Setup};
 use noise::StreamKey;
 use schemes::{Heun, Scheme, Sexp};
 use systems::{Constant, Cosine, Damping, DampingFunction, Problem};

@@ -3,14 +3,12 @@
 
 use std::{f64::consts::PI, sync::Arc};
 
-use mc::{
-    Coefficients, Initial, Observable, Problem, Setup, Study, StudySettings,
-    study::{StudyResult, Summary, Wanted},
-};
+use mc::{Coefficients, Initial, Observable, Problem, Setup};
 use noise::{StepNoise, StreamKey, Truncation, WienerRows};
 use nonlin::BlockStatus;
 use real::{Row, WIDTH};
 use schemes::{Method, Step, Stepper};
+use study::{Study, StudyResult, StudySettings, Summary, Wanted};
 use systems::Constant;
 
 /// Two stationary Ornstein–Uhlenbeck processes with unit variance, e^{−γt} and the correlation ρ,

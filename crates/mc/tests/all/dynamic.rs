@@ -3,12 +3,11 @@
 
 use std::sync::Arc;
 
-use mc::{
-    Expect, ExpectSettings, Ladder, Observable, Run, Setup, Simulation, StateFunction, Statistic,
-    Study, StudySettings, View,
-};
+use expectation::{Expect, ExpectSettings};
+use mc::{Ladder, Observable, Run, Setup, Simulation, StateFunction, Statistic, View};
 use noise::Truncation;
 use schemes::Heun;
+use study::{Study, StudySettings};
 use systems::run_time::{Compiled, Problem};
 
 use crate::{

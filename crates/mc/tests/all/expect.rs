@@ -10,9 +10,9 @@ use std::{
     time::Duration,
 };
 
+use expectation::{Expect, ExpectSettings, WarningKind};
 use mc::{
-    Checkpoint, Expect, ExpectSettings, Observable, RunError, Setup,
-    expect::WarningKind,
+    Checkpoint, Observable, RunError, Setup,
     parts::{Program, Stop},
 };
 use real::Real;

@@ -1,6 +1,7 @@
 //! Where paths fail at every step size, that is said at once.
 
-use mc::{Expect, Observable, expect::WarningKind};
+use expectation::{Expect, WarningKind};
+use mc::Observable;
 use real::Real;
 use systems::{Constant, PoissonSystem, Problem};
 

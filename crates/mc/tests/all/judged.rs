@@ -4,8 +4,9 @@
 //! and p = W. Numbers of misses are compared with the binomial quantile of 1 − 10⁻⁴ at 5 %, which a
 //! right program exceeds with that probability or less, for any seed.
 
-use mc::expect::{Expectation, WarningKind};
-use mc::{Expect, ExpectSettings, Observable, Setup};
+use expectation::{Expect, ExpectSettings};
+use expectation::{Expectation, WarningKind};
+use mc::{Observable, Setup};
 use noise::StreamKey;
 use real::Real;
 use schemes::Sexp;

@@ -13,8 +13,9 @@ use std::{
     },
 };
 
-use mc::expect::{Estimate, Expectation, Warning, WarningKind};
-use mc::{Expect, ExpectSettings, LadderError, Observable, Observe, RunError, Setup};
+use expectation::{Estimate, Expectation, Warning, WarningKind};
+use expectation::{Expect, ExpectSettings};
+use mc::{LadderError, Observable, Observe, RunError, Setup};
 use noise::{StepNoise, StreamKey};
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Real, Row};

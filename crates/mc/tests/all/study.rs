@@ -6,14 +6,13 @@
 use std::path::Path;
 
 use mc::{
-    LadderError, Observable, RunError, Setup, Simulation, StateFunction, Study, StudyResult,
-    StudySettings,
+    LadderError, Observable, RunError, Setup, Simulation, StateFunction,
     parts::{Job, JobError, Program, Share},
-    study::{Place, Wanted},
 };
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
 use schemes::{Sexp, WithSolver};
+use study::{Place, Study, StudyResult, StudySettings, Wanted};
 use systems::{Constant, Problem};
 
 use crate::{

@@ -1,13 +1,11 @@
 //! Laws without a variance or a mean: no interval of their mean is stated, and nothing is reached.
 //! p of [`Additive`](crate::judged::Additive) is W, so 1 − Φ(p) is uniform at time one.
 
-use mc::{
-    Expect, ExpectSettings, Observable, Setup, Study, StudySettings,
-    expect::{Expectation, WarningKind},
-    study::StudyResult,
-};
+use expectation::{Expect, ExpectSettings, Expectation, WarningKind};
+use mc::{Observable, Setup};
 use noise::{StreamKey, Truncation};
 use schemes::Sexp;
+use study::{Study, StudyResult, StudySettings};
 
 use crate::judged::additive;
 

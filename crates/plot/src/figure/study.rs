@@ -1,8 +1,8 @@
 //! The law of an observable: in time, as bands between quantiles, median and mean; and at one time,
 //! as a histogram.
 
-use mc::study::Summary;
 use real::elementary;
+use study::Summary;
 
 use super::{
     axis::Range,

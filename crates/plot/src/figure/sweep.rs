@@ -1,6 +1,6 @@
 //! What depends on a parameter: values with their intervals, and small multiples in time.
 
-use mc::study::Series;
+use study::Series;
 
 use super::{
     canvas::{Align, Canvas, Stroke},

@@ -1,8 +1,8 @@
+use ::study::{Grid, Histogram, Place, Quantile, Summary};
 use analysis::{
     Spread,
     compare::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Sampled},
 };
-use mc::study::{Grid, Histogram, Place, Quantile, Summary};
 use stats::Rate;
 
 use super::{

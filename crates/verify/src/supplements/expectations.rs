@@ -1,10 +1,8 @@
-//! E[φ(y(T))] of the rigid body with three noises by `mc::Expect` on Sobol points and on random
+//! E[φ(y(T))] of the rigid body with three noises by `expectation::Expect` on Sobol points and on random
 //! points, against the Kolmogorov equation, and what an accuracy costs.
 
-use mc::{
-    Expect, ExpectSettings, Observable, Observe,
-    expect::{Estimate, Expectation},
-};
+use expectation::{Estimate, Expect, ExpectSettings, Expectation};
+use mc::{Observable, Observe};
 use stats::{CONFIDENCE, Point, two_sided};
 use systems::paper::{rigid_body_three_noises, valid};
 
@@ -42,7 +40,7 @@ const SOBOL: &str = "Sobol points";
 const CHOSEN: &str = "Expect";
 
 /// Expectations with the noise of part number `part`: by `sexp` on random or Sobol points, or by
-/// `nv` on Sobol points, as `mc::Expect` chooses them.
+/// `nv` on Sobol points, as `expectation::Expect` chooses them.
 fn expectation(
     conditions: &Conditions,
     way: &str,
@@ -78,7 +76,7 @@ fn claim(estimate: &Estimate, of: &Expectation, expected: f64, statement: String
 }
 
 /// The weak panels' twelve expectations, E of y_j, y_j², cos y_j and sin y_j at T = 1, by
-/// `mc::Expect` against the Kolmogorov equation.
+/// `expectation::Expect` against the Kolmogorov equation.
 pub fn measure(conditions: &Conditions) -> Findings {
     let (accuracy, observables) = (conditions.choose(2e-5, 2e-4), weak_observables());
     let measured = expectation(conditions, CHOSEN, 0, &observables, accuracy);

@@ -2,7 +2,7 @@
 //!
 //! The bias of `nv` is of order τ²: at the steps of the weak panels it is lost in the noise of
 //! random paths. So steps are long here, paths few-dimensional integrals, and points scrambled
-//! Sobol points. φ is averaged over both orders of the noises, as `mc::Expect` does. The difference
+//! Sobol points. φ is averaged over both orders of the noises, as `expectation::Expect` does. The difference
 //! between two step sizes is that of both orders at the coarse one, and at the fine one of the one
 //! order, and of the other order on swapped increments: its variance falls like τ². Each difference
 //! has scrambles of its own, whose means are the samples.

@@ -1,5 +1,5 @@
 //! Expectations of the damped stochastic rigid body from the Kolmogorov equation on the sphere,
-//! without sampling: where the values come from that `mc::Expect` is compared with.
+//! without sampling: where the values come from that `expectation::Expect` is compared with.
 //!
 //! y = r(t)u with r = |y₀|e^{−∫γ} and |u| = 1. The moments q = E[h(u(t))] of spherical harmonics h
 //! obey q′ = Lᵀq with the generator L of u: with X_j = u_j R_j, where R_j is the rotation about

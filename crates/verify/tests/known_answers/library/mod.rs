@@ -1,4 +1,4 @@
-//! Problems with exactly known answers, and how often the answers of `mc::Expect` and of
+//! Problems with exactly known answers, and how often the answers of `expectation::Expect` and of
 //! `analysis::strong_order` and `weak_order` are true.
 //!
 //! An [`Entry`] is a question with its truth, a closed form, and settings as a user would choose
@@ -15,7 +15,8 @@ pub mod system;
 
 use std::fmt::Display;
 
-use mc::{Expect, ExpectSettings, Observable, Setup, expect::Expectation};
+use expectation::{Expect, ExpectSettings, Expectation};
+use mc::{Observable, Setup};
 use noise::{StreamKey, Truncation};
 use rayon::prelude::*;
 use schemes::Scheme;
@@ -34,7 +35,7 @@ pub enum Question {
     WeakOrder,
     /// E[φ(y(T))] with a given scheme, on random points.
     Expectation,
-    /// E[φ(y(T))] with everything chosen, by [`mc::Expect`].
+    /// E[φ(y(T))] with everything chosen, by [`expectation::Expect`].
     Chosen,
 }
 

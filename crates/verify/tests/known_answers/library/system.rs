@@ -1,6 +1,6 @@
 //! The systems of the library: four families, so that few kernels are compiled.
 
-use mc::Expect;
+use expectation::Expect;
 use real::Real;
 use systems::{Damping, Flows, PoissonSystem, Problem, paper::valid};
 

@@ -1,8 +1,9 @@
 //! Everything that runs paths.
 
 use anyhow::ensure;
+use expectation::{Expect, ExpectSettings};
 use kernels::Tuned;
-use mc::{Expect, ExpectSettings, Ladder, Observable, Run, Setup, Simulation, bind};
+use mc::{Ladder, Observable, Run, Setup, Simulation, bind};
 use noise::{StreamKey, Truncation};
 use schemes::BuiltIn;
 use systems::{Constant, Pendulum, Problem};

@@ -29,7 +29,7 @@ const LARGEST: f64 = 1e300;
 impl Grid {
     /// The grid of `bins` bins that covers the values of a pilot and a margin around them; around
     /// zero without values.
-    pub(crate) fn covering(range: Option<(f64, f64)>, bins: u32) -> Self {
+    pub fn covering(range: Option<(f64, f64)>, bins: u32) -> Self {
         let (lo, hi) = range.unwrap_or((0.0, 0.0));
         let [lo, hi] = [lo, hi].map(|end| end.clamp(-LARGEST, LARGEST));
         let size = lo.abs().max(hi.abs());
@@ -67,13 +67,13 @@ impl Grid {
     }
 
     /// Number of counts: bins, underflow and overflow.
-    pub(crate) fn cells(&self) -> usize {
+    pub fn cells(&self) -> usize {
         self.bins as usize + 2
     }
 
     /// Writes where the values are counted: 0 for the underflow, k + 1 for bin k, the number of
     /// bins + 1 for the overflow. Anything for NaN.
-    pub(crate) fn place(&self, values: &[f64; WIDTH], places: &mut [u32; WIDTH]) {
+    pub fn place(&self, values: &[f64; WIDTH], places: &mut [u32; WIDTH]) {
         // Powers of two: both products are exact.
         let scale = 1.0 / self.width;
         dispatch(Place { values, scale, before: self.lo * scale - 1.0, bins: self.bins, places });

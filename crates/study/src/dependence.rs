@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 use stats::two_sided;
 
 use super::{Grid, Series, Summary};
-use crate::observable::add;
+use mc::add_rows;
 
 /// What is asked for of the observables of these numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -175,10 +175,10 @@ impl Dependence {
     pub fn merge(&mut self, later: &Self) {
         let pairs = self.pairs.iter_mut().zip(&later.pairs).flat_map(|(a, b)| a.iter_mut().zip(b));
         for (sums, more) in pairs {
-            add(sums, more);
+            add_rows(sums, more);
         }
         let lagged = self.lagged.iter_mut().flatten().zip(later.lagged.iter().flatten());
-        lagged.for_each(|(sums, more)| add(sums, more));
+        lagged.for_each(|(sums, more)| add_rows(sums, more));
         let joint = self.joint.iter_mut().flatten().zip(later.joint.iter().flatten());
         joint.for_each(|(sum, more)| *sum += more);
     }

@@ -47,11 +47,9 @@ mod wells;
 use noise::{Purpose, StreamKey, Truncation};
 use real::{Row, WIDTH};
 
-use crate::{
-    Checkpoint, ExpectSettings, Observe, RunError, Setup, demand, expect::Told, ladder::Measured,
-    parts::Stop, tangents::Tangents,
-};
 use chains::{BATCHES, BINS, Chains, Gather, SPREADING};
+use expectation::{ExpectSettings, Told};
+use mc::{Checkpoint, Measured, Observe, RunError, Setup, Tangents, demand, parts::Stop};
 use wells::Watched;
 
 pub use report::{Averages, StationaryMean};
@@ -122,7 +120,8 @@ impl EquilibriumSettings {
 /// Averages over the stationary law of a problem whose coefficients do not depend on time.
 ///
 /// ```
-/// use mc::{Equilibrium, EquilibriumSettings, Observable, Setup};
+/// use mc::{Observable, Setup};
+/// use crate::{Equilibrium, EquilibriumSettings};
 /// use schemes::SexpLi;
 /// use systems::{Constant, Pendulum, Problem};
 ///

@@ -1,7 +1,9 @@
 //! The arithmetic and the rules of the algorithm on samples that are made up.
 
-use real::{Block, PathMask};
-use schemes::Heun;
+use noise::StepNoise;
+use nonlin::BlockStatus;
+use real::{Block, PathMask, Row, WIDTH};
+use schemes::{Heun, Step, Stepper};
 use stats::{CentralMoments, ROUND_OFF};
 use systems::{Constant, Pendulum, Problem};
 
@@ -13,7 +15,7 @@ use super::{
     resolution::{Motion, coupled, part, share, unresolved},
     sum::{Term, UNSEEN},
 };
-use crate::{DampingResolution, Observable, Observe, Setup, Statistic, View};
+use mc::{DampingResolution, Observable, Observe, Setup, Statistic, View};
 
 fn close(found: f64, exact: f64) -> bool {
     (found - exact).abs() <= 1e-12 * exact.abs()
@@ -81,7 +83,7 @@ fn path_values_are_those_of_the_runs() {
     let observe = |states: &Vec<Block<1>>, times: &[u64]| {
         let mut seen = new(states.len() > 1);
         for &time in times {
-            View::show(states, time, PathMask::first(3), &mut |view| seen.observe(view));
+            show(states, time, PathMask::first(3), &mut |view| seen.observe(view));
         }
         seen
     };
@@ -177,7 +179,7 @@ fn exponents_are_slopes_of_weighted_lines() {
 fn moved(y0: f64, q: f64) -> Motion {
     let mut motion = Motion::new(&[y0]);
     let states = vec![Block::splat([y0 + 1.0]), Block::splat([y0 + 1.0 + q])];
-    View::show(&states, 1, PathMask::ALL, &mut |view| motion.add(view));
+    show(&states, 1, PathMask::ALL, &mut |view| motion.add(view));
     motion
 }
 
@@ -188,16 +190,16 @@ fn motion_is_compared_over_the_paths_that_live() {
         [fine, coarse, twin].map(|y| Block::splat([1.0 + y, 2.0 * y])).to_vec()
     };
     // Differences ½(2 + 4) − 1 = 2 and twice that, of motions 2 and 4.
-    View::show(&states(2.0, 1.0, 4.0), 1, PathMask::ALL, &mut |view| motion.add(view));
+    show(&states(2.0, 1.0, 4.0), 1, PathMask::ALL, &mut |view| motion.add(view));
     assert!(close(motion.difference(0), 1.0) && close(motion.difference(1), 1.0));
     // Three paths more with the difference 3 of the motion 1: √((32·4 + 3·9)/(32·4 + 3)).
     let few = PathMask::first(3);
     let exact = (155.0f64 / 131.0).sqrt();
     let mut merged = motion.clone();
-    View::show(&states(1.0, -1.0, 3.0), 1, few, &mut |view| motion.add(view));
+    show(&states(1.0, -1.0, 3.0), 1, few, &mut |view| motion.add(view));
     assert!(close(motion.difference(0), exact) && close(motion.difference(1), exact));
     let mut later = Motion::new(&[1.0, 0.0]);
-    View::show(&states(1.0, -1.0, 3.0), 1, few, &mut |view| later.add(view));
+    show(&states(1.0, -1.0, 3.0), 1, few, &mut |view| later.add(view));
     merged.merge(&later);
     assert!(close(merged.difference(0), exact));
     let mut none = Motion::default();
@@ -206,7 +208,7 @@ fn motion_is_compared_over_the_paths_that_live() {
     // A single path shows nothing.
     let mut alone = Motion::new(&[1.0, 0.0]);
     let single = states(2.0, 0.0, 0.0)[..1].to_vec();
-    View::show(&single, 1, PathMask::ALL, &mut |view| alone.add(view));
+    show(&single, 1, PathMask::ALL, &mut |view| alone.add(view));
     assert_eq!(alone.difference(0), 0.0);
 }
 
@@ -276,7 +278,7 @@ fn paths_that_part_are_resolved_where_they_begin() {
         for (samples, q) in levels.iter_mut().zip(early) {
             let states = [1.0, 1.0 + q].map(|y| Block::splat([size * y])).to_vec();
             let motion = &mut samples.motion[1];
-            View::show(&states, 1, PathMask::ALL, &mut |view| motion.add(view));
+            show(&states, 1, PathMask::ALL, &mut |view| motion.add(view));
             samples.paths = paths;
         }
         found(&levels, 9.0).is_empty()
@@ -543,4 +545,32 @@ fn an_expectation_says_what_it_is_and_what_it_lacks() {
     assert!(text.contains("bias at most 3.0e-5; NOT to be believed\n"), "{text}");
     let last = "warning: too dear\nthe accuracy 1.0e-4 was NOT reached\n";
     assert!(text.ends_with(last), "{text}");
+}
+
+/// States that are given.
+struct Given<const D: usize>(Block<D>);
+
+impl<const D: usize> Stepper for Given<D> {
+    fn step(&mut self, _: &Step, _: &StepNoise, _: &mut BlockStatus) {}
+
+    fn state(&self) -> &[Row] {
+        &self.0.0
+    }
+
+    fn state_mut(&mut self) -> &mut [Row] {
+        &mut self.0.0
+    }
+}
+
+/// Shows the states of runs at a time.
+pub fn show<const D: usize>(
+    states: &[Block<D>],
+    time: u64,
+    live: PathMask,
+    observe: &mut dyn FnMut(&View<'_>),
+) {
+    let states: Vec<_> =
+        states.iter().map(|&state| Box::new(Given(state)) as Box<dyn Stepper>).collect();
+    let random_time = &[0.0; WIDTH];
+    observe(&View { time, first_path: 0, states: &states, clipped: &[], random_time, live });
 }

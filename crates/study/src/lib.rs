@@ -26,10 +26,11 @@
 //! are [`Wanted`].
 //!
 //! The intervals are those of sampling. The error of the step size is not in them:
-//! [`Expect`](crate::Expect) bounds it.
+//! [`Expect`](expectation::Expect) bounds it.
 //!
 //! ```
-//! use mc::{Observable, Setup, Study, StudySettings};
+//! use mc::{Observable, Setup};
+//! use crate::{Study, StudySettings};
 //! use noise::{StreamKey, Truncation};
 //! use schemes::Sexp;
 //! use systems::{Constant, Problem, RigidBody};
@@ -62,7 +63,7 @@ mod sums;
 
 use noise::Purpose;
 
-use crate::{Ladder, Measured, Observe, RunError, Setup, parts::Job};
+use mc::{Ladder, Measured, Observe, RunError, Setup, parts::Job};
 use sums::StudyStatistic;
 
 pub use dependence::{Joint, Wanted};

@@ -10,9 +10,7 @@ use super::{
     dependence::{CELLS, OfPair},
     sums::FIRST_PATHS,
 };
-use crate::{
-    Observe, RunError, Setup, demand, driver::GROUP_PATHS, observable::value, parts::Stop,
-};
+use mc::{GROUP_PATHS, Observe, RunError, Setup, demand, parts::Stop, value_at};
 
 /// Settings of a [`Study`](super::Study).
 #[derive(Clone, Debug)]
@@ -172,7 +170,7 @@ impl Record {
         let mut quantiles = settings.quantiles.clone();
         quantiles.sort_by(f64::total_cmp);
         let rows = setup.start();
-        let initial = observables.iter().map(|observable| value(*observable, &rows));
+        let initial = observables.iter().map(|observable| value_at(*observable, &rows));
         let start = problem.initial.as_ref();
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").into(),

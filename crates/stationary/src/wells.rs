@@ -22,7 +22,7 @@ use super::{
     LEVELS,
     chains::{Living, moments},
 };
-use crate::Observe;
+use mc::Observe;
 
 /// Components watched at most, and values of all chains in a batch.
 const MOST_COMPONENTS: usize = 61;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use stats::{CentralMoments, FEW_SAMPLES, Tail};
 
 use super::resolution::{Motion, PARTS, compares_at, part};
-use crate::{Measured, Observe, Statistic, View, driver::GROUP_PATHS};
+use mc::{GROUP_PATHS, Measured, Observe, Statistic, View};
 
 /// Moments of one test function on one level.
 #[derive(Clone, Default, Serialize, Deserialize)]

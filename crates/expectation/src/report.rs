@@ -172,7 +172,7 @@ pub enum WarningKind {
     /// Nor the damping: it oscillates or has pulses within the steps, or rate and integral
     /// contradict each other, so that its sums over the steps differ from ∫₀ᵗγ.
     Damping,
-    /// Nor Hamiltonians that change with time, see [`DriveResolution`](crate::DriveResolution).
+    /// Nor Hamiltonians that change with time, see [`DriveResolution`](mc::DriveResolution).
     Drive,
     /// Nor noise and forces within a step of strong damping, which step sizes that all forget them
     /// agree on: each of three steps in a row has an ∫|γ| above one.

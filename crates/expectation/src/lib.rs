@@ -41,7 +41,7 @@
 //!   root mean square over all coarse times, better than on the levels below, φ to 0.7 of its
 //!   motion at eight of them, and φ must vary on both in the same way. The damping that the scheme
 //!   reads, summed over the steps, must agree with ∫γ by quadrature, or converge to it
-//!   ([`DampingResolution`](crate::DampingResolution)).
+//!   ([`DampingResolution`](mc::DampingResolution)).
 //!
 //! **What is assumed.** A scheme that converges to the solution with the weak order assumed, and an
 //! expansion of the bias in powers of τ on the last levels. Nothing that occurs on no path of any
@@ -58,7 +58,7 @@
 //!
 //! **Lévy areas** are drawn on fine steps and joined on coarse ones, so the coarse path of a level
 //! has the law of the fine path below if the law of a drawn area is right. Its covariance given the
-//! increments is exact for any number of terms (see [`Ladder::new`](crate::Ladder::new)); cumulants
+//! increments is exact for any number of terms (see [`Ladder::new`](mc::Ladder::new)); cumulants
 //! from the fourth on are not, which no interval has been able to detect.
 
 mod estimator;
@@ -79,19 +79,20 @@ use schemes::{
 };
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
-use crate::{
+use estimator::{Estimator, Kept, Request};
+use mc::{
     Checkpoint, Friction, Initial, Observe, Problem, RunError, Setup, bind_owned, parts::Stop,
 };
-use estimator::{Estimator, Kept, Request};
 
 pub use report::{Estimate, Expectation, Judged, Level, Rate, Warning, WarningKind};
-pub(crate) use report::{short, written};
+pub use report::{short, written};
 
 /// The computation of expectations: the scheme is chosen or given, everything else may be
 /// [set](ExpectSettings). See [the module](self) for the algorithm.
 ///
 /// ```
-/// use mc::{Expect, Observable};
+/// use mc::Observable;
+/// use crate::Expect;
 /// use systems::{Constant, Problem, RigidBody};
 ///
 /// let body = RigidBody::one_noise([1.0, 1.0, 1.0], 1.0)?;
@@ -265,7 +266,8 @@ impl<'a> Expect<'a> {
     /// that is [set](ExpectSettings::weak_order).
     ///
     /// ```
-    /// use mc::{Expect, ExpectSettings, Observable, Setup};
+    /// use mc::{Observable, Setup};
+    /// use crate::{Expect, ExpectSettings};
     /// use schemes::Sexp;
     /// use systems::{Constant, Problem, RigidBody};
     ///

@@ -11,7 +11,7 @@ use super::{
     dependence::{Cells, Dependence, Past},
     grid::Grid,
 };
-use crate::{Kept, Observe, Statistic, View, parts::hash};
+use mc::{Kept, Observe, Statistic, View, parts::hash};
 
 /// The sums of a study: moments and counts of every observable at every time. Counts are the same
 /// whatever the order of merging; moments are the same to rounding errors, and to the last bit if
@@ -79,7 +79,7 @@ impl Sums {
     }
 }
 
-/// The statistic of a study on a [`Ladder`](crate::Ladder) with one run.
+/// The statistic of a study on a [`Ladder`](mc::Ladder) with one run.
 pub struct StudyStatistic<'a> {
     /// What was added up.
     pub sums: Sums,

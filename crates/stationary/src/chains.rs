@@ -7,11 +7,8 @@ use serde::{Deserialize, Serialize};
 use stats::CentralMoments;
 
 use super::{Averaged, EquilibriumSettings, LEVELS, STEPS, wells::Watched};
-use crate::{
-    PathFailure, Statistic, View,
-    observable::add,
-    study::{Grid, Histogram},
-};
+use mc::{PathFailure, Statistic, View, add_rows};
+use study::{Grid, Histogram};
 
 /// Batches of time when they are full.
 pub const BATCHES: usize = 32;
@@ -292,7 +289,7 @@ impl Statistic for Gather<'_> {
             Averaged::Of(observables) => {
                 for (k, phi) in observables.iter().enumerate() {
                     let mut add =
-                        |row: usize, values: Row| add(&mut sums[row * count + k..], &[values]);
+                        |row: usize, values: Row| add_rows(&mut sums[row * count + k..], &[values]);
                     let mut values = [0.0; WIDTH];
                     for run in 0..LEVELS {
                         values = phi.values(view.state(run), view.live);

@@ -9,7 +9,8 @@
 
 use std::time::Instant;
 
-use mc::{Expect, Observable};
+use expectation::Expect;
+use mc::Observable;
 use systems::{Cosine, Problem, RigidBody};
 
 /// E[cos y₃(1)] by spherical harmonics (`crates/verify/tests/known_answers/kolmogorov.rs`).

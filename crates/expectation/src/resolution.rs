@@ -17,7 +17,7 @@ use super::{
     level::{Samples, Values},
     report::{Warning, WarningKind},
 };
-use crate::{DampingResolution, View, observable::add};
+use mc::{DampingResolution, View, add_rows};
 
 /// The largest quotient that counts as resolved, on the last level: a rotation differs by half a
 /// radian to one, and the fine path is wrong by a third of that (phases have order two). The same
@@ -92,8 +92,8 @@ impl Motion {
             return;
         }
         self.points += later.points;
-        add(&mut self.difference, &later.difference);
-        add(&mut self.displacement, &later.displacement);
+        add_rows(&mut self.difference, &later.difference);
+        add_rows(&mut self.displacement, &later.displacement);
     }
 
     fn sums(&self, i: usize) -> [f64; 2] {
@@ -312,6 +312,7 @@ mod tests {
     use real::Block;
 
     use super::*;
+    use crate::tests::show;
 
     /// The angle of the midpoint rule after n steps of ωτ.
     fn midpoint(angle: f64, n: u32) -> f64 {
@@ -325,7 +326,7 @@ mod tests {
         for k in 1..=n {
             let fine = Block([[(f64::from(2 * k) * step(2 * n)).cos(); WIDTH]]);
             let coarse = Block([[(f64::from(k) * step(n)).cos(); WIDTH]]);
-            View::show(&[fine, coarse], 1, PathMask::ALL, &mut |view| motion.add(view));
+            show(&[fine, coarse], 1, PathMask::ALL, &mut |view| motion.add(view));
         }
         motion.difference(0)
     }
@@ -351,7 +352,7 @@ mod tests {
         let mut motion = Motion::new(&[1.0, 0.0]);
         for k in 1..=8 {
             let at = |sign: f64| Block([[1.0 + f64::from(k) / 8.0; WIDTH], [sign * 1e-17; WIDTH]]);
-            View::show(&[at(1.0), at(-1.0)], 1, PathMask::ALL, &mut |view| motion.add(view));
+            show(&[at(1.0), at(-1.0)], 1, PathMask::ALL, &mut |view| motion.add(view));
         }
         assert_eq!([motion.difference(0), motion.difference(1)], [0.0, 0.0]);
     }
@@ -373,7 +374,7 @@ mod tests {
                     let angle = f64::from(k) * midpoint(1e4, steps) / f64::from(steps);
                     Block([[0.9 + 0.1 * angle.cos(); WIDTH]])
                 };
-                View::show(&[at(2 * n), at(n)], 1, PathMask::ALL, &mut |view| motion.add(view));
+                show(&[at(2 * n), at(n)], 1, PathMask::ALL, &mut |view| motion.add(view));
             }
             motion.displacement(0)
         });

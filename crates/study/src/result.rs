@@ -15,7 +15,7 @@ use super::{
     summary::{CROWDED, Histogram, Place, Quantile, Ranks, Summary, TOO_FEW},
     sums::StudyStatistic,
 };
-use crate::{Measured, simulation::quoted};
+use mc::{Measured, quoted};
 
 /// What is known of the law of every observable at every time, with everything that made it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -23,10 +23,9 @@ use super::{
     resolution::{LARGEST_EXPONENT, Motion, PARTS, unresolved},
     sum::{BIAS_LEVELS, Sum, Term},
 };
-use crate::{
-    Checkpoint, DampingResolution, DriveResolution, Ladder, LadderError, NextNoise, Observe, Run,
-    RunError, Setup, driver::GROUP_PATHS, ladder::Nodes, observable::value, parallel::in_parallel,
-    tree::Node,
+use mc::{
+    Checkpoint, DampingResolution, DriveResolution, GROUP_PATHS, Ladder, LadderError, NextNoise,
+    Node, Nodes, Observe, Run, RunError, Setup, in_parallel, value_at,
 };
 
 /// The highest level of the pilot.
@@ -320,7 +319,7 @@ impl<'a> Estimator<'a> {
     fn empty(&self, level: usize) -> PathValues<'a> {
         let observables = self.request.observables;
         let rows = self.candidate.setup.start();
-        let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, &rows)).collect();
+        let starts: Vec<f64> = observables.iter().map(|phi| value_at(*phi, &rows)).collect();
         PathValues {
             observables,
             last_time: self.ladders[level].0.coarse_steps(),

@@ -107,12 +107,12 @@ pub struct Histogram {
 
 impl Histogram {
     /// One without values.
-    pub(crate) fn empty(grid: Grid) -> Self {
+    pub fn empty(grid: Grid) -> Self {
         Self { grid, below: 0, counts: vec![0; grid.bins as usize], above: 0 }
     }
 
     /// Adds counts in the places of its [grid](Grid::place).
-    pub(crate) fn add(&mut self, places: &[u64]) {
+    pub fn add(&mut self, places: &[u64]) {
         if let [below, counts @ .., above] = places {
             self.counts.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
             self.below += below;

@@ -12,10 +12,8 @@ use super::{
     growth::{unsettled, wander},
     wells::{Watched, Well},
 };
-use crate::{
-    expect::{short, written},
-    study::Histogram,
-};
+use expectation::{short, written};
+use study::Histogram;
 
 /// Averages over the stationary law.
 #[derive(Clone, Debug, Serialize)]
