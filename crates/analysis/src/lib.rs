@@ -31,9 +31,7 @@
 //! | [`step_check()`], [`StepCheck`], [`StepError`] | whether the steps of a run are short enough |
 
 pub mod compare;
-pub mod facts;
 mod final_moments;
-pub mod inspect;
 mod number;
 mod orders;
 mod step_check;
@@ -41,7 +39,6 @@ mod stopwatch;
 
 pub use compare::{Candidates, CompareSettings, Comparison, compare};
 pub use final_moments::{FinalMoments, FinalRows};
-pub use inspect::{InspectSettings, inspect};
 pub use number::{aligned, number};
 pub use orders::{
     Decision, Exact, Judged, LevelNoise, Limit, More, OneStep, Order, Referee, SolverStates,

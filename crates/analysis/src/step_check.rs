@@ -149,7 +149,7 @@ pub fn checked_paths(run: u64, problem: &Problem<'_>) -> u64 {
 
 /// Checks the steps of a run, as a piece of work of a job with the name "steps"; `None` if the
 /// results are not here. `fastest` is the rate of the fastest motion, see
-/// [`fastest`](crate::facts::fastest()). It is `told` the path-steps that are done: three for each
+/// [`fastest`](inspect::facts::fastest()). It is `told` the path-steps that are done: three for each
 /// step of a path.
 ///
 /// # Errors

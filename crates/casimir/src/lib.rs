@@ -28,7 +28,7 @@
 //!   [`Implicit`](schemes::Implicit) for your own.
 //! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`Study`](study::Study),
 //!   [`Ladder`](mc::Ladder) and [`Expect`](expectation::Expect).
-//! - [`analysis`]: [`inspect`](analysis::inspect()), [`strong_order`](analysis::strong_order),
+//! - [`analysis`]: [`inspect`](inspect::inspect()), [`strong_order`](analysis::strong_order),
 //!   [`weak_order`](analysis::weak_order), and [`compare`](analysis::compare()), which says which
 //!   scheme is cheapest for an error.
 //! - [`formula`]: systems, dampings and observables from text; [`systems::run_time`] and
@@ -40,15 +40,14 @@
 #[cfg(feature = "plot")]
 pub use plot;
 pub use {
-    analysis, dgrad, expectation, formula, mc, noise, nonlin, real, schemes, stationary, stats,
-    study, systems,
+    analysis, dgrad, expectation, formula, inspect, mc, noise, nonlin, real, schemes, stationary,
+    stats, study, systems,
 };
 
 /// The names that most programs use: `use casimir::prelude::*`.
 pub mod prelude {
-    pub use analysis::{
-        Candidates, CompareSettings, InspectSettings, StepSizes, compare, inspect, strong_order,
-    };
+    pub use analysis::{Candidates, CompareSettings, StepSizes, compare, strong_order};
+    pub use inspect::{InspectSettings, inspect};
     pub use mc::{Observable, Setup, Simulation, StateFunction, bind, write_csv};
     pub use noise::{StreamKey, Truncation};
     pub use real::Real;

@@ -10,7 +10,7 @@ use noise::{StreamKey, Truncation};
 use schemes::{BuiltIn, Method, Scheme, SchemeError};
 use systems::{PoissonSystem, Problem, run_time::Compiled};
 
-use crate::facts::{Form, casimirs_around};
+use inspect::facts::{Form, casimirs_around};
 
 /// Schemes to compare, the reference, and Casimirs whose laws are measured. Schemes are those on
 /// the system of one problem, see [`bind`](mc::bind).
@@ -41,7 +41,7 @@ impl<'a> Candidates<'a> {
     /// [`SexpLevy`](schemes::SexpLevy).
     ///
     /// If the system names no invariant, the linear and quadratic Casimirs that
-    /// [`Facts`](crate::facts::Facts) have are measured.
+    /// [`Facts`](inspect::facts::Facts) have are measured.
     ///
     /// # Panics
     /// If it does not make [`Sexp`](schemes::Sexp).

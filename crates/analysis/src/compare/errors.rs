@@ -14,9 +14,9 @@ use stats::{CrossMoments, root_mean_square_interval};
 use super::search::Search;
 use crate::{
     FinalMoments, Spread,
-    facts::Form,
     orders::{kept, squared_distance},
 };
+use inspect::facts::Form;
 
 /// The error of one scheme at one step size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

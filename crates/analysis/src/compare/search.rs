@@ -13,9 +13,8 @@ use super::{
     errors::{ErrorPoint, Errors, Sampled},
     verdict::choose,
 };
-use crate::{
-    FinalMoments, Limit, Spread, StepSizes, Stopwatch, facts::is_damped, orders::single_steps,
-};
+use crate::{FinalMoments, Limit, Spread, StepSizes, Stopwatch, orders::single_steps};
+use inspect::facts::is_damped;
 
 /// The least number of coarsest steps.
 const LEAST_STEPS: u64 = 4;

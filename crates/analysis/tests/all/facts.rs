@@ -1,7 +1,7 @@
 //! Facts of systems from texts, against what is known and against the whole inspection.
 
-use analysis::facts::Facts;
 use formula::Definition;
+use inspect::facts::Facts;
 
 use crate::{SPIN, casimirs, inspect_around, problem, system, texts};
 

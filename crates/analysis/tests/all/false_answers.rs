@@ -1,7 +1,7 @@
 //! What `inspect` once said falsely, each with what it must not say again.
 
-use analysis::inspect::{Applies, InspectSettings, Inspection, Status};
 use formula::Definition;
+use inspect::{Applies, InspectSettings, Inspection, Status};
 use real::Real;
 use systems::{Damping, DampingFunction, PoissonSystem};
 
@@ -10,7 +10,7 @@ use super::{applies, constant, inspect_alone as inspect, system, texts};
 /// The report on texts alone.
 fn alone(definition: &Definition) -> Inspection {
     let y0 = vec![1.0; definition.state.len()];
-    analysis::inspect(&system(definition, &y0), &InspectSettings::default()).unwrap()
+    inspect::inspect(&system(definition, &y0), &InspectSettings::default()).unwrap()
 }
 
 /// The report on texts from an initial value, with damping on [0, 1].
@@ -21,7 +21,7 @@ fn with(definition: &Definition, y0: &[f64], damping: &dyn Damping) -> Inspectio
         areas: false,
         ..InspectSettings::default()
     };
-    analysis::inspect(&system(definition, y0), &settings).unwrap()
+    inspect::inspect(&system(definition, y0), &settings).unwrap()
 }
 
 /// A spin (a, b, c) with two noises, beside an oscillator (q, p).

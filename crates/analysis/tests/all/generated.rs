@@ -1,7 +1,7 @@
 //! `inspect` on generated systems whose structure is known, a third of them broken by a defect
 //! between 1e-10 and 1: nothing that it says may be false.
 
-use analysis::inspect::{Finding, Inspection};
+use inspect::{Finding, Inspection};
 use rayon::prelude::*;
 use real::Real;
 use systems::{Form, HamiltonianIncrement, Invariant, InvariantKind, PoissonSystem};

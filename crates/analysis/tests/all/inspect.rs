@@ -1,6 +1,6 @@
 //! `inspect` says what the paper's systems are, and finds what is wrong with spoiled ones.
 
-use analysis::inspect::{Applies, InspectError, InspectSettings, Inspection};
+use inspect::{Applies, InspectError, InspectSettings, Inspection};
 use real::{Real, elementary};
 use systems::{
     Constant, Form, HamiltonianIncrement, Invariant, InvariantKind, LotkaVolterra, MaxwellBloch,
@@ -349,7 +349,7 @@ fn casimirs_of_parts_are_summed_to_a_bound() {
     let bodies =
         texts("a b c d e f", &rows, energy, &["0.7*a+0.7*d", "0.7*b+0.7*e", "0.7*c+0.7*f"]);
     let report =
-        analysis::inspect(&formulas(&bodies, &[1.0; 6]), &InspectSettings::default()).unwrap();
+        inspect::inspect(&formulas(&bodies, &[1.0; 6]), &InspectSettings::default()).unwrap();
     assert!(report.mistakes.is_empty() && !report.noise.commute.holds(), "{report}");
     let all = report.casimirs.as_ref().unwrap();
     let definite = all.found.iter().filter(|casimir| casimir.minimum.positive.holds());
@@ -465,7 +465,7 @@ fn formulas_are_inspected_like_compiled_systems() {
         areas: false,
         ..InspectSettings::default()
     };
-    let ours = analysis::inspect(&body, &settings).unwrap();
+    let ours = inspect::inspect(&body, &settings).unwrap();
     let body = RigidBody::three_noises(INERTIA, [1.0, 2.0, 3.0]).unwrap();
     let theirs = inspect_problem(&Problem::new(body, damping, y0, 1.0).unwrap()).unwrap();
     assert!(ours.mistakes.is_empty(), "{ours}");
@@ -475,7 +475,7 @@ fn formulas_are_inspected_like_compiled_systems() {
     };
     assert_eq!((same(&ours), casimirs(&ours)), (same(&theirs), casimirs(&theirs)));
     // No Lévy areas are drawn here for the formulas.
-    let areas = |order: &&analysis::inspect::ExpectedOrder| order.scheme.ends_with("-levy");
+    let areas = |order: &&inspect::ExpectedOrder| order.scheme.ends_with("-levy");
     assert_eq!(theirs.orders.iter().filter(areas).count(), 2);
     assert!(ours.orders.iter().eq(theirs.orders.iter().filter(|order| !areas(order))));
     let recommended = ours.recommended.iter().map(|recommended| recommended.scheme);

@@ -13,7 +13,7 @@ mod orders;
 
 use std::sync::Arc;
 
-use analysis::inspect::{Applies, InspectError, InspectSettings, Inspection};
+use ::inspect::{Applies, InspectError, InspectSettings, Inspection};
 use formula::{Definition, FormulaSystem};
 use systems::{Constant, Damping, PoissonSystem, Problem, run_time as at_run_time};
 
@@ -22,7 +22,7 @@ fn inspect_alone<S: PoissonSystem<D, M> + Clone, const D: usize, const M: usize>
     system: &S,
 ) -> Result<Inspection, InspectError> {
     let system = at_run_time::Compiled::new(system.clone(), [1.0; D]);
-    analysis::inspect(&system, &InspectSettings::default())
+    ::inspect::inspect(&system, &InspectSettings::default())
 }
 
 /// The report on a compiled system with its problem.
@@ -33,7 +33,7 @@ where
     S: PoissonSystem<D, M> + Clone,
 {
     let system = at_run_time::Compiled::new(problem.system().clone(), problem.y0());
-    analysis::inspect(&system, &InspectSettings::of(problem))
+    ::inspect::inspect(&system, &InspectSettings::of(problem))
 }
 
 /// The report on a system known at run time around an initial value.
@@ -42,7 +42,7 @@ fn inspect_around(
     y0: &[f64],
 ) -> Result<Inspection, InspectError> {
     let y0 = Some(y0.to_vec());
-    analysis::inspect(system, &InspectSettings { y0, areas: false, ..InspectSettings::default() })
+    ::inspect::inspect(system, &InspectSettings { y0, areas: false, ..InspectSettings::default() })
 }
 
 /// Whether a statement of the paper applies.

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use casimir::{
-    analysis::facts::is_divergence_free,
     formula::{Definition, FormulaDamping, FormulaSystem, nearest},
+    inspect::facts::is_divergence_free,
     mc::{self, Friction},
     systems::{
         Constant, Damping, Linearity, around, rate_integrals,

@@ -3,8 +3,8 @@
 use std::sync::{Arc, OnceLock};
 
 use casimir::{
-    analysis::facts::energy,
     formula::{Definition, DefinitionError, FormulaSystem, Which},
+    inspect::facts::energy,
     mc::{self, Friction, demand},
     systems::run_time::{Problem, System},
 };

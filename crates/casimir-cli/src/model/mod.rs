@@ -9,9 +9,9 @@ mod project;
 use std::sync::{Arc, OnceLock};
 
 use casimir::{
-    analysis::facts::{Bath, DampingIntegral, Facts, Form, Kept, fastest},
     expectation::Expect,
     formula::{FormulaSystem, Names},
+    inspect::facts::{Bath, DampingIntegral, Facts, Form, Kept, fastest},
     mc::{Friction, Problem, Setup},
     schemes::{BuiltIn, Method, SchemeError},
     systems::run_time::{self, System},

@@ -1,6 +1,6 @@
 //! What a system is.
 
-use casimir::analysis::{self, InspectSettings, facts::Bath};
+use casimir::inspect::{InspectSettings, facts::Bath};
 
 use serde_json::json;
 
@@ -19,7 +19,7 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
             friction: model.friction(),
             areas: system.description().jacobi_holds,
         };
-        (model.known(), model.bath(), analysis::inspect(system, &settings))
+        (model.known(), model.bath(), casimir::inspect::inspect(system, &settings))
     });
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
     let text = format!("{findings}\n{}", bath.as_ref().map_or(String::new(), words));

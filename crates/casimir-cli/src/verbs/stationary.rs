@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use casimir::{
-    analysis::facts::{gibbs_marginal, is_divergence_free},
+    inspect::facts::{gibbs_marginal, is_divergence_free},
     mc::{Checkpoint, Friction, Observe, RunError},
     plot::figure::{Trace, lines},
     schemes::BuiltIn,

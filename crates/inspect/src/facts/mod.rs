@@ -28,8 +28,7 @@ pub use bath::{Bath, gibbs_marginal, is_divergence_free};
 pub use damping::DampingIntegral;
 pub use finding::{Finding, Status};
 pub use form::Form;
-pub use scheme::Kept;
-pub(crate) use scheme::is_damped;
+pub use scheme::{Kept, is_damped};
 
 /// What a run has to know of a problem: which laws it obeys.
 ///

@@ -19,7 +19,7 @@
 //! these, a lower bound.
 //!
 //! ```
-//! use analysis::inspect::{InspectSettings, inspect};
+//! use inspect::{InspectSettings, inspect};
 //! use systems::{MaxwellBloch, RigidBody, run_time::Compiled};
 //!
 //! let settings = InspectSettings::default();
@@ -37,6 +37,7 @@
 //! ```
 
 mod casimirs;
+pub mod facts;
 mod hamiltonian;
 mod invariants;
 mod noises;
