@@ -11,14 +11,14 @@ use std::{
 };
 
 use casimir::mc::parts::Stop;
-use casimir_cli::{
-    failure::{Done, Failure},
-    output::{Array, Drawn},
-    verbs::{self, ProgressBar, Watch},
-};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::{exceptions::PyKeyboardInterrupt, prelude::*, types::PyDict};
 use rayon::ThreadPoolBuilder;
+use verbs::{
+    self, ProgressBar, Watch,
+    failure::{Done, Failure},
+    output::{Array, Drawn},
+};
 
 use crate::toml::key_at;
 

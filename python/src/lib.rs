@@ -5,17 +5,16 @@ mod call;
 mod referee;
 mod toml;
 
+use ::scenes::{Changes, Scene, Source, Sweep, gallery};
 use casimir::mc::parts::Job;
-use casimir_cli::{
-    failure::{Done, Failure},
-    gallery,
-    output::arrays,
-    scene::{Changes, Scene, Source, Sweep},
-    verbs::{self, Watch},
-};
 use numpy::PyReadonlyArray2;
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 use serde_json::{Value, json};
+use verbs::{
+    self, Watch,
+    failure::{Done, Failure},
+    output::arrays,
+};
 
 use call::{Found, watched};
 
@@ -51,7 +50,7 @@ fn check(py: Python<'_>, given: Given<'_>) -> PyResult<String> {
     let found = py.detach(|| -> Done<Value> {
         let sweep = Sweep::new(&source, &Changes::default())?;
         let scene = sweep.scene();
-        let names = |all: &[casimir_cli::scene::Observable]| {
+        let names = |all: &[::scenes::Observable]| {
             all.iter().map(|one| one.name.clone()).collect::<Vec<_>>()
         };
         let varied = sweep.varied.iter().map(|one| (one.name.clone(), json!(one.values)));
@@ -178,7 +177,7 @@ fn on_scene<'py>(
 fn citation(result: Option<&str>) -> PyResult<String> {
     let result = result.map(serde_json::from_str::<Value>).transpose();
     let result = result.map_err(|error| PyValueError::new_err(error.to_string()))?;
-    Ok(casimir_cli::citation::bibtex(result.as_ref()))
+    Ok(verbs::citation::bibtex(result.as_ref()))
 }
 
 /// Names of the scenes of the gallery.
@@ -196,7 +195,7 @@ fn scene(name: &str) -> PyResult<&'static str> {
 /// The JSON schema of scenes.
 #[pyfunction]
 fn schema() -> PyResult<String> {
-    serde_json::to_string(&casimir_cli::scene::schema())
+    serde_json::to_string(&::scenes::schema())
         .map_err(|error| PyValueError::new_err(error.to_string()))
 }
 

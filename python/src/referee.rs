@@ -1,13 +1,10 @@
 //! Solvers of others: their noise as arrays, and what their states show.
 
 use casimir::analysis::{LevelNoise, SolverStates, VISITS};
-use casimir_cli::{
-    failure::Failure,
-    scene::{Changes, Scene},
-    verbs::{self, Claims, Measure},
-};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::{prelude::*, types::PyDict};
+use scenes::{Changes, Scene};
+use verbs::{self, Claims, Measure, failure::Failure};
 
 use crate::{
     Given, How,

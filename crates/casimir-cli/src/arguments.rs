@@ -2,11 +2,9 @@
 
 use std::path::PathBuf;
 
-use casimir_cli::{
-    output::Format,
-    scene::{Changes, SchemeAndSeed, Set, count},
-};
 use clap::{Args, Parser, Subcommand};
+use scenes::{Changes, SchemeAndSeed, Set, count};
+use verbs::output::Format;
 
 /// Damped stochastic Poisson systems from a text file:
 /// dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ

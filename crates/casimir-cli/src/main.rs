@@ -5,8 +5,8 @@ mod commands;
 
 use std::process::ExitCode;
 
-use casimir_cli::failure::{Done, Failure};
 use clap::Parser;
+use verbs::failure::{Done, Failure};
 
 use arguments::{Arguments, Command};
 

@@ -2,16 +2,18 @@
 
 use std::path::Path;
 
-use casimir_cli::{
+use scenes::{
+    Changes, Scene,
+    gallery::{GALLERY, scene},
+    model::PROJECT,
+};
+use serde_json::{Value, json};
+use verbs::{
     citation::{bibtex, used},
     doctor::{EXPECTED, facts, self_test},
     failure::{Done, Failure},
-    gallery::{GALLERY, scene},
-    model::PROJECT,
-    scene::{Changes, Scene},
-    verbs::scheme,
+    scheme,
 };
-use serde_json::{Value, json};
 
 use super::{print, print_json, source};
 
@@ -37,7 +39,7 @@ pub fn new(name: Option<&str>, list: bool) -> Done {
 
 /// Prints the JSON schema of scenes.
 pub fn schema() -> Done {
-    print_json(&casimir_cli::scene::schema())
+    print_json(&scenes::schema())
 }
 
 /// Prints facts and what the self-test found.

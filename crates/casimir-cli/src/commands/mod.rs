@@ -18,16 +18,16 @@ use casimir::{
     mc::parts::{Job, Program, Share, Stop, limit_threads},
     plot::files,
 };
-use casimir_cli::{
-    failure::{Done, Failure},
-    scene::{Changes, Scene, SceneError, SchemeAndSeed, Source},
-    verbs::{Found, ProgressBar, Watch},
-};
+use scenes::{Changes, Scene, SceneError, SchemeAndSeed, Source};
 use serde::Serialize;
 #[cfg(unix)]
 use signal_hook::{
     consts::{SIGINT, SIGTERM},
     iterator::Signals,
+};
+use verbs::{
+    Found, ProgressBar, Watch,
+    failure::{Done, Failure},
 };
 
 pub use about::{citation, doctor, new, schema};

@@ -6,16 +6,16 @@ use casimir::{
     mc::parts::{Job, JobError, Program, Share, hash, limit_threads, merged_paths},
     plot::files,
 };
-use casimir_cli::{
+use scenes::{Changes, Sweep};
+use serde::{Deserialize, Serialize};
+use verbs::{
+    self, Outcomes, Settled, Watch,
     failure::{Done, Failure},
     output::{
         Format,
         cluster::{JOB, Script},
     },
-    scene::{Changes, Sweep},
-    verbs::{self, Outcomes, Settled, Watch},
 };
-use serde::{Deserialize, Serialize};
 
 use super::{prepare, print, program, scene::write, source, stoppable, watch};
 use crate::arguments::Plan;

@@ -7,14 +7,14 @@ use casimir::mc::{
     Checkpoint,
     parts::{Job, JobError, Program, Share, remove},
 };
-use casimir_cli::{
+use scenes::{SchemeAndSeed, Sweep};
+use verbs::{
+    self, Found, Outcomes, Watch,
     failure::{
         Done,
         Failure::{self, Stopped},
     },
     output::Format,
-    scene::{SchemeAndSeed, Sweep},
-    verbs::{self, Found, Outcomes, Watch},
 };
 
 use super::{

@@ -3,8 +3,8 @@
 use std::fs;
 
 use casimir::schemes::BuiltIn;
-use casimir_cli::citation::bibtex;
 use serde_json::json;
+use verbs::citation::bibtex;
 
 use crate::common::{OSCILLATOR, fails, run, succeeds, with_scene};
 

@@ -1,6 +1,6 @@
 //! `casimir doctor`, and its twins: each wrong expectation is found out, and no other.
 
-use casimir_cli::doctor::{EXPECTED, Expected, self_test};
+use verbs::doctor::{EXPECTED, Expected, self_test};
 
 use crate::common::succeeds;
 

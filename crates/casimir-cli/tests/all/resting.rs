@@ -13,7 +13,7 @@ use casimir::{
     schemes::{Method, Step, Stepper},
     study::{Study, StudyResult, StudySettings},
 };
-use casimir_cli::scene::{Changes, Scene, Source};
+use scenes::{Changes, Scene, Source};
 
 const STEPS: u64 = 64;
 

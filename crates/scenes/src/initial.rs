@@ -1,0 +1,142 @@
+//! Initial values: numbers, formulas of random numbers, or a file of states.
+
+use std::{fs, path::Path, slice::from_mut, sync::Arc};
+
+use casimir::{
+    expectation::is_level,
+    mc::{Initial, parts::hash},
+    noise::{StreamKey, WienerRows},
+    real::{Row, WIDTH, elementary},
+};
+
+use super::{
+    read::Constants,
+    source::{Read, Source},
+    values::{At, Listed, Start, Text},
+};
+use crate::refuse;
+
+/// Fewest names z1, z2, … and u1, u2, … that there are.
+const LEAST_NAMES: usize = 9;
+
+/// Numbers on (0, 1): the squared radius of two normals is exponential.
+fn uniform(normals: &mut WienerRows) -> Row {
+    let mut both = [[0.0; WIDTH]; 2];
+    normals.increments(1.0, &mut both[..1]);
+    normals.increments(1.0, &mut both[1..]);
+    let [z, w] = both;
+    std::array::from_fn(|p| elementary::exp(-0.5 * (z[p] * z[p] + w[p] * w[p])))
+}
+
+/// Initial values: one that may occur, and their law if they are random.
+pub type Begun = (Vec<f64>, Option<Initial<'static>>);
+
+/// The states of a file, one in a line: numbers with blanks or commas between them. Lines that
+/// begin with # and a first line of names do not count.
+fn states(source: &Source, file: &str, at: &At<Start>) -> Read<Arc<Vec<Vec<f64>>>> {
+    if let Some(states) = &source.states {
+        return Ok(states.clone());
+    }
+    let path = Path::new(&source.name).with_file_name(file);
+    let text = match fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) => refuse!(at, "cannot read the states {file}: {error}"),
+    };
+    let mut states: Vec<Vec<f64>> = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let words = line.split([',', ' ', '\t']).filter(|word| !word.is_empty());
+        let state: Result<Vec<f64>, _> = words.map(str::parse).collect();
+        let finite = state.ok().filter(|state| state.iter().all(|x: &f64| x.is_finite()));
+        match finite {
+            _ if line.trim().is_empty() || line.starts_with('#') => {}
+            Some(state) if states.first().is_none_or(|first| first.len() == state.len()) => {
+                states.push(state);
+            }
+            None if number == 0 => {}
+            _ => refuse!(at, "line {} of {file} is no state: {line}", number + 1),
+        }
+    }
+    if states.is_empty() {
+        refuse!(at, "{file} has no state");
+    }
+    Ok(Arc::new(states))
+}
+
+/// The initial values that a file has: in turn, or at random for points that have an order of their
+/// own.
+fn of_file(source: &Source, file: &str, at: &At<Start>) -> Read<Begun> {
+    let states = states(source, file, at)?;
+    let (number, sum) = (states.len(), hash(&*states));
+    let law = format!("the {number} states of {file}, SHA-256 {sum}");
+    let y0 = states[0].clone();
+    let draw = move |key: StreamKey, first: u64, rows: &mut [Row]| {
+        let places = uniform(&mut WienerRows::new(key, first));
+        for p in 0..WIDTH {
+            let place = if is_level(key) {
+                ((places[p] * number as f64) as usize).min(number - 1)
+            } else {
+                ((first + p as u64) % number as u64) as usize
+            };
+            rows.iter_mut().zip(&states[place]).for_each(|(row, y)| row[p] = *y);
+        }
+    };
+    Ok((y0, Some(Initial { law, draw: Arc::new(draw) })))
+}
+
+/// The initial values of a scene: of formulas of independent standard normals z1, z2, … and of
+/// numbers u1, u2, … that are uniform on (0, 1), or of a file.
+pub fn initial(
+    source: &Source,
+    at: &At<Start>,
+    constants: &Constants,
+    key: StreamKey,
+) -> Read<Begun> {
+    let texts = match &**at {
+        Listed::List(none) if none.is_empty() => {
+            refuse!(at, "the initial value has no component");
+        }
+        Listed::List(texts) => texts,
+        Listed::Text(file) => return of_file(source, file, at),
+    };
+    let (mut names, number) = (constants.names.clone(), texts.len().max(LEAST_NAMES));
+    for name in ["z", "u"].iter().flat_map(|kind| (1..=number).map(move |k| format!("{kind}{k}"))) {
+        // A parameter may have the name.
+        _ = names.variable(&name);
+    }
+    let parse = |text: &At<Text>| text.formula(&names);
+    let formulas = texts.iter().map(parse).collect::<Read<Vec<_>>>()?;
+    // The variables that are used, and which of them are uniform.
+    let variables = names.variables().iter().enumerate();
+    let used: Vec<_> = variables
+        .filter(|(k, _)| formulas.iter().any(|formula| formula.depends_on(*k)))
+        .map(|(k, name)| (k, name.starts_with('u')))
+        .collect();
+    let (variables, is_random) = (names.variables().len(), !used.is_empty());
+    // Where a lattice has more components than there are formulas, these are of each site, with
+    // random numbers of its own.
+    let draw = move |key: StreamKey, first_path: u64, rows: &mut [Row]| {
+        let mut normals = WienerRows::new(key, first_path);
+        let mut point = vec![[0.0; WIDTH]; variables];
+        for site in rows.chunks_mut(formulas.len()) {
+            for &(k, is_uniform) in &used {
+                if is_uniform {
+                    point[k] = uniform(&mut normals)
+                } else {
+                    normals.increments(1.0, from_mut(&mut point[k]))
+                }
+            }
+            for (formula, row) in formulas.iter().zip(site) {
+                formula.values(&point, row);
+            }
+        }
+    };
+    let mut rows = vec![[0.0; WIDTH]; texts.len()];
+    draw(key, 0, &mut rows);
+    if let Some((text, row)) = texts.iter().zip(&rows).find(|(_, row)| !row[0].is_finite()) {
+        refuse!(text, "this must be finite, and is {}", row[0]);
+    }
+    let y0 = rows.iter().map(|row| row[0]).collect();
+    let words = texts.iter().map(|text| &*text.0).collect::<Vec<_>>().join(", ");
+    let law = Initial { law: format!("({words})"), draw: Arc::new(draw) };
+    Ok((y0, is_random.then_some(law)))
+}

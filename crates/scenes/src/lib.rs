@@ -1,0 +1,345 @@
+//! **Scenes: damped stochastic Poisson systems from a text file, for programs.**
+//!
+//! [`Scene::new`] reads a scene and checks it; its [`Model`](model::Model) is
+//! the problem with every scheme for it. The program `casimir` is made of these.
+//!
+//! The way through: text → `file` (keys) → `run`, `observe` (checked) → `model`. What is computed
+//! of scenes is in the crate `verbs`; the program adds a command line and folders.
+//!
+//! ```
+//! use casimir::mc::Simulation;
+//! use scenes::{Changes, Scene, Source};
+//!
+//! let text = r#"
+//! [system]
+//! state = ["q", "p"]
+//! B = [["1"]]
+//! H0 = "(q^2 + p^2)/2"
+//! H = ["0.1*q"]
+//! [run]
+//! initial = [1, 0]
+//! until = 1
+//! steps = 64
+//! "#;
+//! let source = Source { name: "oscillator.toml".into(), text: text.into(), states: None };
+//! let scene = Scene::new(source, &Changes::default())?;
+//! let setup = scene.setup("sexp")?;
+//! let simulation = Simulation::new(setup, scene.settings.truncation);
+//! let paths = simulation.paths(scene.settings.steps, scene.settings.key, 0..2)?;
+//! assert_eq!(paths.len(), 2);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod drawn;
+mod file;
+pub mod gallery;
+mod initial;
+mod meaning;
+pub mod model;
+mod observe;
+mod read;
+mod run;
+mod shorthand;
+mod source;
+mod sweep;
+mod values;
+
+pub use drawn::Drawn;
+pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
+use observe::Vocabulary;
+pub use observe::{Further, Observable, Quantity};
+pub(crate) use read::among;
+pub use read::{Constants, Reading};
+pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
+pub use shorthand::{State, structure};
+pub use source::{Read, SceneError, Source, Wrong};
+pub use sweep::{Combination, Set, Sweep, Varied};
+pub use values::{At, Listed, Parameter, Text, count, digits, place};
+
+use std::{fmt::Display, path::Path, sync::Arc};
+
+use casimir::{
+    formula::nearest,
+    mc::{Along, Problem, Setup},
+    schemes::BuiltIn,
+    study::Wanted,
+};
+
+use model::Model;
+
+/// A checked scene.
+pub struct Scene {
+    /// Its text.
+    pub source: Source,
+    /// What the command line changes.
+    pub changes: Arc<Changes>,
+    /// The title of reports.
+    pub title: String,
+    /// The names of the components.
+    pub components: Vec<String>,
+    /// The sizes of a lattice; none of other systems.
+    pub sizes: Vec<usize>,
+    /// The columns of tables, if they are chosen.
+    chosen: Option<Vec<String>>,
+    /// The system with its damping and initial value.
+    pub model: Box<dyn Model>,
+    /// How it is simulated.
+    pub settings: Settings,
+    /// The observables, before the components if there are few.
+    pub observables: Vec<Observable>,
+    /// What paths collect for them.
+    collected: Vec<Along>,
+    /// What is wanted of their dependence.
+    pub wanted: Wanted,
+    /// Which figures are drawn.
+    pub drawn: Drawn,
+    /// H₀, unless it depends on time.
+    pub energy: Option<Observable>,
+    /// The test functions of expectations.
+    pub expected: Vec<Observable>,
+    /// The half-width of their intervals.
+    pub accuracy: Option<f64>,
+}
+
+/// More components than this are too many to be looked at one by one.
+pub const MOST_COMPONENTS: usize = 12;
+
+impl Scene {
+    /// The scene of a text, with the changes that a command line makes.
+    ///
+    /// # Errors
+    /// [`SceneError`] with line and column of what is wrong.
+    pub fn new(source: Source, changes: &Changes) -> Result<Self, SceneError> {
+        let read = || {
+            let mut file = read::parse(&source.text)?;
+            sweep::settle(&mut file, &changes.scheme.sets)?;
+            Self::of(&source, file, &Arc::new(changes.clone()))
+        };
+        source.located(read())
+    }
+
+    /// The scene of the keys of a text.
+    fn of(source: &Source, file: SceneFile, changes: &Arc<Changes>) -> Read<Self> {
+        let constants = Constants::new(&file.system)?;
+        let settings = Settings::new(source, &file.run, &constants, changes)?;
+        let model::Built { model, components, sizes, names, energy, quantities } =
+            model::build(&Reading { file: &file, constants: &constants, settings: &settings })?;
+        let y0 = model.problem().y0;
+        let description = model.system().description();
+        let in_steps = (!description.layout.is_tiled()).then(|| names.clone());
+        let mut vocabulary = Vocabulary::new(names, energy.clone(), &y0);
+        let energy = if description.depends_on_time { None } else { vocabulary.of(energy).ok() };
+        let energy = energy.map(|energy| Observable::new("H0", energy));
+        let component = |i: usize| Observable::new(&components[i], Quantity::Component(i));
+        let (mut observables, mut given) = (Vec::<Observable>::new(), quantities);
+        for Observable { name, quantity } in &given {
+            vocabulary.add(name, Further::Quantity(quantity.clone()));
+        }
+        if components.len() <= MOST_COMPONENTS {
+            given.extend((0..components.len()).map(component));
+        }
+        let formulas = file.observe.iter().map(|(name, text)| (name, Ok(text)));
+        let events = file.events.iter().map(|(name, event)| (name, Err(event)));
+        let conditions = file.probabilities.iter().map(|(name, text)| (name, Ok(text)));
+        for (name, entry) in formulas.chain(events).chain(conditions) {
+            let known = components.contains(name)
+                || observables.iter().chain(&given).any(|known| known.name == **name);
+            if known || is_column(name) {
+                return Err(taken(name));
+            }
+            let quantities = match entry {
+                Err(event) => {
+                    let [happened, time] = vocabulary.event(event, in_steps.as_ref())?;
+                    vec![(name.to_string(), happened), (format!("{} time", **name), time)]
+                }
+                Ok(formula) => {
+                    if file.probabilities.contains_key(name) {
+                        vocabulary.demand_condition(formula)?;
+                    }
+                    vec![(name.to_string(), vocabulary.observable(formula)?)]
+                }
+            };
+            for (name, quantity) in quantities {
+                vocabulary.add(&name, Further::Quantity(quantity.clone()));
+                observables.push(Observable { name, quantity });
+            }
+        }
+        observables.extend(given);
+        if observables.is_empty() {
+            refuse!(None, "so many components need observables: add [observe]");
+        }
+        let stem = Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
+        let name = file.system.name.as_deref().cloned();
+        let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
+        let mut scene = Self {
+            source: source.clone(),
+            changes: Arc::clone(changes),
+            title,
+            components,
+            sizes,
+            chosen: None,
+            model,
+            settings,
+            observables,
+            collected: Vec::new(),
+            wanted: Wanted::default(),
+            drawn: Drawn::default(),
+            energy,
+            expected: Vec::new(),
+            accuracy: None,
+        };
+        let chosen = |name: &At<String>| match is_column(name) {
+            true => Ok(name.to_string()),
+            false => scene.column(name, &GROUPS),
+        };
+        let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
+        scene.chosen = chosen.transpose()?;
+        scene.wanted = drawn::wanted(&file.statistics, &scene, &constants)?;
+        let conditions = file.probabilities.keys().chain(file.events.keys());
+        scene.wanted.probabilities = conditions.filter_map(|name| scene.place(name)).collect();
+        let spectrum = |name: &At<String>| format!("spectrum({})", **name);
+        let spectra: Vec<String> = file.statistics.autocorrelation.iter().map(spectrum).collect();
+        let others = file.system.parameters.keys().map(|key| key.as_str());
+        let others: Vec<&str> = others.chain(spectra.iter().map(|name| &**name)).collect();
+        scene.drawn = Drawn::new(&file.figures, &scene, &others)?;
+        if let Some(table) = &file.expect {
+            scene.expect(table, &mut vocabulary)?;
+        }
+        scene.collected = vocabulary.collected;
+        let scheme = &scene.settings.scheme;
+        if scheme != AUTO {
+            // Whether it is for the system is asked by commands that take it.
+            scene.built_in(scheme)?;
+        }
+        Ok(scene)
+    }
+
+    /// The test functions of `[expect]`, and their accuracy.
+    fn expect(&mut self, table: &ExpectTable, vocabulary: &mut Vocabulary) -> Read<()> {
+        let ExpectTable { of, accuracy } = table;
+        let half_width = **accuracy;
+        if !(half_width > 0.0 && half_width.is_finite()) {
+            refuse!(accuracy, "the accuracy must be positive and finite, got {half_width}");
+        }
+        if of.is_empty() {
+            refuse!(of, "name at least one function, such as \"y1\"");
+        }
+        self.accuracy = Some(half_width);
+        for text in of.iter() {
+            let name = text.0.as_str();
+            if self.expected.iter().any(|before| before.name == name) {
+                refuse!(text, "`{name}` is listed twice");
+            }
+            let component = self.components.iter().position(|component| component == name);
+            let quantity = match (self.place(name), component) {
+                (Some(k), _) => self.observables[k].quantity.clone(),
+                (_, Some(i)) => Quantity::Component(i),
+                _ => vocabulary.quantity(text)?,
+            };
+            self.expected.push(Observable::new(name, quantity));
+        }
+        Ok(())
+    }
+
+    /// The problem and a scheme for it by its name.
+    ///
+    /// # Errors
+    /// Why the scheme is not for the system.
+    pub fn setup(&self, name: &str) -> Result<Setup<'_>, SceneError> {
+        let scheme = self.source.located(self.built_in(name))?;
+        let place = self.settings.scheme_place.clone();
+        let scheme = self.model.scheme(scheme).map_err(|error| self.source.error(place, error))?;
+        Ok(Setup { problem: self.problem(), scheme })
+    }
+
+    fn built_in(&self, name: &str) -> Read<BuiltIn> {
+        BuiltIn::named(name).ok_or_else(|| {
+            let known = [&[AUTO][..], &BuiltIn::ALL.map(BuiltIn::id)].concat();
+            let message = format!("no scheme `{name}`{}", among(name, &known));
+            Wrong::new(self.settings.scheme_place.clone(), message)
+        })
+    }
+
+    /// The same with what paths collect.
+    pub fn collecting<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
+        setup.collecting(self.model.system(), self.collected.clone())
+    }
+
+    /// The functions whose weak orders are measured: those of `[expect]`, or the first observable.
+    pub fn tested(&self) -> impl Iterator<Item = &Observable> {
+        let first = usize::from(self.expected.is_empty());
+        self.observables.iter().take(first).chain(&self.expected)
+    }
+
+    /// Whether paths collect something, so that states alone do not say what is observed.
+    pub fn collects(&self) -> bool {
+        !self.collected.is_empty()
+    }
+
+    /// The problem with its initial values.
+    pub fn problem(&self) -> Problem<'_> {
+        Problem { initial: self.settings.random.clone(), ..self.model.problem() }
+    }
+
+    /// An error about the steps.
+    pub fn steps_error(&self, message: impl Display) -> SceneError {
+        self.source.error(self.settings.steps_place.clone(), message)
+    }
+
+    /// Checks that a name is a component, an observable, or one of others.
+    fn column(&self, name: &At<String>, others: &[&str]) -> Read<String> {
+        let observables = self.observables.iter().map(|observable| &*observable.name);
+        let known = self.components.iter().map(|name| &**name).chain(observables);
+        let known = known.chain(others.iter().copied());
+        if !known.clone().any(|known| known == name.as_str()) {
+            let hint = nearest(name, known);
+            refuse!(name, "no column `{}`{hint}", **name);
+        }
+        Ok(name.to_string())
+    }
+
+    /// The number of an observable.
+    fn observable(&self, name: &At<String>) -> Read<usize> {
+        self.column(name, &[])?;
+        self.place(name).ok_or_else(|| {
+            let message = format!("add `{0} = \"{0}\"` to [observe] first", **name);
+            Wrong::new(name, message)
+        })
+    }
+
+    fn place(&self, name: &str) -> Option<usize> {
+        self.observables.iter().position(|known| known.name == name)
+    }
+
+    /// Whether tables have the column.
+    pub fn keeps(&self, column: &str) -> bool {
+        let is_component = self.components.iter().any(|name| name == column);
+        let is_law = !is_component && is_column(column);
+        match &self.chosen {
+            _ if column == "t" => true,
+            Some(chosen) => chosen.iter().any(|name| {
+                let of_group = [is_component, is_law];
+                name == column || GROUPS.iter().zip(of_group).any(|(group, of)| of && name == group)
+            }),
+            None => !is_component || self.components.len() <= MOST_COMPONENTS,
+        }
+    }
+}
+
+/// Names of columns together.
+const GROUPS: [&str; 2] = ["components", "laws"];
+
+/// Whether tables may have a column of this name beside components and observables: what a row is
+/// of, or a conformal law C, C1, …, H and H0 and its defect.
+fn is_column(name: &str) -> bool {
+    let law = name.trim_end_matches(" defect");
+    let number = law.strip_prefix('C').or(law.strip_prefix('H'));
+    ["scheme", "path", "t"].contains(&name)
+        || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
+/// A name that a column has already.
+fn taken(name: &At<String>) -> Wrong {
+    let message = "is a column of the tables already: choose another name";
+    Wrong::new(name, format_args!("`{}` {message}", **name))
+}

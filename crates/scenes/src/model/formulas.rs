@@ -1,0 +1,228 @@
+//! A system from formulas.
+
+use std::sync::{Arc, OnceLock};
+
+use casimir::{
+    formula::{Definition, DefinitionError, FormulaSystem, Which},
+    inspect::facts::energy,
+    mc::{self, Friction, demand},
+    systems::run_time::{Problem, System},
+};
+
+use super::{
+    AtRunTime, Built,
+    damping::{bath, damping, rates},
+};
+use crate::{
+    At, Calculus, Further, Listed, Parameter, Read, Reading, State, SystemTable, Text, Wrong,
+    place as place_of, refuse, structure as entries,
+};
+
+/// Bytes of an entry of B.
+const ENTRY: f64 = 2e3;
+
+/// The model of formulas.
+pub fn build(reading: &Reading<'_>) -> Read<Built> {
+    let Reading { file, constants, settings } = reading;
+    let table = &file.system;
+    let (Some(state), Some(structure), Some(energy)) =
+        (&table.state, &table.structure, &table.energy)
+    else {
+        let missing = match (&table.state, &table.structure) {
+            (None, _) => "`state`, the names of the components",
+            (_, None) => "`B`, the structure matrix",
+            _ => "`H0`, the Hamiltonian",
+        };
+        refuse!(
+            None,
+            "[system] needs {missing}; or the `name` of a system of the project, see `casimir new \
+             --list`"
+        );
+    };
+    let is_list = |value: &At<Parameter>| !matches!(**value, Parameter::One(_));
+    if let Some((key, value)) = table.parameters.iter().find(|(_, value)| is_list(value)) {
+        refuse!(value, "the parameter `{}` of formulas is one number", **key);
+    }
+    let words = |text: &At<Text>| text.0.clone();
+    let state = State::new(state)?;
+    let d = state.components.len();
+    demand(format!("a matrix B for {d} components"), ENTRY * (d * d) as f64)
+        .map_err(|error| Wrong::new(structure, error))?;
+    let mut definition = Definition {
+        name: file.title.clone().unwrap_or("formulas".into()),
+        state: state.components.iter().map(|name| name.to_string()).collect(),
+        vectors: state.vectors.clone(),
+        parameters: constants.numbers.clone(),
+        structure: entries((&state, &constants.names), structure)?,
+        energy: words(energy),
+        noises: table.noises.iter().flat_map(|noises| noises.iter()).map(words).collect(),
+    };
+    let y0 = &settings.initial;
+    if let Some(temperature) = file.damping.as_ref().and_then(|table| table.temperature.as_ref()) {
+        let rates = rates(reading, &definition.state, &state.vectors)?;
+        definition.noises = bath(reading, &definition, &rates, temperature)?;
+    }
+    let system = FormulaSystem::new(&definition, y0);
+    let system = Arc::new(system.map_err(|error| misdefined(reading, &state, &error))?);
+    let names = system.names().clone();
+    let (damping, friction) = damping(reading, &definition.state, &state.vectors)?;
+    let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
+        .map_err(|error| reading.initial_error(error))?;
+    compare(reading, &system, (&problem, &friction))?;
+    Ok(Built {
+        sizes: Vec::new(),
+        model: Box::new(AtRunTime {
+            problem,
+            friction,
+            formulas: Some(system),
+            facts: OnceLock::new(),
+        }),
+        components: definition.state,
+        names,
+        energy: Further::Energy(energy.clone()),
+        quantities: Vec::new(),
+    })
+}
+
+/// Times at which an equation is compared, and the part of its terms that is rounding.
+const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
+const ROUNDING: f64 = 1e-9;
+
+/// Compares an equation that is given as well, at points around the initial value. Itô's drift has
+/// ½Σ bₘ′bₘ besides. Components that stay zero, as momenta that make any equation one of this form,
+/// are zero at the points, and need no formula.
+fn compare(
+    reading: &Reading<'_>,
+    system: &FormulaSystem,
+    (problem, friction): (&Problem, &[Friction]),
+) -> Read<()> {
+    let SystemTable { calculus, drift, noise, .. } = &reading.file.system;
+    let noise = noise.as_deref().unwrap_or_default();
+    let Some(drift) = drift else {
+        let place = place_of(calculus).or(noise.first().map(At::span));
+        return place.map_or(Ok(()), |place| {
+            refuse!(place, "`calculus` and `noise` are for an equation: give its `drift` as well");
+        });
+    };
+    let of = mc::Problem::at_run_time(problem).with_friction(friction);
+    let (y0, is_ito) = (problem.y0(), calculus.as_deref() == Some(&Calculus::Ito));
+    if noise.len() != of.noises {
+        refuse!(
+            noise.last().unwrap_or(drift),
+            "H has {} noises, and `noise` has {}",
+            of.noises,
+            noise.len()
+        );
+    }
+    let mut names = system.names().clone();
+    names.variable("t").map_err(|error| Wrong::new(drift, error))?;
+    let mut points = casimir::systems::around(y0, |y| system.check_domain(y).is_ok());
+    let moving = moving(&of, system, &mut points);
+    for (m, texts) in noise.iter().enumerate().map(|(m, noise)| (m + 1, noise)).chain([(0, drift)])
+    {
+        let all: Vec<usize> = match texts.len() {
+            given if given == moving.len() => moving.clone(),
+            given if given == y0.len() => (0..given).collect(),
+            given => {
+                let d = y0.len();
+                refuse!(texts, "one formula for each of {d} components, got {given}");
+            }
+        };
+        for (i, text) in all.into_iter().zip(texts.iter()) {
+            let formula = text.formula(&names)?;
+            for (y, t) in points.iter().flat_map(|y| TIMES.map(|t| (y, t))) {
+                let given = formula.value(&[y, &[t][..]].concat());
+                let at = (of.coefficients)(t, y);
+                let correction = if is_ito { at.correction[i] } else { 0.0 };
+                let own = match m {
+                    0 => at.drift[i] - problem.damping().rate(t) * y[i] + correction,
+                    _ => at.noises[m - 1][i],
+                };
+                let is = |own: f64| {
+                    (given - own).abs() <= ROUNDING * (given.abs() + own.abs() + at.drift[i].abs())
+                };
+                if is(own) {
+                    continue;
+                }
+                let other = own + at.correction[i] - 2.0 * correction;
+                let hint =
+                    if m == 0 && is(other) { "; Itô's ½Σ b′b is the difference" } else { "" };
+                let what = if m == 0 { "drift".into() } else { format!("noise {m}") };
+                let sense = if is_ito { "Itô" } else { "Stratonovich" };
+                let equation = &system.equations(&damped(problem, friction))[i];
+                refuse!(
+                    text,
+                    "this {what} is {given:.6} at y = {y:?}, t = {t}, and that of B and H is \
+                     {own:.6} in the sense of {sense}{hint}: only equations of this form are \
+                     simulated. Theirs, of Stratonovich, is {equation}"
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The components but for those that begin at zero and stay there, as nothing moves them, which are
+/// zero at the points then. All components if H₀ is not constant there, as of motion in a plane.
+fn moving(of: &mc::Problem<'_>, system: &FormulaSystem, points: &mut Vec<Vec<f64>>) -> Vec<usize> {
+    let all = 0..of.y0.len();
+    let mut zero: Vec<usize> = all.clone().filter(|&i| of.y0[i] == 0.0).collect();
+    let (mut left, mut states) = (usize::MAX, Vec::new());
+    while zero.len() < left {
+        (left, states) = (zero.len(), points.clone());
+        for y in &mut states {
+            zero.iter().for_each(|&i| y[i] = 0.0);
+            for at in TIMES.map(|t| (of.coefficients)(t, y)) {
+                zero.retain(|&i| at.drift[i] == 0.0 && at.noises.iter().all(|f| f[i] == 0.0));
+            }
+        }
+    }
+    if left == all.len() || states.iter().any(|y| energy(system, y) != energy(system, &states[0])) {
+        return all.collect();
+    }
+    *points = states;
+    all.filter(|i| !zero.contains(i)).collect()
+}
+
+/// Whether each component is damped.
+pub fn damped(problem: &Problem, friction: &[Friction]) -> Vec<bool> {
+    let all = problem.damping().integral(0.0, problem.t_end()) != 0.0;
+    let has = |i: usize| friction.iter().any(|friction| friction.components.contains(&i));
+    (0..problem.y0().len()).map(|i| all || has(i)).collect()
+}
+
+/// What is wrong with a definition, at its place.
+fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> Wrong {
+    let table = &reading.file.system;
+    let structure = table.structure.as_ref();
+    let (mut formula, mut place) = (None, structure.map(At::span));
+    match error.which {
+        Which::Matrix => {}
+        Which::Structure(row, column) => {
+            if let Some(Listed::List(rows)) = structure.map(|structure| &**structure) {
+                // All of B is given, or what stands above the diagonal.
+                let first = if rows.len() == state.components.len() { 0 } else { row };
+                formula = rows.get(row - 1).and_then(|row| row.get(column - 1 - first));
+            }
+        }
+        Which::Energy => formula = table.energy.as_ref(),
+        Which::Noise(m) => {
+            formula = table.noises.as_ref().and_then(|noises| noises.get(m - 1));
+            // Or a bath made it.
+            let bath = reading.file.damping.as_ref().and_then(|table| table.temperature.as_ref());
+            place = bath.map(At::span).or(place);
+        }
+        Which::InitialValue => place = Some(reading.settings.initial_place.clone()),
+        Which::State => {
+            // A name in the message is in quotes.
+            let is_named = |name: &&At<String>| error.message.contains(&format!("`{}`", ***name));
+            let name = state.components.iter().rfind(is_named);
+            place = name.map(At::span).or(place_of(&table.state));
+        }
+    }
+    match (formula, &error.formula) {
+        (Some(formula), Some(inner)) => Wrong::formula(formula, inner),
+        (Some(formula), None) => Wrong::new(formula, error),
+        (None, _) => Wrong::new(place, error),
+    }
+}

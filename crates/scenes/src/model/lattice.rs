@@ -1,0 +1,147 @@
+//! Spins on a lattice.
+
+use std::sync::{Arc, OnceLock};
+
+use casimir::{
+    mc::demand,
+    real::{Row, Rows, WIDTH},
+    systems::{
+        lattice::{Couplings, Shape, SpinLattice, noise_at_temperature},
+        run_time::{Problem, System, Weights},
+    },
+};
+
+use super::{AtRunTime, Built, damping::damping, project::numbered};
+use crate::{Further, Observable, Quantity, Read, Reading, Settings, refuse};
+
+/// The parameters of a lattice.
+pub const PARAMETERS: &str =
+    "sizes, periodic, exchange, anisotropy, field, noise, local, transverse, temperature";
+
+/// Bytes that a site takes where it is simulated or inspected.
+const SITE: f64 = 1.5e4;
+/// What lengths of spins may differ by, relative.
+const ROUNDING: f64 = 1e-9;
+
+/// The model of a lattice.
+pub fn build(reading: &Reading<'_>) -> Read<Built> {
+    reading.know(&PARAMETERS.split(", ").collect::<Vec<_>>())?;
+    let sizes = reading.list("sizes", &[8.0])?;
+    if let Some(size) = sizes.iter().find(|n| n.fract() != 0.0 || !(1.0..=1e6).contains(*n)) {
+        refuse!(reading.place("sizes"), "a size is a whole number of at least 1, got {size}");
+    }
+    let sizes: Vec<usize> = sizes.iter().map(|size| *size as usize).collect();
+    let shape = if reading.switch("periodic", false)? {
+        Shape::periodic(&sizes)
+    } else {
+        Shape::open(&sizes)
+    };
+    let shape = shape.map_err(|error| reading.error("sizes", error))?;
+    let sites = shape.sites();
+    demand(format!("a lattice of {sites} sites"), SITE * sites as f64)
+        .map_err(|error| reading.error("sizes", error))?;
+    let Settings { initial, until, .. } = reading.settings;
+    let y0 = match initial[..] {
+        [x, y, z] => [x, y, z].repeat(sites),
+        ref all => all.to_vec(),
+    };
+    let transverse = reading.number("transverse", 0.0)?;
+    let local = reading.switch("local", true)?;
+    let noise = match reading.get("temperature") {
+        None => reading.number("noise", 0.0)?,
+        Some(_) => {
+            let kt = reading.number("temperature", 0.0)?;
+            if reading.get("noise").is_some() {
+                refuse!(
+                    reading.place("temperature"),
+                    "the noise follows from the temperature: give one of them"
+                );
+            }
+            if kt < 0.0 || transverse <= 0.0 {
+                refuse!(
+                    reading.place("temperature"),
+                    "a temperature of at least 0 needs `transverse` damping above 0, got {kt} and \
+                     {transverse}"
+                );
+            }
+            if sites > 1 && !local || reading.file.damping.is_some() {
+                refuse!(
+                    reading.place("temperature"),
+                    "a temperature takes a noise for each spin, `local`, and no [damping]: give \
+                     `noise`"
+                );
+            }
+            // Of random initial values those of the first 32 paths are looked at.
+            let mut rows: Vec<Row> = y0.iter().map(|y| [*y; WIDTH]).collect();
+            if let Some(law) = &reading.settings.random {
+                (law.draw)(reading.settings.key, 0, &mut rows);
+            }
+            let norm = |s: [f64; 3]| s.iter().map(|s| s * s).sum::<f64>().sqrt();
+            let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+            for spin in rows.chunks_exact(3) {
+                for p in 0..WIDTH {
+                    let length = norm([spin[0][p], spin[1][p], spin[2][p]]);
+                    (least, most) = (least.min(length), most.max(length));
+                }
+            }
+            if most - least > ROUNDING * most {
+                refuse!(
+                    reading.place("temperature"),
+                    "spins have lengths from {least} to {most}: give `noise`"
+                );
+            }
+            let most = y0.chunks_exact(3).map(|s| norm([s[0], s[1], s[2]])).fold(0.0, f64::max);
+            // σ² = 2α kT/|s|. A length of one is not exactly one.
+            let length = if most == 0.0 || (most - 1.0).abs() < ROUNDING { 1.0 } else { most };
+            noise_at_temperature(transverse, kt / length)
+        }
+    };
+    let couplings = Couplings {
+        exchange: reading.number("exchange", 1.0)?,
+        anisotropy: reading.number("anisotropy", 0.0)?,
+        field: reading.three("field", [0.0; 3])?,
+        noise,
+        local,
+        damping: transverse,
+    };
+    let lattice =
+        SpinLattice::on_paths(shape, couplings).map_err(|error| reading.error("sizes", error))?;
+    let components: Vec<String> =
+        (1..=sites).flat_map(|site| ["x", "y", "z"].map(|axis| format!("s{site}{axis}"))).collect();
+    let system = lattice.clone();
+    let per_spin = move |y: &[Row], values: &mut Row| {
+        let description = system.description();
+        let [dw, mut scratch] = [description.noises, description.scratch_rows()].map(Rows::zero);
+        system.energy(
+            &y[..3 * sites],
+            Weights { dt: 1.0, dw: &dw, ..Weights::NONE },
+            values,
+            &mut scratch,
+        );
+        values.iter_mut().for_each(|value| *value /= sites as f64);
+    };
+    let energy = Quantity::Function(Arc::new(per_spin));
+    let names = numbered(&components);
+    let (damping, friction) = damping(reading, &components, &[])?;
+    let problem = Problem::new(Arc::new(lattice), damping, y0, *until)
+        .map_err(|error| reading.initial_error(error))?;
+    let mean = |axis: usize| {
+        let mean = move |y: &[Row], values: &mut Row| {
+            *values = [0.0; WIDTH];
+            for spin in y[..3 * sites].chunks(3) {
+                values.iter_mut().zip(&spin[axis]).for_each(|(sum, s)| *sum += s / sites as f64);
+            }
+        };
+        Observable::new(["mx", "my", "mz"][axis], Quantity::Function(Arc::new(mean)))
+    };
+    let mut quantities: Vec<Observable> = (0..3).map(mean).collect();
+    quantities.push(Observable::new("energy", energy.clone()));
+    Ok(Built {
+        sizes,
+        model: Box::new(AtRunTime { problem, friction, formulas: None, facts: OnceLock::new() }),
+        names,
+        components,
+        energy: Further::Quantity(energy),
+        quantities,
+    })
+}

@@ -1,0 +1,264 @@
+//! A system with its damping, initial value and schemes, behind one trait for compiled systems and
+//! those that are known at run time.
+
+mod damping;
+mod formulas;
+mod lattice;
+mod project;
+
+use std::sync::{Arc, OnceLock};
+
+use casimir::{
+    expectation::Expect,
+    formula::{FormulaSystem, Names},
+    inspect::facts::{Bath, DampingIntegral, Facts, Form, Kept, fastest},
+    mc::{Friction, Problem, Setup},
+    schemes::{BuiltIn, Method, SchemeError},
+    systems::run_time::{self, System},
+};
+
+use crate::{Further, MOST_COMPONENTS, Observable, Read, Reading};
+
+pub use project::PROJECT;
+
+use formulas::damped;
+
+/// More noises are too many to be compared with a bath one by one.
+const MOST_NOISES: usize = 100;
+
+/// A system with its damping and initial value.
+pub trait Model: Send + Sync {
+    /// The problem with its friction, and the laws that it obeys.
+    fn problem(&self) -> Problem<'_>;
+
+    /// A scheme for it.
+    ///
+    /// # Errors
+    /// Why the scheme is not for the system.
+    fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError>;
+
+    /// Expectations for which everything is chosen; `None` if they are computed by levels of random
+    /// points.
+    fn expect(&self) -> Option<Expect<'_>>;
+
+    /// The system, for what is asked of any.
+    fn system(&self) -> &dyn System;
+
+    /// The scheme that `auto` takes, and why.
+    fn recommended(&self) -> (&'static str, String) {
+        let system = self.system();
+        let areas = !system.description().noises_commute;
+        Kept::of(&self.problem(), system, areas).scheme(system)
+    }
+
+    /// Friction on some components.
+    fn friction(&self) -> &[Friction];
+
+    /// The rates of the components, if they are constant in time.
+    fn constant_rates(&self) -> Option<Vec<f64>> {
+        let problem = self.problem();
+        let rates = |t: f64| -> Vec<f64> {
+            let of_all = problem.damping.rate(t);
+            let friction = Friction::rates(self.friction(), t, problem.y0.len());
+            friction.iter().map(|rate| rate + of_all).collect()
+        };
+        let first = rates(0.0);
+        let constant = [0.37, 1.0].iter().all(|part| rates(part * problem.t_end) == first);
+        constant.then_some(first)
+    }
+
+    /// What damping and noise do to the Gibbs measure, if the rates of damping are constant and the
+    /// system is small.
+    fn bath(&self) -> Option<Bath> {
+        let (system, y0) = (self.system(), self.problem().y0);
+        let description = system.description();
+        let few = y0.len() <= MOST_COMPONENTS && description.noises <= MOST_NOISES;
+        let small = few && !description.depends_on_time;
+        Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
+    }
+
+    /// What the system is, as far as a run has to know; nothing of a system of the project.
+    fn known(&self) -> Known {
+        Known::default()
+    }
+
+    /// The rate of the fastest motion at the initial value, in radians per time; zero if it is not
+    /// known.
+    fn fastest(&self) -> f64 {
+        fastest(self.system(), &self.problem().y0)
+    }
+}
+
+/// A problem whose system is known at run time.
+struct AtRunTime {
+    problem: run_time::Problem,
+    friction: Vec<Friction>,
+    /// None of a lattice.
+    formulas: Option<Arc<FormulaSystem>>,
+    /// Those of formulas, when they are found.
+    facts: OnceLock<Facts>,
+}
+
+impl AtRunTime {
+    /// What formulas keep, found once. Lattices are too large.
+    fn facts(&self) -> Option<&Facts> {
+        self.formulas.as_ref()?;
+        Some(self.facts.get_or_init(|| Facts::of(&self.problem)))
+    }
+}
+
+impl Model for AtRunTime {
+    fn problem(&self) -> Problem<'_> {
+        let mut problem = Problem::at_run_time(&self.problem);
+        if let Some(facts) = self.facts() {
+            problem.laws = facts.laws(self.system());
+        }
+        problem.with_friction(&self.friction)
+    }
+
+    fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
+        let scheme = scheme.at_run_time(self.problem.system())?;
+        Ok(Friction::around(Setup::owning(&self.problem, scheme)?.scheme, &self.friction))
+    }
+
+    /// Formulas and lattices have areas for those who name their schemes.
+    fn recommended(&self) -> (&'static str, String) {
+        let system = self.system().description();
+        let kept = Kept::of(&self.problem(), self.system(), false);
+        let (scheme, mut why) = kept.scheme(self.system());
+        if let (Err(reason), None, false) = (&system.parts, &self.formulas, system.is_transverse) {
+            why += &format!("; split would not do: {reason}");
+        }
+        (scheme, why)
+    }
+
+    fn known(&self) -> Known {
+        let Some((facts, system)) = self.facts().zip(self.formulas.as_ref()) else {
+            return Known::default();
+        };
+        let laws = self.problem().laws;
+        let holds = |name: &str| laws.iter().any(|law| law.name == name);
+        let form = |(k, form): (usize, &Form)| {
+            let name = format!("C{}", k + 1);
+            let broken = if holds(&name) { "" } else { ", which friction breaks" };
+            format!("Casimir {name} = {}{broken}", form.formula())
+        };
+        let energy = facts.energy_law().filter(|_| holds("H0")).map(|degree| {
+            match (facts.damped, self.friction.is_empty()) {
+                (false, true) => "H0 is constant".into(),
+                (_, true) => format!("H0 decays as exp(-{degree} ∫γ)"),
+                _ => "H0 decays as each of its monomials".into(),
+            }
+        });
+        let of_friction = || {
+            let t_end = self.problem.t_end();
+            let mut all = self.friction.iter();
+            all.find_map(|one| DampingIntegral::of(&*one.damping, t_end).mistake())
+        };
+        Known {
+            equations: system.equations(&damped(&self.problem, &self.friction)),
+            laws: facts.casimirs.iter().enumerate().map(form).chain(energy).collect(),
+            mistake: facts.mistake.clone().or_else(of_friction),
+        }
+    }
+
+    fn fastest(&self) -> f64 {
+        self.formulas.as_ref().map_or(0.0, |_| fastest(self.system(), self.problem.y0()))
+    }
+
+    /// None for a lattice: a point has as many dimensions as spins, steps and noises together.
+    fn expect(&self) -> Option<Expect<'_>> {
+        self.formulas.as_ref()?;
+        Some(Expect::at_run_time(&self.problem).ok()?.with_friction(&self.friction))
+    }
+
+    fn friction(&self) -> &[Friction] {
+        &self.friction
+    }
+
+    fn system(&self) -> &dyn System {
+        self.problem.system()
+    }
+}
+
+/// What is found within milliseconds.
+#[derive(Clone, Default)]
+pub struct Known {
+    /// The equation that was understood, component by component.
+    pub equations: Vec<String>,
+    /// Casimirs and the law of the energy.
+    pub laws: Vec<String>,
+    /// What is wrong.
+    pub mistake: Option<String>,
+}
+
+impl Known {
+    /// The equation as lines; nothing of a system of the project.
+    pub fn equation(&self) -> String {
+        match self.equations[..] {
+            [] => String::new(),
+            _ => format!("The equation as it was understood\n  {}\n", self.equations.join("\n  ")),
+        }
+    }
+
+    /// Equation and laws, with the names of the components.
+    pub fn text(&self, components: &[String]) -> String {
+        let laws = self.laws.iter().map(|law| format!("{}\n", with_names(law, components)));
+        self.equation() + &laws.collect::<String>()
+    }
+}
+
+/// A model with the names of what it has.
+pub struct Built {
+    /// The model.
+    pub model: Box<dyn Model>,
+    /// The names of the components.
+    pub components: Vec<String>,
+    /// The sizes of a lattice; none of other systems.
+    pub sizes: Vec<usize>,
+    /// The names that formulas of observables may use.
+    pub names: Names,
+    /// H₀.
+    pub energy: Further,
+    /// Observables that come by themselves.
+    pub quantities: Vec<Observable>,
+}
+
+/// The model of a scene.
+pub fn build(reading: &Reading<'_>) -> Read<Built> {
+    match &reading.file.system.name {
+        Some(name) => project::build(reading, name),
+        None => formulas::build(reading),
+    }
+}
+
+/// A text in which `y1`, `y2`, … are the names of the components.
+pub fn with_names(text: &str, components: &[String]) -> String {
+    let mut named = String::new();
+    let mut rest = text;
+    while let Some(at) = rest.find('y') {
+        let (before, found) = rest.split_at(at);
+        let digits = found[1..].bytes().take_while(u8::is_ascii_digit).count();
+        let begins = !before.ends_with(|c: char| c.is_alphanumeric() || c == '_');
+        let name = found[1..=digits].parse().ok().filter(|n: &usize| begins && *n > 0);
+        named += before;
+        match name.and_then(|number| components.get(number - 1)) {
+            Some(name) => named += name,
+            None => named += &found[..=digits],
+        }
+        rest = &found[1 + digits..];
+    }
+    named + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_names;
+
+    #[test]
+    fn components_get_their_names() {
+        let names = ["M1".to_owned(), "G".to_owned()];
+        let text = "0.5 y1² + y1 y2, ‖y‖, y3, any2, B(y)";
+        assert_eq!(with_names(text, &names), "0.5 M1² + M1 G, ‖y‖, y3, any2, B(y)");
+    }
+}

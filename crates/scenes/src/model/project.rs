@@ -1,0 +1,163 @@
+//! The systems of the project by name, on their tuned kernels.
+
+use std::sync::Arc;
+
+use casimir::{
+    expectation::Expect,
+    formula::Names,
+    mc::{self, Friction, bind_owned},
+    real::Row,
+    schemes::{BuiltIn, Method, SchemeError},
+    systems::{
+        Damping, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody, SystemError,
+        run_time::{self, System},
+    },
+};
+
+use kernels::Tuned;
+
+use super::{Built, Model, damping::damping, lattice};
+use crate::{At, Further, Quantity, Read, Reading, among, place, refuse};
+
+/// What makes the model of a system.
+type Build = fn(&Reading<'_>) -> Read<Built>;
+
+/// Name, parameters with their defaults, what it is, and its model.
+pub const PROJECT: [(&str, &str, &str, Build); 6] = [
+    ("pendulum", "c = 1", "H₀ = y1²/2 − cos y2, one noise c·H₀", |reading| {
+        built(reading, with_c(reading, Pendulum::new)?)
+    }),
+    (
+        "rigid-body",
+        "inertia = [2, 1, 2/3], noise = [1, 2, 3]",
+        "Euler's equations; three noises about the axes, or one with a single number `noise`",
+        rigid_body,
+    ),
+    ("lotka-volterra", "c = 1", "three species with a quadratic B, one noise", |reading| {
+        built(reading, with_c(reading, LotkaVolterra::<1, 1>::new)?)
+    }),
+    ("maxwell-bloch", "", "laser–matter equations, one noise", |reading| {
+        reading.know(&[])?;
+        built(reading, MaxwellBloch)
+    }),
+    ("poisson3", "c = 1", "H₀ = Σ sin yᵢ with a constant B, one noise", |reading| {
+        built(reading, with_c(reading, Poisson3::new)?)
+    }),
+    (
+        "spin-lattice",
+        lattice::PARAMETERS,
+        "classical spins on a chain, a square or a cubic lattice",
+        lattice::build,
+    ),
+];
+
+/// The model of a system of the project.
+pub fn build(reading: &Reading<'_>, name: &At<String>) -> Read<Built> {
+    let table = &reading.file.system;
+    let formulas = [
+        ("state", place(&table.state)),
+        ("B", place(&table.structure)),
+        ("H0", place(&table.energy)),
+        ("H", place(&table.noises)),
+        ("calculus", place(&table.calculus)),
+        ("drift", place(&table.drift)),
+        ("noise", table.noise.iter().flatten().next().map(At::span)),
+    ];
+    if let Some((key, place)) = formulas.into_iter().find(|(_, place)| place.is_some()) {
+        refuse!(place, "`{key}` is for formulas: remove it, or `name = \"{}\"`", **name);
+    }
+    match PROJECT.iter().find(|(known, ..)| *known == **name) {
+        Some((.., build)) => build(reading),
+        None => {
+            let known = among(name, &PROJECT.map(|(known, ..)| known));
+            refuse!(name, "unknown system `{}`{known}", **name)
+        }
+    }
+}
+
+fn rigid_body(reading: &Reading<'_>) -> Read<Built> {
+    reading.know(&["inertia", "noise"])?;
+    let inertia = reading.three("inertia", [2.0, 1.0, 2.0 / 3.0])?;
+    let wrong = |error: SystemError| reading.error("inertia", error);
+    match reading.list("noise", &[1.0, 2.0, 3.0])?[..] {
+        [noise] => built(reading, RigidBody::one_noise(inertia, noise).map_err(wrong)?),
+        [a, b, c] => built(reading, RigidBody::three_noises(inertia, [a, b, c]).map_err(wrong)?),
+        ref list => {
+            let number = list.len();
+            refuse!(reading.place("noise"), "`noise` has one or three numbers, got {number}");
+        }
+    }
+}
+
+/// The system with the size `c` of its noise.
+fn with_c<S>(reading: &Reading<'_>, new: fn(f64) -> Result<S, SystemError>) -> Read<S> {
+    reading.know(&["c"])?;
+    new(reading.number("c", 1.0)?).map_err(|error| reading.error("c", error))
+}
+
+/// The model with the names y1, …, yD.
+fn built<S, const D: usize, const M: usize>(reading: &Reading<'_>, system: S) -> Read<Built>
+where
+    S: Tuned<D, M> + Copy + 'static,
+{
+    let initial = &reading.settings.initial;
+    let y0: [f64; D] = initial[..].try_into().map_err(|_| {
+        let components = initial.len();
+        let message = format!("the initial value must have {D} components, got {components}");
+        reading.initial_error(message)
+    })?;
+    let components: Vec<String> = (1..=D).map(|i| format!("y{i}")).collect();
+    let names = numbered(&components);
+    let (damping, friction) = damping(reading, &components, &[])?;
+    let problem = Problem::new(system, damping, y0, reading.settings.until)
+        .map_err(|error| reading.initial_error(error))?;
+    let energy = move |y: &[Row], values: &mut Row| {
+        for (p, value) in values.iter_mut().enumerate() {
+            *value = system.energy(std::array::from_fn(|i| y[i][p]), 1.0, [0.0; M]);
+        }
+    };
+    let at_run_time = run_time::Compiled::new(system, problem.y0());
+    Ok(Built {
+        sizes: Vec::new(),
+        model: Box::new(Compiled { problem, friction, at_run_time }),
+        names,
+        components,
+        energy: Further::Quantity(Quantity::Function(Arc::new(energy))),
+        quantities: Vec::new(),
+    })
+}
+
+/// A problem whose schemes are compiled for it.
+struct Compiled<S, const D: usize, const M: usize> {
+    problem: Problem<S, Arc<dyn Damping>, D>,
+    friction: Vec<Friction>,
+    at_run_time: run_time::Compiled<S, D, M>,
+}
+
+impl<S: Tuned<D, M> + Copy + 'static, const D: usize, const M: usize> Model for Compiled<S, D, M> {
+    fn problem(&self) -> mc::Problem<'_> {
+        mc::Problem::of(&self.problem).with_friction(&self.friction)
+    }
+
+    fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
+        let scheme = S::scheme(scheme, self.problem.system(), self.problem.y0())?;
+        Ok(Friction::around(bind_owned(&self.problem, scheme), &self.friction))
+    }
+
+    fn expect(&self) -> Option<Expect<'_>> {
+        Some(Expect::compiled(&self.problem, S::scheme).with_friction(&self.friction))
+    }
+
+    fn friction(&self) -> &[Friction] {
+        &self.friction
+    }
+
+    fn system(&self) -> &dyn System {
+        &self.at_run_time
+    }
+}
+
+/// Names that cannot be wrong.
+pub fn numbered(components: &[String]) -> Names {
+    Names::with_variables(components).expect("these are names")
+}

@@ -1,0 +1,262 @@
+//! Functions of the state that are of interest, and what paths collect for them: the time,
+//! integrals, averages and events.
+
+use std::{slice::from_mut, sync::Arc};
+
+use casimir::{
+    formula::{Formula, Names, Tape},
+    mc::{Along, Gradient, Observe, Passage},
+    real::{PathMask, Row, WIDTH},
+};
+
+use super::{
+    source::{Read, Wrong},
+    values::{At, Event, Text},
+};
+use crate::refuse;
+
+/// A function of the states of 32 paths; row i is component i.
+pub type OfRows = dyn Fn(&[Row], &mut Row) + Send + Sync;
+
+/// A function of the state.
+#[derive(Clone)]
+pub enum Quantity {
+    /// A component.
+    Component(usize),
+    /// A formula, or a function of the system such as its energy.
+    Function(Arc<OfRows>),
+    /// A formula of what a path has collected.
+    AlongPath(Arc<OfRows>),
+    /// What a path has collected in this row after its state.
+    Collected(usize),
+    /// The same, seen at the ends of steps only: its error is of order √τ.
+    Monitored(usize),
+}
+
+impl Quantity {
+    /// Writes its values on 32 paths.
+    pub fn evaluate(&self, y: &[Row], values: &mut Row) {
+        match self {
+            Self::Component(row) | Self::Collected(row) | Self::Monitored(row) => *values = y[*row],
+            Self::Function(function) | Self::AlongPath(function) => function(y, values),
+        }
+    }
+
+    /// Whether it is a function of the state alone.
+    pub fn is_of_state(&self) -> bool {
+        matches!(self, Self::Component(_) | Self::Function(_))
+    }
+}
+
+/// A function of the state with its name.
+#[derive(Clone)]
+pub struct Observable {
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub quantity: Quantity,
+}
+
+impl Observable {
+    /// A quantity with a name.
+    pub fn new(name: impl Into<String>, quantity: Quantity) -> Self {
+        Self { name: name.into(), quantity }
+    }
+
+    /// Whether it is a component of the state.
+    pub fn is_component(&self) -> bool {
+        matches!(self.quantity, Quantity::Component(_))
+    }
+}
+
+impl Observe for Observable {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn evaluate(&self, y: &[Row], _: PathMask, values: &mut Row) {
+        self.quantity.evaluate(y, values);
+    }
+
+    fn weak_order(&self) -> f64 {
+        if let Quantity::Monitored(_) = self.quantity { 0.5 } else { 1.0 }
+    }
+}
+
+/// What formulas of observables may use.
+pub struct Vocabulary {
+    /// The components of y and the parameters.
+    names: Names,
+    /// Further inputs after the components.
+    further: Vec<Further>,
+    /// What paths collect.
+    pub collected: Vec<Along>,
+    /// The initial value, and what paths have collected there.
+    start: Vec<f64>,
+    dimension: usize,
+}
+
+/// What formulas may use beside components and parameters.
+#[derive(Clone)]
+pub enum Further {
+    /// A quantity that is known.
+    Quantity(Quantity),
+    /// The time, which paths collect if it is used.
+    Time,
+    /// The formula of H₀, which may depend on time.
+    Energy(At<Text>),
+}
+
+impl Vocabulary {
+    /// Components, parameters, `H0` and `t`.
+    pub fn new(names: Names, energy: Further, y0: &[f64]) -> Self {
+        let (further, start, collected) = (Vec::new(), y0.to_vec(), Vec::new());
+        let mut vocabulary = Self { names, further, collected, start, dimension: y0.len() };
+        vocabulary.add("t", Further::Time);
+        vocabulary.add("H0", energy);
+        vocabulary
+    }
+
+    /// One more input, unless its name has a meaning.
+    pub fn add(&mut self, name: &str, further: Further) {
+        if self.names.variable(name).is_ok() {
+            self.further.push(further);
+        }
+    }
+
+    /// Collects something, whose rows have these values at time zero; the numbers of the rows.
+    pub fn collect<const N: usize>(&mut self, what: Along, at_start: [f64; N]) -> [usize; N] {
+        let first = self.start.len();
+        self.start.extend(at_start);
+        self.collected.push(what);
+        std::array::from_fn(|k| first + k)
+    }
+
+    /// The quantity of a further input; the first is the time.
+    pub fn known(&mut self, k: usize) -> Read<Quantity> {
+        let quantity = self.of(self.further[k].clone())?;
+        self.further[k] = Further::Quantity(quantity.clone());
+        Ok(quantity)
+    }
+
+    /// What is meant.
+    pub fn of(&mut self, further: Further) -> Read<Quantity> {
+        match further {
+            Further::Quantity(quantity) => Ok(quantity),
+            Further::Time => Ok(Quantity::Collected(self.collect(Along::Time, [0.0])[0])),
+            Further::Energy(text) => self.quantity(&text),
+        }
+    }
+
+    /// The value of a quantity at time zero.
+    pub fn at_start(&self, quantity: &Quantity) -> f64 {
+        let rows: Vec<Row> = self.start.iter().map(|&y| [y; WIDTH]).collect();
+        let mut values = [0.0; WIDTH];
+        quantity.evaluate(&rows, &mut values);
+        values[0]
+    }
+
+    /// Demands that a formula is a condition.
+    pub fn demand_condition(&self, text: &At<Text>) -> Read<()> {
+        if Formula::parse(&text.0, &self.names).is_ok_and(|formula| !formula.is_condition()) {
+            refuse!(text, "a probability is that of a condition, such as \"x > 0\"");
+        }
+        Ok(())
+    }
+
+    /// The quantity of a formula, which must have a value at the initial value.
+    pub fn quantity(&mut self, text: &At<Text>) -> Read<Quantity> {
+        let formula = text.formula(&self.names)?;
+        let (dimension, all) = (self.dimension, self.dimension + self.further.len());
+        let used = (0..self.further.len())
+            .filter(|k| formula.depends_on(dimension + k))
+            .map(|k| Ok((k, self.known(k)?)))
+            .collect::<Read<Vec<_>>>()?;
+        let mut point = self.start[..dimension].to_vec();
+        point.resize(all, 0.0);
+        for (k, quantity) in &used {
+            point[dimension + k] = self.at_start(quantity);
+        }
+        if let Some(error) = formula.explain(&point) {
+            let message = format!("{} at the initial value", error.message);
+            return Err(Wrong::in_formula(text, &error, message));
+        }
+        let tape = Tape::new(&formula.graph, &[formula.root], &[0..dimension, dimension..all]);
+        let further = all - dimension;
+        let is_of_state = used.iter().all(|(_, quantity)| quantity.is_of_state());
+        let function = Arc::new(move |y: &[Row], values: &mut Row| {
+            let mut others = vec![[0.0; WIDTH]; further + tape.scratch_rows()];
+            let (others, scratch) = others.split_at_mut(further);
+            used.iter().for_each(|(k, quantity)| quantity.evaluate(y, &mut others[*k]));
+            tape.evaluate(&[&y[..dimension], others], from_mut(values), scratch);
+        });
+        Ok(if is_of_state { Quantity::Function(function) } else { Quantity::AlongPath(function) })
+    }
+
+    /// The observable of a formula: `integral(v)`, `average(v)`, or a function of the state.
+    pub fn observable(&mut self, text: &At<Text>) -> Read<Quantity> {
+        let of = |word: &str| -> Option<At<Text>> {
+            let inner = text
+                .0
+                .trim()
+                .strip_prefix(word)?
+                .trim_start()
+                .strip_prefix('(')?
+                .strip_suffix(')')?;
+            let mut depth = 0;
+            let closes = |c: char| {
+                depth += i32::from(c == '(') - i32::from(c == ')');
+                depth < 0
+            };
+            (!inner.chars().any(closes)).then(|| At::new(text.span(), Text(inner.into())))
+        };
+        let (integral, average) = (of("integral"), of("average"));
+        let is_average = average.is_some();
+        let Some(inner) = integral.or(average) else { return self.quantity(text) };
+        let v = self.quantity(&inner)?;
+        let function = Arc::new(Observable::new("", v.clone()));
+        let [row] = self.collect(Along::Integral(function), [0.0]);
+        let integral = Quantity::Collected(row);
+        if !is_average {
+            return Ok(integral);
+        }
+        let time = self.known(0)?;
+        Ok(Quantity::AlongPath(Arc::new(move |y: &[Row], values: &mut Row| {
+            let mut t = [0.0; WIDTH];
+            time.evaluate(y, &mut t);
+            if t[0] == 0.0 {
+                return v.evaluate(y, values);
+            }
+            integral.evaluate(y, values);
+            values.iter_mut().zip(t).for_each(|(value, t)| *value /= t);
+        })))
+    }
+
+    /// Whether an event has happened, and when. A condition in `names`, components and parameters,
+    /// is followed within steps, too.
+    pub fn event(&mut self, event: &At<Event>, names: Option<&Names>) -> Read<[Quantity; 2]> {
+        let text = At::new(event.span(), event.0.when.clone());
+        self.demand_condition(&text)?;
+        let formula = names.and_then(|names| Formula::parse(&text.0, names).ok());
+        let excess = formula.and_then(|formula| formula.excess());
+        let (phi, gradient) = match excess {
+            Some(excess) => {
+                let inputs = excess.variables.len();
+                let tape = excess.gradient(&(0..inputs).collect::<Vec<_>>());
+                let gradient = move |y: &[Row], slope: &mut [Row]| {
+                    let mut scratch = vec![[0.0; WIDTH]; tape.scratch_rows()];
+                    tape.evaluate(&[y], slope, &mut scratch);
+                };
+                let phi = move |y: &[Row], values: &mut Row| excess.values(&y[..inputs], values);
+                let phi = Quantity::Function(Arc::new(phi));
+                (phi, Some(Arc::new(gradient) as Arc<Gradient>))
+            }
+            None => (self.quantity(&text)?, None),
+        };
+        let begun = f64::from(u8::from(self.at_start(&phi) > 0.0));
+        let seen = if gradient.is_some() { Quantity::Collected } else { Quantity::Monitored };
+        let phi = Arc::new(Observable::new("", phi));
+        let passage = Passage { phi, gradient, stops: event.0.stop };
+        Ok(self.collect(Along::Passage(passage), [begun, 0.0]).map(seen))
+    }
+}

@@ -1,0 +1,168 @@
+//! From a text to the keys of a scene, and the constants in it.
+
+use std::{fmt::Display, ops::Range};
+
+use casimir::formula::{Names, nearest};
+
+use super::{
+    file::{SceneFile, SystemTable},
+    run::Settings,
+    source::{Read, Wrong},
+    values::{At, Parameter, Text},
+};
+use crate::refuse;
+
+/// A scene that is being read.
+pub struct Reading<'a> {
+    /// Its keys.
+    pub file: &'a SceneFile,
+    /// Its parameters.
+    pub constants: &'a Constants,
+    /// How it is simulated.
+    pub settings: &'a Settings,
+}
+
+impl Reading<'_> {
+    /// An error about the initial value.
+    pub fn initial_error(&self, message: impl Display) -> Wrong {
+        Wrong::new(self.settings.initial_place.clone(), message)
+    }
+}
+
+/// The names that there are, and the nearest.
+pub fn among(name: &str, known: &[&str]) -> String {
+    match known {
+        [] => "; there is none".into(),
+        _ => format!("; there are {}{}", known.join(", "), nearest(name, known)),
+    }
+}
+
+/// The keys of a scene.
+pub fn parse(text: &str) -> Read<SceneFile> {
+    toml::from_str(text).map_err(|error| {
+        let message = error
+            .message()
+            .replace("unknown field", "unknown key")
+            .replace("missing field", "missing key");
+        // A key that is missing somewhere has no place.
+        let place =
+            error.span().filter(|span| !span.is_empty() || !message.starts_with("missing key"));
+        // "unknown key `x`, expected one of `a`, `b`".
+        let words: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+        let hint = match words[..] {
+            [key, ref known @ ..] if message.starts_with("unknown key") => nearest(key, known),
+            _ => String::new(),
+        };
+        Wrong::new(place, message + &hint)
+    })
+}
+
+/// Parameters with values.
+pub struct Constants {
+    /// Names and values of the parameters that are numbers.
+    pub numbers: Vec<(String, f64)>,
+    /// The same as names of formulas.
+    pub names: Names,
+}
+
+impl Constants {
+    /// The values of parameters that are numbers.
+    pub fn new(system: &SystemTable) -> Read<Self> {
+        let (mut numbers, mut names, none) = (Vec::new(), Names::new(), Names::new());
+        for (key, value) in &system.parameters {
+            let Parameter::One(text) = &**value else { continue };
+            let value = constant(&At::new(value.span(), text.clone()), &none)?;
+            if **key == "t" {
+                refuse!(key, "`t` is the time in the rate of damping");
+            }
+            names.parameter(key, value).map_err(|error| Wrong::new(key, error))?;
+            numbers.push((key.to_string(), value));
+        }
+        Ok(Self { numbers, names })
+    }
+
+    /// The value of a formula of the parameters.
+    pub fn value(&self, text: &At<Text>) -> Read<f64> {
+        constant(text, &self.names)
+    }
+}
+
+fn constant(text: &At<Text>, names: &Names) -> Read<f64> {
+    let value = text.formula(names)?.value(&[]);
+    if !value.is_finite() {
+        refuse!(text, "this must be finite, and is {value}");
+    }
+    Ok(value)
+}
+
+/// The parameters of a system of the project.
+impl<'a> Reading<'a> {
+    /// Checks that there are parameters with these names only.
+    pub fn know(&self, known: &[&str]) -> Read<()> {
+        let mut keys = self.file.system.parameters.keys();
+        if let Some(key) = keys.find(|key| !known.contains(&key.as_str())) {
+            refuse!(key, "unknown parameter `{}`{}", **key, among(key, known));
+        }
+        Ok(())
+    }
+
+    /// A parameter, if it is given.
+    pub fn get(&self, name: &str) -> Option<&'a At<Parameter>> {
+        let mut given = self.file.system.parameters.iter();
+        given.find(|(key, _)| key.as_str() == name).map(|(_, value)| value)
+    }
+
+    /// A number, or the default.
+    pub fn number(&self, name: &str, default: f64) -> Read<f64> {
+        match self.get(name).map(|value| &**value) {
+            None => Ok(default),
+            Some(Parameter::One(text)) => self.constant(name, text),
+            Some(_) => refuse!(self.place(name), "`{name}` is a number, such as {default}"),
+        }
+    }
+
+    /// A list of numbers, or the default. One number is a list of one.
+    pub fn list(&self, name: &str, default: &[f64]) -> Read<Vec<f64>> {
+        let texts = match self.get(name).map(|value| &**value) {
+            None => return Ok(default.to_vec()),
+            Some(Parameter::One(text)) => std::slice::from_ref(text),
+            Some(Parameter::Many(texts)) => texts,
+            Some(Parameter::Switch(_)) => {
+                refuse!(self.place(name), "`{name}` is a list of numbers, such as {default:?}")
+            }
+        };
+        texts.iter().map(|text| self.constant(name, text)).collect()
+    }
+
+    /// Three numbers, or the default.
+    pub fn three(&self, name: &str, default: [f64; 3]) -> Read<[f64; 3]> {
+        let list = self.list(name, &default)?;
+        let number = list.len();
+        list.try_into()
+            .map_err(|_| self.error(name, format_args!("`{name}` has three numbers, got {number}")))
+    }
+
+    /// `true` or `false`, or the default.
+    pub fn switch(&self, name: &str, default: bool) -> Read<bool> {
+        match self.get(name).map(|value| &**value) {
+            None => Ok(default),
+            Some(Parameter::Switch(switch)) => Ok(*switch),
+            Some(_) => refuse!(self.place(name), "`{name}` is true or false"),
+        }
+    }
+
+    /// An error at a parameter.
+    pub fn error(&self, name: &str, message: impl Display) -> Wrong {
+        Wrong::new(self.place(name), message)
+    }
+
+    /// The place of a parameter, if it is given.
+    pub fn place(&self, name: &str) -> Option<Range<usize>> {
+        self.get(name).map(At::span)
+    }
+
+    fn constant(&self, name: &str, text: &Text) -> Read<f64> {
+        let place = self.place(name).unwrap_or_default();
+        constant(&At::new(place, text.clone()), &Names::new())
+    }
+}

@@ -1,0 +1,168 @@
+//! How a scene is simulated.
+
+use std::ops::Range;
+
+use casimir::{
+    mc::Initial,
+    noise::{StreamKey, Truncation},
+};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    file::RunTable,
+    initial::initial,
+    read::Constants,
+    source::{Read, Source},
+    sweep::Set,
+    values::{At, Count, Listed, place},
+};
+use crate::refuse;
+
+/// What a command line changes in a scene.
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Changes {
+    /// Number of paths, instead of that of the scene; 1e6 is a number
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = super::count))]
+    pub paths: Option<u64>,
+    /// Number of steps, instead of that of the scene
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = super::count))]
+    pub steps: Option<u64>,
+    /// Draw other random numbers for each combination of a sweep, not the same for all
+    #[cfg_attr(feature = "clap", arg(long))]
+    #[serde(default)]
+    pub independent: bool,
+    /// Scheme and seed.
+    #[cfg_attr(feature = "clap", command(flatten))]
+    #[serde(flatten)]
+    pub scheme: SchemeAndSeed,
+}
+
+/// What every command that samples may change.
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct SchemeAndSeed {
+    /// The scheme, instead of that of the scene: auto, sexp, sexp-li, heun, …
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME"))]
+    pub scheme: Option<String>,
+    /// Seed of the random numbers, instead of that of the scene
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
+    pub seed: Option<u64>,
+    /// A parameter of the scene; `run` and `plan` vary several values: a=0.1,0.2 or a=0:1:11
+    #[cfg_attr(feature = "clap", arg(long = "set", value_name = "NAME=VALUE"))]
+    #[serde(default)]
+    pub sets: Vec<Set>,
+}
+
+/// Checked settings of a run.
+#[derive(Clone)]
+pub struct Settings {
+    /// The initial value as it is written; one that may occur, if they are random.
+    pub initial: Vec<f64>,
+    /// Random initial values.
+    pub random: Option<Initial<'static>>,
+    /// The file, if there is one.
+    pub states: Option<String>,
+    /// The final time.
+    pub until: f64,
+    /// Number of steps.
+    pub steps: u64,
+    /// The scheme, or `auto`.
+    pub scheme: String,
+    /// Number of paths.
+    pub paths: u64,
+    /// Number of paths whose tables are kept.
+    pub tables: u64,
+    /// Number of saved times.
+    pub times: u64,
+    /// The streams.
+    pub key: StreamKey,
+    /// The truncation.
+    pub truncation: Truncation,
+    /// Where the initial value stands, in bytes of the text.
+    pub initial_place: Range<usize>,
+    /// Where the steps stand.
+    pub steps_place: Range<usize>,
+    /// Where the scheme stands, unless the command line says it.
+    pub scheme_place: Option<Range<usize>>,
+}
+
+/// The scheme that `inspect` recommends.
+pub const AUTO: &str = "auto";
+
+/// Statistics of fewer paths say little.
+pub const FEW_PATHS: u64 = 100;
+/// Tables that are kept beside statistics.
+const TABLES: u64 = 3;
+/// Most saved times that are tried for others.
+const MOST_TRIED: u64 = 1_000_000;
+/// Most saved times unless the scene says otherwise.
+const TIMES: u64 = 200;
+
+impl Settings {
+    /// The settings of a scene, with the changes of a command line.
+    pub fn new(
+        source: &Source,
+        run: &RunTable,
+        constants: &Constants,
+        changes: &Changes,
+    ) -> Read<Self> {
+        let SchemeAndSeed { scheme: changed, seed, .. } = changes.scheme.clone();
+        let own = run.seed.as_ref().map_or(1, |seed| seed.0);
+        let key = StreamKey { seed: seed.unwrap_or(own), experiment: 0 };
+        let (initial, random) = initial(source, &run.initial, constants, key)?;
+        let until = constants.value(&run.until)?;
+        if until <= 0.0 {
+            refuse!(&run.until, "the final time must be positive, got {until}");
+        }
+        let number =
+            |count: &Option<At<Count>>, otherwise| count.as_ref().map_or(otherwise, |n| n.0);
+        let steps = changes.steps.unwrap_or(run.steps.0);
+        let paths = changes.paths.unwrap_or(number(&run.paths, 1));
+        let divisor = |most: u64| {
+            let mut down = (1..=most.min(steps)).rev();
+            down.find(|times| steps.is_multiple_of(*times)).unwrap_or(1)
+        };
+        let times = match &run.times {
+            Some(times) if steps.is_multiple_of(times.0) => times.0,
+            Some(times) if changes.steps.is_none() => {
+                let (given, near) = (times.0, divisor(times.0.min(MOST_TRIED)));
+                refuse!(times, "{given} times do not divide {steps} steps: take {near}");
+            }
+            // Or the steps were changed on the command line.
+            _ => divisor(TIMES),
+        };
+        let tables = if paths < FEW_PATHS { paths } else { number(&run.tables, TABLES).min(paths) };
+        let order = number(&run.truncation, 4);
+        let Some(truncation) = u32::try_from(order).ok().and_then(|k| Truncation::new(k).ok())
+        else {
+            refuse!(place(&run.truncation), "the order must be below 2^32, got {order}");
+        };
+        // Nobody asked for clipped increments that show in the results.
+        let truncation = if run.truncation.is_none() { truncation.wide() } else { truncation };
+        Ok(Self {
+            initial,
+            random,
+            states: match &*run.initial {
+                Listed::Text(file) => Some(file.clone()),
+                Listed::List(_) => None,
+            },
+            until,
+            steps,
+            paths,
+            tables,
+            times,
+            key,
+            truncation,
+            initial_place: run.initial.span(),
+            steps_place: run.steps.span(),
+            scheme_place: run.scheme.as_ref().filter(|_| changed.is_none()).map(At::span),
+            scheme: changed.or(run.scheme.as_deref().cloned()).unwrap_or(AUTO.into()),
+        })
+    }
+
+    /// Whether statistics are computed.
+    pub fn is_study(&self) -> bool {
+        self.paths >= FEW_PATHS
+    }
+}

@@ -1,0 +1,116 @@
+//! The text of a scene, and errors that point into it.
+
+use std::{fmt::Display, ops::Range, sync::Arc};
+
+use casimir::formula::{Formula, FormulaError, Names, excerpt};
+
+use super::values::{At, Text};
+
+/// A file with a scene.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// Its name as the user gave it.
+    pub name: String,
+    /// Its content.
+    pub text: String,
+    /// Initial states that a program has, in the place of the file that the text names.
+    pub states: Option<Arc<Vec<Vec<f64>>>>,
+}
+
+/// What is wrong with a scene, where, and what would be right.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{message}")]
+pub struct SceneError {
+    message: String,
+    /// Where, in bytes of the text.
+    pub place: Option<Range<usize>>,
+}
+
+/// The same before it is said of which source: see [`Source::located`].
+#[derive(Debug)]
+pub struct Wrong {
+    message: String,
+    place: Option<Range<usize>>,
+    /// Of a formula at the place its text, and the part of it that is meant.
+    part: Option<(String, Range<usize>)>,
+}
+
+/// What was read of a scene.
+pub type Read<T> = Result<T, Wrong>;
+
+impl Wrong {
+    /// Something wrong at a place, or with the whole.
+    pub fn new(place: impl Into<Option<Range<usize>>>, message: impl Display) -> Self {
+        Self { message: message.to_string(), place: place.into(), part: None }
+    }
+
+    /// Something wrong with a part of a formula.
+    pub fn in_formula(formula: &At<Text>, error: &FormulaError, message: impl Display) -> Self {
+        let part = Some((formula.0.clone(), error.span.clone()));
+        Self { part, ..Self::new(formula, message) }
+    }
+
+    /// Something wrong with a formula, in its own words.
+    pub fn formula(formula: &At<Text>, error: &FormulaError) -> Self {
+        let is_mean = |word: &str| error.message == format!("unknown function `{word}`");
+        let message = match error.unknown_name.as_deref() {
+            _ if is_mean("integral") || is_mean("average") => {
+                "this is an observable of its own: give it a name, a = \"integral(v)\", and \
+                 use that"
+            }
+            Some("t") => "unknown name `t`: time is known in H0, H, the rate and observables",
+            _ => &error.message,
+        };
+        Self::in_formula(formula, error, message)
+    }
+}
+
+/// Returns an error at a place.
+#[macro_export]
+macro_rules! refuse {
+    ($place:expr, $($words:tt)+) => {
+        return Err($crate::Wrong::new($place, format_args!($($words)+)))
+    };
+}
+impl Source {
+    /// Something wrong at a place, in bytes of the text, or with the whole.
+    pub fn error(
+        &self,
+        place: impl Into<Option<Range<usize>>>,
+        message: impl Display,
+    ) -> SceneError {
+        let Self { name, text, .. } = self;
+        let Some(span) = place.into() else {
+            return SceneError { message: format!("{name}: {message}"), place: None };
+        };
+        // The end of the text may be meant.
+        let start = floor(text, span.start.min(text.len()));
+        let span = start..floor(text, span.end.clamp(start, text.len()));
+        let (line, column, excerpt) = excerpt(text, &span);
+        let message = format!("{name}, line {line}, column {column}: {message}\n{excerpt}");
+        SceneError { message, place: Some(span) }
+    }
+
+    /// What was read of this source. The whole formula is shown if it is written with escapes.
+    pub fn located<T>(&self, read: Read<T>) -> Result<T, SceneError> {
+        read.map_err(|Wrong { message, place, part }| {
+            let within = place.as_ref().zip(part).and_then(|(whole, (formula, span))| {
+                let start = whole.start + self.text.get(whole.clone())?.find(&formula)?;
+                Some(start + span.start..start + span.end)
+            });
+            self.error(within.or(place), message)
+        })
+    }
+}
+
+impl At<Text> {
+    /// The formula in names.
+    pub fn formula(&self, names: &Names) -> Read<Formula> {
+        Formula::parse(&self.0, names).map_err(|error| Wrong::formula(self, &error))
+    }
+}
+
+/// The last place at or before a byte at which a character begins.
+fn floor(text: &str, byte: usize) -> usize {
+    (0..=byte).rev().find(|&byte| text.is_char_boundary(byte)).unwrap_or(0)
+}

@@ -1,0 +1,202 @@
+//! A scene at several values of its parameters.
+
+use std::{ops::Range, str::FromStr, sync::Arc};
+
+use casimir::formula::{Formula, Names};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Changes, Scene,
+    file::SceneFile,
+    read::{self, among},
+    source::{Read, SceneError, Source},
+    values::{At, MOST_VALUES, Parameter, Text, Values},
+};
+use crate::refuse;
+
+/// `--set NAME=VALUES`: the values of a parameter, instead of those of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Set {
+    /// The parameter.
+    pub name: String,
+    /// Its values as they are written.
+    pub values: Vec<String>,
+}
+
+impl FromStr for Set {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, values) = text.split_once('=').ok_or_else(|| {
+            format!("`{text}` has no value: write NAME=VALUE, or NAME=0.1,0.2,0.5")
+        })?;
+        let Values(values) = Values::new(values)?;
+        Ok(Self { name: name.trim().into(), values })
+    }
+}
+
+/// A parameter with the values that are chosen.
+pub struct Varied {
+    /// Its name.
+    pub name: String,
+    /// Its values.
+    pub values: Vec<f64>,
+    /// The same as they are written.
+    texts: Vec<String>,
+    /// Where they stand if they are of the scene.
+    place: Option<Range<usize>>,
+}
+
+impl Varied {
+    /// Whether results have an axis for it: `--set` with one value settles it.
+    fn is_axis(&self) -> bool {
+        self.values.len() > 1 || self.place.is_some()
+    }
+
+    /// Gives the parameter of a scene one of the values.
+    fn put(&self, file: &mut SceneFile, place: usize) {
+        let parameters = &mut file.system.parameters;
+        let found = parameters.iter().find(|(key, _)| key.as_str() == self.name);
+        // A system of the project knows its parameters itself.
+        let (key, at) = found.map_or_else(
+            || (At::new(0..0, self.name.clone()), 0..0),
+            |(key, value)| (key.clone(), value.span()),
+        );
+        let value = Parameter::One(Text(self.texts[place].clone()));
+        parameters.insert(key, At::new(at, value));
+    }
+}
+
+/// One combination of the values.
+pub struct Combination {
+    /// `sigma = 0.1, J = 2`; empty if nothing is varied.
+    pub label: String,
+    /// The number of the value of each parameter that is varied.
+    pub places: Vec<usize>,
+    /// The scene with these values.
+    pub scene: Scene,
+}
+
+impl Combination {
+    /// What words about it begin with.
+    pub fn prefix(&self) -> String {
+        if self.label.is_empty() { String::new() } else { format!("{}: ", self.label) }
+    }
+}
+
+/// A scene at every combination of the values that are varied; the last parameter changes fastest.
+pub struct Sweep {
+    /// What is varied: what `[sweep]` has, if of one value only, and `--set` with several.
+    pub varied: Vec<Varied>,
+    /// The scenes; at least one.
+    pub combinations: Vec<Combination>,
+}
+
+impl Sweep {
+    /// The scenes of a text, with the changes that a command line makes.
+    ///
+    /// # Errors
+    /// [`SceneError`] as that of [`Scene::new`], or about what is varied.
+    pub fn new(source: &Source, changes: &Changes) -> Result<Self, SceneError> {
+        source.located(Self::of(source, changes))
+    }
+
+    /// The scene of the first combination.
+    pub fn scene(&self) -> &Scene {
+        &self.combinations[0].scene
+    }
+
+    fn of(source: &Source, changes: &Changes) -> Read<Self> {
+        let file = read::parse(&source.text)?;
+        let mut varied = chosen(&file, &changes.scheme.sets)?;
+        // One for all scenes, which may be many.
+        let changes = &Arc::new(changes.clone());
+        let numbers = varied.iter().map(|one| one.values.len() as u64);
+        let number = numbers.fold(1u64, u64::saturating_mul);
+        if number > MOST_VALUES {
+            refuse!(
+                varied[0].place.clone(),
+                "{number} combinations are too many: at most {MOST_VALUES}"
+            );
+        }
+        let combination = |k: usize| {
+            let (mut rest, mut words, mut places, mut file) = (k, vec![], vec![], file.clone());
+            for one in varied.iter().rev() {
+                let place = rest % one.values.len();
+                rest /= one.values.len();
+                one.put(&mut file, place);
+                if one.is_axis() {
+                    words.insert(0, format!("{} = {}", one.name, one.texts[place]));
+                    places.insert(0, place);
+                }
+            }
+            let mut scene = Scene::of(source, file, changes)?;
+            if changes.independent {
+                scene.settings.key.experiment = k as u64;
+            }
+            Ok(Combination { label: words.join(", "), places, scene })
+        };
+        let combinations = (0..number as usize).map(combination).collect::<Read<_>>()?;
+        varied.retain(Varied::is_axis);
+        Ok(Self { varied, combinations })
+    }
+}
+
+/// What the scene and the command line choose, which goes before.
+fn chosen(file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
+    let varied = |name: &str, texts: &[String], place| {
+        let (name, values, texts) = (name.into(), Vec::new(), texts.to_vec());
+        Varied { name, values, texts, place }
+    };
+    let own = file.sweep.iter();
+    let mut all: Vec<Varied> =
+        own.map(|(name, values)| varied(name, &values.0, Some(values.span()))).collect();
+    for (k, Set { name, values }) in given.iter().enumerate() {
+        if given[..k].iter().any(|before| before.name == *name) {
+            refuse!(None, "--set {name} is given twice");
+        }
+        let set = varied(name, values, None);
+        match all.iter_mut().find(|known| known.name == *name) {
+            Some(known) => *known = set,
+            None => all.push(set),
+        }
+    }
+    let known: Vec<&str> = file.system.parameters.keys().map(|key| key.as_str()).collect();
+    for Varied { name, values, texts, place } in &mut all {
+        let place = place.clone();
+        if texts.is_empty() {
+            refuse!(place, "`{name}` needs a value");
+        }
+        if !known.contains(&&**name) && file.system.name.is_none() {
+            refuse!(place, "no parameter `{name}` to set{}", among(name, &known));
+        }
+        for text in texts {
+            match Formula::parse(text, &Names::new()).map(|formula| formula.value(&[])) {
+                Ok(value) if values.contains(&value) => {
+                    refuse!(place, "`{name}` has the value {text} twice")
+                }
+                Ok(value) if value.is_finite() => values.push(value),
+                Ok(value) => refuse!(place, "{name} = {text}: it is {value}"),
+                Err(error) => refuse!(place, "{name} = {text}: {}", error.message),
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// Gives the parameters of a scene the values that the command line chooses, one each.
+pub fn settle(file: &mut SceneFile, given: &[Set]) -> Read<()> {
+    file.sweep.clear();
+    for one in chosen(file, given)? {
+        if let (name, [first, _, ..]) = (&one.name, &one.texts[..]) {
+            refuse!(
+                one.place.clone(),
+                "`{name}` has {} values, and only `run` and `plan` vary parameters: choose one by \
+                 --set {name}={first}",
+                one.values.len()
+            );
+        }
+        one.put(file, 0);
+    }
+    Ok(())
+}

@@ -1,0 +1,111 @@
+//! What a computation is like on this machine, and whether it gives what it has to.
+
+use std::{
+    env::consts::{ARCH, OS},
+    time::Instant,
+};
+
+use casimir::{
+    mc::{Simulation, parts::Stop},
+    plot::{Provenance, provenance},
+    real::{Level, limit_to},
+};
+use rayon::ThreadPoolBuilder;
+
+use crate::{
+    Found, ProgressBar, Watch,
+    failure::{Done, Failure},
+};
+use scenes::{Changes, Scene, Source, gallery};
+
+/// What the self-test has to find in scenes of the gallery, at their ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Expected {
+    /// The bits of the states of all paths of the rigid body, mixed.
+    pub bits: u64,
+    /// |y|² of the rigid body, by the law of its Casimir.
+    pub square: f64,
+    /// The mean of q of Kubo's oscillator.
+    pub mean: f64,
+}
+
+/// The same on every machine.
+pub const EXPECTED: Expected = Expected {
+    bits: 0x43d3_3f83_9129_5830,
+    // exp(−2∫γ) = exp(−½ sin 2T), T = 4.
+    square: 0.6097665357749628,
+    // exp(−(γ + σ²/2)T) cos T, γ = 0.1, σ = ½, T = 6.
+    mean: 0.24891479537568123,
+};
+
+/// Steps of the rigid body.
+const STEPS: u64 = 64;
+
+/// Version, machine and instruction sets; `commit` as for [`provenance::complete`].
+pub fn facts(commit: Option<&str>) -> String {
+    let Provenance { version, git, rustc, cpu, threads, simd, .. } =
+        provenance::complete(Provenance::of_run(0, ""), "casimir", commit, Instant::now());
+    format!(
+        "casimir       {version}, commit {git}\n\
+         compiler      {rustc}\n\
+         system        {OS}, {ARCH}\n\
+         processor     {cpu}\n\
+         threads       {threads}\n\
+         instructions  {simd} in use, built for {}\n",
+        format!("{:?}", Level::BUILT).to_lowercase()
+    )
+}
+
+/// Computes what is known and says what came; and whether all holds.
+///
+/// # Errors
+/// If something cannot be computed.
+pub fn self_test(Expected { bits, square, mean }: Expected) -> Done<(String, bool)> {
+    let (mut text, mut all_hold) = (String::new(), true);
+    let mut check = |holds: bool, words: String| {
+        all_hold &= holds;
+        text += &format!("{} {words}\n", if holds { "ok   " } else { "FAILS" });
+    };
+    let (body, all) = (scene("rigid-body")?, rayon::current_num_threads());
+    let simulation =
+        Simulation::new(body.setup("sexp-levy")?, body.settings.truncation).every(STEPS);
+    let mut ends = Vec::new();
+    for &level in Level::BUILT.iter().filter(|level| **level <= Level::available()) {
+        limit_to(level);
+        // One and all.
+        for threads in (1..=all).step_by(all.max(2) - 1) {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
+            // Two blocks.
+            let paths = pool.install(|| simulation.paths(STEPS, body.settings.key, 0..64))?;
+            let states = paths.iter().flat_map(|path| &path.columns[1..4]);
+            ends = states.map(|y| y.values.last().copied().unwrap_or(f64::NAN)).collect();
+            let mixed = ends.iter().fold(0, |mixed: u64, y| {
+                (mixed.rotate_left(23) ^ y.to_bits()).wrapping_mul(0x0100_0000_01b3)
+            });
+            let of = format!("bits of a rigid body ({}, threads {threads})", level.name());
+            check(mixed == bits, format!("{of}: expected {bits:016x}, came {mixed:016x}"));
+        }
+    }
+    let off = ends.chunks(3).map(|y| (y.iter().map(|y| y * y).sum::<f64>() - square).abs());
+    let off = off.max_by(f64::total_cmp).unwrap_or(f64::NAN);
+    let words = format!("|y|² of a rigid body: expected {square:.12} ± 1e-12, came ± {off:.0e}");
+    check(off <= 1e-12, words);
+    let watch = Watch { bar: ProgressBar::hidden(), say: |_| (), stop: Stop::default() };
+    let mut kubo = scene("kubo")?;
+    kubo.accuracy = Some(5e-4);
+    let Found { json, unreached, .. } = crate::expect(&kubo, None, &watch)?;
+    let q = &json["estimates"][0];
+    let [lo, hi, steps, seconds] = [&q["lo"], &q["hi"], &json["path_steps"], &json["seconds"]]
+        .map(|number| number.as_f64().unwrap_or(f64::NAN));
+    let words = format!("E[q] of an oscillator: expected {mean:.5}, came [{lo:.5}, {hi:.5}]");
+    check(unreached.is_none() && (lo..=hi).contains(&mean), words);
+    text += &format!("{:.1e} path-steps of it per second\n", steps / seconds);
+    Ok((text, all_hold))
+}
+
+/// A scene of the gallery.
+fn scene(name: &str) -> Done<Scene> {
+    let text = gallery::scene(name).map_err(Failure::Usage)?.into();
+    let source = Source { name: name.into(), text, states: None };
+    Ok(Scene::new(source, &Changes::default())?)
+}

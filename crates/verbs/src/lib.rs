@@ -1,0 +1,245 @@
+//! **What is computed of [scenes], and how it is shown.**
+//!
+//! Each verb has a file: [`run`](compute), [`expect`], [`equilibrium`], [`order`], [`compare`],
+//! [`inspect`]. What they find is words, JSON and figures; [`output`] makes tables, pages and
+//! arrays of runs.
+
+pub mod citation;
+mod compare;
+pub mod doctor;
+mod expect;
+pub mod failure;
+mod inspect;
+mod order;
+pub mod output;
+mod referee;
+mod run;
+mod stationary;
+
+use std::{
+    sync::{
+        Mutex, PoisonError,
+        mpsc::{RecvTimeoutError, channel},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+use casimir::{mc::parts::Stop, schemes::BuiltIn, systems::Linearity};
+pub use indicatif::ProgressBar;
+use indicatif::ProgressStyle;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+pub use compare::compare;
+pub use expect::expect;
+pub use inspect::inspect;
+pub use order::order;
+pub use referee::{Claims, Measure, judge, single_steps, solver_noise};
+pub use run::{Outcomes, Results, compute, ready, settle};
+pub use stationary::equilibrium;
+
+use crate::{
+    failure::{Done, Failure},
+    output::{Drawn, distinct},
+};
+use scenes::{AUTO, Scene};
+
+/// What a command found.
+#[derive(Default)]
+pub struct Found {
+    /// In words.
+    pub text: String,
+    /// For programs.
+    pub json: Value,
+    /// In figures.
+    pub figures: Vec<Drawn>,
+    /// That the accuracy is not reached, if it is not.
+    pub unreached: Option<String>,
+}
+
+impl Found {
+    /// Of a scene: with its title and what is wrong with it.
+    fn of(scene: &Scene, text: &str, mut json: Value, figures: Vec<Drawn>) -> Self {
+        json["title"] = json!(scene.title);
+        Self::new(warnings(&scene.model.known().mistake) + text, json, figures)
+    }
+
+    /// With the warnings among the words as a list for programs.
+    fn new(text: String, mut json: Value, mut figures: Vec<Drawn>) -> Self {
+        distinct(figures.iter_mut());
+        json["warnings"] = text.lines().filter_map(|line| line.strip_prefix(WARNING)).collect();
+        Self { text, json, figures, unreached: None }
+    }
+
+    /// The same of estimates to an accuracy, if there was a wish.
+    fn to(mut self, reached: bool, accuracy: Option<f64>) -> Self {
+        let wish = accuracy.map_or(String::new(), |wish| format!("±{wish:e} not reached, or "));
+        self.unreached = (!reached).then(|| wish + "not to be believed");
+        self
+    }
+}
+
+/// An estimate for programs with its interval.
+fn with_interval(estimate: &impl Serialize, (lo, hi): (f64, f64), half_width: f64) -> Value {
+    let mut json = json!(estimate);
+    for (key, value) in [("lo", lo), ("hi", hi), ("half_width", half_width)] {
+        json[key] = value.into();
+    }
+    json
+}
+
+/// How a command tells how far it is, and what ends it early.
+#[derive(Clone)]
+pub struct Watch {
+    /// The work that is under way.
+    pub bar: ProgressBar,
+    /// Says what long work has come to.
+    pub say: fn(&str),
+    /// Whether the end was asked for.
+    pub stop: Stop,
+}
+
+/// After so long it is said how far work is, where no bar shows it.
+const SOON: Duration = Duration::from_secs(8);
+/// After so long it is said how far an accuracy is.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+impl Watch {
+    /// Does work to an accuracy, which tells its half-width so far and the part of its path-steps
+    /// that is done. Where the accuracy is not reached after a minute, or at the end, it is said
+    /// how far it is and how long it takes.
+    fn until<R>(&self, what: &str, accuracy: f64, work: impl FnOnce(&dyn Fn(f64, f64)) -> R) -> R {
+        let (start, last) = (Instant::now(), Mutex::new((f64::INFINITY, 0.0)));
+        let now = || start.elapsed().as_secs_f64();
+        let last = || last.lock().unwrap_or_else(PoisonError::into_inner);
+        let told = |half_width: f64, done: f64| {
+            *last() = (half_width, now() / done);
+            let left = now() * (1.0 / done - 1.0);
+            self.bar.set_message(format!(
+                "±{half_width:.1e} so far, ±{accuracy:.1e} wanted, about {left:.0} s left"
+            ));
+        };
+        let say = || {
+            let ((half_width, whole), since) = (*last(), now());
+            let so_far = match half_width.is_finite() {
+                _ if half_width <= accuracy => return,
+                true => {
+                    let more = (whole - since).max(1.0) / 60.0;
+                    format!("±{half_width:.1e} so far, about {more:.1} more")
+                }
+                false if since < PATIENCE.as_secs_f64() => return,
+                false => "no estimate yet".into(),
+            };
+            let since = since / 60.0;
+            let words = format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}");
+            self.bar.suspend(|| (self.say)(&words));
+        };
+        let result = watched(PATIENCE, say, || self.under(what, 0, || work(&told)));
+        say();
+        result
+    }
+
+    /// Does work of about so many path-steps, zero if that is not known, under the bar. Where the
+    /// output is no terminal it shows nothing, and it is said once how far long work is.
+    pub fn under<R>(&self, what: &str, path_steps: u64, work: impl FnOnce() -> R) -> R {
+        let template = match path_steps {
+            0 => "{elapsed:>4} {spinner} {msg}",
+            _ => "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left",
+        };
+        let style = ProgressStyle::with_template(template).expect("the template is valid");
+        let bar = &self.bar;
+        bar.set_style(style.progress_chars("=> "));
+        bar.set_length(path_steps);
+        bar.reset();
+        bar.set_message(what.to_owned());
+        let start = Instant::now();
+        let say = || {
+            let since = start.elapsed().as_secs_f64();
+            let left = since * (path_steps as f64 / bar.position() as f64 - 1.0);
+            let known = left.is_finite().then(|| format!(", about {left:.0} s left"));
+            if bar.is_hidden() {
+                (self.say)(&format!("{what}: {since:.0} s so far{}", known.unwrap_or_default()));
+            }
+        };
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(Duration::from_millis(200));
+        }
+        let result = watched(SOON, say, work);
+        bar.finish_and_clear();
+        result
+    }
+
+    /// Refuses to go on if the end was asked for.
+    fn check(&self) -> Done {
+        if self.stop.is_asked() {
+            Err(Failure::Stopped("nothing is complete".into()))
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// Does work, and says something if that takes longer than `patience`.
+fn watched<R>(patience: Duration, say: impl Fn() + Sync, work: impl FnOnce() -> R) -> R {
+    thread::scope(|scope| {
+        let ((working, ended), say) = (channel::<()>(), &say);
+        scope.spawn(move || {
+            if ended.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
+                say();
+            }
+        });
+        let result = work();
+        drop(working);
+        result
+    })
+}
+
+/// A scheme, and why it was chosen if that was left to the program, or what it loses over long
+/// times: what `plan` settles, so that no part inspects the system.
+pub type Settled = (String, Option<String>);
+
+/// The scheme of a scene.
+pub fn scheme(scene: &Scene) -> Settled {
+    let (auto, because) = scene.model.recommended();
+    let named = &scene.settings.scheme;
+    if named == AUTO {
+        return (auto.into(), Some(because));
+    }
+    let constant = scene.model.system().description().linearity == Linearity::Constant;
+    let explicit = BuiltIn::named(named).filter(|scheme| scheme.is_explicit(constant));
+    let loses = |scheme: BuiltIn| format!("{}; auto takes {auto}", scheme.long_times(constant));
+    (named.clone(), explicit.map(loses))
+}
+
+/// What lines of warnings begin with.
+const WARNING: &str = "warning: ";
+
+/// Warnings as lines.
+pub fn warnings<'a>(words: impl IntoIterator<Item = &'a String>) -> String {
+    words.into_iter().map(|words| format!("{WARNING}{words}\n")).collect()
+}
+
+/// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from
+/// what is measured.
+fn coarsest_steps(until: f64) -> u64 {
+    let most = f64::from(1u32 << 24);
+    ((8.0 * until).ceil().clamp(4.0, most) as u64).next_power_of_two()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::*;
+
+    #[test]
+    fn long_work_is_spoken_of_once() {
+        for (patience, expected) in [(Duration::from_millis(1), 1), (PATIENCE, 0)] {
+            let said = AtomicU32::new(0);
+            let say = || _ = said.fetch_add(1, Ordering::Relaxed);
+            watched(patience, say, || thread::sleep(Duration::from_millis(200)));
+            assert_eq!(said.into_inner(), expected);
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The figures of a run.
+
+use std::collections::BTreeMap;
+
+use casimir::{
+    mc::{TimeSeries, parts::hash},
+    plot::{
+        self,
+        figure::{Trace, bands, evolution, histogram, lines, picture, strip},
+    },
+    stats::Point,
+    study::{Joint, Series, StudyResult},
+};
+
+use super::page::TABLE;
+use crate::Results;
+use scenes::{self, MOST_COMPONENTS, Scene, digits};
+
+/// A drawing with its file and the words below it.
+pub struct Drawn {
+    /// What it is called, as `time-q`.
+    pub name: String,
+    /// The name of its file without `.svg`; see [`distinct`].
+    pub file: String,
+    /// The SVG document.
+    pub svg: String,
+    /// What it shows.
+    pub caption: String,
+}
+
+impl Drawn {
+    /// A drawing with its name.
+    pub fn new(name: impl Into<String>, svg: String, caption: impl Into<String>) -> Self {
+        let (name, caption) = (name.into(), caption.into());
+        let plain = |c: char| if c.is_alphanumeric() { c } else { '-' };
+        let file = name.chars().take(LONGEST).map(plain).collect();
+        Self { name, file, svg, caption }
+    }
+
+    /// A drawing of something with a name.
+    pub fn of(what: &str, name: &str, svg: String, caption: String) -> Self {
+        Self::new(format!("{what}-{name}"), svg, caption)
+    }
+}
+
+/// Characters of the name of a figure in that of its file, which has at most 255 bytes.
+const LONGEST: usize = 48;
+
+/// Figures whose files would have one name, where capital letters are small ones too, have a hash
+/// of what they are called in it.
+pub fn distinct<'a>(figures: impl Iterator<Item = &'a mut Drawn>) {
+    let mut all = BTreeMap::<String, Vec<_>>::new();
+    for figure in figures {
+        all.entry(figure.file.to_lowercase()).or_default().push(figure);
+    }
+    for figure in all.into_values().filter(|same| same.len() > 1).flatten() {
+        figure.file += &format!("-{}", &hash(&figure.name)[..8]);
+    }
+}
+
+/// A section of figures.
+pub type Section = (&'static str, Vec<Drawn>);
+
+/// Paths in a figure; more hide each other.
+const SHOWN_PATHS: usize = 4;
+/// Laws in a report.
+const SHOWN_LAWS: usize = 6;
+/// Pictures of a lattice.
+const PICTURES: usize = 6;
+/// Phase portraits in a report.
+const PORTRAITS: usize = 3;
+
+/// All figures of a run by section; that of the table at the end may have none.
+pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
+    let drawn = &scene.drawn;
+    let names: Vec<&String> = match &drawn.show {
+        Some(show) => show.iter().collect(),
+        None => results.series().iter().map(|series| &series.observable).collect(),
+    };
+    let mut sections = match &results.study {
+        Some(study) => of_study(drawn, &names, study),
+        None => {
+            let in_time = names.into_iter().map(|name| {
+                let svg = lines(name, "time t", drawn.title(name), &traces(results, "t", name));
+                Drawn::of("time", name, svg, format!("{name} in time on {}.", paths(results)))
+            });
+            vec![("In time", in_time.collect())]
+        }
+    };
+    sections.push(("Phase portraits", portraits(scene, results)));
+    sections.push(("The lattice", lattice(scene, results).into_iter().collect()));
+    sections.push(("Conserved but for the damping", laws(results)));
+    sections.retain(|(title, figures)| !figures.is_empty() || *title == TABLE);
+    sections
+}
+
+/// The figures of the statistics of observables.
+fn of_study(drawn: &scenes::Drawn, names: &[&String], study: &StudyResult) -> Vec<Section> {
+    let levels = study.record.quantiles.iter().map(|level| digits(100.0 * level));
+    let levels = levels.collect::<Vec<_>>().join(" %, ");
+    let (paths, mut in_time, mut at_end) = (study.record.paths, Vec::new(), Vec::new());
+    for series in names.iter().filter_map(|name| study.series(name)) {
+        let (Series { observable: name, points }, last) = (series, series.last());
+        let band = if points.iter().all(|point| point.quantiles.is_empty()) {
+            "Band: 95 % intervals; dashes: estimate.".into()
+        } else {
+            format!("Bands between the quantiles {levels} %; line: median; dashes: mean.")
+        };
+        let svg = bands(name, "time t", drawn.title(name), points);
+        let caption = format!("{name} in time, {paths} paths. {band}");
+        in_time.push(Drawn::of("time", name, svg, caption));
+        if last.histogram.is_some() {
+            let caption = format!(
+                "The law of {name} at t = {}, {} paths: density; line: median; dashes: mean.",
+                last.time, last.count
+            );
+            at_end.push(Drawn::of("end", name, histogram(name, name, last), caption));
+        }
+    }
+    vec![("In time", in_time), (TABLE, at_end), ("Dependence", dependence(drawn, study))]
+}
+
+/// `path 0`, or how many of how many.
+fn paths(results: &Results) -> String {
+    match results.tables.len() {
+        1 => "path 0".into(),
+        all @ ..=SHOWN_PATHS => format!("{all} paths"),
+        all => format!("the first {SHOWN_PATHS} of {all} paths"),
+    }
+}
+
+/// A column of the first tables against another.
+fn traces(results: &Results, x: &str, y: &str) -> Vec<Trace> {
+    let trace = |(path, table): (usize, &TimeSeries)| {
+        let [x, y] = [x, y].map(|name| table.column(name).unwrap_or_default().iter().copied());
+        Trace { name: format!("path {path}"), points: x.zip(y).collect() }
+    };
+    results.tables.iter().enumerate().take(SHOWN_PATHS).map(trace).collect()
+}
+
+fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
+    let names = &scene.components;
+    let pairs: &[(usize, usize)] = match names.len() {
+        3 => &[(0, 1), (1, 2), (0, 2)],
+        dimension if dimension > MOST_COMPONENTS => &[],
+        dimension => &(1..dimension).step_by(2).map(|i| (i - 1, i)).collect::<Vec<_>>(),
+    };
+    let few = pairs.iter().take(PORTRAITS).map(|&(i, j)| [names[i].clone(), names[j].clone()]);
+    let pairs = scene.drawn.portraits.clone().unwrap_or_else(|| few.collect());
+    let portrait = |[x, y]: &[String; 2]| {
+        let svg = lines(&format!("{y} against {x}"), x, &**y, &traces(results, x, y));
+        let on = paths(results);
+        let caption = format!("{y} against {x} on {on}; the marker is the initial value.");
+        Drawn::of("portrait", &format!("{x}\0{y}"), svg, caption)
+    };
+    pairs.iter().map(portrait).collect()
+}
+
+/// Joint laws, autocorrelations and spectra.
+fn dependence(drawn: &scenes::Drawn, study: &StudyResult) -> Vec<Drawn> {
+    let joint = study.joint.iter().map(|Joint { names: [a, b], grids, counts, outside }| {
+        let [x, y] = grids.map(|grid| (grid.edge(0), grid.edge(grid.bins)));
+        let [columns, rows] = grids.map(|grid| grid.bins as usize);
+        // Roots, so that the tails are seen.
+        let root = |k: usize| (counts[(k % columns) * rows + k / columns] as f64).sqrt();
+        let values: Vec<f64> = (0..columns * rows).map(root).collect();
+        let svg = picture(&format!("{b} and {a}"), (x, a), (y, b), columns, &values);
+        let caption = format!(
+            "The joint law of {a} and {b} at the end: roots of counts, {outside} of {} paths \
+             outside.",
+            study.record.paths
+        );
+        Drawn::of("joint", &format!("{a}\0{b}"), svg, caption)
+    });
+    let lagged = study.lagged.iter().enumerate().map(|(k, Series { observable: name, points })| {
+        let (axis, law) = match k % 2 {
+            0 => ("lag", ""),
+            _ => ("angular frequency", " Its integral over all frequencies is the variance."),
+        };
+        let caption = format!("{name} against the {axis}. Band: 95 % intervals.{law}");
+        Drawn::of("lag", name, bands(name, axis, drawn.title(name), points), caption)
+    });
+    joint.chain(lagged).collect()
+}
+
+/// The third components of the spins of path 0: a plane at several times, or a chain in time.
+fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
+    let (table, &columns) = (results.tables.first()?, scene.sizes.first()?);
+    let times = table.times();
+    let last = times.len().checked_sub(1)?; // None if path 0 was not begun
+    let plane = scene.sizes.iter().take(2).product::<usize>();
+    let spins = (0..plane)
+        .map(|site| table.column(&scene.components[3 * site + 2]))
+        .collect::<Option<Vec<_>>>()?;
+    let (svg, what) = if scene.sizes.len() == 1 {
+        let ends = (0.0, times[last]);
+        let values = spins.concat();
+        let spins = (1.0, (spins.len() + 1) as f64);
+        (picture("spins", (ends, "time t"), (spins, "spin"), times.len(), &values), "in time")
+    } else {
+        let at = |k: usize| k * last / (PICTURES - 1);
+        let picture = |k: usize| {
+            let values = spins.iter().map(|spin| spin[at(k)]).collect();
+            (format!("t = {}", digits(times[at(k)])), values)
+        };
+        let pictures: Vec<(String, Vec<f64>)> = (0..PICTURES).map(picture).collect();
+        (strip("spins", columns, &pictures), "at several times")
+    };
+    let caption = format!("z components of the spins of path 0 {what}: blue is up, red is down.");
+    Some(Drawn::new("lattice", svg, caption))
+}
+
+/// Casimirs and energies with their conformal law and the defect from it.
+fn laws(results: &Results) -> Vec<Drawn> {
+    let Some(first) = results.tables.first() else { return Vec::new() };
+    let largest = |name: &str| {
+        let columns = results.tables.iter().filter_map(|table| table.column(name));
+        columns.flatten().fold(0.0f64, |largest, defect| largest.max(defect.abs()))
+    };
+    let mut defects: Vec<(&str, f64)> = first
+        .columns
+        .iter()
+        .filter(|column| column.name.ends_with(" defect"))
+        .map(|column| (&*column.name, largest(&column.name)))
+        .collect();
+    // Those that deviate most, of many.
+    if defects.len() > SHOWN_LAWS {
+        defects.sort_by(|a, b| b.1.total_cmp(&a.1));
+        defects.truncate(SHOWN_LAWS);
+    }
+    let law = |(column, largest): (&str, f64)| {
+        let name = column.trim_end_matches(" defect");
+        let point = |((&t, &value), &defect): ((&f64, &f64), &f64)| {
+            // The defect is (value − law)/|law|, or the value itself where the law is zero.
+            let positive = value / (1.0 + defect);
+            let exact = match value == defect {
+                true => 0.0,
+                false if positive < 0.0 => value / (1.0 - defect),
+                false => positive,
+            };
+            Point::Value { t, value, exact }
+        };
+        let series = |(path, table): (usize, &TimeSeries)| {
+            let (values, defects) = (table.column(name)?, table.column(column)?);
+            Some(plot::Series {
+                scheme: format!("path {path}"),
+                quantity: name.into(),
+                points: table.times().iter().zip(values).zip(defects).map(point).collect(),
+                ..plot::Series::default()
+            })
+        };
+        let tables = results.tables.iter().enumerate().take(SHOWN_PATHS);
+        let series: Vec<plot::Series> = tables.filter_map(series).collect();
+        let caption = format!(
+            "{name} on {}: values with the conformal law e^(−p∫γ) {name}(y(0)) above, relative \
+             defects below; the largest is {largest:.1e}.",
+            paths(results)
+        );
+        Drawn::of("law", name, evolution(name, &series), caption)
+    };
+    defects.into_iter().map(law).collect()
+}

@@ -1,0 +1,281 @@
+//! What results are written as: a page, figures, tables and arrays.
+
+pub mod cluster;
+mod figures;
+mod npz;
+mod page;
+mod steps;
+mod sweep;
+
+use std::{mem::take, path::Path};
+
+use casimir::{
+    analysis::aligned,
+    mc::{TimeSeries, write_csv},
+    plot::files,
+    study::{Series, StudyResult},
+};
+use serde_json::{Value, json};
+
+use steps::{step_cell, step_errors};
+
+pub use figures::{Drawn, Section, distinct};
+pub use npz::Array;
+pub use steps::step_lines;
+
+use crate::{Outcomes, Results, failure::Done, warnings};
+use scenes::{Combination, Observable, Scene, digits};
+
+/// What a run writes beside its report.
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+#[derive(Clone, Copy, Debug)]
+pub enum Format {
+    /// Tables as text
+    Csv,
+    /// Everything, for programs
+    Json,
+    /// Arrays for NumPy
+    Npz,
+}
+
+/// A run that is here.
+type Run<'a> = (&'a Combination, &'a Results);
+
+/// Lines of the table of a sweep on a terminal, or of warnings.
+const MOST_LINES: usize = 24;
+
+/// What was computed, as it is told.
+impl Outcomes<'_> {
+    /// The run, if nothing is varied.
+    fn single(&self) -> Option<Run<'_>> {
+        self.found().next().filter(|_| self.sweep.varied.is_empty())
+    }
+
+    /// The results in words.
+    pub fn text(&self) -> String {
+        let (warnings, mut table) = (warnings(&self.warnings()), self.table());
+        let mut more = String::new();
+        if self.single().is_none() && table.len() > 1 + MOST_LINES {
+            more = format!("{} more lines in the report\n", table.len() - 1 - MOST_LINES);
+            table.truncate(1 + MOST_LINES);
+        }
+        format!("{warnings}{}\n{}{more}", self.computed(), aligned(&table))
+    }
+
+    /// Warnings with the combinations that they are about.
+    fn warnings(&self) -> Vec<String> {
+        let of = |(one, results): Run<'_>| {
+            let (prefix, warnings) = (one.prefix(), results.warnings(&one.scene).into_iter());
+            warnings.map(move |warning| format!("{prefix}{warning}"))
+        };
+        let mut all: Vec<String> = self.found().flat_map(of).collect();
+        let more = all.len().saturating_sub(MOST_LINES);
+        all.truncate(MOST_LINES);
+        all.extend((more > 0).then(|| format!("and {more} more")));
+        all
+    }
+
+    /// What was computed, in a line, and why by this scheme.
+    fn computed(&self) -> String {
+        let seconds = self.found().map(|(_, found)| found.seconds).sum::<f64>();
+        let mut schemes: Vec<&str> = self.found().map(|(_, found)| &*found.scheme).collect();
+        schemes.dedup();
+        let (schemes, steps) = (schemes.join(", "), self.sweep.scene().settings.steps);
+        let because = self.single().and_then(|(_, found)| found.because.as_ref());
+        let because = because.map_or(String::new(), |because| format!("\n{schemes}: {because}"));
+        let of = match self.sweep.combinations.len() {
+            1 => String::new(),
+            all => format!("{} of {all} combinations, each ", self.found().count()),
+        };
+        let paths = self.found().next().map_or(0, |(_, found)| found.paths());
+        let s = if paths == 1 { "" } else { "s" };
+        format!("{of}{paths} path{s}, {steps} steps of {schemes}, {seconds:.2} s{because}")
+    }
+
+    /// The table at the end, after a header: of each combination, or of the first paths.
+    fn table(&self) -> Vec<Vec<String>> {
+        let single = self.single();
+        if let Some((_, Results { study: None, tables, .. })) = single {
+            return paths_at_end(self.sweep.scene(), tables);
+        }
+        let row = |label: &str, cells: [String; 7]| {
+            let label = single.is_none().then(|| label.to_owned());
+            label.into_iter().chain(cells).collect()
+        };
+        let mut table = vec![row("", AT_END.map(String::from))];
+        for (one, results) in self.found() {
+            let series = results.series().iter();
+            table.extend(series.map(|series| row(&one.label, at_end(series, results))));
+        }
+        table
+    }
+
+    /// The results for programs.
+    pub fn json(&self) -> Value {
+        if let Some(run) = self.single() {
+            return summary(run);
+        }
+        let mut json = self.of_each(summary);
+        json["warnings"] = self.warnings().into();
+        json
+    }
+
+    /// All figures by section.
+    pub fn figures(&self) -> Vec<Section> {
+        let mut figures = match self.single() {
+            Some((one, found)) => figures::all(&one.scene, found),
+            None => self.of_sweep(),
+        };
+        distinct(figures.iter_mut().flat_map(|(_, figures)| figures));
+        figures
+    }
+
+    /// Writes the report with its figures, and what else is asked for.
+    pub fn write(&self, folder: &Path, formats: &[Format]) -> Done {
+        let (figures, drawings) = (self.figures(), folder.join("figures"));
+        files::prepare(&drawings)?;
+        for figure in figures.iter().flat_map(|(_, figures)| figures) {
+            files::write(&drawings.join(format!("{}.svg", figure.file)), &figure.svg)?;
+        }
+        for format in formats {
+            let ending = format!("{format:?}").to_lowercase();
+            let write = |name: &str, mut bytes: Vec<u8>| {
+                if let Format::Json = format {
+                    bytes.push(b'\n');
+                }
+                files::write(&folder.join(format!("{name}.{ending}")), bytes)
+            };
+            let single = self.single();
+            if let Some((one, found)) = single {
+                let tables = kept(&one.scene, found.tables.clone());
+                let mut text = Vec::new();
+                match format {
+                    Format::Csv => write_csv(&tables, &mut text)?,
+                    Format::Json => text = serde_json::to_vec(&tables)?,
+                    Format::Npz => text = npz::bytes(npz::paths(&one.scene, tables))?,
+                }
+                write("paths", text)?;
+            }
+            let name = if single.is_some() { "study" } else { "sweep" };
+            let found = match (format, single.map(|(_, found)| found.study.as_ref())) {
+                (_, Some(None)) => continue,
+                (Format::Csv, _) => self.csv(Results::series)?,
+                (Format::Json, Some(study)) => serde_json::to_vec(&study)?,
+                (Format::Json, None) => {
+                    let json = self.of_each(|(_, found)| json!({ "series": found.series() }));
+                    serde_json::to_vec_pretty(&json)?
+                }
+                (Format::Npz, _) => npz::bytes(self.arrays())?,
+            };
+            write(name, found)?;
+            if let (Format::Csv, Some((_, found))) = (format, single)
+                && !found.lagged().is_empty()
+            {
+                write("lags", self.csv(Results::lagged)?)?;
+            }
+        }
+        Ok(files::write(&folder.join("index.html"), self.page(&figures))?)
+    }
+}
+
+/// Arrays of paths, which are taken, and of statistics.
+pub fn arrays(outcomes: &mut Outcomes<'_>) -> [Vec<Array>; 2] {
+    let (statistics, sweep) = (outcomes.arrays(), outcomes.sweep);
+    let single = outcomes.results.iter_mut().flatten().filter(|_| sweep.varied.is_empty());
+    let tables = single.flat_map(|results| take(&mut results.tables)).collect();
+    [npz::paths(sweep.scene(), kept(sweep.scene(), tables)).collect(), statistics]
+}
+
+/// Tables with the columns that a scene keeps.
+fn kept(scene: &Scene, mut tables: Vec<TimeSeries>) -> Vec<TimeSeries> {
+    // Of thousands of components it is found once for all tables.
+    let columns = tables.first().map_or(&[][..], |table| &table.columns);
+    let kept: Vec<bool> = columns.iter().map(|column| scene.keeps(&column.name)).collect();
+    for table in &mut tables {
+        let mut kept = kept.iter();
+        table.columns.retain(|_| kept.next().is_some_and(|kept| *kept));
+    }
+    tables
+}
+
+/// The same of what may be unknown.
+fn known(value: Option<f64>) -> String {
+    value.map_or("–".into(), digits)
+}
+
+/// The columns of [`at_end`].
+const AT_END: [&str; 7] =
+    ["at the end", "mean", "95 % interval", "step error", "deviation", "median", "5 % … 95 %"];
+
+/// The statistics at the final time.
+fn at_end(series: &Series, results: &Results) -> [String; 7] {
+    let (name, last) = (&series.observable, series.last());
+    let between = |(lo, hi)| format!("[{}, {}]", digits(lo), digits(hi));
+    let quantile = |level: f64| {
+        let found = last.quantiles.iter().find(|quantile| quantile.level == level);
+        match found.map(|found| (found.value, found.lo.zip(found.hi))) {
+            Some((None, Some(ends))) => between(ends),
+            found => known(found.and_then(|(value, _)| value)),
+        }
+    };
+    let why = || last.interval_note.clone().unwrap_or("–".into());
+    [
+        name.clone(),
+        known(last.mean),
+        last.mean_interval.map_or_else(why, between),
+        step_cell(step_errors(results, name)),
+        known(last.deviation),
+        quantile(0.5),
+        if last.quantiles.is_empty() {
+            "–".into()
+        } else {
+            format!("{} … {}", quantile(0.05), quantile(0.95))
+        },
+    ]
+}
+
+/// Paths whose values at the end are shown.
+const SHOWN_PATHS: usize = 5;
+
+/// The values at the end of the first of a few paths.
+fn paths_at_end(scene: &Scene, tables: &[TimeSeries]) -> Vec<Vec<String>> {
+    let shown = &tables[..tables.len().min(SHOWN_PATHS)];
+    let mut rows = vec![vec!["at the end".into()]];
+    rows[0].extend((0..shown.len()).map(|path| format!("path {path}")));
+    for Observable { name, .. } in &scene.observables {
+        let last =
+            |table: &TimeSeries| known(table.column(name).and_then(|all| all.last().copied()));
+        let mut row = vec![name.clone()];
+        row.extend(shown.iter().map(last));
+        rows.push(row);
+    }
+    rows
+}
+
+/// The results of a run for programs.
+fn summary((one, results): Run<'_>) -> Value {
+    let scene = &one.scene;
+    let last = |series: &Series| {
+        let mut last = json!(series.last());
+        last["step_error"] = json!(
+            step_errors(results, &series.observable)
+                .map(|[mean, deviation]| json!({ "mean": mean, "deviation": deviation }))
+        );
+        (series.observable.clone(), last)
+    };
+    let at_end = |study: &StudyResult| study.series.iter().map(last).collect::<Value>();
+    let halted = results.halted(scene).map(|(path, why)| json!({ "path": path, "why": why }));
+    json!({
+        "title": scene.title,
+        "scheme": results.scheme,
+        "because": results.because,
+        "steps": scene.settings.steps,
+        "paths": results.paths(),
+        "seed": scene.settings.key.seed,
+        "at_end": results.study.as_ref().map(at_end),
+        "step_check": results.check,
+        "warnings": results.warnings(scene),
+        "halted": halted.collect::<Vec<_>>(),
+        "seconds": results.seconds,
+    })
+}

@@ -1,0 +1,163 @@
+//! Step errors in words.
+
+use casimir::analysis::{
+    STIFF,
+    StepError::{self, About, Below, CannotTell, Fine},
+    StepErrors, TURN,
+};
+
+use crate::Results;
+use scenes::{Scene, digits};
+
+/// What is known of the step errors of the mean and of the deviation of an observable that a study
+/// shows with the half-width of its interval.
+pub fn step_errors(results: &Results, name: &str) -> Option<[StepError; 2]> {
+    let (study, check) = (results.study.as_ref()?, results.check.as_ref()?);
+    let errors = check.observables.iter().find(|errors| errors.observable == name)?;
+    let interval = study.series(name)?.last().mean_interval;
+    // Without an interval a step error is compared with the spread alone.
+    let sampling = interval.map_or(0.0, |(lo, hi)| 0.5 * (hi - lo));
+    let spread = errors.deviation.value;
+    Some([errors.mean, errors.deviation].map(|of| check.step_error(of, sampling, spread)))
+}
+
+/// The cell of a table: that of the mean, and in brackets that of the deviation.
+pub fn step_cell(errors: Option<[StepError; 2]>) -> String {
+    let Some(errors) = errors else { return "–".into() };
+    let [mean, deviation] = errors.map(|error| match error {
+        Fine(_) => None,
+        About(size) => Some(rough(size)),
+        Below(size) => Some(format!("< {}", rough(size))),
+        CannotTell => Some("?".into()),
+    });
+    let deviation = deviation.map_or(String::new(), |deviation| format!(" ({deviation})"));
+    mean.unwrap_or("small".into()) + &deviation
+}
+
+/// A step error of this part of a value leaves no digit of it.
+const NO_DIGIT: f64 = 0.5;
+
+/// The part of its energy that the fastest motion lacks is worth a word from this on, 0.46 radians
+/// in a step, and the part that is left with the steps that are advised.
+const LOST: f64 = 0.05;
+const LEFT: f64 = 0.01;
+
+/// The step errors that a reader must know of, the worst first; why they cannot be known, if half
+/// the step does not show them.
+pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
+    let Results { check: Some(check), study, tables, .. } = results else { return Vec::new() };
+    let mut lines = Vec::new();
+    let steps = scene.settings.steps;
+    let more = |times: f64| digits((steps as f64 * times).ceil());
+    let half = format!("{} paths with half the step", check.paths);
+    let all = check.failed + check.paths;
+    if all == 0 {
+        return lines; // interrupted before
+    }
+    let failed = (check.failed > 0)
+        .then(|| format!("{} of {all} paths of the check of the steps failed", check.failed));
+    let turns = format!("the fastest motion turns by {} radians in a step", rough(check.turn));
+    if check.damping > STIFF {
+        lines.push(format!(
+            "the damping of a step is exp(-{}): what happens within a step is not resolved, take \
+             more than {} steps",
+            digits(check.damping),
+            more(check.damping)
+        ));
+    }
+    if check.turn > TURN {
+        let steps = more(check.turn);
+        lines.push(format!("{turns}, which is not resolved: take more than {steps} steps"));
+    }
+    if let Some((t, enough)) = check.unresolved {
+        let take = enough.map_or("many more".into(), |steps| steps.to_string());
+        lines.push(format!(
+            "H(t) changes within a step near t = {} by more than from step to step: a step that is \
+             half as long may miss the same, take {take} steps",
+            digits(t)
+        ));
+    }
+    if !check.resolves() {
+        lines.extend(failed);
+        return lines;
+    }
+    let [mut worst, mut seen, mut below, mut hidden] = [const { Vec::new() }; 4];
+    // With the size of what it is an error of.
+    let mut sort = |name: String, error: StepError, size: f64| match error {
+        About(error) if error <= NO_DIGIT * size => {
+            let percent = rough(100.0 * error / size);
+            seen.push(format!("{name} about {} ({percent} %)", rough(error)));
+        }
+        About(_) => worst.push(name),
+        CannotTell => hidden.push(name),
+        Fine(_) | Below(_) => {}
+    };
+    let largest =
+        |all: &mut dyn Iterator<Item = f64>| all.fold(0.0f64, |most, x| most.max(x.abs()));
+    for StepErrors { observable, mean, deviation, along_paths } in &check.observables {
+        if let Some([first, second]) = step_errors(results, observable) {
+            // What passes zero at the end has digits along the later half of the way.
+            let series = study.iter().find_map(|study| study.series(observable));
+            let points = series.map_or(&[][..], |series| &series.points);
+            let later = || points[points.len() / 2..].iter();
+            let spread = largest(&mut later().filter_map(|point| point.deviation));
+            let size = largest(&mut later().filter_map(|point| point.mean)).max(spread);
+            sort(observable.clone(), first, size);
+            sort(format!("the deviation of {observable}"), second, spread);
+            if let Below(_) = first {
+                below.push(observable.clone());
+            }
+        } else if study.is_none() {
+            // Of single paths the difference itself is shown.
+            let columns = tables.iter().filter_map(|table| table.column(observable));
+            let later = columns.flat_map(|column| &column[column.len() / 2..]);
+            let size = largest(&mut later.copied())
+                .max(casimir::real::elementary::hypot(mean.value, deviation.value));
+            let along = 2.0 * along_paths;
+            if along > 0.01 * size {
+                sort(observable.clone(), About(along), size);
+            }
+        }
+    }
+    let along = if study.is_some() { "" } else { " along a path" };
+    if !worst.is_empty() {
+        let worst = worst.join(", ");
+        lines.push(format!(
+            "no digit{along} of {worst} is right: {steps} steps are too few, by {half}"
+        ));
+    }
+    if !seen.is_empty() {
+        lines.push(format!("step error{along} of {}; by {half}", seen.join(", of ")));
+    }
+    let is_unseen = !(below.is_empty() && hidden.is_empty());
+    if is_unseen && scene.problem().noises > 0 && check.energy_lost() >= LOST {
+        // Where x²/(1 + x²) is LEFT.
+        let enough = more(0.5 * check.turn * (1.0 / LEFT - 1.0).sqrt());
+        lines.push(format!(
+            "{turns}: where noise drives it, schemes like the midpoint rule give it about {} % too \
+             little energy, and {enough} steps 1 %",
+            rough(100.0 * check.energy_lost())
+        ));
+    }
+    if !below.is_empty() {
+        lines.push(format!(
+            "the step error of {} may exceed the sampling error, up to the number after <: {half} \
+             see none",
+            below.join(", ")
+        ));
+    }
+    if !hidden.is_empty() {
+        lines.push(format!(
+            "cannot tell the step error of {}: {half} see none, and would miss one as large as the \
+             deviation",
+            hidden.join(", ")
+        ));
+    }
+    lines.extend(failed);
+    lines
+}
+
+/// To two digits.
+fn rough(x: f64) -> String {
+    format!("{x:.1e}").parse().map_or("–".into(), digits)
+}

@@ -1,0 +1,153 @@
+//! Averages over the stationary law, and Lyapunov exponents.
+
+use std::time::Instant;
+
+use casimir::{
+    inspect::facts::{gibbs_marginal, is_divergence_free},
+    mc::{Checkpoint, Friction, Observe, RunError},
+    plot::figure::{Trace, lines},
+    schemes::BuiltIn,
+    stationary::{Averages, Equilibrium, EquilibriumSettings, StationaryMean},
+};
+use serde_json::json;
+
+use super::{Found, Watch, scheme, with_interval};
+use crate::{
+    failure::{Done, Failure},
+    output::Drawn,
+};
+use scenes::{Observable, Read, Scene, digits, model::with_names, refuse};
+
+/// Computes averages over the stationary law of a scene, or so many Lyapunov exponents, with chains
+/// that are kept if this is wanted, and so many path-steps at most.
+pub fn equilibrium(
+    scene: &Scene,
+    exponents: Option<usize>,
+    (chains, max_cost): (u64, u64),
+    keeping: Option<&Checkpoint>,
+    watch: &Watch,
+) -> Done<Found> {
+    // Without a wish, the first averages that chains are long enough for.
+    let accuracy = scene.accuracy.unwrap_or(f64::MAX);
+    scene.source.located(check(scene, exponents.is_none()))?;
+    let ((scheme, because), start) = (scheme(scene), Instant::now());
+    let settings = EquilibriumSettings {
+        key: scene.settings.key,
+        truncation: scene.settings.truncation,
+        weak_order: BuiltIn::named(&scheme).map_or(1.0, |scheme| scheme.properties().weak),
+        chains,
+        max_cost,
+        stop: watch.stop.clone(),
+        ..EquilibriumSettings::new(scene.settings.steps)
+    };
+    let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
+    let mut equilibrium = Equilibrium::new(scene.setup(&scheme)?, settings);
+    (equilibrium.watched, equilibrium.checkpoint) = (energy.collect(), keeping);
+    let of = if scene.expected.is_empty() { &scene.observables } else { &scene.expected };
+    let of_state = of.iter().filter(|phi| phi.quantity.is_of_state());
+    let phi: Vec<&dyn Observe> = of_state.map(|phi| phi as _).collect();
+    let found = watch
+        .until("chains come to their law", accuracy, |told| {
+            let equilibrium = Equilibrium { told: Box::new(told), ..equilibrium };
+            match exponents {
+                None => equilibrium.run(&phi, accuracy),
+                Some(count) => equilibrium.lyapunov(count, accuracy),
+            }
+        })
+        .map_err(|error| match error {
+            RunError::Stopped => Failure::Stopped("before the first averages".into()),
+            RunError::Ladder(error) => scene.steps_error(error).into(),
+            error => scene.source.error(None, error).into(),
+        })?;
+    let kt = scene.model.bath().and_then(|bath| bath.beta).map(|beta| 1.0 / beta);
+    let mut text = with_names(&found.to_string(), &scene.components);
+    if let Some(because) = &because {
+        text += &format!("{scheme}: {because}\n");
+    }
+    match (exponents, kt) {
+        (Some(count), _) => text += &contraction(scene, &found, count),
+        (None, Some(kt)) => {
+            let kt = digits(kt);
+            text += &format!("exp(-H0/kT) is stationary with kT = {kt}, if it has an integral\n");
+        }
+        _ => {}
+    }
+    text += &format!("{:.2} s\n", start.elapsed().as_secs_f64());
+    let mean = |mean: &StationaryMean| with_interval(mean, mean.interval(), mean.half_width());
+    let mut json = json!(found);
+    json["because"] = json!(because);
+    json["kT"] = json!(kt);
+    json["reached"] = found.reached().into();
+    json["estimates"] = found.means.iter().map(mean).collect();
+    json["accuracy"] = json!(scene.accuracy);
+    let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
+    Ok(Found::of(scene, &text, json, figures).to(found.reached(), scene.accuracy))
+}
+
+/// Refuses what has no stationary law, or is no function of the state.
+fn check(scene: &Scene, averages: bool) -> Read<()> {
+    let model = &scene.model;
+    if model.system().description().depends_on_time {
+        refuse!(
+            None,
+            "a system that depends on time has no stationary law: if it is periodic, make its \
+             phase a component, by a canonical pair (phi, J) with w*J in H0 and phi for w*t"
+        );
+    }
+    if model.constant_rates().is_none() {
+        refuse!(None, "a damping that depends on time has no stationary law");
+    }
+    let along = scene.expected.iter().find(|phi| !phi.quantity.is_of_state());
+    if let (true, Some(Observable { name, .. })) = (averages, along) {
+        refuse!(
+            None,
+            "averages over the stationary law are of functions of the state alone: leave out \
+             `{name}`"
+        );
+    }
+    Ok(())
+}
+
+/// The sum of all exponents beside what it must be, where fields B∇H have no divergence, so that
+/// damping alone contracts volume.
+fn contraction(scene: &Scene, found: &Averages, count: usize) -> String {
+    let (problem, system) = (scene.problem(), scene.model.system());
+    let d = scene.components.len();
+    let rates: f64 = Friction::rates(scene.model.friction(), 0.0, d).iter().sum();
+    let rate = rates + d as f64 * problem.damping.rate(0.0);
+    match found.means.last() {
+        Some(sum)
+            if count == d
+                && !system.description().is_transverse
+                && is_divergence_free(system, &problem.y0) =>
+        {
+            let (own, off) = (digits(-rate), sum.mean + rate);
+            format!("volume contracts by -Σγᵢ = {own}: the sum differs by {off:.1e}\n")
+        }
+        _ => String::new(),
+    }
+}
+
+/// The density of an average, beside that of e^{−H₀/kT} where this is known.
+fn drawn(scene: &Scene, mean: &StationaryMean, kt: Option<f64>) -> Option<Drawn> {
+    let histogram = mean.histogram.as_ref()?;
+    let (grid, counts) = (&histogram.grid, &histogram.counts);
+    let all = counts.iter().sum::<u64>() + histogram.below + histogram.above;
+    let first = counts.iter().position(|&count| count > 0)?;
+    let last = counts.iter().rposition(|&count| count > 0)?;
+    let middle = |k: usize| grid.edge(k as u32) + 0.5 * grid.width;
+    let x: Vec<f64> = (first..=last).map(middle).collect();
+    let density = |k: usize| counts[k] as f64 / (all as f64 * grid.width);
+    let points = x.iter().copied().zip((first..=last).map(density)).collect();
+    let mut traces = vec![Trace { name: "chains".into(), points }];
+    let place = scene.components.iter().position(|name| *name == mean.name);
+    let known = kt.zip(place).and_then(|(kt, place)| {
+        gibbs_marginal(scene.model.system(), &scene.problem().y0, place, 1.0 / kt, &x)
+    });
+    if let Some(known) = known {
+        let points = x.iter().copied().zip(known.iter().map(|y| y / grid.width)).collect();
+        traces.push(Trace { name: "exp(-H0/kT)".into(), points });
+    }
+    let svg = lines(&mean.name, &mean.name, "density", &traces);
+    Some(Drawn::of("density", &mean.name, svg, format!("The stationary density of {}.", mean.name)))
+}
