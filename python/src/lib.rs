@@ -182,7 +182,8 @@ fn citation(result: Option<&str>) -> PyResult<String> {
 
 /// Names of the scenes of the gallery.
 #[pyfunction]
-fn scenes() -> Vec<&'static str> {
+#[pyo3(name = "scenes")]
+fn gallery_scenes() -> Vec<&'static str> {
     gallery::GALLERY.iter().map(|(name, _)| *name).collect()
 }
 
@@ -211,7 +212,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(compare, module)?)?;
     module.add_function(wrap_pyfunction!(inspect, module)?)?;
     module.add_function(wrap_pyfunction!(citation, module)?)?;
-    module.add_function(wrap_pyfunction!(scenes, module)?)?;
+    module.add_function(wrap_pyfunction!(gallery_scenes, module)?)?;
     module.add_function(wrap_pyfunction!(scene, module)?)?;
     module.add_function(wrap_pyfunction!(schema, module)?)?;
     module.add_function(wrap_pyfunction!(referee::solver_noise, module)?)?;
