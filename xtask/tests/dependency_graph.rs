@@ -18,11 +18,18 @@ schemes: real systems dgrad nonlin noise
 kernels: schemes systems
 stats: real
 mc: stats real schemes systems noise nonlin
-analysis: mc stats formula schemes systems nonlin dgrad noise real
-plot: analysis mc stats real
-casimir: plot analysis mc stats formula schemes systems nonlin dgrad noise real
-verify: plot analysis mc stats kernels schemes systems nonlin dgrad noise real
-cli: casimir kernels
+study: mc stats noise real
+expectation: mc schemes systems stats noise real
+stationary: expectation study mc schemes stats noise real
+inspect: mc schemes systems noise real
+analysis: inspect mc stats formula schemes systems nonlin noise real
+plot: analysis study mc stats real
+casimir: plot analysis inspect stationary expectation study mc stats formula schemes systems \
+    nonlin dgrad noise real
+scenes: casimir kernels
+verbs: scenes casimir
+cli: verbs scenes casimir
+verify: plot analysis expectation mc stats kernels schemes systems nonlin dgrad noise real
 xtask:";
 
 fn allowed() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
