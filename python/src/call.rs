@@ -3,7 +3,7 @@
 
 use std::{
     sync::{
-        Mutex,
+        Arc, Mutex, PoisonError,
         mpsc::{self, RecvTimeoutError},
     },
     thread,
@@ -15,7 +15,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::{exceptions::PyKeyboardInterrupt, prelude::*, types::PyDict};
 use rayon::ThreadPoolBuilder;
 use verbs::{
-    self, ProgressBar, Watch,
+    self, Progress, Watch,
     failure::{Done, Failure},
     output::{Array, Drawn},
 };
@@ -52,12 +52,12 @@ pub fn watched<'py>(
     gives_what_is_done: bool,
     work: impl FnOnce(&Watch) -> Done<Found> + Send + 'static,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let say = |words: &str| eprintln!("{words}");
-    let watch = Watch { bar: ProgressBar::hidden(), say, stop: Stop::default() };
+    let begun = Instant::now();
+    let under_way = Arc::new(Work(Mutex::new((String::new(), 0, 0, begun))));
+    let watch = Watch { progress: Arc::clone(&under_way) as _, stop: Stop::default() };
     let (send, receive) = mpsc::channel();
     let receive = Mutex::new(receive);
     let own = watch.clone();
-    let begun = Instant::now();
     let worker = thread::spawn(move || {
         let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
         let found = match pool {
@@ -89,7 +89,7 @@ pub fn watched<'py>(
             _ => {}
         }
         if let Some(show) = show.as_ref().filter(|_| begun.elapsed() > SHORT) {
-            show.call1(py, (words(&watch.bar, begun),))?;
+            show.call1(py, (under_way.words(begun),))?;
         }
     };
     if let Some(show) = show.as_ref().filter(|_| begun.elapsed() > SHORT) {
@@ -106,16 +106,43 @@ pub fn watched<'py>(
     }
 }
 
-/// A line about what is under way.
-fn words(bar: &ProgressBar, begun: Instant) -> String {
-    let (what, seconds) = (bar.message(), begun.elapsed().as_secs());
-    match bar.length().unwrap_or(0) {
-        0 => format!("{seconds} s  {what}"),
-        all => {
-            let done = 100 * bar.position() / all;
-            let left = bar.eta().as_secs();
-            format!("{seconds} s  {done} % {what}, {left} s left")
+/// What is under way: its name, its path-steps, those that are done, and since when.
+struct Work(Mutex<(String, u64, u64, Instant)>);
+
+impl Work {
+    fn change(&self, change: impl FnOnce(&mut (String, u64, u64, Instant))) {
+        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// A line about it.
+    fn words(&self, begun: Instant) -> String {
+        let (what, all, done, since) =
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let seconds = begun.elapsed().as_secs();
+        if all == 0 {
+            return format!("{seconds} s  {what}");
         }
+        let part = done as f64 / all as f64;
+        let left = since.elapsed().as_secs_f64() * (1.0 / part - 1.0);
+        format!("{seconds} s  {:.0} % {what}, {left:.0} s left", 100.0 * part)
+    }
+}
+
+impl Progress for Work {
+    fn begin(&self, what: &str, path_steps: u64) {
+        self.change(|work| *work = (what.to_owned(), path_steps, 0, Instant::now()));
+    }
+
+    fn advance(&self, path_steps: u64) {
+        self.change(|work| work.2 += path_steps);
+    }
+
+    fn message(&self, words: &str) {
+        self.change(|work| work.0 = words.to_owned());
+    }
+
+    fn say(&self, words: &str) {
+        eprintln!("{words}");
     }
 }
 

@@ -35,9 +35,9 @@ pub fn compare(
         .map_err(|error| scene.source.error(None, error))?;
     let what = format!("errors and times of all schemes, {budget} s at most");
     let problem = scene.problem();
-    let comparison = watch.under(&what, 0, || {
+    let comparison = watch.under(&what, 0, |_| {
         let told = |least, left_s| {
-            watch.bar.set_message(format!(
+            watch.progress.message(&format!(
                 "error {least:.1e} so far, {error:.1e} wanted, {left_s:.0} s left at most"
             ));
         };

@@ -6,14 +6,14 @@ use std::{
 };
 
 use casimir::{
-    mc::{Simulation, parts::Stop},
+    mc::Simulation,
     plot::{Provenance, provenance},
     real::{Level, limit_to},
 };
 use rayon::ThreadPoolBuilder;
 
 use crate::{
-    Found, ProgressBar, Watch,
+    Found, Watch,
     failure::{Done, Failure},
 };
 use scenes::{Changes, Scene, Source, gallery};
@@ -90,7 +90,7 @@ pub fn self_test(Expected { bits, square, mean }: Expected) -> Done<(String, boo
     let off = off.max_by(f64::total_cmp).unwrap_or(f64::NAN);
     let words = format!("|y|² of a rigid body: expected {square:.12} ± 1e-12, came ± {off:.0e}");
     check(off <= 1e-12, words);
-    let watch = Watch { bar: ProgressBar::hidden(), say: |_| (), stop: Stop::default() };
+    let watch = Watch::new(());
     let mut kubo = scene("kubo")?;
     kubo.accuracy = Some(5e-4);
     let Found { json, unreached, .. } = crate::expect(&kubo, None, &watch)?;

@@ -12,7 +12,7 @@ use scenes::{Scene, digits, model::with_names};
 pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let model = &scene.model;
     let (problem, system) = (model.problem(), model.system());
-    let (known, bath, findings) = watch.under("looking at points", 0, || {
+    let (known, bath, findings) = watch.under("looking at points", 0, |_| {
         let settings = InspectSettings {
             run: Some(model.recommended()),
             y0: Some(problem.y0.clone()),

@@ -18,7 +18,8 @@ mod stationary;
 
 use std::{
     sync::{
-        Mutex, PoisonError,
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
         mpsc::{RecvTimeoutError, channel},
     },
     thread,
@@ -26,8 +27,6 @@ use std::{
 };
 
 use casimir::{mc::parts::Stop, schemes::BuiltIn, systems::Linearity};
-pub use indicatif::ProgressBar;
-use indicatif::ProgressStyle;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -89,15 +88,46 @@ fn with_interval(estimate: &impl Serialize, (lo, hi): (f64, f64), half_width: f6
     json
 }
 
-/// How a command tells how far it is, and what ends it early.
+/// Shows how far work is; by default nothing is shown.
+pub trait Progress: Send + Sync {
+    /// Work of so many path-steps begins; zero if their number is not known.
+    fn begin(&self, _what: &str, _path_steps: u64) {}
+
+    /// More path-steps are done.
+    fn advance(&self, _path_steps: u64) {}
+
+    /// What the work has come to.
+    fn message(&self, _words: &str) {}
+
+    /// The work ends.
+    fn end(&self) {}
+
+    /// Whether somebody sees it. If not, long work is spoken of.
+    fn is_seen(&self) -> bool {
+        false
+    }
+
+    /// Says a line.
+    fn say(&self, _words: &str) {}
+}
+
+/// Shows nothing.
+impl Progress for () {}
+
+/// What shows how far a verb is, and what ends it early.
 #[derive(Clone)]
 pub struct Watch {
-    /// The work that is under way.
-    pub bar: ProgressBar,
-    /// Says what long work has come to.
-    pub say: fn(&str),
+    /// Shows the work that is under way.
+    pub progress: Arc<dyn Progress>,
     /// Whether the end was asked for.
     pub stop: Stop,
+}
+
+impl Watch {
+    /// Shown by `progress`; nothing has asked for the end.
+    pub fn new(progress: impl Progress + 'static) -> Self {
+        Self { progress: Arc::new(progress), stop: Stop::default() }
+    }
 }
 
 /// After so long it is said how far work is, where no bar shows it.
@@ -116,7 +146,7 @@ impl Watch {
         let told = |half_width: f64, done: f64| {
             *last() = (half_width, now() / done);
             let left = now() * (1.0 / done - 1.0);
-            self.bar.set_message(format!(
+            self.progress.message(&format!(
                 "±{half_width:.1e} so far, ±{accuracy:.1e} wanted, about {left:.0} s left"
             ));
         };
@@ -133,40 +163,38 @@ impl Watch {
             };
             let since = since / 60.0;
             let words = format!("±{accuracy:e} is not reached in {since:.1} minutes: {so_far}");
-            self.bar.suspend(|| (self.say)(&words));
+            self.progress.say(&words);
         };
-        let result = watched(PATIENCE, say, || self.under(what, 0, || work(&told)));
+        let result = watched(PATIENCE, say, || self.under(what, 0, |_| work(&told)));
         say();
         result
     }
 
-    /// Does work of about so many path-steps, zero if that is not known, under the bar. Where the
-    /// output is no terminal it shows nothing, and it is said once how far long work is.
-    pub fn under<R>(&self, what: &str, path_steps: u64, work: impl FnOnce() -> R) -> R {
-        let template = match path_steps {
-            0 => "{elapsed:>4} {spinner} {msg}",
-            _ => "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left",
-        };
-        let style = ProgressStyle::with_template(template).expect("the template is valid");
-        let bar = &self.bar;
-        bar.set_style(style.progress_chars("=> "));
-        bar.set_length(path_steps);
-        bar.reset();
-        bar.set_message(what.to_owned());
-        let start = Instant::now();
+    /// Does work of about so many path-steps, zero if that is not known, which tells how many more
+    /// are done. Where nobody sees it, it is said once how far long work is.
+    pub fn under<R>(
+        &self,
+        what: &str,
+        path_steps: u64,
+        work: impl FnOnce(&(dyn Fn(u64) + Sync)) -> R,
+    ) -> R {
+        let (start, done, progress) = (Instant::now(), AtomicU64::new(0), &*self.progress);
+        progress.begin(what, path_steps);
         let say = || {
             let since = start.elapsed().as_secs_f64();
-            let left = since * (path_steps as f64 / bar.position() as f64 - 1.0);
+            let part = path_steps as f64 / done.load(Ordering::Relaxed) as f64;
+            let left = since * (part - 1.0);
             let known = left.is_finite().then(|| format!(", about {left:.0} s left"));
-            if bar.is_hidden() {
-                (self.say)(&format!("{what}: {since:.0} s so far{}", known.unwrap_or_default()));
+            if !progress.is_seen() {
+                progress.say(&format!("{what}: {since:.0} s so far{}", known.unwrap_or_default()));
             }
         };
-        if !bar.is_hidden() {
-            bar.enable_steady_tick(Duration::from_millis(200));
-        }
-        let result = watched(SOON, say, work);
-        bar.finish_and_clear();
+        let advance = |more| {
+            done.fetch_add(more, Ordering::Relaxed);
+            progress.advance(more);
+        };
+        let result = watched(SOON, say, || work(&advance));
+        progress.end();
         result
     }
 
@@ -229,7 +257,7 @@ fn coarsest_steps(until: f64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicU32, Ordering};
+    use std::sync::atomic::AtomicU32;
 
     use super::*;
 

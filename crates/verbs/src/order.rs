@@ -36,7 +36,7 @@ pub fn order(scene: &Scene, path_steps: u64, job: Option<&Arc<Job>>, watch: &Wat
             job.section(&format!("{kind} order, {quantity}: "));
         }
         let what = format!("{kind} order of {scheme} for {quantity}");
-        let order = watch.under(&what, 0, || match phi {
+        let order = watch.under(&what, 0, |_| match phi {
             Some(phi) => weak_order(setup, phi, &sizes, None),
             None => strong_order(setup, &sizes),
         });

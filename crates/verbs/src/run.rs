@@ -211,7 +211,6 @@ impl<'a> Ready<'a> {
             simulation = simulation.observing(observable.clone());
         }
         simulation.demand(steps, settings.tables).map_err(wrong)?;
-        let told = |done| watch.bar.inc(done);
         let mut study = None;
         if settings.is_study() {
             let wanted = StudySettings {
@@ -220,27 +219,30 @@ impl<'a> Ready<'a> {
                 ..StudySettings::new(steps, settings.times, settings.paths, truncation, key)
             };
             let new = || Study::new(&setup, observables, &wanted);
-            let of_all = watch.under(&format!("{prefix}bins"), 0, new).map_err(wrong)?;
+            let of_all = watch.under(&format!("{prefix}bins"), 0, |_| new()).map_err(wrong)?;
             if watch.stop.is_asked() {
                 return Ok(None);
             }
             let (what, cost) = (format!("{prefix}paths"), settings.paths.saturating_mul(steps));
-            study = watch.under(&what, cost, || of_all.telling(told).run_in(job, "study"));
+            study = watch.under(&what, cost, |told| of_all.telling(told).run_in(job, "study"));
         }
         let checked = checked_paths(settings.paths, &setup.problem);
         let phi: Vec<&dyn Observe> = observables.iter().map(|phi| phi as _).collect();
         let (what, cost) = (format!("{prefix}step errors"), steps.saturating_mul(3 * checked));
-        let check = watch.under(&what, cost, || {
+        let check = watch.under(&what, cost, |told| {
             let fastest = model.fastest();
-            step_check(&setup, &phi, steps, checked, fastest, (truncation, key), (job, &told))
+            step_check(&setup, &phi, steps, checked, fastest, (truncation, key), (job, told))
         });
         let check = check.map_err(|error| scene.steps_error(error))?;
         if settings.is_study() && study.is_none() {
             return Ok(None);
         }
-        simulation.told = Box::new(told);
         let (what, cost) = (format!("{prefix}tables"), settings.tables.saturating_mul(steps));
-        let paths = || simulation.paths(steps, key, 0..settings.tables);
+        let paths = |told: &(dyn Fn(u64) + Sync)| {
+            let mut simulation = simulation;
+            simulation.told = Box::new(told);
+            simulation.paths(steps, key, 0..settings.tables)
+        };
         let tables = watch.under(&what, cost, paths).map_err(wrong)?;
         let means = if study.is_none() { means(scene, &tables) } else { Vec::new() };
         let (known, seconds) = (model.known(), start.elapsed().as_secs_f64());

@@ -18,6 +18,7 @@ use casimir::{
     mc::parts::{Job, Program, Share, Stop, limit_threads},
     plot::files,
 };
+use indicatif::{ProgressBar, ProgressStyle};
 use scenes::{Changes, Scene, SceneError, SchemeAndSeed, Source};
 use serde::Serialize;
 #[cfg(unix)]
@@ -26,7 +27,7 @@ use signal_hook::{
     iterator::Signals,
 };
 use verbs::{
-    Found, ProgressBar, Watch,
+    Found, Progress, Watch,
     failure::{Done, Failure},
 };
 
@@ -40,7 +41,7 @@ use crate::arguments::On;
 /// for.
 fn read<T>(on: &On, read: impl FnOnce(Source) -> Result<T, SceneError>) -> Done<T> {
     let source = source(&on.scene)?;
-    let read = watch().under(READING, 0, || read(source))?;
+    let read = watch().under(READING, 0, |_| read(source))?;
     on.threads.map_or(Ok(()), limit_threads)?;
     on.out.as_deref().map_or(Ok(()), files::check)?;
     Ok(read)
@@ -84,10 +85,49 @@ fn going_on(file: &Path) {
     eprintln!("going on from {}; to begin anew, delete it", file.display());
 }
 
+/// A bar on the terminal.
+struct Bar(ProgressBar);
+
+impl Progress for Bar {
+    fn begin(&self, what: &str, path_steps: u64) {
+        let template = match path_steps {
+            0 => "{elapsed:>4} {spinner} {msg}",
+            _ => "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left",
+        };
+        let style = ProgressStyle::with_template(template).expect("the template is valid");
+        self.0.set_style(style.progress_chars("=> "));
+        self.0.set_length(path_steps);
+        self.0.reset();
+        self.message(what);
+        if self.is_seen() {
+            self.0.enable_steady_tick(Duration::from_millis(200));
+        }
+    }
+
+    fn advance(&self, path_steps: u64) {
+        self.0.inc(path_steps);
+    }
+
+    fn message(&self, words: &str) {
+        self.0.set_message(words.to_owned());
+    }
+
+    fn end(&self) {
+        self.0.finish_and_clear();
+    }
+
+    fn is_seen(&self) -> bool {
+        !self.0.is_hidden()
+    }
+
+    fn say(&self, words: &str) {
+        self.0.suspend(|| eprintln!("{words}"));
+    }
+}
+
 /// A bar on the terminal; a signal ends the process.
 fn watch() -> Watch {
-    let say = |words: &str| eprintln!("{words}");
-    Watch { bar: ProgressBar::new(0), say, stop: Stop::default() }
+    Watch::new(Bar(ProgressBar::new(0)))
 }
 
 /// Signals within this time are one wish: it may come as two.

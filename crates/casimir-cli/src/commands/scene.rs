@@ -30,7 +30,7 @@ pub fn run(Run { changes, write: formats, large, on }: &Run) -> Done {
         check_size(&sweep)?;
     }
     // The scenes are checked before the folder is made.
-    let ready = watch().under(READING, 0, || verbs::ready(&sweep, verbs::settle(&sweep)))?;
+    let ready = watch().under(READING, 0, |_| verbs::ready(&sweep, verbs::settle(&sweep)))?;
     let folder = folder(on, "run")?;
     prepare(&folder)?;
     let is_study = sweep.scene().settings.is_study();
@@ -78,7 +78,7 @@ pub fn write(found: &Outcomes<'_>, folder: &Path, formats: &[Format], json: bool
     } else {
         print(&found.text())
     };
-    watch().under("writing the results", 0, || found.write(folder, formats))?;
+    watch().under("writing the results", 0, |_| found.write(folder, formats))?;
     told?;
     if json { Ok(()) } else { print(&format!("report: {}\n", file.display())) }
 }
