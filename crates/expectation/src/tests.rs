@@ -8,12 +8,12 @@ use stats::{CentralMoments, ROUND_OFF};
 use systems::{Constant, Pendulum, Problem};
 
 use super::{
-    extrapolation::{alpha, beta},
+    extrapolation::{Extrapolation, alpha, beta},
     judge::{Evidence, deviation},
     level::{PathValues, Samples, Values, hull},
     report::{Estimate, Expectation, Judged, QUANTILE, Rate, Warning, WarningKind},
     resolution::{Motion, coupled, part, share, unresolved},
-    sum::{Term, UNSEEN},
+    sum::{Sum, Term, UNSEEN},
 };
 use mc::{DampingResolution, Observable, Observe, Setup, Statistic, View};
 
@@ -173,6 +173,27 @@ fn exponents_are_slopes_of_weighted_lines() {
         .collect();
     assert!(is_line(beta(&levels, 0).unwrap(), &points));
     assert_eq!(beta(&levels[..1], 0), None);
+}
+
+/// Sixteen replicates of skewness g: Hall's term of the two-sided coverage, by hand.
+#[test]
+fn a_skew_mean_has_a_wider_interval() {
+    let sum = |third: f64| Sum {
+        terms: vec![Term { variance: 0.25, third, ..Term::default() }],
+        extrapolation: Extrapolation { weights: [0.0; 2], size: 0.0, standard_error: 0.0 },
+        single: false,
+        replicates: 16.0,
+        confidence: 0.95,
+        lost: 0.0,
+    };
+    // Student's quantile of fifteen degrees of freedom, of tables.
+    let x: f64 = 2.131_449_546;
+    assert!((sum(0.0).quantile() - x).abs() < 1e-8);
+    // The variance of a replicate is four, its third moment 8g.
+    for g in [1.5, -1.5] {
+        let more = x * (x.powi(4) + 2.0 * x * x - 3.0) * g * g / (18.0 * 16.0);
+        assert!((sum(8.0 * g).quantile() - x - more).abs() < 1e-7, "{g}");
+    }
 }
 
 /// Motion whose fine path moves by one and whose coarse path is `q` away from it.

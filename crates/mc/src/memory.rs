@@ -81,6 +81,25 @@ mod tests {
         assert!(demand("no number", f64::NAN).is_err());
     }
 
+    /// In a process of its own, with a limit of 2 GiB, of which it takes 1 GiB.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_is_taken_counts_towards_a_limit() {
+        const LIMITED: &str = "CASIMIR_TEST_IS_LIMITED";
+        if std::env::var_os(LIMITED).is_some() {
+            let _taken = std::hint::black_box(Vec::<u8>::with_capacity(1 << 30));
+            assert!(demand("more than is left", 1.2e9).is_err());
+            return;
+        }
+        let own = "memory::tests::what_is_taken_counts_towards_a_limit";
+        let mut limited = std::process::Command::new("sh");
+        limited.args(["-c", "ulimit -v 2097152 && exec \"$0\" --exact \"$1\""]);
+        limited.arg(std::env::current_exe().unwrap()).arg(own).env(LIMITED, "");
+        let output = limited.output().unwrap();
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && said.contains("1 passed"), "{output:?}");
+    }
+
     #[cfg(target_os = "linux")]
     #[test]
     fn linux_says_what_is_free() {

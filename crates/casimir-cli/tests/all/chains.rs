@@ -155,6 +155,24 @@ steps = 2000
 "#;
     let told = found(scene, "lyapunov", &["--accuracy", "0.01"]);
     assert!(contains(&told, 0, -0.2) && told["reached"] == true, "{told:#}");
+    // Around an ellipse with axes of 3 and 1 ln|v| moves within ln 3, and the interval is twice as
+    // wide on each side. Less a line it moves within 1/6 more or less, which is half a period's
+    // part of the line, and within 1/10 less at the ends of batches, five in a period.
+    let ellipse = r#"
+[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "0.9*p^2 + 0.1*q^2"
+H = ["0.1*q"]
+[run]
+initial = [0, 0]
+until = 16
+steps = 160
+"#;
+    let told = found(ellipse, "lyapunov", &["--accuracy", "0.2"]);
+    let kept = told["time"].as_f64().unwrap() - told["burn_in"].as_f64().unwrap();
+    let range = number(&told, 0, "sampling") * kept / (2.0 * 3f64.ln());
+    assert!(range > 0.73 && range < 1.17 && contains(&told, 0, 0.0), "{range}: {told:#}");
 }
 
 #[test]

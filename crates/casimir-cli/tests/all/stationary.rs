@@ -208,6 +208,35 @@ fn the_bias_of_the_step_is_that_of_theory() {
 }
 
 #[test]
+fn a_start_that_is_forgotten_is_left_out_and_no_more() {
+    // A free particle: p falls like e^{-t}, and as slowly forgets what it was, p² twice as fast.
+    let scene = bath("0*q", "\"p\", \"p^2\"", 0.03).replace("[0.5, 0]", "[0, 1e14]");
+    let found = averaged(&scene);
+    assert!(found["reached"] == true && distance(&found, 1, 1.6) < MISSES, "{found:#}");
+    let number = |k: usize, key: &str| found["estimates"][k][key].as_f64().unwrap();
+    // The variance of 256 normal means has a relative error of √(2/255) = 0.089.
+    for (k, exact) in [(0, 1.0), (1, 0.5)] {
+        let ratio = number(k, "autocorrelation_time") / exact;
+        assert!((ratio - 1.0).abs() < 4.5 * 0.089, "{ratio}: {found:#}");
+    }
+    // After a first time of 16 p is 1.1e7. It exceeds 3.5 standard errors of the mean of a batch of
+    // 4 or 8 up to 16.1 or 16.5 from there. Twice the time to the end of that batch is left out.
+    let [burn_in, time] = ["burn_in", "time"].map(|key| found[key].as_f64().unwrap());
+    assert!(burn_in > 31.0 && burn_in < 2.0 * (17.5 + time / 24.0), "{burn_in} of {time}");
+    // The mean at τ, or for the weak order one that at 2τ taken from twice that, and what the other
+    // step sizes say of its error.
+    let level = |n: usize, m: usize| found["estimates"][1]["levels"][n][m].as_f64().unwrap();
+    let (coarse, middle, last) = (level(0, 1), level(1, 1), level(2, 0));
+    let (value, bias) = (number(1, "value"), number(1, "bias"));
+    let is_plain = value == last && bias >= coarse.abs() / 3.0;
+    let is_extrapolated = (value - (last - middle)).abs() < 1e-12;
+    let least = (coarse - 3.0 * middle).abs() - 1e-12;
+    assert!(is_plain || is_extrapolated && bias >= least, "{found:#}");
+    let whole = number(1, "sampling") + bias;
+    assert!((number(1, "hi") - value - whole).abs() < 1e-12, "{found:#}");
+}
+
+#[test]
 fn what_nobody_can_tell_is_said() {
     // 25 kT between the wells: no chain finds the other one, but for those that begin there.
     let stuck = bath("20*(q^2 - 1)^2", "\"q\"", 0.1).replace("steps = 160", "steps = 640");

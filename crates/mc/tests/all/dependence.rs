@@ -4,7 +4,7 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use mc::{Coefficients, Initial, Observable, Problem, Setup};
-use noise::{StepNoise, StreamKey, Truncation, WienerRows};
+use noise::{Purpose, StepNoise, StreamKey, Truncation, WienerRows};
 use nonlin::BlockStatus;
 use real::{Row, WIDTH};
 use schemes::{Method, Step, Stepper};
@@ -189,6 +189,34 @@ fn covered(seeds: u64, paths: u64, gamma: f64, rho: f64) -> Vec<(&'static str, u
 fn intervals_of_dependence_cover() {
     for (what, count) in covered(200, 128, GAMMA, RHO) {
         assert!((175..=199).contains(&count), "{what}: {count} of 200");
+    }
+}
+
+/// Leaving out each of eight paths once.
+#[test]
+fn few_paths_have_the_interval_of_their_jackknife() {
+    let found = found(5, 8, GAMMA);
+    let mut normals = vec![[0.0; WIDTH]; 2];
+    let key = StreamKey { seed: 5, experiment: 0 };
+    let key = key.beside(Purpose::InitialValues);
+    WienerRows::new(key, 0).increments(1.0, &mut normals);
+    let x = &normals[0];
+    let z = |p: usize| 3.0 + 2.0 * (RHO * x[p] + (1.0 - RHO * RHO).sqrt() * normals[1][p]);
+    let covariance = |left_out: usize| {
+        let paths = || (0..8).filter(|p| *p != left_out);
+        let n = paths().count() as f64;
+        let [mean_x, mean_z] = [paths().map(|p| x[p]).sum::<f64>(), paths().map(z).sum::<f64>()];
+        let product = |p: usize| (x[p] - mean_x / n) * (z(p) - mean_z / n);
+        paths().map(product).sum::<f64>() / (n - 1.0)
+    };
+    let whole = covariance(8);
+    let squares = (0..8).map(|p| (7.0 * (whole - covariance(p))).powi(2)).sum::<f64>();
+    // The quantile of Student's law with seven degrees of freedom.
+    let half = 2.364_624_252 * (squares / (8.0 * 7.0)).sqrt();
+    let point = &found.series("cov(x, z)").unwrap().points[0];
+    let (lo, hi) = point.mean_interval.unwrap();
+    for (found, exact) in [(point.mean.unwrap(), whole), (lo, whole - half), (hi, whole + half)] {
+        assert!((found - exact).abs() < 1e-8, "{found} {exact}");
     }
 }
 

@@ -245,6 +245,16 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
             assert!(halted.starts_with(&format!("step {} of", failure.step)), "{halted}: {text}");
         }
     }
+    // Alone, a coarse run names its own steps.
+    let coarse = vec![Run::new(bind(&problem, &sexp), 2)];
+    let coarse = self::ladder(&problem, (16, 2), 4, coarse).unwrap();
+    let coarse = coarse.run(samples, || Keep::<2>::new(4, 1));
+    assert!(!coarse.failures.is_empty());
+    for failure in &coarse.failures {
+        let words =
+            format!("tau = 0.25, step {}, t = {}", failure.step, 0.25 * failure.step as f64);
+        assert!(failure.to_string().contains(&words), "{failure}");
+    }
 }
 
 /// An explicit scheme that blows up says so in the step in which it does, the first one too.

@@ -250,6 +250,26 @@ fn local_noise_is_the_same(shape: Shape) {
     assert!(run(1, 1, 1) != expected);
 }
 
+/// A midpoint step moves a free spin by σ|ΔW| at most. Without bounds it moves one in eleven beyond
+/// σ√3 times the bound: none of 400 with a probability of 1e-16.
+#[test]
+fn local_noise_is_within_its_bounds() {
+    let couplings = Couplings { noise: 0.5, local: true, ..Couplings::default() };
+    let lattice = SpinLattice::one_path(Shape::open(&[400]).unwrap(), couplings).unwrap();
+    let problem = problem(lattice, 0.0, 0.5);
+    let farthest = |truncation| {
+        let mut path = LargePath::new(&problem, &Sexp, 1, truncation, KEY, 0).unwrap();
+        path.advance(1).unwrap();
+        let moved = |n: usize| path.component(n) - problem.y0()[n];
+        let of_spin = |n: usize| (0..3).map(|c| moved(3 * n + c).powi(2)).sum::<f64>().sqrt();
+        (0..400).map(of_spin).fold(0.0, f64::max)
+    };
+    // The bound √(2τ|ln τ|), on each of three noises.
+    let most = 0.5 * (3.0 * 2f64.ln()).sqrt();
+    assert!(farthest(Truncation::new(1).unwrap()) < most * (1.0 + 1e-9));
+    assert!(farthest(Truncation::none()) > most);
+}
+
 #[test]
 fn a_path_goes_on_from_its_file_with_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();

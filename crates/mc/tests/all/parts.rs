@@ -199,6 +199,8 @@ fn a_part_that_was_stopped_goes_on_where_it_was() {
                 Ok(sums) => break assert_eq!(sums, None),
                 Err(error) => assert!(matches!(error, JobError::Stopped), "{error}"),
             }
+            let missing = message(STUDY.merged(folder.path()));
+            assert!(missing.ends_with(["=1-2", "=2"][number as usize - 1]), "{missing}");
             stops += 1;
         }
     }
@@ -244,7 +246,8 @@ fn missing_parts_are_listed_and_can_be_added() {
 #[test]
 fn an_extended_study_has_the_bits_of_one_planned_so() {
     let folder = tempfile::tempdir().unwrap();
-    let small = Study { paths: 128 * 50, ..STUDY };
+    // Its last group is not full.
+    let small = Study { paths: 128 * 50 - 3, ..STUDY };
     small.run_parts(folder.path(), 1..=3, 3);
     assert_eq!(small.merged(folder.path()).unwrap(), small.here());
     // Before the parts ran again, the extension is not there.
@@ -255,6 +258,12 @@ fn an_extended_study_has_the_bits_of_one_planned_so() {
     // A part that comes late has nothing to do: one report, of what was done before.
     let late = STUDY.part(folder.path(), 2, 3).unwrap();
     assert_eq!(STUDY.counted(late), (Some(STUDY.here()), STUDY.work()));
+    // The small one is no longer there.
+    let again = small.part(folder.path(), 2, 3).and_then(|job| small.run(job));
+    for refused in [message(small.merged(folder.path())), message(again)] {
+        let words = "a number of paths 19217 of sum\nand here is\n  a number of paths 6397";
+        assert!(refused.contains(words), "{refused}");
+    }
 }
 
 /// From any number of paths to any larger one, within the last group too, and again. Only groups

@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use mc::{LadderError, NoiseOrigin, RunError, Setup, Simulation, StateFunction, write_csv};
+use mc::{
+    Friction, LadderError, NoiseOrigin, RunError, Setup, Simulation, StateFunction, write_csv,
+};
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
 use real::Real;
 use schemes::{EulerMaruyama, Sexp, WithSolver};
 use systems::{
-    Cosine, Damping, PoissonSystem, Problem,
+    Constant, Cosine, Damping, MaxwellBloch, Poisson3, PoissonSystem, Problem,
     lattice::{Couplings, Shape, SpinLattice},
     run_time,
 };
@@ -65,6 +67,42 @@ fn a_table_holds_the_trajectory_and_the_conformal_defect() {
         let law = (-2.0 * problem.damping().integral(0.0, *t)).exp() * casimir[0];
         assert!((defect - (value / law - 1.0)).abs() < 1e-14, "{t}");
     }
+}
+
+#[test]
+fn laws_decay_with_all_friction_and_defects_have_their_sign() {
+    // The damping of all components and friction on two of them, on one of these twice.
+    let damping = Constant::new(0.4).unwrap();
+    let problem = Problem::new(MaxwellBloch, damping, [1.0, 0.6, 0.8], 1.0).unwrap();
+    let on = |rate: f64, components: &[usize]| Friction {
+        damping: Arc::new(Constant::new(rate).unwrap()),
+        components: components.to_vec(),
+    };
+    let friction = [on(0.5, &[1, 2]), on(-0.1, &[2]), on(0.1, &[0]), on(-0.1, &[1])];
+    let setup = Setup::of(&problem, &Sexp).with_friction(&friction);
+    let table = Simulation::new(setup, k4()).path(64, KEY, 7).unwrap();
+    let columns = [table.times(), table.column("C").unwrap(), table.column("C defect").unwrap()];
+    for row in 0..=64 {
+        let [t, value, defect] = columns.map(|column| column[row]);
+        // A hundred roundings in the state, a few in the law.
+        let left = value / (0.5 * (-2.0 * 0.8 * t).exp()) - 1.0;
+        assert!(left.abs() < 128.0 * f64::EPSILON && defect.abs() < 128.0 * f64::EPSILON, "{t}");
+    }
+    // Euler's method multiplies a linear Casimir by 1 − γτ: one that is negative is above its law.
+    let (system, damping) = (Poisson3::new(0.1).unwrap(), Constant::new(0.5).unwrap());
+    let problem = Problem::new(system, damping, [0.25, -1.0, 0.25], 1.0).unwrap();
+    let simulation = Simulation::new(Setup::of(&problem, &EulerMaruyama), k4());
+    let table = simulation.path(64, KEY, 7).unwrap();
+    assert!(table.column("S").unwrap()[0] == -0.5 && table.halted.is_none());
+    for (n, defect) in (0..=64).zip(table.column("S defect").unwrap()) {
+        let exact = 1.0 - (1.0 - 0.5 / 64.0f64).powi(n) * (0.5 / 64.0 * f64::from(n)).exp();
+        assert!((defect - exact).abs() < 1e-12, "{n}: {defect} {exact}");
+    }
+    // A table that is cut short says where.
+    simulation.stop.now();
+    let table = simulation.path(64, KEY, 7).unwrap();
+    let end = table.times().last().copied().unwrap_or(0.0);
+    assert!(end < 1.0 && table.halted == Some(format!("stopped after t = {end}")), "{table:?}");
 }
 
 #[test]

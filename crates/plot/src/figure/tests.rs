@@ -3,20 +3,20 @@ use analysis::{
     Spread,
     compare::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Sampled},
 };
-use stats::Rate;
+use stats::{Point, Rate};
 
 use super::{
     axis::{Axis, Range},
-    canvas::markup,
+    canvas::{FAINT, GREY, INK, markup},
     chart::{Curve, Figure, Line, Measured, Plot},
     convergence::{order, overall_order, reference_slopes},
     frame::Frame,
-    look::of_schemes,
+    look::{BLUE, VERMILLION, of_schemes},
     study::{MOST_BARS, bars, pairs, percent},
     ticks::Ticks,
     *,
 };
-use crate::label::Label;
+use crate::{Kind, Series, label::Label};
 
 /// Checks that a figure is whole and has these words.
 #[track_caller]
@@ -92,6 +92,82 @@ pub(crate) fn small_comparison() -> Comparison {
         stopped: None,
         wall_s: 1.0,
     }
+}
+
+/// The points of each line of a figure that is neither of the axes nor of the grid.
+fn curves(svg: &str) -> Vec<Vec<(f64, f64)>> {
+    let is_curve = |line: &&str| ![INK, FAINT, GREY].iter().any(|color| line.contains(*color));
+    let points = |line: &str| -> Vec<(f64, f64)> {
+        let points = line.split("points=\"").nth(1).and_then(|rest| rest.split('"').next());
+        let number = |x: &str| x.parse::<f64>().unwrap();
+        let point = |xy: &str| xy.split_once(',').map(|(x, y)| (number(x), number(y)));
+        points.unwrap().split(' ').filter_map(point).collect()
+    };
+    svg.lines().filter(|line| line.starts_with("<polyline")).filter(is_curve).map(points).collect()
+}
+
+/// Bars reach over the intervals, with 1.96 standard errors to each side or as they are given.
+#[test]
+fn bars_are_intervals() {
+    for (kind, sign) in [(Kind::Strong, 1.0), (Kind::Weak, 1.0), (Kind::Weak, -1.0)] {
+        let point = |value: f64| Point::normal(value, sign * value, 0.2 * value);
+        let mut points: Vec<Point> = [0.1, 0.03, 0.001].map(point).to_vec();
+        let mut ends =
+            [1.0 - 1.96 * 0.2, 1.0 + 1.96 * 0.2].map(|end| [0.1, 0.03, 0.001].map(|x| x * end));
+        if let (Kind::Strong, Point::Error { lo, hi, .. }) = (kind, &mut points[1]) {
+            (*lo, *hi) = (Some(0.02), Some(0.07));
+            (ends[0][1], ends[1][1]) = (0.02, 0.07);
+        }
+        let series = Series {
+            scheme: "heun".into(),
+            quantity: "y(T)".into(),
+            points,
+            rate: None,
+            max_relative_defect: None,
+        };
+        let curves = curves(&convergence("", kind, &[series]));
+        let curve = curves.iter().find(|curve| curve.len() == 3).unwrap();
+        let scale = (curve[2].1 - curve[0].1) / 0.01f64.ln();
+        let is_bar = |curve: &&Vec<(f64, f64)>| curve.len() == 2 && curve[0].0 == curve[1].0;
+        let bars: Vec<_> = curves.iter().filter(is_bar).collect();
+        assert_eq!(bars.len(), 3);
+        for (n, bar) in bars.into_iter().enumerate() {
+            for (end, (_, y)) in ends.iter().zip(bar) {
+                // Places are rounded to integers, two of them here.
+                let exact = curve[0].1 + scale * f64::ln(end[n] / 0.1);
+                assert!((y - exact).abs() <= 1.5, "{kind:?} {n}: {y} {exact}");
+            }
+        }
+    }
+}
+
+/// Points that the reference does not resolve are left out, and times are in microseconds.
+#[test]
+fn points_of_a_comparison_are_at_their_times() {
+    let mut found = small_comparison();
+    let first = found.candidates[0].points[0].clone();
+    let point = |k: i32| ErrorPoint {
+        steps: 8 << k,
+        error: 0.1 * 0.5f64.powi(k),
+        resolved: k < 3,
+        time: Some(Spread { best: 1e-6 * 10f64.powi(k), median: 1.0, worst: 2.0 }),
+        ..first.clone()
+    };
+    found.candidates[0].points = (0..4).map(point).collect();
+    let svg = comparison(&found);
+    let curves: Vec<_> = curves(&svg).into_iter().filter(|curve| curve.len() > 2).collect();
+    assert_eq!(curves.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3]);
+    // The marks of 1, 10 and 100 are where the points are.
+    let marks = (0..3).map(|k| {
+        let is_mark =
+            |text: &&str| text.contains(&format!(">{k}</tspan>")) && text.contains("middle");
+        let mark = svg.split("<text x=\"").find(is_mark).unwrap();
+        mark.split('"').next().unwrap().parse::<f64>().unwrap()
+    });
+    assert_eq!(
+        curves[0].iter().map(|point| point.0).collect::<Vec<_>>(),
+        marks.collect::<Vec<_>>()
+    );
 }
 
 #[test]
@@ -206,6 +282,14 @@ fn numbers_are_cells() {
     let cells =
         |svg: &str| svg.split("<path").skip(1).map(|path| path.matches('M').count()).sum::<usize>();
     assert_eq!(cells(&svg), 4);
+    // From below, and from the left.
+    let svg = picture("", ((0.0, 1.0), "x"), ((0.0, 2.0), "y"), 2, &[1.0, 0.0, 0.0, -1.0]);
+    let [below, above] = [BLUE, VERMILLION].map(|color| {
+        let path = svg.lines().find(|line| line.contains("<path") && line.contains(color));
+        let place = path.unwrap().split("d=\"M").nth(1).and_then(|rest| rest.split('h').next());
+        place.unwrap().split(' ').map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>()
+    });
+    assert!(below[0] < above[0] && below[1] > above[1], "{below:?} {above:?}");
     let pictures = [("t = 0".to_owned(), values.to_vec()), ("t = 1".to_owned(), vec![1.0; 6])];
     let svg = strip("spins", 3, &pictures);
     is_whole(&svg, &["t = 0", "t = 1"]);
