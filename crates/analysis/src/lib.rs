@@ -1,7 +1,8 @@
-//! **What a system is, and what a scheme does on it, by measurements that can fail.**
+//! **What a scheme does on a system, by measurements that can fail.**
 //!
-//! [`inspect()`] says what a system is; [`strong_order`] and [`weak_order`] measure the order of a
-//! scheme with an interval; [`compare()`] says which scheme is cheapest for an error.
+//! [`strong_order`] and [`weak_order`] measure the order of a scheme with an interval;
+//! [`compare()`] says which scheme is cheapest for an error. What the system is, the crate `inspect`
+//! says.
 //!
 //! ```
 //! use analysis::{StepSizes, strong_order};
@@ -25,7 +26,6 @@
 //! | [`StepSizes`] | how it is measured |
 //! | [`Exact`] | an exact solution on sampled paths |
 //! | [`Referee`], [`SolverStates`], [`Judged`], [`Verdict`] | orders of solvers that are not ours |
-//! | [`inspect()`], [`facts::Facts`] | what a system is, and which statements apply |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`], [`aligned`], [`worse`] | moments; times; digits, tables |
 //! | [`step_check()`], [`StepCheck`], [`StepError`] | whether the steps of a run are short enough |

@@ -50,13 +50,10 @@
 //! | [`DriveResolution`] | whether they resolve Hamiltonians that change with time |
 //! | [`Simulation`], [`TimeSeries`] | tables of states, observables and invariants |
 //! | [`write_csv`] | tables as files |
-//! | [`mod@study`], [`StudySettings`] | means, quantiles and histograms of many paths in time |
 //! | [`Problem`], [`bind`], [`Setup`] | a problem, a scheme on its system, and both |
 //! | [`Setup::collecting`], [`Along`] | integrals and first passages along paths |
 //! | [`LargePath`] | one path of a large system |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
-//! | [`mod@expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme chosen or given |
-//! | [`mod@equilibrium`], [`Equilibrium`] | averages over the stationary law, Lyapunov exponents |
 //! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
 //!
 //! Dimension and number of noises are no part of a type here: [`Problem::of`], [`Setup::of`] and

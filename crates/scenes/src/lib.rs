@@ -1,6 +1,6 @@
 //! **Scenes: damped stochastic Poisson systems from a text file, for programs.**
 //!
-//! [`Scene::new`] reads a scene and checks it; its [`Model`](model::Model) is
+//! [`Scene::new`] reads a scene and checks it; its [`Model`] is
 //! the problem with every scheme for it. The program `casimir` is made of these.
 //!
 //! The way through: text → `file` (keys) → `run`, `observe` (checked) → `model`. What is computed

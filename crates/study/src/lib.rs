@@ -26,7 +26,7 @@
 //! are [`Wanted`].
 //!
 //! The intervals are those of sampling. The error of the step size is not in them:
-//! [`Expect`](expectation::Expect) bounds it.
+//! The crate `expectation` bounds it.
 //!
 //! ```
 //! use mc::{Observable, Setup};

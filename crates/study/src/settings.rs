@@ -115,9 +115,9 @@ impl StudySettings {
 }
 
 /// Everything that the result of a study depends on. Systems and damping are described by
-/// [`PoissonSystem::name`](systems::PoissonSystem::name),
-/// [`PoissonSystem::parameters`](systems::PoissonSystem::parameters) and
-/// [`Damping::describe`](systems::Damping::describe).
+/// `PoissonSystem::name`,
+/// `PoissonSystem::parameters` and
+/// `Damping::describe`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Version of this crate.

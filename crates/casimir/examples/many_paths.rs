@@ -2,7 +2,7 @@
 //! time. Writes a table, all of the result, and two figures.
 //!
 //! ```text
-//! cargo run --release -p casimir-poisson --example study
+//! cargo run --release -p casimir-poisson --example many_paths
 //! ```
 
 use casimir::plot::figure::{bands, histogram};
