@@ -83,7 +83,7 @@ pub const STIFF: f64 = 2.0;
 /// From this turn of a step on, half a step turns by more than a right angle.
 pub const TURN: f64 = std::f64::consts::PI;
 /// More failed paths than this part of all: those that are left are not what the equation does.
-const MOST_FAILED: f64 = 0.1;
+const MAX_FAILED: f64 = 0.1;
 /// Standard errors that a difference exceeds by chance with probability 0.003, 0.005 at 32 paths.
 const SEEN: f64 = 3.0;
 /// Standard errors that a difference which was not seen may hide.
@@ -97,16 +97,16 @@ const ROUNDING: [f64; 2] = [1e-12, 1e-7];
 const SHARE: u64 = 30;
 const PILOT: u64 = 1024;
 /// Doublings of the steps of which it is asked whether they resolve H(t).
-const MOST_DOUBLINGS: u32 = 12;
+const MAX_DOUBLINGS: u32 = 12;
 /// Most blocks: the check then sees a fiftieth of a deviation.
-const MOST_BLOCKS: u64 = 256;
+const MAX_BLOCKS: u64 = 256;
 
 impl StepCheck {
     /// Whether steps of half the size would show what is wrong.
     pub fn resolves(&self) -> bool {
         let all = (self.failed + self.paths) as f64;
         let motion = self.damping <= STIFF && self.turn <= TURN && self.unresolved.is_none();
-        motion && self.failed as f64 <= MOST_FAILED * all
+        motion && self.failed as f64 <= MAX_FAILED * all
     }
 
     /// The part of its energy that the fastest motion lacks, if noise drives it and damping limits
@@ -143,7 +143,7 @@ pub fn checked_paths(run: u64, problem: &Problem<'_>) -> u64 {
     let width = WIDTH as u64;
     match problem.noises == 0 && problem.initial.is_none() {
         true => 1,
-        false => width * ((run.saturating_add(PILOT)) / (SHARE * width)).clamp(1, MOST_BLOCKS),
+        false => width * ((run.saturating_add(PILOT)) / (SHARE * width)).clamp(1, MAX_BLOCKS),
     }
 }
 
@@ -183,7 +183,7 @@ pub fn step_check(
     let resolved = |steps: &u64| drive.unresolved(2 * steps).is_none();
     let unresolved = drive
         .unresolved(twice)
-        .map(|t| (t, (1..=MOST_DOUBLINGS).map_while(|k| steps.checked_shl(k)).find(resolved)));
+        .map(|t| (t, (1..=MAX_DOUBLINGS).map_while(|k| steps.checked_shl(k)).find(resolved)));
     let (last, dampings) = (end - end / steps as f64, setup.problem.dampings());
     Ok(Some(StepCheck {
         damping: dampings.map(|one| one.integral(last, end).abs()).fold(0.0, f64::max),

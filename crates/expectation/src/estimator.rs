@@ -40,7 +40,7 @@ const BIAS_PART: f64 = 0.5;
 /// varies, half of the statistical half-width may be round-off.
 const BIAS_ENOUGH: f64 = 1.0 / 64.0;
 /// With a larger part of the accuracy on the finest level allowed, more points are of no use.
-const MOST_BIAS: f64 = 0.5;
+const MAX_BIAS: f64 = 0.5;
 /// No more points of a replicate than these: twice as many have distinct numbers.
 const MAX_POINTS: u64 = 1 << 31;
 /// Independent replicates of the points of a level.
@@ -50,13 +50,13 @@ const REPLICATES: u64 = 32;
 /// more work.
 const OF_RANDOM_POINTS: f64 = 0.98;
 /// The error of scrambled points falls as N^{−3/2} at most (Owen 1997): as many more are needed.
-const LEAST_GROWTH: f64 = 2.0 / 3.0;
+const MIN_GROWTH: f64 = 2.0 / 3.0;
 /// More samples of the first level do not show a variance that so many have not shown.
-const MOST_SAMPLES: u64 = 1 << 24;
+const MAX_SAMPLES: u64 = 1 << 24;
 /// The part of the accuracy that paths which failed may have: with more, steps are halved.
 const LOST: f64 = 0.25;
 /// The part with which the accuracy may be reached where that does not help.
-const MOST_LOST: f64 = 0.5;
+const MAX_LOST: f64 = 0.5;
 /// Halving helps if the share of failed paths falls to this over the first levels.
 const FEWER: f64 = 0.5;
 /// Single paths are taken if they need less than the square of this of the path-steps,
@@ -69,9 +69,9 @@ const UNCOUPLED: f64 = 0.25;
 const BETWEEN: Duration = Duration::from_millis(500);
 
 /// The most levels of a path without noise: 2²² steps take seconds.
-const MOST_HALVINGS: usize = 22;
+const MAX_HALVINGS: usize = 22;
 /// In more dimensions Sobol points gain nothing over random ones, and take memory.
-const MOST_DIMENSIONS: u64 = 1 << 16;
+const MAX_DIMENSIONS: u64 = 1 << 16;
 
 /// The increments of the points of all scrambles. A path has the number of its replicate times
 /// [`ScrambledSobol::POINTS`], plus that of its point.
@@ -145,7 +145,7 @@ impl<'a> Estimator<'a> {
         let Setup { problem, scheme } = &candidate.setup;
         let settings = &request.expect.settings;
         let noisy = problem.noises > 0 || problem.initial.is_some();
-        let halvings = MOST_HALVINGS.saturating_sub(coarsest_steps.ilog2() as usize);
+        let halvings = MAX_HALVINGS.saturating_sub(coarsest_steps.ilog2() as usize);
         Self {
             candidate,
             request,
@@ -203,7 +203,7 @@ impl<'a> Estimator<'a> {
                     helps = Some(true);
                     break None;
                 }
-                if lost > MOST_LOST * accuracy {
+                if lost > MAX_LOST * accuracy {
                     helps = Some(false);
                     break out_of_reach(format!(
                         "a share of {before:.1e} of the paths fails, and {share:.1e} with steps an \
@@ -227,8 +227,8 @@ impl<'a> Estimator<'a> {
                 let begin = &self.levels[self.first];
                 let wide = sums.iter().any(wide);
                 let heavy = numbers.iter().any(|&k| begin.values[k].is_heavy());
-                let enough = !wide && (!heavy || begin.count() >= MOST_SAMPLES);
-                let most = MOST_BIAS * accuracy;
+                let enough = !wide && (!heavy || begin.count() >= MAX_SAMPLES);
+                let most = MAX_BIAS * accuracy;
                 let stuck = unresolved || sums.iter().any(|sum| sum.extrapolation.size > most);
                 if !self.noisy || enough || finer && stuck {
                     let text = format!("the bias is too large on the finest level allowed, {last}");
@@ -364,7 +364,7 @@ impl<'a> Estimator<'a> {
         let exponent = self.damping.lasting_exponent(last.level) / LARGEST_EXPONENT;
         match finer {
             false => {
-                let costs = sums.iter().map(|sum| sum.cost(self.request.accuracy, LEAST_GROWTH));
+                let costs = sums.iter().map(|sum| sum.cost(self.request.accuracy, MIN_GROWTH));
                 costs.fold(0.0, f64::max)
             }
             // A pilot on a level with as many more steps, and on those below it.
@@ -402,7 +402,7 @@ impl<'a> Estimator<'a> {
         let (levels, runs) = (usize::from(level > 0), self.candidate.runs(level > 0));
         let ladder = Ladder::of(problem, steps, levels, truncation, (key, family), runs)?;
         let mut ladder = ladder.fitting(GROUP_PATHS * self.replicates)?.telling(counted);
-        if self.sobol && steps.saturating_mul(problem.noises as u64) <= MOST_DIMENSIONS {
+        if self.sobol && steps.saturating_mul(problem.noises as u64) <= MAX_DIMENSIONS {
             let key = key.beside(family);
             let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end);
             let wiener = wiener.map_err(LadderError::from)?;

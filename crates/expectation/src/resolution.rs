@@ -38,7 +38,7 @@ pub const PARTS: usize = 3;
 /// The motion in a first part of the time has at least this size relative to that in all.
 const BEGUN: f64 = 0.1;
 /// And at least so many coarse steps.
-const FEWEST_TIMES: f64 = 8.0;
+const MIN_TIMES: f64 = 8.0;
 
 /// The part of the time that this one of `last` coarse times is in, counted from the end.
 pub fn part(time: u64, last: u64) -> usize {
@@ -194,7 +194,7 @@ fn begins_resolved(levels: [&Samples; 3], i: usize) -> bool {
         motion.sums(i)[1] / motion.points
     };
     (1..PARTS).any(|part| {
-        levels[0].motion[part].points >= FEWEST_TIMES * levels[0].paths as f64
+        levels[0].motion[part].points >= MIN_TIMES * levels[0].paths as f64
             && size(part) >= BEGUN * BEGUN * size(0)
             && resolved(quotients(levels, part, i))
     })

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::{
     Id,
     graph::{Binary, Graph, Node},
-    instruction::{Instruction, MOST_ROWS, OUT, Operation, Place, SCRATCH},
+    instruction::{Instruction, MAX_ROWS, OUT, Operation, Place, SCRATCH},
     join::joined,
     uniform::{Number, Numbers, ONE, uniform},
 };
@@ -37,7 +37,7 @@ pub fn compile(
             homes[index] = place.unwrap_or_else(|| panic!("input {k} is in no group"));
         }
         let Some(step) = &steps[index] else { continue };
-        let mut from = [Place::default(); MOST_ROWS];
+        let mut from = [Place::default(); MAX_ROWS];
         for (k, operand) in step.operands.iter().enumerate() {
             from[k] = homes[operand.index()];
             // A row that is not used after this instruction may be written by it.
@@ -62,7 +62,7 @@ pub fn compile(
     }
     // Results that are inputs, and results that are there already.
     for (row, output) in outputs.iter().enumerate() {
-        let mut from = [Place::default(); MOST_ROWS];
+        let mut from = [Place::default(); MAX_ROWS];
         from[0] = homes[output.index()];
         let to = Place { bank: OUT, row: row as u32 };
         if to != from[0] {

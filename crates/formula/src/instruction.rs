@@ -39,7 +39,7 @@ pub const SCRATCH: u32 = u32::MAX - 1;
 pub const OUT: u32 = u32::MAX;
 
 /// The most rows that an operation reads.
-pub const MOST_ROWS: usize = 4;
+pub const MAX_ROWS: usize = 4;
 
 /// A row of a bank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,7 +54,7 @@ pub struct Place {
 pub struct Instruction {
     pub operation: Operation,
     pub to: Place,
-    pub from: [Place; MOST_ROWS],
+    pub from: [Place; MAX_ROWS],
     /// Places in the numbers of the tape.
     pub numbers: [u32; 2],
 }

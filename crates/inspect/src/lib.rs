@@ -73,7 +73,7 @@ pub use theory::{Applies, ExpectedOrder, Recommendation, Theorem};
 /// Half the side of the box in which a system alone is inspected.
 const HALF_SIDE: f64 = 2.0;
 /// Most components of a system whose Casimirs are searched: of each there are D² numbers.
-const MOST_COMPONENTS: usize = 512;
+const MAX_COMPONENTS: usize = 512;
 /// Most components of a system that is inspected in a region and not only near its initial value.
 const SMALL: usize = 64;
 
@@ -145,7 +145,7 @@ pub fn inspect(
     let hamiltonians = Hamiltonians::of(&mut sight);
     let noise = Noises::of(&mut sight);
     let invariants = ClaimedInvariant::all(&mut sight);
-    let searched = rows_of_paths && sight.probe.dimension() <= MOST_COMPONENTS;
+    let searched = rows_of_paths && sight.probe.dimension() <= MAX_COMPONENTS;
     let casimirs = searched.then(|| Casimirs::of(&mut sight));
     // Friction may break what bounds paths.
     let uniform = settings.friction.is_empty();

@@ -16,11 +16,11 @@ use systems::{Damping, rate_integrals};
 use crate::{Setup, observable::splat};
 
 /// At this many times or fewer sums are compared with ∫γ.
-const MOST_TIMES: u64 = 1024;
+const MAX_TIMES: u64 = 1024;
 /// Parts of the quadrature, at least.
-const LEAST_PARTS: u64 = 256;
+const MIN_PARTS: u64 = 256;
 /// Steps beyond which no sum is formed: it takes a second.
-const MOST_STEPS: u64 = 1 << 24;
+const MAX_STEPS: u64 = 1 << 24;
 /// Relative error of the quadrature.
 const QUADRATURE: f64 = 1e-12;
 /// Step sizes below the one judged that are looked at, too.
@@ -79,10 +79,10 @@ impl<'a> DampingResolution<'a> {
 impl<'a> Resolution<'a> {
     fn new(damping: &'a dyn Damping, reads_rates: bool, t_end: f64, coarsest_steps: u64) -> Self {
         let mut times = coarsest_steps.max(1);
-        while times > MOST_TIMES {
+        while times > MAX_TIMES {
             times = if times.is_multiple_of(2) { times / 2 } else { 1 };
         }
-        let per_time = LEAST_PARTS.div_ceil(times);
+        let per_time = MIN_PARTS.div_ceil(times);
         let (parts, _) = rate_integrals(damping, t_end, (times * per_time) as u32);
         let mut sum = 0.0;
         let exact = parts.chunks(per_time as usize).map(|parts| {
@@ -111,7 +111,7 @@ impl<'a> Resolution<'a> {
     }
 
     fn measure(&self, halvings: usize) -> f64 {
-        let double = |steps, _| if steps < MOST_STEPS { 2 * steps } else { steps };
+        let double = |steps, _| if steps < MAX_STEPS { 2 * steps } else { steps };
         let steps = (0..halvings).fold(self.coarsest_steps, double);
         let (tau, per_time) = (self.t_end / steps as f64, steps / self.exact.len() as u64);
         let (mut sums, mut defect) = ([0.0; 4], 0.0f64);

@@ -101,13 +101,13 @@ pub struct Driver<'a> {
 pub struct StepTable(Vec<Vec<OnceLock<Step>>>);
 
 /// Most steps in a table, of a few megabytes.
-const MOST_STEPS: u64 = 1 << 14;
+const MAX_STEPS: u64 = 1 << 14;
 
 impl StepTable {
     /// The table of a ladder, before any step is known.
     pub fn new(finest_steps: u64, levels: usize) -> Self {
         let of_level = |level| (0..finest_steps >> level).map(|_| OnceLock::new()).collect();
-        let levels = if finest_steps > MOST_STEPS { 0..0 } else { 0..levels + 1 };
+        let levels = if finest_steps > MAX_STEPS { 0..0 } else { 0..levels + 1 };
         Self(levels.map(of_level).collect())
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::NoiseError;
 
 /// The largest number of terms.
-pub const MOST_AREA_TERMS: usize = 1 << 24;
+pub const MAX_AREA_TERMS: usize = 1 << 24;
 
 /// The root-mean-square error h^{3/2} of each area that a method of strong order one tolerates. The
 /// errors of the N = T/h steps are independent, so their sum has the size √N h^{3/2} = √T h.
@@ -41,7 +41,7 @@ pub fn area_error(step: f64, terms: usize, noises: usize) -> f64 {
 ///
 /// # Errors
 /// [`NoiseError`] unless `error` and `step` are positive and finite, and above
-/// [`MOST_AREA_TERMS`] terms.
+/// [`MAX_AREA_TERMS`] terms.
 pub fn area_terms(error: f64, step: f64, noises: usize) -> Result<usize, NoiseError> {
     NoiseError::unless_positive("the root-mean-square error of an area", error)?;
     NoiseError::unless_positive("the step of Lévy areas", step)?;
@@ -49,8 +49,8 @@ pub fn area_terms(error: f64, step: f64, noises: usize) -> Result<usize, NoiseEr
         return Ok(0);
     }
     let real = area_error(step, 1, noises) / error;
-    if real > MOST_AREA_TERMS as f64 || real.is_nan() {
-        let needs = format!("{real:.3e} terms a step, more than {MOST_AREA_TERMS}");
+    if real > MAX_AREA_TERMS as f64 || real.is_nan() {
+        let needs = format!("{real:.3e} terms a step, more than {MAX_AREA_TERMS}");
         return Err(NoiseError(format!("the error asked of the areas needs {needs}")));
     }
     // Rounding may have moved the quotient across an integer.

@@ -66,7 +66,7 @@ mod wiener;
 
 pub use area::{clip_areas, join};
 pub use area_sampler::{AreaPath, AreaSampler};
-pub use area_terms::{MOST_AREA_TERMS, area_error, area_terms, strong_order_one_error};
+pub use area_terms::{MAX_AREA_TERMS, area_error, area_terms, strong_order_one_error};
 pub use error::NoiseError;
 pub use inverse_normal::inverse_normal;
 pub use ladder::DyadicLadder;

@@ -12,14 +12,14 @@ pub(crate) const GUARD: f64 = (1u128 << 64) as f64;
 /// Largest number of Newton iterations at one s of the homotopy. After a contraction by
 /// [`CONTRACTION`] and then quadratic convergence, ten reach round-off. Twenty allow for slow
 /// initial convergence.
-pub const MOST_ITERATIONS: u32 = 20;
+pub const MAX_ITERATIONS: u32 = 20;
 
 /// The largest ratio of successive changes of Newton's method.
 pub const CONTRACTION: f64 = 0.5;
 
 /// The smallest step in s. The first accepted step is about 0.5/‖ψ′‖ for few unknowns, so ‖ψ′‖ may
 /// be up to 8000.
-pub const LEAST_STEP: f64 = 1.0 / 16384.0;
+pub const MIN_STEP: f64 = 1.0 / 16384.0;
 
 /// Changes that stagnate below √ε times the size of the unknowns are round-off. This is the
 /// attainable accuracy at a double root, where I − sψ′ is singular. Near a regular root Newton's

@@ -12,7 +12,7 @@
 
 use crate::{
     FixedPoint, Outcome, Solution,
-    criteria::{CONTRACTION, LEAST_STEP, MOST_ITERATIONS, ROUND_OFF, TOLERANCE},
+    criteria::{CONTRACTION, MAX_ITERATIONS, MIN_STEP, ROUND_OFF, TOLERANCE},
     elimination::solve_pivoted,
     sweep::linearised,
 };
@@ -37,7 +37,7 @@ pub fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> Solution<
             step *= 2.0;
         } else {
             step *= 0.5;
-            if step < LEAST_STEP {
+            if step < MIN_STEP {
                 return Solution {
                     z,
                     outcome: Outcome::Failed { residual: residual(equation, z) },
@@ -71,7 +71,7 @@ fn newton<E: FixedPoint<D>, const D: usize>(
     iterations: &mut u32,
 ) -> Option<([f64; D], [[f64; D]; D])> {
     let mut before = f64::INFINITY;
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         *iterations += 1;
         // I − sψ′ = (1 − s)I + s(I − ψ′), and likewise for the residual.
         let (mut jacobian, mut defect) = linearised(equation, z);

@@ -17,7 +17,7 @@ use super::{
 use crate::refuse;
 
 /// Fewest names z1, z2, … and u1, u2, … that there are.
-const LEAST_NAMES: usize = 9;
+const MIN_NAMES: usize = 9;
 
 /// Numbers on (0, 1): the squared radius of two normals is exponential.
 fn uniform(normals: &mut WienerRows) -> Row {
@@ -98,7 +98,7 @@ pub fn initial(
         Listed::List(texts) => texts,
         Listed::Text(file) => return of_file(source, file, at),
     };
-    let (mut names, number) = (constants.names.clone(), texts.len().max(LEAST_NAMES));
+    let (mut names, number) = (constants.names.clone(), texts.len().max(MIN_NAMES));
     for name in ["z", "u"].iter().flat_map(|kind| (1..=number).map(move |k| format!("{kind}{k}"))) {
         // A parameter may have the name.
         _ = names.variable(&name);

@@ -102,7 +102,7 @@ pub struct Scene {
 }
 
 /// More components than this are too many to be looked at one by one.
-pub const MOST_COMPONENTS: usize = 12;
+pub const MAX_COMPONENTS: usize = 12;
 
 impl Scene {
     /// The scene of a text, with the changes that a command line makes.
@@ -135,7 +135,7 @@ impl Scene {
         for Observable { name, quantity } in &given {
             vocabulary.add(name, Further::Quantity(quantity.clone()));
         }
-        if components.len() <= MOST_COMPONENTS {
+        if components.len() <= MAX_COMPONENTS {
             given.extend((0..components.len()).map(component));
         }
         let formulas = file.observe.iter().map(|(name, text)| (name, Ok(text)));
@@ -321,7 +321,7 @@ impl Scene {
                 let of_group = [is_component, is_law];
                 name == column || GROUPS.iter().zip(of_group).any(|(group, of)| of && name == group)
             }),
-            None => !is_component || self.components.len() <= MOST_COMPONENTS,
+            None => !is_component || self.components.len() <= MAX_COMPONENTS,
         }
     }
 }

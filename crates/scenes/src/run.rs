@@ -95,7 +95,7 @@ pub const FEW_PATHS: u64 = 100;
 /// Tables that are kept beside statistics.
 const TABLES: u64 = 3;
 /// Most saved times that are tried for others.
-const MOST_TRIED: u64 = 1_000_000;
+const MAX_TRIED: u64 = 1_000_000;
 /// Most saved times unless the scene says otherwise.
 const TIMES: u64 = 200;
 
@@ -126,7 +126,7 @@ impl Settings {
         let times = match &run.times {
             Some(times) if steps.is_multiple_of(times.0) => times.0,
             Some(times) if changes.steps.is_none() => {
-                let (given, near) = (times.0, divisor(times.0.min(MOST_TRIED)));
+                let (given, near) = (times.0, divisor(times.0.min(MAX_TRIED)));
                 refuse!(times, "{given} times do not divide {steps} steps: take {near}");
             }
             // Or the steps were changed on the command line.

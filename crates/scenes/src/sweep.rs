@@ -10,7 +10,7 @@ use super::{
     file::SceneFile,
     read::{self, among},
     source::{Read, SceneError, Source},
-    values::{At, MOST_VALUES, Parameter, Text, Values},
+    values::{At, MAX_VALUES, Parameter, Text, Values},
 };
 use crate::refuse;
 
@@ -113,10 +113,10 @@ impl Sweep {
         let changes = &Arc::new(changes.clone());
         let numbers = varied.iter().map(|one| one.values.len() as u64);
         let number = numbers.fold(1u64, u64::saturating_mul);
-        if number > MOST_VALUES {
+        if number > MAX_VALUES {
             refuse!(
                 varied[0].place.clone(),
-                "{number} combinations are too many: at most {MOST_VALUES}"
+                "{number} combinations are too many: at most {MAX_VALUES}"
             );
         }
         let combination = |k: usize| {

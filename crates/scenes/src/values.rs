@@ -166,7 +166,7 @@ impl Values {
                     let text = format!("{:.9e}", from + (to - from) * k as f64 / last);
                     text.parse().map_or(text, |x: f64| format!("{x:?}"))
                 };
-                Ok(Self((0..number.min(MOST_VALUES + 1)).map(value).collect()))
+                Ok(Self((0..number.min(MAX_VALUES + 1)).map(value).collect()))
             }
             _ => Err(format!("{text} is neither values such as 0.1,0.2 nor from:to:number")),
         }
@@ -174,7 +174,7 @@ impl Values {
 }
 
 /// More combinations than these take more files and pages than anybody reads.
-pub const MOST_VALUES: u64 = 10_000;
+pub const MAX_VALUES: u64 = 10_000;
 
 /// A number as it is written, or what stands in its place.
 pub fn number(value: &Value) -> String {

@@ -24,9 +24,9 @@ use systems::{Cosine, RigidBody};
 const FIRST_SWEEP: usize = 11 * 9 * 2;
 /// Its least share of full vectors. What all paths share is computed before the loop or costs an
 /// instruction or two.
-const LEAST_SHARE_OF_THE_LOOP: f64 = 0.95;
+const MIN_SHARE_OF_THE_LOOP: f64 = 0.95;
 /// The least share of full vectors in all arithmetic, were every loop compiled twice.
-const LEAST_SHARE: f64 = 0.5;
+const MIN_SHARE: f64 = 0.5;
 
 /// Makes the compiler put the kernel into this binary; that it also works is not the question here.
 fn use_the_kernel() {
@@ -58,11 +58,11 @@ fn packed(level: Level, instruction_set: &str, vector: usize) {
             "{instruction_set}: no first sweep on full vectors: {version:?}"
         );
         assert!(
-            heaviest.share(vector) >= LEAST_SHARE_OF_THE_LOOP,
+            heaviest.share(vector) >= MIN_SHARE_OF_THE_LOOP,
             "{instruction_set}: scalar left over: {version:?}"
         );
         assert!(
-            version.whole.share(vector) >= LEAST_SHARE,
+            version.whole.share(vector) >= MIN_SHARE,
             "{instruction_set}: mostly narrow: {version:?}"
         );
     }

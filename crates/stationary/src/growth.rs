@@ -21,7 +21,7 @@ const BENT: f64 = 3.0;
 /// Standard deviations that the range of a Brownian bridge exceeds with a probability of 5 %.
 const KUIPER: f64 = 1.747;
 /// The largest power of t: a shear has one, and less symmetric systems seldom more than 3.
-const MOST_POWER: f64 = 3.0;
+const MAX_POWER: f64 = 3.0;
 
 /// λt + k ln t with t in batches.
 struct Fit {
@@ -85,7 +85,7 @@ pub fn unsettled(
     let exceeds = |(value, error): (f64, f64), times: f64| value > times * error;
     let falls = exceeds((sign * all.power.0, all.power.1), SEEN);
     let is_seen = exceeds((sign * kept.slope.0, kept.slope.1), SEEN);
-    let is_power = mean.abs() <= MOST_POWER * kept.logarithm;
+    let is_power = mean.abs() <= MAX_POWER * kept.logarithm;
     let (slope, error) = kept.slope;
     let rises = sign * kept.power.0 < 0.0;
     let is_bent = exceeds((kept.power.0.abs(), kept.power.1), BENT) && !(lo..=hi).contains(&slope);

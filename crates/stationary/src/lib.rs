@@ -156,9 +156,9 @@ const STEPS: u64 = (1 << LEVELS) - 1;
 /// What multiplies the noise of chains at first.
 const HEAT: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 /// Steps are halved at most so often.
-const MOST_HALVINGS: u32 = 20;
+const MAX_HALVINGS: u32 = 20;
 /// And so often where all chains fail, or as many as before fail.
-const MOST_REVIVALS: u32 = 3;
+const MAX_REVIVALS: u32 = 3;
 
 impl<'a> Equilibrium<'a> {
     /// Averages of a problem with a scheme.
@@ -216,10 +216,10 @@ impl<'a> Equilibrium<'a> {
                 let now = Averages::new(&chains, settings, (of, id, tau), accuracy, watched);
                 let half_width = now.half_width();
                 told(half_width, (accuracy / half_width).powi(2).min(1.0));
-                let halves = now.wants_shorter_steps() && chains.halvings < MOST_HALVINGS;
+                let halves = now.wants_shorter_steps() && chains.halvings < MAX_HALVINGS;
                 // Averages that shorter steps do not make finite.
                 let fails = now.fails && halves;
-                let few_revivals = chains.halvings < MOST_REVIVALS;
+                let few_revivals = chains.halvings < MAX_REVIVALS;
                 let helps = few_revivals || 2 * chains.failed() <= chains.failed_before;
                 let hopeful = half_width.is_finite() && (!fails || helps) || fails && few_revivals;
                 let since = chains.spent - chains.spent_before;

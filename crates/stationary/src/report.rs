@@ -104,7 +104,7 @@ const BIAS_ENOUGH: f64 = 1.0 / 32.0;
 /// Standard errors by which differences of step sizes exceed what they should be, or zero.
 const EXCEEDS: f64 = 3.0;
 /// The part of 2ᵖ by which differences fall at least: the next power of τ makes it less.
-const LEAST_FALL: f64 = 0.85;
+const MIN_FALL: f64 = 0.85;
 /// Standard errors by which early batches differ from late ones: chance does it once in 2000.
 const DRIFTS: f64 = 3.5;
 /// The variance over the chains of a batch that is no burn-in, over that of late ones, at most.
@@ -117,7 +117,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// What rounding may make of a mean.
 const ROUND_OFF: f64 = 1e-12;
 /// Autocorrelation times that a chain has at least.
-const LEAST_LENGTH: f64 = 20.0;
+const MIN_LENGTH: f64 = 20.0;
 /// More path-steps than allowed that a forecast may take.
 const MARGIN: f64 = 2.0;
 /// The variance of a chain over that of independent batches, at most.
@@ -274,7 +274,7 @@ impl Averages {
 impl StationaryMean {
     /// How many times longer chains must be for an accuracy, at least.
     fn lacks(&self, accuracy: f64) -> f64 {
-        let length = if self.unknown.is_some() { LEAST_LENGTH / self.lengths } else { 1.0 };
+        let length = if self.unknown.is_some() { MIN_LENGTH / self.lengths } else { 1.0 };
         length.max((self.sampling / accuracy).powi(2))
     }
 }
@@ -312,7 +312,7 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
     let (coarse, fine) = (kept.mean([1.0, -1.0, 0.0]), kept.mean([0.0, 1.0, -1.0]));
     let seen = |(mean, error): (f64, f64)| mean.abs() > EXCEEDS * error;
     let turns = coarse.0 * fine.0 < 0.0;
-    let (sign, least) = (if turns { -1.0 } else { 1.0 }, LEAST_FALL * exp2(order));
+    let (sign, least) = (if turns { -1.0 } else { 1.0 }, MIN_FALL * exp2(order));
     let (excess, error) = kept.mean([-sign, sign + least, -least]);
     let slow = excess * fine.0.signum() > EXCEEDS * error;
     let ways = match slow || turns && seen(coarse) && seen(fine) {
@@ -338,15 +338,15 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
     let lengths = match is_average {
         true => 2.0 / ratio,
         false if of_mean.sqrt() <= ROUND_OFF * mean.abs() => f64::INFINITY,
-        false => LEAST_LENGTH * ALIKE * kept.of_batches / of_mean,
+        false => MIN_LENGTH * ALIKE * kept.of_batches / of_mean,
     };
     let unknown = if !mean.is_finite() {
         Some("it is not finite".into())
-    } else if lengths < LEAST_LENGTH {
+    } else if lengths < MIN_LENGTH {
         Some(match is_average {
             true => format!(
                 "the chains are {lengths:.1} autocorrelation times long, or disagree: \
-                 {LEAST_LENGTH} are wanted"
+                 {MIN_LENGTH} are wanted"
             ),
             false => "the chains are too short, or disagree".into(),
         })

@@ -25,8 +25,8 @@ use super::{
 use mc::Observe;
 
 /// Components watched at most, and values of all chains in a batch.
-const MOST_COMPONENTS: usize = 61;
-const MOST_VALUES: usize = 1 << 18;
+const MAX_COMPONENTS: usize = 61;
+const MAX_VALUES: usize = 1 << 18;
 /// Sums over every third component: the directions of spins.
 const SUMS: usize = 3;
 /// z of a function that keeps its wells, and z² of an average that depends on those of one.
@@ -59,7 +59,7 @@ pub struct Well {
 impl Watched<'_> {
     /// The components that are watched, spread over all.
     fn components(&self) -> impl Iterator<Item = usize> {
-        let shown = self.dimension.min((MOST_VALUES / self.chains).clamp(1, MOST_COMPONENTS));
+        let shown = self.dimension.min((MAX_VALUES / self.chains).clamp(1, MAX_COMPONENTS));
         let dimension = self.dimension;
         (0..shown).map(move |k| k * dimension / shown)
     }

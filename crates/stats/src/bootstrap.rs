@@ -28,7 +28,7 @@ const RESAMPLES: usize = 399;
 /// The quantiles' rank for 95 %.
 const RANK: usize = 10;
 /// With fewer batches the quantiles of t* are those of a few values that come again and again.
-const LEAST_BATCHES: usize = 32;
+const MIN_BATCHES: usize = 32;
 
 /// How far the interval reaches below and above θ, in standard errors of θ; `None` with fewer than
 /// 32 paths.
@@ -37,7 +37,7 @@ const LEAST_BATCHES: usize = 32;
 pub fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(f64, f64)> {
     let counts: Vec<f64> = squares.batches().map(|(count, _)| count as f64).collect();
     let (batches, total) = (counts.len(), gain.iter().sum::<f64>());
-    if batches < LEAST_BATCHES {
+    if batches < MIN_BATCHES {
         return None;
     }
     // Scaled by their means, so that logarithms of means are differences to the estimate.

@@ -33,7 +33,7 @@ const STANDSTILL: f64 = 1e-9;
 /// Or after this many steps.
 const GAUSS_NEWTON_STEPS: u32 = 50;
 /// The corrections may take away this much of the leading term, and no more: 1 − 1/50.
-const LEAST_FACTOR: f64 = 0.02;
+const MIN_FACTOR: f64 = 0.02;
 
 /// The factor (1 + bτ^c)^k of a mean square by the next order of the error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +146,7 @@ impl<'a> LogMeanSquares<'a> {
     }
 
     /// The model linearised about the last b until it stands still. Steps are halved while the
-    /// argument of the logarithm would fall below [`LEAST_FACTOR`].
+    /// argument of the logarithm would fall below [`MIN_FACTOR`].
     fn gauss_newton<'w>(&self, weighting: &'w Weighting, bend: Option<Bend>) -> Option<Fit<'w>> {
         let Bend { power, exponent } = bend.unwrap_or(Bend::LINEAR);
         let taus = &self.taus;
@@ -165,7 +165,7 @@ impl<'a> LogMeanSquares<'a> {
             let target: Vec<f64> = self.values.iter().zip(known).map(|(y, k)| y - k).collect();
             let fit = weighting.fit(&design, &target)?;
             let mut step = bend.map_or(0.0, |_| fit.parameters[2] - b);
-            while factors(b + step).iter().any(|&factor| factor < LEAST_FACTOR) {
+            while factors(b + step).iter().any(|&factor| factor < MIN_FACTOR) {
                 step *= 0.5;
             }
             left -= 1;

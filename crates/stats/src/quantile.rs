@@ -14,7 +14,7 @@ const NORMAL_DEGREES: f64 = 1e6;
 /// The normal quantile of [`CONFIDENCE`].
 const NORMAL: f64 = 1.959_963_984_540_054_2;
 /// Steps of Newton's method at most: heavy tails of probability 2⁻¹⁰⁰⁰ take a thousand.
-const MOST_STEPS: u32 = 1000;
+const MAX_STEPS: u32 = 1000;
 
 /// The two-sided quantile: with probability `confidence` a standard variable is at most this far
 /// from zero. The variable is Student's with so many degrees of freedom, or normal without any.
@@ -31,7 +31,7 @@ pub fn two_sided(confidence: f64, student_degrees: Option<f64>) -> f64 {
     };
     let mut t = 0.0;
     // The tail is convex, so that Newton's method from 0 on does not pass the quantile.
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let square: f64 = t * t;
         let (tail, fall) = match degrees {
             None => (gamma_above(0.5, 0.5 * square), 0.5 * square),

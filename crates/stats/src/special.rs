@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use real::elementary::{exp, ln};
 
 /// Terms of a series or fraction at most; with a million degrees of freedom some hundreds.
-const MOST_TERMS: u32 = 100_000;
+const MAX_TERMS: u32 = 100_000;
 /// Changes below this part end a series or fraction.
 const UNCHANGED: f64 = 4.0 * f64::EPSILON;
 
@@ -26,7 +26,7 @@ pub fn ln_gamma(x: f64) -> f64 {
 /// 1/(1 + a₁/(1 + a₂/(1 + …))) by the method of Lentz, where a_k is a function of k.
 fn fraction(a: impl Fn(f64) -> f64) -> f64 {
     let (mut value, mut c, mut d) = (1.0, 1.0, 0.0);
-    for k in 1..=MOST_TERMS {
+    for k in 1..=MAX_TERMS {
         let a = a(f64::from(k));
         d = 1.0 / (1.0 + a * d);
         c = 1.0 + a / c;
@@ -51,7 +51,7 @@ pub fn gamma_above(a: f64, x: f64) -> f64 {
         return factor / x * fraction(term);
     }
     let (mut term, mut sum) = (1.0 / a, 1.0 / a);
-    for k in 1..=MOST_TERMS {
+    for k in 1..=MAX_TERMS {
         term *= x / (a + f64::from(k));
         sum += term;
         if term < UNCHANGED * sum {

@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// Fewer levels than this make no fit from which others have been left out.
-const LEAST_LEVELS: usize = 4;
+const MIN_LEVELS: usize = 4;
 
 /// The strong order from squares at several step sizes, coarsest first.
 ///
@@ -46,15 +46,15 @@ pub fn fit_strong(taus: &[f64], squares: &CrossMoments) -> Option<Rate> {
     let (reliable, few): (Vec<usize>, Vec<usize>) =
         all.iter().partition(|&&l| squares.effective_samples(l) >= FEW_SAMPLES);
     let (mut levels, left_out) =
-        if reliable.len() < LEAST_LEVELS { (all, Vec::new()) } else { (reliable, few) };
+        if reliable.len() < MIN_LEVELS { (all, Vec::new()) } else { (reliable, few) };
     let mut coarse = Vec::new();
     let (logarithms, estimate) = loop {
         let logarithms = LogMeanSquares::new(taus, squares, levels.clone())?;
-        let mut estimate = logarithms.fit((levels.len() > LEAST_LEVELS).then_some(Bend::LINEAR))?;
-        if levels.len() == LEAST_LEVELS && estimate.rate.misfits() {
+        let mut estimate = logarithms.fit((levels.len() > MIN_LEVELS).then_some(Bend::LINEAR))?;
+        if levels.len() == MIN_LEVELS && estimate.rate.misfits() {
             estimate = logarithms.fit(Some(Bend::LINEAR))?;
         }
-        if !estimate.rate.misfits() || levels.len() <= LEAST_LEVELS {
+        if !estimate.rate.misfits() || levels.len() <= MIN_LEVELS {
             break (logarithms, estimate);
         }
         coarse.push(taus[levels.remove(0)]);

@@ -31,7 +31,7 @@ const FEWEST: usize = 16;
 /// The tail is no more than this part of the values.
 const PART: usize = 5;
 /// Below this kurtosis (the exponential law has nine) nothing is asked.
-const LEAST_KURTOSIS: f64 = 10.0;
+const MIN_KURTOSIS: f64 = 10.0;
 
 /// The tail of a law that is too heavy for intervals of means; zero for other laws.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -77,7 +77,7 @@ impl fmt::Display for Tail {
 impl CentralMoments {
     /// Whether the distribution may be so heavy that an interval of its mean is wrong.
     pub fn may_be_heavy(&self) -> bool {
-        self.kurtosis() > LEAST_KURTOSIS && !self.is_two_valued()
+        self.kurtosis() > MIN_KURTOSIS && !self.is_two_valued()
     }
 
     /// The tail on the side of the furthest sample, by some of these samples.

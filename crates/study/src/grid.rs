@@ -22,7 +22,7 @@ pub struct Grid {
 const MARGIN: f64 = 0.125;
 /// It is widened at least by this part of its size, so that edges are exact: bins of a constant
 /// are wider than a thousand roundings.
-const LEAST_MARGIN: f64 = 1.0 / (1u64 << 32) as f64;
+const MIN_MARGIN: f64 = 1.0 / (1u64 << 32) as f64;
 /// Values beyond ± this size are never inside of a grid.
 const LARGEST: f64 = 1e300;
 
@@ -33,7 +33,7 @@ impl Grid {
         let (lo, hi) = range.unwrap_or((0.0, 0.0));
         let [lo, hi] = [lo, hi].map(|end| end.clamp(-LARGEST, LARGEST));
         let size = lo.abs().max(hi.abs());
-        let margin = match (MARGIN * (hi - lo)).max(LEAST_MARGIN * size) {
+        let margin = match (MARGIN * (hi - lo)).max(MIN_MARGIN * size) {
             0.0 => 1.0,
             margin => margin.max(f64::MIN_POSITIVE * 2f64.powi(60)),
         };

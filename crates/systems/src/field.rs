@@ -141,7 +141,7 @@ const DIRECTIONS: u32 = 4;
 /// Halvings of a distance until the point is in the domain.
 const HALVINGS: u32 = 60;
 /// Least number of points.
-const LEAST_POINTS: usize = 3;
+const MIN_POINTS: usize = 3;
 
 /// Whether the noise fields fₘ = B∇Hₘ commute.
 ///
@@ -206,7 +206,7 @@ pub fn vanish(
         let (values, piecewise) = Bounded::piecewise(|| functions(&point));
         !piecewise && values.iter().all(|x| x.value.abs() <= x.error && x.error.is_finite())
     };
-    points.len() >= LEAST_POINTS && points.iter().all(vanish_at)
+    points.len() >= MIN_POINTS && points.iter().all(vanish_at)
 }
 
 /// y, and points around it in several directions, moved towards y into the domain.

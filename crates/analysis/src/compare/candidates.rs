@@ -104,7 +104,7 @@ pub struct CompareSettings {
 }
 
 /// Paths without which there are no intervals.
-pub const LEAST_SAMPLES: u64 = 32;
+pub const MIN_SAMPLES: u64 = 32;
 /// From this final time on, steps below ½ are too many.
 const LATEST: f64 = 1e9;
 
@@ -125,7 +125,7 @@ impl CompareSettings {
     /// Refuses what cannot be done.
     pub(super) fn check(&self, schemes: usize, t_end: f64) -> Result<(), RunError> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
-        let (samples, least) = (self.samples as f64, LEAST_SAMPLES as f64);
+        let (samples, least) = (self.samples as f64, MIN_SAMPLES as f64);
         RunError::unmet([
             (schemes > 0, "number of schemes", "at least one", schemes as f64),
             (positive(self.error), "wanted error", "positive and finite", self.error),

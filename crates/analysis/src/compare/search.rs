@@ -9,7 +9,7 @@ use schemes::Method;
 
 use super::{
     Candidate, Candidates, Choice, CompareSettings, Comparison, Outcome, Stopped,
-    candidates::LEAST_SAMPLES,
+    candidates::MIN_SAMPLES,
     errors::{ErrorPoint, Errors, Sampled},
     verdict::choose,
 };
@@ -17,7 +17,7 @@ use crate::{FinalMoments, Limit, Spread, StepSizes, Stopwatch, orders::single_st
 use inspect::facts::is_damped;
 
 /// The least number of coarsest steps.
-const LEAST_STEPS: u64 = 4;
+const MIN_STEPS: u64 = 4;
 /// The base 2 logarithm of the most steps.
 const MOST: u32 = 60;
 /// The longest step: truncation needs less than one.
@@ -53,7 +53,7 @@ pub struct Search<'a> {
 
 /// The number of the longest steps.
 pub fn longest_steps(t_end: f64) -> u64 {
-    ((t_end / LONGEST).ceil() as u64).max(LEAST_STEPS).next_power_of_two()
+    ((t_end / LONGEST).ceil() as u64).max(MIN_STEPS).next_power_of_two()
 }
 
 /// The coarsest step size of a scheme at which no path fails, or why it has no errors.
@@ -180,7 +180,7 @@ impl<'a> Search<'a> {
         let mut ahead: Vec<usize> = (0..schemes.len()).filter(|&s| coarsest[s].is_ok()).collect();
         let (all, least) = (ahead.len(), coarsest.iter().flatten().min().copied());
         let mut finest = least.map_or(first, |least| least.max(first)) + 1;
-        let (mut reference, mut samples) = (finest + AHEAD, LEAST_SAMPLES);
+        let (mut reference, mut samples) = (finest + AHEAD, MIN_SAMPLES);
         let mut last = MOST - AHEAD - self.base.ilog2();
         loop {
             let start = Instant::now();

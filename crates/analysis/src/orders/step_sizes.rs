@@ -37,7 +37,7 @@ pub struct StepSizes {
 }
 
 /// The most step sizes: 2⁴⁸ steps would take years.
-const MOST_SIZES: usize = 48;
+const MAX_SIZES: usize = 48;
 
 impl StepSizes {
     /// Five step sizes from T/`coarsest_steps` on, two beyond, 1000 paths: some 250 000 steps for
@@ -114,8 +114,8 @@ impl StepSizes {
     /// Refuses sizes without a step, with fewer step sizes than these, or with too many of either.
     pub(super) fn check(&self, from: usize) -> Result<(), LadderError> {
         let given = self.levels.saturating_add(self.refinement as usize);
-        if self.levels == 0 || !(from..=MOST_SIZES).contains(&given) {
-            return Err(LadderError::StepSizes { given, from, to: MOST_SIZES });
+        if self.levels == 0 || !(from..=MAX_SIZES).contains(&given) {
+            return Err(LadderError::StepSizes { given, from, to: MAX_SIZES });
         }
         if self.coarsest_steps == 0 || self.coarsest_steps.leading_zeros() <= self.level(0) as u32 {
             return Err(LadderError::Steps { steps: self.coarsest_steps, multiple_of: 1 });

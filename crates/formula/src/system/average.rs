@@ -7,7 +7,7 @@
 
 use dgrad::{Rule, nodes_for_degree};
 
-use super::{MOST_NODES, NODES};
+use super::{MAX_NODES, NODES};
 use crate::{
     Id,
     graph::{Graph, Node, Unary},
@@ -29,7 +29,7 @@ pub fn averaged_gradient(graph: &mut Graph, h: &[Weighted], a: &[Id], b: &[Id]) 
     let y: Vec<usize> = (0..a.len()).collect();
     let mut mean = vec![graph.constant(0.0); y.len()];
     // Terms by the number of their nodes.
-    let mut groups: Vec<Vec<Weighted>> = vec![Vec::new(); MOST_NODES + 1];
+    let mut groups: Vec<Vec<Weighted>> = vec![Vec::new(); MAX_NODES + 1];
     let terms = terms(graph, h);
     let all: Vec<Id> = graph.ids().collect();
     let degrees = graph.degrees(&all, &y);
@@ -43,7 +43,7 @@ pub fn averaged_gradient(graph: &mut Graph, h: &[Weighted], a: &[Id], b: &[Id]) 
             _ => {
                 let nodes = match degrees[term.index()] {
                     Some(0) => continue,
-                    Some(degree) => nodes_for_degree(degree as usize - 1).min(MOST_NODES),
+                    Some(degree) => nodes_for_degree(degree as usize - 1).min(MAX_NODES),
                     None => NODES,
                 };
                 groups[nodes].push((term, weight));

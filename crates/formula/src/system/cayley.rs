@@ -4,7 +4,7 @@
 //! systems. The matrix is eliminated without pivoting, in the order of [`real::Factored`]. Its
 //! zeros are known, so that nothing is computed with them.
 
-use super::MOST_EXPRESSIONS;
+use super::MAX_EXPRESSIONS;
 use crate::{Graph, Id};
 
 /// The matrix I − ½A(v), row by row.
@@ -61,7 +61,7 @@ fn eliminate(graph: &mut Graph, mut a: Vec<Vec<Id>>, mut x: Vec<Id>) -> Option<V
     let one = graph.constant(1.0);
     for k in 0..x.len() {
         a[k][k] = graph.div(one, a[k][k]);
-        if graph.len() > MOST_EXPRESSIONS {
+        if graph.len() > MAX_EXPRESSIONS {
             return None;
         }
         for i in k + 1..x.len() {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{MOST_EXPRESSIONS, average, cayley, definition::Formulas};
+use super::{MAX_EXPRESSIONS, average, cayley, definition::Formulas};
 use real::Real;
 use systems::run_time::Op;
 
@@ -26,7 +26,7 @@ pub struct Expressions {
     energy: Id,
     /// The operations that have expressions, with the groups of inputs (y, u, v) that are their
     /// arguments. ∇̄h(a, b) is that of a = y and b = u. None is the linearly implicit step if B is
-    /// not affine, or elimination too long, and those of areas for more than [`MOST_NOISES`].
+    /// not affine, or elimination too long, and those of areas for more than [`MAX_NOISES`].
     operations: Vec<(Op<usize>, Vec<Id>)>,
 }
 
@@ -45,7 +45,7 @@ const TIME: usize = 6;
 const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
 
 /// The most noises whose Lévy areas are used.
-const MOST_NOISES: usize = 16;
+const MAX_NOISES: usize = 16;
 
 /// The input of the first area.
 fn first_area(dimension: usize, noises: usize) -> usize {
@@ -54,7 +54,7 @@ fn first_area(dimension: usize, noises: usize) -> usize {
 
 /// The number of areas; none where they are not used.
 pub fn number_of_areas(noises: usize) -> usize {
-    if noises <= MOST_NOISES { noises * noises } else { 0 }
+    if noises <= MAX_NOISES { noises * noises } else { 0 }
 }
 
 impl Expressions {
@@ -92,7 +92,7 @@ impl Expressions {
             (Op::AveragedGradient { a: Y, b: U }, averaged),
             (Op::ItoCorrection { y: Y }, correction),
         ];
-        if noises <= MOST_NOISES {
+        if noises <= MAX_NOISES {
             let gradient = new.bracketed();
             if noises > 1 {
                 let hessian = new.along(&gradient, &u);
@@ -223,7 +223,7 @@ impl Expressions {
     /// Whether \[fₘ, f_l\] = 0 for all noises, and whether it is −B∇{Hₘ, H_l}, as
     /// [`systems::vanish`] finds around `y0`. False if there are too many noises or expressions.
     pub fn commutators(mut self, y0: &[f64]) -> [bool; 2] {
-        if !(2..=MOST_NOISES).contains(&self.noises) {
+        if !(2..=MAX_NOISES).contains(&self.noises) {
             return [self.noises < 2; 2];
         }
         let fields = self.noise_fields();
@@ -240,7 +240,7 @@ impl Expressions {
                     commutators.push(commutator);
                     defects.push(self.graph.add(commutator, turned[i]));
                 }
-                if self.graph.len() > MOST_EXPRESSIONS {
+                if self.graph.len() > MAX_EXPRESSIONS {
                     return [false; 2];
                 }
             }

@@ -15,7 +15,7 @@ use dgrad::{Rule, nodes_for_degree};
 use real::{Bounded, Row, WIDTH};
 use systems::{
     Linearity, SystemError,
-    run_time::{Description, InTime, MOST_INPUTS, Op, Program, Recorded, System, Weights},
+    run_time::{Description, InTime, MAX_INPUTS, Op, Program, Recorded, System, Weights},
     shown_solvable,
 };
 
@@ -29,9 +29,9 @@ use program::Programs;
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
 /// error of n nodes is of order |b − a|²ⁿ.
 const NODES: usize = 8;
-const MOST_NODES: usize = 16;
+const MAX_NODES: usize = 16;
 /// Expressions beyond which no more are written out.
-const MOST_EXPRESSIONS: usize = 100_000;
+const MAX_EXPRESSIONS: usize = 100_000;
 
 /// A [`System`] from texts: B, H₀ and Hₘ as formulas in named components and parameters.
 ///
@@ -88,7 +88,7 @@ impl FormulaSystem {
             _ => Linearity::Other,
         };
         let nodes = expressions.energy_degree().map_or(NODES, |degree| {
-            nodes_for_degree(degree.saturating_sub(1) as usize).clamp(1, MOST_NODES)
+            nodes_for_degree(degree.saturating_sub(1) as usize).clamp(1, MAX_NODES)
         });
         let always_solvable = match linearity {
             Linearity::Other => false,
@@ -160,7 +160,7 @@ impl System for FormulaSystem {
         out: &mut [Row],
         _: &mut [Row],
     ) {
-        let (mut inputs, mut count) = ([&[][..]; MOST_INPUTS], 0);
+        let (mut inputs, mut count) = ([&[][..]; MAX_INPUTS], 0);
         let op = op.map(|state| {
             inputs[count] = state;
             count += 1;

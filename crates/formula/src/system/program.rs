@@ -6,10 +6,10 @@ use std::{
 };
 
 use real::{Row, Rows};
-use systems::run_time::{MOST_INPUTS, Op, Program, Recorded, Weights};
+use systems::run_time::{MAX_INPUTS, Op, Program, Recorded, Weights};
 
 use super::{
-    MOST_EXPRESSIONS,
+    MAX_EXPRESSIONS,
     average::point,
     expressions::{Expressions, number_of_areas},
 };
@@ -77,7 +77,7 @@ impl SchemeTape {
             let state = builder.state(node, factor)?;
             builder.states.push(state);
             // One operation may be longer.
-            if builder.graph.len() > MOST_EXPRESSIONS && nodes.len() > inputs + 1 {
+            if builder.graph.len() > MAX_EXPRESSIONS && nodes.len() > inputs + 1 {
                 return None;
             }
         }
@@ -89,7 +89,7 @@ impl SchemeTape {
         let noises = reads_noise.then_some(noise..areas);
         let groups: Vec<_> =
             states.chain(noises).chain(reads_areas.then_some(areas..end)).collect();
-        if inputs > MOST_INPUTS {
+        if inputs > MAX_INPUTS {
             return None;
         }
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
@@ -104,7 +104,7 @@ impl Program for FormulaProgram {
         let SchemeTape { tape, multiples, reads_noise, reads_areas, reads_time } = &*self.compiled;
         let factors = multiples.iter().map(|&multiple| factors[multiple]);
         self.numbers.set(once(h.dt).chain(factors).chain(reads_time.then_some(h.t)));
-        let mut groups = [&[][..]; MOST_INPUTS + 2];
+        let mut groups = [&[][..]; MAX_INPUTS + 2];
         let given = inputs
             .iter()
             .copied()

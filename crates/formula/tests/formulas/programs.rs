@@ -9,7 +9,7 @@ use real::{Row, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, Step, run_time::Scheme};
 use systems::{
     Constant,
-    run_time::{Description, MOST_INPUTS, Op, Recorded, System, Weights},
+    run_time::{Description, MAX_INPUTS, Op, Recorded, System, Weights},
 };
 
 use crate::{expression::Random, paper};
@@ -64,7 +64,7 @@ fn a_formula_has_at_most_so_many_inputs() {
         nodes.push(Recorded::Sum(0, inputs - 1));
         system.compile(&nodes, inputs, &[inputs]).is_some()
     };
-    assert!(compiles(MOST_INPUTS) && !compiles(MOST_INPUTS + 1));
+    assert!(compiles(MAX_INPUTS) && !compiles(MAX_INPUTS + 1));
 }
 
 #[test]

@@ -122,7 +122,7 @@ pub fn casimirs_around(system: &dyn System, y0: &[f64]) -> Vec<Form> {
 }
 
 /// Components up to which [`fastest`] looks at the matrix of the derivative.
-const MOST_COMPONENTS: usize = 64;
+const MAX_COMPONENTS: usize = 64;
 /// Squarings of that matrix: ρ is found to the factor 1 ± 64·ln κ/2²⁰, κ its condition.
 const SQUARINGS: u32 = 20;
 
@@ -131,7 +131,7 @@ const SQUARINGS: u32 = 20;
 /// more than 64 components, and where f′(y₀) is not finite.
 pub fn fastest(system: &dyn System, y0: &[f64]) -> f64 {
     let d = y0.len();
-    if d > MOST_COMPONENTS || d == 0 {
+    if d > MAX_COMPONENTS || d == 0 {
         return 0.0;
     }
     let mut probe = Probe::new(system);

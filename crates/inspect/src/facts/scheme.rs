@@ -8,7 +8,7 @@
 use mc::Problem;
 use systems::run_time::System;
 
-use super::{MOST_COMPONENTS, is_proportional};
+use super::{MAX_COMPONENTS, is_proportional};
 
 /// What a scheme for paths has to care for.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,7 +41,7 @@ impl Kept {
         let has = |casimir: bool| problem.laws.iter().any(|law| law.casimir == casimir);
         let damped = is_damped(problem);
         // Without damping H₀ is constant, homogeneous or not. Lattices are too large to look at.
-        let constant = !damped && problem.y0.len() <= MOST_COMPONENTS;
+        let constant = !damped && problem.y0.len() <= MAX_COMPONENTS;
         Self {
             casimirs: has(true),
             energy: has(false) || constant && is_proportional(system, &problem.y0),

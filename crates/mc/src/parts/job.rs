@@ -210,7 +210,7 @@ impl Job {
 }
 
 /// Most threads that may be asked for: more than nearly any machine has processors.
-const MOST_THREADS: u64 = 1024;
+const MAX_THREADS: u64 = 1024;
 /// Most threads for each processor: more only wait for each other.
 const THREADS_EACH: usize = 4;
 
@@ -225,8 +225,8 @@ pub fn limit_threads(threads: u64) -> Result<(), JobError> {
     if threads == 0 {
         return Err(refused("at least one is needed".into()));
     }
-    if threads > MOST_THREADS {
-        return Err(refused(format!("{MOST_THREADS} are the most")));
+    if threads > MAX_THREADS {
+        return Err(refused(format!("{MAX_THREADS} are the most")));
     }
     let most = THREADS_EACH * available_parallelism().map_or(1, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(most.min(threads as usize));

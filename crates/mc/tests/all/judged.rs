@@ -93,7 +93,7 @@ fn outside(result: &Expectation, exact: f64) -> bool {
 
 /// Of twenty intervals that hold with 95 %, five or more miss with probability 2.6·10⁻³, six or
 /// more with 3·10⁻⁴, seven or more with 3·10⁻⁵.
-const MOST_MISSES: usize = 6;
+const MAX_MISSES: usize = 6;
 
 #[test]
 fn what_is_the_same_on_every_path_is_not_believed() {
@@ -124,7 +124,7 @@ fn rare_events_are_found_or_allowed_for() {
     };
     let results: Vec<Expectation> = (0..20).map(of).collect();
     let wrong = results.iter().filter(|result| result.reached() && outside(result, 1e-3)).count();
-    assert!(wrong <= MOST_MISSES, "{wrong}");
+    assert!(wrong <= MAX_MISSES, "{wrong}");
     let reached = results.iter().filter(|result| result.reached()).count();
     assert!(reached >= 10, "{reached}");
     assert!(results.iter().all(|result| result.estimates[0].missed > 0.0));
@@ -149,7 +149,7 @@ fn motion_that_the_steps_do_not_resolve_is_named() {
         assert!(result.reached(), "{result:?}");
         wrong += usize::from(outside(&result, exact));
     }
-    assert!(wrong <= MOST_MISSES, "{wrong}");
+    assert!(wrong <= MAX_MISSES, "{wrong}");
 }
 
 #[test]

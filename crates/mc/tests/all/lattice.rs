@@ -151,7 +151,7 @@ const WEAK_ERROR: f64 = 0.4;
 
 /// Standard errors that a mean may be off beside that: each of six tests fails by chance with a
 /// probability of 6e-5 for a normal mean, 2e-4 for Student's t with 31 degrees of freedom.
-const MOST_ERRORS: f64 = 4.0;
+const MAX_ERRORS: f64 = 4.0;
 
 /// E s_z = coth βh − 1/(βh) (Langevin), and E sᵢ·sᵢ₊₁ = coth βJ − 1/(βJ) (Fisher, *Am. J. Phys.*
 /// 32, 1964).
@@ -168,7 +168,7 @@ fn the_equilibrium_is_that_of_the_temperature() {
         ] {
             let error = (mean - langevin(beta)).abs();
             let weak = WEAK_ERROR * 2.0 * ALPHA / beta * tau(beta);
-            assert!(error < MOST_ERRORS * se + weak, "{what} at {beta}: {error} of {mean} ± {se}");
+            assert!(error < MAX_ERRORS * se + weak, "{what} at {beta}: {error} of {mean} ± {se}");
             assert!(se < 0.005, "{what} at {beta}: {se}");
         }
     }
@@ -195,7 +195,7 @@ fn wrong_noise_is_not_at_the_temperature() {
     ] {
         let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
         let (mean, se) = average(&lattice, &sexp_li, (tau(beta), STEPS), KEY, observable);
-        assert!((mean - langevin(beta)).abs() > 2.0 * MOST_ERRORS * se, "{mean} ± {se}");
+        assert!((mean - langevin(beta)).abs() > 2.0 * MAX_ERRORS * se, "{mean} ± {se}");
     }
     // Lengths grow, as E|s|² = exp(2σ²t).
     let lattice = in_a_field(beta, 1.0);

@@ -50,7 +50,7 @@ impl FixedPoint<1> for Counted<'_> {
 /// 56 sweeps of at most 3 evaluations, 5 more in the first, and 100 trials of at most 20 Newton
 /// iterations of D = 1 evaluation: 14 halvings down to the smallest step in s and as many on each
 /// of a few approaches to a fold.
-const MOST_EVALUATIONS: u32 = 5 + 56 * 3 + 100 * 20;
+const MAX_EVALUATIONS: u32 = 5 + 56 * 3 + 100 * 20;
 
 #[test]
 fn unsolvable_equations_fail_in_finite_time() {
@@ -64,7 +64,7 @@ fn unsolvable_equations_fail_in_finite_time() {
                 panic!("{line:?} {method:?}: {found:?}")
             };
             assert!(!found.outcome.converged());
-            assert!(count.get() <= MOST_EVALUATIONS, "{line:?}: {count:?}");
+            assert!(count.get() <= MAX_EVALUATIONS, "{line:?}: {count:?}");
             if line == NoRealRoot {
                 // Of the last iterate, z − ψ(z) = −(z² + 1): a few roundings.
                 let defect = found.z[0] * found.z[0] + 1.0;

@@ -119,7 +119,7 @@ pub fn percent(level: f64) -> f64 {
 }
 
 /// Bars are joined, two and two, until there are no more than this.
-pub const MOST_BARS: usize = 64;
+pub const MAX_BARS: usize = 64;
 
 /// The histogram of an observable with this name at one time as an SVG document: the density in
 /// bins, median and mean. Values outside of the bins are counted in the title of the axis.
@@ -165,7 +165,7 @@ pub fn bars(summary: &Summary) -> Vec<(f64, f64, f64)> {
     let Some(first) = filled.next() else { return Vec::new() };
     let last = filled.next_back().unwrap_or(first);
     let mut joined = 1;
-    while (last / joined - first / joined) >= MOST_BARS {
+    while (last / joined - first / joined) >= MAX_BARS {
         joined *= 2;
     }
     let bar = |n: usize| {

@@ -12,7 +12,7 @@ use super::{
     convergence::{order, overall_order, reference_slopes},
     frame::Frame,
     look::{BLUE, VERMILLION, of_schemes},
-    study::{MOST_BARS, bars, pairs, percent},
+    study::{MAX_BARS, bars, pairs, percent},
     ticks::Ticks,
     *,
 };
@@ -234,7 +234,7 @@ fn bars_hold_all_values_inside() {
         let counts: Vec<u64> = (0..bins).map(|k| u64::from(k > 2 || bins < 4) * (k % 7)).collect();
         let summary = summary(1.0, &[(0.5, Some(0.0))], &counts);
         let bars = bars(&summary);
-        assert!(bars.len() <= MOST_BARS + 1, "{bins}");
+        assert!(bars.len() <= MAX_BARS + 1, "{bins}");
         let all: f64 = bars.iter().map(|&(lo, hi, density)| (hi - lo) * density).sum();
         assert!(bins == 1 || (all - 1.0).abs() < 1e-12, "{bins}: {all}");
         assert!(bars.windows(2).all(|pair| pair[0].1 == pair[1].0));

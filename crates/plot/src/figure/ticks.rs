@@ -32,7 +32,7 @@ impl Ticks {
     /// Powers of a base, at most `most` of them labelled.
     pub fn powers(base: u32, range: Range, most: usize) -> Self {
         // More marks than this along a side run into each other.
-        const MOST_MARKS: usize = 40;
+        const MAX_MARKS: usize = 40;
         // A range that ends on a power must keep it in spite of the rounding of the logarithm.
         const ROUNDING: f64 = 1e-9;
         let exponent = |v: f64| log10(v) / log10(f64::from(base));
@@ -45,7 +45,7 @@ impl Ticks {
             let value = powi(f64::from(base), k);
             if k % stride == 0 {
                 ticks.major.push((value, Label::new(&format!("{base}^{k}"))));
-            } else if count <= MOST_MARKS {
+            } else if count <= MAX_MARKS {
                 ticks.minor.push(value);
             }
         }

@@ -17,14 +17,14 @@ use casimir::{
     systems::run_time::{self, System},
 };
 
-use crate::{Further, MOST_COMPONENTS, Observable, Read, Reading};
+use crate::{Further, MAX_COMPONENTS, Observable, Read, Reading};
 
 pub use project::PROJECT;
 
 use formulas::damped;
 
 /// More noises are too many to be compared with a bath one by one.
-const MOST_NOISES: usize = 100;
+const MAX_NOISES: usize = 100;
 
 /// A system with its damping and initial value.
 pub trait Model: Send + Sync {
@@ -72,7 +72,7 @@ pub trait Model: Send + Sync {
     fn bath(&self) -> Option<Bath> {
         let (system, y0) = (self.system(), self.problem().y0);
         let description = system.description();
-        let few = y0.len() <= MOST_COMPONENTS && description.noises <= MOST_NOISES;
+        let few = y0.len() <= MAX_COMPONENTS && description.noises <= MAX_NOISES;
         let small = few && !description.depends_on_time;
         Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
     }

@@ -10,7 +10,7 @@ use std::array::from_fn;
 
 use nonlin::{
     Outcome,
-    criteria::{CONTRACTION, LEAST_STEP, MOST_ITERATIONS, ROUND_OFF, TOLERANCE},
+    criteria::{CONTRACTION, MAX_ITERATIONS, MIN_STEP, ROUND_OFF, TOLERANCE},
 };
 use real::{PathMask, Row, Rows, WIDTH};
 use systems::run_time::{System, Weights};
@@ -102,7 +102,7 @@ impl<'a> Krylov<'a> {
                     }
                 } else {
                     step[p] *= 0.5;
-                    if step[p] < LEAST_STEP {
+                    if step[p] < MIN_STEP {
                         failed.insert(p);
                         going.remove(p);
                     }
@@ -132,7 +132,7 @@ impl<'a> Krylov<'a> {
         let mut before = [f64::INFINITY; WIDTH];
         let (mut going, mut converged) = (paths, PathMask::NONE);
         let starts = self.norm(&self.psi.buffers[0]);
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             self.find_defect(h);
             let is_solved = self.solve_linear(h, going);
             subtract(&mut self.z, &self.change, &weights(going));

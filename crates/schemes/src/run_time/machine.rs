@@ -6,7 +6,7 @@ use std::{
 };
 
 use real::{Kernel, Row, Rows, dispatch};
-use systems::run_time::{Layout, MOST_INPUTS, Program, Recorded, System, Weights};
+use systems::run_time::{Layout, MAX_INPUTS, Program, Recorded, System, Weights};
 
 use super::{
     SchemeError,
@@ -42,10 +42,10 @@ struct TileMemory {
 }
 
 /// The most states that a stage stores.
-const MOST_STORES: usize = 16;
+const MAX_STORES: usize = 16;
 
 /// The parts of buffers in which a tile stores its results; those that are not used are empty.
-type Stores<'a> = [&'a mut [Row]; MOST_STORES];
+type Stores<'a> = [&'a mut [Row]; MAX_STORES];
 
 /// A stage that is being executed.
 struct Execution<'a> {
@@ -133,8 +133,8 @@ impl<'a> Machine<'a> {
             Some(_) => self.output = Rows::zero(results.len() * layout.rows),
             None => self.plan = Plan::new(nodes, results, inputs == 1),
         }
-        if self.plan.stages.iter().any(|stage| stage.stores.len() > MOST_STORES) {
-            let message = format!("the formula stores more than {MOST_STORES} states at a time");
+        if self.plan.stages.iter().any(|stage| stage.stores.len() > MAX_STORES) {
+            let message = format!("the formula stores more than {MAX_STORES} states at a time");
             return Err(SchemeError(message));
         }
         for memory in &mut self.memories {
@@ -171,7 +171,7 @@ impl<'a> Machine<'a> {
         let Self { system, layout, recorder, buffers, plan, memories, slab, .. } = self;
         let factors = &recorder.operations().factors;
         if let Some(program) = &mut self.program {
-            let mut states: [&[Row]; MOST_INPUTS] = [&[]; MOST_INPUTS];
+            let mut states: [&[Row]; MAX_INPUTS] = [&[]; MAX_INPUTS];
             buffers.iter().zip(&mut states).for_each(|(input, state)| *state = input);
             return program.run(&states[..plan.buffers], factors, h, &mut self.output);
         }
@@ -182,7 +182,7 @@ impl<'a> Machine<'a> {
                 let rows = k * *slab..if k + 1 < slabs { (k + 1) * *slab } else { layout.rows };
                 let stage = &plan.stages[number];
                 // The buffers in which the stage stores are taken out while the others are read.
-                let mut taken: [Rows; MOST_STORES] = Default::default();
+                let mut taken: [Rows; MAX_STORES] = Default::default();
                 let mut stores: Stores<'_> = Default::default();
                 let places = taken.iter_mut().zip(&mut stores).zip(&stage.stores);
                 for ((taken, store), &(_, buffer)) in places {

@@ -39,6 +39,6 @@ mod system;
 pub use compiled::Compiled;
 pub use derived::derived;
 pub use description::{Description, Lanes, Layout};
-pub use op::{MOST_INPUTS, Op, Program, Recorded};
+pub use op::{MAX_INPUTS, Op, Program, Recorded};
 pub use problem::Problem;
 pub use system::{InTime, System, Weights};

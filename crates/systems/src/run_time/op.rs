@@ -5,7 +5,7 @@ use real::Row;
 use super::Weights;
 
 /// Most states that a formula has as inputs: ẑ, z and a direction.
-pub const MOST_INPUTS: usize = 3;
+pub const MAX_INPUTS: usize = 3;
 
 /// An operation of a system, with arguments of type P: rows of a state, or whatever stands for a
 /// state, such as the number of an operation or a place in memory. h is H₀dt + Σ Hₘdwₘ.

@@ -14,7 +14,7 @@ use casimir::{
 
 use super::page::TABLE;
 use crate::Results;
-use scenes::{self, MOST_COMPONENTS, Scene, digits};
+use scenes::{self, MAX_COMPONENTS, Scene, digits};
 
 /// A drawing with its file and the words below it.
 pub struct Drawn {
@@ -142,7 +142,7 @@ fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
     let names = &scene.components;
     let pairs: &[(usize, usize)] = match names.len() {
         3 => &[(0, 1), (1, 2), (0, 2)],
-        dimension if dimension > MOST_COMPONENTS => &[],
+        dimension if dimension > MAX_COMPONENTS => &[],
         dimension => &(1..dimension).step_by(2).map(|i| (i - 1, i)).collect::<Vec<_>>(),
     };
     let few = pairs.iter().take(PORTRAITS).map(|&(i, j)| [names[i].clone(), names[j].clone()]);

@@ -42,7 +42,7 @@ pub enum Format {
 type Run<'a> = (&'a Combination, &'a Results);
 
 /// Lines of the table of a sweep on a terminal, or of warnings.
-const MOST_LINES: usize = 24;
+const MAX_LINES: usize = 24;
 
 /// What was computed, as it is told.
 impl Outcomes<'_> {
@@ -55,9 +55,9 @@ impl Outcomes<'_> {
     pub fn text(&self) -> String {
         let (warnings, mut table) = (warnings(&self.warnings()), self.table());
         let mut more = String::new();
-        if self.single().is_none() && table.len() > 1 + MOST_LINES {
-            more = format!("{} more lines in the report\n", table.len() - 1 - MOST_LINES);
-            table.truncate(1 + MOST_LINES);
+        if self.single().is_none() && table.len() > 1 + MAX_LINES {
+            more = format!("{} more lines in the report\n", table.len() - 1 - MAX_LINES);
+            table.truncate(1 + MAX_LINES);
         }
         format!("{warnings}{}\n{}{more}", self.computed(), aligned(&table))
     }
@@ -69,8 +69,8 @@ impl Outcomes<'_> {
             warnings.map(move |warning| format!("{prefix}{warning}"))
         };
         let mut all: Vec<String> = self.found().flat_map(of).collect();
-        let more = all.len().saturating_sub(MOST_LINES);
-        all.truncate(MOST_LINES);
+        let more = all.len().saturating_sub(MAX_LINES);
+        all.truncate(MAX_LINES);
         all.extend((more > 0).then(|| format!("and {more} more")));
         all
     }

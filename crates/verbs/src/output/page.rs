@@ -6,7 +6,7 @@ use scenes::digits;
 
 use super::Section;
 use crate::Outcomes;
-use scenes::{MOST_COMPONENTS, Varied};
+use scenes::{MAX_COMPONENTS, Varied};
 
 /// The section of figures that has the table at the end.
 pub const TABLE: &str = "At the end";
@@ -85,7 +85,7 @@ fn list(values: &[f64]) -> String {
 
 /// `(0.2, 0.4)`, shortened where there are many.
 fn numbers(values: &[f64]) -> String {
-    match values.get(..MOST_COMPONENTS) {
+    match values.get(..MAX_COMPONENTS) {
         Some(first) if values.len() > first.len() => {
             format!("({}, … {} in all)", list(first), values.len())
         }

@@ -21,8 +21,8 @@ use scenes::{Combination, Settings, Varied};
 type OfRun = fn(&Results) -> &[Series];
 
 /// Curves in one figure, and small multiples.
-const MOST_CURVES: usize = 5;
-const MOST_PANELS: usize = 24;
+const MAX_CURVES: usize = 5;
+const MAX_PANELS: usize = 24;
 
 /// `number` of many, evenly spaced.
 fn spread<T>(all: Vec<T>, number: usize) -> Vec<T> {
@@ -54,13 +54,13 @@ impl Outcomes<'_> {
                 }
             }
             curves.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
-            let curves = spread(curves, MOST_CURVES);
+            let curves = spread(curves, MAX_CURVES);
             let words = format!("{name} against {parameter}");
             let svg = against(&words, drawn.title(parameter), drawn.title(name), &curves);
             let caption = format!("{name} at the end against {parameter}: mean, 95 % intervals.");
             let against = Drawn::of("against", name, svg, caption);
             let panels = self.found().map(|(one, found)| (one.label.clone(), &found.series()[k]));
-            let panels = spread(panels.collect(), MOST_PANELS);
+            let panels = spread(panels.collect(), MAX_PANELS);
             let caption = format!(
                 "{name} in time: bands between quantiles, line: median, dashes: mean. {} of {} \
                  combinations.",

@@ -38,7 +38,7 @@ const FIRST: u64 = 1024;
 /// Intervals of the exponents of the schemes without iteration lie below this. Before a million
 /// steps the walk that all paths share, which intervals do not contain, is too large beside the
 /// others to tell.
-const MOST_EXPONENT: f64 = 0.55;
+const MAX_EXPONENT: f64 = 0.55;
 const TELLING: u64 = 1_000_000;
 /// Paths of a run, and of one without iteration, whose exponent is held to a bound.
 const PATHS: usize = WIDTH;
@@ -175,7 +175,7 @@ fn growth<S: Tuned<D, M> + Copy + 'static, G, const D: usize, const M: usize>(
     let walk = end <= rounding * PER_STEP * f64::EPSILON * (steps as f64).sqrt();
     match rule {
         Rule::SexpLi | Rule::Split | Rule::Nv => {
-            assert!(walk && (steps < TELLING || hi <= MOST_EXPONENT), "{id}: {end:e}, {hi}");
+            assert!(walk && (steps < TELLING || hi <= MAX_EXPONENT), "{id}: {end:e}, {hi}");
         }
         Rule::Sexp(_, solver) if solver.settle => assert!(walk, "{id}: {end:e}"),
         // The twin: the stopping test leaves a residual that has a direction.

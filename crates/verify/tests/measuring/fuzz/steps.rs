@@ -17,7 +17,7 @@ use super::{Bits, Fed, Refused, accepted};
 
 /// The continuation halves its step in s down to 2⁻¹⁴ and doubles it after each success: at most
 /// 2·2¹⁴ attempts, each with at most 20 Newton iterations.
-const MOST_ITERATIONS: u64 = 2 * (1 << 14) * 20;
+const MAX_ITERATIONS: u64 = 2 * (1 << 14) * 20;
 
 /// What is done with a system.
 pub enum Job {
@@ -121,7 +121,7 @@ fn noise<const M: usize>(bits: &mut Bits) -> Noise<M> {
 fn sound<const D: usize>(solution: &Solution<D>) -> Result<()> {
     if let Outcome::Fast { iterations } | Outcome::Robust { iterations, .. } = solution.outcome {
         let finite = solution.z.iter().all(|z| z.is_finite());
-        ensure!(finite && u64::from(iterations) <= MOST_ITERATIONS, "{solution:?}");
+        ensure!(finite && u64::from(iterations) <= MAX_ITERATIONS, "{solution:?}");
     }
     Ok(())
 }
