@@ -4,7 +4,7 @@ use mc::{Kept, Statistic, View};
 use real::{Row, WIDTH};
 use stats::CrossMoments;
 
-/// Numbers made of the final states of all runs, written into rows for the live paths of a block.
+/// Function that computes numbers from the final states of all runs on the live paths of a block.
 pub type FinalRows<'a> = dyn Fn(&View<'_>, &mut [Row]) + Sync + 'a;
 
 /// Means and covariances of numbers that depend on the final states of all runs on a path:
@@ -18,7 +18,8 @@ pub struct FinalMoments<'a> {
 }
 
 impl<'a> FinalMoments<'a> {
-    /// No path yet; `values` fills so many rows at coarse step number `time`, usually the last one.
+    /// Creates moments of no path yet; `values` fills `length` rows at coarse step number `time`,
+    /// usually the last one.
     pub fn new(time: u64, length: usize, values: &'a FinalRows<'a>) -> Self {
         let rows = vec![[0.0; WIDTH]; length];
         Self { moments: CrossMoments::new(length), time, values, rows }

@@ -1,8 +1,8 @@
 //! **What a scheme does on a system, by measurements that can fail.**
 //!
 //! [`strong_order`] and [`weak_order`] measure the order of a scheme with an interval;
-//! [`compare()`] says which scheme is cheapest for an error. What the system is, the crate `inspect`
-//! says.
+//! [`compare()`] says which scheme is cheapest for an error. The crate `inspect` describes the
+//! system.
 //!
 //! ```
 //! use analysis::{StepSizes, strong_order};

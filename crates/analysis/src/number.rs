@@ -1,6 +1,6 @@
 //! Numbers and tables for people.
 
-/// A number in three significant digits where it is of ordinary size, in two otherwise.
+/// Formats a number with three significant digits where it is of ordinary size, with two otherwise.
 ///
 /// ```
 /// let read = [0.0, f64::NAN, 0.25, 3.16, 27.18, 1234.6, 1e-3, 4e7].map(analysis::number);
@@ -16,10 +16,10 @@ pub fn number(x: f64) -> String {
     }
 }
 
-/// The widest that a column becomes.
+/// Largest width of a column.
 const WIDEST: usize = 100;
 
-/// Lines of cells, with columns as wide as their widest cell, or a hundred characters.
+/// Aligns cells in columns as wide as their widest cell, or a hundred characters.
 pub fn aligned(rows: &[Vec<String>]) -> String {
     let cell = |row: &Vec<String>, k: usize| row.get(k).map_or(0, |cell| cell.chars().count());
     let width = |k: usize| rows.iter().map(|row| cell(row, k)).max().unwrap_or(0).min(WIDEST);

@@ -1,9 +1,9 @@
 //! **Are the steps of a run short enough?** Means and deviations at τ and at τ/2, on common noise.
 //!
-//! A few paths are simulated to the final time with the steps of a run and with twice as many. The
-//! differences of means and of deviations, with their standard errors, say how large the step
-//! errors of the run are: about twice the difference at weak order one, 4/3 of it at order two.
-//! Chaotic paths part, but their means agree. What cannot be seen with so few paths is said.
+//! A few paths are simulated to the final time with the steps of a run and with steps of half the
+//! size. The differences of means and of deviations, with their standard errors, say how large the
+//! step errors of the run are: about twice the difference at weak order one, 4/3 of it at order
+//! two. Chaotic paths separate, but their means agree. Errors that few paths cannot show are named.
 
 use mc::{
     DriveResolution, Kept, LadderError, Observe, Problem, Setup, Statistic, View, parts::Job,
@@ -16,20 +16,20 @@ use stats::CrossMoments;
 /// The step errors of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StepCheck {
-    /// Number of paths that came to their end at both step sizes.
+    /// Number of paths that reached the final time at both step sizes.
     pub paths: u64,
-    /// Number of those that did not.
+    /// Number of paths that failed at one of the step sizes.
     pub failed: u64,
-    /// |∫γ| over the last step. Above [`STIFF`] the damping outruns the step, at τ/2 as at τ, so
-    /// that the two may agree on what is wrong.
+    /// Integral |∫γ| over the last step. Above [`STIFF`] the damping outruns the step, at τ/2 as at
+    /// τ, so that both step sizes may agree on a wrong value.
     pub damping: f64,
-    /// By how much the fastest motion turns in a step, in radians. Above [`TURN`] it is not
-    /// resolved at τ/2 either: an average rotation by nearly ±π looks like none, and a mode that is
-    /// too slow takes too little energy from the noise, both at τ as at τ/2.
+    /// Angle by which the fastest motion turns in a step, in radians. Above [`TURN`] the motion is
+    /// not resolved at τ/2 either: an average rotation by nearly ±π looks like none, and a mode
+    /// that is too slow takes too little energy from the noise, both at τ as at τ/2.
     pub turn: f64,
-    /// Where H(t) changes within a step by more than from step to step, at τ or τ/2, so that both
-    /// may agree on what is wrong: the time, and a number of steps that resolves it, if 2¹² times
-    /// as many do.
+    /// Time at which H(t) changes within a step by more than from step to step, at τ or τ/2, so
+    /// that both may agree on a wrong value; and a number of steps that resolves H(t), if up to 2¹²
+    /// times the steps of the run do.
     pub unresolved: Option<(f64, Option<u64>)>,
     /// The step errors of each observable.
     pub observables: Vec<StepErrors>,
@@ -38,71 +38,74 @@ pub struct StepCheck {
 /// The step errors of an observable.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StepErrors {
-    /// Its name.
+    /// Name of the observable.
     pub observable: String,
-    /// Of its mean.
+    /// Mean of the observable.
     pub mean: Halved,
-    /// Of its deviation.
+    /// Standard deviation of the observable.
     pub deviation: Halved,
-    /// The root mean square of the difference along paths.
+    /// Root mean square over paths of the difference between τ and τ/2.
     pub along_paths: f64,
 }
 
-/// A statistic at τ and at τ/2.
+/// Statistic at τ and its difference from τ/2.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Halved {
-    /// At τ.
+    /// Value of the statistic at τ.
     pub value: f64,
-    /// That at τ minus that at τ/2.
+    /// Difference: the value at τ minus the value at τ/2.
     pub difference: f64,
     /// The standard error of the difference.
     pub standard_error: f64,
-    /// What rounding may make of the difference.
+    /// Rounding error that the difference may have.
     pub rounding: f64,
     /// The step error over the difference: 1/(1 − 2^{−p}) at order p, two at order one.
     pub of_error: f64,
 }
 
-/// What is known of a step error.
+/// Estimate of a step error, or a bound of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "decided", content = "size")]
 pub enum StepError {
-    /// Below the sampling error; none larger than this was missed.
+    /// Step error below the sampling error; no error larger than this was missed.
     Fine(f64),
-    /// About this.
+    /// Step error of about this size.
     About(f64),
-    /// None was seen, and one larger than this, which is above the sampling error, would have been.
+    /// No step error was seen; one larger than this bound, which exceeds the sampling error, would
+    /// have been.
     Below(f64),
-    /// None was seen, but one as large as the spread of the values would not have been.
+    /// No step error was seen, but even one as large as the spread of the values would have been
+    /// missed.
     CannotTell,
 }
 
-/// From this ∫γ of a step on, noise and forces within the step are damped by less than a third of
-/// what they should, or by more than three times.
+/// Integral ∫γ over a step from which noise and forces within the step are damped by less than a
+/// third of the right amount, or by more than three times it.
 pub const STIFF: f64 = 2.0;
-/// From this turn of a step on, half a step turns by more than a right angle.
+/// Turn of a step from which half a step turns by more than a right angle.
 pub const TURN: f64 = std::f64::consts::PI;
-/// More failed paths than this part of all: those that are left are not what the equation does.
+/// Largest part of paths that may fail: after more failures the others do not represent the
+/// equation.
 const MAX_FAILED: f64 = 0.1;
 /// Standard errors that a difference exceeds by chance with probability 0.003, 0.005 at 32 paths.
 const SEEN: f64 = 3.0;
 /// Standard errors that a difference which was not seen may hide.
 const HIDDEN: f64 = 2.0;
-/// A step error below this part of the sampling error is not worth a word.
+/// Part of the sampling error below which a step error is not reported.
 const WORTH: f64 = 0.1;
 /// Rounding relative to the terms of a mean, and of the root of a difference of their squares.
 const ROUNDING: [f64; 2] = [1e-12, 1e-7];
-/// Paths of the check for each path of the run, and paths that the run simulates besides for its
-/// bins: three steps for each of its own make a tenth.
+/// Number of paths of the run for each path of the check, and number of paths that the run
+/// simulates besides for its bins: three steps for each step of the run make a tenth.
 const SHARE: u64 = 30;
 const PILOT: u64 = 1024;
 /// Doublings of the steps of which it is asked whether they resolve H(t).
 const MAX_DOUBLINGS: u32 = 12;
-/// Most blocks: the check then sees a fiftieth of a deviation.
+/// Largest number of blocks: the check then sees a fiftieth of a deviation.
 const MAX_BLOCKS: u64 = 256;
 
 impl StepCheck {
-    /// Whether steps of half the size would show what is wrong.
+    /// Whether steps of half the size would show a step error.
     pub fn resolves(&self) -> bool {
         let all = (self.failed + self.paths) as f64;
         let motion = self.damping <= STIFF && self.turn <= TURN && self.unresolved.is_none();
@@ -117,8 +120,8 @@ impl StepCheck {
         square / (1.0 + square)
     }
 
-    /// What is known of a step error where the half-width of the sampling error is `sampling`, and
-    /// the deviation of the values is `spread`.
+    /// Judges a step error where the half-width of the sampling error is `sampling` and the
+    /// deviation of the values is `spread`.
     pub fn step_error(&self, halved: Halved, sampling: f64, spread: f64) -> StepError {
         let Halved { difference, standard_error, rounding, of_error, .. } = halved;
         let (size, noise) = (difference.abs(), standard_error.max(rounding));
@@ -137,8 +140,8 @@ impl StepCheck {
     }
 }
 
-/// Paths of the check of a run of `run` paths: it costs at most a tenth of the run. One where
-/// neither noise nor initial values are random.
+/// Number of paths of the check for a run of `run` paths: the check costs at most a tenth of the
+/// run. One path where neither noise nor initial values are random.
 pub fn checked_paths(run: u64, problem: &Problem<'_>) -> u64 {
     let width = WIDTH as u64;
     match problem.noises == 0 && problem.initial.is_none() {
@@ -149,11 +152,11 @@ pub fn checked_paths(run: u64, problem: &Problem<'_>) -> u64 {
 
 /// Checks the steps of a run, as a piece of work of a job with the name "steps"; `None` if the
 /// results are not here. `fastest` is the rate of the fastest motion, see
-/// [`fastest`](inspect::facts::fastest()). It is `told` the path-steps that are done: three for each
-/// step of a path.
+/// [`fastest`](inspect::facts::fastest()). `told` reports the path-steps that are done: three for
+/// each step of a path.
 ///
 /// # Errors
-/// [`LadderError`] if the scheme cannot be run on twice as many steps.
+/// [`LadderError`] if the scheme cannot be run on steps of half the size.
 pub fn step_check(
     setup: &Setup<'_>,
     observables: &[&dyn Observe],
@@ -200,7 +203,7 @@ pub fn step_check(
     }))
 }
 
-/// For each observable the moments of a = φ_τ − c, b = φ_{τ/2} − c and a² − b².
+/// Moments of a = φ_τ − c, b = φ_{τ/2} − c and a² − b² for each observable φ.
 struct AtBoth<'a> {
     sums: Vec<CrossMoments>,
     steps: u64,

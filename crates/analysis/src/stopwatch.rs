@@ -16,7 +16,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Starts on the thread that works.
+    /// Starts a stopwatch on the thread that works.
     pub fn start() -> Self {
         let start = Instant::now();
         Self { start, used: processor_seconds(start) }
@@ -49,16 +49,16 @@ fn processor_seconds(start: Instant) -> f64 {
 /// Several measurements of the same quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
-    /// The smallest: what the work takes when nothing disturbs it.
+    /// Smallest measurement: the cost of the work when nothing disturbs it.
     pub best: f64,
-    /// The median.
+    /// Median of the measurements.
     pub median: f64,
-    /// The largest.
+    /// Largest measurement.
     pub worst: f64,
 }
 
 impl Spread {
-    /// Of at least one number.
+    /// Computes the spread of at least one number.
     ///
     /// # Panics
     /// If there is none.
@@ -69,7 +69,7 @@ impl Spread {
         Self { best: numbers[0], median, worst: numbers[last] }
     }
 
-    /// Every number times `factor` > 0.
+    /// Scales every number by `factor` > 0.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         Self { best: self.best * factor, median: self.median * factor, worst: self.worst * factor }

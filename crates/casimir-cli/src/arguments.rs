@@ -79,7 +79,7 @@ pub enum Command {
     Merge {
         /// The folder that `casimir plan` made
         folder: PathBuf,
-        /// What to write beside the report
+        /// Formats to write beside the report
         #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
         write: Vec<Format>,
         /// Print a summary as JSON
@@ -110,7 +110,7 @@ pub struct Inspect {
     pub on: On,
 }
 
-/// What every command on a scene has.
+/// Arguments of every command on a scene.
 #[derive(Args)]
 pub struct On {
     /// The file of the scene
@@ -130,7 +130,7 @@ pub struct On {
 pub struct Run {
     #[command(flatten)]
     pub changes: Changes,
-    /// What to write beside the report
+    /// Formats to write beside the report
     #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
     pub write: Vec<Format>,
     /// Keep tables that are more than a gigabyte of text

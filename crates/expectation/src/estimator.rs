@@ -1,4 +1,4 @@
-//! Which points are drawn on which level, and when to stop.
+//! Choice of levels and points, and the stopping rule.
 
 use std::{
     cell::Cell,
@@ -33,48 +33,51 @@ const PILOT_LEVEL: usize = BIAS_LEVELS;
 /// The part of the accuracy that may go to the bias: it falls by eight or more from a level to the
 /// next.
 const BIAS_SHARE: f64 = 1.0 / 3.0;
-/// The bound on the bias is at most this part of the statistical half-width, so that errors are as
+/// Largest part of the statistical half-width for the bound on the bias, so that errors are as
 /// large as the interval says.
 const BIAS_PART: f64 = 0.5;
-/// A bound on the bias below this part of the accuracy is small enough in any case. Where φ hardly
+/// Part of the accuracy below which a bound on the bias is small enough in any case. Where φ hardly
 /// varies, half of the statistical half-width may be round-off.
 const BIAS_ENOUGH: f64 = 1.0 / 64.0;
-/// With a larger part of the accuracy on the finest level allowed, more points are of no use.
+/// Part of the accuracy for the bias on the finest level allowed, above which more points are of no
+/// use.
 const MAX_BIAS: f64 = 0.5;
-/// No more points of a replicate than these: twice as many have distinct numbers.
+/// Largest number of points of a replicate; twice that number have distinct numbers.
 const MAX_POINTS: u64 = 1 << 31;
-/// Independent replicates of the points of a level.
+/// Number of independent replicates of the points of a level.
 const REPLICATES: u64 = 32;
 /// The confidence for random points: a margin that known answers chose, and not derived. With 95 %,
 /// 3.7 % of them were missed; with this 1.4 %, also with seeds that the choice did not see, for 7 %
 /// more work.
 const OF_RANDOM_POINTS: f64 = 0.98;
-/// The error of scrambled points falls as N^{−3/2} at most (Owen 1997): as many more are needed.
+/// Least exponent with which points grow with the inverse error: the error of scrambled points
+/// falls as N^{−3/2} at most (Owen 1997).
 const MIN_GROWTH: f64 = 2.0 / 3.0;
-/// More samples of the first level do not show a variance that so many have not shown.
+/// Number of samples of the first level beyond which more do not show a variance not shown so far.
 const MAX_SAMPLES: u64 = 1 << 24;
-/// The part of the accuracy that paths which failed may have: with more, steps are halved.
+/// Part of the accuracy that failed paths may have: with more, steps are halved.
 const LOST: f64 = 0.25;
-/// The part with which the accuracy may be reached where that does not help.
+/// Part of the accuracy that failed paths may have where halving does not help.
 const MAX_LOST: f64 = 0.5;
-/// Halving helps if the share of failed paths falls to this over the first levels.
+/// Factor to which the share of failed paths must fall over the first levels for halving to help.
 const FEWER: f64 = 0.5;
-/// Single paths are taken if they need less than the square of this of the path-steps,
+/// Root of the part of the path-steps below which single paths are taken.
 const SINGLE: f64 = 0.5;
-/// and if on the last level φ(fine) − φ(coarse) has at least this part of the variance of φ:
-/// paths that levels couple no more. Else differences are known well, and single paths hide a bias.
+/// Least part of the variance of φ that φ(fine) − φ(coarse) has on the last level where single
+/// paths are taken: paths that levels couple no more. Else differences are known well, and single
+/// paths hide a bias.
 const UNCOUPLED: f64 = 0.25;
 
-/// Groups of all replicates between two looks at the clock take as long, or less.
+/// Time of a round of groups of all replicates below which the next round is larger.
 const BETWEEN: Duration = Duration::from_millis(500);
 
-/// The most levels of a path without noise: 2²² steps take seconds.
+/// Binary logarithm of the largest number of steps without noise: 2²² steps take seconds.
 const MAX_HALVINGS: usize = 22;
-/// In more dimensions Sobol points gain nothing over random ones, and take memory.
+/// Largest dimension of Sobol points: in more they gain nothing over random ones, and take memory.
 const MAX_DIMENSIONS: u64 = 1 << 16;
 
-/// The increments of the points of all scrambles. A path has the number of its replicate times
-/// [`ScrambledSobol::POINTS`], plus that of its point.
+/// Source of the increments of the points of all scrambles. A path has the number of its replicate
+/// times [`ScrambledSobol::POINTS`], plus that of its point.
 fn points(scrambles: Vec<QuasiWiener>, noises: usize) -> impl Fn(u64) -> NextNoise {
     move |first_path| {
         let wiener = &scrambles[(first_path / ScrambledSobol::POINTS) as usize];
@@ -88,7 +91,7 @@ fn points(scrambles: Vec<QuasiWiener>, noises: usize) -> impl Fn(u64) -> NextNoi
     }
 }
 
-/// The samples of an attempt.
+/// The samples of an attempt, in a checkpoint.
 #[derive(Serialize, Deserialize)]
 pub struct Kept<'a> {
     /// Number of the attempt.
@@ -97,17 +100,17 @@ pub struct Kept<'a> {
     spent: u64,
     /// The level that the sum begins with.
     first: usize,
-    /// Of each level the points of complete rounds, and the nodes of each replicate.
+    /// Number of points of complete rounds, and nodes of each replicate, for each level.
     levels: Vec<(u64, Vec<Nodes<PathValues<'a>>>)>,
 }
 
-/// What every attempt is asked for.
+/// The input of every attempt.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
     pub expect: &'a Expect<'a>,
     pub observables: &'a [&'a dyn Observe],
     pub accuracy: f64,
-    /// Path-steps of all attempts so far, which the limit is for.
+    /// Path-steps of all attempts so far, to which the limit applies.
     pub spent: &'a Cell<u64>,
 }
 
@@ -122,14 +125,14 @@ pub struct Estimator<'a> {
     replicates: u64,
     damping: DampingResolution<'a>,
     drive: DriveResolution<'a>,
-    /// Whether there is noise. Without, one path is all.
+    /// Whether there is noise or a random initial value. If not, one path is enough.
     noisy: bool,
     /// Whether points are Sobol points.
     sobol: bool,
-    /// All levels so far.
+    /// All levels so far, with their samples.
     levels: Vec<Samples>,
-    /// The ladder of each, and the nodes of its replicates so far. The last may be of a level that
-    /// was begun before it was stopped.
+    /// Ladder of each level, and the nodes of its replicates so far. The last may be of a level
+    /// that was begun before it was stopped.
     ladders: Vec<(Ladder<'a>, Vec<Nodes<PathValues<'a>>>)>,
     /// The level that the sum begins with: the last one for single paths.
     first: usize,
@@ -164,7 +167,7 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// The expectation, from samples that were kept, if there are some; and whether smaller
+    /// Computes the expectation, from the samples in `kept` if there are some; and whether smaller
     /// coarsest steps help, where failed paths are in the way.
     pub fn expectation(
         mut self,
@@ -258,7 +261,7 @@ impl<'a> Estimator<'a> {
         Ok((self.report(limit), helps))
     }
 
-    /// Samples the first levels, those that were not kept.
+    /// Samples the first levels, except those that were restored.
     fn begin(&mut self, pilot: u64) -> Result<(), RunError> {
         let (kept, max_cost) = (self.levels.len(), self.request.expect.settings.max_cost);
         if kept > PILOT_LEVEL {
@@ -279,7 +282,8 @@ impl<'a> Estimator<'a> {
         Ok(())
     }
 
-    /// Takes samples that were kept. The sum of the complete rounds of a replicate is one node.
+    /// Restores the samples of a checkpoint. The sum of the complete rounds of a replicate is one
+    /// node.
     fn restore(&mut self, kept: Kept<'a>) -> Result<(), RunError> {
         for (level, (points, replicates)) in kept.levels.into_iter().enumerate() {
             self.add_level()?;
@@ -300,7 +304,8 @@ impl<'a> Estimator<'a> {
         Ok(())
     }
 
-    /// Keeps the samples if it is time, or the end. [`Checkpoint::failure`] says if that fails.
+    /// Writes the checkpoint if it is due, or at the end. [`Checkpoint::failure`] says if that
+    /// fails.
     fn keep(&self) {
         let Request { expect: Expect { settings, checkpoint, .. }, spent, .. } = self.request;
         let due = |to: &&Checkpoint| settings.stop.is_asked() || to.is_due();
@@ -315,7 +320,7 @@ impl<'a> Estimator<'a> {
         _ = checkpoint.write(&(self.attempt, spent.get(), first, levels));
     }
 
-    /// No samples of a level.
+    /// Values of a level without samples.
     fn empty(&self, level: usize) -> PathValues<'a> {
         let observables = self.request.observables;
         let rows = self.candidate.setup.start();
@@ -330,7 +335,7 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// Tells how far the round is.
+    /// Reports the largest half-width, and the part of the work that is done.
     fn tell(&self, sums: &[Sum]) {
         let Request { expect, accuracy, .. } = self.request;
         let half_width = sums.iter().map(Sum::half_width).fold(0.0, f64::max);
@@ -348,7 +353,7 @@ impl<'a> Estimator<'a> {
         size > share + sum.quantile() * standard_error
     }
 
-    /// What the steps of the last level do not resolve.
+    /// Warnings of what the steps of the last level do not resolve.
     fn unresolved(&self) -> Vec<Warning> {
         let Request { observables, accuracy, .. } = self.request;
         let names: Vec<&str> = observables.iter().map(|phi| phi.name()).collect();
@@ -357,8 +362,8 @@ impl<'a> Estimator<'a> {
         unresolved(&self.levels[1..], (&self.damping, drive), &names, wanted)
     }
 
-    /// Path-steps without which the accuracy is not reached: those of points that lack, on levels
-    /// that are fine enough; else those of finer levels that the damping needs.
+    /// Least number of path-steps that the accuracy takes: those of missing points, on levels that
+    /// are fine enough; else those of finer levels that the damping needs.
     fn least_cost(&self, sums: &[Sum], finer: bool) -> f64 {
         let last = &self.levels[self.levels.len() - 1];
         let exponent = self.damping.lasting_exponent(last.level) / LARGEST_EXPONENT;
@@ -417,12 +422,12 @@ impl<'a> Estimator<'a> {
         Ok(())
     }
 
-    /// Path-steps of so many points of every replicate.
+    /// Path-steps of `points` points of every replicate.
     fn cost(&self, samples: &Samples, points: u64) -> u64 {
         self.replicates.saturating_mul(points).saturating_mul(samples.cost_per_path)
     }
 
-    /// Draws points of every replicate of a level up to so many; false if it is stopped.
+    /// Draws points of every replicate of a level up to `points`; false if it is stopped.
     fn sample(&mut self, level: usize, points: u64) -> Result<bool, RunError> {
         let before = self.levels[level].points;
         let new_cost = self.cost(&self.levels[level], points - before);
@@ -472,8 +477,8 @@ impl<'a> Estimator<'a> {
         Ok(true)
     }
 
-    /// How far test function number k may spread: as on all levels so far, or by one if it is the
-    /// same on all; not at all without noise.
+    /// Range of test function number k: that on all levels so far, or one if it is the same on all;
+    /// zero without noise.
     fn range(&self, k: usize) -> f64 {
         let ranges = self.levels.iter().filter_map(|level| level.values.get(k)).map(Values::range);
         let range = ranges.fold(None, hull);
@@ -484,7 +489,7 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// Test function number k, summed from the first level on.
+    /// Sum of test function number k from the first level on.
     fn sum(&self, k: usize) -> Sum {
         self.sum_from(self.first, k)
     }

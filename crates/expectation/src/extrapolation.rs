@@ -31,17 +31,18 @@ use super::{
     sum::Term,
 };
 
-/// How far the observed order may significantly fall below the theoretical one. With large steps it
-/// does by a tenth or so, and the bound allows for it.
+/// Tolerance for an observed order that is significantly below the theoretical one. With large
+/// steps it is by a tenth or so, and the bound allows for it.
 pub const ORDER_TOLERANCE: f64 = 0.25;
-/// The bias is extrapolated by no order below this, nor below half of the one given.
+/// Least order of extrapolation, unless half of the order given is less.
 const LOWEST_ORDER: f64 = 0.5;
 
-/// Variances of differences fall by two for a smooth φ on steps that resolve the motion, by 3/2 for
-/// one with kinks, and by one for one with jumps (Giles 2015). Below this φ is taken to be rough.
+/// Order of the variances of differences below which φ is taken to be rough. They fall by two for a
+/// smooth φ on steps that resolve the motion, by 3/2 for one with kinks, and by one for one with
+/// jumps (Giles 2015).
 const SMOOTH: f64 = 1.25;
 
-/// A slope this near to a whole number is that order.
+/// Distance from a whole number within which a slope is that order.
 const WHOLE: f64 = 0.2;
 
 /// The orders that differences without errors of sampling show, the last one last, if they are
@@ -69,18 +70,18 @@ pub fn lowest(given: f64) -> f64 {
 
 /// The extrapolation of one test function.
 pub struct Extrapolation {
-    /// What the last difference but one and the last one count for, beside one; below single paths
-    /// what the two differences count for.
+    /// Weights of the last difference but one and the last one, beside one; below single paths the
+    /// weights of the two differences.
     pub weights: [f64; 2],
-    /// The bound, without a statistical margin.
+    /// Bound on the bias, without a statistical margin.
     pub size: f64,
-    /// The standard error of the difference that makes it.
+    /// Standard error of the difference that makes the bound.
     pub standard_error: f64,
 }
 
-/// By the last three differences or fewer, the last one last, of which the last two are terms of
-/// the sum, for a scheme with these orders, where differences fall by the order `alpha`, and their
-/// variances by `beta`; or for `single` paths of the last level, with the first two as terms.
+/// Extrapolates by the last three differences or fewer, the last one last, of which the last two
+/// are terms of the sum; or, for `single` paths of the last level, the first two. The scheme has
+/// these orders; differences fall by the order `alpha`, and their variances by `beta`.
 pub fn extrapolation(
     differences: &[Term],
     orders: Orders,
@@ -129,8 +130,8 @@ pub fn extrapolation(
     Extrapolation { weights, size, standard_error }
 }
 
-/// The upper end of the order by which one difference falls to the next, if both are significant
-/// and of one sign.
+/// Upper end of the order by which one difference falls to the next, if both are significant and of
+/// one sign.
 fn local_order(before: &Term, last: &Term) -> Option<f64> {
     let square = |term: &Term| term.variance / (term.mean * term.mean);
     let significant = |term: &Term| SIGNIFICANT * SIGNIFICANT * square(term) < 1.0;
@@ -141,10 +142,10 @@ fn local_order(before: &Term, last: &Term) -> Option<f64> {
     Some((ln(ratio) + QUANTILE * (square(before) + square(last)).sqrt()) / LN_2)
 }
 
-/// Differences of this many standard errors have a logarithm that is nearly normal.
+/// Number of standard errors from which on the logarithm of a difference is nearly normal.
 pub const SIGNIFICANT: f64 = 4.0;
 
-/// How fast the means of the differences fall, if all that are significant have one sign.
+/// Rate at which the means of the differences fall, if all that are significant have one sign.
 pub fn alpha(differences: &[Samples], terms: &[Term], k: usize) -> Option<Rate> {
     let significant = differences.iter().zip(terms).filter(|(samples, term)| {
         let margin = SIGNIFICANT * term.variance.sqrt() + term.missed;
@@ -162,8 +163,8 @@ pub fn alpha(differences: &[Samples], terms: &[Term], k: usize) -> Option<Rate> 
     decay(&significant.iter().map(point).collect::<Vec<_>>())
 }
 
-/// How fast the variances of the differences fall. The relative variance of a sample variance is
-/// (kurtosis − 1)/N.
+/// Rate at which the variances of the differences fall. The relative variance of a sample variance
+/// is (kurtosis − 1)/N.
 pub fn beta(differences: &[Samples], k: usize) -> Option<Rate> {
     let points = differences.iter().filter_map(|samples| {
         let (values, n) = (&samples.values[k], samples.count() as f64);
@@ -212,7 +213,7 @@ mod tests {
         ((1..4).map(|l| term(at(l) - at(l - 1))).collect(), at(3))
     }
 
-    /// What is left of the last error.
+    /// Remainder of the last error after extrapolation.
     fn left(terms: &[Term], last: f64, found: &Extrapolation) -> f64 {
         last + found.weights[0] * terms[1].mean + found.weights[1] * terms[2].mean
     }

@@ -7,8 +7,8 @@ use super::{
     sum::BIAS_LEVELS,
 };
 
-/// Standard errors between two means of one expectation: exceeded once in 10⁵ comparisons of
-/// normals.
+/// Largest number of standard errors between two means of one expectation: exceeded once in 10⁵
+/// comparisons of normals.
 const DEVIATION_LIMIT: f64 = 4.5;
 
 /// Distance in standard errors of the fine mean of one level and the coarse mean of another, which
@@ -20,22 +20,22 @@ pub fn deviation(fine: &Samples, coarse: &Samples, k: usize) -> f64 {
     if variance > 0.0 { (a.mean() - b.mean()).abs() / variance.sqrt() } else { 0.0 }
 }
 
-/// What the checks read.
+/// The input of the checks.
 pub struct Evidence<'a> {
-    /// All levels; all but the first are differences.
+    /// All levels; all except the first are differences.
     pub levels: &'a [Samples],
-    /// The one that the sums begin with.
+    /// Number of the level that the sums begin with.
     pub first: usize,
     /// The weak order assumed.
     pub order: f64,
     /// Whether there is noise.
     pub noisy: bool,
-    /// What the steps do not resolve.
+    /// Warnings of what the steps do not resolve.
     pub unresolved: Vec<Warning>,
 }
 
 impl Evidence<'_> {
-    /// Judges the estimates, and returns all warnings but those about limits.
+    /// Judges the estimates, and returns all warnings except those about limits.
     pub fn judge(&self, estimates: &mut [Estimate]) -> Vec<Warning> {
         let failing = self.levels[self.first..].iter().filter(|level| level.failed > 0);
         let mut warnings: Vec<Warning> = failing
@@ -72,7 +72,7 @@ impl Evidence<'_> {
         warnings
     }
 
-    /// Whether a few samples of test function number k decide: on the level that the sum begins
+    /// Warning if a few samples of test function number k decide: on the level that the sum begins
     /// with, where its tail shows it or few carry the variance; or because φ is the same on every
     /// path of one of the last levels.
     fn few_samples(&self, k: usize) -> Option<(WarningKind, String)> {
@@ -97,7 +97,7 @@ impl Evidence<'_> {
         Some((WarningKind::FewSamples, text))
     }
 
-    /// What there is to say of the order by which differences fall.
+    /// Warning of a low order by which differences fall.
     fn slow(&self, Rate { value, lower, upper }: Rate) -> Option<(WarningKind, String)> {
         let kind = match upper {
             _ if upper < lowest(self.order) => WarningKind::Slow,

@@ -11,19 +11,19 @@ use mc::{GROUP_PATHS, Measured, Observe, Statistic, View};
 /// Moments of one test function on one level.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Values {
-    /// φ of single paths, or the difference.
+    /// Moments of φ on single paths, or of the difference.
     pub sample: CentralMoments,
-    /// φ on the fine path, or its average over two fine paths.
+    /// Moments of φ on the fine path, or of its average over two fine paths.
     pub fine: CentralMoments,
-    /// φ on the coarse path, or its average over two.
+    /// Moments of φ on the coarse path, or of its average over two.
     pub coarse: CentralMoments,
-    /// φ on the fine paths of the pilot. They show the tail of its law before rounds go on until
-    /// samples look light.
+    /// Values of φ on the fine paths of the pilot. They show the tail of its law before rounds go
+    /// on until samples look light.
     pub pilot: Vec<f64>,
 }
 
 impl Values {
-    /// φ at the final time on these paths of a block, and φ of the coarse paths if there are some.
+    /// Adds φ at the final time on `paths` of a block, and φ on the coarse paths if there are some.
     fn add(&mut self, fine: &Row, coarse: Option<&Row>, paths: PathMask) {
         let of = |values: &Row| CentralMoments::of_block(values, paths);
         let of_fine = of(fine);
@@ -49,7 +49,7 @@ impl Values {
         hull(self.fine.range(), self.coarse.range())
     }
 
-    /// Their distance: zero if φ is the same to the bit on every path.
+    /// Distance from the least to the largest φ: zero if φ is the same to the bit on every path.
     pub fn spread(&self) -> f64 {
         self.range().map_or(0.0, |(least, largest)| largest - least)
     }
@@ -72,7 +72,7 @@ impl Values {
     }
 }
 
-/// The least interval that contains both.
+/// The smallest interval that contains both.
 pub fn hull(a: Option<(f64, f64)>, b: Option<(f64, f64)>) -> Option<(f64, f64)> {
     match (a, b) {
         (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
@@ -91,7 +91,7 @@ pub fn tail(levels: &[Samples], k: usize) -> Tail {
 /// The samples of one level so far.
 #[derive(Default)]
 pub struct Samples {
-    /// Its number; samples are φ on level 0 and differences on others.
+    /// Number of the level; samples are φ on level 0 and differences on others.
     pub level: usize,
     /// Path-steps of one sample.
     pub cost_per_path: u64,
@@ -100,23 +100,23 @@ pub struct Samples {
     /// Paths of all replicates, failed ones included.
     pub paths: u64,
     pub failed: u64,
-    /// All replicates together, one for each test function.
+    /// Moments over all replicates together, for each test function.
     pub values: Vec<Values>,
-    /// Of fine and coarse paths, up to T, T/8 and T/64.
+    /// Motion of fine and coarse paths, up to T, T/8 and T/64.
     pub motion: [Motion; PARTS],
     /// The motion of each test function.
     pub functions: Motion,
-    /// Each replicate as a sample, for each test function: of the difference, and of φ on the fine
+    /// Moments over replicates, for each test function: of the difference, and of φ on the fine
     /// path.
     pub means: Vec<[Means; 2]>,
 }
 
-/// Numbers of each replicate.
+/// Moments over the replicates.
 #[derive(Clone, Copy, Default)]
 pub struct Means {
-    /// The mean over its points.
+    /// Moments of the mean over the points of a replicate.
     pub mean: CentralMoments,
-    /// Its largest and its least value.
+    /// Moments of the largest and the least value of a replicate.
     ends: [CentralMoments; 2],
 }
 
@@ -129,7 +129,7 @@ impl Means {
         }
     }
 
-    /// The variance that the largest and the least of so many points give to the mean of a
+    /// The variance that the largest and the least of `points` points give to the mean of a
     /// replicate.
     pub fn variance_of_ends(&self, points: u64) -> f64 {
         let n = points as f64;
@@ -143,12 +143,12 @@ impl Samples {
         self.failed as f64 / self.paths as f64
     }
 
-    /// Paths that count.
+    /// Number of paths that have not failed.
     pub fn count(&self) -> u64 {
         self.paths - self.failed
     }
 
-    /// Takes all samples of every replicate, each with so many points.
+    /// Takes all samples of every replicate, each with `points` points.
     pub fn take(&mut self, replicates: Vec<Measured<PathValues<'_>>>, points: u64) {
         let functions = replicates.first().map_or(0, |one| one.statistic.values.len());
         (self.points, self.paths, self.failed) = (points, points * replicates.len() as u64, 0);
@@ -172,8 +172,8 @@ impl Samples {
 }
 
 /// Folds the values of all test functions at the final time, and the motion. The runs of a
-/// difference are fine, coarse, a second fine one and a second coarse one, as many as there are;
-/// those of single paths are one or two. Of two the mean of φ counts.
+/// difference are fine, coarse, a second fine one and a second coarse one, if there are such; those
+/// of single paths are one or two. Of two the mean of φ counts.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct PathValues<'a> {
     #[serde(skip)]
@@ -182,7 +182,7 @@ pub struct PathValues<'a> {
     /// Whether there are coarse paths.
     pub coupled: bool,
     pub values: Vec<Values>,
-    /// Of the states, between these times; and of each test function.
+    /// Motion of the states in each part of the time, and of each test function.
     pub motion: [Motion; PARTS],
     pub functions: Motion,
 }

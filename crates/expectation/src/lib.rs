@@ -53,7 +53,7 @@
 //! is out of reach for that reason, the coarsest level takes more steps, if fewer paths fail on the
 //! finer ones of the first levels; else it ends.
 //!
-//! **Without noise** there is one path, on as many levels as the accuracy takes, extrapolated with
+//! **Without noise** there is one path, on the levels that the accuracy takes, extrapolated with
 //! the order that its differences show. The interval is a bound on what extrapolation leaves.
 //!
 //! **Lévy areas** are drawn on fine steps and joined on coarse ones, so the coarse path of a level
@@ -119,17 +119,17 @@ pub use report::{short, written};
 pub struct Expect<'a> {
     candidates: Vec<Candidate<'a>>,
     settings: ExpectSettings,
-    /// Hears after each round how far it is.
+    /// Callback after each round with the progress.
     pub told: Box<Told<'a>>,
-    /// Hears from any thread the number of path-steps done since its last call.
+    /// Callback, from any thread, with the number of path-steps done since its last call.
     pub counted: Box<dyn Fn(u64) + Sync + 'a>,
-    /// Keeps the samples every few seconds and when it is stopped; it goes on from what that has,
-    /// with the same bits. It is removed at the end.
+    /// Checkpoint of the samples, written every few seconds and at a stop. The computation goes on
+    /// from it, with the same bits, and removes it at the end.
     pub checkpoint: Option<&'a Checkpoint>,
 }
 
-/// Hears how far a computation is: the largest half-width so far, and the path-steps done over
-/// those that it takes by this half-width.
+/// Callback with the progress of a computation: the largest half-width so far, and the path-steps
+/// done over those that it takes by this half-width.
 pub type Told<'a> = dyn Fn(f64, f64) + 'a;
 
 /// Settings of [`Expect`].
@@ -138,8 +138,8 @@ pub struct ExpectSettings {
     /// The key of all points, with an experiment number below 2⁴⁰; seed 1 and experiment 0 unless
     /// set. Each level has [streams](Purpose) of its own.
     pub key: StreamKey,
-    /// How increments of schemes that need it are truncated, on every level at its own step size;
-    /// of order four unless set.
+    /// Truncation of increments of schemes that need it, on every level at its own step size; of
+    /// order four unless set.
     pub truncation: Truncation,
     /// The weak order p of the scheme, if it is not that of the chosen one, or one; the next power
     /// of τ in its bias is then p + 1.
@@ -152,10 +152,10 @@ pub struct ExpectSettings {
     /// The finest level allowed, from 3 to 24, which has 2^`max_level` times the coarsest steps; 16
     /// unless set. Without noise the limit is 2²² steps.
     pub max_level: usize,
-    /// Path-steps of all attempts together, after which it ends, whether the accuracy is reached or
-    /// not; 10¹⁰ unless set.
+    /// Path-steps of all attempts together, after which the computation ends, whether the accuracy
+    /// is reached or not; 10¹⁰ unless set.
     pub max_cost: u64,
-    /// What ends it early, with the estimates of the rounds before.
+    /// Flag that ends the computation early, with the estimates of the rounds before.
     pub stop: Stop,
 }
 
@@ -188,11 +188,11 @@ struct Candidate<'a> {
 struct Orders {
     /// The weak order p.
     weak: f64,
-    /// The next one q.
+    /// The order q of the next power.
     next: f64,
 }
 
-/// How often the coarsest level takes twice as many steps where paths fail.
+/// Number of times that the coarsest level doubles its steps where paths fail.
 const REFINEMENTS: u32 = 8;
 /// The final time up to which the coarsest steps are chosen to be below one; beyond, they are
 /// refused.
@@ -300,7 +300,7 @@ impl<'a> Expect<'a> {
         Self { settings, ..self }
     }
 
-    /// With friction on some components.
+    /// Adds friction on some components.
     #[must_use]
     pub fn with_friction(mut self, friction: &'a [Friction]) -> Self {
         for candidate in &mut self.candidates {
@@ -311,7 +311,7 @@ impl<'a> Expect<'a> {
         self
     }
 
-    /// Takes these initial values.
+    /// Takes random initial values; `None` for the fixed one.
     #[must_use]
     pub fn starting(mut self, initial: Option<Initial<'a>>) -> Self {
         for candidate in &mut self.candidates {

@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// P(|N(0, 1)| ≤ this) = 95 %.
+/// Quantile q of the normal law for 95 %: P(|N(0, 1)| ≤ q) = 95 %.
 pub const QUANTILE: f64 = 1.959_963_984_540_054;
 
 /// Expectations of all test functions, with the levels that were sampled and warnings.
@@ -13,7 +13,7 @@ pub const QUANTILE: f64 = 1.959_963_984_540_054;
 pub struct Expectation {
     /// The identifier of the scheme.
     pub scheme: &'static str,
-    /// One for each test function, in their order.
+    /// Estimate of each test function, in their order.
     pub estimates: Vec<Estimate>,
     /// The requested half-width.
     pub accuracy: f64,
@@ -39,16 +39,16 @@ impl Expectation {
     }
 }
 
-/// What the samples say about the three assumptions of an interval; each `false` has a
-/// [`Warning`], whose kind names the assumption.
+/// Verdict of the samples on the three assumptions of an interval; each `false` has a [`Warning`],
+/// whose kind names the assumption.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Judged {
-    /// Thirty samples or more carry the variance, and no heavy [tail](stats::Tail) is seen.
+    /// Whether thirty samples or more carry the variance, and no heavy [tail](stats::Tail) is seen.
     pub variance: bool,
-    /// The bias falls from level to level by an order that can be extrapolated, and the levels
-    /// telescope.
+    /// Whether the bias falls from level to level by an order that can be extrapolated, and the
+    /// levels telescope.
     pub bias: bool,
-    /// The finest steps follow the motion, the damping and φ.
+    /// Whether the finest steps follow the motion, the damping and φ.
     pub resolution: bool,
 }
 
@@ -59,7 +59,7 @@ impl Judged {
     }
 }
 
-/// E[φ(y(T))] for one φ.
+/// Estimate of E[φ(y(T))] for one φ.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// Name of φ.
@@ -70,20 +70,20 @@ pub struct Estimate {
     pub value: f64,
     /// Standard error of the estimate, from the spread over replicates, without bias.
     pub standard_error: f64,
-    /// How many standard errors the 95 % interval has on each side: Student's quantile, with a
+    /// Number of standard errors on each side of the 95 % interval: Student's quantile, with a
     /// correction for skewness.
     pub quantile: f64,
-    /// What extrapolation added to the mean at the finest step: an estimate of E[φ(y(T))] −
+    /// Amount that extrapolation added to the mean at the finest step: an estimate of E[φ(y(T))] −
     /// E[φ(y_τ)].
     pub bias: f64,
     /// Bound on the error that the steps leave in the estimate after extrapolation, from the next
     /// power of τ, with a half-width from standard errors added; and what failed paths may add,
     /// their share times the range of φ.
     pub bias_bound: f64,
-    /// What events that the samples missed may add: the root of the sum of squares of 3.69·R/N over
-    /// the levels where fewer than thirty of N samples carry the variance (N/κ < 30 with the
-    /// kurtosis κ); R is the largest event that was seen, and 3.69 = −ln 0.025.
-    /// Infinite where the tail of φ says that there may be no variance.
+    /// Half-width for events that the samples missed: the root of the sum of squares of 3.69·R/N
+    /// over the levels where fewer than thirty of N samples carry the variance (N/κ < 30 with the
+    /// kurtosis κ); R is the largest event that was seen, and 3.69 = −ln 0.025. Infinite where the
+    /// tail of φ says that there may be no variance.
     pub missed: f64,
     /// Observed α in E[φ(y_τ)] − E[φ(y_{2τ})] ∝ τ^α, from the differences that exceed four standard
     /// errors; `None` with fewer than two of them, or if their signs differ.
@@ -115,24 +115,24 @@ impl Estimate {
 /// An exponent with its 95 % interval, which is widened when the points do not lie on a line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Rate {
-    /// The slope.
+    /// The exponent.
     pub value: f64,
-    /// Lower end.
+    /// Lower end of the interval.
     pub lower: f64,
-    /// Upper end.
+    /// Upper end of the interval.
     pub upper: f64,
 }
 
 /// The samples of one level: φ itself on level 0, differences to the level below on others.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Level {
-    /// Its number.
+    /// Number of the level.
     pub level: usize,
     /// Step size of the fine path.
     pub tau: f64,
-    /// Paths that count.
+    /// Number of paths that have not failed.
     pub samples: u64,
-    /// Paths that failed.
+    /// Number of paths that failed.
     pub failed: u64,
     /// Path-steps of one sample.
     #[serde(rename = "path_steps_each")]
@@ -144,15 +144,15 @@ pub struct Level {
 /// An assumption that does not hold, or a limit that was reached.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
-    /// Which.
+    /// Kind of the warning.
     pub kind: WarningKind,
-    /// The φ that are concerned; none if all are.
+    /// Names of the φ that are concerned; none if all are.
     pub observables: Vec<String>,
-    /// The same in words, with the numbers of the first of them.
+    /// Text of the warning, with the numbers of the first φ.
     pub text: String,
 }
 
-/// What is warned of.
+/// The kind of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum WarningKind {
@@ -166,21 +166,25 @@ pub enum WarningKind {
     /// less than on coarser levels: a fast motion that the steps do not resolve looks like a slow
     /// one. Blocks [`Judged::resolution`], as the next four do.
     Component(usize),
-    /// They do not resolve φ: it multiplies phases that the states resolve, or has other events on
-    /// fine paths than on coarse ones.
+    /// The steps of the finest level do not resolve φ: it multiplies phases that the states
+    /// resolve, or has other events on fine paths than on coarse ones.
     Function,
-    /// Nor the damping: it oscillates or has pulses within the steps, or rate and integral
-    /// contradict each other, so that its sums over the steps differ from ∫₀ᵗγ.
+    /// The steps of the finest level do not resolve the damping: it oscillates or has pulses within
+    /// the steps, or rate and integral contradict each other, so that its sums over the steps
+    /// differ from ∫₀ᵗγ.
     Damping,
-    /// Nor Hamiltonians that change with time, see [`DriveResolution`](mc::DriveResolution).
+    /// The steps of the finest level do not resolve Hamiltonians that change with time, see
+    /// [`DriveResolution`](mc::DriveResolution).
     Drive,
-    /// Nor noise and forces within a step of strong damping, which step sizes that all forget them
-    /// agree on: each of three steps in a row has an ∫|γ| above one.
+    /// The steps of the finest level do not resolve noise and forces within a step of strong
+    /// damping: each of three steps in a row has an ∫|γ| above one. Step sizes that all forget
+    /// noise and forces agree.
     StrongDamping,
     /// The differences fall more slowly than the weak order says; the bias is extrapolated by the
     /// observed order then.
     Order,
-    /// They fall with an order below ½ or half of the one given. Blocks [`Judged::bias`].
+    /// The differences fall with an order below ½ and below half of the one given. Blocks
+    /// [`Judged::bias`].
     Slow,
     /// The coarse mean of a level contradicts the fine mean of the level below, which has the same
     /// expectation. Blocks [`Judged::bias`].
@@ -216,7 +220,7 @@ impl Warning {
         }
     }
 
-    /// Whether it concerns this φ.
+    /// Whether the warning concerns this φ.
     pub(super) fn concerns(&self, observable: &String) -> bool {
         self.observables.is_empty() || self.observables.contains(observable)
     }

@@ -23,21 +23,21 @@ use mc::{DampingResolution, View, add_rows};
 /// radian to one, and the fine path is wrong by a third of that (phases have order two). The same
 /// number for φ: the correlation of φ(fine) and φ(coarse) is then ¾ or more.
 const RESOLVED: f64 = 0.5;
-/// What a level gains at least: strong order ½ gives 1/√2.
+/// Largest factor by which quotients fall from a level to the next: strong order ½ gives 1/√2.
 const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// A motion that falls by this or more from level to level, twice, is an error of the scheme: a
-/// true one has a limit.
+/// Largest factor from level to level, twice, of a motion that is an error of the scheme: a true
+/// one has a limit.
 const VANISHES: f64 = 0.75;
-/// The largest square of the mean of a difference over its variance that is scatter.
+/// Largest square of the mean of a difference over its variance that is scatter.
 const SCATTERED: f64 = 0.25;
-/// The largest part of the largest component that such a motion has.
+/// Largest part of the largest component that a motion by errors of the scheme has.
 const ERROR: f64 = 0.1;
 
-/// Parts of the time: up to T/64, T/8 and T.
+/// Number of parts of the time: up to T/64, T/8 and T.
 pub const PARTS: usize = 3;
-/// The motion in a first part of the time has at least this size relative to that in all.
+/// Least size of the motion in a first part of the time, relative to that in all.
 const BEGUN: f64 = 0.1;
-/// And at least so many coarse steps.
+/// Least number of coarse steps in a first part of the time.
 const MIN_TIMES: f64 = 8.0;
 
 /// The part of the time that this one of `last` coarse times is in, counted from the end.
@@ -48,11 +48,11 @@ pub fn part(time: u64, last: u64) -> usize {
 /// Sums over paths and coarse times, for each component, or each φ, and each place in a block.
 #[derive(Clone, Default, serde::Serialize, serde::Deserialize)]
 pub struct Motion {
-    /// (fine − coarse)².
+    /// Sums of (fine − coarse)².
     difference: Vec<Row>,
-    /// (fine − start)².
+    /// Sums of (fine − start)².
     displacement: Vec<Row>,
-    /// y(0), or φ(y(0)).
+    /// Initial values y(0), or φ(y(0)).
     start: Vec<f64>,
     /// Number of summands.
     points: f64,
@@ -100,7 +100,7 @@ impl Motion {
         [&self.difference[i], &self.displacement[i]].map(|lanes| lanes.iter().sum())
     }
 
-    /// Σ start² + (fine − start)².
+    /// Size of component i: Σ start² + (fine − start)².
     fn size(&self, i: usize) -> f64 {
         self.points * (self.start[i] * self.start[i]) + self.sums(i)[1]
     }
@@ -121,12 +121,13 @@ impl Motion {
         self.quotient(i, ROUND_OFF * ROUND_OFF * self.largest())
     }
 
-    /// The same for φ number k; zero, too, if both are below the accuracy.
+    /// Root mean square of fine minus coarse over that of the motion of φ number k; zero, too, if
+    /// both are below the accuracy.
     fn of_function(&self, k: usize, accuracy: f64) -> f64 {
         self.quotient(k, accuracy * accuracy * self.points)
     }
 
-    /// Zero if both sums of squares are `negligible`.
+    /// Root of the quotient of both sums of squares; zero if both are `negligible`.
     fn quotient(&self, i: usize, negligible: f64) -> f64 {
         let round_off = ROUND_OFF * ROUND_OFF * self.size(i);
         let [difference, displacement] = self.sums(i);
@@ -167,9 +168,9 @@ impl Kernel for AddMotion<'_> {
     }
 }
 
-/// How many coarse times φ is compared at.
+/// Number of coarse times at which φ is compared.
 const TIMES: u64 = 8;
-/// Before the last time, one block of so many is compared: φ may cost more than a step.
+/// Number of blocks of which one is compared before the last time: φ may cost more than a step.
 const BLOCKS: u64 = 8;
 
 /// Whether φ is compared at this one of `steps` coarse times on the block of this first path. At
@@ -180,7 +181,7 @@ pub fn compares_at(time: u64, steps: u64, first_path: u64) -> bool {
 }
 
 /// The quotients of component i on three levels. Zero if the component moves by errors of the
-/// scheme alone, as one does that the equations keep.
+/// scheme alone, as one does that the equations conserve.
 fn quotients(levels: [&Samples; 3], part: usize, i: usize) -> [f64; 3] {
     let motions = levels.map(|samples| &samples.motion[part]);
     let vanishes = vanishes(motions.map(|motion| motion.displacement(i)));
@@ -212,9 +213,9 @@ pub const LARGEST_EXPONENT: f64 = 1.0;
 /// The part of the accuracy that an error of ∫γ may have, beside φ.
 const DAMPED: f64 = 0.01;
 
-/// What the steps of the last difference do not resolve: the worst component of the motion, the
-/// damping, Hamiltonians near the time `drive`, and every test function of these names. Nothing is
-/// known of fewer than three levels.
+/// Warnings of what the steps of the last difference do not resolve: the worst component of the
+/// motion, the damping, Hamiltonians near the time `drive`, and every test function of these names.
+/// Nothing is known of fewer than three levels.
 pub fn unresolved(
     differences: &[Samples],
     (damping, drive): (&DampingResolution<'_>, Option<f64>),
@@ -266,7 +267,7 @@ pub fn unresolved(
     warnings
 }
 
-/// How far fine and coarse paths of the last level differ in test function number k, if its motion
+/// Difference of fine and coarse paths of the last level in test function number k, if its motion
 /// is not resolved, since a φ that multiplies phases needs finer steps than the state; or if it is
 /// not the same event on both.
 fn unresolved_function(levels: [&Samples; 3], k: usize, accuracy: f64) -> Option<f64> {
@@ -290,7 +291,8 @@ fn near([a, b, c]: [f64; 3]) -> bool {
     c.max(GAIN * b).max(GAIN * GAIN * a) <= RESOLVED
 }
 
-/// Whether they fall so, too: far from resolution they may be small and grow.
+/// Whether quotients of three levels are near, and fall: far from resolution they may be small and
+/// grow.
 fn resolved(quotients: [f64; 3]) -> bool {
     let [a, b, c] = quotients;
     c == 0.0 || near(quotients) && c <= GAIN * a.max(b)

@@ -7,17 +7,18 @@ use super::{extrapolation::Extrapolation, level::Samples, report::QUANTILE};
 
 /// Number of differences that bound the bias.
 pub const BIAS_LEVELS: usize = 3;
-/// No event in N samples: 97.5 % upper limit u of the expected number, −ln 0.025. With k events the
-/// interval k ± √(1.96²k + u²) covers a Poisson number with 93 % or more for any mean, and events
-/// of several levels with more. With thirty events k ± 1.96√k covers as well without u.
+/// Upper limit u at 97.5 % of the expected number of events where N samples show none, −ln 0.025.
+/// With k events the interval k ± √(1.96²k + u²) covers a Poisson number with 93 % or more for any
+/// mean, and events of several levels with more. With thirty events k ± 1.96√k covers as well
+/// without u.
 pub const UNSEEN: f64 = 3.688_879_454_113_936;
 /// The part of the variance from which on the largest and the least value of a replicate decide.
 const FEW_DECIDE: f64 = 0.5;
-/// The confidence for which Student's quantile is taken then.
+/// Confidence of Student's quantile where the largest and the least value decide.
 const HIGH_CONFIDENCE: f64 = 0.99;
 
-/// What events that n samples missed may add to their mean, if so many of them carry the variance
-/// (NaN where none differs) and an event reaches as far as `reach`.
+/// Bound on what events that `n` samples missed may add to their mean, if `effective` of them carry
+/// the variance (NaN where none differs) and an event reaches as far as `reach`.
 fn missed(n: f64, effective: f64, reach: f64) -> f64 {
     if effective >= FEW_SAMPLES { 0.0 } else { UNSEEN * reach / n }
 }
@@ -29,13 +30,13 @@ pub struct Term {
     pub cost: f64,
     /// The mean over replicates.
     pub mean: f64,
-    /// The variance of that mean.
+    /// Variance of the mean over replicates.
     pub variance: f64,
-    /// What events that the samples missed may add.
+    /// Bound on what events that the samples missed may add.
     pub missed: f64,
     /// The third central moment of the mean of a replicate.
     pub third: f64,
-    /// The variance that its largest and its least value give to it.
+    /// Variance that the largest and the least value of a replicate give to its mean.
     pub ends: f64,
 }
 
@@ -52,13 +53,13 @@ impl Term {
         Self { cost, mean, variance, missed, third, ends }
     }
 
-    /// φ number k itself on the fine paths of a level, where it spreads by `range`.
+    /// The term of φ number k itself on the fine paths of a level, where it spreads by `range`.
     pub fn first(samples: &Samples, k: usize, range: f64) -> Self {
         let effective = samples.values[k].fine.effective_samples();
         Self::new(samples, k, true, missed(samples.count() as f64, effective, range))
     }
 
-    /// Test function number k on each of these differences.
+    /// The terms of test function number k on each of these differences.
     ///
     /// A difference may be as large as the largest of its level and of the level below, where
     /// events of the same kind are more frequent; where none differs, as large as `range`. Nor is
@@ -87,9 +88,9 @@ pub struct Sum {
     pub single: bool,
     /// Number of replicates.
     pub replicates: f64,
-    /// That of Student's quantile.
+    /// Confidence of Student's quantile.
     pub confidence: f64,
-    /// How much paths that failed may add: their share of each level times the range of φ.
+    /// Bound on what failed paths may add: their share of each level times the range of φ.
     pub lost: f64,
 }
 
@@ -118,7 +119,7 @@ impl Sum {
         self.over(|weight, term| (weight * term.missed).powi(2)).sqrt()
     }
 
-    /// How many standard errors the interval has on each side.
+    /// Number of standard errors on each side of the interval.
     ///
     /// Student's quantile x, and for means of replicates of skewness g, as those of an unbounded φ,
     /// x(x⁴ + 2x² − 3)g²/(18R) more: so much the two-sided coverage of R skew samples lacks to
@@ -140,15 +141,17 @@ impl Sum {
         hypot(self.quantile() * self.standard_error(), self.missed())
     }
 
-    /// Below single paths differences make it with their errors, which are no smaller than that of
-    /// the paths.
+    /// Bound on the bias, with margins for its standard error and for failed paths.
+    ///
+    /// Below single paths it has no margin for its error: differences make it with their errors,
+    /// which are not smaller than that of the paths.
     pub fn bias_bound(&self) -> f64 {
         let Extrapolation { size, standard_error, .. } = self.extrapolation;
         let margin = if self.single { 0.0 } else { self.quantile() * standard_error };
         size + margin + self.lost
     }
 
-    /// What extrapolation adds.
+    /// Amount that extrapolation adds.
     pub fn bias(&self) -> f64 {
         let is_plain = |n: usize| !self.single || n + 1 == self.terms.len();
         let added = |n: usize| self.weight(n) - f64::from(u8::from(is_plain(n)));
@@ -167,22 +170,22 @@ impl Sum {
         self.spread() + self.bias_bound()
     }
 
-    /// About half of the interval with twice as many points of term n, whose variance falls as that
-    /// of random points at least.
+    /// Approximate half of the interval with twice the points of term n, whose variance falls as
+    /// that of random points at least.
     pub fn with_twice(&self, n: usize) -> f64 {
         let gained = 0.5 * self.weight(n).powi(2) * self.terms[n].variance;
         let square = self.spread().powi(2) - self.quantile().powi(2) * gained;
         square.max(0.0).sqrt() + self.bias_bound()
     }
 
-    /// What a path-step of more points gains on term n, about.
+    /// Approximate gain of a path-step of more points on term n.
     pub fn gain(&self, n: usize) -> f64 {
         let Term { cost, variance, missed, .. } = self.terms[n];
         self.weight(n).powi(2) * (QUANTILE * QUANTILE * variance + missed * missed) / cost
     }
 
-    /// About as many path-steps as the half-width `wanted` takes, if the error of a level falls
-    /// with its points as N^{−1/growth}.
+    /// Approximate number of path-steps that the half-width `wanted` takes, if the error of a level
+    /// falls with its points as N^{−1/growth}.
     pub fn cost(&self, wanted: f64, growth: f64) -> f64 {
         self.over(|weight, term| {
             let error = weight * hypot(self.quantile() * term.variance.sqrt(), term.missed);

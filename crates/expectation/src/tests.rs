@@ -252,7 +252,7 @@ fn quotients(of: [f64; 3]) -> Vec<Samples> {
     (1..).zip(of).map(with).collect()
 }
 
-/// What the steps of these levels do not resolve, without damping.
+/// Warnings of what the steps of these levels do not resolve, without damping.
 fn found(levels: &[Samples], accuracy: f64) -> Vec<Warning> {
     found_of(levels, (accuracy, false))
 }
@@ -440,8 +440,8 @@ fn estimate() -> Estimate {
     }
 }
 
-/// What is said of three levels of differences above single paths, with these quotients of the
-/// motion, and coarse means of the last level that far from the fine ones below.
+/// Verdict on three levels of differences above single paths, with these quotients of the motion,
+/// and coarse means of the last level that are `apart` from the fine ones below.
 fn judged(
     motion: [f64; 3],
     apart: f64,

@@ -72,7 +72,7 @@ pub fn compile(
     (code, numbers, rows as usize)
 }
 
-/// The same expressions with powers written out as products.
+/// The expressions in a new graph, with powers written out as products.
 fn lowered(graph: &Graph, outputs: &[Id]) -> (Graph, Vec<Id>) {
     let needed = graph.needed(outputs);
     let mut lower = Graph::new();

@@ -13,7 +13,8 @@ use crate::{
     terms::terms,
 };
 
-/// Nodes of the quadrature of what is no polynomial: both halves of an interval fit into a row.
+/// Nodes of the quadrature of a rate that is not a polynomial: both halves of an interval fit into
+/// a row.
 const NODES: usize = WIDTH / 2;
 /// Halvings of an interval on which the quadrature has not converged: down to neighbouring times.
 const HALVINGS: u32 = 60;
@@ -138,8 +139,8 @@ enum Term {
 struct ClosedIntegral(Vec<Term>);
 
 impl ClosedIntegral {
-    /// That of a formula in one variable, if each of its terms is of degree 1, or a constant times
-    /// sin, cos or exp of what is.
+    /// Closed integral of a formula in one variable, if each of its terms is of degree 1, or a
+    /// constant times sin, cos or exp of such a term.
     fn of(formula: &Formula) -> Option<Self> {
         let mut graph = formula.graph.clone();
         let one = graph.constant(1.0);
@@ -177,7 +178,7 @@ impl ClosedIntegral {
     }
 }
 
-/// c₀ and c₁ of what is c₀ + c₁t.
+/// Coefficients c₀ and c₁ of an expression c₀ + c₁t.
 fn line(graph: &mut Graph, root: Id) -> Option<[f64; 2]> {
     graph.degree(root, &[0]).filter(|degree| *degree <= 1)?;
     let one = graph.constant(1.0);

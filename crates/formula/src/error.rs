@@ -1,4 +1,4 @@
-//! What is wrong with a text, and where.
+//! Errors in a text: the mistake and its place.
 
 use std::ops::Range;
 
@@ -10,9 +10,9 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("line {line}, column {column}: {message}\n{excerpt}")]
 pub struct FormulaError {
-    /// What is wrong.
+    /// Description of the mistake.
     pub message: String,
-    /// The name that is unknown, if that is what is wrong.
+    /// Unknown name, if that is the mistake.
     pub unknown_name: Option<String>,
     /// The place, in bytes of the text.
     pub span: Range<usize>,

@@ -123,8 +123,9 @@ impl Formula {
         is_truth[self.root.index()]
     }
 
-    /// A formula that is positive where this condition is true and negative where it is false: a − b
-    /// for a > b, the smaller for `and`, the larger for `or`. None of what is no condition.
+    /// A formula that is positive where this condition is true and negative where it is false: a −
+    /// b for a > b, the smaller for `and`, the larger for `or`. None for a formula that is not a
+    /// condition.
     #[must_use]
     pub fn excess(&self) -> Option<Self> {
         let mut graph = self.graph.clone();

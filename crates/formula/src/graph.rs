@@ -1,4 +1,4 @@
-//! Expressions as a graph: every subexpression once, operands before what uses them.
+//! Expressions as a graph: every subexpression once, operands before the expressions that use them.
 
 use std::{
     collections::HashMap,
@@ -119,7 +119,7 @@ impl Binary {
     }
 }
 
-/// What an expression is.
+/// Content of an expression: a number, an input, or a function of other expressions.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Node {
     /// The number with these bits.
@@ -200,7 +200,7 @@ impl Graph {
         Self::default()
     }
 
-    /// What an expression is.
+    /// Content of an expression.
     #[must_use]
     pub fn node(&self, id: Id) -> Node {
         self.nodes[id.index()]
@@ -215,7 +215,7 @@ impl Graph {
         (0..self.nodes.len() as u32).map(Id)
     }
 
-    /// Expressions made from now on have this place in the text.
+    /// Sets the place in the text of expressions made from now on.
     pub(crate) fn set_place(&mut self, place: Range<usize>) {
         self.place = Some(place);
     }
@@ -225,7 +225,7 @@ impl Graph {
         self.places[id.index()].clone()
     }
 
-    /// The expression as it stands, without any identity.
+    /// Makes an expression as it stands, without any identity.
     pub(crate) fn intern(&mut self, node: Node) -> Id {
         *self.ids.entry(node).or_insert_with(|| {
             self.nodes.push(node);
@@ -460,7 +460,8 @@ impl Graph {
         }
     }
 
-    /// A constant is the second operand; other operands are in the order in which they were made.
+    /// Puts operands in order: a constant is the second, others are in the order in which they were
+    /// made.
     fn commutative(&mut self, function: Binary, a: Id, b: Id) -> Id {
         let swap = match (self.as_constant(a), self.as_constant(b)) {
             (Some(_), _) => true,
@@ -471,7 +472,7 @@ impl Graph {
         self.intern(Node::Binary(function, a, b))
     }
 
-    /// The expression, by the identities.
+    /// Makes an expression, with the identities applied.
     fn make(&mut self, node: Node) -> Id {
         match node {
             Node::Constant(_) | Node::Input(_) => self.intern(node),
@@ -525,7 +526,7 @@ impl Graph {
         self.values(roots, &degrees).into_iter().map(Degree::get).collect()
     }
 
-    /// Whether one of the expressions that `roots` use is such a node.
+    /// Whether one of the expressions that `roots` use satisfies `is`.
     pub(crate) fn uses(&self, roots: &[Id], is: impl Fn(Node) -> bool) -> bool {
         let needed = self.needed(roots);
         self.ids().any(|id| needed[id.index()] && is(self.node(id)))

@@ -2,9 +2,9 @@
 
 use crate::{functions, graph::Unary};
 
-/// What an instruction computes from rows a, …, f and numbers k, l, see [`run`]. Every product and
-/// every sum is rounded: there is no fused multiply-add. Sums have one more factor, which is one
-/// where nothing else is wanted: it costs no time beside the rows that are read and written.
+/// An operation on rows a, …, f and numbers k, l, see [`run`]. Every product and every sum is
+/// rounded: there is no fused multiply-add. Sums have one more factor, which is one where nothing
+/// else is wanted: it costs no time beside the rows that are read and written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     Copy,
@@ -34,7 +34,7 @@ pub enum Operation {
     MulSubMul,
 }
 
-/// The rows that an instruction finds, by number: groups of inputs are counted from zero.
+/// Banks of rows for scratch and results, by number: groups of inputs are counted from zero.
 pub const SCRATCH: u32 = u32::MAX - 1;
 pub const OUT: u32 = u32::MAX;
 

@@ -12,7 +12,7 @@ use crate::{
 pub struct Joined {
     pub operation: Operation,
     pub operands: Vec<Id>,
-    /// A number that is not there is one.
+    /// Numbers of the operation; a missing one is 1.
     pub numbers: [Option<Number>; 2],
 }
 
@@ -24,7 +24,7 @@ impl Operation {
 }
 
 impl Joined {
-    /// The same times a number, if the operation has such a factor.
+    /// Multiplies the operation by a number, if it has such a factor.
     fn times(mut self, k: Number) -> Option<Self> {
         let factor = match self.operation {
             Add | Sub | Mul | MulAdd | MulSub | SubMul | MulAddMul | MulSubMul => 0,

@@ -4,7 +4,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use crate::graph::{Binary, Unary};
 
-/// What a name stands for.
+/// Meaning of a name.
 #[derive(Clone, Debug)]
 pub(crate) enum Meaning {
     /// Input number k.
@@ -28,7 +28,7 @@ pub(crate) enum Meaning {
 }
 
 impl Meaning {
-    /// Whether it is a function or another word, and no number or vector.
+    /// Whether the name is a function or another word, neither a number nor a vector.
     fn is_function(&self) -> bool {
         !matches!(self, Self::Variable(_) | Self::Value(_) | Self::Vector(_))
     }
@@ -83,7 +83,7 @@ impl Default for Names {
 }
 
 impl Names {
-    /// No names but `pi` and the functions.
+    /// Names of `pi` and the functions only.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -101,7 +101,7 @@ impl Names {
         Ok(names)
     }
 
-    /// One more variable, the next input.
+    /// Adds a variable, the next input.
     ///
     /// # Errors
     /// [`NameError`].
@@ -111,7 +111,7 @@ impl Names {
         Ok(())
     }
 
-    /// One more parameter.
+    /// Adds a parameter.
     ///
     /// # Errors
     /// [`NameError`].
@@ -122,7 +122,7 @@ impl Names {
         self.insert(name, Meaning::Value(value))
     }
 
-    /// A vector of variables that are there.
+    /// Adds a vector of existing variables.
     ///
     /// # Errors
     /// [`NameError`].
@@ -160,7 +160,7 @@ impl Names {
         self.meanings.get(name)
     }
 
-    /// The nearest name of a function, or of what is none.
+    /// Words for the nearest name of a function, or of anything else unless `of_function`.
     pub(crate) fn nearest(&self, name: &str, of_function: bool) -> String {
         let known =
             self.meanings.iter().filter(|(_, meaning)| meaning.is_function() == of_function);
@@ -168,7 +168,7 @@ impl Names {
     }
 }
 
-/// Longer names have no nearest name.
+/// Largest length of a name that has a nearest name.
 const LONGEST: usize = 40;
 
 /// "; the nearest is `…`" for messages about an unknown name: the known one with the fewest changed

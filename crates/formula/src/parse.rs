@@ -29,8 +29,8 @@ pub const MAX_DEPTH: usize = 64;
 /// The most terms of all sums of a formula.
 const MAX_TERMS: usize = 100_000;
 
-/// How tightly operators bind, from the weakest to the strongest. So −x² is −(x²), 2^−x is 2^(−x)
-/// and a^b^c is a^(b^c).
+/// Binding strengths of operators, from the weakest to the strongest. So −x² is −(x²), 2^−x is
+/// 2^(−x) and a^b^c is a^(b^c).
 const OR: u32 = 0;
 const AND: u32 = 1;
 const NOT: u32 = 2;
@@ -98,7 +98,7 @@ fn first_token(text: &str) -> &str {
     &text[..end]
 }
 
-/// Characters that typesetters have, and what to write.
+/// Characters of typesetters, and what to write instead.
 const INSTEAD: [(char, &str); 11] = [
     ('−', "-"),
     ('·', "*"),
@@ -119,7 +119,7 @@ struct Parser<'a> {
     graph: &'a mut Graph,
     /// The byte at which the next token begins.
     at: usize,
-    /// The token before it.
+    /// Token before the next one.
     last: &'a str,
     /// Open brackets, signs and powers.
     depth: usize,
@@ -131,7 +131,7 @@ struct Parser<'a> {
     terms: usize,
 }
 
-/// What was read, or what is wrong.
+/// Result of reading a part of a text.
 type Parsed<T = Placed> = Result<T, FormulaError>;
 
 /// A number, or the components of a vector, and its place in the text.
@@ -248,7 +248,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// One and zero.
+    /// The truth values one and zero.
     fn truths(&mut self) -> [Id; 2] {
         [1.0, 0.0].map(|value| self.graph.constant(value))
     }

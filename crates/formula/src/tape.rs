@@ -56,7 +56,7 @@ impl Tape {
         Self::with_numbers(graph, outputs, groups, 0..0)
     }
 
-    /// As [`new`](Self::new), with inputs that are the same at all points.
+    /// Tape like that of [`new`](Self::new), with inputs that are the same at all points.
     /// [`evaluate_with`](Self::evaluate_with) takes their numbers.
     pub(crate) fn with_numbers(
         graph: &Graph,
@@ -91,8 +91,8 @@ impl Tape {
     /// The results at 32 points. Nothing is allocated. `scratch` may have any content.
     ///
     /// # Panics
-    /// Unless `inputs` are as many groups of as many rows as the tape has, `out` has a row for each
-    /// result, and `scratch` has at least [`scratch_rows`](Self::scratch_rows) rows.
+    /// Unless `inputs` has the groups and rows of the tape, `out` has a row for each result, and
+    /// `scratch` has at least [`scratch_rows`](Self::scratch_rows) rows.
     pub fn evaluate(&self, inputs: &[&[Row]], out: &mut [Row], scratch: &mut [Row]) {
         self.evaluate_with(&self.numbers, inputs, out, scratch);
     }
@@ -100,7 +100,7 @@ impl Tape {
     /// The results at 32 points, for what is evaluated now and then: memory is allocated.
     ///
     /// # Panics
-    /// Unless `inputs` are as many groups of as many rows as the tape has.
+    /// Unless `inputs` has the groups and rows of the tape.
     #[must_use]
     pub fn rows(&self, inputs: &[&[Row]]) -> Vec<Row> {
         let [mut out, mut scratch] = [self.outputs, self.scratch].map(|n| vec![[0.0; WIDTH]; n]);
@@ -123,7 +123,7 @@ impl Tape {
     /// The results at one point, with the bits of [`evaluate`](Self::evaluate).
     ///
     /// # Panics
-    /// Unless there are as many numbers as the tape has inputs and results.
+    /// Unless `inputs` and `out` have a number for each input and result of the tape.
     pub fn evaluate_one(&self, inputs: &[&[f64]], out: &mut [f64]) {
         let inputs: Vec<&[[f64; 1]]> = inputs.iter().map(|group| group.as_chunks().0).collect();
         let mut scratch = vec![[0.0]; self.scratch];

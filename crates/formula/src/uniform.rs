@@ -13,7 +13,7 @@ use crate::{
 pub struct Numbers {
     /// One, the inputs, and then what is computed, each followed by its negative.
     values: Vec<f64>,
-    /// What depends on the inputs, with its place. Operands are places.
+    /// Numbers that depend on the inputs, with their places. Operands are places.
     computed: Vec<(usize, Node)>,
 }
 

@@ -12,7 +12,7 @@ use crate::{
 /// Parts whose text is longer are not written out: shared ones may make an endless text.
 const LONGEST: usize = 160;
 
-/// How tightly an expression binds: a sum, a product, a power or what needs no parentheses.
+/// Binding strength of an expression: a sum, a product, a power or what needs no parentheses.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Binding {
     Sum,
@@ -121,7 +121,7 @@ fn is_negative(graph: &Graph, id: Id) -> bool {
     }
 }
 
-/// Six digits.
+/// Formats a number with six digits.
 fn number(x: f64) -> String {
     let digits = format!("{x:.5e}").parse().unwrap_or(x);
     match x.abs() {

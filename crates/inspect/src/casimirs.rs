@@ -11,12 +11,12 @@ use crate::facts::{Candidates, Finding, Form, Matrix, casimirs, moved, products}
 pub struct FoundCasimir {
     /// The formula with the coefficients of this system, to six digits.
     pub formula: String,
-    /// C.
+    /// Casimir C as a form.
     #[serde(flatten)]
     pub form: Form,
-    /// B∇C = 0, with these coefficients.
+    /// Finding on B∇C = 0 with these coefficients.
     pub casimir: Finding,
-    /// m(C).
+    /// Minimum m(C) over the unit sphere.
     pub minimum: Minimum,
 }
 
@@ -33,13 +33,13 @@ impl FoundCasimir {
 /// The Casimirs of B.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Casimirs {
-    /// A basis of the linear ones, then one of the quadratic ones that are no products of these. A
-    /// scheme that preserves these preserves their linear combinations.
+    /// Basis of the linear Casimirs, then one of the quadratic ones that are not products of these.
+    /// A scheme that preserves these preserves their linear combinations.
     pub found: Vec<FoundCasimir>,
-    /// Whether it is clear that there are no other linear or quadratic ones. Quadratic ones are
-    /// sought where B joins no more than 23 components.
+    /// Whether other linear or quadratic Casimirs are excluded. Quadratic ones are sought where B
+    /// joins no more than 23 components.
     pub complete: bool,
-    /// The sum of the quadratic ones, which bounds all paths, if it is positive definite.
+    /// Sum of the quadratic Casimirs, which bounds all paths, if it is positive definite.
     pub definite: Option<FoundCasimir>,
     /// Sums of logarithms, as B of Lotka–Volterra systems has. Exact flows keep them, see
     /// `schemes::Split`; schemes that keep quadratic Casimirs do not.
@@ -70,7 +70,7 @@ impl Casimirs {
     }
 }
 
-/// The sum of the quadratic forms, if it is positive definite, as that of ½|sᵢ|² of parts sᵢ of y.
+/// Sum of the quadratic forms, if it is positive definite, for example Σ½|sᵢ|² of parts sᵢ of y.
 fn definite(found: &[FoundCasimir]) -> Option<Form> {
     let quadratic = found.iter().map(|c| &c.form).filter(|form| form.degree == 2);
     let sum = quadratic.map(|form| form.coefficients.clone());

@@ -10,29 +10,31 @@ use crate::facts::{
 /// The Hamiltonians H₀, …, H_M and the methods that follow from them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Hamiltonians {
-    /// H₀, H₁, …, H_M; H₀ alone if there are more than eight noises.
+    /// Shapes of H₀, H₁, …, H_M; of H₀ alone if there are more than eight noises.
     pub shapes: Vec<Shape>,
     /// Whether there is no noise.
     pub silent: bool,
-    /// Whether one depends on time.
+    /// Whether a Hamiltonian depends on time.
     pub depend_on_time: bool,
-    /// ∇Hₘ = cₘ∇H₀ for every m: such a system has an energy law.
-    /// It fails where one depends on time.
+    /// Finding on ∇Hₘ = cₘ∇H₀ for every m: such a system has an energy law.
+    /// It fails where a Hamiltonian depends on time.
     pub proportional: Finding,
-    /// ∇̄h(a, b)·(b − a) = h(b) − h(a), for points a tenth of the region apart.
+    /// Finding on ∇̄h(a, b)·(b − a) = h(b) − h(a), for points a tenth of the region apart.
     pub discrete_gradient: Finding,
-    /// The largest defect of that relative to ‖∇̄h‖‖b − a‖: the relative error of the quadrature.
+    /// Largest defect of `discrete_gradient` relative to ‖∇̄h‖‖b − a‖: the relative error of the
+    /// quadrature.
     pub quadrature_error: f64,
-    /// What the methods of the system must satisfy: the words of a mistake, and what was found.
+    /// Identities that the methods of the system must satisfy: the message of a mistake, and the
+    /// finding.
     pub methods: Vec<(&'static str, Finding)>,
 }
 
-/// Averages that differ by this part are not the same.
+/// Relative difference from which two averages are not the same.
 const SAME: f64 = 1e-9;
 /// Least relative error of an `averaged_gradient` that is a mistake and not that of a quadrature:
 /// the points of the check are further apart than a step is long.
 const POOR_QUADRATURE: f64 = 1e-3;
-/// Most noises that are looked at one by one; of others, two random combinations are.
+/// Largest number of noises that are checked one by one; of more, two random combinations are.
 const SINGLY: usize = 8;
 
 impl Hamiltonians {
@@ -67,7 +69,8 @@ impl Hamiltonians {
         found
     }
 
-    /// What follows from a wrong gradient is the same mistake: `sound` says that it is right.
+    /// Checks averaged gradients and fields. `sound` says that the gradient is right: consequences
+    /// of a wrong gradient are not listed as further mistakes.
     fn check_averages(&mut self, sight: &mut Sight<'_>, all: &[Vec<f64>], sound: bool) {
         let (states, steps) = (sight.states.clone(), sight.segments());
         let ends = sight.moved(1.0, &steps);

@@ -6,28 +6,28 @@ use systems::InvariantKind;
 use super::{Sight, shape::Shape};
 use crate::facts::{Batch, Finding, Purpose, Random, Status, Term, Values, axis, lengths, slopes};
 
-/// An invariant that a system claims, and what was found.
+/// Invariant that a system claims, and the findings on it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClaimedInvariant {
-    /// Its symbol.
+    /// Symbol of the invariant.
     pub name: &'static str,
-    /// Its formula.
+    /// Formula of the invariant.
     pub formula: &'static str,
     /// Whether the claim is a Casimir (else an energy).
     pub claimed_casimir: bool,
     /// The claimed degree.
     pub claimed_degree: f64,
-    /// B∇F = 0.
+    /// Finding on B∇F = 0.
     pub casimir: Finding,
-    /// ∇F·B∇Hₘ = 0 for every m: without damping F is constant along every path.
+    /// Finding on ∇F·B∇Hₘ = 0 for every m: without damping F is constant along every path.
     pub conserved: Finding,
     /// The shape of F.
     pub shape: Shape,
-    /// What is wrong with the claim, in words; empty for a true one.
+    /// Mistakes of the claim, in words; empty for a true one.
     pub mistakes: Vec<String>,
 }
 
-/// Noises whose flows are looked at.
+/// Largest number of noises whose flows are checked.
 const NOISES: usize = 8;
 
 impl ClaimedInvariant {

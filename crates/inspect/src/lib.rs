@@ -70,31 +70,32 @@ pub use shape::{Minimum, Shape};
 pub use structure::Structure;
 pub use theory::{Applies, ExpectedOrder, Recommendation, Theorem};
 
-/// Half the side of the box in which a system alone is inspected.
+/// Half side of the box in which a system without an initial value is inspected.
 const HALF_SIDE: f64 = 2.0;
-/// Most components of a system whose Casimirs are searched: of each there are D² numbers.
+/// Largest number of components of a system whose Casimirs are searched: each has D² numbers.
 const MAX_COMPONENTS: usize = 512;
-/// Most components of a system that is inspected in a region and not only near its initial value.
+/// Largest number of components of a system that is inspected in a whole region, not only near its
+/// initial value.
 const SMALL: usize = 64;
 
-/// Where and with what a system is inspected.
+/// Settings of an inspection: initial value, damping, friction, Lévy areas and scheme.
 #[derive(Clone)]
 pub struct InspectSettings<'a> {
-    /// The initial value: random points have ‖y‖ ≤ 2‖y₀‖, and others are around it. Without one
-    /// they have |yᵢ| ≤ 2.
+    /// Initial value: random points have ‖y‖ ≤ 2‖y₀‖, and others are around it. Without an
+    /// initial value, points have |yᵢ| ≤ 2.
     pub y0: Option<Vec<f64>>,
     /// The damping and the final time.
     pub damping: Option<(&'a dyn Damping, f64)>,
-    /// Friction on single components besides.
+    /// Friction on single components, in addition to the damping.
     pub friction: &'a [Friction],
     /// Whether Lévy areas are drawn for the system.
     pub areas: bool,
-    /// The scheme that a run of it takes for paths, and why; by [`Kept`](crate::facts::Kept) of
-    /// what is found, if it is not given.
+    /// Scheme that a run of the system takes for paths, and why; if not given,
+    /// [`Kept`](crate::facts::Kept) selects it from the findings.
     pub run: Option<(&'static str, String)>,
 }
 
-/// The system alone, for which areas are drawn.
+/// Settings for a system alone, without an initial value; Lévy areas are drawn.
 impl Default for InspectSettings<'_> {
     fn default() -> Self {
         Self { y0: None, damping: None, friction: &[], areas: true, run: None }

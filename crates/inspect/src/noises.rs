@@ -8,14 +8,14 @@ use crate::facts::{Batch, CLUSTER, Finding, Purpose, Random, Term, axis, norm, s
 /// Commutators of the noise fields fₘ = B∇Hₘ.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Noises {
-    /// [fₘ, f_l] = 0: strong order one needs no Lévy areas. Holds for one noise.
+    /// Finding on [fₘ, f_l] = 0: strong order one needs no Lévy areas. Holds for one noise.
     pub commute: Finding,
-    /// The same at y₀: paths may stay where it holds.
+    /// Finding on [fₘ, f_l] = 0 at y₀: paths may stay where it holds.
     #[serde(skip)]
     pub(super) at_start: Finding,
 }
 
-/// More noises than these are looked at together, as two random combinations.
+/// Largest number of noises that are checked pairwise; more are checked as two random combinations.
 const FEW: usize = 32;
 
 impl Noises {

@@ -12,20 +12,20 @@ use crate::facts::{
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Region {
-    /// |yᵢ| ≤ this.
+    /// Box |yᵢ| ≤ r.
     Box(f64),
-    /// ‖y‖ ≤ this.
+    /// Ball ‖y‖ ≤ r.
     Ball(f64),
-    /// Within a tenth of the components of the initial value.
+    /// Neighbourhood of the initial value, within a tenth of its components.
     Near,
 }
 
 /// Points of a region in the domain of the system.
 pub struct Points {
     pub region: Region,
-    /// The first points, and what was added to them: where identities are checked.
+    /// Points where identities are checked: the first points, and those added to them.
     pub for_identities: Batch,
-    /// The number of random points among them; the initial value comes next.
+    /// Number of random points in `for_identities`; the initial value comes next.
     pub random: usize,
     /// Points of the region, over which suprema are taken.
     pub for_suprema: Batch,
@@ -33,13 +33,13 @@ pub struct Points {
     pub everywhere: bool,
 }
 
-/// Number of points for suprema, and at least for identities, in as many directions. An identity
-/// between polynomials that holds at one random point holds everywhere with probability one; the
-/// other points are for other formulas.
+/// Number of points for suprema, and least number of points and directions for identities. An
+/// identity between polynomials that holds at one random point holds everywhere with probability
+/// one; the other points are for other formulas.
 const POINTS: [usize; 2] = [400, 24];
-/// The same for a system of very many components, near its initial value.
+/// Numbers of points, as [`POINTS`], for a system of very many components near its initial value.
 const NEAR: [usize; 2] = [96, 6];
-/// Points tried for each one wanted: enough for the positive cone in five dimensions.
+/// Number of trials for each point wanted: enough for the positive cone in five dimensions.
 const TRIES: usize = 64;
 /// Halvings of the distance of points near the initial value, where the domain is a small part of
 /// the region.
@@ -154,7 +154,7 @@ impl Region {
     }
 }
 
-/// Why a system cannot be inspected.
+/// Reason why a system cannot be inspected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InspectError {
@@ -182,18 +182,18 @@ pub enum InspectError {
     },
 }
 
-/// A system at clusters of points.
+/// System at clusters of points.
 pub struct Sight<'a> {
     pub probe: Probe<'a>,
     pub points: &'a Points,
     /// The states of all clusters.
     pub states: Batch,
-    /// B at these; none of a system of many components, which is looked at along random directions
-    /// instead.
+    /// Matrices B at `states`; empty for a system of many components, which is checked along random
+    /// directions instead.
     pub matrices: Vec<Matrix>,
 }
 
-/// Most components of a system whose matrices are looked at.
+/// Largest number of components of a system whose matrices are computed.
 const MATRICES: usize = 24;
 /// The length of a segment, relative to the distance of two points.
 const SEGMENT: f64 = 0.1;
@@ -206,7 +206,7 @@ impl<'a> Sight<'a> {
         Self { probe, points, states, matrices }
     }
 
-    /// A random vector for each cluster, at all its states.
+    /// One random vector for each cluster, repeated at all its states.
     pub fn vectors(&self, random: &mut Random) -> Batch {
         let d = self.probe.dimension();
         let mut vector = || (0..d).map(|_| random.uniform()).collect::<Vec<_>>();
@@ -231,7 +231,7 @@ impl<'a> Sight<'a> {
         }
     }
 
-    /// What is found of an identity whose terms are given at each state.
+    /// Finding on an identity whose terms are given at each state.
     pub fn found(&self, terms: impl IntoIterator<Item = Vec<Term>>) -> Finding {
         let mut finding = Finding::default();
         self.record(&mut finding, terms, 0.0);
@@ -248,7 +248,7 @@ impl<'a> Sight<'a> {
         self.states.iter().zip(steps).map(|(y, step)| moved(y, share, step)).collect()
     }
 
-    /// From each state towards the next point, as long as it is in the domain.
+    /// Steps from each state towards the next point, shortened until they are in the domain.
     pub fn segments(&self) -> Batch {
         let points = &self.points.for_identities;
         let segment = |n: usize| {

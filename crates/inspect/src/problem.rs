@@ -12,22 +12,22 @@ use super::{
 };
 use crate::facts::{DampingIntegral, Form, energy};
 
-/// A function F with a conformal law and m(F) > 0, which bounds exact and numerical paths:
+/// Function F with a conformal law and m(F) > 0, which bounds exact and numerical paths:
 /// ‖y(t)‖ ≤ (F(y₀)/m(F))^{1/p} e^{−∫γ}.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bound {
-    /// p.
+    /// Degree p of F.
     pub degree: f64,
-    /// m(F).
+    /// Minimum m(F) over the unit sphere.
     pub minimum: Minimum,
-    /// F, if it is a Casimir; else it is H₀.
+    /// Function F, if it is a Casimir; `None` if F = H₀.
     #[serde(skip)]
     casimir: Option<Form>,
 }
 
 impl Bound {
-    /// Of a skew-symmetric B. Prefers a bound that holds everywhere to one in the domain, and a
-    /// Casimir to the energy.
+    /// Finds a bound for a skew-symmetric B. Prefers a bound that holds everywhere to one in the
+    /// domain, and a Casimir to the energy.
     pub(super) fn of(hamiltonians: &Hamiltonians, casimirs: &Casimirs) -> Option<Self> {
         let casimir = |FoundCasimir { form, minimum, .. }: &FoundCasimir| Self {
             degree: f64::from(form.degree),
@@ -43,7 +43,7 @@ impl Bound {
         positive.min_by_key(|bound| bound.minimum.in_domain_only)
     }
 
-    /// (F(y)/m(F))^{1/p}: the bound of undamped paths from y.
+    /// Radius (F(y)/m(F))^{1/p} that bounds undamped paths from y.
     fn radius(&self, system: &dyn System, y: &[f64]) -> f64 {
         let value = match &self.casimir {
             Some(casimir) => casimir.value(y),
@@ -53,15 +53,15 @@ impl Bound {
     }
 }
 
-/// What was found for one initial value problem.
+/// Findings on one initial value problem.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProblemFindings {
-    /// γ in words, with the friction on single components.
+    /// Damping γ in words, with the friction on single components.
     pub damping: String,
     /// Whether `integral` is the integral of `rate`.
     pub integral: DampingIntegral,
-    /// A bound of ‖y(t)‖ for all paths on [0, T], if there is one and the integral of the damping
-    /// agrees; as sure as the bound is.
+    /// Upper bound of ‖y(t)‖ for all paths on [0, T], if a [`Bound`] was found and the integral of
+    /// the damping agrees; as certain as that bound.
     pub radius: Option<f64>,
 }
 

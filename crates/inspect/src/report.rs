@@ -24,21 +24,21 @@ use crate::facts::{Finding, Status, TIME};
 pub struct Inspection {
     /// Name of the system.
     pub system: String,
-    /// D.
+    /// Dimension D of the state.
     pub dimension: usize,
-    /// M.
+    /// Number M of noises.
     pub noises: usize,
     /// The region of the points at which identities were checked.
     pub region: Region,
-    /// Number of these points, with those around the initial value.
+    /// Number of points at which identities were checked, with those around the initial value.
     pub points: usize,
     /// Whether the system is defined at every point that was tried.
     pub defined_everywhere: bool,
-    /// B(y).
+    /// Findings on the structure matrix B(y).
     pub structure: Structure,
-    /// H₀, …, H_M.
+    /// Findings on the Hamiltonians H₀, …, H_M.
     pub hamiltonians: Hamiltonians,
-    /// The noise fields.
+    /// Findings on the noise fields.
     pub noise: Noises,
     /// The invariants that the system claims.
     pub invariants: Vec<ClaimedInvariant>,
@@ -46,26 +46,26 @@ pub struct Inspection {
     pub casimirs: Option<Casimirs>,
     /// A function that bounds all paths, if one was found.
     pub bound: Option<Bound>,
-    /// What damping and initial value add; `None` for a system alone.
+    /// Findings on damping and initial value; `None` for a system alone.
     pub problem: Option<ProblemFindings>,
-    /// Which statements of the paper apply.
+    /// Statements of the paper, and whether each applies.
     pub theorems: Vec<Theorem>,
     /// The orders that theory predicts for the schemes.
     pub orders: Vec<ExpectedOrder>,
-    /// The schemes to take, that for paths first.
+    /// Recommended schemes, the scheme for paths first.
     pub recommended: Vec<Recommendation>,
-    /// Every property that a system must have or claims and that was found wrong, in words; empty
+    /// Mistakes in words: properties that a system must have or claims, found to be wrong; empty
     /// for a sound system.
     pub mistakes: Vec<String>,
-    /// Every property that a system must have and that cannot be told, in words with the reason.
+    /// Properties that a system must have and that are undecided, in words with the reason.
     pub undecided: Vec<String>,
 }
 
-/// Most Casimirs and claims that are printed.
+/// Largest number of Casimirs and of claims that are printed.
 const LISTED: usize = 12;
 
 impl Inspection {
-    /// Lists what is wrong, and what cannot be told.
+    /// Fills in the lists of mistakes and of undecided properties.
     pub(super) fn with_mistakes(mut self) -> Self {
         let structure = [
             ("structure(y, v) is not linear in v", &self.structure.linear),
@@ -94,7 +94,7 @@ impl Inspection {
         self
     }
 
-    /// (strong, weak) order that theory predicts for a scheme, by its identifier.
+    /// Orders (strong, weak) that theory predicts for a scheme, by its identifier.
     pub fn order(&self, scheme: &str) -> Option<(f64, f64)> {
         let order = self.orders.iter().find(|order| order.scheme == scheme)?;
         Some((order.strong, order.weak))
@@ -112,7 +112,7 @@ impl Display for Inspection {
     }
 }
 
-/// A property with its label.
+/// Formats a property with its label.
 fn row(label: &str, text: impl Display) -> String {
     format!("  {label:<9}{text}")
 }
@@ -194,7 +194,7 @@ impl Inspection {
     }
 }
 
-/// Names that have the same words, a line for each of these.
+/// Groups names by their words, one line per group.
 fn grouped<'a>(all: impl Iterator<Item = (&'a str, String)>) -> Vec<String> {
     let mut lines: Vec<(String, String)> = Vec::new();
     for (name, words) in all {
@@ -241,7 +241,7 @@ impl Casimirs {
 }
 
 impl Finding {
-    /// `yes` if it holds, `yes?` if that cannot be told, else `no`; with the finding.
+    /// Answers `yes` if the finding holds, `yes?` if it is undecided, else `no`; adds the finding.
     fn words(&self, yes: &str, no: &str) -> String {
         let (answer, doubt) = match self.status {
             Status::Fails => (no, ""),
@@ -265,12 +265,12 @@ impl Display for Finding {
     }
 }
 
-/// A point, of which the first components are printed.
+/// Formats a point; of more than eight components the first three are printed.
 fn point(at: &[f64]) -> String {
     if at.len() > 8 { format!("{:.3?}…", &at[..3]) } else { format!("{at:.3?}") }
 }
 
-/// A length with four decimals, or digits where these say little.
+/// Formats a length with four decimals, or in scientific notation where these say little.
 fn length(x: f64) -> String {
     if x == 0.0 || (0.01..1e6).contains(&x) { format!("{x:.4}") } else { format!("{x:.4e}") }
 }

@@ -15,17 +15,18 @@ use crate::facts::{
 pub struct Shape {
     /// The degree p of a homogeneous function that is not zero.
     pub degree: Option<f64>,
-    /// F(cy) = cᵖF(y). Without it there is no conformal law.
+    /// Finding on F(cy) = cᵖF(y). Without homogeneity there is no conformal law.
     pub homogeneous: Finding,
-    /// m(F) of a linear or quadratic form that is defined everywhere.
+    /// Minimum m(F) of a linear or quadratic form that is defined everywhere.
     pub minimum: Option<Minimum>,
 }
 
-/// m(F) = min F over the unit sphere; if it is positive, F bounds all paths.
+/// Minimum m(F) = min F over the unit sphere; if it is positive, F bounds all paths.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Minimum {
-    /// −‖β‖ of a linear function, half the smallest eigenvalue of a quadratic form, less its
-    /// rounding error; the smallest βᵢ of a linear function on positive states; −∞ of logarithms.
+    /// Value of m(F): −‖β‖ of a linear function; half the smallest eigenvalue of a quadratic form,
+    /// less its rounding error; the smallest βᵢ of a linear function on positive states; −∞ of
+    /// logarithms.
     pub value: f64,
     /// Whether m(F) > 0.
     pub positive: Status,
@@ -34,7 +35,7 @@ pub struct Minimum {
     pub in_domain_only: bool,
 }
 
-/// The ratio of the lengths of two states of the same direction, and another for domains that end.
+/// Ratio of the lengths of two states of the same direction, and another for bounded domains.
 const STRETCH: [f64; 2] = [2.0, 0.5];
 
 impl Shape {
@@ -85,13 +86,13 @@ impl Shape {
     }
 }
 
-/// The number of at most nine decimals that is nearest, if round-off explains the difference.
+/// Rounds to nine decimals if round-off explains the difference.
 fn short(x: f64) -> f64 {
     let rounded = (x * 1e9).round() / 1e9;
     if (x - rounded).abs() <= 1e-12 * (1.0 + x.abs()) { rounded } else { x }
 }
 
-/// β of βᵀy, or Q of ½yᵀQy, from values at unit vectors.
+/// Fits β of βᵀy, or Q of ½yᵀQy, to values at unit vectors.
 fn form(probe: &mut Probe<'_>, degree: u32, f: Values<'_>) -> Form {
     let d = probe.dimension();
     let axes: Batch = (0..d).map(|i| axis(d, i)).collect();
@@ -107,7 +108,8 @@ fn form(probe: &mut Probe<'_>, degree: u32, f: Values<'_>) -> Form {
 }
 
 impl Minimum {
-    /// On the whole sphere, or on its positive part where the domain has positive states only.
+    /// Minimum of `form` on the whole sphere, or on its positive part where the domain has positive
+    /// states only.
     pub(super) fn of(form: &Form, positive_states: bool) -> Self {
         let beta = &form.coefficients;
         let least = beta.iter().copied().fold(f64::INFINITY, f64::min);

@@ -11,14 +11,14 @@ use crate::facts::{
 /// Properties of the structure matrix B(y).
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Structure {
-    /// B(y)v is linear in v.
+    /// Finding on linearity: B(y)v is linear in v.
     pub linear: Finding,
-    /// Bᵢⱼ + Bⱼᵢ = 0.
+    /// Finding on skew symmetry: Bᵢⱼ + Bⱼᵢ = 0.
     pub skew: Finding,
-    /// B is the same at all points.
+    /// Finding on constancy: B is the same at all points.
     pub constant: Finding,
-    /// The Jacobi identity Σ_l Bᵢ_l ∂_l Bⱼₖ + cyclic = 0, which makes B a Poisson structure. No
-    /// scheme and no theorem of the paper needs it.
+    /// Finding on the Jacobi identity Σ_l Bᵢ_l ∂_l Bⱼₖ + cyclic = 0, which makes B a Poisson
+    /// structure. No scheme and no theorem of the paper needs it.
     pub jacobi: Finding,
 }
 

@@ -11,21 +11,21 @@ use crate::facts::{Kept, Status};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Applies {
-    /// It applies: its assumptions hold wherever they were looked at.
+    /// Applies: the assumptions hold at every point that was checked.
     Yes,
-    /// It applies under a condition that points cannot decide: that paths or steps stay in a ball
-    /// or in the domain, or what round-off hides.
+    /// Applies under a condition that points cannot decide: paths or steps stay in a ball or in
+    /// the domain, or round-off hides a defect.
     Conditionally,
-    /// It does not apply.
+    /// Does not apply.
     No,
 }
 
-/// A statement of the paper and whether it applies.
+/// Statement of the paper, and whether it applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Theorem {
-    /// Its identifier, as in `STATEMENTS`.
+    /// Identifier of the statement, as in `STATEMENTS`.
     pub statement: &'static str,
-    /// Whether it applies.
+    /// Whether the statement applies.
     pub applies: Applies,
 }
 
@@ -34,7 +34,7 @@ pub struct Theorem {
 pub struct ExpectedOrder {
     /// The identifier of the scheme.
     pub scheme: &'static str,
-    /// Strong order; of an unknown one, the least.
+    /// Strong order; a lower bound if `known` is `Unknown`.
     pub strong: f64,
     /// Weak order.
     pub weak: f64,
@@ -42,9 +42,9 @@ pub struct ExpectedOrder {
     pub known: Status,
 }
 
-/// Orders of the [built-in schemes](BuiltIn) for smooth B and H, of those with Lévy areas if
-/// `areas` are drawn, of those that read rates of the damping if these are finite. Strong order one
-/// takes Lévy areas where noises do not commute. That of `em` is ½ at least.
+/// Orders of the [built-in schemes](BuiltIn) for smooth B and H. Schemes with Lévy areas are listed
+/// if `areas` are drawn, schemes that read rates of the damping if these are finite. Strong order
+/// one takes Lévy areas where noises do not commute. The strong order of `em` is at least ½.
 pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<ExpectedOrder> {
     let noise = &report.noise;
     // A counterexample shows that the order is ½, unless paths stay where there is none.
@@ -68,8 +68,8 @@ pub fn orders(report: &Inspection, areas: bool, finite_rates: bool) -> Vec<Expec
     BuiltIn::ALL.into_iter().filter_map(expected).collect()
 }
 
-/// The statements of the paper for a system with these properties, with damping or without. With
-/// friction on single components those on paths do not apply.
+/// Statements of the paper for a system with these properties, with damping or without. With
+/// friction on single components the statements on paths do not apply.
 pub fn theorems(report: &Inspection, damped: bool, uniform: bool) -> Vec<Theorem> {
     use Applies::{Conditionally, No, Yes};
     let Inspection { structure, hamiltonians, casimirs, invariants, bound, .. } = report;
@@ -121,18 +121,18 @@ pub fn theorems(report: &Inspection, damped: bool, uniform: bool) -> Vec<Theorem
     theorems.map(theorem).into()
 }
 
-/// A scheme to take.
+/// Recommendation of a scheme for a purpose.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Recommendation {
-    /// What for: `paths` or `expectations`.
+    /// Purpose: `paths` or `expectations`.
     pub purpose: &'static str,
-    /// Its identifier.
+    /// Identifier of the scheme.
     pub scheme: &'static str,
-    /// Why.
+    /// Reason for the recommendation, in words.
     pub because: String,
 }
 
-/// The schemes to take for a system with damping or without, that for paths first.
+/// Recommended schemes for a system with damping or without, the scheme for paths first.
 pub fn recommendations(
     report: &Inspection,
     system: &dyn System,

@@ -34,15 +34,15 @@ use crate::{
 /// A function of the states of 32 paths.
 pub type OfStates = Arc<dyn Observe + Send + Sync>;
 
-/// What a path collects.
+/// A quantity that a path collects.
 #[derive(Clone)]
 pub enum Along {
-    /// t.
+    /// The time t.
     Time,
-    /// ∫₀ᵗ v(y(s)) ds by the trapezoidal rule.
+    /// The integral ∫₀ᵗ v(y(s)) ds by the trapezoidal rule.
     Integral(OfStates),
-    /// Two numbers: one from the first passage on and before that zero; and the time of it, the
-    /// time so far before.
+    /// The first passage, two numbers: an indicator, one from the passage on and zero before; and
+    /// the time of the passage, before it the time so far.
     Passage(Passage),
 }
 
@@ -51,14 +51,14 @@ pub enum Along {
 pub struct Passage {
     /// The function φ.
     pub phi: OfStates,
-    /// What writes ∇φ. None if passages are seen at the ends of steps only, as they are for systems
+    /// Writer of ∇φ; `None` if passages are seen at the ends of steps only, as they are for systems
     /// of several tiles.
     pub gradient: Option<Arc<Gradient>>,
     /// Whether the path stays where it is at the end of the step of its passage.
     pub stops: bool,
 }
 
-/// From the states of 32 paths to the derivatives of a function by each component.
+/// Gradient of a function: maps the states of 32 paths to its derivatives by each component.
 pub type Gradient = dyn Fn(&[Row], &mut [Row]) + Send + Sync;
 
 /// The variance rate s(y) = Σₘ(∇φ·B∇Hₘ)² of a function with this gradient, for a system with one
@@ -93,12 +93,13 @@ fn variance_rate(
 }
 
 impl Along {
-    /// How many numbers it has.
+    /// Number of rows that the quantity has.
     pub fn rows(&self) -> usize {
         if let Self::Passage(_) = self { 2 } else { 1 }
     }
 
-    /// The function that is followed, of the state and of what is collected before; none of time.
+    /// Value of the followed function at the state and the quantities collected before; zero for
+    /// the time.
     fn value(&self, rows: &[Row]) -> Row {
         match self {
             Self::Time => [0.0; WIDTH],
@@ -110,7 +111,7 @@ impl Along {
 }
 
 impl<'a> Setup<'a> {
-    /// The same with what its paths collect, row after row, behind the components of the state.
+    /// Appends `quantities` to the states of the paths, row after row, behind the components.
     ///
     /// The system is that of the scheme. In the coefficients of the problem, the time has the drift
     /// 1, an integral that of its function; the dimension of the problem stays that of the state.
@@ -129,9 +130,9 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// The coefficients with those of what is collected: dt of the time, φ dt of an integral, until its
-/// passage those of a time. A path that stays where it is has none. They have γy besides, which is
-/// no damping of theirs.
+/// Coefficients extended by those of the quantities: dt for a time, φ dt for an integral, and dt
+/// for the time of a passage until the passage. A path that stays where it is has zero
+/// coefficients. Rows without damping get γy besides, which cancels the damping of the equation.
 fn extended(
     of_state: &CoefficientsAt<'_>,
     quantities: &[Along],
@@ -162,16 +163,16 @@ fn extended(
     at
 }
 
-/// What paths of a method collect.
+/// The quantities that paths of a method collect.
 struct Collecting<'a> {
-    /// The system that the method is for.
+    /// System of the method.
     system: &'a dyn System,
-    /// What is collected, row after row.
+    /// Collected quantities, row after row.
     quantities: Vec<Along>,
 }
 
 impl Wrap for Collecting<'_> {
-    /// With nothing collected so far, or with what `y` has after the state.
+    /// Starts with nothing collected so far, or with the rows that `y` has after the state.
     fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's> {
         let (state, collected) = y.split_at(self.system.description().dimension);
         let inner = method.start(state);
@@ -203,22 +204,22 @@ struct Collector<'a> {
     of: &'a Collecting<'a>,
     /// The state before the last step.
     before: Vec<Row>,
-    /// The state and what was collected.
+    /// The state and the collected quantities.
     rows: Vec<Row>,
-    /// The functions at the state.
+    /// Values of the followed functions at the state.
     values: Vec<Row>,
-    /// For variance rates.
+    /// Scratch rows for variance rates.
     scratch: Vec<Row>,
     /// The paths that stay where they are.
     stopped: PathMask,
     /// Whether `rows` were set, so that all else follows from them.
     is_set: bool,
-    /// Whether the stopped paths are all that matter.
+    /// Whether all live paths are stopped.
     rests: bool,
 }
 
 impl Collector<'_> {
-    /// Goes on from the rows.
+    /// Sets the inner stepper, the values and the stopped paths from the rows.
     fn follow(&mut self) {
         let mut first = self.before.len();
         self.inner.state_mut().copy_from_slice(&self.rows[..first]);
@@ -292,7 +293,7 @@ impl Stepper for Collector<'_> {
 }
 
 impl Passage {
-    /// Adds the paths that stay where they passed.
+    /// Adds the paths that have passed to `stopped`, if paths stay where they passed.
     fn stop(&self, crossed: &Row, stopped: &mut PathMask) {
         if self.stops {
             let passed = (0..WIDTH).filter(|&p| crossed[p] > 0.0);

@@ -23,17 +23,17 @@ use crate::parts::{JobError, folder, replace_by};
 const FORMAT: u32 = 8;
 /// Bytes of a SHA-256.
 const SUM: usize = 32;
-/// Time between checkpoints, unless set,
+/// Default time between checkpoints.
 const INTERVAL: Duration = Duration::from_secs(2);
-/// and at least this multiple of the time that the last one took.
+/// Least time between checkpoints, in multiples of the time that the last one took.
 const RARELY: u32 = 50;
 
 /// The program that computes, and what it computes.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Program {
-    /// Its name.
+    /// Name of the program.
     pub name: String,
-    /// Its version: work of different versions is not mixed.
+    /// Version of the program: work of different versions is not mixed.
     pub version: String,
     /// All that the results depend on, in lines: formulas, numbers, settings. Files of another
     /// input are refused with the first lines that differ. A number of paths does not belong here
@@ -46,8 +46,8 @@ pub struct Program {
 pub struct Checkpoint {
     file: PathBuf,
     program: Program,
-    /// It is written as often as this, but for a fiftieth of the time at most; every two seconds
-    /// unless set.
+    /// Time between checkpoints, two seconds unless set; writing takes a fiftieth of the time at
+    /// most.
     pub interval: Duration,
     state: Mutex<State>,
 }
@@ -60,19 +60,19 @@ struct State {
 }
 
 impl Checkpoint {
-    /// Work of `program` in `file`, written every two seconds, but for a fiftieth of the time at
-    /// most.
+    /// A checkpoint of `program` in `file`, written every two seconds, but for a fiftieth of the
+    /// time at most.
     pub fn new(file: impl Into<PathBuf>, program: Program) -> Self {
         let state = State { written: Instant::now(), takes: Duration::ZERO, failure: None };
         Self { file: file.into(), program, interval: INTERVAL, state: Mutex::new(state) }
     }
 
-    /// The file.
+    /// Path of the file.
     pub fn file(&self) -> &Path {
         &self.file
     }
 
-    /// Whether there is work to go on from.
+    /// Whether the file has work to resume.
     ///
     /// # Errors
     /// [`JobError`] if the file cannot be read, is damaged, or is of another program or input.
@@ -80,7 +80,7 @@ impl Checkpoint {
         Ok(self.read::<()>()?.is_some())
     }
 
-    /// The work in the file; none if there is no file.
+    /// Reads the work in the file; `None` if there is no file.
     ///
     /// # Errors
     /// As [`holds`](Self::holds).
@@ -142,12 +142,12 @@ impl Checkpoint {
         _ = fs::remove_file(&self.file);
     }
 
-    /// Why the last write failed, if it did.
+    /// Reason why the last write failed, if it did.
     pub fn failure(&self) -> Option<String> {
         self.state().failure.clone()
     }
 
-    /// Whether the next one is due.
+    /// Whether the next write is due.
     pub fn is_due(&self) -> bool {
         let State { written, takes, .. } = &*self.state();
         written.elapsed() >= self.interval.max(RARELY * *takes)
@@ -158,7 +158,7 @@ impl Checkpoint {
     }
 }
 
-/// A file with the sum of what was written.
+/// A file with the SHA-256 of the bytes written.
 struct Summed<'a> {
     file: BufWriter<&'a mut fs::File>,
     sum: Sha256,
@@ -176,14 +176,14 @@ impl Write for Summed<'_> {
     }
 }
 
-/// That a file is damaged.
+/// Error of a damaged file.
 pub fn damaged(file: &Path, why: impl Display) -> JobError {
     let file = file.display();
     let remedy = "move it away: this work, or this part, begins anew";
     JobError::Refused(format!("{file} is damaged: {why}; {remedy}"))
 }
 
-/// That a file has something else than what is here.
+/// Error of a file of another computation, with `found` in the file and `here` in this program.
 pub fn foreign(file: &Path, found: &str, here: &str) -> JobError {
     let file = file.display();
     JobError::Refused(format!(
@@ -199,14 +199,14 @@ fn only((text, other): (&String, &String)) -> String {
     line.map_or("nothing else, or another order".into(), str::to_owned)
 }
 
-/// The first 16 bytes of the SHA-256 of a value, in hexadecimal. What cannot be written is told
-/// when sums are tried before the computing.
+/// The first 16 bytes of the SHA-256 of a value, in hexadecimal. A value that cannot be serialized
+/// is refused when sums are tried before the computing.
 pub fn hash(value: &impl Serialize) -> String {
     let sum = Sha256::digest(postcard::to_stdvec(value).unwrap_or_default());
     sum[..16].iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// What happened to a file.
+/// Makes the error of an `action` on a file from its cause.
 pub fn file_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> JobError {
     move |source| JobError::File { action, path: path.to_owned(), source }
 }

@@ -1,4 +1,4 @@
-//! What the steps of a scheme see of the damping.
+//! Resolution of the damping by the steps of a scheme.
 //!
 //! A scheme reads the rate γ at the ends and in the middle of a step, or the integral given over
 //! its halves. A rate that oscillates or has a pulse within the steps is missed by all step sizes
@@ -15,41 +15,41 @@ use systems::{Damping, rate_integrals};
 
 use crate::{Setup, observable::splat};
 
-/// At this many times or fewer sums are compared with ∫γ.
+/// Largest number of times at which sums are compared with ∫γ.
 const MAX_TIMES: u64 = 1024;
-/// Parts of the quadrature, at least.
+/// Least number of parts of the quadrature.
 const MIN_PARTS: u64 = 256;
-/// Steps beyond which no sum is formed: it takes a second.
+/// Number of steps from which on steps are not halved for a sum: it takes a second.
 const MAX_STEPS: u64 = 1 << 24;
 /// Relative error of the quadrature.
 const QUADRATURE: f64 = 1e-12;
-/// Step sizes below the one judged that are looked at, too.
+/// Number of step sizes below the judged one that are examined, too.
 const FINER: usize = 2;
-/// Where the sums converge, they gain at least this from a step size to the next.
+/// Largest factor from a step size to the next by which defects of sums that converge fall.
 const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Above this defect no sum has converged: e^{−∫γ} is wrong by two thirds.
+/// Largest defect of a sum that has converged: above it e^{−∫γ} is wrong by two thirds.
 const LARGEST: f64 = 0.5;
 
-/// The damping of a problem as the steps of a scheme see it, and its friction.
+/// Resolution of the damping of a problem, and of its friction, by the steps of a scheme.
 pub struct DampingResolution<'a>(Vec<Resolution<'a>>);
 
-/// One damping as steps see it.
+/// Resolution of one damping.
 struct Resolution<'a> {
     damping: &'a dyn Damping,
     /// Whether the scheme reads rates.
     reads_rates: bool,
     t_end: f64,
     coarsest_steps: u64,
-    /// ∫₀ᵗγ at the times kT/n.
+    /// Integrals ∫₀ᵗγ at the times kT/n.
     exact: Vec<f64>,
-    /// ∫|γ| over the parts of the quadrature, which are equal.
+    /// Integrals ∫|γ| over the parts of the quadrature, which are equal.
     sizes: Vec<f64>,
-    /// Defects that were asked for, by the number of halvings.
+    /// Defects computed so far, by the number of halvings.
     known: RefCell<BTreeMap<usize, f64>>,
 }
 
 impl<'a> DampingResolution<'a> {
-    /// For `coarsest_steps` steps on [0, T] or halvings of them.
+    /// Resolution by `coarsest_steps` steps on [0, T] and by halvings of them.
     pub fn new(setup: &Setup<'a>, coarsest_steps: u64) -> Self {
         let t_end = setup.problem.t_end;
         let of = |(k, damping)| {
@@ -68,9 +68,11 @@ impl<'a> DampingResolution<'a> {
         self.0.iter().map(|one| one.lasting_exponent(halvings)).fold(0.0, f64::max)
     }
 
-    /// The largest distance from ∫₀ᵗγ of the sums that the scheme sees, and of the integrals given,
-    /// over times t of coarsest steps that are halved `halvings` times or more, if these steps do
-    /// not resolve the damping: it does not fall as sums do that converge.
+    /// Largest defect of the damping, if the steps do not resolve it; else `None`.
+    ///
+    /// A defect is the distance from ∫₀ᵗγ of the sums that the scheme sees, and of the integrals
+    /// given. The largest is over times t of coarsest steps that are halved `halvings` times or
+    /// more. The damping is not resolved if this does not fall as that of sums that converge.
     pub fn unresolved(&self, halvings: usize) -> Option<f64> {
         self.0.iter().filter_map(|one| one.unresolved(halvings)).reduce(worse)
     }

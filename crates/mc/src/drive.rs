@@ -1,4 +1,4 @@
-//! What the steps of a scheme see of Hamiltonians that change with time.
+//! Resolution of Hamiltonians that change with time by the steps of a scheme.
 //!
 //! A step reads H(t) in its middle. What changes within steps and not from step to step is missed:
 //! a pulse between two middles, or a drive whose period divides the step. All step sizes that miss
@@ -23,31 +23,31 @@ use systems::run_time::InTime;
 
 use crate::{Problem, run_time::in_time};
 
-/// Steps that are compared together.
+/// Number of steps that are compared together.
 const WINDOW: usize = 8;
-/// Random times within each, one in each of equal parts.
+/// Number of random times within each step, one in each of equal parts.
 const INSIDE: usize = WIDTH / WINDOW;
 /// The largest change within steps for a change of one from step to step: between 0.28 and 0.37.
 const MOST: f64 = 0.35;
-/// What is below this part of the function does not matter.
+/// Part of the size of a function below which changes do not matter.
 const NEGLIGIBLE: f64 = 1e-6;
-/// Intervals that are halved, for one state.
+/// Largest number of intervals that are halved, for one state.
 const BUDGET: u32 = 4096;
-/// Where the point beside y₀ is.
+/// Scale of the distance of the second point from y₀.
 const BESIDE: f64 = 0.3;
 /// The golden ratio less one: its multiples modulo one fill [0, 1) evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
-/// Whether steps resolve what changes with time.
+/// Resolution of functions that change with time by steps.
 pub struct DriveResolution<'a> {
-    /// The functions at y₀ and at the point beside it.
+    /// Functions at y₀ and at the point beside it.
     functions: Vec<Box<dyn InTime + 'a>>,
     t_end: f64,
     known: RefCell<BTreeMap<u64, Option<f64>>>,
 }
 
 impl<'a> DriveResolution<'a> {
-    /// For the Hamiltonians of a problem.
+    /// Resolution of the Hamiltonians of a problem.
     pub fn new(Problem { y0, t_end, in_time: changing, .. }: &Problem<'a>) -> Self {
         let place = |i: usize| (GOLDEN * (i + 1) as f64).fract() - 0.5;
         let moved = |(i, y): (usize, &f64)| y + BESIDE * place(i) * y.abs().max(1.0);
@@ -57,7 +57,7 @@ impl<'a> DriveResolution<'a> {
         Self { functions, t_end: *t_end, known: RefCell::default() }
     }
 
-    /// A time near which as many steps, or half as many, do not resolve a function.
+    /// A time near which `steps` steps on [0, T], or half of them, do not resolve a function.
     pub fn unresolved(&self, steps: u64) -> Option<f64> {
         let search = |steps| self.functions.iter().find_map(|of| search(&**of, self.t_end, steps));
         let find = |n| *self.known.borrow_mut().entry(n).or_insert_with(|| search(n));
@@ -65,7 +65,7 @@ impl<'a> DriveResolution<'a> {
     }
 }
 
-/// A time near which as many steps on [0, T] do not resolve one of the functions.
+/// A time near which `steps` steps on [0, T] do not resolve one of the functions.
 fn search(functions: &dyn InTime, t_end: f64, steps: u64) -> Option<f64> {
     let tau = t_end / steps as f64;
     let (mut scales, mut budget) = (Vec::new(), BUDGET);
@@ -121,7 +121,7 @@ fn search(functions: &dyn InTime, t_end: f64, steps: u64) -> Option<f64> {
     })
 }
 
-/// A time of an interval.
+/// An interval of times as a variable with bounds.
 fn interval((a, b): (f64, f64)) -> Bounded {
     Bounded { error: 0.5 * (b - a), ..Bounded::variable(0.5 * (a + b)) }
 }

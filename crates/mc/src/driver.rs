@@ -46,7 +46,7 @@ pub struct Bounds {
 /// Runs of one level with the same noise.
 pub struct Batch {
     level: usize,
-    /// Whether they exchange the two halves of each step of the level above.
+    /// Whether the runs exchange the two halves of each step of the level above.
     pub swapped: bool,
     pub bounds: Bounds,
     runs: Vec<usize>,
@@ -64,7 +64,7 @@ impl Batch {
         }
     }
 
-    /// The runs advance at the end of each step of this level.
+    /// Level of the steps at whose ends the runs advance.
     pub fn due_level(&self) -> usize {
         self.level + usize::from(self.swapped)
     }
@@ -78,9 +78,9 @@ pub struct Driver<'a> {
     pub noises: usize,
     /// Number of components.
     pub dimension: usize,
-    /// From the number of a run and of the first path of a block to its states at time 0.
+    /// Function from the number of a run and of the first path of a block to its states at time 0.
     pub start: Box<dyn Fn(usize, u64) -> Vec<Row> + Sync + 'a>,
-    /// Whether statistics see these states.
+    /// Whether statistics see the states at time 0.
     pub from_start: bool,
     pub t_end: f64,
     pub finest_steps: u64,
@@ -100,7 +100,7 @@ pub struct Driver<'a> {
 /// there are too many.
 pub struct StepTable(Vec<Vec<OnceLock<Step>>>);
 
-/// Most steps in a table, of a few megabytes.
+/// Largest number of steps in a table, of a few megabytes.
 const MAX_STEPS: u64 = 1 << 14;
 
 impl StepTable {
@@ -159,7 +159,7 @@ pub const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 const PROGRESS_STEPS: u64 = 4096;
 
 impl Driver<'_> {
-    /// No noise, with areas if a scheme reads them.
+    /// Zero increments of all noises, with zero Lévy areas if a scheme reads them.
     pub fn no_noise(&self) -> StepNoise {
         StepNoise::none(self.noises, self.with_areas)
     }
@@ -191,7 +191,7 @@ impl Driver<'_> {
     }
 
     /// Advances `paths` paths from `first_path` on to the final time. Calls `observe` for each
-    /// block at the end of every coarsest step. `Err` with what was counted if `stop` asks for the
+    /// block at the end of every coarsest step. `Err` with the counts so far if `stop` asks for the
     /// end before.
     pub fn march(
         &self,
@@ -244,7 +244,7 @@ struct Marcher<'a> {
     truncated: StepNoise,
     states: Vec<Box<dyn Stepper + 'a>>,
     statuses: Vec<BlockStatus>,
-    /// For each run the paths with a clipped increment so far.
+    /// Paths with a clipped increment so far, for each run.
     clipped: Vec<PathMask>,
     random_time: Block<1>,
     /// Normals of the time change, if there is one.
@@ -276,7 +276,7 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// Shows the states after so many coarsest steps.
+    /// Shows the states after `time` coarsest steps to `observe`.
     fn show(&self, time: u64, observe: &mut dyn FnMut(&View<'_>)) {
         observe(&View {
             time,
@@ -288,8 +288,8 @@ impl<'a> Marcher<'a> {
         });
     }
 
-    /// Finest step number n, counted from 1, and every coarser step that ends at the same time.
-    /// Where no live path moves, what they collect goes on.
+    /// Takes finest step number `n`, counted from 1, and every coarser step that ends at the same
+    /// time. Where no live path moves, the quantities that they collect go on.
     fn advance(
         &mut self,
         steps: &[Step],
@@ -361,8 +361,9 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// One step of the runs of a batch, with the truncated noise of the last step of its level or
-    /// of the step before; or with that of the finest step as it was drawn, which saves copying it.
+    /// Takes one step of the runs of a batch, with the truncated noise of the last step of its
+    /// level or of the step before; or with that of the finest step as it was drawn, which saves
+    /// copying it.
     #[inline]
     fn step(&mut self, batch: &Batch, step: &Step, one_before: bool, tally: &mut Tally) {
         let is_finest = batch.level == 0 && !batch.swapped && !self.driver.with_areas;
@@ -381,7 +382,7 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// Records the paths on which a step of a run failed; they live no more.
+    /// Records the paths on which a step of a run failed, and drops them from the live ones.
     fn drop_failed(&mut self, run: usize, step: u64, status: &BlockStatus, tally: &mut Tally) {
         let failed = status.failed.and(self.live);
         for p in failed.paths() {
@@ -442,11 +443,11 @@ fn differing(a: &[Row], b: &[Row], live: PathMask, mixed: &mut Vec<u64>) -> (Pat
 /// numbers that are not finite fail.
 pub type NextNoise = Box<dyn FnMut(&mut StepNoise) + Send>;
 
-/// From the number of the first path of a block to the untruncated noise of its 32 paths.
+/// Function from the number of the first path of a block to the untruncated noise of its 32 paths.
 pub type NoiseSource<'a> = Box<dyn Fn(u64) -> NextNoise + Sync + 'a>;
 
 /// The noise of a [`Ladder`](crate::Ladder) on finest steps τ: increments drawn from the streams of
-/// a key; with `area_noises` the Lévy areas of so many noises, whose error is at most τ^{3/2}, as
+/// a key; with `area_noises` noises also their Lévy areas, whose error is at most τ^{3/2}, as
 /// strong order 1 requires.
 ///
 /// # Errors

@@ -42,7 +42,7 @@ impl Cause {
 pub struct PathFailure {
     /// Number of the path; of Sobol points 2³² times the scramble plus the point.
     pub path: u64,
-    /// The key of its random streams.
+    /// Key of the random streams of the path.
     pub key: StreamKey,
     /// Identifier of the scheme.
     pub scheme: &'static str,
@@ -52,7 +52,7 @@ pub struct PathFailure {
     pub tau: f64,
     /// The number of the failed step, counted from zero.
     pub step: u64,
-    /// The reason.
+    /// Reason of the failure.
     pub cause: Cause,
 }
 
@@ -88,11 +88,11 @@ pub enum LadderError {
     /// A measurement has too few step sizes, or too many.
     #[error("the number of step sizes must be from {from} to {to}, got {given}")]
     StepSizes {
-        /// The given number.
+        /// The given number of step sizes.
         given: usize,
-        /// The least.
+        /// The least number allowed.
         from: usize,
-        /// The most.
+        /// The largest number allowed.
         to: usize,
     },
     /// A step size is not positive and finite.
@@ -101,12 +101,12 @@ pub enum LadderError {
     /// The scheme is not for the system.
     #[error(transparent)]
     Scheme(#[from] SchemeError),
-    /// The states of the paths take more memory than there is.
+    /// The states of the paths take more memory than is free.
     #[error(transparent)]
     Memory(#[from] MemoryError),
 }
 
-/// Why there is no simulation, study, expectation or comparison.
+/// Reason why a simulation, study, expectation or comparison has no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
@@ -124,7 +124,7 @@ pub enum RunError {
         /// Path-steps allowed.
         max_cost: u64,
     },
-    /// It takes more memory than there is; nothing was computed.
+    /// The computation takes more memory than is free; nothing was computed.
     #[error(transparent)]
     Memory(#[from] MemoryError),
     /// A checkpoint cannot be read, is damaged, or is of another computation.
@@ -139,19 +139,19 @@ pub enum RunError {
         first.map_or_else(String::new, |failure| format!("; {failure}"))
     )]
     NoPaths {
-        /// The level.
+        /// Number of the level.
         level: usize,
-        /// How many paths failed.
+        /// Number of failed paths.
         failed: u64,
-        /// The first of them.
+        /// The first failure.
         first: Option<PathFailure>,
     },
     /// A test function of an expectation is not finite on a path whose state is.
     #[error("the test function {observable} is not finite on a path of level {level}")]
     NotFinite {
-        /// Its name.
+        /// Name of the test function.
         observable: String,
-        /// The level.
+        /// Number of the level.
         level: usize,
     },
 }
@@ -163,7 +163,7 @@ impl From<JobError> for RunError {
 }
 
 impl RunError {
-    /// Refuses a name that two of `what` have.
+    /// Refuses `names` of which two are equal; `what` is the word for their kind.
     pub fn twice<T: AsRef<str>>(what: &str, names: &[T]) -> Result<(), Self> {
         let mut seen = HashSet::new();
         let same = names.iter().map(AsRef::as_ref).find(|name| !seen.insert(*name));
@@ -172,7 +172,7 @@ impl RunError {
         })
     }
 
-    /// The first of these settings, each with its name and the values allowed, that is not `met`.
+    /// Refuses the first of `settings` that is not met; each has its name and the values allowed.
     ///
     /// # Errors
     /// [`Setting`](Self::Setting).

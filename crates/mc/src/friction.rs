@@ -35,14 +35,14 @@ use crate::{
 /// ```
 #[derive(Clone)]
 pub struct Friction {
-    /// γ.
+    /// The damping γ.
     pub damping: Arc<dyn Damping>,
     /// The components, counted from zero.
     pub components: Vec<usize>,
 }
 
 impl Friction {
-    /// A method between two halves of friction.
+    /// Puts a method between two halves of friction.
     pub fn around<'a>(method: Arc<dyn Method + 'a>, all: &'a [Self]) -> Arc<dyn Method + 'a> {
         if all.is_empty() { method } else { Arc::new(Around { method, wrap: all }) }
     }
@@ -58,7 +58,7 @@ impl Friction {
         (!none).then_some(of_all).into_iter().chain(friction).collect::<Vec<_>>().join("; ")
     }
 
-    /// The rates γᵢ(t) of D components.
+    /// Rates γᵢ(t) of `dimension` components by friction.
     pub fn rates(all: &[Self], t: f64, dimension: usize) -> Vec<f64> {
         let mut rates = vec![0.0; dimension];
         for Self { damping, components } in all {
@@ -69,7 +69,7 @@ impl Friction {
 }
 
 impl<'a> Setup<'a> {
-    /// The same with friction. Laws that it breaks go.
+    /// Adds friction to the problem and the scheme; drops laws that it breaks.
     #[must_use]
     pub fn with_friction(self, friction: &'a [Friction]) -> Self {
         let scheme = Friction::around(self.scheme, friction);
@@ -78,7 +78,7 @@ impl<'a> Setup<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// The problem with friction, for schemes that have it: those of [`Setup::with_friction`].
+    /// Adds friction to the problem, for schemes that have it: those of [`Setup::with_friction`].
     #[must_use]
     pub fn with_friction(self, friction: &'a [Friction]) -> Self {
         if friction.is_empty() {
@@ -106,11 +106,11 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Points at which a function is looked at, beside y₀.
+/// Number of points beside y₀ at which a function is compared.
 const POINTS: usize = 8;
 /// Times at which decays are compared, as parts of T.
 const TIMES: [f64; 3] = [0.2, 0.6, 1.0];
-/// Factors of points that differ by less are equal.
+/// Relative difference below which the factors of points are equal.
 const EQUAL: f64 = 1e-9;
 
 /// The state after damping alone, from the integrals of all dampings.

@@ -28,7 +28,7 @@ pub struct View<'a> {
     pub first_path: u64,
     /// The states of the runs.
     pub states: &'a [Box<dyn Stepper + 'a>],
-    /// For each run the paths with a clipped increment so far.
+    /// Paths with a clipped increment so far, for each run.
     pub clipped: &'a [PathMask],
     /// The random time of each path by the [`TimeChange`] of the ladder; zero without one.
     pub random_time: &'a Row,
@@ -78,17 +78,16 @@ impl<T: Statistic> Statistic for Vec<T> {
 /// A statistic whose sums can be written to a file and read back, so that it can be computed in
 /// parts, see [`parts`](crate::parts).
 pub trait Kept: Statistic {
-    /// What is kept. Everything else, such as observables, is in a new statistic already. Every
-    /// field must be serialized: one that is skipped is lost without a word.
+    /// The sums that are written and read back. Everything else, such as observables, is in a new
+    /// statistic already. Every field must be serialized: one that is skipped is lost silently.
     type Sums: Serialize + DeserializeOwned;
     /// The sums so far.
     fn sums(&self) -> &Self::Sums;
-    /// The sums so far, to be replaced.
+    /// The sums so far, as a place for others.
     fn sums_mut(&mut self) -> &mut Self::Sums;
 
-    /// What tells it from another statistic beside its sums, such as bins, as a hash or text; and
-    /// some of the times up to `last` at which it adds something: the first and the last unless
-    /// said otherwise.
+    /// Identity of the statistic beside its sums, such as bins, as a hash or text; and some of the
+    /// times up to `last` at which it adds something: the first and the last unless said otherwise.
     fn fixed(&self, last: u64) -> (String, Vec<u64>) {
         (String::new(), vec![1, last])
     }
@@ -115,7 +114,7 @@ pub struct Ladder<'a> {
 pub type Sum<T> = (T, Tally);
 /// The sums of a piece of work, on the largest subtrees that it covers.
 pub type Nodes<T> = Vec<Node<Sum<T>>>;
-/// Sees the nodes and the next group, and says whether to go on.
+/// Callback that sees the nodes and the next group, and says whether to go on.
 pub type After<'a, T> = dyn FnMut(&[Node<Sum<T>>], u64) -> bool + 'a;
 
 /// The results of a ladder.
@@ -132,11 +131,11 @@ pub struct Measured<T> {
     pub clipped: Vec<u64>,
 }
 
-/// Rows of a run on a block for each component: its state, and what a step makes of it.
+/// Number of rows of a run on a block for each component: its state, and those that a step needs.
 const STATES: usize = 16;
 /// Default number of failures that are described.
 const DESCRIBED_FAILURES: usize = 8;
-/// Paths whose statistics are in a fingerprint, and coarse steps of its states.
+/// Number of paths whose statistics are in a fingerprint, and of coarse steps of its states.
 const PROBES: u64 = 4;
 const PROBE_STEPS: u64 = 16;
 
@@ -168,7 +167,7 @@ impl<'a> Ladder<'a> {
         Self::of(problem, finest_steps, levels, truncation, family, runs)
     }
 
-    /// The same with another family of paths of the experiment.
+    /// A ladder as by [`new`](Self::new), with another family of paths of the experiment.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -228,7 +227,7 @@ impl<'a> Ladder<'a> {
         Ok(Self { driver, stack, progress: Box::new(|_| ()) })
     }
 
-    /// Refuses to run so many paths where their states take more memory than there is.
+    /// Refuses to run `paths` paths if their states take more memory than is free.
     ///
     /// # Errors
     /// [`LadderError::Memory`].
@@ -277,13 +276,14 @@ impl<'a> Ladder<'a> {
         })
     }
 
-    /// Starts each run on each block, from its first path on, at states of their own.
+    /// Starts each run on each block at the states that `start` gives for the run and the first
+    /// path.
     pub fn starting(mut self, start: impl Fn(usize, u64) -> Vec<Row> + Sync + 'a) -> Self {
         self.driver.start = Box::new(start);
         self
     }
 
-    /// Shows statistics the states at time 0, too.
+    /// Shows statistics also the states at time 0.
     pub fn with_start(mut self) -> Self {
         self.driver.from_start = true;
         self
@@ -303,7 +303,7 @@ impl<'a> Ladder<'a> {
         self
     }
 
-    /// Says that so many path-steps are done.
+    /// Reports that `path_steps` path-steps are done.
     pub(crate) fn tell(&self, path_steps: u64) {
         (self.progress)(path_steps);
     }
@@ -364,9 +364,10 @@ impl<'a> Ladder<'a> {
         self.measured(tree.finish(), &new)
     }
 
-    /// Does the same as [`run`](Self::run) as a piece of work of a job: whole, in parts or merged.
-    /// `None` if the results are not here, because this job computes a part, or parts are missing,
-    /// or an error was met; [`Job::finish`] says which. The bits are those of `run`.
+    /// Advances `samples` paths, like [`run`](Self::run), as a piece of work of a job: whole, in
+    /// parts or merged. `None` if the results are not here, because this job computes a part, or
+    /// parts are missing, or an error was met; [`Job::finish`] says which. The bits are those of
+    /// `run`.
     ///
     /// `name` is unique in the program. It names the work in files.
     ///
@@ -382,8 +383,9 @@ impl<'a> Ladder<'a> {
         self.run_in_until(job, job.stop(), name, samples, new)
     }
 
-    /// The same until `stop` asks for the end, which may be before that of the job: the sums are
-    /// then those of some paths, if the job [gives](Job::giving_what_is_done) them.
+    /// Works like [`run_in`](Self::run_in) until `stop` asks for the end, which may be before that
+    /// of the job: the sums are then those of some paths, if the job
+    /// [gives](Job::giving_what_is_done) them.
     ///
     /// # Panics
     /// As [`run`](Self::run).
@@ -403,7 +405,7 @@ impl<'a> Ladder<'a> {
         Some(self.measured(tree.finish(), &new))
     }
 
-    /// The nodes of some groups of paths before path number `paths`; fewer if it is stopped.
+    /// Computes the nodes of `groups` of paths before path number `paths`; fewer if it is stopped.
     pub fn nodes<T: Statistic>(
         &self,
         stop: &Stop,
@@ -434,7 +436,7 @@ impl<'a> Ladder<'a> {
         grow(tree, groups, &compute, after)
     }
 
-    /// The sum of all nodes, of which those that are halves of one are joined.
+    /// Joins the nodes that are halves of one, and returns the sum of all.
     pub fn join<T: Statistic + Clone>(
         &self,
         nodes: &mut Nodes<T>,
@@ -466,7 +468,7 @@ impl<'a> Ladder<'a> {
         (statistic, tally)
     }
 
-    /// The sums of no path.
+    /// The sums over no path.
     pub(crate) fn nothing<T>(&self, new: &dyn Fn() -> T) -> Sum<T> {
         (new(), self.driver.tally())
     }
@@ -529,7 +531,7 @@ impl<'a> Ladder<'a> {
 }
 
 impl<'a> Setup<'a> {
-    /// The scheme on a ladder, with a run for each level from `levels` to 0, for so many paths.
+    /// The scheme on a ladder with a run for each level from `levels` to 0, for `paths` paths.
     ///
     /// # Errors
     /// As [`Ladder::new`]; and [`LadderError::Memory`] where the states of the paths take more

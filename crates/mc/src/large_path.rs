@@ -53,16 +53,16 @@ pub struct LargePath<'a> {
     stepper: Box<dyn Stepper + 'a>,
     source: Source,
     noise: StepNoise,
-    /// Increments are clipped at this.
+    /// Bound at which increments are clipped.
     bound: f64,
     tau: f64,
     done: u64,
-    /// What describes a failure.
+    /// Description of a failure, except its step and cause.
     failure: PathFailure,
     checkpoint: Option<&'a Checkpoint>,
 }
 
-/// Where increments come from.
+/// The source of increments.
 #[derive(Clone, Serialize, Deserialize)]
 enum Source {
     /// One stream, whose normals are the same for all components.
@@ -71,7 +71,7 @@ enum Source {
     Local(Vec<WienerRows>),
 }
 
-/// Steps between two checks that the state is finite.
+/// Number of steps between two checks that the state is finite.
 const CHECKED: u64 = 64;
 
 impl<'a> LargePath<'a> {
@@ -79,7 +79,7 @@ impl<'a> LargePath<'a> {
     ///
     /// # Errors
     /// [`LadderError`] if rows of the system hold 32 paths, there are no steps, the scheme is not
-    /// for the system, the truncation is undefined at T/steps, or memory is not there.
+    /// for the system, the truncation is undefined at T/steps, or an allocation failed.
     pub fn new(
         problem: &'a Problem,
         scheme: &'a dyn Scheme,
@@ -134,8 +134,8 @@ impl<'a> LargePath<'a> {
         })
     }
 
-    /// Goes on from what a file has of this path, with the same bits, and keeps the path there now
-    /// and then while it advances. The file stays at the end.
+    /// Resumes the path from a file, with the same bits, and writes it there now and then while it
+    /// advances. The file stays at the end.
     ///
     /// # Errors
     /// [`JobError`] if the file cannot be read, is damaged or is of another path.
@@ -161,7 +161,7 @@ impl<'a> LargePath<'a> {
         }
     }
 
-    /// Advances by so many steps, also beyond T.
+    /// Advances by `steps` steps, also beyond T.
     ///
     /// # Errors
     /// The failure of a step. A state that is not finite is found within 64 steps.
@@ -219,18 +219,18 @@ impl<'a> LargePath<'a> {
         self.stepper.state()
     }
 
-    /// A component of the state.
+    /// Component `number` of the state.
     pub fn component(&self, number: usize) -> f64 {
         let (row, place) = self.system.description().layout.place(number);
         self.state()[row][place]
     }
 
-    /// The number of steps done.
+    /// Number of steps done.
     pub fn steps_done(&self) -> u64 {
         self.done
     }
 
-    /// The time.
+    /// The time reached.
     pub fn time(&self) -> f64 {
         self.done as f64 * self.tau
     }

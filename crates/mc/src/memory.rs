@@ -2,18 +2,18 @@
 
 use std::{fs, path::Path};
 
-/// It takes more memory than there is; nothing was computed.
+/// A demand for more memory than is free; nothing was computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "{what} would take about {} of memory, and {} is free",
     gigabytes(*bytes), gigabytes(*free)
 )]
 pub struct MemoryError {
-    /// What takes the memory, and what would take less.
+    /// Name of the work that takes the memory, and advice on what would take less.
     pub what: String,
-    /// An estimate of the bytes.
+    /// Estimated number of bytes of the work.
     pub bytes: f64,
-    /// The bytes that are free.
+    /// Number of bytes that are free.
     pub free: f64,
 }
 
@@ -27,10 +27,10 @@ fn gigabytes(bytes: f64) -> String {
 /// Bytes that any work may take where the system does not say how many are free.
 const UNKNOWN: f64 = (1u64 << 40) as f64;
 
-/// Fewer bytes are taken without a question.
+/// Number of bytes below which work is not refused.
 const SMALL: f64 = 1e8;
 
-/// Refuses `what` where it takes about so many bytes and fewer are free.
+/// Refuses `what` if it takes about `bytes` bytes and fewer are free.
 ///
 /// # Errors
 /// [`MemoryError`].
@@ -81,7 +81,7 @@ mod tests {
         assert!(demand("no number", f64::NAN).is_err());
     }
 
-    /// In a process of its own, with a limit of 2 GiB, of which it takes 1 GiB.
+    /// Runs in a process of its own, with a limit of 2 GiB, of which it takes 1 GiB.
     #[cfg(target_os = "linux")]
     #[test]
     fn what_is_taken_counts_towards_a_limit() {

@@ -4,7 +4,7 @@ use real::{PathMask, Row, WIDTH};
 
 /// A test function φ of states of any dimension.
 pub trait Observe: Sync {
-    /// Its name in results.
+    /// Name of φ in results.
     fn name(&self) -> &str;
 
     /// Writes φ of the paths `live`, and anything for the others. Row i of `y` is component i.
@@ -17,7 +17,7 @@ pub trait Observe: Sync {
         values
     }
 
-    /// The order with which the error of its mean falls, with a scheme of weak order one.
+    /// Order with which the error of the mean of φ falls, with a scheme of weak order one.
     fn weak_order(&self) -> f64 {
         1.0
     }
@@ -26,13 +26,13 @@ pub trait Observe: Sync {
 /// A test function φ of D components, such as a closure, with its name.
 #[derive(Clone, Copy, Debug)]
 pub struct StateFunction<F, const D: usize, N = String> {
-    /// Its name in results, for example `y1` or `cos y3`.
+    /// Name of φ in results, for example `y1` or `cos y3`.
     pub name: N,
     /// φ(y).
     pub function: F,
 }
 
-/// A test function φ that is no closure, with its name.
+/// A test function φ given by a function pointer, not a closure, with its name.
 pub type Observable<const D: usize> = StateFunction<fn([f64; D]) -> f64, D, &'static str>;
 
 impl<F: Fn([f64; D]) -> f64 + Sync, const D: usize> StateFunction<F, D> {
@@ -51,8 +51,8 @@ where
         self.name.as_ref()
     }
 
-    /// States are copied eight at a time: a function that reads what was stored just before, in
-    /// other pieces, waits.
+    /// Copies states eight at a time: a function that reads what was stored just before, in other
+    /// pieces, waits.
     fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
         let (phi, y) = (&self.function, components(y));
         if live != PathMask::ALL {
@@ -73,13 +73,13 @@ pub fn value_at(observable: &dyn Observe, rows: &[Row]) -> f64 {
     observable.values(rows, PathMask::first(1))[0]
 }
 
-/// Adds rows to rows.
+/// Adds the rows `more` to the rows `sums`.
 pub fn add_rows(sums: &mut [Row], more: &[Row]) {
     let pairs = sums.iter_mut().flatten().zip(more.iter().flatten());
     pairs.for_each(|(sum, more)| *sum += more);
 }
 
-/// The same state on all paths.
+/// Rows of a block with the state `y` on all paths.
 pub fn splat(y: &[f64]) -> Vec<Row> {
     y.iter().map(|&y| [y; WIDTH]).collect()
 }

@@ -11,15 +11,15 @@ use rayon::prelude::*;
 
 use crate::tree::{MergeTree, Node};
 
-/// Most tasks per thread in a wave, enough that no thread waits long at its end.
+/// Largest number of tasks per thread in a wave, enough that no thread waits long at its end.
 const TASKS: u64 = 8;
-/// Waves of as many tasks of one item may take about so long: not more is lost when one is
+/// Seconds that a wave of single items, `TASKS` per thread, may take: no more is lost when it is
 /// interrupted.
 const LONG_S: f64 = 1.0;
-/// Items that are quicker than such a task of a wave of this time are gathered into tasks, so that
-/// threads seldom wait for each other.
+/// Seconds that a wave of quicker items is to take: they are gathered into tasks, so that threads
+/// seldom wait for each other.
 const SHORT_S: f64 = 0.05;
-/// A wave grows by no more than this factor.
+/// Largest factor by which a wave grows.
 const GROWTH: u64 = 16;
 
 /// Adds the results for some items to a tree, in waves of tasks on the current rayon pool.

@@ -79,7 +79,7 @@ impl<'a> Setup<'a> {
         Self::with(problem, scheme)
     }
 
-    /// The same with a scheme that is given away.
+    /// A problem whose system is known at run time, with a scheme that the setup owns.
     ///
     /// # Errors
     /// Those of [`at_run_time`](Setup::at_run_time).
@@ -144,7 +144,7 @@ where
 struct Paths<'a> {
     stepper: Box<dyn Stepper + 'a>,
     system: &'a dyn System,
-    /// What the guard of the system needs, if it has one.
+    /// Scratch rows of the guard of the system, if it has one.
     guard: Option<Rows>,
 }
 
@@ -172,7 +172,7 @@ fn scratch(system: &dyn System) -> Rows {
     Rows::zero(system.description().scratch_rows())
 }
 
-/// The coefficients at single states, on all places of a row.
+/// Coefficients at the time `t` and the state `y`, computed on all places of a row.
 fn coefficients(system: &dyn System, t: f64, y: &[f64]) -> Coefficients {
     let (y, noises) = (&splat(y)[..], system.description().noises);
     let first = |rows: Vec<Row>| rows.iter().map(|row| row[0]).collect();
@@ -195,14 +195,14 @@ fn field(system: &dyn System, t: f64, y: &[Row], k: usize) -> Vec<Row> {
     apply(system, Op::Structure { y, v: &v }, h)
 }
 
-/// The rows of an operation.
+/// Rows that an operation of a system writes.
 fn apply(system: &dyn System, op: Op<&[Row]>, h: Weights<'_>) -> Vec<Row> {
     let mut out = splat(&vec![0.0; system.description().dimension]);
     system.apply(op, 0..out.len(), h, &mut out, &mut scratch(system));
     out
 }
 
-/// What changes with time at a state: all fields at single times, where nothing else is known.
+/// Functions of time at a state: those that the system gives, else all fields at single times.
 pub fn in_time<'a>(system: &'a dyn System, y: &[f64]) -> Box<dyn InTime + 'a> {
     match system.in_time(y) {
         Some(known) => known,

@@ -16,7 +16,7 @@ use crate::{
     observable::{components, splat},
 };
 
-/// A problem of any dimension with any number of noises: what a driver needs of it beside the steps
+/// A problem of any dimension with any number of noises: all that a driver needs beside the steps
 /// of schemes. [`of`](Self::of) makes that of a [`systems::Problem`],
 /// [`at_run_time`](Self::at_run_time) that of a system known at run time.
 ///
@@ -25,13 +25,13 @@ use crate::{
 pub struct Problem<'a> {
     /// Name of the system.
     pub name: String,
-    /// Its parameters, as far as it describes them.
+    /// Parameters of the system, as far as it describes them.
     pub parameters: String,
     /// Number of noises.
     pub noises: usize,
-    /// The initial value; its length is the dimension. One that may occur, if they are random.
+    /// The initial value, whose length is the dimension; one possible value if it is random.
     pub y0: Vec<f64>,
-    /// Random initial values in its place.
+    /// Random initial values in place of `y0`.
     pub initial: Option<Initial<'a>>,
     /// The final time T.
     pub t_end: f64,
@@ -51,10 +51,10 @@ pub struct Problem<'a> {
 /// Random initial values.
 #[derive(Clone)]
 pub struct Initial<'a> {
-    /// Their law in words.
+    /// Law of the initial values in words.
     pub law: String,
-    /// From the key of streams of their own and the number of the first path of a block to the
-    /// states of its 32 paths.
+    /// Writes the states of the 32 paths of a block, from the key of streams of their own and the
+    /// number of its first path.
     pub draw: Arc<Draw<'a>>,
 }
 
@@ -64,15 +64,15 @@ type Draw<'a> = dyn Fn(StreamKey, u64, &mut [Row]) + Send + Sync + 'a;
 /// components, a function of which all monomials decay alike.
 #[derive(Clone)]
 pub struct ConformalLaw<'a> {
-    /// Its symbol in results, for example `C` or `H`.
+    /// Symbol of F in results, for example `C` or `H`.
     pub name: String,
     /// The degree p.
     pub degree: f64,
     /// Whether F is a Casimir.
     pub casimir: bool,
-    /// F.
+    /// The function F.
     pub value: Arc<Function<'a>>,
-    /// What F is multiplied by, from the integrals of all dampings; e^{−p∫γ} without friction.
+    /// Factor of F, from the integrals of all dampings; `None` for e^{−p∫γ}, without friction.
     pub decay: Option<Arc<Function<'a>>>,
 }
 
@@ -100,18 +100,18 @@ impl<'a> ConformalLaw<'a> {
 /// The coefficients of dy = (f₀ − γy)dt + Σₘ fₘ ∘ dWₘ with fₘ = B∇Hₘ at a time and a state.
 #[derive(Clone, Debug)]
 pub struct Coefficients {
-    /// f₀.
+    /// The drift f₀.
     pub drift: Vec<f64>,
-    /// f₁, ….
+    /// The fields f₁, … of the noises.
     pub noises: Vec<Vec<f64>>,
     /// ½Σₘ fₘ′fₘ, the drift that Itô's form of the equation has besides.
     pub correction: Vec<f64>,
 }
 
-/// From a time and a state to the coefficients.
+/// Function from a time and a state to the coefficients.
 pub type CoefficientsAt<'a> = dyn Fn(f64, &[f64]) -> Coefficients + Send + Sync + 'a;
 
-/// A problem and a scheme for it: what a simulation, a study, an expectation or an order is of.
+/// A problem and a scheme for it: the input of a simulation, a study, an expectation or an order.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -192,12 +192,12 @@ pub struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// The scheme on the increments in their order.
+    /// A run of the scheme on the increments in their order.
     pub fn new(scheme: Arc<dyn Method + 'a>, level: usize) -> Self {
         Self { scheme, level, swapped: false }
     }
 
-    /// The scheme on exchanged increments.
+    /// A run of the scheme on exchanged increments.
     pub fn swapped(scheme: Arc<dyn Method + 'a>, level: usize) -> Self {
         Self { scheme, level, swapped: true }
     }
@@ -265,8 +265,8 @@ impl<'a> Setup<'a> {
         Self { problem: Problem::of(problem), scheme: bind(problem, scheme) }
     }
 
-    /// The states of 32 paths at time 0, of which the initial value may be random, and what they
-    /// have [collected](Self::collecting).
+    /// The states of 32 paths at time 0 from `y0`, one possible value if it is random, with the
+    /// rows that they have [collected](Self::collecting).
     pub fn start(&self) -> Vec<Row> {
         self.scheme.start(&splat(&self.problem.y0)).state().to_vec()
     }
@@ -282,7 +282,7 @@ pub fn bind<'a, S: Sync, G, const D: usize, const M: usize>(
     Arc::new(Bound { system: problem.system(), scheme })
 }
 
-/// A scheme that is given away, on the system of a problem; as [`bind`].
+/// A scheme that the method owns, on the system of a problem; see [`bind`].
 pub fn bind_owned<'a, S: Sync, G, const D: usize, const M: usize>(
     problem: &'a systems::Problem<S, G, D>,
     scheme: Box<dyn Scheme<S, D, M> + 'a>,
@@ -316,6 +316,8 @@ where
         self.scheme.clips_increments()
     }
 
+    /// Bytes of stack of a step.
+    ///
     /// Newton's method and continuation have a dozen matrices in an optimised build, and up to 160
     /// (measured) in one that is not optimised. Memory that is not used is only reserved.
     fn stack(&self) -> usize {
@@ -349,13 +351,13 @@ impl<S: Sync, const D: usize, const M: usize> Stepper for BlockState<'_, S, D, M
     }
 }
 
-/// What makes steppers around those of another method.
+/// Maker of steppers around those of another method.
 pub trait Wrap: Send + Sync {
     /// A stepper around one of `method`; see [`Method::start`].
     fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's>;
 }
 
-/// A method and what is around it. It reads the noise of that method.
+/// A method in a wrapper, which reads the noise of that method.
 pub struct Around<'a, T> {
     pub method: Arc<dyn Method + 'a>,
     pub wrap: T,

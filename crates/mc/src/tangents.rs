@@ -9,9 +9,9 @@ use schemes::{Method, Step, Stepper};
 
 use crate::setup::{Around, Wrap};
 
-/// Tangent vectors after the states of a method, and the logarithms of what they have grown by
-/// since the start, which orthogonalisation keeps apart (Benettin, Galgani, Giorgilli and Strelcyn,
-/// *Meccanica* 15, 1980); last the sum of these.
+/// Tangent vectors after the states of a method, and the logarithms of their growth since the
+/// start; last the sum of these. Orthogonalisation separates the vectors (Benettin, Galgani,
+/// Giorgilli and Strelcyn, *Meccanica* 15, 1980).
 ///
 /// A tangent vector v is carried along by the difference of a step from y + δv and one from y, both
 /// with the same noise, over δ = √(10⁻¹⁵ ab) with the largest component a of y and the largest
@@ -24,21 +24,21 @@ pub struct Tangents {
     pub count: usize,
 }
 
-/// δ²/ab, and δ/a where nothing moves.
+/// Values of δ²/ab, and of δ/a where nothing moves.
 const SQUARE: f64 = 1e-15;
 const DIFFERENCE: f64 = 1e-7;
-/// States below this size count as zero, where δ is the one of rest.
+/// Size below which states and changes count as zero, where δ is that of rest.
 const SMALLEST: f64 = 1e-150;
 
 impl Tangents {
-    /// The method whose states have these vectors.
+    /// Wraps a method, so that its states have these vectors.
     pub fn around<'a>(self, method: Arc<dyn Method + 'a>) -> Arc<dyn Method + 'a> {
         Arc::new(Around { method, wrap: self })
     }
 }
 
 impl Wrap for Tangents {
-    /// With generic vectors, or those that `y` has after the state.
+    /// Starts with generic vectors, or with those that `y` has after the state.
     fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's> {
         let &Self { dimension, count, .. } = self;
         let (state, vectors) = y.split_at(dimension);
@@ -58,9 +58,9 @@ impl Wrap for Tangents {
     }
 }
 
-/// Number n of the components of vectors that are in no subspace that a system keeps: numbers in
-/// [−1, 1) by the multiplications of SplitMix64 (Steele, Lea and Flood 2014). They are the same on all
-/// paths, so that chains differ by their noise alone.
+/// Component number `n` of generic vectors, which are in no subspace that a system conserves: a
+/// number in [−1, 1) by the multiplications of SplitMix64 (Steele, Lea and Flood 2014). Components
+/// are the same on all paths, so that chains differ by their noise alone.
 fn generic(n: usize) -> Row {
     let z = (n as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -120,7 +120,7 @@ impl Stepper for Carried<'_> {
     }
 }
 
-/// δ of each path.
+/// The difference δ of each path.
 fn difference(y: &[Row], moved: &Row) -> Row {
     let mut size = [0.0f64; WIDTH];
     for row in y {
@@ -133,7 +133,8 @@ fn difference(y: &[Row], moved: &Row) -> Row {
     })
 }
 
-/// Makes vectors orthonormal, and adds the logarithms of their lengths, and the sum of these.
+/// Makes vectors orthonormal, and adds the logarithms of their lengths and the sum of these to
+/// `grown`.
 fn orthogonalise(vectors: &mut [Row], d: usize, grown: &mut [Row]) {
     let count = grown.len() - 1;
     for n in 0..count {

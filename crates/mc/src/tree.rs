@@ -3,11 +3,11 @@
 /// The sum over the 2^level leaves from leaf number `first` on, where 2^level divides `first`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Node<T> {
-    /// The number of its first leaf.
+    /// Number of the first leaf.
     pub first: u64,
-    /// The binary logarithm of the number of its leaves.
+    /// Binary logarithm of the number of leaves.
     pub level: u32,
-    /// The sum over them.
+    /// Sum over the leaves.
     pub sum: T,
 }
 
@@ -17,7 +17,7 @@ impl<T> Node<T> {
         Self { first, level: 0, sum }
     }
 
-    /// The number of the leaf after its last.
+    /// Number of the leaf after the last one.
     pub fn end(&self) -> u64 {
         self.first + (1 << self.level)
     }
@@ -39,9 +39,9 @@ impl<T> Node<T> {
 pub struct MergeTree<T> {
     /// The largest nodes of the tree that cover the leaves so far.
     pub nodes: Vec<Node<T>>,
-    /// How two sums become one.
+    /// Function that merges the second sum into the first.
     pub merge: fn(&mut T, T),
-    /// Leaves from this one on are no part of larger nodes.
+    /// Number of the first leaf that is not part of larger nodes, as those after it.
     pub whole: u64,
 }
 

@@ -39,7 +39,7 @@ pub fn join(areas: &mut [Row], first: &[Row], second_areas: &[Row], second: &[Ro
     }
 }
 
-/// Writes the areas of so many noises, clipped to ±`bound`, into `clipped`.
+/// Writes the areas of `noises` noises, clipped to ±`bound`, into `clipped`.
 pub fn clip_areas(noises: usize, areas: &[Row], bound: f64, clipped: &mut [Row]) {
     for i in 0..noises {
         let above = i * noises + i + 1..(i + 1) * noises;

@@ -153,8 +153,8 @@ struct Draw<'a, const L: usize> {
     scratch: &'a mut [[f64; L]],
 }
 
-/// The rows that a step of so many noises needs: five times a row for each noise, and the normals
-/// of the tail. M² places suffice for M(M+1)/2 normals and the one that is dropped.
+/// Number of scratch rows for a step of `noises` noises: four for each noise, and the normals of
+/// the tail. M² places suffice for M(M+1)/2 normals and the one that is dropped.
 fn scratch_rows(noises: usize) -> usize {
     noises * (noises + 4)
 }

@@ -1,4 +1,4 @@
-//! How many terms of its series an approximation of the Lévy areas takes.
+//! Number of terms of the series for an approximation of the Lévy areas.
 
 use std::f64::consts::PI;
 

@@ -16,8 +16,8 @@ pub struct DyadicLadder {
 }
 
 impl DyadicLadder {
-    /// A ladder of `levels` levels above the finest, which is level 0, for noise with as many rows
-    /// as that of `no_noise`.
+    /// Ladder of `levels` levels above the finest, which is level 0, for noise with the rows of
+    /// `no_noise`.
     pub fn new(levels: usize, no_noise: impl Fn() -> StepNoise) -> Self {
         let zero = || (0..=levels).map(|_| no_noise()).collect();
         Self { first_half: zero(), whole: zero(), pushed: 0 }

@@ -8,9 +8,9 @@
 //! study, so that noise is drawn once and not stored.
 //!
 //! The way through the crate: key → `stream` (words) → `box_muller` (normals) → `wiener`
-//! (increments) → `area_sampler` (Lévy areas by as many terms as `area_terms` says) → `ladder`
-//! (joined over steps) → `truncation` and `area`. `sobol` points → `inverse_normal` →
-//! `quasi_wiener` (increments by a Brownian bridge). `step` has the noise of one step.
+//! (increments) → `area_sampler` (Lévy areas, terms by `area_terms`) → `ladder` (joined over steps)
+//! → `truncation` and `area`. `sobol` points → `inverse_normal` → `quasi_wiener` (increments by a
+//! Brownian bridge). `step` has the noise of one step.
 //!
 //! ```
 //! use noise::{StepNoise, StreamKey, Truncation, WienerPath, WienerRows};

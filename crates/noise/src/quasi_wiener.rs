@@ -97,7 +97,8 @@ impl QuasiWiener {
         })
     }
 
-    /// The same of another scramble of the key. Both share what does not depend on it.
+    /// Increments from another scramble of the key. Both share what does not depend on the
+    /// scramble.
     #[must_use]
     pub fn of_scramble(&self, scramble: u64) -> Self {
         let sobol = ScrambledSobol::new(self.key, scramble, self.dimensions());
@@ -140,7 +141,7 @@ struct BridgeNode {
     node: usize,
     left: usize,
     right: usize,
-    /// Of W(right) − W(left).
+    /// Weight of W(right) − W(left).
     weight: f64,
     /// Standard deviation given both neighbours.
     deviation: f64,

@@ -57,9 +57,9 @@ const LOW_DIGITS: usize = WIDTH.trailing_zeros() as usize;
 pub struct ScrambledSobol {
     groups: &'static [Group],
     dimensions: usize,
-    /// Of the dimensions that have Sobol numbers.
+    /// Random words for the dimensions that have Sobol numbers.
     seeds: Vec<Seeds>,
-    /// Of the words of all dimensions.
+    /// Seed of the words of all dimensions.
     root: u64,
 }
 
@@ -237,7 +237,8 @@ impl DimensionWords {
 #[derive(Debug)]
 #[repr(align(64))]
 struct Group {
-    /// Those of the digits of a point above the lowest five: digit by digit, dimension innermost.
+    /// Direction numbers of the digits of a point above the lowest five: digit by digit, dimension
+    /// innermost.
     high: [[u32; WIDTH]; DIGITS - LOW_DIGITS],
     /// The Sobol numbers of points 0 .. 32: dimension by dimension, point innermost.
     low: [[u32; WIDTH]; WIDTH],

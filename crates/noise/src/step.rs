@@ -30,24 +30,24 @@ pub struct StepNoise {
     pub increments: Rows,
     /// M² rows of Lévy areas; none if no areas are drawn.
     pub areas: Rows,
-    /// Bits of what clipping took from the increments of each path, without a meaning of their own;
-    /// zero for a path with all of its increments, and empty where nothing was clipped.
+    /// Bits of the parts that clipping took from the increments of each path, without a meaning of
+    /// their own; zero for a path with all of its increments, and empty where nothing was clipped.
     pub clipped: Vec<u64>,
 }
 
 impl StepNoise {
-    /// No noise, for so many noises, without areas.
+    /// Zero increments of `noises` Wiener processes, no Lévy areas.
     pub fn zero(noises: usize) -> Self {
         Rows::zero(noises).into()
     }
 
-    /// No noise, for so many noises, with areas.
+    /// Zero increments of `noises` Wiener processes, with zero Lévy areas.
     pub fn with_areas(noises: usize) -> Self {
         let areas = Rows::zero(noises.saturating_mul(noises));
         Self { areas, ..Self::zero(noises) }
     }
 
-    /// No noise, for so many noises, with areas or without.
+    /// Zero increments of `noises` Wiener processes, with zero Lévy areas if `areas` is true.
     pub fn none(noises: usize, areas: bool) -> Self {
         if areas { Self::with_areas(noises) } else { Self::zero(noises) }
     }
@@ -69,7 +69,7 @@ impl StepNoise {
         }
     }
 
-    /// Replaces the noise of all paths by that of `other`, which has as many rows.
+    /// Replaces the noise of all paths by that of `other`, which has equal numbers of rows.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         self.increments.copy_from_slice(&other.increments);

@@ -21,20 +21,20 @@ pub(crate) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 /// Bits of the number of an experiment.
 const EXPERIMENT_BITS: u32 = 40;
 
-/// What the random numbers of a stream are for: the bits of the experiment number from 40 on. The
+/// Purpose of the random numbers of a stream: the bits of the experiment number from 40 on. The
 /// families of paths have bits below 57. Each of the others has a bit of its own, and is beside any
 /// family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// The paths of an experiment.
     Paths,
-    /// Those of level l < 31 of an expectation.
+    /// Paths of level l < 31 of an expectation.
     Level(u64),
-    /// Those on which the steps of a run are checked.
+    /// Paths on which the steps of a run are checked.
     StepCheck,
-    /// Those of the pilot of a study.
+    /// Paths of the pilot of a study.
     Pilot,
-    /// Those of batch n < 2¹⁴ of a chain.
+    /// Paths of batch n < 2¹⁴ of a chain.
     Batch(u64),
     /// Space-time areas, beside increments.
     SpaceTimeAreas,
@@ -51,7 +51,7 @@ pub enum Purpose {
 }
 
 impl Purpose {
-    /// Its bits.
+    /// Bits of the purpose in the experiment number.
     pub const fn bits(self) -> u64 {
         match self {
             Self::Paths => 0,
@@ -216,7 +216,7 @@ mod tests {
         }
     }
 
-    /// Of paths, nor of areas and scrambles.
+    /// No stream is shared by paths, areas and scrambles.
     #[test]
     fn neighbours_do_not_share_a_stream() {
         let mut seen = std::collections::HashSet::new();

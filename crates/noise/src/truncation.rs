@@ -38,8 +38,9 @@ impl Truncation {
         Self { order: None, wide: false }
     }
 
-    /// The same with the threshold max(A, 6), for any step size. At long steps A is a few standard
-    /// deviations and shows in the results: 2.35 for k = 4 and τ = ½. As τ → 0 both are the same.
+    /// Truncation with the threshold max(A, 6), for any step size. At long steps A is a few
+    /// standard deviations and shows in the results: 2.35 for k = 4 and τ = ½. As τ → 0 both are
+    /// the same.
     #[must_use]
     pub fn wide(self) -> Self {
         Self { wide: true, ..self }
@@ -70,8 +71,8 @@ impl Truncation {
     }
 }
 
-/// Writes the increments `dw`, clipped to ±`bound`, into `clipped`, which has as many rows. Returns
-/// the number of increments changed. Infinities and NaN stay, so that their paths fail.
+/// Writes the increments `dw`, clipped to ±`bound`, into `clipped`, which has equally many rows.
+/// Returns the number of increments changed. Infinities and NaN stay, so that their paths fail.
 #[inline]
 pub fn clip(dw: &[Row], bound: f64, clipped: &mut [Row]) -> u64 {
     dispatch(Clip { dw, bound, clipped })

@@ -51,7 +51,7 @@ pub trait FixedPoint<const D: usize>: Copy {
 /// The first sweep of the iteration for an equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FirstSweep {
-    /// The same as every other sweep.
+    /// A sweep like every other.
     Plain,
     /// Eleven evaluations of ψ, or two steps of Newton's method from ψ(ψ(start)), written out for
     /// two paths at a time. It is fast if ψ is a few dozen operations. Otherwise it is long code

@@ -49,14 +49,14 @@ impl Solver {
         Self { method: Some(method), ..Self::default() }
     }
 
-    /// The same options with [`settle`](Self::settle), for runs of millions of steps.
+    /// Options with [`settle`](Self::settle) switched on, for runs of millions of steps.
     #[must_use]
     pub fn settled(self) -> Self {
         Self { settle: true, ..self }
     }
 }
 
-/// How the iteration for one equation ended.
+/// Outcome of the iteration for one equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// Solved by the fast method.
@@ -90,13 +90,13 @@ impl Outcome {
 pub struct Solution<const D: usize> {
     /// The solution, or the last iterate.
     pub z: [f64; D],
-    /// How the iteration ended.
+    /// Outcome of the iteration.
     pub outcome: Outcome,
 }
 
 impl<const D: usize> Solution<D> {
-    /// The same solution if z is finite, otherwise a failure with an infinite residual. For blocks
-    /// see [`BlockStatus::fail_where_not_finite`].
+    /// Solution if z is finite, otherwise a failure with an infinite residual. For blocks see
+    /// [`BlockStatus::fail_where_not_finite`].
     #[must_use]
     pub fn checked(self) -> Self {
         let finite = self.z.iter().all(|component| component.is_finite());
@@ -108,7 +108,7 @@ impl<const D: usize> Solution<D> {
     }
 }
 
-/// How the iterations for the equations of a block ended.
+/// Outcomes of the iterations for the equations of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockStatus {
     /// Minus the number of iterations of each solved path; the residual of each failed path.

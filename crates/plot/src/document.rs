@@ -2,7 +2,7 @@
 
 use crate::escape;
 
-/// Cells of a table with more bytes than this are broken into lines.
+/// Number of bytes from which a cell of a table is broken into lines.
 const LONG: usize = 60;
 const STYLE: &str = include_str!("style.css");
 
@@ -25,7 +25,7 @@ pub struct Document {
 }
 
 impl Document {
-    /// An empty page. `kicker` is a line above the title.
+    /// Creates an empty page. `kicker` is a line above the title.
     pub fn new(kicker: &str, title: &str) -> Self {
         let (kicker, title) = (escape(kicker), escape(title));
         Self { kicker, title, ..Self::default() }
@@ -40,7 +40,7 @@ impl Document {
         self.body += &format!("<section id=\"section-{n}\"><h2>{title}</h2>\n");
     }
 
-    /// The end of the section that was begun.
+    /// Closing tag of the open section, if there is one.
     fn end(&self) -> &'static str {
         if self.sections > 0 { "</section>\n" } else { "" }
     }
@@ -55,7 +55,7 @@ impl Document {
         self.body += &format!("<p class=\"lead erratum\">{}</p>\n", escape(words));
     }
 
-    /// Adds pairs of a term and what it is.
+    /// Adds a list of terms with their definitions.
     pub fn facts(&mut self, facts: impl IntoIterator<Item = (impl AsRef<str>, impl AsRef<str>)>) {
         self.body += "<dl class=\"facts\">";
         for (term, what) in facts {
@@ -81,7 +81,7 @@ impl Document {
         self.body += "</div>\n";
     }
 
-    /// Adds a table with a header; none without rows.
+    /// Adds a table with a header; adds nothing without rows.
     pub fn table<H: AsRef<str>, R: IntoIterator<Item = C>, C: AsRef<str>>(
         &mut self,
         header: impl IntoIterator<Item = H>,
@@ -122,7 +122,7 @@ impl Document {
         self.body += &format!("<p><span class=\"quiet\">{}</span></p>\n", escape(words));
     }
 
-    /// The page.
+    /// Page as an HTML document.
     pub fn html(self) -> String {
         let end = self.end();
         let Self { kicker, title, navigation, body, .. } = self;

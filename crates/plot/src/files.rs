@@ -13,8 +13,8 @@ fn named(what: &str, path: &Path) -> impl FnOnce(Error) -> Error {
     move |error| Error::new(error.kind(), format!("cannot {what} {}: {error}", path.display()))
 }
 
-/// Creates a folder and checks that a file can be written into it. What processes that were killed
-/// left there is removed.
+/// Creates a folder and checks that a file can be written into it. Files that killed processes left
+/// there are removed.
 ///
 /// # Errors
 ///
@@ -29,7 +29,7 @@ pub fn prepare(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Checks the same of a folder, and leaves nothing that was not there.
+/// Checks that a folder can be created and written, and leaves nothing that was not there.
 ///
 /// # Errors
 ///

@@ -10,7 +10,7 @@ pub(crate) const SCRIPT_SIZE: f64 = 0.74;
 /// A base with an optional subscript and superscript.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Label {
-    /// What stands on the line.
+    /// Base of the label, on the line.
     pub base: String,
     /// The index, possibly empty.
     pub index: String,
@@ -32,7 +32,7 @@ impl Label {
         Self { base, index, exponent, tail: String::new() }
     }
 
-    /// Plain words, in which digits and hyphens stay what they are.
+    /// Creates a label of plain words, in which digits and hyphens stay unchanged.
     pub fn words(text: &str) -> Self {
         Self { base: text.into(), ..Self::default() }
     }

@@ -1,4 +1,4 @@
-//! Where a run comes from, and what it took.
+//! Provenance of a run, and its cost.
 
 use std::{
     collections::BTreeMap,
@@ -9,7 +9,7 @@ use std::{
 use real::Level;
 use serde::Serialize;
 
-/// Where a run comes from and how long it took.
+/// Provenance of a run: sources, compiler, machine, command and times.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Provenance {
     /// Version of the program.
@@ -17,7 +17,7 @@ pub struct Provenance {
     /// Commit of the sources that the program was built from, with `-dirty` appended when the tree
     /// differed from it; `unknown` if the build was not told.
     pub git: String,
-    /// The compiler that built it.
+    /// Compiler that built the program.
     pub rustc: String,
     /// The day of the run (UTC).
     pub day: String,
@@ -49,14 +49,14 @@ impl Provenance {
     }
 }
 
-/// What is written for a fact that nobody tells.
+/// Text for an unknown fact.
 const UNKNOWN: &str = "unknown";
 
 /// Completes the provenance of a run that began at `start`: version, compiler, day, folder,
-/// processor, instruction set, command and wall time. What else it holds stays.
+/// processor, instruction set, command and wall time. Other fields stay.
 ///
-/// `program` is what a user types in front of the arguments; `commit` is what the build was told,
-/// `option_env!("CASIMIR_COMMIT")`.
+/// `program` is the command that a user types in front of the arguments; `commit` is the commit
+/// that the build was told, `option_env!("CASIMIR_COMMIT")`.
 pub fn complete(
     known: Provenance,
     program: &str,
@@ -83,8 +83,8 @@ pub fn complete(
     }
 }
 
-/// The day that is so many days after 1970-01-01, in the Gregorian calendar, whose months are
-/// counted from March on and whose eras have 400 years.
+/// Date that is `number` days after 1970-01-01, in the Gregorian calendar; months are counted from
+/// March on, and eras have 400 years.
 fn day(number: u64) -> String {
     let (era, day) = ((number + 719_468) / 146_097, (number + 719_468) % 146_097);
     let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
@@ -95,7 +95,7 @@ fn day(number: u64) -> String {
     format!("{year}-{:02}-{day:02}", (month + 2) % 12 + 1)
 }
 
-/// What follows the first `key:` in a file of the system.
+/// Text after the first `key:` in a file of the system.
 fn fact(file: &str, key: &str) -> Option<String> {
     let text = fs::read_to_string(file).ok()?;
     let line = text.lines().find(|line| line.starts_with(key))?;

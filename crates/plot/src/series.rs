@@ -1,9 +1,9 @@
-//! Errors against step sizes, invariants in time, costs: what a curve of a figure is, as data.
+//! Curves of a figure as data: errors against step sizes, invariants in time, costs.
 
 use serde::Serialize;
 use stats::{Point, Rate};
 
-/// What curves show.
+/// Kind of the curves of a figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
@@ -18,12 +18,12 @@ pub enum Kind {
     Cost,
 }
 
-/// One curve.
+/// Curve of one scheme and one quantity.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Series {
-    /// The scheme.
+    /// Identifier of the scheme.
     pub scheme: String,
-    /// What is measured: `y(T)`, `sup y` (strong; at the common coarse time where the coarsest
+    /// Measured quantity: `y(T)`, `sup y` (strong; at the common coarse time where the coarsest
     /// step's error is largest, found on other paths), `y1`, `y2^2`, `cos y3` (weak), `C`, `H`
     /// (invariant).
     pub quantity: String,
@@ -40,8 +40,8 @@ pub struct Series {
 /// Two-sided 95 % quantile of the normal distribution.
 pub const QUANTILE: f64 = 1.96;
 
-/// The quantity that a strong or invariant figure shows: the error at the final time, or else the
-/// first quantity.
+/// Quantity that a strong or invariant figure shows: the error at the final time, or else the first
+/// quantity.
 pub fn main_quantity(series: &[Series]) -> &str {
     const FINAL_TIME: &str = "y(T)";
     let mut quantities = series.iter().map(|s| s.quantity.as_str());
@@ -49,7 +49,7 @@ pub fn main_quantity(series: &[Series]) -> &str {
     quantities.find(|q| *q == FINAL_TIME).unwrap_or(first)
 }
 
-/// |value − exact| / |exact|, and zero where the two agree.
+/// Relative defect |value − exact| / |exact|; zero where the two agree.
 pub fn relative_defect(value: f64, exact: f64) -> f64 {
     if value == exact { 0.0 } else { ((value - exact) / exact).abs() }
 }

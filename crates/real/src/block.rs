@@ -13,13 +13,13 @@ pub const WIDTH: usize = 32;
 pub struct Block<const D: usize>(pub [[f64; WIDTH]; D]);
 
 impl<const D: usize> Block<D> {
-    /// All zero.
+    /// Block of zeros.
     #[inline(always)]
     pub fn zero() -> Self {
         Self([[0.0; WIDTH]; D])
     }
 
-    /// The same `y` on every path.
+    /// Block with the number vector `y` on every path.
     #[inline(always)]
     pub fn splat(y: [f64; D]) -> Self {
         let mut block = Self::zero();

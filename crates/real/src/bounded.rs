@@ -172,7 +172,7 @@ impl Div<f64> for Bounded {
 }
 
 impl Real for Bounded {
-    /// It is never in a hot loop.
+    /// Depth that leaves loops rolled: `Bounded` is never in a hot loop.
     const DEPTH: u32 = 2;
     fn constant(x: f64) -> Self {
         Self { value: x, error: CONSTANT * x.abs(), degree: Degree::CONSTANT }

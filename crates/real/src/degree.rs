@@ -24,11 +24,11 @@ use crate::{Real, operator::operator};
 pub struct Degree(u32);
 
 impl Degree {
-    /// That of a constant.
+    /// Degree of a constant.
     pub const CONSTANT: Self = Self(0);
-    /// That of a variable.
+    /// Degree of a variable.
     pub const VARIABLE: Self = Self(1);
-    /// Not shown to be a polynomial.
+    /// Marks a formula that is not shown to be a polynomial.
     pub const NONE: Self = Self(u32::MAX);
 
     /// The degree n.
@@ -43,7 +43,7 @@ impl Degree {
         (self != Self::NONE).then_some(self.0)
     }
 
-    /// That of a function of something of this degree.
+    /// Degree of a function of something with this degree.
     #[inline(always)]
     #[must_use]
     pub fn function(self) -> Self {
@@ -96,7 +96,7 @@ impl Real for Degree {
     fn select(_condition: bool, a: Self, b: Self) -> Self {
         a.larger(b)
     }
-    /// Pieces are no polynomial.
+    /// Degree of a choice: none if the condition varies, since pieces are not a polynomial.
     #[inline(always)]
     fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
         if x.larger(y).0 == 0 { a.larger(b) } else { Self::NONE }

@@ -27,15 +27,15 @@ pub struct DualNumber<R, V> {
 
 /// Whether a dual number depends on the seeds, so that its derivative need not be zero.
 pub trait Variation: Copy + Send + Sync {
-    /// What the derivative adds to [`Real::DEPTH`].
+    /// Number of levels that the derivative adds to [`Real::DEPTH`].
     const DEPTH: u32;
-    /// That of a constant.
+    /// Variation of a constant.
     const FIXED: Self;
-    /// That of a variable.
+    /// Variation of a variable.
     const VARIES: Self;
     /// Whether the derivative has to be computed with.
     fn varies(self) -> bool;
-    /// That of a result of two numbers.
+    /// Variation of a result of two numbers.
     fn or(self, b: Self) -> Self;
 }
 

@@ -28,7 +28,7 @@
 //! | [`unrolled!`] | loops that are written out |
 //! | [`Factored`] | small linear systems without branches |
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
-//! | [`Row`], [`Rows`] | 32 numbers, and as many of them on the heap as is known at run time |
+//! | [`Row`], [`Rows`] | 32 numbers, and rows on the heap whose number is known at run time |
 //! | [`Kernel`], [`dispatch`], [`Level`] | run-time choice of the instruction set |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc; powers and logarithms for results |
 //!

@@ -24,7 +24,7 @@ pub trait Real:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
-    /// How many derivatives are nested. Loops over components are written out ([`unrolled!`]) for
+    /// Number of nested derivatives. Loops over components are written out ([`unrolled!`]) for
     /// first derivatives of first derivatives and below.
     ///
     /// [`unrolled!`]: crate::unrolled

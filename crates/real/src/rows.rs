@@ -28,7 +28,7 @@ impl Rows {
         Self { numbers, first, count }
     }
 
-    /// The same `y` on all 32 paths: row i is yᵢ.
+    /// Rows with the numbers `y` on all 32 paths: row i is yᵢ.
     pub fn splat(y: &[f64]) -> Self {
         let mut rows = Self::zero(y.len());
         rows.iter_mut().zip(y).for_each(|(row, &y)| *row = [y; WIDTH]);

@@ -1,4 +1,4 @@
-//! Which dependence of observables is computed, and which figures are drawn.
+//! Checked choices of statistics of dependence and of figures.
 
 use casimir::{plot::figure::Title, study::Wanted};
 
@@ -8,14 +8,14 @@ use super::{
     refuse,
 };
 
-/// Which figures are drawn, and how.
+/// Checked choice of figures and of their axes.
 #[derive(Default)]
 pub struct Drawn {
-    /// Pairs that are drawn against each other, if they are chosen.
+    /// Pairs of columns that are drawn against each other, if chosen.
     pub portraits: Option<Vec<[String; 2]>>,
-    /// The columns that are drawn, if they are chosen.
+    /// Columns that are drawn, if chosen.
     pub show: Option<Vec<String>>,
-    /// What has logarithmic axes.
+    /// Columns, parameters and spectra with logarithmic axes.
     pub log: Vec<String>,
 }
 
@@ -38,7 +38,7 @@ impl Drawn {
     }
 }
 
-/// The dependence that is wanted.
+/// Reads and checks the wanted statistics of dependence.
 pub(super) fn wanted(
     table: &StatisticsTable,
     scene: &Scene,

@@ -12,11 +12,11 @@ use super::values::{At, Count, Event, Parameter, Seed, Start, Structure, Text, V
 pub struct SceneFile {
     /// Title of reports. Default: the name of the system or of the file.
     pub title: Option<String>,
-    /// What is simulated.
+    /// The system to simulate.
     pub system: SystemTable,
     /// Linear damping −γ(t)y. Default: none.
     pub damping: Option<DampingTable>,
-    /// How it is simulated.
+    /// Settings of the simulation.
     pub run: RunTable,
     /// Functions of the state that are of interest, by name.
     #[serde(default)]
@@ -24,14 +24,15 @@ pub struct SceneFile {
     /// Conditions whose probabilities in time are of interest, by name.
     #[serde(default)]
     pub probabilities: IndexMap<At<String>, At<Text>>,
-    /// What happens to a path, by name: the condition when it does, `"q > 2"`, or a table of `when`
-    /// and `stop`. An observable of this name is one from then on, `… time` is its time.
+    /// Events of a path, by name: the condition when one happens, `"q > 2"`, or a table of `when`
+    /// and `stop`. An observable of this name is one from then on, `… time` is the time of the
+    /// event.
     #[serde(default)]
     pub events: IndexMap<At<String>, At<Event>>,
-    /// How observables depend on each other and on their past.
+    /// Statistics of how observables depend on each other and on their past.
     #[serde(default)]
     pub statistics: StatisticsTable,
-    /// Which figures are drawn, and how.
+    /// The figures that are drawn, and their axes.
     #[serde(default)]
     pub figures: FiguresTable,
     /// Expectations for `casimir expect`.
@@ -91,14 +92,14 @@ pub struct DampingTable {
     pub rate: Option<At<Text>>,
     /// The components or vectors that have it. Default: all.
     pub components: Option<At<Vec<At<String>>>>,
-    /// In the place of `rate`: rates of components or vectors by name. Others have none.
+    /// Rates of components or vectors by name, in the place of `rate`. Others have none.
     #[serde(default)]
     pub rates: IndexMap<At<String>, At<Text>>,
     /// kT, in the place of `H`: friction on momenta gets the noise of a heat bath.
     pub temperature: Option<At<Text>>,
 }
 
-/// How the system is simulated.
+/// Settings of the simulation.
 #[derive(Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunTable {
@@ -143,11 +144,11 @@ pub struct ExpectTable {
     pub accuracy: At<f64>,
 }
 
-/// How observables depend on each other and on their past, from 100 paths on.
+/// Statistics of how observables depend on each other and on their past, from 100 paths on.
 #[derive(Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatisticsTable {
-    /// Pairs of components or names of `observe`: covariance, correlation, and joint law at the end.
+    /// Pairs of components or names of `observe`: covariance, correlation, joint law at the end.
     #[serde(default)]
     pub pairs: Vec<Pair>,
     /// Components or names of `observe`: autocorrelation and spectrum along paths.
@@ -160,7 +161,7 @@ pub struct StatisticsTable {
 /// Two columns of tables.
 pub type Pair = [At<String>; 2];
 
-/// Which figures are drawn, and how.
+/// The figures that are drawn, and their axes.
 #[derive(Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FiguresTable {

@@ -46,7 +46,7 @@ gallery! {
 /// The text of a scene.
 ///
 /// # Errors
-/// The names that there are.
+/// A message with the known names, unless `name` is one of them.
 pub fn scene(name: &str) -> Result<&'static str, String> {
     let names: Vec<&str> = GALLERY.iter().map(|(name, _)| *name).collect();
     let found = GALLERY.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);

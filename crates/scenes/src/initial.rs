@@ -16,7 +16,7 @@ use super::{
 };
 use crate::refuse;
 
-/// Fewest names z1, z2, … and u1, u2, … that there are.
+/// Least number of names z1, z2, … and of names u1, u2, …
 const MIN_NAMES: usize = 9;
 
 /// Numbers on (0, 1): the squared radius of two normals is exponential.
@@ -28,7 +28,7 @@ fn uniform(normals: &mut WienerRows) -> Row {
     std::array::from_fn(|p| elementary::exp(-0.5 * (z[p] * z[p] + w[p] * w[p])))
 }
 
-/// Initial values: one that may occur, and their law if they are random.
+/// A possible initial value, and the law of initial values if they are random.
 pub type Begun = (Vec<f64>, Option<Initial<'static>>);
 
 /// The states of a file, one in a line: numbers with blanks or commas between them. Lines that

@@ -69,9 +69,9 @@ use model::Model;
 
 /// A checked scene.
 pub struct Scene {
-    /// Its text.
+    /// Text of the scene.
     pub source: Source,
-    /// What the command line changes.
+    /// Changes made by the command line.
     pub changes: Arc<Changes>,
     /// The title of reports.
     pub title: String,
@@ -79,29 +79,29 @@ pub struct Scene {
     pub components: Vec<String>,
     /// The sizes of a lattice; none of other systems.
     pub sizes: Vec<usize>,
-    /// The columns of tables, if they are chosen.
+    /// Columns of tables, if chosen.
     chosen: Option<Vec<String>>,
     /// The system with its damping and initial value.
     pub model: Box<dyn Model>,
-    /// How it is simulated.
+    /// Settings of the simulation.
     pub settings: Settings,
-    /// The observables, before the components if there are few.
+    /// Observables; the components follow if there are few.
     pub observables: Vec<Observable>,
-    /// What paths collect for them.
+    /// Quantities that paths collect for the observables, such as integrals.
     collected: Vec<Along>,
-    /// What is wanted of their dependence.
+    /// Wanted statistics of the dependence between observables.
     pub wanted: Wanted,
-    /// Which figures are drawn.
+    /// Figures that are drawn.
     pub drawn: Drawn,
     /// H₀, unless it depends on time.
     pub energy: Option<Observable>,
-    /// The test functions of expectations.
+    /// Test functions of expectations.
     pub expected: Vec<Observable>,
-    /// The half-width of their intervals.
+    /// Half-width of the 95 % intervals of expectations.
     pub accuracy: Option<f64>,
 }
 
-/// More components than this are too many to be looked at one by one.
+/// Largest number of components that are examined one by one.
 pub const MAX_COMPONENTS: usize = 12;
 
 impl Scene {
@@ -118,7 +118,7 @@ impl Scene {
         source.located(read())
     }
 
-    /// The scene of the keys of a text.
+    /// Makes a scene from the keys of a text.
     fn of(source: &Source, file: SceneFile, changes: &Arc<Changes>) -> Read<Self> {
         let constants = Constants::new(&file.system)?;
         let settings = Settings::new(source, &file.run, &constants, changes)?;
@@ -214,7 +214,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The test functions of `[expect]`, and their accuracy.
+    /// Reads the test functions of `[expect]`, and their accuracy.
     fn expect(&mut self, table: &ExpectTable, vocabulary: &mut Vocabulary) -> Read<()> {
         let ExpectTable { of, accuracy } = table;
         let half_width = **accuracy;
@@ -244,7 +244,7 @@ impl Scene {
     /// The problem and a scheme for it by its name.
     ///
     /// # Errors
-    /// Why the scheme is not for the system.
+    /// [`SceneError`] with the reason why the scheme does not fit the system.
     pub fn setup(&self, name: &str) -> Result<Setup<'_>, SceneError> {
         let scheme = self.source.located(self.built_in(name))?;
         let place = self.settings.scheme_place.clone();
@@ -260,7 +260,7 @@ impl Scene {
         })
     }
 
-    /// The same with what paths collect.
+    /// Adds the quantities that paths collect to a setup.
     pub fn collecting<'a>(&'a self, setup: Setup<'a>) -> Setup<'a> {
         setup.collecting(self.model.system(), self.collected.clone())
     }
@@ -311,7 +311,7 @@ impl Scene {
         self.observables.iter().position(|known| known.name == name)
     }
 
-    /// Whether tables have the column.
+    /// Whether tables contain the column.
     pub fn keeps(&self, column: &str) -> bool {
         let is_component = self.components.iter().any(|name| name == column);
         let is_law = !is_component && is_column(column);
@@ -326,7 +326,7 @@ impl Scene {
     }
 }
 
-/// Names of columns together.
+/// Names that stand for groups of columns.
 const GROUPS: [&str; 2] = ["components", "laws"];
 
 /// Whether tables may have a column of this name beside components and observables: what a row is
@@ -338,7 +338,7 @@ fn is_column(name: &str) -> bool {
         || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// A name that a column has already.
+/// The error for a name that a column of the tables has already.
 fn taken(name: &At<String>) -> Wrong {
     let message = "is a column of the tables already: choose another name";
     Wrong::new(name, format_args!("`{}` {message}", **name))

@@ -4,8 +4,8 @@ use toml::{Table, Value};
 
 use super::{Changes, Scene, values::number};
 
-/// What changes how results are shown or how many there are, and not what they are of: of samples
-/// that are kept, more may be wanted.
+/// Keys that change how results are shown or how many there are, but not the law of the samples:
+/// stored samples can still be extended.
 const APART: [&str; 6] =
     ["title", "figures.", "expect.accuracy", "run.paths", "run.tables", "run.columns"];
 
@@ -18,7 +18,8 @@ impl Scene {
     }
 }
 
-/// The same of a text. The law of random initial values has the sum of a file of states.
+/// Lines `key = value` of a scene and of its changes. The `law` of random initial values has the
+/// sum of a file of states.
 fn lines(text: &str, law: Option<&str>, changes: &Changes) -> String {
     // It was read before.
     let scene: Table = toml::from_str(text).unwrap_or_default();
@@ -50,7 +51,7 @@ fn flatten(key: String, value: &Value, lines: &mut Vec<String>) {
     }
 }
 
-/// A number in one way, and a formula without blanks but those between words.
+/// The canonical form of a number, or a formula without blanks except those between words.
 fn canonical(text: &str) -> String {
     // Beyond 2⁵³ a number is not exact.
     match text.parse::<f64>() {

@@ -27,14 +27,14 @@ pub enum Quantity {
     Function(Arc<OfRows>),
     /// A formula of what a path has collected.
     AlongPath(Arc<OfRows>),
-    /// What a path has collected in this row after its state.
+    /// A number collected by the path, in this row after its state.
     Collected(usize),
-    /// The same, seen at the ends of steps only: its error is of order √τ.
+    /// A collected number that is observed at the ends of steps only: its error is of order √τ.
     Monitored(usize),
 }
 
 impl Quantity {
-    /// Writes its values on 32 paths.
+    /// Writes the values on 32 paths.
     pub fn evaluate(&self, y: &[Row], values: &mut Row) {
         match self {
             Self::Component(row) | Self::Collected(row) | Self::Monitored(row) => *values = y[*row],
@@ -42,7 +42,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it is a function of the state alone.
+    /// Whether the quantity is a function of the state alone.
     pub fn is_of_state(&self) -> bool {
         matches!(self, Self::Component(_) | Self::Function(_))
     }
@@ -51,9 +51,9 @@ impl Quantity {
 /// A function of the state with its name.
 #[derive(Clone)]
 pub struct Observable {
-    /// Its name.
+    /// Name of the observable.
     pub name: String,
-    /// What it is.
+    /// Quantity that is observed.
     pub quantity: Quantity,
 }
 
@@ -63,7 +63,7 @@ impl Observable {
         Self { name: name.into(), quantity }
     }
 
-    /// Whether it is a component of the state.
+    /// Whether the observable is a component of the state.
     pub fn is_component(&self) -> bool {
         matches!(self.quantity, Quantity::Component(_))
     }
@@ -83,20 +83,20 @@ impl Observe for Observable {
     }
 }
 
-/// What formulas of observables may use.
+/// Inputs that formulas of observables may use.
 pub struct Vocabulary {
     /// The components of y and the parameters.
     names: Names,
     /// Further inputs after the components.
     further: Vec<Further>,
-    /// What paths collect.
+    /// Quantities that paths collect.
     pub collected: Vec<Along>,
     /// The initial value, and what paths have collected there.
     start: Vec<f64>,
     dimension: usize,
 }
 
-/// What formulas may use beside components and parameters.
+/// An input of formulas beside components and parameters.
 #[derive(Clone)]
 pub enum Further {
     /// A quantity that is known.
@@ -108,7 +108,7 @@ pub enum Further {
 }
 
 impl Vocabulary {
-    /// Components, parameters, `H0` and `t`.
+    /// Vocabulary with components, parameters, `H0` and `t`.
     pub fn new(names: Names, energy: Further, y0: &[f64]) -> Self {
         let (further, start, collected) = (Vec::new(), y0.to_vec(), Vec::new());
         let mut vocabulary = Self { names, further, collected, start, dimension: y0.len() };
@@ -117,14 +117,15 @@ impl Vocabulary {
         vocabulary
     }
 
-    /// One more input, unless its name has a meaning.
+    /// Adds an input, unless its name has a meaning already.
     pub fn add(&mut self, name: &str, further: Further) {
         if self.names.variable(name).is_ok() {
             self.further.push(further);
         }
     }
 
-    /// Collects something, whose rows have these values at time zero; the numbers of the rows.
+    /// Makes paths collect `what`, whose rows have the values `at_start` at time zero; returns the
+    /// numbers of the rows.
     pub fn collect<const N: usize>(&mut self, what: Along, at_start: [f64; N]) -> [usize; N] {
         let first = self.start.len();
         self.start.extend(at_start);
@@ -139,7 +140,7 @@ impl Vocabulary {
         Ok(quantity)
     }
 
-    /// What is meant.
+    /// Converts a further input to its quantity.
     pub fn of(&mut self, further: Further) -> Read<Quantity> {
         match further {
             Further::Quantity(quantity) => Ok(quantity),
@@ -156,7 +157,7 @@ impl Vocabulary {
         values[0]
     }
 
-    /// Demands that a formula is a condition.
+    /// Checks that a formula is a condition.
     pub fn demand_condition(&self, text: &At<Text>) -> Read<()> {
         if Formula::parse(&text.0, &self.names).is_ok_and(|formula| !formula.is_condition()) {
             refuse!(text, "a probability is that of a condition, such as \"x > 0\"");

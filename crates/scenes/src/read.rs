@@ -14,11 +14,11 @@ use crate::refuse;
 
 /// A scene that is being read.
 pub struct Reading<'a> {
-    /// Its keys.
+    /// Keys of the scene.
     pub file: &'a SceneFile,
-    /// Its parameters.
+    /// Parameters of the scene.
     pub constants: &'a Constants,
-    /// How it is simulated.
+    /// Settings of the simulation.
     pub settings: &'a Settings,
 }
 
@@ -29,7 +29,7 @@ impl Reading<'_> {
     }
 }
 
-/// The names that there are, and the nearest.
+/// Words that list the known names, or the one nearest to `name`.
 pub fn among(name: &str, known: &[&str]) -> String {
     match known {
         [] => "; there is none".into(),
@@ -61,7 +61,7 @@ pub fn parse(text: &str) -> Read<SceneFile> {
 pub struct Constants {
     /// Names and values of the parameters that are numbers.
     pub numbers: Vec<(String, f64)>,
-    /// The same as names of formulas.
+    /// The parameters as names for formulas.
     pub names: Names,
 }
 
@@ -97,7 +97,7 @@ fn constant(text: &At<Text>, names: &Names) -> Read<f64> {
 
 /// The parameters of a system of the project.
 impl<'a> Reading<'a> {
-    /// Checks that there are parameters with these names only.
+    /// Checks that all given parameters have known names.
     pub fn know(&self, known: &[&str]) -> Read<()> {
         let mut keys = self.file.system.parameters.keys();
         if let Some(key) = keys.find(|key| !known.contains(&key.as_str())) {

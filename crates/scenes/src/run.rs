@@ -1,4 +1,4 @@
-//! How a scene is simulated.
+//! Settings of a simulation, from a scene and a command line.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ use super::{
 };
 use crate::refuse;
 
-/// What a command line changes in a scene.
+/// Changes that a command line makes in a scene.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Changes {
@@ -38,7 +38,7 @@ pub struct Changes {
     pub scheme: SchemeAndSeed,
 }
 
-/// What every command that samples may change.
+/// Changes that every sampling command accepts.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SchemeAndSeed {
@@ -57,11 +57,11 @@ pub struct SchemeAndSeed {
 /// Checked settings of a run.
 #[derive(Clone)]
 pub struct Settings {
-    /// The initial value as it is written; one that may occur, if they are random.
+    /// Initial value as it is written; a possible one if initial values are random.
     pub initial: Vec<f64>,
     /// Random initial values.
     pub random: Option<Initial<'static>>,
-    /// The file, if there is one.
+    /// Name of the file of states, if there is one.
     pub states: Option<String>,
     /// The final time.
     pub until: f64,
@@ -75,28 +75,28 @@ pub struct Settings {
     pub tables: u64,
     /// Number of saved times.
     pub times: u64,
-    /// The streams.
+    /// Key of the random streams.
     pub key: StreamKey,
-    /// The truncation.
+    /// Truncation of the increments.
     pub truncation: Truncation,
-    /// Where the initial value stands, in bytes of the text.
+    /// Place of the initial value, in bytes of the text.
     pub initial_place: Range<usize>,
-    /// Where the steps stand.
+    /// Place of the steps.
     pub steps_place: Range<usize>,
-    /// Where the scheme stands, unless the command line says it.
+    /// Place of the scheme, unless the command line chooses it.
     pub scheme_place: Option<Range<usize>>,
 }
 
 /// The scheme that `inspect` recommends.
 pub const AUTO: &str = "auto";
 
-/// Statistics of fewer paths say little.
+/// Least number of paths for statistics; those of fewer say little.
 pub const FEW_PATHS: u64 = 100;
-/// Tables that are kept beside statistics.
+/// Default number of tables that are stored beside statistics.
 const TABLES: u64 = 3;
-/// Most saved times that are tried for others.
+/// Largest number of saved times for which a divisor is searched.
 const MAX_TRIED: u64 = 1_000_000;
-/// Most saved times unless the scene says otherwise.
+/// Default limit of the number of saved times.
 const TIMES: u64 = 200;
 
 impl Settings {

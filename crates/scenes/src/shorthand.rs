@@ -20,7 +20,7 @@ pub struct State {
     pub vectors: Vec<(String, Vec<String>)>,
 }
 
-/// What an entry of `state` may be.
+/// Forms that an entry of `state` may have.
 const FORMS: &str = "a name, or vectors such as q[1..3], s[xyz] or s[1..4][xyz]";
 
 /// The most components that one entry makes.
@@ -80,7 +80,7 @@ fn vectors(entry: &str) -> Option<Vec<(String, Vec<String>)>> {
     }
 }
 
-/// What stands in a bracket: letters, or numbers from and to.
+/// Parts in a bracket: letters, or numbers from and to.
 fn parts(bracket: &str) -> Option<Vec<String>> {
     let is_letters = bracket.chars().count() > 1 && bracket.chars().all(char::is_alphabetic);
     if is_letters {
@@ -90,7 +90,7 @@ fn parts(bracket: &str) -> Option<Vec<String>> {
     }
 }
 
-/// `1..3`.
+/// The numbers of a range such as `1..3`.
 fn range(text: &str) -> Option<impl Iterator<Item = u32> + use<>> {
     let (first, last) = text.split_once("..")?;
     let (first, last) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
@@ -161,7 +161,7 @@ fn blocks(
 /// The kinds of blocks.
 const BLOCKS: [&str; 3] = ["canonical", "spins", "rigid"];
 
-/// Where the first block of a text begins and ends.
+/// The place where the first block of a text begins and ends.
 fn next_block(text: &str) -> Option<(usize, usize)> {
     let is_letter = |c: char| c.is_alphanumeric() || c == '_';
     let words = BLOCKS.iter().flat_map(|kind| text.match_indices(kind));
@@ -238,7 +238,7 @@ fn block_of(state: &State, text: &str, at: &At<Structure>) -> Read<Block> {
     Ok(block)
 }
 
-/// What stands between commas that are in no bracket.
+/// Splits the text at commas outside of parentheses.
 fn arguments(text: &str) -> Vec<&str> {
     let mut depth = 0;
     let outside = |c: char| {

@@ -9,48 +9,48 @@ use super::values::{At, Text};
 /// A file with a scene.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// Its name as the user gave it.
+    /// Name of the file as the user gave it.
     pub name: String,
-    /// Its content.
+    /// Content of the file.
     pub text: String,
-    /// Initial states that a program has, in the place of the file that the text names.
+    /// Initial states given by a program, in the place of the file that the text names.
     pub states: Option<Arc<Vec<Vec<f64>>>>,
 }
 
-/// What is wrong with a scene, where, and what would be right.
+/// An error in a scene: the mistake, its place, and the remedy.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct SceneError {
     message: String,
-    /// Where, in bytes of the text.
+    /// Place of the error, in bytes of the text.
     pub place: Option<Range<usize>>,
 }
 
-/// The same before it is said of which source: see [`Source::located`].
+/// An error in a scene before its source is named: see [`Source::located`].
 #[derive(Debug)]
 pub struct Wrong {
     message: String,
     place: Option<Range<usize>>,
-    /// Of a formula at the place its text, and the part of it that is meant.
+    /// Text of the formula at the place, and the part of it that is meant.
     part: Option<(String, Range<usize>)>,
 }
 
-/// What was read of a scene.
+/// Result of reading a part of a scene.
 pub type Read<T> = Result<T, Wrong>;
 
 impl Wrong {
-    /// Something wrong at a place, or with the whole.
+    /// An error at a place, or about the whole scene.
     pub fn new(place: impl Into<Option<Range<usize>>>, message: impl Display) -> Self {
         Self { message: message.to_string(), place: place.into(), part: None }
     }
 
-    /// Something wrong with a part of a formula.
+    /// An error in a part of a formula.
     pub fn in_formula(formula: &At<Text>, error: &FormulaError, message: impl Display) -> Self {
         let part = Some((formula.0.clone(), error.span.clone()));
         Self { part, ..Self::new(formula, message) }
     }
 
-    /// Something wrong with a formula, in its own words.
+    /// An error in a formula, with the message of its parser.
     pub fn formula(formula: &At<Text>, error: &FormulaError) -> Self {
         let is_mean = |word: &str| error.message == format!("unknown function `{word}`");
         let message = match error.unknown_name.as_deref() {
@@ -73,7 +73,7 @@ macro_rules! refuse {
     };
 }
 impl Source {
-    /// Something wrong at a place, in bytes of the text, or with the whole.
+    /// An error at a place, in bytes of the text, or about the whole scene.
     pub fn error(
         &self,
         place: impl Into<Option<Range<usize>>>,
@@ -91,7 +91,8 @@ impl Source {
         SceneError { message, place: Some(span) }
     }
 
-    /// What was read of this source. The whole formula is shown if it is written with escapes.
+    /// Names this source in the error of a result. The whole formula is shown if it is written with
+    /// escapes.
     pub fn located<T>(&self, read: Read<T>) -> Result<T, SceneError> {
         read.map_err(|Wrong { message, place, part }| {
             let within = place.as_ref().zip(part).and_then(|(whole, (formula, span))| {
@@ -104,7 +105,7 @@ impl Source {
 }
 
 impl At<Text> {
-    /// The formula in names.
+    /// Parses the formula with `names`.
     pub fn formula(&self, names: &Names) -> Read<Formula> {
         Formula::parse(&self.0, names).map_err(|error| Wrong::formula(self, &error))
     }

@@ -19,7 +19,7 @@ use crate::refuse;
 pub struct Set {
     /// The parameter.
     pub name: String,
-    /// Its values as they are written.
+    /// Values as they are written.
     pub values: Vec<String>,
 }
 
@@ -35,20 +35,20 @@ impl FromStr for Set {
     }
 }
 
-/// A parameter with the values that are chosen.
+/// A parameter with its chosen values.
 pub struct Varied {
-    /// Its name.
+    /// Name of the parameter.
     pub name: String,
-    /// Its values.
+    /// Values of the parameter.
     pub values: Vec<f64>,
-    /// The same as they are written.
+    /// Values as they are written.
     texts: Vec<String>,
-    /// Where they stand if they are of the scene.
+    /// Place of the values if the scene has them.
     place: Option<Range<usize>>,
 }
 
 impl Varied {
-    /// Whether results have an axis for it: `--set` with one value settles it.
+    /// Whether results have an axis for the parameter: `--set` with one value settles it.
     fn is_axis(&self) -> bool {
         self.values.len() > 1 || self.place.is_some()
     }
@@ -69,7 +69,7 @@ impl Varied {
 
 /// One combination of the values.
 pub struct Combination {
-    /// `sigma = 0.1, J = 2`; empty if nothing is varied.
+    /// Label such as `sigma = 0.1, J = 2`; empty if nothing is varied.
     pub label: String,
     /// The number of the value of each parameter that is varied.
     pub places: Vec<usize>,
@@ -78,7 +78,7 @@ pub struct Combination {
 }
 
 impl Combination {
-    /// What words about it begin with.
+    /// Prefix for words about the combination.
     pub fn prefix(&self) -> String {
         if self.label.is_empty() { String::new() } else { format!("{}: ", self.label) }
     }
@@ -86,7 +86,8 @@ impl Combination {
 
 /// A scene at every combination of the values that are varied; the last parameter changes fastest.
 pub struct Sweep {
-    /// What is varied: what `[sweep]` has, if of one value only, and `--set` with several.
+    /// Varied parameters: those of `[sweep]`, even with one value only, and of `--set` with
+    /// several.
     pub varied: Vec<Varied>,
     /// The scenes; at least one.
     pub combinations: Vec<Combination>,
@@ -96,7 +97,7 @@ impl Sweep {
     /// The scenes of a text, with the changes that a command line makes.
     ///
     /// # Errors
-    /// [`SceneError`] as that of [`Scene::new`], or about what is varied.
+    /// [`SceneError`] like that of [`Scene::new`], or about the varied parameters.
     pub fn new(source: &Source, changes: &Changes) -> Result<Self, SceneError> {
         source.located(Self::of(source, changes))
     }
@@ -142,7 +143,7 @@ impl Sweep {
     }
 }
 
-/// What the scene and the command line choose, which goes before.
+/// The parameters chosen by the scene and by the command line, which takes precedence.
 fn chosen(file: &SceneFile, given: &[Set]) -> Read<Vec<Varied>> {
     let varied = |name: &str, texts: &[String], place| {
         let (name, values, texts) = (name.into(), Vec::new(), texts.to_vec());

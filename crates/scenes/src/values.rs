@@ -35,7 +35,7 @@ impl<T> At<T> {
     }
 }
 
-/// The place of what may not be there.
+/// The place of an optional value.
 pub fn place<T>(of: &Option<At<T>>) -> Option<Range<usize>> {
     of.as_ref().map(At::span)
 }
@@ -149,7 +149,7 @@ pub struct EventTable {
 pub struct Values(pub Vec<String>);
 
 impl Values {
-    /// `0.1,0.2,1/3`, or `from:to:number`.
+    /// Reads `0.1,0.2,1/3`, or `from:to:number`.
     pub fn new(text: &str) -> Result<Self, String> {
         let ends: Vec<&str> = text.split(':').map(str::trim).collect();
         match ends[..] {
@@ -173,7 +173,7 @@ impl Values {
     }
 }
 
-/// More combinations than these take more files and pages than anybody reads.
+/// Largest number of combinations: more take more files and pages than anybody reads.
 pub const MAX_VALUES: u64 = 10_000;
 
 /// A number as it is written, or what stands in its place.
@@ -271,7 +271,7 @@ written! {
     };
 }
 
-/// A number with as many digits as a reader needs.
+/// Formats a number for a reader, with about four significant digits.
 pub fn digits(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 {

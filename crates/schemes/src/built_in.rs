@@ -1,4 +1,4 @@
-//! The registry of the built-in schemes: names, orders, what they keep, and how they are made.
+//! Registry of the built-in schemes: names, orders, conserved quantities, and constructors.
 
 use BuiltIn::{EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split};
 use systems::{Flows, PoissonSystem, run_time::System};
@@ -31,30 +31,30 @@ pub enum BuiltIn {
 /// Name, orders and long-time behaviour of a scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Properties {
-    /// Its name.
+    /// Name of the scheme.
     pub id: &'static str,
-    /// What its strong order depends on.
+    /// Condition for strong order one.
     pub strong: StrongOrder,
-    /// Its weak order.
+    /// Weak order.
     pub weak: f64,
-    /// Its order without noise.
+    /// Order without noise.
     pub without_noise: f64,
-    /// Whether its step is explicit.
+    /// Whether a step is explicit.
     pub explicit: Explicitness,
     /// Whether the damping is exact. Other schemes read the rate γ(t), and not its integral.
     pub exact_damping: bool,
-    /// What becomes of the energy H₀ over long times, without noise and damping.
+    /// Behaviour of the energy H₀ over long times, without noise and damping.
     pub energy: Energy,
-    /// What it does over long times, in words.
+    /// Behaviour over long times, in words.
     pub long_times: &'static str,
 }
 
-/// What strong order one depends on; otherwise it is ½.
+/// Condition for strong order one; otherwise the strong order is ½.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrongOrder {
     /// The noises commute.
     Commuting,
-    /// Nothing: the scheme reads Lévy areas.
+    /// No condition: the scheme reads Lévy areas.
     Areas,
     /// The terms ½ΔWₘΔW_l fₘ′f_l are zero.
     Additive,
@@ -71,19 +71,19 @@ pub enum Explicitness {
     Always,
 }
 
-/// What becomes of an energy.
+/// Behaviour of an energy over long times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Energy {
-    /// It is kept.
+    /// The energy is conserved.
     Kept,
-    /// It stays near its value.
+    /// The energy stays near its value.
     Near,
-    /// It drifts.
+    /// The energy drifts.
     Drifts,
 }
 
 impl BuiltIn {
-    /// All of them.
+    /// All built-in schemes.
     pub const ALL: [Self; 9] =
         [Sexp, SexpLevy, SexpLi, SexpLiLevy, Split, Nv, Midpoint, Heun, EulerMaruyama];
 
@@ -93,13 +93,13 @@ impl BuiltIn {
         Self::ALL.into_iter().find(|scheme| scheme.id() == id)
     }
 
-    /// Its name.
+    /// Name of the scheme.
     #[must_use]
     pub fn id(self) -> &'static str {
         self.properties().id
     }
 
-    /// What is known of it.
+    /// Orders and long-time behaviour of the scheme.
     #[must_use]
     pub fn properties(self) -> Properties {
         let sexp = Properties {
@@ -158,13 +158,13 @@ impl BuiltIn {
         }
     }
 
-    /// Whether it reads Lévy areas where noises do not commute.
+    /// Whether the scheme reads Lévy areas where noises do not commute.
     #[must_use]
     pub fn is_for_areas(self) -> bool {
         self.properties().strong == StrongOrder::Areas
     }
 
-    /// What it does over long times. `constant`: B does not depend on y.
+    /// Behaviour over long times, in words. `constant`: B does not depend on y.
     #[must_use]
     pub fn long_times(self, constant: bool) -> &'static str {
         match self.properties() {

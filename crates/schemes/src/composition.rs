@@ -39,7 +39,7 @@ pub trait Composition<S, const D: usize, const M: usize>: Send + Sync {
     /// code is vectorised.
     fn compose<const N: usize>(&self, step: &Step, paths: &mut Paths<'_, S, D, M, N>);
 
-    /// As [`Scheme::both_orders`].
+    /// Both orders of the noises, see [`Scheme::both_orders`].
     fn both_orders(&self) -> Option<[Box<dyn Scheme<S, D, M>>; 2]> {
         None
     }

@@ -17,7 +17,7 @@ use crate::Step;
 /// The formula of a scheme uses only these operations. So the same formula works on `f64`, on dual
 /// numbers for Newton's method, and in any dimension.
 pub trait Increment: Copy {
-    /// A state or a direction: sums, differences and multiples by numbers.
+    /// A state or a direction, with sums, differences and multiples by numbers.
     type Vector: Copy
         + Add<Output = Self::Vector>
         + Sub<Output = Self::Vector>

@@ -121,7 +121,7 @@ struct BlockEquation<'a, F, S, const D: usize, const M: usize> {
     system: S,
     step: Step,
     noise: BlockNoise<'a, M>,
-    /// Its areas, for a formula that reads them.
+    /// Lévy areas of the block, for a formula that reads them.
     areas: [&'a [Row; M]; M],
     /// The states before the step.
     y: &'a Block<D>,

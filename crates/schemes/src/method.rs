@@ -19,7 +19,7 @@ pub trait Method: Send + Sync {
     /// Whether the method reads the Lévy areas of a step.
     fn reads_areas(&self) -> bool;
 
-    /// No noise of a step, with areas if the method reads them.
+    /// Zero noise of a step, with areas if the method reads them.
     fn no_noise(&self, noises: usize) -> StepNoise {
         StepNoise::none(noises, self.reads_areas())
     }

@@ -32,7 +32,7 @@ pub struct Nv {
     pub sweep: Sweep,
 }
 
-/// In which order the noises of a step follow each other.
+/// Order in which the noises of a step follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Sweep {
     /// First to last in even steps, last to first in odd ones.

@@ -60,7 +60,7 @@ impl SexpLi {
     /// [`new`](Self::new).
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`SchemeError`] unless [`systems::jacobi_holds`].
+    /// Errors of [`new`](Self::new), and [`SchemeError`] unless [`systems::jacobi_holds`].
     pub fn with_areas<S, const D: usize, const M: usize>(
         system: &S,
         y0: [f64; D],
@@ -74,7 +74,7 @@ impl SexpLi {
     /// The scheme for a system known at run time.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Errors of [`new`](Self::new).
     pub fn at_run_time(system: &dyn System) -> Result<Self, SchemeError> {
         Self::of(system.description(), false)
     }
@@ -82,7 +82,7 @@ impl SexpLi {
     /// The scheme with Lévy areas for a system known at run time.
     ///
     /// # Errors
-    /// As [`with_areas`](Self::with_areas).
+    /// Errors of [`with_areas`](Self::with_areas).
     pub fn at_run_time_with_areas(system: &dyn System) -> Result<Self, SchemeError> {
         Self::of(system.description(), true)
     }

@@ -1,4 +1,4 @@
-//! Chains that go on from batch to batch, and what is summed along them.
+//! Chains that go on from batch to batch, and sums along them.
 
 use std::ops::Range;
 
@@ -10,46 +10,46 @@ use super::{Averaged, EquilibriumSettings, LEVELS, STEPS, wells::Watched};
 use mc::{PathFailure, Statistic, View, add_rows};
 use study::{Grid, Histogram};
 
-/// Batches of time when they are full.
+/// Number of batches of time when they are full.
 pub const BATCHES: usize = 32;
-/// Batches after which averages are formed before they are full.
+/// Number of batches at which averages are formed before they are full.
 const DUE: usize = 24;
-/// Batches of the same length before the first, in which chains are spread.
+/// Number of batches of the same length before the first, in which chains are spread.
 pub const SPREADING: u64 = BATCHES as u64;
-/// Bins of a histogram.
+/// Number of bins of a histogram.
 pub const BINS: u32 = 256;
-/// Deviations from the mean that a histogram reaches.
+/// Number of deviations from the mean that a histogram reaches.
 const REACH: f64 = 6.0;
 
-/// 32 chains.
+/// A block of 32 chains.
 #[derive(Clone, Serialize, Deserialize)]
 struct Block {
     first: u64,
-    /// Those that have not failed: the bits of a mask.
+    /// Mask, as bits, of the chains that have not failed.
     live: u32,
     /// The states at each step size.
     states: Vec<Vec<Row>>,
 }
 
-/// Of each chain the means over a batch of each average at each step size, and of its square at the
-/// finest, and the values of watched functions at its end.
+/// Rows with a number for each chain: the means over a batch of each average at each step size, and
+/// of its square at the finest, and the values of watched functions at its end.
 pub type Batch = Vec<Vec<f64>>;
 
 /// The batches of the chains that have not failed.
 pub struct Living<'a> {
     pub batches: &'a [Batch],
-    /// Their numbers.
+    /// Numbers of the chains.
     pub chains: Vec<usize>,
 }
 
 impl Living<'_> {
-    /// Of each chain the sum over batches of a row.
+    /// Sum of a row over batches, for each chain.
     pub fn sums(&self, row: usize, batches: Range<usize>) -> impl Iterator<Item = f64> {
         let batches = &self.batches[batches];
         self.chains.iter().map(move |&n| batches.iter().map(|batch| batch[row][n]).sum())
     }
 
-    /// Of each chain the mean over batches of a row.
+    /// Mean of a row over batches, for each chain.
     pub fn means(&self, row: usize, batches: Range<usize>) -> impl Iterator<Item = f64> {
         let length = batches.len() as f64;
         self.sums(row, batches).map(move |sum| sum / length)
@@ -62,16 +62,16 @@ pub fn moments(values: impl Iterator<Item = f64>) -> CentralMoments {
     moments
 }
 
-/// All chains.
+/// All chains, with their batches and histograms.
 #[derive(Default, Serialize, Deserialize)]
 pub struct Chains {
     /// Steps of the coarsest size on [0, T].
     pub steps: u64,
-    /// How often they were doubled.
+    /// Number of times that the steps were doubled.
     pub halvings: u32,
-    /// The same of a batch.
+    /// Steps of the coarsest size in a batch.
     pub batch_steps: u64,
-    /// Batches done of any length.
+    /// Number of batches done, of any length.
     pub number: u64,
     /// Path-steps so far, and before steps were halved.
     pub spent: u64,
@@ -79,11 +79,11 @@ pub struct Chains {
     /// Whether batches were joined, so that their first half is old and they may be the last ones.
     pub doubled: bool,
     blocks: Vec<Block>,
-    /// The batches of this time, after those of spreading.
+    /// Batches since steps were halved last, after those of spreading.
     pub batches: Vec<Batch>,
-    /// The histograms of the averages, of the last batches.
+    /// Histograms of the averages, over the last batches.
     pub histograms: Vec<Histogram>,
-    /// Chains that had failed when steps were halved.
+    /// Number of chains that had failed when steps were halved.
     pub failed_before: usize,
     /// The first failure.
     pub failure: Option<String>,
@@ -130,7 +130,7 @@ impl Chains {
         blocks.flat_map(|block| PathMask(block.live).paths().map(|p| block.first as usize + p))
     }
 
-    /// How many have failed.
+    /// Number of chains that have failed.
     pub fn failed(&self) -> usize {
         self.blocks.len() * WIDTH - self.live().count()
     }
@@ -141,8 +141,8 @@ impl Chains {
         states.into_iter().any(|y| y.abs() > 1e50)
     }
 
-    /// Takes what a batch gave. Chains that failed go on from `start`, and count for nothing but
-    /// while they are spread.
+    /// Takes the sums of a batch. Chains that failed go on from `start`, and count for nothing
+    /// except while they are spread.
     pub fn take(
         &mut self,
         mut batch: Vec<Sums>,
@@ -188,7 +188,8 @@ impl Chains {
         self.batches.push(values);
     }
 
-    /// Joins the batches, two and two, so that as many more double the time.
+    /// Joins the batches in pairs, so that the next batches, up to the full number, double the
+    /// time.
     pub fn double(&mut self, of: Averaged<'_>) {
         let mean = |pair: &[Batch]| -> Batch {
             let rows = pair[0].iter().zip(&pair[1]);
@@ -253,12 +254,12 @@ impl Chains {
 /// The sums of 32 chains over a batch.
 pub struct Sums {
     block: Block,
-    /// Of each average at each step size, and of its square at the finest.
+    /// Sums of each average at each step size, and of its square at the finest.
     sums: Vec<Row>,
     counts: Vec<Vec<u64>>,
 }
 
-/// The sums of chains over a batch.
+/// Statistic that gathers the sums of chains over a batch.
 pub struct Gather<'a> {
     pub of: Averaged<'a>,
     /// The chains before the batch.

@@ -23,9 +23,9 @@ const KUIPER: f64 = 1.747;
 /// The largest power of t: a shear has one, and less symmetric systems seldom more than 3.
 const MAX_POWER: f64 = 3.0;
 
-/// λt + k ln t with t in batches.
+/// Fit of growth by λt + k ln t with t in batches.
 struct Fit {
-    /// λ and k, each with its standard error.
+    /// Estimates of λ and k, each with its standard error.
     slope: (f64, f64),
     power: (f64, f64),
     /// The mean of ln(t + 1) − ln t.
@@ -71,8 +71,8 @@ pub fn wander(living: &Living<'_>, row: usize, first: usize) -> f64 {
     if range > KUIPER * totals.variance_of_mean().sqrt() { 2.0 * range / count } else { 0.0 }
 }
 
-/// The interval of the exponent in a row of batches, in their units, if growth is bent or is no
-/// exponent that is seen, from batch number `first` on.
+/// The interval of the exponent in a row of batches, in their units, if growth is bent or shows no
+/// exponent, from batch number `first` on.
 pub fn unsettled(
     living: &Living<'_>,
     row: usize,

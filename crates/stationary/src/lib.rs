@@ -12,9 +12,10 @@
 //! begin far apart, in different wells, and on the leaf of the Casimirs. A chain that fails there
 //! begins at the initial value.
 //!
-//! **Burn-in.** Twice as many batches go as end with the last one of the first half whose mean over
-//! the chains differs from that of the second half, by 3.5 standard errors, or whose variance over
-//! the chains is three times as large; at least one, and at most half of all.
+//! **Burn-in.** The last batch of the first half is sought whose mean over the chains differs from
+//! that of the second half, by 3.5 standard errors, or whose variance over the chains is three
+//! times as large. Twice the batches up to that one are left out; at least one, and at most half of
+//! all.
 //!
 //! **Autocorrelation time** t = T Var(m)/2σ² with the variance of the mean m of a chain over the
 //! time T and that of the observable: T/2t samples of a chain are as good as independent ones. It
@@ -54,12 +55,12 @@ use wells::Watched;
 
 pub use report::{Averages, StationaryMean};
 
-/// What is averaged along chains.
+/// The quantities that are averaged along chains.
 #[derive(Clone, Copy)]
 pub(crate) enum Averaged<'a> {
     /// Test functions.
     Of(&'a [&'a dyn Observe]),
-    /// The last rows of a state, which have grown since the last start.
+    /// The last rows of a state, by their number, which have grown since the last start.
     Growth(usize),
 }
 
@@ -84,13 +85,13 @@ impl Averaged<'_> {
     }
 }
 
-/// How chains are run.
+/// Settings of an [`Equilibrium`].
 #[derive(Clone, Debug)]
 pub struct EquilibriumSettings {
     /// The key of all noise, with an experiment number below 2⁴⁰; seed 1 and experiment 0 unless
     /// set.
     pub key: StreamKey,
-    /// How increments of schemes that need it are truncated; of order four unless set.
+    /// Truncation of increments of schemes that need it; of order four unless set.
     pub truncation: Truncation,
     /// The weak order of the scheme; one unless set.
     pub weak_order: f64,
@@ -98,14 +99,14 @@ pub struct EquilibriumSettings {
     pub steps: u64,
     /// Number of chains, which becomes a multiple of 32; 256 unless set.
     pub chains: u64,
-    /// Path-steps that it may take; 10¹⁰ unless set. It ends where more are needed.
+    /// Largest number of path-steps; 10¹⁰ unless set. The computation ends where more are needed.
     pub max_cost: u64,
-    /// What ends it early, with the averages so far.
+    /// Flag that ends the computation early, with the averages so far.
     pub stop: Stop,
 }
 
 impl EquilibriumSettings {
-    /// The settings for so many steps on [0, T].
+    /// The settings for `steps` steps on [0, T].
     pub fn new(steps: u64) -> Self {
         let ExpectSettings { key, truncation, max_cost, stop, .. } = ExpectSettings::default();
         Self { key, truncation, weak_order: 1.0, steps, chains: 256, max_cost, stop }
@@ -137,27 +138,27 @@ impl EquilibriumSettings {
 pub struct Equilibrium<'a> {
     /// The problem and its scheme.
     pub setup: Setup<'a>,
-    /// How chains are run.
+    /// Settings of the chains.
     pub settings: EquilibriumSettings,
-    /// Hears after each batch how far it is.
+    /// Callback with the progress, whenever averages are formed.
     pub told: Box<Told<'a>>,
-    /// Keeps the chains every few seconds; they go on from what it has, with the same bits. It is
-    /// removed when the accuracy is reached.
+    /// Checkpoint of the chains, written every few seconds. Chains go on from it, with the same
+    /// bits; it is removed when the accuracy is reached.
     pub checkpoint: Option<&'a Checkpoint>,
-    /// Functions, such as H₀, by which it is tested, beside components, whether chains stay in
-    /// wells.
+    /// Functions, such as H₀, that show, beside components, whether chains stay in wells.
     pub watched: Vec<&'a dyn Observe>,
 }
 
-/// Step sizes of a chain.
+/// Number of step sizes of a chain.
 pub(crate) const LEVELS: usize = 3;
 /// Path-steps of all levels in a step of the coarsest.
 const STEPS: u64 = (1 << LEVELS) - 1;
-/// What multiplies the noise of chains at first.
+/// Factors of the noise of chains at first.
 const HEAT: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
-/// Steps are halved at most so often.
+/// Largest number of halvings of the steps.
 const MAX_HALVINGS: u32 = 20;
-/// And so often where all chains fail, or as many as before fail.
+/// Largest number of halvings where all chains fail, or where more than half of the failures
+/// remain.
 const MAX_REVIVALS: u32 = 3;
 
 impl<'a> Equilibrium<'a> {
@@ -273,7 +274,7 @@ impl<'a> Equilibrium<'a> {
         ])
     }
 
-    /// Path-steps of so many batches.
+    /// Path-steps of `batches` batches.
     fn cost(&self, chains: &Chains, batches: usize) -> u64 {
         let each = self.settings.blocks_of_chains() * STEPS;
         chains.batch_steps.saturating_mul(batches as u64).saturating_mul(each)
@@ -298,7 +299,7 @@ impl<'a> Equilibrium<'a> {
         Ok(demand(what, 8.0 * kept as f64 * chains as f64)?)
     }
 
-    /// One more batch of all chains; false if it was stopped.
+    /// Advances all chains by one batch; false if it was stopped.
     fn advance(
         &self,
         setup: &Setup<'_>,

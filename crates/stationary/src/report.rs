@@ -18,28 +18,28 @@ use study::Histogram;
 /// Averages over the stationary law.
 #[derive(Clone, Debug, Serialize)]
 pub struct Averages {
-    /// The scheme.
+    /// Identifier of the scheme.
     pub scheme: String,
     /// The averages, in the order of their test functions.
     #[serde(rename = "estimates")]
     pub means: Vec<StationaryMean>,
-    /// The half-width that was asked for.
+    /// Half-width that was asked for.
     pub accuracy: f64,
     /// The step sizes 4τ, 2τ, τ.
     pub taus: [f64; LEVELS],
     /// Number of chains.
     pub chains: usize,
-    /// The time of each.
+    /// Length of each chain in time.
     pub time: f64,
-    /// The part of it that was left out.
+    /// Part of the time that was left out.
     pub burn_in: f64,
-    /// Path-steps of all.
+    /// Path-steps of all chains.
     pub spent: u64,
     /// The first chain that failed: scheme, step size and reason.
     pub failure: Option<String>,
-    /// Why nobody can tell, for all averages.
+    /// Reasons why all averages are unknown.
     pub unknown: Vec<String>,
-    /// Whether too many chains failed.
+    /// Whether chains failed.
     #[serde(skip)]
     pub(super) fails: bool,
 }
@@ -47,7 +47,7 @@ pub struct Averages {
 /// An average over the stationary law.
 #[derive(Clone, Debug, Serialize)]
 pub struct StationaryMean {
-    /// The name of its function.
+    /// Name of the function.
     #[serde(rename = "of")]
     pub name: String,
     /// The average.
@@ -55,27 +55,27 @@ pub struct StationaryMean {
     pub mean: f64,
     /// Half of the 95 % interval without the bias of the step.
     pub sampling: f64,
-    /// What the bias of the step may add.
+    /// Part of the half-width for the bias of the step.
     pub bias: f64,
-    /// What growth that is no exponential one yet adds, of exponents.
+    /// Part of the half-width for growth that is not exponential yet; zero except for exponents.
     pub unsettled: f64,
-    /// The deviation of the function; zero of exponents.
+    /// Deviation of the function; zero for exponents.
     pub deviation: f64,
-    /// The autocorrelation time, in units of time; none of exponents.
+    /// Autocorrelation time, in units of time; `None` for exponents.
     pub autocorrelation_time: Option<f64>,
-    /// Independent samples that would be as good.
+    /// Number of independent samples that would be as good; `None` for exponents.
     pub effective_samples: Option<f64>,
-    /// At each step size the mean, by how much it differs from that at the finest, and the standard
-    /// error of the difference, in which most of the noise cancels.
+    /// Mean at each step size, its difference from that at the finest, and the standard error of
+    /// the difference, in which most of the noise cancels.
     pub levels: [(f64, f64, f64); LEVELS],
-    /// Why nobody can tell.
+    /// Reason why the average is unknown.
     pub unknown: Option<String>,
-    /// The values after the burn-in.
+    /// Histogram of the values after the burn-in.
     pub histogram: Option<Histogram>,
-    /// Autocorrelation times of a chain.
+    /// Length of a chain in autocorrelation times.
     #[serde(skip)]
     lengths: f64,
-    /// The bias that was seen, and its standard error.
+    /// Bias that was seen, and its standard error.
     #[serde(skip)]
     seen: (f64, f64),
 }
@@ -103,28 +103,29 @@ const BIAS_PART: f64 = 0.5;
 const BIAS_ENOUGH: f64 = 1.0 / 32.0;
 /// Standard errors by which differences of step sizes exceed what they should be, or zero.
 const EXCEEDS: f64 = 3.0;
-/// The part of 2ᵖ by which differences fall at least: the next power of τ makes it less.
+/// Least part of 2ᵖ by which differences fall: the next power of τ makes it less.
 const MIN_FALL: f64 = 0.85;
-/// Standard errors by which early batches differ from late ones: chance does it once in 2000.
+/// Number of standard errors by which early batches differ from late ones: chance does it once in
+/// 2000.
 const DRIFTS: f64 = 3.5;
-/// The variance over the chains of a batch that is no burn-in, over that of late ones, at most.
+/// Largest variance over the chains of a batch after the burn-in, over that of late ones.
 const WIDER: f64 = 3.0;
-/// The part of the path-steps after which a forecast may end it.
+/// Part of the path-steps allowed after which a forecast may end the computation.
 const FORECAST: f64 = 1.0 / 64.0;
-/// The part of the accuracy of an exponent that is no change: differences that carry tangent
-/// vectors round.
+/// Part of the accuracy of an exponent below which a change does not count: differences that carry
+/// tangent vectors round.
 const NEGLIGIBLE: f64 = 1e-3;
-/// What rounding may make of a mean.
+/// Relative rounding error of a mean.
 const ROUND_OFF: f64 = 1e-12;
-/// Autocorrelation times that a chain has at least.
+/// Least length of a chain in autocorrelation times.
 const MIN_LENGTH: f64 = 20.0;
-/// More path-steps than allowed that a forecast may take.
+/// Factor by which a forecast exceeds the path-steps allowed where it ends the computation.
 const MARGIN: f64 = 2.0;
-/// The variance of a chain over that of independent batches, at most.
+/// Largest variance of a chain over that of independent batches.
 const ALIKE: f64 = 3.0;
 
-/// For the weak order p both ways: what is taken of the means at 4τ, 2τ, τ, and what bounds the
-/// bias.
+/// Both ways for the weak order p: weights of the means at 4τ, 2τ, τ for the estimate, and for the
+/// bound on the bias.
 fn ways(p: f64) -> [[[f64; LEVELS]; 2]; 2] {
     let power = exp2(p);
     let (last, c) = (1.0 / (power * power - 1.0), 1.0 / (power - 1.0));
@@ -136,11 +137,11 @@ fn ways(p: f64) -> [[[f64; LEVELS]; 2]; 2] {
 
 /// The means of chains after a burn-in.
 struct Kept {
-    /// At each step size of each chain.
+    /// Means of each chain at each step size.
     means: [Vec<f64>; LEVELS],
-    /// The mean square of all at the finest.
+    /// Mean square over all chains at the finest step size.
     square: f64,
-    /// The variance over the chains of the mean of so many independent batches.
+    /// Variance over the chains of their means, if batches were independent.
     of_batches: f64,
     /// The time of each chain.
     time: f64,
@@ -251,8 +252,8 @@ impl Averages {
         self.means.iter().map(StationaryMean::half_width).fold(0.0, stats::worse)
     }
 
-    /// Whether more path-steps than so many are needed, of which `since` were done with these
-    /// steps.
+    /// Whether more than `most` path-steps are needed, by a forecast from the `since` path-steps
+    /// that were done with the current steps.
     pub(super) fn is_out_of_reach(&self, since: u64, most: u64) -> bool {
         let lacks = self.means.iter().map(|mean| mean.lacks(self.accuracy)).fold(1.0, f64::max);
         let [since, most] = [since, most].map(|n| n as f64);
@@ -272,7 +273,7 @@ impl Averages {
 }
 
 impl StationaryMean {
-    /// How many times longer chains must be for an accuracy, at least.
+    /// Least factor by which chains must be longer for an accuracy.
     fn lacks(&self, accuracy: f64) -> f64 {
         let length = if self.unknown.is_some() { MIN_LENGTH / self.lengths } else { 1.0 };
         length.max((self.sampling / accuracy).powi(2))
@@ -284,8 +285,8 @@ fn spread(living: &Living<'_>, row: usize, batch: usize) -> f64 {
     moments(living.sums(row, batch..batch + 1)).variance()
 }
 
-/// Batches to leave out for the average in this row of batches, of which `least` is no change; none
-/// if more than half.
+/// Number of batches to leave out for the average in this row of batches, of which `least` is not a
+/// change; `None` if more than half.
 fn burn_in(living: &Living<'_>, row: usize, least: f64) -> Option<usize> {
     let (all, half) = (living.batches.len(), living.batches.len() / 2);
     let last = living.sums(row, all - 1..all).map(f64::abs).fold(0.0, f64::max);

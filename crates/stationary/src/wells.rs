@@ -24,15 +24,16 @@ use super::{
 };
 use mc::Observe;
 
-/// Components watched at most, and values of all chains in a batch.
+/// Largest number of watched components, and of values of all chains in a batch.
 const MAX_COMPONENTS: usize = 61;
 const MAX_VALUES: usize = 1 << 18;
-/// Sums over every third component: the directions of spins.
+/// Number of sums over every third component: the directions of spins.
 const SUMS: usize = 3;
 /// z of a function that keeps its wells, and z² of an average that depends on those of one.
 const KEEPS: f64 = 4.0;
 const DEPENDS: f64 = 9.0;
-/// What is no more than this of a value is round-off, or of a spread a change.
+/// Part of a mean up to which a deviation is round-off, and of a deviation up to which a change is
+/// none.
 const ROUND_OFF: f64 = 1e-9;
 const CONSERVED: f64 = 1e-6;
 /// Time between the middles of a quarter and the rest, over that of both.
@@ -43,7 +44,7 @@ const LAG: f64 = 0.5;
 pub struct Watched<'a> {
     /// Functions such as H₀.
     pub functions: &'a [&'a dyn Observe],
-    /// The number of components of the state, and of chains.
+    /// Number of components of the state, and of chains.
     pub dimension: usize,
     pub chains: usize,
 }
@@ -52,7 +53,7 @@ pub struct Watched<'a> {
 pub struct Well {
     /// The function that tells wells apart.
     pub of: String,
-    /// Times of crossing in the time of a chain.
+    /// Length of a chain in times of crossing.
     pub crossings: f64,
 }
 
@@ -64,7 +65,7 @@ impl Watched<'_> {
         (0..shown).map(move |k| k * dimension / shown)
     }
 
-    /// The number of sums, that are not components.
+    /// Number of sums; zero where they would be components.
     fn sums(&self) -> usize {
         if self.dimension > SUMS { SUMS } else { 0 }
     }
@@ -76,7 +77,7 @@ impl Watched<'_> {
         components.chain(sums).chain(functions).collect()
     }
 
-    /// The values of 32 states.
+    /// Values of the watched functions at 32 states.
     pub fn values(&self, y: &[Row]) -> Vec<Row> {
         let mut rows: Vec<Row> = self.components().map(|i| y[i]).collect();
         let mut sums = [[0.0; WIDTH]; SUMS];
@@ -138,7 +139,7 @@ fn is_conserved([early, late]: &[Vec<f64>; 2]) -> bool {
     spread > 0.0 && change <= CONSERVED * spread
 }
 
-/// The deviation, none if it is round-off, and the mean.
+/// The deviation, zero if it is round-off, and the mean.
 fn spread(values: &[f64]) -> (f64, f64) {
     let moments = moments(values.iter().copied());
     let (deviation, mean) = (moments.variance().sqrt(), moments.mean());

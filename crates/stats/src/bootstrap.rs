@@ -5,8 +5,8 @@
 //! step sizes belong together, so whole paths are resampled, in the batches that [`CrossMoments`]
 //! keeps (Efron and Tibshirani, *An Introduction to the Bootstrap*, 1993, §12.5):
 //!
-//! 1. draw batches with replacement, as many as there are; m*_l are their means, θ* = Σ g_l ln
-//!    m*_l;
+//! 1. draw batches with replacement, each resample of the size of the original; m*_l are their
+//!    means, θ* = Σ g_l ln m*_l;
 //! 2. with u_b = Σ_l g_l (x_bl/m*_l − n_b), the influence of batch b, the standard error is se* =
 //!    √(Σ u_b²)/N*;
 //! 3. t* = (θ* − θ)/se*; the interval is [θ − t*_{hi} se, θ − t*_{lo} se] with the quantiles of t*.
@@ -23,15 +23,16 @@ use real::elementary;
 
 use crate::moments::CrossMoments;
 
-/// Resamples; with 399 the quantiles of 2½ % and 97½ % are the 10th smallest and the 10th largest.
+/// Number of resamples; with 399, the quantiles of 2½ % and 97½ % are the 10th smallest and the
+/// 10th largest.
 const RESAMPLES: usize = 399;
-/// The quantiles' rank for 95 %.
+/// Rank of the quantiles of t* for 95 %.
 const RANK: usize = 10;
-/// With fewer batches the quantiles of t* are those of a few values that come again and again.
+/// Least number of batches: with fewer, the quantiles of t* are those of a few repeated values.
 const MIN_BATCHES: usize = 32;
 
-/// How far the interval reaches below and above θ, in standard errors of θ; `None` with fewer than
-/// 32 paths.
+/// Distances from θ to the lower and the upper end of the interval, in standard errors of θ; `None`
+/// with fewer than 32 paths.
 ///
 /// `levels` are the components that the weights `gain` belong to.
 pub fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(f64, f64)> {
@@ -65,7 +66,7 @@ pub fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(
     (low.is_finite() && high.is_finite()).then_some((high, -low))
 }
 
-/// a·b in eight partial sums, which vectorise.
+/// Scalar product a·b in eight partial sums, which vectorise.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     for (a, b) in a.chunks(8).zip(b.chunks(8)) {
@@ -74,7 +75,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum()
 }
 
-/// How often each of so many batches is drawn in a resample.
+/// Number of times that each of `batches` batches is drawn in a resample.
 ///
 /// The numbers are those of SplitMix64 (Steele, Lea and Flood 2014) started at the number of the
 /// resample times 2³²; the upper half of a word times the number of batches, over 2³², is uniform

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::quantile::{CONFIDENCE, two_sided};
 
-/// Number, mean, the sums of the second, third and fourth powers of the deviations from it, and the
-/// least and the largest sample with how many are equal to them.
+/// Central moments of samples: their number, mean and sums of powers two to four of the deviations,
+/// and the least and the largest sample with the numbers of samples equal to them.
 ///
-/// Merged by the pairwise formulas of Pébay (SAND2008-6212), which subtract no large sums: they
+/// Merging uses the pairwise formulas of Pébay (SAND2008-6212), which subtract no large sums: they
 /// lose no digits where the mean is many times the standard deviation, as that of φ may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CentralMoments {
@@ -32,8 +32,8 @@ impl CentralMoments {
         self.merge(&sample);
     }
 
-    /// The moments of the values of these paths of a block. The mean is finite if they all are, and
-    /// their sum is.
+    /// Moments of the values of the given paths of a block. The mean is finite if all values and
+    /// their sum are.
     pub fn of_block(values: &[f64; WIDTH], paths: PathMask) -> Self {
         match paths.is_empty() {
             true => Self::default(),
@@ -41,8 +41,8 @@ impl CentralMoments {
         }
     }
 
-    /// Adds the values of these paths of a block, times `scale`, but those that are not finite.
-    /// Returns the paths whose values were added.
+    /// Adds the finite values of the given paths of a block, times `scale`. Returns the paths whose
+    /// values were added.
     pub fn add_block(&mut self, values: &[f64; WIDTH], scale: f64, paths: PathMask) -> PathMask {
         if paths.is_empty() {
             return paths;
@@ -109,17 +109,19 @@ impl CentralMoments {
         self.mean
     }
 
-    /// The 95 % interval of the mean, also of laws that are skewed, heavy or rare. `None` where one
-    /// sample carries the variance ([`effective_samples`](Self::effective_samples) below 1.5), or
-    /// none: nothing is known then of what was not seen.
+    /// 95 % interval of the mean, also for laws that are skewed, heavy-tailed or rare. `None` where
+    /// one sample carries the variance ([`effective_samples`](Self::effective_samples) below 1.5),
+    /// or none: nothing is known then of values that were not seen.
     ///
     /// With W = (mean − μ)/se and g = skewness/√N, Hall's W + gW²/3 + g²W³/27 + g/6 (*J. R.
     /// Statist. Soc. B* 54, 1992) has Student's law with the 2N/(κ − 1) degrees of freedom that a
-    /// variance from these samples has, N − 1 at most. What was not seen adds to each side: up to
-    /// 3.69 samples (none seen of so many: 2.5 %) as far away as the furthest on that side.
+    /// variance from these samples has, N − 1 at most. Values that were not seen add to each side:
+    /// up to 3.69 samples (the expected number of which none is seen with 2.5 %) as far away as the
+    /// furthest on that side.
     ///
-    /// It misses at most 7 % at 100 and 1000 samples of laws up to the lognormal one with σ = 1.5,
-    /// and at most a tenth wider than Student's where that is right: `tests/all/means.rs`.
+    /// The interval misses at most 7 % at 100 and 1000 samples of laws up to the lognormal one with
+    /// σ = 1.5, and is at most a tenth wider than Student's where that is right:
+    /// `tests/all/means.rs`.
     pub fn mean_interval(&self) -> Option<(f64, f64)> {
         const FEWEST: f64 = 1.5;
         const UNSEEN: f64 = 3.688_879_454_113_936;
@@ -139,8 +141,8 @@ impl CentralMoments {
         (known && lo.is_finite() && hi.is_finite()).then_some((lo, hi))
     }
 
-    /// How many samples carry the variance, N/κ with the kurtosis κ; NaN for a constant. With fewer
-    /// than [`FEW_SAMPLES`](crate::FEW_SAMPLES) the mean is not nearly normal.
+    /// Effective number of samples that carry the variance, N/κ with the kurtosis κ; NaN for a
+    /// constant. With fewer than [`FEW_SAMPLES`](crate::FEW_SAMPLES) the mean is not nearly normal.
     pub fn effective_samples(&self) -> f64 {
         self.count as f64 / self.kurtosis()
     }
@@ -155,12 +157,12 @@ impl CentralMoments {
         self.variance() / self.count as f64
     }
 
-    /// E(x − Ex)³; zero without samples.
+    /// Third central moment E(x − Ex)³; zero without samples.
     pub fn third_moment(&self) -> f64 {
         self.m3 / self.count.max(1) as f64
     }
 
-    /// E[(x − Ex)⁴]/Var(x)², three for normals; NaN for a constant.
+    /// Kurtosis E[(x − Ex)⁴]/Var(x)², three for normals; NaN for a constant.
     pub fn kurtosis(&self) -> f64 {
         self.count as f64 * self.m4 / (self.m2 * self.m2)
     }
@@ -177,7 +179,7 @@ impl CentralMoments {
         (self.count > 0).then_some((self.least, self.largest))
     }
 
-    /// How many samples are equal to the least, and to the largest.
+    /// Numbers of samples equal to the least, and to the largest.
     pub fn at_ends(&self) -> [u64; 2] {
         self.at_ends
     }
@@ -208,11 +210,11 @@ struct OfBlock<'a> {
 /// Lanes of a sum.
 const LANES: usize = 8;
 
-/// In one line of the cache, where they can be read as soon as they are written.
+/// Partial sums in one line of the cache, where they can be read as soon as they are written.
 #[repr(align(64))]
 struct Lanes([f64; LANES]);
 
-/// All values of a block by an operation, in a fixed order.
+/// Reduces all values of a block by an operation, in a fixed order.
 #[inline(always)]
 fn reduce(x: &[f64; WIDTH], op: impl Fn(f64, f64) -> f64) -> f64 {
     let mut lanes = [0.0; LANES];
@@ -224,19 +226,19 @@ fn reduce(x: &[f64; WIDTH], op: impl Fn(f64, f64) -> f64) -> f64 {
     op(op(op(a, e), op(c, g)), op(op(b, f), op(d, h)))
 }
 
-/// Σ xₚ.
+/// Sum Σ xₚ in a fixed order.
 #[inline(always)]
 fn sum(x: &[f64; WIDTH]) -> f64 {
     reduce(x, |a, b| a + b)
 }
 
-/// The least of numbers that are not NaN.
+/// Least of the numbers, none of which is NaN.
 #[inline(always)]
 fn least(x: &[f64; WIDTH]) -> f64 {
     reduce(x, |a, b| if a < b { a } else { b })
 }
 
-/// The larger one; NaN if `a` is.
+/// Larger of two numbers; NaN if `a` is NaN.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a < b { b } else { a }
@@ -245,8 +247,8 @@ fn larger(a: f64, b: f64) -> f64 {
 impl Kernel for OfBlock<'_> {
     type Output = CentralMoments;
 
-    /// From the deviations from one of the values. It is no further from the mean than √(m₂), so at
-    /// most five bits of the second moment are lost.
+    /// Computes the moments from the deviations from one of the values. It is no further from the
+    /// mean than √(m₂), so at most five bits of the second moment are lost.
     #[inline(always)]
     fn run(self) -> CentralMoments {
         let n = f64::from(self.paths.len());
@@ -293,7 +295,7 @@ impl Kernel for OfBlock<'_> {
     }
 }
 
-/// Relative size of the rounding errors of sums of powers.
+/// Relative tolerance for rounding errors of sums of powers.
 const TWO_VALUED: f64 = 1e-9;
 /// Relative size of the rounding errors of some thousand steps.
 pub const ROUND_OFF: f64 = 4096.0 * f64::EPSILON;

@@ -13,18 +13,18 @@ pub struct Weighting {
 /// The fit of a linear model.
 pub struct Fit<'a> {
     weighting: &'a Weighting,
-    /// L⁻¹X, column by column.
+    /// Matrix L⁻¹X, column by column.
     columns: Vec<Vec<f64>>,
     /// Cholesky factor of XᵀV⁻¹X.
     normal: Vec<Vec<f64>>,
-    /// β.
+    /// Parameters β.
     pub parameters: Vec<f64>,
     /// χ² of the residuals; it has (points − parameters) degrees of freedom if the model is right.
     pub chi_square: f64,
 }
 
 impl Weighting {
-    /// `None` if V is not positive definite.
+    /// Factors the covariance V; `None` if V is not positive definite.
     pub fn new(covariance: &[Vec<f64>]) -> Option<Self> {
         Some(Self { factor: cholesky(covariance)? })
     }
@@ -56,10 +56,10 @@ impl Fit<'_> {
     }
 }
 
-/// Pivots below this fraction of the diagonal mean that the matrix is singular to round-off.
+/// Fraction of the diagonal below which a pivot means that the matrix is singular to round-off.
 const SINGULAR: f64 = 64.0 * f64::EPSILON;
 
-/// L with LLᵀ = A; `None` if A is not positive definite.
+/// Cholesky factor L with LLᵀ = A; `None` if A is not positive definite.
 fn cholesky(a: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let n = a.len();
     let mut l = vec![vec![0.0; n]; n];
@@ -79,7 +79,7 @@ fn cholesky(a: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     Some(l)
 }
 
-/// L⁻¹b.
+/// Solves Lx = b.
 fn forward(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     let mut x = Vec::with_capacity(b.len());
     for i in 0..b.len() {
@@ -88,7 +88,7 @@ fn forward(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     x
 }
 
-/// L⁻ᵀb.
+/// Solves Lᵀx = b.
 fn backward(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     let mut x = b.to_vec();
     for i in (0..b.len()).rev() {
@@ -100,13 +100,13 @@ fn backward(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     x
 }
 
-/// Xβ, with X given column by column.
+/// Product Xβ, with X given column by column.
 fn product(columns: &[Vec<f64>], parameters: &[f64]) -> Vec<f64> {
     let row = |i| columns.iter().zip(parameters).map(|(column, beta)| column[i] * beta).sum();
     (0..columns.first().map_or(0, Vec::len)).map(row).collect()
 }
 
-/// a·b.
+/// Scalar product a·b.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -24,15 +24,14 @@ use real::elementary;
 
 /// Correlation between neighbouring levels in the working weights.
 const WORKING_CORRELATION: f64 = 0.5;
-/// Relative error of a mean square for which the model, two powers of an expansion, is not
-/// answerable.
+/// Relative error of a mean square that the model, two powers of an expansion, need not explain.
 const MODEL_ERROR: f64 = 0.01;
-/// Gauss–Newton ends when b moves by less than this; it converges linearly, with a rate of the
-/// size of the residuals.
+/// Change of b below which the Gauss–Newton iteration ends; it converges linearly, with a rate of
+/// the size of the residuals.
 const STANDSTILL: f64 = 1e-9;
-/// Or after this many steps.
+/// Largest number of Gauss–Newton steps.
 const GAUSS_NEWTON_STEPS: u32 = 50;
-/// The corrections may take away this much of the leading term, and no more: 1 − 1/50.
+/// Least factor of the leading term that corrections may leave: they take away at most 1 − 1/50.
 const MIN_FACTOR: f64 = 0.02;
 
 /// The factor (1 + bτ^c)^k of a mean square by the next order of the error.
@@ -43,11 +42,11 @@ pub struct Bend {
 }
 
 impl Bend {
-    /// 1 + bτ: errors of successive orders that are independent, or the next term of either.
+    /// Factor 1 + bτ: errors of successive orders that are independent, or the next term of either.
     pub const LINEAR: Self = Self { power: 1, exponent: 1.0 };
-    /// (1 + bτ)²: errors of successive orders that are in proportion on every path.
+    /// Factor (1 + bτ)²: errors of successive orders that are in proportion on every path.
     pub const SQUARED: Self = Self { power: 1, exponent: 2.0 };
-    /// 1 + bτ²: the next order but one.
+    /// Factor 1 + bτ²: the order after the next one.
     pub const QUADRATIC: Self = Self { power: 2, exponent: 1.0 };
 }
 
@@ -64,15 +63,15 @@ pub struct LogMeanSquares<'a> {
 pub struct Estimate {
     /// The order with its interval by the delta method, and χ².
     pub rate: Rate,
-    /// Its standard error √(gᵀVg).
+    /// Standard error √(gᵀVg) of the order.
     pub se: f64,
-    /// The weights g.
+    /// Weights g of the levels in the order.
     pub gain: Vec<f64>,
 }
 
 impl<'a> LogMeanSquares<'a> {
-    /// The levels of that number among `taus`, which are the components of `squares`; `None` if a
-    /// mean is not positive.
+    /// Takes the `levels` given by their numbers among `taus`, which are the components of
+    /// `squares`; `None` if a mean is not positive.
     pub fn new(taus: &[f64], squares: &'a CrossMoments, levels: Vec<usize>) -> Option<Self> {
         let means: Vec<f64> = levels.iter().map(|&l| squares.mean(l)).collect();
         if means.iter().any(|mean| !(mean.is_finite() && *mean > 0.0)) {
@@ -92,8 +91,8 @@ impl<'a> LogMeanSquares<'a> {
         })
     }
 
-    /// The same with the levels taken for independent, which they are not: what an interval is
-    /// worth without their covariance.
+    /// Drops the covariances between levels, which are not zero: shows the effect of ignoring them
+    /// on an interval.
     #[must_use]
     pub fn independent(mut self) -> Self {
         let known = self.covariance;
@@ -101,8 +100,8 @@ impl<'a> LogMeanSquares<'a> {
         self
     }
 
-    /// Fits the order with the working weights, and χ² with those of the estimated covariance; b
-    /// is fitted if there is a `bend`. `None` if the covariance is singular.
+    /// Fits the order with the working weights, and χ² with the weights of the estimated
+    /// covariance; b is fitted if there is a `bend`. `None` if the covariance is singular.
     pub fn fit(&self, bend: Option<Bend>) -> Option<Estimate> {
         let levels = self.levels.len();
         let correlation =
@@ -139,14 +138,14 @@ impl<'a> LogMeanSquares<'a> {
         Some((rate.estimate - below * se, rate.estimate + above * se))
     }
 
-    /// √(gᵀVg).
+    /// Standard error √(gᵀVg).
     fn standard_error(&self, gain: &[f64]) -> f64 {
         let rows = self.covariance.iter().map(|row| dot(row, gain));
         gain.iter().zip(rows).map(|(g, row)| g * row).sum::<f64>().sqrt()
     }
 
-    /// The model linearised about the last b until it stands still. Steps are halved while the
-    /// argument of the logarithm would fall below [`MIN_FACTOR`].
+    /// Fits the model by Gauss–Newton: it is linearised about the last b until b converges. Steps
+    /// are halved while the argument of the logarithm would fall below [`MIN_FACTOR`].
     fn gauss_newton<'w>(&self, weighting: &'w Weighting, bend: Option<Bend>) -> Option<Fit<'w>> {
         let Bend { power, exponent } = bend.unwrap_or(Bend::LINEAR);
         let taus = &self.taus;

@@ -7,12 +7,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::least_squares::{dot, matrix};
 
-/// Number of batches that [`CrossMoments`] keeps apart: enough that a bootstrap over batches is one
-/// over paths for all practical purposes (with up to 256 samples it is one), few enough that memory
-/// does not matter.
+/// Number of batches of [`CrossMoments`]: enough that a bootstrap over batches is one over paths
+/// for all practical purposes (with up to 256 samples it is one), few enough that memory does not
+/// matter.
 pub const BATCHES: usize = 256;
 
-/// A mean that fewer effective samples carry, (Σx)²/Σx², has no normal law.
+/// Number of effective samples, (Σx)²/Σx², below which a mean is not nearly normal.
 pub const FEW_SAMPLES: f64 = 30.0;
 
 /// Means and covariances of a vector, and its sums over [`BATCHES`] batches for the bootstrap.
@@ -24,14 +24,14 @@ pub const FEW_SAMPLES: f64 = 30.0;
 pub struct CrossMoments {
     count: u64,
     sum: Vec<f64>,
-    /// Σ xᵢxⱼ for i ≤ j, row by row.
+    /// Sums Σ xᵢxⱼ for i ≤ j, row by row.
     products: Vec<f64>,
     /// Sums over the batches that have samples, batch by batch.
     batches: Vec<f64>,
 }
 
 impl CrossMoments {
-    /// No samples of a vector of the given length.
+    /// Creates moments of a vector of the given length, without samples.
     pub fn new(length: usize) -> Self {
         let products = vec![0.0; length * (length + 1) / 2];
         Self { count: 0, sum: vec![0.0; length], products, batches: Vec::new() }
@@ -88,7 +88,7 @@ impl CrossMoments {
         self.sum[i] / self.count as f64
     }
 
-    /// Σ xᵢxⱼ for i ≤ j.
+    /// Sum Σ xᵢxⱼ for i ≤ j.
     fn product(&self, i: usize, j: usize) -> f64 {
         self.products[i * self.sum.len() - i * (i + 1) / 2 + j]
     }
@@ -137,17 +137,17 @@ impl CrossMoments {
         Self { count: self.count, sum: apply(&self.sum), products, batches }
     }
 
-    /// The moments of some components.
+    /// Moments of a range of components.
     #[must_use]
     pub fn part(&self, components: std::ops::Range<usize>) -> Self {
         let unit = |k| (0..self.length()).map(|l| f64::from(u8::from(k == l))).collect();
         self.combined(&components.map(unit).collect::<Vec<_>>())
     }
 
-    /// Effective number of samples of component i, (Σx)²/Σx² (Kish, *Survey Sampling*, 1965): how
-    /// many equal samples would carry the sum of a positive quantity as evenly. All of them for a
-    /// constant, a third for squares of centred normals, about one when a single sample dominates.
-    /// NaN without samples or when all are zero.
+    /// Effective number of samples of component i, (Σx)²/Σx² (Kish, *Survey Sampling*, 1965): the
+    /// number of equal samples that would carry the sum of a positive quantity as evenly. All
+    /// samples for a constant, a third for squares of centred normals, about one when a single
+    /// sample dominates. NaN without samples or when all are zero.
     pub fn effective_samples(&self, i: usize) -> f64 {
         self.sum[i] * self.sum[i] / self.product(i, i)
     }
@@ -162,7 +162,7 @@ impl CrossMoments {
     }
 }
 
-/// Adds to each sum its addend.
+/// Adds `addends` to `sums`, component by component.
 fn add(sums: &mut [f64], addends: &[f64]) {
     sums.iter_mut().zip(addends).for_each(|(sum, addend)| *sum += addend);
 }

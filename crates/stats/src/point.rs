@@ -14,19 +14,19 @@ pub enum Point {
         value: f64,
         /// Standard error of `value`.
         se: f64,
-        /// Lower end of a 95 % interval that allows for skewed errors, of strong points; elsewhere
-        /// `value` ± 1.96 `se` is one.
+        /// Lower end of a 95 % interval that allows for skewed errors, for strong points; `None`
+        /// where `value` ± 1.96 `se` is the interval.
         lo: Option<f64>,
-        /// Its upper end.
+        /// Upper end of the interval.
         hi: Option<f64>,
-        /// Why no interval can be trusted here; none where one can.
+        /// Reason why no interval is reliable here; `None` where one is.
         warning: Option<String>,
     },
-    /// What an accuracy costs.
+    /// Cost of an accuracy.
     Cost {
         /// Half-width of the 95 % interval that was asked for.
         accuracy: f64,
-        /// Path-steps that it took.
+        /// Number of path-steps for this accuracy.
         path_steps: u64,
     },
     /// A value along a path.
@@ -35,13 +35,13 @@ pub enum Point {
         t: f64,
         /// Value of the invariant on the numerical path.
         value: f64,
-        /// What the conformal law exp(−p ∫₀ᵗ γ) F(y₀) asks for.
+        /// Value exp(−p ∫₀ᵗ γ) F(y₀) of the conformal law.
         exact: f64,
     },
 }
 
 impl Point {
-    /// An error whose estimate is normal: `value` ± 1.96 `se` is its 95 % interval.
+    /// Creates an error whose estimate is normal: `value` ± 1.96 `se` is its 95 % interval.
     pub fn normal(tau: f64, value: f64, se: f64) -> Self {
         Self::Error { tau, value, se, lo: None, hi: None, warning: None }
     }

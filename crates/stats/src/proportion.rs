@@ -2,7 +2,7 @@
 
 use crate::quantile::{CONFIDENCE, two_sided};
 
-/// The 95 % interval of a probability of which `count` of `number` trials came true: Wilson's score
+/// 95 % interval of a probability from `count` successes in `number` trials: Wilson's score
 /// interval with a correction for continuity (Newcombe, *Stat. Med.* 17, 1998). From 100 trials on
 /// it covers any probability with 95 % or more.
 #[must_use]
@@ -22,7 +22,7 @@ pub fn proportion(count: u64, number: u64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// The probability that the interval of so many trials covers p.
+    /// Probability that the interval of `number` trials covers p.
     fn coverage(number: u64, p: f64, interval: impl Fn(u64) -> (f64, f64)) -> f64 {
         let mut weight = (number as f64 * (-p).ln_1p()).exp();
         let mut covered = 0.0;

@@ -9,15 +9,15 @@ use crate::special::{beta_below, gamma_above, ln_gamma};
 /// Confidence of the reported intervals.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// With so many degrees of freedom Student's quantiles are the normal ones to a millionth.
+/// Degrees of freedom from which Student's quantiles are the normal ones to a millionth.
 const NORMAL_DEGREES: f64 = 1e6;
 /// The normal quantile of [`CONFIDENCE`].
 const NORMAL: f64 = 1.959_963_984_540_054_2;
-/// Steps of Newton's method at most: heavy tails of probability 2⁻¹⁰⁰⁰ take a thousand.
+/// Largest number of Newton steps: heavy tails of probability 2⁻¹⁰⁰⁰ take a thousand.
 const MAX_STEPS: u32 = 1000;
 
-/// The two-sided quantile: with probability `confidence` a standard variable is at most this far
-/// from zero. The variable is Student's with so many degrees of freedom, or normal without any.
+/// Two-sided quantile: with probability `confidence` a standard variable is at most this far from
+/// zero. The variable is Student's with `student_degrees` degrees of freedom, or normal if `None`.
 pub fn two_sided(confidence: f64, student_degrees: Option<f64>) -> f64 {
     let degrees = student_degrees.filter(|&degrees| degrees < NORMAL_DEGREES);
     let degrees = degrees.map(|degrees| degrees.max(1.0));
@@ -49,15 +49,15 @@ pub fn two_sided(confidence: f64, student_degrees: Option<f64>) -> f64 {
     t
 }
 
-/// The probability of so large a χ² with a known covariance; `None` without degrees of freedom. A
-/// χ² that is not a number has probability zero.
+/// Probability of a χ² of at least `chi_square` with a known covariance; `None` without degrees of
+/// freedom. A χ² that is not a number has probability zero.
 pub fn chi_square_p_value(chi_square: f64, degrees: usize) -> Option<f64> {
     let chi_square = if chi_square.is_nan() { f64::INFINITY } else { chi_square };
     (degrees > 0).then(|| gamma_above(0.5 * degrees as f64, 0.5 * chi_square))
 }
 
-/// The probability of so large a χ² with d degrees of freedom and a covariance estimated from n
-/// samples; `None` without degrees of freedom.
+/// Probability of a χ² of at least `t_square` with d degrees of freedom and a covariance estimated
+/// from n samples; `None` without degrees of freedom.
 ///
 /// χ² is then Hotelling's T² (*Ann. Math. Statist.* 2, 1931): T²(n − d)/(d(n − 1)) has the F
 /// distribution with d and n − d degrees of freedom.

@@ -5,17 +5,17 @@ use crate::{
     special::beta_below,
 };
 
-/// Above this standard deviation of the number of samples below a quantile, its binomial law is
+/// Standard deviation of the number of samples below a quantile from which its binomial law is
 /// taken as normal.
 const NORMAL_DEVIATION: f64 = 500.0;
-/// What the quantiles of the binomial law differ from those of the normal law at most: the skewness
-/// shifts them by |1 − 2q|(1.96² − 1)/6 < 0.48, and they are integers.
+/// Largest difference of the quantiles of the binomial law from those of the normal law: the
+/// skewness shifts them by |1 − 2q|(1.96² − 1)/6 < 0.48, and they are integers.
 const NORMAL_ERROR: f64 = 2.0;
 
-/// The ranks l and u with P(X₍ₗ₎ ≤ x ≤ X₍ᵤ₎) ≥ 0.95, where X₍₁₎ ≤ … ≤ X₍ₙ₎ are n independent
-/// samples of any law, continuous or not, and x is its quantile at `level`, 0 < level < 1. Each end
-/// is missed with probability 0.025 at most. l = 0 or u = n + 1 says that there are too few samples
-/// to bound that end.
+/// Ranks l and u with P(X₍ₗ₎ ≤ x ≤ X₍ᵤ₎) ≥ 0.95, where X₍₁₎ ≤ … ≤ X₍ₙ₎ are n independent samples
+/// of any law, continuous or not, and x is its quantile at `level`, 0 < level < 1. Each end is
+/// missed with probability 0.025 at most. l = 0 or u = n + 1 says that there are too few samples to
+/// bound that end.
 ///
 /// X₍ₗ₎ > x means that at most l − 1 samples are ≤ x. Their number is binomial with a probability
 /// of at least `level`, so l is the largest rank with P(Bin(n, level) ≤ l − 1) ≤ 0.025. Likewise u
@@ -35,8 +35,8 @@ fn by_normal_law(n: u64, level: f64, deviation: f64) -> (u64, u64) {
     ((mean - reach).max(0.0) as u64, ((mean + reach).ceil() as u64).min(n + 1))
 }
 
-/// The largest l with P(Bin(n, q) ≤ l − 1) ≤ 0.025: the least one with P(Bin(n, q) ≤ l) > 0.025,
-/// where P(Bin(n, q) ≤ l) = I_{1−q}(n − l, l + 1) for l < n.
+/// Largest l with P(Bin(n, q) ≤ l − 1) ≤ 0.025: the least one with P(Bin(n, q) ≤ l) > 0.025, where
+/// P(Bin(n, q) ≤ l) = I_{1−q}(n − l, l + 1) for l < n.
 fn lower(n: u64, q: f64) -> u64 {
     let (mut low, mut high) = (0, n);
     while low < high {

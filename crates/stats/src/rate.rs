@@ -8,7 +8,7 @@ use crate::{moments::FEW_SAMPLES, quantile::two_sided};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Rate {
-    /// The order p.
+    /// Estimate of the order p.
     pub estimate: f64,
     /// Lower end of the interval.
     pub lo: f64,
@@ -16,20 +16,20 @@ pub struct Rate {
     pub hi: f64,
     /// Confidence of the interval, for example 0.95.
     pub confidence: f64,
-    /// Degrees of freedom of Student's quantile behind the interval; none where it is the normal
-    /// one.
+    /// Degrees of freedom of Student's quantile behind the interval; `None` where it is the normal
+    /// quantile.
     pub student_degrees: Option<f64>,
     /// The fit in words, made from the other fields.
     pub method: String,
     /// χ² of the residuals.
     pub chi_square: f64,
-    /// Its degrees of freedom.
+    /// Degrees of freedom of `chi_square`.
     pub degrees: usize,
     /// Lower end of a bootstrap interval over whole paths, of the same confidence.
     pub bootstrap_lo: Option<f64>,
-    /// Its upper end.
+    /// Upper end of the bootstrap interval.
     pub bootstrap_hi: Option<f64>,
-    /// Coefficient b of the next order of the error over its standard error; none where it was
+    /// Coefficient b of the next order of the error over its standard error; `None` where b was
     /// not fitted.
     pub curvature_t: Option<f64>,
     /// The smallest effective number of paths, (Σx)²/Σx² (Kish), among the step sizes measured.
@@ -38,25 +38,25 @@ pub struct Rate {
     pub left_out: Vec<f64>,
     /// The coarsest step sizes, left out because the model does not fit with them.
     pub coarse: Vec<f64>,
-    /// The probability of residuals as large as these if the model is right; none without
-    /// degrees of freedom.
+    /// Probability of residuals at least as large if the model is right; `None` without degrees of
+    /// freedom.
     pub p_value: Option<f64>,
-    /// Why the interval is not known to cover the order; none where it is. With a `p_value` below
-    /// 1e-5 no verdict is given.
+    /// Reason why the interval is not known to cover the order; `None` where it is. With a
+    /// `p_value` below 1e-5 no verdict is given.
     pub warning: Option<String>,
 }
 
-/// The powers of τ in a weak error.
+/// Powers of τ in a weak error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expansion {
-    /// All from one on.
+    /// All powers from one on.
     EveryPower,
-    /// Two, four and so on: of means over a scheme and its adjoint.
+    /// Even powers two, four and so on: for means over a scheme and its adjoint.
     EvenPowers,
 }
 
 impl Expansion {
-    /// The first power, and from one to the next.
+    /// First power, which is also the distance of successive powers.
     pub(crate) fn step(self) -> f64 {
         match self {
             Self::EveryPower => 1.0,
@@ -65,18 +65,18 @@ impl Expansion {
     }
 }
 
-/// What a signed error is measured against.
+/// Reference of a signed error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Against {
-    /// The exact solution: e(τ).
+    /// Exact solution: the error is e(τ).
     Exact,
-    /// The same scheme with half the step: e(τ) − e(τ/2). Nothing is assumed about the error that
-    /// is left at the finest step. A bias that is the same at all steps leaves no trace in
+    /// Scheme with half the step: the error is e(τ) − e(τ/2). Nothing is assumed about the error
+    /// that is left at the finest step. A bias that is the same at all steps leaves no trace in
     /// differences: they tell how fast a scheme converges, and not whether to the right limit.
     HalfStep,
 }
 
-/// Below this probability of its residuals a model is rejected.
+/// Probability of its residuals below which a model is rejected.
 ///
 /// Where the distribution of χ² is known, this is the share of right models that are rejected.
 /// Where the covariance is estimated from a few hundred skewed squares, the tail is heavier: of
@@ -101,7 +101,7 @@ impl Rate {
         self.left_out.is_empty() && self.effective_paths.is_some_and(|paths| paths < FEW_SAMPLES)
     }
 
-    /// The interval, widened about the estimate to another confidence by the ratio of the
+    /// Interval of another confidence: it is widened about the estimate by the ratio of the
     /// quantiles.
     pub fn interval(&self, confidence: f64) -> (f64, f64) {
         let quantile = |confidence| two_sided(confidence, self.student_degrees);
@@ -110,8 +110,8 @@ impl Rate {
         (reach(self.lo), reach(self.hi))
     }
 
-    /// With [`method`](Self::method), after the law that was fitted, and [`warning`](Self::warning)
-    /// made from the other fields: the one place that words a fit.
+    /// Fills in [`method`](Self::method), after the `law` that was fitted, and
+    /// [`warning`](Self::warning) from the other fields: the one place that words a fit.
     pub(crate) fn described(mut self, law: &str) -> Self {
         let (chi_square, degrees) = (self.chi_square, self.degrees);
         let mut parts =

@@ -7,9 +7,9 @@ use crate::{
 };
 use real::elementary;
 
-/// √m at every step size, where m is the mean of the squared errors: with a standard error by the
-/// delta method, se(√m) = se(m)/(2√m), a bootstrap-t interval, and a warning where a few paths
-/// carry the mean. A step size without samples has no point.
+/// Root-mean-square errors √m at every step size, where m is the mean of the squared errors, with a
+/// standard error by the delta method, se(√m) = se(m)/(2√m), a bootstrap-t interval, and a warning
+/// where a few paths carry the mean. A step size without samples has no point.
 pub fn root_mean_squares(taus: &[f64], squares: &CrossMoments) -> Vec<Point> {
     let point = |(l, &tau): (usize, &f64)| {
         let value = squares.mean(l).sqrt();

@@ -6,12 +6,12 @@ use std::f64::consts::TAU;
 
 use real::elementary::{exp, ln};
 
-/// Terms of a series or fraction at most; with a million degrees of freedom some hundreds.
+/// Largest number of terms of a series or fraction; a million degrees of freedom take hundreds.
 const MAX_TERMS: u32 = 100_000;
-/// Changes below this part end a series or fraction.
+/// Relative change below which a series or fraction ends.
 const UNCHANGED: f64 = 4.0 * f64::EPSILON;
 
-/// ln Γ(x) for x > 0 by Stirling's series, whose error is below 1e-16 from x = 16 on.
+/// Logarithm ln Γ(x) for x > 0 by Stirling's series, whose error is below 1e-16 from x = 16 on.
 pub fn ln_gamma(x: f64) -> f64 {
     let (mut x, mut product) = (x, 1.0);
     while x < 16.0 {
@@ -23,7 +23,7 @@ pub fn ln_gamma(x: f64) -> f64 {
     (x - 0.5) * ln(x) - x + 0.5 * ln(TAU) + series / x - ln(product)
 }
 
-/// 1/(1 + a₁/(1 + a₂/(1 + …))) by the method of Lentz, where a_k is a function of k.
+/// Continued fraction 1/(1 + a₁/(1 + a₂/(1 + …))) by the method of Lentz, with a_k = `a(k)`.
 fn fraction(a: impl Fn(f64) -> f64) -> f64 {
     let (mut value, mut c, mut d) = (1.0, 1.0, 0.0);
     for k in 1..=MAX_TERMS {
@@ -38,8 +38,8 @@ fn fraction(a: impl Fn(f64) -> f64) -> f64 {
     1.0 / value
 }
 
-/// Q(a, x) = Γ(a, x)/Γ(a) for a > 0: the probability that a χ² with 2a degrees of freedom exceeds
-/// 2x.
+/// Upper incomplete gamma ratio Q(a, x) = Γ(a, x)/Γ(a) for a > 0: the probability that a χ² with 2a
+/// degrees of freedom exceeds 2x.
 pub fn gamma_above(a: f64, x: f64) -> f64 {
     if x <= 0.0 || x == f64::INFINITY {
         return f64::from(u8::from(x <= 0.0));
@@ -61,7 +61,7 @@ pub fn gamma_above(a: f64, x: f64) -> f64 {
     1.0 - factor * sum
 }
 
-/// I_x(a, b) for a, b > 0 and x + y = 1.
+/// Incomplete beta ratio I_x(a, b) for a, b > 0 and x + y = 1.
 pub fn beta_below(a: f64, b: f64, [x, y]: [f64; 2]) -> f64 {
     if x <= 0.0 || y <= 0.0 {
         return f64::from(u8::from(y <= 0.0));

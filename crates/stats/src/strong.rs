@@ -13,7 +13,7 @@ use crate::{
     rate::Rate,
 };
 
-/// Fewer levels than this make no fit from which others have been left out.
+/// Least number of levels of a fit from which others have been left out.
 const MIN_LEVELS: usize = 4;
 
 /// The strong order from squares at several step sizes, coarsest first.

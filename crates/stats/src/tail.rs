@@ -23,27 +23,26 @@ use real::elementary;
 
 use crate::{CentralMoments, FEW_SAMPLES};
 
-/// The numbers of largest values that are tried: many are steady, few see a heavy tail of small
-/// weight.
+/// Numbers of largest values that are tried: many are steady, few see a heavy tail of small weight.
 const LARGEST: [usize; 3] = [512, 128, 32];
-/// Fewer values than these have no tail.
+/// Least number of values that have a tail.
 const FEWEST: usize = 16;
-/// The tail is no more than this part of the values.
+/// Least ratio of the number of values to the number in the tail.
 const PART: usize = 5;
-/// Below this kurtosis (the exponential law has nine) nothing is asked.
+/// Kurtosis below which no tail is fitted; the exponential law has nine.
 const MIN_KURTOSIS: f64 = 10.0;
 
 /// The tail of a law that is too heavy for intervals of means; zero for other laws.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tail {
-    /// ξ = 1/α.
+    /// Shape ξ = 1/α.
     shape: f64,
-    /// Its standard error.
+    /// Standard error of ξ.
     error: f64,
 }
 
 impl Tail {
-    /// Whether it is heavy.
+    /// Whether the tail is heavy.
     pub fn is_heavy(self) -> bool {
         self.shape > 0.0
     }
@@ -53,14 +52,14 @@ impl Tail {
         self.shape + self.error < 1.0
     }
 
-    /// Whether the variance does: α is above two by a standard error.
+    /// Whether the variance exists: α is above two by a standard error.
     pub fn has_variance(self) -> bool {
         self.shape + self.error < 0.5
     }
 }
 
-/// Which moment perhaps does not exist, and the index. It is never certain: a lognormal law of
-/// large deviation has a mean that no sample shows.
+/// Names the moment that perhaps does not exist, and the index. It is never certain: a lognormal
+/// law of large deviation has a mean that no sample shows.
 impl fmt::Display for Tail {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { shape, error } = self;
@@ -80,7 +79,7 @@ impl CentralMoments {
         self.kurtosis() > MIN_KURTOSIS && !self.is_two_valued()
     }
 
-    /// The tail on the side of the furthest sample, by some of these samples.
+    /// Fits the tail on the side of the furthest sample to some of the `samples`.
     pub fn tail(&self, samples: &[f64]) -> Tail {
         let (up, down) = (self.largest - self.mean, self.mean - self.least);
         if !self.may_be_heavy() {
@@ -107,7 +106,8 @@ impl CentralMoments {
     }
 }
 
-/// ξ of the values above the last of these, which fall. NaN where a quarter of them are equal.
+/// Estimates ξ from the values above the last of `falling`, which are in decreasing order. NaN
+/// where a quarter of them are equal.
 ///
 /// With θ = −ξ/σ the likelihood of θ alone has k(θ) = mean ln(1 − θy) = ξ; the estimate is k at the
 /// mean of θ with the weights of the likelihood on Zhang's and Stephens' grid, which an empirical

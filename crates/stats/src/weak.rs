@@ -11,10 +11,10 @@ use crate::{
     rate::{Against, Expansion, Rate},
 };
 
-/// Orders among which the weak order is looked for: 0 to 4, on a grid of 1/500.
+/// Candidates for the weak order: 0 to 4, on a grid of 1/500.
 const ORDERS: RangeInclusive<u32> = 0..=4 * GRID;
 const GRID: u32 = 500;
-/// Errors that are nowhere this many standard errors away from zero are inside the noise.
+/// Number of standard errors from zero that an error must reach somewhere to be outside the noise.
 const NOISE: f64 = 4.0;
 
 /// The weak order from signed errors at several step sizes with their covariance, coarsest first.
@@ -94,9 +94,9 @@ pub fn fit_weak(
     Some(rate.described(&law))
 }
 
-/// How much of the error at the finest step terms of order below `order` may be, at most: the upper
-/// end of a 95 % interval, with e = A₁τ + A₂τ² + … fitted by generalised least squares, as errors
-/// or differences ([`Against`]). `None` if there are too few levels or the covariance is singular.
+/// Upper bound of the terms of order below `order` in the error at the finest step: the upper end
+/// of a 95 % interval, with e = A₁τ + A₂τ² + … fitted by generalised least squares, as errors or
+/// differences ([`Against`]). `None` if there are too few levels or the covariance is singular.
 ///
 /// A small term of low order wins as τ → 0, however well a higher order fits here.
 pub fn lower_share(
@@ -123,13 +123,13 @@ pub fn lower_share(
 }
 
 impl Against {
-    /// The columns of these powers at all step sizes.
+    /// Columns of the given powers at all step sizes.
     fn design(self, taus: &[f64], powers: impl Iterator<Item = f64>) -> Vec<Vec<f64>> {
         let column = |q| taus.iter().map(|&tau| self.power(tau, taus[0], q)).collect();
         powers.map(column).collect()
     }
 
-    /// What τ^q contributes to the error measured at step τ, with all steps in units of `unit`.
+    /// Contribution of τ^q to the error measured at step τ, with all steps in units of `unit`.
     fn power(self, tau: f64, unit: f64, q: f64) -> f64 {
         let e = |tau: f64| elementary::powf(tau / unit, q);
         match self {

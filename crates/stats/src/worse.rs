@@ -1,7 +1,6 @@
 //! The larger of two measurements.
 
-/// The larger of two measurements, NaN if either is: a NaN must not be lost on the way to a
-/// verdict.
+/// Larger of two measurements, NaN if either is: a NaN must not be lost on the way to a verdict.
 pub fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

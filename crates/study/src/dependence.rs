@@ -1,4 +1,4 @@
-//! How observables depend on each other and on their past: covariances, joint laws,
+//! Dependence of observables on each other and on their past: covariances, joint laws,
 //! autocorrelations and spectra.
 //!
 //! **Intervals.** The 32 places of a block of paths are 32 independent batches: sums are rows. What
@@ -36,26 +36,26 @@ use stats::two_sided;
 use super::{Grid, Series, Summary};
 use mc::add_rows;
 
-/// What is asked for of the observables of these numbers.
+/// Wanted statistics of dependence; observables are given by their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wanted {
-    /// Their covariance, correlation and joint law.
+    /// Pairs with a covariance, a correlation and a joint law.
     pub pairs: Vec<(usize, usize)>,
-    /// Their autocorrelation and spectrum.
+    /// Observables with an autocorrelation and a spectrum.
     pub lagged: Vec<usize>,
     /// Number of the time from which on lags are counted.
     pub from: usize,
-    /// Those that are zero or one: their means are probabilities with binomial intervals, and they
-    /// have no quantiles.
+    /// Observables that are zero or one: their means are probabilities with binomial intervals, and
+    /// they have no quantiles.
     pub probabilities: Vec<usize>,
 }
 
 /// The joint law of two observables at the final time: counts in bins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
-    /// Their names.
+    /// Names of both observables.
     pub names: [String; 2],
-    /// The bins of each.
+    /// Bins of each observable.
     pub grids: [Grid; 2],
     /// Counts: those of the first bin of the first observable, then of the second one, and so on.
     pub counts: Vec<u64>,
@@ -65,14 +65,14 @@ pub struct Joint {
 
 /// Sums of a pair at a time: n, Σa, Σb, Σab, Σa², Σb².
 pub type OfPair = [Row; 6];
-/// Bins of a joint law on each side, or fewer.
+/// Largest number of bins of a joint law on each side.
 const BINS: u32 = 64;
 /// The part of the lags over which the two windows of spectra are flat.
 const FLAT: [f64; 2] = [0.0, 0.25];
-/// Counts of a joint law: of its bins, and of what lies outside of them.
+/// Number of counts of a joint law: those of its bins, and one of values outside of them.
 pub const CELLS: usize = (BINS * BINS) as usize + 1;
 
-/// Where the numbers of observables have the size one.
+/// Shift and scale by which values of an observable have the size one.
 #[derive(Clone, Copy)]
 struct Unit {
     middle: f64,
@@ -85,12 +85,12 @@ impl Unit {
     }
 }
 
-/// Bins of the grid of a study that make one of a joint law.
+/// Number of bins of the grid of a study that make one of a joint law.
 fn joined(grid: &Grid) -> u32 {
     grid.bins.div_ceil(BINS)
 }
 
-/// What dependence is summed of.
+/// Wanted statistics, grids and number of observables for sums of dependence.
 #[derive(Clone, Copy)]
 pub struct Cells<'a> {
     pub wanted: &'a Wanted,
@@ -113,7 +113,7 @@ impl<'a> Cells<'a> {
         Unit { middle: grid.edge(grid.bins / 2), scale: grid.scale() }
     }
 
-    /// Number of times from which lags are counted.
+    /// Number of times from which on lags are counted.
     fn lagged_times(self) -> usize {
         self.times().saturating_sub(self.wanted.from)
     }
@@ -150,10 +150,10 @@ impl Past {
 /// Sums of dependence; rows are in 32 batches.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dependence {
-    /// Of each pair at each time.
+    /// Sums of each pair at each time.
     pairs: Vec<Vec<OfPair>>,
-    /// Of each observable as it is, and filtered but for the ends, on one side of which no values
-    /// are: n, the mean over times, and for each lag the sum of products.
+    /// Sums of each observable, of its values and of the filtered ones, except at the ends, on one
+    /// side of which no values are: n, the mean over times, and for each lag the sum of products.
     lagged: Vec<[Vec<Row>; 2]>,
     /// The joint law of each pair.
     joint: Vec<Vec<u64>>,
@@ -248,7 +248,7 @@ impl Dependence {
 }
 
 /// Values with their 95 % intervals, by the jackknife over the batches of `sums` that have paths in
-/// their first row; none of what is not finite.
+/// their first row; `None` for a value that is not finite.
 fn jackknife(sums: &[Row], functions: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Option<[f64; 3]>> {
     let batches: Vec<usize> = (0..WIDTH).filter(|&p| sums[0][p] > 0.0).collect();
     let g = batches.len() as f64;
@@ -276,10 +276,10 @@ fn summary(step: u64, time: f64, count: u64, value: Option<[f64; 3]>) -> Summary
     Summary { step, time, count, mean, mean_interval, ..Summary::default() }
 }
 
-/// Times with their steps.
+/// A step and its time.
 type At = (u64, f64);
 
-/// What was found of the dependence of observables.
+/// Sums of dependence, with the names and the times that results need.
 pub struct Found<'a> {
     pub of: Cells<'a>,
     pub names: &'a [String],
@@ -288,7 +288,8 @@ pub struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// Covariance and correlation of each pair in time; before it none at a fixed initial value.
+    /// Covariance and correlation of each pair in time. A fixed initial value of `start` paths
+    /// comes first, with covariance zero and no correlation.
     pub fn pairs(&self, start: Option<u64>) -> Vec<Series> {
         let of = |(n, &(k, l)): (usize, &(usize, usize))| {
             let point = |(time, &(step, t)): (usize, &At)| {

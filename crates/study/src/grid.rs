@@ -18,12 +18,12 @@ pub struct Grid {
     pub bins: u32,
 }
 
-/// The range of the pilot is widened by this part of its length at both ends.
+/// Margin of the range of a pilot at both ends, as a part of its length.
 const MARGIN: f64 = 0.125;
-/// It is widened at least by this part of its size, so that edges are exact: bins of a constant
+/// Least margin, as a part of the size of the range, so that edges are exact: bins of a constant
 /// are wider than a thousand roundings.
 const MIN_MARGIN: f64 = 1.0 / (1u64 << 32) as f64;
-/// Values beyond ± this size are never inside of a grid.
+/// Size beyond which values are never inside of a grid.
 const LARGEST: f64 = 1e300;
 
 impl Grid {
@@ -53,8 +53,8 @@ impl Grid {
         self.lo + f64::from(k) * self.width
     }
 
-    /// A power of two in which squares of the values neither overflow nor vanish: one, where they
-    /// do not anyhow.
+    /// A power of two as a unit in which squares of the values neither overflow nor vanish: one,
+    /// where they do not anyhow.
     pub(super) fn unit(&self) -> f64 {
         const FAR: f64 = (1u128 << 64) as f64;
         let length = self.width * f64::from(self.bins);
@@ -71,8 +71,8 @@ impl Grid {
         self.bins as usize + 2
     }
 
-    /// Writes where the values are counted: 0 for the underflow, k + 1 for bin k, the number of
-    /// bins + 1 for the overflow. Anything for NaN.
+    /// Writes the places where the values are counted: 0 for the underflow, k + 1 for bin k, the
+    /// number of bins + 1 for the overflow. Anything for NaN.
     pub fn place(&self, values: &[f64; WIDTH], places: &mut [u32; WIDTH]) {
         // Powers of two: both products are exact.
         let scale = 1.0 / self.width;

@@ -136,9 +136,9 @@ impl<'a> Study<'a> {
         self.result(&self.ladder.run(self.record.paths, || self.statistic()))
     }
 
-    /// The same as a piece of work of a job with the name `name`: whole, in parts or merged, with
-    /// the same bits. `None` if the results are not here; [`Job::finish`] says why. Every part has
-    /// the same bins, since it runs the same pilot.
+    /// Simulates all paths as a piece of work of a job with the name `name`: whole, in parts or
+    /// merged, with the bits of [`run`](Self::run). `None` if the results are not here;
+    /// [`Job::finish`] says why. Every part has the same bins, since it runs the same pilot.
     ///
     /// # Panics
     /// As [`Ladder::run`].

@@ -17,17 +17,17 @@ use super::{
 };
 use mc::{Measured, quoted};
 
-/// What is known of the law of every observable at every time, with everything that made it.
+/// The result of a study: the law of every observable at every time, with everything that made it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StudyResult {
-    /// What was computed.
+    /// Record of everything that the result depends on.
     pub record: Record,
-    /// Paths that failed.
+    /// Failed paths and clipped increments.
     pub losses: Losses,
-    /// What a reader must know before believing the rest: failed paths, values that are not finite,
-    /// means and quantiles that are not known well.
+    /// Warnings that a reader must know before believing the rest: failed paths, values that are
+    /// not finite, means and quantiles that are not known well.
     pub warnings: Vec<String>,
-    /// One for each observable, then covariance and correlation of each pair that was wanted.
+    /// Series of each observable, then covariance and correlation of each pair that was wanted.
     pub series: Vec<Series>,
     /// The joint law of each pair.
     pub joint: Vec<Joint>,
@@ -39,7 +39,7 @@ pub struct StudyResult {
 /// One observable at all times.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Series {
-    /// Its name.
+    /// Name of the observable.
     pub observable: String,
     /// The initial value and the times of the study.
     pub points: Vec<Summary>,
@@ -50,7 +50,7 @@ pub struct Series {
 pub struct Losses {
     /// Number of failed paths. Statistics exclude a path from the time on at which it failed.
     pub failed: u64,
-    /// The first of them, each with what replays it, as in [`Measured::failures`].
+    /// The first failed paths, each with what replays it, as in [`Measured::failures`].
     pub failures: Vec<String>,
     /// Number of clipped increments, counted on paths that had not failed.
     pub clipped: u64,
@@ -124,14 +124,15 @@ impl StudyResult {
 }
 
 impl Series {
-    /// The last time.
+    /// Summary at the last time.
     pub fn last(&self) -> &Summary {
         // The initial value is always there.
         &self.points[self.points.len() - 1]
     }
 }
 
-/// An autocorrelation that lasts for most of its lags, where the window of the spectrum falls.
+/// Warning of an autocorrelation that lasts for most of its lags, where the window of the spectrum
+/// falls.
 fn lasts(autocorrelation: &Series) -> Option<String> {
     const SMALL: f64 = 0.05;
     let Series { observable, points } = autocorrelation;
@@ -147,7 +148,7 @@ fn lasts(autocorrelation: &Series) -> Option<String> {
     })
 }
 
-/// Whether a warning concerns a time.
+/// Condition for a warning to concern a time.
 type Concerns<'a> = &'a dyn Fn(&Summary) -> bool;
 
 fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> Vec<String> {

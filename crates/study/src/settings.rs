@@ -22,7 +22,7 @@ pub struct StudySettings {
     pub times: u64,
     /// Number of paths.
     pub paths: u64,
-    /// How increments are truncated.
+    /// Truncation of increments.
     pub truncation: Truncation,
     /// Seed and experiment of the streams, below 2⁴⁰. The pilot has [streams](noise::Purpose) of
     /// its own.
@@ -39,7 +39,7 @@ pub struct StudySettings {
     /// Covariances, joint laws and autocorrelations; none unless set. Times are evenly spaced for
     /// the latter.
     pub wanted: Wanted,
-    /// What ends the pilot early; then nothing should be run.
+    /// Flag that ends the pilot early; then nothing should be run.
     pub stop: Stop,
 }
 
@@ -72,7 +72,7 @@ impl StudySettings {
         }
     }
 
-    /// Refuses statistics of so many observables that need more memory than there is.
+    /// Refuses statistics of `observables` observables that need more memory than is free.
     pub(super) fn demand(&self, observables: usize) -> Result<(), RunError> {
         let threads = rayon::current_num_threads() as f64;
         let groups = (self.paths as f64 / GROUP_PATHS as f64).max(1.0);
@@ -124,11 +124,11 @@ pub struct Record {
     pub version: String,
     /// Name of the system.
     pub system: String,
-    /// Its parameters, as far as it describes them.
+    /// Parameters of the system, as far as it describes them.
     pub parameters: String,
     /// Formula of γ.
     pub damping: String,
-    /// The initial value y(0); one that may occur, if they are random.
+    /// The initial value y(0); one possible value if it is random.
     pub y0: Vec<f64>,
     /// The law of random initial values.
     pub start: Option<String>,
@@ -147,7 +147,7 @@ pub struct Record {
     pub seed: u64,
     /// Number of the experiment.
     pub experiment: u64,
-    /// Number of paths, of those that failed too.
+    /// Number of paths, failed ones included.
     pub paths: u64,
     /// Number of paths of the pilot that chose the bins.
     pub pilot: u64,
@@ -155,7 +155,7 @@ pub struct Record {
     pub quantiles: Vec<f64>,
     /// Names of the observables.
     pub observables: Vec<String>,
-    /// Their values at t = 0; `None` for one that is not finite.
+    /// Values of the observables at t = 0; `None` for one that is not finite.
     pub initial: Vec<Option<f64>>,
 }
 

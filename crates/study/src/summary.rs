@@ -5,14 +5,14 @@ use stats::{Tail, proportion};
 
 use super::{Grid, sums::Sums};
 
-/// Why there is no interval of a mean.
+/// Reason why a mean has no interval.
 pub const TOO_FEW: &str = "too few values carry the mean";
-/// Why there is no quantile.
+/// Reason why there is no quantile.
 pub const CROWDED: &str = "a quantile lies in a bin with many more values than its \
                                   neighbours: more bins would resolve it";
-/// Values that differ by less than this part of them are equal but for rounding errors.
+/// Relative difference below which values are equal except for rounding errors.
 const ROUNDING: f64 = 1e-12;
-/// A bin with so many times the values of a neighbour, and [`MORE`], holds an atom or a peak.
+/// Multiple of the values of a neighbour, plus [`MORE`], above which a bin holds an atom or a peak.
 const TIMES: u64 = 4;
 const MORE: u64 = 16;
 
@@ -31,15 +31,15 @@ pub struct Summary {
     /// The mean; `None` without values, and where the [tail](stats::Tail) at the last time says
     /// that there may be none.
     pub mean: Option<f64>,
-    /// Its 95 % interval by
+    /// The 95 % interval of the mean by
     /// [`CentralMoments::mean_interval`](stats::CentralMoments::mean_interval).
     pub mean_interval: Option<(f64, f64)>,
-    /// Why there is none: too few values carry the mean, the [tail](stats::Tail) is too heavy, or
-    /// all are equal but for rounding errors. Then the note says on how few paths others are, with
-    /// 95 % confidence: n equal values leave room for one path in n/3.
+    /// Reason why the mean has no interval: too few values carry it, the [tail](stats::Tail) is too
+    /// heavy, or all are equal except for rounding errors. Then the note says on how few paths
+    /// others are, with 95 % confidence: n equal values leave room for one path in n/3.
     pub interval_note: Option<String>,
-    /// The sample variance; `None` with fewer than two values, if it is no number of 64 bits, or if
-    /// the law may have none.
+    /// The sample variance; `None` with fewer than two values, if it is not a number of 64 bits, or
+    /// if the law may have none.
     pub variance: Option<f64>,
     /// The standard deviation.
     pub deviation: Option<f64>,
@@ -58,9 +58,9 @@ pub struct Summary {
 pub struct Quantile {
     /// The level, between 0 and 1.
     pub level: f64,
-    /// The estimate, interpolated inside of its bin; the smallest or the largest value where so
-    /// many are equal to it, and the smallest where all are equal but for rounding errors. `None`
-    /// outside of the grid and in a crowded bin.
+    /// The estimate, interpolated inside of its bin; the smallest or the largest value where its
+    /// rank is among the values equal to that, and the smallest where all are equal except for
+    /// rounding errors. `None` outside of the grid and in a crowded bin.
     pub value: Option<f64>,
     /// Lower end of the 95 % interval; `None` if there are too few values to know one.
     ///
@@ -71,47 +71,47 @@ pub struct Quantile {
     pub lo: Option<f64>,
     /// Upper end of the interval.
     pub hi: Option<f64>,
-    /// Where it lies.
+    /// Place of the quantile.
     pub place: Place,
 }
 
-/// Where a quantile lies.
+/// The place of a quantile on the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Place {
-    /// In a bin.
+    /// Inside of a bin.
     Inside,
-    /// In a bin that has many more values than its neighbours, as where many are equal: it is known
-    /// to lie between `lo` and `hi` only.
+    /// Inside of a bin that has many more values than its neighbours, as where many are equal: the
+    /// quantile is known to lie between `lo` and `hi` only.
     Crowded,
-    /// Below the grid: it is known to lie between `lo` and `hi` only.
+    /// Below the grid: the quantile is known to lie between `lo` and `hi` only.
     BelowGrid,
-    /// Above the grid, likewise.
+    /// Above the grid: the quantile is known to lie between `lo` and `hi` only.
     AboveGrid,
-    /// There are no values.
+    /// No place: there are no values.
     NoValues,
 }
 
-/// How often a value fell into each bin.
+/// A histogram: the number of values in each bin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
     /// The bins.
     pub grid: Grid,
-    /// Number of values below them.
+    /// Number of values below the bins.
     pub below: u64,
-    /// Number of values in each.
+    /// Number of values in each bin.
     pub counts: Vec<u64>,
-    /// Number of values above them.
+    /// Number of values above the bins.
     pub above: u64,
 }
 
 impl Histogram {
-    /// One without values.
+    /// A histogram without values.
     pub fn empty(grid: Grid) -> Self {
         Self { grid, below: 0, counts: vec![0; grid.bins as usize], above: 0 }
     }
 
-    /// Adds counts in the places of its [grid](Grid::place).
+    /// Adds counts in the places of the [grid](Grid::place).
     pub fn add(&mut self, places: &[u64]) {
         if let [below, counts @ .., above] = places {
             self.counts.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
@@ -197,7 +197,7 @@ impl Summary {
         }
     }
 
-    /// The same of zeros and ones.
+    /// Takes the binomial interval of values that are zero or one, and drops the histogram.
     pub(super) fn of_probability(self) -> Self {
         let interval =
             |mean: f64| proportion((mean * self.count as f64).round() as u64, self.count);
@@ -210,8 +210,8 @@ impl Summary {
 pub type Ranks = (f64, (u64, u64));
 
 impl Histogram {
-    /// The bin, underflow or overflow of the value that `reached` says of the number of values up
-    /// to it: its number among them all, and the number of values below it.
+    /// The first place with values for which `reached` holds of the number of values up to its end:
+    /// its number among underflow, bins and overflow, and the number of values below it.
     fn find(&self, reached: impl Fn(u64) -> bool) -> (usize, u64) {
         let mut before = 0;
         let places = [self.below].into_iter().chain(self.counts.iter().copied());
@@ -233,7 +233,8 @@ impl Histogram {
         (lo.max(least), hi.min(largest))
     }
 
-    /// The quantile of values in this range. So many values are equal to its `ends`.
+    /// The quantile of values in `range`, with the numbers of values that are equal to its two
+    /// ends.
     fn quantile(
         &self,
         (level, (l, u)): Ranks,

@@ -1,4 +1,4 @@
-//! What a study adds up: moments, and counts of values in bins.
+//! Sums of a study: moments, and counts of values in bins.
 
 use std::collections::BTreeMap;
 
@@ -18,8 +18,8 @@ use mc::{Kept, Observe, Statistic, View, parts::hash};
 /// the order is the same.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sums {
-    /// Of the finite values, in the unit of the grid; time by time, and for each time observable by
-    /// observable.
+    /// Moments of the finite values, in the unit of the grid; time by time, and for each time
+    /// observable by observable.
     pub moments: Vec<CentralMoments>,
     /// Number of values that are not finite, of paths that had not failed.
     pub not_finite: Vec<u64>,
@@ -30,11 +30,11 @@ pub struct Sums {
     pub first: Vec<Vec<f64>>,
 }
 
-/// Paths whose values are kept: with more the estimate of a tail is hardly better.
+/// Number of paths whose values are stored: with more the estimate of a tail is hardly better.
 pub const FIRST_PATHS: u64 = 8192;
 
 impl Sums {
-    /// No paths of observables at as many times.
+    /// Sums over no paths, of observables at `times` times.
     fn new(times: usize, of: Cells<'_>) -> Self {
         let cells = times * of.observables;
         Self {
@@ -73,7 +73,7 @@ impl Sums {
         self.counts.add(cell * grid.cells(), &places, finite);
     }
 
-    /// Underflow, bins and overflow of a cell.
+    /// Counts of a cell: underflow, bins and overflow.
     pub fn counts(&self, cell: usize, grid: &Grid) -> Vec<u64> {
         self.counts.range(cell * grid.cells(), grid.cells())
     }
@@ -81,7 +81,7 @@ impl Sums {
 
 /// The statistic of a study on a [`Ladder`](mc::Ladder) with one run.
 pub struct StudyStatistic<'a> {
-    /// What was added up.
+    /// Sums so far.
     pub sums: Sums,
     observables: &'a [&'a dyn Observe],
     times: &'a [u64],
@@ -109,7 +109,7 @@ impl<'a> StudyStatistic<'a> {
         }
     }
 
-    /// Filters what has a spectrum, at every step.
+    /// Filters the observables that have a spectrum, at every step.
     fn filter(&mut self, view: &View<'_>) {
         let Wanted { from, lagged, .. } = self.of.wanted;
         let &[first, second, ..] = self.times.get(*from..).unwrap_or_default() else { return };
@@ -179,9 +179,9 @@ impl Kept for StudyStatistic<'_> {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(into = "Vec<u64>", from = "Vec<u64>")]
 pub struct Counts {
-    /// While no count can exceed 65535; empty otherwise.
+    /// Counts while none can exceed 65535; empty otherwise.
     narrow: Vec<u16>,
-    /// Otherwise.
+    /// Counts once one may exceed 65535; empty before.
     wide: Vec<u64>,
 }
 
@@ -200,7 +200,7 @@ impl Counts {
         }
     }
 
-    /// Adds all counts of `later`. `most` is what no count exceeds afterwards.
+    /// Adds all counts of `later`. No count exceeds `most` afterwards.
     pub fn merge(&mut self, later: &Self, most: u64) {
         self.reserve(if later.wide.is_empty() { most } else { u64::MAX });
         // One of the two is empty.
@@ -219,7 +219,7 @@ impl Counts {
         self.narrow.iter().map(|&count| u64::from(count)).chain(self.wide.iter().copied())
     }
 
-    /// The counts from `start` on.
+    /// The `length` counts from `start` on.
     pub fn range(&self, start: usize, length: usize) -> Vec<u64> {
         let cells = start..start + length;
         match self.wide.is_empty() {

@@ -136,7 +136,7 @@ pub fn is_quadratic<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: us
 
 /// Distances from y of the points that [`noises_commute`] tests, relative to max(1, |yᵢ|).
 const DISTANCES: [f64; 4] = [0.011, 0.17, 0.9, 3.0];
-/// Directions in which they lie, and their opposites.
+/// Directions in which the points lie; their opposites are used as well.
 const DIRECTIONS: u32 = 4;
 /// Halvings of a distance until the point is in the domain.
 const HALVINGS: u32 = 60;

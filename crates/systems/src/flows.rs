@@ -37,9 +37,9 @@ pub trait Flows<const D: usize, const M: usize>: PoissonSystem<D, M> {
     /// Whether [`flow`](Self::flow) is exact up to rounding.
     const EXACT: bool = false;
 
-    /// The same with an error of fifth order in (dt, dw) at most, as schemes of weak order two
-    /// need; by a triple jump of [`flow`](Self::flow) if that is not [exact](Self::EXACT). Override
-    /// it where a map of higher order costs less.
+    /// Flow of a part with an error of fifth order in (dt, dw) at most, as schemes of weak order
+    /// two need; by a triple jump of [`flow`](Self::flow) if that is not [exact](Self::EXACT).
+    /// Override it where a map of higher order costs less.
     #[inline(always)]
     fn precise_flow<R: Real>(&self, part: usize, y: [R; D], dt: R, dw: [R; M]) -> [R; D] {
         if Self::EXACT {

@@ -24,9 +24,9 @@ pub enum Form {
 /// ∫γ over [0, t].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Invariant {
-    /// Its symbol in reports, for example `C` or `H`.
+    /// Symbol in reports, for example `C` or `H`.
     pub name: &'static str,
-    /// Its formula in reports.
+    /// Formula in reports.
     pub formula: &'static str,
     /// The reason why the law holds.
     pub kind: InvariantKind,

@@ -4,7 +4,7 @@ use real::{Bounded, Degree, elementary};
 
 use crate::{PoissonSystem, cayley::identity_minus_half, field::golden};
 
-/// How the structure matrix B depends on y.
+/// Dependence of the structure matrix B on y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Linearity {
     /// Not at all.
@@ -15,7 +15,7 @@ pub enum Linearity {
     Other,
 }
 
-/// How B depends on y, shown by its formula: the degree of every column B(y)eⱼ as a polynomial in
+/// Dependence of B on y, shown by its formula: the degree of every column B(y)eⱼ as a polynomial in
 /// y, which [`Bounded`] bounds, at this point. A formula made of pieces may be something else
 /// elsewhere.
 pub fn linearity<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
@@ -85,7 +85,7 @@ fn direction(n: u32, dimension: usize) -> Vec<f64> {
     v.iter().map(|x| x * size / norm).collect()
 }
 
-/// By elimination with pivoting.
+/// The determinant, by elimination with pivoting.
 fn determinant(mut a: Vec<Vec<f64>>) -> f64 {
     let mut determinant = 1.0;
     for k in 0..a.len() {

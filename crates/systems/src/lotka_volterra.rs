@@ -133,8 +133,8 @@ impl<const P: i32, const Q: i32> PoissonSystem<3, 1> for LotkaVolterra<P, Q> {
         }
     }
 
-    /// Populations are positive. On the coordinate planes the prefactor of B or its derivative has
-    /// a pole.
+    /// Checks that populations are positive. On the coordinate planes the prefactor of B or its
+    /// derivative has a pole.
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
         SystemError::unless_all(&y, |x| x > 0.0, "y1 > 0, y2 > 0 and y3 > 0")
     }

@@ -39,7 +39,7 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
         Ok(Self { system, damping, y0, t_end: final_time(t_end)? })
     }
 
-    /// The same problem on [0, `t_end`].
+    /// Problem with the final time changed to `t_end`.
     ///
     /// # Errors
     /// [`SystemError`] unless 0 < `t_end` < ∞.

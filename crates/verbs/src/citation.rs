@@ -1,4 +1,4 @@
-//! What to cite for a result, as BibTeX.
+//! References to cite for a result, as BibTeX.
 
 use serde_json::Value;
 
@@ -17,7 +17,8 @@ pub fn bibtex(result: Option<&Value>) -> String {
     entries.join("\n\n") + "\n"
 }
 
-/// The schemes that a result, or each of several, used, and whether levels and Sobol points.
+/// The schemes that a result, or each of several, used, and whether it used levels and Sobol
+/// points.
 pub fn used(result: &Value) -> Vec<&str> {
     if let Value::Array(all) = result {
         return all.iter().flat_map(used).collect();

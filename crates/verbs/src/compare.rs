@@ -1,4 +1,4 @@
-//! Which scheme is cheapest for an error.
+//! Comparison of schemes: the cheapest one for an error.
 
 use std::{sync::Arc, time::Instant};
 

@@ -1,4 +1,4 @@
-//! What a computation is like on this machine, and whether it gives what it has to.
+//! Facts about this machine, and a self-test of the computation.
 
 use std::{
     env::consts::{ARCH, OS},
@@ -18,7 +18,7 @@ use crate::{
 };
 use scenes::{Changes, Scene, Source, gallery};
 
-/// What the self-test has to find in scenes of the gallery, at their ends.
+/// Expected results of the self-test on scenes of the gallery, at their ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Expected {
     /// The bits of the states of all paths of the rigid body, mixed.
@@ -29,7 +29,7 @@ pub struct Expected {
     pub mean: f64,
 }
 
-/// The same on every machine.
+/// Expected results of the self-test, equal on every machine.
 pub const EXPECTED: Expected = Expected {
     bits: 0x43d3_3f83_9129_5830,
     // exp(−2∫γ) = exp(−½ sin 2T), T = 4.
@@ -56,7 +56,7 @@ pub fn facts(commit: Option<&str>) -> String {
     )
 }
 
-/// Computes what is known and says what came; and whether all holds.
+/// Computes known results; returns a report and whether all of them are as expected.
 ///
 /// # Errors
 /// If something cannot be computed.

@@ -6,16 +6,16 @@ use casimir::mc::{MemoryError, RunError, parts::JobError};
 
 use scenes::SceneError;
 
-/// What ended a command early.
+/// The reason why a command ended early.
 #[derive(Debug)]
 pub enum Failure {
     /// The scene is wrong.
     Scene(SceneError),
-    /// Something is asked for that cannot be.
+    /// A request that cannot be met.
     Usage(String),
     /// The run failed.
     Run(String),
-    /// It was stopped by a signal. The words say what is kept.
+    /// A signal stopped the command. The words say what is kept.
     Stopped(String),
 }
 

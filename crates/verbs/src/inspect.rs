@@ -1,4 +1,4 @@
-//! What a system is.
+//! Inspection of a system.
 
 use casimir::inspect::{InspectSettings, facts::Bath};
 
@@ -31,7 +31,7 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     Ok(Found::new(text, json, Vec::new()))
 }
 
-/// What is stationary, in words.
+/// Describes the stationary law in words.
 fn words(Bath { beta, any, mismatch }: &Bath) -> String {
     match beta {
         _ if *any => "Without damping and heat: every function of H0 is stationary".into(),

@@ -44,34 +44,34 @@ use crate::{
 };
 use scenes::{AUTO, Scene};
 
-/// What a command found.
+/// Result of a command.
 #[derive(Default)]
 pub struct Found {
-    /// In words.
+    /// Result in words.
     pub text: String,
-    /// For programs.
+    /// Result as JSON for programs.
     pub json: Value,
-    /// In figures.
+    /// Figures of the result.
     pub figures: Vec<Drawn>,
-    /// That the accuracy is not reached, if it is not.
+    /// Words for an accuracy that was not reached.
     pub unreached: Option<String>,
 }
 
 impl Found {
-    /// Of a scene: with its title and what is wrong with it.
+    /// Result for a scene, with its title and with the mistake that it has.
     fn of(scene: &Scene, text: &str, mut json: Value, figures: Vec<Drawn>) -> Self {
         json["title"] = json!(scene.title);
         Self::new(warnings(&scene.model.known().mistake) + text, json, figures)
     }
 
-    /// With the warnings among the words as a list for programs.
+    /// Result with the warnings in `text` as a list in `json` too.
     fn new(text: String, mut json: Value, mut figures: Vec<Drawn>) -> Self {
         distinct(figures.iter_mut());
         json["warnings"] = text.lines().filter_map(|line| line.strip_prefix(WARNING)).collect();
         Self { text, json, figures, unreached: None }
     }
 
-    /// The same of estimates to an accuracy, if there was a wish.
+    /// Marks estimates as unreached unless `reached`, with the wanted `accuracy` if there was one.
     fn to(mut self, reached: bool, accuracy: Option<f64>) -> Self {
         let wish = accuracy.map_or(String::new(), |wish| format!("±{wish:e} not reached, or "));
         self.unreached = (!reached).then(|| wish + "not to be believed");
@@ -88,21 +88,21 @@ fn with_interval(estimate: &impl Serialize, (lo, hi): (f64, f64), half_width: f6
     json
 }
 
-/// Shows how far work is; by default nothing is shown.
+/// Shows the progress of work; by default nothing is shown.
 pub trait Progress: Send + Sync {
-    /// Work of so many path-steps begins; zero if their number is not known.
+    /// Begins work of `_path_steps` path-steps; zero if their number is not known.
     fn begin(&self, _what: &str, _path_steps: u64) {}
 
-    /// More path-steps are done.
+    /// Adds path-steps that are done.
     fn advance(&self, _path_steps: u64) {}
 
-    /// What the work has come to.
+    /// Shows the state of the work in words.
     fn message(&self, _words: &str) {}
 
-    /// The work ends.
+    /// Ends the work.
     fn end(&self) {}
 
-    /// Whether somebody sees it. If not, long work is spoken of.
+    /// Whether somebody sees the progress. If not, long work is reported in words.
     fn is_seen(&self) -> bool {
         false
     }
@@ -114,25 +114,25 @@ pub trait Progress: Send + Sync {
 /// Shows nothing.
 impl Progress for () {}
 
-/// What shows how far a verb is, and what ends it early.
+/// Progress of a verb, and the request that ends it early.
 #[derive(Clone)]
 pub struct Watch {
     /// Shows the work that is under way.
     pub progress: Arc<dyn Progress>,
-    /// Whether the end was asked for.
+    /// Request to end early.
     pub stop: Stop,
 }
 
 impl Watch {
-    /// Shown by `progress`; nothing has asked for the end.
+    /// Watch that shows `progress`; nothing has asked for the end.
     pub fn new(progress: impl Progress + 'static) -> Self {
         Self { progress: Arc::new(progress), stop: Stop::default() }
     }
 }
 
-/// After so long it is said how far work is, where no bar shows it.
+/// Time after which the progress is reported, where no bar shows it.
 const SOON: Duration = Duration::from_secs(8);
-/// After so long it is said how far an accuracy is.
+/// Time after which the half-width reached so far is reported.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 impl Watch {
@@ -170,8 +170,8 @@ impl Watch {
         result
     }
 
-    /// Does work of about so many path-steps, zero if that is not known, which tells how many more
-    /// are done. Where nobody sees it, it is said once how far long work is.
+    /// Does work of about `path_steps` path-steps, zero if that is not known; `work` tells how many
+    /// more are done. Where nobody sees the progress of long work, it is reported once.
     pub fn under<R>(
         &self,
         what: &str,
@@ -208,7 +208,7 @@ impl Watch {
     }
 }
 
-/// Does work, and says something if that takes longer than `patience`.
+/// Does work, and calls `say` if that takes longer than `patience`.
 fn watched<R>(patience: Duration, say: impl Fn() + Sync, work: impl FnOnce() -> R) -> R {
     thread::scope(|scope| {
         let ((working, ended), say) = (channel::<()>(), &say);
@@ -240,7 +240,7 @@ pub fn scheme(scene: &Scene) -> Settled {
     (named.clone(), explicit.map(loses))
 }
 
-/// What lines of warnings begin with.
+/// Prefix of lines of warnings.
 const WARNING: &str = "warning: ";
 
 /// Warnings as lines.

@@ -16,8 +16,8 @@ use scenes::{Observable, Scene};
 /// A quantity with the order of its errors.
 pub type Measured = (String, Order);
 
-/// Measures the orders of the scheme of a scene, kept by a job if there is one. Each measurement may
-/// take so many path-steps.
+/// Measures the orders of the scheme of a scene, kept by a job if there is one. Each measurement
+/// may take `path_steps` path-steps.
 pub fn order(scene: &Scene, path_steps: u64, job: Option<&Arc<Job>>, watch: &Watch) -> Done<Found> {
     let start = Instant::now();
     let (scheme, because) = scheme(scene);

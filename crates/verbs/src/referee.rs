@@ -1,4 +1,4 @@
-//! Orders of solvers that are not ours.
+//! Referee for the orders of solvers of others.
 
 use casimir::{
     analysis::{Decision, Judged, LevelNoise, Referee, SolverStates, StepSizes, Verdict},
@@ -13,7 +13,7 @@ use super::{
 use crate::failure::Done;
 use scenes::Scene;
 
-/// How a solver is measured.
+/// Settings for the measurement of a solver.
 #[derive(Clone, Copy, Debug)]
 pub struct Measure {
     /// Steps of the coarsest size; those of `casimir order` without.
@@ -24,16 +24,16 @@ pub struct Measure {
     pub paths: u64,
 }
 
-/// What is said of a solver, to be confirmed or refuted, and what was seen of it besides.
+/// Claims about a solver, to be confirmed or refuted, and observations of it.
 #[derive(Clone, Debug, Default)]
 pub struct Claims {
-    /// Its strong order.
+    /// Claimed strong order.
     pub strong: Option<f64>,
-    /// Its weak order.
+    /// Claimed weak order.
     pub weak: Option<f64>,
-    /// Whether it keeps the laws of the scene.
+    /// Whether the solver is claimed to conserve the laws of the scene.
     pub keeps: bool,
-    /// Whether it is the same map in each step, so that single steps show its order.
+    /// Whether the solver is the same map in each step, so that single steps show its order.
     pub same_step: bool,
     /// Whether two answers to the same noise differed.
     pub own_noise: bool,
@@ -59,12 +59,12 @@ fn referee(scene: &Scene, measure: Measure) -> Done<Referee<'_>> {
     Ok(Referee { setup: scene.setup(scheme)?, sizes })
 }
 
-/// What a solver gets for so many paths from path number `first` on: the noise of every step size,
+/// Input of a solver for `paths` paths from path number `first` on: the noise of every step size,
 /// coarsest first; and states at time 0 and at the end by the reference, of which the last has
 /// steps of twice the size.
 ///
 /// # Errors
-/// As of a reference.
+/// Errors of the reference.
 pub fn solver_noise(
     scene: &Scene,
     measure: Measure,
@@ -83,7 +83,7 @@ pub fn solver_noise(
 /// The sizes of single steps, each with the noise of one and of two half steps.
 ///
 /// # Errors
-/// As of a reference.
+/// Errors of the reference.
 pub fn single_steps(scene: &Scene, measure: Measure) -> Done<Vec<(f64, [LevelNoise; 2])>> {
     let referee = referee(scene, measure)?;
     let taus = referee.single_taus().into_iter();
@@ -93,7 +93,7 @@ pub fn single_steps(scene: &Scene, measure: Measure) -> Done<Vec<(f64, [LevelNoi
 /// Judges the states of a solver.
 ///
 /// # Errors
-/// As of a reference.
+/// Errors of the reference.
 pub fn judge(
     scene: &Scene,
     measure: Measure,

@@ -15,13 +15,13 @@ use crate::{
 };
 use scenes::{Combination, Observable, Scene, Sweep, model::Known};
 
-/// What a run found.
+/// Results of a run.
 pub struct Results {
-    /// The scheme.
+    /// Name of the scheme.
     pub scheme: String,
-    /// Why, if it was left to the program.
+    /// Reason for the scheme, if it was left to the program.
     pub because: Option<String>,
-    /// What the system is.
+    /// Facts about the system.
     pub known: Known,
     /// Tables of the first paths.
     pub tables: Vec<TimeSeries>,
@@ -29,7 +29,7 @@ pub struct Results {
     pub study: Option<StudyResult>,
     /// The means of a few paths in time.
     means: Vec<Series>,
-    /// How large the step errors are.
+    /// Check of the step errors.
     pub check: Option<StepCheck>,
     /// Seconds of the computation.
     pub seconds: f64,
@@ -58,11 +58,11 @@ pub fn compute<'a>(
     Ok(Outcomes { sweep, results: ready.into_iter().map(one).collect::<Done<_>>()? })
 }
 
-/// What was found at each combination of a sweep.
+/// Results at each combination of a sweep.
 pub struct Outcomes<'a> {
-    /// What was varied.
+    /// Scenes of the sweep.
     pub sweep: &'a Sweep,
-    /// The results, in the order of the combinations; none of those that are not here.
+    /// Results in the order of the combinations; none where they are not here.
     pub results: Vec<Option<Results>>,
 }
 
@@ -132,7 +132,7 @@ impl Results {
         all.filter_map(|(path, table)| Some((path, table.halted.as_ref()?)))
     }
 
-    /// What a reader must know of single paths, of the steps and of the statistics.
+    /// Warnings about single paths, the steps and the statistics.
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
         let Self { study, known, .. } = self;
         let mut all = Vec::from_iter(known.mistake.clone());
@@ -166,7 +166,7 @@ fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
     scene.observables.iter().map(series).collect()
 }
 
-/// A run that was checked.
+/// A checked run.
 pub struct Ready<'a> {
     combination: &'a Combination,
     setup: Setup<'a>,

@@ -18,8 +18,8 @@ use crate::{
 };
 use scenes::{Observable, Read, Scene, digits, model::with_names, refuse};
 
-/// Computes averages over the stationary law of a scene, or so many Lyapunov exponents, with chains
-/// that are kept if this is wanted, and so many path-steps at most.
+/// Computes averages over the stationary law of a scene, or `exponents` Lyapunov exponents, with
+/// chains that are stored in `keeping` if given, and at most `max_cost` path-steps.
 pub fn equilibrium(
     scene: &Scene,
     exponents: Option<usize>,
@@ -84,7 +84,7 @@ pub fn equilibrium(
     Ok(Found::of(scene, &text, json, figures).to(found.reached(), scene.accuracy))
 }
 
-/// Refuses what has no stationary law, or is no function of the state.
+/// Refuses a scene without a stationary law, and averages that are not functions of the state.
 fn check(scene: &Scene, averages: bool) -> Read<()> {
     let model = &scene.model;
     if model.system().description().depends_on_time {

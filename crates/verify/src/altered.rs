@@ -8,18 +8,18 @@ use nonlin::BlockStatus;
 use real::Row;
 use schemes::{Method, Step, Stepper};
 
-/// What is made of a step and its noise, after increments were clipped.
+/// Change of a step and its noise, applied after increments were clipped.
 type Change<'a> = dyn Fn(&mut Step, &mut StepNoise) + Send + Sync + 'a;
 
-/// A method that gets another step or other noise.
+/// Method that runs on a changed step or changed noise.
 struct Altered<'a> {
     method: Arc<dyn Method + 'a>,
     clips: bool,
     change: Box<Change<'a>>,
 }
 
-/// A set-up whose method gets what `change` makes of a step and its noise. Its increments are
-/// clipped if those of the method are, or if `clips` is set.
+/// Alters a set-up: its method gets each step and noise after `change`. Increments are clipped
+/// first if the method clips them, or if `clips` is set.
 pub fn altered<'a>(
     setup: Setup<'a>,
     clips: bool,

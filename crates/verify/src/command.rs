@@ -1,4 +1,4 @@
-//! What the command lines of all programs share.
+//! Options that the command lines of all programs share.
 
 use real::Level;
 

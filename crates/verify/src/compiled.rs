@@ -18,25 +18,25 @@ impl Tuned<6, 3> for TwoSpins {
     }
 }
 
-/// A problem of any dimension with the schemes that are compiled for its system.
+/// Problem of any dimension with the schemes that are compiled for its system.
 pub struct Compiled<'a> {
     /// The problem.
     pub problem: mc::Problem<'a>,
     setup: Box<dyn Fn(BuiltIn) -> Option<Setup<'a>> + 'a>,
 }
 
-/// A scheme on the problem of a figure, with the name of its curve.
+/// Scheme on the problem of a figure, with the name of its curve.
 pub struct Curve<'a> {
-    /// The name.
+    /// Name of the curve.
     pub name: &'static str,
     /// The scheme in the registry.
     pub method: BuiltIn,
-    /// The problem with the scheme.
+    /// Problem with the scheme.
     pub setup: Setup<'a>,
 }
 
 impl<'a> Compiled<'a> {
-    /// Those for this problem.
+    /// Binds the schemes that are compiled for the system of `problem`.
     pub fn of<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
         problem: &'a Problem<S, G, D>,
     ) -> Self {

@@ -13,7 +13,7 @@ use crate::{Conditions, evidence::DEVIATIONS, experiment::Path, results::Evidenc
 /// between, below the worst case.
 pub const ROUND_OFF: f64 = 2e-13;
 
-/// (t, F(y(t)), exp(−p∫γ)F(y₀)) along a path, for the invariant number `index` of the system.
+/// Triples (t, F(y(t)), exp(−p∫γ)F(y₀)) along a path, for invariant number `index` of the system.
 pub fn along(problem: &Problem<'_>, index: usize, path: &Path) -> Vec<(f64, f64, f64)> {
     let ConformalLaw { degree, value, .. } = &problem.laws[index];
     let initial = value(&problem.y0);
@@ -24,24 +24,24 @@ pub fn along(problem: &Problem<'_>, index: usize, path: &Path) -> Vec<(f64, f64,
     values.collect()
 }
 
-/// max |F(yₙ)/(e^{−p∫γ}F(y₀)) − 1| along a path; NaN if any of them is.
+/// Largest relative defect |F(yₙ)/(e^{−p∫γ}F(y₀)) − 1| along a path; NaN if any defect is NaN.
 pub fn largest_defect(problem: &Problem<'_>, index: usize, path: &Path) -> f64 {
     let values = along(problem, index, path);
     values.iter().map(|(_, value, exact)| (value / exact - 1.0).abs()).fold(0.0, worse)
 }
 
-/// Paths at each of the two steps. A single path proves nothing: the largest defect along one of
-/// them has a heavy tail.
+/// Number of paths at each of the two steps. A single path proves nothing: the largest defect along
+/// a path has a heavy tail.
 const PATHS: u64 = 32;
-/// How much finer the second step is.
+/// Ratio of the first step to the second.
 const REFINEMENT: u64 = 64;
-/// The part of the experiment's noise that belongs to the first of the two step sizes.
+/// Part number of the experiment's noise for the first of the two step sizes.
 const PART: u64 = 8;
 
-/// Whether a scheme with the defect `largest` along one path returns to the law as τ → 0: the order
-/// (mean ln d(τ) − mean ln d(τ/64))/ln 64 of the largest relative defect d along a path. It must
-/// exceed ¼, between the order 0 of a scheme that solves another equation and the order ½ that
-/// every scheme here has at least.
+/// Measures whether a scheme with the defect `largest` along one path returns to the law as τ → 0:
+/// the order (mean ln d(τ) − mean ln d(τ/64))/ln 64 of the largest relative defect d along a path.
+/// It must exceed ¼, between the order 0 of a scheme that solves another equation and the order ½
+/// that every scheme here has at least.
 pub fn approach(
     conditions: &Conditions,
     setup: &Setup<'_>,

@@ -1,4 +1,4 @@
-//! What was measured about a statement, as data: the verdict and the sentence follow from it.
+//! Measurements about a statement, as data: the verdict and the sentence follow from them.
 
 use analysis::{Limit, Order};
 use real::elementary;
@@ -11,7 +11,7 @@ use crate::verdict::{Verdict, order_verdict};
 /// quantile of a false alarm once in 1e5 runs.
 pub const DEVIATIONS: f64 = 4.42;
 
-/// A measurement with the limit that it is held against.
+/// Measurement with the limit that it is compared with.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 // A run has some hundred of them; most are fitted orders, the largest.
@@ -19,14 +19,14 @@ pub const DEVIATIONS: f64 = 4.42;
 pub enum Evidence {
     /// A fitted order of convergence.
     Order {
-        /// The order that the statement names.
+        /// Order that the statement names.
         order: f64,
         /// Whether the statement is a bound Cτ^order, which a higher order obeys, too.
         one_sided: bool,
-        /// The fit; none when no order can be named.
+        /// Fitted order; `None` when no order can be named.
         rate: Option<Rate>,
-        /// How far the limit is from the right one; present where the scheme converges to something
-        /// else, whatever the order of its differences.
+        /// Distance of the limit from the right one; present where the scheme converges to
+        /// something else, whatever the order of its differences.
         #[serde(skip_serializing_if = "Option::is_none")]
         wrong_limit: Option<f64>,
     },
@@ -36,11 +36,11 @@ pub enum Evidence {
         invariant: String,
         /// Number of paths.
         paths: u64,
-        /// Steps of each.
+        /// Number of steps of each path.
         steps: u64,
-        /// The defect.
+        /// Largest defect.
         largest: f64,
-        /// What it is compared with.
+        /// Tolerance of the defect.
         tolerance: f64,
         /// Whether the statement is that the law holds; otherwise that it does not.
         obeys: bool,
@@ -52,77 +52,77 @@ pub enum Evidence {
         invariant: String,
         /// The largest relative defect on the path of the panel.
         largest: f64,
-        /// Paths at each step size.
+        /// Number of paths at each step size.
         paths: u64,
-        /// How many times smaller the second step size is.
+        /// Ratio of the first step size to the second.
         refinement: u64,
         /// Geometric mean over the paths of the largest defect at the first step size.
         coarse: f64,
-        /// The same at the second step size.
+        /// Geometric mean over the paths of the largest defect at the second step size.
         fine: f64,
-        /// ln(coarse/fine)/ln(refinement).
+        /// Order ln(coarse/fine)/ln(refinement).
         order: f64,
-        /// [`DEVIATIONS`] standard errors of it.
+        /// Half-width of the interval of `order`: [`DEVIATIONS`] standard errors.
         half_width: f64,
-        /// What the order must exceed.
+        /// Bound that the order must exceed.
         least: f64,
     },
     /// A sampled mean against its known value.
     Deviation {
-        /// What it is a mean of, for example `E[cos y3]`.
+        /// Name of the mean, for example `E[cos y3]`.
         quantity: String,
-        /// The mean.
+        /// Sampled mean.
         value: f64,
-        /// Its standard error.
+        /// Standard error of the mean.
         standard_error: f64,
-        /// A bound of its bias, 0 for an unbiased estimate.
+        /// Bound of the bias of the mean, 0 for an unbiased estimate.
         bias: f64,
-        /// The known value.
+        /// Known value of the mean.
         expected: f64,
-        /// What it took, in path-steps, where that was counted.
+        /// Cost in path-steps, where it was counted.
         path_steps: Option<u64>,
-        /// Why the standard error or the bound of the bias may be too small.
+        /// Reasons why the standard error or the bound of the bias may be too small.
         warnings: Vec<String>,
     },
     /// Extremes that must respect bounds.
     Bounds {
-        /// What was measured; all must be within their bounds.
+        /// Measured quantities; all must be within their bounds.
         quantities: Vec<Bounded>,
-        /// Paths that failed, which say nothing about the rest.
+        /// Number of failed paths, which say nothing about the others.
         failed: u64,
     },
-    /// There is nothing to compare.
+    /// Undecided: there is nothing to compare.
     Undecided {
-        /// Why.
+        /// Reason in words.
         reason: String,
     },
 }
 
-/// A number with the bounds that it must respect; without any it is only reported.
+/// Number with the bounds that it must respect; without bounds it is only reported.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bounded {
-    /// What it is, in words.
+    /// Name of the quantity, in words.
     pub quantity: String,
-    /// Its value.
+    /// Value of the quantity.
     pub value: f64,
-    /// The least that is allowed.
+    /// Lower bound.
     pub at_least: Option<f64>,
-    /// The most that is allowed.
+    /// Upper bound.
     pub at_most: Option<f64>,
 }
 
 impl Bounded {
-    /// A value that must be at most `at_most`.
+    /// Creates a quantity whose value must be at most `at_most`.
     pub fn at_most(quantity: impl Into<String>, value: f64, at_most: f64) -> Self {
         Self { at_most: Some(at_most), ..Self::reported(quantity, value) }
     }
 
-    /// A value that must be at least `at_least`.
+    /// Creates a quantity whose value must be at least `at_least`.
     pub fn at_least(quantity: impl Into<String>, value: f64, at_least: f64) -> Self {
         Self { at_least: Some(at_least), ..Self::reported(quantity, value) }
     }
 
-    /// A value that is reported and held against nothing.
+    /// Creates a quantity that is reported and compared with nothing.
     pub fn reported(quantity: impl Into<String>, value: f64) -> Self {
         Self { quantity: quantity.into(), value, at_least: None, at_most: None }
     }
@@ -135,7 +135,7 @@ impl Bounded {
 }
 
 impl Evidence {
-    /// A measured order as evidence for this one; what converges to something else refutes it.
+    /// Creates evidence for `order` from a measured order; a wrong limit refutes it.
     pub fn of_order(measured: Order, order: f64) -> Self {
         let wrong_limit = match measured.limit {
             Limit::Differs { distance: wrong, .. } | Limit::Inconsistent { defect: wrong } => {
@@ -146,23 +146,24 @@ impl Evidence {
         Self::Order { order, one_sided: false, rate: measured.rate, wrong_limit }
     }
 
-    /// A fitted order that must be at least `order`, of a scheme whose limit is right.
+    /// Creates evidence from a fitted order that must be at least `order`, of a scheme whose limit
+    /// is right.
     pub fn order_bound(order: f64, rate: Option<Rate>) -> Self {
         Self::Order { order, one_sided: true, rate, wrong_limit: None }
     }
 
-    /// A mean without bias that was sampled against its known value.
+    /// Creates evidence from an unbiased sampled mean and its known value.
     pub fn mean(quantity: String, value: f64, standard_error: f64, expected: f64) -> Self {
         let (bias, path_steps, warnings) = (0.0, None, Vec::new());
         Self::Deviation { quantity, value, standard_error, bias, expected, path_steps, warnings }
     }
 
-    /// Extremes of paths of which none failed.
+    /// Creates evidence from extremes of paths none of which failed.
     pub fn bounds(quantities: Vec<Bounded>) -> Self {
         Self::Bounds { quantities, failed: 0 }
     }
 
-    /// The verdict that the measurement gives. A NaN refutes, except where a path failed.
+    /// Verdict that follows from the measurement. A NaN refutes, except where a path failed.
     ///
     /// Orders: [`order_verdict`]; a wrong limit refutes. A deviation refutes beyond [`DEVIATIONS`]
     /// standard errors and the bias. Bounds that hold on some paths while others failed are
@@ -283,7 +284,7 @@ impl Evidence {
     }
 }
 
-/// Four decimals where they show the number, else an exponent.
+/// Formats a number with four decimals where they show it, else with an exponent.
 fn short(x: f64) -> String {
     match x.abs() {
         0.0 => "0".into(),

@@ -30,12 +30,12 @@ pub struct RandomTime<'a, G> {
 const NODES: usize = 4;
 
 impl<'a, G: Damping> RandomTime<'a, G> {
-    /// S for a damping, a degree r, a noise c and a finest step.
+    /// Creates S for a damping, a degree r, a noise c and a finest step.
     pub fn new(damping: &'a G, degree: f64, noise: f64, tau: f64) -> Self {
         Self { damping, degree, noise, tau, rule: valid(Rule::new(NODES)) }
     }
 
-    /// (ḡ, v) of finest step n.
+    /// Mean ḡ and variance v of finest step n.
     fn step(&self, n: u64) -> (f64, f64) {
         let start = n as f64 * self.tau;
         let before = self.damping.integral(0.0, start);
@@ -50,7 +50,7 @@ impl<'a, G: Damping> RandomTime<'a, G> {
         (mean, values.iter().zip(weights).map(square).sum::<f64>() * self.tau)
     }
 
-    /// Mean and variance of S over `steps` finest steps, a Gaussian.
+    /// Mean and variance of the Gaussian variable S over `steps` finest steps.
     pub fn law(&self, steps: u64) -> (f64, f64) {
         (0..steps).map(|n| self.step(n)).fold((0.0, 0.0), |(mean, variance), (g, v)| {
             (mean + g * self.tau, variance + self.noise * self.noise * (g * g * self.tau + v))
@@ -68,7 +68,7 @@ impl<G: Damping> TimeChange for RandomTime<'_, G> {
     }
 }
 
-/// e^{−Γ(T)} φ_S(y₀): the solution at the final time for the random time S = s.
+/// Solution e^{−Γ(T)} φ_S(y₀) at the final time for the random time S = s.
 pub fn solution<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
     problem: &Problem<S, G, D>,
     s: f64,
@@ -77,14 +77,14 @@ pub fn solution<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
     flow(problem.system(), problem.y0(), s).map(|component| decay * component)
 }
 
-/// Steps for one unit of time, each of order ten: with Lipschitz constants up to five the error is
-/// 1e-16.
+/// Number of steps per unit of time, each of order ten: with Lipschitz constants up to five the
+/// error is 1e-16.
 const STEPS_PER_UNIT: f64 = 32.0;
 /// Midpoint steps of the columns that are extrapolated.
 const COLUMNS: [u32; 5] = [2, 4, 6, 8, 10];
 
-/// φ_s(y): the flow of f = B∇H₀ over time s, to round-off, by extrapolation of the modified
-/// midpoint rule (Gragg 1965; Bulirsch and Stoer 1966).
+/// Flow φ_s(y) of f = B∇H₀ over time s, to round-off, by extrapolation of the modified midpoint
+/// rule (Gragg 1965; Bulirsch and Stoer 1966).
 fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, mut y: [f64; D], s: f64) -> [f64; D] {
     let steps = (s.abs() * STEPS_PER_UNIT).ceil().max(1.0);
     for _ in 0..steps as u32 {
@@ -93,7 +93,8 @@ fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, mut y: [f64; D], s: 
     y
 }
 
-/// One step of length h. The error of each column is a series in the square of its step.
+/// Takes one extrapolated step of length h. The error of each column is a series in the square of
+/// its step.
 fn extrapolated<S: PoissonSystem<D, 1>, const D: usize>(
     system: &S,
     y: [f64; D],
@@ -112,7 +113,7 @@ fn extrapolated<S: PoissonSystem<D, 1>, const D: usize>(
     columns[COLUMNS.len() - 1]
 }
 
-/// The midpoint rule with n steps of h/n, an even number, and Gragg's smoothing at the end.
+/// Takes n steps h/n of the midpoint rule, n even, with Gragg's smoothing at the end.
 fn modified_midpoint<S: PoissonSystem<D, 1>, const D: usize>(
     system: &S,
     y: [f64; D],
@@ -130,8 +131,8 @@ fn modified_midpoint<S: PoissonSystem<D, 1>, const D: usize>(
     std::array::from_fn(|i| 0.5 * (now[i] + end[i]))
 }
 
-/// E[φ(y(T))] by Gauss–Legendre over ±9 standard deviations of S, on pieces of one standard
-/// deviation.
+/// Expectation E[φ(y(T))] by Gauss–Legendre over ±9 standard deviations of S, on pieces of one
+/// standard deviation.
 pub fn expectation<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
     problem: &Problem<S, G, D>,
     time: &RandomTime<'_, G>,

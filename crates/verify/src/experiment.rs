@@ -1,4 +1,4 @@
-//! What an experiment is, what it is given and what it returns.
+//! Experiments: their conditions and their findings.
 
 use mc::{Problem, Setup, Simulation};
 use noise::{StreamKey, Truncation};
@@ -11,16 +11,16 @@ use crate::{
     streams,
 };
 
-/// What an experiment is given.
+/// Conditions of an experiment: seed, size and number.
 pub struct Conditions<'a> {
     /// Master seed.
     pub seed: u64,
-    /// Fewer steps and samples than the paper has, for continuous integration: intervals are wide
-    /// and verdicts often undecided.
+    /// Whether there are fewer steps and samples than in the paper, for continuous integration:
+    /// intervals are wide and verdicts often undecided.
     pub quick: bool,
     /// Number of the experiment ([`streams`]), so that no two share noise.
     pub experiment: u64,
-    /// The id of what is made, where that is a single panel or statement.
+    /// Identifier of the panel or statement, where the experiment makes a single one.
     pub id: &'a str,
 }
 
@@ -42,7 +42,7 @@ impl Conditions<'_> {
         followed(setup, steps, truncation(), self.key(part), path)
     }
 
-    /// `paper` at the paper's sizes, `quick` for continuous integration.
+    /// Chooses `paper` at the paper's sizes, `quick` for continuous integration.
     pub fn choose<T>(&self, paper: T, quick: T) -> T {
         if self.quick { quick } else { paper }
     }
@@ -73,7 +73,7 @@ pub fn followed(
     table.times().iter().enumerate().map(|(n, &t)| (t, state(n))).collect()
 }
 
-/// |y − x|.
+/// Distance |y − x|.
 pub fn distance(y: &[f64], x: &[f64]) -> f64 {
     y.iter().zip(x).map(|(y, x)| (y - x) * (y - x)).sum::<f64>().sqrt()
 }
@@ -83,7 +83,7 @@ pub fn truncation() -> Truncation {
     valid(Truncation::new(TRUNCATION_ORDER))
 }
 
-/// What an experiment found.
+/// Findings of an experiment: figures and claims.
 #[derive(Default)]
 pub struct Findings {
     /// Figures.
@@ -98,12 +98,12 @@ impl From<Vec<Claim>> for Findings {
     }
 }
 
-/// One set of runs, which makes panels, claims or both: the ids of what it makes, of panels or of a
-/// statement, and what runs it.
+/// One set of runs, which makes panels, claims or both: the ids of the panels or of the statement,
+/// and the function that runs it.
 pub type Experiment = (&'static [&'static str], fn(&Conditions<'_>) -> Findings);
 
-/// A figure in words: its title, the system and its parameters, and what the paper says that it
-/// shows.
+/// Figure in words: its title, the system and its parameters, and the statement of the paper about
+/// it.
 pub type Words = [&'static str; 3];
 
 /// The paper's systems and their parameters in words.
@@ -114,10 +114,10 @@ pub const BODY_ENERGY: &str = "rigid body, one noise H₀, I = (2, 1, 2/3)";
 pub const VOLTERRA: &str = "Lotka–Volterra, a = −1, b = −1, c = 1";
 pub const POISSON: &str = "three-dimensional Poisson system, c = 1";
 
-/// How increments are truncated in most panels, in words.
+/// Truncation of increments in most panels, in words.
 pub const TRUNCATED: &str = "increments truncated with k = 4";
 
-/// A panel without curves, whose set-up is "system, γ = …, y₀ = …, T = …, steps".
+/// Creates a panel without curves, whose set-up is "system, γ = …, y₀ = …, T = …, steps".
 pub fn panel(words: Words, id: &str, kind: Kind, problem: &Problem<'_>, steps: &str) -> Panel {
     let start = problem.y0.iter().map(|y| ((1e4 * y).round() / 1e4).to_string());
     let (start, damping) = (start.collect::<Vec<_>>().join(", "), problem.damping.describe());

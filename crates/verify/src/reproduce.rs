@@ -8,7 +8,7 @@ use crate::{
     streams,
 };
 
-/// The ids of what experiments make.
+/// Identifiers of the panels and statements that experiments make.
 pub fn ids(experiments: &[Experiment]) -> impl Iterator<Item = &'static str> {
     experiments.iter().flat_map(|(ids, _)| *ids).copied()
 }
@@ -17,8 +17,7 @@ pub fn ids(experiments: &[Experiment]) -> impl Iterator<Item = &'static str> {
 /// current rayon pool, at the paper's sizes or at `quick` ones, and says on the standard error what
 /// is running.
 ///
-/// Of the provenance, the seed, the mode, the threads and the timings by id are filled in; the rest
-/// is left to the caller.
+/// Seed, mode, threads and timings by id are filled in as provenance; the caller fills in the rest.
 pub fn reproduce(seed: u64, quick: bool, only: &[&str]) -> Results {
     let mode = if quick { "quick" } else { "paper" };
     let mut results = Results {

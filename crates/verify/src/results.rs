@@ -1,4 +1,4 @@
-//! The `results.json` contract: what a reproduction run says, as data.
+//! The `results.json` contract: the results of a reproduction run, as data.
 //!
 //! # For other languages
 //!
@@ -44,12 +44,13 @@ pub use crate::verdict::{ORDER_MARGIN, Verdict, order_verdict};
 /// [`Claim::evidence`] are worded anew.
 pub const SCHEMA: u32 = 2;
 
-/// A whole run.
+/// Results of a whole run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Results {
-    /// [`SCHEMA`].
+    /// Version of the contract, [`SCHEMA`].
     pub schema: u32,
-    /// Where, when and how; the only part that may differ between two runs with the same seed.
+    /// Place, time and manner of the run; the only part that may differ between two runs with the
+    /// same seed.
     pub provenance: Provenance,
     /// The panels, in the order of the paper.
     pub panels: Vec<Panel>,
@@ -65,15 +66,15 @@ pub struct Results {
 pub struct Panel {
     /// Identifier, for example `pendulum-strong`.
     pub id: String,
-    /// What is plotted.
+    /// Kind of the curves.
     pub kind: Kind,
     /// Title in words.
     pub title: String,
     /// System, damping, initial value, final time, steps: the set-up in one line of plain text.
     pub setup: String,
-    /// What the paper says this figure shows.
+    /// Statement of the paper about this figure.
     pub paper: String,
-    /// Number of sample paths; of a weak panel those of the coarsest difference.
+    /// Number of sample paths; for a weak panel, of the coarsest difference.
     pub samples: u64,
     /// The reference solution, in words.
     pub reference: String,
@@ -82,11 +83,11 @@ pub struct Panel {
     pub failures: Vec<String>,
     /// The curves.
     pub series: Vec<Series>,
-    /// Where increments were clipped: how many, and what share they have in the errors. Empty where
-    /// none was.
+    /// Clipped increments: their numbers, and their share in the errors. Empty where none was
+    /// clipped.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub clipped: Vec<Clipped>,
-    /// Of a weak panel, the sample paths of each difference between neighbouring step sizes,
+    /// Numbers of sample paths of each difference between neighbouring step sizes of a weak panel,
     /// coarsest first.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub differences: Vec<DifferenceSamples>,
@@ -108,30 +109,30 @@ pub struct Clipped {
     pub scheme: String,
     /// Step size.
     pub tau: f64,
-    /// How many increments of this size were clipped, over all paths.
+    /// Number of clipped increments of this step size, over all paths.
     pub increments: u64,
     /// Share of the paths with clipped increments in the mean-square error at the final time.
     pub share: f64,
 }
 
-/// A statement, what was measured about it, and the verdict.
+/// Statement, the measurement about it, and the verdict.
 #[derive(Clone, Debug, Serialize)]
 pub struct Claim {
     /// Identifier, for example `strong-one`.
     pub id: String,
-    /// The panel it was measured on; empty when it was measured on its own.
+    /// Panel that the statement was measured on; empty when it was measured on its own.
     pub panel: String,
-    /// The scheme it is about; empty when it is about none.
+    /// Scheme that the statement is about; empty when it is about none.
     pub scheme: String,
     /// The statement in words.
     pub statement: String,
-    /// [`Evidence::verdict`] of what was measured.
+    /// Verdict that follows from the measurement, see [`Evidence::verdict`].
     pub verdict: Verdict,
     /// The measurement as a sentence.
     pub evidence: String,
     /// The measurement as data.
     pub measured: Evidence,
-    /// Whether the paper proves it: a refuted proven claim fails the run.
+    /// Whether the paper proves the statement: a refuted proven claim fails the run.
     pub proven: bool,
     /// The documented reason why a refutation is expected (a misprint in the statement), or empty.
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -139,7 +140,7 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// A statement that the paper proves, about no panel and no scheme; the verdict and the
+    /// Creates a claim that the paper proves, about no panel and no scheme; the verdict and the
     /// sentence follow from the measurement.
     pub fn new(id: &str, statement: impl Into<String>, measured: Evidence) -> Self {
         Self {
@@ -166,13 +167,13 @@ impl Claim {
         }
     }
 
-    /// The claim as one about a panel and a scheme, either of which may be empty.
+    /// Sets the panel and the scheme that the claim is about; either may be empty.
     #[must_use]
     pub fn about(self, panel: &str, scheme: &str) -> Self {
         Self { panel: panel.into(), scheme: scheme.into(), ..self }
     }
 
-    /// The claim as one that the paper proves, or does not.
+    /// Sets whether the paper proves the claim.
     #[must_use]
     pub fn proven(self, proven: bool) -> Self {
         Self { proven, ..self }

@@ -6,10 +6,10 @@
 
 use noise::StreamKey;
 
-/// Numbers of one experiment of the families below [`HARD_CASES`], one for each of its parts.
+/// Number of streams of an experiment of the families below [`HARD_CASES`], one for each part.
 pub const PARTS: u64 = 16;
 
-/// What the speed of a path-step is measured on, one number.
+/// Stream on which the speed of a path-step is measured, one number.
 pub const BENCH: u64 = 0;
 /// Panels of the paper, in its order: 1, 2, … times [`PARTS`].
 pub const PANELS: u64 = 1;

@@ -11,11 +11,11 @@ use systems::{Damping, ImplicitStep, Invariant, PoissonSystem, Problem, paper::v
 /// rotates about z. Casimirs: ½|sᵢ|².
 pub struct TwoSpins;
 
-/// J.
+/// Exchange constant J.
 const EXCHANGE: f64 = 1.0;
-/// K.
+/// Anisotropy constant K.
 const ANISOTROPY: f64 = 0.5;
-/// σ.
+/// Size σ of the random field.
 const FIELD: f64 = 0.8;
 
 pub fn spin_pair<G: Damping>(damping: G) -> Problem<TwoSpins, G, 6> {
@@ -55,8 +55,8 @@ impl PoissonSystem<6, 3> for TwoSpins {
         [component(0), component(1), third, component(3), component(4), sixth]
     }
 
-    /// \[fₘ, f_l\] = B∇{H_l, Hₘ} with {H_l, Hₘ} = σ² Σᵢ sᵢ·(eₘ × e_l). So the areas rotate both
-    /// spins about one axis.
+    /// Commutators \[fₘ, f_l\] = B∇{H_l, Hₘ} with {H_l, Hₘ} = σ² Σᵢ sᵢ·(eₘ × e_l). So the areas
+    /// rotate both spins about one axis.
     #[inline(always)]
     fn commutators<R: Real>(&self, y: [R; 6], areas: [[f64; 3]; 3]) -> [R; 6] {
         let [a, b, c] =

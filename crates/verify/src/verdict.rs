@@ -1,4 +1,4 @@
-//! Verdicts, and when an order is said to hold.
+//! Verdicts, and the rule by which an order holds.
 
 use serde::Serialize;
 use stats::Rate;
@@ -15,14 +15,14 @@ pub enum Verdict {
     Undecided,
 }
 
-/// Confidence at which verdicts are given: one run gives some sixty verdicts about orders, and a
-/// false alarm fails it.
+/// Confidence of verdicts: one run gives some sixty verdicts about orders, and a false alarm fails
+/// the run.
 const VERDICT_CONFIDENCE: f64 = 0.999;
-/// Orders are multiples of ½; this is half the distance between neighbours.
+/// Half the distance between neighbouring orders, which are multiples of ½.
 pub const ORDER_MARGIN: f64 = 0.25;
 
-/// Whether a fitted order is `order`, or at least `order`: an error that is bounded by Cτ^`order`
-/// may have a higher one.
+/// Judges whether a fitted order is `order`, or at least `order`: an error that is bounded by
+/// Cτ^`order` may have a higher order.
 ///
 /// The interval is widened about its estimate from [`Rate::confidence`] to 99.9 %. The order holds
 /// if the widened interval contains it and lies within [`ORDER_MARGIN`] of it, so that no other

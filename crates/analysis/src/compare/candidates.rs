@@ -22,13 +22,14 @@ pub struct Candidates<'a> {
 }
 
 impl<'a> Candidates<'a> {
-    /// No scheme yet, and this reference. It should have strong order one:
+    /// Creates candidates with this reference and no scheme yet. The reference should have strong
+    /// order one:
     /// [`SexpLevy`](schemes::SexpLevy), or [`Sexp`](schemes::Sexp) where noises commute.
     pub fn against(reference: Arc<dyn Method + 'a>) -> Self {
         Self { schemes: Vec::new(), reference, casimirs: Vec::new() }
     }
 
-    /// With this scheme, too.
+    /// Adds a scheme.
     #[must_use]
     pub fn and(mut self, scheme: Arc<dyn Method + 'a>) -> Self {
         self.schemes.push(scheme);
@@ -84,32 +85,32 @@ impl<'a> Candidates<'a> {
     }
 }
 
-/// What is wanted of a comparison, and what it may cost.
+/// Settings of a comparison: the wanted error, the budget, paths and noise.
 #[derive(Clone, Debug)]
 pub struct CompareSettings {
     /// The wanted strong error, (E|y_N − y(T)|²)^½.
     pub error: f64,
-    /// Seconds of wall time. When they are spent, what was found so far is the answer.
+    /// Budget in seconds of wall time. When it is spent, the findings so far are the answer.
     pub budget_s: f64,
-    /// Paths behind errors, 32 at least; 32 where there is no time.
+    /// Number of paths for errors, 32 at least; 32 where there is no time.
     pub samples: u64,
-    /// How increments are truncated.
+    /// Truncation of increments.
     pub truncation: Truncation,
-    /// Which noise. Comparisons use this experiment and the next two.
+    /// Key of the noise. Comparisons use this experiment and the next two.
     pub key: StreamKey,
     /// Ends the comparison early, as if the time were over.
     pub stop: Stop,
-    /// Keeps errors, if there is one.
+    /// Job that stores errors, if there is one.
     pub job: Option<Arc<Job>>,
 }
 
-/// Paths without which there are no intervals.
+/// Least number of paths for intervals.
 pub const MIN_SAMPLES: u64 = 32;
-/// From this final time on, steps below ½ are too many.
+/// Final time from which steps below ½ are too many.
 const LATEST: f64 = 1e9;
 
 impl CompareSettings {
-    /// An error, on this noise: 256 paths, a minute.
+    /// Settings for the strong `error` on the noise of `key`: 256 paths, one minute.
     pub fn new(error: f64, truncation: Truncation, key: StreamKey) -> Self {
         Self {
             error,
@@ -122,7 +123,7 @@ impl CompareSettings {
         }
     }
 
-    /// Refuses what cannot be done.
+    /// Rejects settings that are out of range.
     pub(super) fn check(&self, schemes: usize, t_end: f64) -> Result<(), RunError> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
         let (samples, least) = (self.samples as f64, MIN_SAMPLES as f64);

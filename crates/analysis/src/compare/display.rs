@@ -9,7 +9,7 @@ use crate::{aligned, number};
 const HEAD: [&str; 5] = ["scheme", "steps", "error, 95 %", "cost", "Casimirs"];
 
 impl Comparison {
-    /// Why no scheme reaches the error, and what is left to do.
+    /// Says why no scheme reaches the error, and what is left to do.
     fn out_of_reach(&self) -> String {
         let Self { sampled, t_end, candidates, .. } = self;
         // The scheme that keeps most, and the fewest steps of several.
@@ -33,7 +33,7 @@ impl Comparison {
         }
     }
 
-    /// Why this scheme is taken.
+    /// Says why the scheme `taken` is recommended.
     fn taken(&self, taken: &Candidate, least: &Candidate) -> String {
         let ratio = |one: &Candidate, other| one.ratio(other).map_or(String::new(), interval);
         let kept = self.lacks(&taken.keeps, &Keeps::default());
@@ -56,7 +56,7 @@ impl Comparison {
         words + "."
     }
 
-    /// What one keeps and another does not.
+    /// Lists the properties that `one` conserves and `other` does not.
     fn lacks(&self, one: &Keeps, other: &Keeps) -> String {
         let damping = self.damped || !one.energy;
         let conformal = if self.damped { "the exact damping" } else { "bounds of the energy" };
@@ -113,7 +113,7 @@ impl ErrorPoint {
     }
 }
 
-/// "1.5 [1.3, 1.8]"
+/// Formats a value with its interval, for example "1.5 [1.3, 1.8]".
 fn interval((value, lo, hi): (f64, f64, Option<f64>)) -> String {
     format!("{} [{}, {}]", number(value), number(lo), hi.map_or("…".to_owned(), number))
 }

@@ -21,44 +21,46 @@ use inspect::facts::Form;
 /// The error of one scheme at one step size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorPoint {
-    /// Steps of a path.
+    /// Number of steps of a path.
     pub steps: u64,
-    /// (E|y_N − y_ref|²)^½.
+    /// Strong error (E|y_N − y_ref|²)^½.
     pub error: f64,
-    /// Lower end of its 95 % interval, less the error of the reference.
+    /// Lower end of the 95 % interval of `error`, less the error of the reference.
     pub lo: f64,
-    /// Upper end, with the error of the reference added.
+    /// Upper end of the interval, with the error of the reference added.
     pub hi: f64,
-    /// Whether the error of the reference is at most a quarter of it. Other points are not used.
+    /// Whether the error of the reference is at most a quarter of `error`. Other points are not
+    /// used.
     pub resolved: bool,
-    /// (E max_C|C(y_N)/(e^{−p∫γ}C(y₀)) − 1|²)^½ over the Casimirs C; none if no Casimir is known.
+    /// Defect (E max_C|C(y_N)/(e^{−p∫γ}C(y₀)) − 1|²)^½ over the Casimirs C; `None` if no Casimir is
+    /// known.
     pub defect: Option<f64>,
     /// Seconds of processor time of a path, where they were measured.
     pub time: Option<Spread>,
 }
 
-/// The paths behind all errors, and what these are measured against.
+/// Paths behind all errors, and the reference.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sampled {
-    /// Paths.
+    /// Number of paths.
     pub samples: u64,
-    /// Paths that were left out because some scheme at some step size had no solution.
+    /// Number of paths left out because some scheme at some step size had no solution.
     pub failed: u64,
-    /// The first few of them.
+    /// Messages of the first few failures.
     pub failures: Vec<String>,
-    /// The reference.
+    /// Identifier of the reference scheme.
     pub reference: String,
-    /// Its steps.
+    /// Number of steps of the reference.
     pub steps: u64,
-    /// (E|y_τ − y_{2τ}|²)^½ of the reference at its finest two step sizes.
+    /// Strong difference (E|y_τ − y_{2τ}|²)^½ of the reference at its finest two step sizes.
     pub last_difference: f64,
-    /// (E|y(T) − y′(T)|²)^½ of two independent paths of the reference.
+    /// Distance (E|y(T) − y′(T)|²)^½ of two independent paths of the reference.
     pub spread: f64,
 }
 
 impl Sampled {
-    /// Whether paths of the reference part: at its finest two step sizes they are as far apart as
-    /// independent ones, nearly.
+    /// Whether paths of the reference separate: at its finest two step sizes they are nearly as far
+    /// apart as independent ones.
     pub fn parts(&self) -> bool {
         const PARTED: f64 = 0.25;
         self.last_difference > PARTED * self.spread
@@ -68,7 +70,7 @@ impl Sampled {
 /// The errors of all schemes.
 pub struct Errors {
     pub sampled: Sampled,
-    /// A bound of the error of the reference, with 95 %. It is in every interval.
+    /// Upper bound of the error of the reference, with 95 %. Every interval includes it.
     pub of_reference: f64,
     /// The points of each scheme, coarsest first.
     pub points: Vec<Vec<ErrorPoint>>,
@@ -80,8 +82,8 @@ const REFERENCES: usize = 3;
 const RESOLVED: f64 = 0.25;
 
 impl<'a> Search<'a> {
-    /// Distances to the reference on the same noise, whose own error is estimated from its
-    /// differences, at these step sizes of each scheme and of the reference.
+    /// Measures distances to the reference on the same noise, at these step sizes of each scheme
+    /// and of the reference. The error of the reference is estimated from its own differences.
     pub fn measure(
         &self,
         sizes: &[Range<u32>],
@@ -145,11 +147,11 @@ impl<'a> Search<'a> {
     }
 }
 
-/// A function of the state.
+/// Function of the state.
 type Value<'a> = Box<dyn Fn(&[f64]) -> f64 + Sync + 'a>;
 
-/// For each Casimir C of degree p that the problem names or that was found, the relative defect
-/// (C(y) − c)/c of a final state, with c = e^{−p∫γ}C(y₀); relative to e^{−p∫γ} where c is zero.
+/// Relative defects (C(y) − c)/c of a final state, one for each Casimir C of degree p that the
+/// problem names or that was found, with c = e^{−p∫γ}C(y₀); relative to e^{−p∫γ} where c is zero.
 fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>> {
     let integrals = problem.dampings().map(|damping| damping.integral(0.0, problem.t_end));
     let integrals: Vec<f64> = integrals.collect();
@@ -166,8 +168,9 @@ fn defects<'a>(problem: &'a Problem<'a>, found: &'a [Form]) -> Vec<Value<'a>> {
     laws.map(defect).collect()
 }
 
-/// The squared differences of the reference from itself with half and a quarter of the steps, and
-/// of neighbouring paths; of every point the squared error, and the largest squared defect.
+/// Writes the squared differences of the reference from itself with half and a quarter of the
+/// steps, and of neighbouring paths; then the squared error and the largest squared defect of every
+/// point.
 fn squares(view: &View<'_>, casimirs: &[Value<'_>], values: &mut [Row]) {
     let distance = |a: usize, b: usize| squared_distance(view.state(a), view.state(b), view.live);
     (values[0], values[1]) = (distance(0, 1), distance(1, 2));
@@ -198,10 +201,10 @@ fn root_mean_square(squares: &CrossMoments, index: usize) -> [f64; 3] {
     [lo, value, hi]
 }
 
-/// A bound of the error at the finest of three step sizes from the root-mean-square differences of
-/// successive ones, d₁ = |y_{4τ} − y_{2τ}| and d₀ = |y_{2τ} − y_τ|: Σ of those that would follow,
-/// d₀/(2^p − 1) with p = log₂(d₁/d₀), at most 1 and at least ½, for the upper end of d₀. Infinite
-/// if they do not fall.
+/// Upper bound of the error at the finest of three step sizes from the root-mean-square differences
+/// of successive ones, d₁ = |y_{4τ} − y_{2τ}| and d₀ = |y_{2τ} − y_τ|: the sum of the differences
+/// that would follow, d₀/(2^p − 1) with p = log₂(d₁/d₀), at most 1 and at least ½, for the upper
+/// end of d₀. Infinite if the differences do not fall.
 fn left(before: f64, [_, last, most]: [f64; 3]) -> f64 {
     const FALLS: f64 = 0.25;
     let p = log2(before / last);

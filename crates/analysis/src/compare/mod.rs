@@ -79,41 +79,41 @@ pub use verdict::{Candidate, Choice, Keeps, Outcome};
 pub struct Comparison {
     /// The name of the system.
     pub system: String,
-    /// Its dimension.
+    /// Dimension of the system.
     pub dimension: usize,
-    /// Its number of noises.
+    /// Number of noises of the system.
     pub noises: usize,
     /// The final time.
     pub t_end: f64,
     /// Whether there is damping.
     pub damped: bool,
-    /// The wanted error of y(T), path by path.
+    /// Wanted strong error of y(T).
     pub wanted: f64,
     /// The paths behind all errors, and the reference.
     pub sampled: Sampled,
-    /// A bound of the error of the reference, with 95 %. It is in every interval.
+    /// Upper bound of the error of the reference, with 95 %. Every interval includes it.
     pub reference_error: f64,
     /// The schemes in the order of the candidates.
     pub candidates: Vec<Candidate>,
-    /// Which to take.
+    /// Choice of a scheme, or why there is none.
     pub choice: Choice,
-    /// What the budget cut short.
+    /// Limits at which the budget stopped the comparison, if it did.
     pub stopped: Option<Stopped>,
     /// Seconds of wall time that the comparison took.
     pub wall_s: f64,
 }
 
-/// What the budget cut short.
+/// Limits at which the budget stopped a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stopped {
     /// The budget, seconds.
     pub budget_s: f64,
-    /// The finest steps of a scheme that were measured.
+    /// Number of the finest steps of a scheme that were measured.
     pub steps: u64,
 }
 
 impl Comparison {
-    /// The scheme to take, if one reaches the error.
+    /// Identifier of the recommended scheme, if one reaches the error.
     pub fn recommended(&self) -> Option<&str> {
         match self.choice {
             Choice::Take { scheme, .. } => Some(&self.candidates[scheme].scheme),
@@ -122,10 +122,10 @@ impl Comparison {
     }
 }
 
-/// Which scheme for this problem? See the [module](self).
+/// Compares schemes on a problem and recommends one; see the [module](self).
 ///
-/// `told` hears now and then how far it is: the least error of a scheme so far, by the upper end of
-/// its interval, and the seconds that are left at most.
+/// `told` reports the progress now and then: the least error of a scheme so far, by the upper end
+/// of its interval, and the seconds that are left at most.
 ///
 /// # Errors
 /// [`RunError`] if there is no scheme, if a setting is out of range, if the reference fails, or

@@ -22,7 +22,7 @@ const MIN_STEPS: u64 = 4;
 const MOST: u32 = 60;
 /// The longest step: truncation needs less than one.
 const LONGEST: f64 = 0.5;
-/// The finest pilot has 2^this times as many steps as the coarsest.
+/// Base 2 logarithm of the ratio of the steps of the finest pilot to those of the coarsest.
 const FINEST: u32 = 8;
 /// The reference begins with 2^this times the steps of the schemes, and is not refined any more if
 /// its error is at most this part of the wanted one.
@@ -33,25 +33,25 @@ const REACH: u32 = 6;
 /// The parts of the time left that pilots and errors may take.
 const PILOTS: f64 = 1.0 / 3.0;
 const ERRORS: f64 = 0.75;
-/// How often times are measured.
+/// Number of measurements of each time.
 const REPETITIONS: usize = 3;
-/// Paths that are timed together, and steps that a time takes at least over all its paths.
+/// Number of paths that are timed together, and least number of steps over all paths of a time.
 const PATHS: u64 = 128;
 const PATH_STEPS: u64 = 1 << 14;
 
-/// A comparison under way. Step sizes are numbered by the base 2 logarithm of their steps over
-/// those of the longest step.
+/// State of a running comparison. Step sizes are numbered by the base 2 logarithm of their number
+/// of steps over that of the longest step.
 pub struct Search<'a> {
     pub problem: &'a Problem<'a>,
     pub settings: &'a CompareSettings,
     pub candidates: &'a Candidates<'a>,
-    /// Number of the longest steps.
+    /// Number of steps of a path with the longest steps.
     pub base: u64,
     pub start: Instant,
     pub told: &'a dyn Fn(f64, f64),
 }
 
-/// The number of the longest steps.
+/// Number of steps of a path up to `t_end` with the longest steps.
 pub fn longest_steps(t_end: f64) -> u64 {
     ((t_end / LONGEST).ceil() as u64).max(MIN_STEPS).next_power_of_two()
 }
@@ -75,7 +75,7 @@ impl<'a> Search<'a> {
         self.settings.budget_s - self.start.elapsed().as_secs_f64()
     }
 
-    /// Ends what takes more than this part of the time left.
+    /// Stop signal for work that takes more than this part of the time left.
     fn within(&self, part: f64) -> Stop {
         self.settings.stop.within(part * self.left())
     }
@@ -153,8 +153,8 @@ impl<'a> Search<'a> {
         if scheme.reads_areas() { 0.5 * self.settings.error } else { self.settings.error }
     }
 
-    /// Errors at T/2ᵏ with finer and finer steps, on few paths first, until the wanted one is
-    /// reached or the time is over; and whether it was over.
+    /// Measures errors at T/2ᵏ with finer and finer steps, on few paths first, until the wanted
+    /// error is reached or the time is over; returns whether it was over.
     fn errors(
         &self,
         coarsest: &[Coarsest],

@@ -7,31 +7,31 @@ use serde::{Deserialize, Serialize};
 use super::errors::ErrorPoint;
 use crate::Spread;
 
-/// How a scheme fares at the wanted error.
+/// Results of a scheme at the wanted error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
-    /// Its identifier.
+    /// Identifier of the scheme.
     pub scheme: String,
-    /// The error that is asked of it: half of the wanted one where it reads Lévy areas, since it
-    /// is measured with better ones than it would draw.
+    /// Error required of the scheme: half of the wanted one where it reads Lévy areas, since it is
+    /// measured with better areas than it would draw.
     pub asked: f64,
-    /// Its errors, coarsest step size first.
+    /// Errors of the scheme, coarsest step size first.
     pub points: Vec<ErrorPoint>,
-    /// Whether it reaches the error, and at which price.
+    /// Whether the scheme reaches the error, and its cost.
     pub outcome: Outcome,
-    /// What it keeps over long times.
+    /// Properties that the scheme conserves over long times.
     pub keeps: Keeps,
 }
 
-/// What a scheme keeps over long times; a scheme that keeps more is larger.
+/// Properties that a scheme conserves over long times; a scheme that conserves more is larger.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Keeps {
-    /// The laws of all known Casimirs to rounding, as measured.
+    /// Whether the laws of all known Casimirs hold to rounding, as measured.
     pub casimirs: bool,
-    /// The energy of H₀ without noise and damping.
+    /// Whether the energy H₀ is conserved without noise and damping.
     pub energy: bool,
-    /// The damping is exact; without damping, the scheme is no explicit one, whose energies grow
-    /// exponentially.
+    /// Whether the damping is exact; without damping, whether the scheme is not explicit, since
+    /// energies of explicit schemes grow exponentially.
     pub conformal: bool,
 }
 
@@ -39,63 +39,63 @@ pub struct Keeps {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// It does.
+    /// Reaches the wanted error.
     Reached {
-        /// Steps of a path for the wanted error, between those measured; at most these, if the
-        /// coarsest do.
+        /// Steps of a path for the wanted error, interpolated between those measured; an upper
+        /// bound if the coarsest steps reach it.
         steps: f64,
         /// Seconds of processor time of a path.
         cost_s: f64,
-        /// Ends of its interval, from those of errors and times.
+        /// Lower end of the interval of `cost_s`, from the intervals of errors and times.
         cost_lo: f64,
-        /// Upper end; none where the errors do not reach far enough.
+        /// Upper end of the interval; `None` where the errors do not reach far enough.
         cost_hi: Option<f64>,
     },
-    /// It does not with the steps that were measured.
+    /// Does not reach the wanted error with the steps that were measured.
     NotReached {
-        /// Steps that the wanted error needs, extrapolated from the last errors; none
-        /// where these do not fall.
+        /// Steps that the wanted error needs, extrapolated from the last errors; `None` where
+        /// these do not fall.
         needs: Option<f64>,
     },
     /// The budget was too short for a first error.
     NotMeasured,
-    /// Single steps miss the coefficients of the equation as τ → 0 by this part: the scheme
-    /// converges to something else.
+    /// Inconsistent: single steps miss the coefficients of the equation as τ → 0 by this part, and
+    /// the scheme converges to something else.
     Inconsistent(f64),
-    /// Paths fail at all step sizes; the first failure.
+    /// Fails: some path fails at every step size; with the message of the first failure.
     Fails(String),
 }
 
-/// A scheme to take, or why there is none.
+/// Choice of a scheme, or the reason why there is none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Choice {
-    /// This one of the candidates.
+    /// Takes one of the candidates.
     Take {
-        /// Its number.
+        /// Index of the scheme among the candidates.
         scheme: usize,
-        /// Number of the cheapest one. Another one is taken if it keeps more and does not cost
-        /// significantly more.
+        /// Index of the cheapest scheme. Another one is taken if it conserves more and does not
+        /// cost significantly more.
         cheapest: usize,
     },
     /// No scheme reaches the error.
     NoneReaches,
-    /// Single steps of the reference miss the coefficients of the equation by this part: its errors
-    /// are not the errors.
+    /// Wrong reference: its single steps miss the coefficients of the equation by this part, so
+    /// that distances to it are not errors.
     WrongReference(f64),
     /// The finest steps do not resolve H(t) near this time: errors may be larger than any measured.
     NotResolved(f64),
 }
 
-/// A Casimir with a smaller relative defect is kept: rounding is all that is left.
+/// Relative defect below which a Casimir counts as conserved: only rounding is left.
 const KEPT: f64 = 1e-10;
-/// A scheme that keeps more is taken unless it costs more than this factor, with 95 %.
+/// Cost ratio up to which a scheme that conserves more is taken, with 95 %.
 const WORTH: f64 = 1.1;
 /// Errors that fall with less than this exponent of the step size are not extrapolated.
 const FALLS: f64 = 0.3;
 
 impl Candidate {
-    /// A scheme by its errors, unless something excludes it.
+    /// Judges a scheme by its errors, unless something excludes it.
     pub(super) fn new(
         scheme: &str,
         points: Vec<ErrorPoint>,
@@ -121,7 +121,7 @@ impl Candidate {
         candidate
     }
 
-    /// The measured error beside the wanted one, or the last one.
+    /// Measured point next to the wanted error, or the last one.
     pub fn point(&self) -> Option<&ErrorPoint> {
         let mut resolved = self.points.iter().filter(|point| point.resolved);
         match self.outcome {
@@ -131,7 +131,7 @@ impl Candidate {
         }
     }
 
-    /// Seconds, if the error is reached, and the ends of their interval.
+    /// Cost in seconds with the ends of its interval, if the error is reached.
     pub(super) fn cost(&self) -> Option<(f64, f64, Option<f64>)> {
         match self.outcome {
             Outcome::Reached { cost_s, cost_lo, cost_hi, .. } => Some((cost_s, cost_lo, cost_hi)),
@@ -139,8 +139,8 @@ impl Candidate {
         }
     }
 
-    /// How many times the cost of `other` that of this scheme is, with its interval; no upper end
-    /// where there is none. `None` unless both reach the error.
+    /// Ratio of the cost of this scheme to that of `other`, with its interval, which may have no
+    /// upper end. `None` unless both reach the error.
     pub fn ratio(&self, other: &Self) -> Option<(f64, f64, Option<f64>)> {
         let ((a, a_lo, a_hi), (b, b_lo, b_hi)) = (self.cost()?, other.cost()?);
         let hi = a_hi.filter(|_| b_lo > 0.0).map(|hi| hi / b_lo);
@@ -176,9 +176,10 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     Outcome::NotReached { needs }
 }
 
-/// Steps and seconds of the wanted error from those of other errors, coarsest first: those of the
-/// coarsest steps if all are below it, or between the two neighbouring points, the more expensive
-/// ones if the curve passes it more than once, linear in the logarithms. Nothing is extrapolated.
+/// Interpolates steps and seconds for the wanted error from `usable` points, coarsest first,
+/// linearly in the logarithms: between the two neighbouring points, the more expensive pair if the
+/// curve passes the error more than once. If all errors are below it, the coarsest point is the
+/// result. Nothing is extrapolated.
 fn cost(mut usable: Vec<[f64; 3]>, wanted: f64) -> Option<(f64, f64)> {
     let &[_, steps, seconds] = usable.first()?;
     if usable.iter().all(|[error, ..]| *error <= wanted) {
@@ -197,7 +198,7 @@ fn cost(mut usable: Vec<[f64; 3]>, wanted: f64) -> Option<(f64, f64)> {
     Some((between(1), between(2)))
 }
 
-/// The candidate that keeps most among those that do not cost significantly more than the cheapest.
+/// Chooses the candidate that conserves most, of those not significantly dearer than the cheapest.
 pub fn choose(candidates: &[Candidate]) -> Choice {
     let costs = candidates.iter().enumerate().filter_map(|(n, one)| Some((n, one.cost()?.0)));
     let Some((cheapest, _)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else {

@@ -1,30 +1,30 @@
-//! Whether what is said of an order is true.
+//! Verdicts on claimed orders.
 
 use serde::Serialize;
 
 use super::{Decision, Limit, Order};
 
-/// What a claim has come to.
+/// Verdict on a claimed order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The order is at least the one that was claimed.
+    /// The order is at least the claimed one.
     Confirmed,
-    /// It is less, or the limit is another.
+    /// The order is lower than the claimed one, or the limit is wrong.
     Refuted,
-    /// Neither was shown.
+    /// Undecided: the measurement neither confirms nor refutes the claim.
     CannotTell,
 }
 
 /// Confidence at which points contradict a claim.
 const CONTRADICTION: f64 = 0.999;
-/// How far below a claim the upper end of the interval must be where no order is named: beyond half
-/// of the distance of two orders.
+/// Distance by which the upper end of the interval must be below a claim where no order is named:
+/// more than half the distance of two orders.
 const BELOW: f64 = 0.3;
 
 impl Order {
-    /// Whether this is at least the weak order that was claimed. Only an order that is named, or
-    /// another limit, refutes it: where an error changes its sign, points follow any power.
+    /// Verdict on the claim that the weak order is at least `claimed`. Only an order that is named,
+    /// or another limit, refutes it: where an error changes its sign, points follow any power.
     pub fn is_weakly(&self, claimed: f64) -> Verdict {
         match self.decision {
             Decision::Order { order, .. } if order >= claimed => Verdict::Confirmed,
@@ -34,10 +34,10 @@ impl Order {
         }
     }
 
-    /// Whether this is at least the strong order that was claimed. A lower one that single steps
-    /// show and points do not contradict counts if all steps are the `same` map. Where no order is
-    /// named, points that are clearly lower refute the claim, and single steps of which every
-    /// possible order is high enough confirm it.
+    /// Verdict on the claim that the strong order is at least `claimed`. A lower one that single
+    /// steps show and points do not contradict counts if all steps are the `same` map. Where no
+    /// order is named, points that are clearly lower refute the claim, and single steps of which
+    /// every possible order is high enough confirm it.
     pub fn is_strongly(&self, claimed: f64, same: bool) -> Verdict {
         let reaches = self.reaches().unwrap_or(f64::NAN);
         let possible = self.one_step.iter().flat_map(|step| step.strong_orders());

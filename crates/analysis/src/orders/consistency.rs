@@ -17,13 +17,13 @@ use schemes::Step;
 
 use super::{Limit, StepSizes, one_step::Steps, runs::Visit};
 
-/// Paths whose states are taken.
+/// Number of paths whose states single steps start from.
 pub const VISITS: usize = 64;
-/// Step sizes, each a quarter of the one before.
+/// Number of step sizes, each a quarter of the one before.
 const SCALES: i32 = 24;
-/// Rounding errors of one step are this part of |y|, or less.
+/// Upper bound of the rounding errors of one step as a part of |y|.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
-/// What is that many times as large as rounding errors is known to a tenth.
+/// Ratio to rounding errors from which an error is known to a tenth.
 const SHOWN: f64 = 8.0;
 /// Errors that fall with less than this exponent of τ may not vanish; those of the field have ½ or
 /// more.
@@ -34,9 +34,9 @@ const KNOWN: f64 = 1e-3;
 /// Errors that fall with less than this exponent do not vanish.
 const STAYS: f64 = 0.1;
 
-/// Compares steps from these states with the coefficients of the equation, for paths or for their
-/// law alone: the limit is consistent, inconsistent or unchecked. It is unchecked where steps fail
-/// or it is stopped.
+/// Compares steps from the states `visits` with the coefficients of the equation, for paths or for
+/// their `law` alone: the limit is consistent, inconsistent or unchecked. It is unchecked where
+/// steps fail or the measurement is stopped.
 pub fn consistency(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit], law: bool) -> Limit {
     let numbers = (setup.problem.y0.len() * setup.problem.noises * VISITS) as f64;
     if demand("coefficients", 8.0 * numbers).is_err() {
@@ -71,7 +71,7 @@ pub fn consistency(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit], law: 
     }
 }
 
-/// A relative error and what rounding makes of it.
+/// Relative error of single steps, with its rounding error.
 struct Error {
     value: f64,
     floor: f64,
@@ -98,7 +98,7 @@ fn vanishes(errors: &[Error]) -> Limit {
     }
 }
 
-/// What steps of one size show, as parts of |y|.
+/// Errors of steps of one size, as parts of |y|.
 struct Errors {
     /// Root mean square of |Eδ|.
     drift: f64,
@@ -110,13 +110,13 @@ struct Errors {
     motion: f64,
 }
 
-/// A visit and the coefficients of the equation there.
+/// Visit with the coefficients of the equation there.
 struct Known<'a> {
     visit: &'a Visit,
     at: Coefficients,
 }
 
-/// Errors of steps from these states; `None` if a tenth of the steps fail, or y = 0.
+/// Errors of steps from the visited states; `None` if a tenth of the steps fail, or y = 0.
 fn errors(
     steps: &mut Steps<'_>,
     sizes: &StepSizes,
@@ -153,8 +153,8 @@ fn errors(
     })
 }
 
-/// The squares of which [`Errors`] are the roots, of steps from one state, then |y|² and
-/// |y|²Σ|fₘ|²; `None` if a step fails.
+/// Mean squares whose roots are the [`Errors`], of steps from one state, then |y|² and |y|²Σ|fₘ|²;
+/// `None` if a step fails.
 fn squares(
     steps: &mut Steps<'_>,
     Known { visit: Visit { t, state: y }, at }: &Known<'_>,
@@ -190,7 +190,7 @@ fn squares(
     Some([drift, square(&errors[0]), covariance, motion, size, size * noises])
 }
 
-/// The changes Δy in steps from y on these increments; `None` if a step fails.
+/// Changes Δy in steps from y on the given increments; `None` if a step fails.
 fn changes(
     steps: &mut Steps<'_>,
     step: &Step,

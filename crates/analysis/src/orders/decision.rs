@@ -9,29 +9,29 @@ use super::{Limit, OneStep, Order};
 /// The order of a scheme, or why no order is named and what would decide.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decision {
-    /// The order.
+    /// Order of the scheme.
     Order {
-        /// A multiple of ½, or an integer for a weak order.
+        /// Value of the order: a multiple of ½, or an integer for a weak order.
         order: f64,
-        /// Whether the points show it. Otherwise they still fall faster, and one step at a smaller
-        /// τ shows it; or, for a weak order above one, a lower one may hide in a tenth of the last
-        /// difference.
+        /// Whether the points show the order. Otherwise they still fall faster, and one step at a
+        /// smaller τ shows it; or, for a weak order above one, a lower one may hide in a tenth of
+        /// the last difference.
         shown: bool,
     },
-    /// The differences between step sizes are rounding errors: the scheme keeps the function.
+    /// Differences between step sizes are rounding errors: the scheme conserves the function.
     Kept,
     /// The scheme converges to something else.
     WrongLimit,
     /// No order can be named.
     Undecided {
-        /// Why.
+        /// Reason in words.
         because: String,
-        /// What would decide.
+        /// Effort that would decide the order.
         more: More,
     },
 }
 
-/// What would decide an order.
+/// Effort that would decide an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum More {
     /// More paths.
@@ -53,7 +53,7 @@ pub fn undecided(more: More, because: impl Into<String>) -> Decision {
     Decision::Undecided { because: because.into(), more }
 }
 
-/// Whether these differences in so many steps are rounding errors of something of this size.
+/// Whether the differences after `steps` steps are rounding errors of a function of size `size`.
 pub fn kept(differences: &CrossMoments, steps: u64, size: f64) -> bool {
     let rounding = ROUND_OFF * steps as f64 * size.abs();
     differences.count() > 1
@@ -61,7 +61,7 @@ pub fn kept(differences: &CrossMoments, steps: u64, size: f64) -> bool {
             .all(|k| differences.mean(k).abs() + 2.0 * differences.standard_error(k) <= rounding)
 }
 
-/// The strong order.
+/// Decides the strong order.
 pub fn strong(rate: Option<&Rate>, one_step: Option<OneStep>, limit: Limit) -> Decision {
     let unclear = |orders| {
         undecided(More::Steps, format!("one step as τ → 0 shows {orders} a strong order can have"))
@@ -80,8 +80,8 @@ pub fn strong(rate: Option<&Rate>, one_step: Option<OneStep>, limit: Limit) -> D
     }
 }
 
-/// The weak order; `lower_share` is an upper bound of the terms of order below a given one in the
-/// last difference.
+/// Decides the weak order; `lower_share` is an upper bound of the terms of order below a given one
+/// in the last difference.
 pub fn weak(
     rate: Option<&Rate>,
     lower_share: impl Fn(u32) -> Option<f64>,
@@ -106,7 +106,7 @@ fn not_asymptotic() -> Decision {
     undecided(More::Steps, "the points follow no order that the scheme can have")
 }
 
-/// A rate from which an order may be read.
+/// Rate from which an order may be read, or the decision why there is none.
 fn usable(rate: Option<&Rate>, limit: Limit) -> Result<&Rate, Decision> {
     if let Limit::Differs { .. } | Limit::Inconsistent { .. } = limit {
         return Err(Decision::WrongLimit);

@@ -21,8 +21,7 @@ pub enum Limit {
         /// The error of single steps, as a part of |y| per unit of time or root of it.
         defect: f64,
     },
-    /// The distance from the exact solution is at most this, which is small beside the errors
-    /// measured.
+    /// Distance from the exact solution is small beside the errors measured.
     Agrees {
         /// Upper end of the interval of the distance.
         distance: f64,
@@ -37,7 +36,7 @@ pub enum Limit {
         /// Upper end of the interval of the distance.
         distance: f64,
     },
-    /// Single steps show nothing.
+    /// Unchecked: single steps show nothing.
     Unchecked,
 }
 
@@ -45,14 +44,14 @@ pub enum Limit {
 const SPAN: usize = 3;
 /// The part of the mean-square distance at the finest step that may be left in the limit.
 const LEFT: f64 = 0.5;
-/// 95 %, two-sided.
+/// Normal quantile of a two-sided interval of 95 %.
 const QUANTILE: f64 = 1.96;
-/// Σ_{j ≥ 1} 2^{−j/2}: an error of order ½, the slowest, is at most so many differences y_τ −
-/// y_{τ/2}.
+/// Sum Σ_{j ≥ 1} 2^{−j/2}: bound of an error of order ½, the slowest, in units of the difference
+/// y_τ − y_{τ/2}.
 const TAIL: f64 = 2.42;
 
-/// The constant c of mean squares X = c + Aτ + … with positive terms, at most, from those at two
-/// step sizes that are 2^`halvings` apart: c ≤ (2ⁿX(τ) − X(2ⁿτ))/(2ⁿ − 1), with its 95 %
+/// Upper bound of the constant c of mean squares X = c + Aτ + … with positive terms, from those at
+/// two step sizes that are 2^`halvings` apart: c ≤ (2ⁿX(τ) − X(2ⁿτ))/(2ⁿ − 1), with its 95 %
 /// half-width.
 fn constant(squares: &CrossMoments, [far, near]: [usize; 2], halvings: usize) -> (f64, f64) {
     let growth = exp2(halvings as f64);
@@ -63,7 +62,7 @@ fn constant(squares: &CrossMoments, [far, near]: [usize; 2], halvings: usize) ->
     (constant.mean(0), half_width(&constant, 0))
 }
 
-/// Half the width of the 95 % interval of mean number i.
+/// Half-width of the 95 % interval of mean number i.
 fn half_width(moments: &CrossMoments, i: usize) -> f64 {
     QUANTILE * moments.standard_error(i)
 }
@@ -80,11 +79,11 @@ pub fn wrong_limit(errors: &CrossMoments, differences: &CrossMoments) -> Option<
         .then_some(near.sqrt())
 }
 
-/// Whether errors against a reference, of which the error is about this, are no more than the
-/// differences of successive step sizes leave: Σ_{j ≥ 1} rʲ times the last one, if they fall by r
-/// as the last two do, between 2^{−½} and ¼. That bounds errors of a right limit, by the triangle
-/// inequality, where differences go on so; half as much more is left for those that do not yet.
-/// Errors of three times as much that stay are those of another limit.
+/// Judges the limit by errors against a reference whose own error is about `reference`. Errors of a
+/// right limit are at most what differences of successive step sizes leave, by the triangle
+/// inequality: Σ_{j ≥ 1} rʲ times the last one, if they fall by r as the last two do, between
+/// 2^{−½} and ¼. Half as much more is allowed for differences that do not fall so yet. Errors of
+/// three times as much that stay are those of another limit.
 pub fn strong_limit(errors: &CrossMoments, differences: &CrossMoments, reference: f64) -> Limit {
     let (finest, last) = (errors.length() - 1, differences.length() - 1);
     let end = |l: usize, side: f64| (errors.mean(l) + side * half_width(errors, l)).max(0.0).sqrt();
@@ -101,17 +100,18 @@ pub fn strong_limit(errors: &CrossMoments, differences: &CrossMoments, reference
     }
 }
 
-/// The part of the last difference that is left, Σ_{j ≥ 1} rʲ, if differences fall by r as the last
-/// two do, between 2^{−½}, of order ½, and ¼.
+/// Remaining error in units of the last difference, Σ_{j ≥ 1} rʲ, if differences fall by r as the
+/// last two do, between 2^{−½}, of order ½, and ¼.
 fn tail(last: f64, before: f64) -> f64 {
     // All are zero where the solver is exact.
     let ratio = (last / before.max(f64::MIN_POSITIVE)).clamp(0.25, FRAC_1_SQRT_2);
     ratio / (1.0 - ratio)
 }
 
-/// The distance of the limit, |E[φ(y) − φ(x)]|, from the means of φ(y_k) − φ(y_{k+1}) and of that
-/// at the finest step, more than [`SPAN`] in all. The error is what the last difference leaves, as
-/// in [`strong_limit`] with the ends of intervals, or at least that difference, as of order one.
+/// Judges the limit by its distance |E[φ(y) − φ(x)]|, from the means of φ(y_k) − φ(y_{k+1}) and of
+/// that at the finest step, more than [`SPAN`] in all. The error is what the last difference
+/// leaves, as in [`strong_limit`] with the ends of intervals, or at least that difference, as for
+/// order one.
 pub fn weak_limit(differences: &CrossMoments) -> Limit {
     let last = differences.length() - 1;
     let mean = |i: usize| differences.mean(i).abs();

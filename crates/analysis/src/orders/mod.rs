@@ -42,14 +42,14 @@ pub use referee::{Judged, LevelNoise, Referee, SolverStates, VISITS};
 pub(crate) use runs::kept;
 pub use step_sizes::StepSizes;
 
-/// The order of one scheme, with what it rests on.
+/// Order of one scheme, with the measurements behind it.
 ///
 /// [`Display`](std::fmt::Display) words it.
 #[derive(Clone, Debug)]
 pub struct Order {
-    /// What the order is fitted to, coarsest step size first, with intervals of 95 %: differences
-    /// y_τ − y_{τ/2} in the root mean square or in the mean of the function, or errors against an
-    /// exact solution.
+    /// Points that the order is fitted to, coarsest step size first, with intervals of 95 %:
+    /// differences y_τ − y_{τ/2} in the root mean square or in the mean of the function, or errors
+    /// against an exact solution.
     pub points: Vec<Point>,
     /// The fitted order; `None` if the differences are zero or inside their noise. Its interval
     /// reaches to the order that is named.
@@ -60,7 +60,7 @@ pub struct Order {
     pub limit: Limit,
     /// The order, or why there is none.
     pub decision: Decision,
-    /// Paths that were left out of every number here, since some run of theirs failed.
+    /// Number of paths left out of every number here, since some run of theirs failed.
     pub failed: u64,
 }
 
@@ -75,7 +75,7 @@ impl Order {
 }
 
 /// Compares single steps of the scheme with the coefficients of the equation as τ → 0, at states
-/// that its paths visit; or the first failure, if one of these fails.
+/// that its paths visit; returns the first failure, if one of the paths fails.
 pub(crate) fn single_steps(
     setup: &Setup<'_>,
     sizes: &StepSizes,

@@ -18,16 +18,16 @@ use super::{StepSizes, runs::Visit};
 /// The order of the error of one step, a multiple of ½: E|δ|² ∝ τ^{2q}.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OneStep {
-    /// q.
+    /// Order q.
     pub order: f64,
-    /// The smallest step size at which it was seen.
+    /// Smallest step size at which the order was seen.
     pub tau: f64,
-    /// How much stronger the noise was than that of the problem.
+    /// Factor of the noise over that of the problem.
     pub amplification: f64,
 }
 
 impl OneStep {
-    /// The strong orders that belong to q.
+    /// Strong orders that a one-step order q allows.
     ///
     /// Errors of q = k + ½ are odd in the noise, for a smooth scheme, and have no mean: q − ½.
     /// Those of integer q may have one: q − 1 or q − ½. With q = 1, q − 1 is no convergence.
@@ -44,12 +44,12 @@ const AMPLIFICATIONS: [f64; 5] = [1.0, 16.0, 256.0, 4096.0, 65_536.0];
 const SCALES: i32 = 20;
 /// Differences below this fraction of |y| are rounding errors to a hundredth.
 const ROUND_OFF: f64 = 3e-14;
-/// How far the exponents of the last two pairs of scales may be from a multiple of ½: a tenth of
-/// the distance.
+/// Tolerance of the exponents of the last two pairs of scales to a multiple of ½: a tenth of the
+/// distance.
 const TOLERANCE: f64 = 0.05;
 
-/// The smallest order that one step of a scheme shows with the noise of the problem or an amplified
-/// one, from these states at their times; `None` if it is not clear.
+/// Smallest order that one step of a scheme shows with the noise of the problem or an amplified
+/// one, from the states `visits` at their times; `None` if the order is not clear.
 pub fn one_step(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit]) -> Option<OneStep> {
     let mut steps = Steps::new(setup);
     least_order(setup.problem.t_end, sizes, &mut |tau, amplifications| {
@@ -57,7 +57,8 @@ pub fn one_step(setup: &Setup<'_>, sizes: &StepSizes, visits: &[Visit]) -> Optio
     })
 }
 
-/// For a step size and factors of the noise, mean squares of differences and of states.
+/// Function that gives mean squares of differences and of states for a step size and factors of the
+/// noise.
 pub type SquaresOf<'a> = dyn FnMut(f64, &[f64]) -> Vec<(f64, f64)> + 'a;
 
 /// The step sizes of single steps, coarsest first.
@@ -109,7 +110,7 @@ fn square_of(x: impl Iterator<Item = f64>) -> f64 {
     x.map(|x| x * x).sum()
 }
 
-/// For each factor of the noise, means of |δ|² and |y|² over the steps that succeed; NaN if none
+/// Means of |δ|² and |y|² for each factor of the noise, over the steps that succeed; NaN if none
 /// does.
 fn differences(
     steps: &mut Steps<'_>,
@@ -167,13 +168,13 @@ pub fn two_steps(
     })
 }
 
-/// Steps from one state on 32 noises. Lanes that nobody sets have none.
+/// Stepper from one state on 32 noises. Lanes whose noise is not set have zero noise.
 pub struct Steps<'a> {
-    /// What is stepped.
+    /// Scheme and problem of the steps.
     pub setup: &'a Setup<'a>,
     /// The noise of a step, or of the two halves of one.
     pub noises: [StepNoise; 2],
-    /// No noise, and that of both halves.
+    /// Zero noise, and the noise of both halves together.
     zero: StepNoise,
     both: StepNoise,
     state: Box<dyn Stepper + 'a>,
@@ -202,7 +203,7 @@ impl<'a> Steps<'a> {
         }
     }
 
-    /// Sets these paths to a state.
+    /// Sets the given paths to a state.
     fn set(&mut self, state: &[f64], paths: PathMask) {
         for (row, &y) in self.state.state_mut().iter_mut().zip(state) {
             paths.paths().for_each(|p| row[p] = y);
@@ -219,14 +220,14 @@ impl<'a> Steps<'a> {
         (self.state.state(), PathMask::first(count).without(status.failed))
     }
 
-    /// Takes the noise from paths that nobody asks for, or no more.
+    /// Zeroes the noise of `paths`, which are not, or no longer, asked for.
     fn take_noise(&mut self, paths: PathMask) {
         let Self { noises, zero, .. } = self;
         noises.iter_mut().for_each(|n| paths.paths().for_each(|p| n.copy_path(p, zero, p)));
     }
 
-    /// A step τ from the visit and two half steps, on the first `count` of the noises; `None` if
-    /// there is no such step.
+    /// Takes a step τ from the visit, and two half steps, on the first `count` of the noises;
+    /// `None` if there is no such step.
     pub fn one_and_two(&mut self, visit: &Visit, tau: f64, count: usize) -> Option<OneAndTwo<'_>> {
         self.take_noise(PathMask::ALL.without(PathMask::first(count)));
         // Times are multiples of the step size.

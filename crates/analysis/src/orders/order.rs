@@ -16,11 +16,11 @@ use super::{
     step_sizes::within,
 };
 
-/// Relative error of a weak difference for which the model, some powers of an expansion, is not
-/// answerable.
+/// Relative error of a weak difference that the model, some powers of an expansion, need not
+/// explain.
 const MODEL_ERROR: f64 = 0.01;
 
-/// Paths whose states single steps start from.
+/// Number of paths whose states single steps start from.
 const VISITS: u64 = 256;
 
 /// The strong order of a scheme, from root-mean-square differences y_τ − y_{τ/2} at the final time.
@@ -69,7 +69,7 @@ pub fn strong_order(setup: &Setup<'_>, sizes: &StepSizes) -> Result<Order, Ladde
 /// [`stats::fit_weak`].
 ///
 /// # Errors
-/// As [`strong_order`](super::strong_order), with five step sizes at least.
+/// [`LadderError`] as in [`strong_order`](super::strong_order), with five step sizes at least.
 pub fn weak_order(
     setup: &Setup<'_>,
     observable: &dyn Observe,
@@ -155,8 +155,8 @@ pub fn strong(
     Order { points, rate, one_step, limit, decision, failed: 0 }
 }
 
-/// The weak order from differences of successive step sizes, or errors, of a function of this size
-/// after so many steps.
+/// Weak order from differences of successive step sizes, or errors, of a function of size `size`
+/// after `steps` steps.
 pub fn weak(
     taus: &[f64],
     fitted: &CrossMoments,
@@ -192,7 +192,7 @@ impl Order {
     }
 }
 
-/// |y − x|² of the paths that are live.
+/// Squared distances |y − x|² of the live paths.
 pub fn squared_distance(y: &[Row], x: &[Row], live: PathMask) -> Row {
     let mut square = [0.0; WIDTH];
     for p in live.paths() {
@@ -201,7 +201,7 @@ pub fn squared_distance(y: &[Row], x: &[Row], live: PathMask) -> Row {
     square
 }
 
-/// Means with normal intervals.
+/// Points of the means with normal intervals.
 fn mean_points(taus: &[f64], moments: &CrossMoments) -> Vec<Point> {
     let point = |(l, &tau): (usize, &f64)| {
         let (value, se) = (moments.mean(l), moments.standard_error(l));
@@ -221,7 +221,7 @@ fn errors(sizes: usize, moments: &CrossMoments) -> CrossMoments {
 pub struct Exact<'a> {
     /// The random time, carried along each path.
     pub time_change: &'a dyn TimeChange,
-    /// y(T) as a function of the random time at T.
+    /// Solution y(T) as a function of the random time at T.
     solution: Box<dyn Fn(f64) -> Vec<f64> + Sync + 'a>,
 }
 

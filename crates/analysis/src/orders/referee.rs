@@ -1,7 +1,7 @@
 //! Orders of solvers that are not ours: their noise goes out, their states come back.
 //!
 //! A solver gets the increments of every step size, with areas joined by Chen's relation, and gives
-//! y(T). What it shows is judged as our schemes are: by differences of successive step sizes, by
+//! y(T). Its results are judged as our schemes are: by differences of successive step sizes, by
 //! single steps as τ → 0, and by a limit. This is compared with a reference of order one on the
 //! finest noise, since the coefficients of the solver are not known.
 //!
@@ -27,11 +27,11 @@ use super::{
 /// Factors of the noise of single steps; stronger noise would overflow solvers that do not expect
 /// it.
 const STRENGTHS: [f64; 3] = [1.0, 16.0, 256.0];
-/// States from which single steps start.
+/// Number of states from which single steps start.
 pub const VISITS: usize = 64;
-/// Step sizes of single steps.
+/// Number of step sizes of single steps.
 const SINGLE: usize = 16;
-/// Paths that interpretations of the noise are compared on.
+/// Number of paths on which interpretations of the noise are compared.
 const FEW: usize = 256;
 /// The part of a squared distance that an interpretation may leave.
 const EXPLAINED: f64 = 0.25;
@@ -41,9 +41,9 @@ const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 /// The noise of a step size, each array by [step, path, noise].
 #[derive(Clone, Debug, Default)]
 pub struct LevelNoise {
-    /// ΔW.
+    /// Increments ΔW.
     pub increments: Vec<f64>,
-    /// Lévy areas ½∫(W_i dW_j − W_j dW_i), [step, path, i, j]; none of one noise.
+    /// Lévy areas ½∫(W_i dW_j − W_j dW_i), [step, path, i, j]; empty for one noise.
     pub areas: Vec<f64>,
     /// Space-time areas H.
     pub space_time: Vec<f64>,
@@ -64,7 +64,7 @@ impl LevelNoise {
         }
     }
 
-    /// Blocks of 32 paths side by side in each of these steps.
+    /// Joins `blocks` of 32 paths side by side in each of `steps` steps.
     fn joined(blocks: &[&Self], steps: usize) -> Self {
         let of = |values: fn(&Self) -> &[f64]| -> Vec<f64> {
             let step = |n: usize, all: &[f64]| {
@@ -82,7 +82,7 @@ impl LevelNoise {
     }
 }
 
-/// |a − b|².
+/// Squared distance |a − b|².
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
 }
@@ -95,7 +95,7 @@ fn joined_space_time([a, b]: [&[Row]; 2], [one, two]: [&StepNoise; 2]) -> Vec<Ro
     (0..a.len()).map(|m| std::array::from_fn(|p| of(m, p))).collect()
 }
 
-/// φ at the states of these paths.
+/// Values of φ at the states of the given paths.
 fn values(phi: &dyn Observe, d: usize, states: &[f64], paths: &[usize]) -> Vec<f64> {
     let block = |paths: &[usize]| {
         let of = |i: usize, p: usize| paths.get(p).map_or(0.0, |path| states[path * d + i]);
@@ -166,18 +166,18 @@ pub struct Referee<'a> {
 /// The final states of a solver, each array by [path, component].
 #[derive(Clone, Debug, Default)]
 pub struct SolverStates {
-    /// At time 0.
+    /// Initial states.
     pub start: Vec<f64>,
-    /// At each step size, coarsest first.
+    /// Final states at each step size, coarsest first.
     pub levels: Vec<Vec<f64>>,
-    /// Those of the reference, and with steps twice as long.
+    /// Final states of the reference, and of the reference with steps twice as long.
     pub reference: [Vec<f64>; 2],
-    /// After one step, and after two half steps, at each of [`Referee::single_taus`]; none of a
-    /// solver that draws noise of its own.
+    /// States after one step and after two half steps, at each of [`Referee::single_taus`]; empty
+    /// for a solver that draws noise of its own.
     pub single: Vec<[Vec<f64>; 2]>,
 }
 
-/// What the states of a solver show.
+/// Judgement on a solver: orders, errors and laws that its states show.
 #[derive(Debug)]
 pub struct Judged {
     /// The strong order.
@@ -188,11 +188,11 @@ pub struct Judged {
     pub taus: Vec<f64>,
     /// Root mean squares of the errors against the reference, coarsest first.
     pub errors: Vec<f64>,
-    /// That of the reference, about.
+    /// Estimate of the error of the reference.
     pub reference_error: f64,
-    /// For each law its name, the largest relative defect, and how much of it may be rounding.
+    /// Name of each law, its largest relative defect, and the part of it that may be rounding.
     pub laws: Vec<(String, f64, f64)>,
-    /// What the solver solves instead.
+    /// Equation that the solver solves instead, if known.
     pub solves: Option<&'static str>,
 }
 
@@ -201,12 +201,12 @@ impl Referee<'_> {
         self.setup.problem.noises
     }
 
-    /// Space-time areas of the 32 paths from this one on.
+    /// Space-time areas of the 32 paths from path number `first` on.
     fn space_time(&self, first: u64) -> WienerRows {
         WienerRows::new(self.sizes.key.beside(Purpose::SpaceTimeAreas), first)
     }
 
-    /// The noise of so many paths from path number `first` on, multiples of 32, at every step size
+    /// Noise of `paths` paths from path number `first` on, both multiples of 32, at every step size
     /// of the solver, coarsest first.
     ///
     /// # Errors
@@ -257,7 +257,7 @@ impl Referee<'_> {
     /// size, [path, component]; NaN where it fails.
     ///
     /// # Errors
-    /// [`LadderError`] as of [`Setup::ladder`].
+    /// [`LadderError`] as in [`Setup::ladder`].
     pub fn reference(&self, first: u64, paths: usize) -> Result<[Vec<f64>; 3], LadderError> {
         let Self { setup, sizes } = self;
         let d = setup.problem.y0.len();
@@ -318,8 +318,7 @@ impl Referee<'_> {
         })
     }
 
-    /// What the states of a solver show of its strong order, of its weak order for functions, and
-    /// of laws.
+    /// Judges the strong order of a solver, its weak order for functions, and laws, by its states.
     pub fn judge(&self, observables: &[&dyn Observe], states: &SolverStates) -> Judged {
         let Self { setup: Setup { problem, .. }, sizes } = self;
         let (d, levels, number) =
@@ -437,8 +436,8 @@ impl Referee<'_> {
         problem.laws.iter().map(of).collect()
     }
 
-    /// Which other interpretation of the noise has the limit of a solver: Euler's method on the
-    /// noise of the reference, with a multiple of the Itô correction.
+    /// Finds another interpretation of the noise that has the limit of a solver: Euler's method on
+    /// the noise of the reference, with a multiple of the Itô correction.
     fn solves(&self, states: &SolverStates, paths: &[usize]) -> Option<&'static str> {
         let Self { setup: Setup { problem, .. }, sizes } = self;
         let (d, steps) = (problem.y0.len(), sizes.reference_steps());

@@ -1,5 +1,5 @@
-//! Runs of a scheme at several step sizes, moments of what is made of their final states, and
-//! states that paths visit.
+//! Runs of a scheme at several step sizes, moments of functions of their final states, and states
+//! that paths visit.
 
 use mc::{
     Kept, Ladder, LadderError, Measured, PathFailure, Setup, Statistic, TimeChange, View,
@@ -12,11 +12,11 @@ use super::{
 };
 use crate::{FinalMoments, FinalRows, number};
 
-/// Paths that show whether most fail: steps that fail take longest.
+/// Number of paths that show whether most fail: steps that fail take longest.
 pub const FEW: u64 = 32;
 
-/// Moments of a vector of this length, made of the final states of the scheme at every step size,
-/// coarsest first.
+/// Measures moments of a vector of numbers computed from the final states of the scheme at every
+/// step size, coarsest first.
 pub fn measure<'a>(
     setup: &'a Setup<'a>,
     sizes: &StepSizes,
@@ -35,8 +35,8 @@ pub fn measure<'a>(
     Ok(kept(&ladder, (job, &sizes.stop), &format!("{steps} steps"), sizes.samples, none))
 }
 
-/// A statistic of so many paths, with a job as the work of a name and this number of paths. Of no
-/// path if the job met an error.
+/// Computes a statistic over a number of paths; with a job, as work under the given name and number
+/// of paths. The statistic has no path if the job met an error.
 pub fn kept<T: Kept>(
     ladder: &Ladder<'_>,
     (job, stop): (Option<&Job>, &Stop),
@@ -49,7 +49,7 @@ pub fn kept<T: Kept>(
     found.unwrap_or_else(|| ladder.run(0, new))
 }
 
-/// What is said where so many of all paths failed: the rest says little about the scheme.
+/// Undecided order where `failed` of all `paths` failed: the others say little about the scheme.
 pub fn failing(failures: &[PathFailure], [failed, paths]: [u64; 2]) -> Order {
     let t = failures.first().map_or(0.0, |first| first.step as f64 * first.tau);
     let because = format!(
@@ -60,15 +60,15 @@ pub fn failing(failures: &[PathFailure], [failed, paths]: [u64; 2]) -> Order {
     Order { points: Vec::new(), rate: None, one_step: None, limit, decision, failed }
 }
 
-/// A state of a path.
+/// State of a path at a time.
 #[derive(Clone, Debug)]
 pub struct Visit {
     pub t: f64,
     pub state: Vec<f64>,
 }
 
-/// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives, and
-/// the first failure.
+/// States of a number of paths of the scheme, each at a time of its own, or y₀ if no path survives;
+/// and the first failure.
 pub fn visits(
     setup: &Setup<'_>,
     sizes: &StepSizes,
@@ -98,7 +98,7 @@ pub fn state(view: &View<'_>, run: usize, p: usize) -> Vec<f64> {
     view.state(run).iter().map(|row| row[p]).collect()
 }
 
-/// Collects something of paths p of a block that live, where and when there is some.
+/// Collector of the values that `of` gives for live paths p of a block.
 pub struct Collected<'a, T> {
     pub of: &'a (dyn Fn(&View<'_>, usize) -> Option<T> + Sync),
     pub found: Vec<T>,

@@ -16,32 +16,32 @@ use super::{Decision, Limit, More, Order};
 /// [`StepSizes::new`] has cheap defaults.
 #[derive(Clone, Debug)]
 pub struct StepSizes {
-    /// Number of the coarsest steps on [0, T].
+    /// Number of steps on [0, T] at the coarsest step size.
     pub coarsest_steps: u64,
-    /// Step sizes of the errors, each half of the one before.
+    /// Number of step sizes of the errors, each half of the one before.
     pub levels: usize,
-    /// Step sizes beyond the finest of these; the last is the reference.
+    /// Number of step sizes beyond the finest of the errors; the last is the reference.
     pub refinement: u32,
-    /// Paths.
+    /// Number of paths.
     pub samples: u64,
-    /// How increments are truncated.
+    /// Truncation of increments.
     pub truncation: Truncation,
-    /// Which noise.
+    /// Key of the noise.
     pub key: StreamKey,
-    /// Path-steps of all measurements together, see [`within`](Self::within).
+    /// Budget of path-steps of all measurements together, see [`within`](Self::within).
     pub path_steps: u64,
-    /// Ends the measurement early: what it gives is then of no use.
+    /// Stop signal that ends the measurement early: the result is then of no use.
     pub stop: Stop,
-    /// Keeps measurements, by their steps and paths, if there is one.
+    /// Job that stores measurements, by their steps and paths, if there is one.
     pub job: Option<Arc<Job>>,
 }
 
-/// The most step sizes: 2⁴⁸ steps would take years.
+/// Largest number of step sizes: 2⁴⁸ steps would take years.
 const MAX_SIZES: usize = 48;
 
 impl StepSizes {
-    /// Five step sizes from T/`coarsest_steps` on, two beyond, 1000 paths: some 250 000 steps for
-    /// each of the coarsest.
+    /// Settings with five step sizes from T/`coarsest_steps` on, two beyond, and 1000 paths: some
+    /// 250 000 steps for each of the coarsest.
     pub fn new(coarsest_steps: u64, truncation: Truncation, key: StreamKey) -> Self {
         Self {
             coarsest_steps,
@@ -56,9 +56,10 @@ impl StepSizes {
         }
     }
 
-    /// Measures again with more paths or finer steps, whatever would decide, until an order is
-    /// named or the next measurement would exceed `path_steps` in all; the first has fewer paths
-    /// where it would, but 32. Without that there is one measurement.
+    /// Sets a budget: measurements are repeated with more paths or finer steps, whatever would
+    /// decide, until an order is named or the next one would exceed `path_steps` in all. The first
+    /// has fewer paths where it would exceed the budget, but at least 32. Without a budget there is
+    /// one measurement.
     #[must_use]
     pub fn within(self, path_steps: u64) -> Self {
         Self { path_steps, ..self }
@@ -89,7 +90,8 @@ impl StepSizes {
         self.samples.saturating_mul(2 * self.reference_steps())
     }
 
-    /// A scheme in so many finest steps on these levels; see [`Setup::ladder`].
+    /// Ladder of a scheme with the given number of finest steps on the given levels; see
+    /// [`Setup::ladder`].
     pub(super) fn ladder<'a>(
         &self,
         setup: &Setup<'a>,
@@ -100,7 +102,7 @@ impl StepSizes {
         setup.ladder(steps, levels, self.truncation, (self.key, Purpose::Paths), paths)
     }
 
-    /// What of the damping or of H(t) the finest steps do not resolve.
+    /// Message if the finest steps do not resolve the damping or H(t).
     pub(super) fn unresolved(&self, setup: &Setup<'_>) -> Option<String> {
         let damping = DampingResolution::new(setup, self.coarsest_steps);
         let damping = damping.unresolved(self.sizes() - 1);
@@ -111,7 +113,7 @@ impl StepSizes {
         })
     }
 
-    /// Refuses sizes without a step, with fewer step sizes than these, or with too many of either.
+    /// Rejects sizes without a step, with fewer than `from` step sizes, or with too many of either.
     pub(super) fn check(&self, from: usize) -> Result<(), LadderError> {
         let given = self.levels.saturating_add(self.refinement as usize);
         if self.levels == 0 || !(from..=MAX_SIZES).contains(&given) {
@@ -124,7 +126,7 @@ impl StepSizes {
     }
 }
 
-/// Paths of a measurement at least: a block.
+/// Least number of paths of a measurement: one block.
 const FEWEST: u64 = WIDTH as u64;
 
 /// Measures with more paths or finer steps, whatever would decide, until an order is named, none

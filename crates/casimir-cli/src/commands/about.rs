@@ -1,4 +1,4 @@
-//! `casimir new`, `schema`, `doctor` and `--citation`: what is said without a run.
+//! `casimir new`, `schema`, `doctor` and `--citation`: commands without a run.
 
 use std::path::Path;
 

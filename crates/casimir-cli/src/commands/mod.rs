@@ -37,8 +37,8 @@ pub use scene::{compare, equilibrium, expect, inspect, lyapunov, order, run};
 
 use crate::arguments::On;
 
-/// Reads what a command is on and checks it and the folder, and takes as many threads as are asked
-/// for.
+/// Reads the scene of a command, checks it and the folder, and limits the number of threads if
+/// asked for.
 fn read<T>(on: &On, read: impl FnOnce(Source) -> Result<T, SceneError>) -> Done<T> {
     let source = source(&on.scene)?;
     let read = watch().under(READING, 0, |_| read(source))?;
@@ -47,13 +47,13 @@ fn read<T>(on: &On, read: impl FnOnce(Source) -> Result<T, SceneError>) -> Done<
     Ok(read)
 }
 
-/// A scene with changes.
+/// Opens a scene with changes.
 fn open(on: &On, scheme: &SchemeAndSeed, steps: Option<u64>) -> Done<Scene> {
     let changes = Changes { scheme: scheme.clone(), steps, ..Changes::default() };
     read(on, |source| Scene::new(source, &changes))
 }
 
-/// What takes long with large systems.
+/// Name of the work that takes long with large systems.
 const READING: &str = "reading the scene";
 
 /// The text of a scene.
@@ -130,10 +130,10 @@ fn watch() -> Watch {
     Watch::new(Bar(ProgressBar::new(0)))
 }
 
-/// Signals within this time are one wish: it may come as two.
+/// Time within which signals count as one request: it may come as two.
 const ONE_WISH: Duration = Duration::from_secs(1);
 
-/// What ends work that is [`stoppable`].
+/// Request that ends [`stoppable`] work.
 static STOP: OnceLock<Stop> = OnceLock::new();
 
 /// Ends the process at Ctrl-C and SIGTERM. Work that is [`stoppable`] ends by itself, and at a
@@ -169,7 +169,7 @@ fn on_signals(mut act: impl FnMut() + Send + 'static) -> std::io::Result<()> {
 #[cfg(not(unix))]
 use ctrlc::set_handler as on_signals;
 
-/// The same for work that a signal stops: it keeps what it has.
+/// Bar on the terminal for work that a signal stops: it keeps what it has.
 fn stoppable() -> Watch {
     let watch = watch();
     _ = STOP.set(watch.stop.clone());
@@ -208,7 +208,7 @@ fn prepare(folder: &Path) -> Done {
     Ok(())
 }
 
-/// Says what was found, and writes figures and JSON into a folder, if there is one.
+/// Prints the result of a command, and writes figures and JSON into a folder, if there is one.
 fn tell(found: &Found, folder: Option<&Path>, file: &str, json: bool) -> Done {
     // First, and whatever becomes of the files.
     let told = if json { print_json(&found.json) } else { print(&found.text) };

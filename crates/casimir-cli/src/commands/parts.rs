@@ -20,26 +20,26 @@ use verbs::{
 use super::{prepare, print, program, scene::write, source, stoppable, watch};
 use crate::arguments::Plan;
 
-/// What is divided into parts: `plan.json` in the folder of the parts, beside the scene.
+/// Plan of a run in parts: `plan.json` in the folder of the parts, beside the scene.
 #[derive(Serialize, Deserialize)]
 struct Divided {
     /// Number of parts.
     parts: u64,
-    /// What the command line changed.
+    /// Changes made by the command line.
     #[serde(flatten)]
     changes: Changes,
     /// The scheme that `auto` means in all parts, and why; for each combination.
     settled: Vec<Settled>,
-    /// A hash of the rest and of what the scene means.
+    /// Hash of the rest and of the meaning of the scene.
     sum: String,
 }
 
 const PLAN: &str = "plan.json";
 const SCENE: &str = "scene.toml";
-/// How long each piece of work is measured for a plan.
+/// Time for which each piece of work is measured for a plan.
 const MEASURED: Duration = Duration::from_millis(300);
 
-/// What a folder of parts has.
+/// Content of a folder of parts.
 struct Folder {
     divided: Divided,
     sweep: Sweep,
@@ -72,26 +72,27 @@ impl Folder {
         program(self.sweep.scene(), &schemes.collect::<String>())
     }
 
-    /// A hash of all that was planned.
+    /// Hash of the whole plan.
     fn sum(&self) -> Done<String> {
         let Divided { parts, changes, settled, .. } = &self.divided;
         Ok(hash(&serde_json::to_string(&(parts, changes, settled, self.program().input))?))
     }
 
-    /// Writes what was planned.
+    /// Writes the plan.
     fn write(mut self, folder: &Path) -> Done {
         self.divided.sum = self.sum()?;
         Ok(files::write_json(&folder.join(PLAN), &self.divided)?)
     }
 
-    /// Does with a job what the folder is for; the results if there are some here.
+    /// Computes the runs of the folder as parts of a job; returns the results if there are some
+    /// here.
     fn compute(&self, job: &Job, watch: &Watch) -> Done<Outcomes<'_>> {
         let ready = verbs::ready(&self.sweep, self.divided.settled.clone())?;
         verbs::compute(&self.sweep, ready, job, watch)
     }
 }
 
-/// Writes what there is to be done, and a job script.
+/// Writes the plan of a run in parts, and a job script.
 pub fn plan(arguments: &Plan) -> Done {
     let Plan { scene, parts, out, cpus, sbatch: options, changes } = arguments;
     let source = source(scene)?;
@@ -187,7 +188,7 @@ pub fn merge(folder: &Path, formats: &[Format], json: bool) -> Done {
     Ok(merged?)
 }
 
-/// Asks for more in a folder.
+/// Asks for more paths in a folder.
 pub fn extend(folder: &Path, paths: u64) -> Done {
     let mut opened = Folder::open(folder)?;
     let before = opened.sweep.scene().settings.paths;

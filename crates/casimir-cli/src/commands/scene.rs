@@ -99,12 +99,12 @@ fn check_size(sweep: &Sweep) -> Done {
     Ok(())
 }
 
-/// The layout of chains in their file.
+/// Version of the layout of chains in their file.
 const LAYOUT: u32 = 2;
-/// The accuracy of exponents.
+/// Default accuracy of Lyapunov exponents.
 const ACCURACY: f64 = 0.01;
 
-/// Says what a system is. The scheme of the scene is not asked for.
+/// Describes a system. The scheme of the scene is not asked for.
 pub fn inspect(Inspect { sets, on }: &Inspect) -> Done {
     let sets = SchemeAndSeed { sets: sets.clone(), ..SchemeAndSeed::default() };
     let scene = open(on, &sets, None)?;
@@ -175,7 +175,7 @@ pub fn equilibrium(arguments: &Equilibrium) -> Done {
     chains(arguments, "equilibrium", None)
 }
 
-/// Lyapunov exponents.
+/// Computes Lyapunov exponents.
 pub fn lyapunov(Lyapunov { count, chains: arguments }: &Lyapunov) -> Done {
     chains(arguments, "lyapunov", Some(*count as usize))
 }

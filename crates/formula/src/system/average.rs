@@ -1,7 +1,7 @@
 //! The averaged gradient ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη as expressions.
 //!
 //! Each Hamiltonian is taken apart into terms. A sine or cosine of what is affine in y has a closed
-//! form without cancellation, as in [`dgrad`]. A polynomial has as many Gauss–Legendre nodes as it
+//! form without cancellation, as in [`dgrad`]. A polynomial has the Gauss–Legendre nodes that it
 //! needs, and everything else has 8. So a sum of polynomials, sines and cosines is exact to
 //! round-off.
 

@@ -1,4 +1,4 @@
-//! A Poisson system as texts, and what can be wrong with them.
+//! A Poisson system as texts, and errors in them.
 
 use std::fmt::{self, Display};
 
@@ -23,7 +23,7 @@ pub struct Definition {
     pub noises: Vec<String>,
 }
 
-/// What of a [`Definition`], or of its initial value, is wrong.
+/// The faulty part of a [`Definition`], or its initial value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {
     /// The names of components and parameters.
@@ -53,15 +53,15 @@ impl Display for Which {
     }
 }
 
-/// A [`Definition`] that is no Poisson system, or has no values at its initial value.
+/// A [`Definition`] that is not a Poisson system, or has no values at its initial value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct DefinitionError {
-    /// What is wrong.
+    /// Faulty part of the definition.
     pub which: Which,
-    /// What is wrong with it.
+    /// Description of the mistake.
     pub message: String,
-    /// The same of a text that is not a formula, or has no finite value at the initial value.
+    /// Error in a text that is not a formula, or has no finite value at the initial value.
     pub formula: Option<Box<FormulaError>>,
 }
 

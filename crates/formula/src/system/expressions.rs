@@ -12,7 +12,7 @@ use crate::{
     words::{self, Binding},
 };
 
-/// What a system is asked for, in groups of inputs: y, u, v, dt, dw, areas and t.
+/// Operations of a system as expressions, in groups of inputs: y, u, v, dt, dw, areas and t.
 #[derive(Clone)]
 pub struct Expressions {
     pub graph: Graph,
@@ -255,7 +255,7 @@ impl Expressions {
         })
     }
 
-    /// Functions of y at a time in any numbers.
+    /// Values of functions of y at a time, in numbers of any type.
     fn numbers<R: Real>(&self, roots: &[Id], y: &[R], t: f64) -> Vec<R> {
         let mut inputs = y.to_vec();
         inputs.resize(self.group(TIME).end, R::constant(t));
@@ -268,7 +268,7 @@ impl Expressions {
         (1..=self.noises).map(|m| self.field_of(m)).collect()
     }
 
-    /// The same of one.
+    /// ∇Hₘ and B∇Hₘ of one Hamiltonian.
     fn field_of(&mut self, m: usize) -> (Vec<Id>, Vec<Id>) {
         let one = self.graph.constant(1.0);
         let gradient = self.graph.reverse(&[(self.hamiltonians[m], one)], &self.y());

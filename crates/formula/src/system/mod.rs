@@ -26,8 +26,8 @@ use definition::Formulas;
 use expressions::Expressions;
 use program::Programs;
 
-/// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
-/// error of n nodes is of order |b − a|²ⁿ.
+/// Nodes of the averaged gradient of functions that are not polynomials, and the most for a
+/// polynomial. The error of n nodes is of order |b − a|²ⁿ.
 const NODES: usize = 8;
 const MAX_NODES: usize = 16;
 /// Expressions beyond which no more are written out.
@@ -174,7 +174,7 @@ impl System for FormulaSystem {
         }
     }
 
-    /// The whole formula of a scheme is one tape.
+    /// Compiles the whole formula of a scheme into one tape.
     fn compile(
         &self,
         operations: &[Recorded],
@@ -227,7 +227,7 @@ impl System for FormulaSystem {
     }
 }
 
-/// What changes with time, as expressions in t.
+/// Functions of time as expressions in t.
 struct Expressed {
     graph: Graph,
     roots: Vec<Id>,

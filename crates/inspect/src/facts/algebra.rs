@@ -2,7 +2,7 @@
 
 use real::elementary::{exp, ln};
 
-/// A matrix by rows.
+/// Matrix by rows.
 pub type Matrix = Vec<Vec<f64>>;
 
 /// The unit vector e_i of length n.
@@ -20,28 +20,28 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The c for which ca is next to b; zero if a is.
+/// Coefficient c that minimizes ‖ca − b‖; zero if a is zero.
 pub fn share(a: &[f64], b: &[f64]) -> f64 {
     let square = dot(a, a);
     if square > 0.0 { dot(a, b) / square } else { 0.0 }
 }
 
-/// ‖a‖₂.
+/// Norm ‖a‖₂.
 pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// a + cb.
+/// Vector a + cb.
 pub fn moved(a: &[f64], c: f64, b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + c * b).collect()
 }
 
-/// ca.
+/// Vector ca.
 pub fn scaled(c: f64, a: &[f64]) -> Vec<f64> {
     a.iter().map(|x| c * x).collect()
 }
 
-/// max |aᵢ|; NaN if one of them is.
+/// Largest |aᵢ|; NaN if an element is NaN.
 pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.into_iter().map(|x| x.abs()).max_by(f64::total_cmp).unwrap_or(0.0)
 }
@@ -67,8 +67,8 @@ pub fn spectral_radius(mut power: Matrix, squarings: u32) -> f64 {
     exp(log_radius)
 }
 
-/// The smallest eigenvalue of a symmetric matrix: its shift less the spectral radius of what the
-/// shift leaves, to a modest multiple of u‖A‖; NaN unless A is finite.
+/// Smallest eigenvalue of a symmetric matrix A, to a modest multiple of u‖A‖; NaN unless A is
+/// finite. It is s − ρ(sI − A) with the shift s = ‖A‖_F and the spectral radius ρ.
 pub fn smallest_eigenvalue(a: &Matrix) -> f64 {
     let shift = a.iter().map(|row| dot(row, row)).sum::<f64>().sqrt();
     if !shift.is_finite() {
@@ -82,9 +82,9 @@ pub fn smallest_eigenvalue(a: &Matrix) -> f64 {
     if used.len() < a.len() && least > 0.0 { 0.0 } else { least }
 }
 
-/// A basis of the x with Ax = 0, in which each vector has a 1 where all others have a 0, and the
-/// smallest pivot. Pivots below `zero` are none. By Gauss–Jordan elimination with complete
-/// pivoting, whose bits are the same on every machine.
+/// Basis of the null space Ax = 0, in which each vector has a 1 where all others have a 0, and the
+/// smallest pivot. Pivots up to `zero` count as zero. Gauss–Jordan elimination with complete
+/// pivoting gives the same bits on every machine.
 pub fn null_space(mut rows: Matrix, unknowns: usize, zero: f64) -> (Matrix, f64) {
     let mut pivots: Vec<usize> = Vec::new();
     let mut least = f64::INFINITY;

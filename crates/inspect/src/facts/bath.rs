@@ -9,20 +9,20 @@ use super::{
     share, slopes,
 };
 
-/// What is stationary under damping and noise.
+/// Stationary densities of a system under damping and noise.
 ///
-/// e^{−βH₀} is, if the Fokker–Planck residual A + βB + β²C vanishes: with rates γᵢ, fₘ = B∇Hₘ and
-/// dₘ = ∇·fₘ, sₘ = fₘ·∇H₀, it is A = Σγᵢ − ∇·f₀ + ½Σ(fₘ·∇dₘ + dₘ²), C = ½Σsₘ² and
+/// e^{−βH₀} is stationary if the Fokker–Planck residual A + βB + β²C vanishes: with rates γᵢ,
+/// fₘ = B∇Hₘ and dₘ = ∇·fₘ, sₘ = fₘ·∇H₀, it is A = Σγᵢ − ∇·f₀ + ½Σ(fₘ·∇dₘ + dₘ²), C = ½Σsₘ² and
 /// B = s₀ − Σγᵢyᵢ∂ᵢH₀ − ½Σ(fₘ·∇sₘ + 2dₘsₘ), where s₀ is zero without transverse damping. Tested at
-/// 32 points around the initial value. Those of spins with transverse damping have the lengths that
-/// spins have there: f₀ and fₘ are tangential, and so are the divergences.
+/// 32 points around the initial value. For spins with transverse damping, each spin has its initial
+/// length at these points: f₀ and fₘ are tangential, and so are the divergences.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Bath {
-    /// β, if e^{−βH₀} is stationary for this one.
+    /// Inverse temperature β for which e^{−βH₀} is stationary, if there is one.
     pub beta: Option<f64>,
-    /// Whether every function of H₀ is.
+    /// Whether every function of H₀ is stationary.
     pub any: bool,
-    /// Why none is, component by component, in words.
+    /// Reasons why no e^{−βH₀} is stationary, component by component, in words.
     pub mismatch: Vec<String>,
 }
 
@@ -30,7 +30,7 @@ pub struct Bath {
 const STEPS: usize = 8;
 
 impl Bath {
-    /// Of a system whose components have these constant rates of damping.
+    /// Computes the stationary densities of a system; its components have constant damping `rates`.
     pub fn of(system: &dyn System, y0: &[f64], rates: &[f64]) -> Self {
         let (mut probe, mut states) = seen(system, y0);
         let transverse = probe.description().is_transverse;
@@ -94,22 +94,22 @@ impl Bath {
     }
 }
 
-/// Why none is of spins with transverse damping α.
+/// Reason why no e^{−βH₀} is stationary for spins with transverse damping α.
 const SPINS: &str = "transverse damping α of spins of one length |s| balances noise of each spin \
                      with σ² = 2α kT/|s|, and no other damping";
 
-/// H₀.
+/// Values of H₀.
 fn energy(probe: &mut Probe<'_>, y: &[Vec<f64>]) -> Vec<f64> {
     probe.energy(y, &probe.weights(0))
 }
 
-/// The derivative of F along vectors; NaN where no length resolves it.
+/// Derivatives of F along vectors; NaN where no step length resolves the derivative.
 fn along(probe: &mut Probe<'_>, y: &[Vec<f64>], f: &Batch, value: Values<'_>) -> Vec<f64> {
     let known = |(slope, size): Term| if size.is_finite() { slope } else { f64::NAN };
     slopes(probe, y, f, &lengths(y, f), value).into_iter().map(known).collect()
 }
 
-/// Gives spins the lengths that they have in `y0`.
+/// Scales each spin of `y` to the length of that spin in `y0`.
 fn scale_spins(y: &mut [f64], y0: &[f64]) {
     for (spin, first) in y.chunks_mut(3).zip(y0.chunks(3)) {
         let length = norm(first) / norm(spin);
@@ -117,14 +117,14 @@ fn scale_spins(y: &mut [f64], y0: &[f64]) {
     }
 }
 
-/// ∇·fₘ.
+/// Divergence ∇·fₘ.
 fn divergence(probe: &mut Probe<'_>, m: usize, y: &[Vec<f64>]) -> Vec<f64> {
     let (d, weights) = (probe.dimension(), probe.weights(m));
     let slope = probe.gradient(y, &weights);
     trace(d, |i| probe.field_along(y, &[axis(d, i)], &slope, &weights))
 }
 
-/// β > 0 for which A + βB + β²C vanishes at all states.
+/// Solves A + βB + β²C = 0 at all states for a common β > 0.
 fn stationary([a, b, c]: &[Vec<Term>; 3]) -> Option<f64> {
     let all = || a.iter().zip(b).zip(c).map(|((a, b), c)| (*a, *b, *c));
     let of = |beta: f64, a: f64, b: f64, c: f64| a + beta * (b + beta * c);
@@ -157,7 +157,7 @@ fn stationary([a, b, c]: &[Vec<Term>; 3]) -> Option<f64> {
     all().flat_map(roots).map(polished).find(vanishes)
 }
 
-/// What is wrong with each component, whose noise has the square `heat`.
+/// Describes each component whose noise and damping do not balance; `heat` has the squared noises.
 fn mismatch(states: &Batch, slope: &Batch, heat: &Batch, rates: &[f64]) -> Vec<String> {
     let mut words = Vec::new();
     let mut temperatures: Vec<(String, f64)> = Vec::new();
@@ -198,9 +198,9 @@ fn mismatch(states: &Batch, slope: &Batch, heat: &Batch, rates: &[f64]) -> Vec<S
     words
 }
 
-/// The density of component number `place` at the points x under e^{−βH₀}, where its sum is one:
-/// if B is invertible and H₀ a function of this component plus one of the others, as kinetic
-/// energies are. None otherwise: of other components it is an integral.
+/// Density of component number `place` at the points `x` under e^{−βH₀}, normalized to the sum one.
+/// `None` unless B is invertible and H₀ is a function of this component plus one of the others, as
+/// kinetic energies are: otherwise the density is an integral over the other components.
 pub fn gibbs_marginal(
     system: &dyn System,
     y0: &[f64],
@@ -247,7 +247,7 @@ pub fn is_divergence_free(system: &dyn System, y0: &[f64]) -> bool {
     })
 }
 
-/// Σᵢ of component i of column i at each state.
+/// Trace at each state: the sum over i of component i of column i.
 pub fn trace(d: usize, mut column: impl FnMut(usize) -> Batch) -> Vec<f64> {
     let mut sums = Vec::new();
     for i in 0..d {

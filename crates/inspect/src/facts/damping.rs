@@ -12,22 +12,23 @@ use super::Status;
 /// integrals must add up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DampingIntegral {
-    /// How it is known that they agree to six digits. `Unknown` if they differ in parts only in
-    /// which the rate jumps, has a pulse or oscillates too fast for the quadrature: so does every
-    /// quadrature, and a wrong formula may.
+    /// Whether the two integrals agree to six digits. `Unknown` if they differ only in parts where
+    /// the rate jumps, has a pulse or oscillates too fast for the quadrature: there every
+    /// quadrature differs, and a wrong formula may.
     pub agrees: Status,
-    /// The largest difference on a part.
+    /// Largest difference of the two integrals over a part.
     pub defect: f64,
-    /// That relative to the integral of |γ| over the part, or over an average part if that is more.
+    /// Largest difference relative to the integral of |γ| over the part, or over an average part
+    /// if that is larger.
     pub relative: f64,
-    /// The beginning of the part with that difference.
+    /// Beginning of the part with the largest difference.
     pub at: f64,
-    /// ∫₀ᵀ by quadrature of the rate.
+    /// Integral ∫₀ᵀγ by quadrature of the rate.
     pub expected: f64,
-    /// The least ∫₀ᵗ given for a t in [0, T], or less.
+    /// Lower bound of the given integral ∫₀ᵗγ over t in [0, T].
     #[serde(skip)]
     pub(crate) least: f64,
-    /// Whether rate and integral are zero wherever they were looked at.
+    /// Whether rate and integral are zero at every point that was checked.
     #[serde(skip)]
     pub(crate) none: bool,
     /// Whether the rate is finite at both ends of every part, where schemes may read it.
@@ -35,17 +36,17 @@ pub struct DampingIntegral {
     pub(crate) finite: bool,
 }
 
-/// Parts of [0, T].
+/// Number of parts of [0, T].
 const PARTS: u32 = 1024;
 /// Relative tolerance: far above the error of a closed form or a quadrature, far below that of a
 /// wrong formula. Of an average part it is a billionth of the whole, and more than an
 /// antiderivative rounds.
 const AGREEMENT: f64 = 1e-6;
-/// Where in a part the two pieces meet.
+/// Point where the two pieces of a part meet, as a fraction of the part.
 const UNEVEN: f64 = 0.381_966_011_250_105;
 
 impl DampingIntegral {
-    /// That of a damping up to a final time.
+    /// Compares the integral of `damping` up to `t_end` with the integral of its rate.
     pub fn of(damping: &dyn Damping, t_end: f64) -> Self {
         let time = |n: u32| t_end * f64::from(n) / f64::from(PARTS);
         let (parts, pole) = rate_integrals(damping, t_end, PARTS);
@@ -90,7 +91,7 @@ impl DampingIntegral {
 }
 
 impl DampingIntegral {
-    /// What is wrong, if it is known to be.
+    /// Describes the mistake, if the integral is known to be wrong.
     pub fn mistake(&self) -> Option<String> {
         let words = format!("the integral of the damping is not that of its rate: {self}");
         (self.agrees == Status::Fails).then_some(words)

@@ -8,28 +8,28 @@ use super::largest;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// It fails: there is a counterexample beyond round-off.
+    /// Fails: there is a counterexample beyond round-off.
     Fails,
-    /// It cannot be told: round-off hides it, or a value is not finite.
+    /// Undecided: round-off hides the answer, or a value is not finite.
     Unknown,
-    /// It holds to round-off at every point that was looked at.
+    /// Holds to round-off at every point that was checked.
     Holds,
 }
 
 impl Status {
-    /// Whether the property holds wherever it was looked at.
+    /// Whether the property holds at every point that was checked.
     #[must_use]
     pub fn holds(self) -> bool {
         self == Self::Holds
     }
 }
 
-/// Whether an identity holds at points, and its largest relative defect.
+/// Result of checking an identity at points: the answer and the largest relative defect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
     /// The answer.
     pub status: Status,
-    /// The largest defect relative to the terms of the identity, of those with this answer.
+    /// Largest defect relative to the terms of the identity, among the points with this answer.
     pub defect: f64,
     /// The point of the defect.
     pub at: Vec<f64>,
@@ -39,38 +39,39 @@ pub struct Finding {
     kind: Tolerance,
 }
 
-/// How a defect is judged that is far below the largest terms, though not below its own.
+/// Rule for a defect that is far below the largest terms, though not below its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Tolerance {
-    /// As rounding.
+    /// Counts the defect as rounding.
     #[default]
     Usual,
-    /// It cannot be told from a rounded constant.
+    /// Leaves the defect undecided, since a rounded constant may cause it.
     Strict,
-    /// As rounding; and coefficients that were fitted have errors.
+    /// Counts the defect as rounding, and allows for errors of fitted coefficients.
     Fitted,
 }
 
-/// States of a cluster: a point and others at this relative distance of it. A defect that is not
-/// about the same at all of them is round-off.
+/// Number of states of a cluster: a point and others at the relative distance [`APART`]. A defect
+/// that is not about the same at all of them is round-off.
 pub const CLUSTER: usize = 4;
 /// The distance of the states of a cluster, relative to each component.
 pub const APART: f64 = 1e-9;
 /// The ratio of defects in a cluster that are about the same.
 const ALIKE: f64 = 1.5;
-/// A defect below this part of its own terms is round-off: some tens of ε.
+/// Part of its own terms below which a defect is round-off: some tens of ε.
 const ROUNDING: f64 = 1e-14;
-/// Above this part a defect that is the same in the whole cluster is none of rounded constants.
+/// Part of its terms above which a defect that is the same in the whole cluster is not due to
+/// rounded constants.
 const DEFECT: f64 = 1e-12;
-/// Round-off above this part of the terms leaves an identity undecided.
+/// Part of the terms above which round-off leaves an identity undecided.
 const COARSE: f64 = 1e-11;
-/// A defect below this part of the largest terms may be one of rounded constants.
+/// Part of the largest terms below which a defect may be due to rounded constants.
 const FAINT: f64 = 2.0 * f64::EPSILON;
 
-/// A defect, and the size of the terms of which it is the sum.
+/// Defect with the size of the terms whose sum it is.
 pub type Term = (f64, f64);
 
-/// Holds, since nothing was compared yet.
+/// Finding at no points yet: the identity holds.
 impl Default for Finding {
     fn default() -> Self {
         let (at, kind) = (Vec::new(), Tolerance::default());
@@ -79,12 +80,13 @@ impl Default for Finding {
 }
 
 impl Finding {
-    /// Of an identity that decides an order: what is hidden by larger terms cannot be told.
+    /// Starts a finding on an identity that decides an order: a defect that larger terms hide is
+    /// undecided.
     pub(crate) fn strict() -> Self {
         Self { kind: Tolerance::Strict, ..Self::default() }
     }
 
-    /// Of an identity with coefficients that were fitted.
+    /// Starts a finding on an identity whose coefficients were fitted.
     pub(crate) fn fitted() -> Self {
         Self { kind: Tolerance::Fitted, ..Self::default() }
     }
@@ -131,19 +133,19 @@ impl Finding {
         }
     }
 
-    /// Whether it holds at every point.
+    /// Whether the identity holds at every point.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.status.holds()
     }
 
-    /// Whether it is false.
+    /// Whether there is a counterexample to the identity.
     #[must_use]
     pub fn fails(&self) -> bool {
         self.status == Status::Fails
     }
 
-    /// This finding, unknown if there was no point to look at.
+    /// Sets the status to unknown if no point was checked.
     pub(crate) fn seen(mut self) -> Self {
         if self.points == 0 {
             self.status = Status::Unknown;
@@ -152,12 +154,12 @@ impl Finding {
     }
 }
 
-/// A sum that should be zero.
+/// Term of a sum that should be zero: the sum and the sum of absolute values.
 pub fn sum(addends: impl IntoIterator<Item = f64>) -> Term {
     addends.into_iter().fold((0.0, 0.0), |(sum, size), x| (sum + x, size + x.abs()))
 }
 
-/// aᵀb = 0.
+/// Term of the identity aᵀb = 0.
 pub fn product(a: &[f64], b: &[f64]) -> Term {
     sum(a.iter().zip(b).map(|(a, b)| a * b))
 }
@@ -172,7 +174,7 @@ pub fn products(a: &[Vec<f64>], v: &[f64]) -> Vec<Term> {
     a.iter().map(|row| product(row, v)).collect()
 }
 
-/// The terms of a + b.
+/// Componentwise sum of two lists of terms.
 pub fn combined(a: &[Term], b: &[Term]) -> Vec<Term> {
     a.iter().zip(b).map(|(a, b)| (a.0 + b.0, a.1 + b.1)).collect()
 }

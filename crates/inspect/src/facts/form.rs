@@ -8,12 +8,12 @@ use serde::Serialize;
 
 use super::{Matrix, dot, largest};
 
-/// Σβᵢ ln|yᵢ|, βᵀy, or ½yᵀQy.
+/// Form Σβᵢ ln|yᵢ|, βᵀy or ½yᵀQy, by degree.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Form {
-    /// 0, 1 or 2.
+    /// Degree: 0 for logarithms, 1 for a linear form, 2 for a quadratic form.
     pub degree: u32,
-    /// β, or the rows of Q one after the other.
+    /// Coefficients: β, or the rows of Q one after the other.
     pub coefficients: Vec<f64>,
 }
 
@@ -39,7 +39,7 @@ impl Form {
         sum_of_terms(squares.into_iter().chain(products).map(term))
     }
 
-    /// The gradient at y; that of logarithms times the product of the components that occur.
+    /// Gradient at y; for logarithms, multiplied by the product of the components that occur.
     pub(crate) fn gradient(&self, y: &[f64]) -> Vec<f64> {
         match self.degree {
             0 => without_own(&self.coefficients, y),
@@ -48,7 +48,7 @@ impl Form {
         }
     }
 
-    /// A Casimir as a law of a problem.
+    /// Law of a problem with this form as Casimir.
     pub fn law(&self, name: String) -> ConformalLaw<'_> {
         let value = Arc::new(|y: &[f64]| self.value(y));
         ConformalLaw { name, degree: self.degree.into(), casimir: true, value, decay: None }
@@ -63,7 +63,7 @@ impl Form {
     }
 }
 
-/// cᵢ/yᵢ times the product of all y whose coefficients are not zero.
+/// Vector of the cᵢ/yᵢ times the product of all yⱼ whose coefficients are not zero.
 pub fn without_own(c: &[f64], y: &[f64]) -> Vec<f64> {
     let others = |i: usize| {
         let others = (0..c.len()).filter(|&j| j != i && c[j] != 0.0);
@@ -72,12 +72,12 @@ pub fn without_own(c: &[f64], y: &[f64]) -> Vec<f64> {
     (0..c.len()).map(|i| if c[i] == 0.0 { 0.0 } else { others(i) }).collect()
 }
 
-/// The places (i, j), i ≤ j, of a symmetric matrix.
+/// Index pairs (i, j), i ≤ j, of the entries of a symmetric matrix.
 pub fn places(d: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..d).flat_map(move |i| (i..d).map(move |j| (i, j)))
 }
 
-/// `2 a − b`, coefficients to six digits and without those that are zero.
+/// Formats a sum of terms, for example `2 a − b`, with six decimals and without zero terms.
 pub fn sum_of_terms(terms: impl Iterator<Item = (f64, String)>) -> String {
     let mut formula = String::new();
     for (coefficient, symbol) in terms.filter(|(coefficient, _)| *coefficient != 0.0) {

@@ -30,14 +30,14 @@ pub use finding::{Finding, Status};
 pub use form::Form;
 pub use scheme::{Kept, is_damped};
 
-/// What a run has to know of a problem: which laws it obeys.
+/// Facts about a problem that a run needs: the laws that the problem obeys.
 ///
 /// Identities are tested at 32 random points around the initial value: what is found holds to 10⁻⁹
 /// of its terms there. The bits are the same on every machine. `inspect` tests more,
 /// and more sharply.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
-    /// Linear Casimirs, then quadratic ones that are no products of these.
+    /// Linear Casimirs, then quadratic ones that are not products of these.
     pub casimirs: Vec<Form>,
     /// Whether every Hₘ is a multiple of H₀, up to a constant, and none depends on time.
     pub proportional: bool,
@@ -45,7 +45,7 @@ pub struct Facts {
     pub degree: Option<f64>,
     /// Whether there is damping.
     pub damped: bool,
-    /// That the integral of the damping is not the integral of its rate.
+    /// Message if the integral of the damping is not the integral of its rate.
     pub mistake: Option<String>,
 }
 
@@ -79,14 +79,14 @@ impl Facts {
         casimirs.chain(self.energy_law().map(of_energy)).collect()
     }
 
-    /// The degree p of the law H₀(y(t)) = e^{−p∫γ}H₀(y₀), if there is one; any without damping.
+    /// Degree p of the law H₀(y(t)) = e^{−p∫γ}H₀(y₀), if there is one; arbitrary without damping.
     pub fn energy_law(&self) -> Option<f64> {
         let degree = self.degree.or((!self.damped).then_some(0.0));
         degree.filter(|_| self.proportional)
     }
 }
 
-/// A system and 32 points around y₀.
+/// Probe of a system, and 32 points around y₀.
 fn seen<'a>(system: &'a dyn System, y0: &[f64]) -> (Probe<'a>, Batch) {
     let probe = Probe::new(system);
     let states = around(&probe, y0, &mut Random::new(Purpose::Points));
@@ -106,7 +106,7 @@ fn is_proportional(system: &dyn System, y0: &[f64]) -> bool {
         && (1..=description.noises).all(|m| multiple(&drift, &slope(m)).is_some())
 }
 
-/// H₀(y), of a system with one path in each place of a row.
+/// Energy H₀(y) of a system with one path in each place of a row.
 pub fn energy(system: &dyn System, y: &[f64]) -> f64 {
     let mut probe = Probe::new(system);
     let weights = probe.weights(0);
@@ -121,7 +121,7 @@ pub fn casimirs_around(system: &dyn System, y0: &[f64]) -> Vec<Form> {
     forms
 }
 
-/// Components up to which [`fastest`] looks at the matrix of the derivative.
+/// Largest number of components for which [`fastest`] computes the matrix of the derivative.
 const MAX_COMPONENTS: usize = 64;
 /// Squarings of that matrix: ρ is found to the factor 1 ± 64·ln κ/2²⁰, κ its condition.
 const SQUARINGS: u32 = 20;
@@ -142,7 +142,7 @@ pub fn fastest(system: &dyn System, y0: &[f64]) -> f64 {
     if radius.is_finite() { radius } else { 0.0 }
 }
 
-/// 32 points of the domain, as far from y₀ as its size where possible.
+/// Draws 32 points of the domain, as far from y₀ as its size where possible.
 fn around(probe: &Probe<'_>, y0: &[f64], random: &mut Random) -> Batch {
     let size = match norm(y0) {
         0.0 => 1.0,
@@ -157,7 +157,7 @@ fn around(probe: &Probe<'_>, y0: &[f64], random: &mut Random) -> Batch {
     (0..WIDTH).map(|_| point()).collect()
 }
 
-/// c with b = c·a, if there is one.
+/// Factor c with b = c·a, if there is one.
 fn multiple(a: &[f64], b: &[f64]) -> Option<f64> {
     let c = share(a, b);
     let scale = largest(b) + c.abs() * largest(a);
@@ -165,7 +165,7 @@ fn multiple(a: &[f64], b: &[f64]) -> Option<f64> {
     a.iter().zip(b).all(near).then_some(c)
 }
 
-/// An integer, if one is within 10⁻⁹ of x.
+/// Rounds x to an integer if one is within the relative distance 10⁻⁹, else conserves x.
 fn nearby_integer(x: f64) -> f64 {
     if (x - x.round()).abs() <= ZERO * x.abs() { x.round() } else { x }
 }

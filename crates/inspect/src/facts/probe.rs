@@ -5,7 +5,7 @@ use systems::run_time::{Description, Lanes, Op, System, Weights, derived};
 
 use super::{Matrix, Term, axis, dot, largest, moved, transposed};
 
-/// The time at which Hamiltonians are looked at that depend on it.
+/// Time at which time-dependent Hamiltonians are evaluated.
 pub const TIME: f64 = 0.618;
 
 /// States or vectors, one for each point.
@@ -46,12 +46,12 @@ impl<'a> Probe<'a> {
         self.system.check_domain(y).is_ok()
     }
 
-    /// The weights with h = H₀ (0) or h = Hₘ.
+    /// Weights for which h = Hₘ; h = H₀ for `m` = 0.
     pub fn weights(&self, m: usize) -> Vec<f64> {
         axis(self.noises() + 1, m)
     }
 
-    /// States that are in the same rows.
+    /// Number of states that share rows.
     fn together(&self) -> usize {
         match self.description().layout.lanes {
             Lanes::Paths => WIDTH,
@@ -59,7 +59,7 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// States from number `first` on in rows; places that are left over have the last one.
+    /// Packs the states from number `first` on into rows; the last state fills lanes that are left.
     fn rows(&self, states: &[Vec<f64>], first: usize) -> Vec<Row> {
         let mut rows = vec![[0.0; WIDTH]; self.description().layout.rows];
         for lane in 0..self.together() {
@@ -79,8 +79,8 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Calls `f` with the rows of arguments, for as many states at a time as rows have, and their
-    /// number.
+    /// Calls `f` with the rows of the arguments and the number of their states, one group of states
+    /// that share rows at a time.
     fn chunks(
         &mut self,
         arguments: &[&[Vec<f64>]],
@@ -95,7 +95,7 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// An operation at each point, computed tile by tile; or by the quadrature of the system.
+    /// Evaluates an operation at each point, tile by tile, or by the quadrature of the system.
     fn evaluate(&mut self, op: Op<&[Vec<f64>]>, weights: &[f64], by_quadrature: bool) -> Batch {
         let (dt, dw) =
             weights.split_first().map_or((0.0, Vec::new()), |(dt, dw)| (*dt, self.noise(dw)));
@@ -126,7 +126,7 @@ impl<'a> Probe<'a> {
         all
     }
 
-    /// A number at each point.
+    /// Computes one number at each point.
     fn numbers(
         &mut self,
         y: &[Vec<f64>],
@@ -144,33 +144,33 @@ impl<'a> Probe<'a> {
         all
     }
 
-    /// B(y)v.
+    /// Computes B(y)v.
     pub fn structure(&mut self, y: &[Vec<f64>], v: &[Vec<f64>]) -> Batch {
         self.evaluate(Op::Structure { y, v }, &[], false)
     }
 
-    /// (∂B(y)·u)v.
+    /// Computes (∂B(y)·u)v.
     pub fn structure_along(&mut self, y: &[Vec<f64>], u: &[Vec<f64>], v: &[Vec<f64>]) -> Batch {
         self.evaluate(Op::StructureAlong { y, u, v }, &[], false)
     }
 
-    /// ∇h(y).
+    /// Gradient ∇h(y).
     pub fn gradient(&mut self, y: &[Vec<f64>], weights: &[f64]) -> Batch {
         self.evaluate(Op::Gradient { y }, weights, false)
     }
 
-    /// ∇²h(y)u.
+    /// Product ∇²h(y)u of the Hessian with u.
     pub fn hessian(&mut self, y: &[Vec<f64>], u: &[Vec<f64>], weights: &[f64]) -> Batch {
         self.evaluate(Op::Hessian { y, u }, weights, false)
     }
 
-    /// f = B∇h.
+    /// Field f = B∇h.
     pub fn field(&mut self, y: &[Vec<f64>], weights: &[f64]) -> Batch {
         let slope = self.gradient(y, weights);
         self.structure(y, &slope)
     }
 
-    /// f′u = (∂B·u)∇h + B∇²hu, from ∇h.
+    /// Derivative f′u = (∂B·u)∇h + B∇²hu of the field, from `slope` = ∇h.
     pub fn field_along(
         &mut self,
         y: &[Vec<f64>],
@@ -184,21 +184,20 @@ impl<'a> Probe<'a> {
         turned.iter().zip(curved).map(|(a, b)| moved(a, 1.0, &b)).collect()
     }
 
-    /// ∇̄h(a, b), B((a+b)/2)∇̄h(a, b), and ∇̄h by the quadrature of the system, of systems with one
-    /// tile.
+    /// Averages ∇̄h(a, b), B((a+b)/2)∇̄h(a, b), and ∇̄h by quadrature, for a system with one tile.
     pub fn averages(&mut self, a: &[Vec<f64>], b: &[Vec<f64>], weights: &[f64]) -> [Batch; 3] {
         let gradient = Op::AveragedGradient { a, b };
         let all = [(gradient, false), (Op::AveragedField { a, b }, false), (gradient, true)];
         all.map(|(op, by_quadrature)| self.evaluate(op, weights, by_quadrature))
     }
 
-    /// h(y).
+    /// Energy h(y).
     pub fn energy(&mut self, y: &[Vec<f64>], weights: &[f64]) -> Vec<f64> {
         let h = Weights { t: TIME, dt: weights[0], dw: &self.noise(&weights[1..]), areas: &[] };
         self.numbers(y, |system, y, out, scratch| system.energy(y, h, out, scratch))
     }
 
-    /// An invariant that the system claims.
+    /// Values of invariant number `index` that the system claims.
     pub fn invariant(&mut self, index: usize, y: &[Vec<f64>]) -> Vec<f64> {
         self.numbers(y, |system, y, out, scratch| system.invariant(index, y, out, scratch))
     }
@@ -217,10 +216,10 @@ impl<'a> Probe<'a> {
     }
 }
 
-/// A function of the state at many points.
+/// Function of the state, evaluated at many points.
 pub type Values<'f> = &'f dyn Fn(&mut Probe<'_>, &[Vec<f64>]) -> Vec<f64>;
 
-/// Lengths at which differences along vectors begin: a tenth of a state.
+/// Initial lengths of the differences along vectors: a tenth of a state.
 pub fn lengths(y: &[Vec<f64>], along: &Batch) -> Vec<f64> {
     let length = |(y, along): (&Vec<f64>, &Vec<f64>)| {
         0.1 * largest(y).max(f64::MIN_POSITIVE) / largest(along).max(1e-300)
@@ -228,14 +227,14 @@ pub fn lengths(y: &[Vec<f64>], along: &Batch) -> Vec<f64> {
     y.iter().zip(along).map(length).collect()
 }
 
-/// Weights of the differences F(y + kh) − F(y − kh) in the derivative, of orders eight and six.
+/// Coefficients of F(y + kh) − F(y − kh) in the central difference stencils of orders 8 and 6.
 const WEIGHTS: [[f64; 4]; 2] =
     [[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0], [3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0, 0.0]];
-/// Lengths h, each half of the one before, of which the best is taken.
+/// Number of lengths h that are tried, each half of the one before; the best is taken.
 const LENGTHS: i32 = 8;
-/// Below this part of the terms the error of a derivative is taken for round-off.
+/// Part of the terms below which the error of a derivative counts as round-off.
 const ROUNDING: f64 = 1e-14;
-/// A derivative with an error above this part of its terms is not resolved.
+/// Part of its terms above which the error of a derivative leaves it unresolved.
 const RESOLVED: f64 = 1e-9;
 
 /// The derivative of F along vectors at each state, from these lengths on, and a size whose

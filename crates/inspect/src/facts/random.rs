@@ -9,7 +9,7 @@ pub struct Random {
     drawn: u64,
 }
 
-/// What random numbers are for.
+/// Purpose of random numbers; each has its own stream.
 #[derive(Clone, Copy)]
 pub enum Purpose {
     Points,

@@ -10,22 +10,23 @@ use systems::run_time::System;
 
 use super::{MAX_COMPONENTS, is_proportional};
 
-/// What a scheme for paths has to care for.
+/// Properties of a problem that decide the scheme for paths.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Kept {
-    /// There are linear or quadratic Casimirs with a law.
+    /// Whether there are linear or quadratic Casimirs with a law.
     pub casimirs: bool,
-    /// The energy has a law: every noise is a multiple of H₀, which is homogeneous or not damped.
+    /// Whether the energy has a law: every noise is a multiple of H₀, which is homogeneous or not
+    /// damped.
     pub energy: bool,
-    /// Noises do not commute, and Lévy areas are drawn.
+    /// Whether noises do not commute and Lévy areas are drawn.
     pub areas: bool,
-    /// There is noise.
+    /// Whether there is noise.
     pub noise: bool,
-    /// Some component is damped.
+    /// Whether some component is damped.
     pub damped: bool,
 }
 
-/// Parts of T up to which a damping is looked at.
+/// Fractions of T up to which the integral of a damping is evaluated.
 const PARTS: [f64; 3] = [0.2, 0.6, 1.0];
 
 /// Whether some component is damped.
@@ -36,7 +37,7 @@ pub fn is_damped(problem: &Problem<'_>) -> bool {
 }
 
 impl Kept {
-    /// Of a problem of this system with its laws; laws that friction breaks are not among them.
+    /// Reads the properties of `problem` and its laws, without the laws that friction breaks.
     pub fn of(problem: &Problem<'_>, system: &dyn System, areas: bool) -> Self {
         let has = |casimir: bool| problem.laws.iter().any(|law| law.casimir == casimir);
         let damped = is_damped(problem);
@@ -51,7 +52,7 @@ impl Kept {
         }
     }
 
-    /// The scheme for paths of this system, and why.
+    /// Selects the scheme for paths of this system, and says why.
     pub fn scheme(self, system: &dyn System) -> (&'static str, String) {
         let system = system.description();
         let scheme = match self.areas {

@@ -8,15 +8,15 @@ use super::{
     without_own,
 };
 
-/// What is relative to its terms below this is zero.
+/// Relative tolerance: a value below this part of its terms counts as zero.
 pub const ZERO: f64 = 1e-9;
-/// Rows of B below this part of the largest entry are round-off, and say nothing.
+/// Rows of B below this part of the largest entry are round-off and are skipped.
 const NOISE: f64 = 32.0 * f64::EPSILON;
-/// A pivot below this is hardly told from zero.
+/// Smallest pivot that is clearly not zero.
 const CLEAR: f64 = 1e-6;
-/// Most unknowns of a quadratic Casimir: their elimination takes a tenth of a second.
+/// Largest number of unknowns of a quadratic Casimir: their elimination takes a tenth of a second.
 pub const UNKNOWNS: usize = 300;
-/// Most components of a part in which logarithms are sought.
+/// Largest number of components of a part in which sums of logarithms are sought.
 const LOGARITHMS: usize = 64;
 /// Equations for each unknown; a matrix of low rank has few at a point.
 const SURPLUS: usize = 2;
@@ -24,13 +24,13 @@ const SURPLUS: usize = 2;
 /// Functions that may be Casimirs.
 #[derive(Default)]
 pub struct Candidates {
-    /// Linear ones, then quadratic ones that are no products of these, then sums of logarithms.
+    /// Linear forms, then quadratic ones that are not products of these, then sums of logarithms.
     pub forms: Vec<Form>,
-    /// Whether there can be no others.
+    /// Whether other linear or quadratic Casimirs are excluded.
     pub complete: bool,
 }
 
-/// A point, and B there.
+/// Point y with the matrix B(y).
 type AtPoint = (Vec<f64>, Matrix);
 
 /// Solves B(y)∇C(y) = 0 for the coefficients of C in each part of the state that B does not join
@@ -122,8 +122,8 @@ fn parts(probe: &mut Probe<'_>, points: &[AtPoint]) -> Vec<Vec<usize>> {
     (0..d).map(part).filter(|part| !part.is_empty()).collect()
 }
 
-/// bᵀ∇C(y) = 0 for every row b of B(y) on a part, at all points, as rows of length one: `row` is
-/// the equation from b and y.
+/// Equations bᵀ∇C(y) = 0 for every row b of B(y) on a part, at all points, as rows of length one;
+/// `row` gives the equation from b and y.
 fn equations(
     part: &[usize],
     points: &[AtPoint],
@@ -161,7 +161,7 @@ fn products(linear: &Matrix, d: usize) -> Matrix {
     places(linear.len()).map(|(i, j)| product(&linear[i], &linear[j])).collect()
 }
 
-/// Vectors of a span that no combination of `known` and of one another gives, by Gram and Schmidt.
+/// Vectors of `span` that are linearly independent of `known` and of one another, by Gram–Schmidt.
 fn beyond(span: Matrix, known: Matrix) -> Matrix {
     let (mut basis, mut kept, known_first) = (Matrix::new(), Matrix::new(), known.len());
     for (n, x) in known.into_iter().chain(span).enumerate() {

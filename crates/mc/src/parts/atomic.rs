@@ -9,9 +9,9 @@ use std::{
 
 use tempfile::Builder;
 
-/// What the names of temporary files end with.
+/// Suffix of the names of temporary files.
 const TEMPORARY: &str = ".casimir";
-/// A temporary file that nobody changed for so long is of a process that was killed.
+/// Age from which on an unchanged temporary file is of a process that was killed.
 const STALE: Duration = Duration::from_secs(600);
 
 /// The folder of a file.
@@ -19,7 +19,7 @@ pub fn folder(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
 }
 
-/// What the names of temporary files of `file` begin with.
+/// Prefix of the names of temporary files of `file`.
 fn prefix(file: &Path) -> String {
     format!(".{}.", file.file_name().unwrap_or_default().to_string_lossy())
 }
@@ -33,7 +33,7 @@ pub fn replace(file: &Path, content: &[u8]) -> io::Result<()> {
     replace_by(file, |to| to.write_all(content))
 }
 
-/// The same with what `write` writes.
+/// Replaces a file in one step by the content that `write` writes; see [`replace`].
 pub fn replace_by(
     file: &Path,
     write: impl FnOnce(&mut fs::File) -> io::Result<()>,
@@ -62,7 +62,7 @@ pub fn tidy_folder(folder: &Path) {
     remove_temporary(folder, ".", STALE);
 }
 
-/// Removes temporary files whose names begin with `prefix`, and that are as old as this.
+/// Removes temporary files whose names begin with `prefix`, and whose age is `age` or more.
 fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -78,7 +78,7 @@ fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
 #[derive(Debug)]
 pub struct Lock {
     _file: fs::File,
-    /// Whether no other process can have it. Not every file system can say so.
+    /// Whether no other process can have the lock. Not every file system can say so.
     pub is_sole: bool,
 }
 

@@ -20,7 +20,7 @@ use crate::{
     tree::MergeTree,
 };
 
-/// What a program does with its Monte Carlo work: compute it here, compute one part, or merge.
+/// The Monte Carlo work of a program: computed here, computed in part, or merged from parts.
 ///
 /// A job that met an error computes nothing more; [`finish`](Self::finish) says what it was.
 ///
@@ -29,7 +29,7 @@ use crate::{
 #[must_use = "a job is written and its errors are told by `finish`"]
 pub struct Job {
     stop: Stop,
-    /// Whether work that was stopped gives the result of what is done.
+    /// Whether work that was stopped gives the result of the paths that are done.
     incomplete: bool,
     state: Mutex<State>,
 }
@@ -43,30 +43,30 @@ impl fmt::Debug for Job {
 struct State {
     mode: Mode,
     error: Option<JobError>,
-    /// Names of works so far.
+    /// Names of the pieces of work so far.
     names: BTreeSet<String>,
-    /// What the names begin with.
+    /// Prefix of the names: the section.
     section: String,
 }
 
 enum Mode {
-    /// Nothing is written.
+    /// Computes all work and writes nothing.
     Here,
     Part(Part),
     Merge(Merging),
-    /// For so long a little of everything is computed, and forgotten.
+    /// Measures groups of each piece of work for a duration, and drops their results.
     Plan(Duration, Vec<Planned>),
 }
 
 impl Job {
-    /// All work is done here, and nothing is written.
+    /// A job that does all work here and writes nothing.
     pub fn here() -> Self {
         Self::new(Mode::Here)
     }
 
-    /// Part `share` of all work, in `folder`, which is created. If the folder has a checkpoint of
-    /// this part, the job goes on from it. [`Share::WHOLE`] gives results at once: a run with
-    /// checkpoints.
+    /// A job that computes part `share` of all work in `folder`, which is created. If the folder
+    /// has a checkpoint of this part, the job goes on from it. [`Share::WHOLE`] gives results at
+    /// once: a run with checkpoints.
     ///
     /// # Errors
     /// [`JobError`] if the folder cannot be written, another process has this part, or the file of
@@ -76,7 +76,7 @@ impl Job {
         Ok(Self::new(Mode::Part(Part::open(folder, share, &program)?)))
     }
 
-    /// Results come from the parts in `folder`.
+    /// A job that merges the parts in `folder`.
     ///
     /// # Errors
     /// [`JobError`] if there are none, or a file cannot be read, is damaged, or is of another
@@ -85,7 +85,7 @@ impl Job {
         Ok(Self::new(Mode::Merge(Merging::open(folder, &program)?)))
     }
 
-    /// Measures how long works take, on a few groups of each that take at least this long.
+    /// A job that measures how long works take, on a few groups of each that take `each` or more.
     /// [`plan`](Self::plan) has the result.
     pub fn pilot(each: Duration) -> Self {
         Self::new(Mode::Plan(each, Vec::new()))
@@ -101,20 +101,20 @@ impl Job {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Ends early when `stop` asks for it, with a checkpoint.
+    /// Lets `stop` end the job early, with a checkpoint.
     pub fn stopped_by(mut self, stop: &Stop) -> Self {
         self.stop = stop.clone();
         self
     }
 
-    /// Work that is stopped gives the result of the paths that are done, not of part of several.
-    /// [`finish`](Self::finish) says [`JobError::Stopped`] all the same.
+    /// Lets work that is stopped give the result of the paths that are done, except in one part of
+    /// several. [`finish`](Self::finish) says [`JobError::Stopped`] all the same.
     pub fn giving_what_is_done(mut self) -> Self {
         self.incomplete = true;
         self
     }
 
-    /// Writes a checkpoint as often as this, or for a fiftieth of the time at most; every two
+    /// Writes a checkpoint every `interval`, but for a fiftieth of the time at most; every two
     /// seconds by default.
     pub fn with_checkpoints_every(self, interval: Duration) -> Self {
         if let Mode::Part(part) = &mut self.state().mode {
@@ -133,7 +133,7 @@ impl Job {
         matches!(&self.state().mode, Mode::Part(part) if part.resumes)
     }
 
-    /// Ends a [`pilot`](Self::pilot): what there is to compute, and how long it takes.
+    /// Ends a [`pilot`](Self::pilot), and returns the pieces of work with the time that they take.
     ///
     /// # Errors
     /// The first error of the job.
@@ -146,7 +146,7 @@ impl Job {
         }
     }
 
-    /// Ends the job: writes what is not written yet.
+    /// Ends the job, and writes results that are not written yet.
     ///
     /// # Errors
     /// [`JobError`]: the first error of the job, or [`JobError::Missing`]. [`JobError::File`] if
@@ -165,7 +165,7 @@ impl Job {
         }
     }
 
-    /// What ends this job early.
+    /// The flag that ends this job early.
     pub fn stop(&self) -> &Stop {
         &self.stop
     }
@@ -209,9 +209,9 @@ impl Job {
     }
 }
 
-/// Most threads that may be asked for: more than nearly any machine has processors.
+/// Largest number of threads that may be asked for: nearly no machine has more processors.
 const MAX_THREADS: u64 = 1024;
-/// Most threads for each processor: more only wait for each other.
+/// Largest number of threads for each processor: more only wait for each other.
 const THREADS_EACH: usize = 4;
 
 /// Limits the threads of everything that is computed from now on in this process, to four for each
@@ -236,27 +236,27 @@ pub fn limit_threads(threads: u64) -> Result<(), JobError> {
 /// A piece of work before it is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
-    /// Its name.
+    /// Name of the piece of work.
     pub name: String,
-    /// Paths.
+    /// Number of paths.
     pub paths: u64,
-    /// Steps of a path.
+    /// Number of steps of a path.
     pub steps: u64,
-    /// Groups of paths: what is divided among parts.
+    /// Number of groups of paths, which are divided among parts.
     pub groups: u64,
     /// Seconds of a group on one thread, while all threads are busy.
     pub seconds: f64,
 }
 
 impl Planned {
-    /// Seconds that the longest of so many parts takes. Groups are computed by all threads at a
+    /// Seconds that the longest of `parts` parts takes. Groups are computed by all threads at a
     /// time; the last ones leave some idle.
     pub fn seconds(&self, parts: u64, threads: u64) -> f64 {
         self.groups.div_ceil(parts).div_ceil(threads) as f64 * self.seconds
     }
 }
 
-/// Measures some groups of a piece of work, for so long or a single one. There are no results.
+/// Measures groups of a piece of work for the duration `each`, at least one; drops their results.
 pub fn measure<T: Kept>(each: Duration, work: &Work<'_, T>) -> Result<Planned, JobError> {
     let (groups, threads) = (work.groups(), rayon::current_num_threads() as u64);
     let (mut tree, start) = (MergeTree::new(merge), Instant::now());
@@ -274,7 +274,8 @@ pub fn measure<T: Kept>(each: Duration, work: &Work<'_, T>) -> Result<Planned, J
     })
 }
 
-/// A flag that ends a computation at the next step. What complete groups of paths gave is kept.
+/// A flag that ends a computation at the next step. Results of complete groups of paths are
+/// conserved.
 ///
 /// Signals are the program's: a library installs no handler. With the crate `ctrlc`, and its
 /// feature `termination` for SIGTERM, which Slurm sends when the time of a job is up, a program
@@ -296,7 +297,7 @@ pub struct Stop {
 }
 
 impl Stop {
-    /// The same wish, which comes by itself after so many seconds from now on.
+    /// A copy of the flag that also sets itself `seconds` from now.
     #[must_use]
     pub fn within(&self, seconds: f64) -> Self {
         let time = Duration::try_from_secs_f64(seconds.max(0.0)).ok();

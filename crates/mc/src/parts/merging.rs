@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{Kept, checkpoint::file_error, ladder::Nodes, tree::Node};
 
-/// What was merged before, in the file `merged.bin`.
+/// The nodes that were merged before, in the file `merged.bin`.
 pub struct Known(PartFile);
 
 impl Known {
@@ -20,8 +20,8 @@ impl Known {
         Ok(Self(PartFile::open(folder.join("merged.bin"), program, None)?))
     }
 
-    /// Its nodes of a piece of work, from the first group on: all of them, or fewer if there are
-    /// more paths now.
+    /// The merged nodes of a piece of work, from the first group on: all of them, or fewer if there
+    /// are more paths now.
     pub fn nodes<T: Kept>(&self, work: &Work<'_, T>) -> Result<Nodes<T>, JobError> {
         let path = self.0.kept.file();
         let Some(entry) = self.0.works.get(work.name) else { return Ok(Vec::new()) };
@@ -51,7 +51,7 @@ pub fn merged_paths(folder: &Path, program: &Program) -> Result<BTreeMap<String,
     Ok(works.into_iter().map(|(name, entry)| (name, entry.header.paths)).collect())
 }
 
-/// What a part has of a piece of work. The sums stay in its file.
+/// The groups that a part has of a piece of work. The sums stay in its file.
 struct Place {
     path: PathBuf,
     part: Share,
@@ -61,7 +61,7 @@ struct Place {
 /// The parts in a folder, by piece of work.
 pub struct Merging {
     works: BTreeMap<String, Vec<Place>>,
-    /// The largest number of parts that a file says.
+    /// Largest number of parts that a file says.
     of: u64,
     program: Program,
     known: Known,
@@ -132,8 +132,8 @@ impl Merging {
         Ok(Some(nodes))
     }
 
-    /// Whether the files have all groups from group `known` on. Remembers which parts have not, and
-    /// refuses if each has what it was to have after a merge that is lost.
+    /// Whether the files have all groups from group `known` on. Records the parts that lack some,
+    /// and refuses if no part does, since then an earlier merge is lost.
     fn are_complete<T: Kept>(
         &mut self,
         work: &Work<'_, T>,
@@ -186,7 +186,7 @@ impl Merging {
         Ok(false)
     }
 
-    /// That paths were merged before, and that file is no more.
+    /// Error of a file of merged nodes that lacks paths of `work` which were merged before.
     fn lost(&self, work: &str) -> JobError {
         JobError::Refused(format!(
             "{} lacks paths of {work} that were merged before: put it back, or delete part-*.bin \

@@ -18,7 +18,7 @@ use crate::{
     tree::{MergeTree, Node},
 };
 
-/// Where the lock of a part is.
+/// Path of the lock of a part.
 fn lock_of(folder: &Path, share: Share) -> PathBuf {
     folder.join(format!(".lock.{}", share.file_name()))
 }
@@ -26,7 +26,7 @@ fn lock_of(folder: &Path, share: Share) -> PathBuf {
 /// Removes the file of a part, or its checkpoint, if there is one.
 ///
 /// # Errors
-/// [`JobError::File`] if it is there and stays.
+/// [`JobError::File`] if the file exists and cannot be removed.
 pub fn remove(folder: &Path, share: Share) -> Result<(), JobError> {
     for file in [folder.join(share.file_name()), lock_of(folder, share)] {
         match fs::remove_file(&file) {
@@ -43,7 +43,7 @@ pub fn remove(folder: &Path, share: Share) -> Result<(), JobError> {
 pub struct Part {
     share: Share,
     pub file: PartFile,
-    /// Whether its file has work from before.
+    /// Whether the file has work of an earlier run.
     pub resumes: bool,
     known: Known,
     _lock: atomic::Lock,
@@ -73,8 +73,8 @@ impl Part {
         self.file.write()
     }
 
-    /// The nodes of all groups if they were merged before, or if this part is the whole; those that
-    /// are done if it is stopped and `incomplete`.
+    /// Computes this part of a piece of work. Returns the nodes of all groups if they were merged
+    /// before, or if this part is the whole; those that are done if it is stopped and `incomplete`.
     pub fn collect<T: Kept>(
         &mut self,
         work: &Work<'_, T>,
@@ -112,8 +112,8 @@ impl Part {
         Ok((is_whole || first == work.groups()).then_some(nodes))
     }
 
-    /// Takes up what a checkpoint has of these groups, where those before `known` are merged.
-    /// Returns the first group that it has not.
+    /// Resumes the groups that a checkpoint has, where those before `known` are merged. Returns the
+    /// first group that it lacks.
     fn resume<T: Kept>(
         &self,
         work: &Work<'_, T>,
@@ -138,7 +138,7 @@ impl Part {
         }
     }
 
-    /// Puts nodes into the file, in memory.
+    /// Puts nodes into the file in memory, without writing it.
     fn record<T: Kept>(
         &mut self,
         work: &Work<'_, T>,

@@ -12,7 +12,7 @@ pub struct Share {
 }
 
 impl Share {
-    /// All of it.
+    /// All work as one part.
     pub const WHOLE: Self = Self { number: 1, of: 1 };
 
     /// Part `number` of `of`.
@@ -29,15 +29,15 @@ impl Share {
         }
     }
 
-    /// What this part has of a range of items: ⌊(k − 1)L/n⌋ to ⌊kL/n⌋ of L items. The parts cover
-    /// all, and their lengths differ by at most one.
+    /// Items of a range that this part has: ⌊(k − 1)L/n⌋ to ⌊kL/n⌋ of L items. The parts cover all,
+    /// and their lengths differ by at most one.
     pub(super) fn range(self, all: &Range<u64>) -> Range<u64> {
         let length = u128::from(all.end - all.start);
         let at = |k: u64| all.start + (u128::from(k) * length / u128::from(self.of)) as u64;
         at(self.number - 1)..at(self.number)
     }
 
-    /// The name of its file: the numbers have as many digits as the largest, so that names sort.
+    /// Name of the file of the part, whose number has leading zeros, so that names sort.
     pub fn file_name(self) -> String {
         let digits = self.of.to_string().len();
         format!("part-{:0digits$}-of-{}.bin", self.number, self.of)
@@ -60,12 +60,12 @@ pub fn array(numbers: &[u64]) -> String {
     words.collect::<Vec<_>>().join(",")
 }
 
-/// Why a job did not come to its end. Nothing that was in its folder is lost by any of these.
+/// Reason why a job did not come to its end. No such error loses what was in its folder.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum JobError {
-    /// A part, an argument of a command line or a number of threads that cannot be. The text says
-    /// which are possible.
+    /// An invalid part, argument of a command line or number of threads. The text says which are
+    /// possible.
     #[error("{0}")]
     Argument(String),
     /// A file or folder cannot be read or written.
@@ -78,15 +78,15 @@ pub enum JobError {
         /// The cause.
         source: io::Error,
     },
-    /// What is in the folder cannot be used: a file is damaged, belongs to another study or is
-    /// being computed by another process; or sums cannot be written and read back. The text names
-    /// file and work, and says what to do.
+    /// A folder whose content cannot be used: a file is damaged, belongs to another study or is
+    /// being computed by another process; or sums that cannot be written and read back. The text
+    /// names file and work, and says what to do.
     #[error("{0}")]
     Refused(String),
     /// Parts are missing or have not come to their end.
     #[error("missing or incomplete: run these parts again: --array={}", array(parts))]
     Missing {
-        /// Their numbers.
+        /// Numbers of the parts.
         parts: Vec<u64>,
     },
     /// The computation was stopped. A checkpoint is written if the job has a folder.

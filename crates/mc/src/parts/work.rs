@@ -1,5 +1,5 @@
 //! A piece of work: groups of paths of a ladder, whose sums become bytes and come back; and its
-//! file. That of a part, of a checkpoint and of what was merged have one format.
+//! file. The files of a part, of a checkpoint and of merged nodes have one format.
 
 use std::{
     collections::BTreeMap,
@@ -21,12 +21,12 @@ use crate::{
     tree::{MergeTree, Node},
 };
 
-/// The paths of a ladder.
+/// A piece of work: the paths of a ladder.
 pub struct Work<'a, T> {
     pub name: &'a str,
     pub paths: u64,
     pub ladder: &'a Ladder<'a>,
-    /// What tells the study from others, once it was asked for.
+    /// Fingerprint of the study, once it was asked for.
     pub study: OnceLock<String>,
     /// An empty statistic.
     pub new: &'a (dyn Fn() -> T + Sync),
@@ -34,7 +34,7 @@ pub struct Work<'a, T> {
 }
 
 impl<T: Kept> Work<'_, T> {
-    /// The number of its groups of paths.
+    /// Number of groups of paths.
     pub fn groups(&self) -> u64 {
         self.paths.div_ceil(GROUP_PATHS)
     }
@@ -49,14 +49,14 @@ impl<T: Kept> Work<'_, T> {
         self.ladder.grow(tree, (self.paths, groups), self.new, self.stop, after)
     }
 
-    /// An empty tree for its nodes. The last group stays apart if it is not full, since it is
-    /// computed again when there are more paths.
+    /// An empty tree for the nodes of this work. The last group stays apart if it is not full,
+    /// since it is computed again when there are more paths.
     pub fn tree(&self) -> MergeTree<Sum<T>> {
         MergeTree::of_whole(merge, self.paths / GROUP_PATHS)
     }
 
-    /// The nodes as a file has them. What cannot be read back must be known before hours of
-    /// computing depend on it.
+    /// Entry of a file with these nodes as bytes. Sums that cannot be read back are refused, before
+    /// hours of computing depend on them.
     pub fn entry(&self, header: Header, nodes: &[Node<Sum<T>>]) -> Result<Entry, JobError> {
         let checked = |node| {
             let bytes = packed(node, Vec::new())?;
@@ -80,7 +80,7 @@ impl<T: Kept> Work<'_, T> {
         Ok(Entry { header, nodes })
     }
 
-    /// The nodes of a file, which must be the tree's nodes of the groups that are done.
+    /// Nodes of a file, which must be the tree's nodes of the groups that are done.
     pub fn nodes(
         &self,
         path: &Path,
@@ -110,12 +110,12 @@ impl<T: Kept> Work<'_, T> {
         self.study.get_or_init(|| self.ladder.fingerprint(self.new))
     }
 
-    /// What a file says of these groups, of which it has those before `done`.
+    /// Header of a file with these groups, of which it has those before `done`.
     pub fn header(&self, groups: Range<u64>, done: u64) -> Header {
         Header { study: self.study().clone(), paths: self.paths, groups, done }
     }
 
-    /// Whether a file has the same study, of any size.
+    /// Refuses a file of another study; the number of paths does not count.
     pub fn check(&self, path: &Path, found: &Header) -> Result<(), JobError> {
         match &found.study == self.study() {
             true => Ok(()),
@@ -123,7 +123,7 @@ impl<T: Kept> Work<'_, T> {
         }
     }
 
-    /// That a file has another number of paths.
+    /// Error of a file with another number of paths.
     pub fn other_paths(&self, path: &Path, found: &Header) -> JobError {
         differs(path, self.name, "a number of paths", found.paths, self.paths)
     }
@@ -134,7 +134,7 @@ fn packed<T: Kept, W: Write>(node: &Node<Sum<T>>, to: W) -> postcard::Result<W> 
     postcard::to_io(&(first, level, statistic.sums(), tally), to)
 }
 
-/// Takes these bytes and no others.
+/// A writer that takes these bytes and no others.
 struct Same<'a>(&'a [u8]);
 
 impl Write for Same<'_> {
@@ -148,16 +148,16 @@ impl Write for Same<'_> {
     }
 }
 
-/// What a file says of a piece of work beside its sums.
+/// Header of a piece of work in a file: all except its sums.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Header {
-    /// What tells the study from others.
+    /// Fingerprint of the study.
     pub study: String,
-    /// Paths of the whole.
+    /// Number of paths of the whole work.
     pub paths: u64,
-    /// The groups of paths that this file is to have.
+    /// Groups of paths that this file is to have.
     pub groups: Range<u64>,
-    /// The groups that it has are those before this one.
+    /// First group that the file does not have yet.
     pub done: u64,
 }
 
@@ -166,8 +166,8 @@ impl Header {
         self.done == self.groups.end
     }
 
-    /// The end of the groups that are the same in a study of so many paths: the last group has
-    /// more paths there if it is not full here.
+    /// End of the groups that are the same in a study of `paths` paths: the last group has more
+    /// paths there if it is not full here.
     pub fn whole(&self, paths: u64) -> u64 {
         if self.paths < paths { self.paths / GROUP_PATHS } else { self.groups.end }
     }
@@ -183,13 +183,13 @@ pub struct Entry {
 /// A file whose pieces of work are in memory.
 pub struct PartFile {
     pub kept: Checkpoint,
-    /// None of what was merged.
+    /// The part of the file; `None` for merged nodes.
     pub part: Option<Share>,
     pub works: BTreeMap<String, Entry>,
 }
 
 impl PartFile {
-    /// The file at `path`, or one of this part without works if there is none.
+    /// Opens the file at `path`, or one of this part without works if there is none.
     pub fn open(path: PathBuf, program: &Program, part: Option<Share>) -> Result<Self, JobError> {
         let kept = Checkpoint::new(path, program.clone());
         let (part, works) = kept.read()?.unwrap_or((part, BTreeMap::new()));
@@ -202,7 +202,8 @@ impl PartFile {
     }
 }
 
-/// That a file has something else of a piece of work than what is here.
+/// Error of a file that differs in `what` of a piece of work, with `found` there and `here` in this
+/// program.
 pub fn differs(
     path: &Path,
     work: &str,

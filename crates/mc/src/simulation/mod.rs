@@ -49,9 +49,9 @@ pub struct Simulation<'a> {
     noise: Option<NoiseSource<'a>>,
     /// Names of the columns of the state, one for each component; `y1` … `yD` unless set.
     pub components: Vec<String>,
-    /// Ends all tables early when it asks for it; [`TimeSeries::halted`] says so.
+    /// Flag that ends all tables early; [`TimeSeries::halted`] says so.
     pub stop: Stop,
-    /// Hears from any thread the number of path-steps done since its last call.
+    /// Callback, from any thread, with the number of path-steps done since its last call.
     pub told: Box<dyn Fn(u64) + Sync + 'a>,
 }
 
@@ -205,7 +205,7 @@ impl<'a> Simulation<'a> {
         Ok(series.collect())
     }
 
-    /// Refuses the tables of so many paths that need more memory than there is: twice that of their
+    /// Refuses tables of `paths` paths that need more memory than is free: twice that of their
     /// numbers, which are gathered before they are given.
     ///
     /// # Errors
@@ -236,9 +236,9 @@ impl<'a> Simulation<'a> {
         Ok(names)
     }
 
-    /// By the number of steps ∫γ of all dampings from 0 to time 0 and to the end of every saved
-    /// step. Compensated summation (Kahan 1965) of the integrals over the steps keeps rounding
-    /// errors from accumulating in the conformal law.
+    /// Integrals of all dampings from 0 to time 0 and to the end of every saved step, by the number
+    /// of steps. Compensated summation (Kahan 1965) of the integrals over the steps prevents
+    /// rounding errors from accumulating in the conformal law.
     fn damping_integrals(
         &self,
         steps: u64,
@@ -267,7 +267,7 @@ impl<'a> Simulation<'a> {
 /// The columns of every path.
 type Columns = BTreeMap<u64, Vec<Vec<f64>>>;
 
-/// The saved columns, and what adds a row of a block to those of its paths.
+/// The saved columns, and the function that adds a row of a block to those of its paths.
 struct PathColumns<F> {
     save: F,
     of_path: Columns,

@@ -15,11 +15,11 @@ pub struct TimeSeries {
     pub scheme: String,
     /// Step size.
     pub tau: f64,
-    /// The stream of its noise, unless that was given.
+    /// Stream of the noise, unless the noise was given.
     pub noise: NoiseOrigin,
-    /// The failure of the path, or that it was stopped, if it ends before the final time.
+    /// Failure of the path, or a note that it was stopped, if it ends before the final time.
     pub halted: Option<String>,
-    /// `t`, `y1` … `yD`, the observables, and for each invariant its value and its defect.
+    /// Columns `t`, `y1` … `yD`, the observables, and for each invariant its value and its defect.
     /// Invariants with the same name are numbered. The defect of F is (F − F₀)/|F₀| with F₀ =
     /// e^{−p∫γ}F(y₀), or F itself if F(y₀) = 0.
     pub columns: Vec<Column>,
@@ -39,9 +39,9 @@ pub struct NoiseOrigin {
 /// One quantity at the saved times.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Column {
-    /// Its name.
+    /// Name of the quantity.
     pub name: String,
-    /// Its values. In JSON a value that is not finite is `null`.
+    /// Values at the saved times. In JSON a value that is not finite is `null`.
     pub values: Vec<f64>,
 }
 

@@ -11,7 +11,7 @@ pub struct Range {
     pub hi: f64,
 }
 
-/// Magnitudes beyond these are left to the clipping: sums with a margin or products with one could
+/// Magnitudes beyond which values are left to the clipping: sums or products with a margin could
 /// leave the range of `f64`.
 const SMALLEST: f64 = 1e-300;
 const LARGEST: f64 = 1e300;
@@ -33,13 +33,13 @@ impl Range {
         if lo <= hi { Self { lo, hi } } else { otherwise }
     }
 
-    /// Widened by the factor `margin` at both ends.
+    /// Widens the range by the factor `margin` at both ends.
     pub fn times(self, margin: f64) -> Self {
         Self { lo: self.lo / margin, hi: self.hi * margin }
     }
 
-    /// Widened by `share` of its length at both ends; a single value gets a range of its own
-    /// magnitude, whatever the share.
+    /// Widens the range by `share` of its length at both ends; a single value gets a range of its
+    /// own magnitude, whatever the share.
     pub fn padded(self, share: f64) -> Self {
         let length = self.hi - self.lo;
         let pad = match self.hi.abs() {
@@ -50,7 +50,7 @@ impl Range {
         Self { lo: self.lo - pad, hi: self.hi + pad }
     }
 
-    /// Widened until it holds two powers of ten, because one labelled tick does not define a scale.
+    /// Widens the range until it holds two powers of ten: one labelled tick defines no scale.
     pub fn with_two_decades(self) -> Self {
         let (lo, hi) = (log10(self.lo), log10(self.hi));
         if hi.floor() - lo.ceil() >= 1.0 {
@@ -63,7 +63,7 @@ impl Range {
 /// An axis: a range of values laid over a stretch of the page.
 #[derive(Clone, Copy)]
 pub struct Axis {
-    /// Whether equal ratios are equally far apart, and not equal differences.
+    /// Whether the axis is logarithmic: equal ratios, not equal differences, are equally far apart.
     pub logarithmic: bool,
     /// Values covered.
     pub range: Range,
@@ -74,8 +74,8 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Position of a value on the page; what is not positive sits at the start of a logarithmic
-    /// axis.
+    /// Position of a value on the page; a value that is not positive sits at the start of a
+    /// logarithmic axis.
     pub fn position(&self, value: f64) -> f64 {
         let Range { lo, hi } = self.range;
         if self.logarithmic && value <= 0.0 {

@@ -19,7 +19,7 @@ pub const FAINT: Color = "#E2E2E2";
 /// Ink of reference lines.
 pub const GREY: Color = "#696969";
 
-/// Coordinates are integers on a grid that is so many times finer than a pixel.
+/// Grid points per pixel: coordinates are integers on this grid.
 const GRID: f64 = 20.0;
 
 /// Colour, width in pixels, opacity and continuity of a line.
@@ -32,26 +32,26 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    /// An opaque stroke without gaps.
+    /// Creates an opaque stroke without gaps.
     pub const fn new(color: Color, width: f64) -> Self {
         Self { color, width, opacity: 1.0, dashed: false }
     }
 
-    /// The same stroke in dashes.
+    /// Makes the stroke dashed.
     pub const fn dashed(self) -> Self {
         Self { dashed: true, ..self }
     }
 }
 
-/// Which point of a text lies at the position given.
+/// Point of a text that lies at the given position.
 pub enum Align {
-    /// Its left end.
+    /// Left end of the text.
     Left,
-    /// Its middle.
+    /// Middle of the text.
     Middle,
-    /// Its right end.
+    /// Right end of the text.
     Right,
-    /// Its middle, and the text reads upwards.
+    /// Middle of a text that reads upwards.
     Upward,
 }
 
@@ -61,7 +61,7 @@ pub struct Canvas {
     elements: Vec<String>,
 }
 
-/// What is far outside of the page stays outside.
+/// Rounds a length to the grid; a point far outside of the page stays outside.
 fn grid(length: f64) -> i32 {
     (length * GRID).clamp(-1e6, 1e6).round() as i32
 }
@@ -72,8 +72,8 @@ fn list(points: &[Position]) -> String {
 }
 
 impl Canvas {
-    /// The page of the given size as a stand-alone SVG document. `title` is what a screen reader
-    /// says in place of the picture.
+    /// Page of the given size as a stand-alone SVG document. `title` is the text that a screen
+    /// reader says in place of the picture.
     pub fn page(self, (width, height): Position, title: &str) -> String {
         // 96 pixels are an inch.
         let [wide, high] = [width, height].map(|length| length * 2.54 / 96.0);
@@ -92,7 +92,7 @@ impl Canvas {
         )
     }
 
-    /// Shows of what is drawn only what lies between two corners of a box.
+    /// Clips a drawing to the box between two corners.
     pub fn clipped(&mut self, from: Position, to: Position, draw: impl FnOnce(&mut Self)) {
         let [x, y, width, height] = [from.0, from.1, to.0 - from.0, to.1 - from.1].map(grid);
         self.elements.push(format!(
@@ -102,7 +102,7 @@ impl Canvas {
         self.elements.push("</svg>".into());
     }
 
-    /// A line through `points`; one that is not finite interrupts it.
+    /// Draws a line through `points`; one that is not finite interrupts it.
     pub fn polyline(&mut self, points: &[Position], stroke: Stroke) {
         let Stroke { color, width, opacity, dashed } = stroke;
         // Round line ends shorten what is seen of a gap.
@@ -115,15 +115,15 @@ impl Canvas {
         }));
     }
 
-    /// An area without a border.
+    /// Draws an area without a border.
     pub fn area(&mut self, corners: &[Position], color: Color, opacity: f64) {
         let points = list(corners);
         let area = format!(r#"<polygon fill="{color}" opacity="{opacity}" points="{points}"/>"#);
         self.elements.push(area);
     }
 
-    /// Boxes of this size, each by the middle of its left side: as strokes, which take half the
-    /// text of outlines.
+    /// Draws boxes of one size, each given by the middle of its left side, as strokes, which take
+    /// half the text of outlines.
     pub fn boxes(&mut self, boxes: &[Position], size: Position, color: Color, opacity: f64) {
         let (width, height) = (grid(size.0), grid(size.1));
         let path = boxes.iter().map(|(x, y)| format!("M{} {}h{width}", grid(*x), grid(*y)));
@@ -134,7 +134,7 @@ impl Canvas {
         ));
     }
 
-    /// A marker; a hollow one shows the paper inside.
+    /// Draws a marker; a hollow one shows the paper inside.
     pub fn marker(&mut self, at: Position, look: Look, radius: f64, hollow: bool) {
         let shape = if look.marker.is_empty() {
             let [x, y, r] = [at.0, at.1, radius].map(grid);
@@ -151,8 +151,8 @@ impl Canvas {
         });
     }
 
-    /// A label on one line, centred vertically at `at`; one that reads upwards is centred both
-    /// ways.
+    /// Draws a label on one line, centred vertically at `at`; one that reads upwards is centred
+    /// both ways.
     pub fn label(&mut self, label: &Label, at: Position, size: f64, align: Align) {
         let ([x, y, size], text) = ([at.0, at.1, size].map(grid), markup(label));
         let (anchor, turn) = match align {
@@ -168,7 +168,7 @@ impl Canvas {
     }
 }
 
-/// How far an index stands below the line and an exponent above, in units of the base.
+/// Distances of an index below the line and of an exponent above it, in units of the base.
 const SINK: f64 = 0.28 * SCRIPT_SIZE;
 const RISE: f64 = 0.5 * SCRIPT_SIZE;
 

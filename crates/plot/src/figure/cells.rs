@@ -51,15 +51,15 @@ pub fn picture(
     plain.page(title, values.is_empty())
 }
 
-/// Pictures in a row, room between them, and above each for its name.
+/// Number of pictures in a row; room between them, and above each for its name.
 const PICTURES: usize = 3;
 const GAP: f64 = 10.0;
 const NAME: f64 = 16.0;
 
-/// Cells of a picture that would be narrower are drawn as squares of several, by their means.
+/// Least width of a cell in pixels: narrower cells are joined to squares with their means.
 const NARROWEST: f64 = 2.0;
 
-/// Means over squares of `side` cells, or what is left of them at the ends.
+/// Means over squares of `side` × `side` cells, which are cut off at the ends.
 fn means(columns: usize, values: &[f64], side: usize) -> Vec<f64> {
     let (rows, across) = (values.len().div_ceil(columns.max(1)), columns.div_ceil(side));
     let mean = |k: usize| {

@@ -24,11 +24,11 @@ pub struct Measured {
     pub hi: f64,
 }
 
-/// A curve.
+/// Curve with its name, a note for the legend and its points.
 pub struct Curve {
-    /// The scheme or the quantity: curves of one name look the same in all plots of a figure.
+    /// Name of the scheme or quantity: curves of one name look the same in all plots of a figure.
     pub name: String,
-    /// What the legend adds to the name, for example a fitted order.
+    /// Note that the legend adds to the name, for example a fitted order.
     pub note: String,
     /// The points that can be drawn.
     pub points: Vec<Measured>,
@@ -45,17 +45,17 @@ pub struct Line {
 
 /// One plot of a figure.
 pub struct Plot {
-    /// Title of its horizontal axis.
+    /// Title of the horizontal axis.
     pub x_title: String,
-    /// Whether that is marked at powers of ten, and not of two.
+    /// Whether the horizontal axis is marked at powers of ten, and not of two.
     pub decades: bool,
-    /// Its curves.
+    /// Curves of the plot.
     pub curves: Vec<Curve>,
 }
 
 /// Plots side by side with one vertical axis and one legend; both axes are logarithmic.
 pub struct Figure {
-    /// What a screen reader says in place of the picture.
+    /// Text that a screen reader says in place of the picture.
     pub title: String,
     /// Title of the vertical axis.
     pub y_title: String,
@@ -77,14 +77,14 @@ const LEFT: f64 = 46.0;
 const BETWEEN: f64 = 44.0;
 
 impl Measured {
-    /// Ends of the interval of the size.
+    /// Ends of the interval of the absolute value.
     fn ends(&self) -> (f64, f64) {
         if self.y < 0.0 { (-self.hi, -self.lo) } else { (self.lo, self.hi) }
     }
 }
 
 impl Curve {
-    /// A curve without what cannot be drawn: x that is not positive, and what is not finite.
+    /// Creates a curve from the points that can be drawn: x positive, x and y finite.
     pub fn new(name: &str, points: impl IntoIterator<Item = Measured>) -> Self {
         let drawn = |p: &Measured| p.x > 0.0 && p.x.is_finite() && p.y.is_finite();
         let points = points.into_iter().filter(drawn).collect();
@@ -167,7 +167,8 @@ impl Figure {
         canvas.page((LEFT + width + RIGHT, top + HEIGHT + BELOW), &self.title)
     }
 
-    /// Covers the values, their intervals as far as they stay near the value, and the lines.
+    /// Range of the vertical axis: covers the values, their intervals as far as they stay near the
+    /// value, and the lines.
     fn y_range(&self) -> Range {
         // A value far below its noise, or an interval that comes close to zero, says nothing at a
         // depth that would squeeze the rest of the figure.

@@ -13,7 +13,7 @@ use crate::{
 /// The figure of strong or weak errors against the step size, or of path-steps against accuracy, as
 /// an SVG document.
 ///
-/// Of strong errors it shows the error at the final time of all schemes, of weak errors all
+/// For strong errors it shows the error at the final time of all schemes, for weak errors all
 /// quantities. Fitted orders stand in the legend; grey lines show the slopes 1/2 and 1, whichever
 /// is nearer to each order, and 2 for weak orders above 3/2.
 ///
@@ -107,7 +107,7 @@ fn measured(point: &Point) -> Option<Measured> {
     Some(Measured { x, y, lo, hi })
 }
 
-/// An order with the half-width of its interval, which is never rounded to zero.
+/// Formats an order with the half-width of its interval, which is never rounded to zero.
 pub fn order(rate: &Rate) -> String {
     let estimate = format!("{:.2}", rate.estimate).replace('-', "−");
     match 0.5 * (rate.hi - rate.lo) {

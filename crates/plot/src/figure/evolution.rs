@@ -17,8 +17,8 @@ use crate::{
     series::{main_quantity, relative_defect},
 };
 
-/// Where a defect of zero is drawn: below 2⁻⁵³ ≈ 1.1·10⁻¹⁶, the smallest defect of a floating-point
-/// number that is not zero.
+/// Value at which a defect of zero is drawn: below 2⁻⁵³ ≈ 1.1·10⁻¹⁶, the smallest nonzero defect of
+/// a floating-point number.
 const FLOOR: f64 = 1e-17;
 
 const VALUE_HEIGHT: f64 = 112.0;
@@ -89,8 +89,8 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     plain.page(title, false)
 }
 
-/// Covers the law and the curves, except where a curve runs away so far that the law would become a
-/// flat line.
+/// Range of values: covers the law and the curves, except where a curve runs away so far that the
+/// law would become a flat line.
 fn value_range(curves: &[Vec<[f64; 3]>]) -> Range {
     let law = Range::of(curves.iter().flatten().map(|p| p[2]), UNIT);
     let all = Range::of(curves.iter().flatten().flat_map(|p| [p[1], p[2]]), UNIT);

@@ -117,7 +117,7 @@ pub const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
 pub struct Title<'a> {
     /// The words.
     pub words: &'a str,
-    /// Whether equal ratios are equally far apart.
+    /// Whether the axis is logarithmic: equal ratios are equally far apart.
     pub logarithmic: bool,
 }
 
@@ -128,7 +128,7 @@ impl<'a> From<&'a str> for Title<'a> {
 }
 
 impl Title<'_> {
-    /// The range of values on the axis, with this share of its length at both ends.
+    /// Range of values on the axis, widened by `share` of its length at both ends.
     pub fn range(&self, values: impl Iterator<Item = f64>, share: f64) -> Range {
         match self.logarithmic {
             true => Range::of_positive(values, Range { lo: 0.1, hi: 10.0 }).times(1.1),
@@ -141,7 +141,7 @@ impl Title<'_> {
         Axis { logarithmic: self.logarithmic, range, start, end }
     }
 
-    /// About so many marks.
+    /// Marks of the axis for a range, about `most` of them.
     pub fn ticks(&self, range: Range, most: usize) -> Ticks {
         match self.logarithmic {
             true if range.hi >= 100.0 * range.lo => Ticks::decades(range, most),
@@ -157,7 +157,7 @@ pub struct Plain {
 }
 
 impl Plain {
-    /// Draws legend and axes; each axis has a range and a title, but for one above another plot.
+    /// Draws legend and axes; each axis has a range and a title, except one above another plot.
     pub fn new(
         entries: impl IntoIterator<Item = (Sample, Label)>,
         height: f64,
@@ -183,7 +183,7 @@ impl Plain {
         self.frame.polyline(&mut self.canvas, &places, stroke);
     }
 
-    /// The page as an SVG document, which says so where it is empty.
+    /// Page as an SVG document; an empty page says so.
     pub fn page(mut self, title: &str, empty: bool) -> String {
         if empty {
             self.frame.say(&mut self.canvas, "no data");

@@ -13,7 +13,7 @@ const ROW: f64 = 14.0;
 /// Distance from one entry to the next.
 const GAP: f64 = 9.0;
 
-/// What stands in front of a name.
+/// Sample in front of a name in the legend.
 pub enum Sample {
     /// A line with a marker.
     Curve(Look),
@@ -25,7 +25,7 @@ pub enum Sample {
     Area(Color, f64),
 }
 
-/// The looks of curves, and their entries; a single one has none.
+/// Looks of curves, and their legend entries; a single curve has no entry.
 pub fn of_curves(names: &[&str]) -> (Vec<Look>, Vec<(Sample, Label)>) {
     let looks = look::of_quantities(names);
     let entry = |(look, name): (&Look, &&str)| (Sample::Curve(*look), Label::words(name));

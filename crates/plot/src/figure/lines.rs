@@ -10,13 +10,14 @@ use super::{
 /// A curve with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// Its name in the legend.
+    /// Name of the curve in the legend.
     pub name: String,
-    /// Its points; one that is not finite interrupts the line.
+    /// Points of the curve; one that is not finite interrupts the line.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Curves as an SVG document. A marker stands where each begins. A single curve has no legend.
+/// Figure of curves as an SVG document. A marker stands where each begins. A single curve has no
+/// legend.
 pub fn lines<'a>(
     title: &str,
     x_title: &str,

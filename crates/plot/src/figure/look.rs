@@ -8,8 +8,8 @@ use Layer::{Over, Plain, Under};
 
 use super::canvas::{Color, Position, Stroke};
 
-/// Corners of a marker of radius one, none of a circle. The areas are about that of the circle, so
-/// that no curve looks more important than another.
+/// Corners of a marker of radius one; empty for a circle. The areas are about that of the circle,
+/// so that no curve looks more important than another.
 pub type Marker = &'static [Position];
 
 pub const CIRCLE: Marker = &[];
@@ -28,12 +28,12 @@ const STAR: Marker = &[
     (-0.45, -0.45),
 ];
 
-/// Where a curve lies in a stack of curves that may coincide; ordered from below.
+/// Layer of a curve among curves that may coincide; ordered from below.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Layer {
     /// Wide pale line, large open markers.
     Under,
-    /// Nothing special.
+    /// Plain line and markers.
     Plain,
     /// Thin dashed line, small markers.
     Over,
@@ -46,7 +46,7 @@ pub struct Look {
     pub color: Color,
     /// Shape of the marker.
     pub marker: Marker,
-    /// Whether it is made to be seen below or above another curve.
+    /// Layer of the curve, which decides whether it is seen below or above another one.
     pub layer: Layer,
 }
 
@@ -55,7 +55,7 @@ const fn look(color: Color, marker: Marker, layer: Layer) -> Look {
 }
 
 impl Look {
-    /// The line of the curve, where that of a plain curve has the width `width`.
+    /// Stroke of the curve, where the line of a plain curve has the width `width`.
     pub fn line(self, width: f64) -> Stroke {
         let plain = Stroke::new(self.color, width);
         match self.layer {
@@ -66,7 +66,7 @@ impl Look {
         }
     }
 
-    /// The radius of its markers, where that of a plain curve is `radius`.
+    /// Radius of the markers of the curve, where that of a plain curve is `radius`.
     pub fn radius(self, radius: f64) -> f64 {
         match self.layer {
             Under => 1.35 * radius,
@@ -75,7 +75,7 @@ impl Look {
         }
     }
 
-    /// Whether the paper shows inside of its markers.
+    /// Whether the markers of the curve are hollow.
     pub fn hollow(self) -> bool {
         self.layer == Under
     }
@@ -110,8 +110,8 @@ const QUANTITIES: [Look; 5] = [
     look(GREEN, WEDGE, Plain),
 ];
 
-/// One look for each of the different schemes in `names`: an unknown one takes the first look but
-/// the first three that no scheme has yet.
+/// Looks of the schemes in `names`, one for each different scheme: an unknown one takes the first
+/// look after the first three that no scheme has yet.
 pub fn of_schemes(names: &[&str]) -> Vec<Look> {
     let spare = &SCHEMES[3..];
     let free = spare.iter().filter(|(id, _)| !names.contains(id));
@@ -120,7 +120,7 @@ pub fn of_schemes(names: &[&str]) -> Vec<Look> {
     names.iter().filter_map(|name| Some(known(name).or_else(|| unknown.next())?.1)).collect()
 }
 
-/// Looks for the quantities in `names`, the same again where there are more than looks.
+/// Looks of the quantities in `names`, repeated where there are more names than looks.
 pub fn of_quantities(names: &[&str]) -> Vec<Look> {
     QUANTITIES.into_iter().cycle().take(names.len()).collect()
 }

@@ -21,8 +21,8 @@ const OPACITY: f64 = 0.22;
 const MEAN: Stroke = Stroke::new(INK, 1.1).dashed();
 const MEDIAN: Stroke = Stroke::new(COLOR, 1.6);
 
-/// The figure of an observable in time as an SVG document: a band between each two quantiles of
-/// levels p and 1 − p, the median and the mean; without quantiles that between the ends of the 95 %
+/// Figure of an observable in time as an SVG document: a band between each two quantiles of levels
+/// p and 1 − p, the median and the mean; without quantiles, the band between the ends of the 95 %
 /// intervals. A band is interrupted where a quantile lies outside of the grid of its histogram.
 pub fn bands<'a>(
     title: &str,
@@ -53,7 +53,7 @@ pub fn bands<'a>(
     plain.page(title, points.iter().all(|point| point.mean.is_none()))
 }
 
-/// The levels of quantiles.
+/// Levels of the quantiles that `points` have.
 fn levels(points: &[Summary]) -> Vec<f64> {
     let first = points.iter().map(|point| &point.quantiles).find(|all| !all.is_empty());
     first.into_iter().flatten().map(|quantile| quantile.level).collect()
@@ -74,7 +74,7 @@ pub fn ranges<'a>(
     [x_title.range(points.map(|point| point.time), 0.0), y]
 }
 
-/// Bands, median and mean in a frame.
+/// Draws bands, median and mean in a frame.
 pub fn draw_bands(canvas: &mut Canvas, frame: &Frame, points: &[Summary]) {
     let levels = levels(points);
     let quantile = |k: usize| move |point: &Summary| point.quantiles.get(k)?.value;
@@ -118,7 +118,7 @@ pub fn percent(level: f64) -> f64 {
     (1e8 * level).round() / 1e6
 }
 
-/// Bars are joined, two and two, until there are no more than this.
+/// Largest number of bars: more bars are joined in pairs.
 pub const MAX_BARS: usize = 64;
 
 /// The histogram of an observable with this name at one time as an SVG document: the density in

@@ -1,4 +1,4 @@
-//! What depends on a parameter: values with their intervals, and small multiples in time.
+//! Figures against a parameter: values with their intervals, and small multiples in time.
 
 use study::Series;
 
@@ -14,8 +14,8 @@ use crate::label::Label;
 /// A value at a parameter, with its interval if there is one.
 pub type Sampled = (f64, f64, Option<(f64, f64)>);
 
-/// Curves of values against a parameter as an SVG document, each with its name in the legend; a
-/// single one has none.
+/// Figure of values against a parameter as an SVG document, each curve with its name in the legend;
+/// a single curve has no legend.
 pub fn against(
     title: &str,
     x_title: Title<'_>,
@@ -43,7 +43,7 @@ pub fn against(
     plain.page(title, points().next().is_none())
 }
 
-/// Small plots in a row.
+/// Number of small plots in a row.
 const COLUMNS: usize = 3;
 /// Room for the labels on the left.
 const LEFT: f64 = 42.0;

@@ -1,4 +1,4 @@
-//! Where an axis is marked and what the marks say.
+//! Marks of an axis and their labels.
 
 use super::axis::Range;
 use crate::label::Label;

@@ -92,9 +92,10 @@ pub fn damping(
     }
 }
 
-/// Parts of T at which a bath is looked at, beside points around the initial value.
+/// Fractions of T at which the conditions of a bath are checked, at points around the initial
+/// value.
 const TIMES: [f64; 3] = [0.0, 0.37, 1.0];
-/// Relative to its terms less is rounding.
+/// Differences below this part of their terms count as rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// The Hamiltonians of the noises of a heat bath with a temperature, for friction on momenta: with
@@ -220,7 +221,7 @@ fn of_rate(reading: &Reading<'_>, rate: &At<Text>) -> Read<Arc<dyn Damping>> {
     Ok(Arc::new(damping))
 }
 
-/// A rate that is finite.
+/// Damping with a finite constant rate.
 fn constant(rate: f64) -> Arc<dyn Damping> {
     Arc::new(Constant::new(rate).expect("the rate is finite"))
 }

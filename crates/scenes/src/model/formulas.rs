@@ -21,7 +21,7 @@ use crate::{
 /// Bytes of an entry of B.
 const ENTRY: f64 = 2e3;
 
-/// The model of formulas.
+/// Builds the model of a system from formulas.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
     let Reading { file, constants, settings } = reading;
     let table = &file.system;
@@ -84,13 +84,13 @@ pub fn build(reading: &Reading<'_>) -> Read<Built> {
     })
 }
 
-/// Times at which an equation is compared, and the part of its terms that is rounding.
+/// Times at which an equation is compared, and the relative difference that counts as rounding.
 const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
 const ROUNDING: f64 = 1e-9;
 
-/// Compares an equation that is given as well, at points around the initial value. Itô's drift has
-/// ½Σ bₘ′bₘ besides. Components that stay zero, as momenta that make any equation one of this form,
-/// are zero at the points, and need no formula.
+/// Compares the equation with `drift` and `noise`, if these are given as well, at points around the
+/// initial value. Itô's drift has ½Σ bₘ′bₘ besides. Components that stay zero, such as momenta that
+/// make any equation one of this form, are zero at the points, and need no formula.
 fn compare(
     reading: &Reading<'_>,
     system: &FormulaSystem,
@@ -162,8 +162,8 @@ fn compare(
     Ok(())
 }
 
-/// The components but for those that begin at zero and stay there, as nothing moves them, which are
-/// zero at the points then. All components if H₀ is not constant there, as of motion in a plane.
+/// The components except those that begin at zero and stay there, as nothing moves them: these are
+/// zero at the `points` then. All components if H₀ is not constant there, as of motion in a plane.
 fn moving(of: &mc::Problem<'_>, system: &FormulaSystem, points: &mut Vec<Vec<f64>>) -> Vec<usize> {
     let all = 0..of.y0.len();
     let mut zero: Vec<usize> = all.clone().filter(|&i| of.y0[i] == 0.0).collect();
@@ -191,7 +191,7 @@ pub fn damped(problem: &Problem, friction: &[Friction]) -> Vec<bool> {
     (0..problem.y0().len()).map(|i| all || has(i)).collect()
 }
 
-/// What is wrong with a definition, at its place.
+/// The error in a definition, at its place in the scene.
 fn misdefined(reading: &Reading<'_>, state: &State, error: &DefinitionError) -> Wrong {
     let table = &reading.file.system;
     let structure = table.structure.as_ref();

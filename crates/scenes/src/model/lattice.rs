@@ -20,10 +20,10 @@ pub const PARAMETERS: &str =
 
 /// Bytes that a site takes where it is simulated or inspected.
 const SITE: f64 = 1.5e4;
-/// What lengths of spins may differ by, relative.
+/// Relative tolerance for the lengths of spins.
 const ROUNDING: f64 = 1e-9;
 
-/// The model of a lattice.
+/// Builds the model of a lattice.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
     reading.know(&PARAMETERS.split(", ").collect::<Vec<_>>())?;
     let sizes = reading.list("sizes", &[8.0])?;

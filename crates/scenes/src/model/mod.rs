@@ -23,7 +23,7 @@ pub use project::PROJECT;
 
 use formulas::damped;
 
-/// More noises are too many to be compared with a bath one by one.
+/// Largest number of noises that are compared with a bath one by one.
 const MAX_NOISES: usize = 100;
 
 /// A system with its damping and initial value.
@@ -34,14 +34,14 @@ pub trait Model: Send + Sync {
     /// A scheme for it.
     ///
     /// # Errors
-    /// Why the scheme is not for the system.
+    /// [`SchemeError`] with the reason why the scheme does not fit the system.
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError>;
 
     /// Expectations for which everything is chosen; `None` if they are computed by levels of random
     /// points.
     fn expect(&self) -> Option<Expect<'_>>;
 
-    /// The system, for what is asked of any.
+    /// The system, in the form that is common to all systems.
     fn system(&self) -> &dyn System;
 
     /// The scheme that `auto` takes, and why.
@@ -67,8 +67,8 @@ pub trait Model: Send + Sync {
         constant.then_some(first)
     }
 
-    /// What damping and noise do to the Gibbs measure, if the rates of damping are constant and the
-    /// system is small.
+    /// Effect of damping and noise on the Gibbs measure, if the rates of damping are constant and
+    /// the system is small.
     fn bath(&self) -> Option<Bath> {
         let (system, y0) = (self.system(), self.problem().y0);
         let description = system.description();
@@ -77,7 +77,7 @@ pub trait Model: Send + Sync {
         Some(Bath::of(system, &y0, &self.constant_rates().filter(|_| small)?))
     }
 
-    /// What the system is, as far as a run has to know; nothing of a system of the project.
+    /// Facts about the system that a run needs; empty for a system of the project.
     fn known(&self) -> Known {
         Known::default()
     }
@@ -93,14 +93,15 @@ pub trait Model: Send + Sync {
 struct AtRunTime {
     problem: run_time::Problem,
     friction: Vec<Friction>,
-    /// None of a lattice.
+    /// System of formulas; none for a lattice.
     formulas: Option<Arc<FormulaSystem>>,
-    /// Those of formulas, when they are found.
+    /// Facts about the formulas, once they are found.
     facts: OnceLock<Facts>,
 }
 
 impl AtRunTime {
-    /// What formulas keep, found once. Lattices are too large.
+    /// Facts about the formulas, such as Casimirs, found once. None for lattices, which are too
+    /// large.
     fn facts(&self) -> Option<&Facts> {
         self.formulas.as_ref()?;
         Some(self.facts.get_or_init(|| Facts::of(&self.problem)))
@@ -121,7 +122,7 @@ impl Model for AtRunTime {
         Ok(Friction::around(Setup::owning(&self.problem, scheme)?.scheme, &self.friction))
     }
 
-    /// Formulas and lattices have areas for those who name their schemes.
+    /// Recommends no scheme with Lévy areas: formulas and lattices use one only if it is named.
     fn recommended(&self) -> (&'static str, String) {
         let system = self.system().description();
         let kept = Kept::of(&self.problem(), self.system(), false);
@@ -166,7 +167,8 @@ impl Model for AtRunTime {
         self.formulas.as_ref().map_or(0.0, |_| fastest(self.system(), self.problem.y0()))
     }
 
-    /// None for a lattice: a point has as many dimensions as spins, steps and noises together.
+    /// None for a lattice: a point would have a dimension for every noise of every spin in every
+    /// step.
     fn expect(&self) -> Option<Expect<'_>> {
         self.formulas.as_ref()?;
         Some(Expect::at_run_time(&self.problem).ok()?.with_friction(&self.friction))
@@ -181,19 +183,19 @@ impl Model for AtRunTime {
     }
 }
 
-/// What is found within milliseconds.
+/// Facts about a system that are found within milliseconds.
 #[derive(Clone, Default)]
 pub struct Known {
-    /// The equation that was understood, component by component.
+    /// Equation as it was understood, component by component.
     pub equations: Vec<String>,
     /// Casimirs and the law of the energy.
     pub laws: Vec<String>,
-    /// What is wrong.
+    /// A mistake in the system, in words, if there is one.
     pub mistake: Option<String>,
 }
 
 impl Known {
-    /// The equation as lines; nothing of a system of the project.
+    /// The equation as lines; empty for a system of the project.
     pub fn equation(&self) -> String {
         match self.equations[..] {
             [] => String::new(),
@@ -220,11 +222,11 @@ pub struct Built {
     pub names: Names,
     /// H₀.
     pub energy: Further,
-    /// Observables that come by themselves.
+    /// Observables that the system itself provides.
     pub quantities: Vec<Observable>,
 }
 
-/// The model of a scene.
+/// Builds the model of a scene.
 pub fn build(reading: &Reading<'_>) -> Read<Built> {
     match &reading.file.system.name {
         Some(name) => project::build(reading, name),

@@ -19,10 +19,10 @@ use kernels::Tuned;
 use super::{Built, Model, damping::damping, lattice};
 use crate::{At, Further, Quantity, Read, Reading, among, place, refuse};
 
-/// What makes the model of a system.
+/// A function that builds the model of a system.
 type Build = fn(&Reading<'_>) -> Read<Built>;
 
-/// Name, parameters with their defaults, what it is, and its model.
+/// Name, parameters with their defaults, description and model of every system.
 pub const PROJECT: [(&str, &str, &str, Build); 6] = [
     ("pendulum", "c = 1", "H₀ = y1²/2 − cos y2, one noise c·H₀", |reading| {
         built(reading, with_c(reading, Pendulum::new)?)
@@ -51,7 +51,7 @@ pub const PROJECT: [(&str, &str, &str, Build); 6] = [
     ),
 ];
 
-/// The model of a system of the project.
+/// Builds the model of a system of the project.
 pub fn build(reading: &Reading<'_>, name: &At<String>) -> Read<Built> {
     let table = &reading.file.system;
     let formulas = [
@@ -157,7 +157,7 @@ impl<S: Tuned<D, M> + Copy + 'static, const D: usize, const M: usize> Model for 
     }
 }
 
-/// Names that cannot be wrong.
+/// The `components` as names, known to be valid.
 pub fn numbered(components: &[String]) -> Names {
     Names::with_variables(components).expect("these are names")
 }

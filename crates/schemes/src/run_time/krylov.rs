@@ -160,7 +160,7 @@ impl<'a> Krylov<'a> {
         converged
     }
 
-    /// defect = z − z₀ − s(ψ(z) − z₀).
+    /// Computes defect = z − z₀ − s(ψ(z) − z₀).
     fn find_defect(&mut self, h: Weights<'_>) {
         self.psi.buffers[1].copy_from_slice(&self.z);
         self.psi.execute(h);
@@ -173,8 +173,8 @@ impl<'a> Krylov<'a> {
         }
     }
 
-    /// change = (I − sψ′(z))⁻¹ defect. On which paths it is known well enough for Newton's method
-    /// to contract.
+    /// Computes change = (I − sψ′(z))⁻¹ defect. Returns on which paths it is known well enough for
+    /// Newton's method to contract.
     fn solve_linear(&mut self, h: Weights<'_>, paths: PathMask) -> [bool; WIDTH] {
         let Self { system, slope, z, defect, change, rest, basis, s, .. } = self;
         let product = |x: &[Row], y: &[Row]| sums(*system, Product, [x, y, y])[0];

@@ -80,10 +80,11 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Records evaluations of a formula in a row, and plans them if they are new. Whether they are.
+    /// Records evaluations of a formula in a row, and plans them if they are new. Returns whether
+    /// they are.
     ///
     /// # Errors
-    /// [`SchemeError`] if memory is not there, or averages are to be computed tile by tile.
+    /// [`SchemeError`] if an allocation fails, or averages are to be computed tile by tile.
     pub fn record<F: Implicit>(
         &mut self,
         formula: &F,
@@ -100,7 +101,7 @@ impl<'a> Machine<'a> {
     /// Takes operations that were recorded, and plans them if they are new.
     ///
     /// # Errors
-    /// As [`record`](Self::record).
+    /// Errors of [`record`](Self::record).
     pub fn load(&mut self, mut recorded: Recorder) -> Result<(), SchemeError> {
         std::mem::swap(&mut self.recorder, &mut recorded);
         let is_new = self.recorder.operations().nodes != recorded.operations().nodes;
@@ -158,7 +159,7 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Makes the only result this input; what was there is lost.
+    /// Makes the only result the input number `input`, whose former content is lost.
     pub fn feed_back(&mut self, input: usize) {
         match self.program {
             Some(_) => std::mem::swap(&mut self.buffers[input], &mut self.output),

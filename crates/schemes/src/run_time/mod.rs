@@ -14,10 +14,11 @@
 //!
 //! **Slabs.** A stage reads of the stages before it what is at most
 //! [`Layout::reach`](systems::run_time::Layout::reach) tiles away. So the stages of a step follow
-//! each other through the state, slab by slab of at least so many tiles, and what a stage stores is
-//! still in a cache when the next one reads it. Slabs are counted around. Stage s begins at slab s,
-//! and stage s of slab k comes right after stage s − 1 of slab k + 1. A result that takes the place
-//! of another one does so on slabs that no earlier stage has yet to read: those are ahead.
+//! each other through the state, slab by slab of at least this number of tiles, and what a stage
+//! stores is still in a cache when the next one reads it. Slabs are counted around. Stage s begins
+//! at slab s, and stage s of slab k comes right after stage s − 1 of slab k + 1. A result that
+//! takes the place of another one does so on slabs that no earlier stage has yet to read: those are
+//! ahead.
 //!
 //! A [`Stepper`](crate::Stepper) holds the state of 32 paths, or of one large path, whose tiles are
 //! computed in parallel; the bits do not depend on the number of threads. Memory is a few states,

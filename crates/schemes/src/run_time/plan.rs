@@ -2,16 +2,16 @@
 
 use systems::run_time::{Op, Recorded};
 
-/// Where an argument is.
+/// Place of an argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// In memory of the tile.
+    /// Memory of the tile.
     Slot(usize),
-    /// In a whole buffer.
+    /// A whole buffer.
     Buffer(usize),
 }
 
-/// What is computed from arguments of type P. Numbers beside them are those of nodes with factors.
+/// A computation with arguments of type P. Numbers beside them are those of nodes with factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Computation<P> {
     /// The argument times a factor.
@@ -37,7 +37,7 @@ impl<P> Computation<P> {
 /// Operations that every tile can do when the stages before are complete.
 #[derive(Clone, Debug, Default)]
 pub struct Stage {
-    /// What is computed, and the slot for the result.
+    /// Computations, each with the slot for its result.
     pub instructions: Vec<(Computation<Source>, usize)>,
     /// Slots that are stored in buffers after the last instruction.
     pub stores: Vec<(usize, usize)>,

@@ -17,15 +17,15 @@ pub struct Recorder(RefCell<Operations>);
 /// The operations of a [`Recorder`].
 #[derive(Debug, Default)]
 pub struct Operations {
-    /// The inputs are the first ones.
+    /// Recorded operations, inputs first.
     pub nodes: Vec<Recorded>,
     /// The factor of every [`Recorded::Multiple`], 1 elsewhere.
     pub factors: Vec<f64>,
     /// The operations whose results are wanted; none is an input.
     pub results: Vec<usize>,
-    /// The number of operations since the start; those that follow are of an earlier record.
+    /// Number of operations since the start; those that follow are of an earlier record.
     count: usize,
-    /// Whether they differ from those of the record before.
+    /// Whether the operations differ from those of the record before.
     changed: bool,
 }
 
@@ -53,8 +53,8 @@ impl Operations {
 }
 
 impl Recorder {
-    /// Records ψ(ẑ, z), ψ(ẑ, ψ(ẑ, z)) and so on, with a result for each. Whether the operations
-    /// differ from those of the record before.
+    /// Records ψ(ẑ, z), ψ(ẑ, ψ(ẑ, z)) and so on, with a result for each. Returns whether the
+    /// operations differ from those of the record before.
     pub fn evaluations<F: Implicit>(
         &mut self,
         formula: &F,
@@ -87,7 +87,7 @@ impl Recorder {
         self.push(Recorded::Of(op.map(|symbol| symbol.number)), 1.0)
     }
 
-    /// Makes the result of an operation, or a copy of an input, one that is wanted.
+    /// Marks the result of an operation, or a copy of an input, as wanted.
     pub fn result<'a>(&'a self, x: Symbol<'a>) -> Symbol<'a> {
         let is_input = matches!(self.0.borrow().nodes[x.number], Recorded::Input(_));
         let x = if is_input { x * 1.0 } else { x };
@@ -95,7 +95,7 @@ impl Recorder {
         x
     }
 
-    /// What was recorded.
+    /// The recorded operations.
     pub fn operations(&mut self) -> &Operations {
         self.0.get_mut()
     }

@@ -22,7 +22,7 @@ pub trait Scheme: Send + Sync {
     /// The state of 32 paths, or of one large path, that advances by this scheme.
     ///
     /// # Errors
-    /// [`SchemeError`] if the scheme is not for the system, or memory is not there.
+    /// [`SchemeError`] if the scheme is not for the system, or an allocation fails.
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError>;
 }
 

@@ -55,8 +55,8 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
         Ok(())
     }
 
-    /// Sweeps until every path has converged or their number is reached. Minus the number of sweeps
-    /// of a path that has converged; positive on other paths.
+    /// Sweeps until every path has converged or `most_sweeps` is reached. Returns minus the number
+    /// of sweeps of a path that has converged; positive numbers on other paths.
     fn iterate(&mut self, h: Weights<'_>, most_sweeps: u32) -> Row {
         let mut pending = [1.0; WIDTH];
         for number in 1..=most_sweeps {
@@ -154,8 +154,8 @@ impl<F: Implicit> Stepper for FormulaStepper<'_, F> {
     }
 }
 
-/// The end of a sweep: the test of every path, and the iterates of those that were not frozen.
-/// Whether all have converged.
+/// The end of a sweep: the test of every path, and the iterates of those that were not frozen. Its
+/// output is whether all have converged.
 struct TestSweep<'a> {
     number: u32,
     /// Sums of the last two changes and of the last iterate.

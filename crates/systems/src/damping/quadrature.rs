@@ -19,9 +19,10 @@ const CLOSED: [(f64, f64); 5] = [
     (0.308_658_283_817_455_1, 0.180_858_929_360_244_9),
     (0.5, 0.098_412_698_412_698_41),
 ];
-/// Halvings of a cell in which the rate is not smooth. What is left is round-off of the times.
+/// Halvings of a cell in which the rate is not smooth; beyond these only round-off of the times is
+/// left.
 const HALVINGS: u32 = 40;
-/// Nor are cells halved that are shorter than this part of their time.
+/// Least length of a cell that is halved, as a part of its time.
 const LEAST: f64 = 1e-12;
 /// Halvings left between which the cells about a point have less of ∫|γ| than those that are
 /// nearer, if it is a pole: about 1/t each halving has the same, and all that are nearer 1.2 times
@@ -33,8 +34,8 @@ const DIVERGES: f64 = 1.1;
 const BUDGET: u32 = 40_000;
 /// A cell is smooth if halving it changes the integral by no more than this part of ∫|γ|.
 const SMOOTH: f64 = 1e-12;
-/// An integral that is given may differ from that of the nodes by this part of ∫|γ|, or it is
-/// looked for a pulse between them.
+/// Largest difference between a given integral and that of the nodes, as a part of ∫|γ|. A larger
+/// one starts the search for a pulse between the nodes.
 const AGREEMENT: f64 = 1e-6;
 /// A difference that is not below this part of itself after [`HALVINGS`] is at a point.
 const POINT: f64 = 1e-6;

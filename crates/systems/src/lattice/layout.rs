@@ -59,7 +59,7 @@ impl SpinRows for OnPaths<'_> {
 }
 
 /// Tiles of [`TILE_SITES`] sites of one path: the x of all of them, then the y, then the z. The
-/// last tile has as many groups of 32 as are left.
+/// last tile has the groups of 32 that are left.
 #[derive(Clone, Copy)]
 pub struct OnePath<'a> {
     pub sites: usize,
@@ -107,7 +107,7 @@ impl OnePath<'_> {
         }
     }
 
-    /// The same site by site, where they are on two tiles or at an end.
+    /// Loads the spins site by site, where they are on two tiles or at an end.
     #[cold]
     #[inline(never)]
     fn load_each(self, first: isize, y: &[Row]) -> Spins {

@@ -184,7 +184,7 @@ impl SpinLattice {
     }
 }
 
-/// Spins with an invariant each; of more spins it is the sum.
+/// Largest number of spins with an invariant each; of more spins the invariant is the sum.
 const SPINS_NAMED: usize = 16;
 
 impl System for SpinLattice {

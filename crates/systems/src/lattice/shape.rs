@@ -33,7 +33,7 @@ impl Shape {
     /// open: its sites would be their own neighbours, or be joined twice.
     ///
     /// # Errors
-    /// As [`open`](Self::open).
+    /// Errors of [`open`](Self::open).
     pub fn periodic(sizes: &[usize]) -> Result<Self, SystemError> {
         Self::new(sizes, true)
     }

@@ -30,8 +30,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
 }
 
 impl Description {
-    /// That of a compiled system; how B depends on y and whether the noises commute is found at
-    /// `y0` and around it.
+    /// Description of a compiled system; how B depends on y and whether the noises commute is found
+    /// at `y0` and around it.
     pub fn of<S, const D: usize, const M: usize>(system: &S, y0: [f64; D]) -> Self
     where
         S: PoissonSystem<D, M>,

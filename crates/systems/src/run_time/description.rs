@@ -1,35 +1,35 @@
-//! What a system known at run time is, as data.
+//! Properties of a system known at run time, as data.
 
 use dgrad::Rule;
 use real::WIDTH;
 
 use crate::{Invariant, Linearity};
 
-/// What the 32 numbers of a row belong to.
+/// Meaning of the 32 numbers of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lanes {
-    /// To 32 paths: row i is component i.
+    /// Numbers of 32 paths: row i is component i.
     Paths,
-    /// To one path. Numbers beyond its last component are zero and stay so.
+    /// Numbers of one path. Those beyond its last component are zero and stay so.
     Components,
 }
 
-/// Where the numbers of a state and of its noises are in rows.
+/// Layout of a state and of its noises in rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// What the numbers of a row belong to.
+    /// Meaning of the numbers of a row.
     pub lanes: Lanes,
-    /// The number of rows of a state.
+    /// Number of rows of a state.
     pub rows: usize,
-    /// The number of rows of a tile; the last tile may have fewer. B(y)v on a tile depends on y and
-    /// v there.
+    /// Number of rows of a tile; the last tile may have fewer. B(y)v on a tile depends on y and v
+    /// there.
     pub tile_rows: usize,
-    /// How many tiles away from a tile ∇h and ∇²h read their arguments at most, counted around from
-    /// the last tile to the first.
+    /// Largest distance in tiles at which ∇h and ∇²h on a tile read their arguments, counted around
+    /// from the last tile to the first.
     pub reach: usize,
-    /// Components that follow each other in a state and are in different rows: a site has so many.
+    /// Number of components of a site. They follow each other in a state and are in different rows.
     pub site: usize,
-    /// The number of rows of the increments of all noises.
+    /// Number of rows of the increments of all noises.
     pub noise_rows: usize,
     /// Whether every component has a noise of its own, in the row and place of the component.
     /// Otherwise noise m is in row m.
@@ -83,20 +83,20 @@ impl Layout {
     }
 }
 
-/// What a system known at run time is.
+/// Properties of a system known at run time.
 #[derive(Clone, Debug)]
 pub struct Description {
     /// The name of the system in reports.
     pub name: String,
     /// The parameters of the system in reports, for example `c = 0.5`.
     pub parameters: String,
-    /// The number of components of a path.
+    /// Number of components of a path.
     pub dimension: usize,
-    /// The number of noises.
+    /// Number of noises.
     pub noises: usize,
-    /// Where the numbers of a state are.
+    /// Layout of a state in rows.
     pub layout: Layout,
-    /// How B depends on y.
+    /// Dependence of B on y.
     pub linearity: Linearity,
     /// Whether z = y + B((y+z)/2)·v has a solution for every v, see
     /// [`always_solvable`](crate::always_solvable).

@@ -38,7 +38,7 @@ pub enum Op<P> {
 }
 
 impl<P> Op<P> {
-    /// The same operation with other arguments.
+    /// Operation with other arguments: `f` of each.
     #[inline(always)]
     pub fn map<Q>(self, mut f: impl FnMut(P) -> Q) -> Op<Q> {
         match self {

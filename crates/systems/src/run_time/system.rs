@@ -15,7 +15,7 @@ pub struct Weights<'a> {
     pub t: f64,
     /// The weight of H₀.
     pub dt: f64,
-    /// The weights of H₁, …: as many rows as [`Layout::noise_rows`](super::Layout::noise_rows).
+    /// The weights of H₁, …, in [`Layout::noise_rows`](super::Layout::noise_rows) rows.
     pub dw: &'a [Row],
     /// The Lévy areas of M noises, read where [`Op::reads_areas`]: A_ml for m < l in row mM + l of
     /// M² rows. Empty where no operation reads them.
@@ -35,7 +35,7 @@ impl Weights<'_> {
 /// matrix. ∇h may read all of y. `scratch` has at least
 /// [`scratch_rows`](Description::scratch_rows) rows with any content.
 pub trait System: Send + Sync {
-    /// What the system is.
+    /// Properties of the system.
     fn description(&self) -> &Description;
 
     /// Writes the rows `tile` of the result of an operation into `out`, of length `tile.len()`.
@@ -51,9 +51,9 @@ pub trait System: Send + Sync {
         scratch: &mut [Row],
     );
 
-    /// The operations of a formula with as many inputs in one piece, if the system can do better
-    /// than one operation after the other. The bits have to be the same. `results` are the numbers
-    /// of the operations whose results are wanted.
+    /// Compiles the operations of a formula with `inputs` inputs into one piece, if the system can
+    /// do better than one operation after the other. The bits have to be the same. `results` are
+    /// the numbers of the operations whose results are wanted.
     fn compile(
         &self,
         operations: &[Recorded],
@@ -87,8 +87,8 @@ pub trait System: Send + Sync {
         crate::system::no_invariant(&self.description().name, index)
     }
 
-    /// Writes numbers that are finite on the paths that are in the domain at time t. Only asked for if the
-    /// system [has a guard](Description::has_guard).
+    /// Writes numbers that are finite on the paths that are in the domain at time t. Only asked for
+    /// if the system [has a guard](Description::has_guard).
     fn guard(&self, y: &[Row], t: f64, out: &mut Row, scratch: &mut [Row]) {
         let _ = (y, t, scratch);
         out.fill(0.0);
@@ -106,11 +106,11 @@ pub trait System: Send + Sync {
 
 /// Functions of time.
 pub trait InTime: Send + Sync {
-    /// Their values at 32 times.
+    /// Values of the functions at 32 times.
     fn values(&self, times: &Row) -> Vec<Row>;
 
-    /// What they may be at a time that is known to an error: each value to ± an error, infinite or
-    /// NaN if there is no bound. None unless overridden.
+    /// Bounds of the functions at a time that is known to an error: each value to ± an error,
+    /// infinite or NaN if there is no bound. None unless overridden.
     fn bounds(&self, time: Bounded) -> Vec<Bounded> {
         let _ = time;
         Vec::new()

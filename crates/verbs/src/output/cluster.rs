@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-/// How `casimir part` computes one part of many.
+/// Parameters of the script in which `casimir part` computes one part of many.
 pub struct Script<'a> {
     /// Number of parts.
     pub parts: u64,
@@ -53,7 +53,7 @@ impl Script<'_> {
         )
     }
 
-    /// How the parts are computed with and without schedulers, in lines to copy.
+    /// Instructions to compute the parts with and without schedulers, in lines to copy.
     pub fn lines(&self) -> String {
         let (parts, cpus, script) = (self.parts, self.cpus, quoted(&self.folder.join(JOB)));
         format!(

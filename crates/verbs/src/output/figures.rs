@@ -18,13 +18,13 @@ use scenes::{self, MAX_COMPONENTS, Scene, digits};
 
 /// A drawing with its file and the words below it.
 pub struct Drawn {
-    /// What it is called, as `time-q`.
+    /// Name of the figure, such as `time-q`.
     pub name: String,
-    /// The name of its file without `.svg`; see [`distinct`].
+    /// Name of the file without `.svg`; see [`distinct`].
     pub file: String,
     /// The SVG document.
     pub svg: String,
-    /// What it shows.
+    /// Caption of the figure.
     pub caption: String,
 }
 
@@ -46,8 +46,8 @@ impl Drawn {
 /// Characters of the name of a figure in that of its file, which has at most 255 bytes.
 const LONGEST: usize = 48;
 
-/// Figures whose files would have one name, where capital letters are small ones too, have a hash
-/// of what they are called in it.
+/// Makes the names of files distinct: figures whose files would have one name, where capital
+/// letters are small ones too, have a hash of their own name in it.
 pub fn distinct<'a>(figures: impl Iterator<Item = &'a mut Drawn>) {
     let mut all = BTreeMap::<String, Vec<_>>::new();
     for figure in figures {
@@ -120,7 +120,7 @@ fn of_study(drawn: &scenes::Drawn, names: &[&String], study: &StudyResult) -> Ve
     vec![("In time", in_time), (TABLE, at_end), ("Dependence", dependence(drawn, study))]
 }
 
-/// `path 0`, or how many of how many.
+/// Words for the paths in a figure: `path 0`, or how many of how many.
 fn paths(results: &Results) -> String {
     match results.tables.len() {
         1 => "path 0".into(),

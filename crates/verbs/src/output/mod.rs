@@ -1,4 +1,4 @@
-//! What results are written as: a page, figures, tables and arrays.
+//! Output of results: a page, figures, tables and arrays.
 
 pub mod cluster;
 mod figures;
@@ -26,7 +26,7 @@ pub use steps::step_lines;
 use crate::{Outcomes, Results, failure::Done, warnings};
 use scenes::{Combination, Observable, Scene, digits};
 
-/// What a run writes beside its report.
+/// A format of files that a run writes beside its report.
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[derive(Clone, Copy, Debug)]
 pub enum Format {
@@ -38,13 +38,13 @@ pub enum Format {
     Npz,
 }
 
-/// A run that is here.
+/// A combination with its results.
 type Run<'a> = (&'a Combination, &'a Results);
 
 /// Lines of the table of a sweep on a terminal, or of warnings.
 const MAX_LINES: usize = 24;
 
-/// What was computed, as it is told.
+/// Outcomes as words, JSON, figures and files.
 impl Outcomes<'_> {
     /// The run, if nothing is varied.
     fn single(&self) -> Option<Run<'_>> {
@@ -75,7 +75,7 @@ impl Outcomes<'_> {
         all
     }
 
-    /// What was computed, in a line, and why by this scheme.
+    /// Summary of the computation in a line, and the reason for its scheme.
     fn computed(&self) -> String {
         let seconds = self.found().map(|(_, found)| found.seconds).sum::<f64>();
         let mut schemes: Vec<&str> = self.found().map(|(_, found)| &*found.scheme).collect();
@@ -198,7 +198,7 @@ fn kept(scene: &Scene, mut tables: Vec<TimeSeries>) -> Vec<TimeSeries> {
     tables
 }
 
-/// The same of what may be unknown.
+/// Formats a value that may be unknown.
 fn known(value: Option<f64>) -> String {
     value.map_or("–".into(), digits)
 }

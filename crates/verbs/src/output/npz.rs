@@ -12,7 +12,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
 type Statistic = fn(&Summary) -> Option<f64>;
 
-/// What files have of each observable.
+/// Statistics of each observable in files.
 const STATISTICS: [(&str, Statistic); 5] = [
     ("mean", |point| point.mean),
     ("lo", |point| Some(point.mean_interval?.0)),
@@ -29,7 +29,7 @@ pub fn list(name: impl Into<String>, values: Vec<f64>) -> Array {
     (name.into(), vec![values.len()], values)
 }
 
-/// The file of arrays.
+/// The bytes of a file of arrays.
 pub fn bytes(arrays: impl IntoIterator<Item = Array>) -> io::Result<Vec<u8>> {
     let mut out = ZipWriter::new(Cursor::new(Vec::new()));
     // Without the time of day: the same results are the same bytes.
@@ -46,7 +46,7 @@ pub fn bytes(arrays: impl IntoIterator<Item = Array>) -> io::Result<Vec<u8>> {
     Ok(out.finish()?.into_inner())
 }
 
-/// What stands before the numbers of an array, by version 1.0 of NumPy's format: a dictionary, with
+/// Header before the numbers of an array, by version 1.0 of NumPy's format: a dictionary, with
 /// blanks up to a multiple of 64 bytes. The libraries for it bring a parser of Python's literals,
 /// which needs a compiler of C.
 fn header(shape: &[usize]) -> Vec<u8> {
@@ -98,7 +98,7 @@ pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item =
     t.into_iter().chain(alone.map(array)).chain(vectors)
 }
 
-/// Joint laws.
+/// Joint laws as arrays.
 pub fn joint(result: &StudyResult) -> impl Iterator<Item = Array> {
     result.joint.iter().flat_map(|Joint { names: [a, b], grids, counts, .. }| {
         let name = format!("joint({a}, {b})");
@@ -153,7 +153,7 @@ pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
 mod tests {
     use super::header;
 
-    /// As NumPy 2.4 writes them.
+    /// Headers are as NumPy 2.4 writes them.
     #[test]
     fn headers_are_those_of_numpy() {
         for (shape, words) in [

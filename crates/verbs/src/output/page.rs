@@ -42,7 +42,7 @@ impl Outcomes<'_> {
         page.html()
     }
 
-    /// Terms and what they are.
+    /// Terms with their descriptions.
     fn facts(&self) -> Vec<(String, String)> {
         let settings = &self.sweep.scene().settings;
         let seed = settings.key.seed;
@@ -78,12 +78,12 @@ impl Outcomes<'_> {
     }
 }
 
-/// `0.2, 0.4`.
+/// Formats a list, such as `0.2, 0.4`.
 fn list(values: &[f64]) -> String {
     values.iter().map(|value| digits(*value)).collect::<Vec<_>>().join(", ")
 }
 
-/// `(0.2, 0.4)`, shortened where there are many.
+/// Formats a point, such as `(0.2, 0.4)`, shortened where there are many numbers.
 fn numbers(values: &[f64]) -> String {
     match values.get(..MAX_COMPONENTS) {
         Some(first) if values.len() > first.len() => {

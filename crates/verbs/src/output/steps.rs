@@ -9,8 +9,8 @@ use casimir::analysis::{
 use crate::Results;
 use scenes::{Scene, digits};
 
-/// What is known of the step errors of the mean and of the deviation of an observable that a study
-/// shows with the half-width of its interval.
+/// Known step errors of the mean and of the deviation of an observable, which a study shows with
+/// the half-width of its interval.
 pub fn step_errors(results: &Results, name: &str) -> Option<[StepError; 2]> {
     let (study, check) = (results.study.as_ref()?, results.check.as_ref()?);
     let errors = check.observables.iter().find(|errors| errors.observable == name)?;
@@ -21,7 +21,7 @@ pub fn step_errors(results: &Results, name: &str) -> Option<[StepError; 2]> {
     Some([errors.mean, errors.deviation].map(|of| check.step_error(of, sampling, spread)))
 }
 
-/// The cell of a table: that of the mean, and in brackets that of the deviation.
+/// Cell of a table: the step error of the mean, and in brackets that of the deviation.
 pub fn step_cell(errors: Option<[StepError; 2]>) -> String {
     let Some(errors) = errors else { return "–".into() };
     let [mean, deviation] = errors.map(|error| match error {
@@ -34,7 +34,7 @@ pub fn step_cell(errors: Option<[StepError; 2]>) -> String {
     mean.unwrap_or("small".into()) + &deviation
 }
 
-/// A step error of this part of a value leaves no digit of it.
+/// Step error, as a part of a value, that leaves no digit of it.
 const NO_DIGIT: f64 = 0.5;
 
 /// The part of its energy that the fastest motion lacks is worth a word from this on, 0.46 radians
@@ -157,7 +157,7 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
     lines
 }
 
-/// To two digits.
+/// Formats a size with two digits.
 fn rough(x: f64) -> String {
     format!("{x:.1e}").parse().map_or("–".into(), digits)
 }

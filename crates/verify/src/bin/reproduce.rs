@@ -36,7 +36,7 @@ struct Arguments {
     simd: Option<Level>,
 }
 
-/// What `--only` may name.
+/// Identifiers that `--only` accepts.
 fn all_ids() -> impl Iterator<Item = &'static str> {
     [EXPERIMENTS, STATEMENTS, SUPPLEMENTS].into_iter().flat_map(verify::ids)
 }

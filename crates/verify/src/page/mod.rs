@@ -89,7 +89,7 @@ fn csv(panel: &Panel) -> String {
     table
 }
 
-/// How many claims have each outcome, in words.
+/// Numbers of claims with each outcome, in words.
 pub fn counts<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
     let count = |one: &str| claims.clone().filter(|claim| claim.outcome() == one).count();
     let words = ["holds", "refuted", "misprint", "undecided"];
@@ -169,7 +169,7 @@ fn row(claim: &Claim) -> [String; 5] {
     [claim.outcome(), id, scheme, statement, evidence].map(str::to_owned)
 }
 
-/// How to read the figure.
+/// Explains how to read a figure.
 fn caption(kind: Kind) -> &'static str {
     match kind {
         Kind::Strong => {

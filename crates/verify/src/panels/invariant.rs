@@ -12,11 +12,11 @@ use crate::{
     results::{Claim, Evidence, Kind, Panel, Series},
 };
 
-/// A relative defect above this is visible in a figure: Euler–Maruyama is expected there.
+/// Relative defect from which it is visible in a figure: Euler–Maruyama is expected there.
 const VISIBLE: f64 = 1e-3;
 
-/// One path of each scheme on the same noise, with a claim for each of these invariants, the one of
-/// the paper first, and each curve.
+/// Follows one path of each scheme on the same noise, with a claim for each curve and each of the
+/// given invariants, the one of the paper first.
 pub fn follow<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions,
     words: Words,

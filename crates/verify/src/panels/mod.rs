@@ -16,7 +16,7 @@ use invariant::follow;
 use strong::compare;
 use weak::WEAK_IDS;
 
-/// Everything that makes a panel, in the order of the paper.
+/// Experiments that make the panels, in the order of the paper.
 pub const EXPERIMENTS: &[Experiment] = &[
     (&["pendulum-strong"], |conditions| {
         compare(
@@ -162,7 +162,7 @@ pub const fn phi<const D: usize>(
     Observable { name, function }
 }
 
-/// The twelve test functions of the weak panels, three of each panel.
+/// Test functions of the weak panels: twelve, three for each panel.
 pub fn weak_observables() -> [Observable<3>; 12] {
     [
         phi("y1", |y| y[0]),

@@ -20,29 +20,29 @@ use crate::{
 
 /// Coarsest step size 2⁻⁵.
 const FIRST: u32 = 5;
-/// The part of an experiment whose noise finds the times of the largest errors.
+/// Part number of an experiment's noise that finds the times of the largest errors.
 const WORST_TIMES: u64 = streams::PARTS - 1;
-/// Paths that find them.
+/// Number of paths that find the times of the largest errors.
 const PILOT_PATHS: u64 = 512;
 
-/// What a strong panel is made of: step sizes 2⁻⁵ … 2^−last with a reference at 2^−(last + 2).
+/// Settings of a strong panel: step sizes 2⁻⁵ … 2^−last with a reference at 2^−(last + 2).
 pub struct StrongPanel<'a> {
     pub words: Words,
     pub last: u32,
-    /// Paths.
+    /// Number of paths.
     pub samples: u64,
-    /// How increments are truncated.
+    /// Truncation of increments.
     pub truncation: Truncation,
-    /// The same in words.
+    /// Truncation of increments, in words.
     pub truncated: &'static str,
     /// The exact solution, which is known at the final time only.
     pub exact: Option<Exact<'a>>,
-    /// Whether `sexp` is held to the paper's bound, and if so, whether the paper proves it here.
+    /// Whether the paper proves its bound for `sexp` here; `None` if `sexp` is not held to it.
     pub bound: Option<bool>,
 }
 
 impl StrongPanel<'_> {
-    /// With the truncation of the reproduction, and without an exact solution.
+    /// Creates settings with the truncation of the reproduction and without an exact solution.
     pub fn new(words: Words, (last, samples): (u32, u64)) -> Self {
         let (truncation, truncated) = (truncation(), TRUNCATED);
         Self { words, last, samples, truncation, truncated, exact: None, bound: None }
@@ -58,8 +58,8 @@ impl StrongPanel<'_> {
         (self.last + 2 - exponent) as usize
     }
 
-    /// A panel with a claim for each curve. Its series are the errors at the final time of each
-    /// curve, then, unless the solution is exact, those at the worst time of the common grid.
+    /// Measures a panel with a claim for each curve. Its series are the errors at the final time of
+    /// each curve, then, unless the solution is exact, those at the worst time of the common grid.
     ///
     /// The curve with areas, or else the first, runs at the finest step, too; the errors are
     /// differences from that unless the solution is exact.
@@ -175,9 +175,9 @@ impl StrongPanel<'_> {
         Findings { panels: vec![panel], claims }
     }
 
-    /// The squared errors |y − y_ref|² of these runs, the squares of the differences of each run
-    /// but the last from the next one, and the errors again where an increment was clipped, zero
-    /// elsewhere. y_ref is the exact solution at the random time of a path, or run 0.
+    /// Writes the squared errors |y − y_ref|² of the given runs, the squares of the differences of
+    /// each run except the last from the next one, and the errors again where an increment was
+    /// clipped, zero elsewhere. y_ref is the exact solution at the random time of a path, or run 0.
     fn write_squares(&self, first: usize, runs: usize, view: &View<'_>, rows: &mut [Row]) {
         let finest = view.state(0);
         let solution = self.exact.as_ref().map(|exact| exact.rows(view, finest.len()));
@@ -193,7 +193,7 @@ impl StrongPanel<'_> {
         }
     }
 
-    /// For each curve the time of the common grid at which the error of its coarsest step is
+    /// Times of the common grid, one for each curve, at which the error of its coarsest step is
     /// largest, from the difference between that step and a quarter of it on paths of their own,
     /// so that the times do not depend on the errors that are measured there.
     fn worst_times(&self, conditions: &Conditions, curves: &[Curve<'_>]) -> Vec<u64> {
@@ -220,7 +220,7 @@ impl StrongPanel<'_> {
     }
 }
 
-/// Steps of 2^−(last + 2) on [0, T].
+/// Number of steps of 2^−(last + 2) on [0, T].
 pub fn finest_steps(last: u32, t_end: f64) -> u64 {
     (t_end * 2f64.powi(last as i32 + 2)).round() as u64
 }
@@ -229,7 +229,7 @@ pub fn power_of_half(exponent: u32) -> f64 {
     0.5f64.powi(exponent as i32)
 }
 
-/// Paths that were left out: the first few, and how many.
+/// Describes the paths that were left out: the first few, and their number.
 pub fn describe_failures<T>(Measured { failed, failures, .. }: &Measured<T>) -> Vec<String> {
     let mut lines: Vec<String> = failures.iter().map(ToString::to_string).collect();
     if *failed > failures.len() as u64 {
@@ -238,12 +238,13 @@ pub fn describe_failures<T>(Measured { failed, failures, .. }: &Measured<T>) -> 
     lines
 }
 
-/// The schemes of the paper, and `sexp-levy` where noises do not commute, with a claim for each
-/// curve: step sizes down to 2^−last and so many paths at the paper's sizes, and whether the paper
-/// proves the order of `sexp` here.
+/// Compares the schemes of the paper, and `sexp-levy` where noises do not commute, with a claim for
+/// each curve. Given are the exponent `last` of the finest step size 2^−last and the number of
+/// paths, both at the paper's sizes, and whether the paper proves the order of `sexp` here.
 ///
-/// `sexp-levy` has itself at a finer step as reference. Drawing areas costs as many normals as the
-/// square root of the step count, so its steps end three levels before those of the others.
+/// `sexp-levy` has itself at a finer step as reference. Drawing areas costs a number of normals
+/// equal to the square root of the step count, so its steps end three levels before those of the
+/// others.
 pub fn compare<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions,
     words: Words,

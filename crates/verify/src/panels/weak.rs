@@ -51,7 +51,7 @@ use crate::{
     truncation,
 };
 
-/// One set of runs makes these panels.
+/// Identifiers of the weak panels, which one set of runs makes.
 pub const WEAK_IDS: &[&str] =
     &["rigid-body-weak-y", "rigid-body-weak-y2", "rigid-body-weak-cos", "rigid-body-weak-sin"];
 const FUNCTIONS: [&str; 4] = ["y_j", "y_j²", "cos y_j", "sin y_j"];
@@ -59,8 +59,8 @@ const FUNCTIONS: [&str; 4] = ["y_j", "y_j²", "cos y_j", "sin y_j"];
 /// Coarsest step size 2⁻⁶.
 const FIRST: u32 = 6;
 
-/// All panels. Of the step sizes 2⁻⁶ … 2^−last the difference between one and half of it has
-/// most·√(τ/2⁻⁶) paths, rounded upwards.
+/// Measures all weak panels. For the step sizes τ = 2⁻⁶ … 2^−last, the difference between τ and τ/2
+/// has most·√(τ/2⁻⁶) paths, rounded upwards.
 pub fn measure(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
     let sexp = Compiled::of(&problem).sexp();

@@ -50,7 +50,7 @@ const REDUCTION: f64 = 1000.0;
 /// variation below this has nothing left to be reduced.
 const ROUND_OFF: f64 = 1e-12;
 
-/// A claim for each invariant of the system.
+/// Makes a claim for each invariant of the system.
 pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions,
     part: u64,

@@ -37,14 +37,15 @@ pub type BodyScheme = dyn Scheme<RigidBody<3>, 3, 3>;
 /// Linear pieces of the noise in a step.
 pub const PIECES: usize = 64;
 
-/// Both claims about the remainder of a scheme, which the paper proves or does not.
+/// Measures both claims about the remainder of a scheme; `proven` says whether the paper proves
+/// them.
 pub(super) fn of_scheme(conditions: &Conditions, scheme: &BodyScheme, proven: bool) -> Findings {
     let remainder = |tau: f64, pieces: &_| scheme_remainder(scheme, tau, pieces);
     let claims = remainder_claims(conditions, scheme.id(), remainder);
     claims.map(|claim| claim.proven(proven)).to_vec().into()
 }
 
-/// Both claims about a remainder, at steps τ = 2⁻² … 2⁻⁹.
+/// Measures both claims about a remainder, at steps τ = 2⁻² … 2⁻⁹.
 pub fn remainder_claims(
     conditions: &Conditions,
     of: &str,
@@ -88,7 +89,7 @@ pub(super) fn problem() -> Problem<RigidBody<3>, Cosine, 3> {
     rigid_body_three_noises(1.0)
 }
 
-/// y + τ(f₀ − γy) + Σ fₘwₘ, the part of the expansion that both have.
+/// First-order part y + τ(f₀ − γy) + Σ fₘwₘ of the expansion, for the exact flow and for schemes.
 pub fn first_order(tau: f64, w: Vector) -> Vector {
     let (system, damping, y, _) = problem().into_parts();
     let field = vector_field(&system, y, tau, w);
@@ -96,7 +97,7 @@ pub fn first_order(tau: f64, w: Vector) -> Vector {
     std::array::from_fn(|i| y[i] + field[i] - rate * y[i])
 }
 
-/// a − b.
+/// Difference a − b.
 pub fn difference(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|i| a[i] - b[i])
 }
@@ -105,7 +106,7 @@ pub(super) fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     difference(exact_end(tau, pieces), expansion(tau, pieces))
 }
 
-/// y(τ) on piecewise linear noise.
+/// Exact state y(τ) on piecewise linear noise.
 pub fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let (system, damping, y0, _) = problem().into_parts();
     let length = tau / PIECES as f64;
@@ -115,7 +116,8 @@ pub fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     pieces.iter().enumerate().fold(y0, end)
 }
 
-/// y + τ(f₀ − γy) + Σ fₘΔWₘ + Σ fₘ′f_l J_lm with the iterated integrals of piecewise linear noise.
+/// Expansion y + τ(f₀ − γy) + Σ fₘΔWₘ + Σ fₘ′f_l J_lm with the iterated integrals of piecewise
+/// linear noise.
 pub fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let (system, _, start, _) = problem().into_parts();
     // J_lm with l the inner index.
@@ -137,7 +139,8 @@ pub fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     sum
 }
 
-/// A step of a scheme, and the increments of the whole step, truncated if the scheme asks for it.
+/// Takes a step of a scheme; returns its end, and the increments of the whole step, truncated if
+/// the scheme asks for it.
 pub fn scheme_end(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> [Vector; 2] {
     let truncated = if scheme.clips_increments() { truncation() } else { Truncation::none() };
     let bound = valid(truncated.bound(tau));
@@ -147,7 +150,7 @@ pub fn scheme_end(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> [
     [scheme.step(&system, &step, &Noise::increments(w), y0).z, w]
 }
 
-/// What a step of a scheme lacks of its expansion.
+/// Remainder of a step of a scheme: the step minus its expansion.
 pub fn scheme_remainder(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let (system, _, start, _) = problem().into_parts();
     let [end, w] = scheme_end(scheme, tau, pieces);

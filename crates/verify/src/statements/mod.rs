@@ -1,5 +1,5 @@
-//! Statements that are measured on their own and not on a panel: those of the paper, and what
-//! `docs/theory.md` says of the schemes without iteration.
+//! Statements that are measured on their own and not on a panel: those of the paper, and those of
+//! `docs/theory.md` on the schemes without iteration.
 
 pub mod exact_conformal;
 pub mod local;
@@ -14,7 +14,7 @@ use systems::paper::valid;
 
 use crate::Experiment;
 
-/// In the order of the paper, then the others.
+/// Statements in the order of the paper, then the others.
 pub const STATEMENTS: &[Experiment] = &[
     (&["truncation-moments"], truncation::measure),
     (&["solvability"], solvability::measure),

@@ -26,18 +26,17 @@ pub(super) fn measure(conditions: &Conditions) -> Findings {
     .into()
 }
 
-/// The rigid body without damping, where the bound is an equality for every n.
+/// Rigid body without damping, where the bound is an equality for every n.
 pub fn undamped() -> Problem<RigidBody<3>, Constant, 3> {
     let body = rigid_body_three_noises(10.0).into_parts().0;
     valid(Problem::new(body, valid(Constant::new(0.0)), rigid_body_start(), 10.0))
 }
 
-/// Where the bound is an equality it is missed by the round-off of 1000 steps, 16 ε each if none
-/// cancelled.
+/// Round-off by which 1000 steps miss a bound that is an equality: 16 ε each if none cancelled.
 const ROUND_OFF: f64 = 16_000.0 * f64::EPSILON;
 
-/// The largest ‖y_n‖ over the bound at t_n on [0, 10], over many paths and all n ≥ 1, for a
-/// quadratic F with minimum m.
+/// Measures the largest ratio of ‖y_n‖ to the bound at t_n on [0, 10], over many paths and all
+/// n ≥ 1, for a quadratic F with minimum m.
 pub fn bound(
     conditions: &Conditions,
     part: u64,

@@ -28,9 +28,9 @@ pub(super) fn measure(conditions: &Conditions) -> Findings {
     vec![of_pendulum, contraction(conditions, 1, poisson.system(), 3f64.sqrt(), 1.0)].into()
 }
 
-/// Points are drawn with this spread: several periods of the sines.
+/// Spread of the random points: several periods of the sines.
 const SPREAD: f64 = 10.0;
-/// Two iterations agree when they differ by round-off, amplified by 1/(1 − C) near the bound.
+/// Tolerance for two iterations to agree: round-off, amplified by 1/(1 − C) near the bound.
 const AGREEMENT: f64 = 1e-9;
 
 /// The claim for one system, ‖B‖ = `structure`; increments go up to `reach` times the truncation

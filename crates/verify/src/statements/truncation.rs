@@ -1,5 +1,5 @@
-//! `truncation-moments`: what truncating the increments costs (Bréhier,
-//! Cohen and Komori 2025, §3).
+//! `truncation-moments`: errors from truncating the increments (Bréhier, Cohen and Komori 2025,
+//! §3).
 //!
 //! With ζ standard normal, χ its truncation at A = √(2k|log τ|) and s = |ζ| − A beyond the
 //! threshold, E|ζ − χ|ᵖ = 2φ(A) ∫₀^∞ sᵖ e^{−As − s²/2} ds and Eζ² − Eχ² = 2φ(A) ∫₀^∞ s(s + 2A)
@@ -24,12 +24,12 @@ const EXPONENTS: std::ops::RangeInclusive<i32> = 1..=40;
 const RANGE: &str = "k = 1 … 6 and τ = 2^-1 … 2^-40";
 const ID: &str = "truncation-moments";
 
-/// A.
+/// Threshold A of the truncation.
 fn threshold(tau: f64, k: u32) -> f64 {
     (2.0 * f64::from(k) * elementary::ln(tau).abs()).sqrt()
 }
 
-/// 2φ(A)∫₀^∞ g(s) e^{−As − s²/2} ds with φ(A) = τᵏ/√(2π).
+/// Tail integral 2φ(A)∫₀^∞ g(s) e^{−As − s²/2} ds with φ(A) = τᵏ/√(2π).
 fn tail(tau: f64, k: u32, g: impl Fn(f64) -> f64) -> f64 {
     let threshold = threshold(tau, k);
     let density = elementary::powi(tau, k as i32) / (2.0 * std::f64::consts::PI).sqrt();
@@ -40,13 +40,13 @@ fn tail(tau: f64, k: u32, g: impl Fn(f64) -> f64) -> f64 {
         * rule.integrate(0.0, end, |s| g(s) * elementary::exp(-threshold * s - 0.5 * s * s))
 }
 
-/// E[ζ²] − E[χ²].
+/// Lost variance E[ζ²] − E[χ²].
 fn lost_variance(tau: f64, k: u32) -> f64 {
     let threshold = threshold(tau, k);
     tail(tau, k, |s| s * (s + 2.0 * threshold))
 }
 
-/// ‖ΔW − ΔŴ‖_{Lᵖ}.
+/// Distance ‖ΔW − ΔŴ‖_{Lᵖ}.
 fn distance(tau: f64, k: u32, p: i32) -> f64 {
     tau.sqrt() * elementary::powf(tail(tau, k, |s| elementary::powi(s, p)), 1.0 / f64::from(p))
 }
@@ -79,11 +79,11 @@ fn variance() -> Claim {
     Claim::new(ID, statement, Evidence::bounds(quantities))
 }
 
-/// Where enough increments are clipped to see it.
+/// Step size and order k at which enough increments are clipped to see the lost variance.
 const SAMPLED_STEP: f64 = 0.25;
 const SAMPLED_ORDER: u32 = 1;
 
-/// Increments of this project clipped to ±`bound`, against the closed form.
+/// Compares the variance of sampled increments clipped to ±`bound` with the closed form.
 pub fn sampled_variance(conditions: &Conditions, bound: f64) -> Claim {
     let samples = conditions.choose(4_000_000, 200_000);
     let mut noise = WienerPath::<1>::new(conditions.key(0), 0);
@@ -99,9 +99,9 @@ pub fn sampled_variance(conditions: &Conditions, bound: f64) -> Claim {
     Claim::new(ID, "sampled increments lose the variance of the closed form", measured)
 }
 
-/// ‖ΔW − ΔŴ‖_{Lᵖ} ≤ C τ^((1+k)/2): the ratio of both sides must stay bounded as τ → 0. Since E|ζ −
-/// χ|ᵖ ≈ 2φ(A) p!/A^{p+1}, the norm is of order τ^{1/2 + k/p} up to powers of |log τ|: enough for p
-/// ≤ 2 only.
+/// Claim ‖ΔW − ΔŴ‖_{Lᵖ} ≤ C τ^((1+k)/2): the ratio of both sides must stay bounded as τ → 0. Since
+/// E|ζ − χ|ᵖ ≈ 2φ(A) p!/A^{p+1}, the norm is of order τ^{1/2 + k/p} up to powers of |log τ|: enough
+/// for p ≤ 2 only.
 fn distances(powers: &[i32], names: &str) -> Claim {
     let [coarse, fine] = [EXPONENTS.start(), EXPONENTS.end()].map(|&j| 0.5f64.powi(j));
     let quantities = powers.iter().flat_map(|&p| {

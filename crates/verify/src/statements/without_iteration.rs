@@ -1,4 +1,4 @@
-//! `any-increment` and `no-noise`: what the schemes without iteration promise beside their strong
+//! `any-increment` and `no-noise`: properties of the schemes without iteration beside their strong
 //! and weak orders, see `docs/theory.md`.
 //!
 //! `any-increment`: on systems where every step has a solution no increment is clipped, every step
@@ -34,7 +34,7 @@ pub(super) fn no_noise(conditions: &Conditions) -> Findings {
     of_each(conditions, &[pendulum, body, Compiled::of(&light), Compiled::of(&poisson)], order_two)
 }
 
-/// A claim about each of the schemes on each problem; the schemes are counted.
+/// Makes a claim about each of the schemes on each problem; the schemes are counted.
 fn of_each(
     conditions: &Conditions,
     problems: &[Compiled<'_>],
@@ -50,7 +50,7 @@ fn of_each(
     claims.into()
 }
 
-/// The same on increments times a factor.
+/// Alters a set-up: increments are multiplied by `factor`.
 fn scaled(setup: Setup<'_>, factor: f64) -> Setup<'_> {
     altered(setup, false, move |_: &mut Step, noise: &mut StepNoise| {
         noise.increments.as_flattened_mut().iter_mut().for_each(|dw| *dw *= factor);
@@ -60,13 +60,13 @@ fn scaled(setup: Setup<'_>, factor: f64) -> Setup<'_> {
 const STEPS: u64 = 400;
 const TAU: f64 = 0.0625;
 const PATHS: u64 = 16;
-/// A step at which truncation would clip every third increment, and how many of them.
+/// Step size at which truncation would clip every third increment, and the number of such steps.
 const LONG_STEP: f64 = 0.9;
 const LONG_STEPS: u64 = 16;
 
-/// All steps with increments of 1, 10 and 100 standard deviations are solved, the first invariant
-/// is kept to what counts as round-off on as many steps, and a path with long steps is the same
-/// with and without truncation.
+/// Checks steps with increments of 1, 10 and 100 standard deviations: all steps are solved, and the
+/// first invariant obeys its law to [`ROUND_OFF`]. A path with long steps must be the same with and
+/// without truncation.
 pub fn keeps_casimir(conditions: &Conditions, part: u64, mut setup: Setup<'_>) -> Claim {
     let mut quantities = Vec::new();
     setup.problem.t_end = STEPS as f64 * TAU;
@@ -96,16 +96,16 @@ pub fn keeps_casimir(conditions: &Conditions, part: u64, mut setup: Setup<'_>) -
     Claim::new("any-increment", statement, Evidence::bounds(quantities))
 }
 
-/// How far apart two paths end.
+/// Distance of the ends of two paths.
 fn apart(one: &Path, other: &Path) -> f64 {
     distance(&one[one.len() - 1].1, &other[other.len() - 1].1)
 }
 
-/// Steps of the coarsest of three runs.
+/// Number of steps of the coarsest of three runs.
 const COARSE: u64 = 128;
 
-/// The order from the ends of three runs without noise: half-way between the order two and that of
-/// a composition that is not symmetric is ½.
+/// Measures the order from the ends of three runs without noise: half-way between the order two and
+/// that of a composition that is not symmetric is ½.
 pub fn order_two(conditions: &Conditions, _part: u64, setup: Setup<'_>) -> Claim {
     let setup = scaled(setup, 0.0);
     let [coarse, middle, fine] =

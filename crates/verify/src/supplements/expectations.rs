@@ -1,5 +1,5 @@
-//! E[φ(y(T))] of the rigid body with three noises by `expectation::Expect` on Sobol points and on random
-//! points, against the Kolmogorov equation, and what an accuracy costs.
+//! E[φ(y(T))] of the rigid body with three noises by `expectation::Expect` on Sobol points and on
+//! random points, against the Kolmogorov equation, and the cost of an accuracy.
 
 use expectation::{Estimate, Expect, ExpectSettings, Expectation};
 use mc::{Observable, Observe};
@@ -34,7 +34,7 @@ pub const KOLMOGOROV: [f64; 12] = [
 ];
 const COS_Y3: f64 = 0.797_719_935_281_683_3;
 
-/// How expectations are computed.
+/// Names of the curves: methods to compute expectations.
 const RANDOM: &str = "random points";
 const SOBOL: &str = "Sobol points";
 const CHOSEN: &str = "Expect";
@@ -60,7 +60,7 @@ fn expectation(
     valid(expect.with(settings).run(&observables, accuracy))
 }
 
-/// E[φ] of `estimate` against its value by the Kolmogorov equation. Where the interval has
+/// Compares E[φ] of `estimate` with its value by the Kolmogorov equation. Where the interval has
 /// Student's quantile the standard error is that of a normal law with the same interval.
 fn claim(estimate: &Estimate, of: &Expectation, expected: f64, statement: String) -> Claim {
     let measured = Evidence::Deviation {
@@ -96,7 +96,7 @@ const WORDS: Words = [
      points take fewer. Expect takes nv, of weak order 2, on Sobol points.",
 ];
 
-/// Path-steps for E[cos y₃] at several accuracies: what points and scheme contribute.
+/// Measures path-steps for E[cos y₃] at several accuracies: the contributions of points and scheme.
 pub fn cost(conditions: &Conditions) -> Findings {
     let observables = [phi("cos y3", |y| real::elementary::cos(y[2]))];
     let accuracies = conditions

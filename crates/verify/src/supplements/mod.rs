@@ -10,7 +10,7 @@ pub use expectations::KOLMOGOROV;
 
 use crate::Experiment;
 
-/// All of them.
+/// Supplements: experiments that make figures that are not in the paper.
 pub const SUPPLEMENTS: &[Experiment] = &[
     (&["truncation-orders"], truncation_orders::measure),
     (&["lotka-volterra-exact"], exact_references::lotka_volterra),

@@ -1,4 +1,4 @@
-//! `truncation-orders`: what the truncation order k does to the strong error.
+//! `truncation-orders`: the effect of the truncation order k on the strong error.
 
 use noise::Truncation;
 use schemes::BuiltIn;

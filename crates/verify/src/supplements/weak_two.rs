@@ -2,10 +2,10 @@
 //!
 //! The bias of `nv` is of order τ²: at the steps of the weak panels it is lost in the noise of
 //! random paths. So steps are long here, paths few-dimensional integrals, and points scrambled
-//! Sobol points. φ is averaged over both orders of the noises, as `expectation::Expect` does. The difference
-//! between two step sizes is that of both orders at the coarse one, and at the fine one of the one
-//! order, and of the other order on swapped increments: its variance falls like τ². Each difference
-//! has scrambles of its own, whose means are the samples.
+//! Sobol points. φ is averaged over both orders of the noises, as `expectation::Expect` does. The
+//! difference between two step sizes is that of both orders at the coarse one, and at the fine one
+//! of the one order, and of the other order on swapped increments: its variance falls like τ². Each
+//! difference has scrambles of its own, whose means are the samples.
 
 use mc::{NextNoise, Observable, Problem, Run, bind_owned};
 use noise::{QuasiWiener, StreamKey};
@@ -25,11 +25,11 @@ use crate::{
     results::{Claim, DifferenceSamples, Evidence, Kind, Panel},
 };
 
-/// Scrambles: many, so that the normal law is that of their mean.
+/// Number of scrambles: many, so that their mean is nearly normal.
 const SCRAMBLES: u64 = 64;
 
-/// Of the twelve functions of the weak panels those whose bias stands out most from the noise; that
-/// of functions of y₃ is a tenth of y₂'s.
+/// Test functions, of the twelve of the weak panels, whose bias stands out most from the noise; the
+/// bias of functions of y₃ is a tenth of that of y₂.
 const OBSERVABLES: [Observable<3>; 3] =
     [phi("y2", |y| y[1]), phi("y1^2", |y| y[0] * y[0]), phi("y2^2", |y| y[1] * y[1])];
 
