@@ -236,6 +236,10 @@ def test_seeds_that_are_kept_and_lost() -> None:
             worker.join()
         return ends
 
+    def second_differs(seed: int, paths: Array, threads: int = 1) -> Array:
+        return np.stack([exact(seed, paths), exact(seed, paths) + threads], axis=1)
+
+    assert not casimir.verify_seeds(second_differs, threads=2)["1 and 2 threads"]
     wrong = casimir.verify_seeds(one_thread_ignores, threads=2)
     assert not wrong and not wrong["1 and 2 threads"] and wrong["same seed, same bits"], wrong
 

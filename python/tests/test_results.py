@@ -49,7 +49,9 @@ def test_averages_over_the_stationary_law(oscillator: casimir.Scene) -> None:
     # <p²/2m> = kT/2; four half-widths are missed once in 10^14.
     assert abs(found["kinetic"].value - 0.5) < 4 * found["kinetic"].half_width
     assert "density-kinetic" in found.figures and abs(found.data["kT"] - 1.0) < 1e-9
-    exponents = well.lyapunov(2, accuracy=0.05)
+    # What is asked for goes before the wish of the scene.
+    exponents = well.with_(expect={"of": ["kinetic"], "accuracy": 9.0}).lyapunov(2, accuracy=0.05)
+    assert exponents.reached and exponents["λ1"].half_width <= 0.05 == exponents.data["accuracy"]
     assert list(exponents) == ["λ1", "λ2", "their sum"]
     assert abs(exponents["their sum"].value + 1.0) < 1e-6
     with pytest.raises(casimir.SceneError, match="number of exponents"):
@@ -84,8 +86,16 @@ def test_a_sweep_has_axes(oscillator: casimir.Scene) -> None:
     assert data.sel(sigma=0.2, k=3.0)["q mean"].values[-1] == run.statistics["q"].mean[1, 2, -1]
     frame = run.to_pandas()
     assert len(frame) == 2 * 2 * 3 * len(run.t)
+    rows = frame[(frame.observable == "q") & (frame.sigma == 0.1) & (frame.k == 3.0)]
+    assert np.array_equal(rows["t"], run.t) and np.array_equal(rows["mean"], run.statistics["q"].mean[0, 2])
+    assert np.array_equal(rows["q0.05"], quantiles[0, 2, :, 0]) and (rows["q0.05"] <= rows["q0.95"]).all()
     other = casimir.sweep(oscillator.with_(paths=200), independent=True, sigma=[0.1, 0.2]).run()
     assert other.statistics["q"].mean[1, -1] != run.statistics["q"].mean[1, 0, -1]
+
+
+def test_all_warnings_are_told(oscillator: casimir.Scene) -> None:
+    run = oscillator.run(paths=200, until=40, steps=64, parameters={"sigma": 3.0}, scheme="heun")
+    assert len(run.warnings) >= 2 and run.warnings == run.data["warnings"]
 
 
 def test_orders_and_comparisons(oscillator: casimir.Scene) -> None:

@@ -58,6 +58,10 @@ def test_sympy_is_printed_to_the_grammar() -> None:
         -((-x) ** 3) + 2**x - (-y) ** 2,
         sympy.Max(x, y, 0.25) - sympy.Min(x, y),
         sympy.Piecewise((x, x > y), (y**2, sympy.And(x < 0, y > 0)), (1.5, True)),
+        # Both conditions hold at some of the points.
+        sympy.Piecewise((x, x + y < 1), (y, x - y < 1), (1.5, True)),
+        sympy.Max(x, y, x + y) - sympy.Min(x, y, x - y),
+        sympy.Piecewise((x, sympy.Or(x > 0, y > 0)), (1.5, True)),
     ]
     for expression in expressions:
         system = casimir.System(state="x y", B="canonical", H0="x")
@@ -151,6 +155,13 @@ def test_wrong_scenes_are_refused_with_their_place(
         text = casimir.Scene.unchecked(tables).to_toml().splitlines()
         assert raised.value.line is not None and raised.value.column is not None
         assert raised.value.column <= len(text[raised.value.line - 1]) + 1
+
+
+def test_columns_are_counted_in_letters() -> None:
+    text = '[system]\nstate = ["q", "p"]\nparameters = { "γ" = 1 }\nB = "canonical"\nH0 = "γ*q + γ*w"\n'
+    with pytest.raises(casimir.SceneError) as raised:
+        casimir.Scene.from_toml(text + "[run]\ninitial = [1, 0]\nuntil = 1\nsteps = 4\n")
+    assert (raised.value.line, raised.value.column) == (5, text.splitlines()[4].index("w") + 1)
 
 
 def test_wrong_arguments(oscillator: casimir.Scene) -> None:

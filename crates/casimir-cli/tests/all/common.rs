@@ -41,6 +41,24 @@ pub fn read_json(file: impl AsRef<Path>) -> Value {
     serde_json::from_slice(&fs::read(file).expect("a file")).expect("JSON")
 }
 
+/// The numbers of an array in a file of NumPy, which is not compressed.
+#[track_caller]
+pub fn npz(file: impl AsRef<Path>, name: &str) -> Vec<f64> {
+    let bytes = fs::read(file).expect("a file");
+    let find = |words: &[u8], from: usize| {
+        let place = bytes[from..].windows(words.len()).position(|window| window == words);
+        from + place.unwrap_or_else(|| panic!("no array {name}")) + words.len()
+    };
+    let header = find(format!("{name}.npy").as_bytes(), 0);
+    let data = find(b"\n", find(b"'shape': ", header));
+    let header = String::from_utf8_lossy(&bytes[header..data]);
+    let (_, shape) = header.split_once("'shape': (").expect("a shape");
+    let sizes = shape.split(')').next().unwrap_or_default().split(", ");
+    let count: usize = sizes.map(|n| n.trim_end_matches(',').parse::<usize>().unwrap()).product();
+    let number = |chunk: &[u8]| f64::from_le_bytes(chunk.try_into().unwrap());
+    bytes[data..data + 8 * count].chunks_exact(8).map(number).collect()
+}
+
 /// Runs it; it must end with this exit code and say these words.
 #[track_caller]
 pub fn fails(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) {

@@ -208,6 +208,12 @@ fn laws_that_friction_keeps_are_drawn_with_their_decay() {
     let kept = columns(LASER);
     assert!(kept["C defect"].unwrap().abs() < 1e-13, "{kept:?}");
     assert!((kept["C"].unwrap() / 6.5 - (-2f64).exp()).abs() < 1e-12, "{kept:?}");
+    // Expectations have it, too, with a scheme of their own.
+    let expect = "[expect]\nof = [\"(y2^2 + y3^2)/2\"]\naccuracy = 0.01\n";
+    let folder = with_scene(&(LASER.replace("scheme = \"sexp\"", "") + expect));
+    let found = json(folder.path(), &["expect", "scene.toml", "--json"]);
+    let value = found["estimates"][0]["value"].as_f64().unwrap();
+    assert!((value / 6.5 - (-2f64).exp()).abs() < 1e-12, "{value}");
     let broken = columns(&LASER.replace("[\"y2\", \"y3\"]", "[\"y2\"]"));
     assert!(!broken.contains_key("C"), "{broken:?}");
     // All monomials decay alike, if not by the same rates: y1 y2 with 0.5 + 0.1.

@@ -81,6 +81,7 @@ fn a_folder_of_parts_may_have_any_results() {
     assert!(fs::read_to_string(path.join("big/study.json")).unwrap().contains("series"));
     fails(path, &plan, 2, &["has parts"]);
     succeeds(path, &["extend", "big", "--paths", "300"]);
+    fails(path, &["extend", "big", "--paths", "400"], 2, &["not merged yet"]);
     parts(path, &["1", "2"]);
     succeeds(path, &merge);
 }

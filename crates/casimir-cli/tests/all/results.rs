@@ -1,10 +1,10 @@
 //! What the commands print and write.
 
-use std::fs;
+use std::{collections::BTreeSet, fs};
 
 use serde_json::Value;
 
-use crate::common::{BODY, OSCILLATOR, SPINS, fails, json, read_json, succeeds, with_scene};
+use crate::common::{BODY, OSCILLATOR, SPINS, fails, json, npz, read_json, succeeds, with_scene};
 
 #[test]
 fn few_paths_are_tables_and_many_are_statistics() {
@@ -158,6 +158,106 @@ scheme = "heun"
     fails(with_scene(text).path(), &["run", "scene.toml"], 1, &[words]);
     // With short steps nothing is left.
     succeeds(with_scene(&text.replace("100", "10000")).path(), &["run", "scene.toml"]);
+}
+
+/// Of three paths the first leaves the domain: nothing is made up for it, and readers are told.
+#[test]
+fn what_is_left_of_paths_that_fail_is_right_and_said() {
+    let text = r#"[system]
+state = ["q", "p"]
+parameters = { c = 1 }
+B = "canonical"
+H0 = "p^2/2 + c*(q - ln(q))"
+[run]
+initial = "states.csv"
+until = 50
+steps = 100
+scheme = "heun"
+paths = 3
+"#;
+    let folder = with_scene(text);
+    let path = folder.path();
+    fs::write(path.join("states.csv"), "1, 1.5\n1.1, 0\n1, 0.01\n").unwrap();
+    succeeds(path, &["run", "scene.toml", "--write", "json,npz"]);
+    let tables = read_json(path.join("scene-run/paths.json"));
+    let values = |n: usize| -> Vec<f64> {
+        let columns = tables[n]["columns"].as_array().unwrap();
+        let q = columns.iter().find(|column| column["name"] == "q").unwrap();
+        serde_json::from_value(q["values"].clone()).unwrap()
+    };
+    let [first, second, third] = [0, 1, 2].map(values);
+    let q = npz(path.join("scene-run/paths.npz"), "q");
+    let (all, n) = (second.len(), first.len());
+    assert!(all == 101 && n < all && q.len() == 3 * all);
+    assert!(q[..n] == first && q[n..all].iter().all(|q| q.is_nan()), "{q:?}");
+    assert!(q[all..2 * all] == second && q[2 * all..] == third);
+    // A mean is that of the paths that are left.
+    let sweep = ["run", "scene.toml", "--set", "c=1,0.9", "--write", "csv"];
+    succeeds(path, &sweep);
+    let csv = fs::read_to_string(path.join("scene-run/sweep.csv")).unwrap();
+    let mut means = csv.lines().filter_map(|line| line.strip_prefix("1,50.0,q,mean,"));
+    let mean: f64 = means.next().expect(&csv).split(',').next().unwrap().parse().unwrap();
+    assert!((mean - (second[100] + third[100]) / 2.0).abs() < 1e-14, "{mean}");
+    // States come in turn: the first of three 67 times.
+    let found = json(path, &["run", "scene.toml", "--paths", "200", "--json"]);
+    let page = fs::read_to_string(path.join("scene-run/index.html")).unwrap();
+    let lost = "67 of 200 paths failed";
+    assert!(found["warnings"].to_string().contains(lost) && page.contains(lost), "{found}");
+}
+
+/// A figure says how far a law is missed, to both sides. Heun's rule gains |1 + iτ − τ²/2|² in each
+/// step.
+#[test]
+fn the_largest_defect_is_in_the_caption() {
+    for sign in ["", "-"] {
+        let folder = with_scene(&format!(
+            "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\nH0 = \"{sign}(q^2 + p^2)/2\"\n\
+             [run]\ninitial = [1, 0]\nuntil = 10\nsteps = 64\nscheme = \"heun\"\n"
+        ));
+        succeeds(folder.path(), &["run", "scene.toml"]);
+        let page = fs::read_to_string(folder.path().join("scene-run/index.html")).unwrap();
+        let defect = (1.0 + (10.0f64 / 64.0).powi(4) / 4.0).powi(64) - 1.0;
+        assert!(page.contains(&format!("the largest is {defect:.1e}.")), "{defect}");
+    }
+}
+
+/// One of a pair has two values, which stand one beside the other in a figure with it to the right;
+/// autocorrelations have lags up to half of the times from 1.125 to 8, in steps of an eighth.
+#[test]
+fn dependence_is_drawn_the_right_way_and_from_the_right_time() {
+    let folder = with_scene(
+        r#"[system]
+state = ["q", "p"]
+B = "canonical"
+H0 = "(p^2 + q^2)/2"
+H = ["sqrt(2)*q"]
+[damping]
+rates = { p = 1 }
+[run]
+initial = [0, 0]
+until = 8
+steps = 64
+paths = 200
+[observe]
+two = "if(q > 0, 1, 0)"
+[statistics]
+pairs = [["two", "p"]]
+autocorrelation = ["q"]
+from = 1.125
+"#,
+    );
+    let path = folder.path();
+    succeeds(path, &["run", "scene.toml", "--write", "json"]);
+    let svg = fs::read_to_string(path.join("scene-run/figures/joint-two-p.svg")).unwrap();
+    let cells = svg.split(" d=\"").skip(1).filter_map(|path| path.split('"').next());
+    let cells = cells.flat_map(|path| path.split('M')).filter_map(|cell| cell.split_once('h'));
+    let cells = cells.filter_map(|(from, _)| from.split_once(' '));
+    let (x, y): (BTreeSet<&str>, BTreeSet<&str>) = cells.unzip();
+    assert!(x.len() == 2 && y.len() > 2, "{x:?} {y:?}");
+    let study = read_json(path.join("scene-run/study.json"));
+    let lags = study["lagged"][0]["points"].as_array().unwrap();
+    // 56 times, and the lag zero.
+    assert_eq!((lags.len(), &lags[28]["time"]), (29, &serde_json::json!(3.5)));
 }
 
 /// Formulas of observables use H₀, observables above them, and what a lattice has by itself.

@@ -257,6 +257,8 @@ fn what_nobody_can_tell_is_said() {
     assert!(text.contains("cannot tell"), "{text}");
     for (from, to, words) in [
         ("rates = { p = \"g\" }", "rate = \"0.1*t\"", "depends on time"),
+        // The same at both ends.
+        ("rates = { p = \"g\" }", "rate = \"1 + cos(pi*t/8)/2\"", "depends on time"),
         ("[expect]", "[nothing]", "unknown"),
         ("accuracy = 0.1", "accuracy = -1", "accuracy must be positive"),
     ] {

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 
-use crate::common::{OSCILLATOR, fails, json as run_json, read_json, succeeds, with_scene};
+use crate::common::{OSCILLATOR, fails, json as run_json, npz, read_json, succeeds, with_scene};
 
 /// Many paths, two parameters.
 fn study() -> String {
@@ -41,14 +41,22 @@ fn each_combination_is_a_run_of_its_own() {
     assert!(csv.starts_with(begin), "{csv}");
     let means = csv.lines().filter(|line| line.contains(",mean,"));
     assert_eq!(means.count(), 3 * 3 * 65);
-    let npz = fs::read(path.join("scene-run/sweep.npz")).unwrap();
-    let has = |words: &str| npz.windows(words.len()).any(|window| window == words.as_bytes());
+    let bytes = fs::read(path.join("scene-run/sweep.npz")).unwrap();
+    let has = |words: &str| bytes.windows(words.len()).any(|window| window == words.as_bytes());
     assert!(has("energy mean.npy") && has("'shape': (3, 65)"));
     let written = read_json(path.join("scene-run/sweep.json"));
     assert_eq!(written["runs"][2]["parameters"]["k"], 1.5);
     assert_eq!(written["runs"][2]["series"][0]["observable"], "energy");
     let page = fs::read_to_string(path.join("scene-run/index.html")).unwrap();
     assert!(page.contains("against k") && page.contains("the same for each combination"));
+    // Arrays have an axis for each parameter, the last one fastest, and that of time.
+    succeeds(path, &["run", "scene.toml", "--set", "s=0.2,1/4", "--write", "npz,json"]);
+    let written = read_json(path.join("scene-run/sweep.json"));
+    let means = npz(path.join("scene-run/sweep.npz"), "energy mean");
+    assert_eq!(means.len(), 3 * 2 * 65);
+    for (run, means) in runs(&written).iter().zip(means.chunks(65)) {
+        assert_eq!(run["series"][0]["points"][64]["mean"], means[64]);
+    }
     // A few paths have no intervals.
     let few = succeeds(path, &["run", "scene.toml", "--paths", "2", "--write", "csv,npz"]);
     assert!(few.contains("k = 1.5  energy"), "{few}");

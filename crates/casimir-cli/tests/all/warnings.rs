@@ -2,6 +2,23 @@
 
 use crate::common::{OSCILLATOR, json, succeeds, with_scene};
 
+/// Every measurement has the random numbers of its seed, and of no other.
+#[test]
+fn seeds_are_those_that_were_asked_for() {
+    let folder = with_scene(&OSCILLATOR.replace("0.05", "0.5"));
+    for (command, key) in [("expect", "estimates"), ("order --path-steps 1e4", "strong")] {
+        let found = |seed: &str| {
+            let (verb, options) = command.split_once(' ').unwrap_or((command, ""));
+            let line = format!("{verb} scene.toml {options} --json --seed {seed}");
+            let found = json(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+            assert!(!found[key].is_null(), "{found}");
+            found[key].clone()
+        };
+        assert_eq!(found("1"), found("1"), "{command}");
+        assert_ne!(found("1"), found("2"), "{command}");
+    }
+}
+
 /// With so large steps.
 #[test]
 fn json_has_the_warnings_that_are_printed() {
