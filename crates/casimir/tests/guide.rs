@@ -47,7 +47,7 @@ fn the_blocks_of_the_guide_are_in_the_examples() {
     let example = read("examples/charged_particle.rs");
     assert_eq!(blocks.len(), 8);
     // The other two programs are shown in part.
-    for (block, other) in [(7, "which_scheme"), (5, "study")] {
+    for (block, other) in [(7, "which_scheme"), (5, "many_paths")] {
         let other = read(&format!("examples/{other}.rs"));
         assert!(other.contains(&blocks.remove(block)));
     }

@@ -92,7 +92,7 @@ pub use report::{short, written};
 ///
 /// ```
 /// use mc::Observable;
-/// use crate::Expect;
+/// use expectation::Expect;
 /// use systems::{Constant, Problem, RigidBody};
 ///
 /// let body = RigidBody::one_noise([1.0, 1.0, 1.0], 1.0)?;
@@ -267,7 +267,7 @@ impl<'a> Expect<'a> {
     ///
     /// ```
     /// use mc::{Observable, Setup};
-    /// use crate::{Expect, ExpectSettings};
+    /// use expectation::{Expect, ExpectSettings};
     /// use schemes::Sexp;
     /// use systems::{Constant, Problem, RigidBody};
     ///

@@ -122,7 +122,7 @@ impl EquilibriumSettings {
 ///
 /// ```
 /// use mc::{Observable, Setup};
-/// use crate::{Equilibrium, EquilibriumSettings};
+/// use stationary::{Equilibrium, EquilibriumSettings};
 /// use schemes::SexpLi;
 /// use systems::{Constant, Pendulum, Problem};
 ///

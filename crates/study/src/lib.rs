@@ -30,7 +30,7 @@
 //!
 //! ```
 //! use mc::{Observable, Setup};
-//! use crate::{Study, StudySettings};
+//! use study::{Study, StudySettings};
 //! use noise::{StreamKey, Truncation};
 //! use schemes::Sexp;
 //! use systems::{Constant, Problem, RigidBody};
