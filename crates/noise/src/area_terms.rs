@@ -109,6 +109,9 @@ mod tests {
     #[test]
     fn the_number_of_terms_is_the_least() {
         for m in [2, 3, 7] {
+            // Its square is m h²/(12 π² n²).
+            let square = 12.0 * (PI * 49.0 * area_error(0.3, 49, m) / 0.3).powi(2);
+            assert!((square - m as f64).abs() < 1e-13, "{m}: {square}");
             for terms in [1, 2, 3, 10, 49, 1000, 12_345] {
                 // An error that is reached exactly, and one just below it.
                 let error = area_error(0.3, terms, m);

@@ -80,3 +80,32 @@ pub fn approach(
         least: 0.25,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Compiled;
+    use schemes::BuiltIn;
+
+    #[test]
+    fn the_order_of_approach_has_the_errors_of_both_step_sizes() {
+        let problem = systems::paper::rigid_body_three_noises(1.0);
+        let compiled = Compiled::of(&problem);
+        let midpoint = &compiled.curves(&[BuiltIn::Midpoint])[0].setup;
+        let conditions = Conditions { seed: 1, quick: true, experiment: 1, id: "midpoint" };
+        // Mean and squared standard error of ln d over the 32 paths.
+        let [coarse, fine] = [(PART, 8), (PART + 1, 8 * REFINEMENT)].map(|(part, steps)| {
+            let path = |path| conditions.path(part, midpoint, steps, path);
+            let logarithms: Vec<f64> =
+                (0..32).map(|p| largest_defect(&midpoint.problem, 0, &path(p)).ln()).collect();
+            let mean = logarithms.iter().sum::<f64>() / 32.0;
+            let square = logarithms.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
+            (mean, square / (31.0 * 32.0))
+        });
+        let found = approach(&conditions, midpoint, 0, 8, 0.1);
+        let Evidence::Approach { order, half_width, .. } = found else { panic!("{found:?}") };
+        assert!((order * 64f64.ln() - (coarse.0 - fine.0)).abs() < 1e-9, "{order}");
+        let exact = DEVIATIONS * (coarse.1 + fine.1).sqrt() / 64f64.ln();
+        assert!((half_width / exact - 1.0).abs() < 1e-9, "{half_width} {exact}");
+    }
+}

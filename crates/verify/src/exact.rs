@@ -168,6 +168,17 @@ mod tests {
         }
     }
 
+    /// At degree two S has the mean ∫g = (1 − e^{−γT})/γ and the variance c²∫g².
+    #[test]
+    fn the_random_time_has_the_mean_and_the_variance_of_its_integral() {
+        let damping = valid(systems::Constant::new(0.8));
+        let (mean, variance) = RandomTime::new(&damping, 2.0, 0.7, 0.5).law(4);
+        let integral = |rate: f64| (1.0 - (-2.0 * rate).exp()) / rate;
+        assert!((mean - integral(0.8)).abs() < 1e-9, "{mean}");
+        // Four nodes leave (2γτ)⁸/8! and less.
+        assert!((variance - 0.49 * integral(1.6)).abs() < 1e-7, "{variance}");
+    }
+
     /// A plane that turns: H = ½|y|².
     struct Plane;
 

@@ -300,6 +300,10 @@ mod tests {
                 assert_eq!(steps, seconds);
             }
             assert_eq!(of(&curve, 0.5 * curve[6].error), None);
+            // An eighth of the last error takes 8^{1/order} as many steps.
+            let further = outcome(&curve, 0.125 * curve[6].error);
+            let Outcome::NotReached { needs: Some(needs) } = further else { panic!() };
+            assert!((needs / (64.0 * 8f64.powf(1.0 / order)) - 1.0).abs() < 1e-12, "{order}");
         }
     }
 

@@ -26,6 +26,9 @@ fn casimirs_and_energies_of_known_systems() {
     assert!(!of(&SPIN, "x^2/2 + y^2", &["x^2/2 - y^2"], 0.0).proportional);
     let mixed = |rate| of(&SPIN, "x^2/2 + y^4", &["x^2 + 2*y^4"], rate);
     assert_eq!((mixed(0.5).energy_law(), mixed(0.0).energy_law()), (None, Some(0.0)));
+    // B(y)v = Qy × v has the Casimir ½yᵀQy, here x² + xy + y² + z²/2.
+    let tilted = of(&["-z x+2*y", "-2*x-y"], "x^2", &[], 0.0);
+    assert_eq!(formulas(&tilted), ["y1² + y2² + 0.5 y3² + y1 y2"]);
     // A canonical pair and a constant: the square of a linear Casimir is none of its own.
     let plane = of(&["1 0", "0"], "x^2 + y^2", &[], 0.0);
     assert_eq!(formulas(&plane), ["y3"]);

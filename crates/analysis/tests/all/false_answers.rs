@@ -89,6 +89,8 @@ fn a_wrong_integral_is_a_mistake() {
     let report = with(&plane("(x^2 + y^2)/2", &[]), &[1.0, 0.0], &WrongIntegral);
     assert_eq!(report.mistakes.len(), 1);
     assert!(report.mistakes[0].contains("integral of the damping"), "{report}");
+    // The energy would bound paths.
+    assert_eq!(report.problem.as_ref().unwrap().radius, None);
 }
 
 /// In the plane, each with one strange thing.

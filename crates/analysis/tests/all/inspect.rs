@@ -100,6 +100,10 @@ fn the_table_of_systems_is_reproduced() {
     row(&poisson, 3, 1, &["y1 + y2 + y3"], None);
     assert_eq!(claimed(&poisson, "C"), (Some(2.0), false));
     assert_eq!(claimed(&poisson, "S"), (Some(1.0), false));
+    // A sum of components of any sign bounds nothing.
+    assert_eq!(applies(&poisson, "moment-bound"), Some(Applies::No));
+    // Where B is constant, sexp-li is explicit.
+    assert_eq!(pendulum.recommended[1].scheme, "sexp");
 }
 
 /// The Lotka–Volterra system with the Casimir that the paper names, ab ln y₁ − b ln y₂ + ln y₃.
@@ -359,6 +363,22 @@ fn casimirs_of_parts_are_summed_to_a_bound() {
     assert_eq!(applies(&report, "strong-half"), Some(Applies::Yes), "{report}");
     let words = format!("    a positive definite sum: {}, m = 5.0000e-1 > 0", sum.formula);
     assert!(report.to_string().contains(&words), "{report}");
+}
+
+/// B joins 25 components; quadratic Casimirs are sought among 24 at most.
+#[test]
+fn a_search_that_was_left_out_is_not_complete() {
+    let complete = |d: usize| {
+        let entry = |i: usize, j: usize| if j == i + 1 { format!("y{i}") } else { "0".into() };
+        let row = |i: usize| (i + 1..d).map(|j| entry(i, j)).collect::<Vec<_>>().join(" ");
+        let rows: Vec<String> = (0..d - 1).map(row).collect();
+        let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+        let state = (0..d).map(|i| format!("y{i} ")).collect::<String>();
+        let y0 = vec![1.0; d];
+        let report = inspect_around(&formulas(&texts(&state, &rows, "y0^2", &[]), &y0), &y0);
+        report.unwrap().casimirs.unwrap().complete
+    };
+    assert_eq!([4, 25].map(complete), [true, false]);
 }
 
 #[test]

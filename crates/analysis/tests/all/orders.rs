@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use analysis::{Decision, Exact, Limit, Order, StepSizes, strong_order, weak_order};
+use analysis::{
+    Decision, Exact, Limit, Order, Referee, SolverStates, StepSizes, strong_order, weak_order,
+};
 use mc::{LadderError, Observable, Observe, Setup, TimeChange};
 use noise::{StreamKey, Truncation};
 use real::Row;
@@ -330,4 +332,42 @@ fn a_measurement_can_be_stopped() {
         });
         assert_eq!(strong(&Sexp, &problem, &many).order(), None);
     });
+}
+
+/// A solver has the same ∫W dt = Σ τ(W + ½ΔW + H) at every step size, by space-time areas H; and
+/// the mean of a reference is extrapolated.
+#[test]
+fn what_a_referee_gives_and_compares_has_no_error_of_steps() {
+    let problem = kubo(1.0, 1.0);
+    let sizes = StepSizes { levels: 5, refinement: 1, ..sizes(4, 1) };
+    let referee = Referee { setup: Setup::at_run_time(&problem, &Sexp).unwrap(), sizes };
+    let taus = [4.0, 8.0, 16.0, 32.0, 64.0].map(|steps| 1.0 / steps);
+    let noise = referee.noise(0, 32).unwrap();
+    let integral = |level: usize, path: usize| {
+        let steps = noise[level].increments.chunks(32).zip(noise[level].space_time.chunks(32));
+        let (mut w, mut sum) = (0.0, 0.0);
+        for (dw, area) in steps {
+            sum += taus[level] * (w + 0.5 * dw[path] + area[path]);
+            w += dw[path];
+        }
+        sum
+    };
+    for path in 0..32 {
+        let exact = integral(0, path);
+        for level in 1..5 {
+            // Sums of 64 terms of a few units each.
+            assert!((integral(level, path) - exact).abs() < 1e-13, "{level} {path}");
+        }
+    }
+    // A solver of order one, and a reference whose error of 0.05 is twice that at twice its steps.
+    let all = |y: f64| [y, 0.0].repeat(64);
+    let states = SolverStates {
+        start: all(1.0),
+        levels: taus.map(|tau| all(0.5 + 0.1 * tau)).into(),
+        reference: [all(0.55), all(0.6)],
+        single: Vec::new(),
+    };
+    let found = referee.judge(&[&first()], &states);
+    let Limit::Agrees { distance } = found.weak[0].1.limit else { panic!("{}", found.weak[0].1) };
+    assert!((distance - 0.1 / 64.0).abs() < 1e-6, "{distance}");
 }

@@ -60,9 +60,11 @@ fn holds(point: &Value, truth: f64) {
 /// In two steps: given the ends of a step, its law within is exact.
 #[test]
 fn first_passages_of_brownian_motion_have_the_inverse_gaussian_law() {
-    let events = "[events]\nhit = \"q > 1\"\n[observe]\nfar = \"q\"\n";
+    let events = "[events]\nhit = \"q > 1\"\neither = \"q > 1 or q > 2\"\n[observe]\nfar = \"q\"\n";
     let found = at_end(&format!("{}{events}", WALK.replace("steps = 32", "steps = 2")), "1");
     holds(&found["hit"], passed_before(T));
+    // Of two conditions the first that comes true counts.
+    holds(&found["either"], passed_before(T));
     // E min(T₁, t) = ∫(1 − P) dt, by the middles of many intervals.
     let mean: f64 = (0..4000)
         .map(|k| (1.0 - passed_before((f64::from(k) + 0.5) * T / 4000.0)) * T / 4000.0)

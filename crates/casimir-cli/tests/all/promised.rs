@@ -118,6 +118,11 @@ fn a_bath_that_would_be_wrong_is_refused_with_what_is_right() {
         "H = [\"(q*sqrt(1 + q^2) + ln(q + sqrt(1 + q^2)))/2\"]\n[damping]\nrates = { p = 0.5 }";
     let right = scene(PLANE, CANONICAL, "q^2/2 + p^2/(2*(1 + q^2))", right, "[2, 0]");
     assert!((bath(&right).unwrap() - 1.0).abs() < 1e-9);
+    // A noise √(1 + p²) of p, whose field has a divergence: e^{−βH₀} is stationary for a law of
+    // Student, where γp = ½σ²(1 + p²)(βH₀′ − p/(1 + p²)), so that β = 1 + 2γ/σ².
+    let student = "H = [\"0.8*q\"]\n[damping]\nrates = { p = 0.5 }";
+    let student = scene(PLANE, "[[\"sqrt(1 + p^2)\"]]", "ln(1 + p^2)/2", student, "[1, 1]");
+    assert!((bath(&student).unwrap() * (1.0 + 1.0 / 0.64) - 1.0).abs() < 1e-9);
 }
 
 #[test]
@@ -256,6 +261,10 @@ fn what_is_kept_follows_from_all_damping() {
         let whole = expected.contains("split would") || expected.ends_with("Lévy");
         assert!(found == expected || whole && found.starts_with(expected), "{expected}\n{found}");
     }
+    // Without iteration a constant B makes an explicit step.
+    let oscillator = kubo("").replace("until", "scheme = \"sexp-li\"\nuntil");
+    let text = succeeds(with_scene(&oscillator).path(), &["run", "scene.toml"]);
+    assert!(text.contains("the energy drifts; auto takes sexp"), "{text}");
     let text = succeeds(
         with_scene(&spin("[damping]\nrates = { s1 = 0.1 }")).path(),
         &["inspect", "scene.toml"],

@@ -158,6 +158,11 @@ scheme = "heun"
     fails(with_scene(text).path(), &["run", "scene.toml"], 1, &[words]);
     // With short steps nothing is left.
     succeeds(with_scene(&text.replace("100", "10000")).path(), &["run", "scene.toml"]);
+    // At the end q = 1 − t is on the pole of H₀, where all numbers of the state are finite.
+    let pole = text.replace("p^2/2 + q - ln(q)", "1e-3/q - p").replace("heun", "em");
+    let pole = pole.replace("until = 50", "until = 1").replace("100", "64");
+    fails(with_scene(&pole).path(), &["run", "scene.toml"], 1, &[words]);
+    succeeds(with_scene(&pole.replace("l = 1", "l = 0.75")).path(), &["run", "scene.toml"]);
 }
 
 /// Of three paths the first leaves the domain: nothing is made up for it, and readers are told.

@@ -89,6 +89,21 @@ accuracy = 0.1
     assert!(distance(&averaged(&pair.replace("p1 = 1", "p = 1")), 0, kt) < MISSES);
 }
 
+/// The law of p₁ is known; that of q₁, which q₂ pulls, is not.
+#[test]
+fn densities_are_drawn_beside_those_of_gibbs_where_these_are_known() {
+    let scene = bath("p2^2/2 + q1^2 + q2^2 + q1*q2", "\"q1\", \"p1\"", 1.0);
+    let scene = scene.replace(r#"["q", "p"]"#, r#"["q1", "q2", "p1", "p2"]"#);
+    let scene = scene.replace("p^2/(2*m)", "p1^2/(2*m)").replace("[0.5, 0]", "[0.5, 0, 0, 0]");
+    let folder = with_scene(&scene.replace("p = \"g\"", "p1 = \"g\", p2 = \"g\""));
+    succeeds(folder.path(), &["equilibrium", "scene.toml"]);
+    let known = ["q1", "p1"].map(|name| {
+        let file = folder.path().join(format!("scene-equilibrium/density-{name}.svg"));
+        std::fs::read_to_string(file).unwrap().contains("exp(-H0/kT)")
+    });
+    assert_eq!(known, [false, true]);
+}
+
 #[test]
 fn steps_far_too_long_are_halved() {
     // At 4τ, 2τ and τ = 0.435 the means are 0.970, 0.920 and 0.970: their ends agree.

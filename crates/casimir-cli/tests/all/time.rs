@@ -93,6 +93,18 @@ fn inspect_says_what_time_changes() {
     }
     let text = succeeds(folder.path(), &["run", "scene.toml"]);
     assert!(text.contains("but for what depends on time"), "{text}");
+    // At each time H₁ is a multiple of H₀, and there is no law of the energy.
+    let applies = |factor: &str| {
+        let scene = format!(
+            "[system]\nstate = [\"q\", \"p\"]\nB = \"canonical\"\nH0 = \"{factor}*(q^2 + p^2)\"\n\
+             H = [\"0.3*(q^2 + p^2)\"]\n[run]\ninitial = [1, 0]\nuntil = 1\nsteps = 8\n"
+        );
+        let found = json(with_scene(&scene).path(), &["inspect", "scene.toml", "--json"]);
+        let theorems = found["theorems"].as_array().unwrap();
+        let energy = theorems.iter().find(|theorem| theorem["statement"] == "energy-balance");
+        energy.unwrap()["applies"].clone()
+    };
+    assert_eq!([applies("0.5"), applies("(2 + cos(t))")], ["yes", "no"]);
 }
 
 #[test]

@@ -191,7 +191,7 @@ fn error(change: impl FnOnce(&mut Definition)) -> DefinitionError {
 #[test]
 fn wrong_definitions_are_named() {
     type Change = fn(&mut Definition);
-    let table: [(Change, &str); 11] = [
+    let table: [(Change, &str); 12] = [
         (|d| d.state[1] = "p".into(), "`p` is given twice, or a constant"),
         (|d| d.parameters[0].1 = f64::INFINITY, "the parameter `c` must be finite, got inf"),
         (|d| d.state.truncate(1), "the initial value must have 1 components, got 2"),
@@ -221,6 +221,10 @@ fn wrong_definitions_are_named() {
         (
             |d| d.energy = "sqrt(p - 3)".into(),
             "the derivative of H0 by p is inf at the initial value",
+        ),
+        (
+            |d| d.noises[0] = "sqrt(q - 4)".into(),
+            "the derivative of H, noise 1 by q is inf at the initial value",
         ),
         (
             |d| d.noises[0] = "qq".into(),

@@ -164,6 +164,51 @@ fn closed_forms_and_elimination_solve_the_linear_equation() {
     both_solve(Poisson3::new(1.0).unwrap());
 }
 
+/// J with H₀ = y₁⁴/4 + y₂²/2, H₁ = y₁² and H₂ = y₁y₂, so that {H₁, H₂} = −2y₁².
+struct Quartic;
+
+impl PoissonSystem<2, 2> for Quartic {
+    fn name(&self) -> &'static str {
+        "quartic"
+    }
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [-v[1], v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 2]) -> R {
+        let squares = y[0] * y[0];
+        (squares * squares * 0.25 + y[1] * y[1] * 0.5) * dt + squares * dw[0] + y[0] * y[1] * dw[1]
+    }
+}
+
+#[test]
+fn a_step_with_a_constant_structure_is_that_by_hand() {
+    let (y0, damping) = ([0.7, 0.4], Constant::new(0.6).unwrap());
+    let gradient = |[q, p]: [f64; 2], h: f64, [a, b]: [f64; 2]| {
+        [h * q.powi(3) + 2.0 * a * q + b * p, h * p + b * q]
+    };
+    let field = |v: [f64; 2]| [-v[1], v[0]];
+    let plus = |a: [f64; 2], b: [f64; 2], s: f64| [a[0] + s * b[0], a[1] + s * b[1]];
+    let (tau, dw, area) = (0.1, [0.3, -0.2], 0.05);
+    let step = Step::new(&damping, 0, tau).unwrap();
+    let noise = Noise { increments: dw, areas: [[0.0, area], [-area, 0.0]] };
+    let start = y0.map(|y| y * (-0.03f64).exp());
+    let middle = plus(start, field(gradient(start, tau, dw)), 0.5);
+    let end = plus(start, field(gradient(middle, tau, dw)), 1.0);
+    // Simpson's rule averages cubic gradients; the term of the area is −A₁₂∇{H₁, H₂} = 4A₁₂y₁e₁.
+    let [first, last] = [start, end].map(|y| gradient(y, tau, dw));
+    let between = gradient(plus(start, end, 1.0).map(|y| 0.5 * y), tau, dw);
+    let mean = plus(plus(first, last, 1.0), between, 4.0).map(|v| v / 6.0);
+    for (scheme, of_area) in [
+        (SexpLi::new(&Quartic, y0).unwrap(), 0.0),
+        (SexpLi::with_areas(&Quartic, y0).unwrap(), 4.0 * area * middle[0]),
+    ] {
+        let exact = plus(start, field(plus(mean, [of_area, 0.0], 1.0)), 1.0);
+        let found = scheme.step(&Quartic, &step, &noise, y0).z;
+        let distance = (0..2).map(|i| (found[i] - exact[i] * (-0.03f64).exp()).abs()).sum::<f64>();
+        assert!(distance < 32.0 * f64::EPSILON, "{found:?} {exact:?}");
+    }
+}
+
 /// 400 steps with increments of this many standard deviations, none clipped; the distance from the
 /// law of the Casimir.
 fn with_large_noise<S: PoissonSystem<3, M>, const M: usize>(
@@ -234,8 +279,8 @@ impl PoissonSystem<3, 1> for Hyperbolic {
     }
 }
 
-/// B(y) = y₃²J, with the Casimir y₃ named or not.
-struct Squared(pub Option<Form>);
+/// B(y) = y₃²J, with Casimirs of these forms named.
+struct Squared(&'static [Form]);
 
 impl PoissonSystem<3, 1> for Squared {
     fn name(&self) -> &'static str {
@@ -249,11 +294,11 @@ impl PoissonSystem<3, 1> for Squared {
         y[0] * y[0] * dt + y[1] * dw[0]
     }
     fn invariants(&self) -> Vec<Invariant> {
-        let casimir = |form| match form {
+        let casimir = |form: &Form| match form {
             Form::Linear => Invariant::linear_casimir("C", "y₃"),
             _ => Invariant::quadratic_casimir("C", "½y₃²"),
         };
-        self.0.into_iter().map(casimir).collect()
+        self.0.iter().map(casimir).collect()
     }
 }
 
@@ -273,9 +318,10 @@ fn the_kind_of_a_system_is_found() {
     // to be linear.
     assert!(!clips(SexpLi::new(&populations_1(), [0.2, 0.4, 0.6]).unwrap()));
     assert!(clips(SexpLi::new(&populations_2(), [0.2, 0.4, 0.6]).unwrap()));
-    assert!(SexpLi::new(&Squared(Some(Form::Linear)), [1.0; 3]).is_ok());
-    for form in [None, Some(Form::Quadratic)] {
-        let refused = SexpLi::new(&Squared(form), [1.0; 3]);
+    assert!(SexpLi::new(&Squared(&[Form::Linear]), [1.0; 3]).is_ok());
+    let others: [&[Form]; 3] = [&[], &[Form::Quadratic], &[Form::Linear, Form::Quadratic]];
+    for forms in others {
+        let refused = SexpLi::new(&Squared(forms), [1.0; 3]);
         let Err(SchemeError(_)) = refused else { panic!("{refused:?}") };
         assert!(refused.unwrap_err().to_string().contains("sexp is for any B"));
     }

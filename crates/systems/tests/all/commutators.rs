@@ -153,6 +153,26 @@ fn noises_that_do_not_commute_far_from_the_initial_value_or_beside_it() {
     }
 }
 
+/// H = (q₁, q₂, ½p₁²) on (q₁, q₂, p₁, p₂): the first and the third noise alone do not commute.
+struct Apart;
+
+impl PoissonSystem<4, 3> for Apart {
+    fn name(&self) -> &'static str {
+        "apart"
+    }
+    fn structure<R: Real>(&self, _y: [R; 4], v: [R; 4]) -> [R; 4] {
+        [v[2], v[3], -v[0], -v[1]]
+    }
+    fn energy<R: Real>(&self, y: [R; 4], _dt: f64, dw: [f64; 3]) -> R {
+        y[0] * dw[0] + y[1] * dw[1] + y[2] * y[2] * (0.5 * dw[2])
+    }
+}
+
+#[test]
+fn every_two_noises_are_compared() {
+    assert!(!noises_commute(&Apart, [0.3, 0.1, 0.5, 0.2]));
+}
+
 /// so(3) with H₁ a quadratic form and H₂ a function of it and of C = ½|y|².
 struct Functions(usize);
 

@@ -211,6 +211,30 @@ fn both_layouts_are_the_lattice_spin_by_spin() {
     }
 }
 
+/// ∇Σ A_ml {Hₘ, H_l} over m < l, where Hₘ = −σ Σ sᵢₘ and {sₘ, s_l} = s·(e_l × eₘ).
+#[test]
+fn areas_of_common_noise_turn_all_spins() {
+    let k = Couplings { exchange: 1.3, noise: 0.8, ..Couplings::default() };
+    let area = [[0.0, 0.3, 0.5], [0.0, 0.0, 0.7], [0.0; 3]];
+    let axis = |m: usize| std::array::from_fn(|c| f64::from(u8::from(c == m)));
+    let shape = Shape::open(&[5]).unwrap();
+    let systems = [SpinLattice::on_paths(shape.clone(), k), SpinLattice::one_path(shape, k)]
+        .map(Result::unwrap);
+    for system in &systems {
+        let y = rows(system, &spins(5, 3));
+        // As both layouts have them, by rows.
+        let areas = Rows::splat(area.as_flattened());
+        let h = Weights { areas: &areas, ..Weights::NONE };
+        let found = vectors(system, &tiles(system, Op::AreaGradient { y: &y }, h));
+        let mut expected = [0.0; 3];
+        for (m, l) in [(0, 1), (0, 2), (1, 2)] {
+            let turned = cross(axis(l), axis(m));
+            (0..3).for_each(|c| expected[c] += 0.64 * area[m][l] * turned[c]);
+        }
+        near(&found, &[expected; 5], 4.0 * f64::EPSILON, "areas");
+    }
+}
+
 #[test]
 fn flows_turn_spins_and_lengths_stay() {
     let k = Couplings {
@@ -221,7 +245,11 @@ fn flows_turn_spins_and_lengths_stay() {
         local: true,
         damping: 0.0,
     };
-    for (shape, periodic) in [(Shape::periodic(&[6, 4]), true), (Shape::open(&[5, 4]), false)] {
+    for (shape, periodic) in [
+        (Shape::periodic(&[6, 4]), true),
+        (Shape::open(&[5, 4]), false),
+        (Shape::open(&[3, 4]), false),
+    ] {
         let shape = shape.unwrap();
         let (s, w) = (spins(shape.sites(), 3), spins(shape.sites(), 17));
         let (v, _) = by_hand(&bonds(shape.sizes(), periodic), &k, &s, 1.0, &|i| w[i]);
@@ -257,6 +285,20 @@ fn flows_turn_spins_and_lengths_stay() {
             vectors(&system, &y)
         });
         assert_eq!(ends[0], ends[1]);
+    }
+}
+
+#[test]
+fn sixteen_spins_have_an_invariant_each_and_more_have_their_sum() {
+    for (sites, index) in [(16, 5), (17, 0)] {
+        let k = Couplings { exchange: 1.0, ..Couplings::default() };
+        let system = SpinLattice::on_paths(Shape::open(&[sites]).unwrap(), k).unwrap();
+        let s = spins(sites, 3);
+        let mut found = [0.0; WIDTH];
+        system.invariant(index, &rows(&system, &s), &mut found, &mut []);
+        let all = if sites > 16 { &s[..] } else { &s[index..=index] };
+        let exact: f64 = all.iter().map(|&s| 0.5 * dot(s, s)).sum();
+        assert!((found[0] / exact - 1.0).abs() < 64.0 * f64::EPSILON, "{sites}");
     }
 }
 

@@ -1,12 +1,13 @@
 //! Compiled systems through the trait of systems known at run time.
 
-use std::cmp::Ordering;
+use std::{cmp::Ordering, ops::Range};
 
+use dgrad::Rule;
 use real::{Row, Rows, WIDTH};
 use systems::{
     LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, area_gradient,
     ito_correction,
-    run_time::{Compiled, Op, System, Weights, derived},
+    run_time::{Compiled, Description, Op, System, Weights, derived},
     vector_field_derivative,
 };
 
@@ -122,4 +123,51 @@ fn the_adapter_has_the_bits_of_the_system() {
     let lotka_volterra = LotkaVolterra::<1, 1>::new(1.0).unwrap();
     check(lotka_volterra, [1.0, 1.9, 0.5], 1e-14);
     check(Poisson3::new(1.0).unwrap(), [1.0, 2.0, 3.0], 1e-13);
+}
+
+/// H = ½y₁⁶ + y₁y₂⁵ in the plane, whose gradient three nodes average exactly.
+struct Sixth(Description);
+
+impl System for Sixth {
+    fn description(&self) -> &Description {
+        &self.0
+    }
+    fn apply(
+        &self,
+        op: Op<&[Row]>,
+        _: Range<usize>,
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
+        let Op::Gradient { y } = op else { return derived(self, op, h, out, scratch) };
+        for p in 0..WIDTH {
+            let [a, b] = [y[0][p], y[1][p]];
+            out[0][p] = h.dt * (3.0 * a.powi(5) + b.powi(5));
+            out[1][p] = h.dt * 5.0 * a * b.powi(4);
+        }
+    }
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, _: &mut [Row]) {
+        for p in 0..WIDTH {
+            out[p] = h.dt * (0.5 * y[0][p].powi(6) + y[0][p] * y[1][p].powi(5));
+        }
+    }
+}
+
+#[test]
+fn an_odd_number_of_nodes_averages_to_the_change_of_energy() {
+    let system = Sixth(Description::new("sixth", 2, 0, Rule::new(3).unwrap()));
+    let h = Weights { dt: 0.7, ..Weights::NONE };
+    let mut scratch = Rows::zero(system.description().scratch_rows());
+    let (a, b) = (around(&[0.5, 1.0], 0.4, 0), around(&[0.9, 0.3], 0.4, 50));
+    let (mut mean, mut before, mut after) = (Rows::zero(2), [0.0; WIDTH], [0.0; WIDTH]);
+    let op = Op::AveragedGradient { a: &a[..], b: &b[..] };
+    system.apply(op, 0..2, h, &mut mean, &mut scratch);
+    system.energy(&a, h, &mut before, &mut scratch);
+    system.energy(&b, h, &mut after, &mut scratch);
+    for p in 0..WIDTH {
+        let change: f64 = (0..2).map(|i| mean[i][p] * (b[i][p] - a[i][p])).sum();
+        // Terms are below 8.
+        assert!((change - (after[p] - before[p])).abs() < 64.0 * f64::EPSILON, "{p}: {change}");
+    }
 }

@@ -271,3 +271,27 @@ pub fn compare<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
     }
     findings
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{altered, results::Verdict};
+
+    /// A method with half of the noise has the order of its differences, and another limit, by far:
+    /// none of 299 other seeds has another answer.
+    #[test]
+    fn another_limit_refutes_an_order() {
+        let problem = systems::paper::pendulum();
+        let compiled = Compiled::of(&problem);
+        let half = altered(compiled.sexp(), false, |_, noise| {
+            noise.increments.iter_mut().flatten().for_each(|dw| *dw *= 0.5);
+        });
+        let curves = [("sexp", compiled.sexp()), ("half", half)];
+        let curves = curves.map(|(name, setup)| Curve { name, method: BuiltIn::Sexp, setup });
+        let conditions = Conditions { seed: 1, quick: true, experiment: 1, id: "half" };
+        let found = StrongPanel::new(["half"; 3], (8, 512)).measure(&conditions, &curves);
+        let refuted = found.claims.iter().map(|claim| claim.verdict == Verdict::Refuted);
+        // At the end, and at the worst time.
+        assert_eq!(refuted.collect::<Vec<_>>(), [false, true, false, true]);
+    }
+}
