@@ -37,7 +37,7 @@ pub struct Casimirs {
     /// A scheme that preserves these preserves their linear combinations.
     pub found: Vec<FoundCasimir>,
     /// Whether other linear or quadratic Casimirs are excluded. Quadratic ones are sought where B
-    /// joins no more than 23 components.
+    /// joins no more than 24 components.
     pub complete: bool,
     /// Sum of the quadratic Casimirs, which bounds all paths, if it is positive definite.
     pub definite: Option<FoundCasimir>,
