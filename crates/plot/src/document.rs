@@ -87,6 +87,15 @@ impl Document {
         header: impl IntoIterator<Item = H>,
         rows: impl IntoIterator<Item = R>,
     ) {
+        self.linked(header, rows.into_iter().map(|row| (None, row)));
+    }
+
+    /// Adds a table whose rows begin with a link to the section of this number, counted from one.
+    pub fn linked<H: AsRef<str>, R: IntoIterator<Item = C>, C: AsRef<str>>(
+        &mut self,
+        header: impl IntoIterator<Item = H>,
+        rows: impl IntoIterator<Item = (Option<usize>, R)>,
+    ) {
         let mut rows = rows.into_iter().peekable();
         if rows.peek().is_none() {
             return;
@@ -96,12 +105,15 @@ impl Document {
             self.body += &format!("<th>{}</th>", escape(cell.as_ref()));
         }
         self.body += "</tr></thead><tbody>";
-        for row in rows {
+        for (mut section, row) in rows {
             self.body += "<tr>";
             for cell in row {
                 let cell = escape(cell.as_ref());
                 let class = if cell.len() > LONG { " class=\"long\"" } else { "" };
-                self.body += &format!("<td{class}>{cell}</td>");
+                self.body += &match section.take() {
+                    Some(n) => format!("<td{class}><a href=\"#section-{n}\">{cell}</a></td>"),
+                    None => format!("<td{class}>{cell}</td>"),
+                };
             }
             self.body += "</tr>\n";
         }

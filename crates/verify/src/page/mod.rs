@@ -12,9 +12,9 @@ use plot::{
     series::relative_defect,
 };
 use schemes::BuiltIn;
-use stats::Point;
+use stats::{Point, Rate};
 
-use crate::results::{Claim, Panel, Results};
+use crate::results::{Claim, Evidence, Panel, Results};
 
 /// Writes the report of a run into a folder.
 ///
@@ -106,6 +106,10 @@ fn page(results: &Results) -> String {
         let other = checks.filter(|claim| !["holds", "misprint"].contains(&claim.outcome()));
         page.table(HEAD, other.map(row));
     }
+    page.linked(
+        ["Statement", "Verdict", "Checks", "Tightest interval of its order", "First of its panels"],
+        statements(results),
+    );
     page.paragraph("A statement is undecided, never passed, where an interval is too wide.");
     for claim in results.claims.iter().filter(|claim| claim.outcome() == "misprint") {
         let Claim { id, erratum, statement, .. } = claim;
@@ -160,6 +164,38 @@ fn page(results: &Results) -> String {
          whole run is in results.json, the numbers of each figure in data/, the figures in figures/.",
     );
     page.html()
+}
+
+/// Rows of the summary, one for each statement, with the section of its first check.
+fn statements(results: &Results) -> Vec<(Option<usize>, [String; 5])> {
+    let panels: Vec<&Panel> = results.panels.iter().chain(&results.supplements).collect();
+    let mut ids: Vec<&str> = Vec::new();
+    for claim in &results.claims {
+        if !ids.contains(&&*claim.id) {
+            ids.push(&claim.id);
+        }
+    }
+    let row = |id: &str| {
+        let checks = results.claims.iter().filter(move |claim| claim.id == id);
+        let width = |rate: &Rate| rate.hi - rate.lo;
+        let rates = checks.clone().filter_map(|claim| match &claim.measured {
+            Evidence::Order { rate, .. } => rate.as_ref(),
+            _ => None,
+        });
+        let tightest = rates.min_by(|one, other| width(one).total_cmp(&width(other)));
+        let panel = checks
+            .clone()
+            .find_map(|claim| panels.iter().position(|panel| panel.id == claim.panel));
+        // The first section is the summary; after the panels come the checks without a figure.
+        let section = 2 + panel.unwrap_or(panels.len());
+        let title = panel.map_or("Checks without a figure", |n| &*panels[n].title);
+        let interval = tightest.map_or(String::new(), |Rate { estimate, lo, hi, .. }| {
+            format!("{estimate:.3} [{lo:.3}, {hi:.3}]")
+        });
+        let number = checks.clone().count().to_string();
+        (Some(section), [id.into(), counts(checks), number, interval, title.into()])
+    };
+    ids.into_iter().map(row).collect()
 }
 
 const HEAD: [&str; 5] = ["Verdict", "Id", "Scheme", "Statement", "Evidence"];

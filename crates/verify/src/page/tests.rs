@@ -99,10 +99,30 @@ fn verdicts_are_counted_and_what_does_not_hold_is_named() {
     }
 }
 
+/// A statement has one row with its verdicts, the narrowest interval and a link to its panel; there
+/// is no table without rows.
 #[test]
-fn a_summary_has_no_table_without_rows() {
-    let claims = vec![claim("one", "sexp", true, Verdict::Holds, "")];
-    let text = page(&results(Vec::new(), claims));
-    let (summary, checks) = text.split_once("Checks without a figure").unwrap();
-    assert!(!summary.contains("<th>") && checks.contains("<td>holds</td><td>one</td>"), "{text}");
+fn the_summary_has_a_row_for_each_statement() {
+    let rate = |lo: f64, hi: f64| {
+        let rate = Rate { estimate: 0.5 * (lo + hi), lo, hi, ..Rate::default() };
+        let (order, one_sided, wrong_limit) = (1.0, false, None);
+        Evidence::Order { order, one_sided, rate: Some(rate), wrong_limit }
+    };
+    let mut claims = vec![claim("one", "sexp", true, Verdict::Holds, "")];
+    for (lo, hi) in [(0.5, 1.5), (0.75, 1.0), (0.0, 1.0)] {
+        let order = claim("order", "sexp", true, Verdict::Holds, "");
+        claims.push(Claim { measured: rate(lo, hi), panel: "p".into(), ..order });
+    }
+    let panels = ["o", "p"].map(|id| panel(id, Kind::Strong, Vec::new()));
+    let text = page(&results(panels.to_vec(), claims));
+    let summary = &text[..text.find("id=\"section-2\"").unwrap()];
+    for row in [
+        "<td><a href=\"#section-3\">order</a></td><td>3 holds, 0 refuted, 0 misprint, \
+         0 undecided</td><td>3</td><td>0.875 [0.750, 1.000]</td><td>A &amp; B</td>",
+        "<td><a href=\"#section-4\">one</a></td>",
+    ] {
+        assert!(summary.contains(row), "{row}\n{summary}");
+    }
+    assert_eq!(summary.matches("<thead>").count(), 1, "{summary}");
+    assert!(text.contains("<section id=\"section-4\"><h2>Checks without a figure"));
 }
