@@ -34,7 +34,7 @@ const LOW_DIGITS: usize = WIDTH.trailing_zeros() as usize;
 ///   a third random word. So every coordinate is uniform, whatever the hash does, and a mean over
 ///   points is unbiased over scrambles. The mean of u over n = 2^m points has the variance 1/(12n³)
 ///   of Owen's scrambling within the error of 0.2 % of its measurement, 4 ≤ n ≤ 1024;
-///   `tests/all/quasi.rs` checks it with 8000 scrambles.
+///   `tests/all/statistical/quasi.rs` checks it with 8000 scrambles.
 /// - The lower 32 bits are random words of the point.
 /// - **Padding**: dimensions above [`DIMENSIONS`](Self::DIMENSIONS) have independent random words
 ///   instead of Sobol numbers, as in Monte Carlo.

@@ -121,7 +121,7 @@ impl CentralMoments {
     ///
     /// The interval misses at most 7 % at 100 and 1000 samples of laws up to the lognormal one with
     /// σ = 1.5, and is at most a tenth wider than Student's where that is right:
-    /// `tests/all/means.rs`.
+    /// `tests/all/statistical/means.rs`.
     pub fn mean_interval(&self) -> Option<(f64, f64)> {
         const FEWEST: f64 = 1.5;
         const UNSEEN: f64 = 3.688_879_454_113_936;

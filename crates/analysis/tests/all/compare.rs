@@ -10,7 +10,7 @@ use noise::{StreamKey, Truncation};
 use schemes::{BuiltIn, EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, run_time::Scheme};
 use systems::{paper::rigid_body_three_noises, run_time::Problem};
 
-use crate::{SPIN, kubo, orders::Wrong, problem, pushed, texts};
+use crate::{SPIN, kubo, problem, pushed, statistical::orders::Wrong, texts};
 
 const OMEGA: f64 = 1.0;
 const SIGMA: f64 = 0.7;

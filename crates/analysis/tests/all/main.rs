@@ -9,7 +9,7 @@ mod false_answers;
 mod friction;
 mod generated;
 mod inspect;
-mod orders;
+mod statistical;
 
 use std::sync::Arc;
 

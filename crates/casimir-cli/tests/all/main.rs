@@ -1,6 +1,5 @@
 //! The program as a user calls it.
 
-mod along;
 mod areas;
 mod broken;
 mod chains;
@@ -21,10 +20,9 @@ mod resting;
 mod results;
 mod shorthand;
 mod single;
-mod stationary;
+mod statistical;
 mod sweeps;
 mod time;
-mod truths;
 mod warnings;
 mod written;
 mod wrong_numbers;

@@ -7,7 +7,7 @@ use noise::StreamKey;
 use schemes::{Heun, Scheme, Sexp};
 use systems::{Constant, Cosine, Damping, DampingFunction, Problem};
 
-use crate::{judged::Kubo, random_points};
+use crate::statistical::{judged::Kubo, random_points};
 
 fn problem<G: Damping>(damping: G) -> Problem<Kubo, G, 2> {
     Problem::new(Kubo { omega: 1.0, sigma: 0.5 }, damping, [1.0, 0.0], 1.0).unwrap()

@@ -8,8 +8,8 @@ use noise::{
 use schemes::{Explicit, Implicit, Increment, Scheme, Sexp, SexpLevy};
 
 use crate::{
-    judged::{Additive, additive},
     ladder::{KEY, Keep, body, ladder},
+    statistical::judged::{Additive, additive},
 };
 
 /// Euler's method with Lévy areas, on clipped noise or on raw noise: an explicit scheme of a user.

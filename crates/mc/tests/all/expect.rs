@@ -19,7 +19,7 @@ use real::Real;
 use schemes::Sexp;
 use systems::{Constant, LotkaVolterra, PoissonSystem, Problem, run_time::Compiled};
 
-use crate::{explosive::Explosive, ladder::body, random_points::warns};
+use crate::{explosive::Explosive, ladder::body, statistical::random_points::warns};
 
 /// E cos y₃ of [`body`], by eigenfunctions on the sphere (`analysis::sphere`).
 const EXACT: f64 = 0.797_719_94;

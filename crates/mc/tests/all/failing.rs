@@ -5,7 +5,7 @@ use mc::Observable;
 use real::Real;
 use systems::{Constant, PoissonSystem, Problem};
 
-use crate::random_points::warns;
+use crate::statistical::random_points::warns;
 
 /// p = W, and no step is defined where p > 1.
 struct Walled;

@@ -3,18 +3,15 @@
 
 mod clipped;
 mod damping;
-mod dependence;
 mod driver;
 mod dynamic;
 mod expect;
 mod explosive;
 mod failing;
-mod judged;
 mod ladder;
 mod lattice;
 mod parts;
-mod random_points;
 mod simulation;
+mod statistical;
 mod statistics;
 mod study;
-mod tails;

@@ -17,8 +17,8 @@ use systems::{Constant, Problem};
 
 use crate::{
     explosive::Explosive,
-    judged::additive,
     ladder::{body, on_threads},
+    statistical::judged::additive,
 };
 
 fn settings(steps: u64, times: u64, paths: u64, seed: u64) -> StudySettings {

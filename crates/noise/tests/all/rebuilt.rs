@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use noise::WienerPath;
 
-use crate::areas::key;
+use crate::statistical::areas::key;
 use crate::written_out::{Coefficients, normals};
 
 const GRID: usize = 4096;

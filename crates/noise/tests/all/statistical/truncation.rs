@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 use noise::area_error;
 
-use crate::areas::key;
-use crate::check::Sum;
+use crate::statistical::areas::key;
+use crate::statistical::check::Sum;
 use crate::written_out::{Coefficients, normals};
 
 /// N = 40n: finite, and in the formulas as what it is.

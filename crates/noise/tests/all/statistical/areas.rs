@@ -1,21 +1,21 @@
 //! Do the samplers draw areas of the right law, from the coefficients that they claim, with the
 //! errors that they claim?
 //!
-//! [`law`](crate::law) derives what is expected, [`battery`] compares, and the tests below also
-//! show that wrong samplers are rejected. Given the increments, A and −A have the same law (the
-//! path run backwards), so no statistic sees a change of the sign of all areas: that is shown on
-//! paths rebuilt from the coefficients, in [`rebuilt`](crate::rebuilt).
-//! [`truncation`](crate::truncation) measures the errors of cutting the series. `AREA_SEED` in the
-//! environment replaces the seed.
+//! [`law`](crate::statistical::law) derives what is expected, [`battery`] compares, and the tests
+//! below also show that wrong samplers are rejected. Given the increments, A and −A have the same
+//! law (the path run backwards), so no statistic sees a change of the sign of all areas: that is
+//! shown on paths rebuilt from the coefficients, in [`rebuilt`](crate::rebuilt).
+//! [`truncation`](crate::statistical::truncation) measures the errors of cutting the series.
+//! `AREA_SEED` in the environment replaces the seed.
 
 use std::f64::consts::{FRAC_2_PI, PI};
 
 use noise::{AreaSampler, StepNoise, StreamKey, WienerRows};
 use real::WIDTH;
 
-use crate::battery::battery;
-use crate::check::kolmogorov_smirnov;
-use crate::law::Law;
+use crate::statistical::battery::battery;
+use crate::statistical::check::kolmogorov_smirnov;
+use crate::statistical::law::Law;
 use crate::written_out::{Knobs, RIGHT, written_out};
 
 /// A step that is no power of two.
@@ -64,7 +64,7 @@ fn halves(
 
 /// With eleven terms and both tails the variances are exact, E[A⁴] is short of 3e-5 of its value
 /// and the characteristic functions are off by (½ + u)x⁴/(3π⁴·11³)·e^{−c₀−uc₁} < 2e-4 (see
-/// [`crate::law`]): at 2¹⁸ samples less than a quarter of the standard error of each check.
+/// [`crate::statistical::law`]): at 2¹⁸ samples less than a quarter of the standard error of each check.
 #[test]
 fn areas_have_the_law_of_the_area_or_of_a_short_series() {
     let (few, key, w) = (key(5), key(11), [3.0, -1.0, 0.5]);

@@ -7,7 +7,7 @@ use noise::{QuasiWiener, ScrambledSobol, StreamKey};
 use real::{Row, WIDTH};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::check::{compare, critical, tail};
+use crate::statistical::check::{compare, critical, tail};
 
 const KEYS: [StreamKey; 2] = [key(1, 1), key(2, 77)];
 

@@ -1,5 +1,5 @@
 //! Laws without a variance or a mean: no interval of their mean is stated, and nothing is reached.
-//! p of [`Additive`](crate::judged::Additive) is W, so 1 − Φ(p) is uniform at time one.
+//! p of [`Additive`](crate::statistical::judged::Additive) is W, so 1 − Φ(p) is uniform at time one.
 
 use expectation::{Expect, ExpectSettings, Expectation, WarningKind};
 use mc::{Observable, Setup};
@@ -7,7 +7,7 @@ use noise::{StreamKey, Truncation};
 use schemes::Sexp;
 use study::{Study, StudyResult, StudySettings};
 
-use crate::judged::additive;
+use crate::statistical::judged::additive;
 
 /// The law with P(x > s) = s^{−α}, by its index in tenths. Its mean is α/(α − 1).
 fn pareto<const TENTHS: u32>(y: [f64; 2]) -> f64 {

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use noise::{StepNoise, StreamKey, WienerRows};
 use real::WIDTH;
 
-use crate::{check::Sum, law::Law};
+use crate::statistical::{check::Sum, law::Law};
 
 /// Steps of the 32 paths in a battery: 2¹⁸ samples, so that E[A²] is known to 4 parts in a thousand
 /// and E[A⁴] to 15.

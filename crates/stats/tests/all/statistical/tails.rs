@@ -3,7 +3,7 @@
 use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::SeedableRng};
 use stats::CentralMoments;
 
-use crate::means::Words;
+use crate::statistical::means::Words;
 
 /// A law, and the least and the largest share of samples of each number that are to be named; with
 /// any shift and scale.

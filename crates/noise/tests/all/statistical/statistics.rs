@@ -8,7 +8,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use real::WIDTH;
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
-use crate::check::{Verdict, kolmogorov_smirnov, of_sum};
+use crate::statistical::check::{Verdict, kolmogorov_smirnov, of_sum};
 
 const KEYS: [StreamKey; 4] = [key(1, 1), key(2, 1), key(1, 2), key(0, 0)];
 

@@ -30,7 +30,7 @@ struct Problem {
 }
 
 fn problems() -> Vec<Problem> {
-    let mut file: File = toml::from_str(include_str!("../truths/truths.toml")).expect("truths");
+    let mut file: File = toml::from_str(include_str!("../../truths/truths.toml")).expect("truths");
     file.problem.iter_mut().enumerate().for_each(|(n, problem)| problem.number = n);
     assert!(file.problem.len() >= 20);
     file.problem
@@ -159,6 +159,33 @@ impl Judged {
         assert!(!answers.iter().any(Answer::grossly_wrong), "{:#?}", which(Answer::grossly_wrong));
         assert!(10 * refused.len() <= answers.len() + refused.len(), "{refused:#?}");
     }
+
+    /// Without step errors far too many answers are wrong, and some are grossly wrong.
+    #[track_caller]
+    fn are_refuted(mut self) {
+        self.answers.iter_mut().for_each(|answer| answer.step_error = 0.0);
+        assert!(self.wrong() as f64 > 2.0 * self.budget(), "{} wrong", self.wrong());
+        self.answers.iter_mut().for_each(|answer| answer.step_bound = 0.0);
+        assert!(self.answers.iter().any(Answer::grossly_wrong));
+    }
+}
+
+/// Three scenes, with the wrong method: seconds.
+#[test]
+fn default_answers_are_true_on_three_scenes() {
+    let names = [
+        "Kubo oscillator",
+        "spin, noise in three directions",
+        "oscillator with a fluctuating spring",
+    ];
+    let [mut right, mut wrong] = [(); 2].map(|()| Judged::default());
+    for problem in problems().iter().filter(|problem| names.contains(&&*problem.name)) {
+        right.ask(problem, 1, &[]);
+        wrong.ask(problem, 1, &["--scheme", "em"]);
+    }
+    assert_eq!(right.answers.len() + right.refused.len(), 32);
+    right.hold();
+    wrong.are_refuted();
 }
 
 #[test]
@@ -179,10 +206,7 @@ fn answers_of_euler_and_maruyama_are_refuted() {
     for problem in problems().iter().filter(|problem| !problem.scene.contains("spin-lattice")) {
         judged.ask(problem, 1, &["--scheme", "em"]);
     }
-    judged.answers.iter_mut().for_each(|answer| answer.step_error = 0.0);
-    assert!(judged.wrong() as f64 > 2.0 * judged.budget(), "{} wrong", judged.wrong());
-    judged.answers.iter_mut().for_each(|answer| answer.step_bound = 0.0);
-    assert!(judged.answers.iter().any(Answer::grossly_wrong));
+    judged.are_refuted();
 }
 
 /// Nine of ten stated step errors are at most three times the true one, which 32 times as many

@@ -1,0 +1,3 @@
+//! Statistical property tests.
+
+pub mod orders;

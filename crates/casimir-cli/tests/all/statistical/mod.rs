@@ -1,0 +1,5 @@
+//! Statistical property tests.
+
+mod along;
+mod stationary;
+mod truths;

@@ -1,0 +1,6 @@
+//! Statistical property tests.
+
+mod dependence;
+pub mod judged;
+pub mod random_points;
+mod tails;

@@ -1,0 +1,5 @@
+//! Statistical property tests.
+
+mod means;
+mod orders;
+mod tails;
