@@ -4,6 +4,23 @@
 //! of y_0. The two paths of a difference share their noise, so that few are needed where steps are
 //! many (Giles, *Oper. Res.* 56, 2008). The sum is extrapolated to τ → 0.
 //!
+//! ```
+//! use expectation::Expect;
+//! use mc::Observable;
+//! use systems::{Constant, Problem, RigidBody};
+//!
+//! let body = RigidBody::one_noise([1.0, 1.0, 1.0], 1.0)?;
+//! let problem = Problem::new(body, Constant::new(0.0)?, [1.0, 0.5, 0.0], 1.0)?;
+//! let y2 = Observable { name: "y2", function: |y: [f64; 3]| y[1] };
+//! let found = Expect::new(&problem).run(&[&y2], 1e-4)?;
+//!
+//! // A symmetric top with noise about its axis: y₂ + iy₃ turns by a normal angle.
+//! let (lower, upper) = found.estimates[0].interval();
+//! let exact = 0.5 * (-0.5f64).exp();
+//! assert!(found.reached() && lower < exact && exact < upper && upper - lower <= 2e-4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! **Points.** Each term is a mean over points of its own, in 32 independent replicates.
 //! A replicate is a scramble of Sobol points with a Brownian bridge (Owen 1995): a path of few
 //! steps is an integral over few normals, which they integrate with an error far below that of
@@ -89,23 +106,6 @@ pub use report::{short, written};
 
 /// The computation of expectations: the scheme is chosen or given, everything else may be
 /// [set](ExpectSettings). See [the module](self) for the algorithm.
-///
-/// ```
-/// use mc::Observable;
-/// use expectation::Expect;
-/// use systems::{Constant, Problem, RigidBody};
-///
-/// let body = RigidBody::one_noise([1.0, 1.0, 1.0], 1.0)?;
-/// let problem = Problem::new(body, Constant::new(0.0)?, [1.0, 0.5, 0.0], 1.0)?;
-/// let y2 = Observable { name: "y2", function: |y: [f64; 3]| y[1] };
-/// let found = Expect::new(&problem).run(&[&y2], 1e-4)?;
-///
-/// // A symmetric top with noise about its axis: y₂ + iy₃ turns by a normal angle.
-/// let (lower, upper) = found.estimates[0].interval();
-/// let exact = 0.5 * (-0.5f64).exp();
-/// assert!(found.reached() && lower < exact && exact < upper && upper - lower <= 2e-4);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 ///
 /// **Scheme.** By [`by_parts`](Self::by_parts) `nv` of weak order two ([`Nv`]), with the mean of φ
 /// over both orders of the noises, which has an expansion in even powers of τ. Without flows of

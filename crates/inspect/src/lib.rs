@@ -1,23 +1,5 @@
 //! What a system is: [`inspect()`] evaluates it at random points and reports to its author.
 //!
-//! It works on the run-time interface [`System`]; [`Compiled`](systems::run_time::Compiled) takes a
-//! system in Rust there. The report says
-//!
-//! - whether B is skew-symmetric, and whether all methods agree with B and the energy;
-//! - whether the claimed invariants are invariants, and of which degree;
-//! - all linear and quadratic Casimirs of B and those Σ cᵢ ln|yᵢ|;
-//! - whether the noises commute;
-//! - which statements of the paper apply, which orders to expect, and a scheme to take.
-//!
-//! With an initial value it looks there and at the damping, too. A report prints as text and
-//! serializes as data.
-//!
-//! Each [`Finding`] has one of three answers, see [`Status`]. A defect is relative to the terms of
-//! its identity. It is none if it is below 10⁻¹⁴ of them. A larger one is a counterexample if it is
-//! about the same at four states 10⁻⁹ apart: there round-off differs. Anything else cannot be told.
-//! A property that holds was looked at at points only, and a supremum is the largest value over
-//! these, a lower bound.
-//!
 //! ```
 //! use inspect::{InspectSettings, inspect};
 //! use systems::{MaxwellBloch, RigidBody, run_time::Compiled};
@@ -35,6 +17,24 @@
 //! assert_eq!(body.order("sexp"), Some((0.5, 1.0)));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! It works on the run-time interface [`System`]; [`Compiled`](systems::run_time::Compiled) takes a
+//! system in Rust there. The report says
+//!
+//! - whether B is skew-symmetric, and whether all methods agree with B and the energy;
+//! - whether the claimed invariants are invariants, and of which degree;
+//! - all linear and quadratic Casimirs of B and those Σ cᵢ ln|yᵢ|;
+//! - whether the noises commute;
+//! - which statements of the paper apply, which orders to expect, and a scheme to take.
+//!
+//! With an initial value it looks there and at the damping, too. A report prints as text and
+//! serializes as data.
+//!
+//! Each [`Finding`] has one of three answers, see [`Status`]. A defect is relative to the terms of
+//! its identity. It is none if it is below 10⁻¹⁴ of them. A larger one is a counterexample if it is
+//! about the same at four states 10⁻⁹ apart: there round-off differs. Anything else cannot be told.
+//! A property that holds was looked at at points only, and a supremum is the largest value over
+//! these, a lower bound.
 
 mod casimirs;
 pub mod facts;

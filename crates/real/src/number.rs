@@ -10,6 +10,10 @@ use crate::elementary;
 /// `f64` on the right is cheaper than converting the constant to `Self` first. There are no
 /// comparisons and no values to look at, because a formula with a branch would not vectorise.
 /// [`Real::where_less`] chooses between two values.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a number that formulas are written for",
+    note = "write the formula for any `R: Real`; constants stand on the right: `y[0] * 2.0`"
+)]
 pub trait Real:
     Copy
     + Send

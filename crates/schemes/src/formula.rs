@@ -80,6 +80,10 @@ pub trait Explicit: Send + Sync {
 /// assert!((ratio / (-2.0 * step.damping_integral()).exp() - 1.0).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not an implicit formula",
+    note = "a scheme is `Explicit`, `Implicit` or, for a system with `Flows`, a `Composition`"
+)]
 pub trait Implicit: Send + Sync {
     /// Identifier in results.
     const ID: &'static str;

@@ -16,6 +16,10 @@ use crate::Step;
 ///
 /// The formula of a scheme uses only these operations. So the same formula works on `f64`, on dual
 /// numbers for Newton's method, and in any dimension.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not the increment of a step",
+    note = "formulas are generic over `I: Increment`; the crate makes increments of systems"
+)]
 pub trait Increment: Copy {
     /// A state or a direction, with sums, differences and multiples by numbers.
     type Vector: Copy

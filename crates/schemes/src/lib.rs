@@ -73,6 +73,8 @@ pub use increment::{Increment, Vector};
 pub use method::{Method, Stepper};
 pub use midpoint::Midpoint;
 pub use nv::{Nv, Sweep};
+/// Numbers that formulas are written for: an implementor needs no second dependency.
+pub use real;
 pub use scheme::Scheme;
 pub use sexp::Sexp;
 pub use sexp_levy::SexpLevy;

@@ -12,6 +12,10 @@ use crate::Step;
 /// every [`PoissonSystem`](systems::PoissonSystem). Implement this trait directly only if a method
 /// is not one formula on one path. Schemes draw no random numbers, truncate nothing and have no
 /// state.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a scheme for `{S}`",
+    note = "implement `Explicit`, `Implicit` or, for a system with `Flows`, `Composition`"
+)]
 pub trait Scheme<S, const D: usize, const M: usize>: Send + Sync {
     /// Identifier in results, for example `sexp`.
     fn id(&self) -> &'static str;

@@ -1,6 +1,22 @@
 //! Averages over the stationary law of a system, with intervals that have the error of the step in
 //! them, and Lyapunov exponents.
 //!
+//! ```
+//! use mc::{Observable, Setup};
+//! use schemes::SexpLi;
+//! use stationary::{Equilibrium, EquilibriumSettings};
+//! use systems::{Constant, Pendulum, Problem};
+//!
+//! // y₁ turns under noise that its damping balances.
+//! let problem = Problem::new(Pendulum::new(0.5)?, Constant::new(0.5)?, [0.2, 0.0], 16.0)?;
+//! let scheme = SexpLi::new(problem.system(), problem.y0())?;
+//! let kinetic = Observable { name: "y2²", function: |y: [f64; 2]| y[1] * y[1] };
+//! let averages = Equilibrium::new(Setup::of(&problem, &scheme), EquilibriumSettings::new(160));
+//! let found = averages.run(&[&kinetic], 0.05)?;
+//! assert!(found.reached() && found.means[0].half_width() < 0.05);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! **Chains.** Some hundred independent paths run for a long time, each at τ, and at 2τ and 4τ with
 //! the same noise, which costs three quarters more. The time average of a chain is one sample: the
 //! standard error follows from the chains, not from a model of their correlation. Chains go on in
@@ -119,22 +135,6 @@ impl EquilibriumSettings {
 }
 
 /// Averages over the stationary law of a problem whose coefficients do not depend on time.
-///
-/// ```
-/// use mc::{Observable, Setup};
-/// use stationary::{Equilibrium, EquilibriumSettings};
-/// use schemes::SexpLi;
-/// use systems::{Constant, Pendulum, Problem};
-///
-/// // y₁ turns under noise that its damping balances.
-/// let problem = Problem::new(Pendulum::new(0.5)?, Constant::new(0.5)?, [0.2, 0.0], 16.0)?;
-/// let scheme = SexpLi::new(problem.system(), problem.y0())?;
-/// let kinetic = Observable { name: "y2²", function: |y: [f64; 2]| y[1] * y[1] };
-/// let averages = Equilibrium::new(Setup::of(&problem, &scheme), EquilibriumSettings::new(160));
-/// let found = averages.run(&[&kinetic], 0.05)?;
-/// assert!(found.reached() && found.means[0].half_width() < 0.05);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub struct Equilibrium<'a> {
     /// The problem and its scheme.
     pub setup: Setup<'a>,

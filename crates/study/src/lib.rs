@@ -5,29 +5,6 @@
 //! largest value and a histogram. Memory does not grow with the number of paths. Three observables
 //! at 40 of 520 steps take a tenth of the time of the steps.
 //!
-//! **Histograms.** A pilot with streams of its own chooses bins for each observable and time: its
-//! range and a margin. Values beyond are counted as underflow and overflow. Counts are integers, so
-//! they do not depend on the order of paths.
-//!
-//! **Quantiles.** The estimate is interpolated inside its bin. The interval covers the quantile of
-//! the simulated law with probability 0.95 or more, for any law, see
-//! [`quantile_ranks`](stats::quantile_ranks). It contains the width of the bins, so more than 10⁵
-//! paths deserve more [`bins`](StudySettings::bins). A quantile outside of the grid has no estimate
-//! and says so.
-//!
-//! **Heavy tails.** Where the values of the first 8192 paths at the last time have a heavy
-//! [tail](stats::Tail), means and variances that may not exist are left out, with a note, there and
-//! at all times with a large kurtosis.
-//!
-//! **Nothing is dropped silently.** A path that fails is left out from then on, counted and
-//! described. Values that are not finite are counted apart. [`StudyResult::warnings`] has both.
-//!
-//! **Dependence.** Covariances, joint laws, autocorrelations and spectra of the observables that
-//! are [`Wanted`].
-//!
-//! The intervals are those of sampling. The error of the step size is not in them:
-//! The crate `expectation` bounds it.
-//!
 //! ```
 //! use mc::{Observable, Setup};
 //! use study::{Study, StudySettings};
@@ -53,6 +30,29 @@
 //! result.write_csv(&mut std::io::sink())?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! **Histograms.** A pilot with streams of its own chooses bins for each observable and time: its
+//! range and a margin. Values beyond are counted as underflow and overflow. Counts are integers, so
+//! they do not depend on the order of paths.
+//!
+//! **Quantiles.** The estimate is interpolated inside its bin. The interval covers the quantile of
+//! the simulated law with probability 0.95 or more, for any law, see
+//! [`quantile_ranks`](stats::quantile_ranks). It contains the width of the bins, so more than 10⁵
+//! paths deserve more [`bins`](StudySettings::bins). A quantile outside of the grid has no estimate
+//! and says so.
+//!
+//! **Heavy tails.** Where the values of the first 8192 paths at the last time have a heavy
+//! [tail](stats::Tail), means and variances that may not exist are left out, with a note, there and
+//! at all times with a large kurtosis.
+//!
+//! **Nothing is dropped silently.** A path that fails is left out from then on, counted and
+//! described. Values that are not finite are counted apart. [`StudyResult::warnings`] has both.
+//!
+//! **Dependence.** Covariances, joint laws, autocorrelations and spectra of the observables that
+//! are [`Wanted`].
+//!
+//! The intervals are those of sampling. The error of the step size is not in them:
+//! The crate `expectation` bounds it.
 
 mod dependence;
 mod grid;

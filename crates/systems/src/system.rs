@@ -25,6 +25,10 @@ const DEFAULT_NODES: usize = 8;
 /// Mark implementations `#[inline(always)]` and avoid branches, so that blocks are vectorised. Time
 /// and noise increments are `f64`: no derivative with respect to them is needed, and constants
 /// outside of the dual numbers save multiplications in every Jacobian.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a system dy = (B∇H₀ − γy) dt + Σ B∇Hₘ ∘ dWₘ with D = {D}, M = {M}",
+    note = "implement `PoissonSystem<{D}, {M}>`: B(y)v and h = H₀ dt + Σ Hₘ dWₘ"
+)]
 pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     /// The name of the system in reports.
     fn name(&self) -> &'static str;

@@ -1,5 +1,30 @@
 //! **What is computed of [scenes], and how it is shown.**
 //!
+//! ```
+//! use scenes::{Changes, Scene, Source};
+//! use verbs::{Watch, expect};
+//!
+//! let text = r#"
+//! [system]
+//! state = ["q", "p"]
+//! B = [["1"]]
+//! H0 = "(q^2 + p^2)/2"
+//! H = ["0.1*q"]
+//! [run]
+//! initial = [1, 0]
+//! until = 1
+//! steps = 64
+//! [expect]
+//! of = ["q^2"]
+//! accuracy = 0.01
+//! "#;
+//! let source = Source { name: "oscillator.toml".into(), text: text.into(), states: None };
+//! let scene = Scene::new(source, &Changes::default())?;
+//! let found = expect(&scene, None, &Watch::new(())).expect("an expectation");
+//! assert!(found.unreached.is_none(), "{}", found.text);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Each verb has a file: [`run`](compute), [`expect`], [`equilibrium`], [`order`], [`compare`],
 //! [`inspect`]. What they find is words, JSON and figures; [`output`] makes tables, pages and
 //! arrays of runs.
