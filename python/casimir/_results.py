@@ -88,9 +88,7 @@ class Result:
     @property
     def warnings(self) -> list[str]:
         """What a reader must know."""
-        mark = "warning: "
-        lines = self.text.splitlines()
-        return [line.removeprefix(mark) for line in lines if line.startswith(mark)]
+        return list(self.data["warnings"])
 
     def plot(self, name: str | None = None) -> Any:
         """One :class:`Figure` by its name, or all."""

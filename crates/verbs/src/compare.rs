@@ -56,5 +56,5 @@ pub fn compare(
     let caption = "Errors of all schemes against their cost.";
     let figure = Drawn::new("compare", figure::comparison(&comparison), caption);
     let text = format!("{comparison}\n{rule}.\n");
-    Ok(Found::of(scene, &text, serde_json::to_value(&comparison)?, vec![figure]))
+    Ok(Found::of(scene, [], &text, serde_json::to_value(&comparison)?, vec![figure]))
 }

@@ -27,12 +27,14 @@ pub fn expect(scene: &Scene, keeping: Option<&Checkpoint>, watch: &Watch) -> Don
         return Err(Failure::Stopped("before the first estimates".into()));
     }
     let (found, seconds) = (found?, start.elapsed().as_secs_f64());
-    let mut text = found.to_string();
-    for warning in &found.warnings {
+    // Components have names here.
+    let mut found = found;
+    for warning in &mut found.warnings {
         if let WarningKind::Component(_) = warning.kind {
-            text = text.replace(&warning.text, &with_names(&warning.text, &scene.components));
+            warning.text = with_names(&warning.text, &scene.components);
         }
     }
+    let mut text = found.to_string();
     if let Some(because) = &because {
         text += &format!("{}: {because}\n", found.scheme);
     }
@@ -45,7 +47,9 @@ pub fn expect(scene: &Scene, keeping: Option<&Checkpoint>, watch: &Watch) -> Don
         "levels": found.levels, "single_steps": found.single_steps,
         "path_steps": found.cost, "seconds": seconds,
     });
-    Ok(Found::of(scene, &text, json, Vec::new()).to(found.reached(), Some(accuracy)))
+    let warnings = found.warnings.iter().map(ToString::to_string);
+    let found_of = Found::of(scene, warnings, &text, json, Vec::new());
+    Ok(found_of.to(found.reached(), Some(accuracy)))
 }
 
 /// The accuracy that is wanted of a scene.

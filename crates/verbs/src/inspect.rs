@@ -26,9 +26,10 @@ pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let text = format!("{findings}\n{}", bath.as_ref().map_or(String::new(), words));
     let text = with_names(&text, &scene.components);
     let text = format!("{}{}\n", known.equation(), text.trim_end());
+    let mistakes = findings.mistakes.clone();
     let mut json = json!(findings);
     json["bath"] = json!(bath);
-    Ok(Found::new(text, json, Vec::new()))
+    Ok(Found::new(mistakes, text, json, Vec::new()))
 }
 
 /// Describes the stationary law in words.

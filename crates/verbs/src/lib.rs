@@ -83,16 +83,30 @@ pub struct Found {
 }
 
 impl Found {
-    /// Result for a scene, with its title and with the mistake that it has.
-    fn of(scene: &Scene, text: &str, mut json: Value, figures: Vec<Drawn>) -> Self {
+    /// Result for a scene, with its title and with the mistake that it has. `text` has the
+    /// `warnings` in its own words.
+    fn of(
+        scene: &Scene,
+        warnings: impl IntoIterator<Item = String>,
+        text: &str,
+        mut json: Value,
+        figures: Vec<Drawn>,
+    ) -> Self {
         json["title"] = json!(scene.title);
-        Self::new(warnings(&scene.model.known().mistake) + text, json, figures)
+        let mistake = scene.model.known().mistake;
+        let text = lines_of(&mistake) + text;
+        Self::new(mistake.into_iter().chain(warnings), text, json, figures)
     }
 
-    /// Result with the warnings in `text` as a list in `json` too.
-    fn new(text: String, mut json: Value, mut figures: Vec<Drawn>) -> Self {
+    /// Result whose `warnings` are a list in `json`.
+    fn new(
+        warnings: impl IntoIterator<Item = String>,
+        text: String,
+        mut json: Value,
+        mut figures: Vec<Drawn>,
+    ) -> Self {
         distinct(figures.iter_mut());
-        json["warnings"] = text.lines().filter_map(|line| line.strip_prefix(WARNING)).collect();
+        json["warnings"] = warnings.into_iter().collect();
         Self { text, json, figures, unreached: None }
     }
 
@@ -265,12 +279,9 @@ pub fn scheme(scene: &Scene) -> Settled {
     (named.clone(), explicit.map(loses))
 }
 
-/// Prefix of lines of warnings.
-const WARNING: &str = "warning: ";
-
 /// Warnings as lines.
-pub fn warnings<'a>(words: impl IntoIterator<Item = &'a String>) -> String {
-    words.into_iter().map(|words| format!("{WARNING}{words}\n")).collect()
+pub fn lines_of<'a>(warnings: impl IntoIterator<Item = &'a String>) -> String {
+    warnings.into_iter().map(|warning| format!("warning: {warning}\n")).collect()
 }
 
 /// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from

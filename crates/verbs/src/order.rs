@@ -58,7 +58,7 @@ pub fn order(scene: &Scene, path_steps: u64, job: Option<&Arc<Job>>, watch: &Wat
     let json = json!({
         "scheme": scheme, "because": because, "strong": strong, "weak": weak, "seconds": seconds,
     });
-    Ok(Found::of(scene, &text, json, figures))
+    Ok(Found::of(scene, [], &text, json, figures))
 }
 
 /// The figures of a strong order and of weak ones.

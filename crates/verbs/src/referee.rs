@@ -184,5 +184,5 @@ pub fn judge(
         "reference_error": reference_error, "solves": solves, "own_noise": own_noise,
         "seconds": claims.seconds,
     });
-    Ok(Found::of(scene, &text, json, figures))
+    Ok(Found::of(scene, [], &text, json, figures))
 }

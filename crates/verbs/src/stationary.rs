@@ -81,7 +81,13 @@ pub fn equilibrium(
     json["estimates"] = found.means.iter().map(mean).collect();
     json["accuracy"] = json!(scene.accuracy);
     let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
-    Ok(Found::of(scene, &text, json, figures).to(found.reached(), scene.accuracy))
+    let of_means = found.means.iter().filter_map(|StationaryMean { name, unknown, .. }| {
+        unknown.as_ref().map(|why| format!("{name}: {why}"))
+    });
+    let warnings = of_means.chain(found.unknown.iter().cloned());
+    let warnings = warnings.map(|warning| with_names(&warning, &scene.components));
+    let found_of = Found::of(scene, warnings, &text, json, figures);
+    Ok(found_of.to(found.reached(), scene.accuracy))
 }
 
 /// Refuses a scene without a stationary law, and averages that are not functions of the state.

@@ -23,7 +23,7 @@ pub use figures::{Drawn, Section, distinct};
 pub use npz::Array;
 pub use steps::step_lines;
 
-use crate::{Outcomes, Results, failure::Done, warnings};
+use crate::{Outcomes, Results, failure::Done, lines_of};
 use scenes::{Combination, Observable, Scene, digits};
 
 /// A format of files that a run writes beside its report.
@@ -53,7 +53,7 @@ impl Outcomes<'_> {
 
     /// The results in words.
     pub fn text(&self) -> String {
-        let (warnings, mut table) = (warnings(&self.warnings()), self.table());
+        let (warnings, mut table) = (lines_of(&self.warnings()), self.table());
         let mut more = String::new();
         if self.single().is_none() && table.len() > 1 + MAX_LINES {
             more = format!("{} more lines in the report\n", table.len() - 1 - MAX_LINES);

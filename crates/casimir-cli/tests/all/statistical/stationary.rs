@@ -262,6 +262,11 @@ fn what_nobody_can_tell_is_said() {
         output.status.code() == Some(1) && text.contains("cannot tell: the chains are"),
         "{text}"
     );
+    let equilibrium = ["equilibrium", "scene.toml", "--path-steps", "2e6", "--json"];
+    let output = run(folder.path(), &equilibrium);
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let warnings = found["warnings"].to_string();
+    assert!(warnings.contains("the chains are"), "{warnings}");
     // Nothing is stationary without friction.
     let free = bath("q^2/2", "\"p^2\"", 0.1).replace("rates = { p = \"g\" }", "rate = 0");
     let free =
