@@ -17,7 +17,7 @@ use rayon::ThreadPoolBuilder;
 use verbs::{
     self, Progress, Watch,
     failure::{Done, Failure},
-    output::{Array, Drawn},
+    output::{Array, Figure},
 };
 
 use crate::toml::key_at;
@@ -157,7 +157,7 @@ fn dictionary(py: Python<'_>, found: Found) -> PyResult<Bound<'_, PyDict>> {
         Ok(arrays)
     };
     let Found { common: verbs::Found { text, json, figures, .. }, page, paths, statistics } = found;
-    let figure = |one: Drawn| (one.file, one.svg, one.caption, one.name);
+    let figure = |one: Figure| (one.file, one.svg, one.caption, one.name);
     let figures: Vec<_> = figures.into_iter().map(figure).collect();
     result.set_item("text", text)?;
     result.set_item("json", json.to_string())?;

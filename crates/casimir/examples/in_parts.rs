@@ -15,7 +15,7 @@ use casimir::{
         parts::{Job, Program, Share, Stop, limit_threads},
     },
     prelude::*,
-    real::{Level, limit_to},
+    real::{Simd, limit_to},
     study::{Study, StudySettings},
     systems::{Cosine, RigidBody},
 };
@@ -62,8 +62,8 @@ fn run(arguments: Vec<String>) -> Result<(), Error> {
     // Paths, and the instruction set.
     let paths = arguments.first().map_or(Ok(1e5), |text| text.parse::<f64>())? as u64;
     // The bits are the same on all.
-    let named = |level: &&Level| arguments.get(1).is_some_and(|name| name == level.name());
-    Level::BUILT.iter().find(named).copied().into_iter().for_each(limit_to);
+    let named = |level: &&Simd| arguments.get(1).is_some_and(|name| name == level.name());
+    Simd::BUILT.iter().find(named).copied().into_iter().for_each(limit_to);
 
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [2.0, 4.0, 6.0])?;
     let problem = Problem::new(body, Cosine::new(0.5, 2.0)?, [0.45, 0.0, 0.89], 1.0)?;

@@ -11,7 +11,7 @@ use std::time::Instant;
 use formula::{Definition, FormulaSystem};
 use noise::{StepNoise, StreamKey, WienerRows};
 use nonlin::BlockStatus;
-use real::{Block, Level, Real, limit_to};
+use real::{Block, Real, Simd, limit_to};
 use schemes::{Scheme, Sexp, SexpLi, Step, run_time};
 use systems::{
     Constant, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
@@ -127,11 +127,11 @@ fn compare<S: PoissonSystem<D, M> + Clone, const D: usize, const M: usize>(
 
 fn main() {
     match std::env::args().nth(1).as_deref() {
-        Some("baseline") => limit_to(Level::Baseline),
-        Some("avx2") => limit_to(Level::Avx2),
+        Some("baseline") => limit_to(Simd::Baseline),
+        Some("avx2") => limit_to(Simd::Avx2),
         _ => {}
     }
-    println!("{}: ns per step of one path", Level::current().name());
+    println!("{}: ns per step of one path", Simd::current().name());
     println!("{:>15} {:>8} {:>8} {:>8} {:>8}   multiples", "", "", "tuned", "two", "formula");
     compare(&Pendulum::new(1.0).unwrap(), &paper::pendulum(1.0), [0.2, 1.0]);
     let (inertia, noise) = ([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]);

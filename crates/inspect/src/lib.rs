@@ -91,7 +91,7 @@ pub struct InspectSettings<'a> {
     /// Whether Lévy areas are drawn for the system.
     pub areas: bool,
     /// Scheme that a run of the system takes for paths, and why; if not given,
-    /// [`Kept`](crate::facts::Kept) selects it from the findings.
+    /// [`Conserved`](crate::facts::Conserved) selects it from the findings.
     pub run: Option<(&'static str, String)>,
 }
 

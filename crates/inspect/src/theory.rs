@@ -5,7 +5,7 @@ use serde::Serialize;
 use systems::{Linearity, run_time::System};
 
 use super::{InspectSettings, report::Inspection};
-use crate::facts::{Kept, Status};
+use crate::facts::{Conserved, Status};
 
 /// Whether a statement of the paper applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -145,7 +145,7 @@ pub fn recommendations(
     let claims = report.invariants.iter().any(|i| i.claimed_casimir && i.status().holds());
     let found = casimirs.as_ref().map_or(claims, |casimirs| !casimirs.found.is_empty());
     let lawful = hamiltonians.shapes[0].degree.is_some() || !damped;
-    let kept = Kept {
+    let kept = Conserved {
         casimirs: sound && found,
         energy: sound && hamiltonians.proportional.holds() && lawful,
         areas: settings.areas && !noise.commute.holds(),

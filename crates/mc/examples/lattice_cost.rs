@@ -11,7 +11,7 @@ use std::{sync::Arc, time::Instant};
 use mc::LargePath;
 use noise::{StreamKey, Truncation};
 use nonlin::BlockStatus;
-use real::{Level, Rows, limit_to};
+use real::{Rows, Simd, limit_to};
 use schemes::{Heun, Sexp, SexpLi, Split, Step, run_time::Scheme};
 use systems::{
     Constant,
@@ -47,11 +47,11 @@ fn costs(problem: &Problem, scheme: &dyn Scheme, spins: usize) -> [f64; 2] {
 
 fn main() {
     match std::env::args().nth(1).as_deref() {
-        Some("baseline") => limit_to(Level::Baseline),
-        Some("avx2") => limit_to(Level::Avx2),
+        Some("baseline") => limit_to(Simd::Baseline),
+        Some("avx2") => limit_to(Simd::Avx2),
         _ => {}
     }
-    println!("{}: ns per spin and step with local noise", Level::current().name());
+    println!("{}: ns per spin and step with local noise", Simd::current().name());
     println!(
         "{:>8} {:>8} {:>10} {:>10} {:>6}",
         "scheme", "spins", "1 thread", "2 threads", "ratio"

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use expectation::{Expect, Expectation};
 use mc::Observable;
-use real::{Level, elementary, limit_to};
+use real::{Simd, elementary, limit_to};
 use systems::{
     Cosine, Problem, RigidBody,
     run_time::{self, Compiled},
@@ -34,7 +34,7 @@ fn an_expectation_has_the_same_bits_on_every_instruction_set() {
     };
     let one = expectations(1);
     assert_eq!(one[1], one[2]);
-    for (&level, threads) in Level::BUILT.iter().zip(2..) {
+    for (&level, threads) in Simd::BUILT.iter().zip(2..) {
         limit_to(level);
         assert_eq!(expectations(threads), one, "{level:?}, {threads} threads");
     }

@@ -5,7 +5,7 @@ use noise::{
     AreaPath, AreaSampler, DyadicLadder, QuasiWiener, ScrambledSobol, StepNoise, StreamKey,
     WienerPath, WienerRows,
 };
-use real::{Level, WIDTH, limit_to};
+use real::{Simd, WIDTH, limit_to};
 
 const KEY: StreamKey = StreamKey { seed: 42, experiment: 3 };
 
@@ -77,7 +77,7 @@ fn quasi_block_equals_its_paths(steps: u64, noises: usize) {
 /// One test: the limit belongs to the whole process.
 #[test]
 fn a_block_is_its_paths_at_every_level() {
-    for &level in Level::BUILT {
+    for &level in Simd::BUILT {
         limit_to(level);
         block_equals_its_paths::<0>(0, 1);
         block_equals_its_paths::<1>(0, 2000);

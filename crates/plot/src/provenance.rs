@@ -6,7 +6,7 @@ use std::{
     time::{Instant, SystemTime},
 };
 
-use real::Level;
+use real::Simd;
 use serde::Serialize;
 
 /// Provenance of a run: sources, compiler, machine, command and times.
@@ -73,7 +73,7 @@ pub fn complete(
             .map_or(0, |since| since.as_secs() / 86400)),
         folder: folder.map_or(UNKNOWN.into(), |folder| folder.display().to_string()),
         cpu: fact("/proc/cpuinfo", "model name").unwrap_or(std::env::consts::ARCH.into()),
-        simd: Level::current().name().into(),
+        simd: Simd::current().name().into(),
         command: std::iter::once(program.into())
             .chain(std::env::args().skip(1))
             .collect::<Vec<_>>()

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 #[cfg(any(avx2_alone, not(debug_assertions)))]
 use multiversion::{multiversion, target::match_target};
 
-/// A computation on blocks of paths, compiled for every [`Level`].
+/// A computation on blocks of paths, compiled for every [`Simd`].
 ///
 /// A kernel is written as plain scalar loops over paths, which the compiler vectorises for each
 /// level. Every level gives the same bits, because Rust never contracts a·b + c to a fused
@@ -23,7 +23,7 @@ pub trait Kernel {
 /// An instruction set that kernels are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
-pub enum Level {
+pub enum Simd {
     /// The minimum of the target: SSE2 on x86-64, NEON on AArch64.
     Baseline = 0,
     /// 256-bit vectors.
@@ -32,7 +32,7 @@ pub enum Level {
     Avx512 = 2,
 }
 
-impl Level {
+impl Simd {
     /// The levels that kernels are compiled for, the narrowest first.
     ///
     /// Debug builds, as for `cargo test`, have one alone: that of the machine which builds them, up
@@ -88,15 +88,15 @@ impl Level {
     }
 }
 
-static LIMIT: AtomicU8 = AtomicU8::new(Level::Avx512 as u8);
+static LIMIT: AtomicU8 = AtomicU8::new(Simd::Avx512 as u8);
 
 /// Limits the whole process to `level` from now on. This changes speed, not results. If the machine
-/// does not support `level`, the widest level that it supports is used ([`Level::current`]).
-pub fn limit_to(level: Level) {
+/// does not support `level`, the widest level that it supports is used ([`Simd::current`]).
+pub fn limit_to(level: Simd) {
     LIMIT.store(level as u8, Ordering::Relaxed);
 }
 
-/// Runs the version of `kernel` compiled for [`Level::current`].
+/// Runs the version of `kernel` compiled for [`Simd::current`].
 ///
 /// # Panics
 /// In a debug build that was built on a machine with AVX2 and runs on one without.
@@ -107,10 +107,10 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(all(debug_assertions, not(avx2_alone)))]
     return baseline(kernel);
     #[cfg(not(debug_assertions))]
-    match Level::limit() {
-        Level::Baseline => baseline(kernel),
-        Level::Avx2 => up_to_avx2(kernel),
-        Level::Avx512 => up_to_avx512(kernel),
+    match Simd::limit() {
+        Simd::Baseline => baseline(kernel),
+        Simd::Avx2 => up_to_avx2(kernel),
+        Simd::Avx512 => up_to_avx512(kernel),
     }
 }
 

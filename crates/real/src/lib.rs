@@ -29,7 +29,7 @@
 //! | [`Factored`] | small linear systems without branches |
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
 //! | [`Row`], [`Rows`] | 32 numbers, and rows on the heap whose number is known at run time |
-//! | [`Kernel`], [`dispatch`], [`Level`] | run-time choice of the instruction set |
+//! | [`Kernel`], [`dispatch`], [`Simd`] | run-time choice of the instruction set |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc; powers and logarithms for results |
 //!
 //! The feature `dispatch` (default) provides the run-time choice of the instruction set and is the
@@ -54,7 +54,7 @@ pub use bounded::Bounded;
 pub use degree::Degree;
 pub use derivative::{ScalarFunction, along, derivatives, fixed, gradient, is_written_out, seeded};
 #[cfg(feature = "dispatch")]
-pub use dispatch::{Kernel, Level, dispatch, limit_to};
+pub use dispatch::{Kernel, Simd, dispatch, limit_to};
 pub use dual::{Dual, DualNumber, Partial, Variation, Varies};
 pub use factored::Factored;
 pub use number::Real;

@@ -1,6 +1,6 @@
 //! A kernel gives the same bits at every level. One test: the limit belongs to the whole process.
 
-use real::{Block, Dual, Kernel, Level, Real, WIDTH, dispatch, limit_to};
+use real::{Block, Dual, Kernel, Real, Simd, WIDTH, dispatch, limit_to};
 
 /// A chain of everything a formula may use, with a select and a division, so that contraction,
 /// reassociation or a libm call anywhere would show in the last bits.
@@ -33,9 +33,9 @@ impl Kernel for Iterate<'_> {
     }
 }
 
-fn run(level: Level) -> Vec<(u64, [u64; 3])> {
+fn run(level: Simd) -> Vec<(u64, [u64; 3])> {
     limit_to(level);
-    assert_eq!(Level::current(), Level::available().min(level));
+    assert_eq!(Simd::current(), Simd::available().min(level));
     let mut y = Block::zero();
     for p in 0..WIDTH {
         y.set_path(p, [0.1 * p as f64 - 1.5, 1.7 - 0.09 * p as f64]);
@@ -54,8 +54,8 @@ fn run(level: Level) -> Vec<(u64, [u64; 3])> {
 
 #[test]
 fn every_level_gives_the_same_bits() {
-    let baseline = run(Level::BUILT[0]);
-    for &level in Level::BUILT {
+    let baseline = run(Simd::BUILT[0]);
+    for &level in Simd::BUILT {
         assert!(run(level) == baseline, "{} differs", level.name());
     }
     // The chain is chaotic: the paths did not all fall on one orbit, so equality says something.
@@ -63,7 +63,7 @@ fn every_level_gives_the_same_bits() {
         baseline[baseline.len() - WIDTH..].iter().map(|(_, bits)| bits[0]).collect();
     assert!(last.len() > WIDTH / 2, "{}", last.len());
     assert_eq!(
-        [Level::Baseline, Level::Avx2, Level::Avx512].map(Level::name),
+        [Simd::Baseline, Simd::Avx2, Simd::Avx512].map(Simd::name),
         ["baseline", "avx2", "avx512"]
     );
 }

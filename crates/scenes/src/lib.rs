@@ -30,7 +30,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod drawn;
+mod figures;
 mod file;
 pub mod gallery;
 mod initial;
@@ -44,7 +44,7 @@ mod source;
 mod sweep;
 mod values;
 
-pub use drawn::Drawn;
+pub use figures::FigureSettings;
 pub use file::{Calculus, ExpectTable, SceneFile, SystemTable, schema};
 use observe::Vocabulary;
 pub use observe::{Further, Observable, Quantity};
@@ -92,7 +92,7 @@ pub struct Scene {
     /// Wanted statistics of the dependence between observables.
     pub wanted: Wanted,
     /// Figures that are drawn.
-    pub drawn: Drawn,
+    pub drawn: FigureSettings,
     /// H₀, unless it depends on time.
     pub energy: Option<Observable>,
     /// Test functions of expectations.
@@ -183,7 +183,7 @@ impl Scene {
             observables,
             collected: Vec::new(),
             wanted: Wanted::default(),
-            drawn: Drawn::default(),
+            drawn: FigureSettings::default(),
             energy,
             expected: Vec::new(),
             accuracy: None,
@@ -194,14 +194,14 @@ impl Scene {
         };
         let chosen = file.run.columns.as_ref().map(|names| names.iter().map(chosen).collect());
         scene.chosen = chosen.transpose()?;
-        scene.wanted = drawn::wanted(&file.statistics, &scene, &constants)?;
+        scene.wanted = figures::wanted(&file.statistics, &scene, &constants)?;
         let conditions = file.probabilities.keys().chain(file.events.keys());
         scene.wanted.probabilities = conditions.filter_map(|name| scene.place(name)).collect();
         let spectrum = |name: &At<String>| format!("spectrum({})", **name);
         let spectra: Vec<String> = file.statistics.autocorrelation.iter().map(spectrum).collect();
         let others = file.system.parameters.keys().map(|key| key.as_str());
         let others: Vec<&str> = others.chain(spectra.iter().map(|name| &**name)).collect();
-        scene.drawn = Drawn::new(&file.figures, &scene, &others)?;
+        scene.drawn = FigureSettings::new(&file.figures, &scene, &others)?;
         if let Some(table) = &file.expect {
             scene.expect(table, &mut vocabulary)?;
         }

@@ -10,7 +10,7 @@ mod disassembly;
 use disassembly::versions;
 use noise::BlockNoise;
 use nonlin::BlockStatus;
-use real::{Block, Level, Real};
+use real::{Block, Real, Simd};
 use schemes::{Scheme, Sexp, Step};
 use systems::{Constant, PoissonSystem};
 
@@ -50,8 +50,8 @@ fn a_loop_that_paths_leave_is_seen_in_the_count() {
     let noise = BlockNoise::increments(&dw.0);
     Sexp.step_block(&Impatient, &step, &noise, &mut y, &mut status);
     assert!(y.0[0][31] != 0.5);
-    let sets = [(Level::Avx2, "_avx2_version", 1), (Level::Avx512, "up_to_avx512_avx512", 2)];
-    let built = sets.into_iter().filter(|(level, ..)| Level::BUILT.contains(level));
+    let sets = [(Simd::Avx2, "_avx2_version", 1), (Simd::Avx512, "up_to_avx512_avx512", 2)];
+    let built = sets.into_iter().filter(|(level, ..)| Simd::BUILT.contains(level));
     for (_, instruction_set, vector) in built {
         let Some(versions) = versions(instruction_set) else {
             println!("skipped: this binary has no symbols to find its kernels by");

@@ -16,7 +16,7 @@ mod disassembly;
 use disassembly::versions;
 use noise::BlockNoise;
 use nonlin::BlockStatus;
-use real::{Block, Level};
+use real::{Block, Simd};
 use schemes::{Scheme, Sexp, Step};
 use systems::{Cosine, RigidBody};
 
@@ -39,9 +39,9 @@ fn use_the_kernel() {
     assert!(status.failed.is_empty() && y.0[1][31] != 0.0);
 }
 
-fn packed(level: Level, instruction_set: &str, vector: usize) {
+fn packed(level: Simd, instruction_set: &str, vector: usize) {
     use_the_kernel();
-    if !Level::BUILT.contains(&level) {
+    if !Simd::BUILT.contains(&level) {
         println!("skipped: this build has no kernels for it");
         return;
     }
@@ -70,6 +70,6 @@ fn packed(level: Level, instruction_set: &str, vector: usize) {
 
 #[test]
 fn avx512_works_on_eight_paths_at_a_time_and_avx2_on_four() {
-    packed(Level::Avx512, "up_to_avx512_avx512", 2);
-    packed(Level::Avx2, "_avx2_version", 1);
+    packed(Simd::Avx512, "up_to_avx512_avx512", 2);
+    packed(Simd::Avx2, "_avx2_version", 1);
 }

@@ -9,7 +9,7 @@ use casimir::{
 };
 
 use super::{Found, Watch};
-use crate::{failure::Done, output::Drawn};
+use crate::{failure::Done, output::Figure};
 use scenes::Scene;
 
 /// Compares all schemes on a scene at a root-mean-square error of y(T), within seconds. Errors are
@@ -54,7 +54,7 @@ pub fn compare(
         ),
     };
     let caption = "Errors of all schemes against their cost.";
-    let figure = Drawn::new("compare", figure::comparison(&comparison), caption);
+    let figure = Figure::new("compare", figure::comparison(&comparison), caption);
     let text = format!("{comparison}\n{rule}.\n");
     Ok(Found::of(scene, [], &text, serde_json::to_value(&comparison)?, vec![figure]))
 }

@@ -8,7 +8,7 @@ use std::{
 use casimir::{
     mc::Simulation,
     plot::{Provenance, provenance},
-    real::{Level, limit_to},
+    real::{Simd, limit_to},
 };
 use rayon::ThreadPoolBuilder;
 
@@ -52,7 +52,7 @@ pub fn facts(commit: Option<&str>) -> String {
          processor     {cpu}\n\
          threads       {threads}\n\
          instructions  {simd} in use, built for {}\n",
-        format!("{:?}", Level::BUILT).to_lowercase()
+        format!("{:?}", Simd::BUILT).to_lowercase()
     )
 }
 
@@ -70,7 +70,7 @@ pub fn self_test(Expected { bits, square, mean }: Expected) -> Done<(String, boo
     let simulation =
         Simulation::new(body.setup("sexp-levy")?, body.settings.truncation).every(STEPS);
     let mut ends = Vec::new();
-    for &level in Level::BUILT.iter().filter(|level| **level <= Level::available()) {
+    for &level in Simd::BUILT.iter().filter(|level| **level <= Simd::available()) {
         limit_to(level);
         // One and all.
         for threads in (1..=all).step_by(all.max(2) - 1) {

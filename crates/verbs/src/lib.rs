@@ -65,7 +65,7 @@ pub use stationary::equilibrium;
 
 use crate::{
     failure::{Done, Failure},
-    output::{Drawn, distinct},
+    output::{Figure, distinct},
 };
 use scenes::{AUTO, Scene};
 
@@ -77,7 +77,7 @@ pub struct Found {
     /// Result as JSON for programs.
     pub json: Value,
     /// Figures of the result.
-    pub figures: Vec<Drawn>,
+    pub figures: Vec<Figure>,
     /// Words for an accuracy that was not reached.
     pub unreached: Option<String>,
 }
@@ -90,7 +90,7 @@ impl Found {
         warnings: impl IntoIterator<Item = String>,
         text: &str,
         mut json: Value,
-        figures: Vec<Drawn>,
+        figures: Vec<Figure>,
     ) -> Self {
         json["title"] = json!(scene.title);
         let mistake = scene.model.known().mistake;
@@ -103,7 +103,7 @@ impl Found {
         warnings: impl IntoIterator<Item = String>,
         text: String,
         mut json: Value,
-        mut figures: Vec<Drawn>,
+        mut figures: Vec<Figure>,
     ) -> Self {
         distinct(figures.iter_mut());
         json["warnings"] = warnings.into_iter().collect();

@@ -10,7 +10,7 @@ use casimir::{
 use serde_json::{Value, json};
 
 use super::{Found, Watch, coarsest_steps, scheme};
-use crate::{failure::Done, output::Drawn};
+use crate::{failure::Done, output::Figure};
 use scenes::{Observable, Scene};
 
 /// A quantity with the order of its errors.
@@ -62,7 +62,7 @@ pub fn order(scene: &Scene, path_steps: u64, job: Option<&Arc<Job>>, watch: &Wat
 }
 
 /// The figures of a strong order and of weak ones.
-pub fn figures(scheme: &str, strong: &Order, weak: &[Measured]) -> Vec<Drawn> {
+pub fn figures(scheme: &str, strong: &Order, weak: &[Measured]) -> Vec<Figure> {
     let series = |quantity: &str, order: &Order| Series {
         scheme: scheme.into(),
         quantity: quantity.into(),
@@ -72,7 +72,7 @@ pub fn figures(scheme: &str, strong: &Order, weak: &[Measured]) -> Vec<Drawn> {
     };
     let drawn = |file: &str, title, kind, series: &[Series]| {
         let caption = format!("{title} against the step, 95 % intervals.");
-        Drawn::new(file, convergence(title, kind, series), caption)
+        Figure::new(file, convergence(title, kind, series), caption)
     };
     let weak: Vec<Series> = weak.iter().map(|(quantity, order)| series(quantity, order)).collect();
     vec![

@@ -14,7 +14,7 @@ use serde_json::json;
 use super::{Found, Watch, scheme, with_interval};
 use crate::{
     failure::{Done, Failure},
-    output::Drawn,
+    output::Figure,
 };
 use scenes::{Observable, Read, Scene, digits, model::with_names, refuse};
 
@@ -135,7 +135,7 @@ fn contraction(scene: &Scene, found: &Averages, count: usize) -> String {
 }
 
 /// The density of an average, beside that of e^{−H₀/kT} where this is known.
-fn drawn(scene: &Scene, mean: &StationaryMean, kt: Option<f64>) -> Option<Drawn> {
+fn drawn(scene: &Scene, mean: &StationaryMean, kt: Option<f64>) -> Option<Figure> {
     let histogram = mean.histogram.as_ref()?;
     let (grid, counts) = (&histogram.grid, &histogram.counts);
     let all = counts.iter().sum::<u64>() + histogram.below + histogram.above;
@@ -155,5 +155,10 @@ fn drawn(scene: &Scene, mean: &StationaryMean, kt: Option<f64>) -> Option<Drawn>
         traces.push(Trace { name: "exp(-H0/kT)".into(), points });
     }
     let svg = lines(&mean.name, &mean.name, "density", &traces);
-    Some(Drawn::of("density", &mean.name, svg, format!("The stationary density of {}.", mean.name)))
+    Some(Figure::of(
+        "density",
+        &mean.name,
+        svg,
+        format!("The stationary density of {}.", mean.name),
+    ))
 }

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group};
 use noise::{QuasiWiener, StreamKey, WienerPath, WienerRows};
-use real::{Block, Level, Rows, WIDTH, limit_to};
+use real::{Block, Rows, Simd, WIDTH, limit_to};
 
 const STEPS: usize = 256;
 
@@ -43,15 +43,15 @@ fn ns_per_normal<const M: usize>() -> f64 {
 
 fn print_ns_per_normal() {
     println!("ns per normal   1 noise  2 noises  3 noises");
-    for level in [Level::Baseline, Level::Avx2, Level::Avx512] {
+    for level in [Simd::Baseline, Simd::Avx2, Simd::Avx512] {
         limit_to(level);
-        if Level::current() == level {
+        if Simd::current() == level {
             let [one, two, three] =
                 [ns_per_normal::<1>(), ns_per_normal::<2>(), ns_per_normal::<3>()];
             println!("{:13} {one:9.2} {two:9.2} {three:9.2}", level.name());
         }
     }
-    limit_to(Level::Avx512);
+    limit_to(Simd::Avx512);
 }
 
 /// ns per normal of Box–Muller and of Sobol points.
@@ -83,15 +83,15 @@ fn both_kinds(noises: usize, steps: u64) -> [f64; 2] {
 
 fn print_both_kinds() {
     println!("ns per normal   Box-Muller  Sobol (3 noises, 4 steps)   Box-Muller  Sobol (1, 64)");
-    for level in [Level::Baseline, Level::Avx2, Level::Avx512] {
+    for level in [Simd::Baseline, Simd::Avx2, Simd::Avx512] {
         limit_to(level);
-        if Level::current() == level {
+        if Simd::current() == level {
             let ([random, quasi], [random_64, quasi_64]) = (both_kinds(3, 4), both_kinds(1, 64));
             let name = level.name();
             println!("{name:15} {random:10.2} {quasi:26.2} {random_64:12.2} {quasi_64:14.2}");
         }
     }
-    limit_to(Level::Avx512);
+    limit_to(Simd::Avx512);
 }
 
 fn increments<const M: usize>(

@@ -16,7 +16,7 @@ use mc::{Ladder, Run, Setup, View};
 use noise::StreamKey;
 use plot::{files, provenance::complete};
 use rayon::ThreadPoolBuilder;
-use real::{Level, limit_to};
+use real::{Simd, limit_to};
 use schemes::BuiltIn;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -38,7 +38,7 @@ struct Arguments {
     quick: bool,
     /// Use no wider vector instructions than these: baseline, avx2 or avx512.
     #[arg(long, value_name = "LEVEL", value_parser = command::simd)]
-    simd: Option<Level>,
+    simd: Option<Simd>,
 }
 
 /// Streams of all measurements.
@@ -68,7 +68,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let (mode, paths, steps, repetitions) =
         if arguments.quick { ("quick", 256, 32, 2) } else { ("full", 65_536, 256, 7) };
     let workload = Workload { paths, steps, threads: 1, levels: 0, repetitions };
-    println!("ns for one step of one path on a core, {}", Level::current().name());
+    println!("ns for one step of one path on a core, {}", Simd::current().name());
     println!("of, scheme, paths, steps, threads, levels: best, median");
     let mut rows = Vec::new();
     for (of, compiled) in [

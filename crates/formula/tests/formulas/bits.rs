@@ -1,7 +1,7 @@
 //! A row has the bits of its points one by one, whatever its neighbours are, at every level.
 
 use formula::{Formula, Names};
-use real::{Level, Row, WIDTH, limit_to};
+use real::{Row, Simd, WIDTH, limit_to};
 
 use crate::expression::{Expression, Random, VARIABLES, hessian};
 
@@ -13,7 +13,7 @@ fn bits(x: f64) -> u64 {
 #[test]
 fn a_row_is_its_points_at_every_level() {
     let names = Names::with_variables(&VARIABLES).unwrap();
-    for &level in Level::BUILT {
+    for &level in Simd::BUILT {
         limit_to(level);
         let mut random = Random::new(7);
         for n in 0..1_000 {
@@ -34,5 +34,5 @@ fn a_row_is_its_points_at_every_level() {
             }
         }
     }
-    limit_to(Level::Avx512);
+    limit_to(Simd::Avx512);
 }

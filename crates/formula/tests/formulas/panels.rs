@@ -4,7 +4,7 @@ use formula::{Definition, FormulaSystem};
 use kernels::Tuned;
 use noise::{StepNoise, StreamKey, Truncation, WienerRows, clip};
 use nonlin::BlockStatus;
-use real::{Block, Level, PathMask, Row, WIDTH, limit_to};
+use real::{Block, PathMask, Row, Simd, WIDTH, limit_to};
 use schemes::{BuiltIn, Step, run_time};
 use systems::{Damping, Problem, paper};
 
@@ -104,13 +104,13 @@ fn check<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
             for (row, other) in found.iter().zip(&elsewhere) {
                 assert_eq!(bits(&moved.map(|p| row[p])), bits(other), "{what}: neighbours");
             }
-            for &level in Level::BUILT {
+            for &level in Simd::BUILT {
                 limit_to(level);
                 let (same, _) = simulate::<M>((&**at_run_time, &formulas), setup, steps, order);
                 let equal = same.iter().zip(&found).all(|(a, b)| bits(a) == bits(b));
                 assert!(equal, "{what}: {}", level.name());
             }
-            limit_to(Level::Avx512);
+            limit_to(Simd::Avx512);
         }
     }
 }

@@ -1,5 +1,5 @@
 //! What a run has to know of a system, found in milliseconds: [`Facts`], and the rule for the
-//! default scheme, [`Kept`].
+//! default scheme, [`Conserved`].
 //!
 //! Here is what `inspect` is made of, too: a system at many states, identities
 //! with three answers, and the search for Casimirs. The bits of all this are the same on every
@@ -28,7 +28,7 @@ pub use bath::{Bath, gibbs_marginal, is_divergence_free};
 pub use damping::DampingIntegral;
 pub use finding::{Finding, Status};
 pub use form::Form;
-pub use scheme::{Kept, is_damped};
+pub use scheme::{Conserved, is_damped};
 
 /// Facts about a problem that a run needs: the laws that the problem obeys.
 ///

@@ -12,7 +12,7 @@ use super::{MAX_COMPONENTS, is_proportional};
 
 /// Properties of a problem that decide the scheme for paths.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Kept {
+pub struct Conserved {
     /// Whether there are linear or quadratic Casimirs with a law.
     pub casimirs: bool,
     /// Whether the energy has a law: every noise is a multiple of H₀, which is homogeneous or not
@@ -36,7 +36,7 @@ pub fn is_damped(problem: &Problem<'_>) -> bool {
     PARTS.iter().any(damps)
 }
 
-impl Kept {
+impl Conserved {
     /// Reads the properties of `problem` and its laws, without the laws that friction breaks.
     pub fn of(problem: &Problem<'_>, system: &dyn System, areas: bool) -> Self {
         let has = |casimir: bool| problem.laws.iter().any(|law| law.casimir == casimir);

@@ -4,7 +4,7 @@
 use crate::common::{Equations, Numbers, PrefersNewton, SineMap, solve_block};
 use crate::predicted::{Predicted, map};
 use nonlin::{FixedPoint, Method, Outcome, Solver};
-use real::{Level, WIDTH, limit_to};
+use real::{Simd, WIDTH, limit_to};
 
 const METHODS: [Method; 2] = [Method::FixedPoint, Method::Newton];
 
@@ -70,7 +70,7 @@ fn block_is_its_paths<const D: usize>() -> [u32; 3] {
 /// One test: the limit belongs to the whole process.
 #[test]
 fn a_block_is_its_paths_at_every_level() {
-    for &level in Level::BUILT {
+    for &level in Simd::BUILT {
         limit_to(level);
         for seen in
             [block_is_its_paths::<1>(), block_is_its_paths::<2>(), block_is_its_paths::<3>()]

@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 use casimir::{
     expectation::Expect,
     formula::{FormulaSystem, Names},
-    inspect::facts::{Bath, DampingIntegral, Facts, Form, Kept, fastest},
+    inspect::facts::{Bath, Conserved, DampingIntegral, Facts, Form, fastest},
     mc::{Friction, Problem, Setup},
     schemes::{BuiltIn, Method, SchemeError},
     systems::run_time::{self, System},
@@ -48,7 +48,7 @@ pub trait Model: Send + Sync {
     fn recommended(&self) -> (&'static str, String) {
         let system = self.system();
         let areas = !system.description().noises_commute;
-        Kept::of(&self.problem(), system, areas).scheme(system)
+        Conserved::of(&self.problem(), system, areas).scheme(system)
     }
 
     /// Friction on some components.
@@ -125,7 +125,7 @@ impl Model for AtRunTime {
     /// Recommends no scheme with Lévy areas: formulas and lattices use one only if it is named.
     fn recommended(&self) -> (&'static str, String) {
         let system = self.system().description();
-        let kept = Kept::of(&self.problem(), self.system(), false);
+        let kept = Conserved::of(&self.problem(), self.system(), false);
         let (scheme, mut why) = kept.scheme(self.system());
         if let (Err(reason), None, false) = (&system.parts, &self.formulas, system.is_transverse) {
             why += &format!("; split would not do: {reason}");

@@ -7,7 +7,7 @@ use crate::own_schemes::{ConformalMidpoint, EulerWithAreas};
 use kernels::Tuned;
 use noise::{BlockNoise, Noise, StepNoise, StreamKey, Truncation, WienerRows, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
-use real::{Block, Level, WIDTH, limit_to};
+use real::{Block, Simd, WIDTH, limit_to};
 use schemes::{BuiltIn, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
 use systems::{Cosine, PoissonSystem};
 
@@ -22,7 +22,7 @@ fn bits<const D: usize>(z: [f64; D]) -> [u64; D] {
 
 /// Drives a block and its 32 paths side by side, and counts the ways that the equations went.
 struct SideBySide {
-    level: Level,
+    level: Simd,
     /// [fast, robust, failed]
     ways: [u32; 3],
 }
@@ -104,7 +104,7 @@ impl Visit for SideBySide {
 #[test]
 fn a_block_is_its_paths_at_every_level() {
     let mut seen = Vec::new();
-    for &level in Level::BUILT {
+    for &level in Simd::BUILT {
         limit_to(level);
         let mut side_by_side = SideBySide { level, ways: [0; 3] };
         every_system(&mut side_by_side);

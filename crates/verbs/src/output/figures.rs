@@ -17,7 +17,7 @@ use crate::Results;
 use scenes::{self, MAX_COMPONENTS, Scene, digits};
 
 /// A drawing with its file and the words below it.
-pub struct Drawn {
+pub struct Figure {
     /// Name of the figure, such as `time-q`.
     pub name: String,
     /// Name of the file without `.svg`; see [`distinct`].
@@ -28,7 +28,7 @@ pub struct Drawn {
     pub caption: String,
 }
 
-impl Drawn {
+impl Figure {
     /// A drawing with its name.
     pub fn new(name: impl Into<String>, svg: String, caption: impl Into<String>) -> Self {
         let (name, caption) = (name.into(), caption.into());
@@ -48,7 +48,7 @@ const LONGEST: usize = 48;
 
 /// Makes the names of files distinct: figures whose files would have one name, where capital
 /// letters are small ones too, have a hash of their own name in it.
-pub fn distinct<'a>(figures: impl Iterator<Item = &'a mut Drawn>) {
+pub fn distinct<'a>(figures: impl Iterator<Item = &'a mut Figure>) {
     let mut all = BTreeMap::<String, Vec<_>>::new();
     for figure in figures {
         all.entry(figure.file.to_lowercase()).or_default().push(figure);
@@ -59,7 +59,7 @@ pub fn distinct<'a>(figures: impl Iterator<Item = &'a mut Drawn>) {
 }
 
 /// A section of figures.
-pub type Section = (&'static str, Vec<Drawn>);
+pub type Section = (&'static str, Vec<Figure>);
 
 /// Paths in a figure; more hide each other.
 const SHOWN_PATHS: usize = 4;
@@ -82,7 +82,7 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
         None => {
             let in_time = names.into_iter().map(|name| {
                 let svg = lines(name, "time t", drawn.title(name), &traces(results, "t", name));
-                Drawn::of("time", name, svg, format!("{name} in time on {}.", paths(results)))
+                Figure::of("time", name, svg, format!("{name} in time on {}.", paths(results)))
             });
             vec![("In time", in_time.collect())]
         }
@@ -95,7 +95,11 @@ pub fn all(scene: &Scene, results: &Results) -> Vec<Section> {
 }
 
 /// The figures of the statistics of observables.
-fn of_study(drawn: &scenes::Drawn, names: &[&String], study: &StudyResult) -> Vec<Section> {
+fn of_study(
+    drawn: &scenes::FigureSettings,
+    names: &[&String],
+    study: &StudyResult,
+) -> Vec<Section> {
     let levels = study.record.quantiles.iter().map(|level| digits(100.0 * level));
     let levels = levels.collect::<Vec<_>>().join(" %, ");
     let (paths, mut in_time, mut at_end) = (study.record.paths, Vec::new(), Vec::new());
@@ -108,13 +112,13 @@ fn of_study(drawn: &scenes::Drawn, names: &[&String], study: &StudyResult) -> Ve
         };
         let svg = bands(name, "time t", drawn.title(name), points);
         let caption = format!("{name} in time, {paths} paths. {band}");
-        in_time.push(Drawn::of("time", name, svg, caption));
+        in_time.push(Figure::of("time", name, svg, caption));
         if last.histogram.is_some() {
             let caption = format!(
                 "The law of {name} at t = {}, {} paths: density; line: median; dashes: mean.",
                 last.time, last.count
             );
-            at_end.push(Drawn::of("end", name, histogram(name, name, last), caption));
+            at_end.push(Figure::of("end", name, histogram(name, name, last), caption));
         }
     }
     vec![("In time", in_time), (TABLE, at_end), ("Dependence", dependence(drawn, study))]
@@ -138,7 +142,7 @@ fn traces(results: &Results, x: &str, y: &str) -> Vec<Trace> {
     results.tables.iter().enumerate().take(SHOWN_PATHS).map(trace).collect()
 }
 
-fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
+fn portraits(scene: &Scene, results: &Results) -> Vec<Figure> {
     let names = &scene.components;
     let pairs: &[(usize, usize)] = match names.len() {
         3 => &[(0, 1), (1, 2), (0, 2)],
@@ -151,13 +155,13 @@ fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
         let svg = lines(&format!("{y} against {x}"), x, &**y, &traces(results, x, y));
         let on = paths(results);
         let caption = format!("{y} against {x} on {on}; the marker is the initial value.");
-        Drawn::of("portrait", &format!("{x}\0{y}"), svg, caption)
+        Figure::of("portrait", &format!("{x}\0{y}"), svg, caption)
     };
     pairs.iter().map(portrait).collect()
 }
 
 /// Joint laws, autocorrelations and spectra.
-fn dependence(drawn: &scenes::Drawn, study: &StudyResult) -> Vec<Drawn> {
+fn dependence(drawn: &scenes::FigureSettings, study: &StudyResult) -> Vec<Figure> {
     let joint = study.joint.iter().map(|Joint { names: [a, b], grids, counts, outside }| {
         let [x, y] = grids.map(|grid| (grid.edge(0), grid.edge(grid.bins)));
         let [columns, rows] = grids.map(|grid| grid.bins as usize);
@@ -170,7 +174,7 @@ fn dependence(drawn: &scenes::Drawn, study: &StudyResult) -> Vec<Drawn> {
              outside.",
             study.record.paths
         );
-        Drawn::of("joint", &format!("{a}\0{b}"), svg, caption)
+        Figure::of("joint", &format!("{a}\0{b}"), svg, caption)
     });
     let lagged = study.lagged.iter().enumerate().map(|(k, Series { observable: name, points })| {
         let (axis, law) = match k % 2 {
@@ -178,13 +182,13 @@ fn dependence(drawn: &scenes::Drawn, study: &StudyResult) -> Vec<Drawn> {
             _ => ("angular frequency", " Its integral over all frequencies is the variance."),
         };
         let caption = format!("{name} against the {axis}. Band: 95 % intervals.{law}");
-        Drawn::of("lag", name, bands(name, axis, drawn.title(name), points), caption)
+        Figure::of("lag", name, bands(name, axis, drawn.title(name), points), caption)
     });
     joint.chain(lagged).collect()
 }
 
 /// The third components of the spins of path 0: a plane at several times, or a chain in time.
-fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
+fn lattice(scene: &Scene, results: &Results) -> Option<Figure> {
     let (table, &columns) = (results.tables.first()?, scene.sizes.first()?);
     let times = table.times();
     let last = times.len().checked_sub(1)?; // None if path 0 was not begun
@@ -207,11 +211,11 @@ fn lattice(scene: &Scene, results: &Results) -> Option<Drawn> {
         (strip("spins", columns, &pictures), "at several times")
     };
     let caption = format!("z components of the spins of path 0 {what}: blue is up, red is down.");
-    Some(Drawn::new("lattice", svg, caption))
+    Some(Figure::new("lattice", svg, caption))
 }
 
 /// Casimirs and energies with their conformal law and the defect from it.
-fn laws(results: &Results) -> Vec<Drawn> {
+fn laws(results: &Results) -> Vec<Figure> {
     let Some(first) = results.tables.first() else { return Vec::new() };
     let largest = |name: &str| {
         let columns = results.tables.iter().filter_map(|table| table.column(name));
@@ -256,7 +260,7 @@ fn laws(results: &Results) -> Vec<Drawn> {
              defects below; the largest is {largest:.1e}.",
             paths(results)
         );
-        Drawn::of("law", name, evolution(name, &series), caption)
+        Figure::of("law", name, evolution(name, &series), caption)
     };
     defects.into_iter().map(law).collect()
 }

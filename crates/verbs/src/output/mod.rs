@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 use steps::{step_cell, step_errors};
 
-pub use figures::{Drawn, Section, distinct};
+pub use figures::{Figure, Section, distinct};
 pub use npz::Array;
 pub use steps::step_lines;
 

@@ -10,7 +10,7 @@ use casimir::{
 use serde_json::{Value, json};
 
 use super::{
-    Drawn, Run, Section,
+    Figure, Run, Section,
     npz::{self, list},
     page::TABLE,
 };
@@ -58,7 +58,7 @@ impl Outcomes<'_> {
             let words = format!("{name} against {parameter}");
             let svg = against(&words, drawn.title(parameter), drawn.title(name), &curves);
             let caption = format!("{name} at the end against {parameter}: mean, 95 % intervals.");
-            let against = Drawn::of("against", name, svg, caption);
+            let against = Figure::of("against", name, svg, caption);
             let panels = self.found().map(|(one, found)| (one.label.clone(), &found.series()[k]));
             let panels = spread(panels.collect(), MAX_PANELS);
             let caption = format!(
@@ -68,7 +68,7 @@ impl Outcomes<'_> {
                 self.found().count()
             );
             let svg = multiples(name, drawn.title(name), &panels);
-            [against, Drawn::of("time", name, svg, caption)]
+            [against, Figure::of("time", name, svg, caption)]
         };
         let first = self.found().next().into_iter().flat_map(|(_, found)| found.series());
         let is_shown = |name| drawn.show.as_ref().is_none_or(|show| show.contains(name));

@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::{Parser, builder::PossibleValuesParser};
 use mc::parts::limit_threads;
 use plot::{files, provenance};
-use real::{Level, limit_to};
+use real::{Simd, limit_to};
 use verify::{EXPERIMENTS, STATEMENTS, SUPPLEMENTS, command, page};
 
 /// Runs the paper's experiments, prints the verdicts and writes the report.
@@ -33,7 +33,7 @@ struct Arguments {
     out: PathBuf,
     /// Use no wider vector instructions than these; the results are the same, only slower.
     #[arg(long, value_parser = command::simd, value_name = "LEVEL")]
-    simd: Option<Level>,
+    simd: Option<Simd>,
 }
 
 /// Identifiers that `--only` accepts.

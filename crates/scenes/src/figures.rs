@@ -10,7 +10,7 @@ use super::{
 
 /// Checked choice of figures and of their axes.
 #[derive(Default)]
-pub struct Drawn {
+pub struct FigureSettings {
     /// Pairs of columns that are drawn against each other, if chosen.
     pub portraits: Option<Vec<[String; 2]>>,
     /// Columns that are drawn, if chosen.
@@ -19,7 +19,7 @@ pub struct Drawn {
     pub log: Vec<String>,
 }
 
-impl Drawn {
+impl FigureSettings {
     pub(super) fn new(table: &FiguresTable, scene: &Scene, others: &[&str]) -> Read<Self> {
         let check = |name: &_| scene.column(name, &[]);
         let pair = |[x, y]: &Pair| Ok([check(x)?, check(y)?]);
