@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Words that a first line of documentation does not start with: in rustdoc's lists it stands alone.
+/// Words that no first line of documentation starts with: it stands alone in rustdoc's lists.
 const STARTS: [&str; 9] =
     ["That ", "Those ", "It ", "Its ", "They ", "Their ", "The same ", "Of ", "What "];
 /// Beginnings of constants in the place of `MAX_` and `MIN_`.

@@ -48,8 +48,8 @@ pub fn expect(scene: &Scene, keeping: Option<&Checkpoint>, watch: &Watch) -> Don
         "path_steps": found.cost, "seconds": seconds,
     });
     let warnings = found.warnings.iter().map(ToString::to_string);
-    let found_of = Found::of(scene, warnings, &text, json, Vec::new());
-    Ok(found_of.to(found.reached(), Some(accuracy)))
+    let reached = found.reached();
+    Ok(Found::of(scene, warnings, &text, json, Vec::new()).to(reached, Some(accuracy)))
 }
 
 /// The accuracy that is wanted of a scene.

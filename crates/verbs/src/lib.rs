@@ -129,7 +129,7 @@ fn with_interval(estimate: &impl Serialize, (lo, hi): (f64, f64), half_width: f6
 
 /// Shows the progress of work; by default nothing is shown.
 pub trait Progress: Send + Sync {
-    /// Begins work of `_path_steps` path-steps; zero if their number is not known.
+    /// Begins work of so long, in path-steps; zero if their number is not known.
     fn begin(&self, _what: &str, _path_steps: u64) {}
 
     /// Adds path-steps that are done.
@@ -175,9 +175,9 @@ const SOON: Duration = Duration::from_secs(8);
 const PATIENCE: Duration = Duration::from_secs(60);
 
 impl Watch {
-    /// Does work to an accuracy, which tells its half-width so far and the part of its path-steps
-    /// that is done. Where the accuracy is not reached after a minute, or at the end, it is said
-    /// how far it is and how long it takes.
+    /// Does work to an accuracy. `work` reports its half-width so far and the part of its
+    /// path-steps that is done. After a minute, and at the end, an accuracy that is not reached is
+    /// reported, with the time that it takes.
     fn until<R>(&self, what: &str, accuracy: f64, work: impl FnOnce(&dyn Fn(f64, f64)) -> R) -> R {
         let (start, last) = (Instant::now(), Mutex::new((f64::INFINITY, 0.0)));
         let now = || start.elapsed().as_secs_f64();

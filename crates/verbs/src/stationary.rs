@@ -86,8 +86,8 @@ pub fn equilibrium(
     });
     let warnings = of_means.chain(found.unknown.iter().cloned());
     let warnings = warnings.map(|warning| with_names(&warning, &scene.components));
-    let found_of = Found::of(scene, warnings, &text, json, figures);
-    Ok(found_of.to(found.reached(), scene.accuracy))
+    let reached = found.reached();
+    Ok(Found::of(scene, warnings, &text, json, figures).to(reached, scene.accuracy))
 }
 
 /// Refuses a scene without a stationary law, and averages that are not functions of the state.

@@ -1,6 +1,6 @@
 //! Programs are told what readers are told.
 
-use crate::common::{OSCILLATOR, json, succeeds, with_scene};
+use crate::common::{OSCILLATOR, json, run, succeeds, with_scene};
 
 /// Every measurement has the random numbers of its seed, and of no other.
 #[test]
@@ -36,6 +36,11 @@ fn json_has_the_warnings_that_are_printed() {
     };
     check("run scene.toml --paths 200", 1);
     check("run scene.toml --paths 3", 1);
+    // A law without a mean.
+    let heavy = OSCILLATOR.replace("of = [\"energy\", \"q\"]", "of = [\"exp(20*q)\"]");
+    let output = run(with_scene(&heavy).path(), &["expect", "scene.toml", "--json"]);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(found["warnings"][0].as_str().unwrap().contains("perhaps no mean"), "{found}");
     let sweep = check("run scene.toml --paths 200 --set s=0.2,0.3", 2);
     assert!(sweep["runs"][0]["warnings"][0].is_string(), "{sweep}");
     for command in ["inspect", "expect", "order --path-steps 1e4", "compare --budget 0.3"] {

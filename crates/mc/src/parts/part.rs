@@ -96,8 +96,10 @@ impl Part {
         header.done = work.grow(&mut tree, rest, &mut |nodes, done| {
             if self.file.kept.is_due() && kept.is_ok() {
                 kept = self.record(work, Header { done, ..header.clone() }, nodes);
-                // A full disk may have room again when the next checkpoint is due; `finish` tells.
-                _ = self.file.write();
+                if kept.is_ok() {
+                    // A full disk may have room again at the next checkpoint; `finish` tells.
+                    _ = self.file.write();
+                }
             }
             kept.is_ok()
         });
