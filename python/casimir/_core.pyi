@@ -9,15 +9,11 @@ from numpy.typing import NDArray
 __all__ = [
     "__version__",
     "as_json",
+    "call",
     "changed",
     "check",
     "citation",
-    "compare",
-    "equilibrium",
-    "expect",
-    "inspect",
     "judge",
-    "order",
     "run",
     "scene",
     "scenes",
@@ -53,13 +49,7 @@ class _Found(TypedDict):
 
 def check(given: _Given) -> str: ...
 def run(given: _Given, independent: bool, how: _How) -> _Found: ...
-def expect(given: _Given, coarsest_steps: int | None, how: _How) -> _Found: ...
-def equilibrium(
-    given: _Given, exponents: tuple[int, float] | None, limits: tuple[int, int], how: _How
-) -> _Found: ...
-def order(given: _Given, path_steps: int, how: _How) -> _Found: ...
-def compare(given: _Given, error: float, budget: float, how: _How) -> _Found: ...
-def inspect(given: _Given, how: _How) -> _Found: ...
+def call(verb: str, given: _Given, options: str, how: _How) -> _Found: ...
 _Sizes = tuple[int | None, int, int]
 _States = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import functools
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from . import _core
 from ._errors import SceneError
-from ._formulas import finite, plain, whole
+from ._formulas import plain
 from ._progress import How, how
-from ._results import Comparison, Expectation, Inspection, Order, Run
+from ._results import Run
+from ._verbs import R, Verbs
 
 # What a text names where an array of initial states goes with it; no file is read then.
 _STATES = "states.csv"
@@ -43,7 +44,7 @@ def _definition(entry: dict[str, Any]) -> str:
     return str(found[0]).rsplit("/", 1)[-1]
 
 
-class Scene:
+class Scene(Verbs):
     """A system with its initial value and what is wanted: the contents of a scene's file.
 
     ``Scene("body.toml")`` reads a file, ``Scene({...})`` takes a dictionary with the same keys, and
@@ -202,11 +203,6 @@ class Scene:
         """The names of the observables, before components if these are few."""
         return list(self._check()["observables"])
 
-    def inspect(self, *, threads: int | None = None, progress: bool = True) -> Inspection:
-        """What the system is: Casimirs, orders, mistakes, a scheme to take."""
-        self._check()
-        return Inspection(self, _core.inspect(self, how(threads, progress)))
-
     def run(
         self,
         *,
@@ -228,92 +224,18 @@ class Scene:
         varied = {str(key): np.array(values) for key, values in self._check()["sweep"].items()}
         return Run(self, _raising(_core.run(self, independent, how), raises), varied)
 
-    def expect(
+    def _called(
         self,
-        *,
-        coarsest_steps: int | None = None,
-        threads: int | None = None,
-        progress: bool = True,
+        result: Callable[..., R],
+        verb: str,
+        options: Mapping[str, Any],
+        changes: Mapping[str, Any],
+        how: How,
         raises: bool = False,
-        **changes: Any,
-    ) -> Expectation:
-        """Expectations E[φ(y(T))] with 95 % intervals: ``expect(of=["y1"], accuracy=1e-4)``."""
+    ) -> R:
         scene = self.with_(**changes) if changes else self
         scene._check()
-        if coarsest_steps is not None:
-            coarsest_steps = whole("coarsest_steps", coarsest_steps)
-        found = _core.expect(scene, coarsest_steps, how(threads, progress))
-        return Expectation(scene, _raising(found, raises))
-
-    def equilibrium(
-        self,
-        *,
-        chains: int = 256,
-        path_steps: float = 1e10,
-        threads: int | None = None,
-        progress: bool = True,
-        raises: bool = False,
-        **changes: Any,
-    ) -> Expectation:
-        """Averages over the stationary law with 95 % intervals that have the step error in them.
-
-        ``equilibrium(of=["q^2"], accuracy=1e-3)``; autocorrelation times, burn-in and histograms are
-        in ``data``.
-        """
-        scene = self.with_(**changes) if changes else self
-        scene._check()
-        limits = whole("chains", chains), whole("path_steps", path_steps)
-        found = _core.equilibrium(scene, None, limits, how(threads, progress))
-        return Expectation(scene, _raising(found, raises))
-
-    def lyapunov(
-        self,
-        count: int = 1,
-        *,
-        accuracy: float = 0.01,
-        chains: int = 256,
-        path_steps: float = 1e10,
-        threads: int | None = None,
-        progress: bool = True,
-        raises: bool = False,
-        **changes: Any,
-    ) -> Expectation:
-        """The largest Lyapunov exponents ``"λ1"``, … and ``"their sum"``, with 95 % intervals."""
-        scene = self.with_(**changes) if changes else self
-        scene._check()
-        asked = whole("count", count), finite("accuracy", accuracy, above=0)
-        limits = whole("chains", chains), whole("path_steps", path_steps)
-        found = _core.equilibrium(scene, asked, limits, how(threads, progress))
-        return Expectation(scene, _raising(found, raises))
-
-    def order(
-        self,
-        *,
-        path_steps: float = 3e8,
-        threads: int | None = None,
-        progress: bool = True,
-        **changes: Any,
-    ) -> Order:
-        """The strong and the weak order of the scheme, measured within so many path-steps."""
-        scene = self.with_(**changes) if changes else self
-        scene._check()
-        path_steps = whole("path_steps", path_steps)
-        return Order(scene, _core.order(scene, path_steps, how(threads, progress)))
-
-    def compare(
-        self,
-        *,
-        error: float = 1e-3,
-        budget: float = 60.0,
-        threads: int | None = None,
-        progress: bool = True,
-        **changes: Any,
-    ) -> Comparison:
-        """Error against cost of all schemes at an error of y(T), within seconds of ``budget``."""
-        scene = self.with_(**changes) if changes else self
-        scene._check()
-        error, budget = (finite(k, v, above=0) for k, v in [("error", error), ("budget", budget)])
-        return Comparison(scene, _core.compare(scene, error, budget, how(threads, progress)))
+        return result(scene, _raising(_core.call(verb, scene, json.dumps(options), how), raises))
 
     def __repr__(self) -> str:
         if self._about is None:

@@ -1,7 +1,7 @@
 //! The compiled half of the Python package `casimir`: scenes as texts go in, results as arrays, JSON
 //! and figures come out. What Python sees of it is in `casimir/*.py`.
 
-mod call;
+mod calls;
 mod referee;
 mod toml;
 
@@ -16,7 +16,7 @@ use verbs::{
     output::arrays,
 };
 
-use call::{Found, watched};
+use calls::{Found, watched};
 
 /// A scene as Python has it: text, name, and initial states [path, component].
 #[derive(FromPyObject)]
@@ -66,7 +66,7 @@ fn check(py: Python<'_>, given: Given<'_>) -> PyResult<String> {
             "seed": scene.settings.key.seed,
         }))
     });
-    found.map(|found| found.to_string()).map_err(|failure| call::raised(py, &given.text, failure))
+    found.map(|found| found.to_string()).map_err(|failure| calls::raised(py, &given.text, failure))
 }
 
 /// Runs a scene, at every combination of what is varied.
@@ -96,78 +96,19 @@ fn run<'py>(
     })
 }
 
-/// Computes expectations.
+/// Computes a verb of one scene, with options as JSON.
 #[pyfunction]
-fn expect<'py>(
+fn call<'py>(
     py: Python<'py>,
+    verb: String,
     given: Given<'py>,
-    coarsest_steps: Option<u64>,
+    options: String,
     how: How,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let changes = Changes { steps: coarsest_steps, ..Changes::default() };
-    on_scene(py, given, changes, how, true, |scene, watch| verbs::expect(scene, None, watch))
-}
-
-/// Averages over the stationary law, or so many Lyapunov exponents.
-#[pyfunction]
-fn equilibrium<'py>(
-    py: Python<'py>,
-    given: Given<'py>,
-    exponents: Option<(usize, f64)>,
-    limits: (u64, u64),
-    how: How,
-) -> PyResult<Bound<'py, PyDict>> {
-    on_scene(py, given, Changes::default(), how, true, move |scene, watch| {
-        let (count, accuracy) = exponents.unzip();
-        scene.accuracy = accuracy.or(scene.accuracy);
-        verbs::equilibrium(scene, count, limits, None, watch)
-    })
-}
-
-/// Measures orders.
-#[pyfunction]
-fn order<'py>(
-    py: Python<'py>,
-    given: Given<'py>,
-    path_steps: u64,
-    how: How,
-) -> PyResult<Bound<'py, PyDict>> {
-    on_scene(py, given, Changes::default(), how, false, move |scene, watch| {
-        verbs::order(scene, path_steps, None, watch)
-    })
-}
-
-/// Compares schemes.
-#[pyfunction]
-fn compare<'py>(
-    py: Python<'py>,
-    given: Given<'py>,
-    error: f64,
-    budget: f64,
-    how: How,
-) -> PyResult<Bound<'py, PyDict>> {
-    on_scene(py, given, Changes::default(), how, false, move |scene, watch| {
-        verbs::compare(scene, error, budget, None, watch)
-    })
-}
-
-/// Says what a system is.
-#[pyfunction]
-fn inspect<'py>(py: Python<'py>, given: Given<'py>, how: How) -> PyResult<Bound<'py, PyDict>> {
-    on_scene(py, given, Changes::default(), how, false, |scene, watch| verbs::inspect(scene, watch))
-}
-
-fn on_scene<'py>(
-    py: Python<'py>,
-    given: Given<'py>,
-    changes: Changes,
-    how: How,
-    gives_what_is_done: bool,
-    work: impl FnOnce(&mut Scene, &Watch) -> Done<verbs::Found> + Send + 'static,
-) -> PyResult<Bound<'py, PyDict>> {
-    let source = given.source();
+    let (source, gives_what_is_done) = (given.source(), verbs::is_of_samples(&verb));
     watched(py, &given.text, how.threads, how.show, gives_what_is_done, move |watch| {
-        let common = work(&mut Scene::new(source, &changes)?, watch)?;
+        let scene = Scene::new(source, &Changes::default())?;
+        let common = verbs::call(&verb, &options, &scene, watch)?;
         Ok(Found { common, ..Found::default() })
     })
 }
@@ -206,11 +147,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(check, module)?)?;
     module.add_function(wrap_pyfunction!(run, module)?)?;
-    module.add_function(wrap_pyfunction!(expect, module)?)?;
-    module.add_function(wrap_pyfunction!(equilibrium, module)?)?;
-    module.add_function(wrap_pyfunction!(order, module)?)?;
-    module.add_function(wrap_pyfunction!(compare, module)?)?;
-    module.add_function(wrap_pyfunction!(inspect, module)?)?;
+    module.add_function(wrap_pyfunction!(call, module)?)?;
     module.add_function(wrap_pyfunction!(citation, module)?)?;
     module.add_function(wrap_pyfunction!(gallery_scenes, module)?)?;
     module.add_function(wrap_pyfunction!(scene, module)?)?;

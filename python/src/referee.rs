@@ -8,7 +8,7 @@ use verbs::{self, Claims, Measure, failure::Failure};
 
 use crate::{
     Given, How,
-    call::{self, Found, watched},
+    calls::{self, Found, watched},
 };
 
 /// Steps of the coarsest size, step sizes, and paths.
@@ -57,7 +57,7 @@ pub fn solver_noise<'py>(
     });
     let paths = range.1;
     let (noise, states, noises, d) =
-        found.map_err(|failure: Failure| call::raised(py, &given.text, failure))?;
+        found.map_err(|failure: Failure| calls::raised(py, &given.text, failure))?;
     let noise = noise.into_iter().map(|noise| arrays(py, noise, paths, noises));
     let states = states.map(|y| PyArray1::from_vec(py, y).reshape([paths, d]));
     Ok((noise.collect::<PyResult<_>>()?, states.into_iter().collect::<PyResult<_>>()?))
@@ -77,7 +77,7 @@ pub fn single_steps<'py>(
         Ok((verbs::single_steps(&scene, measure(sizes))?, scene.problem().noises))
     });
     let (steps, noises) =
-        found.map_err(|failure: Failure| call::raised(py, &given.text, failure))?;
+        found.map_err(|failure: Failure| calls::raised(py, &given.text, failure))?;
     let of = |(tau, [one, two]): (f64, [LevelNoise; 2])| {
         let paths = one.increments.len() / noises.max(1);
         Ok((tau, [arrays(py, one, paths, noises)?, arrays(py, two, paths, noises)?]))

@@ -55,7 +55,7 @@ def test_wrong_numbers_are_refused_with_the_name_of_their_key(oscillator: casimi
         (lambda: o.expect(coarsest_steps=-1), "coarsest_steps", "at least 1, got -1"),
         (lambda: o.equilibrium(chains=0), "chains", "at least 1, got 0"),
         (lambda: o.equilibrium(path_steps=NAN), "path_steps", "whole number"),
-        (lambda: o.lyapunov(2.5), "count", "got 2.5"),  # type: ignore[arg-type]
+        (lambda: o.lyapunov(count=2.5), "count", "got 2.5"),  # type: ignore[arg-type]
         (lambda: o.lyapunov(accuracy=0), "accuracy", "above 0, got 0"),
         (lambda: o.order(path_steps=INF), "path_steps", "got inf"),
         (lambda: o.compare(error=NAN), "error", "above 0, got nan"),

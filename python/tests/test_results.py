@@ -50,12 +50,12 @@ def test_averages_over_the_stationary_law(oscillator: casimir.Scene) -> None:
     assert abs(found["kinetic"].value - 0.5) < 4 * found["kinetic"].half_width
     assert "density-kinetic" in found.figures and abs(found.data["kT"] - 1.0) < 1e-9
     # What is asked for goes before the wish of the scene.
-    exponents = well.with_(expect={"of": ["kinetic"], "accuracy": 9.0}).lyapunov(2, accuracy=0.05)
+    exponents = well.with_(expect={"of": ["kinetic"], "accuracy": 9.0}).lyapunov(count=2, accuracy=0.05)
     assert exponents.reached and exponents["λ1"].half_width <= 0.05 == exponents.data["accuracy"]
     assert list(exponents) == ["λ1", "λ2", "their sum"]
     assert abs(exponents["their sum"].value + 1.0) < 1e-6
     with pytest.raises(casimir.SceneError, match="number of exponents"):
-        oscillator.lyapunov(3)
+        oscillator.lyapunov(count=3)
 
 
 def test_states_are_those_of_an_array(oscillator: casimir.Scene, tmp_path: Path) -> None:

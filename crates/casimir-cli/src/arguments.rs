@@ -3,8 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use scenes::{Changes, SchemeAndSeed, Set, count};
-use verbs::output::Format;
+use scenes::{Changes, count};
+use verbs::{
+    Compare, Equilibrium, Expect, Inspect, Lyapunov, Order, failure::Done, output::Format,
+};
+
+use crate::commands;
 
 /// Damped stochastic Poisson systems from a text file:
 /// dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ
@@ -39,7 +43,7 @@ pub enum Command {
     },
     /// Say what a system is: Casimirs, orders, mistakes, a scheme to take
     #[command(after_help = "Example: casimir inspect top.toml")]
-    Inspect(Inspect),
+    Inspect(Asked<Inspect>),
     /// Simulate paths: tables, figures, a report in HTML
     #[command(after_help = "Examples:
   casimir run top.toml --paths 1e6 --write csv,npz --out top-million
@@ -47,19 +51,19 @@ pub enum Command {
     Run(Run),
     /// Compute expectations with 95 % intervals
     #[command(after_help = "Example: casimir expect top.toml --accuracy 1e-4")]
-    Expect(Expect),
-    /// Average over the stationary law, with 95 % intervals that have the step error in them
+    Expect(Asked<Expect>),
+    /// Average over the stationary law, with 95 % intervals that include the step error
     #[command(after_help = "Example: casimir equilibrium double-well.toml --accuracy 1e-3")]
-    Equilibrium(Equilibrium),
+    Equilibrium(Asked<Equilibrium>),
     /// Compute Lyapunov exponents with 95 % intervals
     #[command(after_help = "Example: casimir lyapunov kubo.toml --count 2 --accuracy 1e-3")]
-    Lyapunov(Lyapunov),
+    Lyapunov(Asked<Lyapunov>),
     /// Measure the strong and the weak order of a scheme on a scene
     #[command(after_help = "Example: casimir order top.toml --scheme sexp-li")]
-    Order(Order),
+    Order(Asked<Order>),
     /// Measure error against cost of all schemes on a scene, and recommend one
     #[command(after_help = "Example: casimir compare top.toml --error 1e-3")]
-    Compare(Compare),
+    Compare(Asked<Compare>),
     /// Divide a run into parts for a cluster
     #[command(after_help = "Example: casimir plan top.toml --parts 64 --out big")]
     Plan(Plan),
@@ -95,17 +99,43 @@ pub enum Command {
         #[arg(long, value_parser = count)]
         paths: u64,
     },
-    /// Print the JSON schema of scenes, for editors
-    Schema,
+    /// Print the JSON schema of scenes, for editors, or of the options of a command
+    Schema {
+        /// The command
+        verb: Option<String>,
+    },
     /// Test the program on this machine, for reports of faults
     Doctor,
 }
 
+impl Command {
+    /// Executes the command.
+    pub fn run(self) -> Done {
+        use Command::*;
+        match self {
+            New { name, list } => commands::new(name.as_deref(), list),
+            Inspect(asked) => commands::compute(&asked),
+            Run(asked) => commands::run(&asked),
+            Expect(asked) => commands::compute(&asked),
+            Equilibrium(asked) => commands::compute(&asked),
+            Lyapunov(asked) => commands::compute(&asked),
+            Order(asked) => commands::compute(&asked),
+            Compare(asked) => commands::compute(&asked),
+            Plan(asked) => commands::plan(&asked),
+            Part { folder, part, threads } => commands::part(&folder, part, threads),
+            Merge { folder, write, json } => commands::merge(&folder, &write, json),
+            Extend { folder, paths } => commands::extend(&folder, paths),
+            Schema { verb } => commands::schema(verb.as_deref()),
+            Doctor => commands::doctor(),
+        }
+    }
+}
+
+/// A verb with its options, on a scene.
 #[derive(Args)]
-pub struct Inspect {
-    /// A parameter of the scene: NAME=VALUE
-    #[arg(long = "set", value_name = "NAME=VALUE")]
-    pub sets: Vec<Set>,
+pub struct Asked<V: Args> {
+    #[command(flatten)]
+    pub options: V,
     #[command(flatten)]
     pub on: On,
 }
@@ -136,79 +166,6 @@ pub struct Run {
     /// Keep tables that are more than a gigabyte of text
     #[arg(long)]
     pub large: bool,
-    #[command(flatten)]
-    pub on: On,
-}
-
-#[derive(Args)]
-pub struct Expect {
-    /// Half-width of the 95 % intervals, instead of that of the scene
-    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
-    pub accuracy: Option<f64>,
-    /// Steps of the coarsest level. Default: chosen with the scheme; about eight in a unit of time
-    /// for a scheme that is named, and with events or integrals
-    #[arg(long, value_parser = count)]
-    pub steps: Option<u64>,
-    #[command(flatten)]
-    pub scheme: SchemeAndSeed,
-    #[command(flatten)]
-    pub on: On,
-}
-
-#[derive(Args)]
-pub struct Equilibrium {
-    /// Half-width of the 95 % intervals. Default: that of the scene; of `lyapunov` 0.01
-    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
-    pub accuracy: Option<f64>,
-    /// Steps to `until`, for the first averages, instead of those of the scene
-    #[arg(long, value_parser = count)]
-    pub steps: Option<u64>,
-    /// Number of chains
-    #[arg(long, value_parser = count, default_value = "256")]
-    pub chains: u64,
-    /// Path-steps that it may take
-    #[arg(long, value_parser = count, default_value = "1e10")]
-    pub path_steps: u64,
-    #[command(flatten)]
-    pub scheme: SchemeAndSeed,
-    #[command(flatten)]
-    pub on: On,
-}
-
-#[derive(Args)]
-pub struct Lyapunov {
-    /// Number of exponents, from the largest on
-    #[arg(long, value_parser = count, default_value = "1")]
-    pub count: u64,
-    #[command(flatten)]
-    pub chains: Equilibrium,
-}
-
-#[derive(Args)]
-pub struct Order {
-    /// Path-steps that each measurement may take
-    #[arg(long, value_parser = count, default_value = "3e8")]
-    pub path_steps: u64,
-    #[command(flatten)]
-    pub scheme: SchemeAndSeed,
-    #[command(flatten)]
-    pub on: On,
-}
-
-#[derive(Args)]
-pub struct Compare {
-    /// The wanted root-mean-square error of y(T)
-    #[arg(long, allow_negative_numbers = true, default_value_t = 1e-3)]
-    pub error: f64,
-    /// Seconds that it may take
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = 60.0)]
-    pub budget: f64,
-    /// A parameter of the scene: NAME=VALUE
-    #[arg(long = "set", value_name = "NAME=VALUE")]
-    pub sets: Vec<Set>,
-    /// Seed of the random numbers, instead of that of the scene
-    #[arg(long)]
-    pub seed: Option<u64>,
     #[command(flatten)]
     pub on: On,
 }

@@ -54,7 +54,7 @@ pub use run::{AUTO, Changes, SchemeAndSeed, Settings};
 pub use shorthand::{State, structure};
 pub use source::{Read, SceneError, Source, Wrong};
 pub use sweep::{Combination, Set, Sweep, Varied};
-pub use values::{At, Listed, Parameter, Text, count, digits, place};
+pub use values::{At, Count, Listed, Parameter, Text, count, digits, place};
 
 use std::{fmt::Display, path::Path, sync::Arc};
 
@@ -72,7 +72,7 @@ pub struct Scene {
     /// Text of the scene.
     pub source: Source,
     /// Changes made by the command line.
-    pub changes: Arc<Changes>,
+    changes: Arc<Changes>,
     /// The title of reports.
     pub title: String,
     /// The names of the components.
@@ -205,6 +205,7 @@ impl Scene {
         if let Some(table) = &file.expect {
             scene.expect(table, &mut vocabulary)?;
         }
+        scene.accuracy = changes.accuracy.or(scene.accuracy);
         scene.collected = vocabulary.collected;
         let scheme = &scene.settings.scheme;
         if scheme != AUTO {

@@ -28,6 +28,10 @@ pub struct Changes {
     /// Number of steps, instead of that of the scene
     #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = super::count))]
     pub steps: Option<u64>,
+    /// Half-width of 95 % intervals, instead of that of the scene.
+    #[cfg_attr(feature = "clap", arg(skip))]
+    #[serde(skip)]
+    pub accuracy: Option<f64>,
     /// Draw other random numbers for each combination of a sweep, not the same for all
     #[cfg_attr(feature = "clap", arg(long))]
     #[serde(default)]

@@ -2,14 +2,15 @@
 
 use std::{
     borrow::Cow,
-    fmt::{self, Formatter},
+    fmt::{self, Display, Formatter},
     marker::PhantomData,
     ops::{Deref, Range},
+    str::FromStr,
 };
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{
-    Deserialize, Deserializer,
+    Deserialize, Deserializer, Serialize,
     de::{Error, SeqAccess, Visitor, value::SeqAccessDeserializer},
 };
 use toml::{Spanned, Value};
@@ -66,8 +67,22 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for At<T> {
 pub struct Text(pub String);
 
 /// A whole number of at least 1. 1e6 is one, too.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Count(pub u64);
+
+impl FromStr for Count {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        count(text).map(Self)
+    }
+}
+
+impl Display for Count {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if self.0 < 1_000_000 { self.0.fmt(f) } else { fmt::LowerExp::fmt(&self.0, f) }
+    }
+}
 
 /// A whole number of 64 bits; one that TOML has no number for stands in quotes.
 #[derive(Clone, Copy)]

@@ -1,24 +1,77 @@
 //! Comparison of schemes: the cheapest one for an error.
 
-use std::{sync::Arc, time::Instant};
+use std::time::Instant;
 
 use casimir::{
     analysis::{self, Candidates, CompareSettings},
-    mc::parts::Job,
     plot::figure,
 };
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use super::{Found, Watch};
+use super::{Found, Store, Stores, Verb, Watch};
 use crate::{failure::Done, output::Figure};
-use scenes::Scene;
+use scenes::{Changes, Scene, SchemeAndSeed, Set};
 
-/// Compares all schemes on a scene at a root-mean-square error of y(T), within seconds. Errors are
-/// kept by a job if there is one.
-pub fn compare(
+/// Error against cost of all schemes, and the cheapest one for an error of y(T).
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Compare {
+    /// The wanted root-mean-square error of y(T)
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, allow_negative_numbers = true, default_value_t = Compare::default().error)
+    )]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub error: f64,
+    /// Seconds that it may take
+    #[cfg_attr(feature = "clap", arg(
+        long,
+        value_name = "SECONDS",
+        allow_negative_numbers = true,
+        default_value_t = Compare::default().budget
+    ))]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub budget: f64,
+    /// A parameter of the scene: NAME=VALUE
+    #[cfg_attr(feature = "clap", arg(long = "set", value_name = "NAME=VALUE"))]
+    #[serde(skip)]
+    pub sets: Vec<Set>,
+    /// Seed of the random numbers, instead of that of the scene
+    #[cfg_attr(feature = "clap", arg(long))]
+    #[serde(skip)]
+    pub seed: Option<u64>,
+}
+
+impl Default for Compare {
+    fn default() -> Self {
+        Self { error: 1e-3, budget: 60.0, sets: Vec::new(), seed: None }
+    }
+}
+
+impl Verb for Compare {
+    const NAME: &'static str = "compare";
+    const STORES: Stores = Stores::Measurements;
+
+    fn changes(&self) -> Changes {
+        let scheme = SchemeAndSeed { scheme: None, seed: self.seed, sets: self.sets.clone() };
+        Changes { scheme, ..Changes::default() }
+    }
+
+    fn meaning(&self) -> String {
+        format!("error = {}\n", self.error)
+    }
+
+    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
+        compare(scene, self, store, watch)
+    }
+}
+
+fn compare(
     scene: &Scene,
-    error: f64,
-    budget: f64,
-    job: Option<&Arc<Job>>,
+    &Compare { error, budget, .. }: &Compare,
+    store: &Store,
     watch: &Watch,
 ) -> Done<Found> {
     let (settings, start) = (&scene.settings, Instant::now());
@@ -28,7 +81,7 @@ pub fn compare(
     let wanted = CompareSettings {
         budget_s: (budget - spent).max(0.5 * budget),
         stop: watch.stop.clone(),
-        job: job.cloned(),
+        job: store.job().cloned(),
         ..CompareSettings::new(error, settings.truncation, settings.key)
     };
     let candidates = Candidates::built_in(|id| scene.model.scheme(id))

@@ -13,7 +13,7 @@ use casimir::{
 use rayon::ThreadPoolBuilder;
 
 use crate::{
-    Found, Watch,
+    Expect, Found, Store, Verb, Watch,
     failure::{Done, Failure},
 };
 use scenes::{Changes, Scene, Source, gallery};
@@ -93,7 +93,8 @@ pub fn self_test(Expected { bits, square, mean }: Expected) -> Done<(String, boo
     let watch = Watch::new(());
     let mut kubo = scene("kubo")?;
     kubo.accuracy = Some(5e-4);
-    let Found { json, unreached, .. } = crate::expect(&kubo, None, &watch)?;
+    let Found { json, unreached, .. } =
+        Expect::default().compute(&kubo, &Store::Nothing, &watch)?;
     let q = &json["estimates"][0];
     let [lo, hi, steps, seconds] = [&q["lo"], &q["hi"], &json["path_steps"], &json["seconds"]]
         .map(|number| number.as_f64().unwrap_or(f64::NAN));

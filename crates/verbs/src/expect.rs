@@ -2,21 +2,62 @@
 
 use std::time::Instant;
 
-use casimir::expectation::{Estimate, Expect, ExpectSettings, WarningKind};
-use casimir::mc::{Checkpoint, Observe};
+use casimir::expectation::{self, Estimate, ExpectSettings, WarningKind};
+use casimir::mc::Observe;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{Found, Watch, coarsest_steps, scheme, with_interval};
+use super::{Found, Store, Stores, Verb, Watch, coarsest_steps, scheme, with_interval};
 use crate::failure::{Done, Failure};
-use scenes::{AUTO, Scene, model::with_names};
+use scenes::{AUTO, Changes, Count, Scene, SchemeAndSeed, model::with_names};
 
-/// Computes the expectations of a scene, with samples that are kept if this is wanted.
-pub fn expect(scene: &Scene, keeping: Option<&Checkpoint>, watch: &Watch) -> Done<Found> {
+/// Expectations E[φ(y(T))] with 95 % intervals: `expect(of=["y1"], accuracy=1e-4)`.
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Expect {
+    /// Half-width of the 95 % intervals, instead of that of the scene
+    #[cfg_attr(feature = "clap", arg(long, value_name = "ERROR", allow_negative_numbers = true))]
+    #[serde(skip)]
+    pub accuracy: Option<f64>,
+    /// Steps of the coarsest level. Default: chosen with the scheme; about eight in a unit of time
+    /// for a scheme that is named, and with events or integrals
+    #[cfg_attr(feature = "clap", arg(long, value_name = "STEPS"))]
+    pub coarsest_steps: Option<Count>,
+    /// Scheme and seed.
+    #[cfg_attr(feature = "clap", command(flatten))]
+    #[serde(skip)]
+    pub scheme: SchemeAndSeed,
+}
+
+impl Verb for Expect {
+    const NAME: &'static str = "expect";
+    const STORES: Stores = Stores::Samples("samples.bin");
+    const WRITES: bool = false;
+
+    fn changes(&self) -> Changes {
+        let scheme = self.scheme.clone();
+        Changes { accuracy: self.accuracy, scheme, ..Changes::default() }
+    }
+
+    fn meaning(&self) -> String {
+        let steps = self.coarsest_steps.map(|steps| format!("coarsest steps = {steps}\n"));
+        format!("verb = expect\n{}", steps.unwrap_or_default())
+    }
+
+    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
+        expect(scene, self.coarsest_steps, store, watch)
+    }
+}
+
+fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) -> Done<Found> {
     let accuracy = wanted(scene)?;
-    let (expect, settings, because) = chosen(scene)?;
+    let (expect, mut settings, because) = chosen(scene)?;
+    settings.coarsest_steps = coarsest.map_or(settings.coarsest_steps, |steps| steps.0);
     let start = Instant::now();
     let mut expect = expect.with(ExpectSettings { stop: watch.stop.clone(), ..settings });
-    expect.checkpoint = keeping;
+    expect.checkpoint = store.samples();
     let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
     let found = watch.until("the first estimates", accuracy, |told| {
         let mut expect = expect;
@@ -64,7 +105,7 @@ fn wanted(scene: &Scene) -> Done<f64> {
 }
 
 /// The scheme that is named; or all that go with it is chosen: points, levels and order.
-fn chosen(scene: &Scene) -> Done<(Expect<'_>, ExpectSettings, Option<String>)> {
+fn chosen(scene: &Scene) -> Done<(expectation::Expect<'_>, ExpectSettings, Option<String>)> {
     let settings = &scene.settings;
     let mut with = ExpectSettings { key: settings.key, ..ExpectSettings::default() };
     let is_auto = settings.scheme == AUTO;
@@ -75,9 +116,9 @@ fn chosen(scene: &Scene) -> Done<(Expect<'_>, ExpectSettings, Option<String>)> {
             let (scheme, because) = scheme(scene);
             with.truncation = settings.truncation;
             with.coarsest_steps = coarsest_steps(settings.until);
-            (Expect::with_scheme(scene.collecting(scene.setup(&scheme)?)), because)
+            let setup = scene.collecting(scene.setup(&scheme)?);
+            (expectation::Expect::with_scheme(setup), because)
         }
     };
-    with.coarsest_steps = scene.changes.steps.unwrap_or(with.coarsest_steps);
     Ok((expect, with, because))
 }

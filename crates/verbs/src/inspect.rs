@@ -2,14 +2,41 @@
 
 use casimir::inspect::{InspectSettings, facts::Bath};
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{Found, Watch};
+use super::{Found, Store, Stores, Verb, Watch};
 use crate::failure::Done;
-use scenes::{Scene, digits, model::with_names};
+use scenes::{Changes, Scene, SchemeAndSeed, Set, digits, model::with_names};
 
 /// Inspects the system of a scene, whose scheme is not asked for.
-pub fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Inspect {
+    /// A parameter of the scene: NAME=VALUE
+    #[cfg_attr(feature = "clap", arg(long = "set", value_name = "NAME=VALUE"))]
+    #[serde(skip)]
+    pub sets: Vec<Set>,
+}
+
+impl Verb for Inspect {
+    const NAME: &'static str = "inspect";
+    const STORES: Stores = Stores::Nothing;
+    const WRITES: bool = false;
+
+    fn changes(&self) -> Changes {
+        let scheme = SchemeAndSeed { sets: self.sets.clone(), ..SchemeAndSeed::default() };
+        Changes { scheme, ..Changes::default() }
+    }
+
+    fn compute(&self, scene: &Scene, _: &Store, watch: &Watch) -> Done<Found> {
+        inspect(scene, watch)
+    }
+}
+
+fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let model = &scene.model;
     let (problem, system) = (model.problem(), model.system());
     let (known, bath, findings) = watch.under("looking at points", 0, |_| {

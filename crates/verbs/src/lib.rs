@@ -2,7 +2,7 @@
 //!
 //! ```
 //! use scenes::{Changes, Scene, Source};
-//! use verbs::{Watch, expect};
+//! use verbs::{Expect, Store, Verb, Watch};
 //!
 //! let text = r#"
 //! [system]
@@ -20,14 +20,16 @@
 //! "#;
 //! let source = Source { name: "oscillator.toml".into(), text: text.into(), states: None };
 //! let scene = Scene::new(source, &Changes::default())?;
-//! let found = expect(&scene, None, &Watch::new(())).expect("an expectation");
+//! let found = Expect::default().compute(&scene, &Store::Nothing, &Watch::new(()));
+//! let found = found.expect("an expectation");
 //! assert!(found.unreached.is_none(), "{}", found.text);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Each verb has a file: [`run`](compute), [`expect`], [`equilibrium`], [`order`], [`compare`],
-//! [`inspect`]. What they find is words, JSON and figures; [`output`] makes tables, pages and
-//! arrays of runs.
+//! A [`Verb`] is declared once, in the file of its name: its options are arguments of the command
+//! line, keys of JSON ([`options`], [`call`]) and keyword arguments of Python. It finds words, JSON
+//! and figures. A [`run`](compute) is of a whole sweep, and [`output`] makes tables, pages and
+//! arrays of it.
 
 pub mod citation;
 mod compare;
@@ -51,23 +53,129 @@ use std::{
     time::{Duration, Instant},
 };
 
-use casimir::{mc::parts::Stop, schemes::BuiltIn, systems::Linearity};
-use serde::Serialize;
+use casimir::{
+    mc::{
+        Checkpoint,
+        parts::{Job, Stop},
+    },
+    schemes::BuiltIn,
+    systems::Linearity,
+};
+use schemars::{JsonSchema, Schema, schema_for};
+use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Value, json};
 
-pub use compare::compare;
-pub use expect::expect;
-pub use inspect::inspect;
-pub use order::order;
+pub use compare::Compare;
+pub use expect::Expect;
+pub use inspect::Inspect;
+pub use order::Order;
 pub use referee::{Claims, Measure, judge, single_steps, solver_noise};
 pub use run::{Outcomes, Results, compute, ready, settle};
-pub use stationary::equilibrium;
+pub use stationary::{Equilibrium, Lyapunov};
 
 use crate::{
     failure::{Done, Failure},
     output::{Figure, distinct},
 };
-use scenes::{AUTO, Scene};
+use scenes::{AUTO, Changes, Scene};
+
+/// A verb, what is computed of one scene, with its options.
+pub trait Verb: DeserializeOwned + JsonSchema {
+    /// Name of the verb.
+    const NAME: &'static str;
+    /// What the verb stores of unfinished work.
+    const STORES: Stores;
+    /// Whether results are written to a folder unless another is named.
+    const WRITES: bool = true;
+
+    /// Changes of the scene.
+    fn changes(&self) -> Changes;
+
+    /// Options that stored work depends on, in lines `key = value`.
+    fn meaning(&self) -> String {
+        String::new()
+    }
+
+    /// Computes what is asked of a scene.
+    ///
+    /// # Errors
+    /// [`Failure`]: the scene or an option is wrong, the work failed, or was stopped before there
+    /// was a result.
+    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found>;
+}
+
+/// What a verb stores of unfinished work.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Stores {
+    /// Nothing.
+    Nothing,
+    /// Measurements that are complete. A result needs all of them.
+    Measurements,
+    /// Samples, in a file of this name. Results are of the samples so far.
+    Samples(&'static str),
+}
+
+/// Where unfinished work is stored.
+#[derive(Default)]
+pub enum Store {
+    /// Nowhere.
+    #[default]
+    Nothing,
+    /// With a job, for [`Stores::Measurements`].
+    Measurements(Arc<Job>),
+    /// In a file, for [`Stores::Samples`].
+    Samples(Checkpoint),
+}
+
+impl Store {
+    fn job(&self) -> Option<&Arc<Job>> {
+        if let Self::Measurements(job) = self { Some(job) } else { None }
+    }
+
+    fn samples(&self) -> Option<&Checkpoint> {
+        if let Self::Samples(samples) = self { Some(samples) } else { None }
+    }
+}
+
+/// The verbs.
+macro_rules! verbs {
+    ($($verb:ident),+) => {
+        /// The options of a verb by its name, as a JSON schema.
+        pub fn options(verb: &str) -> Option<Schema> {
+            match verb {
+                $($verb::NAME => Some(schema_for!($verb)),)+
+                _ => None,
+            }
+        }
+
+        /// Names of the verbs.
+        pub const NAMES: &[&str] = &[$($verb::NAME),+];
+
+        /// Computes a verb by its name, with options as a JSON object. Nothing is stored.
+        ///
+        /// # Errors
+        /// No such verb or option, or those of [`Verb::compute`].
+        pub fn call(verb: &str, options: &str, scene: &Scene, watch: &Watch) -> Done<Found> {
+            let wrong = |error| Failure::Usage(format!("{verb}: {error}"));
+            match verb {
+                $($verb::NAME => serde_json::from_str::<$verb>(options)
+                    .map_err(wrong)?
+                    .compute(scene, &Store::Nothing, watch),)+
+                _ => Err(Failure::Usage(format!("no verb `{verb}`"))),
+            }
+        }
+
+        /// Whether a verb has results when it is stopped early.
+        pub fn is_of_samples(verb: &str) -> bool {
+            match verb {
+                $($verb::NAME => matches!($verb::STORES, Stores::Samples(_)),)+
+                _ => false,
+            }
+        }
+    };
+}
+
+verbs!(Inspect, Expect, Equilibrium, Lyapunov, Order, Compare);
 
 /// Result of a command.
 #[derive(Default)]

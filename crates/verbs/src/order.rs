@@ -1,25 +1,62 @@
 //! How fast the errors of a scheme fall.
 
-use std::{sync::Arc, time::Instant};
+use std::time::Instant;
 
 use casimir::{
-    analysis::{Order, StepSizes, strong_order, weak_order},
-    mc::{Setup, parts::Job},
+    analysis::{self, StepSizes, strong_order, weak_order},
+    mc::Setup,
     plot::{Kind, Series, figure::convergence},
 };
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{Found, Watch, coarsest_steps, scheme};
+use super::{Found, Store, Stores, Verb, Watch, coarsest_steps, scheme};
 use crate::{failure::Done, output::Figure};
-use scenes::{Observable, Scene};
+use scenes::{Changes, Count, Observable, Scene, SchemeAndSeed};
+
+/// The strong and the weak order of the scheme of a scene.
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Order {
+    /// Path-steps that each measurement may take
+    #[cfg_attr(feature = "clap", arg(long, default_value_t = Order::default().path_steps))]
+    pub path_steps: Count,
+    /// Scheme and seed.
+    #[cfg_attr(feature = "clap", command(flatten))]
+    #[serde(skip)]
+    pub scheme: SchemeAndSeed,
+}
+
+impl Default for Order {
+    fn default() -> Self {
+        Self { path_steps: Count(300_000_000), scheme: SchemeAndSeed::default() }
+    }
+}
+
+impl Verb for Order {
+    const NAME: &'static str = "order";
+    const STORES: Stores = Stores::Measurements;
+
+    fn changes(&self) -> Changes {
+        Changes { scheme: self.scheme.clone(), ..Changes::default() }
+    }
+
+    fn meaning(&self) -> String {
+        format!("path steps = {}\n", self.path_steps.0)
+    }
+
+    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
+        order(scene, self.path_steps.0, store, watch)
+    }
+}
 
 /// A quantity with the order of its errors.
-pub type Measured = (String, Order);
+pub type Measured = (String, analysis::Order);
 
-/// Measures the orders of the scheme of a scene, kept by a job if there is one. Each measurement
-/// may take `path_steps` path-steps.
-pub fn order(scene: &Scene, path_steps: u64, job: Option<&Arc<Job>>, watch: &Watch) -> Done<Found> {
-    let start = Instant::now();
+fn order(scene: &Scene, path_steps: u64, store: &Store, watch: &Watch) -> Done<Found> {
+    let (start, job) = (Instant::now(), store.job());
     let (scheme, because) = scheme(scene);
     let settings = &scene.settings;
     let measured = scene.setup(&scheme)?;
@@ -62,8 +99,8 @@ pub fn order(scene: &Scene, path_steps: u64, job: Option<&Arc<Job>>, watch: &Wat
 }
 
 /// The figures of a strong order and of weak ones.
-pub fn figures(scheme: &str, strong: &Order, weak: &[Measured]) -> Vec<Figure> {
-    let series = |quantity: &str, order: &Order| Series {
+pub fn figures(scheme: &str, strong: &analysis::Order, weak: &[Measured]) -> Vec<Figure> {
+    let series = |quantity: &str, order: &analysis::Order| Series {
         scheme: scheme.into(),
         quantity: quantity.into(),
         points: order.points.clone(),
@@ -82,8 +119,8 @@ pub fn figures(scheme: &str, strong: &Order, weak: &[Measured]) -> Vec<Figure> {
 }
 
 /// A strong order and weak ones for programs.
-pub fn described(strong: &Order, weak: &[Measured]) -> [Value; 2] {
-    let one = |quantity: &str, order: &Order| {
+pub fn described(strong: &analysis::Order, weak: &[Measured]) -> [Value; 2] {
+    let one = |quantity: &str, order: &analysis::Order| {
         json!({
             "quantity": quantity, "order": order.order(), "words": order.to_string(),
             "rate": order.rate, "points": order.points, "failed_paths": order.failed,

@@ -4,51 +4,177 @@ use std::time::Instant;
 
 use casimir::{
     inspect::facts::{gibbs_marginal, is_divergence_free},
-    mc::{Checkpoint, Friction, Observe, RunError},
+    mc::{Friction, Observe, RunError},
     plot::figure::{Trace, lines},
     schemes::BuiltIn,
-    stationary::{Averages, Equilibrium, EquilibriumSettings, StationaryMean},
+    stationary::{self, Averages, EquilibriumSettings, StationaryMean},
 };
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{Found, Watch, scheme, with_interval};
+use super::{Found, Store, Stores, Verb, Watch, scheme, with_interval};
 use crate::{
     failure::{Done, Failure},
     output::Figure,
 };
-use scenes::{Observable, Read, Scene, digits, model::with_names, refuse};
+use scenes::{
+    Changes, Count, Observable, Read, Scene, SchemeAndSeed, digits, model::with_names, refuse,
+};
 
-/// Computes averages over the stationary law of a scene, or `exponents` Lyapunov exponents, with
-/// chains that are stored in `keeping` if given, and at most `max_cost` path-steps.
-pub fn equilibrium(
+/// Averages over the stationary law with 95 % intervals that include the step error:
+/// `equilibrium(of=["q^2"], accuracy=1e-3)`. Autocorrelation times, burn-in and histograms are in
+/// its JSON.
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Equilibrium {
+    /// Half-width of the 95 % intervals, instead of that of the scene
+    #[cfg_attr(feature = "clap", arg(long, value_name = "ERROR", allow_negative_numbers = true))]
+    #[serde(skip)]
+    pub accuracy: Option<f64>,
+    /// Limits of the chains.
+    #[cfg_attr(feature = "clap", command(flatten))]
+    #[serde(flatten)]
+    pub chains: Chains,
+}
+
+/// The largest Lyapunov exponents `"λ1"`, … and `"their sum"`, with 95 % intervals.
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Lyapunov {
+    /// Number of exponents, from the largest on
+    #[cfg_attr(feature = "clap", arg(long, default_value_t = Lyapunov::default().count))]
+    pub count: Count,
+    /// Half-width of the 95 % intervals
+    #[cfg_attr(feature = "clap", arg(
+        long,
+        value_name = "ERROR",
+        allow_negative_numbers = true,
+        default_value_t = Lyapunov::default().accuracy
+    ))]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub accuracy: f64,
+    /// Limits of the chains.
+    #[cfg_attr(feature = "clap", command(flatten))]
+    #[serde(flatten)]
+    pub chains: Chains,
+}
+
+impl Default for Lyapunov {
+    fn default() -> Self {
+        Self { count: Count(1), accuracy: 0.01, chains: Chains::default() }
+    }
+}
+
+/// Number and length of chains.
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Chains {
+    /// Number of chains
+    #[cfg_attr(feature = "clap", arg(long, default_value_t = Chains::default().chains))]
+    pub chains: Count,
+    /// Maximum number of path-steps
+    #[cfg_attr(feature = "clap", arg(long, default_value_t = Chains::default().path_steps))]
+    pub path_steps: Count,
+    /// Steps to `until`, for the first averages, instead of those of the scene
+    #[cfg_attr(feature = "clap", arg(long, value_parser = scenes::count))]
+    #[serde(skip)]
+    pub steps: Option<u64>,
+    /// Scheme and seed.
+    #[cfg_attr(feature = "clap", command(flatten))]
+    #[serde(skip)]
+    pub scheme: SchemeAndSeed,
+}
+
+impl Default for Chains {
+    fn default() -> Self {
+        let (chains, path_steps) = (Count(256), Count(10_000_000_000));
+        Self { chains, path_steps, steps: None, scheme: SchemeAndSeed::default() }
+    }
+}
+
+impl Chains {
+    fn changes(&self, accuracy: Option<f64>) -> Changes {
+        let (steps, scheme) = (self.steps, self.scheme.clone());
+        Changes { steps, accuracy, scheme, ..Changes::default() }
+    }
+
+    fn meaning(&self, exponents: u64) -> String {
+        let chains = self.chains.0;
+        format!("chains = {chains}\nexponents = {exponents}\nlayout = {LAYOUT}\n")
+    }
+}
+
+/// Version of the layout of chains in their file.
+const LAYOUT: u32 = 2;
+
+impl Verb for Equilibrium {
+    const NAME: &'static str = "equilibrium";
+    const STORES: Stores = Stores::Samples("chains.bin");
+
+    fn changes(&self) -> Changes {
+        self.chains.changes(self.accuracy)
+    }
+
+    fn meaning(&self) -> String {
+        self.chains.meaning(0)
+    }
+
+    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
+        average(scene, None, scene.accuracy, (&self.chains, store, watch))
+    }
+}
+
+impl Verb for Lyapunov {
+    const NAME: &'static str = "lyapunov";
+    const STORES: Stores = Stores::Samples("chains.bin");
+
+    fn changes(&self) -> Changes {
+        self.chains.changes(None)
+    }
+
+    fn meaning(&self) -> String {
+        self.chains.meaning(self.count.0)
+    }
+
+    fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found> {
+        let count = Some(self.count.0 as usize);
+        average(scene, count, Some(self.accuracy), (&self.chains, store, watch))
+    }
+}
+
+/// Averages of a scene, or `exponents` Lyapunov exponents.
+fn average(
     scene: &Scene,
     exponents: Option<usize>,
-    (chains, max_cost): (u64, u64),
-    keeping: Option<&Checkpoint>,
-    watch: &Watch,
+    wanted: Option<f64>,
+    (chains, store, watch): (&Chains, &Store, &Watch),
 ) -> Done<Found> {
     // Without a wish, the first averages that chains are long enough for.
-    let accuracy = scene.accuracy.unwrap_or(f64::MAX);
+    let accuracy = wanted.unwrap_or(f64::MAX);
     scene.source.located(check(scene, exponents.is_none()))?;
     let ((scheme, because), start) = (scheme(scene), Instant::now());
     let settings = EquilibriumSettings {
         key: scene.settings.key,
         truncation: scene.settings.truncation,
         weak_order: BuiltIn::named(&scheme).map_or(1.0, |scheme| scheme.properties().weak),
-        chains,
-        max_cost,
+        chains: chains.chains.0,
+        max_cost: chains.path_steps.0,
         stop: watch.stop.clone(),
         ..EquilibriumSettings::new(scene.settings.steps)
     };
     let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
-    let mut equilibrium = Equilibrium::new(scene.setup(&scheme)?, settings);
-    (equilibrium.watched, equilibrium.checkpoint) = (energy.collect(), keeping);
+    let mut equilibrium = stationary::Equilibrium::new(scene.setup(&scheme)?, settings);
+    (equilibrium.watched, equilibrium.checkpoint) = (energy.collect(), store.samples());
     let of = if scene.expected.is_empty() { &scene.observables } else { &scene.expected };
     let of_state = of.iter().filter(|phi| phi.quantity.is_of_state());
     let phi: Vec<&dyn Observe> = of_state.map(|phi| phi as _).collect();
     let found = watch
         .until("chains come to their law", accuracy, |told| {
-            let equilibrium = Equilibrium { told: Box::new(told), ..equilibrium };
+            let equilibrium = stationary::Equilibrium { told: Box::new(told), ..equilibrium };
             match exponents {
                 None => equilibrium.run(&phi, accuracy),
                 Some(count) => equilibrium.lyapunov(count, accuracy),
@@ -79,7 +205,7 @@ pub fn equilibrium(
     json["kT"] = json!(kt);
     json["reached"] = found.reached().into();
     json["estimates"] = found.means.iter().map(mean).collect();
-    json["accuracy"] = json!(scene.accuracy);
+    json["accuracy"] = json!(wanted);
     let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
     let of_means = found.means.iter().filter_map(|StationaryMean { name, unknown, .. }| {
         unknown.as_ref().map(|why| format!("{name}: {why}"))
@@ -87,7 +213,7 @@ pub fn equilibrium(
     let warnings = of_means.chain(found.unknown.iter().cloned());
     let warnings = warnings.map(|warning| with_names(&warning, &scene.components));
     let reached = found.reached();
-    Ok(Found::of(scene, warnings, &text, json, figures).to(reached, scene.accuracy))
+    Ok(Found::of(scene, warnings, &text, json, figures).to(reached, wanted))
 }
 
 /// Refuses a scene without a stationary law, and averages that are not functions of the state.

@@ -37,9 +37,12 @@ pub fn new(name: Option<&str>, list: bool) -> Done {
     print(&list)
 }
 
-/// Prints the JSON schema of scenes.
-pub fn schema() -> Done {
-    print_json(&scenes::schema())
+/// Prints the JSON schema of scenes, or of the options of a verb.
+pub fn schema(verb: Option<&str>) -> Done {
+    let Some(verb) = verb else { return print_json(&scenes::schema()) };
+    let known = verbs::NAMES.join(", ");
+    let unknown = || Failure::Usage(format!("no options of `{verb}`; there are those of {known}"));
+    print_json(&verbs::options(verb).ok_or_else(unknown)?)
 }
 
 /// Prints facts and what the self-test found.

@@ -19,7 +19,7 @@ use casimir::{
     plot::files,
 };
 use indicatif::{ProgressBar, ProgressStyle};
-use scenes::{Changes, Scene, SceneError, SchemeAndSeed, Source};
+use scenes::{Scene, SceneError, Source};
 use serde::Serialize;
 #[cfg(unix)]
 use signal_hook::{
@@ -33,7 +33,7 @@ use verbs::{
 
 pub use about::{citation, doctor, new, schema};
 pub use parts::{extend, merge, part, plan};
-pub use scene::{compare, equilibrium, expect, inspect, lyapunov, order, run};
+pub use scene::{compute, run};
 
 use crate::arguments::On;
 
@@ -45,12 +45,6 @@ fn read<T>(on: &On, read: impl FnOnce(Source) -> Result<T, SceneError>) -> Done<
     on.threads.map_or(Ok(()), limit_threads)?;
     on.out.as_deref().map_or(Ok(()), files::check)?;
     Ok(read)
-}
-
-/// Opens a scene with changes.
-fn open(on: &On, scheme: &SchemeAndSeed, steps: Option<u64>) -> Done<Scene> {
-    let changes = Changes { scheme: scheme.clone(), steps, ..Changes::default() };
-    read(on, |source| Scene::new(source, &changes))
 }
 
 /// Name of the work that takes long with large systems.

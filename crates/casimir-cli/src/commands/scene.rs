@@ -1,5 +1,4 @@
-//! `casimir run`, `inspect`, `expect`, `equilibrium`, `lyapunov`, `order` and `compare`: commands
-//! on a scene.
+//! Commands on a scene: `casimir run`, and all verbs of one scene.
 
 use std::{fs, path::Path, sync::Arc};
 
@@ -7,9 +6,10 @@ use casimir::mc::{
     Checkpoint,
     parts::{Job, JobError, Program, Share, remove},
 };
-use scenes::{SchemeAndSeed, Sweep};
+use clap::Args;
+use scenes::{Scene, Sweep};
 use verbs::{
-    self, Found, Outcomes, Watch,
+    self, Found, Outcomes, Store, Stores, Verb, Watch,
     failure::{
         Done,
         Failure::{self, Stopped},
@@ -18,10 +18,10 @@ use verbs::{
 };
 
 use super::{
-    READING, REPORT, folder, going_on, keeping, open, prepare, print, print_json, program, read,
+    READING, REPORT, folder, going_on, keeping, prepare, print, print_json, program, read,
     stoppable, tell, watch,
 };
-use crate::arguments::{Compare, Equilibrium, Expect, Inspect, Lyapunov, On, Order, Run};
+use crate::arguments::{Asked, Run};
 
 /// Runs a scene, at every combination of what is varied, and writes the results.
 pub fn run(Run { changes, write: formats, large, on }: &Run) -> Done {
@@ -99,47 +99,43 @@ fn check_size(sweep: &Sweep) -> Done {
     Ok(())
 }
 
-/// Version of the layout of chains in their file.
-const LAYOUT: u32 = 2;
-/// Default accuracy of Lyapunov exponents.
-const ACCURACY: f64 = 0.01;
-
-/// Describes a system. The scheme of the scene is not asked for.
-pub fn inspect(Inspect { sets, on }: &Inspect) -> Done {
-    let sets = SchemeAndSeed { sets: sets.clone(), ..SchemeAndSeed::default() };
-    let scene = open(on, &sets, None)?;
-    tell(&verbs::inspect(&scene, &watch())?, on.out.as_deref(), "inspect", on.json)
+/// Computes a verb of a scene, and prints and writes what was found.
+pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
+    let scene = read(on, |source| Scene::new(source, &options.changes()))?;
+    let program = program(&scene, &options.meaning());
+    let found = |store: &Store, watch: &Watch| options.compute(&scene, store, watch);
+    if V::STORES == Stores::Nothing {
+        let found = found(&Store::Nothing, &watch())?;
+        return tell(&found, on.out.as_deref(), V::NAME, on.json);
+    }
+    let folder = folder(on, V::NAME)?;
+    let to = if V::WRITES { Some(&folder) } else { on.out.as_ref() };
+    let tell = |found: &Found| tell(found, to.map(|to| &**to), V::NAME, on.json);
+    let work = Work { program, found: &found, tell: &tell };
+    match V::STORES {
+        Stores::Samples(file) => sampled(&folder.join(file), work),
+        _ => measured(&folder, work),
+    }
 }
 
-/// Measures the orders of a scheme on a scene.
-pub fn order(Order { path_steps, scheme, on }: &Order) -> Done {
-    let scene = open(on, scheme, None)?;
-    kept(on, "order", program(&scene, &format!("path steps = {path_steps}\n")), |job, watch| {
-        verbs::order(&scene, *path_steps, Some(job), watch)
-    })
-}
-
-/// Compares all schemes on a scene.
-pub fn compare(Compare { error, budget, sets, seed, on }: &Compare) -> Done {
-    let seed = SchemeAndSeed { scheme: None, seed: *seed, sets: sets.clone() };
-    let scene = open(on, &seed, None)?;
-    kept(on, "compare", program(&scene, &format!("error = {error}\n")), |job, watch| {
-        verbs::compare(&scene, *error, *budget, Some(job), watch)
-    })
-}
-
-/// Does work as a job that keeps it, and says what was found.
-fn kept(
-    on: &On,
-    command: &str,
+/// Work of a verb.
+struct Work<'a> {
+    /// What stored work belongs to.
     program: Program,
-    work: impl FnOnce(&Arc<Job>, &Watch) -> Done<Found>,
-) -> Done {
-    let (folder, watch) = (folder(on, command)?, stoppable());
+    /// Computes.
+    found: &'a dyn Fn(&Store, &Watch) -> Done<Found>,
+    /// Prints and writes what was found.
+    tell: &'a dyn Fn(&Found) -> Done,
+}
+
+/// Does work whose measurements are stored in a folder until it is complete.
+fn measured(folder: &Path, work: Work<'_>) -> Done {
+    let watch = stoppable();
     let new: Vec<&Path> = folder.ancestors().take_while(|folder| !folder.exists()).collect();
-    let job = Arc::new(keeping(&folder, program, &watch)?);
-    let found = work(&job, &watch);
-    match Arc::into_inner(job).map_or(Ok(()), Job::finish) {
+    let store = Store::Measurements(Arc::new(keeping(folder, work.program, &watch)?));
+    let found = (work.found)(&store, &watch);
+    let job = if let Store::Measurements(job) = store { Arc::into_inner(job) } else { None };
+    match job.map_or(Ok(()), Job::finish) {
         Ok(()) | Err(JobError::Stopped) if watch.stop.is_asked() => {
             let folder = folder.display();
             let words = format!("{folder} has what was measured; the same command goes on");
@@ -150,67 +146,31 @@ fn kept(
         Ok(()) | Err(JobError::Stopped) => {}
         Err(error) => return Err(error.into()),
     }
-    let told = found.and_then(|found| tell(&found, Some(&folder), command, on.json));
+    let told = found.and_then(|found| (work.tell)(&found));
     // With an answer, or with a wrong question, there is nothing to go on from.
     if !matches!(told, Err(Failure::Run(_) | Stopped(_))) {
-        remove(&folder, Share::WHOLE)?;
+        remove(folder, Share::WHOLE)?;
         new.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }
     told
 }
 
-/// Computes the expectations of a scene.
-pub fn expect(Expect { accuracy, steps, scheme, on }: &Expect) -> Done {
-    let mut scene = open(on, scheme, *steps)?;
-    scene.accuracy = accuracy.or(scene.accuracy);
-    let (file, to) = (folder(on, "expect")?.join("samples.bin"), on.out.as_deref());
-    let program = program(&scene, "verb = expect\n");
-    estimated(&file, program, (to, "expectation", on.json), |kept, watch| {
-        verbs::expect(&scene, Some(kept), watch)
-    })
-}
-
-/// Averages over the stationary law.
-pub fn equilibrium(arguments: &Equilibrium) -> Done {
-    chains(arguments, "equilibrium", None)
-}
-
-/// Computes Lyapunov exponents.
-pub fn lyapunov(Lyapunov { count, chains: arguments }: &Lyapunov) -> Done {
-    chains(arguments, "lyapunov", Some(*count as usize))
-}
-
-fn chains(arguments: &Equilibrium, command: &str, exponents: Option<usize>) -> Done {
-    let Equilibrium { accuracy, steps, chains, path_steps, scheme, on } = arguments;
-    let mut scene = open(on, scheme, *steps)?;
-    scene.accuracy = accuracy.or(exponents.map_or(scene.accuracy, |_| Some(ACCURACY)));
-    let (folder, count) = (folder(on, command)?, exponents.unwrap_or(0));
-    let further = format!("chains = {chains}\nexponents = {count}\nlayout = {LAYOUT}\n");
-    let (file, program) = (folder.join("chains.bin"), program(&scene, &further));
-    estimated(&file, program, (Some(&folder), command, on.json), |kept, watch| {
-        verbs::equilibrium(&scene, exponents, (*chains, *path_steps), Some(kept), watch)
-    })
-}
-
-/// Does work whose samples are kept in a file, and says what was found and what is kept; whether it
-/// was stopped or its accuracy not reached is the exit code.
-fn estimated(
-    file: &Path,
-    program: Program,
-    (to, name, json): (Option<&Path>, &str, bool),
-    work: impl FnOnce(&Checkpoint, &Watch) -> Done<Found>,
-) -> Done {
-    let (kept, watch) = (Checkpoint::new(file, program), stoppable());
-    if kept.holds()? {
+/// Does work whose samples are stored in a file. Whether it was stopped or its accuracy not reached
+/// is the exit code.
+fn sampled(file: &Path, work: Work<'_>) -> Done {
+    let (samples, watch) = (Checkpoint::new(file, work.program), stoppable());
+    if samples.holds()? {
         going_on(file);
     }
-    let found = work(&kept, &watch);
-    let told = found.and_then(|found| tell(&found, to, name, json).map(|()| found.unreached));
+    let store = Store::Samples(samples);
+    let found = (work.found)(&store, &watch);
+    let told = found.and_then(|found| (work.tell)(&found).map(|()| found.unreached));
+    let Store::Samples(samples) = store else { return told.map(drop) };
     let file = file.display();
-    if let Some(error) = kept.failure() {
+    if let Some(error) = samples.failure() {
         eprintln!("warning: the samples are not kept in {file}: {error}");
     }
-    let next = || match kept.holds() {
+    let next = || match samples.holds() {
         Ok(true) => format!("samples are in {file}: the same command goes on from them"),
         _ => "no samples are kept: the same command begins anew".into(),
     };

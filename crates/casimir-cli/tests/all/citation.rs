@@ -88,7 +88,7 @@ fn a_result_names_what_it_used() {
     assert_eq!(cited("sweep.json"), ["MentinkEtAl2010"]);
     let expect = |out: &str, scheme: &str| {
         succeeds(path, &["expect", "scene.toml", "--scheme", scheme, "--out", out]);
-        cited(&format!("{out}/expectation.json"))
+        cited(&format!("{out}/expect.json"))
     };
     assert_eq!(expect("points", "sexp"), [&["Giles2008"], &SOBOL[..]].concat());
     // Areas are drawn at random.

@@ -5,6 +5,7 @@ mod broken;
 mod chains;
 mod citation;
 mod common;
+mod declared;
 mod defaults;
 mod doctor;
 mod friction;

@@ -87,7 +87,7 @@ fn expectations_have_intervals() {
     for estimate in json["estimates"].as_array().unwrap() {
         assert!(estimate["half_width"].as_f64().unwrap() <= 0.05);
     }
-    assert!(folder.path().join("kept/expectation.json").is_file());
+    assert!(folder.path().join("kept/expect.json").is_file());
     let none = OSCILLATOR.split("[expect]").next().unwrap();
     fails(with_scene(none).path(), &["expect", "scene.toml"], 2, &["[expect]"]);
 }

@@ -97,8 +97,8 @@ fn numbers_are_printed_also_where_a_file_cannot_be_written() {
         ("order scene.toml --path-steps 1e5", "order.json", "strong, y(T)"),
         ("compare scene.toml --budget 1", "compare.json", "an error of"),
         ("inspect scene.toml", "inspect.json", "D = 2"),
-        ("expect scene.toml", "expectation.json", "E[energy]"),
-        ("expect scene.toml --json", "expectation.json", "\"half_width\""),
+        ("expect scene.toml", "expect.json", "E[energy]"),
+        ("expect scene.toml --json", "expect.json", "\"half_width\""),
         ("equilibrium scene.toml --path-steps 1e6", "equilibrium.json", "energy"),
         ("lyapunov scene.toml --path-steps 1e6", "lyapunov.json", "λ1"),
     ] {

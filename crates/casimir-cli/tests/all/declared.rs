@@ -1,0 +1,197 @@
+//! The options of a verb are declared once: from them follow the table of docs/scenes.md and the
+//! methods of Python. `WRITE=1 cargo test -p casimir-cli --test all declared` writes both.
+
+use std::{env, fs, path::Path};
+
+use serde_json::{Map, Value};
+use verbs::{NAMES, is_of_samples, options};
+
+const MARK: &str = "<!-- options: written by the test `declared` -->\n";
+
+const HEAD: &str = r#""""Verbs of a scene; `declared.rs` of the tests of `casimir-cli` writes this file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from ._formulas import finite, whole
+from ._progress import How, how
+from ._results import Comparison, Expectation, Inspection, Order, Result
+
+R = TypeVar("R", bound=Result)
+
+
+class Verbs:
+    """Verbs of a scene. Arguments other than the named ones change the scene as ``with_`` does;
+    ``threads`` changes the time, and no bit of the results."""
+
+    __slots__ = ()
+
+    def _called(
+        self,
+        result: Callable[..., R],
+        verb: str,
+        options: Mapping[str, Any],
+        changes: Mapping[str, Any],
+        how: How,
+        raises: bool = False,
+    ) -> R:
+        raise NotImplementedError
+"#;
+
+/// A text of documentation in Python, in lines of at most 92 letters.
+fn wrapped(text: &str) -> String {
+    let (mut all, mut line) = (String::new(), 0);
+    for word in text.replace('`', "``").split(' ') {
+        let more = word.chars().count() + 1;
+        let is_new = line > 0 && line + more > 92;
+        all += if is_new {
+            "\n        "
+        } else if line > 0 {
+            " "
+        } else {
+            ""
+        };
+        line = if is_new { more } else { line + more };
+        all += word;
+    }
+    all
+}
+
+/// Type of the result of a verb in Python.
+fn result(verb: &str) -> &str {
+    match verb {
+        "compare" => "Comparison",
+        "inspect" => "Inspection",
+        "order" => "Order",
+        _ if is_of_samples(verb) => "Expectation",
+        _ => "Result",
+    }
+}
+
+/// The key of an option, and its schema with what this refers to.
+type Choice = (String, Map<String, Value>);
+
+/// The description of a verb, and its options.
+fn each(verb: &str) -> (String, Vec<Choice>) {
+    let schema = options(verb).expect("a verb").to_value();
+    let definition = |one: &Value| -> Map<String, Value> {
+        let mut all = one.as_object().cloned().unwrap_or_default();
+        let any = one["anyOf"].as_array().and_then(|any| any.first());
+        for reference in [&one["$ref"], any.map_or(&Value::Null, |any| &any["$ref"])] {
+            let name = reference.as_str().and_then(|path| path.rsplit('/').next());
+            let found = name.map(|name| schema["$defs"][name].as_object().expect("a type"));
+            all.extend(
+                found.into_iter().flatten().map(|(key, value)| (key.clone(), value.clone())),
+            );
+        }
+        all
+    };
+    let all = schema["properties"].as_object().cloned().unwrap_or_default();
+    let about = schema["description"].as_str().expect("a description").replace('\n', " ");
+    (about, all.iter().map(|(key, one)| (key.clone(), definition(one))).collect())
+}
+
+/// A default as Python and the command line take it.
+fn written(default: &Value) -> String {
+    match default.as_f64() {
+        Some(number) if number >= 1e6 => format!("{number:e}"),
+        Some(number) if number.fract() == 0.0 && default.is_f64() => format!("{number:?}"),
+        _ if default.is_null() => "None".into(),
+        _ => default.to_string(),
+    }
+}
+
+fn meaning(one: &Map<String, Value>) -> String {
+    one["description"].as_str().expect("a description").replace('\n', " ")
+}
+
+fn method(verb: &str) -> String {
+    let (about, options) = each(verb);
+    let (mut arguments, mut read, mut words) = (String::new(), String::new(), String::new());
+    for (key, one) in &options {
+        let default = &one["default"];
+        let is_whole = one.contains_key("multipleOf");
+        let mut kind = String::from(match default.as_f64() {
+            large if is_whole && large < Some(1e6) => "int",
+            _ => "float",
+        });
+        let above = if one.contains_key("exclusiveMinimum") { ", above=0" } else { "" };
+        let mut value = match is_whole {
+            true => format!("whole(\"{key}\", {key})"),
+            false => format!("finite(\"{key}\", {key}{above})"),
+        };
+        if default.is_null() {
+            kind += " | None";
+            value = format!("None if {key} is None else {value}");
+        }
+        arguments += &format!("        {key}: {kind} = {},\n", written(default));
+        read += &format!("            \"{key}\": {value},\n");
+        words += &format!("\n        {}\n", wrapped(&format!("`{key}`: {}.", meaning(one))));
+    }
+    let (result, about) = (result(verb), wrapped(&about));
+    let options = if read.is_empty() { "{}".into() } else { format!("{{\n{read}        }}") };
+    let (raises, given) = match is_of_samples(verb) {
+        true => ("        raises: bool = False,\n", ", raises"),
+        false => ("", ""),
+    };
+    let end = if words.is_empty() { "" } else { "        " };
+    format!(
+        "\n    def {verb}(\n        self,\n        *,\n{arguments}        threads: int | None = \
+         None,\n        progress: bool = True,\n{raises}        **changes: Any,\n    ) -> \
+         {result}:\n        \"\"\"{about}{}{words}{end}\"\"\"\n        options: Mapping[str, Any] = \
+         {options}\n        return self._called({result}, \"{verb}\", options, changes, \
+         how(threads, progress){given})\n",
+        if words.is_empty() { "" } else { "\n" },
+    )
+}
+
+fn table() -> String {
+    let mut table = String::from("| command | option | default | meaning |\n|---|---|---|---|\n");
+    for verb in NAMES {
+        for (key, one) in each(verb).1 {
+            let default = written(&one["default"]).replace("None", "–");
+            let option = key.replace('_', "-");
+            table += &format!("| `{verb}` | `--{option}` | {default} | {} |\n", meaning(&one));
+        }
+    }
+    table
+}
+
+#[test]
+fn options_are_declared_once() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let methods: String = NAMES.iter().map(|verb| method(verb)).collect();
+    let page = root.join("docs/scenes.md");
+    let text = fs::read_to_string(&page).expect("a page");
+    let [before, _, after] = text.split(MARK).collect::<Vec<_>>()[..] else { panic!("two marks") };
+    let files = [
+        (root.join("python/casimir/_verbs.py"), format!("{HEAD}{methods}")),
+        (page, [before, MARK, &table(), MARK, after].concat()),
+    ];
+    for (file, text) in files {
+        if env::var_os("WRITE").is_some() {
+            fs::write(&file, &text).expect("a file");
+        }
+        assert_eq!(fs::read_to_string(&file).expect("a file"), text, "{}", file.display());
+    }
+}
+
+/// Arguments of the command line have the names and the defaults of the declaration.
+#[test]
+fn the_command_line_has_them() {
+    for verb in NAMES {
+        let help = crate::common::succeeds(Path::new("."), &[verb, "--help"]);
+        for (key, one) in each(verb).1 {
+            let option = format!("--{} <", key.replace('_', "-"));
+            let at = help.find(&option).unwrap_or_else(|| panic!("{verb} {option}: {help}"));
+            let about = help[at..].lines().next().unwrap_or_default();
+            if !one["default"].is_null() {
+                let default =
+                    format!("[default: {}]", written(&one["default"]).trim_end_matches(".0"));
+                assert!(about.contains(&default), "{verb} {option}: {about}");
+            }
+        }
+    }
+}
