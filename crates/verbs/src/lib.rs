@@ -83,9 +83,9 @@ use scenes::{AUTO, Changes, Scene};
 pub trait Verb: DeserializeOwned + JsonSchema {
     /// Name of the verb.
     const NAME: &'static str;
-    /// What the verb stores of unfinished work.
+    /// Unfinished work that is stored.
     const STORES: Stores;
-    /// Whether results are written to a folder unless another is named.
+    /// Default of whether results are written to a folder.
     const WRITES: bool = true;
 
     /// Changes of the scene.
@@ -104,7 +104,7 @@ pub trait Verb: DeserializeOwned + JsonSchema {
     fn compute(&self, scene: &Scene, store: &Store, watch: &Watch) -> Done<Found>;
 }
 
-/// What a verb stores of unfinished work.
+/// Unfinished work that a verb stores.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Stores {
     /// Nothing.

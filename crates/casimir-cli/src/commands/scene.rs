@@ -120,7 +120,7 @@ pub fn compute<V: Verb + Args>(Asked { options, on }: &Asked<V>) -> Done {
 
 /// Work of a verb.
 struct Work<'a> {
-    /// What stored work belongs to.
+    /// Program and scene that stored work belongs to.
     program: Program,
     /// Computes.
     found: &'a dyn Fn(&Store, &Watch) -> Done<Found>,
