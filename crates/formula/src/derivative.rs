@@ -20,13 +20,20 @@ impl Graph {
     /// choose is multiplied by zero, and so must be finite.
     pub fn reverse(&mut self, weighted: &[(Id, Id)], inputs: &[usize]) -> Vec<Id> {
         let inputs: Vec<Id> = inputs.iter().map(|&k| self.input(k)).collect();
-        let varies = self.varies(&inputs);
+        self.reverse_at(weighted, &inputs)
+    }
+
+    /// [`reverse`](Self::reverse) with expressions in the place of inputs, as if each were an input.
+    pub(crate) fn reverse_at(&mut self, weighted: &[(Id, Id)], inputs: &[Id]) -> Vec<Id> {
+        let varies = self.varies(inputs);
+        let mut is_input = vec![false; self.len()];
+        inputs.iter().for_each(|x| is_input[x.index()] = true);
         let mut adjoints: Vec<Option<Id>> = vec![None; self.len()];
         for &(f, weight) in weighted {
             self.accumulate(&mut adjoints, &varies, f, weight);
         }
         for id in self.ids().rev().skip_while(|id| id.index() >= varies.len()) {
-            if let Some(weight) = adjoints[id.index()] {
+            if let Some(weight) = adjoints[id.index()].filter(|_| !is_input[id.index()]) {
                 let operands = self.node(id).operands().enumerate();
                 let varying = operands.filter(|(_, operand)| varies[operand.index()]);
                 let part = |(k, operand)| Some((operand, self.part(id, k, weight)?));

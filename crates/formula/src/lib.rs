@@ -54,6 +54,7 @@
 //! | [`FormulaError`] | what is wrong, with line, column and carets |
 //! | [`excerpt`], [`nearest()`] | the same for other texts |
 
+mod affine;
 mod compile;
 mod damping;
 mod derivative;

@@ -247,11 +247,14 @@ impl BuiltIn {
             (Heun, _) => Box::new(crate::Heun),
             (EulerMaruyama, _) => Box::new(crate::EulerMaruyama),
             (Split, Ok(_)) => Box::new(crate::Split),
+            (Nv, Ok(parts)) if parts.of_noise.len() == description.noises => {
+                Box::new(crate::Nv::default())
+            }
             (Split | Nv, parts) => {
-                let reason = parts.as_ref().err().map_or(
-                    "the flow of each Hamiltonian is known of compiled systems only",
-                    String::as_str,
-                );
+                let reason = parts
+                    .as_ref()
+                    .err()
+                    .map_or("the flow of each Hamiltonian is not known", String::as_str);
                 return Err(SchemeError::parts(self.id(), &description.name, reason));
             }
         })

@@ -1,10 +1,14 @@
 //! The expressions of a system in one graph.
 
-use std::ops::Range;
+use std::{collections::BTreeSet, ops::Range, slice::from_ref};
 
-use super::{MAX_EXPRESSIONS, average, cayley, definition::Formulas};
+use super::{
+    MAX_EXPRESSIONS, average, cayley,
+    definition::Formulas,
+    flows::{Part, Term, parts},
+};
 use real::Real;
-use systems::run_time::Op;
+use systems::run_time::{Op, Parts};
 
 use crate::{
     Formula, Graph, Id, Tape,
@@ -28,6 +32,8 @@ pub struct Expressions {
     /// arguments. ∇̄h(a, b) is that of a = y and b = u. None is the linearly implicit step if B is
     /// not affine, or elimination too long, and those of areas for more than [`MAX_NOISES`].
     operations: Vec<(Op<usize>, Vec<Id>)>,
+    /// Flows of the parts, in a graph of their own; none if there is a term without one.
+    flows: (Graph, Vec<Vec<Id>>),
 }
 
 /// The groups of inputs.
@@ -70,8 +76,9 @@ impl Expressions {
         let entries: Vec<Vec<Id>> =
             formulas.structure.iter().map(|row| row.iter().map(&mut import).collect()).collect();
         let energy = graph.constant(0.0);
-        let (field, operations) = (Vec::new(), Vec::new());
-        let mut new = Self { graph, dimension, noises, hamiltonians, field, energy, operations };
+        let (field, operations, flows) = (Vec::new(), Vec::new(), Default::default());
+        let mut new =
+            Self { graph, dimension, noises, hamiltonians, field, energy, operations, flows };
         let [u, v] = [U, V].map(|group| new.inputs(group));
         new.field = new.times(&entries, &v);
         let field = new.field.clone();
@@ -118,6 +125,110 @@ impl Expressions {
 
     fn inputs(&mut self, group: usize) -> Vec<Id> {
         self.group(group).map(|k| self.graph.input(k)).collect()
+    }
+
+    /// Finds the parts of the Hamiltonians whose flows are known.
+    pub fn find_parts(&mut self, state: &[String]) -> Result<Parts, String> {
+        let mut names = state.to_vec();
+        names.resize(self.group(TIME).end, "t".into());
+        let mut apart = self.clone();
+        let found = parts(&mut apart);
+        let text = |root: Id, factor: f64| {
+            let mut graph = apart.graph.clone();
+            let product = graph.scale(root, factor);
+            words::text(&graph, product, &names, Binding::Sum)
+        };
+        let found = found.map_err(|root| format!("no flow of {} is known", text(root, 1.0)))?;
+        let of_noise = |m: usize| {
+            let has = |part: &Part| part.terms.iter().any(|term| term.of == m);
+            let mut all = (0..found.len()).filter(|&k| has(&found[k]));
+            all.next().filter(|_| all.next().is_none())
+        };
+        let words = |part: &Part| {
+            let terms: Vec<String> = part
+                .terms
+                .iter()
+                .map(|term| format!("{} of H{}", text(term.root, term.factor), term.of))
+                .collect();
+            format!("{} by {}", part.kind(), terms.join(", "))
+        };
+        let parts = Parts {
+            number: found.len(),
+            of_noise: (1..=self.noises).map(of_noise).collect(),
+            words: found.iter().map(words).collect(),
+        };
+        let mut graph = Graph::new();
+        let inputs: Vec<Id> = (0..self.group(TIME).end).map(|k| graph.input(k)).collect();
+        let flow = |part: &Part| graph.copy(Some(&apart.graph), &part.flow, &inputs);
+        self.flows.1 = found.iter().map(flow).collect();
+        self.flows.0 = graph;
+        Ok(parts)
+    }
+
+    /// The flow of a part from y, with the weights of the Hamiltonians, at time t.
+    pub fn flow(&self, part: usize, graph: &mut Graph, y: &[Id], weights: &[Id], t: Id) -> Vec<Id> {
+        let mut inputs = vec![t; self.group(TIME).end];
+        inputs[self.group(Y)].copy_from_slice(y);
+        inputs[self.group(DT).start..][..weights.len()].copy_from_slice(weights);
+        graph.copy(Some(&self.flows.0), &self.flows.1[part], &inputs)
+    }
+
+    /// Hₘ, with m = 0 for H₀.
+    pub fn hamiltonian(&self, m: usize) -> Id {
+        self.hamiltonians[m]
+    }
+
+    /// The components of y.
+    pub fn states(&mut self) -> Vec<Id> {
+        self.inputs(Y)
+    }
+
+    /// The components that expressions use.
+    pub fn reads(&self, roots: &[Id]) -> BTreeSet<usize> {
+        let needed = self.graph.needed(roots);
+        let component = |id: Id| match self.graph.node(id) {
+            Node::Input(k) if (k as usize) < self.dimension => Some(k as usize),
+            _ => None,
+        };
+        self.graph.ids().filter(|id| needed[id.index()]).filter_map(component).collect()
+    }
+
+    /// B(y)v for a gradient v.
+    pub fn field_of_gradient(&mut self, gradient: &[Id]) -> Vec<Id> {
+        self.field_at(V, gradient)
+    }
+
+    /// Σ w·c over terms of one function, with the weights w of their Hamiltonians.
+    pub fn weight(&mut self, terms: &[Term]) -> Id {
+        let weights = [self.inputs(DT), self.inputs(DW)].concat();
+        let mut sum = self.graph.constant(0.0);
+        for term in terms {
+            let weight = self.graph.scale(weights[term.of], term.factor);
+            sum = self.graph.add(sum, weight);
+        }
+        sum
+    }
+
+    /// B∇F of the sum of terms with their weights.
+    pub fn field_of_terms(&mut self, terms: &[Term]) -> Vec<Id> {
+        let weighted: Vec<(Id, Id)> =
+            terms.iter().map(|term| (term.root, self.weight(from_ref(term)))).collect();
+        let gradient = self.graph.reverse(&weighted, &self.y());
+        self.field_at(V, &gradient)
+    }
+
+    /// r with x′ = rx for the change x′ of component k; none if there is no such r, or it depends
+    /// on the component.
+    pub fn rate(&mut self, change: Id, k: usize) -> Option<Id> {
+        if self.graph.degree(change, &[k])? > 1 {
+            return None;
+        }
+        let mut state: Vec<Id> = (0..self.group(TIME).end).map(|k| self.graph.input(k)).collect();
+        state[k] = self.graph.constant(0.0);
+        let at_zero = self.graph.copy(None, &[change], &state)[0];
+        let one = self.graph.constant(1.0);
+        let rate = self.graph.forward(&[change], &[(k, one)])[0];
+        (self.graph.is_zero(at_zero) && !self.reads(&[rate]).contains(&k)).then_some(rate)
     }
 
     fn y(&self) -> Vec<usize> {

@@ -4,6 +4,7 @@ mod average;
 mod cayley;
 mod definition;
 mod expressions;
+mod flows;
 mod program;
 
 use std::{
@@ -15,7 +16,7 @@ use dgrad::{Rule, nodes_for_degree};
 use real::{Bounded, Row, WIDTH};
 use systems::{
     Linearity, SystemError,
-    run_time::{Description, InTime, MAX_INPUTS, Op, Program, Recorded, System, Weights},
+    run_time::{Description, InTime, MAX_INPUTS, Move, Op, Program, Recorded, System, Weights},
     shown_solvable,
 };
 
@@ -24,7 +25,7 @@ pub use definition::{Definition, DefinitionError, Which};
 use crate::{Formula, Graph, Id, Names, Tape};
 use definition::Formulas;
 use expressions::Expressions;
-use program::Programs;
+use program::{Key, Programs};
 
 /// Nodes of the averaged gradient of functions that are not polynomials, and the most for a
 /// polynomial. The error of n nodes is of order |b − a|²ⁿ.
@@ -81,6 +82,7 @@ impl FormulaSystem {
     pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
         let formulas = Formulas::new(definition, y0)?;
         let mut expressions = Expressions::new(&formulas);
+        let parts = expressions.find_parts(&definition.state);
         let has_step = expressions.of(&Op::Cayley { y: (), v: () }).is_some();
         let linearity = match expressions.structure_degree() {
             Some(0) if has_step => Linearity::Constant,
@@ -116,6 +118,7 @@ impl FormulaSystem {
             depends_on_time: expressions.depend_on_time(),
             jacobi_holds,
             noises_commute,
+            parts,
             ..Description::new(&definition.name, dimension, noises, rule)
         };
         let mut system = Self {
@@ -181,7 +184,12 @@ impl System for FormulaSystem {
         inputs: usize,
         results: &[usize],
     ) -> Option<Box<dyn Program>> {
-        let key = (operations.into(), inputs, results.into());
+        let key = Key::Formula(operations.into(), inputs, results.into());
+        Some(Box::new(self.programs.program(&self.expressions, key)?))
+    }
+
+    fn compose(&self, moves: &[Move]) -> Option<Box<dyn Program>> {
+        let key = Key::Composition(moves.into());
         Some(Box::new(self.programs.program(&self.expressions, key)?))
     }
 

@@ -6,7 +6,7 @@ use std::{
 };
 
 use real::{Row, Rows};
-use systems::run_time::{MAX_INPUTS, Op, Program, Recorded, Weights};
+use systems::run_time::{MAX_INPUTS, Move, Op, Program, Recorded, Weights};
 
 use super::{
     MAX_EXPRESSIONS,
@@ -19,8 +19,14 @@ use crate::{Graph, Id, Tape, uniform::Numbers};
 #[derive(Default)]
 pub struct Programs(Mutex<Vec<(Key, Option<Arc<SchemeTape>>)>>);
 
-/// The nodes, the number of inputs, and the nodes that are results.
-pub type Key = (Vec<Recorded>, usize, Vec<usize>);
+/// What a tape computes.
+#[derive(PartialEq)]
+pub enum Key {
+    /// Nodes, the number of inputs, and the nodes that are results.
+    Formula(Vec<Recorded>, usize, Vec<usize>),
+    /// Moves of a composition.
+    Composition(Vec<Move>),
+}
 
 impl Programs {
     /// The tape of a formula; none if it would be too long.
@@ -57,8 +63,53 @@ struct SchemeTape {
 }
 
 impl SchemeTape {
-    fn new(system: &Expressions, (nodes, inputs, results): &Key) -> Option<Self> {
-        let inputs = *inputs;
+    fn new(system: &Expressions, key: &Key) -> Option<Self> {
+        match key {
+            Key::Formula(nodes, inputs, results) => Self::formula(system, nodes, *inputs, results),
+            Key::Composition(moves) => Some(Self::composition(system, moves)),
+        }
+    }
+
+    fn composition(system: &Expressions, moves: &[Move]) -> Self {
+        let (d, m, mut graph) = (system.dimension, system.noises, Graph::new());
+        // y, dt, two factors, t and dw.
+        let weights: Vec<Id> =
+            [d].into_iter().chain(d + 4..d + 4 + m).map(|k| graph.input(k)).collect();
+        let (factors, t) = ([1, 2].map(|k| graph.input(d + k)), graph.input(d + 3));
+        let mut y: Vec<Id> = (0..d).map(|k| graph.input(k)).collect();
+        for one in moves {
+            match *one {
+                Move::Scale(k) => y.iter_mut().for_each(|y| *y = graph.mul(*y, factors[k])),
+                Move::Flow { part, drift, noise, only } => {
+                    let share = |m: usize| match (m, only) {
+                        (0, _) => drift,
+                        (m, Some(only)) if m != only + 1 => 0.0,
+                        _ => noise,
+                    };
+                    let shares = (0..).map(share);
+                    let weights = weights
+                        .iter()
+                        .zip(shares)
+                        .map(|(&weight, share)| graph.scale(weight, share));
+                    let weights: Vec<Id> = weights.collect();
+                    y = system.flow(part, &mut graph, &y, &weights, t);
+                }
+            }
+        }
+        let reads_time = system.depend_on_time();
+        let uniform = d..d + 3 + usize::from(reads_time);
+        let reads_noise = m > 0;
+        let groups: Vec<_> = once(0..d).chain(reads_noise.then_some(d + 4..d + 4 + m)).collect();
+        let tape = Tape::with_numbers(&graph, &y, &groups, uniform);
+        Self { tape, multiples: vec![0, 1], reads_noise, reads_areas: false, reads_time }
+    }
+
+    fn formula(
+        system: &Expressions,
+        nodes: &[Recorded],
+        inputs: usize,
+        results: &[usize],
+    ) -> Option<Self> {
         let is_multiple = |n: &usize| matches!(nodes[*n], Recorded::Multiple(_));
         let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
         let numbers = inputs * system.dimension;

@@ -3,6 +3,7 @@
 mod bits;
 mod derivatives;
 mod expression;
+mod flows;
 mod fuzz;
 mod grammar;
 mod graph;

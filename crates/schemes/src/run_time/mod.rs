@@ -46,6 +46,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod composition;
 mod derivative;
 mod krylov;
 mod machine;
@@ -53,7 +54,6 @@ mod norm;
 mod plan;
 mod record;
 mod scheme;
-mod split;
 mod stepper;
 
 pub use crate::SchemeError;

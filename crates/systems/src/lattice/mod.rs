@@ -31,7 +31,7 @@ use crate::{
     Invariant, Linearity, SystemError,
     error::finite,
     paper::valid,
-    run_time::{Description, Lanes, Layout, Op, System, Weights, derived},
+    run_time::{Description, Lanes, Layout, Op, Parts, System, Weights, derived},
 };
 use bonds::{Flow, Part};
 use formulas::OnTile;
@@ -105,7 +105,7 @@ impl SpinLattice {
                 axis + 1
             ))
         } else {
-            Ok(parts.len())
+            Ok(Parts { number: parts.len(), ..Parts::default() })
         };
         let sites = shape.sites();
         let noises = if couplings.local { 3 * sites } else { 3 };

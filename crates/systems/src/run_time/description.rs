@@ -3,6 +3,7 @@
 use dgrad::Rule;
 use real::WIDTH;
 
+use super::Parts;
 use crate::{Invariant, Linearity};
 
 /// Meaning of the 32 numbers of a row.
@@ -108,8 +109,8 @@ pub struct Description {
     pub depends_on_time: bool,
     /// Whether [`Op::Gradient`](super::Op::Gradient) is more than ∇h.
     pub is_transverse: bool,
-    /// The number of parts with exact flows, see [`Flows`](crate::Flows), or why there are none.
-    pub parts: Result<usize, String>,
+    /// Parts with known flows, or why there are none.
+    pub parts: Result<Parts, String>,
     /// The functions that obey the conformal law.
     pub invariants: Vec<Invariant>,
     /// Whether the system has [`Op::AreaGradient`](super::Op::AreaGradient), and −B times it was

@@ -32,6 +32,7 @@
 mod compiled;
 mod derived;
 mod description;
+mod moves;
 mod op;
 mod problem;
 mod system;
@@ -39,6 +40,7 @@ mod system;
 pub use compiled::Compiled;
 pub use derived::derived;
 pub use description::{Description, Lanes, Layout};
+pub use moves::{Move, Parts};
 pub use op::{MAX_INPUTS, Op, Program, Recorded};
 pub use problem::Problem;
 pub use system::{InTime, System, Weights};

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use real::{Bounded, Row};
 
-use super::{Description, Op, Program, Recorded};
+use super::{Description, Move, Op, Program, Recorded};
 use crate::SystemError;
 
 /// The weights of the Hamiltonian increment h = H₀·dt + Σₘ Hₘ·dwₘ.
@@ -61,6 +61,13 @@ pub trait System: Send + Sync {
         results: &[usize],
     ) -> Option<Box<dyn Program>> {
         let _ = (operations, inputs, results);
+        None
+    }
+
+    /// Compiles the moves of a composition into one piece with one state as input, if the system can
+    /// do better than one flow after the other.
+    fn compose(&self, moves: &[Move]) -> Option<Box<dyn Program>> {
+        let _ = moves;
         None
     }
 

@@ -1,0 +1,490 @@
+//! Parts of the Hamiltonians whose flows are known.
+//!
+//! A function of linear functions ℓᵢ(y) = aᵢ·y in involution, aᵢᵀB(y)aⱼ = 0, keeps all of them. So
+//! its field Σ ∂ᵢF(ℓ) B(y)aᵢ is a sum of commuting fields with constant weights, each affine in y
+//! if B is: kicks, turns about an axis, and boosts. A pair of vectors under so(3) whose product is
+//! the Hamiltonian turns about its sum. For any B, a field that changes nothing that it reads is a
+//! kick, and one that multiplies components by what it does not change is a growth.
+
+use std::{collections::BTreeSet, slice::from_ref};
+
+use super::expressions::Expressions;
+use crate::{
+    Graph, Id,
+    affine::{Affine, forms},
+    graph::{Binary, Node, Unary},
+    terms::terms,
+};
+
+/// Systems with more components have no parts.
+const MAX_COMPONENTS: usize = 100;
+
+/// A part: a sum of terms of the Hamiltonians that has one flow.
+#[derive(Clone)]
+pub struct Part {
+    pub terms: Vec<Term>,
+    kind: Kind,
+    /// The state after the flow, from y and the weights of the Hamiltonians.
+    pub flow: Vec<Id>,
+}
+
+/// Terms of one Hamiltonian, and the form of their flow.
+type Single = (Vec<Term>, Kind);
+
+/// A term of a Hamiltonian.
+#[derive(Clone, Debug)]
+pub struct Term {
+    /// Number of the Hamiltonian.
+    pub of: usize,
+    pub root: Id,
+    pub factor: f64,
+}
+
+/// The form of a flow.
+#[derive(Clone)]
+enum Kind {
+    /// Functions of linear functions.
+    Linear(Vec<Linear>),
+    /// Products of two vectors, by their components.
+    Pairs(Vec<[[usize; 3]; 2]>),
+    /// A field that changes some components, those `grown` by a factor, and reads others.
+    Kick { changed: BTreeSet<usize>, grown: BTreeSet<usize>, read: BTreeSet<usize> },
+}
+
+/// A linear function with its field.
+#[derive(Clone)]
+struct Linear {
+    slopes: Affine,
+    /// B(y)∇ℓ.
+    field: Vec<Affine>,
+    blocks: Vec<Block>,
+}
+
+/// Components that a linear field couples, x′ = Kx + …, with K³ = cK.
+#[derive(Clone)]
+struct Block {
+    components: Vec<usize>,
+    /// c.
+    cube: f64,
+    /// K times the field.
+    second: Vec<Affine>,
+}
+
+impl Part {
+    /// Name of the form in words.
+    pub fn kind(&self) -> &'static str {
+        let is = |cube: fn(f64) -> bool, all: &[Linear]| {
+            all.iter().flat_map(|one| &one.blocks).any(|block| cube(block.cube))
+        };
+        match &self.kind {
+            Kind::Pairs(_) => "turn of pairs",
+            Kind::Kick { grown, .. } if grown.is_empty() => "kick",
+            Kind::Kick { .. } => "growth",
+            Kind::Linear(all) if is(|cube| cube < 0.0, all) => "turn",
+            Kind::Linear(all) if is(|cube| cube > 0.0, all) => "boost",
+            Kind::Linear(_) => "kick",
+        }
+    }
+}
+
+/// The parts of the Hamiltonians, of which the last is the longest; or the first term that has no
+/// flow.
+pub fn parts(system: &mut Expressions) -> Result<Vec<Part>, Id> {
+    if system.dimension > MAX_COMPONENTS {
+        return Err(system.hamiltonian(0));
+    }
+    let mut found: Vec<Single> = Vec::new();
+    for (group, kind) in singles(system)? {
+        match found
+            .iter_mut()
+            .find_map(|(terms, known)| known.with(&kind).map(|k| (terms, known, k)))
+        {
+            Some((terms, known, joined)) => {
+                terms.extend(group);
+                *known = joined;
+            }
+            None => found.push((group, kind)),
+        }
+    }
+    let mut parts = Vec::new();
+    for (terms, kind) in found {
+        let flow = kind.flow(system, &terms);
+        let length = system.graph.needed(&flow).iter().filter(|needed| **needed).count();
+        parts.push((length, Part { terms, kind, flow }));
+    }
+    parts.sort_by_key(|(length, _)| *length);
+    Ok(parts.into_iter().map(|(_, part)| part).collect())
+}
+
+/// Each term of the Hamiltonians with its flow; linear terms of one Hamiltonian are one, and so is
+/// the product of two vectors.
+fn singles(system: &mut Expressions) -> Result<Vec<Single>, Id> {
+    let (mut found, axes) = (Vec::new(), axes(system));
+    for m in 0..=system.noises {
+        let mut all = all_terms(system, m);
+        let shapes = forms(&system.graph, system.dimension);
+        let mut sum = Affine::default();
+        for term in &all {
+            if let Some(form) = &shapes[term.root.index()] {
+                sum.add(term.factor, form);
+            }
+        }
+        sum.constant = 0.0;
+        if sum.slopes.len() > 1 && Linear::new(system, sum.clone()).is_some() {
+            all.retain(|term| shapes[term.root.index()].is_none());
+            let y = system.states();
+            let root = sum.expression(&mut system.graph, &y);
+            all.push(Term { of: m, root, factor: 1.0 });
+        }
+        while let Some(pair) = pair(system, &axes, &mut all) {
+            found.push(pair);
+        }
+        for term in all {
+            let kind = linear_kind(system, &term).or_else(|| kick(system, &term));
+            found.push((vec![term.clone()], kind.ok_or(term.root)?));
+        }
+    }
+    Ok(found)
+}
+
+/// The terms of a Hamiltonian that depend on y.
+fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
+    let (mut open, mut all) = (vec![(system.hamiltonian(m), 1.0)], Vec::new());
+    while let Some((root, factor)) = open.pop() {
+        let one = system.graph.constant(1.0);
+        for (root, weight) in terms(&mut system.graph, &[(root, one)]) {
+            let graph = &system.graph;
+            let factor = factor * graph.as_constant(weight).unwrap_or(1.0);
+            match graph.node(root) {
+                Node::Binary(Binary::Div, a, c) if graph.as_constant(c).is_some() => {
+                    open.push((a, factor / graph.as_constant(c).unwrap_or(1.0)));
+                }
+                _ if system.reads(&[root]).is_empty() => {}
+                _ => all.push(Term { of: m, root, factor }),
+            }
+        }
+    }
+    all
+}
+
+/// The maximal subexpressions of a function that are linear in y, with their directions.
+fn linear_functions(system: &Expressions, root: Id) -> Vec<(Id, Affine)> {
+    let shapes = forms(&system.graph, system.dimension);
+    let (mut open, mut seen, mut found) = (vec![root], BTreeSet::new(), Vec::new());
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        match &shapes[id.index()] {
+            Some(form) if form.slopes.is_empty() => {}
+            Some(form) => {
+                found.push((id, Affine { constant: 0.0, slopes: form.slopes.clone() }));
+            }
+            None => open.extend(system.graph.node(id).operands()),
+        }
+    }
+    found
+}
+
+/// The flow of a function of linear functions in involution, if B is affine.
+fn linear_kind(system: &mut Expressions, term: &Term) -> Option<Kind> {
+    let mut all: Vec<Linear> = Vec::new();
+    for (_, slopes) in linear_functions(system, term.root) {
+        if all.iter().any(|known| slopes.over(&known.slopes).is_some()) {
+            continue;
+        }
+        let new = Linear::new(system, slopes)?;
+        if !all.iter().all(|known| known.commutes(&new)) {
+            return None;
+        }
+        all.push(new);
+    }
+    Some(Kind::Linear(all))
+}
+
+impl Linear {
+    fn new(system: &mut Expressions, slopes: Affine) -> Option<Self> {
+        let gradient: Vec<Id> = (0..system.dimension)
+            .map(|k| system.graph.constant(slopes.slopes.get(&k).copied().unwrap_or(0.0)))
+            .collect();
+        let roots = system.field_of_gradient(&gradient);
+        let shapes = forms(&system.graph, system.dimension);
+        let field = roots.iter().map(|root| shapes[root.index()].clone());
+        let field = field.collect::<Option<Vec<Affine>>>()?;
+        let blocks = blocks(&field)?;
+        Some(Self { slopes, field, blocks })
+    }
+
+    /// Whether {ℓ, ℓ′} = 0.
+    fn commutes(&self, other: &Self) -> bool {
+        let mut bracket = Affine::default();
+        for (&k, &slope) in &other.slopes.slopes {
+            bracket.add(slope, &self.field[k]);
+        }
+        bracket.is_zero()
+    }
+}
+
+/// The blocks of a field, if each has a closed form.
+fn blocks(field: &[Affine]) -> Option<Vec<Block>> {
+    let mut open: BTreeSet<usize> = (0..field.len()).filter(|&k| !field[k].is_zero()).collect();
+    let changes = open.clone();
+    let joined =
+        |i: usize, j: usize| field[i].slopes.contains_key(&j) || field[j].slopes.contains_key(&i);
+    let mut blocks = Vec::new();
+    while let Some(first) = open.pop_first() {
+        let (mut components, mut next) = (vec![first], 0);
+        while next < components.len() {
+            let more: Vec<usize> =
+                open.iter().copied().filter(|&k| joined(components[next], k)).collect();
+            more.iter().for_each(|k| _ = open.remove(k));
+            components.extend(more);
+            next += 1;
+        }
+        components.sort_unstable();
+        // The derivative of forms along the field.
+        let along = |forms: &[Affine]| -> Vec<Affine> {
+            let of = |form: &Affine| {
+                let mut sum = Affine::default();
+                for (&k, &slope) in form.slopes.iter().filter(|(k, _)| changes.contains(k)) {
+                    sum.add(slope, &field[k]);
+                }
+                sum
+            };
+            forms.iter().map(of).collect()
+        };
+        let own: Vec<Affine> = components.iter().map(|&k| field[k].clone()).collect();
+        let second = along(&own);
+        let third = along(&second);
+        let cube = match third.iter().position(|form| !form.is_zero()) {
+            None => 0.0,
+            Some(k) => third[k].over(&own[k])?,
+        };
+        let differs = |(third, own): (&Affine, &Affine)| {
+            let mut rest = third.clone();
+            rest.add(-cube, own);
+            !rest.is_zero()
+        };
+        if third.iter().zip(&own).any(differs) {
+            return None;
+        }
+        blocks.push(Block { components, cube, second });
+    }
+    Some(blocks)
+}
+
+/// For each component k that turns two others as eₖ under so(3), these: the field of yₖ is that of
+/// y × eₖ in the order of k and both.
+fn axes(system: &mut Expressions) -> Vec<Option<[usize; 2]>> {
+    let dimension = system.dimension;
+    let axis = |k| {
+        let Linear { field, .. } = Linear::new(system, Affine::input(k))?;
+        let mut moved = (0..field.len()).filter(|&i| !field[i].is_zero());
+        let (i, j, None) = (moved.next()?, moved.next()?, moved.next()) else { return None };
+        let turns = |i: usize, j: usize| {
+            field[i] == Affine::input(j) && field[j] == Affine::input(i).times(-1.0)
+        };
+        [[i, j], [j, i]].into_iter().find(|&[i, j]| turns(i, j))
+    };
+    (0..dimension).map(axis).collect()
+}
+
+/// A product of two vectors of so(3) among the terms, which it takes out.
+fn pair(system: &Expressions, axes: &[Option<[usize; 2]>], all: &mut Vec<Term>) -> Option<Single> {
+    let graph = &system.graph;
+    let product = |i: usize, j: usize, factor: f64| {
+        all.iter().position(|term| {
+            let Node::Binary(Binary::Mul, a, b) = graph.node(term.root) else { return false };
+            let both = [graph.node(a), graph.node(b)];
+            let is = |i: usize, j: usize| both == [i, j].map(|k| Node::Input(k as u32));
+            term.factor == factor && (is(i, j) || is(j, i))
+        })
+    };
+    let found = all.iter().find_map(|term| {
+        let Node::Binary(Binary::Mul, a, b) = graph.node(term.root) else { return None };
+        let (Node::Input(a), Node::Input(b)) = (graph.node(a), graph.node(b)) else { return None };
+        let (a, b) = (a as usize, b as usize);
+        let ([c, e], [d, f]) = ((*axes.get(a)?)?, (*axes.get(b)?)?);
+        let vectors = [[a, c, e], [b, d, f]];
+        let are_two = vectors[0].iter().all(|k| !vectors[1].contains(k));
+        let places =
+            [product(a, b, term.factor)?, product(c, d, term.factor)?, product(e, f, term.factor)?];
+        are_two.then_some((places, vectors))
+    });
+    let (mut places, vectors) = found?;
+    places.sort_unstable();
+    let terms = places.into_iter().rev().map(|k| all.remove(k)).collect();
+    Some((terms, Kind::Pairs(vec![vectors])))
+}
+
+/// The flow of a field that reads nothing that it changes, or multiplies what it changes.
+fn kick(system: &mut Expressions, term: &Term) -> Option<Kind> {
+    let field = system.field_of_terms(from_ref(term));
+    let changed: BTreeSet<usize> =
+        (0..field.len()).filter(|&k| !system.graph.is_zero(field[k])).collect();
+    let (mut grown, mut read) = (BTreeSet::new(), BTreeSet::new());
+    for &k in &changed {
+        let mut reads = system.reads(&[field[k]]);
+        if reads.contains(&k) {
+            let rate = system.rate(field[k], k)?;
+            reads = system.reads(&[rate]);
+            grown.insert(k);
+        }
+        read.extend(reads);
+    }
+    changed.is_disjoint(&read).then_some(Kind::Kick { changed, grown, read })
+}
+
+impl Kind {
+    /// The form of a sum of two; none if it has no flow, or not one of this kind.
+    fn with(&self, other: &Self) -> Option<Self> {
+        match (self, other) {
+            (Self::Linear(known), Self::Linear(new)) => {
+                let mut all = known.clone();
+                for one in new {
+                    if all.iter().any(|known| one.slopes.over(&known.slopes).is_some()) {
+                        continue;
+                    }
+                    if !all.iter().all(|known| known.commutes(one)) {
+                        return None;
+                    }
+                    all.push(one.clone());
+                }
+                Some(Self::Linear(all))
+            }
+            (Self::Pairs(known), Self::Pairs(new)) => {
+                let meets = |a: &[[usize; 3]; 2], b: &[[usize; 3]; 2]| {
+                    a.iter().flatten().any(|k| b.iter().flatten().any(|l| k == l))
+                };
+                let other = |pair: &&[[usize; 3]; 2]| !known.contains(pair);
+                let new: Vec<_> = new.iter().filter(other).copied().collect();
+                let apart = !new.iter().any(|new| known.iter().any(|known| meets(known, new)));
+                apart.then(|| Self::Pairs([&known[..], &new].concat()))
+            }
+            (Self::Kick { changed, grown, read }, Self::Kick { changed: c, grown: g, read: r }) => {
+                // No component both grows and is pushed.
+                let apart = grown.intersection(c).all(|k| g.contains(k))
+                    && g.intersection(changed).all(|k| grown.contains(k));
+                let (changed, grown, read) = (changed | c, grown | g, read | r);
+                (apart && changed.is_disjoint(&read)).then_some(Self::Kick { changed, grown, read })
+            }
+            _ => None,
+        }
+    }
+
+    /// The state after the flow.
+    fn flow(&self, system: &mut Expressions, terms: &[Term]) -> Vec<Id> {
+        let mut y = system.states();
+        match self {
+            Self::Linear(all) => {
+                let angles: Vec<Id> = all.iter().map(|one| angle(system, one, terms)).collect();
+                for (one, angle) in all.iter().zip(angles) {
+                    one.turn(&mut system.graph, angle, &mut y);
+                }
+            }
+            Self::Pairs(pairs) => {
+                for vectors in pairs {
+                    let of_pair = |term: &&Term| {
+                        let reads = system.reads(&[term.root]);
+                        vectors.iter().all(|vector| reads.contains(&vector[0]))
+                    };
+                    let terms: Vec<Term> = terms.iter().filter(of_pair).cloned().collect();
+                    let time = system.weight(&terms);
+                    turn_pair(&mut system.graph, time, vectors, &mut y);
+                }
+            }
+            Self::Kick { grown, .. } => {
+                let field = system.field_of_terms(terms);
+                for (k, &change) in field.iter().enumerate() {
+                    let factor = grown.contains(&k).then(|| system.rate(change, k)).flatten();
+                    let graph = &mut system.graph;
+                    y[k] = match factor {
+                        Some(rate) => {
+                            let factor = graph.unary(Unary::Exp, rate);
+                            graph.mul(y[k], factor)
+                        }
+                        None => graph.add(y[k], change),
+                    };
+                }
+            }
+        }
+        y
+    }
+}
+
+/// Turns two vectors about their sum s: a′ = a × s and b′ = b × s for a time.
+fn turn_pair(graph: &mut Graph, time: Id, vectors: &[[usize; 3]; 2], y: &mut [Id]) {
+    let [a, b] = vectors.map(|vector| vector.map(|k| y[k]));
+    let total = [0, 1, 2].map(|k| graph.add(a[k], b[k]));
+    // sin(ωt)/ω and (1 − cos ωt)/ω² with ω = |s|, which may be zero.
+    let square = graph.dot(&total, &total);
+    let (rate, half_time) = (graph.unary(Unary::Sqrt, square), graph.scale(time, 0.5));
+    let half = graph.mul(rate, half_time);
+    let [sinc, cos] = [Unary::Sinc, Unary::Cos].map(|function| graph.unary(function, half));
+    let scaled = graph.mul(time, sinc);
+    let (first, second) = (graph.mul(scaled, cos), graph.power(scaled, 2));
+    let second = graph.scale(second, 0.5);
+    for (vector, known) in vectors.iter().zip([a, b]) {
+        let turned = graph.cross(&known, &total);
+        let twice = graph.cross(&turned, &total);
+        for k in 0..3 {
+            let (one, two) = (graph.mul(turned[k], first), graph.mul(twice[k], second));
+            let change = graph.add(one, two);
+            y[vector[k]] = graph.add(known[k], change);
+        }
+    }
+}
+
+/// The weight of the field of a linear function: Σ w ∂F/∂ℓ over the terms.
+fn angle(system: &mut Expressions, one: &Linear, terms: &[Term]) -> Id {
+    let mut sum = system.graph.constant(0.0);
+    for term in terms {
+        let functions = linear_functions(system, term.root);
+        let roots: Vec<Id> = functions.iter().map(|(id, _)| *id).collect();
+        let weight = system.weight(from_ref(term));
+        let slopes = system.graph.reverse_at(&[(term.root, weight)], &roots);
+        for ((_, slopes_of), slope) in functions.iter().zip(slopes) {
+            if let Some(share) = slopes_of.over(&one.slopes) {
+                let share = system.graph.scale(slope, share);
+                sum = system.graph.add(sum, share);
+            }
+        }
+    }
+    sum
+}
+
+impl Linear {
+    /// Advances y by the flow of the field for a time.
+    fn turn(&self, graph: &mut Graph, time: Id, y: &mut [Id]) {
+        let start = y.to_vec();
+        for Block { components, cube, second } in &self.blocks {
+            let [first, twice] = by_cube(graph, time, *cube);
+            for (&k, second) in components.iter().zip(second) {
+                let rate = self.field[k].expression(graph, &start);
+                let change = graph.mul(rate, first);
+                y[k] = graph.add(start[k], change);
+                let rate = second.expression(graph, &start);
+                let change = graph.mul(rate, twice);
+                y[k] = graph.add(y[k], change);
+            }
+        }
+    }
+}
+
+/// The numbers a, b of exp(tK) = 1 + aK + bK² for K³ = cK: t and ½t² for c = 0; sin(ωt)/ω and (1 −
+/// cos ωt)/ω² for c = −ω²; sinh(ωt)/ω and (cosh ωt − 1)/ω² for c = ω².
+fn by_cube(graph: &mut Graph, time: Id, cube: f64) -> [Id; 2] {
+    let (functions, rate) = match cube {
+        0.0 => {
+            let square = graph.power(time, 2);
+            return [time, graph.scale(square, 0.5)];
+        }
+        ..0.0 => ([Unary::Sin, Unary::Cos], (-cube).sqrt()),
+        _ => ([Unary::Sinh, Unary::Cosh], cube.sqrt()),
+    };
+    // Of half of the angle, so that nothing cancels.
+    let half = graph.scale(time, 0.5 * rate);
+    let [odd, even] = functions.map(|function| graph.unary(function, half));
+    let (product, square) = (graph.mul(odd, even), graph.power(odd, 2));
+    [graph.scale(product, 2.0 / rate), graph.scale(square, 2.0 / (rate * rate))]
+}

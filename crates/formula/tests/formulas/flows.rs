@@ -1,0 +1,220 @@
+//! Flows that are found in formulas. A map with φ_s ∘ φ_t = φ_{s+t} whose derivative at zero is
+//! B∇F is the flow of F: both are tested at random states, for all weights.
+
+use formula::{Definition, FormulaSystem};
+use real::{Row, Rows, WIDTH};
+use systems::run_time::{Move, Op, System, Weights};
+
+use crate::expression::Random;
+
+fn words(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|text| (*text).to_owned()).collect()
+}
+
+/// A matrix B with these entries (row, column, text) above the diagonal.
+fn matrix(d: usize, entries: &[(usize, usize, &str)]) -> Vec<Vec<String>> {
+    let mut rows: Vec<Vec<String>> = (1..d).rev().map(|n| vec!["0".to_owned(); n]).collect();
+    for &(i, j, text) in entries {
+        rows[i][j - i - 1] = text.into();
+    }
+    rows
+}
+
+fn canonical(n: usize) -> Vec<Vec<String>> {
+    matrix(2 * n, &(0..n).map(|k| (k, n + k, "1")).collect::<Vec<_>>())
+}
+
+/// B(y)v = y × v on each three of the names.
+fn spins(names: &[&str]) -> Vec<Vec<String>> {
+    let mut rows = matrix(names.len(), &[]);
+    for k in (0..names.len()).step_by(3) {
+        rows[k][0] = format!("-{}", names[k + 2]);
+        rows[k][1] = names[k + 1].into();
+        rows[k + 1][0] = format!("-{}", names[k]);
+    }
+    rows
+}
+
+fn system(
+    names: &[&str],
+    structure: Vec<Vec<String>>,
+    energy: &str,
+    noises: &[&str],
+) -> FormulaSystem {
+    let definition = Definition {
+        name: energy.into(),
+        state: words(names),
+        vectors: Vec::new(),
+        parameters: Vec::new(),
+        structure,
+        energy: energy.into(),
+        noises: words(noises),
+    };
+    let y0: Vec<f64> = (0..names.len()).map(|k| 0.7 + 0.1 * k as f64).collect();
+    FormulaSystem::new(&definition, &y0).unwrap()
+}
+
+/// Systems with the number of their parts.
+fn systems() -> Vec<(FormulaSystem, usize)> {
+    const PLANE: [&str; 2] = ["q", "p"];
+    const TWO: [&str; 4] = ["q1", "q2", "p1", "p2"];
+    const THREE: [&str; 6] = ["q1", "q2", "q3", "p1", "p2", "p3"];
+    const BODY: [&str; 3] = ["x", "y", "z"];
+    const SPINS: [&str; 6] = ["x1", "y1", "z1", "x2", "y2", "z2"];
+    let top = {
+        let mut rows = spins(&["m1", "m2", "m3", "g1", "g2", "g3"]);
+        // M × ∇_M + Γ × ∇_Γ, and Γ × ∇_M.
+        rows[3] = words(&["0", "0"]);
+        rows[4] = words(&["0"]);
+        for (i, j, text) in
+            [(0, 4, "-g3"), (0, 5, "g2"), (1, 3, "g3"), (1, 5, "-g1"), (2, 3, "-g2"), (2, 4, "g1")]
+        {
+            rows[i][j - i - 1] = text.into();
+        }
+        rows
+    };
+    let boosts = matrix(3, &[(0, 1, "-z"), (0, 2, "-y"), (1, 2, "x")]);
+    let magnetic = matrix(4, &[(0, 2, "1"), (1, 3, "1"), (2, 3, "0.8")]);
+    let lotka = matrix(3, &[(0, 1, "x*y"), (0, 2, "0.5*x*z"), (1, 2, "-0.7*y*z")]);
+    vec![
+        (system(&PLANE, canonical(1), "p^2/2 - cos(q)", &["0.3*q"]), 2),
+        (system(&PLANE, canonical(1), "p^2/3 + (q^2 - 1)^2", &["0.3*sin(q)", "0.1*p"]), 2),
+        (system(&PLANE, canonical(1), "p^2/2 + q^2/2 + cos(3*t)*q", &["t*q"]), 2),
+        (system(&TWO, canonical(2), "(p1^2 + p2^2)/2 + q1^2*q2 - q2^3/3", &["0.1*q1"]), 2),
+        (system(&THREE, canonical(3), "(p1^2 + p2^2 + p3^2)/2 + exp(q1-q2) + exp(q2-q3)", &[]), 2),
+        (system(&TWO, magnetic, "(p1^2 + p2^2)/2 + (q1^2 + q2^2)^2", &["0.2*q2"]), 3),
+        (system(&BODY, spins(&BODY), "x^2/4 + y^2/2 + z^2", &["x^2/2", "0.3*y^2", "z^2/7"]), 3),
+        (system(&BODY, spins(&BODY), "(0.6*x + 0.8*z)^2 - 0.3*x + 0.2*y", &["0.1*(x + z)"]), 3),
+        (system(&SPINS, spins(&SPINS), "x1*x2 + y1*y2 + z1*z2 - 0.2*z1", &["0.1*(z1 + z2)"]), 2),
+        (system(&SPINS, spins(&SPINS), "x1*x2 + y1*y2 + 0.5*z1*z2", &["0.1*x1"]), 3),
+        (
+            system(
+                &["m1", "m2", "m3", "g1", "g2", "g3"],
+                top,
+                "m1^2/2 + m2^2/2 + m3^2 + 2*g3",
+                &["0.1*m1"],
+            ),
+            3,
+        ),
+        (system(&BODY, boosts, "x^2/2 + 0.3*y^2 + 0.2*z", &["0.1*y"]), 3),
+        (system(&BODY, lotka, "x - ln(x) + y^2 + z", &["0.1*ln(y)"]), 3),
+    ]
+}
+
+/// The flow of a part.
+fn flow(system: &FormulaSystem, part: usize, y: &[Row], dt: f64, dw: &[Row]) -> Vec<Row> {
+    let moves = [Move::Flow { part, drift: 1.0, noise: 1.0, only: None }];
+    let mut out = vec![[0.0; WIDTH]; y.len()];
+    let h = Weights { t: 0.3, dt, dw, ..Weights::NONE };
+    system.compose(&moves).unwrap().run(&[y], &[1.0, 1.0], h, &mut out);
+    out
+}
+
+fn times(rows: &[Row], factor: f64) -> Vec<Row> {
+    rows.iter().map(|row| row.map(|x| factor * x)).collect()
+}
+
+/// The largest difference, relative to the largest number.
+fn difference(a: &[Row], b: &[Row]) -> f64 {
+    let scale = a.iter().flatten().fold(1.0, |scale: f64, x| scale.max(x.abs()));
+    a.iter()
+        .flatten()
+        .zip(b.iter().flatten())
+        .fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+        / scale
+}
+
+/// Σ over the parts of the derivatives of their flows at zero.
+fn slopes(system: &FormulaSystem, parts: usize, y: &[Row], dt: f64, dw: &[Row]) -> Vec<Row> {
+    let mut sum = vec![[0.0; WIDTH]; y.len()];
+    for part in 0..parts {
+        // Central differences of order eight.
+        for (k, weight) in [(1.0, 0.8), (2.0, -0.2), (3.0, 4.0 / 105.0), (4.0, -1.0 / 280.0)] {
+            for sign in [1.0, -1.0] {
+                let share = sign * k * STEP;
+                let end = flow(system, part, y, share * dt, &times(dw, share));
+                for (sum, end) in sum.iter_mut().flatten().zip(end.iter().flatten()) {
+                    *sum += sign * weight * end / STEP;
+                }
+            }
+        }
+    }
+    sum
+}
+
+const STEP: f64 = 0.01;
+
+fn field(system: &FormulaSystem, y: &[Row], dt: f64, dw: &[Row]) -> Vec<Row> {
+    let d = y.len();
+    let [mut gradient, mut field] = [(); 2].map(|()| vec![[0.0; WIDTH]; d]);
+    let h = Weights { t: 0.3, dt, dw, ..Weights::NONE };
+    system.apply(Op::Gradient { y }, 0..d, h, &mut gradient, &mut []);
+    system.apply(Op::Structure { y, v: &gradient }, 0..d, h, &mut field, &mut []);
+    field
+}
+
+#[test]
+fn parts_have_flows_that_add_up_to_the_field() {
+    let mut random = Random::new(11);
+    for (system, parts) in systems() {
+        let description = system.description();
+        let (name, found) = (&description.name, description.parts.as_ref().unwrap());
+        assert_eq!(found.number, parts, "{name}: {found:?}");
+        let mut rows = |count: usize, size: f64, shift: f64| {
+            let mut rows = Rows::zero(count);
+            rows.iter_mut().flatten().for_each(|x| *x = shift + size * random.number());
+            rows.to_vec()
+        };
+        let y = rows(description.dimension, 0.5, 1.0);
+        let [one, other] = [(); 2].map(|()| rows(description.noises, 0.1, 0.0));
+        for part in 0..parts {
+            let first = flow(&system, part, &y, 0.07, &one);
+            let both = flow(&system, part, &first, -0.11, &other);
+            let sum: Vec<Row> =
+                one.iter().zip(&other).map(|(a, b)| std::array::from_fn(|p| a[p] + b[p])).collect();
+            let at_once = flow(&system, part, &y, 0.07 - 0.11, &sum);
+            // Weights are not proportional: only one function of the state may be in a part, or
+            // functions in involution, whose flows commute.
+            let off = difference(&both, &at_once);
+            assert!(off < 1e-14, "{name}, {}: {off:e}", found.words[part]);
+        }
+        for (dt, dw) in [(1.0, times(&one, 0.0)), (0.0, one.clone()), (0.7, other)] {
+            let (ours, theirs) = (slopes(&system, parts, &y, dt, &dw), field(&system, &y, dt, &dw));
+            let off = difference(&theirs, &ours);
+            assert!(off < 1e-11, "{name}: {off:e}");
+        }
+    }
+}
+
+/// A third of the Hamiltonians has a coupling of 10⁻⁹ that has no flow.
+#[test]
+fn what_is_almost_a_flow_is_none() {
+    let mut random = Random::new(3);
+    let mut refused = 0;
+    for n in 0..99 {
+        let mut number = || format!("{:.3}", 0.2 + random.number().abs());
+        let is_broken = n % 3 == 0;
+        let names = ["x1", "y1", "z1", "x2", "y2", "z2"];
+        let (structure, energy) = if n % 2 == 0 {
+            let coupling = if is_broken { " + 1e-9*x1*y2*z1" } else { "" };
+            let [a, b, c] = [(); 3].map(|()| number());
+            let energy = format!("{a}*x1*x2 + {b}*z1^2 + {c}*cos(y2){coupling}");
+            (spins(&names), energy)
+        } else {
+            let coupling = if is_broken { " + 1e-9*sin(x1*x2)" } else { "" };
+            let [a, b, c] = [(); 3].map(|()| number());
+            let energy =
+                format!("{a}*x2^2 + {b}*y2^2 + {c}*z2^2/2 + x1^2*y1 + exp(z1 - x1){coupling}");
+            (canonical(3), energy)
+        };
+        let system = system(&names, structure, &energy, &["0.1*x1"]);
+        match &system.description().parts {
+            Err(reason) => {
+                assert!(is_broken && reason.contains("no flow of"), "{energy}: {reason}");
+                refused += 1;
+            }
+            Ok(parts) => assert!(!is_broken, "{energy}: {parts:?}"),
+        }
+    }
+    assert_eq!(refused, 33);
+}

@@ -1,0 +1,31 @@
+//! Compositions of flows of a system known at run time.
+
+/// Parts of a system whose flows are known, see [`Flows`](crate::Flows).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Parts {
+    /// Number of parts.
+    pub number: usize,
+    /// For each noise m the part that has all of Hₘ, `None` where it is spread over several. Empty
+    /// where the flow of a single noise is not known.
+    pub of_noise: Vec<Option<usize>>,
+    /// Parts in words, such as `kick by q^2/2`; empty where there are none.
+    pub words: Vec<String>,
+}
+
+/// A move of a composition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Move {
+    /// Multiplies the state by the factor of this number.
+    Scale(usize),
+    /// Follows the flow of a part.
+    Flow {
+        /// Number of the part.
+        part: usize,
+        /// Share of the weight of H₀.
+        drift: f64,
+        /// Share of the weights of the noises.
+        noise: f64,
+        /// The only noise that moves, `None` for all.
+        only: Option<usize>,
+    },
+}
