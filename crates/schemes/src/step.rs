@@ -73,6 +73,23 @@ impl Step {
         dithered_exp(-damping.integral(time(number), time(number + 1)), number)
     }
 
+    /// A step of size `tau`, which may be negative, about the middle of this one, without damping.
+    pub(crate) fn undamped(&self, tau: f64) -> Self {
+        let t = self.t + 0.5 * (self.tau - tau);
+        let [first_decay, second_decay] = [1.0; 2];
+        let [rate_at_start, rate_at_middle, rate_at_end, damping_integral] = [0.0; 4];
+        Self {
+            t,
+            tau,
+            first_decay,
+            second_decay,
+            rate_at_start,
+            rate_at_middle,
+            rate_at_end,
+            damping_integral,
+        }
+    }
+
     /// The number n of the step.
     pub fn number(&self) -> u64 {
         (self.t / self.tau).round() as u64

@@ -64,7 +64,8 @@ pub fn number_of_areas(noises: usize) -> usize {
 }
 
 impl Expressions {
-    pub fn new(formulas: &Formulas) -> Self {
+    /// The expressions of a system; or of the `rest` of it, the terms of another graph.
+    pub fn new(formulas: &Formulas, rest: Option<(&Graph, &[Term])>) -> Self {
         let (dimension, noises) = (formulas.structure.len(), formulas.hamiltonians.len() - 1);
         let mut graph = Graph::new();
         let y: Vec<Id> = (0..dimension).map(|k| graph.input(k)).collect();
@@ -72,9 +73,19 @@ impl Expressions {
         let variables = [&y[..], &[t]].concat();
         let mut import =
             |formula: &Formula| graph.copy(Some(&formula.graph), &[formula.root], &variables)[0];
-        let hamiltonians: Vec<Id> = formulas.hamiltonians.iter().map(&mut import).collect();
+        let mut hamiltonians: Vec<Id> = formulas.hamiltonians.iter().map(&mut import).collect();
         let entries: Vec<Vec<Id>> =
             formulas.structure.iter().map(|row| row.iter().map(&mut import).collect()).collect();
+        if let Some((other, terms)) = rest {
+            hamiltonians.fill(graph.constant(0.0));
+            for term in terms {
+                let mut inputs = vec![t; other.inputs()];
+                inputs[..dimension].copy_from_slice(&y);
+                let root = graph.copy(Some(other), &[term.root], &inputs)[0];
+                let scaled = graph.scale(root, term.factor);
+                hamiltonians[term.of] = graph.add(hamiltonians[term.of], scaled);
+            }
+        }
         let energy = graph.constant(0.0);
         let (field, operations, flows) = (Vec::new(), Vec::new(), Default::default());
         let mut new =
@@ -128,7 +139,8 @@ impl Expressions {
     }
 
     /// Finds the parts of the Hamiltonians whose flows are known.
-    pub fn find_parts(&mut self, state: &[String]) -> Result<Parts, String> {
+    /// Also gives the terms without a flow, with their graph.
+    pub fn find_parts(&mut self, state: &[String]) -> (Result<Parts, String>, Graph, Vec<Term>) {
         let mut names = state.to_vec();
         names.resize(self.group(TIME).end, "t".into());
         let mut apart = self.clone();
@@ -138,7 +150,6 @@ impl Expressions {
             let product = graph.scale(root, factor);
             words::text(&graph, product, &names, Binding::Sum)
         };
-        let found = found.map_err(|root| format!("no flow of {} is known", text(root, 1.0)))?;
         let of_noise = |m: usize| {
             let has = |part: &Part| part.terms.iter().any(|term| term.of == m);
             let mut all = (0..found.len()).filter(|&k| has(&found[k]));
@@ -152,6 +163,8 @@ impl Expressions {
                 .collect();
             format!("{} by {}", part.kind(), terms.join(", "))
         };
+        let rest: Vec<Term> =
+            found.iter().filter(|part| part.is_rest()).flat_map(|part| part.terms.clone()).collect();
         let parts = Parts {
             number: found.len(),
             of_noise: (1..=self.noises).map(of_noise).collect(),
@@ -162,7 +175,14 @@ impl Expressions {
         let flow = |part: &Part| graph.copy(Some(&apart.graph), &part.flow, &inputs);
         self.flows.1 = found.iter().map(flow).collect();
         self.flows.0 = graph;
-        Ok(parts)
+        let parts = match &rest[..] {
+            [term, ..] if found.len() < 2 => {
+                Err(format!("no flow of {} is known", text(term.root, 1.0)))
+            }
+            _ if found.is_empty() => Err("it is too large to look for flows".into()),
+            _ => Ok(parts),
+        };
+        (parts, apart.graph, rest)
     }
 
     /// The flow of a part from y, with the weights of the Hamiltonians, at time t.
@@ -200,10 +220,15 @@ impl Expressions {
 
     /// Σ w·c over terms of one function, with the weights w of their Hamiltonians.
     pub fn weight(&mut self, terms: &[Term]) -> Id {
+        self.weighted(&terms.iter().map(|term| (term.of, term.factor)).collect::<Vec<_>>())
+    }
+
+    /// Σ c·w for the weights w of Hamiltonians and factors c.
+    pub fn weighted(&mut self, shares: &[(usize, f64)]) -> Id {
         let weights = [self.inputs(DT), self.inputs(DW)].concat();
         let mut sum = self.graph.constant(0.0);
-        for term in terms {
-            let weight = self.graph.scale(weights[term.of], term.factor);
+        for &(m, factor) in shares {
+            let weight = self.graph.scale(weights[m], factor);
             sum = self.graph.add(sum, weight);
         }
         sum

@@ -4,7 +4,8 @@
 //! its field Σ ∂ᵢF(ℓ) B(y)aᵢ is a sum of commuting fields with constant weights, each affine in y
 //! if B is: kicks, turns about an axis, and boosts. A pair of vectors under so(3) whose product is
 //! the Hamiltonian turns about its sum. For any B, a field that changes nothing that it reads is a
-//! kick, and one that multiplies components by what it does not change is a growth.
+//! kick, and one that multiplies components by what it does not change is a growth. Terms of none of
+//! these forms are one part, whose steps preserve its energy.
 
 use std::{collections::BTreeSet, slice::from_ref};
 
@@ -45,10 +46,14 @@ pub struct Term {
 enum Kind {
     /// Functions of linear functions.
     Linear(Vec<Linear>),
+    /// A quadratic function for a constant B, with its shares in the Hamiltonians.
+    Quadratic { field: Linear, shares: Vec<(usize, f64)> },
     /// Products of two vectors, by their components.
     Pairs(Vec<[[usize; 3]; 2]>),
     /// A field that changes some components, those `grown` by a factor, and reads others.
     Kick { changed: BTreeSet<usize>, grown: BTreeSet<usize>, read: BTreeSet<usize> },
+    /// Terms without a known flow.
+    Rest,
 }
 
 /// A linear function with its field.
@@ -71,6 +76,11 @@ struct Block {
 }
 
 impl Part {
+    /// Whether its flow is not known.
+    pub fn is_rest(&self) -> bool {
+        matches!(self.kind, Kind::Rest)
+    }
+
     /// Name of the form in words.
     pub fn kind(&self) -> &'static str {
         let is = |cube: fn(f64) -> bool, all: &[Linear]| {
@@ -80,6 +90,8 @@ impl Part {
             Kind::Pairs(_) => "turn of pairs",
             Kind::Kick { grown, .. } if grown.is_empty() => "kick",
             Kind::Kick { .. } => "growth",
+            Kind::Rest => "energy-preserving step",
+            Kind::Quadratic { .. } => "exact flow",
             Kind::Linear(all) if is(|cube| cube < 0.0, all) => "turn",
             Kind::Linear(all) if is(|cube| cube > 0.0, all) => "boost",
             Kind::Linear(_) => "kick",
@@ -87,14 +99,13 @@ impl Part {
     }
 }
 
-/// The parts of the Hamiltonians, of which the last is the longest; or the first term that has no
-/// flow.
-pub fn parts(system: &mut Expressions) -> Result<Vec<Part>, Id> {
+/// The parts of the Hamiltonians, the last of which is that without a flow, or else the longest.
+pub fn parts(system: &mut Expressions) -> Vec<Part> {
     if system.dimension > MAX_COMPONENTS {
-        return Err(system.hamiltonian(0));
+        return Vec::new();
     }
     let mut found: Vec<Single> = Vec::new();
-    for (group, kind) in singles(system)? {
+    for (group, kind) in singles(system) {
         match found
             .iter_mut()
             .find_map(|(terms, known)| known.with(&kind).map(|k| (terms, known, k)))
@@ -109,16 +120,19 @@ pub fn parts(system: &mut Expressions) -> Result<Vec<Part>, Id> {
     let mut parts = Vec::new();
     for (terms, kind) in found {
         let flow = kind.flow(system, &terms);
-        let length = system.graph.needed(&flow).iter().filter(|needed| **needed).count();
+        let length = match kind {
+            Kind::Rest => usize::MAX,
+            _ => system.graph.needed(&flow).iter().filter(|needed| **needed).count(),
+        };
         parts.push((length, Part { terms, kind, flow }));
     }
     parts.sort_by_key(|(length, _)| *length);
-    Ok(parts.into_iter().map(|(_, part)| part).collect())
+    parts.into_iter().map(|(_, part)| part).collect()
 }
 
 /// Each term of the Hamiltonians with its flow; linear terms of one Hamiltonian are one, and so is
 /// the product of two vectors.
-fn singles(system: &mut Expressions) -> Result<Vec<Single>, Id> {
+fn singles(system: &mut Expressions) -> Vec<Single> {
     let (mut found, axes) = (Vec::new(), axes(system));
     for m in 0..=system.noises {
         let mut all = all_terms(system, m);
@@ -136,15 +150,39 @@ fn singles(system: &mut Expressions) -> Result<Vec<Single>, Id> {
             let root = sum.expression(&mut system.graph, &y);
             all.push(Term { of: m, root, factor: 1.0 });
         }
+        found.extend(quadratic(system, m, &mut all));
         while let Some(pair) = pair(system, &axes, &mut all) {
             found.push(pair);
         }
         for term in all {
             let kind = linear_kind(system, &term).or_else(|| kick(system, &term));
-            found.push((vec![term.clone()], kind.ok_or(term.root)?));
+            found.push((vec![term], kind.unwrap_or(Kind::Rest)));
         }
     }
-    Ok(found)
+    found
+}
+
+/// The quadratic terms of a Hamiltonian, if B is constant and their motion is one of oscillators
+/// that are not coupled; they are taken out.
+fn quadratic(system: &mut Expressions, m: usize, all: &mut Vec<Term>) -> Option<Single> {
+    let y: Vec<usize> = (0..system.dimension).collect();
+    let degrees = system.graph.degrees(&all.iter().map(|term| term.root).collect::<Vec<_>>(), &y);
+    let degree = |term: &Term| degrees[term.root.index()];
+    let is_quadratic = |term: &Term| matches!(degree(term), Some(..=2));
+    if !all.iter().any(|term| degree(term) == Some(2)) {
+        return None;
+    }
+    let few: Vec<Term> = all.iter().filter(|term| is_quadratic(term)).cloned().collect();
+    let weighted: Vec<(Id, Id)> =
+        few.iter().map(|term| (term.root, system.graph.constant(term.factor))).collect();
+    let gradient = system.graph.reverse(&weighted, &y);
+    let field = Linear::of_gradient(system, Affine::default(), &gradient)?;
+    let cubes = || field.blocks.iter().map(|block| block.cube);
+    if cubes().any(|cube| cube > 0.0) || !cubes().any(|cube| cube < 0.0) {
+        return None;
+    }
+    all.retain(|term| !is_quadratic(term));
+    Some((few, Kind::Quadratic { field, shares: vec![(m, 1.0)] }))
 }
 
 /// The terms of a Hamiltonian that depend on y.
@@ -207,7 +245,12 @@ impl Linear {
         let gradient: Vec<Id> = (0..system.dimension)
             .map(|k| system.graph.constant(slopes.slopes.get(&k).copied().unwrap_or(0.0)))
             .collect();
-        let roots = system.field_of_gradient(&gradient);
+        Self::of_gradient(system, slopes, &gradient)
+    }
+
+    /// The field B∇F of a gradient, if it is affine in y and has a closed form.
+    fn of_gradient(system: &mut Expressions, slopes: Affine, gradient: &[Id]) -> Option<Self> {
+        let roots = system.field_of_gradient(gradient);
         let shapes = forms(&system.graph, system.dimension);
         let field = roots.iter().map(|root| shapes[root.index()].clone());
         let field = field.collect::<Option<Vec<Affine>>>()?;
@@ -352,6 +395,27 @@ impl Kind {
                 }
                 Some(Self::Linear(all))
             }
+            (
+                Self::Quadratic { field, shares },
+                Self::Quadratic { field: other, shares: more },
+            ) => {
+                let moves = field.field.iter().position(|form| !form.is_zero())?;
+                let ratio = other.field[moves].over(&field.field[moves])?;
+                let is_multiple = |(other, own): (&Affine, &Affine)| {
+                    let mut rest = other.clone();
+                    rest.add(-ratio, own);
+                    rest.is_zero()
+                };
+                let more = more.iter().map(|&(m, share)| (m, ratio * share));
+                let shares = shares.iter().copied().chain(more).collect();
+                other
+                    .field
+                    .iter()
+                    .zip(&field.field)
+                    .all(is_multiple)
+                    .then(|| Self::Quadratic { field: field.clone(), shares })
+            }
+            (Self::Rest, Self::Rest) => Some(Self::Rest),
             (Self::Pairs(known), Self::Pairs(new)) => {
                 let meets = |a: &[[usize; 3]; 2], b: &[[usize; 3]; 2]| {
                     a.iter().flatten().any(|k| b.iter().flatten().any(|l| k == l))
@@ -382,6 +446,11 @@ impl Kind {
                     one.turn(&mut system.graph, angle, &mut y);
                 }
             }
+            Self::Quadratic { field, shares } => {
+                let time = system.weighted(shares);
+                field.turn(&mut system.graph, time, &mut y);
+            }
+            Self::Rest => {}
             Self::Pairs(pairs) => {
                 for vectors in pairs {
                     let of_pair = |term: &&Term| {

@@ -10,13 +10,14 @@ mod program;
 use std::{
     ops::Range,
     slice::{from_mut, from_ref},
+    sync::Arc,
 };
 
 use dgrad::{Rule, nodes_for_degree};
 use real::{Bounded, Row, WIDTH};
 use systems::{
     Linearity, SystemError,
-    run_time::{Description, InTime, MAX_INPUTS, Move, Op, Program, Recorded, System, Weights},
+    run_time::{Description, InTime, MAX_INPUTS, Move, Op, Parts, Program, Recorded, System, Weights},
     shown_solvable,
 };
 
@@ -67,7 +68,9 @@ const MAX_EXPRESSIONS: usize = 100_000;
 /// ```
 pub struct FormulaSystem {
     description: Description,
-    formulas: Formulas,
+    formulas: Arc<Formulas>,
+    /// Terms without a known flow.
+    rest: Option<Box<Self>>,
     energy: Tape,
     guard: Option<Tape>,
     expressions: Expressions,
@@ -80,9 +83,24 @@ impl FormulaSystem {
     /// # Errors
     /// [`DefinitionError`] with the formula and the place in it.
     pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
-        let formulas = Formulas::new(definition, y0)?;
-        let mut expressions = Expressions::new(&formulas);
-        let parts = expressions.find_parts(&definition.state);
+        let formulas = Arc::new(Formulas::new(definition, y0)?);
+        let mut expressions = Expressions::new(&formulas, None);
+        let (parts, graph, rest) = expressions.find_parts(&definition.state);
+        let rest = (parts.is_ok() && !rest.is_empty()).then(|| {
+            let expressions = Expressions::new(&formulas, Some((&graph, &rest)));
+            let none = Err("it is a part itself".into());
+            Box::new(Self::of(definition, Arc::clone(&formulas), expressions, none, y0))
+        });
+        Ok(Self { rest, ..Self::of(definition, formulas, expressions, parts, y0) })
+    }
+
+    fn of(
+        definition: &Definition,
+        formulas: Arc<Formulas>,
+        mut expressions: Expressions,
+        parts: Result<Parts, String>,
+        y0: &[f64],
+    ) -> Self {
         let has_step = expressions.of(&Op::Cayley { y: (), v: () }).is_some();
         let linearity = match expressions.structure_degree() {
             Some(0) if has_step => Linearity::Constant,
@@ -122,6 +140,7 @@ impl FormulaSystem {
             ..Description::new(&definition.name, dimension, noises, rule)
         };
         let mut system = Self {
+            rest: None,
             description,
             energy: expressions.energy_tape(),
             guard: has_guard.then(|| expressions.guard_tape()),
@@ -132,7 +151,7 @@ impl FormulaSystem {
         // More rows have dt and t.
         let guard = system.guard.as_ref().map_or(0, Tape::scratch_rows);
         system.description.own_scratch_rows = guard.max(system.energy.scratch_rows() + 1) + 1;
-        Ok(system)
+        system
     }
 
     /// The names of components and parameters, for more formulas.
@@ -188,6 +207,10 @@ impl System for FormulaSystem {
         Some(Box::new(self.programs.program(&self.expressions, key)?))
     }
 
+    fn rest(&self) -> Option<&dyn System> {
+        self.rest.as_ref().map(|rest| &**rest as _)
+    }
+
     fn compose(&self, moves: &[Move]) -> Option<Box<dyn Program>> {
         let key = Key::Composition(moves.into());
         Some(Box::new(self.programs.program(&self.expressions, key)?))
@@ -221,7 +244,7 @@ impl System for FormulaSystem {
     /// The formulas of B, H₀ and Hₘ must be finite. The error names the first component that the
     /// formula uses which is not.
     fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
-        let Formulas { structure, hamiltonians, .. } = &self.formulas;
+        let Formulas { structure, hamiltonians, .. } = &*self.formulas;
         let mut all = hamiltonians.iter().chain(structure.iter().flatten());
         let start = [y, &[0.0]].concat();
         let at_start = |formula: &Formula| formula.value(&start[..formula.variables.len()]);

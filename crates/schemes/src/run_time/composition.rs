@@ -9,7 +9,7 @@ use systems::{
 };
 
 use super::{Scheme, SchemeError};
-use crate::{Nv, Split, Step, Stepper, nv::Sweep};
+use crate::{Nv, Sexp, Split, Step, Stepper, Sweep};
 
 /// The parts of a system.
 fn parts<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
@@ -43,7 +43,7 @@ impl Scheme for Split {
         let number = parts("split", system)?.number;
         let flows = symmetric(number, [1.0, 1.0], None);
         let moves = [Move::Scale(0)].into_iter().chain(flows).chain([Move::Scale(1)]);
-        Ok(Box::new(CompositionStepper::new(system, vec![moves.collect()])))
+        Ok(Box::new(CompositionStepper::new(system, vec![moves.collect()])?))
     }
 }
 
@@ -85,43 +85,60 @@ impl Scheme for Nv {
                 Sweep::Forward => vec![forward],
                 Sweep::Backward => vec![backward],
             },
-        )))
+        )?))
     }
 }
 
 /// Moves in turn.
 struct CompositionStepper<'a> {
     system: &'a dyn System,
-    /// Moves of a step, as one program if the system has it; steps take them in turn.
-    steps: Vec<(Vec<Move>, Option<Box<dyn Program>>)>,
+    /// The pieces of a step; steps take them in turn.
+    steps: Vec<Vec<Piece>>,
+    /// The part without a flow.
+    rest: Option<Box<dyn Stepper + 'a>>,
     state: Rows,
     next: Rows,
-    dw: Rows,
+    dw: StepNoise,
     scratch: Rows,
 }
 
+/// Moves of a step that are done at once.
+enum Piece {
+    /// Flows of which the system has made a program.
+    Program(Box<dyn Program>),
+    /// One move.
+    Move(Move),
+}
+
 impl<'a> CompositionStepper<'a> {
-    fn new(system: &'a dyn System, steps: Vec<Vec<Move>>) -> Self {
+    fn new(system: &'a dyn System, steps: Vec<Vec<Move>>) -> Result<Self, SchemeError> {
         let description = system.description();
-        let layout = description.layout;
-        let steps: Vec<_> = steps
-            .into_iter()
-            .map(|moves| {
-                let program = system.compose(&moves);
-                (moves, program)
+        let rest = system.rest().map(|rest| Scheme::stepper(&Sexp, rest)).transpose()?;
+        let last = description.parts.as_ref().map_or(0, |parts| parts.number - 1);
+        let is_rest = |one: &Move| {
+            rest.is_some() && matches!(one, Move::Flow { part, .. } if *part == last)
+        };
+        let pieces = |moves: &[Move]| match system.compose(moves) {
+            Some(program) => vec![Piece::Program(program)],
+            None => moves.iter().copied().map(Piece::Move).collect(),
+        };
+        let step = |moves: Vec<Move>| -> Vec<Piece> {
+            let runs = moves.chunk_by(|one, next| !is_rest(one) && !is_rest(next));
+            runs.flat_map(|run| match run {
+                [one] if is_rest(one) => vec![Piece::Move(*one)],
+                run => pieces(run),
             })
-            .collect();
-        let is_compiled = steps.iter().all(|(_, program)| program.is_some());
-        let [compiled, each] =
-            [is_compiled, !is_compiled].map(|is| move |n| if is { n } else { 0 });
-        Self {
+            .collect()
+        };
+        Ok(Self {
             system,
-            steps,
-            state: Rows::zero(layout.rows),
-            next: Rows::zero(compiled(layout.rows)),
-            dw: Rows::zero(each(layout.noise_rows)),
-            scratch: Rows::zero(each(description.scratch_rows())),
-        }
+            steps: steps.into_iter().map(step).collect(),
+            rest,
+            state: Rows::zero(description.layout.rows),
+            next: Rows::zero(description.layout.rows),
+            dw: StepNoise::none(description.layout.noise_rows, false),
+            scratch: Rows::zero(description.scratch_rows()),
+        })
     }
 }
 
@@ -136,34 +153,43 @@ impl Stepper for CompositionStepper<'_> {
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         *status = BlockStatus::explicit();
-        let Self { system, steps, state, next, dw, scratch } = self;
-        let which = step.number() as usize % steps.len();
-        let (moves, program) = &mut steps[which];
+        let Self { system, steps, rest, state, next, dw, scratch } = self;
+        let number = step.number() as usize % steps.len();
         let factors = [step.first_decay, step.second_decay];
         let t = step.t + 0.5 * step.tau;
-        if let Some(program) = program {
-            let h = Weights { t, dt: step.tau, dw: &noise.increments, ..Weights::NONE };
-            program.run(&[state], &factors, h, next);
-            std::mem::swap(state, next);
-        } else {
-            let mut shares = (f64::NAN, None);
-            for one in moves {
-                match *one {
-                    Move::Scale(k) => {
-                        state.iter_mut().flatten().for_each(|y| *y *= factors[k]);
-                    }
-                    Move::Flow { part, drift, noise: share, only } => {
-                        if shares != (share, only) {
-                            shares = (share, only);
-                            for (m, (to, from)) in dw.iter_mut().zip(&*noise.increments).enumerate()
-                            {
-                                let share =
-                                    if only.is_none_or(|only| only == m) { share } else { 0.0 };
-                                to.iter_mut().zip(from).for_each(|(to, dw)| *to = share * dw);
-                            }
+        let mut shares = (f64::NAN, None);
+        for piece in &mut steps[number] {
+            match piece {
+                Piece::Program(program) => {
+                    let h = Weights { t, dt: step.tau, dw: &noise.increments, ..Weights::NONE };
+                    program.run(&[state], &factors, h, next);
+                    std::mem::swap(state, next);
+                }
+                Piece::Move(Move::Scale(k)) => {
+                    state.iter_mut().flatten().for_each(|y| *y *= factors[*k]);
+                }
+                Piece::Move(Move::Flow { part, drift, noise: share, only }) => {
+                    if shares != (*share, *only) {
+                        shares = (*share, *only);
+                        for (m, row) in dw.increments.iter_mut().enumerate() {
+                            let share = if only.is_none_or(|only| only == m) { *share } else { 0.0 };
+                            let all = row.iter_mut().zip(&noise.increments[m]);
+                            all.for_each(|(to, dw)| *to = share * dw);
                         }
-                        let h = Weights { t, dt: drift * step.tau, dw, ..Weights::NONE };
-                        system.flow(part, state, h, scratch);
+                    }
+                    let dt = *drift * step.tau;
+                    match rest {
+                        Some(rest) => {
+                            rest.state_mut().copy_from_slice(state);
+                            rest.step(&step.undamped(dt), dw, status);
+                            state.copy_from_slice(rest.state());
+                            // Stays so until the end of the step.
+                            status.failed.paths().for_each(|p| state[0][p] = f64::NAN);
+                        }
+                        None => {
+                            let h = Weights { t, dt, dw: &dw.increments, ..Weights::NONE };
+                            system.flow(*part, state, h, scratch);
+                        }
                     }
                 }
             }

@@ -71,6 +71,12 @@ pub trait System: Send + Sync {
         None
     }
 
+    /// The last of the [parts](Description::parts), if its flow is not known: an energy-preserving
+    /// step stands for it.
+    fn rest(&self) -> Option<&dyn System> {
+        None
+    }
+
     /// h(y) of each path. If rows belong to one path, h is the sum over the row.
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]);
 
