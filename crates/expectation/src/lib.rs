@@ -92,7 +92,7 @@ use std::{cell::Cell, sync::Arc};
 
 use noise::{Purpose, StreamKey, Truncation};
 use schemes::{
-    BuiltIn, Method, Nv, Scheme, SchemeError, Sexp, SexpLi, run_time::Scheme as AtRunTime,
+    BuiltIn, Method, Nv, Scheme, SchemeError, Sexp, SexpLi, Sweep, run_time::Scheme as AtRunTime,
 };
 use systems::{Damping, Flows, Linearity, PoissonSystem, run_time};
 
@@ -254,6 +254,15 @@ impl<'a> Expect<'a> {
     /// [`SchemeError`] if no scheme is for the system.
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let system = problem.system();
+        let own = |scheme| Setup::owning(problem, Box::new(scheme) as _);
+        let nv = |sweep| own(Nv { sweep }).ok().filter(|_| system.rest().is_none());
+        if let (Some(forward), Some(backward)) = (nv(Sweep::Forward), nv(Sweep::Backward)) {
+            let several = system.description().noises > 1;
+            let mirror = several.then_some(backward.scheme);
+            let orders = Orders { weak: 2.0, next: 4.0 };
+            let first = Candidate { setup: forward, mirror, orders };
+            return Ok(Self::among(vec![first, Setup::owning(problem, Box::new(Sexp))?.into()]));
+        }
         let constant = system.description().linearity == Linearity::Constant;
         let first = SexpLi::at_run_time(system).ok().filter(|_| !constant);
         let first = first.map(|first| Box::new(first) as Box<dyn AtRunTime>);

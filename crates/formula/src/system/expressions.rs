@@ -163,11 +163,15 @@ impl Expressions {
                 .collect();
             format!("{} by {}", part.kind(), terms.join(", "))
         };
-        let rest: Vec<Term> =
-            found.iter().filter(|part| part.is_rest()).flat_map(|part| part.terms.clone()).collect();
+        let rest: Vec<Term> = found
+            .iter()
+            .filter(|part| part.is_rest())
+            .flat_map(|part| part.terms.clone())
+            .collect();
         let parts = Parts {
             number: found.len(),
             of_noise: (1..=self.noises).map(of_noise).collect(),
+            preferred: false,
             words: found.iter().map(words).collect(),
         };
         let mut graph = Graph::new();

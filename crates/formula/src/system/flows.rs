@@ -151,6 +151,7 @@ fn singles(system: &mut Expressions) -> Vec<Single> {
             all.push(Term { of: m, root, factor: 1.0 });
         }
         found.extend(quadratic(system, m, &mut all));
+        spare(system, &axes, &mut all);
         while let Some(pair) = pair(system, &axes, &mut all) {
             found.push(pair);
         }
@@ -332,6 +333,28 @@ fn axes(system: &mut Expressions) -> Vec<Option<[usize; 2]>> {
     (0..dimension).map(axis).collect()
 }
 
+/// Takes the middle one of three squares of a vector under so(3) from all of them: |y|² moves
+/// nothing. Angles are least then, and one part less turns.
+fn spare(system: &Expressions, axes: &[Option<[usize; 2]>], all: &mut Vec<Term>) {
+    let square = |all: &[Term], k: usize| {
+        all.iter().position(|term| match system.graph.node(term.root) {
+            Node::Power(x, 2) => system.graph.node(x) == Node::Input(k as u32),
+            _ => false,
+        })
+    };
+    for (k, axis) in axes.iter().enumerate() {
+        let Some([i, j]) = *axis else { continue };
+        let is_vector = axes[i] == Some([j, k]) && axes[j] == Some([k, i]);
+        let places = [k, i, j].map(|k| square(all, k));
+        if let ([Some(a), Some(b), Some(c)], true) = (places, is_vector && k < i && k < j) {
+            let mut factors = [a, b, c].map(|n| all[n].factor);
+            factors.sort_unstable_by(f64::total_cmp);
+            [a, b, c].iter().for_each(|&n| all[n].factor -= factors[1]);
+            all.retain(|term| term.factor != 0.0);
+        }
+    }
+}
+
 /// A product of two vectors of so(3) among the terms, which it takes out.
 fn pair(system: &Expressions, axes: &[Option<[usize; 2]>], all: &mut Vec<Term>) -> Option<Single> {
     let graph = &system.graph;
@@ -395,10 +418,7 @@ impl Kind {
                 }
                 Some(Self::Linear(all))
             }
-            (
-                Self::Quadratic { field, shares },
-                Self::Quadratic { field: other, shares: more },
-            ) => {
+            (Self::Quadratic { field, shares }, Self::Quadratic { field: other, shares: more }) => {
                 let moves = field.field.iter().position(|form| !form.is_zero())?;
                 let ratio = other.field[moves].over(&field.field[moves])?;
                 let is_multiple = |(other, own): (&Affine, &Affine)| {
@@ -527,33 +547,36 @@ impl Linear {
     fn turn(&self, graph: &mut Graph, time: Id, y: &mut [Id]) {
         let start = y.to_vec();
         for Block { components, cube, second } in &self.blocks {
-            let [first, twice] = by_cube(graph, time, *cube);
+            let rate = if *cube == 0.0 { 1.0 } else { cube.abs().sqrt() };
+            let angle = graph.scale(time, rate);
+            let weights = by_cube(graph, angle, *cube);
             for (&k, second) in components.iter().zip(second) {
-                let rate = self.field[k].expression(graph, &start);
-                let change = graph.mul(rate, first);
+                let forms = [self.field[k].times(1.0 / rate), second.times(1.0 / (rate * rate))];
+                let [first, second] = [0, 1].map(|n| {
+                    let form = forms[n].expression(graph, &start);
+                    graph.mul(form, weights[n])
+                });
+                let change = graph.add(first, second);
                 y[k] = graph.add(start[k], change);
-                let rate = second.expression(graph, &start);
-                let change = graph.mul(rate, twice);
-                y[k] = graph.add(y[k], change);
             }
         }
     }
 }
 
-/// The numbers a, b of exp(tK) = 1 + aK + bK² for K³ = cK: t and ½t² for c = 0; sin(ωt)/ω and (1 −
-/// cos ωt)/ω² for c = −ω²; sinh(ωt)/ω and (cosh ωt − 1)/ω² for c = ω².
+/// The numbers a, b of exp(tK) = 1 + aK + bK² for K³ = cK with c = 0, −1 or 1, by the sign of `cube`:
+/// t and ½t², sin t and 1 − cos t, sinh t and cosh t − 1.
 fn by_cube(graph: &mut Graph, time: Id, cube: f64) -> [Id; 2] {
-    let (functions, rate) = match cube {
+    let functions = match cube {
         0.0 => {
             let square = graph.power(time, 2);
             return [time, graph.scale(square, 0.5)];
         }
-        ..0.0 => ([Unary::Sin, Unary::Cos], (-cube).sqrt()),
-        _ => ([Unary::Sinh, Unary::Cosh], cube.sqrt()),
+        ..0.0 => [Unary::Sin, Unary::Cos],
+        _ => [Unary::Sinh, Unary::Cosh],
     };
     // Of half of the angle, so that nothing cancels.
-    let half = graph.scale(time, 0.5 * rate);
+    let half = graph.scale(time, 0.5);
     let [odd, even] = functions.map(|function| graph.unary(function, half));
-    let (product, square) = (graph.mul(odd, even), graph.power(odd, 2));
-    [graph.scale(product, 2.0 / rate), graph.scale(square, 2.0 / (rate * rate))]
+    let twice = graph.scale(odd, 2.0);
+    [graph.mul(twice, even), graph.mul(twice, odd)]
 }

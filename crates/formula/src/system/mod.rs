@@ -17,7 +17,9 @@ use dgrad::{Rule, nodes_for_degree};
 use real::{Bounded, Row, WIDTH};
 use systems::{
     Linearity, SystemError,
-    run_time::{Description, InTime, MAX_INPUTS, Move, Op, Parts, Program, Recorded, System, Weights},
+    run_time::{
+        Description, InTime, MAX_INPUTS, Move, Op, Parts, Program, Recorded, System, Weights,
+    },
     shown_solvable,
 };
 

@@ -56,7 +56,7 @@ impl Conserved {
     pub fn scheme(self, system: &dyn System) -> (&'static str, String) {
         let system = system.description();
         let scheme = match self.areas {
-            _ if system.parts.is_ok() => "split",
+            _ if system.parts.as_ref().is_ok_and(|parts| parts.preferred) => "split",
             _ if system.is_transverse => "sexp-li",
             true => "sexp-levy",
             false => "sexp",

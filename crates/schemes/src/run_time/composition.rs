@@ -115,9 +115,8 @@ impl<'a> CompositionStepper<'a> {
         let description = system.description();
         let rest = system.rest().map(|rest| Scheme::stepper(&Sexp, rest)).transpose()?;
         let last = description.parts.as_ref().map_or(0, |parts| parts.number - 1);
-        let is_rest = |one: &Move| {
-            rest.is_some() && matches!(one, Move::Flow { part, .. } if *part == last)
-        };
+        let is_rest =
+            |one: &Move| rest.is_some() && matches!(one, Move::Flow { part, .. } if *part == last);
         let pieces = |moves: &[Move]| match system.compose(moves) {
             Some(program) => vec![Piece::Program(program)],
             None => moves.iter().copied().map(Piece::Move).collect(),
@@ -172,7 +171,8 @@ impl Stepper for CompositionStepper<'_> {
                     if shares != (*share, *only) {
                         shares = (*share, *only);
                         for (m, row) in dw.increments.iter_mut().enumerate() {
-                            let share = if only.is_none_or(|only| only == m) { *share } else { 0.0 };
+                            let share =
+                                if only.is_none_or(|only| only == m) { *share } else { 0.0 };
                             let all = row.iter_mut().zip(&noise.increments[m]);
                             all.for_each(|(to, dw)| *to = share * dw);
                         }

@@ -105,7 +105,7 @@ impl SpinLattice {
                 axis + 1
             ))
         } else {
-            Ok(Parts { number: parts.len(), ..Parts::default() })
+            Ok(Parts { number: parts.len(), preferred: true, ..Parts::default() })
         };
         let sites = shape.sites();
         let noises = if couplings.local { 3 * sites } else { 3 };

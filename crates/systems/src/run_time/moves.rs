@@ -8,6 +8,8 @@ pub struct Parts {
     /// For each noise m the part that has all of Hₘ, `None` where it is spread over several. Empty
     /// where the flow of a single noise is not known.
     pub of_noise: Vec<Option<usize>>,
+    /// Whether paths take flows unless another scheme is named, since its steps are dear.
+    pub preferred: bool,
     /// Parts in words, such as `kick by q^2/2`; empty where there are none.
     pub words: Vec<String>,
 }
