@@ -59,7 +59,7 @@ pub use compare::compare;
 pub use expect::expect;
 pub use inspect::inspect;
 pub use order::order;
-pub use referee::{Claims, Measure, judge, single_steps, solver_noise};
+pub use referee::{Measure, judge, single_steps, solver_noise};
 pub use run::{Outcomes, Results, compute, ready, settle};
 pub use stationary::equilibrium;
 
