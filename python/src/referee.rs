@@ -87,13 +87,8 @@ pub fn single_steps<'py>(
 
 /// States at time 0, at each step size, at the coarsest again, by the reference, and after single
 /// steps.
-type Answers<'py> = (
-    States<'py>,
-    Vec<States<'py>>,
-    States<'py>,
-    [States<'py>; 2],
-    Vec<[States<'py>; 2]>,
-);
+type Answers<'py> =
+    (States<'py>, Vec<States<'py>>, States<'py>, [States<'py>; 2], Vec<[States<'py>; 2]>);
 /// Claims: strong and weak order; whether laws are kept, and whether all steps are the same map.
 type Said = (Option<f64>, Option<f64>, bool, bool);
 
@@ -103,11 +98,12 @@ pub fn judge<'py>(
     py: Python<'py>,
     given: Given<'py>,
     sizes: Sizes,
-    (start, levels, again, reference, single): Answers<'py>,
+    answers: Answers<'py>,
     seconds: Vec<f64>,
     said: Said,
     how: How,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let (start, levels, again, reference, single) = answers;
     let of = |states: States<'py>| states.as_array().iter().copied().collect::<Vec<f64>>();
     let states = SolverStates {
         start: of(start),

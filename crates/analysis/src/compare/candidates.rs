@@ -92,7 +92,7 @@ pub struct CompareSettings {
     pub error: f64,
     /// Budget in seconds of wall time. When it is spent, the findings so far are the answer.
     pub budget_s: f64,
-    /// Number of paths for errors, 32 at least.
+    /// Number of paths for errors, 32 at least; 32 where there is no time.
     pub samples: u64,
     /// Truncation of increments.
     pub truncation: Truncation,
@@ -105,7 +105,7 @@ pub struct CompareSettings {
 }
 
 /// Least number of paths for intervals.
-const MIN_SAMPLES: u64 = 32;
+pub const MIN_SAMPLES: u64 = 32;
 /// Final time from which steps below ½ are too many.
 const LATEST: f64 = 1e9;
 

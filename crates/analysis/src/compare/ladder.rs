@@ -9,7 +9,7 @@ use mc::{
 use noise::{Purpose, StreamKey};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use real::{
-    Row,
+    Row, WIDTH,
     elementary::{exp2, log2},
 };
 use schemes::Method;
@@ -17,7 +17,7 @@ use stats::{CrossMoments, root_mean_square_interval};
 
 use super::{
     Candidate, Candidates, Choice, CompareSettings, Comparison, ErrorPoint, Outcome, Sampled,
-    Stopped, verdict::choose,
+    Stopped, candidates::MIN_SAMPLES, verdict::choose,
 };
 use crate::{
     FinalMoments, Limit, Spread, StepSizes, Stopwatch,
@@ -43,11 +43,9 @@ const REFERENCES: usize = 3;
 const RESOLVED: f64 = 0.25;
 /// Rungs that follow the first at which a scheme has the wanted error.
 const REACH: u32 = 6;
-/// Number of measurements of each time.
+/// Number of measurements of each time, and seconds that one takes at least.
 const REPETITIONS: usize = 3;
-/// Number of paths that are timed together, and least number of steps over all paths of a time.
-const PATHS: u64 = 128;
-const PATH_STEPS: u64 = 1 << 14;
+const MIN_TIME_S: f64 = 0.01;
 
 /// Comparison in progress. On rung k a path has 2ᵏ times the least number of steps.
 pub struct Climb<'a> {
@@ -199,23 +197,27 @@ impl<'a> Climb<'a> {
         let (mut reference, mut last) = (rung + AHEAD, MAX_LOG_STEPS - AHEAD - self.base.ilog2());
         let climbing = |all: &[Climber<'_>]| all.iter().filter(|one| one.climbs()).count();
         let number = climbing(all);
+        let mut samples = MIN_SAMPLES;
         loop {
             for one in all.iter_mut().filter(|one| one.climbs()) {
                 one.rungs.end = one.rungs.start.max(rung + 1);
-                for rung in one.rungs.clone().skip(one.times.len()) {
-                    one.times.push(self.time(&one.scheme, self.base << rung, stop)?);
-                }
             }
-            let measured = self.measure(all, reference, stop)?;
+            let (points, sampled, of_reference) = self.measure(all, (reference, samples), stop)?;
             if stop.is_asked() {
                 return Ok(true);
             }
-            let (points, sampled, of_reference) = measured;
-            all.iter_mut().zip(points).for_each(|(one, points)| one.points = points);
             *found = (sampled, of_reference);
+            for (one, points) in all.iter_mut().zip(points) {
+                one.points = points;
+                self.time(one, stop)?;
+            }
             let ends = all.iter().flat_map(|one| &one.points).map(|point| point.hi);
             let left = self.settings.budget_s - self.start.elapsed().as_secs_f64();
             (self.told)(ends.fold(f64::INFINITY, f64::min), left.max(0.0));
+            if samples < self.settings.samples {
+                samples = self.settings.samples;
+                continue;
+            }
             if climbing(all) < number {
                 last = last.min(rung + REACH);
             }
@@ -232,11 +234,10 @@ impl<'a> Climb<'a> {
     fn measure(
         &self,
         all: &[Climber<'a>],
-        reference: u32,
+        (reference, samples): (u32, u64),
         stop: &Stop,
     ) -> Result<(Vec<Vec<ErrorPoint>>, Sampled, f64), LadderError> {
         let Self { problem, candidates, settings, base, .. } = *self;
-        let samples = settings.samples;
         let top = all.iter().map(|one| one.rungs.end.saturating_sub(1)).fold(reference, u32::max);
         let run = |scheme: &Arc<dyn Method + 'a>, rung: u32| {
             Run::new(Arc::clone(scheme), (top - rung) as usize)
@@ -261,7 +262,7 @@ impl<'a> Climb<'a> {
         let rms = |index: usize| moments.mean(index).sqrt();
         let of_reference = left(rms(1), root_mean_square(&moments, 0));
         let mut squares = (REFERENCES..).step_by(2);
-        let mut point = |((rung, time), square): ((u32, &Spread), usize)| {
+        let mut point = |(rung, square): (u32, usize)| {
             let [lo, error, hi] = root_mean_square(&moments, square);
             ErrorPoint {
                 steps: base << rung,
@@ -270,13 +271,11 @@ impl<'a> Climb<'a> {
                 hi: hi + of_reference,
                 resolved: of_reference <= RESOLVED * error,
                 defect: (!casimirs.is_empty()).then(|| rms(square + 1)),
-                time: Some(*time),
+                time: None,
             }
         };
-        let mut points = |one: &Climber<'_>| {
-            let rungs = one.rungs.clone().zip(&one.times);
-            rungs.zip(&mut squares).map(&mut point).collect()
-        };
+        let mut points =
+            |one: &Climber<'_>| one.rungs.clone().zip(&mut squares).map(&mut point).collect();
         let points = all.iter().map(&mut points).collect();
         let sampled = Sampled {
             samples,
@@ -290,24 +289,38 @@ impl<'a> Climb<'a> {
         Ok((points, sampled, of_reference))
     }
 
-    /// Times paths of a scheme on one thread; the times are of no use where the work was stopped.
-    fn time(
-        &self,
-        scheme: &Arc<dyn Method + 'a>,
-        steps: u64,
-        stop: &Stop,
-    ) -> Result<Spread, LadderError> {
+    /// Times paths of a scheme on one thread, on rungs that were not timed yet. Where there is no
+    /// time, a step costs what it does on the last rung that was timed.
+    fn time(&self, one: &mut Climber<'a>, stop: &Stop) -> Result<(), LadderError> {
         let (truncation, family) = (self.settings.truncation, (self.key(2), Purpose::Paths));
-        let ladder = self.setup(scheme).ladder(steps, 0, truncation, family, PATHS)?;
-        let paths = PATH_STEPS.div_ceil(PATHS * steps) * PATHS;
-        // The clock of the thread is read on the thread that works.
-        let once = || {
-            let watch = Stopwatch::start();
-            black_box(ladder.run_until(stop, 0, paths, Vec::<FinalMoments<'_>>::new));
-            let used = if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() };
-            used / paths as f64
-        };
-        Ok(Spread::of((0..REPETITIONS).map(|_| self.thread.install(once)).collect()))
+        let setup = self.setup(&one.scheme);
+        for point in &one.points[one.times.len()..] {
+            let mut paths = WIDTH as u64;
+            let ladder = setup.ladder(point.steps, 0, truncation, family, paths)?;
+            // The clock of the thread is read on the thread that works.
+            let seconds = |paths: u64| {
+                self.thread.install(|| {
+                    let watch = Stopwatch::start();
+                    black_box(ladder.run_until(stop, 0, paths, Vec::<FinalMoments<'_>>::new));
+                    if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() }
+                })
+            };
+            while seconds(paths) < MIN_TIME_S && !stop.is_asked() {
+                paths *= 4;
+            }
+            let times: Vec<f64> = (0..REPETITIONS).map(|_| seconds(paths) / paths as f64).collect();
+            if stop.is_asked() {
+                break;
+            }
+            one.times.push(Spread::of(times));
+        }
+        let mut step: Option<Spread> = None;
+        for (n, point) in one.points.iter_mut().enumerate() {
+            let steps = point.steps as f64;
+            point.time = one.times.get(n).copied().or(step.map(|step| step.scaled(steps)));
+            step = point.time.map(|time| time.scaled(1.0 / steps));
+        }
+        Ok(())
     }
 }
 
