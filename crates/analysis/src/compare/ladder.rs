@@ -45,7 +45,7 @@ const RESOLVED: f64 = 0.25;
 const REACH: u32 = 6;
 /// Number of measurements of each time, and seconds that one takes at least.
 const REPETITIONS: usize = 3;
-const MIN_TIME_S: f64 = 0.01;
+const MIN_TIME_S: f64 = 1e-3;
 
 /// Comparison in progress. On rung k a path has 2ᵏ times the least number of steps.
 pub struct Climb<'a> {
@@ -305,10 +305,13 @@ impl<'a> Climb<'a> {
                     if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() }
                 })
             };
-            while seconds(paths) < MIN_TIME_S && !stop.is_asked() {
+            let mut first = seconds(paths);
+            while first < MIN_TIME_S && !stop.is_asked() {
                 paths *= 4;
+                first = seconds(paths);
             }
-            let times: Vec<f64> = (0..REPETITIONS).map(|_| seconds(paths) / paths as f64).collect();
+            let others = (1..REPETITIONS).map(|_| seconds(paths));
+            let times = [first].into_iter().chain(others).map(|all| all / paths as f64).collect();
             if stop.is_asked() {
                 break;
             }
