@@ -36,7 +36,7 @@ pub enum Verdict {
     CannotTell,
 }
 
-/// What a solver shows, and verdicts on its claims; [`Display`](fmt::Display) has a line for each.
+/// Properties of a solver and verdicts on its claims; [`Display`](fmt::Display) has a line for each.
 #[derive(Clone, Debug, Serialize)]
 #[serde(transparent)]
 pub struct Verdicts(Vec<Line>);
