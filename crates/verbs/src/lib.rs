@@ -69,7 +69,7 @@ pub use compare::Compare;
 pub use expect::Expect;
 pub use inspect::Inspect;
 pub use order::Order;
-pub use referee::{Claims, Measure, judge, single_steps, solver_noise};
+pub use referee::{Measure, judge, single_steps, solver_noise};
 pub use run::{Outcomes, Results, compute, ready, settle};
 pub use stationary::{Equilibrium, Lyapunov};
 
