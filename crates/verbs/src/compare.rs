@@ -4,8 +4,8 @@ use std::{sync::Arc, time::Instant};
 
 use casimir::{
     analysis::{self, Candidates, CompareSettings},
+    figures,
     mc::parts::Job,
-    plot::figure,
 };
 
 use super::{Found, Watch};
@@ -54,7 +54,7 @@ pub fn compare(
         ),
     };
     let caption = "Errors of all schemes against their cost.";
-    let figure = Figure::new("compare", figure::comparison(&comparison), caption);
+    let figure = Figure::new("compare", figures::comparison(&comparison), caption);
     let text = format!("{comparison}\n{rule}.\n");
     Ok(Found::of(scene, [], &text, serde_json::to_value(&comparison)?, vec![figure]))
 }

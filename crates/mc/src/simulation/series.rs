@@ -41,8 +41,29 @@ pub struct NoiseOrigin {
 pub struct Column {
     /// Name of the quantity.
     pub name: String,
+    /// Role of the quantity.
+    #[serde(skip)]
+    pub role: Role,
     /// Values at the saved times. In JSON a value that is not finite is `null`.
     pub values: Vec<f64>,
+}
+
+/// The role of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Role {
+    /// The time t.
+    Time,
+    /// A component of the state.
+    Component,
+    /// An observable, or a function that has a conformal law.
+    Function,
+    /// The relative defect from the conformal law of a function.
+    Defect {
+        /// Name of the column of the function.
+        of: String,
+        /// Values of the law.
+        law: Vec<f64>,
+    },
 }
 
 impl TimeSeries {
