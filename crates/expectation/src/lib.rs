@@ -84,6 +84,7 @@ mod judge;
 mod level;
 mod report;
 mod resolution;
+mod rules;
 mod sum;
 #[cfg(test)]
 mod tests;
@@ -258,7 +259,7 @@ impl<'a> Expect<'a> {
         let first = SexpLi::at_run_time(system).ok().filter(|_| !constant);
         let first = first.map(|first| Box::new(first) as Box<dyn AtRunTime>);
         let schemes = first.into_iter().chain([Box::new(Sexp) as _]);
-        let candidates = schemes.map(|scheme| Ok(Setup::owning(problem, scheme)?.into()));
+        let candidates = schemes.map(|scheme| Ok(Setup::at_run_time(problem, scheme)?.into()));
         Ok(Self::among(candidates.collect::<Result<_, SchemeError>>()?))
     }
 

@@ -50,11 +50,6 @@ pub(crate) fn tidy(file: &Path) {
     remove_temporary(folder(file), &prefix(file), Duration::ZERO);
 }
 
-/// Removes temporary files that processes left in a folder when they were killed.
-fn tidy_folder(folder: &Path) {
-    remove_temporary(folder, ".", STALE);
-}
-
 /// Removes temporary files whose names begin with `prefix`, and whose age is `age` or more.
 fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -78,7 +73,7 @@ fn named(what: &str, path: &Path) -> impl FnOnce(Error) -> Error {
 /// When it cannot; the error names the folder.
 pub fn prepare(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(named("create the output folder", folder))?;
-    tidy_folder(folder);
+    remove_temporary(folder, ".", STALE);
     let file = folder.join(".casimir");
     replace_by(&file, |to| to.write_all(b"\n"))
         .map_err(named("write into the output folder", folder))?;

@@ -56,12 +56,15 @@ pub struct SummaryStatistic {
     pub title: Option<&'static str>,
     /// The number; `None` where it is not known.
     pub of: fn(&Summary) -> Option<f64>,
-    /// Its 95 % interval, for statistics that have one.
-    pub interval: Option<fn(&Summary) -> Option<(f64, f64)>>,
+    /// The 95 % interval, for statistics that have one.
+    pub interval: Option<IntervalOf>,
 }
 
+/// A function from a summary to an interval; `None` where it is not known.
+pub type IntervalOf = fn(&Summary) -> Option<(f64, f64)>;
+
 /// All statistics beside quantiles and counts.
-pub const STATISTICS: [SummaryStatistic; 5] = [
+pub const STATISTICS: &[SummaryStatistic] = &[
     SummaryStatistic {
         key: "mean",
         title: Some("mean"),

@@ -55,12 +55,12 @@ impl Part {
     pub fn open(folder: &Path, share: Share, program: &Program) -> Result<Self, JobError> {
         let (path, lock) = (folder.join(share.file_name()), lock_of(folder, share));
         let lock = Lock::take(&lock).map_err(file_error("write", &lock))?;
-        let busy = |holder| {
-            let folder = folder.display();
-            let wait = "wait for its end, or stop it";
-            JobError::Refused(format!("{share} in {folder} is being computed by {holder}; {wait}"))
-        };
-        let lock = lock.map_err(busy)?;
+        let lock = lock.map_err(|holder| {
+            JobError::Refused(format!(
+                "{share} in {} is being computed by {holder}; wait for its end, or stop it",
+                folder.display()
+            ))
+        })?;
         if lock.is_sole {
             tidy(&path);
         }

@@ -188,19 +188,15 @@ impl<'a> Simulation<'a> {
         let series = paths.map(|path| {
             let values = of_path.remove(&path).unwrap_or_else(none);
             let end = values[0].last().map_or(0.0, |t| *t);
-            let defect = |n: usize| {
-                let function = &values[n - 1];
-                let law = decays.values().zip(function);
-                let law = law.map(|(decays, _)| decays[(n - laws) / 2] * function[0]).collect();
-                Role::Defect { of: names[n - 1].clone(), law }
+            let of_law = |k: usize| {
+                let (of, function) = (names[laws + 2 * k].clone(), &values[laws + 2 * k]);
+                let law = decays.values().zip(function).map(|(decays, _)| decays[k] * function[0]);
+                [Role::Conserved, Role::Defect { of, law: law.collect() }]
             };
-            let role = |n: usize| match n {
-                0 => Role::Time,
-                n if n <= components => Role::Component,
-                n if n > laws && (n - laws) % 2 == 1 => defect(n),
-                _ => Role::Function,
-            };
-            let roles: Vec<Role> = (0..names.len()).map(role).collect();
+            let mut roles = vec![Role::Time];
+            roles.resize(1 + components, Role::Component);
+            roles.resize(laws, Role::Observable);
+            roles.extend((0..problem.laws.len()).flat_map(of_law));
             let columns = names.iter().cloned().zip(roles).zip(values);
             let columns = columns.map(|((name, role), values)| Column { name, role, values });
             let failure = measured.failures.iter().find(|failure| failure.path == path);

@@ -55,8 +55,10 @@ pub enum Role {
     Time,
     /// A component of the state.
     Component,
-    /// An observable, or a function that has a conformal law.
-    Function,
+    /// An observable.
+    Observable,
+    /// A function that has a conformal law.
+    Conserved,
     /// The relative defect from the conformal law of a function.
     Defect {
         /// Name of the column of the function.
@@ -75,7 +77,8 @@ impl TimeSeries {
 
     /// The saved times.
     pub fn times(&self) -> &[f64] {
-        self.column("t").unwrap_or_default()
+        let column = self.columns.iter().find(|column| column.role == Role::Time);
+        column.map_or(&[], |column| &column.values)
     }
 }
 

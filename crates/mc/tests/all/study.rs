@@ -12,7 +12,7 @@ use mc::{
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
 use schemes::{Sexp, WithSolver};
-use study::{IntervalNote, Place, Study, StudyResult, StudySettings, Wanted};
+use study::{IntervalNote, Place, STATISTICS, Study, StudyResult, StudySettings, Wanted};
 use systems::{Constant, Problem};
 
 use crate::{
@@ -333,7 +333,9 @@ fn a_table_has_a_row_for_each_quantity() {
     let csv = csv(&result);
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines[0], "t,observable,quantity,value,lo,hi,note");
-    assert_eq!(lines.len(), 1 + 2 * (12 + 4 * 14));
+    // Counts, statistics and quantiles; and counts outside of the bins.
+    let each = 2 + STATISTICS.len() + 5;
+    assert_eq!(lines.len(), 1 + 2 * (each + 4 * (each + 2)));
     assert_eq!(lines[1], "0.0,p,count,1000,,,");
     assert_eq!(lines[3], "0.0,p,mean,0.0,0.0,0.0,");
     let point = &result.series[0].points[4];

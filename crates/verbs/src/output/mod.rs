@@ -189,7 +189,7 @@ pub fn arrays(outcomes: &mut Outcomes<'_>) -> [Vec<Array>; 2] {
 fn kept(scene: &Scene, mut tables: Vec<TimeSeries>) -> Vec<TimeSeries> {
     // Of thousands of components it is found once for all tables.
     let columns = tables.first().map_or(&[][..], |table| &table.columns);
-    let kept: Vec<bool> = columns.iter().map(|column| scene.keeps(&column.name)).collect();
+    let kept: Vec<bool> = columns.iter().map(|column| scene.keeps(column)).collect();
     for table in &mut tables {
         let mut kept = kept.iter();
         table.columns.retain(|_| kept.next().is_some_and(|kept| *kept));

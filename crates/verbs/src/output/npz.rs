@@ -56,15 +56,14 @@ fn header(shape: &[usize]) -> Vec<u8> {
 pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item = Array> {
     let longest = tables.iter().max_by_key(|table| table.times().len());
     let columns = longest.map_or(&[][..], |table| &table.columns);
-    let roles: Vec<(String, Role)> =
-        columns.iter().map(|column| (column.name.clone(), column.role.clone())).collect();
+    let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
     let times = longest.map_or(&[][..], |table| table.times()).to_vec();
     let components = scene.components.len();
-    let is_component = |(_, role): &(String, Role)| *role == Role::Component;
+    let is = |role: Role| columns.iter().enumerate().filter(move |(_, column)| column.role == role);
+    let time = is(Role::Time).next().map(|(k, _)| k);
     // All components are there, or some by name.
-    let are_spins =
-        !scene.sizes.is_empty() && roles.iter().filter(|of| is_component(of)).count() == components;
-    let first = roles.iter().position(is_component).unwrap_or(0);
+    let are_spins = !scene.sizes.is_empty() && is(Role::Component).count() == components;
+    let first = is(Role::Component).next().map_or(0, |(k, _)| k);
     let spins = if are_spins { first..first + components } else { 0..0 };
     let vectors = are_spins.then(|| {
         let shape = vec![tables.len(), times.len(), components / 3, 3];
@@ -77,10 +76,10 @@ pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item =
         }
         ("spins".to_owned(), shape, values)
     });
-    let alone = roles.into_iter().enumerate();
-    let alone = alone.filter(move |(k, (_, role))| !spins.contains(k) && *role != Role::Time);
+    let alone = names.into_iter().enumerate();
+    let alone = alone.filter(move |(k, _)| !spins.contains(k) && time != Some(*k));
     let t = longest.map(|_| list("t", times.clone()));
-    let array = move |(k, (name, _)): (usize, (String, Role))| {
+    let array = move |(k, name): (usize, String)| {
         let mut values = Vec::with_capacity(tables.len() * times.len());
         for table in &mut tables {
             let mut column = mem::take(&mut table.columns[k].values);
@@ -130,7 +129,7 @@ pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
             }
             arrays.push((format!("{} {what}", of.observable), shape, values));
         };
-        for statistic in &STATISTICS {
+        for statistic in STATISTICS {
             add(statistic.key, &[], &|point, _| (statistic.of)(point));
             if let Some(interval) = statistic.interval {
                 add("lo", &[], &|point, _| Some(interval(point)?.0));
