@@ -20,7 +20,11 @@ use super::{
     judge::Evidence,
     level::{PathValues, Samples, Values, hull, tail},
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
-    resolution::{LARGEST_EXPONENT, Motion, PARTS, unresolved},
+    resolution::{Motion, PARTS, unresolved},
+    rules::{
+        BIAS_ENOUGH, BIAS_PART, BIAS_SHARE, FEWER, LARGEST_EXPONENT, LOST, MAX_BIAS, MAX_LOST,
+        MAX_SAMPLES, MIN_GROWTH, OF_RANDOM_POINTS, SINGLE, UNCOUPLED,
+    },
     sum::{BIAS_LEVELS, Sum, Term},
 };
 use mc::{
@@ -30,44 +34,10 @@ use mc::{
 
 /// The highest level of the pilot.
 const PILOT_LEVEL: usize = BIAS_LEVELS;
-/// The part of the accuracy that may go to the bias: it falls by eight or more from a level to the
-/// next.
-const BIAS_SHARE: f64 = 1.0 / 3.0;
-/// Largest part of the statistical half-width for the bound on the bias, so that errors are as
-/// large as the interval says.
-const BIAS_PART: f64 = 0.5;
-/// Part of the accuracy below which a bound on the bias is small enough in any case. Where φ hardly
-/// varies, half of the statistical half-width may be round-off.
-const BIAS_ENOUGH: f64 = 1.0 / 64.0;
-/// Part of the accuracy for the bias on the finest level allowed, above which more points are of no
-/// use.
-const MAX_BIAS: f64 = 0.5;
 /// Largest number of points of a replicate; twice that number have distinct numbers.
 const MAX_POINTS: u64 = 1 << 31;
 /// Number of independent replicates of the points of a level.
 const REPLICATES: u64 = 32;
-/// The confidence for random points: a margin that known answers chose, and not derived. With 95 %,
-/// 3.7 % of them were missed; with this 1.4 %, also with seeds that the choice did not see, for 7 %
-/// more work.
-const OF_RANDOM_POINTS: f64 = 0.98;
-/// Least exponent with which points grow with the inverse error: the error of scrambled points
-/// falls as N^{−3/2} at most (Owen 1997).
-const MIN_GROWTH: f64 = 2.0 / 3.0;
-/// Number of samples of the first level beyond which more do not show a variance not shown so far.
-const MAX_SAMPLES: u64 = 1 << 24;
-/// Part of the accuracy that failed paths may have: with more, steps are halved.
-const LOST: f64 = 0.25;
-/// Part of the accuracy that failed paths may have where halving does not help.
-const MAX_LOST: f64 = 0.5;
-/// Factor to which the share of failed paths must fall over the first levels for halving to help.
-const FEWER: f64 = 0.5;
-/// Root of the part of the path-steps below which single paths are taken.
-const SINGLE: f64 = 0.5;
-/// Least part of the variance of φ that φ(fine) − φ(coarse) has on the last level where single
-/// paths are taken: paths that levels couple no more. Else differences are known well, and single
-/// paths hide a bias.
-const UNCOUPLED: f64 = 0.25;
-
 /// Time of a round of groups of all replicates below which the next round is larger.
 const BETWEEN: Duration = Duration::from_millis(500);
 
@@ -189,7 +159,7 @@ impl<'a> Estimator<'a> {
                 self.first = self.levels.len() - BIAS_LEVELS;
             }
             let numbers = self.numbers();
-            let sums: Vec<Sum> = numbers.iter().map(|&k| self.sum(k)).collect();
+            let sums: Vec<Sum> = numbers.iter().map(|&k| self.sum_from(self.first, k)).collect();
             if sums.is_empty() {
                 break None;
             }
@@ -489,11 +459,7 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// Sum of test function number k from the first level on.
-    fn sum(&self, k: usize) -> Sum {
-        self.sum_from(self.first, k)
-    }
-
+    /// Sum of test function number k from a level on.
     fn sum_from(&self, first: usize, k: usize) -> Sum {
         let (samples, range) = (&self.levels[first], self.range(k));
         let differences = Term::differences(&self.levels[1..], k, range);
@@ -571,7 +537,7 @@ impl<'a> Estimator<'a> {
         let differences = &levels[1..];
         let from = first.min(differences.len().saturating_sub(BIAS_LEVELS));
         let estimate = |(k, phi): (usize, &&dyn Observe)| {
-            let sum = self.sum(k);
+            let sum = self.sum_from(first, k);
             let terms = Term::differences(differences, k, self.range(k));
             let tail = tail(levels, k);
             Estimate {

@@ -1,15 +1,12 @@
 //! Checks of the assumptions against the samples.
 
 use super::{
-    extrapolation::{ORDER_TOLERANCE, lowest},
+    extrapolation::lowest,
     level::{Samples, tail},
     report::{Estimate, Judged, Rate, Warning, WarningKind},
+    rules::{DEVIATION_LIMIT, ORDER_TOLERANCE},
     sum::BIAS_LEVELS,
 };
-
-/// Largest number of standard errors between two means of one expectation: exceeded once in 10⁵
-/// comparisons of normals.
-const DEVIATION_LIMIT: f64 = 4.5;
 
 /// Distance in standard errors of the fine mean of one level and the coarse mean of another, which
 /// have the same expectation; relative to rounding where neither varies.

@@ -13,7 +13,8 @@ use super::{
     level::{PathValues, Samples, Values, hull},
     report::{Estimate, Expectation, Judged, QUANTILE, Rate, Warning, WarningKind},
     resolution::{Motion, coupled, part, share, unresolved},
-    sum::{Sum, Term, UNSEEN},
+    rules::UNSEEN,
+    sum::{Sum, Term},
 };
 use mc::{DampingResolution, Observable, Observe, Setup, Statistic, View};
 

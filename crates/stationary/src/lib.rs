@@ -59,6 +59,7 @@
 mod chains;
 mod growth;
 mod report;
+mod rules;
 mod wells;
 
 use noise::{Purpose, StreamKey, Truncation};
@@ -67,6 +68,7 @@ use real::{Row, WIDTH};
 use chains::{BATCHES, BINS, Chains, Gather, SPREADING};
 use expectation::{ExpectSettings, Told};
 use mc::{Checkpoint, Measured, Observe, RunError, Setup, Tangents, demand, parts::Stop};
+use rules::{HEAT, MAX_REVIVALS};
 use wells::Watched;
 
 pub use report::{Averages, StationaryMean};
@@ -153,13 +155,8 @@ pub struct Equilibrium<'a> {
 pub(crate) const LEVELS: usize = 3;
 /// Path-steps of all levels in a step of the coarsest.
 const STEPS: u64 = (1 << LEVELS) - 1;
-/// Factors of the noise of chains at first.
-const HEAT: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 /// Largest number of halvings of the steps.
 const MAX_HALVINGS: u32 = 20;
-/// Largest number of halvings where all chains fail, or where more than half of the failures
-/// remain.
-const MAX_REVIVALS: u32 = 3;
 
 impl<'a> Equilibrium<'a> {
     /// Averages of a problem with a scheme.

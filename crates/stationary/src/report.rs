@@ -10,6 +10,10 @@ use super::{
     Averaged, EquilibriumSettings, LEVELS,
     chains::{Chains, Living, moments},
     growth::{unsettled, wander},
+    rules::{
+        ALIKE, BIAS_ENOUGH, BIAS_PART, DRIFTS, EXCEEDS, FORECAST, MARGIN, MIN_FALL, MIN_LENGTH,
+        NEGLIGIBLE, WIDER,
+    },
     wells::{Watched, Well},
 };
 use expectation::{short, written};
@@ -98,31 +102,8 @@ impl StationaryMean {
     }
 }
 
-/// The part of the sampling error that a bias may have, and that of the accuracy that is small.
-const BIAS_PART: f64 = 0.5;
-const BIAS_ENOUGH: f64 = 1.0 / 32.0;
-/// Standard errors by which differences of step sizes exceed what they should be, or zero.
-const EXCEEDS: f64 = 3.0;
-/// Least part of 2ᵖ by which differences fall: the next power of τ makes it less.
-const MIN_FALL: f64 = 0.85;
-/// Number of standard errors by which early batches differ from late ones: chance does it once in
-/// 2000.
-const DRIFTS: f64 = 3.5;
-/// Largest variance over the chains of a batch after the burn-in, over that of late ones.
-const WIDER: f64 = 3.0;
-/// Part of the path-steps allowed after which a forecast may end the computation.
-const FORECAST: f64 = 1.0 / 64.0;
-/// Part of the accuracy of an exponent below which a change does not count: differences that carry
-/// tangent vectors round.
-const NEGLIGIBLE: f64 = 1e-3;
 /// Relative rounding error of a mean.
 const ROUND_OFF: f64 = 1e-12;
-/// Least length of a chain in autocorrelation times.
-const MIN_LENGTH: f64 = 20.0;
-/// Factor by which a forecast exceeds the path-steps allowed where it ends the computation.
-const MARGIN: f64 = 2.0;
-/// Largest variance of a chain over that of independent batches.
-const ALIKE: f64 = 3.0;
 
 /// Both ways for the weak order p: weights of the means at 4τ, 2τ, τ for the estimate, and for the
 /// bound on the bias.

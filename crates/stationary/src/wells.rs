@@ -21,6 +21,7 @@ use real::{PathMask, Row, WIDTH, elementary::ln};
 use super::{
     LEVELS,
     chains::{Living, moments},
+    rules::{CONSERVED, DEPENDS, KEEPS},
 };
 use mc::Observe;
 
@@ -29,13 +30,8 @@ const MAX_COMPONENTS: usize = 61;
 const MAX_VALUES: usize = 1 << 18;
 /// Number of sums over every third component: the directions of spins.
 const SUMS: usize = 3;
-/// z of a function that keeps its wells, and z² of an average that depends on those of one.
-const KEEPS: f64 = 4.0;
-const DEPENDS: f64 = 9.0;
-/// Part of a mean up to which a deviation is round-off, and of a deviation up to which a change is
-/// none.
+/// Part of a mean up to which a deviation is round-off.
 const ROUND_OFF: f64 = 1e-9;
-const CONSERVED: f64 = 1e-6;
 /// Time between the middles of a quarter and the rest, over that of both.
 const LAG: f64 = 0.5;
 

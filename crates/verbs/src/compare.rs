@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use casimir::{
     analysis::{self, Candidates, CompareSettings},
-    plot::figure,
+    figures,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -106,7 +106,7 @@ fn compare(
         ),
     };
     let caption = "Errors of all schemes against their cost.";
-    let figure = Figure::new("compare", figure::comparison(&comparison), caption);
+    let figure = Figure::new("compare", figures::comparison(&comparison), caption);
     let text = format!("{comparison}\n{rule}.\n");
     Ok(Found::of(scene, [], &text, serde_json::to_value(&comparison)?, vec![figure]))
 }

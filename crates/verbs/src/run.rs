@@ -5,7 +5,7 @@ use std::time::Instant;
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
     mc::{Observe, RunError, Setup, Simulation, TimeSeries, parts::Job},
-    study::{Series, Study, StudyResult, StudySettings, Summary},
+    study::{Kind, Series, Study, StudyResult, StudySettings, Summary},
 };
 
 use super::{Settled, Watch, scheme};
@@ -161,7 +161,7 @@ fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
             Summary { time, count, mean: Some(sum / count as f64), ..Summary::default() }
         };
         let points = longest.unwrap_or_default().iter().enumerate().map(point).collect();
-        Series { observable: name.clone(), points }
+        Series { observable: name.clone(), kind: Kind::Observable, points }
     };
     scene.observables.iter().map(series).collect()
 }

@@ -171,7 +171,7 @@ fn casimirs_that_were_found_are_measured() {
     let found = found.casimirs.unwrap().found;
     assert_eq!(found.len(), 1);
     let problem = problem(&definition, 0.2, &y0, 1.0);
-    let scheme = |scheme| Setup::at_run_time(&problem, scheme).unwrap().scheme;
+    let scheme = |scheme: &'static dyn Scheme| Setup::at_run_time(&problem, scheme).unwrap().scheme;
     let all = Candidates::against(scheme(&Sexp)).and(scheme(&Sexp)).and(scheme(&Heun));
     let laws = found.iter().map(|casimir| casimir.form.law("C".into())).collect();
     let lawful = mc::Problem { laws, ..mc::Problem::at_run_time(&problem) };
@@ -209,7 +209,8 @@ fn a_wrong_scheme_is_not_recommended_and_a_wrong_reference_is_named() {
 }
 
 fn at_run_time(problem: &Problem) -> Candidates<'_> {
-    let bind = |id: BuiltIn| Ok(Setup::owning(problem, id.at_run_time(problem.system())?)?.scheme);
+    let bind =
+        |id: BuiltIn| Ok(Setup::at_run_time(problem, id.at_run_time(problem.system())?)?.scheme);
     Candidates::built_in(bind).unwrap()
 }
 

@@ -12,7 +12,7 @@ use mc::{
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
 use schemes::{Sexp, WithSolver};
-use study::{Place, Study, StudyResult, StudySettings, Wanted};
+use study::{IntervalNote, Place, STATISTICS, Study, StudyResult, StudySettings, Wanted};
 use systems::{Constant, Problem};
 
 use crate::{
@@ -333,7 +333,9 @@ fn a_table_has_a_row_for_each_quantity() {
     let csv = csv(&result);
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines[0], "t,observable,quantity,value,lo,hi,note");
-    assert_eq!(lines.len(), 1 + 2 * (12 + 4 * 14));
+    // Counts, statistics and quantiles; and counts outside of the bins.
+    let each = 2 + STATISTICS.len() + 5;
+    assert_eq!(lines.len(), 1 + 2 * (each + 4 * (each + 2)));
     assert_eq!(lines[1], "0.0,p,count,1000,,,");
     assert_eq!(lines[3], "0.0,p,mean,0.0,0.0,0.0,");
     let point = &result.series[0].points[4];
@@ -452,8 +454,7 @@ fn what_was_not_seen_is_not_excluded() {
     for (name, mean) in [("p > 4", 0.0), ("1 + ε", 1.0)] {
         let last = result.series(name).unwrap().last();
         assert!((last.mean.unwrap() - mean).abs() < 1e-14 && last.mean_interval.is_none());
-        let note = last.interval_note.as_deref();
-        assert_eq!(note, Some("all equal; others < 1 path in 33"));
+        assert_eq!(last.interval_note, Some(IntervalNote::Equal(33)));
     }
     let csv = csv(&result);
     assert!(csv.contains("1.0,p > 4,mean,0.0,,,all equal; others < 1 path in 33\n"));
@@ -461,7 +462,15 @@ fn what_was_not_seen_is_not_excluded() {
     let one = (1..100).map(|seed| run(&[seldom], &settings(2, 1, 100, seed)));
     let one = one.into_iter().find(|result| result.series[0].last().mean == Some(0.01)).unwrap();
     let last = one.series[0].last();
-    assert_eq!(last.interval_note.as_deref(), Some("too few values carry the mean"));
+    assert_eq!(last.interval_note, Some(IntervalNote::TooFew));
+    // In files a note is its words.
+    for note in [IntervalNote::TooFew, IntervalNote::Equal(33), IntervalNote::Heavy("x".into())] {
+        let words = serde_json::to_string(&note).unwrap();
+        assert_eq!(
+            (words.clone(), note.clone()),
+            (format!("\"{note}\""), serde_json::from_str(&words).unwrap())
+        );
+    }
     let warning = "p > 2: too few values carry the mean at 1 times, first t = 1.000000";
     assert!(one.warnings.iter().any(|text| text == warning), "{:?}", one.warnings);
 }

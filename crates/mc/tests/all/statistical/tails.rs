@@ -53,7 +53,7 @@ fn a_study_states_no_interval_of_what_has_no_variance() {
     let last = |study: &StudyResult, name: &str| study.series(name).unwrap().last().clone();
     let is_named = |study: &StudyResult, name: &str| {
         let point = last(study, name);
-        let note = point.interval_note.unwrap_or_default();
+        let note = point.interval_note.map_or(String::new(), |note| note.to_string());
         let warned = study.warnings.iter().any(|warning| warning.contains(&note));
         point.mean_interval.is_none()
             && point.deviation.is_none()
