@@ -73,6 +73,20 @@ class Figures(Mapping[str, Figure]):
         return f"figures: {', '.join(self._figures)}"
 
 
+class Warning(NamedTuple):
+    """Something that a reader of a result must know; ``str()`` is the sentence that is printed."""
+
+    what: str
+    why: str
+    """Evidence; may be empty."""
+    remedy: str
+    """What would help; may be empty."""
+
+    def __str__(self) -> str:
+        why, remedy = self.why and f": {self.why}", self.remedy and f"; {self.remedy}"
+        return f"{self.what}{why}{remedy}"
+
+
 class Result:
     """What every command gives: the program's words, its JSON as ``data``, figures."""
 
@@ -86,9 +100,9 @@ class Result:
         self.interrupted = found["interrupted"]
 
     @property
-    def warnings(self) -> list[str]:
+    def warnings(self) -> list[Warning]:
         """What a reader must know."""
-        return list(self.data["warnings"])
+        return [Warning(**one) for one in self.data["warnings"]]
 
     def plot(self, name: str | None = None) -> Any:
         """One :class:`Figure` by its name, or all."""

@@ -12,7 +12,7 @@ use real::{
     elementary::{exp, ln},
 };
 use serde::{Deserialize, Serialize};
-use stats::CONFIDENCE;
+use stats::{CONFIDENCE, Warning as Message};
 
 use super::{
     Candidate, Expect, ExpectSettings, Orders,
@@ -149,9 +149,9 @@ impl<'a> Estimator<'a> {
             self.restore(kept)?;
         }
         self.begin(pilot)?;
-        let out_of_reach = |why: String| {
-            let text = format!("the accuracy is out of reach: {why}");
-            Some((WarningKind::OutOfReach, text))
+        let out_of_reach = |why: String, remedy: &str| {
+            let what = Message::new("the accuracy is out of reach");
+            Some((WarningKind::OutOfReach, what.because(why).unless(remedy)))
         };
         let mut helps = None;
         let limit = loop {
@@ -178,19 +178,21 @@ impl<'a> Estimator<'a> {
                 }
                 if lost > MAX_LOST * accuracy {
                     helps = Some(false);
-                    break out_of_reach(format!(
+                    let why = format!(
                         "a share of {before:.1e} of the paths fails, and {share:.1e} with steps an \
-                         eighth as long, which may change the result by {lost:.1e}; write the \
-                         equation in variables without a singular point, as √x for x"
-                    ));
+                         eighth as long, which may change the result by {lost:.1e}"
+                    );
+                    let remedy =
+                        "write the equation in variables without a singular point, as √x for x";
+                    break out_of_reach(why, remedy);
                 }
             }
             let least = self.least_cost(&sums, finer);
             if least > max_cost as f64 {
                 let allowed = max_cost as f64;
-                break out_of_reach(format!(
-                    "it takes {least:.0e} path-steps or more, {allowed:.0e} are allowed"
-                ));
+                let why =
+                    format!("it takes {least:.0e} path-steps or more, {allowed:.0e} are allowed");
+                break out_of_reach(why, "");
             }
             let (level, points) = if finer && last < self.max_level {
                 self.add_level()?;
@@ -205,7 +207,7 @@ impl<'a> Estimator<'a> {
                 let stuck = unresolved || sums.iter().any(|sum| sum.extrapolation.size > most);
                 if !self.noisy || enough || finer && stuck {
                     let text = format!("the bias is too large on the finest level allowed, {last}");
-                    break (unresolved || wide).then_some((WarningKind::Level, text));
+                    break (unresolved || wide).then(|| (WarningKind::Level, Message::new(text)));
                 }
                 let level = if wide { self.worst(&sums) } else { self.first };
                 (level, 2 * self.levels[level].points)
@@ -214,7 +216,8 @@ impl<'a> Estimator<'a> {
             let cost = spent.get().saturating_add(self.cost(samples, points - samples.points));
             let limit = if cost > max_cost || samples.points >= MAX_POINTS {
                 let text = "the accuracy was not reached with the";
-                (WarningKind::Cost, format!("{text} {max_cost} path-steps allowed"))
+                let text = format!("{text} {max_cost} path-steps allowed");
+                (WarningKind::Cost, Message::new(text))
             } else if self.sample(level, points)? {
                 // Once points are doubled, the first level stays.
                 if self.levels.iter().all(|samples| samples.points == pilot) {
@@ -222,7 +225,7 @@ impl<'a> Estimator<'a> {
                 }
                 continue;
             } else {
-                (WarningKind::Stopped, "stopped before the accuracy was reached".into())
+                (WarningKind::Stopped, Message::new("stopped before the accuracy was reached"))
             };
             self.levels.retain(|samples| samples.paths > 0);
             self.first = self.first.min(self.levels.len() - 1);
@@ -531,7 +534,7 @@ impl<'a> Estimator<'a> {
         self.levels.len() - sums[0].terms.len() + cheapest.or_else(best).unwrap_or(0)
     }
 
-    fn report(self, limit: Option<(WarningKind, String)>) -> Expectation {
+    fn report(self, limit: Option<(WarningKind, Message)>) -> Expectation {
         let Self { ref levels, first, noisy, ref request, candidate, .. } = self;
         // Levels below the first may be far from the limit; three differences make a slope.
         let differences = &levels[1..];

@@ -11,7 +11,7 @@
 //! steps that resolve a motion of the same size there are not what parts the paths later.
 
 use real::{Kernel, PathMask, Row, WIDTH, dispatch};
-use stats::ROUND_OFF;
+use stats::{ROUND_OFF, Warning as Message};
 
 use super::{
     level::{Samples, Values},
@@ -202,9 +202,10 @@ pub fn unresolved(
     let [.., a, b, last] = differences else { return Vec::new() };
     let (levels, level) = ([a, b, last], last.level);
     let warning = |kind, what: &str, how: String| {
-        let advice = "take more steps of the coarsest level";
-        let text = format!("the steps do not resolve {what}: on level {level} {how}; {advice}");
-        Warning::of_all(kind, text)
+        let message = Message::new(format!("the steps do not resolve {what}"))
+            .because(format!("on level {level} {how}"))
+            .unless("take more steps of the coarsest level");
+        Warning::of_all(kind, message)
     };
     let differ = |by: f64| format!("fine and coarse paths differ by {by:.1e} of its motion");
     let components = (0..last.motion[0].start.len()).map(|i| (i + 1, quotients(levels, 0, i)));

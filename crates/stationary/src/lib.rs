@@ -149,6 +149,8 @@ pub struct Equilibrium<'a> {
     pub checkpoint: Option<&'a Checkpoint>,
     /// Functions, such as H₀, that show, beside components, whether chains stay in wells.
     pub watched: Vec<&'a dyn Observe>,
+    /// Names of the components; y1, y2, … unless set.
+    pub components: Vec<String>,
 }
 
 /// Number of step sizes of a chain.
@@ -161,7 +163,14 @@ const MAX_HALVINGS: u32 = 20;
 impl<'a> Equilibrium<'a> {
     /// Averages of a problem with a scheme.
     pub fn new(setup: Setup<'a>, settings: EquilibriumSettings) -> Self {
-        Self { setup, settings, told: Box::new(|_, _| ()), checkpoint: None, watched: Vec::new() }
+        Self {
+            setup,
+            settings,
+            told: Box::new(|_, _| ()),
+            checkpoint: None,
+            watched: Vec::new(),
+            components: Vec::new(),
+        }
     }
 
     /// The averages of test functions, each to the half-width `accuracy` of its 95 % interval.
@@ -202,7 +211,10 @@ impl<'a> Equilibrium<'a> {
         let Self { settings, told, checkpoint, watched: functions, .. } = self;
         self.check(accuracy)?;
         let number = settings.blocks_of_chains() as usize;
-        let watched = Watched { functions, dimension: setup.problem.y0.len(), chains: number };
+        let dimension = setup.problem.y0.len();
+        let own: Vec<String> = (1..=dimension).map(|i| format!("y{i}")).collect();
+        let names = if self.components.len() == dimension { &self.components } else { &own };
+        let watched = Watched { functions, names, dimension, chains: number };
         self.demand(of, watched)?;
         let kept = checkpoint.map_or(Ok(None), Checkpoint::read)?;
         let mut chains = kept.unwrap_or_else(|| Chains::new(settings, of));

@@ -40,6 +40,8 @@ const LAG: f64 = 0.5;
 pub struct Watched<'a> {
     /// Functions such as H₀.
     pub functions: &'a [&'a dyn Observe],
+    /// Names of the components of the state.
+    pub names: &'a [String],
     /// Number of components of the state, and of chains.
     pub dimension: usize,
     pub chains: usize,
@@ -67,8 +69,9 @@ impl Watched<'_> {
     }
 
     pub fn names(&self) -> Vec<String> {
-        let components = self.components().map(|i| format!("y{}", i + 1));
-        let sums = (1..=self.sums()).map(|c| format!("y{c} + y{} + …", c + SUMS));
+        let components = self.components().map(|i| self.names[i].clone());
+        let sums =
+            (0..self.sums()).map(|c| format!("{} + {} + …", self.names[c], self.names[c + SUMS]));
         let functions = self.functions.iter().map(|function| function.name().to_owned());
         components.chain(sums).chain(functions).collect()
     }

@@ -6,7 +6,7 @@ use std::{
 };
 
 use serde::{Deserialize, Serialize};
-use stats::{Tail, quantile_ranks};
+use stats::{Tail, Warning, quantile_ranks};
 
 use super::{
     Grid, Joint, Wanted,
@@ -26,7 +26,7 @@ pub struct StudyResult {
     pub losses: Losses,
     /// Warnings that a reader must know before believing the rest: failed paths, values that are
     /// not finite, means and quantiles that are not known well.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// Series of each observable, then covariance and correlation of each pair that was wanted.
     pub series: Vec<Series>,
     /// The joint law of each pair.
@@ -133,7 +133,7 @@ impl StudyResult {
         let mut series: Vec<_> = series.collect();
         let mut warnings = warnings(&losses, paths, &series, &tails);
         if paths < planned {
-            warnings.push(format!("stopped after {paths} of {planned} paths"));
+            warnings.push(Warning::new(format!("stopped after {paths} of {planned} paths")));
         }
         let found = Found {
             of: Cells { wanted, grids, observables: record.observables.len() },
@@ -163,7 +163,7 @@ impl Series {
 
 /// Warning of an autocorrelation that lasts for most of its lags, where the window of the spectrum
 /// falls.
-fn lasts(Series { observable, kind, points }: &Series) -> Option<String> {
+fn lasts(Series { observable, kind, points }: &Series) -> Option<Warning> {
     const SMALL: f64 = 0.05;
     if *kind != Kind::Autocorrelation {
         return None;
@@ -173,20 +173,20 @@ fn lasts(Series { observable, kind, points }: &Series) -> Option<String> {
         |point: &&Summary| point.mean_interval.is_some_and(|(lo, hi)| lo > SMALL || hi < -SMALL);
     (late.iter().filter(large).count() > late.len() / 10).then(|| {
         let to = points[points.len() - 1].time;
-        format!(
-            "{observable} is not small up to a lag of {to}: peaks of its spectrum are broader and \
-             lower than they should be; take a longer time"
-        )
+        let what = format!("{observable} is not small up to a lag of {to}");
+        let why = "peaks of its spectrum are broader and lower than they should be";
+        Warning::new(what).because(why).unless("take a longer time")
     })
 }
 
 /// Condition for a warning to concern a time.
 type Concerns<'a> = &'a dyn Fn(&Summary) -> bool;
 
-fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> Vec<String> {
+fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> Vec<Warning> {
     let failed = losses.failed;
-    let lost = format!("{failed} of {paths} paths failed: what is left is no fair sample");
-    let mut warnings: Vec<String> = (failed > 0).then_some(lost).into_iter().collect();
+    let lost = Warning::new(format!("{failed} of {paths} paths failed"));
+    let lost = lost.because("what is left is no fair sample");
+    let mut warnings: Vec<Warning> = (failed > 0).then_some(lost).into_iter().collect();
     let at = |point: &Summary, of: &[Place]| point.quantiles.iter().any(|q| of.contains(&q.place));
     for (Series { observable, points, .. }, tail) in series.iter().zip(tails) {
         let [few, heavy] = [IntervalNote::TooFew.to_string(), tail.to_string()];
@@ -205,7 +205,7 @@ fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> V
             if let Some(first) = times.next() {
                 let number = 1 + times.count();
                 let when = format!("at {number} times, first t = {first:.6}");
-                warnings.push(format!("{observable}: {what} {when}"));
+                warnings.push(Warning::new(format!("{what} {when}")).about(observable));
             }
         }
     }

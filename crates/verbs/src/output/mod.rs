@@ -9,6 +9,7 @@ mod sweep;
 
 use std::{mem::take, path::Path};
 
+use casimir::stats::Warning;
 use casimir::{
     analysis::aligned,
     mc::{TimeSeries, files, write_csv},
@@ -62,15 +63,18 @@ impl Outcomes<'_> {
     }
 
     /// Warnings with the combinations that they are about.
-    fn warnings(&self) -> Vec<String> {
+    fn warnings(&self) -> Vec<Warning> {
         let of = |(one, results): Run<'_>| {
             let (prefix, warnings) = (one.prefix(), results.warnings(&one.scene).into_iter());
-            warnings.map(move |warning| format!("{prefix}{warning}"))
+            warnings.map(move |warning| {
+                let what = format!("{prefix}{}", warning.what);
+                Warning { what, ..warning }
+            })
         };
-        let mut all: Vec<String> = self.found().flat_map(of).collect();
+        let mut all: Vec<Warning> = self.found().flat_map(of).collect();
         let more = all.len().saturating_sub(MAX_LINES);
         all.truncate(MAX_LINES);
-        all.extend((more > 0).then(|| format!("and {more} more")));
+        all.extend((more > 0).then(|| Warning::new(format!("and {more} more"))));
         all
     }
 
@@ -115,7 +119,7 @@ impl Outcomes<'_> {
             return summary(run);
         }
         let mut json = self.of_each(summary);
-        json["warnings"] = self.warnings().into();
+        json["warnings"] = json!(self.warnings());
         json
     }
 
