@@ -11,9 +11,10 @@
 //! let problem = Problem::new(Pendulum::new(0.5)?, Constant::new(0.5)?, [0.2, 0.0], 16.0)?;
 //! let scheme = SexpLi::new(problem.system(), problem.y0())?;
 //! let kinetic = Observable { name: "y2²", function: |y: [f64; 2]| y[1] * y[1] };
-//! let averages = Equilibrium::new(Setup::of(&problem, &scheme), EquilibriumSettings::new(160));
-//! let found = averages.run(&[&kinetic], 0.05)?;
-//! assert!(found.reached() && found.means[0].half_width() < 0.05);
+//! let settings = EquilibriumSettings { chains: 32, ..EquilibriumSettings::new(160) };
+//! let averages = Equilibrium::new(Setup::of(&problem, &scheme), settings);
+//! let found = averages.run(&[&kinetic], 0.2)?;
+//! assert!(found.reached() && found.means[0].half_width() < 0.2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
