@@ -476,8 +476,8 @@ fn paths_that_fail_are_counted_and_reported() {
     )
     .unwrap();
     let failed: u64 = result.levels.iter().map(|level| level.failed).sum();
-    let named = |Warning { kind, text, .. }: &Warning| {
-        let of_level = |level: &u64| text.starts_with(&format!("{level} paths failed"));
+    let named = |Warning { kind, message, .. }: &Warning| {
+        let of_level = |level: &u64| message.what.starts_with(&format!("{level} paths failed"));
         *kind == WarningKind::FailedPaths && result.levels.iter().any(|l| of_level(&l.failed))
     };
     assert!(result.warnings.iter().any(named), "{:?}", result.warnings);
