@@ -20,6 +20,7 @@ from ._results import (
     Order,
     Run,
     Statistics,
+    Warning,
     citation,
 )
 from ._scene import Scene, Sweep, scene, scenes, sweep
@@ -43,6 +44,7 @@ __all__ = [
     "Statistics",
     "Sweep",
     "System",
+    "Warning",
     "__version__",
     "citation",
     "one_step",

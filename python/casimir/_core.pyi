@@ -62,8 +62,9 @@ def single_steps(
 def judge(
     given: _Given,
     sizes: _Sizes,
-    states: tuple[_States, Sequence[_States], Sequence[_States], Sequence[Sequence[_States]]],
-    said: tuple[float | None, float | None, Sequence[bool], Sequence[float]],
+    answers: tuple[_States, Sequence[_States], _States, Sequence[_States], Sequence[Sequence[_States]]],
+    seconds: Sequence[float],
+    said: tuple[float | None, float | None, bool, bool],
     how: _How,
 ) -> _Found: ...
 def citation(result: str | None) -> str: ...

@@ -20,9 +20,6 @@ from ._system import System
 
 Array = NDArray[np.float64]
 
-# Two answers to the same noise may differ by so much of the states: sums in another order.
-_ROUNDING = 1e-6
-
 
 class Level:
     """A step size: what a solver gets.
@@ -113,11 +110,11 @@ class Referee:
         self._start: list[Array] = []
         self._reference: list[list[Array]] = [[], []]
         self._states: list[list[Array]] = [[] for _ in range(levels)]
+        self._again = np.empty((0, 0))
         self._single: list[list[Array]] = []
         self._seconds = [0.0] * levels
         self._open: dict[tuple[str, int, int], Level] = {}
         self._complete = False
-        self._own_noise = False
 
     def __iter__(self) -> Iterator[Level]:
         self._restart()
@@ -134,9 +131,6 @@ class Referee:
                 yield from self._ask(Level(y0.copy(), dt, arrays, ("level", number, first)))
                 if first == number == 0:
                     yield from self._ask(Level(y0.copy(), dt, arrays, ("again", 0, 0)))
-        if self._own_noise:
-            self._complete = True
-            return
         number, all_steps = _core.single_steps(self.scene, self._sizes)
         good = np.concatenate(self._reference[0])
         good = good[np.isfinite(good).all(axis=1)]
@@ -182,15 +176,10 @@ class Referee:
             )
         array = np.array(array)
         what, number, _ = level._place
-        if what == "again" and not self._states[0]:
-            raise SceneError(f"no answer to the level before {level!r}, which is the same")
         if what == "single":
             self._single[number].append(array)
         elif what == "again":
-            before = self._states[0][0]
-            known = np.isfinite(before) & np.isfinite(array)
-            apart = np.abs(array - before)[known].max(initial=0.0)
-            self._own_noise = bool(apart > _ROUNDING * np.abs(before[known]).max(initial=0.0))
+            self._again = array
         else:
             self._states[number].append(array)
             self._seconds[number] += seconds
@@ -226,20 +215,22 @@ class Referee:
             raise SceneError(f"no answer to {next(iter(self._open.values()))!r}: call add(level, y) for each")
         if not self._complete:
             raise SceneError("the loop over the referee was not run to its end: it asks all levels")
-        states = (
+        answers = (
             np.concatenate(self._start),
             [np.concatenate(level) for level in self._states],
+            self._again,
             [np.concatenate(level) for level in self._reference],
             self._single,
         )
-        if not np.all([np.isfinite(level).all(axis=1) for level in states[1]], axis=0).any():
+        if not np.all([np.isfinite(level).all(axis=1) for level in answers[1]], axis=0).any():
             raise SceneError("no path is finite at all step sizes: mend the solver, or take more `steps`")
         strong, weak = (
             order if order is None else finite(name, order, above=0)
             for name, order in [("strong", strong), ("weak", weak)]
         )
-        said = (strong, weak, (keeps, same_step, self._own_noise), self._seconds)
-        return Report(self.scene, _core.judge(self.scene, self._sizes, states, said, how(None, False)))
+        said = (strong, weak, keeps, same_step)
+        found = _core.judge(self.scene, self._sizes, answers, self._seconds, said, how(None, False))
+        return Report(self.scene, found)
 
 
 def one_step(step: Callable[..., Any]) -> Callable[..., Any]:

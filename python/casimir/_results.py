@@ -73,6 +73,20 @@ class Figures(Mapping[str, Figure]):
         return f"figures: {', '.join(self._figures)}"
 
 
+class Warning(NamedTuple):
+    """Something that a reader of a result must know; ``str()`` is the sentence that is printed."""
+
+    what: str
+    why: str
+    """Evidence; may be empty."""
+    remedy: str
+    """What would help; may be empty."""
+
+    def __str__(self) -> str:
+        why, remedy = self.why and f": {self.why}", self.remedy and f"; {self.remedy}"
+        return f"{self.what}{why}{remedy}"
+
+
 class Result:
     """What every command gives: the program's words, its JSON as ``data``, figures."""
 
@@ -86,9 +100,9 @@ class Result:
         self.interrupted = found["interrupted"]
 
     @property
-    def warnings(self) -> list[str]:
+    def warnings(self) -> list[Warning]:
         """What a reader must know."""
-        return list(self.data["warnings"])
+        return [Warning(**one) for one in self.data["warnings"]]
 
     def plot(self, name: str | None = None) -> Any:
         """One :class:`Figure` by its name, or all."""
@@ -141,6 +155,13 @@ class Statistics(NamedTuple):
     median: Array
     quantiles: Array | None
     """[time, level], at the levels ``quantile_levels`` of the run."""
+    variance: Array
+    least: Array
+    largest: Array
+
+    def _alone(self) -> dict[str, Array]:
+        """All but the quantiles."""
+        return {what: array for what, array in self._asdict().items() if what != "quantiles"}
 
 
 class _Named(dict[str, Statistics]):
@@ -309,8 +330,7 @@ class Run(Result):
                     continue
                 places = zip([*self.parameters, axis], mesh, strict=True)
                 columns = {"observable": name, **{axis: m.ravel() for axis, m in places}}
-                of_law = zip(Statistics._fields[:5], law[:5], strict=True)
-                columns |= {what: array.ravel() for what, array in of_law if array is not None}
+                columns |= {what: array.ravel() for what, array in law._alone().items()}
                 if law.quantiles is not None and self.quantile_levels is not None:
                     levels = enumerate(self.quantile_levels)
                     columns |= {f"q{level:g}": law.quantiles[..., k].ravel() for k, level in levels}
@@ -339,9 +359,8 @@ class Run(Result):
             variables[name] = (dims, np.pad(array, widths, constant_values=np.nan) if short else array)
         for name, law in self.statistics.items():
             dims = (*self.parameters, self.axis(name))
-            for what, array in zip(Statistics._fields[:5], law[:5], strict=True):
-                if array is not None:
-                    variables[f"{name} {what}"] = (dims, array)
+            for what, array in law._alone().items():
+                variables[f"{name} {what}"] = (dims, array)
             if law.quantiles is not None:
                 variables[f"{name} quantiles"] = ((*dims, "quantile"), law.quantiles)
                 coordinates["quantile"] = self.quantile_levels

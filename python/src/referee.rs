@@ -1,10 +1,10 @@
 //! Solvers of others: their noise as arrays, and what their states show.
 
-use casimir::analysis::{LevelNoise, SolverStates, VISITS};
+use casimir::analysis::{Claims, LevelNoise, SolverStates, VISITS};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::{prelude::*, types::PyDict};
 use scenes::{Changes, Scene};
-use verbs::{self, Claims, Measure, failure::Failure};
+use verbs::{self, Measure, failure::Failure};
 
 use crate::{
     Given, How,
@@ -85,30 +85,36 @@ pub fn single_steps<'py>(
     Ok((VISITS, steps.into_iter().map(of).collect::<PyResult<_>>()?))
 }
 
-/// What is said of a solver: strong and weak order; whether it keeps laws, all steps are the same map,
-/// and two answers to the same noise differed; seconds at each step size.
-type Said = (Option<f64>, Option<f64>, [bool; 3], Vec<f64>);
+/// States at time 0, at each step size, at the coarsest again, by the reference, and after single
+/// steps.
+type Answers<'py> =
+    (States<'py>, Vec<States<'py>>, States<'py>, [States<'py>; 2], Vec<[States<'py>; 2]>);
+/// Claims: strong and weak order; whether laws are kept, and whether all steps are the same map.
+type Said = (Option<f64>, Option<f64>, bool, bool);
 
-/// Judges states: at time 0, at each step size, by the reference, and after single steps.
+/// Judges the states of a solver that took these seconds at each step size.
 #[pyfunction]
 pub fn judge<'py>(
     py: Python<'py>,
     given: Given<'py>,
     sizes: Sizes,
-    states: (States<'py>, Vec<States<'py>>, [States<'py>; 2], Vec<[States<'py>; 2]>),
+    answers: Answers<'py>,
+    seconds: Vec<f64>,
     said: Said,
     how: How,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (start, levels, reference, single) = states;
+    let (start, levels, again, reference, single) = answers;
     let of = |states: States<'py>| states.as_array().iter().copied().collect::<Vec<f64>>();
     let states = SolverStates {
         start: of(start),
         levels: levels.into_iter().map(of).collect(),
+        again: of(again),
         reference: reference.map(of),
         single: single.into_iter().map(|pair| pair.map(of)).collect(),
+        seconds,
     };
-    let (strong, weak, [keeps, same_step, own_noise], seconds) = said;
-    let claims = Claims { strong, weak, keeps, same_step, own_noise, seconds };
+    let (strong, weak, keeps, same_step) = said;
+    let claims = Claims { strong, weak, keeps, same_step };
     let source = given.source();
     watched(py, &given.text, how.threads, how.show, false, move |_| {
         let scene = Scene::new(source, &Changes::default())?;

@@ -170,8 +170,8 @@ def interrupted(work: Callable[[], Any], delay: float) -> tuple[Any, float]:
 def test_an_interrupt_says_nothing_of_tables_that_were_not_begun(oscillator: casimir.Scene) -> None:
     run, _ = interrupted(lambda: oscillator.run(paths=50_000_000, steps=256, progress=False), 0.7)
     assert run is not None and run.interrupted and run.data["halted"] == []
-    assert not [line for line in run.warnings if line.startswith("path ")], run.warnings
-    assert any("stopped after" in line for line in run.warnings)
+    assert not [line for line in run.warnings if str(line).startswith("path ")], run.warnings
+    assert any("stopped after" in str(line) for line in run.warnings)
     crowd = oscillator.with_(paths=50_000_000, steps=256)
     _, late = interrupted(lambda: crowd.run(threads=1024, progress=False), 0.3)
     assert late < 1.0, late

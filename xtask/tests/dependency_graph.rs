@@ -23,7 +23,7 @@ expectation: mc schemes systems stats noise real
 stationary: expectation study mc schemes stats noise real
 inspect: mc schemes systems noise real
 analysis: inspect mc stats formula schemes systems nonlin noise real
-plot: analysis study mc stats real
+plot: stats real
 casimir: plot analysis inspect stationary expectation study mc stats formula schemes systems \
     nonlin dgrad noise real
 scenes: casimir kernels

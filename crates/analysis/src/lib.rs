@@ -25,7 +25,7 @@
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`] | how it is measured |
 //! | [`Exact`] | an exact solution on sampled paths |
-//! | [`Referee`], [`SolverStates`], [`Judged`], [`Verdict`] | orders of solvers that are not ours |
+//! | [`Referee`], [`SolverStates`], [`Judged`], [`Claims`], [`Verdicts`] | solvers that are not ours |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`], [`aligned`], [`worse`] | moments; times; digits, tables |
 //! | [`step_check()`], [`StepCheck`], [`StepError`] | whether the steps of a run are short enough |
@@ -41,8 +41,9 @@ pub use compare::{Candidates, CompareSettings, Comparison, compare};
 pub use final_moments::{FinalMoments, FinalRows};
 pub use number::{aligned, number};
 pub use orders::{
-    Decision, Exact, Judged, LevelNoise, Limit, More, OneStep, Order, Referee, SolverStates,
-    StepSizes, VISITS, Verdict, squared_distance, strong_order, weak_order, wrong_limit,
+    Claims, Decision, Exact, Judged, Law, LevelNoise, Limit, More, OneStep, Order, Referee,
+    SolverStates, StepSizes, VISITS, Verdict, Verdicts, squared_distance, strong_order, weak_order,
+    wrong_limit,
 };
 pub use stats::worse;
 pub use step_check::{

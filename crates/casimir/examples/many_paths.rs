@@ -5,7 +5,8 @@
 //! cargo run --release -p casimir-poisson --example many_paths
 //! ```
 
-use casimir::plot::figure::{bands, histogram};
+use casimir::figures::{histogram, law};
+use casimir::plot::figure::bands;
 use casimir::prelude::*;
 use casimir::systems::{Cosine, RigidBody};
 use std::fs::{File, write};
@@ -39,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::temp_dir();
     result.write_csv(&mut File::create(folder.join("study.csv"))?)?;
     write(folder.join("study.json"), serde_json::to_string(&result)?)?;
-    write(folder.join("study-y1.svg"), bands("y1 in time", "time t", "y1", &y1.points))?;
+    write(folder.join("study-y1.svg"), bands("y1 in time", "time t", "y1", &law(&y1.points)))?;
     write(folder.join("study-y1-end.svg"), histogram("y1 at the end", "y1", y1.last()))?;
     println!("study.csv, study.json, study-y1.svg and study-y1-end.svg in {}", folder.display());
     Ok(())

@@ -5,8 +5,8 @@
 //! cargo run --release -p casimir-poisson --features plot --example which_scheme
 //! ```
 
+use casimir::figures;
 use casimir::mc;
-use casimir::plot::figure;
 use casimir::prelude::*;
 use casimir::schemes::BuiltIn;
 
@@ -78,7 +78,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{comparison}");
     let folder = std::env::temp_dir();
     let file = folder.join("kirchhoff.svg");
-    std::fs::write(&file, figure::comparison(&comparison))?;
+    std::fs::write(&file, figures::comparison(&comparison))?;
     std::fs::write(folder.join("kirchhoff.json"), serde_json::to_string(&comparison)?)?;
     println!("{:.1} s; error against cost: {}", comparison.wall_s, file.display());
     Ok(())

@@ -35,7 +35,10 @@
 //!   [`schemes::run_time`] for any system whose dimension is known at run time.
 //! - [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`]: increments and Lévy areas, discrete
 //!   gradients, implicit equations, fits of orders, numbers.
-//! - `plot`, with the feature of that name: figures and pages.
+//! - `plot`, with the feature of that name: figures and pages; `figures` draws what is found.
+
+#[cfg(feature = "plot")]
+pub mod figures;
 
 #[cfg(feature = "plot")]
 pub use plot;

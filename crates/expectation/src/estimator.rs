@@ -12,7 +12,7 @@ use real::{
     elementary::{exp, ln},
 };
 use serde::{Deserialize, Serialize};
-use stats::CONFIDENCE;
+use stats::{CONFIDENCE, Warning as Message};
 
 use super::{
     Candidate, Expect, ExpectSettings, Orders,
@@ -20,7 +20,11 @@ use super::{
     judge::Evidence,
     level::{PathValues, Samples, Values, hull, tail},
     report::{Estimate, Expectation, Judged, Level, Warning, WarningKind},
-    resolution::{LARGEST_EXPONENT, Motion, PARTS, unresolved},
+    resolution::{Motion, PARTS, unresolved},
+    rules::{
+        BIAS_ENOUGH, BIAS_PART, BIAS_SHARE, FEWER, LARGEST_EXPONENT, LOST, MAX_BIAS, MAX_LOST,
+        MAX_SAMPLES, MIN_GROWTH, OF_RANDOM_POINTS, SINGLE, UNCOUPLED,
+    },
     sum::{BIAS_LEVELS, Sum, Term},
 };
 use mc::{
@@ -30,44 +34,10 @@ use mc::{
 
 /// The highest level of the pilot.
 const PILOT_LEVEL: usize = BIAS_LEVELS;
-/// The part of the accuracy that may go to the bias: it falls by eight or more from a level to the
-/// next.
-const BIAS_SHARE: f64 = 1.0 / 3.0;
-/// Largest part of the statistical half-width for the bound on the bias, so that errors are as
-/// large as the interval says.
-const BIAS_PART: f64 = 0.5;
-/// Part of the accuracy below which a bound on the bias is small enough in any case. Where φ hardly
-/// varies, half of the statistical half-width may be round-off.
-const BIAS_ENOUGH: f64 = 1.0 / 64.0;
-/// Part of the accuracy for the bias on the finest level allowed, above which more points are of no
-/// use.
-const MAX_BIAS: f64 = 0.5;
 /// Largest number of points of a replicate; twice that number have distinct numbers.
 const MAX_POINTS: u64 = 1 << 31;
 /// Number of independent replicates of the points of a level.
 const REPLICATES: u64 = 32;
-/// The confidence for random points: a margin that known answers chose, and not derived. With 95 %,
-/// 3.7 % of them were missed; with this 1.4 %, also with seeds that the choice did not see, for 7 %
-/// more work.
-const OF_RANDOM_POINTS: f64 = 0.98;
-/// Least exponent with which points grow with the inverse error: the error of scrambled points
-/// falls as N^{−3/2} at most (Owen 1997).
-const MIN_GROWTH: f64 = 2.0 / 3.0;
-/// Number of samples of the first level beyond which more do not show a variance not shown so far.
-const MAX_SAMPLES: u64 = 1 << 24;
-/// Part of the accuracy that failed paths may have: with more, steps are halved.
-const LOST: f64 = 0.25;
-/// Part of the accuracy that failed paths may have where halving does not help.
-const MAX_LOST: f64 = 0.5;
-/// Factor to which the share of failed paths must fall over the first levels for halving to help.
-const FEWER: f64 = 0.5;
-/// Root of the part of the path-steps below which single paths are taken.
-const SINGLE: f64 = 0.5;
-/// Least part of the variance of φ that φ(fine) − φ(coarse) has on the last level where single
-/// paths are taken: paths that levels couple no more. Else differences are known well, and single
-/// paths hide a bias.
-const UNCOUPLED: f64 = 0.25;
-
 /// Time of a round of groups of all replicates below which the next round is larger.
 const BETWEEN: Duration = Duration::from_millis(500);
 
@@ -179,9 +149,9 @@ impl<'a> Estimator<'a> {
             self.restore(kept)?;
         }
         self.begin(pilot)?;
-        let out_of_reach = |why: String| {
-            let text = format!("the accuracy is out of reach: {why}");
-            Some((WarningKind::OutOfReach, text))
+        let out_of_reach = |why: String, remedy: &str| {
+            let what = Message::new("the accuracy is out of reach");
+            Some((WarningKind::OutOfReach, what.because(why).unless(remedy)))
         };
         let mut helps = None;
         let limit = loop {
@@ -189,7 +159,7 @@ impl<'a> Estimator<'a> {
                 self.first = self.levels.len() - BIAS_LEVELS;
             }
             let numbers = self.numbers();
-            let sums: Vec<Sum> = numbers.iter().map(|&k| self.sum(k)).collect();
+            let sums: Vec<Sum> = numbers.iter().map(|&k| self.sum_from(self.first, k)).collect();
             if sums.is_empty() {
                 break None;
             }
@@ -208,19 +178,21 @@ impl<'a> Estimator<'a> {
                 }
                 if lost > MAX_LOST * accuracy {
                     helps = Some(false);
-                    break out_of_reach(format!(
+                    let why = format!(
                         "a share of {before:.1e} of the paths fails, and {share:.1e} with steps an \
-                         eighth as long, which may change the result by {lost:.1e}; write the \
-                         equation in variables without a singular point, as √x for x"
-                    ));
+                         eighth as long, which may change the result by {lost:.1e}"
+                    );
+                    let remedy =
+                        "write the equation in variables without a singular point, as √x for x";
+                    break out_of_reach(why, remedy);
                 }
             }
             let least = self.least_cost(&sums, finer);
             if least > max_cost as f64 {
                 let allowed = max_cost as f64;
-                break out_of_reach(format!(
-                    "it takes {least:.0e} path-steps or more, {allowed:.0e} are allowed"
-                ));
+                let why =
+                    format!("it takes {least:.0e} path-steps or more, {allowed:.0e} are allowed");
+                break out_of_reach(why, "");
             }
             let (level, points) = if finer && last < self.max_level {
                 self.add_level()?;
@@ -235,7 +207,7 @@ impl<'a> Estimator<'a> {
                 let stuck = unresolved || sums.iter().any(|sum| sum.extrapolation.size > most);
                 if !self.noisy || enough || finer && stuck {
                     let text = format!("the bias is too large on the finest level allowed, {last}");
-                    break (unresolved || wide).then_some((WarningKind::Level, text));
+                    break (unresolved || wide).then(|| (WarningKind::Level, Message::new(text)));
                 }
                 let level = if wide { self.worst(&sums) } else { self.first };
                 (level, 2 * self.levels[level].points)
@@ -244,7 +216,8 @@ impl<'a> Estimator<'a> {
             let cost = spent.get().saturating_add(self.cost(samples, points - samples.points));
             let limit = if cost > max_cost || samples.points >= MAX_POINTS {
                 let text = "the accuracy was not reached with the";
-                (WarningKind::Cost, format!("{text} {max_cost} path-steps allowed"))
+                let text = format!("{text} {max_cost} path-steps allowed");
+                (WarningKind::Cost, Message::new(text))
             } else if self.sample(level, points)? {
                 // Once points are doubled, the first level stays.
                 if self.levels.iter().all(|samples| samples.points == pilot) {
@@ -252,7 +225,7 @@ impl<'a> Estimator<'a> {
                 }
                 continue;
             } else {
-                (WarningKind::Stopped, "stopped before the accuracy was reached".into())
+                (WarningKind::Stopped, Message::new("stopped before the accuracy was reached"))
             };
             self.levels.retain(|samples| samples.paths > 0);
             self.first = self.first.min(self.levels.len() - 1);
@@ -489,11 +462,7 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// Sum of test function number k from the first level on.
-    fn sum(&self, k: usize) -> Sum {
-        self.sum_from(self.first, k)
-    }
-
+    /// Sum of test function number k from a level on.
     fn sum_from(&self, first: usize, k: usize) -> Sum {
         let (samples, range) = (&self.levels[first], self.range(k));
         let differences = Term::differences(&self.levels[1..], k, range);
@@ -565,13 +534,13 @@ impl<'a> Estimator<'a> {
         self.levels.len() - sums[0].terms.len() + cheapest.or_else(best).unwrap_or(0)
     }
 
-    fn report(self, limit: Option<(WarningKind, String)>) -> Expectation {
+    fn report(self, limit: Option<(WarningKind, Message)>) -> Expectation {
         let Self { ref levels, first, noisy, ref request, candidate, .. } = self;
         // Levels below the first may be far from the limit; three differences make a slope.
         let differences = &levels[1..];
         let from = first.min(differences.len().saturating_sub(BIAS_LEVELS));
         let estimate = |(k, phi): (usize, &&dyn Observe)| {
-            let sum = self.sum(k);
+            let sum = self.sum_from(first, k);
             let terms = Term::differences(differences, k, self.range(k));
             let tail = tail(levels, k);
             Estimate {

@@ -28,22 +28,9 @@ use super::{
     Orders,
     level::Samples,
     report::{QUANTILE, Rate},
+    rules::{LOWEST_ORDER, ORDER_TOLERANCE, SIGNIFICANT, SMOOTH, WHOLE},
     sum::Term,
 };
-
-/// Tolerance for an observed order that is significantly below the theoretical one. With large
-/// steps it is by a tenth or so, and the bound allows for it.
-pub const ORDER_TOLERANCE: f64 = 0.25;
-/// Least order of extrapolation, unless half of the order given is less.
-const LOWEST_ORDER: f64 = 0.5;
-
-/// Order of the variances of differences below which φ is taken to be rough. They fall by two for a
-/// smooth φ on steps that resolve the motion, by 3/2 for one with kinks, and by one for one with
-/// jumps (Giles 2015).
-const SMOOTH: f64 = 1.25;
-
-/// Distance from a whole number within which a slope is that order.
-const WHOLE: f64 = 0.2;
 
 /// The orders that differences without errors of sampling show, the last one last, if they are
 /// whole numbers: the first by d_{L−1}/d_L and d_{L−2}/d_{L−1}, the second by those of R; else
@@ -141,9 +128,6 @@ fn local_order(before: &Term, last: &Term) -> Option<f64> {
     }
     Some((ln(ratio) + QUANTILE * (square(before) + square(last)).sqrt()) / LN_2)
 }
-
-/// Number of standard errors from which on the logarithm of a difference is nearly normal.
-pub const SIGNIFICANT: f64 = 4.0;
 
 /// Rate at which the means of the differences fall, if all that are significant have one sign.
 pub fn alpha(differences: &[Samples], terms: &[Term], k: usize) -> Option<Rate> {

@@ -1,15 +1,14 @@
 //! Checks of the assumptions against the samples.
 
+use stats::Warning as Message;
+
 use super::{
-    extrapolation::{ORDER_TOLERANCE, lowest},
+    extrapolation::lowest,
     level::{Samples, tail},
     report::{Estimate, Judged, Rate, Warning, WarningKind},
+    rules::{DEVIATION_LIMIT, ORDER_TOLERANCE},
     sum::BIAS_LEVELS,
 };
-
-/// Largest number of standard errors between two means of one expectation: exceeded once in 10⁵
-/// comparisons of normals.
-const DEVIATION_LIMIT: f64 = 4.5;
 
 /// Distance in standard errors of the fine mean of one level and the coarse mean of another, which
 /// have the same expectation; relative to rounding where neither varies.
@@ -40,8 +39,9 @@ impl Evidence<'_> {
         let failing = self.levels[self.first..].iter().filter(|level| level.failed > 0);
         let mut warnings: Vec<Warning> = failing
             .map(|&Samples { level, failed, .. }| {
-                let text = format!("{failed} paths failed on level {level} and were left out");
-                Warning::of_all(WarningKind::FailedPaths, text + ", which may bias the estimate")
+                let what = format!("{failed} paths failed on level {level} and were left out");
+                let message = Message::new(what).because("this may bias the estimate");
+                Warning::of_all(WarningKind::FailedPaths, message)
             })
             .collect();
         warnings.extend(self.unresolved.iter().cloned());
@@ -56,7 +56,7 @@ impl Evidence<'_> {
                     "the coarse mean of level {level} is {deviation:.1} standard errors from the \
                      fine mean of level {below}"
                 );
-                (WarningKind::Telescope, text)
+                (WarningKind::Telescope, Message::new(text))
             });
             let found: Vec<_> = few.into_iter().chain(apart).chain(order).collect();
             let good = |bad: &[WarningKind]| !found.iter().any(|(kind, _)| bad.contains(kind));
@@ -75,39 +75,38 @@ impl Evidence<'_> {
     /// Warning if a few samples of test function number k decide: on the level that the sum begins
     /// with, where its tail shows it or few carry the variance; or because φ is the same on every
     /// path of one of the last levels.
-    fn few_samples(&self, k: usize) -> Option<(WarningKind, String)> {
+    fn few_samples(&self, k: usize) -> Option<(WarningKind, Message)> {
         let last = self.levels.len() - BIAS_LEVELS;
         let blind = |samples: &&Samples| self.noisy && samples.values[k].is_blind();
         let begin = &self.levels[self.first];
         let tail = tail(self.levels, k);
         if tail.is_heavy() {
-            let text = format!("{tail}: more paths do not help");
-            return Some((WarningKind::FewSamples, text));
+            let message = Message::new(tail.to_string()).because("more paths do not help");
+            return Some((WarningKind::FewSamples, message));
         }
         let found = self.levels[last..].iter().find(blind).map(|samples| (samples, 0.0));
         let heavy = begin.values[k].is_heavy();
         let few = || (begin, begin.values[k].fine.effective_samples());
         let (samples, effective) = found.or_else(|| heavy.then(few))?;
-        let text = format!(
-            "{effective:.0} of {} samples carry the variance on level {}: a few large ones decide, or \
-             the noise is too weak for these steps",
+        let what = format!(
+            "{effective:.0} of {} samples carry the variance on level {}",
             samples.count(),
             samples.level
         );
-        Some((WarningKind::FewSamples, text))
+        let why = "a few large ones decide, or the noise is too weak for these steps";
+        Some((WarningKind::FewSamples, Message::new(what).because(why)))
     }
 
     /// Warning of a low order by which differences fall.
-    fn slow(&self, Rate { value, lower, upper }: Rate) -> Option<(WarningKind, String)> {
+    fn slow(&self, Rate { value, lower, upper }: Rate) -> Option<(WarningKind, Message)> {
         let kind = match upper {
             _ if upper < lowest(self.order) => WarningKind::Slow,
             _ if upper < self.order - ORDER_TOLERANCE => WarningKind::Order,
             _ => return None,
         };
         let (seen, given) = (format!("{value:.2} ({lower:.2} to {upper:.2})"), self.order);
-        Some((
-            kind,
-            format!("differences fall with exponent {seen}, the weak order given is {given}"),
-        ))
+        let what =
+            format!("differences fall with exponent {seen}, the weak order given is {given}");
+        Some((kind, Message::new(what)))
     }
 }

@@ -4,6 +4,7 @@ use real::elementary::{hypot, log10};
 use std::fmt;
 
 use serde::Serialize;
+use stats::Warning as Message;
 
 /// Quantile q of the normal law for 95 %: P(|N(0, 1)| ≤ q) = 95 %.
 pub const QUANTILE: f64 = 1.959_963_984_540_054;
@@ -148,8 +149,8 @@ pub struct Warning {
     pub kind: WarningKind,
     /// Names of the φ that are concerned; none if all are.
     pub observables: Vec<String>,
-    /// Text of the warning, with the numbers of the first φ.
-    pub text: String,
+    /// Message, with the numbers of the first φ.
+    pub message: Message,
 }
 
 /// The kind of a warning.
@@ -203,8 +204,8 @@ pub enum WarningKind {
 }
 
 impl Warning {
-    pub(super) fn of_all(kind: WarningKind, text: String) -> Self {
-        Self { kind, observables: Vec::new(), text }
+    pub(super) fn of_all(kind: WarningKind, message: Message) -> Self {
+        Self { kind, observables: Vec::new(), message }
     }
 
     /// Adds a φ to the warning of this kind, which is this one if there is none yet.
@@ -226,11 +227,19 @@ impl Warning {
     }
 }
 
+impl Warning {
+    /// The message with the names of the φ that are concerned.
+    pub fn told(&self) -> Message {
+        match &self.observables[..] {
+            [] => self.message.clone(),
+            names => self.message.clone().about(names.join(", ")),
+        }
+    }
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { observables, text, .. } = self;
-        let separator = if observables.is_empty() { "" } else { ": " };
-        write!(f, "{}{separator}{text}", observables.join(", "))
+        self.told().fmt(f)
     }
 }
 

@@ -11,35 +11,19 @@
 //! steps that resolve a motion of the same size there are not what parts the paths later.
 
 use real::{Kernel, PathMask, Row, WIDTH, dispatch};
-use stats::ROUND_OFF;
+use stats::{ROUND_OFF, Warning as Message};
 
 use super::{
     level::{Samples, Values},
     report::{Warning, WarningKind},
+    rules::{
+        BEGUN, DAMPED, ERROR, GAIN, LARGEST_EXPONENT, MIN_TIMES, RESOLVED, SCATTERED, VANISHES,
+    },
 };
 use mc::{DampingResolution, View, add_rows};
 
-/// The largest quotient that counts as resolved, on the last level: a rotation differs by half a
-/// radian to one, and the fine path is wrong by a third of that (phases have order two). The same
-/// number for φ: the correlation of φ(fine) and φ(coarse) is then ¾ or more.
-const RESOLVED: f64 = 0.5;
-/// Largest factor by which quotients fall from a level to the next: strong order ½ gives 1/√2.
-const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Largest factor from level to level, twice, of a motion that is an error of the scheme: a true
-/// one has a limit.
-const VANISHES: f64 = 0.75;
-/// Largest square of the mean of a difference over its variance that is scatter.
-const SCATTERED: f64 = 0.25;
-/// Largest part of the largest component that a motion by errors of the scheme has.
-const ERROR: f64 = 0.1;
-
 /// Number of parts of the time: up to T/64, T/8 and T.
 pub const PARTS: usize = 3;
-/// Least size of the motion in a first part of the time, relative to that in all.
-const BEGUN: f64 = 0.1;
-/// Least number of coarse steps in a first part of the time.
-const MIN_TIMES: f64 = 8.0;
-
 /// The part of the time that this one of `last` coarse times is in, counted from the end.
 pub fn part(time: u64, last: u64) -> usize {
     ((last / time).ilog2() as usize / 3).min(PARTS - 1)
@@ -206,13 +190,6 @@ fn vanishes([a, b, c]: [f64; 3]) -> bool {
     c <= ERROR && c <= VANISHES * b && b <= VANISHES * a
 }
 
-/// The largest ∫|γ| over a step that is resolved: noise of a step that enters in its middle has the
-/// variance x/sinh x of the true one, x = γτ, which has an expansion in τ where x is below one.
-pub const LARGEST_EXPONENT: f64 = 1.0;
-
-/// The part of the accuracy that an error of ∫γ may have, beside φ.
-const DAMPED: f64 = 0.01;
-
 /// Warnings of what the steps of the last difference do not resolve: the worst component of the
 /// motion, the damping, Hamiltonians near the time `drive`, and every test function of these names.
 /// Nothing is known of fewer than three levels.
@@ -225,9 +202,10 @@ pub fn unresolved(
     let [.., a, b, last] = differences else { return Vec::new() };
     let (levels, level) = ([a, b, last], last.level);
     let warning = |kind, what: &str, how: String| {
-        let advice = "take more steps of the coarsest level";
-        let text = format!("the steps do not resolve {what}: on level {level} {how}; {advice}");
-        Warning::of_all(kind, text)
+        let message = Message::new(format!("the steps do not resolve {what}"))
+            .because(format!("on level {level} {how}"))
+            .unless("take more steps of the coarsest level");
+        Warning::of_all(kind, message)
     };
     let differ = |by: f64| format!("fine and coarse paths differ by {by:.1e} of its motion");
     let components = (0..last.motion[0].start.len()).map(|i| (i + 1, quotients(levels, 0, i)));

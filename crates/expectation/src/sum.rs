@@ -3,20 +3,15 @@
 use real::elementary::{exp, hypot, ln, powi};
 use stats::{FEW_SAMPLES, two_sided};
 
-use super::{extrapolation::Extrapolation, level::Samples, report::QUANTILE};
+use super::{
+    extrapolation::Extrapolation,
+    level::Samples,
+    report::QUANTILE,
+    rules::{FEW_DECIDE, HIGH_CONFIDENCE, UNSEEN},
+};
 
 /// Number of differences that bound the bias.
 pub const BIAS_LEVELS: usize = 3;
-/// Upper limit u at 97.5 % of the expected number of events where N samples show none, −ln 0.025.
-/// With k events the interval k ± √(1.96²k + u²) covers a Poisson number with 93 % or more for any
-/// mean, and events of several levels with more. With thirty events k ± 1.96√k covers as well
-/// without u.
-pub const UNSEEN: f64 = 3.688_879_454_113_936;
-/// The part of the variance from which on the largest and the least value of a replicate decide.
-const FEW_DECIDE: f64 = 0.5;
-/// Confidence of Student's quantile where the largest and the least value decide.
-const HIGH_CONFIDENCE: f64 = 0.99;
-
 /// Bound on what events that `n` samples missed may add to their mean, if `effective` of them carry
 /// the variance (NaN where none differs) and an event reaches as far as `reach`.
 fn missed(n: f64, effective: f64, reach: f64) -> f64 {

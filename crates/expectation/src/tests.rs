@@ -13,7 +13,8 @@ use super::{
     level::{PathValues, Samples, Values, hull},
     report::{Estimate, Expectation, Judged, QUANTILE, Rate, Warning, WarningKind},
     resolution::{Motion, coupled, part, share, unresolved},
-    sum::{Sum, Term, UNSEEN},
+    rules::UNSEEN,
+    sum::{Sum, Term},
 };
 use mc::{DampingResolution, Observable, Observe, Setup, Statistic, View};
 
@@ -280,9 +281,9 @@ fn a_motion_is_resolved_when_the_last_paths_agree_and_better_than_those_below() 
         let found = found(&quotients(of), 9.0);
         assert_eq!(found.is_empty(), resolved, "{of:?}");
         if !resolved {
-            let [Warning { kind, ref text, .. }] = found[..] else { panic!("{found:?}") };
+            let [Warning { kind, ref message, .. }] = found[..] else { panic!("{found:?}") };
             assert_eq!(kind, WarningKind::Component(1));
-            assert!(text.contains(&format!(
+            assert!(message.to_string().contains(&format!(
                 "y1: on level 3 fine and coarse paths differ by {:.1e}",
                 of[2]
             )));
@@ -490,7 +491,8 @@ fn each_assumption_is_judged_at_its_limit() {
     let (same_on_all, warnings) = judged(steps, 0.0, alpha, blind);
     assert!(!same_on_all.variance);
     let few = |warnings: &[Warning], text: &str| {
-        let is = |one: &Warning| one.kind == WarningKind::FewSamples && one.text.contains(text);
+        let is =
+            |one: &Warning| one.kind == WarningKind::FewSamples && one.message.what.contains(text);
         assert!(warnings.iter().any(is), "{warnings:?}");
     };
     let none = "0 of 64 samples carry the variance on level 2";
@@ -558,7 +560,7 @@ fn an_expectation_says_what_it_is_and_what_it_lacks() {
     assert!(text.contains("\nE[cos y1] = 0.123457 ± 3.0e-5"), "{text}");
     assert!(text.ends_with("path-steps\n") && text.contains("1.23e3"), "{text}");
 
-    found.warnings.push(Warning::of_all(WarningKind::Cost, "too dear".into()));
+    found.warnings.push(Warning::of_all(WarningKind::Cost, stats::Warning::new("too dear")));
     found.estimates[0].missed = 1e-3;
     found.estimates[1].judged.bias = false;
     let text = found.to_string();

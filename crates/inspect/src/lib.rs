@@ -39,6 +39,7 @@
 mod casimirs;
 pub mod facts;
 mod hamiltonian;
+mod inspection;
 mod invariants;
 mod noises;
 mod points;
@@ -61,14 +62,13 @@ use points::{Points, Sight};
 pub use crate::facts::{DampingIntegral, Finding, Form, Status};
 pub use casimirs::{Casimirs, FoundCasimir};
 pub use hamiltonian::Hamiltonians;
+pub use inspection::{Applies, ExpectedOrder, Inspection, Recommendation, Theorem};
 pub use invariants::ClaimedInvariant;
 pub use noises::Noises;
 pub use points::{InspectError, Region};
 pub use problem::{Bound, ProblemFindings};
-pub use report::Inspection;
 pub use shape::{Minimum, Shape};
 pub use structure::Structure;
-pub use theory::{Applies, ExpectedOrder, Recommendation, Theorem};
 
 /// Half side of the box in which a system without an initial value is inspected.
 const HALF_SIDE: f64 = 2.0;

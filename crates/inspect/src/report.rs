@@ -1,105 +1,20 @@
-//! The report: its data and its text.
+//! The report as text.
 
 use std::fmt::{Display, Formatter, Result};
 
-use serde::Serialize;
-
 use super::{
     casimirs::{Casimirs, FoundCasimir},
-    hamiltonian::Hamiltonians,
+    inspection::{Applies, ExpectedOrder, Inspection, Recommendation, Theorem},
     invariants::ClaimedInvariant,
-    noises::Noises,
     points::Region,
-    problem::{Bound, ProblemFindings},
+    problem::ProblemFindings,
     shape::{Minimum, Shape},
     structure::Structure,
-    theory::{Applies, ExpectedOrder, Recommendation, Theorem},
 };
 use crate::facts::{Finding, Status, TIME};
 
-/// The report on a system: its properties, what theory says of it, and its mistakes.
-///
-/// It prints as text and serializes as data.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Inspection {
-    /// Name of the system.
-    pub system: String,
-    /// Dimension D of the state.
-    pub dimension: usize,
-    /// Number M of noises.
-    pub noises: usize,
-    /// The region of the points at which identities were checked.
-    pub region: Region,
-    /// Number of points at which identities were checked, with those around the initial value.
-    pub points: usize,
-    /// Whether the system is defined at every point that was tried.
-    pub defined_everywhere: bool,
-    /// Findings on the structure matrix B(y).
-    pub structure: Structure,
-    /// Findings on the Hamiltonians H₀, …, H_M.
-    pub hamiltonians: Hamiltonians,
-    /// Findings on the noise fields.
-    pub noise: Noises,
-    /// The invariants that the system claims.
-    pub invariants: Vec<ClaimedInvariant>,
-    /// The Casimirs of B; `None` where rows belong to one path of very many components.
-    pub casimirs: Option<Casimirs>,
-    /// A function that bounds all paths, if one was found.
-    pub bound: Option<Bound>,
-    /// Findings on damping and initial value; `None` for a system alone.
-    pub problem: Option<ProblemFindings>,
-    /// Statements of the paper, and whether each applies.
-    pub theorems: Vec<Theorem>,
-    /// The orders that theory predicts for the schemes.
-    pub orders: Vec<ExpectedOrder>,
-    /// Recommended schemes, the scheme for paths first.
-    pub recommended: Vec<Recommendation>,
-    /// Mistakes in words: properties that a system must have or claims, found to be wrong; empty
-    /// for a sound system.
-    pub mistakes: Vec<String>,
-    /// Properties that a system must have and that are undecided, in words with the reason.
-    pub undecided: Vec<String>,
-}
-
 /// Largest number of Casimirs and of claims that are printed.
 const LISTED: usize = 12;
-
-impl Inspection {
-    /// Fills in the lists of mistakes and of undecided properties.
-    pub(super) fn with_mistakes(mut self) -> Self {
-        let structure = [
-            ("structure(y, v) is not linear in v", &self.structure.linear),
-            ("B(y) is not skew-symmetric", &self.structure.skew),
-        ];
-        let methods = self.hamiltonians.methods.iter().map(|(what, finding)| (*what, finding));
-        let words = |(what, found): (&str, &Finding)| (found.status, format!("{what}: {found}"));
-        let mut checks: Vec<_> = structure.into_iter().chain(methods).map(words).collect();
-        if let Some(ProblemFindings { integral, .. }) = &self.problem {
-            let what = "the integral of the damping is not the integral of its rate";
-            checks.push((integral.agrees, format!("{what}: {integral}")));
-        }
-        for claim in &self.invariants {
-            checks.extend(claim.mistakes.iter().map(|what| (Status::Fails, what.clone())));
-            if claim.status() == Status::Unknown {
-                checks.push((Status::Unknown, format!("the claim on {} is true", claim.name)));
-            }
-        }
-        for (status, words) in checks {
-            match status {
-                Status::Fails => self.mistakes.push(words),
-                Status::Unknown => self.undecided.push(format!("whether {words}")),
-                Status::Holds => {}
-            }
-        }
-        self
-    }
-
-    /// Orders (strong, weak) that theory predicts for a scheme, by its identifier.
-    pub fn order(&self, scheme: &str) -> Option<(f64, f64)> {
-        let order = self.orders.iter().find(|order| order.scheme == scheme)?;
-        Some((order.strong, order.weak))
-    }
-}
 
 impl Display for Inspection {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {

@@ -1,46 +1,13 @@
 //! Which statements of the paper apply, the orders that theory predicts, and the schemes to take.
 
 use schemes::{BuiltIn, Properties, SexpLi, StrongOrder};
-use serde::Serialize;
 use systems::{Linearity, run_time::System};
 
-use super::{InspectSettings, report::Inspection};
+use super::{
+    InspectSettings,
+    inspection::{Applies, ExpectedOrder, Inspection, Recommendation, Theorem},
+};
 use crate::facts::{Conserved, Status};
-
-/// Whether a statement of the paper applies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Applies {
-    /// Applies: the assumptions hold at every point that was checked.
-    Yes,
-    /// Applies under a condition that points cannot decide: paths or steps stay in a ball or in
-    /// the domain, or round-off hides a defect.
-    Conditionally,
-    /// Does not apply.
-    No,
-}
-
-/// Statement of the paper, and whether it applies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Theorem {
-    /// Identifier of the statement, as in `STATEMENTS`.
-    pub statement: &'static str,
-    /// Whether the statement applies.
-    pub applies: Applies,
-}
-
-/// The orders that theory predicts for a scheme while paths stay bounded.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ExpectedOrder {
-    /// The identifier of the scheme.
-    pub scheme: &'static str,
-    /// Strong order; a lower bound if `known` is `Unknown`.
-    pub strong: f64,
-    /// Weak order.
-    pub weak: f64,
-    /// `Unknown` if the strong order may be higher.
-    pub known: Status,
-}
 
 /// Orders of the [built-in schemes](BuiltIn) for smooth B and H. Schemes with Lévy areas are listed
 /// if `areas` are drawn, schemes that read rates of the damping if these are finite. Strong order
@@ -119,17 +86,6 @@ pub fn theorems(report: &Inspection, damped: bool, uniform: bool) -> Vec<Theorem
         ("weak-one", orders),
     ];
     theorems.map(theorem).into()
-}
-
-/// Recommendation of a scheme for a purpose.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Recommendation {
-    /// Purpose: `paths` or `expectations`.
-    pub purpose: &'static str,
-    /// Identifier of the scheme.
-    pub scheme: &'static str,
-    /// Reason for the recommendation, in words.
-    pub because: String,
 }
 
 /// Recommended schemes for a system with damping or without, the scheme for paths first.

@@ -27,8 +27,7 @@ use systems::run_time::{Op, System, Weights};
 use crate::{
     Coefficients, Observe, Problem, Setup,
     observable::splat,
-    setup::CoefficientsAt,
-    setup::{Around, Wrap},
+    setup::{Around, CoefficientsAt, Wrap},
 };
 
 /// A function of the states of 32 paths.

@@ -17,7 +17,10 @@ use std::{
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use sha2::{Digest, Sha256};
 
-use crate::parts::{JobError, folder, replace_by};
+use crate::{
+    files::{folder, replace_by},
+    parts::JobError,
+};
 
 /// The version of the format.
 const FORMAT: u32 = 8;

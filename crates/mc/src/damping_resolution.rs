@@ -2,11 +2,10 @@
 //!
 //! A scheme reads the rate γ at the ends and in the middle of a step, or the integral given over
 //! its halves. A rate that oscillates or has a pulse within the steps is missed by all step sizes
-//! alike, and no comparison of paths shows it. The sums over the steps show it: they differ from
-//! ∫γ by quadrature. A pulse that is narrower than the quadrature is known to a closed integral
-//! alone, which is compared for every scheme.
-
-use std::{cell::RefCell, collections::BTreeMap, ops::Range};
+//! alike, and no comparison of paths shows it. The sums over the steps of each of these readings
+//! show it: they differ from ∫γ by quadrature, and by more than a step times the changes of the
+//! rate from step to step, which is what a slope or a jump gives. A pulse that is narrower than the
+//! quadrature is known to a closed integral alone, which is compared for every scheme.
 
 use nonlin::BlockStatus;
 use schemes::Step;
@@ -23,11 +22,10 @@ const MIN_PARTS: u64 = 256;
 const MAX_STEPS: u64 = 1 << 24;
 /// Relative error of the quadrature.
 const QUADRATURE: f64 = 1e-12;
-/// Number of step sizes below the judged one that are examined, too.
-const FINER: usize = 2;
-/// Largest factor from a step size to the next by which defects of sums that converge fall.
-const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Largest defect of a sum that has converged: above it e^{−∫γ} is wrong by two thirds.
+/// Largest defect of a sum over a step times the changes of the rate: one by a jump anywhere in a
+/// step, and room for what turns within steps.
+const MOST: f64 = 2.0;
+/// Largest defect of a sum in any case: above it e^{−∫γ} is wrong by two thirds.
 const LARGEST: f64 = 0.5;
 
 /// Resolution of the damping of a problem, and of its friction, by the steps of a scheme.
@@ -44,8 +42,6 @@ struct Resolution<'a> {
     exact: Vec<f64>,
     /// Integrals ∫|γ| over the parts of the quadrature, which are equal.
     sizes: Vec<f64>,
-    /// Defects computed so far, by the number of halvings.
-    known: RefCell<BTreeMap<usize, f64>>,
 }
 
 impl<'a> DampingResolution<'a> {
@@ -68,11 +64,11 @@ impl<'a> DampingResolution<'a> {
         self.0.iter().map(|one| one.lasting_exponent(halvings)).fold(0.0, f64::max)
     }
 
-    /// Largest defect of the damping, if the steps do not resolve it; else `None`.
+    /// Largest defect of the damping, if coarsest steps that are halved `halvings` times do not
+    /// resolve it; else `None`.
     ///
-    /// A defect is the distance from ∫₀ᵗγ of the sums that the scheme sees, and of the integrals
-    /// given. The largest is over times t of coarsest steps that are halved `halvings` times or
-    /// more. The damping is not resolved if this does not fall as that of sums that converge.
+    /// A defect is the distance from ∫₀ᵗγ of a sum that the scheme sees, or of the integrals given;
+    /// the largest is over times t.
     pub fn unresolved(&self, halvings: usize) -> Option<f64> {
         self.0.iter().filter_map(|one| one.unresolved(halvings)).reduce(worse)
     }
@@ -92,8 +88,7 @@ impl<'a> Resolution<'a> {
             sum
         });
         let (exact, sizes) = (exact.collect(), parts.iter().map(|part| part.size).collect());
-        let known = RefCell::default();
-        Self { damping, reads_rates, t_end, coarsest_steps, exact, sizes, known }
+        Self { damping, reads_rates, t_end, coarsest_steps, exact, sizes }
     }
 
     fn lasting_exponent(&self, halvings: usize) -> f64 {
@@ -106,48 +101,33 @@ impl<'a> Resolution<'a> {
         sums.windows(row).map(least).fold(0.0, f64::max) * parts.min(1.0)
     }
 
-    /// The distance of the sums from the integral; zero if it is round-off.
-    fn defect(&self, halvings: usize) -> f64 {
-        let mut known = self.known.borrow_mut();
-        *known.entry(halvings).or_insert_with(|| self.measure(halvings))
-    }
-
-    fn measure(&self, halvings: usize) -> f64 {
+    fn unresolved(&self, halvings: usize) -> Option<f64> {
         let double = |steps, _| if steps < MAX_STEPS { 2 * steps } else { steps };
         let steps = (0..halvings).fold(self.coarsest_steps, double);
         let (tau, per_time) = (self.t_end / steps as f64, steps / self.exact.len() as u64);
-        let (mut sums, mut defect) = ([0.0; 4], 0.0f64);
+        let (mut sums, mut changes, mut defect) = ([0.0; 4], 0.0, 0.0f64);
         for n in 0..steps {
             // The step size is positive and finite, or no path could run.
-            let Ok(step) = Step::new(self.damping, n, tau) else { return f64::NAN };
+            let Ok(step) = Step::new(self.damping, n, tau) else { return Some(f64::NAN) };
+            let Step { rate_at_start, rate_at_middle, rate_at_end, .. } = step;
             let integral = step.damping_integral();
+            changes += (rate_at_end - rate_at_start).abs();
             let terms = match self.reads_rates {
-                true => {
-                    [step.rate_at_start, step.rate_at_middle, step.rate_at_end].map(|r| tau * r)
-                }
+                true => [rate_at_start, rate_at_middle, rate_at_end].map(|rate| tau * rate),
                 false => [integral; 3],
             };
             let terms = terms.into_iter().chain([integral]);
             sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
             if (n + 1).is_multiple_of(per_time) {
                 let exact = self.exact[(n / per_time) as usize];
-                defect = sums.iter().map(|sum| (sum - exact).abs()).fold(defect, f64::max);
+                defect = sums.iter().map(|sum| (sum - exact).abs()).fold(defect, worse);
             }
         }
         // A sum of n terms rounds by nε of their sizes at most.
         let size: f64 = self.sizes.iter().sum();
         let round_off = (QUADRATURE + steps as f64 * f64::EPSILON) * size;
-        if defect <= round_off { 0.0 } else { defect }
-    }
-
-    fn unresolved(&self, halvings: usize) -> Option<f64> {
-        let largest =
-            |range: Range<usize>| range.map(|halvings| self.defect(halvings)).fold(0.0, f64::max);
-        let now = largest(halvings..halvings + FINER + 1);
-        // Zero, or what converges.
-        let falls = |before: f64| now <= LARGEST && now <= GAIN * before;
-        let resolved = now == 0.0 || falls(largest(halvings.saturating_sub(FINER)..halvings));
-        (!resolved).then_some(now)
+        let resolved = defect <= round_off.max(LARGEST.min(MOST * tau * changes + round_off));
+        (!resolved).then_some(defect)
     }
 }
 

@@ -397,8 +397,8 @@ impl<'a> Ladder<'a> {
         samples: u64,
         new: impl Fn() -> T + Sync,
     ) -> Option<Measured<T>> {
-        let (paths, study) = (samples, OnceLock::new());
-        let work = Work { name, paths, ladder: self, study, new: &new, stop };
+        let study = OnceLock::new();
+        let work = Work { name, paths: samples, ladder: self, study, new: &new, stop };
         let nodes = job.collect(work)?;
         let mut tree = MergeTree::new(merge);
         tree.extend(nodes);

@@ -55,6 +55,7 @@
 //! | [`LargePath`] | one path of a large system |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
+//! | [`files`] | files that are written whole or not at all |
 //!
 //! Dimension and number of noises are no part of a type here: [`Problem::of`], [`Setup::of`] and
 //! [`bind`] take what the compiler knows, [`Problem::at_run_time`] and [`Setup::at_run_time`]
@@ -66,6 +67,7 @@ mod damping_resolution;
 mod drive;
 mod driver;
 mod error;
+pub mod files;
 mod friction;
 mod ladder;
 mod large_path;
@@ -92,6 +94,6 @@ pub use memory::{MemoryError, demand};
 pub use observable::{Observable, Observe, StateFunction, add_rows, value_at};
 pub use parallel::in_parallel;
 pub use setup::{Coefficients, ConformalLaw, Initial, Problem, Run, Setup, bind, bind_owned};
-pub use simulation::{Column, NoiseOrigin, Simulation, TimeSeries, quoted, write_csv};
+pub use simulation::{Column, NoiseOrigin, Role, Simulation, TimeSeries, quoted, write_csv};
 pub use tangents::Tangents;
 pub use tree::Node;

@@ -1,6 +1,6 @@
 //! Problems whose system is known at run time, for the driver.
 
-use std::{borrow::Borrow, sync::Arc};
+use std::{ops::Deref, sync::Arc};
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
@@ -68,32 +68,16 @@ impl<'a> Setup<'a> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
+    /// The setup owns a scheme that is given in a box.
+    ///
     /// # Errors
     /// Those of [`Scheme::stepper`]: the scheme is not for the system.
     /// [`SchemeError`] if rows of the system hold one path, which is for
     /// [`LargePath`](crate::LargePath).
     pub fn at_run_time(
         problem: &'a run_time::Problem,
-        scheme: &'a dyn Scheme,
+        scheme: impl Deref<Target: Scheme> + Send + Sync + 'a,
     ) -> Result<Self, SchemeError> {
-        Self::with(problem, scheme)
-    }
-
-    /// A problem whose system is known at run time, with a scheme that the setup owns.
-    ///
-    /// # Errors
-    /// Those of [`at_run_time`](Setup::at_run_time).
-    pub fn owning(
-        problem: &'a run_time::Problem,
-        scheme: Box<dyn Scheme + 'a>,
-    ) -> Result<Self, SchemeError> {
-        Self::with(problem, scheme)
-    }
-
-    fn with<B>(problem: &'a run_time::Problem, scheme: B) -> Result<Self, SchemeError>
-    where
-        B: Borrow<dyn Scheme + 'a> + Send + Sync + 'a,
-    {
         let system = problem.system();
         let description = system.description();
         if description.layout.lanes == Lanes::Components {
@@ -102,7 +86,7 @@ impl<'a> Setup<'a> {
                 description.name
             )));
         }
-        scheme.borrow().stepper(system)?;
+        scheme.stepper(system)?;
         let scheme = Arc::new(Bound { system, scheme });
         Ok(Self { problem: Problem::at_run_time(problem), scheme })
     }
@@ -114,26 +98,23 @@ struct Bound<'a, B> {
     scheme: B,
 }
 
-impl<'a, B> Method for Bound<'a, B>
-where
-    B: Borrow<dyn Scheme + 'a> + Send + Sync,
-{
+impl<B: Deref<Target: Scheme> + Send + Sync> Method for Bound<'_, B> {
     fn id(&self) -> &'static str {
-        self.scheme.borrow().id()
+        self.scheme.id()
     }
 
     fn reads_areas(&self) -> bool {
-        self.system.description().noises > 1 && self.scheme.borrow().reads_areas()
+        self.system.description().noises > 1 && self.scheme.reads_areas()
     }
 
     fn clips_increments(&self) -> bool {
-        self.scheme.borrow().clips_increments()
+        self.scheme.clips_increments()
     }
 
     /// # Panics
     /// If there is no more memory.
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
-        let stepper = self.scheme.borrow().stepper(self.system);
+        let stepper = self.scheme.stepper(self.system);
         let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));
         stepper.state_mut().copy_from_slice(y);
         let guard = self.system.description().has_guard.then(|| scratch(self.system));

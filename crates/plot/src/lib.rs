@@ -1,7 +1,6 @@
 //! **Figures and pages of numerical experiments, for anybody's program.**
 //!
-//! [`figure`] draws as SVG, [`Document`] makes an HTML page of one file, [`files`] writes whole
-//! files or none.
+//! [`figure`] draws as SVG, [`Document`] makes an HTML page of one file.
 //!
 //! The figures are written as SVG without a library such as plotters: it rounds coordinates to
 //! integers, dashes one by one, and has no indices and exponents in the font of a text. A page of
@@ -23,10 +22,9 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`figure`] | figures as SVG: convergence, evolution, error against cost, laws, any curves |
+//! | [`figure`] | figures as SVG: convergence, evolution, laws, densities, any curves |
 //! | [`Series`], [`Kind`], [`series`] | errors, invariants and costs as data of figures |
 //! | [`Document`] | HTML pages of one file |
-//! | [`files`] | whole files, folders that are checked before the computing |
 //! | [`provenance`], [`Provenance`] | commit, compiler, processor, command, memory |
 //! | [`Label`] | indices and exponents in names of quantities |
 //! | [`escape()`] | text made safe for HTML and SVG |
@@ -34,7 +32,6 @@
 mod document;
 mod escape;
 pub mod figure;
-pub mod files;
 mod label;
 pub mod provenance;
 pub mod series;

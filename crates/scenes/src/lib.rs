@@ -60,7 +60,7 @@ use std::{fmt::Display, path::Path, sync::Arc};
 
 use casimir::{
     formula::nearest,
-    mc::{Along, Problem, Setup},
+    mc::{Along, Column, Problem, Role, Setup},
     schemes::BuiltIn,
     study::Wanted,
 };
@@ -313,16 +313,16 @@ impl Scene {
     }
 
     /// Whether tables contain the column.
-    pub fn keeps(&self, column: &str) -> bool {
-        let is_component = self.components.iter().any(|name| name == column);
-        let is_law = !is_component && is_column(column);
+    pub fn keeps(&self, Column { name, role, .. }: &Column) -> bool {
+        let group = match role {
+            Role::Time => return true,
+            Role::Component => GROUPS[0],
+            Role::Observable => name,
+            Role::Conserved | Role::Defect { .. } => GROUPS[1],
+        };
         match &self.chosen {
-            _ if column == "t" => true,
-            Some(chosen) => chosen.iter().any(|name| {
-                let of_group = [is_component, is_law];
-                name == column || GROUPS.iter().zip(of_group).any(|(group, of)| of && name == group)
-            }),
-            None => !is_component || self.components.len() <= MAX_COMPONENTS,
+            Some(chosen) => chosen.iter().any(|one| one == name || one == group),
+            None => group != GROUPS[0] || self.components.len() <= MAX_COMPONENTS,
         }
     }
 }

@@ -53,6 +53,11 @@ impl Varied {
         self.values.len() > 1 || self.place.is_some()
     }
 
+    /// The parameter with one of its values, such as `sigma = 0.1`.
+    pub fn words(&self, place: usize) -> String {
+        format!("{} = {}", self.name, self.texts[place])
+    }
+
     /// Gives the parameter of a scene one of the values.
     fn put(&self, file: &mut SceneFile, place: usize) {
         let parameters = &mut file.system.parameters;
@@ -127,7 +132,7 @@ impl Sweep {
                 rest /= one.values.len();
                 one.put(&mut file, place);
                 if one.is_axis() {
-                    words.insert(0, format!("{} = {}", one.name, one.texts[place]));
+                    words.insert(0, one.words(place));
                     places.insert(0, place);
                 }
             }

@@ -6,7 +6,7 @@ use real::{PathMask, Row, WIDTH};
 use serde::{Deserialize, Serialize};
 use stats::CentralMoments;
 
-use super::{Averaged, EquilibriumSettings, LEVELS, STEPS, wells::Watched};
+use super::{Averaged, EquilibriumSettings, LEVELS, STEPS, rules::REACH, wells::Watched};
 use mc::{PathFailure, Statistic, View, add_rows};
 use study::{Grid, Histogram};
 
@@ -18,8 +18,6 @@ const DUE: usize = 24;
 pub const SPREADING: u64 = BATCHES as u64;
 /// Number of bins of a histogram.
 pub const BINS: u32 = 256;
-/// Number of deviations from the mean that a histogram reaches.
-const REACH: f64 = 6.0;
 
 /// A block of 32 chains.
 #[derive(Clone, Serialize, Deserialize)]

@@ -13,15 +13,13 @@
 
 use real::elementary::ln;
 
-use super::chains::{Living, moments};
+use super::{
+    chains::{Living, moments},
+    rules::{BENT, MAX_POWER, SEEN},
+};
 
-/// Standard errors by which λ and k are seen, and by which growth is bent.
-const SEEN: f64 = 2.0;
-const BENT: f64 = 3.0;
 /// Standard deviations that the range of a Brownian bridge exceeds with a probability of 5 %.
 const KUIPER: f64 = 1.747;
-/// The largest power of t: a shear has one, and less symmetric systems seldom more than 3.
-const MAX_POWER: f64 = 3.0;
 
 /// Fit of growth by λt + k ln t with t in batches.
 struct Fit {

@@ -11,9 +11,10 @@
 //! let problem = Problem::new(Pendulum::new(0.5)?, Constant::new(0.5)?, [0.2, 0.0], 16.0)?;
 //! let scheme = SexpLi::new(problem.system(), problem.y0())?;
 //! let kinetic = Observable { name: "y2²", function: |y: [f64; 2]| y[1] * y[1] };
-//! let averages = Equilibrium::new(Setup::of(&problem, &scheme), EquilibriumSettings::new(160));
-//! let found = averages.run(&[&kinetic], 0.05)?;
-//! assert!(found.reached() && found.means[0].half_width() < 0.05);
+//! let settings = EquilibriumSettings { chains: 32, ..EquilibriumSettings::new(160) };
+//! let averages = Equilibrium::new(Setup::of(&problem, &scheme), settings);
+//! let found = averages.run(&[&kinetic], 0.2)?;
+//! assert!(found.reached() && found.means[0].half_width() < 0.2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -59,6 +60,7 @@
 mod chains;
 mod growth;
 mod report;
+mod rules;
 mod wells;
 
 use noise::{Purpose, StreamKey, Truncation};
@@ -67,6 +69,7 @@ use real::{Row, WIDTH};
 use chains::{BATCHES, BINS, Chains, Gather, SPREADING};
 use expectation::{ExpectSettings, Told};
 use mc::{Checkpoint, Measured, Observe, RunError, Setup, Tangents, demand, parts::Stop};
+use rules::{HEAT, MAX_REVIVALS};
 use wells::Watched;
 
 pub use report::{Averages, StationaryMean};
@@ -147,24 +150,28 @@ pub struct Equilibrium<'a> {
     pub checkpoint: Option<&'a Checkpoint>,
     /// Functions, such as H₀, that show, beside components, whether chains stay in wells.
     pub watched: Vec<&'a dyn Observe>,
+    /// Names of the components; y1, y2, … unless set.
+    pub components: Vec<String>,
 }
 
 /// Number of step sizes of a chain.
 pub(crate) const LEVELS: usize = 3;
 /// Path-steps of all levels in a step of the coarsest.
 const STEPS: u64 = (1 << LEVELS) - 1;
-/// Factors of the noise of chains at first.
-const HEAT: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 /// Largest number of halvings of the steps.
 const MAX_HALVINGS: u32 = 20;
-/// Largest number of halvings where all chains fail, or where more than half of the failures
-/// remain.
-const MAX_REVIVALS: u32 = 3;
 
 impl<'a> Equilibrium<'a> {
     /// Averages of a problem with a scheme.
     pub fn new(setup: Setup<'a>, settings: EquilibriumSettings) -> Self {
-        Self { setup, settings, told: Box::new(|_, _| ()), checkpoint: None, watched: Vec::new() }
+        Self {
+            setup,
+            settings,
+            told: Box::new(|_, _| ()),
+            checkpoint: None,
+            watched: Vec::new(),
+            components: Vec::new(),
+        }
     }
 
     /// The averages of test functions, each to the half-width `accuracy` of its 95 % interval.
@@ -205,7 +212,10 @@ impl<'a> Equilibrium<'a> {
         let Self { settings, told, checkpoint, watched: functions, .. } = self;
         self.check(accuracy)?;
         let number = settings.blocks_of_chains() as usize;
-        let watched = Watched { functions, dimension: setup.problem.y0.len(), chains: number };
+        let dimension = setup.problem.y0.len();
+        let own: Vec<String> = (1..=dimension).map(|i| format!("y{i}")).collect();
+        let names = if self.components.len() == dimension { &self.components } else { &own };
+        let watched = Watched { functions, names, dimension, chains: number };
         self.demand(of, watched)?;
         let kept = checkpoint.map_or(Ok(None), Checkpoint::read)?;
         let mut chains = kept.unwrap_or_else(|| Chains::new(settings, of));

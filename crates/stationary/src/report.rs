@@ -4,12 +4,16 @@ use std::{fmt, ops::Range};
 
 use real::elementary::{exp2, hypot};
 use serde::Serialize;
-use stats::{CONFIDENCE, CentralMoments, FEW_SAMPLES, two_sided};
+use stats::{CONFIDENCE, CentralMoments, FEW_SAMPLES, Warning, two_sided};
 
 use super::{
     Averaged, EquilibriumSettings, LEVELS,
     chains::{Chains, Living, moments},
     growth::{unsettled, wander},
+    rules::{
+        ALIKE, BIAS_ENOUGH, BIAS_PART, DRIFTS, EXCEEDS, FORECAST, MARGIN, MIN_FALL, MIN_LENGTH,
+        NEGLIGIBLE, WIDER,
+    },
     wells::{Watched, Well},
 };
 use expectation::{short, written};
@@ -38,7 +42,7 @@ pub struct Averages {
     /// The first chain that failed: scheme, step size and reason.
     pub failure: Option<String>,
     /// Reasons why all averages are unknown.
-    pub unknown: Vec<String>,
+    pub unknown: Vec<Warning>,
     /// Whether chains failed.
     #[serde(skip)]
     pub(super) fails: bool,
@@ -69,7 +73,7 @@ pub struct StationaryMean {
     /// the difference, in which most of the noise cancels.
     pub levels: [(f64, f64, f64); LEVELS],
     /// Reason why the average is unknown.
-    pub unknown: Option<String>,
+    pub unknown: Option<Warning>,
     /// Histogram of the values after the burn-in.
     pub histogram: Option<Histogram>,
     /// Length of a chain in autocorrelation times.
@@ -98,31 +102,8 @@ impl StationaryMean {
     }
 }
 
-/// The part of the sampling error that a bias may have, and that of the accuracy that is small.
-const BIAS_PART: f64 = 0.5;
-const BIAS_ENOUGH: f64 = 1.0 / 32.0;
-/// Standard errors by which differences of step sizes exceed what they should be, or zero.
-const EXCEEDS: f64 = 3.0;
-/// Least part of 2ᵖ by which differences fall: the next power of τ makes it less.
-const MIN_FALL: f64 = 0.85;
-/// Number of standard errors by which early batches differ from late ones: chance does it once in
-/// 2000.
-const DRIFTS: f64 = 3.5;
-/// Largest variance over the chains of a batch after the burn-in, over that of late ones.
-const WIDER: f64 = 3.0;
-/// Part of the path-steps allowed after which a forecast may end the computation.
-const FORECAST: f64 = 1.0 / 64.0;
-/// Part of the accuracy of an exponent below which a change does not count: differences that carry
-/// tangent vectors round.
-const NEGLIGIBLE: f64 = 1e-3;
 /// Relative rounding error of a mean.
 const ROUND_OFF: f64 = 1e-12;
-/// Least length of a chain in autocorrelation times.
-const MIN_LENGTH: f64 = 20.0;
-/// Factor by which a forecast exceeds the path-steps allowed where it ends the computation.
-const MARGIN: f64 = 2.0;
-/// Largest variance of a chain over that of independent batches.
-const ALIKE: f64 = 3.0;
 
 /// Both ways for the weak order p: weights of the means at 4τ, 2τ, τ for the estimate, and for the
 /// bound on the bias.
@@ -210,28 +191,29 @@ impl Averages {
                 mean.mean = 0.5 * (lo + hi) * unit;
             } else if let Some(Well { of, crossings }) = well {
                 mean.lengths = mean.lengths.min(crossings);
-                let why = "the chains stay in wells on which it depends";
-                mean.unknown.get_or_insert(format!("{why}: {of} does not forget"));
+                let what = Warning::new("the chains stay in wells on which it depends");
+                mean.unknown.get_or_insert(what.because(format!("{of} does not forget")));
             }
             mean
         });
         let means: Vec<StationaryMean> = means.collect();
-        let drifts = "the chains still drift after half of their time: no stationary law is \
-                      reached, or there is none";
+        let drifts = Warning::new("the chains still drift after half of their time")
+            .because("no stationary law is reached, or there is none");
         let settles = |mean: &StationaryMean| mean.unsettled == 0.0;
-        let drifts = (burn_in.is_none() && means.iter().take(settling).any(settles))
-            .then(|| drifts.to_owned());
+        let drifts =
+            (burn_in.is_none() && means.iter().take(settling).any(settles)).then_some(drifts);
         let all = settings.blocks_of_chains();
         let failed = all - live as u64;
         let fails = failed > 0;
         let large = match chains.are_large() {
             true => {
-                "; states are beyond 1e50: steps are too long, or they grow without bound, and \
+                "states are beyond 1e50: steps are too long, or they grow without bound, and \
                  exponents of a linear system are those at y = 0"
             }
             false => "",
         };
-        let failed = fails.then(|| format!("{failed} of {all} chains failed{large}"));
+        let failed =
+            fails.then(|| Warning::new(format!("{failed} of {all} chains failed")).because(large));
         Self {
             scheme: scheme.into(),
             means,
@@ -342,18 +324,18 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
         false => MIN_LENGTH * ALIKE * kept.of_batches / of_mean,
     };
     let unknown = if !mean.is_finite() {
-        Some("it is not finite".into())
+        Some(Warning::new("it is not finite"))
     } else if lengths < MIN_LENGTH {
         Some(match is_average {
-            true => format!(
-                "the chains are {lengths:.1} autocorrelation times long, or disagree: \
-                 {MIN_LENGTH} are wanted"
-            ),
-            false => "the chains are too short, or disagree".into(),
+            true => {
+                let what = format!("the chains are {lengths:.1} autocorrelation times long");
+                Warning::new(what + ", or disagree").because(format!("{MIN_LENGTH} are wanted"))
+            }
+            false => Warning::new("the chains are too short, or disagree"),
         })
     } else {
         let few = finest.effective_samples() < FEW_SAMPLES.min(count / 6.0);
-        few.then(|| "a few chains decide".into())
+        few.then(|| Warning::new("a few chains decide"))
     };
     let level = |run: usize| {
         let mut weights = [0.0, 0.0, -1.0];

@@ -21,6 +21,7 @@ use real::{PathMask, Row, WIDTH, elementary::ln};
 use super::{
     LEVELS,
     chains::{Living, moments},
+    rules::{CONSERVED, DEPENDS, KEEPS},
 };
 use mc::Observe;
 
@@ -29,13 +30,8 @@ const MAX_COMPONENTS: usize = 61;
 const MAX_VALUES: usize = 1 << 18;
 /// Number of sums over every third component: the directions of spins.
 const SUMS: usize = 3;
-/// z of a function that keeps its wells, and z² of an average that depends on those of one.
-const KEEPS: f64 = 4.0;
-const DEPENDS: f64 = 9.0;
-/// Part of a mean up to which a deviation is round-off, and of a deviation up to which a change is
-/// none.
+/// Part of a mean up to which a deviation is round-off.
 const ROUND_OFF: f64 = 1e-9;
-const CONSERVED: f64 = 1e-6;
 /// Time between the middles of a quarter and the rest, over that of both.
 const LAG: f64 = 0.5;
 
@@ -44,6 +40,8 @@ const LAG: f64 = 0.5;
 pub struct Watched<'a> {
     /// Functions such as H₀.
     pub functions: &'a [&'a dyn Observe],
+    /// Names of the components of the state.
+    pub names: &'a [String],
     /// Number of components of the state, and of chains.
     pub dimension: usize,
     pub chains: usize,
@@ -71,8 +69,9 @@ impl Watched<'_> {
     }
 
     pub fn names(&self) -> Vec<String> {
-        let components = self.components().map(|i| format!("y{}", i + 1));
-        let sums = (1..=self.sums()).map(|c| format!("y{c} + y{} + …", c + SUMS));
+        let components = self.components().map(|i| self.names[i].clone());
+        let sums =
+            (0..self.sums()).map(|c| format!("{} + {} + …", self.names[c], self.names[c + SUMS]));
         let functions = self.functions.iter().map(|function| function.name().to_owned());
         components.chain(sums).chain(functions).collect()
     }

@@ -28,6 +28,7 @@
 //! | [`fit_weak`], [`weak_errors`] | weak orders, from signed errors or differences with a covariance ([`diagonal`]) |
 //! | [`lower_share`] | how much a term of lower order may hide |
 //! | [`root_mean_squares`], [`root_mean_square_interval`] | root-mean-square errors with intervals |
+//! | [`Warning`] | what a reader of a result must know |
 //! | [`Rate`], [`Against`], [`Expansion`], [`Point`] | a fit and a measured error as data |
 //! | [`LogMeanSquares`], [`Bend`], [`Estimate`] | the fit of [`fit_strong`] with other terms or levels |
 //!
@@ -48,6 +49,7 @@ mod root_mean_square;
 mod special;
 mod strong;
 mod tail;
+mod warning;
 mod weak;
 mod worse;
 
@@ -63,5 +65,6 @@ pub use rate::{Against, Expansion, Rate};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};
 pub use strong::fit_strong;
 pub use tail::Tail;
+pub use warning::Warning;
 pub use weak::{fit_weak, lower_share, weak_errors};
 pub use worse::worse;

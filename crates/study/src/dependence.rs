@@ -33,7 +33,7 @@ use real::{
 use serde::{Deserialize, Serialize};
 use stats::two_sided;
 
-use super::{Grid, Series, Summary};
+use super::{Grid, Kind, Series, Summary};
 use mc::add_rows;
 
 /// Wanted statistics of dependence; observables are given by their numbers.
@@ -308,12 +308,14 @@ impl Found<'_> {
             };
             let points: Vec<_> = self.at.iter().enumerate().map(point).collect();
             let names = format!("({}, {})", self.names[k], self.names[l]);
-            [("cov", 0), ("corr", 1)].map(|(what, column)| {
-                let zero = (column == 0).then_some([0.0; 3]);
+            let kinds = [("cov", Kind::Covariance), ("corr", Kind::Correlation)];
+            [0, 1].map(|column| {
+                let (what, kind) = kinds[column];
+                let zero = (kind == Kind::Covariance).then_some([0.0; 3]);
                 let first = start.map(|paths| summary(0, 0.0, paths, zero));
                 let points = points.iter().map(|point| point[column].clone());
-                let observable = format!("{what}{names}");
-                Series { observable, points: first.into_iter().chain(points).collect() }
+                let points = first.into_iter().chain(points).collect();
+                Series { observable: format!("{what}{names}"), kind, points }
             })
         };
         self.of.wanted.pairs.iter().enumerate().flat_map(of).collect()
@@ -370,14 +372,16 @@ impl Found<'_> {
             };
             let spectrum = both.chunks_exact(2).map(widened).collect();
             let count = sums[0].iter().sum::<f64>() as u64;
-            let series = |(what, axis, values): (&str, f64, Vec<Option<[f64; 3]>>)| {
+            let series = |what: &str, kind, axis: f64, values: Vec<Option<[f64; 3]>>| {
                 let point = |(k, x)| summary(k, axis * k as f64, count, x);
                 let points = (0..).zip(values).map(point).collect();
-                Series { observable: format!("{what}({})", self.names[k]), points }
+                Series { observable: format!("{what}({})", self.names[k]), kind, points }
             };
             let frequency = PI / (delta * half as f64);
-            [("autocorrelation", delta, autocorrelation), ("spectrum", frequency, spectrum)]
-                .map(series)
+            [
+                series("autocorrelation", Kind::Autocorrelation, delta, autocorrelation),
+                series("spectrum", Kind::Spectrum, frequency, spectrum),
+            ]
         };
         self.of.wanted.lagged.iter().zip(&self.sums.lagged).flat_map(of).collect()
     }

@@ -51,8 +51,8 @@
 //! **Dependence.** Covariances, joint laws, autocorrelations and spectra of the observables that
 //! are [`Wanted`].
 //!
-//! The intervals are those of sampling. The error of the step size is not in them:
-//! The crate `expectation` bounds it.
+//! The intervals are those of sampling. The error of the step size is not in them: the crate
+//! `expectation` bounds it.
 
 mod dependence;
 mod grid;
@@ -68,9 +68,11 @@ use sums::StudyStatistic;
 
 pub use dependence::{Joint, Wanted};
 pub use grid::Grid;
-pub use result::{COLUMNS, Losses, Series, StudyResult, write_rows};
+pub use result::{COLUMNS, Kind, Losses, Series, StudyResult, write_rows};
 pub use settings::{Record, StudySettings};
-pub use summary::{Histogram, Place, Quantile, Summary};
+pub use summary::{
+    Histogram, IntervalNote, IntervalOf, Place, Quantile, STATISTICS, Summary, SummaryStatistic,
+};
 
 /// Observables of many paths of a problem by a scheme, see the [module](self). The bins are chosen
 /// when it is made, the paths are simulated by [`run`](Self::run).

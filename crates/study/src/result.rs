@@ -6,13 +6,13 @@ use std::{
 };
 
 use serde::{Deserialize, Serialize};
-use stats::{Tail, quantile_ranks};
+use stats::{Tail, Warning, quantile_ranks};
 
 use super::{
     Grid, Joint, Wanted,
     dependence::{Cells, Found},
     settings::Record,
-    summary::{CROWDED, Histogram, Place, Quantile, Ranks, Summary, TOO_FEW},
+    summary::{Histogram, IntervalNote, Place, Quantile, Ranks, STATISTICS, Summary},
     sums::StudyStatistic,
 };
 use mc::{Measured, quoted};
@@ -26,7 +26,7 @@ pub struct StudyResult {
     pub losses: Losses,
     /// Warnings that a reader must know before believing the rest: failed paths, values that are
     /// not finite, means and quantiles that are not known well.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// Series of each observable, then covariance and correlation of each pair that was wanted.
     pub series: Vec<Series>,
     /// The joint law of each pair.
@@ -36,13 +36,43 @@ pub struct StudyResult {
     pub lagged: Vec<Series>,
 }
 
-/// One observable at all times.
+/// One observable at all times, or what depends on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Series {
-    /// Name of the observable.
+    /// Name of the observable, or of the quantity with the observables in it.
     pub observable: String,
-    /// The initial value and the times of the study.
+    /// The quantity.
+    pub kind: Kind,
+    /// The initial value and the times of the study; of lags and frequencies all.
     pub points: Vec<Summary>,
+}
+
+/// The quantity of a [`Series`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// An observable in time.
+    #[default]
+    Observable,
+    /// Covariance of two observables in time.
+    Covariance,
+    /// Correlation of two observables in time.
+    Correlation,
+    /// Autocorrelation against the lag.
+    Autocorrelation,
+    /// Spectrum against the angular frequency.
+    Spectrum,
+}
+
+impl Kind {
+    /// Name of the axis: `t`, `lag` or `omega`.
+    pub fn axis(self) -> &'static str {
+        match self {
+            Self::Observable | Self::Covariance | Self::Correlation => "t",
+            Self::Autocorrelation => "lag",
+            Self::Spectrum => "omega",
+        }
+    }
 }
 
 /// Failed paths and clipped increments.
@@ -98,12 +128,12 @@ impl StudyResult {
                 let summary = Summary::new(at, sums, cell, histogram, (ranks, tail));
                 points.push(if is_probability { summary.of_probability() } else { summary });
             }
-            Series { observable: name.clone(), points }
+            Series { observable: name.clone(), kind: Kind::Observable, points }
         });
         let mut series: Vec<_> = series.collect();
         let mut warnings = warnings(&losses, paths, &series, &tails);
         if paths < planned {
-            warnings.push(format!("stopped after {paths} of {planned} paths"));
+            warnings.push(Warning::new(format!("stopped after {paths} of {planned} paths")));
         }
         let found = Found {
             of: Cells { wanted, grids, observables: record.observables.len() },
@@ -113,7 +143,7 @@ impl StudyResult {
         };
         series.extend(found.pairs(record.start.is_none().then_some(paths)));
         let (joint, lagged) = (found.joint(), found.lagged());
-        warnings.extend(lagged.chunks_exact(2).filter_map(|pair| lasts(&pair[0])));
+        warnings.extend(lagged.iter().filter_map(lasts));
         Self { record, losses, warnings, series, joint, lagged }
     }
 
@@ -133,48 +163,49 @@ impl Series {
 
 /// Warning of an autocorrelation that lasts for most of its lags, where the window of the spectrum
 /// falls.
-fn lasts(autocorrelation: &Series) -> Option<String> {
+fn lasts(Series { observable, kind, points }: &Series) -> Option<Warning> {
     const SMALL: f64 = 0.05;
-    let Series { observable, points } = autocorrelation;
+    if *kind != Kind::Autocorrelation {
+        return None;
+    }
     let late = &points[2 * points.len() / 3..];
     let large =
         |point: &&Summary| point.mean_interval.is_some_and(|(lo, hi)| lo > SMALL || hi < -SMALL);
     (late.iter().filter(large).count() > late.len() / 10).then(|| {
         let to = points[points.len() - 1].time;
-        format!(
-            "{observable} is not small up to a lag of {to}: peaks of its spectrum are broader and \
-             lower than they should be; take a longer time"
-        )
+        let what = format!("{observable} is not small up to a lag of {to}");
+        let why = "peaks of its spectrum are broader and lower than they should be";
+        Warning::new(what).because(why).unless("take a longer time")
     })
 }
 
 /// Condition for a warning to concern a time.
 type Concerns<'a> = &'a dyn Fn(&Summary) -> bool;
 
-fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> Vec<String> {
+fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> Vec<Warning> {
     let failed = losses.failed;
-    let lost = format!("{failed} of {paths} paths failed: what is left is no fair sample");
-    let mut warnings: Vec<String> = (failed > 0).then_some(lost).into_iter().collect();
+    let lost = Warning::new(format!("{failed} of {paths} paths failed"));
+    let lost = lost.because("what is left is no fair sample");
+    let mut warnings: Vec<Warning> = (failed > 0).then_some(lost).into_iter().collect();
     let at = |point: &Summary, of: &[Place]| point.quantiles.iter().any(|q| of.contains(&q.place));
-    let noted = |point: &Summary, note: &str| point.interval_note.as_deref() == Some(note);
-    for (Series { observable, points }, tail) in series.iter().zip(tails) {
-        let heavy = tail.to_string();
+    for (Series { observable, points, .. }, tail) in series.iter().zip(tails) {
+        let [few, heavy] = [IntervalNote::TooFew.to_string(), tail.to_string()];
         let concerns: [(&str, Concerns<'_>); 5] = [
             ("values that are not finite, left out", &|point| point.not_finite > 0),
-            (TOO_FEW, &|point| noted(point, TOO_FEW)),
+            (&few, &|point| point.interval_note == Some(IntervalNote::TooFew)),
             (
                 "a quantile lies outside of the grid: a larger pilot would choose a wider one",
                 &|point| at(point, &[Place::BelowGrid, Place::AboveGrid]),
             ),
-            (CROWDED, &|point| at(point, &[Place::Crowded])),
-            (&heavy, &|point| noted(point, &heavy)),
+            (Place::Crowded.note(), &|point| at(point, &[Place::Crowded])),
+            (&heavy, &|point| matches!(point.interval_note, Some(IntervalNote::Heavy(_)))),
         ];
         for (what, concerns) in concerns {
             let mut times = points.iter().filter(|point| concerns(point)).map(|point| point.time);
             if let Some(first) = times.next() {
                 let number = 1 + times.count();
                 let when = format!("at {number} times, first t = {first:.6}");
-                warnings.push(format!("{observable}: {what} {when}"));
+                warnings.push(Warning::new(format!("{what} {when}")).about(observable));
             }
         }
     }
@@ -214,7 +245,7 @@ pub const COLUMNS: &str = "t,observable,quantity,value,lo,hi,note";
 /// # Errors
 /// Those of the writer.
 pub fn write_rows(series: &[Series], before: &str, out: &mut impl Write) -> io::Result<()> {
-    for Series { observable, points } in series {
+    for Series { observable, points, .. } in series {
         let name = quoted(observable);
         for point @ Summary { time, .. } in points {
             for (quantity, [value, lo, hi], note) in rows(point) {
@@ -225,35 +256,23 @@ pub fn write_rows(series: &[Series], before: &str, out: &mut impl Write) -> io::
     Ok(())
 }
 
-type Row<'a> = (String, [String; 3], &'a str);
+type Row = (String, [String; 3], String);
 
-fn rows(point: &Summary) -> Vec<Row<'_>> {
+fn rows(point: &Summary) -> Vec<Row> {
     let text = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:?}"));
-    let row = |name: &str, value: Option<f64>, interval: Option<(f64, f64)>| {
-        let (lo, hi) = interval.unzip();
-        (name.to_owned(), [value, lo, hi].map(text), "")
-    };
     let count = |name: &str, count: u64| {
-        (name.to_owned(), [count.to_string(), String::new(), String::new()], "")
+        (name.to_owned(), [count.to_string(), String::new(), String::new()], String::new())
     };
-    let mut rows = vec![
-        count("count", point.count),
-        count("not finite", point.not_finite),
-        row("mean", point.mean, point.mean_interval),
-        row("variance", point.variance, None),
-        row("deviation", point.deviation, None),
-        row("least", point.least, None),
-        row("largest", point.largest, None),
-    ];
-    rows[2].2 = point.interval_note.as_deref().unwrap_or_default();
+    let mut rows = vec![count("count", point.count), count("not finite", point.not_finite)];
+    rows.extend(STATISTICS.iter().map(|statistic| {
+        let ends = statistic.interval.map(|interval| interval(point).unzip());
+        let (lo, hi) = ends.unwrap_or_default();
+        let note = point.interval_note.as_ref().filter(|_| statistic.interval.is_some());
+        let note = note.map_or(String::new(), |note| note.to_string());
+        (statistic.key.to_owned(), [(statistic.of)(point), lo, hi].map(text), note)
+    }));
     rows.extend(point.quantiles.iter().map(|&Quantile { level, value, lo, hi, place }| {
-        let note = match place {
-            Place::Inside | Place::NoValues => "",
-            Place::BelowGrid => "below the grid",
-            Place::AboveGrid => "above the grid",
-            Place::Crowded => CROWDED,
-        };
-        (format!("q{level}"), [value, lo, hi].map(text), note)
+        (format!("q{level}"), [value, lo, hi].map(text), place.note().to_owned())
     }));
     if let Some(histogram) = &point.histogram {
         rows.push(count("below grid", histogram.below));

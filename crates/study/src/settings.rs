@@ -115,9 +115,7 @@ impl StudySettings {
 }
 
 /// Everything that the result of a study depends on. Systems and damping are described by
-/// `PoissonSystem::name`,
-/// `PoissonSystem::parameters` and
-/// `Damping::describe`.
+/// `PoissonSystem::name`, `PoissonSystem::parameters` and `Damping::describe`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Version of this crate.

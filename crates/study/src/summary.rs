@@ -1,15 +1,12 @@
 //! The law of one observable at one time.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 use stats::{Tail, proportion};
 
 use super::{Grid, sums::Sums};
 
-/// Reason why a mean has no interval.
-pub const TOO_FEW: &str = "too few values carry the mean";
-/// Reason why there is no quantile.
-pub const CROWDED: &str = "a quantile lies in a bin with many more values than its \
-                                  neighbours: more bins would resolve it";
 /// Relative difference below which values are equal except for rounding errors.
 const ROUNDING: f64 = 1e-12;
 /// Multiple of the values of a neighbour, plus [`MORE`], above which a bin holds an atom or a peak.
@@ -34,10 +31,8 @@ pub struct Summary {
     /// The 95 % interval of the mean by
     /// [`CentralMoments::mean_interval`](stats::CentralMoments::mean_interval).
     pub mean_interval: Option<(f64, f64)>,
-    /// Reason why the mean has no interval: too few values carry it, the [tail](stats::Tail) is too
-    /// heavy, or all are equal except for rounding errors. Then the note says on how few paths
-    /// others are, with 95 % confidence: n equal values leave room for one path in n/3.
-    pub interval_note: Option<String>,
+    /// Reason why the mean has no interval, or why that is hardly known.
+    pub interval_note: Option<IntervalNote>,
     /// The sample variance; `None` with fewer than two values, if it is not a number of 64 bits, or
     /// if the law may have none.
     pub variance: Option<f64>,
@@ -51,6 +46,87 @@ pub struct Summary {
     pub quantiles: Vec<Quantile>,
     /// The histogram; `None` for the initial value.
     pub histogram: Option<Histogram>,
+}
+
+/// A number that tables and files have of a [`Summary`].
+pub struct SummaryStatistic {
+    /// Name in files.
+    pub key: &'static str,
+    /// Title of its column in the table at the end; `None` if it is in files alone.
+    pub title: Option<&'static str>,
+    /// The number; `None` where it is not known.
+    pub of: fn(&Summary) -> Option<f64>,
+    /// The 95 % interval, for statistics that have one.
+    pub interval: Option<IntervalOf>,
+}
+
+/// A function from a summary to an interval; `None` where it is not known.
+pub type IntervalOf = fn(&Summary) -> Option<(f64, f64)>;
+
+/// All statistics beside quantiles and counts.
+pub const STATISTICS: &[SummaryStatistic] = &[
+    SummaryStatistic {
+        key: "mean",
+        title: Some("mean"),
+        of: |point| point.mean,
+        interval: Some(|point| point.mean_interval),
+    },
+    alone("variance", None, |point| point.variance),
+    alone("deviation", Some("deviation"), |point| point.deviation),
+    alone("least", None, |point| point.least),
+    alone("largest", None, |point| point.largest),
+];
+
+/// A statistic without an interval.
+const fn alone(
+    key: &'static str,
+    title: Option<&'static str>,
+    of: fn(&Summary) -> Option<f64>,
+) -> SummaryStatistic {
+    SummaryStatistic { key, title, of, interval: None }
+}
+
+/// Reason why a mean has no interval, or why that is hardly known; in files its words.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "String", from = "String")]
+pub enum IntervalNote {
+    /// Too few values carry the mean.
+    TooFew,
+    /// All values are equal except for rounding errors; others are on less than one path in this
+    /// number, with 95 % confidence: n equal values leave room for one path in n/3.
+    Equal(u64),
+    /// The [tail](stats::Tail) is heavy, with its words.
+    Heavy(String),
+}
+
+const TOO_FEW: &str = "too few values carry the mean";
+const EQUAL: &str = "all equal; others < 1 path in ";
+
+impl fmt::Display for IntervalNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooFew => f.write_str(TOO_FEW),
+            Self::Equal(paths) => write!(f, "{EQUAL}{paths}"),
+            Self::Heavy(tail) => f.write_str(tail),
+        }
+    }
+}
+
+impl From<IntervalNote> for String {
+    fn from(note: IntervalNote) -> Self {
+        note.to_string()
+    }
+}
+
+impl From<String> for IntervalNote {
+    fn from(words: String) -> Self {
+        let paths = words.strip_prefix(EQUAL).and_then(|paths| paths.parse().ok());
+        match paths {
+            Some(paths) => Self::Equal(paths),
+            None if words == TOO_FEW => Self::TooFew,
+            None => Self::Heavy(words),
+        }
+    }
 }
 
 /// The quantile of one level.
@@ -90,6 +166,21 @@ pub enum Place {
     AboveGrid,
     /// No place: there are no values.
     NoValues,
+}
+
+impl Place {
+    /// Reason why the quantile has no value; empty if it has one, or if there are no values at all.
+    pub fn note(self) -> &'static str {
+        match self {
+            Self::Inside | Self::NoValues => "",
+            Self::BelowGrid => "below the grid",
+            Self::AboveGrid => "above the grid",
+            Self::Crowded => {
+                "a quantile lies in a bin with many more values than its neighbours: more bins \
+                 would resolve it"
+            }
+        }
+    }
 }
 
 /// A histogram: the number of values in each bin.
@@ -142,6 +233,11 @@ impl Summary {
         }
     }
 
+    /// The quantile of a level, if it was asked for.
+    pub fn quantile(&self, level: f64) -> Option<&Quantile> {
+        self.quantiles.iter().find(|quantile| quantile.level == level)
+    }
+
     /// The summary of the values of a cell, at the end of step `step` at `time`.
     pub(super) fn new(
         (step, time): (u64, f64),
@@ -165,9 +261,9 @@ impl Summary {
         let mean_interval = moments.mean_interval().filter(|_| !equal && tail.has_variance());
         let mean_interval = mean_interval.map(scaled);
         let note = || match tail.is_heavy() {
-            true => tail.to_string(),
-            false if equal && count > 2 => format!("all equal; others < 1 path in {}", count / 3),
-            false => TOO_FEW.into(),
+            true => IntervalNote::Heavy(tail.to_string()),
+            false if equal && count > 2 => IntervalNote::Equal(count / 3),
+            false => IntervalNote::TooFew,
         };
         let quantile = |&(level, (l, u)): &Ranks| match equal && count > 0 {
             // All of them, but for rounding errors.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use casimir::{
     analysis::{self, Candidates, CompareSettings},
-    plot::figure,
+    figures,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -75,7 +75,6 @@ fn compare(
     watch: &Watch,
 ) -> Done<Found> {
     let (settings, start) = (&scene.settings, Instant::now());
-    // What a run takes, for other reasons.
     let (auto, because) = scene.model.recommended();
     let spent = start.elapsed().as_secs_f64();
     let wanted = CompareSettings {
@@ -99,15 +98,15 @@ fn compare(
     watch.check()?;
     let comparison = comparison.map_err(|error| scene.source.error(None, error))?;
     let rule = match comparison.recommended() {
-        Some(scheme) if scheme == auto => format!("a run takes {auto}, too"),
+        Some(scheme) if scheme == auto => format!("`auto` takes {auto}, too"),
         _ => format!(
-            "a run takes {auto} by another rule, that of long times: {because}.\nHere the \
-             processor time for this error at T = {}, on this machine, decides",
+            "`auto` takes {auto} for long times: {because}.\nThe table ranks by processor time for \
+             this error at T = {}, on this machine",
             settings.until
         ),
     };
     let caption = "Errors of all schemes against their cost.";
-    let figure = Figure::new("compare", figure::comparison(&comparison), caption);
+    let figure = Figure::new("compare", figures::comparison(&comparison), caption);
     let text = format!("{comparison}\n{rule}.\n");
     Ok(Found::of(scene, [], &text, serde_json::to_value(&comparison)?, vec![figure]))
 }

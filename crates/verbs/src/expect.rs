@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::{Found, Store, Stores, Verb, Watch, coarsest_steps, scheme, with_interval};
 use crate::failure::{Done, Failure};
-use scenes::{AUTO, Changes, Count, Scene, SchemeAndSeed, model::with_names};
+use scenes::{AUTO, Changes, Count, Scene, SchemeAndSeed};
 
 /// Expectations E[φ(y(T))] with 95 % intervals: `expect(of=["y1"], accuracy=1e-4)`.
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -71,8 +71,9 @@ fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) 
     // Components have names here.
     let mut found = found;
     for warning in &mut found.warnings {
-        if let WarningKind::Component(_) = warning.kind {
-            warning.text = with_names(&warning.text, &scene.components);
+        if let WarningKind::Component(i) = warning.kind {
+            let name = &scene.components[i - 1];
+            warning.message.what = format!("the steps do not resolve {name}");
         }
     }
     let mut text = found.to_string();
@@ -88,7 +89,7 @@ fn expect(scene: &Scene, coarsest: Option<Count>, store: &Store, watch: &Watch) 
         "levels": found.levels, "single_steps": found.single_steps,
         "path_steps": found.cost, "seconds": seconds,
     });
-    let warnings = found.warnings.iter().map(ToString::to_string);
+    let warnings = found.warnings.iter().map(expectation::Warning::told);
     let reached = found.reached();
     Ok(Found::of(scene, warnings, &text, json, Vec::new()).to(reached, Some(accuracy)))
 }

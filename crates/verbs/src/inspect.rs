@@ -1,6 +1,9 @@
 //! Inspection of a system.
 
-use casimir::inspect::{InspectSettings, facts::Bath};
+use casimir::{
+    inspect::{InspectSettings, facts::Bath},
+    stats::Warning,
+};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -56,7 +59,7 @@ fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let mistakes = findings.mistakes.clone();
     let mut json = json!(findings);
     json["bath"] = json!(bath);
-    Ok(Found::new(mistakes, text, json, Vec::new()))
+    Ok(Found::new(mistakes.into_iter().map(Warning::new), text, json, Vec::new()))
 }
 
 /// Describes the stationary law in words.

@@ -59,6 +59,7 @@ use casimir::{
         parts::{Job, Stop},
     },
     schemes::BuiltIn,
+    stats::Warning,
     systems::Linearity,
 };
 use schemars::{JsonSchema, Schema, schema_for};
@@ -69,7 +70,7 @@ pub use compare::Compare;
 pub use expect::Expect;
 pub use inspect::Inspect;
 pub use order::Order;
-pub use referee::{Claims, Measure, judge, single_steps, solver_noise};
+pub use referee::{Measure, judge, single_steps, solver_noise};
 pub use run::{Outcomes, Results, compute, ready, settle};
 pub use stationary::{Equilibrium, Lyapunov};
 
@@ -195,26 +196,26 @@ impl Found {
     /// `warnings` in its own words.
     fn of(
         scene: &Scene,
-        warnings: impl IntoIterator<Item = String>,
+        warnings: impl IntoIterator<Item = Warning>,
         text: &str,
         mut json: Value,
         figures: Vec<Figure>,
     ) -> Self {
         json["title"] = json!(scene.title);
-        let mistake = scene.model.known().mistake;
+        let mistake = scene.model.known().mistake.map(Warning::new);
         let text = lines_of(&mistake) + text;
         Self::new(mistake.into_iter().chain(warnings), text, json, figures)
     }
 
     /// Result whose `warnings` are a list in `json`.
     fn new(
-        warnings: impl IntoIterator<Item = String>,
+        warnings: impl IntoIterator<Item = Warning>,
         text: String,
         mut json: Value,
         mut figures: Vec<Figure>,
     ) -> Self {
         distinct(figures.iter_mut());
-        json["warnings"] = warnings.into_iter().collect();
+        json["warnings"] = json!(warnings.into_iter().collect::<Vec<_>>());
         Self { text, json, figures, unreached: None }
     }
 
@@ -388,7 +389,7 @@ pub fn scheme(scene: &Scene) -> Settled {
 }
 
 /// Warnings as lines.
-pub fn lines_of<'a>(warnings: impl IntoIterator<Item = &'a String>) -> String {
+pub fn lines_of<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> String {
     warnings.into_iter().map(|warning| format!("warning: {warning}\n")).collect()
 }
 

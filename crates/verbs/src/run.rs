@@ -5,8 +5,10 @@ use std::time::Instant;
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
     mc::{Observe, RunError, Setup, Simulation, TimeSeries, parts::Job},
-    study::{Series, Study, StudyResult, StudySettings, Summary},
+    study::{Kind, Series, Study, StudyResult, StudySettings, Summary},
 };
+
+use casimir::stats::Warning;
 
 use super::{Settled, Watch, scheme};
 use crate::{
@@ -133,18 +135,19 @@ impl Results {
     }
 
     /// Warnings about single paths, the steps and the statistics.
-    pub fn warnings(&self, scene: &Scene) -> Vec<String> {
+    pub fn warnings(&self, scene: &Scene) -> Vec<Warning> {
         let Self { study, known, .. } = self;
-        let mut all = Vec::from_iter(known.mistake.clone());
+        let mut all = Vec::from_iter(known.mistake.clone().map(Warning::new));
         all.extend(output::step_lines(self, scene));
         all.extend(study.iter().flat_map(|study| study.warnings.clone()));
-        all.extend(self.halted(scene).map(|(path, halted)| format!("path {path}: {halted}")));
+        let of_path = |(path, halted)| Warning::new(format!("path {path}: {halted}"));
+        all.extend(self.halted(scene).map(of_path));
         if self.lacks_tables(scene) {
-            all.push("stopped before the tables of single paths, which come last".into());
+            all.push(Warning::new("stopped before the tables of single paths, which come last"));
         }
         if study.is_none() && !(scene.wanted.pairs.is_empty() && scene.wanted.lagged.is_empty()) {
-            let few = "pairs and autocorrelations are of 100 paths or more: take more `paths`";
-            all.push(few.into());
+            let few = Warning::new("pairs and autocorrelations are of 100 paths or more");
+            all.push(few.unless("take more `paths`"));
         }
         all
     }
@@ -161,7 +164,7 @@ fn means(scene: &Scene, tables: &[TimeSeries]) -> Vec<Series> {
             Summary { time, count, mean: Some(sum / count as f64), ..Summary::default() }
         };
         let points = longest.unwrap_or_default().iter().enumerate().map(point).collect();
-        Series { observable: name.clone(), points }
+        Series { observable: name.clone(), kind: Kind::Observable, points }
     };
     scene.observables.iter().map(series).collect()
 }

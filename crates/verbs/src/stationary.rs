@@ -18,9 +18,7 @@ use crate::{
     failure::{Done, Failure},
     output::Figure,
 };
-use scenes::{
-    Changes, Count, Observable, Read, Scene, SchemeAndSeed, digits, model::with_names, refuse,
-};
+use scenes::{Changes, Count, Observable, Read, Scene, SchemeAndSeed, digits, refuse};
 
 /// Averages over the stationary law with 95 % intervals that include the step error:
 /// `equilibrium(of=["q^2"], accuracy=1e-3)`. Autocorrelation times, burn-in and histograms are in
@@ -168,6 +166,7 @@ fn average(
     };
     let energy = scene.energy.iter().map(|energy| energy as &dyn Observe);
     let mut equilibrium = stationary::Equilibrium::new(scene.setup(&scheme)?, settings);
+    equilibrium.components.clone_from(&scene.components);
     (equilibrium.watched, equilibrium.checkpoint) = (energy.collect(), store.samples());
     let of = if scene.expected.is_empty() { &scene.observables } else { &scene.expected };
     let of_state = of.iter().filter(|phi| phi.quantity.is_of_state());
@@ -186,7 +185,7 @@ fn average(
             error => scene.source.error(None, error).into(),
         })?;
     let kt = scene.model.bath().and_then(|bath| bath.beta).map(|beta| 1.0 / beta);
-    let mut text = with_names(&found.to_string(), &scene.components);
+    let mut text = found.to_string();
     if let Some(because) = &because {
         text += &format!("{scheme}: {because}\n");
     }
@@ -208,10 +207,9 @@ fn average(
     json["accuracy"] = json!(wanted);
     let figures = found.means.iter().filter_map(|mean| drawn(scene, mean, kt)).collect();
     let of_means = found.means.iter().filter_map(|StationaryMean { name, unknown, .. }| {
-        unknown.as_ref().map(|why| format!("{name}: {why}"))
+        unknown.as_ref().map(|warning| warning.clone().about(name))
     });
     let warnings = of_means.chain(found.unknown.iter().cloned());
-    let warnings = warnings.map(|warning| with_names(&warning, &scene.components));
     let reached = found.reached();
     Ok(Found::of(scene, warnings, &text, json, figures).to(reached, wanted))
 }

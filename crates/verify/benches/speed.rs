@@ -12,9 +12,9 @@ use std::{
 use analysis::{FinalMoments, Spread, Stopwatch, number};
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use mc::{Ladder, Run, Setup, View};
+use mc::{Ladder, Run, Setup, View, files};
 use noise::StreamKey;
-use plot::{files, provenance::complete};
+use plot::provenance::complete;
 use rayon::ThreadPoolBuilder;
 use real::{Simd, limit_to};
 use schemes::BuiltIn;

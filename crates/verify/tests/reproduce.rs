@@ -58,6 +58,13 @@ fn results_are_the_same_bits_however_they_are_computed() {
 }
 
 #[test]
+fn what_was_not_asked_for_is_not_told() {
+    let found = verify::reproduce(1, true, &["rigid-body-weak-y"]);
+    assert!(!found.claims.is_empty() && found.panels.len() == 1);
+    assert!(found.claims.iter().all(|claim| claim.panel == "rigid-body-weak-y"));
+}
+
+#[test]
 fn wrong_requests_are_refused_before_any_computing() {
     let dir = tempfile::tempdir().unwrap();
     let (out, file) = (dir.path().join("out"), dir.path().join("a-file"));

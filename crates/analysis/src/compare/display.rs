@@ -149,9 +149,10 @@ impl fmt::Display for Comparison {
         let rows = candidates.iter().map(|one| one.row(taken.map(|(_, cheapest)| cheapest)));
         let rows: Vec<_> = [HEAD.map(str::to_owned).into()].into_iter().chain(rows).collect();
         writeln!(f, "\n{goal}\n  {}", aligned(&rows).trim_end().replace('\n', "\n  "))?;
-        write!(f, "  ≈: extrapolated; about: the reference is not exact enough")?;
+        write!(f, "  ≈: extrapolated; about: limited by the error of the reference")?;
         if candidates.iter().any(|one| one.asked < self.wanted) {
-            write!(f, "\n  with Lévy areas: nearly exact ones, so half of the error is asked")?;
+            let words = "Lévy areas are better than those of a run: half of the error is asked";
+            write!(f, "\n  {words}")?;
         }
         write!(f, "\n\n")?;
         match (&self.choice, taken) {

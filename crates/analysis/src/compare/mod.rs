@@ -36,16 +36,14 @@
 //! coefficients of the equation as τ → 0 ([`Limit::Consistent`](crate::Limit)). One that misses
 //! them converges to something else and is not recommended; a reference that misses them is named.
 //!
-//! **Step sizes.** A pilot of 64 paths shows from which step size on no path of a scheme fails.
-//! Then the steps are halved, T/2ᵏ on 256 paths, until every scheme has an error below the wanted
-//! one, or has 64 times the steps of the scheme that needs fewest, or the budget is spent; those of
-//! the reference, too, until its error is an eighth of the wanted one. Errors are the same bits for
-//! the same seed, unless the budget stops them; the result says whether it did
-//! ([`Comparison::stopped`]). An error that was not reached is not priced; the steps that it needs
-//! are extrapolated and marked. Where paths at τ and τ/2 part ([`Sampled::parts`]), no strong error
-//! is predicted.
-//!
-//! **Budget.** Pilots may take a third of it, and errors three quarters of the rest.
+//! **Ladder of step counts.** Every scheme runs 256 paths with N₀, 2N₀, 4N₀, … steps, all on the
+//! same noise; N₀ is the first number at which none of 64 paths of it fails. A scheme that has the
+//! wanted error gets no finer steps. The ladder ends when all have it, six halvings after the first
+//! one has it, or when the budget is spent: [`Comparison::stopped`]. The steps of the reference are
+//! halved with them until its error is an eighth of the wanted one. Errors are the same bits for the
+//! same seed, unless the budget stops them. An error that was not reached is not priced; the steps
+//! that it needs are extrapolated and marked. Where paths at τ and τ/2 part ([`Sampled::parts`]), no
+//! strong error is predicted.
 //!
 //! **Costs** are processor times of the block kernels on one thread (wall times where threads have
 //! no clock) with their noise, and with areas where a scheme reads them; between points they are
@@ -59,17 +57,14 @@
 
 mod candidates;
 mod display;
-mod errors;
-mod search;
+mod ladder;
 mod verdict;
-
-use std::time::Instant;
 
 use mc::{Problem, RunError};
 use serde::{Deserialize, Serialize};
 
+use crate::Spread;
 pub use candidates::{Candidates, CompareSettings};
-pub use errors::{ErrorPoint, Sampled};
 pub use verdict::{Candidate, Choice, Keeps, Outcome};
 
 /// Errors and costs of several schemes, and which to take.
@@ -112,6 +107,55 @@ pub struct Stopped {
     pub steps: u64,
 }
 
+/// The error of one scheme at one step size.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ErrorPoint {
+    /// Number of steps of a path.
+    pub steps: u64,
+    /// Strong error (E|y_N − y_ref|²)^½.
+    pub error: f64,
+    /// Lower end of the 95 % interval of `error`, less the error of the reference.
+    pub lo: f64,
+    /// Upper end of the interval, with the error of the reference added.
+    pub hi: f64,
+    /// Whether the error of the reference is at most a quarter of `error`. Other points are not
+    /// used.
+    pub resolved: bool,
+    /// Defect (E max_C|C(y_N)/(e^{−p∫γ}C(y₀)) − 1|²)^½ over the Casimirs C; `None` if no Casimir is
+    /// known.
+    pub defect: Option<f64>,
+    /// Seconds of processor time of a path, where they were measured.
+    pub time: Option<Spread>,
+}
+
+/// Paths behind all errors, and the reference.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sampled {
+    /// Number of paths.
+    pub samples: u64,
+    /// Number of paths left out because some scheme at some step size had no solution.
+    pub failed: u64,
+    /// Messages of the first few failures.
+    pub failures: Vec<String>,
+    /// Identifier of the reference scheme.
+    pub reference: String,
+    /// Number of steps of the reference.
+    pub steps: u64,
+    /// Strong difference (E|y_τ − y_{2τ}|²)^½ of the reference at its finest two step sizes.
+    pub last_difference: f64,
+    /// Distance (E|y(T) − y′(T)|²)^½ of two independent paths of the reference.
+    pub spread: f64,
+}
+
+impl Sampled {
+    /// Whether paths of the reference separate: at its finest two step sizes they are nearly as far
+    /// apart as independent ones.
+    pub fn parts(&self) -> bool {
+        const PARTED: f64 = 0.25;
+        self.last_difference > PARTED * self.spread
+    }
+}
+
 impl Comparison {
     /// Identifier of the recommended scheme, if one reaches the error.
     pub fn recommended(&self) -> Option<&str> {
@@ -140,6 +184,5 @@ pub fn compare(
     told: &dyn Fn(f64, f64),
 ) -> Result<Comparison, RunError> {
     settings.check(candidates.schemes.len(), problem.t_end)?;
-    let (base, start) = (search::longest_steps(problem.t_end), Instant::now());
-    search::Search { problem, settings, candidates, base, start, told }.run()
+    ladder::Climb::new(problem, candidates, settings, told).run()
 }

@@ -4,7 +4,7 @@ use real::elementary::{ln, log2, powf};
 use schemes::{BuiltIn, Energy, Explicitness, Properties};
 use serde::{Deserialize, Serialize};
 
-use super::errors::ErrorPoint;
+use super::ErrorPoint;
 use crate::Spread;
 
 /// Results of a scheme at the wanted error.
@@ -148,6 +148,7 @@ impl Candidate {
     }
 }
 
+/// Judges a scheme by its errors at several numbers of steps, coarsest first.
 fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     let resolved: Vec<&ErrorPoint> = points.iter().filter(|point| point.resolved).collect();
     let Some(last) = resolved.last().copied().or(points.last()) else {
@@ -176,44 +177,41 @@ fn outcome(points: &[ErrorPoint], wanted: f64) -> Outcome {
     Outcome::NotReached { needs }
 }
 
-/// Interpolates steps and seconds for the wanted error from `usable` points, coarsest first,
-/// linearly in the logarithms: between the two neighbouring points, the more expensive pair if the
-/// curve passes the error more than once. If all errors are below it, the coarsest point is the
-/// result. Nothing is extrapolated.
-fn cost(mut usable: Vec<[f64; 3]>, wanted: f64) -> Option<(f64, f64)> {
-    let &[_, steps, seconds] = usable.first()?;
-    if usable.iter().all(|[error, ..]| *error <= wanted) {
+/// Interpolates steps and seconds for the wanted error from rows (error, steps, seconds), coarsest
+/// first, linearly in the logarithms: between the last two neighbours around the error. If all
+/// errors are below it, the coarsest row is the result. Nothing is extrapolated.
+fn cost(mut rows: Vec<[f64; 3]>, wanted: f64) -> Option<(f64, f64)> {
+    let &[_, steps, seconds] = rows.first()?;
+    if rows.iter().all(|[error, ..]| *error <= wanted) {
         return Some((steps, seconds));
     }
     // Errors of zero have no logarithm.
-    usable.retain(|[error, _, cost]| error.min(*cost) > 0.0);
-    let mut pairs = usable.windows(2).rev();
+    rows.retain(|[error, _, cost]| error.min(*cost) > 0.0);
+    let mut pairs = rows.windows(2).rev();
     let pair = pairs.find(|pair| pair[1][0] <= wanted && wanted <= pair[0][0])?;
     let (a, b) = (pair[0], pair[1]);
-    let share = match a[0] == b[0] {
-        true => 1.0,
-        false => ln(wanted / a[0]) / ln(b[0] / a[0]),
-    };
+    let share = if a[0] == b[0] { 1.0 } else { ln(wanted / a[0]) / ln(b[0] / a[0]) };
     let between = |k: usize| a[k] * powf(b[k] / a[k], share);
     Some((between(1), between(2)))
 }
 
-/// Chooses the candidate that conserves most, of those not significantly dearer than the cheapest.
+/// Chooses the candidate that conserves most, of those not significantly dearer than the cheapest;
+/// of equals the cheapest.
 pub fn choose(candidates: &[Candidate]) -> Choice {
-    let costs = candidates.iter().enumerate().filter_map(|(n, one)| Some((n, one.cost()?.0)));
-    let Some((cheapest, _)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+    let cost = |n: &usize| candidates[*n].cost().map_or(f64::INFINITY, |(cost, ..)| cost);
+    let reached = || (0..candidates.len()).filter(|&n| candidates[n].cost().is_some());
+    let Some(cheapest) = reached().min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
         return Choice::NoneReaches;
     };
     // Without an interval the value decides.
-    let ratio = |one: &Candidate| one.ratio(&candidates[cheapest]);
-    let near = candidates.iter().enumerate().filter_map(|(n, one)| {
-        let (ratio, lo, _) = ratio(one)?;
-        (n == cheapest || WORTH >= if lo > 0.0 { lo } else { ratio }).then_some((n, ratio))
+    let near = |n: &usize| {
+        let ratio = candidates[*n].ratio(&candidates[cheapest]);
+        ratio.is_some_and(|(ratio, lo, _)| WORTH >= if lo > 0.0 { lo } else { ratio })
+    };
+    let most = reached().filter(|n| *n == cheapest || near(n)).min_by(|a, b| {
+        candidates[*b].keeps.cmp(&candidates[*a].keeps).then(cost(a).total_cmp(&cost(b)))
     });
-    let most = near.min_by(|(n, a), (m, b)| {
-        candidates[*m].keeps.cmp(&candidates[*n].keeps).then(a.total_cmp(b))
-    });
-    Choice::Take { scheme: most.map_or(cheapest, |(n, _)| n), cheapest }
+    Choice::Take { scheme: most.unwrap_or(cheapest), cheapest }
 }
 
 #[cfg(test)]

@@ -18,7 +18,6 @@
 //! A scheme and its problem are a [`Setup`](mc::Setup), of any dimension and with any number of
 //! noises.
 
-mod claim;
 mod consistency;
 mod decision;
 mod limit;
@@ -33,12 +32,13 @@ mod tests;
 use mc::{LadderError, Setup};
 use stats::{Point, Rate};
 
-pub use claim::Verdict;
 pub use decision::{Decision, More};
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
 pub use order::{Exact, squared_distance, strong_order, weak_order};
-pub use referee::{Judged, LevelNoise, Referee, SolverStates, VISITS};
+pub use referee::{
+    Claims, Judged, Law, LevelNoise, Referee, SolverStates, VISITS, Verdict, Verdicts,
+};
 pub(crate) use runs::kept;
 pub use step_sizes::StepSizes;
 

@@ -14,9 +14,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-use casimir::{
-    mc::parts::{Job, Program, Share, Stop, limit_threads},
-    plot::files,
+use casimir::mc::{
+    files,
+    parts::{Job, Program, Share, Stop, limit_threads},
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use scenes::{Scene, SceneError, Source};

@@ -2,9 +2,9 @@
 
 use std::{env, fs, path::Path, time::Duration};
 
-use casimir::{
-    mc::parts::{Job, JobError, Program, Share, hash, limit_threads, merged_paths},
-    plot::files,
+use casimir::mc::{
+    files,
+    parts::{Job, JobError, Program, Share, hash, limit_threads, merged_paths},
 };
 use scenes::{Changes, Sweep};
 use serde::{Deserialize, Serialize};

@@ -300,7 +300,7 @@ fn momenta_have_the_temperature_of_the_bath() {
     let deviations = |scene: &str| {
         let scene = scene.replace("of = [\"p2\"]", "of = [\"p1^2\", \"p2^2/m\"]");
         let scene =
-            scene.replace("until = 4", "until = 30").replace("accuracy = 0.1", "accuracy = 0.03");
+            scene.replace("until = 4", "until = 20").replace("accuracy = 0.1", "accuracy = 0.08");
         let found = json(with_scene(&scene).path(), &["expect", "scene.toml", "--json"]);
         let of = |k: usize| {
             let estimate = &found["estimates"][k];

@@ -161,8 +161,8 @@ fn a_file_has_initial_states() {
         (0..5).map(|k| [1.0 + f64::from(k), 0.5 * f64::from(k * k)]).collect();
     let line = |state: &[f64; 2]| format!("{}, {}\n", state[0], state[1]);
     let text = states.iter().map(line).collect::<String>();
-    let scene =
-        KUBO.replace("[\"1 + w*z1\", \"u1 - 0.5\"]", "\"states.csv\"").replace("3e-3", "0.02");
+    let scene = KUBO.replace("[\"1 + w*z1\", \"u1 - 0.5\"]", "\"states.csv\"");
+    let scene = scene.replace("\"q\", \"q^2\"", "\"q\"").replace("3e-3", "0.02");
     let folder = with_scene(&scene);
     let path = folder.path();
     fs::write(path.join("states.csv"), format!("q, p\n# five\n{text}")).unwrap();

@@ -175,13 +175,17 @@ fn a_lattice_has_a_temperature_where_its_noise_gives_one() {
     assert!((bath(&lattice("", unit, "")).unwrap() - 0.5).abs() < 1e-9);
 }
 
-/// What `inspect` says of paths, and what `run` says.
+/// What `inspect` says of paths, and what `run` says; `compare` names the same scheme.
 fn said(folder: &Path, file: &str) -> [String; 2] {
     let found = json(folder, &["inspect", file, "--json"]);
     let [scheme, because] =
         ["scheme", "because"].map(|key| found["recommended"][0][key].as_str().unwrap().to_owned());
     let run = succeeds(folder, &["run", file, "--scheme", "auto", "--paths", "1", "--out", "run"]);
     let line = run.lines().find(|line| line.starts_with("s") && line.contains(": it "));
+    let compared =
+        succeeds(folder, &["compare", file, "--budget", "0.1", "--error", "0.1", "--out", "all"]);
+    let auto = compared.split("`auto` takes ").nth(1).unwrap_or_else(|| panic!("{compared}"));
+    assert_eq!(auto.split([',', ' ']).next(), Some(&*scheme), "{compared}");
     [format!("{scheme}: {because}"), line.unwrap_or_else(|| panic!("{run}")).to_owned()]
 }
 
@@ -274,7 +278,7 @@ fn what_is_kept_follows_from_all_damping() {
 
 #[test]
 #[ignore = "long: run by the gate"]
-fn inspect_and_run_agree_on_every_scene() {
+fn inspect_run_and_compare_agree_on_every_scene() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     for file in std::fs::read_dir(project.join("scenes")).unwrap() {
         let text = std::fs::read_to_string(file.unwrap().path()).unwrap();

@@ -98,7 +98,7 @@ fn what_steps_resolve_raises_no_alarm() {
 
 #[test]
 fn an_expectation_takes_steps_that_see_a_pulse() {
-    let folder = with_scene(&driven(&pulse(1.0, 2e-3), "0", "until = 2\nsteps = 8"));
+    let folder = with_scene(&driven(&pulse(1.0, 5e-3), "0", "until = 2\nsteps = 8"));
     let found = json(folder.path(), &["expect", "scene.toml", "--json", "--threads", "1"]);
     let p = &found["estimates"][0];
     let [lo, hi] = ["lo", "hi"].map(|end| p[end].as_f64().unwrap());

@@ -14,7 +14,7 @@ until = 20
 steps = 400
 [expect]
 of = ["cos(q)"]
-accuracy = 0.02
+accuracy = 0.03
 "#;
 
 /// By 10⁶ paths of 800 steps, ±0.0014.
@@ -24,16 +24,17 @@ const COSINE: f64 = 0.1396;
 fn single_paths_are_taken_where_paths_part_with_less_work() {
     let folder = with_scene(KICKED);
     let mut misses = 0;
-    for seed in ["1", "2", "3", "4", "5", "6"] {
+    for seed in ["1", "2", "3", "4"] {
         let found = json(folder.path(), &["expect", "scene.toml", "--json", "--seed", seed]);
         let number = |key: &str| found["estimates"][0][key].as_f64().expect("a number");
         assert_eq!(found["reached"], true, "{found}");
         assert!(found["single_steps"].as_u64() >= Some(256), "{found}");
-        // 10⁴ independent paths of 512 steps have this half-width; levels take 6e7 path-steps.
-        assert!(found["path_steps"].as_f64().expect("a number") < 4e7, "{found}");
+        // 5000 independent paths of 512 steps have this half-width; levels take 6e7 path-steps for
+        // two thirds of it.
+        assert!(found["path_steps"].as_f64().expect("a number") < 1.5e7, "{found}");
         misses += u32::from(COSINE < number("lo") || number("hi") < COSINE);
     }
-    // Three of six or more with probability 2e-3.
+    // Three of four or more with probability 5e-4.
     assert!(misses < 3, "{misses}");
 }
 

@@ -252,8 +252,8 @@ fn a_signal_ends_with_a_line_and_exit_code_130() {
     let kept = "has what was measured; the same command goes on";
     let lost = "stopped: what is not printed or written yet is lost";
     for (arguments, said) in [
-        (&["order", "scene.toml", "--path-steps", "1e13"][..], kept),
-        (&["compare", "scene.toml", "--budget", "100"], kept),
+        (&["order", "scene.toml", "--path-steps", "1e13", "--threads", "1"][..], kept),
+        (&["compare", "scene.toml", "--budget", "100", "--threads", "1"], kept),
         (&["plan", "scene.toml", "--parts", "2", "--out", "big"], lost),
     ] {
         for signal in ["-INT", "-TERM"] {
@@ -281,7 +281,8 @@ fn nohup_works() {
 fn what_is_said_of_stopped_work_is_true() {
     // All paths are at t = 0.
     let folder = with_scene(&OSCILLATOR.replace("steps = 64", "steps = 1e9\ntimes = 1"));
-    let (code, words) = signalled(folder.path(), &["run", "scene.toml"], "-INT", 500);
+    let (code, words) =
+        signalled(folder.path(), &["run", "scene.toml", "--threads", "1"], "-INT", 500);
     assert_eq!(code, Some(130), "{words}");
     assert!(words.contains("nothing is written") && !words.contains("complete"), "{words}");
     assert!(!folder.path().join("scene-run/index.html").exists());
@@ -290,7 +291,7 @@ fn what_is_said_of_stopped_work_is_true() {
     for (command, file) in [("expect", "samples.bin"), ("equilibrium", "chains.bin")] {
         let kept = folder.path().join(format!("scene-{command}"));
         fs::create_dir_all(kept.join(file)).unwrap();
-        let arguments = [command, "scene.toml", "--accuracy", "1e-7"];
+        let arguments = [command, "scene.toml", "--accuracy", "1e-7", "--threads", "1"];
         fails(folder.path(), &arguments, 1, &["cannot read", file]);
         fs::remove_dir_all(&kept).unwrap();
         // Whose figures have no folder then.
@@ -310,7 +311,7 @@ fn what_is_said_of_stopped_work_is_true() {
         assert!(!words.contains("samples are in"), "{words}");
     }
     let folder = with_scene(OSCILLATOR);
-    let arguments = ["expect", "scene.toml", "--accuracy", "1e-7"];
+    let arguments = ["expect", "scene.toml", "--accuracy", "1e-7", "--threads", "1"];
     let (_, words) = signalled(folder.path(), &arguments, "-INT", 1500);
     let kept = folder.path().join("scene-expect/samples.bin").exists();
     assert!(kept && words.contains("the same command goes on from them"), "{words}");

@@ -90,8 +90,7 @@ impl Merging {
             let folder = folder.display();
             return Err(JobError::Refused(format!("there are no parts in {folder}")));
         }
-        let program = program.clone();
-        Ok(Self { works, of, program, known, missing: BTreeSet::new() })
+        Ok(Self { works, of, program: program.clone(), known, missing: BTreeSet::new() })
     }
 
     pub fn finish(self) -> Result<(), JobError> {

@@ -54,15 +54,13 @@
 //! | `part-03-of-64.bin` | the nodes of a part; while it runs, its checkpoint |
 //! | `merged.bin` | the nodes of all works that were merged, for extensions |
 
-mod atomic;
 mod job;
+mod lock;
 mod merging;
 mod part;
 mod share;
 mod work;
 
-pub(crate) use atomic::replace_by;
-pub use atomic::{folder, replace, tidy_folder};
 pub use job::{Job, Planned, Stop, limit_threads};
 pub use merging::merged_paths;
 pub use part::remove;

@@ -6,7 +6,8 @@ use std::{
 };
 
 use super::{
-    JobError, Program, Share, atomic,
+    JobError, Program, Share,
+    lock::Lock,
     merging::Known,
     work::{Header, PartFile, Work, differs},
 };
@@ -14,6 +15,7 @@ use crate::{
     Kept,
     checkpoint::file_error,
     driver::GROUP_PATHS,
+    files::tidy,
     ladder::{Nodes, Sum},
     tree::{MergeTree, Node},
 };
@@ -46,21 +48,21 @@ pub struct Part {
     /// Whether the file has work of an earlier run.
     pub resumes: bool,
     known: Known,
-    _lock: atomic::Lock,
+    _lock: Lock,
 }
 
 impl Part {
     pub fn open(folder: &Path, share: Share, program: &Program) -> Result<Self, JobError> {
         let (path, lock) = (folder.join(share.file_name()), lock_of(folder, share));
-        let lock = atomic::Lock::take(&lock).map_err(file_error("write", &lock))?;
-        let busy = |holder| {
-            let folder = folder.display();
-            let wait = "wait for its end, or stop it";
-            JobError::Refused(format!("{share} in {folder} is being computed by {holder}; {wait}"))
-        };
-        let lock = lock.map_err(busy)?;
+        let lock = Lock::take(&lock).map_err(file_error("write", &lock))?;
+        let lock = lock.map_err(|holder| {
+            JobError::Refused(format!(
+                "{share} in {} is being computed by {holder}; wait for its end, or stop it",
+                folder.display()
+            ))
+        })?;
         if lock.is_sole {
-            atomic::tidy(&path);
+            tidy(&path);
         }
         let file = PartFile::open(path, program, Some(share))?;
         // A folder that cannot be written is found now and not after hours.

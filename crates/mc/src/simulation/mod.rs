@@ -12,7 +12,7 @@ use crate::{
     Setup, Statistic, View, demand, parts::Stop,
 };
 
-pub use series::{Column, NoiseOrigin, TimeSeries, quoted, write_csv};
+pub use series::{Column, NoiseOrigin, Role, TimeSeries, quoted, write_csv};
 
 /// Simulation of paths of a problem by a scheme. The table of each path contains time, state,
 /// observables, and every invariant of the system with its relative defect from the conformal law.
@@ -134,10 +134,13 @@ impl<'a> Simulation<'a> {
         key: StreamKey,
         paths: Range<u64>,
     ) -> Result<Vec<TimeSeries>, RunError> {
-        if self.every == 0 {
-            let text = "to save every k-th step, k must be at least 1, got k = 0";
-            return Err(RunError::Setting(text.into()));
-        }
+        let every = self.every as f64;
+        RunError::unmet([(
+            every > 0.0,
+            "number of steps between saved ones",
+            "at least 1",
+            every,
+        )])?;
         let (Setup { problem, scheme }, count) =
             (&self.setup, paths.end.saturating_sub(paths.start));
         let family = (key, Purpose::Paths);
@@ -149,29 +152,30 @@ impl<'a> Simulation<'a> {
         };
         let (names, tau) = (self.names()?, ladder.tau(0));
         self.demand(steps, count)?;
-        let damped = self.damping_integrals(steps, tau)?;
+        let decays = self.decays(steps, tau)?;
         // Where the values of laws begin among the columns.
-        let laws = 1 + problem.y0.len() + self.observables.len();
+        let components = problem.y0.len();
+        let laws = 1 + components + self.observables.len();
         let none = || {
-            let columns = names.iter().map(|_| Vec::with_capacity(damped.len()));
+            let columns = names.iter().map(|_| Vec::with_capacity(decays.len()));
             columns.collect::<Vec<Vec<f64>>>()
         };
         let save = |view: &View<'_>, of_path: &mut Columns| {
-            let Some(damped) = damped.get(&view.time) else { return };
+            let Some(decays) = decays.get(&view.time) else { return };
             let observed = self.observables.iter().map(|phi| phi.values(view.state(0), view.live));
             let observed: Vec<_> = observed.collect();
             for p in view.live.paths() {
                 let columns = of_path.entry(view.first_path + p as u64).or_insert_with(none);
-                let state = &view.state(0)[..problem.y0.len()];
+                let state = &view.state(0)[..components];
                 let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
                 let observed = observed.iter().map(|values| values[p]);
                 let row = [view.time as f64 * tau].into_iter().chain(y.iter().copied());
                 columns.iter_mut().zip(row.chain(observed)).for_each(|(of, x)| of.push(x));
                 let of_laws = columns[laws..].chunks_exact_mut(2).zip(&problem.laws);
-                for (columns, conformal) in of_laws {
+                for ((columns, conformal), decay) in of_laws.zip(decays) {
                     let value = (conformal.value)(&y);
                     let initial = columns[0].first().copied().unwrap_or(value);
-                    let law = conformal.decay(damped) * initial;
+                    let law = decay * initial;
                     let relative = (value - law) / law.abs();
                     columns[0].push(value);
                     columns[1].push(if initial == 0.0 { value } else { relative });
@@ -184,8 +188,17 @@ impl<'a> Simulation<'a> {
         let series = paths.map(|path| {
             let values = of_path.remove(&path).unwrap_or_else(none);
             let end = values[0].last().map_or(0.0, |t| *t);
-            let columns = names.iter().cloned().zip(values);
-            let columns = columns.map(|(name, values)| Column { name, values });
+            let of_law = |k: usize| {
+                let (of, function) = (names[laws + 2 * k].clone(), &values[laws + 2 * k]);
+                let law = decays.values().zip(function).map(|(decays, _)| decays[k] * function[0]);
+                [Role::Conserved, Role::Defect { of, law: law.collect() }]
+            };
+            let mut roles = vec![Role::Time];
+            roles.resize(1 + components, Role::Component);
+            roles.resize(laws, Role::Observable);
+            roles.extend((0..problem.laws.len()).flat_map(of_law));
+            let columns = names.iter().cloned().zip(roles).zip(values);
+            let columns = columns.map(|((name, role), values)| Column { name, role, values });
             let failure = measured.failures.iter().find(|failure| failure.path == path);
             let halted = failure.map(|&PathFailure { step, cause, .. }| {
                 format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
@@ -213,7 +226,8 @@ impl<'a> Simulation<'a> {
     pub fn demand(&self, steps: u64, paths: u64) -> Result<(), RunError> {
         let (columns, times) = (self.names()?.len(), steps / self.every.max(1) + 1);
         let what = format!("tables of {paths} paths, {columns} columns and {times} times");
-        Ok(demand(what, 16.0 * columns as f64 * times as f64 * (paths + 1) as f64)?)
+        let numbers = (columns + self.setup.problem.laws.len()) as f64 * times as f64;
+        Ok(demand(what, 16.0 * numbers * (paths + 1) as f64)?)
     }
 
     /// The names of the columns.
@@ -236,19 +250,16 @@ impl<'a> Simulation<'a> {
         Ok(names)
     }
 
-    /// Integrals of all dampings from 0 to time 0 and to the end of every saved step, by the number
-    /// of steps. Compensated summation (Kahan 1965) of the integrals over the steps prevents
-    /// rounding errors from accumulating in the conformal law.
-    fn damping_integrals(
-        &self,
-        steps: u64,
-        tau: f64,
-    ) -> Result<BTreeMap<u64, Vec<f64>>, LadderError> {
-        let Problem { laws, .. } = &self.setup.problem;
+    /// Factor of each law from 0 to time 0 and to the end of every saved step, by the number of
+    /// steps. Compensated summation (Kahan 1965) of the integrals of the dampings over the steps
+    /// prevents rounding errors from accumulating in the conformal law.
+    fn decays(&self, steps: u64, tau: f64) -> Result<BTreeMap<u64, Vec<f64>>, LadderError> {
+        let problem @ Problem { laws, .. } = &self.setup.problem;
         let none = if laws.is_empty() { 0 } else { usize::MAX };
-        let dampings: Vec<_> = self.setup.problem.dampings().take(none).collect();
+        let dampings: Vec<_> = problem.dampings().take(none).collect();
+        let decays = |damped: &[f64]| laws.iter().map(|law| law.decay(damped)).collect();
         let (mut damped, mut lost) = (vec![0.0; dampings.len()], vec![0.0; dampings.len()]);
-        let mut integrals = BTreeMap::from([(0, damped.clone())]);
+        let mut at = BTreeMap::from([(0, decays(&damped))]);
         for n in (1..=steps).take_while(|_| !self.stop.is_asked()) {
             for (k, damping) in dampings.iter().enumerate() {
                 let term = Step::new(*damping, n - 1, tau)?.damping_integral() - lost[k];
@@ -257,10 +268,10 @@ impl<'a> Simulation<'a> {
                 damped[k] = sum;
             }
             if n.is_multiple_of(self.every) || n == steps {
-                integrals.insert(n, damped.clone());
+                at.insert(n, decays(&damped));
             }
         }
-        Ok(integrals)
+        Ok(at)
     }
 }
 

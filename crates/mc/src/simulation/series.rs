@@ -41,8 +41,31 @@ pub struct NoiseOrigin {
 pub struct Column {
     /// Name of the quantity.
     pub name: String,
+    /// Role of the quantity.
+    #[serde(skip)]
+    pub role: Role,
     /// Values at the saved times. In JSON a value that is not finite is `null`.
     pub values: Vec<f64>,
+}
+
+/// The role of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Role {
+    /// The time t.
+    Time,
+    /// A component of the state.
+    Component,
+    /// An observable.
+    Observable,
+    /// A function that has a conformal law.
+    Conserved,
+    /// The relative defect from the conformal law of a function.
+    Defect {
+        /// Name of the column of the function.
+        of: String,
+        /// Values of the law.
+        law: Vec<f64>,
+    },
 }
 
 impl TimeSeries {
@@ -54,7 +77,8 @@ impl TimeSeries {
 
     /// The saved times.
     pub fn times(&self) -> &[f64] {
-        self.column("t").unwrap_or_default()
+        let column = self.columns.iter().find(|column| column.role == Role::Time);
+        column.map_or(&[], |column| &column.values)
     }
 }
 

@@ -114,6 +114,21 @@ fn a_small_defect_matters_to_a_function_that_multiplies_it() {
 }
 
 #[test]
+fn a_wave_that_nearly_repeats_with_the_steps_is_not_resolved() {
+    // 64 steps see a slow wave in the place of one with nearly a period in a step.
+    let unresolved = |periods: f64| {
+        let problem = problem(Cosine::new(0.3, 2.0 * std::f64::consts::PI * periods).unwrap());
+        DampingResolution::new(&Setup::of(&problem, &Heun), 64).unresolved(0)
+    };
+    for periods in [64.0, 64.3, 63.6, 128.4] {
+        assert!(unresolved(periods).is_some_and(|by| by > 0.03), "{periods}");
+    }
+    for periods in [0.3, 2.0, 4.7, 8.0] {
+        assert_eq!(unresolved(periods), None, "{periods}");
+    }
+}
+
+#[test]
 fn smooth_dampings_and_jumps_are_resolved_by_few_steps() {
     let resolved = |damping: &dyn Damping| {
         let problem = problem(damping);

@@ -87,7 +87,7 @@ fn large_steps_on_which_paths_fail_are_left_out() {
     let system = LotkaVolterra::<2, 2>::new(1.0).unwrap();
     let problem = Problem::new(system, Constant::new(0.0).unwrap(), [0.9, 1.1, 0.8], 1.0).unwrap();
     let h = Observable { name: "H", function: |y: [f64; 3]| y[0].powi(2) * y[1].powi(2) * y[2] };
-    let found = Expect::new(&problem).run(&[&h], 1e-2).unwrap();
+    let found = Expect::new(&problem).run(&[&h], 0.1).unwrap();
     // Drift and noise are the same H: it is constant.
     let (exact, estimate) = (0.81 * 1.21 * 0.8, &found.estimates[0]);
     assert!(found.reached() && (estimate.value - exact).abs() < estimate.half_width(), "{found}");

@@ -156,7 +156,7 @@ fn bad_simulations_are_refused() {
     let (problem, sexp) = (body(), Sexp);
     let simulation = || Simulation::new(Setup::of(&problem, &sexp), k4());
     let refused = simulation().every(0).path(8, KEY, 0).unwrap_err().to_string();
-    assert!(refused.ends_with("got k = 0"), "{refused}");
+    assert!(refused.ends_with("must be at least 1, got 0"), "{refused}");
     let twice = simulation().observing(StateFunction::new("y2", |y: [f64; 3]| y[1]));
     let refused = twice.path(8, KEY, 0).unwrap_err().to_string();
     assert_eq!(refused, "two columns have the name \"y2\"; rename one");

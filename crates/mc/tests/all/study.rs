@@ -12,7 +12,7 @@ use mc::{
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
 use schemes::{Sexp, WithSolver};
-use study::{Place, Study, StudyResult, StudySettings, Wanted};
+use study::{IntervalNote, Place, STATISTICS, Study, StudyResult, StudySettings, Wanted};
 use systems::{Constant, Problem};
 
 use crate::{
@@ -287,7 +287,7 @@ fn failed_paths_are_left_out_counted_and_described() {
     let text = &result.losses.failures[0];
     assert!(text.starts_with("path ") && text.contains("seed 1, experiment 4"), "{text}");
     let warning = format!("{} of 400 paths failed", result.losses.failed);
-    assert!(result.warnings[0].starts_with(&warning), "{:?}", result.warnings);
+    assert!(result.warnings[0].to_string().starts_with(&warning), "{:?}", result.warnings);
 }
 
 #[test]
@@ -317,7 +317,11 @@ fn values_that_are_not_finite_are_counted_and_in_no_mean() {
     assert_eq!(first.quantiles[0].place, Place::NoValues);
     assert_eq!(result.record.initial, [Some(0.0), Some(0.0), None]);
     let warning = "√p: values that are not finite, left out at 2 times, first t = 0.500000";
-    assert!(result.warnings.iter().any(|text| text == warning), "{:?}", result.warnings);
+    assert!(
+        result.warnings.iter().any(|text| text.to_string() == warning),
+        "{:?}",
+        result.warnings
+    );
 }
 
 fn csv(result: &StudyResult) -> String {
@@ -333,7 +337,9 @@ fn a_table_has_a_row_for_each_quantity() {
     let csv = csv(&result);
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines[0], "t,observable,quantity,value,lo,hi,note");
-    assert_eq!(lines.len(), 1 + 2 * (12 + 4 * 14));
+    // Counts, statistics and quantiles; and counts outside of the bins.
+    let each = 2 + STATISTICS.len() + 5;
+    assert_eq!(lines.len(), 1 + 2 * (each + 4 * (each + 2)));
     assert_eq!(lines[1], "0.0,p,count,1000,,,");
     assert_eq!(lines[3], "0.0,p,mean,0.0,0.0,0.0,");
     let point = &result.series[0].points[4];
@@ -416,7 +422,10 @@ fn quantiles_at_atoms_have_no_false_digits() {
         assert!(lo <= exact && exact <= hi && hi - lo < 0.2, "{quantile:?}");
     }
     assert!(
-        result.warnings.iter().any(|text| text.contains("many more values than its neighbours"))
+        result
+            .warnings
+            .iter()
+            .any(|text| text.what.contains("many more values than its neighbours"))
     );
     // Most values of a heavy law lie in one bin: a quantile within is not known.
     assert_eq!(quantiles("e^p")[0].place, Place::Crowded);
@@ -452,8 +461,7 @@ fn what_was_not_seen_is_not_excluded() {
     for (name, mean) in [("p > 4", 0.0), ("1 + ε", 1.0)] {
         let last = result.series(name).unwrap().last();
         assert!((last.mean.unwrap() - mean).abs() < 1e-14 && last.mean_interval.is_none());
-        let note = last.interval_note.as_deref();
-        assert_eq!(note, Some("all equal; others < 1 path in 33"));
+        assert_eq!(last.interval_note, Some(IntervalNote::Equal(33)));
     }
     let csv = csv(&result);
     assert!(csv.contains("1.0,p > 4,mean,0.0,,,all equal; others < 1 path in 33\n"));
@@ -461,7 +469,15 @@ fn what_was_not_seen_is_not_excluded() {
     let one = (1..100).map(|seed| run(&[seldom], &settings(2, 1, 100, seed)));
     let one = one.into_iter().find(|result| result.series[0].last().mean == Some(0.01)).unwrap();
     let last = one.series[0].last();
-    assert_eq!(last.interval_note.as_deref(), Some("too few values carry the mean"));
+    assert_eq!(last.interval_note, Some(IntervalNote::TooFew));
+    // In files a note is its words.
+    for note in [IntervalNote::TooFew, IntervalNote::Equal(33), IntervalNote::Heavy("x".into())] {
+        let words = serde_json::to_string(&note).unwrap();
+        assert_eq!(
+            (words.clone(), note.clone()),
+            (format!("\"{note}\""), serde_json::from_str(&words).unwrap())
+        );
+    }
     let warning = "p > 2: too few values carry the mean at 1 times, first t = 1.000000";
-    assert!(one.warnings.iter().any(|text| text == warning), "{:?}", one.warnings);
+    assert!(one.warnings.iter().any(|text| text.to_string() == warning), "{:?}", one.warnings);
 }

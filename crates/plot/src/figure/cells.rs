@@ -2,12 +2,11 @@
 
 use super::{
     axis::{Axis, Range},
-    canvas::{Align, Canvas},
-    frame::{BELOW, Frame, Plain, RIGHT, UNIT, WIDTH},
+    canvas::Canvas,
+    frame::{Frame, Plain, RIGHT, UNIT, small},
     look::{BLUE, VERMILLION},
     ticks::Ticks,
 };
-use crate::label::Label;
 
 /// Shades of a colour.
 const SHADES: usize = 12;
@@ -51,11 +50,6 @@ pub fn picture(
     plain.page(title, values.is_empty())
 }
 
-/// Number of pictures in a row; room between them, and above each for its name.
-const PICTURES: usize = 3;
-const GAP: f64 = 10.0;
-const NAME: f64 = 16.0;
-
 /// Least width of a cell in pixels: narrower cells are joined to squares with their means.
 const NARROWEST: f64 = 2.0;
 
@@ -73,24 +67,17 @@ fn means(columns: usize, values: &[f64], side: usize) -> Vec<f64> {
 
 /// Pictures of a plane at several times as an SVG document, each with its name.
 pub fn strip(title: &str, columns: usize, pictures: &[(String, Vec<f64>)]) -> String {
-    let across = PICTURES.min(pictures.len()).max(1);
-    let width = (WIDTH - RIGHT - GAP * across as f64) / across as f64;
     let rows = pictures.first().map_or(1, |(_, values)| values.len().div_ceil(columns.max(1)));
-    let height = width * rows as f64 / columns.max(1) as f64;
-    let mut canvas = Canvas::default();
-    let side = (NARROWEST * columns as f64 / width).ceil().max(1.0) as usize;
-    for (k, (name, values)) in pictures.iter().enumerate() {
-        let left = GAP + (width + GAP) * (k % across) as f64;
-        let top = NAME + (NAME + height) * (k / across) as f64;
+    let height = |width: f64| width * rows as f64 / columns.max(1) as f64;
+    small(title, pictures, (RIGHT, RIGHT), height, |canvas, _, [left, right, top], values| {
         let axis = |start, end| Axis { logarithmic: false, range: UNIT, start, end };
-        let frame = Frame { x: axis(left, left + width), y: axis(top + height, top) };
-        draw(&mut canvas, &frame, columns.div_ceil(side), &means(columns, values, side));
+        let (x, y) = (axis(left, right), axis(top + height(right - left), top));
+        let frame = Frame { x, y };
+        let side = (NARROWEST * columns as f64 / (right - left)).ceil().max(1.0) as usize;
+        draw(canvas, &frame, columns.div_ceil(side), &means(columns, values, side));
         let none = (&Ticks::default(), None);
-        frame.draw(&mut canvas, none, none);
-        canvas.label(&Label::words(name), (left + 0.5 * width, top - 8.0), 9.0, Align::Middle);
-    }
-    let down = pictures.len().div_ceil(across) as f64;
-    canvas.page((WIDTH, (NAME + height) * down + 0.3 * BELOW), title)
+        frame.draw(canvas, none, none);
+    })
 }
 
 #[cfg(test)]

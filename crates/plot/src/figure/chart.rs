@@ -14,17 +14,20 @@ use super::{
 };
 use crate::{label::Label, series::QUANTILE};
 
-/// A measured point: a step size, cost or number of steps x, and the value y, whose size is drawn,
-/// with the ends of its 95 % interval, which may be empty.
-#[derive(Clone, Copy)]
+/// A measured point with its 95 % interval, which may be empty.
+#[derive(Clone, Copy, Debug)]
 pub struct Measured {
+    /// Step size, cost or number of steps.
     pub x: f64,
+    /// Value, whose size is drawn.
     pub y: f64,
+    /// Lower end of the interval.
     pub lo: f64,
+    /// Upper end of the interval.
     pub hi: f64,
 }
 
-/// Curve with its name, a note for the legend and its points.
+/// A curve with its name, a note for the legend and its points.
 pub struct Curve {
     /// Name of the scheme or quantity: curves of one name look the same in all plots of a figure.
     pub name: String,
@@ -43,7 +46,7 @@ pub struct Line {
     pub power: f64,
 }
 
-/// One plot of a figure.
+/// One plot among those of a figure, with logarithmic axes.
 pub struct Plot {
     /// Title of the horizontal axis.
     pub x_title: String,
@@ -122,6 +125,13 @@ impl Line {
             canvas.label(&label, (x + side * right, y + side * down), SIZE, Align::Middle);
         }
     }
+}
+
+/// Plots of curves of schemes side by side as an SVG document, with one vertical axis; all axes are
+/// logarithmic.
+pub fn side_by_side(title: &str, y_title: &str, plots: Vec<Plot>) -> String {
+    let (title, y_title) = (title.into(), y_title.into());
+    Figure { title, y_title, signed: false, lines: Vec::new(), plots }.svg()
 }
 
 impl Figure {

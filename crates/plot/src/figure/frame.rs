@@ -12,6 +12,10 @@ use crate::label::Label;
 const TICK_SIZE: f64 = 10.0;
 /// Room to the right of a plot.
 pub const RIGHT: f64 = 10.0;
+/// Number of small plots in a row; room between them, and above each for its name.
+const ACROSS: usize = 3;
+const GAP: f64 = 12.0;
+const NAME: f64 = 15.0;
 /// Room for labels and title below a plot.
 pub const BELOW: f64 = 33.0;
 
@@ -105,8 +109,32 @@ fn write(canvas: &mut Canvas, words: &str, at: Position, align: Align) {
     canvas.label(&Label::words(words), at, 10.5, align);
 }
 
+/// A page of small plots in rows of three as an SVG document, each with its name above it. They
+/// leave room on the left and below, and have a height that follows from their width. `draw` gets
+/// the number of a plot and those in a row, its left, right and upper end, and its data.
+pub fn small<T>(
+    title: &str,
+    plots: &[(String, T)],
+    (left, below): (f64, f64),
+    height: impl Fn(f64) -> f64,
+    draw: impl Fn(&mut Canvas, (usize, usize), [f64; 3], &T),
+) -> String {
+    let columns = ACROSS.min(plots.len()).max(1);
+    let width = (WIDTH - left - RIGHT + GAP) / columns as f64 - GAP;
+    let pitch = NAME + height(width) + GAP;
+    let mut canvas = Canvas::default();
+    for (k, (name, data)) in plots.iter().enumerate() {
+        let left = left + (width + GAP) * (k % columns) as f64;
+        let top = NAME + pitch * (k / columns) as f64;
+        draw(&mut canvas, (k, columns), [left, left + width, top], data);
+        canvas.label(&Label::words(name), (left + 0.5 * width, top - 7.5), 8.5, Align::Middle);
+    }
+    let rows = plots.len().div_ceil(columns) as f64;
+    canvas.page((WIDTH, pitch * rows - GAP + below), title)
+}
+
 /// Width of a page in pixels.
-pub const WIDTH: f64 = 340.0;
+const WIDTH: f64 = 340.0;
 /// Room for the labels on the left.
 const LEFT: f64 = 52.0;
 /// The range of an axis without data.

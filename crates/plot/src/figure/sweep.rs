@@ -1,15 +1,10 @@
-//! Figures against a parameter: values with their intervals, and small multiples in time.
-
-use study::Series;
+//! Figures against a parameter: values with their intervals.
 
 use super::{
-    canvas::{Align, Canvas, Stroke},
-    frame::{BELOW, Frame, Plain, RIGHT, Title, WIDTH},
+    canvas::Stroke,
+    frame::{Plain, Title},
     legend::of_curves,
-    study::{draw_bands, ranges},
-    ticks::Ticks,
 };
-use crate::label::Label;
 
 /// A value at a parameter, with its interval if there is one.
 pub type Sampled = (f64, f64, Option<(f64, f64)>);
@@ -41,46 +36,4 @@ pub fn against(
         }
     }
     plain.page(title, points().next().is_none())
-}
-
-/// Number of small plots in a row.
-const COLUMNS: usize = 3;
-/// Room for the labels on the left.
-const LEFT: f64 = 42.0;
-/// Room between two plots, and above each for its name.
-const GAP: f64 = 12.0;
-const NAME: f64 = 14.0;
-const HEIGHT: f64 = 74.0;
-
-/// Small multiples of an observable in time as an SVG document: bands, median and mean as in
-/// [`bands`](super::bands()), a plot for each name, all with the same axes.
-pub fn multiples(title: &str, y_title: Title<'_>, panels: &[(String, &Series)]) -> String {
-    let x_title = Title::from("");
-    let all = panels.iter().flat_map(|(_, series)| &series.points);
-    let [times, values] = ranges(all, x_title, y_title);
-    let columns = COLUMNS.min(panels.len()).max(1);
-    let width = (WIDTH - LEFT - RIGHT - GAP * (columns - 1) as f64) / columns as f64;
-    let mut canvas = Canvas::default();
-    let pitch = NAME + HEIGHT + GAP;
-    for (k, (name, series)) in panels.iter().enumerate() {
-        let (row, column) = (k / columns, k % columns);
-        let (left, top) = (LEFT + (width + GAP) * column as f64, NAME + pitch * row as f64);
-        let frame = Frame {
-            x: x_title.axis(times, left, left + width),
-            y: y_title.axis(values, top + HEIGHT, top),
-        };
-        let mut y = y_title.ticks(values, 3);
-        if column > 0 {
-            y.major.iter_mut().for_each(|(_, label)| *label = Label::words(""));
-            y.factor = None;
-        }
-        // Nothing stands below it.
-        let is_last = k + columns >= panels.len();
-        let x_title = is_last.then_some(if column == columns / 2 { "time t" } else { "" });
-        frame.draw(&mut canvas, (&Ticks::decimal(times, 3), x_title), (&y, None));
-        canvas.label(&Label::words(name), (left + 0.5 * width, top - 7.0), 8.5, Align::Middle);
-        draw_bands(&mut canvas, &frame, &series.points);
-    }
-    let rows = panels.len().div_ceil(columns) as f64;
-    canvas.page((WIDTH, pitch * rows - GAP + BELOW), title)
 }

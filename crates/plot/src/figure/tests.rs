@@ -1,18 +1,12 @@
-use ::study::{Grid, Histogram, Place, Quantile, Summary};
-use analysis::{
-    Spread,
-    compare::{Candidate, Choice, Comparison, ErrorPoint, Keeps, Outcome, Sampled},
-};
 use stats::{Point, Rate};
 
 use super::{
     axis::{Axis, Range},
     canvas::{FAINT, GREY, INK, markup},
-    chart::{Curve, Figure, Line, Measured, Plot},
+    chart::{Figure, Line},
     convergence::{order, overall_order, reference_slopes},
     frame::Frame,
     look::{BLUE, VERMILLION, of_schemes},
-    study::{MAX_BARS, bars, pairs, percent},
     ticks::Ticks,
     *,
 };
@@ -20,7 +14,7 @@ use crate::{Kind, Series, label::Label};
 
 /// Checks that a figure is whole and has these words.
 #[track_caller]
-fn is_whole(svg: &str, words: &[&str]) {
+pub fn is_whole(svg: &str, words: &[&str]) {
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{svg}");
     assert!(!svg.contains("NaN"), "{svg}");
     words.iter().for_each(|words| assert!(svg.contains(words), "{words}"));
@@ -59,39 +53,6 @@ fn awkward_data_still_make_a_figure() {
     assert!(!svg.contains("a&lt;b"));
     traces.push(trace("c", &[(0.0, 0.0)]));
     is_whole(&lines("", "t", "y", &traces), &["a&lt;b"]);
-}
-
-/// Two points of one scheme, of which one is not resolved.
-pub(crate) fn small_comparison() -> Comparison {
-    let point = |steps: u64, resolved| ErrorPoint {
-        steps,
-        error: 0.5 / steps as f64,
-        lo: 0.25 / steps as f64,
-        hi: 1.0 / steps as f64,
-        resolved,
-        defect: Some(1e-3),
-        time: resolved.then_some(Spread { best: 1e-6, median: 2e-6, worst: 3e-6 }),
-    };
-    Comparison {
-        system: "a<b".into(),
-        dimension: 3,
-        noises: 1,
-        t_end: 1.0,
-        damped: true,
-        wanted: 1e-3,
-        sampled: Sampled::default(),
-        reference_error: 1e-3,
-        candidates: vec![Candidate {
-            scheme: "heun".into(),
-            asked: 1e-3,
-            points: vec![point(8, true), point(16, false)],
-            outcome: Outcome::NotReached { needs: None },
-            keeps: Keeps::default(),
-        }],
-        choice: Choice::NoneReaches,
-        stopped: None,
-        wall_s: 1.0,
-    }
 }
 
 /// The points of each line of a figure that is neither of the axes nor of the grid.
@@ -139,138 +100,6 @@ fn bars_are_intervals() {
             }
         }
     }
-}
-
-/// Points that the reference does not resolve are left out, and times are in microseconds.
-#[test]
-fn points_of_a_comparison_are_at_their_times() {
-    let mut found = small_comparison();
-    let first = found.candidates[0].points[0].clone();
-    let point = |k: i32| ErrorPoint {
-        steps: 8 << k,
-        error: 0.1 * 0.5f64.powi(k),
-        resolved: k < 3,
-        time: Some(Spread { best: 1e-6 * 10f64.powi(k), median: 1.0, worst: 2.0 }),
-        ..first.clone()
-    };
-    found.candidates[0].points = (0..4).map(point).collect();
-    let svg = comparison(&found);
-    let curves: Vec<_> = curves(&svg).into_iter().filter(|curve| curve.len() > 2).collect();
-    assert_eq!(curves.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3]);
-    // The marks of 1, 10 and 100 are where the points are.
-    let marks = (0..3).map(|k| {
-        let is_mark =
-            |text: &&str| text.contains(&format!(">{k}</tspan>")) && text.contains("middle");
-        let mark = svg.split("<text x=\"").find(is_mark).unwrap();
-        mark.split('"').next().unwrap().parse::<f64>().unwrap()
-    });
-    assert_eq!(
-        curves[0].iter().map(|point| point.0).collect::<Vec<_>>(),
-        marks.collect::<Vec<_>>()
-    );
-}
-
-#[test]
-fn a_comparison_is_drawn_against_time_and_steps() {
-    let words = ["a&lt;b: strong error against cost", "processor time of a path, μs", "heun"];
-    is_whole(&comparison(&small_comparison()), &words);
-}
-
-/// A summary at `time` with quantiles of these levels and values, and a few counts.
-fn summary(time: f64, quantiles: &[(f64, Option<f64>)], counts: &[u64]) -> Summary {
-    let quantile = |&(level, value): &(f64, Option<f64>)| {
-        let place = if value.is_some() { Place::Inside } else { Place::AboveGrid };
-        Quantile { level, value, lo: value, hi: value, place }
-    };
-    let grid = Grid { lo: -1.0, width: 0.5, bins: counts.len() as u32 };
-    Summary {
-        step: 1,
-        time,
-        count: counts.iter().sum(),
-        not_finite: 0,
-        mean: Some(0.25),
-        mean_interval: None,
-        interval_note: None,
-        variance: None,
-        deviation: None,
-        least: None,
-        largest: None,
-        quantiles: quantiles.iter().map(quantile).collect(),
-        histogram: Some(Histogram { grid, below: 0, counts: counts.to_vec(), above: 0 }),
-    }
-}
-
-#[test]
-fn a_band_is_between_opposite_quantiles_and_ends_outside_of_the_grid() {
-    let levels = |high: Option<f64>| {
-        [(0.05, Some(-1.0)), (0.25, Some(-0.5)), (0.5, Some(0.0)), (0.75, Some(0.5)), (0.95, high)]
-    };
-    let at = |t: f64, high| summary(t, &levels(high), &[1, 2]);
-    let drawn = |points: Vec<Summary>| bands("A & B", "time t", "a<b", &points);
-    let mut all = (0..6).map(|t| at(f64::from(t), Some(1.0))).collect::<Vec<_>>();
-    assert_eq!(pairs(&[0.05, 0.25, 0.5, 0.75, 0.95]), [(0, 4), (1, 3)]);
-    let svg = drawn(all.clone());
-    is_whole(&svg, &["5–95 %", "25–75 %", "median", "mean", "a&lt;b", "A &amp; B"]);
-    let areas = |svg: &str| svg.matches("<polygon").count();
-    // Two in the legend.
-    assert_eq!(areas(&svg), 4);
-    all[2] = at(2.0, None);
-    assert_eq!(areas(&drawn(all)), 5);
-    let none = Summary { mean: None, ..summary(0.0, &[(0.3, None)], &[]) };
-    for points in [
-        vec![],
-        vec![none.clone()],
-        vec![summary(0.0, &[], &[])],
-        vec![summary(0.0, &[(0.29, Some(1.0)), (0.71, Some(1.0))], &[1]), none],
-    ] {
-        is_whole(&drawn(points), &[]);
-    }
-    assert_eq!((percent(0.29), percent(0.05), percent(0.975)), (29.0, 5.0, 97.5));
-}
-
-#[test]
-fn bars_hold_all_values_inside() {
-    for bins in [1, 63, 64, 65, 300, 1000] {
-        let counts: Vec<u64> = (0..bins).map(|k| u64::from(k > 2 || bins < 4) * (k % 7)).collect();
-        let summary = summary(1.0, &[(0.5, Some(0.0))], &counts);
-        let bars = bars(&summary);
-        assert!(bars.len() <= MAX_BARS + 1, "{bins}");
-        let all: f64 = bars.iter().map(|&(lo, hi, density)| (hi - lo) * density).sum();
-        assert!(bins == 1 || (all - 1.0).abs() < 1e-12, "{bins}: {all}");
-        assert!(bars.windows(2).all(|pair| pair[0].1 == pair[1].0));
-    }
-    let empty = summary(1.0, &[], &[0, 0]);
-    let mut outside = summary(2.0, &[(0.5, None)], &[0, 5, 0]);
-    outside.histogram.as_mut().unwrap().above = 2;
-    let initial = Summary { histogram: None, ..empty.clone() };
-    for summary in [&empty, &outside, &initial] {
-        is_whole(&histogram("A & B", "a<b", summary), &["A &amp; B", "a&lt;b"]);
-    }
-    is_whole(&histogram("", "x", &outside), &["x at t = 2, 2 of 5 outside"]);
-}
-
-#[test]
-fn axes_may_be_logarithmic_and_intervals_are_bands() {
-    let point = |t: f64| Summary {
-        mean_interval: Some((0.5 * (-t).exp(), 2.0 * (-t).exp())),
-        mean: Some((-t).exp()),
-        ..summary(t, &[], &[])
-    };
-    let points: Vec<Summary> = (0..9).map(|t| point(f64::from(t))).collect();
-    let y = Title { words: "y", logarithmic: true };
-    let svg = bands("A", "lag", y, &points);
-    is_whole(&svg, &["lag", "estimate", "95 % interval", "<polygon"]);
-    // A decaying exponential is a straight line.
-    let points = |line: &str| -> Vec<f64> {
-        let points = line.split("points=\"").nth(1).and_then(|rest| rest.split('"').next());
-        points.unwrap().split([' ', ',']).map(|x| x.parse().unwrap()).collect()
-    };
-    let lines = svg.split("<polyline").skip(1).map(points);
-    let places = lines.max_by_key(Vec::len).unwrap();
-    assert_eq!(places.len(), 2 * 9);
-    let slope =
-        |k: usize| (places[2 * k + 3] - places[2 * k + 1]) / (places[2 * k + 2] - places[2 * k]);
-    assert!((slope(0) - slope(7)).abs() < 0.02, "{places:?}");
 }
 
 #[test]

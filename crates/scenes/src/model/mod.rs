@@ -119,7 +119,7 @@ impl Model for AtRunTime {
 
     fn scheme(&self, scheme: BuiltIn) -> Result<Arc<dyn Method + '_>, SchemeError> {
         let scheme = scheme.at_run_time(self.problem.system())?;
-        Ok(Friction::around(Setup::owning(&self.problem, scheme)?.scheme, &self.friction))
+        Ok(Friction::around(Setup::at_run_time(&self.problem, scheme)?.scheme, &self.friction))
     }
 
     /// Recommends no scheme with Lévy areas: formulas and lattices use one only if it is named.

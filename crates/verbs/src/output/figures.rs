@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use casimir::{
-    mc::{TimeSeries, parts::hash},
+    figures::{histogram, law},
+    mc::{Role, TimeSeries, parts::hash},
     plot::{
         self,
-        figure::{Trace, bands, evolution, histogram, lines, picture, strip},
+        figure::{Trace, bands, evolution, lines, picture, strip},
     },
     stats::Point,
-    study::{Joint, Series, StudyResult},
+    study::{Joint, Kind, Series, StudyResult},
 };
 
 use super::page::TABLE;
@@ -104,13 +105,13 @@ fn of_study(
     let levels = levels.collect::<Vec<_>>().join(" %, ");
     let (paths, mut in_time, mut at_end) = (study.record.paths, Vec::new(), Vec::new());
     for series in names.iter().filter_map(|name| study.series(name)) {
-        let (Series { observable: name, points }, last) = (series, series.last());
+        let (Series { observable: name, points, .. }, last) = (series, series.last());
         let band = if points.iter().all(|point| point.quantiles.is_empty()) {
             "Band: 95 % intervals; dashes: estimate.".into()
         } else {
             format!("Bands between the quantiles {levels} %; line: median; dashes: mean.")
         };
-        let svg = bands(name, "time t", drawn.title(name), points);
+        let svg = bands(name, "time t", drawn.title(name), &law(points));
         let caption = format!("{name} in time, {paths} paths. {band}");
         in_time.push(Figure::of("time", name, svg, caption));
         if last.histogram.is_some() {
@@ -176,13 +177,15 @@ fn dependence(drawn: &scenes::FigureSettings, study: &StudyResult) -> Vec<Figure
         );
         Figure::of("joint", &format!("{a}\0{b}"), svg, caption)
     });
-    let lagged = study.lagged.iter().enumerate().map(|(k, Series { observable: name, points })| {
-        let (axis, law) = match k % 2 {
-            0 => ("lag", ""),
-            _ => ("angular frequency", " Its integral over all frequencies is the variance."),
+    let lagged = study.lagged.iter().map(|Series { observable: name, kind, points }| {
+        let (axis, more) = match kind {
+            Kind::Spectrum => {
+                ("angular frequency", " Its integral over all frequencies is the variance.")
+            }
+            _ => ("lag", ""),
         };
-        let caption = format!("{name} against the {axis}. Band: 95 % intervals.{law}");
-        Figure::of("lag", name, bands(name, axis, drawn.title(name), points), caption)
+        let caption = format!("{name} against the {axis}. Band: 95 % intervals.{more}");
+        Figure::of("lag", name, bands(name, axis, drawn.title(name), &law(points)), caption)
     });
     joint.chain(lagged).collect()
 }
@@ -221,35 +224,28 @@ fn laws(results: &Results) -> Vec<Figure> {
         let columns = results.tables.iter().filter_map(|table| table.column(name));
         columns.flatten().fold(0.0f64, |largest, defect| largest.max(defect.abs()))
     };
-    let mut defects: Vec<(&str, f64)> = first
-        .columns
-        .iter()
-        .filter(|column| column.name.ends_with(" defect"))
-        .map(|column| (&*column.name, largest(&column.name)))
+    let columns = first.columns.iter().enumerate();
+    let mut defects: Vec<(usize, &str, f64)> = columns
+        .filter_map(|(k, column)| match &column.role {
+            Role::Defect { of, .. } => Some((k, &**of, largest(&column.name))),
+            _ => None,
+        })
         .collect();
     // Those that deviate most, of many.
     if defects.len() > SHOWN_LAWS {
-        defects.sort_by(|a, b| b.1.total_cmp(&a.1));
+        defects.sort_by(|a, b| b.2.total_cmp(&a.2));
         defects.truncate(SHOWN_LAWS);
     }
-    let law = |(column, largest): (&str, f64)| {
-        let name = column.trim_end_matches(" defect");
-        let point = |((&t, &value), &defect): ((&f64, &f64), &f64)| {
-            // The defect is (value − law)/|law|, or the value itself where the law is zero.
-            let positive = value / (1.0 + defect);
-            let exact = match value == defect {
-                true => 0.0,
-                false if positive < 0.0 => value / (1.0 - defect),
-                false => positive,
-            };
-            Point::Value { t, value, exact }
-        };
+    let drawn = |(k, name, largest): (usize, &str, f64)| {
         let series = |(path, table): (usize, &TimeSeries)| {
-            let (values, defects) = (table.column(name)?, table.column(column)?);
+            let Role::Defect { law, .. } = &table.columns.get(k)?.role else { return None };
+            let both = table.column(name)?.iter().zip(law);
+            let points = table.times().iter().zip(both);
+            let point = |(&t, (&value, &exact))| Point::Value { t, value, exact };
             Some(plot::Series {
                 scheme: format!("path {path}"),
                 quantity: name.into(),
-                points: table.times().iter().zip(values).zip(defects).map(point).collect(),
+                points: points.map(point).collect(),
                 ..plot::Series::default()
             })
         };
@@ -262,5 +258,5 @@ fn laws(results: &Results) -> Vec<Figure> {
         );
         Figure::of("law", name, evolution(name, &series), caption)
     };
-    defects.into_iter().map(law).collect()
+    defects.into_iter().map(drawn).collect()
 }

@@ -9,11 +9,11 @@ mod sweep;
 
 use std::{mem::take, path::Path};
 
+use casimir::stats::Warning;
 use casimir::{
     analysis::aligned,
-    mc::{TimeSeries, write_csv},
-    plot::files,
-    study::{Series, StudyResult},
+    mc::{TimeSeries, files, write_csv},
+    study::{STATISTICS, Series, StudyResult},
 };
 use serde_json::{Value, json};
 
@@ -63,15 +63,18 @@ impl Outcomes<'_> {
     }
 
     /// Warnings with the combinations that they are about.
-    fn warnings(&self) -> Vec<String> {
+    fn warnings(&self) -> Vec<Warning> {
         let of = |(one, results): Run<'_>| {
             let (prefix, warnings) = (one.prefix(), results.warnings(&one.scene).into_iter());
-            warnings.map(move |warning| format!("{prefix}{warning}"))
+            warnings.map(move |warning| {
+                let what = format!("{prefix}{}", warning.what);
+                Warning { what, ..warning }
+            })
         };
-        let mut all: Vec<String> = self.found().flat_map(of).collect();
+        let mut all: Vec<Warning> = self.found().flat_map(of).collect();
         let more = all.len().saturating_sub(MAX_LINES);
         all.truncate(MAX_LINES);
-        all.extend((more > 0).then(|| format!("and {more} more")));
+        all.extend((more > 0).then(|| Warning::new(format!("and {more} more"))));
         all
     }
 
@@ -98,11 +101,11 @@ impl Outcomes<'_> {
         if let Some((_, Results { study: None, tables, .. })) = single {
             return paths_at_end(self.sweep.scene(), tables);
         }
-        let row = |label: &str, cells: [String; 7]| {
+        let row = |label: &str, cells: Vec<String>| {
             let label = single.is_none().then(|| label.to_owned());
             label.into_iter().chain(cells).collect()
         };
-        let mut table = vec![row("", AT_END.map(String::from))];
+        let mut table = vec![row("", titles())];
         for (one, results) in self.found() {
             let series = results.series().iter();
             table.extend(series.map(|series| row(&one.label, at_end(series, results))));
@@ -116,7 +119,7 @@ impl Outcomes<'_> {
             return summary(run);
         }
         let mut json = self.of_each(summary);
-        json["warnings"] = self.warnings().into();
+        json["warnings"] = json!(self.warnings());
         json
     }
 
@@ -190,7 +193,7 @@ pub fn arrays(outcomes: &mut Outcomes<'_>) -> [Vec<Array>; 2] {
 fn kept(scene: &Scene, mut tables: Vec<TimeSeries>) -> Vec<TimeSeries> {
     // Of thousands of components it is found once for all tables.
     let columns = tables.first().map_or(&[][..], |table| &table.columns);
-    let kept: Vec<bool> = columns.iter().map(|column| scene.keeps(&column.name)).collect();
+    let kept: Vec<bool> = columns.iter().map(|column| scene.keeps(column)).collect();
     for table in &mut tables {
         let mut kept = kept.iter();
         table.columns.retain(|_| kept.next().is_some_and(|kept| *kept));
@@ -203,35 +206,36 @@ fn known(value: Option<f64>) -> String {
     value.map_or("–".into(), digits)
 }
 
-/// The columns of [`at_end`].
-const AT_END: [&str; 7] =
-    ["at the end", "mean", "95 % interval", "step error", "deviation", "median", "5 % … 95 %"];
+/// The titles of the columns of [`at_end`].
+fn titles() -> Vec<String> {
+    let of_table = STATISTICS.iter().flat_map(|statistic| {
+        let beside = statistic.interval.map(|_| ["95 % interval", "step error"]);
+        statistic.title.into_iter().chain(beside.into_iter().flatten())
+    });
+    let all = ["at the end"].into_iter().chain(of_table).chain(["median", "5 % … 95 %"]);
+    all.map(String::from).collect()
+}
 
-/// The statistics at the final time.
-fn at_end(series: &Series, results: &Results) -> [String; 7] {
+/// The statistics at the final time: the step error stands behind what has an interval.
+fn at_end(series: &Series, results: &Results) -> Vec<String> {
     let (name, last) = (&series.observable, series.last());
     let between = |(lo, hi)| format!("[{}, {}]", digits(lo), digits(hi));
-    let quantile = |level: f64| {
-        let found = last.quantiles.iter().find(|quantile| quantile.level == level);
-        match found.map(|found| (found.value, found.lo.zip(found.hi))) {
-            Some((None, Some(ends))) => between(ends),
-            found => known(found.and_then(|(value, _)| value)),
-        }
+    let quantile = |level: f64| match last.quantile(level).map(|of| (of.value, of.lo.zip(of.hi))) {
+        Some((None, Some(ends))) => between(ends),
+        found => known(found.and_then(|(value, _)| value)),
     };
-    let why = || last.interval_note.clone().unwrap_or("–".into());
-    [
-        name.clone(),
-        known(last.mean),
-        last.mean_interval.map_or_else(why, between),
-        step_cell(step_errors(results, name)),
-        known(last.deviation),
-        quantile(0.5),
-        if last.quantiles.is_empty() {
-            "–".into()
-        } else {
-            format!("{} … {}", quantile(0.05), quantile(0.95))
-        },
-    ]
+    let why = || last.interval_note.as_ref().map_or("–".into(), ToString::to_string);
+    let mut cells = vec![name.clone()];
+    for statistic in STATISTICS.iter().filter(|statistic| statistic.title.is_some()) {
+        cells.push(known((statistic.of)(last)));
+        if let Some(interval) = statistic.interval {
+            cells.push(interval(last).map_or_else(why, between));
+            cells.push(step_cell(step_errors(results, name)));
+        }
+    }
+    let ends = [0.05, 0.95].map(quantile).join(" … ");
+    cells.extend([quantile(0.5), if last.quantiles.is_empty() { "–".into() } else { ends }]);
+    cells
 }
 
 /// Paths whose values at the end are shown.

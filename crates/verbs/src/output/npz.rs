@@ -5,21 +5,12 @@ use std::{
     mem,
 };
 
-use casimir::mc::TimeSeries;
-use casimir::study::{Joint, Series, StudyResult, Summary};
+use casimir::{
+    mc::{Role, TimeSeries},
+    study::{Joint, STATISTICS, Series, StudyResult, Summary},
+};
 use scenes::Scene;
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
-
-type Statistic = fn(&Summary) -> Option<f64>;
-
-/// Statistics of each observable in files.
-const STATISTICS: [(&str, Statistic); 5] = [
-    ("mean", |point| point.mean),
-    ("lo", |point| Some(point.mean_interval?.0)),
-    ("hi", |point| Some(point.mean_interval?.1)),
-    ("deviation", |point| point.deviation),
-    ("median", |point| point.quantiles.iter().find(|quantile| quantile.level == 0.5)?.value),
-];
 
 /// Name, shape, and numbers in row-major order.
 pub type Array = (String, Vec<usize>, Vec<f64>);
@@ -64,16 +55,18 @@ fn header(shape: &[usize]) -> Vec<u8> {
 /// a lattice are one array [path, time, spin, 3]. A path that ended early has NaN from there on.
 pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item = Array> {
     let longest = tables.iter().max_by_key(|table| table.times().len());
-    let columns = longest.map_or(&[][..], |table| &table.columns).iter();
-    let names: Vec<String> = columns.map(|column| column.name.clone()).collect();
+    let columns = longest.map_or(&[][..], |table| &table.columns);
+    let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
     let times = longest.map_or(&[][..], |table| table.times()).to_vec();
-    let components = &scene.components;
-    let first = names.iter().position(|name| *name == components[0]).unwrap_or(0);
+    let components = scene.components.len();
+    let is = |role: Role| columns.iter().enumerate().filter(move |(_, column)| column.role == role);
+    let time = is(Role::Time).next().map(|(k, _)| k);
     // All components are there, or some by name.
-    let are_spins = !scene.sizes.is_empty() && names[first..].starts_with(components);
-    let spins = if are_spins { first..first + components.len() } else { 0..0 };
+    let are_spins = !scene.sizes.is_empty() && is(Role::Component).count() == components;
+    let first = is(Role::Component).next().map_or(0, |(k, _)| k);
+    let spins = if are_spins { first..first + components } else { 0..0 };
     let vectors = are_spins.then(|| {
-        let shape = vec![tables.len(), times.len(), components.len() / 3, 3];
+        let shape = vec![tables.len(), times.len(), components / 3, 3];
         let mut values = Vec::with_capacity(shape.iter().product());
         for table in &tables {
             for k in 0..times.len() {
@@ -84,7 +77,7 @@ pub fn paths(scene: &Scene, mut tables: Vec<TimeSeries>) -> impl Iterator<Item =
         ("spins".to_owned(), shape, values)
     });
     let alone = names.into_iter().enumerate();
-    let alone = alone.filter(move |(k, name)| !spins.contains(k) && name != "t");
+    let alone = alone.filter(move |(k, _)| !spins.contains(k) && time != Some(*k));
     let t = longest.map(|_| list("t", times.clone()));
     let array = move |(k, name): (usize, String)| {
         let mut values = Vec::with_capacity(tables.len() * times.len());
@@ -136,9 +129,14 @@ pub fn statistics(axes: &[usize], runs: &[(usize, &[Series])]) -> Vec<Array> {
             }
             arrays.push((format!("{} {what}", of.observable), shape, values));
         };
-        for (what, value) in STATISTICS {
-            add(what, &[], &|point, _| value(point));
+        for statistic in STATISTICS {
+            add(statistic.key, &[], &|point, _| (statistic.of)(point));
+            if let Some(interval) = statistic.interval {
+                add("lo", &[], &|point, _| Some(interval(point)?.0));
+                add("hi", &[], &|point, _| Some(interval(point)?.1));
+            }
         }
+        add("median", &[], &|point, _| point.quantile(0.5)?.value);
         if !of.last().quantiles.is_empty() {
             add("quantiles", &[levels.len()], &|point, level| point.quantiles.get(level)?.value);
         }

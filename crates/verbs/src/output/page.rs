@@ -17,7 +17,7 @@ impl Outcomes<'_> {
         let mut page = Document::new("casimir run", &self.sweep.scene().title);
         page.section("What was computed");
         page.facts(self.facts());
-        self.warnings().iter().for_each(|warning| page.warning(warning));
+        self.warnings().iter().for_each(|warning| page.warning(&warning.to_string()));
         for (title, figures) in figures {
             page.section(title);
             if *title == TABLE {

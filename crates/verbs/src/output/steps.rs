@@ -1,9 +1,12 @@
 //! Step errors in words.
 
-use casimir::analysis::{
-    STIFF,
-    StepError::{self, About, Below, CannotTell, Fine},
-    StepErrors, TURN,
+use casimir::{
+    analysis::{
+        STIFF,
+        StepError::{self, About, Below, CannotTell, Fine},
+        StepErrors, TURN,
+    },
+    stats::Warning,
 };
 
 use crate::Results;
@@ -44,7 +47,7 @@ const LEFT: f64 = 0.01;
 
 /// The step errors that a reader must know of, the worst first; why they cannot be known, if half
 /// the step does not show them.
-pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
+pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
     let Results { check: Some(check), study, tables, .. } = results else { return Vec::new() };
     let mut lines = Vec::new();
     let steps = scene.settings.steps;
@@ -54,28 +57,33 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
     if all == 0 {
         return lines; // interrupted before
     }
-    let failed = (check.failed > 0)
-        .then(|| format!("{} of {all} paths of the check of the steps failed", check.failed));
+    let failed = (check.failed > 0).then(|| {
+        Warning::new(format!("{} of {all} paths of the check of the steps failed", check.failed))
+    });
     let turns = format!("the fastest motion turns by {} radians in a step", rough(check.turn));
     if check.damping > STIFF {
-        lines.push(format!(
-            "the damping of a step is exp(-{}): what happens within a step is not resolved, take \
-             more than {} steps",
-            digits(check.damping),
-            more(check.damping)
-        ));
+        let what = format!("the damping of a step is exp(-{})", digits(check.damping));
+        lines.push(
+            Warning::new(what)
+                .because("what happens within a step is not resolved")
+                .unless(format!("take more than {} steps", more(check.damping))),
+        );
     }
     if check.turn > TURN {
         let steps = more(check.turn);
-        lines.push(format!("{turns}, which is not resolved: take more than {steps} steps"));
+        let what = Warning::new(turns.clone() + ", which is not resolved");
+        lines.push(what.unless(format!("take more than {steps} steps")));
     }
     if let Some((t, enough)) = check.unresolved {
         let take = enough.map_or("many more".into(), |steps| steps.to_string());
-        lines.push(format!(
-            "H(t) changes within a step near t = {} by more than from step to step: a step that is \
-             half as long may miss the same, take {take} steps",
-            digits(t)
-        ));
+        let near = digits(t);
+        let what =
+            format!("H(t) changes within a step near t = {near} by more than from step to step");
+        lines.push(
+            Warning::new(what)
+                .because("a step that is half as long may miss the same")
+                .unless(format!("take {take} steps")),
+        );
     }
     if !check.resolves() {
         lines.extend(failed);
@@ -122,36 +130,36 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<String> {
     let along = if study.is_some() { "" } else { " along a path" };
     if !worst.is_empty() {
         let worst = worst.join(", ");
-        lines.push(format!(
-            "no digit{along} of {worst} is right: {steps} steps are too few, by {half}"
-        ));
+        let what = Warning::new(format!("no digit{along} of {worst} is right"));
+        lines.push(what.because(format!("by {half}")).unless(format!("{steps} steps are too few")));
     }
     if !seen.is_empty() {
-        lines.push(format!("step error{along} of {}; by {half}", seen.join(", of ")));
+        let what = Warning::new(format!("step error{along} of {}", seen.join(", of ")));
+        lines.push(what.because(format!("by {half}")));
     }
     let is_unseen = !(below.is_empty() && hidden.is_empty());
     if is_unseen && scene.problem().noises > 0 && check.energy_lost() >= LOST {
         // Where x²/(1 + x²) is LEFT.
         let enough = more(0.5 * check.turn * (1.0 / LEFT - 1.0).sqrt());
-        lines.push(format!(
-            "{turns}: where noise drives it, schemes like the midpoint rule give it about {} % too \
-             little energy, and {enough} steps 1 %",
-            rough(100.0 * check.energy_lost())
-        ));
+        let lost = rough(100.0 * check.energy_lost());
+        let why = "where noise drives it, schemes like the midpoint rule give it about";
+        lines.push(
+            Warning::new(turns)
+                .because(format!("{why} {lost} % too little energy"))
+                .unless(format!("{enough} steps leave 1 %")),
+        );
     }
     if !below.is_empty() {
-        lines.push(format!(
-            "the step error of {} may exceed the sampling error, up to the number after <: {half} \
-             see none",
+        let what = format!(
+            "the step error of {} may exceed the sampling error, up to the number after <",
             below.join(", ")
-        ));
+        );
+        lines.push(Warning::new(what).because(format!("{half} see none")));
     }
     if !hidden.is_empty() {
-        lines.push(format!(
-            "cannot tell the step error of {}: {half} see none, and would miss one as large as the \
-             deviation",
-            hidden.join(", ")
-        ));
+        let why = format!("{half} see none, and would miss one as large as the deviation");
+        let what = format!("cannot tell the step error of {}", hidden.join(", "));
+        lines.push(Warning::new(what).because(why));
     }
     lines.extend(failed);
     lines

@@ -1,8 +1,9 @@
 //! What a sweep found: against its parameters, in time, and as arrays over both.
 
-use std::{io, iter::zip};
+use std::{collections::BTreeMap, io, iter::zip};
 
 use casimir::{
+    figures::law,
     mc::quoted,
     plot::figure::{Sampled, against, multiples},
     study::{COLUMNS, Series, write_rows},
@@ -38,28 +39,30 @@ impl Outcomes<'_> {
         let varied = self.sweep.varied.iter().enumerate().rev();
         let most = varied.max_by_key(|(_, varied)| varied.values.len());
         let Some((x, Varied { name: parameter, values, .. })) = most else { return Vec::new() };
-        let own = format!("{parameter} = ");
+        let others = self.sweep.varied.iter().enumerate().filter(|(k, _)| *k != x);
+        let others: Vec<&Varied> = others.map(|(_, varied)| varied).collect();
         let drawn = &self.sweep.scene().drawn;
         let of = |(k, Series { observable: name, .. }): (usize, &Series)| {
-            let mut curves: Vec<(String, Vec<Sampled>)> = Vec::new();
+            // By the places of the other parameters.
+            let mut curves = BTreeMap::<Vec<usize>, Vec<Sampled>>::new();
             for (one, results) in self.found() {
-                let others = one.label.split(", ").filter(|part| !part.starts_with(&own));
-                let (last, others) =
-                    (results.series()[k].last(), others.collect::<Vec<_>>().join(", "));
-                let value = last.mean.unwrap_or(f64::NAN);
-                let point = (values[one.places[x]], value, last.mean_interval);
-                match curves.iter_mut().find(|(of, _)| *of == others) {
-                    Some((_, points)) => points.push(point),
-                    None => curves.push((others, vec![point])),
-                }
+                let (mut places, last) = (one.places.clone(), results.series()[k].last());
+                let (value, mean) = (values[places.remove(x)], last.mean.unwrap_or(f64::NAN));
+                curves.entry(places).or_default().push((value, mean, last.mean_interval));
             }
-            curves.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
-            let curves = spread(curves, MAX_CURVES);
+            let curve = |(places, mut points): (Vec<usize>, Vec<Sampled>)| {
+                points.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let words = zip(&others, places).map(|(varied, place)| varied.words(place));
+                (words.collect::<Vec<_>>().join(", "), points)
+            };
+            let curves = spread(curves.into_iter().map(curve).collect(), MAX_CURVES);
             let words = format!("{name} against {parameter}");
             let svg = against(&words, drawn.title(parameter), drawn.title(name), &curves);
             let caption = format!("{name} at the end against {parameter}: mean, 95 % intervals.");
             let against = Figure::of("against", name, svg, caption);
-            let panels = self.found().map(|(one, found)| (one.label.clone(), &found.series()[k]));
+            let panels = self
+                .found()
+                .map(|(one, found)| (one.label.clone(), law(&found.series()[k].points)));
             let panels = spread(panels.collect(), MAX_PANELS);
             let caption = format!(
                 "{name} in time: bands between quantiles, line: median, dashes: mean. {} of {} \
@@ -107,8 +110,9 @@ impl Outcomes<'_> {
     }
 
     /// Statistics as arrays: the values of each parameter; `t`; `quantile levels`; and for each
-    /// observable `<name> mean`, `<name> lo` and `<name> hi` (the 95 % interval of the mean),
-    /// `<name> deviation` and `<name> quantiles`, over the parameters, times and levels.
+    /// observable `<name> mean`, `<name> lo` and `<name> hi` (the 95 % interval of the mean), the
+    /// other [`STATISTICS`](casimir::study::STATISTICS), `<name> median` and `<name> quantiles`,
+    /// over the parameters, times and levels.
     /// Autocorrelations and spectra likewise, with `lag` and `omega`; joint laws of a run alone as
     /// counts with the edges of their bins. What is not known is NaN; none of a few paths alone.
     pub(super) fn arrays(&self) -> Vec<npz::Array> {
@@ -131,8 +135,10 @@ impl Outcomes<'_> {
         // None where a part has not come so far.
         let lagged = of(Results::lagged);
         let lagged = if lagged.iter().all(|(_, all)| !all.is_empty()) { lagged } else { vec![] };
-        for (name, series) in zip(["lag", "omega"], lagged.iter().flat_map(|(_, all)| *all)) {
-            arrays.push(list(name, series.points.iter().map(|point| point.time).collect()));
+        // All autocorrelations have the same lags, all spectra the same frequencies.
+        for series in lagged.iter().flat_map(|(_, all)| *all).take(2) {
+            let at = series.points.iter().map(|point| point.time).collect();
+            arrays.push(list(series.kind.axis(), at));
         }
         arrays.extend(npz::statistics(&axes, &of(Results::series)));
         arrays.extend(npz::statistics(&axes, &lagged));

@@ -5,8 +5,8 @@ use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use anyhow::Result;
 use clap::{Parser, builder::PossibleValuesParser};
-use mc::parts::limit_threads;
-use plot::{files, provenance};
+use mc::{files, parts::limit_threads};
+use plot::provenance;
 use real::{Simd, limit_to};
 use verify::{EXPERIMENTS, STATEMENTS, SUPPLEMENTS, command, page};
 

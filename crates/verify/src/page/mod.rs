@@ -4,11 +4,10 @@
 use real::elementary;
 use std::{io::Result, path::Path};
 
-use mc::quoted;
+use mc::{files, quoted};
 use plot::{
     Document, Kind,
     figure::{convergence, evolution},
-    files,
     series::relative_defect,
 };
 use schemes::BuiltIn;

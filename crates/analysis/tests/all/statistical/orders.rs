@@ -365,7 +365,7 @@ fn what_a_referee_gives_and_compares_has_no_error_of_steps() {
         start: all(1.0),
         levels: taus.map(|tau| all(0.5 + 0.1 * tau)).into(),
         reference: [all(0.55), all(0.6)],
-        single: Vec::new(),
+        ..SolverStates::default()
     };
     let found = referee.judge(&[&first()], &states);
     let Limit::Agrees { distance } = found.weak[0].1.limit else { panic!("{}", found.weak[0].1) };

@@ -53,13 +53,13 @@ fn a_study_states_no_interval_of_what_has_no_variance() {
     let last = |study: &StudyResult, name: &str| study.series(name).unwrap().last().clone();
     let is_named = |study: &StudyResult, name: &str| {
         let point = last(study, name);
-        let note = point.interval_note.unwrap_or_default();
-        let warned = study.warnings.iter().any(|warning| warning.contains(&note));
+        let note = point.interval_note.map_or(String::new(), |note| note.to_string());
+        let warned = study.warnings.iter().any(|warning| warning.what.contains(&note));
         point.mean_interval.is_none()
             && point.deviation.is_none()
             && note.contains("tail index")
             && warned
-            && study.warnings.iter().any(|warning| warning.starts_with(name))
+            && study.warnings.iter().any(|warning| warning.what.starts_with(name))
     };
     assert!(count(&|study| is_named(study, "no variance")) >= LEAST);
     assert!(count(&|study| last(study, "no variance").mean.is_some()) >= LEAST);

@@ -83,8 +83,7 @@ impl Found {
 type Interval = Option<(f64, f64)>;
 
 /// The twin.
-fn student(moments: &CentralMoments) -> Interval {
-    let quantile = two_sided(0.95, Some(moments.count() as f64 - 1.0));
+fn student(moments: &CentralMoments, quantile: f64) -> Interval {
     let half = quantile * moments.variance_of_mean().sqrt();
     Some((moments.mean() - half, moments.mean() + half))
 }
@@ -93,11 +92,12 @@ fn student(moments: &CentralMoments) -> Interval {
 fn measured((_, law, truth): Law, samples: u32, seeds: u64) -> [Found; 2] {
     let mut found =
         [0, 1].map(|_| Found { seeds: seeds as f64, stated: 0.0, missed: 0.0, ratio: 0.0 });
+    let quantile = two_sided(0.95, Some(f64::from(samples) - 1.0));
     for seed in 0..seeds {
         let mut words = Words(Xoshiro256PlusPlus::seed_from_u64(seed));
         let mut moments = CentralMoments::default();
         (0..samples).for_each(|_| moments.add(law(&mut words)));
-        let normal = student(&moments);
+        let normal = student(&moments, quantile);
         let width = |(lo, hi): (f64, f64)| hi - lo;
         for (found, interval) in found.iter_mut().zip([moments.mean_interval(), normal]) {
             let Some((lo, hi)) = interval else { continue };

@@ -1,19 +1,134 @@
-//! Verdicts on claimed orders.
+//! Verdicts on what is claimed of a solver.
+
+use std::fmt;
 
 use serde::Serialize;
 
-use super::{Decision, Limit, Order};
+use super::{
+    super::{Decision, Limit, Order},
+    Judged, Law,
+};
 
-/// Verdict on a claimed order.
+/// Claims about a solver, to be confirmed or refuted.
+#[derive(Clone, Debug, Default)]
+pub struct Claims {
+    /// Claimed strong order.
+    pub strong: Option<f64>,
+    /// Claimed weak order.
+    pub weak: Option<f64>,
+    /// Whether the solver is claimed to conserve the laws of the problem.
+    pub keeps: bool,
+    /// Whether the solver is the same map in each step, so that single steps show its order.
+    pub same_step: bool,
+}
+
+/// Verdict on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The order is at least the claimed one.
+    /// The claim holds: an order is at least the claimed one.
+    #[serde(rename = "confirmed")]
     Confirmed,
-    /// The order is lower than the claimed one, or the limit is wrong.
+    /// The claim is wrong: an order is lower, or the limit is another.
+    #[serde(rename = "refuted")]
     Refuted,
     /// Undecided: the measurement neither confirms nor refutes the claim.
+    #[serde(rename = "cannot tell")]
     CannotTell,
+}
+
+/// Properties of a solver and verdicts on its claims; [`Display`](fmt::Display) has a line for each.
+#[derive(Clone, Debug, Serialize)]
+#[serde(transparent)]
+pub struct Verdicts(Vec<Line>);
+
+/// Property of a solver.
+#[derive(Clone, Debug, Serialize)]
+struct Line {
+    what: String,
+    claimed: Option<String>,
+    verdict: Option<Verdict>,
+    words: String,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Confirmed => "confirmed",
+            Self::Refuted => "refuted",
+            Self::CannotTell => "cannot tell",
+        })
+    }
+}
+
+impl fmt::Display for Verdicts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for Line { what, claimed, verdict, words } in &self.0 {
+            f.write_str(what)?;
+            if let Some((claimed, verdict)) = claimed.as_ref().zip(verdict.as_ref()) {
+                write!(f, " {claimed}: {verdict}")?;
+            }
+            writeln!(f, ": {words}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Claims {
+    /// Judges the claims by what the states of the solver show.
+    pub fn judge(&self, found: &Judged) -> Verdicts {
+        let Judged { strong, weak, laws, solves, own_noise, .. } = found;
+        let mut lines = Vec::new();
+        let mut say = |what: String, claim: Option<(String, Verdict)>, words: String| {
+            let (claimed, verdict) = claim.unzip();
+            lines.push(Line { what, claimed, verdict, words });
+        };
+        let verdict = self.strong.map(|claimed| match own_noise {
+            true => Verdict::Refuted,
+            false => strong.is_strongly(claimed, self.same_step),
+        });
+        let words = match (&strong.decision, solves) {
+            _ if *own_noise => {
+                "the same increments give other states: it draws noise of its own".into()
+            }
+            (Decision::Kept, _) => {
+                "exact: all step sizes give the same states up to rounding".into()
+            }
+            (_, Some(solves)) => format!("it solves {solves}; {strong}"),
+            (Decision::WrongLimit, None) => {
+                format!("it solves another equation than that of `scene.inspect()`; {strong}")
+            }
+            (Decision::Undecided { .. }, _) if verdict == Some(Verdict::Confirmed) => {
+                format!("no less; by itself {strong}")
+            }
+            _ => strong.to_string(),
+        };
+        let claimed = self.strong.map(|order| order.to_string());
+        say("strong order".into(), claimed.zip(verdict), words);
+        for (name, order) in weak {
+            let mut verdict = self.weak.map(|claimed| order.is_weakly(claimed));
+            let mut words = order.to_string();
+            let implies = |claimed| !own_noise && strong.implies_weakly(order, claimed);
+            if verdict == Some(Verdict::CannotTell) && self.weak.is_some_and(implies) {
+                verdict = Some(Verdict::Confirmed);
+                words = format!(
+                    "implied by the strong order, for steps that are smooth in τ and ΔW; by \
+                     itself {order}"
+                );
+            }
+            let claimed = self.weak.map(|order| order.to_string());
+            say(format!("weak order of E[{name}]"), claimed.zip(verdict), words);
+        }
+        for Law { law, defect, rounding } in laws {
+            let (verdict, words) = if defect <= rounding {
+                (Verdict::Confirmed, format!("kept to {defect:.0e}, which is rounding"))
+            } else {
+                let words = format!("defect {defect:.1e}, rounding would be {rounding:.0e}");
+                (Verdict::Refuted, words)
+            };
+            say(format!("law {law}"), self.keeps.then(|| ("kept".into(), verdict)), words);
+        }
+        Verdicts(lines)
+    }
 }
 
 /// Confidence at which points contradict a claim.
@@ -78,8 +193,8 @@ impl Order {
 mod tests {
     use stats::Rate;
 
-    use super::{super::OneStep, *};
-    use crate::orders::{More, decision::undecided};
+    use super::*;
+    use crate::orders::{More, OneStep, decision::undecided};
 
     fn order(decision: Decision, hi: f64, one_step: f64) -> Order {
         // At the confidence of a contradiction already, so that nothing is widened.
