@@ -255,21 +255,23 @@ impl<'a> Expect<'a> {
     /// [`SchemeError`] if no scheme is for the system.
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let system = problem.system();
-        let own = |scheme| Setup::owning(problem, Box::new(scheme) as _);
-        let nv = |sweep| own(Nv { sweep }).ok().filter(|_| system.rest().is_none());
-        if let (Some(forward), Some(backward)) = (nv(Sweep::Forward), nv(Sweep::Backward)) {
-            let several = system.description().noises > 1;
-            let mirror = several.then_some(backward.scheme);
-            let orders = Orders { weak: 2.0, next: 4.0 };
-            let first = Candidate { setup: forward, mirror, orders };
-            return Ok(Self::among(vec![first, Setup::owning(problem, Box::new(Sexp))?.into()]));
-        }
+        let own = |scheme: Box<dyn AtRunTime>| Setup::at_run_time(problem, scheme);
+        let nv = |sweep| own(Box::new(Nv { sweep })).ok().filter(|_| system.rest().is_none());
         let constant = system.description().linearity == Linearity::Constant;
-        let first = SexpLi::at_run_time(system).ok().filter(|_| !constant);
-        let first = first.map(|first| Box::new(first) as Box<dyn AtRunTime>);
-        let schemes = first.into_iter().chain([Box::new(Sexp) as _]);
-        let candidates = schemes.map(|scheme| Ok(Setup::at_run_time(problem, scheme)?.into()));
-        Ok(Self::among(candidates.collect::<Result<_, SchemeError>>()?))
+        let first = match (nv(Sweep::Forward), nv(Sweep::Backward)) {
+            (Some(setup), Some(backward)) => {
+                let several = system.description().noises > 1;
+                let mirror = several.then_some(backward.scheme);
+                Some(Candidate { setup, mirror, orders: Orders { weak: 2.0, next: 4.0 } })
+            }
+            _ if constant => None,
+            _ => SexpLi::at_run_time(system)
+                .ok()
+                .map(|li| own(Box::new(li)))
+                .transpose()?
+                .map(Into::into),
+        };
+        Ok(Self::among(first.into_iter().chain([own(Box::new(Sexp))?.into()]).collect()))
     }
 
     /// Expectations with one scheme, which is given with its problem and has weak order one unless
