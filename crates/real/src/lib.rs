@@ -24,6 +24,7 @@
 //! | [`Partial`] | the same, aware of what does not vary |
 //! | [`Bounded`] | value and a bound of its rounding error |
 //! | [`Degree`] | the degree of a formula as a polynomial |
+//! | [`Segment`] | the mean of a formula along a segment |
 //! | [`gradient`], [`along`], [`seeded`], [`derivatives`] | derivatives by dual numbers |
 //! | [`unrolled!`] | loops that are written out |
 //! | [`Factored`] | small linear systems without branches |
@@ -48,6 +49,7 @@ mod number;
 mod operator;
 mod powers;
 mod rows;
+mod segment;
 
 pub use block::{Block, PathMask, WIDTH};
 pub use bounded::Bounded;
@@ -59,3 +61,4 @@ pub use dual::{Dual, DualNumber, Partial, Variation, Varies};
 pub use factored::Factored;
 pub use number::Real;
 pub use rows::{Row, Rows};
+pub use segment::Segment;

@@ -123,6 +123,17 @@ pub fn area_gradient<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, c
     sum
 }
 
+/// Degree of h as a polynomial in y that its formula shows. The compiler knows it of an inlined
+/// formula.
+#[inline(always)]
+pub fn degree<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    dt: f64,
+    dw: [f64; M],
+) -> Degree {
+    system.energy([Degree::VARIABLE; D], dt, dw)
+}
+
 /// Whether the formula of h shows a polynomial of degree at most two in y. Then ∇h is affine and
 /// ∇̄h(a, b) = ∇h((a+b)/2). The compiler answers it for an inlined formula.
 #[inline(always)]
@@ -131,7 +142,7 @@ pub fn is_quadratic<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: us
     dt: f64,
     dw: [f64; M],
 ) -> bool {
-    system.energy([Degree::VARIABLE; D], dt, dw) <= Degree::of(2)
+    degree(system, dt, dw) <= Degree::of(2)
 }
 
 /// Distances from y of the points that [`noises_commute`] tests, relative to max(1, |yᵢ|).

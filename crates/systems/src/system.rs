@@ -1,14 +1,12 @@
 //! The trait of Poisson systems.
 
 use dgrad::{averaged, midpoint};
-use real::{Real, gradient, unrolled};
+use real::{Degree, Real, Segment, gradient, unrolled};
 
 use crate::{
     Invariant, SystemError,
     cayley::cayley_by_elimination,
-    field::{
-        HamiltonianIncrement, is_quadratic, unit_noise, vector_field, vector_field_derivative,
-    },
+    field::{HamiltonianIncrement, degree, unit_noise, vector_field, vector_field_derivative},
 };
 
 /// Nodes of the default discrete gradient. Its error is of order |b − a|¹⁶, below round-off for
@@ -50,14 +48,36 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
         gradient(&HamiltonianIncrement { system: self, dt, dw }, y)
     }
 
-    /// ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη; unless overridden, ∇h((a+b)/2) if h
-    /// [`is_quadratic`], otherwise by 8 Gauss–Legendre nodes.
+    /// ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη. Unless overridden it is ∇h((a+b)/2) for polynomials h of
+    /// degree two, the closed form of a [`Segment`] where there is one, and else by Gauss–Legendre
+    /// nodes: as many as a polynomial of degree six or less needs, or 8.
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        if is_quadratic(self, dt, dw) {
+        let (field, degree) = (HamiltonianIncrement { system: self, dt, dw }, degree(self, dt, dw));
+        if degree <= Degree::of(2) {
             return self.gradient(midpoint(a, b), dt, dw);
         }
-        averaged::<DEFAULT_NODES, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
+        let mut segment = [Segment::zero(); D];
+        for i in 0..D {
+            segment[i] = Segment::new(a[i], b[i]);
+        }
+        let along = self.gradient(segment, dt, dw);
+        let (mut mean, mut known) = (a, true);
+        for i in 0..D {
+            match along[i].mean() {
+                Some(slope) => mean[i] = slope,
+                None => known = false,
+            }
+        }
+        if known {
+            mean
+        } else if degree <= Degree::of(4) {
+            averaged::<2, R, _, D>(&field, a, b)
+        } else if degree <= Degree::of(6) {
+            averaged::<3, R, _, D>(&field, a, b)
+        } else {
+            averaged::<DEFAULT_NODES, R, _, D>(&field, a, b)
+        }
     }
 
     /// B((a+b)/2)·∇̄h(a, b), the change over an implicit step from a to b; by
