@@ -21,15 +21,10 @@ use std::sync::Arc;
 use noise::{StepNoise, inverse_normal};
 use nonlin::BlockStatus;
 use real::{PathMask, Row, WIDTH, elementary::exp};
-use schemes::{Method, Step, Stepper};
+use schemes::{About, Method, Step, Stepper};
 use systems::run_time::{Op, System, Weights};
 
-use crate::{
-    Coefficients, Observe, Problem, Setup,
-    observable::splat,
-    setup::CoefficientsAt,
-    setup::{Around, Wrap},
-};
+use crate::{Coefficients, Observe, Problem, Setup, observable::splat, setup::CoefficientsAt};
 
 /// A function of the states of 32 paths.
 pub type OfStates = Arc<dyn Observe + Send + Sync>;
@@ -125,7 +120,7 @@ impl<'a> Setup<'a> {
         let coefficients = Arc::new(move |t: f64, y: &[f64]| {
             extended(&*coefficients, &of, damping.rate(t), (t, y))
         });
-        let scheme = Arc::new(Around { method, wrap: Collecting { system, quantities } });
+        let scheme = Arc::new(Collecting { method, system, quantities });
         Self { problem: Problem { coefficients, ..self.problem }, scheme }
     }
 }
@@ -165,17 +160,22 @@ fn extended(
 
 /// The quantities that paths of a method collect.
 struct Collecting<'a> {
+    method: Arc<dyn Method + 'a>,
     /// System of the method.
     system: &'a dyn System,
     /// Collected quantities, row after row.
     quantities: Vec<Along>,
 }
 
-impl Wrap for Collecting<'_> {
+impl Method for Collecting<'_> {
+    fn about(&self) -> About {
+        self.method.about()
+    }
+
     /// Starts with nothing collected so far, or with the rows that `y` has after the state.
-    fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's> {
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let (state, collected) = y.split_at(self.system.description().dimension);
-        let inner = method.start(state);
+        let inner = self.method.start(state);
         let before = inner.state().to_vec();
         let mut rows = [&before, collected].concat();
         for quantity in self.quantities.iter().filter(|_| collected.is_empty()) {

@@ -102,7 +102,7 @@ impl<'a> LargePath<'a> {
         }
         let tau = problem.t_end() / steps as f64;
         Step::new(damping, 0, tau)?;
-        let clips = scheme.clips_increments();
+        let clips = scheme.about().clips_increments;
         let bound = if clips { truncation.bound(tau)? } else { f64::INFINITY };
         let mut stepper = scheme.stepper(system)?;
         for (component, &y) in problem.y0().iter().enumerate() {
@@ -118,7 +118,7 @@ impl<'a> LargePath<'a> {
             Source::Common(WienerPath::new(key, path))
         };
         let noise = Rows::zero(layout.noise_rows).into();
-        let (scheme, cause) = (scheme.id(), Cause::NotFinite);
+        let (scheme, cause) = (scheme.about().id, Cause::NotFinite);
         let failure = PathFailure { path, key, scheme, swapped: false, tau, step: 0, cause };
         Ok(Self {
             system,

@@ -6,7 +6,7 @@ use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, Rows};
 use schemes::{
-    Method, Step, Stepper,
+    About, Method, Step, Stepper,
     run_time::{Scheme, SchemeError},
 };
 use systems::run_time::{self, InTime, Lanes, Op, System, Weights};
@@ -118,20 +118,11 @@ impl<'a, B> Method for Bound<'a, B>
 where
     B: Borrow<dyn Scheme + 'a> + Send + Sync,
 {
-    fn id(&self) -> &'static str {
-        self.scheme.borrow().id()
+    fn about(&self) -> About {
+        let about = self.scheme.borrow().about();
+        About { reads_areas: self.system.description().noises > 1 && about.reads_areas, ..about }
     }
 
-    fn reads_areas(&self) -> bool {
-        self.system.description().noises > 1 && self.scheme.borrow().reads_areas()
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.scheme.borrow().clips_increments()
-    }
-
-    /// # Panics
-    /// If there is no more memory.
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let stepper = self.scheme.borrow().stepper(self.system);
         let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));

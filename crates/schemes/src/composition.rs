@@ -5,7 +5,7 @@ use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, Kernel, WIDTH, dispatch, unrolled};
 use systems::Flows;
 
-use crate::{Nv, Scheme, Split, Step};
+use crate::{About, Nv, Scheme, Split, Step};
 
 /// A scheme that moves paths by flows and numbers, one after the other.
 ///
@@ -204,16 +204,8 @@ macro_rules! composed {
         impl<$($c: Composition<S, D, M>,)? S: Flows<D, M>, const D: usize, const M: usize>
             Scheme<S, D, M> for $scheme
         {
-            fn id(&self) -> &'static str {
-                <$inner as Composition<S, D, M>>::ID
-            }
-
-            fn reads_areas(&self) -> bool {
-                false
-            }
-
-            fn clips_increments(&self) -> bool {
-                false
+            fn about(&self) -> About {
+                About::new(<$inner as Composition<S, D, M>>::ID)
             }
 
             fn step_block(

@@ -8,7 +8,7 @@ use real::{Block, Kernel, Real, Row, WIDTH, dispatch};
 use systems::{ImplicitStep, PoissonSystem};
 
 use crate::{
-    Implicit, Scheme, Step,
+    About, Implicit, Scheme, Step,
     increment::{SystemIncrement, constant},
 };
 
@@ -17,16 +17,8 @@ where
     F: Implicit,
     S: PoissonSystem<D, M>,
 {
-    fn id(&self) -> &'static str {
-        F::ID
-    }
-
-    fn reads_areas(&self) -> bool {
-        M > 1 && F::READS_AREAS
-    }
-
-    fn clips_increments(&self) -> bool {
-        F::CLIPS_INCREMENTS
+    fn about(&self) -> About {
+        About { reads_areas: M > 1 && F::READS_AREAS, ..about::<F>() }
     }
 
     fn step_block(
@@ -56,6 +48,12 @@ where
         }
         solution
     }
+}
+
+/// Identifier and needs of a formula for several noises.
+pub(crate) const fn about<F: Implicit>() -> About {
+    let (reads_areas, clips_increments) = (F::READS_AREAS, F::CLIPS_INCREMENTS);
+    About { reads_areas, clips_increments, ..About::new(F::ID) }
 }
 
 #[inline(always)]

@@ -84,7 +84,8 @@ impl<S, const D: usize> Run<S, D> {
             bencher.iter(|| {
                 let mut wiener = WienerRows::new(KEY, first_path);
                 let mut sampler = scheme
-                    .reads_areas()
+                    .about()
+                    .reads_areas
                     .then(|| AreaSampler::new(KEY, first_path, M, terms::<M>()));
                 let mut y = Block::splat(self.y0);
                 for step in &self.steps {
@@ -130,7 +131,7 @@ impl<S, const D: usize> Run<S, D> {
             bencher.iter(|| {
                 let mut wiener = WienerPath::<M>::new(KEY, path);
                 let mut sampler =
-                    scheme.reads_areas().then(|| AreaPath::<M>::new(KEY, path, terms::<M>()));
+                    scheme.about().reads_areas.then(|| AreaPath::<M>::new(KEY, path, terms::<M>()));
                 let mut areas = [[0.0; M]; M];
                 let mut y = self.y0;
                 for step in &self.steps {

@@ -138,7 +138,7 @@ impl<'a> Search<'a> {
             samples,
             failed: measured.failed,
             failures: measured.failures.iter().map(ToString::to_string).collect(),
-            reference: candidates.reference.id().to_owned(),
+            reference: candidates.reference.about().id.to_owned(),
             steps: base << reference,
             last_difference: rms(0),
             spread: rms(2),

@@ -87,7 +87,7 @@ impl<'a> Search<'a> {
         let all = candidates.schemes.iter().map(|scheme| self.coarsest(scheme, &stop));
         let coarsest = all.collect::<Result<Vec<Coarsest>, _>>()?;
         if let Err(Outcome::Fails(failure)) = reference {
-            let (scheme, steps) = (candidates.reference.id(), self.base << FINEST);
+            let (scheme, steps) = (candidates.reference.about().id, self.base << FINEST);
             return Err(RunError::Setting(format!(
                 "{scheme} fails on pilot paths with {steps} steps, too: {failure}; take a shorter \
                  final time, or another reference"
@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
         };
         let schemes = candidates.schemes.iter().zip(coarsest).zip(points);
         let schemes = schemes.map(|((scheme, coarsest), points)| {
-            Candidate::new(scheme.id(), points, self.asked(&**scheme), coarsest.err(), damped)
+            Candidate::new(scheme.about().id, points, self.asked(&**scheme), coarsest.err(), damped)
         });
         let candidates: Vec<Candidate> = schemes.collect();
         Ok(Comparison {
@@ -150,7 +150,7 @@ impl<'a> Search<'a> {
 
     /// The error that is asked of a scheme.
     fn asked(&self, scheme: &dyn Method) -> f64 {
-        if scheme.reads_areas() { 0.5 * self.settings.error } else { self.settings.error }
+        if scheme.about().reads_areas { 0.5 * self.settings.error } else { self.settings.error }
     }
 
     /// Measures errors at T/2ᵏ with finer and finer steps, on few paths first, until the wanted
@@ -164,7 +164,7 @@ impl<'a> Search<'a> {
         let schemes = &self.candidates.schemes;
         let mut found = Errors {
             sampled: Sampled {
-                reference: self.candidates.reference.id().into(),
+                reference: self.candidates.reference.about().id.into(),
                 ..Sampled::default()
             },
             of_reference: f64::INFINITY,
