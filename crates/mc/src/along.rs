@@ -296,8 +296,7 @@ impl Passage {
     /// Adds the paths that have passed to `stopped`, if paths stay where they passed.
     fn stop(&self, crossed: &Row, stopped: &mut PathMask) {
         if self.stops {
-            let passed = (0..WIDTH).filter(|&p| crossed[p] > 0.0);
-            passed.for_each(|p| stopped.insert(p));
+            *stopped = stopped.or(PathMask::of(|p| crossed[p] > 0.0));
         }
     }
 
@@ -312,8 +311,7 @@ impl Passage {
         [crossed, time]: [&mut Row; 2],
         scratch: &mut Vec<Row>,
     ) {
-        let mut open = PathMask::NONE;
-        (0..WIDTH).filter(|&p| crossed[p] == 0.0).for_each(|p| open.insert(p));
+        let open = PathMask::of(|p| crossed[p] == 0.0);
         let moves = !open.without(held).is_empty();
         let middle = (before, step.t + 0.5 * step.tau);
         let rate = match &self.gradient {
@@ -355,7 +353,7 @@ fn word(noise: &StepNoise, step: &Step, p: usize) -> u64 {
 
 /// The next number of SplitMix64 after the state x.
 fn mix(x: u64) -> u64 {
-    noise::mix(x.wrapping_add(0x9e37_79b9_7f4a_7c15))
+    noise::mix(x.wrapping_add(noise::GOLDEN))
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use std::{cell::RefCell, collections::BTreeMap, ops::Range};
 use nonlin::BlockStatus;
 use schemes::Step;
 use stats::worse;
-use systems::{Damping, rate_integrals};
+use systems::{Damping, probe::rate_integrals};
 
 use crate::{Setup, observable::splat};
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{Row, elementary::exp};
+use real::{Row, elementary::exp, golden};
 use schemes::{About, Method, Step, Stepper};
 use systems::Damping;
 
@@ -127,9 +127,7 @@ fn decaying<'a>(
     ends: &[Vec<f64>],
 ) -> Option<ConformalLaw<'a>> {
     let size = y0.iter().fold(0.0, |size: f64, y| size.max(y.abs())).max(0.1);
-    // Multiples of the golden ratio, modulo one, are spread evenly.
-    let spread = |k: usize| 0.2 + (k as f64 * 0.618_033_988_749_894_8).fract();
-    let moved = |k: usize, y: &f64| y + 0.3 * size * spread(k);
+    let moved = |k: usize, y: &f64| y + 0.3 * size * (0.2 + golden(k as f64));
     let point = |k: usize| y0.iter().enumerate().map(move |(i, y)| moved(1 + i + k * y0.len(), y));
     let points: Vec<Vec<f64>> = (0..POINTS).map(|k| point(k).collect()).collect();
     let value = Arc::clone(&law.value);

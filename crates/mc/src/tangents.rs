@@ -59,7 +59,7 @@ impl Method for Tangents<'_> {
 /// number in [−1, 1) by the multiplications of SplitMix64 (Steele, Lea and Flood 2014). Components
 /// are the same on all paths, so that chains differ by their noise alone.
 fn generic(n: usize) -> Row {
-    let z = (n as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let z = (n as u64 + 1).wrapping_mul(noise::GOLDEN);
     let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     [(z >> 11) as f64 * (f64::EPSILON) - 1.0; WIDTH]

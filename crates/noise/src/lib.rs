@@ -73,6 +73,6 @@ pub use ladder::DyadicLadder;
 pub use quasi_wiener::QuasiWiener;
 pub use sobol::ScrambledSobol;
 pub use step::{BlockNoise, Noise, StepNoise, skew};
-pub use stream::{Purpose, StreamKey, mix};
+pub use stream::{GOLDEN, Purpose, StreamKey, mix};
 pub use truncation::{Truncation, clip};
 pub use wiener::{WienerPath, WienerRows};

@@ -63,6 +63,11 @@ impl PathMask {
         if n >= WIDTH { Self::ALL } else { Self((1 << n) - 1) }
     }
 
+    /// The paths that `are` in the set.
+    pub fn of(are: impl Fn(usize) -> bool) -> Self {
+        (0..WIDTH).filter(|&p| are(p)).fold(Self::NONE, |paths, p| Self(paths.0 | 1 << p))
+    }
+
     /// Whether path `p` is in the set.
     pub fn contains(self, p: usize) -> bool {
         self.0 >> p & 1 == 1

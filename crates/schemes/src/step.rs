@@ -1,5 +1,6 @@
 //! Time, step size and damping of one step, shared by all paths.
 
+use noise::GOLDEN;
 use real::elementary;
 use systems::Damping;
 
@@ -83,10 +84,6 @@ impl Step {
         self.damping_integral
     }
 }
-
-/// 2⁶⁴/φ made odd: its multiples modulo 2⁶⁴ are the multiples of the golden ratio modulo one. Of
-/// all such sequences this one has the smallest gaps.
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// One of the two floating-point numbers next to eˣ. A fraction |remainder|/spacing of all
 /// `number`s gives the farther one.

@@ -49,9 +49,7 @@ impl CentralMoments {
         }
         let block = dispatch(OfBlock { values, scale, paths });
         if !block.mean.is_finite() {
-            let mut finite = PathMask::NONE;
-            let is_finite = |&p: &usize| (values[p] * scale).is_finite();
-            paths.paths().filter(is_finite).for_each(|p| finite.insert(p));
+            let finite = PathMask::of(|p| paths.contains(p) && (values[p] * scale).is_finite());
             if finite != paths {
                 return self.add_block(values, scale, finite);
             }

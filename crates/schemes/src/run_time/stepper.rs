@@ -108,8 +108,7 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
             self.machine.buffers[1] = z;
         }
         *status = BlockStatus::fast(pending);
-        let mut unsolved = PathMask::NONE;
-        (0..WIDTH).filter(|&p| pending[p] > 0.0).for_each(|p| unsolved.insert(p));
+        let unsolved = PathMask::of(|p| pending[p] > 0.0);
         if !unsolved.is_empty() {
             let failed = [Outcome::Failed { residual: f64::INFINITY }; WIDTH];
             let solved = self.rescue(step, unsolved, h).unwrap_or(failed);
