@@ -15,6 +15,7 @@ pub enum Operation {
     Scale,
     Div,
     NumberDiv,
+    DivNumber,
     Min,
     Max,
     Where,
@@ -110,6 +111,7 @@ pub fn run<const W: usize>(
             Scale, [a], [k] => a * k;
             Div, [a b], [] => a / b;
             NumberDiv, [a], [k] => k / a;
+            DivNumber, [a], [k] => a / k;
             Min, [a b], [] => functions::min(a, b);
             Max, [a b], [] => functions::max(a, b);
             Where, [a b c d], [] => if a < b { c } else { d };

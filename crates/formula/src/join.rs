@@ -110,9 +110,10 @@ impl Join<'_> {
             Node::Binary(Binary::Add, a, b) => self.sum(a, b, false),
             Node::Binary(Binary::Sub, a, b) => self.sum(a, b, true),
             Node::Binary(Binary::Mul, a, b) => self.product(a, b),
-            Node::Binary(Binary::Div, a, b) => match self.number(a) {
-                Some(k) => NumberDiv.on([b]).times(k),
-                None => Div.on([a, b]),
+            Node::Binary(Binary::Div, a, b) => match (self.number(a), self.number(b)) {
+                (Some(k), _) => NumberDiv.on([b]).times(k),
+                (_, Some(k)) => DivNumber.on([a]).times(k),
+                _ => Div.on([a, b]),
             },
             Node::Binary(Binary::Min, a, b) => Min.on([a, b]),
             Node::Binary(Binary::Max, a, b) => Max.on([a, b]),

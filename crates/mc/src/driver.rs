@@ -26,7 +26,7 @@ use std::sync::OnceLock;
 
 use noise::{
     AreaSampler, DyadicLadder, Purpose, StepNoise, StreamKey, WienerRows, area_terms, clip,
-    clip_areas, strong_order_one_error,
+    strong_order_one_error,
 };
 use nonlin::{BlockStatus, are_finite};
 use real::{Block, Kernel, PathMask, Row, WIDTH, dispatch};
@@ -357,7 +357,7 @@ impl<'a> Marcher<'a> {
             }
         }
         if !areas.is_empty() {
-            clip_areas(self.driver.noises, areas, batch.bounds.area, &mut self.truncated.areas);
+            clip(areas, batch.bounds.area, &mut self.truncated.areas);
         }
     }
 

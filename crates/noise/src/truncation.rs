@@ -71,8 +71,8 @@ impl Truncation {
     }
 }
 
-/// Writes the increments `dw`, clipped to ±`bound`, into `clipped`, which has equally many rows.
-/// Returns the number of increments changed. Infinities and NaN stay, so that their paths fail.
+/// Writes increments or areas, clipped to ±`bound`, into `clipped`, which has equally many rows.
+/// Returns how many are changed. Infinities and NaN stay, so that their paths fail.
 #[inline]
 pub fn clip(dw: &[Row], bound: f64, clipped: &mut [Row]) -> u64 {
     dispatch(Clip { dw, bound, clipped })
@@ -111,7 +111,7 @@ impl Kernel for Clip<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{StepNoise, clip_areas};
+    use crate::StepNoise;
     use real::Block;
 
     #[test]
@@ -158,7 +158,7 @@ mod tests {
         let mut noise = StepNoise::with_areas(2);
         noise.areas[1] = dw.0[1];
         let mut clipped = StepNoise::with_areas(2);
-        clip_areas(2, &noise.areas, 1.0, &mut clipped.areas);
+        clip(&noise.areas, 1.0, &mut clipped.areas);
         assert_eq!((clipped.areas[1][4], clipped.path::<2>(4).areas[1][0]), (-1.0, 1.0));
         let (tau, truncation) = (1.0 / 512.0, Truncation::new(2).unwrap());
         let expected = 2.0 / std::f64::consts::PI * tau * f64::ln(tau).abs();

@@ -24,7 +24,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use noise::{
     AreaPath, AreaSampler, Noise, StepNoise, StreamKey, Truncation, WienerPath, WienerRows, clip,
-    clip_areas, strong_order_one_error,
+    strong_order_one_error,
 };
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, WIDTH};
@@ -92,7 +92,7 @@ impl<S, const D: usize> Run<S, D> {
                     wiener.increments(TAU.sqrt(), &mut drawn.increments);
                     if let Some(sampler) = &mut sampler {
                         sampler.areas(TAU, &drawn.increments, &mut drawn.areas);
-                        clip_areas(M, &drawn.areas, self.area_bound, &mut shown.areas);
+                        clip(&drawn.areas, self.area_bound, &mut shown.areas);
                     }
                     clip(&drawn.increments, self.bound, &mut shown.increments);
                     scheme.step_block(&self.system, step, &(&shown).into(), &mut y, &mut status);
