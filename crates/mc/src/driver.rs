@@ -29,7 +29,7 @@ use noise::{
     strong_order_one_error,
 };
 use nonlin::{BlockStatus, are_finite};
-use real::{Block, Kernel, PathMask, Row, WIDTH, dispatch};
+use real::{Block, PathMask, Row, WIDTH};
 use schemes::{Step, Stepper};
 use serde::{Deserialize, Serialize};
 use systems::Damping;
@@ -397,7 +397,7 @@ impl<'a> Marcher<'a> {
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
         for (number, run) in self.driver.runs.iter().enumerate() {
             let state = self.states[number].state();
-            if !dispatch(AreFinite(state)) {
+            if !all_finite(state) {
                 let mut status = BlockStatus::explicit();
                 status.fail_where_not_finite(state);
                 self.drop_failed(number, (n >> run.level).saturating_sub(1), &status, tally);
@@ -406,15 +406,10 @@ impl<'a> Marcher<'a> {
     }
 }
 
-/// Whether all numbers are finite: asked once in each coarsest step.
-pub struct AreFinite<'a>(pub &'a [Row]);
-
-impl Kernel for AreFinite<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run(self) -> bool {
-        are_finite(self.0)
+real::kernel! {
+    /// Whether all numbers are finite: asked once in each coarsest step.
+    pub fn all_finite(rows: &'a [Row]) -> bool {
+        are_finite(rows)
     }
 }
 

@@ -3,7 +3,7 @@
 use noise::{Purpose, StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::BlockStatus;
 use rayon::prelude::*;
-use real::{Row, Rows, WIDTH, dispatch};
+use real::{Row, Rows, WIDTH};
 use schemes::{
     Step, Stepper,
     run_time::{Scheme, SchemeError},
@@ -15,7 +15,7 @@ use systems::{
 };
 
 use crate::{
-    Cause, Checkpoint, LadderError, PathFailure, checkpoint::foreign, driver::AreFinite,
+    Cause, Checkpoint, LadderError, PathFailure, checkpoint::foreign, driver::all_finite,
     parts::JobError,
 };
 
@@ -211,7 +211,7 @@ impl<'a> LargePath<'a> {
     }
 
     fn is_finite(&self) -> bool {
-        self.state().par_chunks(1024).all(|rows| dispatch(AreFinite(rows)))
+        self.state().par_chunks(1024).all(all_finite)
     }
 
     /// The rows of the state, in the layout of the system.

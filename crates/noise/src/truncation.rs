@@ -1,6 +1,6 @@
 //! Truncated Wiener increments.
 
-use real::{Kernel, Row, WIDTH, dispatch, elementary};
+use real::{Row, WIDTH, elementary};
 
 use crate::NoiseError;
 
@@ -71,36 +71,23 @@ impl Truncation {
     }
 }
 
-/// Writes increments or areas, clipped to ±`bound`, into `clipped`, which has equally many rows.
-/// Returns how many are changed. Infinities and NaN stay, so that their paths fail.
-#[inline]
-pub fn clip(dw: &[Row], bound: f64, clipped: &mut [Row]) -> u64 {
-    dispatch(Clip { dw, bound, clipped })
-}
-
 /// Whether x is finite and beyond ±`bound`.
 #[inline(always)]
 fn is_beyond(x: f64, bound: f64) -> bool {
     (x.abs() > bound) & (x.abs() < f64::INFINITY)
 }
 
-struct Clip<'a> {
-    dw: &'a [Row],
-    bound: f64,
-    clipped: &'a mut [Row],
-}
-
-impl Kernel for Clip<'_> {
-    type Output = u64;
-    #[inline(always)]
-    fn run(self) -> u64 {
+real::kernel! {
+    /// Writes increments or areas, clipped to ±`bound`, into `clipped`, which has equally many rows.
+    /// Returns how many are changed. Infinities and NaN stay, so that their paths fail.
+    pub fn clip(dw: &'a [Row], bound: f64, clipped: &'a mut [Row]) -> u64 {
         // The counter has the width of the lanes. It wraps, since an overflow check is a branch.
         let mut count = 0u64;
-        for (dw, clipped) in self.dw.iter().zip(self.clipped) {
+        for (dw, clipped) in dw.iter().zip(clipped) {
             for p in 0..WIDTH {
                 let w = dw[p];
-                let beyond = is_beyond(w, self.bound);
-                clipped[p] = if beyond { self.bound.copysign(w) } else { w };
+                let beyond = is_beyond(w, bound);
+                clipped[p] = if beyond { bound.copysign(w) } else { w };
                 count = count.wrapping_add(if beyond { 1 } else { 0 });
             }
         }

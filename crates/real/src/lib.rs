@@ -30,7 +30,7 @@
 //! | [`golden`] | points that are spread evenly |
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
 //! | [`Row`], [`Rows`] | 32 numbers, and rows on the heap whose number is known at run time |
-//! | [`Kernel`], [`dispatch`], [`Simd`] | run-time choice of the instruction set |
+//! | [`Kernel`], [`dispatch`], [`kernel!`], [`Simd`] | run-time choice of the instruction set |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc; powers and logarithms for results |
 //!
 //! The feature `dispatch` (default) provides the run-time choice of the instruction set and is the
