@@ -6,14 +6,13 @@ use std::{
 };
 
 use noise::{Purpose, StreamKey, Truncation};
-use real::{PathMask, Row, WIDTH};
+use real::{PathMask, Row, WIDTH, exactly, path};
 use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
     LadderError, NextNoise, PathFailure, Problem, Run, Setup, demand,
     driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, StepTable, Tally, drawn},
-    observable::{components, path},
     parallel::grow,
     parts::{Job, Stop, Work, hash},
     tree::{MergeTree, Node},
@@ -52,7 +51,7 @@ impl<'a> View<'a> {
     /// # Panics
     /// Unless D is the dimension.
     pub fn path<const D: usize>(&self, run: usize, p: usize) -> [f64; D] {
-        path(components(self.state(run)), p)
+        path(exactly(self.state(run)), p)
     }
 }
 

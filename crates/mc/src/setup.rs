@@ -4,7 +4,7 @@ use std::{ops::Deref, sync::Arc};
 
 use noise::{Purpose, StepNoise, StreamKey};
 use nonlin::BlockStatus;
-use real::{Block, Row, elementary::exp};
+use real::{Block, Row, elementary::exp, exactly};
 use schemes::{About, Method, Scheme, Step, Stepper};
 use systems::{
     Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, run_time::System, unit_noise,
@@ -13,7 +13,7 @@ use systems::{
 
 use crate::{
     Friction,
-    observable::{components, splat},
+    observable::splat,
 };
 
 /// A problem of any dimension with any number of noises: all that a driver needs beside the steps
@@ -310,7 +310,7 @@ where
 
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let Self { system, scheme } = self;
-        Box::new(BlockState { system: *system, scheme: &**scheme, y: Block(*components(y)) })
+        Box::new(BlockState { system: *system, scheme: &**scheme, y: Block(*exactly(y)) })
     }
 }
 

@@ -30,6 +30,7 @@
 //! | [`golden`] | points that are spread evenly |
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
 //! | [`Row`], [`Rows`] | 32 numbers, and rows on the heap whose number is known at run time |
+//! | [`exactly`], [`path`] | rows whose number the compiler knows, and the numbers of one path |
 //! | [`Kernel`], [`dispatch`], [`kernel!`], [`Simd`] | run-time choice of the instruction set |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc; powers and logarithms for results |
 //!
@@ -61,4 +62,4 @@ pub use dual::{Dual, DualNumber, Partial, Variation, Varies};
 pub use factored::Factored;
 pub use golden::golden;
 pub use number::Real;
-pub use rows::{Row, Rows};
+pub use rows::{Row, Rows, exactly, path};

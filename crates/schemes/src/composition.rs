@@ -2,7 +2,7 @@
 
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Outcome, Solution};
-use real::{Block, Kernel, WIDTH, dispatch, unrolled};
+use real::{Block, Kernel, WIDTH, dispatch, path, unrolled};
 use systems::Flows;
 
 use crate::{About, Nv, Scheme, Split, Step};
@@ -146,10 +146,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S
         // From a copy: in place, `nv` on Maxwell–Bloch takes a fifth longer.
         let start = self.y;
         for p in 0..N {
-            let mut y = [0.0; D];
-            for i in 0..D {
-                y[i] = start[i][p];
-            }
+            let y = path(&start, p);
             let mut dw = [0.0; M];
             match times.noises {
                 Noises::None => {}

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use noise::{BlockNoise, Noise, skew};
 use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Outcome, Solution};
-use real::{Block, Kernel, Real, Row, WIDTH, dispatch};
+use real::{Block, Kernel, Real, Row, WIDTH, dispatch, path};
 use systems::{ImplicitStep, PoissonSystem};
 
 use crate::{
@@ -133,7 +133,7 @@ impl<'a, F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Bl
     fn path(&self, p: usize) -> Self::Path {
         let Self { formula, system, step, noise, ref areas, y } = *self;
         let areas = if F::READS_AREAS { skew(areas, p) } else { [[0.0; M]; M] };
-        let noise = Noise { increments: noise.increments_of(p), areas };
+        let noise = Noise { increments: path(noise.increments, p), areas };
         let y = y.path(p);
         let start = if F::EXACT_DAMPING { scaled(y, step.first_decay) } else { y };
         Equation { formula, system, step, noise, start }
