@@ -1,11 +1,8 @@
 //! One formula with its text.
 
-use std::{
-    slice::{from_mut, from_ref},
-    sync::Arc,
-};
+use std::{slice::from_ref, sync::Arc};
 
-use real::{Row, WIDTH};
+use real::Row;
 
 use crate::{Binary, FormulaError, Graph, Id, Names, Node, Tape, parse};
 
@@ -89,9 +86,9 @@ impl Formula {
     ///
     /// # Panics
     /// Unless there is a row for each variable.
-    pub fn values(&self, points: &[Row], values: &mut Row) {
-        let mut scratch = vec![[0.0; WIDTH]; self.tape.scratch_rows()];
-        self.tape.evaluate(&[points], from_mut(values), &mut scratch);
+    #[must_use]
+    pub fn values(&self, points: &[Row]) -> Row {
+        self.tape.rows(&[points])[0]
     }
 
     /// The derivatives with respect to the variables of these numbers, as a tape on the variables.

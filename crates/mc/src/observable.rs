@@ -83,4 +83,3 @@ pub fn add_rows(sums: &mut [Row], more: &[Row]) {
 pub fn splat(y: &[f64]) -> Vec<Row> {
     y.iter().map(|&y| [y; WIDTH]).collect()
 }
-

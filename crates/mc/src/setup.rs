@@ -11,10 +11,7 @@ use systems::{
     vector_field,
 };
 
-use crate::{
-    Friction,
-    observable::splat,
-};
+use crate::{Friction, observable::splat};
 
 /// A problem of any dimension with any number of noises: all that a driver needs beside the steps
 /// of schemes. [`of`](Self::of) makes that of a [`systems::Problem`],
