@@ -221,15 +221,16 @@ impl<'a> Parser<'a> {
         };
         loop {
             let operator = self.token();
-            let (binding, of_right) = match operator {
-                "or" => (OR, AND),
-                "and" => (AND, NOT),
+            type Joined<'a> = fn(&mut Parser<'a>, &str, Placed, Placed) -> Parsed;
+            let (binding, of_right, joined): (_, _, Joined<'a>) = match operator {
+                "or" => (OR, AND, Self::decided),
+                "and" => (AND, NOT, Self::decided),
                 "<" | ">" | "<=" | ">=" if !self.conditions.contains(&left.0[0]) => {
-                    (COMPARISON, SUM)
+                    (COMPARISON, SUM, Self::compared)
                 }
-                "+" | "-" => (SUM, PRODUCT),
-                "*" | "/" => (PRODUCT, SIGN),
-                "^" => (POWER, SIGN),
+                "+" | "-" => (SUM, PRODUCT, Self::combined),
+                "*" | "/" => (PRODUCT, SIGN, Self::combined),
+                "^" => (POWER, SIGN, Self::combined),
                 _ => return Ok(left),
             };
             if binding < least {
@@ -240,11 +241,7 @@ impl<'a> Parser<'a> {
                 POWER => self.deeper(of_right)?,
                 _ => self.expression(of_right)?,
             };
-            left = match binding {
-                OR | AND => self.joined(operator, left, right)?,
-                COMPARISON => self.compared(operator, left, right)?,
-                _ => self.combined(operator, left, right)?,
-            };
+            left = joined(self, operator, left, right)?;
         }
     }
 
@@ -298,7 +295,7 @@ impl<'a> Parser<'a> {
         Ok(chosen)
     }
 
-    fn joined(&mut self, operator: &str, left: Placed, right: Placed) -> Parsed {
+    fn decided(&mut self, operator: &str, left: Placed, right: Placed) -> Parsed {
         let ((a, left), (b, right)) = (self.condition(left)?, self.condition(right)?);
         let [one, zero] = self.truths();
         let of = if operator == "and" { [b, zero] } else { [one, b] };

@@ -265,7 +265,7 @@ impl<'a> Marcher<'a> {
             first_path,
             live: PathMask::first(paths),
             next_noise: (driver.noise)(first_path),
-            ladder: DyadicLadder::new(driver.levels, || driver.no_noise()),
+            ladder: DyadicLadder::new(driver.levels, &driver.no_noise()),
             truncated: driver.no_noise(),
             states: driver.runs.iter().enumerate().map(start).collect(),
             statuses: vec![BlockStatus::explicit(); runs],

@@ -24,7 +24,7 @@ impl<const M: usize> Noise<M> {
 /// The noise of one step on a block of 32 paths, for any number M of noises.
 ///
 /// A_ml of path p, m < l, is `areas[m * M + l][p]`; the other rows are zero.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct StepNoise {
     /// ΔW_m of every path; row m belongs to noise number m.
     pub increments: Rows,

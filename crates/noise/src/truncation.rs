@@ -57,17 +57,15 @@ impl Truncation {
     /// [`NoiseError`] unless 0 < τ < 1, or 0 < τ < ∞ for a wide
     /// truncation. For τ ≥ 1 the threshold A is zero or increases with τ.
     pub fn bound(self, tau: f64) -> Result<f64, NoiseError> {
-        match self.order {
-            None => Ok(f64::INFINITY),
-            Some(k) if tau > 0.0 && tau < 1.0 => {
-                let threshold = (2.0 * f64::from(k) * elementary::ln(tau).abs()).sqrt();
-                Ok(tau.sqrt() * if self.wide { threshold.max(WIDE) } else { threshold })
-            }
-            Some(_) if self.wide && tau >= 1.0 && tau.is_finite() => Ok(tau.sqrt() * WIDE),
-            Some(_) => Err(NoiseError(format!(
+        let Some(k) = self.order else { return Ok(f64::INFINITY) };
+        let (least, longest) = if self.wide { (WIDE, f64::INFINITY) } else { (0.0, 1.0) };
+        if !(tau > 0.0 && tau < longest) {
+            return Err(NoiseError(format!(
                 "truncated increments need a step size with 0 < tau < 1, got tau = {tau}"
-            ))),
+            )));
         }
+        let threshold = (2.0 * f64::from(k) * elementary::ln(tau.min(1.0)).abs()).sqrt();
+        Ok(tau.sqrt() * threshold.max(least))
     }
 }
 

@@ -55,6 +55,15 @@ impl Rows {
     }
 }
 
+/// A copy has memory of its own, aligned anew.
+impl Clone for Rows {
+    fn clone(&self) -> Self {
+        let mut rows = Self::zero(self.count);
+        rows.copy_from_slice(self);
+        rows
+    }
+}
+
 impl Deref for Rows {
     type Target = [Row];
     #[inline]

@@ -54,9 +54,7 @@ impl Stepper for AlteredStepper<'_> {
     }
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
-        let new = if noise.areas.is_empty() { StepNoise::zero } else { StepNoise::with_areas };
-        let (mut step, mut other) = (*step, new(noise.increments.len()));
-        other.copy_from(noise);
+        let (mut step, mut other) = (*step, noise.clone());
         (self.1)(&mut step, &mut other);
         self.0.step(&step, &other, status);
     }
