@@ -20,6 +20,7 @@ pub enum Operation {
     Max,
     Where,
     Add,
+    ScaleAdd,
     AddNumber,
     MulAdd,
     MulAddNumber,
@@ -115,7 +116,8 @@ pub fn run<const W: usize>(
             Min, [a b], [] => functions::min(a, b);
             Max, [a b], [] => functions::max(a, b);
             Where, [a b c d], [] => if a < b { c } else { d };
-            Add, [a b], [k l m] => (a * l + b * m) * k;
+            Add, [a b], [k _l m] => (a + b * m) * k;
+            ScaleAdd, [a b], [k l m] => (a * l + b * m) * k;
             AddNumber, [a], [k l m] => (a * l + m) * k;
             MulAdd, [a b c], [k l m] => (a * b * l + c * m) * k;
             MulAddNumber, [a b], [k l m] => (a * b * l + m) * k;

@@ -127,14 +127,16 @@ impl Join<'_> {
         let (mut first, mut second) = (self.term(a), self.term(b));
         second.factor.negative ^= minus;
         // a + b = b + a to the bit.
-        if first.rows.len() < second.rows.len() {
+        let size = |term: &Term| (term.rows.len(), term.factor.is_one());
+        if size(&first) < size(&second) {
             std::mem::swap(&mut first, &mut second);
         }
         let operation = match (first.rows.len(), second.rows.len()) {
             (2, 2) => MulAddMul,
             (2, 1) => MulAdd,
             (2, _) => MulAddNumber,
-            (_, 1) => Add,
+            (_, 1) if first.factor.is_one() => Add,
+            (_, 1) => ScaleAdd,
             _ => AddNumber,
         };
         let numbers = [Number::ONE, first.factor, second.factor];

@@ -87,4 +87,8 @@ pub struct Number {
 
 impl Number {
     pub const ONE: Self = Self { id: None, negative: false };
+
+    pub fn is_one(self) -> bool {
+        self.id.is_none() && !self.negative
+    }
 }
