@@ -6,15 +6,11 @@ use real::{Row, Rows};
 use systems::run_time::{Description, Lanes, System, Weights};
 
 use super::{Scheme, SchemeError};
-use crate::{Split, Step, Stepper};
+use crate::{About, Split, Step, Stepper};
 
 impl Scheme for Split {
-    fn id(&self) -> &'static str {
-        "split"
-    }
-
-    fn clips_increments(&self) -> bool {
-        false
+    fn about(&self) -> About {
+        About::new("split")
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
