@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [&DampedHeun, &ConformalMidpoint, &EulerMaruyama];
     for scheme in schemes {
         let order = strong_order(&Setup::of(&problem, scheme), &sizes)?;
-        println!("{:20} strong {order}", scheme.id());
+        println!("{:20} strong {order}", scheme.about().id);
         for point in &order.points {
             println!("  {}", serde_json::to_string(point)?);
         }

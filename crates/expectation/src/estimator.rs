@@ -130,7 +130,7 @@ impl<'a> Estimator<'a> {
             damping: DampingResolution::new(&candidate.setup, coarsest_steps),
             drive: DriveResolution::new(problem),
             noisy,
-            sobol: problem.noises > 0 && !settings.random_points && !scheme.reads_areas(),
+            sobol: problem.noises > 0 && !settings.random_points && !scheme.about().reads_areas,
             levels: Vec::new(),
             ladders: Vec::new(),
             first: 0,
@@ -574,7 +574,7 @@ impl<'a> Estimator<'a> {
             variances: samples.values.iter().map(|values| values.sample.variance()).collect(),
         };
         Expectation {
-            scheme: candidate.setup.scheme.id(),
+            scheme: candidate.setup.scheme.about().id,
             accuracy: request.accuracy,
             single_steps: self.is_single(first).then(|| self.steps(first)),
             cost: request.spent.get(),
@@ -591,7 +591,7 @@ impl Candidate<'_> {
     /// other order (Giles and Szpruch 2014): then the variance falls like τ² instead of τ.
     fn runs(&self, coupled: bool) -> Vec<Run<'_>> {
         let (scheme, mirror) = (&self.setup.scheme, self.mirror.as_ref());
-        let without_areas = self.setup.problem.noises > 1 && !scheme.reads_areas();
+        let without_areas = self.setup.problem.noises > 1 && !scheme.about().reads_areas;
         let twin = mirror.or(without_areas.then_some(scheme)).filter(|_| coupled);
         let at = |level: usize| move |scheme| Run::new(Arc::clone(scheme), level);
         let coarse = usize::from(coupled);

@@ -424,7 +424,7 @@ impl<'a> From<Setup<'a>> for Candidate<'a> {
 impl Candidate<'_> {
     /// The least number of steps on the coarsest level: truncation is for steps below one.
     fn least_steps(&self) -> u64 {
-        match self.setup.scheme.clips_increments() {
+        match self.setup.scheme.about().clips_increments {
             true => 2 * (self.setup.problem.t_end.ceil().min(LONGEST) as u64).next_power_of_two(),
             false => 1,
         }

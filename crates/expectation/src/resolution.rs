@@ -10,7 +10,7 @@
 //! the means of φ agree nevertheless. Then the first part of the time is asked, up to T/8 or T/64:
 //! steps that resolve a motion of the same size there are not what parts the paths later.
 
-use real::{Kernel, PathMask, Row, WIDTH, dispatch};
+use real::{PathMask, Row, WIDTH};
 use stats::{ROUND_OFF, Warning as Message};
 
 use super::{
@@ -66,7 +66,7 @@ impl Motion {
         self.points += f64::from(live.len());
         for (i, (&start, rows)) in self.start.iter().zip(rows).enumerate() {
             let (difference, displacement) = (&mut self.difference[i], &mut self.displacement[i]);
-            dispatch(AddMotion { difference, displacement, start, rows, live });
+            add_motion(difference, displacement, start, rows, live);
         }
     }
 
@@ -123,22 +123,16 @@ impl Motion {
     }
 }
 
-/// Adds the squares of one component or function.
-struct AddMotion<'a> {
-    difference: &'a mut Row,
-    displacement: &'a mut Row,
-    start: f64,
-    rows: [&'a Row; 4],
-    live: PathMask,
-}
-
-impl Kernel for AddMotion<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { difference, displacement, start, rows: [fine, swapped, coarse, other], live } =
-            self;
+real::kernel! {
+    /// Adds the squares of one component or function.
+    fn add_motion(
+        difference: &'a mut Row,
+        displacement: &'a mut Row,
+        start: f64,
+        rows: [&'a Row; 4],
+        live: PathMask
+    ) {
+        let [fine, swapped, coarse, other] = rows;
         // The usual case is vectorised.
         let all = live == PathMask::ALL;
         for p in 0..WIDTH {

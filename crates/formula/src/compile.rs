@@ -1,4 +1,4 @@
-//! From a graph to instructions: powers written out, operations joined, rows given out by liveness.
+//! From a graph to instructions: powers written out, operations joined, rows allocated by liveness.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use crate::{
     graph::{Binary, Graph, Node},
     instruction::{Instruction, MAX_ROWS, OUT, Operation, Place, SCRATCH},
     join::joined,
-    uniform::{Number, Numbers, ONE, uniform},
+    uniform::{Numbers, ONE, uniform},
 };
 
 /// The instructions for `outputs`, their numbers, and the rows of scratch that they need. Input k
@@ -21,8 +21,8 @@ pub fn compile(
     let (graph, outputs) = lowered(graph, outputs);
     let uniform = uniform(&graph, uniform_inputs);
     let steps = joined(&graph, &outputs, &uniform);
-    let taken = steps.iter().flatten().flat_map(|step| step.numbers).flatten();
-    let taken: Vec<Id> = taken.map(|number| number.id).collect();
+    let taken = steps.iter().flatten().flat_map(|step| step.numbers);
+    let taken: Vec<Id> = taken.filter_map(|number| number.id).collect();
     let (numbers, places) = Numbers::new(&graph, uniform_inputs, &taken);
     let mut last_use = vec![0; graph.len()];
     for (index, step) in steps.iter().enumerate() {
@@ -56,8 +56,8 @@ pub fn compile(
             Some(row) => Place { bank: OUT, row: row as u32 },
             None => Place { bank: SCRATCH, row: scratch_row() },
         };
-        let place = |k: Number| places[k.id.index()] + u32::from(k.negative);
-        let numbers = step.numbers.map(|k| k.map_or(ONE, place));
+        let place = |id: Id| places[id.index()];
+        let numbers = step.numbers.map(|k| k.id.map_or(ONE, place) + u32::from(k.negative));
         code.push(Instruction { operation: step.operation, to: homes[index], from, numbers });
     }
     // Results that are inputs, and results that are there already.
@@ -66,7 +66,7 @@ pub fn compile(
         from[0] = homes[output.index()];
         let to = Place { bank: OUT, row: row as u32 };
         if to != from[0] {
-            code.push(Instruction { operation: Operation::Copy, to, from, numbers: [ONE; 2] });
+            code.push(Instruction { operation: Operation::Copy, to, from, numbers: [ONE; 3] });
         }
     }
     (code, numbers, rows as usize)

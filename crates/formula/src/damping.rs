@@ -78,14 +78,11 @@ impl FormulaDamping {
         // About a time at which it is infinite a rate may have an integral.
         rates[0].iter_mut().filter(|rate| rate.is_infinite()).for_each(|rate| *rate = 0.0);
         let used = [0, NODES].map(|first| &rates[0][first..first + nodes.len()]);
-        let extreme = |f: fn(f64, f64) -> f64| used.into_iter().flatten().copied().reduce(f);
-        let change =
-            extreme(f64::max).zip(extreme(f64::min)).map_or(0.0, |(most, least)| most - least);
-        let sums = [0, NODES].map(|first| {
-            let terms = weights.iter().zip(&rates[0][first..]).map(|(w, rate)| w * rate);
-            terms.fold((0.0, 0.0), |(net, size), term| {
-                (net + half * term, size + (half * term).abs())
-            })
+        let all = || used.into_iter().flatten().copied();
+        let change = all().fold(-f64::INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min);
+        let sums = used.map(|rates| {
+            let terms = weights.iter().zip(rates).map(|(w, rate)| half * (w * rate));
+            terms.fold((0.0, 0.0), |(net, size), term| (net + term, size + term.abs()))
         });
         (sums, change)
     }

@@ -1,11 +1,8 @@
 //! One formula with its text.
 
-use std::{
-    slice::{from_mut, from_ref},
-    sync::Arc,
-};
+use std::{slice::from_ref, sync::Arc};
 
-use real::{Row, WIDTH};
+use real::Row;
 
 use crate::{Binary, FormulaError, Graph, Id, Names, Node, Tape, parse};
 
@@ -46,7 +43,7 @@ impl Formula {
         let mut graph = Graph::new();
         let root = parse(text, names, &mut graph)?;
         let variables = names.variables.clone();
-        let tape = Tape::new(&graph, &[root], from_ref(&(0..variables.len())));
+        let tape = on_variables(&graph, &[root], &variables);
         Ok(Self { text: text.to_owned(), variables, graph, root, tape })
     }
 
@@ -89,9 +86,9 @@ impl Formula {
     ///
     /// # Panics
     /// Unless there is a row for each variable.
-    pub fn values(&self, points: &[Row], values: &mut Row) {
-        let mut scratch = vec![[0.0; WIDTH]; self.tape.scratch_rows()];
-        self.tape.evaluate(&[points], from_mut(values), &mut scratch);
+    #[must_use]
+    pub fn values(&self, points: &[Row]) -> Row {
+        self.tape.rows(&[points])[0]
     }
 
     /// The derivatives with respect to the variables of these numbers, as a tape on the variables.
@@ -100,7 +97,7 @@ impl Formula {
         let mut graph = self.graph.clone();
         let one = graph.constant(1.0);
         let gradient = graph.reverse(&[(self.root, one)], variables);
-        Tape::new(&graph, &gradient, from_ref(&(0..self.variables.len())))
+        on_variables(&graph, &gradient, &self.variables)
     }
 
     /// A bound of the degree as a polynomial in the variables of these numbers; none if the formula
@@ -130,7 +127,7 @@ impl Formula {
     pub fn excess(&self) -> Option<Self> {
         let mut graph = self.graph.clone();
         let root = excess(&mut graph, self.root)?;
-        let tape = Tape::new(&graph, &[root], from_ref(&(0..self.variables.len())));
+        let tape = on_variables(&graph, &[root], &self.variables);
         Some(Self { root, tape, graph, ..self.clone() })
     }
 
@@ -150,6 +147,11 @@ impl Formula {
     pub fn depends_on(&self, k: usize) -> bool {
         self.graph.uses(&[self.root], |node| node == Node::Input(k as u32))
     }
+}
+
+/// The tape of expressions in the variables, one group of inputs.
+fn on_variables(graph: &Graph, roots: &[Id], variables: &[String]) -> Tape {
+    Tape::new(graph, roots, from_ref(&(0..variables.len())))
 }
 
 /// [`Formula::excess`] of an expression.

@@ -314,70 +314,65 @@ impl Graph {
 
     /// A function of a and b.
     pub fn binary(&mut self, function: Binary, a: Id, b: Id) -> Id {
-        match function {
-            Add => self.add(a, b),
-            Sub => self.sub(a, b),
-            Mul => self.mul(a, b),
-            Div => self.div(a, b),
-            Min | Max => match (self.as_constant(a), self.as_constant(b)) {
-                (Some(x), Some(y)) => self.constant(function.value(x, y)),
-                _ if a == b => a,
-                _ => self.intern(Node::Binary(function, a, b)),
-            },
+        let (x, y) = (self.as_constant(a), self.as_constant(b));
+        match (function, x, y, (self.negated(a), self.negated(b))) {
+            (_, Some(x), Some(y), _) => self.constant(function.value(x, y)),
+            (Add, Some(0.0), ..) => b,
+            (Add, _, Some(0.0), _) => a,
+            (Add, ..) if a == b => self.scale(a, 2.0),
+            (Add, .., (_, Some(y))) => self.sub(a, y),
+            (Add, .., (Some(x), _)) => self.sub(b, x),
+            (Sub, Some(0.0), ..) => self.neg(b),
+            (Sub, _, Some(y), _) => {
+                let y = self.constant(-y);
+                self.add(a, y)
+            }
+            (Sub, ..) if a == b => self.constant(0.0),
+            (Sub, .., (_, Some(y))) => self.add(a, y),
+            (Sub, .., (Some(x), _)) => {
+                let sum = self.add(x, b);
+                self.neg(sum)
+            }
+            (Mul, Some(x), ..) => self.scale(b, x),
+            (Mul, _, Some(y), _) => self.scale(a, y),
+            (Mul, ..) if a == b => self.power(a, 2),
+            (Div, Some(0.0), ..) | (Div, _, Some(1.0), _) => a,
+            (Div, _, Some(y), _) if is_power_of_two(y) && (1.0 / y).is_normal() => {
+                self.scale(a, 1.0 / y)
+            }
+            (Div, _, Some(y), _) if y < 0.0 => {
+                let (a, b) = (self.neg(a), self.constant(-y));
+                self.div(a, b)
+            }
+            (Mul | Div, .., (Some(x), Some(y))) => self.binary(function, x, y),
+            (Mul | Div, .., (x, y)) if x.or(y).is_some() => {
+                let unsigned = self.binary(function, x.unwrap_or(a), y.unwrap_or(b));
+                self.neg(unsigned)
+            }
+            (Min | Max, ..) if a == b => a,
+            (Add | Mul, ..) => self.commutative(function, a, b),
+            _ => self.intern(Node::Binary(function, a, b)),
         }
     }
 
     /// a + b.
     pub fn add(&mut self, a: Id, b: Id) -> Id {
-        match (self.as_constant(a), self.as_constant(b)) {
-            (Some(x), Some(y)) => return self.constant(x + y),
-            (Some(0.0), _) => return b,
-            (_, Some(0.0)) => return a,
-            _ if a == b => return self.scale(a, 2.0),
-            _ => {}
-        }
-        match (self.negated(a), self.negated(b)) {
-            (_, Some(y)) => self.sub(a, y),
-            (Some(x), None) => self.sub(b, x),
-            _ => self.commutative(Add, a, b),
-        }
+        self.binary(Add, a, b)
     }
 
     /// a − b.
     pub fn sub(&mut self, a: Id, b: Id) -> Id {
-        match (self.as_constant(a), self.as_constant(b)) {
-            (Some(x), Some(y)) => return self.constant(x - y),
-            (Some(0.0), _) => return self.neg(b),
-            (_, Some(y)) => {
-                let y = self.constant(-y);
-                return self.add(a, y);
-            }
-            _ if a == b => return self.constant(0.0),
-            _ => {}
-        }
-        match (self.negated(a), self.negated(b)) {
-            (_, Some(y)) => self.add(a, y),
-            (Some(x), None) => {
-                let sum = self.add(x, b);
-                self.neg(sum)
-            }
-            _ => self.intern(Node::Binary(Sub, a, b)),
-        }
+        self.binary(Sub, a, b)
     }
 
     /// a·b.
     pub fn mul(&mut self, a: Id, b: Id) -> Id {
-        match (self.as_constant(a), self.as_constant(b)) {
-            (Some(x), Some(y)) => return self.constant(x * y),
-            (Some(x), _) => return self.scale(b, x),
-            (_, Some(y)) => return self.scale(a, y),
-            _ if a == b => return self.power(a, 2),
-            _ => {}
-        }
-        match self.unsigned(a, b, Self::mul) {
-            Some(product) => product,
-            None => self.commutative(Mul, a, b),
-        }
+        self.binary(Mul, a, b)
+    }
+
+    /// a/b.
+    pub fn div(&mut self, a: Id, b: Id) -> Id {
+        self.binary(Div, a, b)
     }
 
     /// c·a.
@@ -400,41 +395,14 @@ impl Graph {
         self.intern(Node::Binary(Mul, a, c))
     }
 
-    /// a/b.
-    pub fn div(&mut self, a: Id, b: Id) -> Id {
-        match (self.as_constant(a), self.as_constant(b)) {
-            (Some(x), Some(y)) => return self.constant(x / y),
-            (Some(0.0), _) => return a,
-            (_, Some(1.0)) => return a,
-            (_, Some(y)) if is_power_of_two(y) && (1.0 / y).is_normal() => {
-                return self.scale(a, 1.0 / y);
-            }
-            (_, Some(y)) if y < 0.0 => {
-                let (a, b) = (self.neg(a), self.constant(-y));
-                return self.div(a, b);
-            }
-            _ => {}
-        }
-        match self.unsigned(a, b, Self::div) {
-            Some(quotient) => quotient,
-            None => self.intern(Node::Binary(Div, a, b)),
-        }
-    }
-
-    /// The product or quotient of operands of which one is −x, without that sign.
-    fn unsigned(&mut self, a: Id, b: Id, f: fn(&mut Self, Id, Id) -> Id) -> Option<Id> {
-        let (x, y) = (self.negated(a), self.negated(b));
-        let unsigned = x.or(y).map(|_| f(self, x.unwrap_or(a), y.unwrap_or(b)))?;
-        Some(if x.is_some() == y.is_some() { unsigned } else { self.neg(unsigned) })
-    }
-
     /// aⁿ by repeated squaring, with the bits of [`real::elementary::powi`].
     pub fn power(&mut self, a: Id, n: i32) -> Id {
+        let power = self.power_of_size(a, n.unsigned_abs());
         if n < 0 {
-            let (one, power) = (self.constant(1.0), self.power_of_size(a, n.unsigned_abs()));
+            let one = self.constant(1.0);
             return self.div(one, power);
         }
-        self.power_of_size(a, n.unsigned_abs())
+        power
     }
 
     pub(crate) fn power_of_size(&mut self, a: Id, n: u32) -> Id {
@@ -463,12 +431,8 @@ impl Graph {
     /// Puts operands in order: a constant is the second, others are in the order in which they were
     /// made.
     fn commutative(&mut self, function: Binary, a: Id, b: Id) -> Id {
-        let swap = match (self.as_constant(a), self.as_constant(b)) {
-            (Some(_), _) => true,
-            (_, Some(_)) => false,
-            _ => b < a,
-        };
-        let (a, b) = if swap { (b, a) } else { (a, b) };
+        let [first, second] = [a, b].map(|id| (self.as_constant(id).is_some(), id));
+        let (a, b) = if second < first { (b, a) } else { (a, b) };
         self.intern(Node::Binary(function, a, b))
     }
 

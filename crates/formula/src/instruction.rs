@@ -2,18 +2,15 @@
 
 use crate::{functions, graph::Unary};
 
-/// An operation on rows a, …, f and numbers k, l, see [`run`]. Every product and every sum is
-/// rounded: there is no fused multiply-add. Sums have one more factor, which is one where nothing
-/// else is wanted: it costs no time beside the rows that are read and written.
+/// An operation on rows a, …, d and numbers k, l, m, see [`run`]. Every product and every sum is
+/// rounded: there is no fused multiply-add. A factor that is not wanted is one, and a difference is
+/// a sum with the factor −1, both exact: they cost no time beside the rows that are read and
+/// written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     Copy,
     Fill,
     Of(Unary),
-    Add,
-    AddNumber,
-    Sub,
-    NumberSub,
     Mul,
     Scale,
     Div,
@@ -22,16 +19,12 @@ pub enum Operation {
     Min,
     Max,
     Where,
-    MulAdd,
-    MulSub,
-    SubMul,
-    MulAddNumber,
-    NumberSubMul,
+    Add,
     ScaleAdd,
-    ScaleAddNumber,
-    ScaleAddScale,
+    AddNumber,
+    MulAdd,
+    MulAddNumber,
     MulAddMul,
-    MulSubMul,
 }
 
 /// Banks of rows for scratch and results, by number: groups of inputs are counted from zero.
@@ -56,7 +49,7 @@ pub struct Instruction {
     pub to: Place,
     pub from: [Place; MAX_ROWS],
     /// Places in the numbers of the tape.
-    pub numbers: [u32; 2],
+    pub numbers: [u32; 3],
 }
 
 #[inline(always)]
@@ -115,10 +108,6 @@ pub fn run<const W: usize>(
             of Neg Abs Sqrt Exp Ln Sin Cos Tan Sinh Cosh Tanh Sinc;
             Copy, [a], [] => a;
             Fill, [], [k] => k;
-            Add, [a b], [k] => (a + b) * k;
-            AddNumber, [a], [k l] => (a + k) * l;
-            Sub, [a b], [k] => (a - b) * k;
-            NumberSub, [a], [k] => k - a;
             Mul, [a b], [k] => (a * b) * k;
             Scale, [a], [k] => a * k;
             Div, [a b], [] => a / b;
@@ -127,16 +116,12 @@ pub fn run<const W: usize>(
             Min, [a b], [] => functions::min(a, b);
             Max, [a b], [] => functions::max(a, b);
             Where, [a b c d], [] => if a < b { c } else { d };
-            MulAdd, [a b c], [k] => (a * b + c) * k;
-            MulSub, [a b c], [k] => (a * b - c) * k;
-            SubMul, [a b c], [k] => (c - a * b) * k;
-            MulAddNumber, [a b], [k] => a * b + k;
-            NumberSubMul, [a b], [k] => k - a * b;
-            ScaleAdd, [a b], [k l] => (a * k + b) * l;
-            ScaleAddNumber, [a], [k l] => a * k + l;
-            ScaleAddScale, [a b], [k l] => a * k + b * l;
-            MulAddMul, [a b c d], [k] => (a * b + c * d) * k;
-            MulSubMul, [a b c d], [k] => (a * b - c * d) * k;
+            Add, [a b], [k _l m] => (a + b * m) * k;
+            ScaleAdd, [a b], [k l m] => (a * l + b * m) * k;
+            AddNumber, [a], [k l m] => (a * l + m) * k;
+            MulAdd, [a b c], [k l m] => (a * b * l + c * m) * k;
+            MulAddNumber, [a b], [k l m] => (a * b * l + m) * k;
+            MulAddMul, [a b c d], [k l m] => (a * b * l + c * d * m) * k;
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Operations joined with those that they feed alone.
+//! Peephole fusion: a sum and the products that it uses alone are one operation.
 
 use crate::{
     Id,
@@ -12,27 +12,20 @@ use crate::{
 pub struct Joined {
     pub operation: Operation,
     pub operands: Vec<Id>,
-    /// Numbers of the operation; a missing one is 1.
-    pub numbers: [Option<Number>; 2],
+    pub numbers: [Number; 3],
 }
 
 impl Operation {
-    fn on<const N: usize>(self, operands: [Id; N], numbers: &[Number]) -> Joined {
-        let numbers = [0, 1].map(|k| numbers.get(k).copied());
-        Joined { operation: self, operands: operands.to_vec(), numbers }
+    fn on<const N: usize>(self, operands: [Id; N]) -> Joined {
+        Joined { operation: self, operands: operands.to_vec(), numbers: [Number::ONE; 3] }
     }
 }
 
 impl Joined {
-    /// Multiplies the operation by a number, if it has such a factor.
-    fn times(mut self, k: Number) -> Option<Self> {
-        let factor = match self.operation {
-            Add | Sub | Mul | MulAdd | MulSub | SubMul | MulAddMul | MulSubMul => 0,
-            AddNumber | ScaleAdd => 1,
-            _ => return None,
-        };
-        self.numbers[factor] = Some(k);
-        Some(self)
+    /// The operation with its first number, the factor of sums and products.
+    fn times(mut self, factor: Number) -> Self {
+        self.numbers[0] = factor;
+        self
     }
 }
 
@@ -64,14 +57,10 @@ struct Join<'a> {
     uniform: &'a [bool],
 }
 
-use Term::{Other, Product, Scaled};
-
-/// An operand of a sum.
-enum Term {
-    Number(Number),
-    Product(Id, Id),
-    Scaled(Id, Number),
-    Other,
+/// A term of a sum: the product of up to two rows and a number.
+struct Term {
+    rows: Vec<Id>,
+    factor: Number,
 }
 
 impl Join<'_> {
@@ -87,19 +76,8 @@ impl Join<'_> {
         }
     }
 
-    /// The step for a sum, or a product of rows, that is used here alone.
-    fn inner(&self, id: Id) -> Option<Joined> {
-        let of = |function| self.alone(id, function);
-        match (of(Binary::Add), of(Binary::Sub), of(Binary::Mul)) {
-            (Some((a, b)), ..) => Some(self.sum(a, b)),
-            (_, Some((a, b)), _) => Some(self.difference(a, b)),
-            (.., Some((a, b))) if self.scaled(a, b).is_none() => Some(self.product(a, b)),
-            _ => None,
-        }
-    }
-
     fn number(&self, id: Id) -> Option<Number> {
-        self.uniform[id.index()].then_some(Number { id, negative: false })
+        self.uniform[id.index()].then_some(Number { id: Some(id), negative: false })
     }
 
     /// The factors, if one of them is a number.
@@ -108,79 +86,72 @@ impl Join<'_> {
     }
 
     fn term(&self, id: Id) -> Term {
-        match (self.number(id), self.alone(id, Binary::Mul)) {
-            (Some(k), _) => Term::Number(k),
-            (_, Some((a, b))) => match self.scaled(a, b) {
-                Some((x, k)) => Scaled(x, k),
-                None => Product(a, b),
-            },
-            _ => Other,
+        if let Some(factor) = self.number(id) {
+            return Term { rows: Vec::new(), factor };
         }
+        let product = |id| self.alone(id, Binary::Mul);
+        let scaled = product(id).and_then(|(a, b)| self.scaled(a, b));
+        let (id, factor) = scaled.unwrap_or((id, Number::ONE));
+        let rows = match product(id) {
+            Some((a, b)) if self.scaled(a, b).is_none() => vec![a, b],
+            _ => vec![id],
+        };
+        Term { rows, factor }
     }
 
     /// The step for an expression; none for an input.
     fn step(&self, id: Id) -> Option<Joined> {
         if let Some(k) = self.number(id) {
-            return Some(Fill.on([], &[k]));
+            return Some(Fill.on([]).times(k));
         }
         Some(match self.graph.node(id) {
             Node::Input(_) => return None,
-            Node::Unary(function, a) => Of(function).on([a], &[]),
-            Node::Binary(Binary::Add, a, b) => self.sum(a, b),
-            Node::Binary(Binary::Sub, a, b) => self.difference(a, b),
+            Node::Unary(function, a) => Of(function).on([a]),
+            Node::Binary(Binary::Add, a, b) => self.sum(a, b, false),
+            Node::Binary(Binary::Sub, a, b) => self.sum(a, b, true),
             Node::Binary(Binary::Mul, a, b) => self.product(a, b),
             Node::Binary(Binary::Div, a, b) => match (self.number(a), self.number(b)) {
-                (Some(k), _) => NumberDiv.on([b], &[k]),
-                (_, Some(k)) => DivNumber.on([a], &[k]),
-                _ => Div.on([a, b], &[]),
+                (Some(k), _) => NumberDiv.on([b]).times(k),
+                (_, Some(k)) => DivNumber.on([a]).times(k),
+                _ => Div.on([a, b]),
             },
-            Node::Binary(Binary::Min, a, b) => Min.on([a, b], &[]),
-            Node::Binary(Binary::Max, a, b) => Max.on([a, b], &[]),
-            Node::Where(all) => Where.on(all, &[]),
+            Node::Binary(Binary::Min, a, b) => Min.on([a, b]),
+            Node::Binary(Binary::Max, a, b) => Max.on([a, b]),
+            Node::Where(all) => Where.on(all),
             Node::Constant(_) => unreachable!("constants are numbers"),
             Node::Power(..) => unreachable!("powers are written out"),
         })
     }
 
-    fn sum(&self, a: Id, b: Id) -> Joined {
-        self.sum_of((a, self.term(a)), (b, self.term(b)))
-    }
-
-    fn sum_of(&self, (a, left): (Id, Term), (b, right): (Id, Term)) -> Joined {
+    fn sum(&self, a: Id, b: Id, minus: bool) -> Joined {
+        let (mut first, mut second) = (self.term(a), self.term(b));
+        second.factor.negative ^= minus;
         // a + b = b + a to the bit.
-        if let Term::Number(_) = left {
-            return self.sum_of((b, right), (a, left));
+        let size = |term: &Term| (term.rows.len(), term.factor.is_one());
+        if size(&first) < size(&second) {
+            std::mem::swap(&mut first, &mut second);
         }
-        match (left, right) {
-            (Product(a, b), Product(c, d)) => MulAddMul.on([a, b, c, d], &[]),
-            (Product(a, b), Term::Number(k)) => MulAddNumber.on([a, b], &[k]),
-            (Product(x, y), _) => MulAdd.on([x, y, b], &[]),
-            (_, Product(x, y)) => MulAdd.on([x, y, a], &[]),
-            (Scaled(a, k), Scaled(b, l)) => ScaleAddScale.on([a, b], &[k, l]),
-            (Scaled(a, k), Term::Number(l)) => ScaleAddNumber.on([a], &[k, l]),
-            (Scaled(x, k), _) => ScaleAdd.on([x, b], &[k]),
-            (_, Scaled(x, k)) => ScaleAdd.on([x, a], &[k]),
-            (_, Term::Number(k)) => AddNumber.on([a], &[k]),
-            _ => Add.on([a, b], &[]),
-        }
-    }
-
-    fn difference(&self, a: Id, b: Id) -> Joined {
-        match (self.term(a), self.term(b)) {
-            (Product(a, b), Product(c, d)) => MulSubMul.on([a, b, c, d], &[]),
-            (Term::Number(k), Product(a, b)) => NumberSubMul.on([a, b], &[k]),
-            (term, Term::Number(k)) => self.sum_of((a, term), (b, Term::Number(-k))),
-            (Product(x, y), _) => MulSub.on([x, y, b], &[]),
-            (_, Product(x, y)) => SubMul.on([x, y, a], &[]),
-            (term, Scaled(x, k)) => self.sum_of((a, term), (b, Scaled(x, -k))),
-            (Term::Number(k), _) => NumberSub.on([b], &[k]),
-            _ => Sub.on([a, b], &[]),
-        }
+        let operation = match (first.rows.len(), second.rows.len()) {
+            (2, 2) => MulAddMul,
+            (2, 1) => MulAdd,
+            (2, _) => MulAddNumber,
+            (_, 1) if first.factor.is_one() => Add,
+            (_, 1) => ScaleAdd,
+            _ => AddNumber,
+        };
+        let numbers = [Number::ONE, first.factor, second.factor];
+        Joined { operation, operands: [first.rows, second.rows].concat(), numbers }
     }
 
     fn product(&self, a: Id, b: Id) -> Joined {
-        let Some((x, k)) = self.scaled(a, b) else { return Mul.on([a, b], &[]) };
-        let inner = self.inner(x).and_then(|step| step.times(k));
-        inner.unwrap_or_else(|| Scale.on([x], &[k]))
+        let Some((x, k)) = self.scaled(a, b) else { return Mul.on([a, b]) };
+        let of = |function| self.alone(x, function);
+        let inner = match (of(Binary::Add), of(Binary::Sub), of(Binary::Mul)) {
+            (Some((a, b)), ..) => self.sum(a, b, false),
+            (_, Some((a, b)), _) => self.sum(a, b, true),
+            (.., Some((a, b))) if self.scaled(a, b).is_none() => Mul.on([a, b]),
+            _ => Scale.on([x]),
+        };
+        inner.times(k)
     }
 }

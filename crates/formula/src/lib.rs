@@ -7,7 +7,7 @@
 //! numbers, with the functions of [`real`] and the same bits on every instruction set.
 //!
 //! The way through the crate: text → `parse` → [`Graph`] (identities, `derivative`) → `compile`
-//! (powers written out, operations joined, rows given out) → [`Tape`] → `instruction` (loops over
+//! (powers written out, operations joined, rows allocated) → [`Tape`] → `instruction` (loops over
 //! rows). Texts → [`Definition`] → `system/expressions` → a tape for each operation of
 //! [`FormulaSystem`], or one for a scheme's whole formula (`system/program`).
 //!

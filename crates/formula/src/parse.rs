@@ -45,9 +45,9 @@ const POWER: u32 = 7;
 /// # Errors
 /// [`FormulaError`] with the place in the text and what would be right.
 pub fn parse(text: &str, names: &Names, graph: &mut Graph) -> Result<Id, FormulaError> {
-    let (at, last, depth, terms) = (0, "", 0, 0);
     let (conditions, indices) = (HashSet::new(), Vec::new());
-    let mut parser = Parser { text, names, graph, at, last, depth, conditions, indices, terms };
+    let mut parser =
+        Parser { text, names, graph, at: 0, last: "", depth: 0, conditions, indices, terms: 0 };
     let bytes = text.len();
     if bytes > MAX_BYTES {
         let message = format!("the formula has {bytes} bytes, and at most {MAX_BYTES} are allowed");
@@ -221,15 +221,16 @@ impl<'a> Parser<'a> {
         };
         loop {
             let operator = self.token();
-            let (binding, of_right) = match operator {
-                "or" => (OR, AND),
-                "and" => (AND, NOT),
+            type Joined<'a> = fn(&mut Parser<'a>, &str, Placed, Placed) -> Parsed;
+            let (binding, of_right, joined): (_, _, Joined<'a>) = match operator {
+                "or" => (OR, AND, Self::decided),
+                "and" => (AND, NOT, Self::decided),
                 "<" | ">" | "<=" | ">=" if !self.conditions.contains(&left.0[0]) => {
-                    (COMPARISON, SUM)
+                    (COMPARISON, SUM, Self::compared)
                 }
-                "+" | "-" => (SUM, PRODUCT),
-                "*" | "/" => (PRODUCT, SIGN),
-                "^" => (POWER, SIGN),
+                "+" | "-" => (SUM, PRODUCT, Self::combined),
+                "*" | "/" => (PRODUCT, SIGN, Self::combined),
+                "^" => (POWER, SIGN, Self::combined),
                 _ => return Ok(left),
             };
             if binding < least {
@@ -240,11 +241,7 @@ impl<'a> Parser<'a> {
                 POWER => self.deeper(of_right)?,
                 _ => self.expression(of_right)?,
             };
-            left = match binding {
-                OR | AND => self.joined(operator, left, right)?,
-                COMPARISON => self.compared(operator, left, right)?,
-                _ => self.combined(operator, left, right)?,
-            };
+            left = joined(self, operator, left, right)?;
         }
     }
 
@@ -288,21 +285,21 @@ impl<'a> Parser<'a> {
     fn chosen(&mut self, condition: Id, of: [Id; 2], span: Range<usize>) -> Parsed {
         let truths = self.truths();
         let [a, b] = of;
-        let (chosen, span) = self.finish(span, |graph| {
+        let chosen = self.alone(span, |graph| {
             let half = graph.constant(0.5);
             graph.where_less(half, condition, a, b)
         })?;
         if of.iter().all(|id| truths.contains(id) || self.conditions.contains(id)) {
-            self.conditions.insert(chosen);
+            self.conditions.insert(chosen.0[0]);
         }
-        Ok((vec![chosen], span))
+        Ok(chosen)
     }
 
-    fn joined(&mut self, operator: &str, left: Placed, right: Placed) -> Parsed {
+    fn decided(&mut self, operator: &str, left: Placed, right: Placed) -> Parsed {
         let ((a, left), (b, right)) = (self.condition(left)?, self.condition(right)?);
-        let span = left.start..right.end;
         let [one, zero] = self.truths();
-        self.chosen(a, if operator == "and" { [b, zero] } else { [one, b] }, span)
+        let of = if operator == "and" { [b, zero] } else { [one, b] };
+        self.chosen(a, of, left.start..right.end)
     }
 
     fn compared(&mut self, operator: &str, left: Placed, right: Placed) -> Parsed {
@@ -311,10 +308,10 @@ impl<'a> Parser<'a> {
         // a ≤ b is not b < a.
         let (x, y) = if matches!(operator, "<" | ">=") { (a, b) } else { (b, a) };
         let (yes, no) = if operator.len() == 1 { (one, zero) } else { (zero, one) };
-        let (compared, span) =
-            self.finish(left.start..right.end, |graph| graph.where_less(x, y, yes, no))?;
-        self.conditions.insert(compared);
-        Ok((vec![compared], span))
+        let span = left.start..right.end;
+        let compared = self.alone(span, |graph| graph.where_less(x, y, yes, no))?;
+        self.conditions.insert(compared.0[0]);
+        Ok(compared)
     }
 
     /// An expression in one more bracket, sign or power.
@@ -524,13 +521,12 @@ impl<'a> Parser<'a> {
         if let Some(Meaning::OfVectors(of)) = meaning {
             return self.of_vectors(*of, &arguments[0].0, &arguments[expected - 1].0, span);
         }
-        let mut numbers = Vec::new();
-        for (k, argument) in arguments.into_iter().enumerate() {
-            let is_condition = expected == 3 && k == 0;
-            numbers.push(
-                if is_condition { self.condition(argument) } else { self.number(argument) }?.0,
-            );
-        }
+        let number = |(k, argument)| match (expected, k) {
+            (3, 0) => self.condition(argument),
+            _ => self.number(argument),
+        };
+        let numbers = arguments.into_iter().enumerate().map(number);
+        let numbers: Vec<Id> = numbers.map(|number| Ok(number?.0)).collect::<Parsed<_>>()?;
         match (meaning, &numbers[..]) {
             (Some(Meaning::Unary(unary)), &[a]) => self.alone(span, |graph| graph.unary(*unary, a)),
             (Some(Meaning::Binary(binary)), &[a, b]) => {
@@ -590,36 +586,25 @@ impl<'a> Parser<'a> {
         })
     }
 
-    /// Expressions of each of these, made at this place.
+    /// Expressions of each of these, made at this place; constants must be finite.
     fn each<T: Copy>(
         &mut self,
         of: &[T],
         span: Range<usize>,
         make: impl Fn(&mut Graph, T) -> Id,
     ) -> Parsed {
-        let one = |&of: &T| Ok(self.finish(span.clone(), |graph| make(graph, of))?.0);
-        Ok((of.iter().map(one).collect::<Parsed<_>>()?, span))
+        self.graph.set_place(span.clone());
+        let ids: Vec<Id> = of.iter().map(|&of| make(self.graph, of)).collect();
+        let mut constants = ids.iter().filter_map(|&id| self.graph.as_constant(id));
+        match constants.find(|value| !value.is_finite()) {
+            Some(value) => self.error(format!("this is not a finite number but {value}"), span),
+            None => Ok((ids, span)),
+        }
     }
 
     /// A number made at this place.
-    fn alone(&mut self, span: Range<usize>, make: impl FnOnce(&mut Graph) -> Id) -> Parsed {
-        self.finish(span, make).map(|(id, span)| (vec![id], span))
-    }
-
-    /// An expression made at this place; constants must be finite.
-    fn finish(
-        &mut self,
-        span: Range<usize>,
-        make: impl FnOnce(&mut Graph) -> Id,
-    ) -> Parsed<Number> {
-        self.graph.set_place(span.clone());
-        let id = make(self.graph);
-        match self.graph.as_constant(id) {
-            Some(value) if !value.is_finite() => {
-                self.error(format!("this is not a finite number but {value}"), span)
-            }
-            _ => Ok((id, span)),
-        }
+    fn alone(&mut self, span: Range<usize>, make: impl Fn(&mut Graph) -> Id) -> Parsed {
+        self.each(&[()], span, |graph, ()| make(graph))
     }
 }
 

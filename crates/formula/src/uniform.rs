@@ -1,6 +1,6 @@
 //! The numbers of a tape: what is the same at all points.
 
-use std::ops::{Neg, Range};
+use std::ops::Range;
 
 use crate::{
     Id,
@@ -78,16 +78,17 @@ pub fn uniform(graph: &Graph, inputs: &Range<usize>) -> Vec<bool> {
     uniform
 }
 
-/// An expression, or minus this expression, as a number of a tape.
+/// An expression, or one, as a number of a tape, or minus this.
 #[derive(Clone, Copy, Debug)]
 pub struct Number {
-    pub id: Id,
+    pub id: Option<Id>,
     pub negative: bool,
 }
 
-impl Neg for Number {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self { negative: !self.negative, ..self }
+impl Number {
+    pub const ONE: Self = Self { id: None, negative: false };
+
+    pub fn is_one(self) -> bool {
+        self.id.is_none() && !self.negative
     }
 }

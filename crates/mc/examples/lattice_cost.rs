@@ -69,7 +69,7 @@ fn main() {
         let schemes: [&dyn Scheme; 4] = [&sexp_li, &Heun, &Split, &Sexp];
         for scheme in schemes {
             let [one, two] = costs(&problem, scheme, spins);
-            let id = scheme.id();
+            let id = scheme.about().id;
             println!("{id:>8} {spins:>8} {one:>10.1} {two:>10.1} {:>6.2}", one / two);
         }
     }

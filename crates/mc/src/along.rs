@@ -21,14 +21,10 @@ use std::sync::Arc;
 use noise::{StepNoise, inverse_normal};
 use nonlin::BlockStatus;
 use real::{PathMask, Row, WIDTH, elementary::exp};
-use schemes::{Method, Step, Stepper};
+use schemes::{About, Method, Step, Stepper};
 use systems::run_time::{Op, System, Weights};
 
-use crate::{
-    Coefficients, Observe, Problem, Setup,
-    observable::splat,
-    setup::{Around, CoefficientsAt, Wrap},
-};
+use crate::{Coefficients, Observe, Problem, Setup, observable::splat, setup::CoefficientsAt};
 
 /// A function of the states of 32 paths.
 pub type OfStates = Arc<dyn Observe + Send + Sync>;
@@ -124,7 +120,7 @@ impl<'a> Setup<'a> {
         let coefficients = Arc::new(move |t: f64, y: &[f64]| {
             extended(&*coefficients, &of, damping.rate(t), (t, y))
         });
-        let scheme = Arc::new(Around { method, wrap: Collecting { system, quantities } });
+        let scheme = Arc::new(Collecting { method, system, quantities });
         Self { problem: Problem { coefficients, ..self.problem }, scheme }
     }
 }
@@ -164,17 +160,22 @@ fn extended(
 
 /// The quantities that paths of a method collect.
 struct Collecting<'a> {
+    method: Arc<dyn Method + 'a>,
     /// System of the method.
     system: &'a dyn System,
     /// Collected quantities, row after row.
     quantities: Vec<Along>,
 }
 
-impl Wrap for Collecting<'_> {
+impl Method for Collecting<'_> {
+    fn about(&self) -> About {
+        self.method.about()
+    }
+
     /// Starts with nothing collected so far, or with the rows that `y` has after the state.
-    fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's> {
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let (state, collected) = y.split_at(self.system.description().dimension);
-        let inner = method.start(state);
+        let inner = self.method.start(state);
         let before = inner.state().to_vec();
         let mut rows = [&before, collected].concat();
         for quantity in self.quantities.iter().filter(|_| collected.is_empty()) {
@@ -295,8 +296,7 @@ impl Passage {
     /// Adds the paths that have passed to `stopped`, if paths stay where they passed.
     fn stop(&self, crossed: &Row, stopped: &mut PathMask) {
         if self.stops {
-            let passed = (0..WIDTH).filter(|&p| crossed[p] > 0.0);
-            passed.for_each(|p| stopped.insert(p));
+            *stopped = stopped.or(PathMask::of(|p| crossed[p] > 0.0));
         }
     }
 
@@ -311,8 +311,7 @@ impl Passage {
         [crossed, time]: [&mut Row; 2],
         scratch: &mut Vec<Row>,
     ) {
-        let mut open = PathMask::NONE;
-        (0..WIDTH).filter(|&p| crossed[p] == 0.0).for_each(|p| open.insert(p));
+        let open = PathMask::of(|p| crossed[p] == 0.0);
         let moves = !open.without(held).is_empty();
         let middle = (before, step.t + 0.5 * step.tau);
         let rate = match &self.gradient {
@@ -354,7 +353,7 @@ fn word(noise: &StepNoise, step: &Step, p: usize) -> u64 {
 
 /// The next number of SplitMix64 after the state x.
 fn mix(x: u64) -> u64 {
-    noise::mix(x.wrapping_add(0x9e37_79b9_7f4a_7c15))
+    noise::mix(x.wrapping_add(noise::GOLDEN))
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@
 use nonlin::BlockStatus;
 use schemes::Step;
 use stats::worse;
-use systems::{Damping, rate_integrals};
+use systems::{Damping, probe::rate_integrals};
 
 use crate::{Setup, observable::splat};
 

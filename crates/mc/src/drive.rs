@@ -18,7 +18,7 @@
 
 use std::{array, cell::RefCell, collections::BTreeMap};
 
-use real::{Bounded, Row, WIDTH};
+use real::{Bounded, Row, WIDTH, golden};
 use systems::run_time::InTime;
 
 use crate::{Problem, run_time::in_time};
@@ -35,8 +35,6 @@ const NEGLIGIBLE: f64 = 1e-6;
 const BUDGET: u32 = 4096;
 /// Scale of the distance of the second point from y₀.
 const BESIDE: f64 = 0.3;
-/// The golden ratio less one: its multiples modulo one fill [0, 1) evenly.
-const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// Resolution of functions that change with time by steps.
 pub struct DriveResolution<'a> {
@@ -49,7 +47,7 @@ pub struct DriveResolution<'a> {
 impl<'a> DriveResolution<'a> {
     /// Resolution of the Hamiltonians of a problem.
     pub fn new(Problem { y0, t_end, in_time: changing, .. }: &Problem<'a>) -> Self {
-        let place = |i: usize| (GOLDEN * (i + 1) as f64).fract() - 0.5;
+        let place = |i: usize| golden((i + 1) as f64) - 0.5;
         let moved = |(i, y): (usize, &f64)| y + BESIDE * place(i) * y.abs().max(1.0);
         let beside: Vec<f64> = y0.iter().enumerate().map(moved).collect();
         let at = |system| [y0, &beside].map(|y| in_time(system, y));
@@ -85,7 +83,7 @@ fn search(functions: &dyn InTime, t_end: f64, steps: u64) -> Option<f64> {
         let middle = |k: usize| ((first + place(k) as f64 - 0.5) * tau).clamp(0.0, t_end);
         let read = functions.values(&array::from_fn(middle));
         let inside: Row = array::from_fn(|k| {
-            let part = (GOLDEN * (first * INSIDE as f64 + k as f64)).fract();
+            let part = golden(first * INSIDE as f64 + k as f64);
             let part = (part + (k % INSIDE) as f64) / INSIDE as f64;
             (first + (k / INSIDE).min(count - 1) as f64 + part) * tau
         });
@@ -183,7 +181,7 @@ mod tests {
     #[test]
     fn aliases_are_missed_and_waves_of_four_steps_are_not() {
         for k in 0..400 {
-            let phase = TAU * (GOLDEN * f64::from(k)).fract();
+            let phase = TAU * golden(f64::from(k));
             let wave = |f: f64| missed(move |t| (TAU * f * t + phase).cos());
             let (slow, fast) = (25.0 * f64::from(k) / 400.0, 150.0 + 7.3 * f64::from(k));
             assert_eq!(wave(slow), None, "{slow} {phase}");
@@ -201,7 +199,7 @@ mod tests {
         }
         // A third of a step of the longer kind, on a wave: some random time meets it.
         for k in 0..50 {
-            let at = (GOLDEN * f64::from(k)).fract() * 0.98;
+            let at = golden(f64::from(k)) * 0.98;
             let near = missed(|t| t + if t > at && t < at + 0.0033 { 1.0 } else { 0.0 });
             assert!(near.is_none_or(|t| (t - at).abs() < 0.01), "{at} {near:?}");
         }

@@ -26,10 +26,10 @@ use std::sync::OnceLock;
 
 use noise::{
     AreaSampler, DyadicLadder, Purpose, StepNoise, StreamKey, WienerRows, area_terms, clip,
-    clip_areas, strong_order_one_error,
+    strong_order_one_error,
 };
 use nonlin::{BlockStatus, are_finite};
-use real::{Block, Kernel, PathMask, Row, WIDTH, dispatch};
+use real::{Block, PathMask, Row, WIDTH};
 use schemes::{Step, Stepper};
 use serde::{Deserialize, Serialize};
 use systems::Damping;
@@ -265,7 +265,7 @@ impl<'a> Marcher<'a> {
             first_path,
             live: PathMask::first(paths),
             next_noise: (driver.noise)(first_path),
-            ladder: DyadicLadder::new(driver.levels, || driver.no_noise()),
+            ladder: DyadicLadder::new(driver.levels, &driver.no_noise()),
             truncated: driver.no_noise(),
             states: driver.runs.iter().enumerate().map(start).collect(),
             statuses: vec![BlockStatus::explicit(); runs],
@@ -357,7 +357,7 @@ impl<'a> Marcher<'a> {
             }
         }
         if !areas.is_empty() {
-            clip_areas(self.driver.noises, areas, batch.bounds.area, &mut self.truncated.areas);
+            clip(areas, batch.bounds.area, &mut self.truncated.areas);
         }
     }
 
@@ -397,7 +397,7 @@ impl<'a> Marcher<'a> {
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
         for (number, run) in self.driver.runs.iter().enumerate() {
             let state = self.states[number].state();
-            if !dispatch(AreFinite(state)) {
+            if !all_finite(state) {
                 let mut status = BlockStatus::explicit();
                 status.fail_where_not_finite(state);
                 self.drop_failed(number, (n >> run.level).saturating_sub(1), &status, tally);
@@ -406,15 +406,10 @@ impl<'a> Marcher<'a> {
     }
 }
 
-/// Whether all numbers are finite: asked once in each coarsest step.
-pub struct AreFinite<'a>(pub &'a [Row]);
-
-impl Kernel for AreFinite<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run(self) -> bool {
-        are_finite(self.0)
+real::kernel! {
+    /// Whether all numbers are finite: asked once in each coarsest step.
+    pub fn all_finite(rows: &'a [Row]) -> bool {
+        are_finite(rows)
     }
 }
 

@@ -4,14 +4,11 @@ use std::sync::Arc;
 
 use noise::StepNoise;
 use nonlin::BlockStatus;
-use real::{Row, elementary::exp};
-use schemes::{Method, Step, Stepper};
+use real::{Row, elementary::exp, golden};
+use schemes::{About, Method, Step, Stepper};
 use systems::Damping;
 
-use crate::{
-    Coefficients, ConformalLaw, Problem, Setup,
-    setup::{Around, Wrap},
-};
+use crate::{Coefficients, ConformalLaw, Problem, Setup};
 
 /// Friction −γ(t)yᵢ on some components i, besides the damping of all of them: with several, and
 /// the damping γ₀ of the problem, dy = (B∇H₀ − Γy)dt + Σ B∇Hₘ ∘ dWₘ with Γ = diag(γ₀ + γ₁, …).
@@ -44,7 +41,7 @@ pub struct Friction {
 impl Friction {
     /// Puts a method between two halves of friction.
     pub fn around<'a>(method: Arc<dyn Method + 'a>, all: &'a [Self]) -> Arc<dyn Method + 'a> {
-        if all.is_empty() { method } else { Arc::new(Around { method, wrap: all }) }
+        if all.is_empty() { method } else { Arc::new(Damped { method, friction: all }) }
     }
 
     /// The formulas of the damping of all components up to `t_end`, and of friction.
@@ -130,9 +127,7 @@ fn decaying<'a>(
     ends: &[Vec<f64>],
 ) -> Option<ConformalLaw<'a>> {
     let size = y0.iter().fold(0.0, |size: f64, y| size.max(y.abs())).max(0.1);
-    // Multiples of the golden ratio, modulo one, are spread evenly.
-    let spread = |k: usize| 0.2 + (k as f64 * 0.618_033_988_749_894_8).fract();
-    let moved = |k: usize, y: &f64| y + 0.3 * size * spread(k);
+    let moved = |k: usize, y: &f64| y + 0.3 * size * (0.2 + golden(k as f64));
     let point = |k: usize| y0.iter().enumerate().map(move |(i, y)| moved(1 + i + k * y0.len(), y));
     let points: Vec<Vec<f64>> = (0..POINTS).map(|k| point(k).collect()).collect();
     let value = Arc::clone(&law.value);
@@ -149,9 +144,19 @@ fn decaying<'a>(
     Some(ConformalLaw { decay: Some(Arc::new(decay)), ..law })
 }
 
-impl Wrap for &[Friction] {
-    fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's> {
-        Box::new(DampedStepper { inner: method.start(y), friction: self })
+/// A method between two halves of friction.
+struct Damped<'a> {
+    method: Arc<dyn Method + 'a>,
+    friction: &'a [Friction],
+}
+
+impl Method for Damped<'_> {
+    fn about(&self) -> About {
+        self.method.about()
+    }
+
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        Box::new(DampedStepper { inner: self.method.start(y), friction: self.friction })
     }
 }
 

@@ -6,14 +6,13 @@ use std::{
 };
 
 use noise::{Purpose, StreamKey, Truncation};
-use real::{PathMask, Row, WIDTH};
+use real::{PathMask, Row, WIDTH, exactly, path};
 use schemes::{StepError, Stepper};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
     LadderError, NextNoise, PathFailure, Problem, Run, Setup, demand,
     driver::{Batch, Bounds, Driver, Failed, GROUP_BLOCKS, GROUP_PATHS, StepTable, Tally, drawn},
-    observable::{components, path},
     parallel::grow,
     parts::{Job, Stop, Work, hash},
     tree::{MergeTree, Node},
@@ -52,7 +51,7 @@ impl<'a> View<'a> {
     /// # Panics
     /// Unless D is the dimension.
     pub fn path<const D: usize>(&self, run: usize, p: usize) -> [f64; D] {
-        path(components(self.state(run)), p)
+        path(exactly(self.state(run)), p)
     }
 }
 
@@ -189,7 +188,7 @@ impl<'a> Ladder<'a> {
         if !(finest > 0.0 && finest.is_finite()) {
             return Err(StepError { tau: finest }.into());
         }
-        let with_areas = runs.iter().any(|run| run.scheme.reads_areas());
+        let with_areas = runs.iter().any(|run| run.scheme.about().reads_areas);
         let same = problem.clone();
         let mut driver = Driver {
             dampings: problem.dampings().collect(),
@@ -215,14 +214,14 @@ impl<'a> Ladder<'a> {
             }
             let tau = driver.tau(level);
             let truncation =
-                if scheme.clips_increments() { truncation } else { Truncation::none() };
+                if scheme.about().clips_increments { truncation } else { Truncation::none() };
             let bounds =
                 Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
             Batch::add(&mut driver.batches, level, swapped, bounds, number);
         }
         // This order decides which failure is described first.
         driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
-        let stack = runs.iter().map(|run| run.scheme.stack()).max().unwrap_or(0);
+        let stack = runs.iter().map(|run| run.scheme.about().stack).max().unwrap_or(0);
         driver.runs = runs;
         Ok(Self { driver, stack, progress: Box::new(|_| ()) })
     }
@@ -477,7 +476,7 @@ impl<'a> Ladder<'a> {
         let (statistic, tally) = sum.unwrap_or_else(|| self.nothing(new));
         let failure = |&Failed { run, path, step, cause }: &Failed| {
             let Run { ref scheme, level, swapped } = self.driver.runs[run];
-            let (scheme, key, tau) = (scheme.id(), self.driver.key, self.tau(level));
+            let (scheme, key, tau) = (scheme.about().id, self.driver.key, self.tau(level));
             PathFailure { path, key, scheme, swapped, tau, step, cause }
         };
         let failures = tally.failures.iter().map(failure).collect();
@@ -521,7 +520,7 @@ impl<'a> Ladder<'a> {
             (0..16).map(move |n| at(n).map(one_nan))
         });
         let bounds = batches.iter().map(|Batch { bounds, .. }| [bounds.increment, bounds.area]);
-        let schemes = runs.iter().map(|run| (run.scheme.id(), run.level, run.swapped));
+        let schemes = runs.iter().map(|run| (run.scheme.about().id, run.level, run.swapped));
         hash(&(
             (key.seed, key.experiment, finest_steps, levels, states),
             (damping.collect::<Vec<_>>(), bounds.collect::<Vec<_>>(), schemes.collect::<Vec<_>>()),

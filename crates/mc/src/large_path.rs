@@ -3,7 +3,7 @@
 use noise::{Purpose, StepNoise, StreamKey, Truncation, WienerPath, WienerRows};
 use nonlin::BlockStatus;
 use rayon::prelude::*;
-use real::{Row, Rows, WIDTH, dispatch};
+use real::{Row, Rows, WIDTH};
 use schemes::{
     Step, Stepper,
     run_time::{Scheme, SchemeError},
@@ -15,7 +15,7 @@ use systems::{
 };
 
 use crate::{
-    Cause, Checkpoint, LadderError, PathFailure, checkpoint::foreign, driver::AreFinite,
+    Cause, Checkpoint, LadderError, PathFailure, checkpoint::foreign, driver::all_finite,
     parts::JobError,
 };
 
@@ -102,7 +102,7 @@ impl<'a> LargePath<'a> {
         }
         let tau = problem.t_end() / steps as f64;
         Step::new(damping, 0, tau)?;
-        let clips = scheme.clips_increments();
+        let clips = scheme.about().clips_increments;
         let bound = if clips { truncation.bound(tau)? } else { f64::INFINITY };
         let mut stepper = scheme.stepper(system)?;
         for (component, &y) in problem.y0().iter().enumerate() {
@@ -118,7 +118,7 @@ impl<'a> LargePath<'a> {
             Source::Common(WienerPath::new(key, path))
         };
         let noise = Rows::zero(layout.noise_rows).into();
-        let (scheme, cause) = (scheme.id(), Cause::NotFinite);
+        let (scheme, cause) = (scheme.about().id, Cause::NotFinite);
         let failure = PathFailure { path, key, scheme, swapped: false, tau, step: 0, cause };
         Ok(Self {
             system,
@@ -211,7 +211,7 @@ impl<'a> LargePath<'a> {
     }
 
     fn is_finite(&self) -> bool {
-        self.state().par_chunks(1024).all(|rows| dispatch(AreFinite(rows)))
+        self.state().par_chunks(1024).all(all_finite)
     }
 
     /// The rows of the state, in the layout of the system.

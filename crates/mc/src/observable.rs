@@ -1,6 +1,6 @@
 //! Test functions.
 
-use real::{PathMask, Row, WIDTH};
+use real::{PathMask, Row, WIDTH, exactly, path};
 
 /// A test function φ of states of any dimension.
 pub trait Observe: Sync {
@@ -54,7 +54,7 @@ where
     /// Copies states eight at a time: a function that reads what was stored just before, in other
     /// pieces, waits.
     fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
-        let (phi, y) = (&self.function, components(y));
+        let (phi, y) = (&self.function, exactly(y));
         if live != PathMask::ALL {
             live.paths().for_each(|p| values[p] = phi(path(y, p)));
             return;
@@ -82,22 +82,4 @@ pub fn add_rows(sums: &mut [Row], more: &[Row]) {
 /// Rows of a block with the state `y` on all paths.
 pub fn splat(y: &[f64]) -> Vec<Row> {
     y.iter().map(|&y| [y; WIDTH]).collect()
-}
-
-/// The rows of states in D dimensions.
-///
-/// # Panics
-/// If the states have another dimension.
-pub fn components<const D: usize>(y: &[Row]) -> &[Row; D] {
-    y.try_into().unwrap_or_else(|_| panic!("a state has {} dimensions, not {D}", y.len()))
-}
-
-/// The state of path p.
-#[inline(always)]
-pub fn path<const D: usize>(y: &[Row; D], p: usize) -> [f64; D] {
-    let mut state = [0.0; D];
-    for i in 0..D {
-        state[i] = y[i][p];
-    }
-    state
 }

@@ -6,7 +6,7 @@ use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, Rows};
 use schemes::{
-    Method, Step, Stepper,
+    About, Method, Step, Stepper,
     run_time::{Scheme, SchemeError},
 };
 use systems::run_time::{self, InTime, Lanes, Op, System, Weights};
@@ -99,20 +99,11 @@ struct Bound<'a, B> {
 }
 
 impl<B: Deref<Target: Scheme> + Send + Sync> Method for Bound<'_, B> {
-    fn id(&self) -> &'static str {
-        self.scheme.id()
+    fn about(&self) -> About {
+        let about = self.scheme.about();
+        About { reads_areas: self.system.description().noises > 1 && about.reads_areas, ..about }
     }
 
-    fn reads_areas(&self) -> bool {
-        self.system.description().noises > 1 && self.scheme.reads_areas()
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.scheme.clips_increments()
-    }
-
-    /// # Panics
-    /// If there is no more memory.
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let stepper = self.scheme.stepper(self.system);
         let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));

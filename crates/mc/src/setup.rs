@@ -1,20 +1,17 @@
-//! A problem and a scheme of any dimension, with any number of noises; and methods around others.
+//! A problem and a scheme of any dimension, with any number of noises.
 
 use std::{ops::Deref, sync::Arc};
 
 use noise::{Purpose, StepNoise, StreamKey};
 use nonlin::BlockStatus;
-use real::{Block, Row, elementary::exp};
-use schemes::{Method, Scheme, Step, Stepper};
+use real::{Block, Row, elementary::exp, exactly};
+use schemes::{About, Method, Scheme, Step, Stepper};
 use systems::{
     Damping, Invariant, InvariantKind, PoissonSystem, ito_correction, run_time::System, unit_noise,
     vector_field,
 };
 
-use crate::{
-    Friction,
-    observable::{components, splat},
-};
+use crate::{Friction, observable::splat};
 
 /// A problem of any dimension with any number of noises: all that a driver needs beside the steps
 /// of schemes. [`of`](Self::of) makes that of a [`systems::Problem`],
@@ -120,7 +117,7 @@ pub type CoefficientsAt<'a> = dyn Fn(f64, &[f64]) -> Coefficients + Send + Sync 
 /// use noise::{StepNoise, StreamKey, Truncation};
 /// use nonlin::BlockStatus;
 /// use real::Row;
-/// use schemes::{Method, Step, Stepper};
+/// use schemes::{About, Method, Step, Stepper};
 /// use systems::Constant;
 ///
 /// /// dy = dW by Euler's method, in any dimension.
@@ -128,9 +125,7 @@ pub type CoefficientsAt<'a> = dyn Fn(f64, &[f64]) -> Coefficients + Send + Sync 
 /// struct Walked(Vec<Row>);
 ///
 /// impl Method for Walk {
-///     fn id(&self) -> &'static str { "euler" }
-///     fn reads_areas(&self) -> bool { false }
-///     fn clips_increments(&self) -> bool { false }
+///     fn about(&self) -> About { About::new("euler") }
 ///     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
 ///         Box::new(Walked(y.to_vec()))
 ///     }
@@ -304,29 +299,15 @@ where
     S: Sync,
     B: Deref<Target = dyn Scheme<S, D, M> + 'a> + Send + Sync,
 {
-    fn id(&self) -> &'static str {
-        self.scheme.id()
-    }
-
-    fn reads_areas(&self) -> bool {
-        self.scheme.reads_areas()
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.scheme.clips_increments()
-    }
-
-    /// Bytes of stack of a step.
-    ///
     /// Newton's method and continuation have a dozen matrices in an optimised build, and up to 160
-    /// (measured) in one that is not optimised. Memory that is not used is only reserved.
-    fn stack(&self) -> usize {
-        (1 << 19) + 256 * 8 * D * D
+    /// (measured) in one that is not optimised. Stack that is not used is only reserved.
+    fn about(&self) -> About {
+        About { stack: (1 << 19) + 256 * 8 * D * D, ..self.scheme.about() }
     }
 
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         let Self { system, scheme } = self;
-        Box::new(BlockState { system: *system, scheme: &**scheme, y: Block(*components(y)) })
+        Box::new(BlockState { system: *system, scheme: &**scheme, y: Block(*exactly(y)) })
     }
 }
 
@@ -348,39 +329,5 @@ impl<S: Sync, const D: usize, const M: usize> Stepper for BlockState<'_, S, D, M
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         self.scheme.step_block(self.system, step, &noise.into(), &mut self.y, status);
-    }
-}
-
-/// Maker of steppers around those of another method.
-pub trait Wrap: Send + Sync {
-    /// A stepper around one of `method`; see [`Method::start`].
-    fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's>;
-}
-
-/// A method in a wrapper, which reads the noise of that method.
-pub struct Around<'a, T> {
-    pub method: Arc<dyn Method + 'a>,
-    pub wrap: T,
-}
-
-impl<T: Wrap> Method for Around<'_, T> {
-    fn id(&self) -> &'static str {
-        self.method.id()
-    }
-
-    fn reads_areas(&self) -> bool {
-        self.method.reads_areas()
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.method.clips_increments()
-    }
-
-    fn stack(&self) -> usize {
-        self.method.stack()
-    }
-
-    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
-        self.wrap.start(&*self.method, y)
     }
 }

@@ -5,11 +5,9 @@ use std::sync::Arc;
 use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, WIDTH, elementary};
-use schemes::{Method, Step, Stepper};
+use schemes::{About, Method, Step, Stepper};
 
-use crate::setup::{Around, Wrap};
-
-/// Tangent vectors after the states of a method, and the logarithms of their growth since the
+/// A method with tangent vectors after its states, and the logarithms of their growth since the
 /// start; last the sum of these. Orthogonalisation separates the vectors (Benettin, Galgani,
 /// Giorgilli and Strelcyn, *Meccanica* 15, 1980).
 ///
@@ -17,7 +15,9 @@ use crate::setup::{Around, Wrap};
 /// with the same noise, over δ = √(10⁻¹⁵ ab) with the largest component a of y and the largest
 /// change b of a component in a step so far: in between what rounds and what bends, also far from
 /// zero. At first, and at rest, δ is 10⁻⁷ times a, or one.
-pub struct Tangents {
+pub struct Tangents<'a> {
+    /// The method.
+    pub method: Arc<dyn Method + 'a>,
     /// Number of components of the state.
     pub dimension: usize,
     /// Number of vectors.
@@ -30,17 +30,14 @@ const DIFFERENCE: f64 = 1e-7;
 /// Size below which states and changes count as zero, where δ is that of rest.
 const SMALLEST: f64 = 1e-150;
 
-impl Tangents {
-    /// Wraps a method, so that its states have these vectors.
-    pub fn around<'a>(self, method: Arc<dyn Method + 'a>) -> Arc<dyn Method + 'a> {
-        Arc::new(Around { method, wrap: self })
+impl Method for Tangents<'_> {
+    fn about(&self) -> About {
+        self.method.about()
     }
-}
 
-impl Wrap for Tangents {
     /// Starts with generic vectors, or with those that `y` has after the state.
-    fn start<'s>(&'s self, method: &'s dyn Method, y: &[Row]) -> Box<dyn Stepper + 's> {
-        let &Self { dimension, count, .. } = self;
+    fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
+        let &Self { ref method, dimension, count } = self;
         let (state, vectors) = y.split_at(dimension);
         let mut rows = state.to_vec();
         match vectors.get(..count * dimension) {
@@ -62,7 +59,7 @@ impl Wrap for Tangents {
 /// number in [−1, 1) by the multiplications of SplitMix64 (Steele, Lea and Flood 2014). Components
 /// are the same on all paths, so that chains differ by their noise alone.
 fn generic(n: usize) -> Row {
-    let z = (n as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let z = (n as u64 + 1).wrapping_mul(noise::GOLDEN);
     let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     [(z >> 11) as f64 * f64::EPSILON - 1.0; WIDTH]

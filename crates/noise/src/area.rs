@@ -2,7 +2,7 @@
 
 use real::Row;
 
-use crate::{NoiseError, Truncation, clip};
+use crate::{NoiseError, Truncation};
 
 impl Truncation {
     /// The largest |Â_ij| at step `tau`: (k/π) τ|log τ|, which is 1/(2π) times the square of
@@ -36,13 +36,5 @@ pub fn join(areas: &mut [Row], first: &[Row], second_areas: &[Row], second: &[Ro
                 *area = (*area + second_area[p]) + 0.5 * wedge;
             }
         }
-    }
-}
-
-/// Writes the areas of `noises` noises, clipped to ±`bound`, into `clipped`.
-pub fn clip_areas(noises: usize, areas: &[Row], bound: f64, clipped: &mut [Row]) {
-    for i in 0..noises {
-        let above = i * noises + i + 1..(i + 1) * noises;
-        clip(&areas[above.clone()], bound, &mut clipped[above]);
     }
 }

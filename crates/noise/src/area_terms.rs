@@ -53,11 +53,8 @@ pub fn area_terms(error: f64, step: f64, noises: usize) -> Result<usize, NoiseEr
         let needs = format!("{real:.3e} terms a step, more than {MAX_AREA_TERMS}");
         return Err(NoiseError(format!("the error asked of the areas needs {needs}")));
     }
-    // Rounding may have moved the quotient across an integer.
-    let mut terms = (real.ceil() as usize).max(1);
-    while terms > 1 && area_error(step, terms - 1, noises) <= error {
-        terms -= 1;
-    }
+    // The next integer, unless rounding has moved the quotient across one.
+    let mut terms = (real as usize).max(1);
     while area_error(step, terms, noises) > error {
         terms += 1;
     }

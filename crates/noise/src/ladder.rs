@@ -18,9 +18,9 @@ pub struct DyadicLadder {
 impl DyadicLadder {
     /// Ladder of `levels` levels above the finest, which is level 0, for noise with the rows of
     /// `no_noise`.
-    pub fn new(levels: usize, no_noise: impl Fn() -> StepNoise) -> Self {
-        let zero = || (0..=levels).map(|_| no_noise()).collect();
-        Self { first_half: zero(), whole: zero(), pushed: 0 }
+    pub fn new(levels: usize, no_noise: &StepNoise) -> Self {
+        let whole = vec![no_noise.clone(); levels + 1];
+        Self { first_half: whole.clone(), whole, pushed: 0 }
     }
 
     /// Adds the next finest step. `draw` writes its noise over that of the step before. Returns the
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn every_level_holds_the_noise_of_its_step() {
         let pieces = pieces();
-        let mut ladder = DyadicLadder::new(3, || StepNoise::with_areas(3));
+        let mut ladder = DyadicLadder::new(3, &StepNoise::with_areas(3));
         for (n, piece) in pieces.iter().enumerate() {
             let complete = ladder.push(|finest| finest.set_path(5, &noise_of(&[*piece])));
             assert_eq!(complete, ((n + 1).trailing_zeros() as usize).min(3));

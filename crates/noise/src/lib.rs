@@ -42,11 +42,11 @@
 //! | [`BlockNoise`], [`Noise`] | the same for a compiled kernel, and of one path |
 //! | [`QuasiWiener`] | increments from scrambled Sobol points, by a Brownian bridge |
 //! | [`ScrambledSobol`], [`inverse_normal`] | the points, and the normal of a word |
-//! | [`Truncation`], [`clip`] | truncated increments ΔŴ |
+//! | [`Truncation`], [`clip`] | truncated increments ΔŴ and areas |
 //! | [`DyadicLadder`] | increments and areas of all coarser steps |
 //! | [`area_terms`], [`area_error`] | terms of the series of an area, and its error |
 //! | [`AreaSampler`], [`AreaPath`] | Lévy areas given the increments, of 32 paths, of one path |
-//! | [`join`], [`clip_areas`] | Chen's relation, truncated areas |
+//! | [`join`] | Chen's relation |
 
 pub use real;
 
@@ -64,7 +64,7 @@ mod stream;
 mod truncation;
 mod wiener;
 
-pub use area::{clip_areas, join};
+pub use area::join;
 pub use area_sampler::{AreaPath, AreaSampler};
 pub use area_terms::{MAX_AREA_TERMS, area_error, area_terms, strong_order_one_error};
 pub use error::NoiseError;
@@ -73,6 +73,6 @@ pub use ladder::DyadicLadder;
 pub use quasi_wiener::QuasiWiener;
 pub use sobol::ScrambledSobol;
 pub use step::{BlockNoise, Noise, StepNoise, skew};
-pub use stream::{Purpose, StreamKey, mix};
+pub use stream::{GOLDEN, Purpose, StreamKey, mix};
 pub use truncation::{Truncation, clip};
 pub use wiener::{WienerPath, WienerRows};

@@ -1,6 +1,6 @@
 //! The noise of one step: increments and Lévy areas.
 
-use real::{Row, Rows, WIDTH};
+use real::{Row, Rows, WIDTH, exactly, path};
 
 use crate::join;
 
@@ -24,7 +24,7 @@ impl<const M: usize> Noise<M> {
 /// The noise of one step on a block of 32 paths, for any number M of noises.
 ///
 /// A_ml of path p, m < l, is `areas[m * M + l][p]`; the other rows are zero.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct StepNoise {
     /// ΔW_m of every path; row m belongs to noise number m.
     pub increments: Rows,
@@ -132,20 +132,10 @@ impl<'a, const M: usize> BlockNoise<'a, M> {
         matrix
     }
 
-    /// The increments of path `p`.
-    #[inline(always)]
-    pub fn increments_of(&self, p: usize) -> [f64; M] {
-        let mut increments = [0.0; M];
-        for m in 0..M {
-            increments[m] = self.increments[m][p];
-        }
-        increments
-    }
-
     /// The noise of path `p`.
     #[inline(always)]
     pub fn path(&self, p: usize) -> Noise<M> {
-        Noise { increments: self.increments_of(p), areas: skew(&self.area_rows(), p) }
+        Noise { increments: path(self.increments, p), areas: skew(&self.area_rows(), p) }
     }
 }
 
@@ -168,10 +158,4 @@ impl<'a, const M: usize> From<&'a StepNoise> for BlockNoise<'a, M> {
     fn from(noise: &'a StepNoise) -> Self {
         Self { increments: exactly(&noise.increments), areas: &noise.areas }
     }
-}
-
-/// The rows of M noises.
-#[inline(always)]
-fn exactly<const M: usize>(rows: &[Row]) -> &[Row; M] {
-    rows.try_into().unwrap_or_else(|_| panic!("a kernel of {M} noises, got {}", rows.len()))
 }

@@ -15,8 +15,9 @@ pub struct StreamKey {
     pub experiment: u64,
 }
 
-/// The odd constant of SplitMix64: ⌊2⁶⁴/φ⌋ made odd.
-pub(crate) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+/// 2⁶⁴/φ made odd, the constant of SplitMix64: its multiples modulo 2⁶⁴ are the multiples of the
+/// golden ratio modulo one. Of all such sequences this one has the smallest gaps.
+pub const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Bits of the number of an experiment.
 const EXPERIMENT_BITS: u32 = 40;

@@ -1,6 +1,6 @@
 //! Truncated Wiener increments.
 
-use real::{Kernel, Row, WIDTH, dispatch, elementary};
+use real::{Row, WIDTH, elementary};
 
 use crate::NoiseError;
 
@@ -57,25 +57,16 @@ impl Truncation {
     /// [`NoiseError`] unless 0 < τ < 1, or 0 < τ < ∞ for a wide
     /// truncation. For τ ≥ 1 the threshold A is zero or increases with τ.
     pub fn bound(self, tau: f64) -> Result<f64, NoiseError> {
-        match self.order {
-            None => Ok(f64::INFINITY),
-            Some(k) if tau > 0.0 && tau < 1.0 => {
-                let threshold = (2.0 * f64::from(k) * elementary::ln(tau).abs()).sqrt();
-                Ok(tau.sqrt() * if self.wide { threshold.max(WIDE) } else { threshold })
-            }
-            Some(_) if self.wide && tau >= 1.0 && tau.is_finite() => Ok(tau.sqrt() * WIDE),
-            Some(_) => Err(NoiseError(format!(
+        let Some(k) = self.order else { return Ok(f64::INFINITY) };
+        let (least, longest) = if self.wide { (WIDE, f64::INFINITY) } else { (0.0, 1.0) };
+        if !(tau > 0.0 && tau < longest) {
+            return Err(NoiseError(format!(
                 "truncated increments need a step size with 0 < tau < 1, got tau = {tau}"
-            ))),
+            )));
         }
+        let threshold = (2.0 * f64::from(k) * elementary::ln(tau.min(1.0)).abs()).sqrt();
+        Ok(tau.sqrt() * threshold.max(least))
     }
-}
-
-/// Writes the increments `dw`, clipped to ±`bound`, into `clipped`, which has equally many rows.
-/// Returns the number of increments changed. Infinities and NaN stay, so that their paths fail.
-#[inline]
-pub fn clip(dw: &[Row], bound: f64, clipped: &mut [Row]) -> u64 {
-    dispatch(Clip { dw, bound, clipped })
 }
 
 /// Whether x is finite and beyond ±`bound`.
@@ -84,23 +75,17 @@ fn is_beyond(x: f64, bound: f64) -> bool {
     (x.abs() > bound) & (x.abs() < f64::INFINITY)
 }
 
-struct Clip<'a> {
-    dw: &'a [Row],
-    bound: f64,
-    clipped: &'a mut [Row],
-}
-
-impl Kernel for Clip<'_> {
-    type Output = u64;
-    #[inline(always)]
-    fn run(self) -> u64 {
+real::kernel! {
+    /// Writes increments or areas, clipped to ±`bound`, into `clipped`, which has equally many rows.
+    /// Returns how many are changed. Infinities and NaN stay, so that their paths fail.
+    pub fn clip(dw: &'a [Row], bound: f64, clipped: &'a mut [Row]) -> u64 {
         // The counter has the width of the lanes. It wraps, since an overflow check is a branch.
         let mut count = 0u64;
-        for (dw, clipped) in self.dw.iter().zip(self.clipped) {
+        for (dw, clipped) in dw.iter().zip(clipped) {
             for p in 0..WIDTH {
                 let w = dw[p];
-                let beyond = is_beyond(w, self.bound);
-                clipped[p] = if beyond { self.bound.copysign(w) } else { w };
+                let beyond = is_beyond(w, bound);
+                clipped[p] = if beyond { bound.copysign(w) } else { w };
                 count = count.wrapping_add(if beyond { 1 } else { 0 });
             }
         }
@@ -111,7 +96,7 @@ impl Kernel for Clip<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{StepNoise, clip_areas};
+    use crate::StepNoise;
     use real::Block;
 
     #[test]
@@ -158,7 +143,7 @@ mod tests {
         let mut noise = StepNoise::with_areas(2);
         noise.areas[1] = dw.0[1];
         let mut clipped = StepNoise::with_areas(2);
-        clip_areas(2, &noise.areas, 1.0, &mut clipped.areas);
+        clip(&noise.areas, 1.0, &mut clipped.areas);
         assert_eq!((clipped.areas[1][4], clipped.path::<2>(4).areas[1][0]), (-1.0, 1.0));
         let (tau, truncation) = (1.0 / 512.0, Truncation::new(2).unwrap());
         let expected = 2.0 / std::f64::consts::PI * tau * f64::ln(tau).abs();

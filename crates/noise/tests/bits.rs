@@ -168,7 +168,7 @@ fn ladder_sums_can_be_recomputed_from_a_path() {
     const LEVELS: usize = 6;
     let scale = 2f64.powi(-7);
     let mut wiener = WienerRows::new(KEY, 96);
-    let mut ladder = DyadicLadder::new(LEVELS, || StepNoise::zero(3));
+    let mut ladder = DyadicLadder::new(LEVELS, &StepNoise::zero(3));
     let path = |p| WienerPath::<3>::new(KEY, 96 + p as u64);
     let mut replay = [(); LEVELS + 1].map(|()| [0, 13, 31].map(|p| (p, path(p))));
     for _ in 0..1 << 9 {

@@ -185,11 +185,10 @@ impl BlockStatus {
     #[cold]
     #[inline(never)]
     fn fail(&mut self, y: &[Row]) {
-        for p in (0..WIDTH).filter(|&p| y.iter().any(|row| !row[p].is_finite())) {
-            self.robust.remove(p);
-            self.failed.insert(p);
-            self.pending.0[0][p] = f64::INFINITY;
-        }
+        let failed = PathMask::of(|p| y.iter().any(|row| !row[p].is_finite()));
+        self.robust = self.robust.without(failed);
+        self.failed = self.failed.or(failed);
+        failed.paths().for_each(|p| self.pending.0[0][p] = f64::INFINITY);
     }
 
     /// Number of iterations on path `p`: sweeps of the fast method or Newton iterations of the

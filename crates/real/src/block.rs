@@ -1,5 +1,7 @@
 //! Blocks of paths and subsets of them.
 
+use crate::path;
+
 /// Number of paths in a block. The compiler unrolls a loop of exactly 8 before it vectorises it.
 /// A loop of 32 it vectorises: four AVX-512 vectors, enough to hide latency.
 pub const WIDTH: usize = 32;
@@ -32,11 +34,7 @@ impl<const D: usize> Block<D> {
     /// The D numbers of path `p` < [`WIDTH`].
     #[inline(always)]
     pub fn path(&self, p: usize) -> [f64; D] {
-        let mut y = [0.0; D];
-        for i in 0..D {
-            y[i] = self.0[i][p];
-        }
-        y
+        path(&self.0, p)
     }
 
     /// Replaces the D numbers of path `p` < [`WIDTH`].
@@ -61,6 +59,11 @@ impl PathMask {
     /// The first `n` paths; all of them for n ≥ [`WIDTH`].
     pub fn first(n: usize) -> Self {
         if n >= WIDTH { Self::ALL } else { Self((1 << n) - 1) }
+    }
+
+    /// The paths that `are` in the set.
+    pub fn of(are: impl Fn(usize) -> bool) -> Self {
+        (0..WIDTH).filter(|&p| are(p)).fold(Self::NONE, |paths, p| Self(paths.0 | 1 << p))
     }
 
     /// Whether path `p` is in the set.

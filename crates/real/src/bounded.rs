@@ -4,7 +4,7 @@
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{Degree, Real};
+use crate::{Degree, Real, operator::operator};
 
 /// A value with a bound of its rounding error, by running error analysis (Wilkinson 1986; Higham
 /// 2002, section 3.3): |computed − exact| ≤ `error`, to first order in the unit round-off u.
@@ -101,19 +101,14 @@ impl Bounded {
     }
 }
 
-impl Add for Bounded {
-    type Output = Self;
-    fn add(self, b: Self) -> Self {
-        Self::rounded(self.value + b.value, self.error + b.error, self.degree + b.degree)
-    }
-}
-
-impl Sub for Bounded {
-    type Output = Self;
-    fn sub(self, b: Self) -> Self {
-        self + -b
-    }
-}
+operator!([] Bounded: Add::add(a, b: Self)
+    => Self::rounded(a.value + b.value, a.error + b.error, a.degree + b.degree));
+operator!([] Bounded: Sub::sub(a, b: Self) => a + -b);
+operator!([] Bounded: Neg::neg(a) => Self { value: -a.value, ..a });
+operator!([] Bounded: Add::add(a, b: f64) => a + Self::constant(b));
+operator!([] Bounded: Sub::sub(a, b: f64) => a - Self::constant(b));
+operator!([] Bounded: Mul::mul(a, b: f64) => a * Self::constant(b));
+operator!([] Bounded: Div::div(a, b: f64) => a / Self::constant(b));
 
 impl Mul for Bounded {
     type Output = Self;
@@ -133,41 +128,6 @@ impl Div for Bounded {
         let error = (self.error + value.abs() * b.error) / least;
         let quotient = Self::rounded(value, error, self.degree / b.degree);
         if self.is_zero() { quotient } else { quotient.underflow() }
-    }
-}
-
-impl Neg for Bounded {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self { value: -self.value, ..self }
-    }
-}
-
-impl Add<f64> for Bounded {
-    type Output = Self;
-    fn add(self, b: f64) -> Self {
-        self + Self::constant(b)
-    }
-}
-
-impl Sub<f64> for Bounded {
-    type Output = Self;
-    fn sub(self, b: f64) -> Self {
-        self - Self::constant(b)
-    }
-}
-
-impl Mul<f64> for Bounded {
-    type Output = Self;
-    fn mul(self, b: f64) -> Self {
-        self * Self::constant(b)
-    }
-}
-
-impl Div<f64> for Bounded {
-    type Output = Self;
-    fn div(self, b: f64) -> Self {
-        self / Self::constant(b)
     }
 }
 

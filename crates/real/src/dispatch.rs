@@ -20,6 +20,44 @@ pub trait Kernel {
     fn run(self) -> Self::Output;
 }
 
+/// A function that runs as a [`Kernel`], whose references live for `'a`.
+///
+/// ```
+/// real::kernel! {
+///     /// Adds weight·value.
+///     pub fn add(sum: &'a mut [real::Row], value: &'a [real::Row], weight: f64) {
+///         for (sum, value) in sum.as_flattened_mut().iter_mut().zip(value.as_flattened()) {
+///             *sum += value * weight;
+///         }
+///     }
+/// }
+/// let mut sum = [[1.0; 32]];
+/// add(&mut sum, &[[2.0; 32]], 0.5);
+/// assert_eq!(sum, [[2.0; 32]]);
+/// ```
+#[macro_export]
+macro_rules! kernel {
+    ($(#[$about:meta])* $visible:vis fn $name:ident($($field:ident: $type:ty),*)
+        $(-> $output:ty)? $body:block) => {
+        $(#[$about])*
+        #[inline]
+        $visible fn $name<'a>($($field: $type),*) $(-> $output)? {
+            struct Fields<'a> {
+                $($field: $type),*
+            }
+            impl<'a> $crate::Kernel for Fields<'a> {
+                type Output = ($($output)?);
+                #[inline(always)]
+                fn run(self) -> Self::Output {
+                    let Self { $($field),* } = self;
+                    $body
+                }
+            }
+            $crate::dispatch(Fields { $($field),* })
+        }
+    };
+}
+
 /// An instruction set that kernels are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]

@@ -28,9 +28,11 @@
 //! | [`gradient`], [`along`], [`seeded`], [`derivatives`] | derivatives by dual numbers |
 //! | [`unrolled!`] | loops that are written out |
 //! | [`Factored`] | small linear systems without branches |
+//! | [`golden`] | points that are spread evenly |
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
 //! | [`Row`], [`Rows`] | 32 numbers, and rows on the heap whose number is known at run time |
-//! | [`Kernel`], [`dispatch`], [`Simd`] | run-time choice of the instruction set |
+//! | [`exactly`], [`path`] | rows whose number the compiler knows, and the numbers of one path |
+//! | [`Kernel`], [`dispatch`], [`kernel!`], [`Simd`] | run-time choice of the instruction set |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc; powers and logarithms for results |
 //!
 //! The feature `dispatch` (default) provides the run-time choice of the instruction set and is the
@@ -45,6 +47,7 @@ mod dispatch;
 mod dual;
 pub mod elementary;
 mod factored;
+mod golden;
 mod number;
 mod operator;
 mod powers;
@@ -59,6 +62,7 @@ pub use derivative::{ScalarFunction, along, derivatives, fixed, gradient, is_wri
 pub use dispatch::{Kernel, Simd, dispatch, limit_to};
 pub use dual::{Dual, DualNumber, Partial, Variation, Varies};
 pub use factored::Factored;
+pub use golden::golden;
 pub use number::Real;
-pub use rows::{Row, Rows};
+pub use rows::{Row, Rows, exactly, path};
 pub use segment::Segment;

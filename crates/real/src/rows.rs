@@ -7,6 +7,25 @@ use crate::WIDTH;
 /// 32 numbers: one component of 32 paths, or 32 components of one path.
 pub type Row = [f64; WIDTH];
 
+/// The numbers at place p of N rows, such as the state of path p.
+#[inline(always)]
+pub fn path<const N: usize, const L: usize>(rows: &[[f64; L]; N], p: usize) -> [f64; N] {
+    let mut numbers = [0.0; N];
+    for i in 0..N {
+        numbers[i] = rows[i][p];
+    }
+    numbers
+}
+
+/// The rows as an array.
+///
+/// # Panics
+/// Unless there are N of them.
+#[inline(always)]
+pub fn exactly<const N: usize>(rows: &[Row]) -> &[Row; N] {
+    rows.try_into().unwrap_or_else(|_| panic!("{N} rows are needed, got {}", rows.len()))
+}
+
 /// Numbers in a cache line, to which rows are aligned.
 const LINE: usize = 8;
 
@@ -32,6 +51,15 @@ impl Rows {
     pub fn splat(y: &[f64]) -> Self {
         let mut rows = Self::zero(y.len());
         rows.iter_mut().zip(y).for_each(|(row, &y)| *row = [y; WIDTH]);
+        rows
+    }
+}
+
+/// A copy has memory of its own, aligned anew.
+impl Clone for Rows {
+    fn clone(&self) -> Self {
+        let mut rows = Self::zero(self.count);
+        rows.copy_from_slice(self);
         rows
     }
 }

@@ -126,7 +126,7 @@ pub fn initial(
                 }
             }
             for (formula, row) in formulas.iter().zip(site) {
-                formula.values(&point, row);
+                *row = formula.values(&point);
             }
         }
     };

@@ -244,11 +244,9 @@ impl Vocabulary {
             Some(excess) => {
                 let inputs = excess.variables.len();
                 let tape = excess.gradient(&(0..inputs).collect::<Vec<_>>());
-                let gradient = move |y: &[Row], slope: &mut [Row]| {
-                    let mut scratch = vec![[0.0; WIDTH]; tape.scratch_rows()];
-                    tape.evaluate(&[y], slope, &mut scratch);
-                };
-                let phi = move |y: &[Row], values: &mut Row| excess.values(&y[..inputs], values);
+                let gradient =
+                    move |y: &[Row], slope: &mut [Row]| slope.copy_from_slice(&tape.rows(&[y]));
+                let phi = move |y: &[Row], values: &mut Row| *values = excess.values(&y[..inputs]);
                 let phi = Quantity::Function(Arc::new(phi));
                 (phi, Some(Arc::new(gradient) as Arc<Gradient>))
             }

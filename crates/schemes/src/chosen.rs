@@ -6,14 +6,14 @@ use real::Block;
 use systems::{PoissonSystem, run_time::System};
 
 use crate::{
-    Scheme, SchemeError, Sexp, SexpLevy, SexpLi, Step, Stepper, run_time, sexp_levy::WithAreas,
-    sexp_li::LinearlyImplicit,
+    About, Scheme, SchemeError, Sexp, SexpLevy, SexpLi, Step, Stepper, kernel::about, run_time,
+    sexp_levy::WithAreas, sexp_li::LinearlyImplicit,
 };
 
-/// Both traits of schemes for a type, given functions for the identifier and for whether increments
-/// are clipped, and the formula for `$M` noises. With one noise none with areas is compiled.
+/// Both traits of schemes for a type, given its [`About`] for several noises, and the formula for
+/// `$M` noises. With one noise none with areas is compiled.
 macro_rules! chosen {
-    ($scheme:ty, $id:expr, $clips:expr, |$this:ident, $M:ident| $formula:expr) => {
+    ($scheme:ty, |$this:ident, $M:ident| $about:expr, $formula:expr) => {
         impl $scheme {
             fn formula<S: PoissonSystem<D, $M>, const D: usize, const $M: usize>(
                 self,
@@ -22,25 +22,12 @@ macro_rules! chosen {
                 let $this = self;
                 $formula
             }
-
-            fn at_run_time_formula(self) -> &'static dyn run_time::Scheme {
-                const $M: usize = 2;
-                let $this = self;
-                $formula
-            }
         }
 
         impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for $scheme {
-            fn id(&self) -> &'static str {
-                ($id)(self)
-            }
-
-            fn reads_areas(&self) -> bool {
-                M > 1 && self.at_run_time_formula().reads_areas()
-            }
-
-            fn clips_increments(&self) -> bool {
-                ($clips)(self)
+            fn about(&self) -> About {
+                let about = run_time::Scheme::about(self);
+                About { reads_areas: M > 1 && about.reads_areas, ..about }
             }
 
             fn step_block(
@@ -60,36 +47,39 @@ macro_rules! chosen {
         }
 
         impl run_time::Scheme for $scheme {
-            fn id(&self) -> &'static str {
-                ($id)(self)
-            }
-
-            fn reads_areas(&self) -> bool {
-                self.at_run_time_formula().reads_areas()
-            }
-
-            fn clips_increments(&self) -> bool {
-                ($clips)(self)
+            fn about(&self) -> About {
+                let $this = self;
+                $about
             }
 
             fn stepper<'a>(
                 &'a self,
                 system: &'a dyn System,
             ) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-                self.at_run_time_formula().stepper(system)
+                const $M: usize = 2;
+                let $this = self;
+                let formula: &'static dyn run_time::Scheme = $formula;
+                formula.stepper(system)
             }
         }
     };
 }
 
-chosen!(SexpLi, Self::name, |li: &Self| li.clips, |this, M| {
-    match (const { M > 1 } && this.areas, this.implicit) {
+chosen!(
+    SexpLi,
+    |li, M| {
+        let id = if li.areas { "sexp-li-levy" } else { "sexp-li" };
+        About { reads_areas: li.areas, clips_increments: li.clips, ..About::new(id) }
+    },
+    match (const { M > 1 } && li.areas, li.implicit) {
         (true, true) => &LinearlyImplicit::<true, true>,
         (true, false) => &LinearlyImplicit::<false, true>,
         (false, true) => &LinearlyImplicit::<true, false>,
         (false, false) => &LinearlyImplicit::<false, false>,
     }
-});
-chosen!(SexpLevy, |_| "sexp-levy", |_| true, |this, M| {
-    if const { M > 1 } && !this.commuting() { &WithAreas } else { &Sexp }
-});
+);
+chosen!(
+    SexpLevy,
+    |levy, M| About { reads_areas: !levy.commuting(), ..about::<WithAreas>() },
+    if const { M > 1 } && !levy.commuting() { &WithAreas } else { &Sexp }
+);

@@ -2,10 +2,10 @@
 
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Outcome, Solution};
-use real::{Block, Kernel, WIDTH, dispatch, unrolled};
+use real::{Block, Kernel, WIDTH, dispatch, path, unrolled};
 use systems::Flows;
 
-use crate::{Nv, Scheme, Split, Step};
+use crate::{About, Nv, Scheme, Split, Step};
 
 /// A scheme that moves paths by flows and numbers, one after the other.
 ///
@@ -146,10 +146,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S
         // From a copy: in place, `nv` on Maxwell–Bloch takes a fifth longer.
         let start = self.y;
         for p in 0..N {
-            let mut y = [0.0; D];
-            for i in 0..D {
-                y[i] = start[i][p];
-            }
+            let y = path(&start, p);
             let mut dw = [0.0; M];
             match times.noises {
                 Noises::None => {}
@@ -204,16 +201,8 @@ macro_rules! composed {
         impl<$($c: Composition<S, D, M>,)? S: Flows<D, M>, const D: usize, const M: usize>
             Scheme<S, D, M> for $scheme
         {
-            fn id(&self) -> &'static str {
-                <$inner as Composition<S, D, M>>::ID
-            }
-
-            fn reads_areas(&self) -> bool {
-                false
-            }
-
-            fn clips_increments(&self) -> bool {
-                false
+            fn about(&self) -> About {
+                About::new(<$inner as Composition<S, D, M>>::ID)
             }
 
             fn step_block(

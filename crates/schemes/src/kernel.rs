@@ -4,11 +4,11 @@ use std::marker::PhantomData;
 
 use noise::{BlockNoise, Noise, skew};
 use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Outcome, Solution};
-use real::{Block, Kernel, Real, Row, WIDTH, dispatch};
+use real::{Block, Kernel, Real, Row, WIDTH, dispatch, path};
 use systems::{ImplicitStep, PoissonSystem};
 
 use crate::{
-    Implicit, Scheme, Step,
+    About, Implicit, Scheme, Step,
     increment::{SystemIncrement, constant},
 };
 
@@ -17,16 +17,8 @@ where
     F: Implicit,
     S: PoissonSystem<D, M>,
 {
-    fn id(&self) -> &'static str {
-        F::ID
-    }
-
-    fn reads_areas(&self) -> bool {
-        M > 1 && F::READS_AREAS
-    }
-
-    fn clips_increments(&self) -> bool {
-        F::CLIPS_INCREMENTS
+    fn about(&self) -> About {
+        About { reads_areas: M > 1 && F::READS_AREAS, ..about::<F>() }
     }
 
     fn step_block(
@@ -56,6 +48,12 @@ where
         }
         solution
     }
+}
+
+/// Identifier and needs of a formula for several noises.
+pub(crate) const fn about<F: Implicit>() -> About {
+    let (reads_areas, clips_increments) = (F::READS_AREAS, F::CLIPS_INCREMENTS);
+    About { reads_areas, clips_increments, ..About::new(F::ID) }
 }
 
 #[inline(always)]
@@ -135,7 +133,7 @@ impl<'a, F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Bl
     fn path(&self, p: usize) -> Self::Path {
         let Self { formula, system, step, noise, ref areas, y } = *self;
         let areas = if F::READS_AREAS { skew(areas, p) } else { [[0.0; M]; M] };
-        let noise = Noise { increments: noise.increments_of(p), areas };
+        let noise = Noise { increments: path(noise.increments, p), areas };
         let y = y.path(p);
         let start = if F::EXACT_DAMPING { scaled(y, step.first_decay) } else { y };
         Equation { formula, system, step, noise, start }

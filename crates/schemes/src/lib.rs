@@ -70,7 +70,7 @@ pub use error::SchemeError;
 pub use formula::{Explicit, Implicit};
 pub use heun::Heun;
 pub use increment::{Increment, Vector};
-pub use method::{Method, Stepper};
+pub use method::{About, Method, Stepper};
 pub use midpoint::Midpoint;
 pub use nv::{Nv, Sweep};
 /// Numbers that formulas are written for: an implementor needs no second dependency.

@@ -6,6 +6,26 @@ use real::{PathMask, Row};
 
 use crate::Step;
 
+/// Identifier of a scheme or a method, and what it needs of a driver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct About {
+    /// Identifier in results, for example `sexp`.
+    pub id: &'static str,
+    /// Whether it reads the Lévy areas of a step. If so, the driver draws them.
+    pub reads_areas: bool,
+    /// Whether the driver truncates increments and areas for it.
+    pub clips_increments: bool,
+    /// Bytes of stack that a step needs, if not few.
+    pub stack: usize,
+}
+
+impl About {
+    /// A method that reads no areas, takes increments of any size, and needs little stack.
+    pub const fn new(id: &'static str) -> Self {
+        Self { id, reads_areas: false, clips_increments: false, stack: 0 }
+    }
+}
+
 /// A scheme on a system, both fixed, of any dimension and with any number of noises: what a driver
 /// sees of them.
 ///
@@ -13,23 +33,12 @@ use crate::Step;
 /// and so does a scheme on a system known at run time. Like a scheme it draws no random numbers and
 /// truncates nothing.
 pub trait Method: Send + Sync {
-    /// Identifier in results, for example `sexp`.
-    fn id(&self) -> &'static str;
-
-    /// Whether the method reads the Lévy areas of a step.
-    fn reads_areas(&self) -> bool;
+    /// Identifier, and what the method needs of a driver.
+    fn about(&self) -> About;
 
     /// Zero noise of a step, with areas if the method reads them.
     fn no_noise(&self, noises: usize) -> StepNoise {
-        StepNoise::none(noises, self.reads_areas())
-    }
-
-    /// Whether the driver truncates increments and areas for this method.
-    fn clips_increments(&self) -> bool;
-
-    /// Bytes of stack that a step needs; few unless overridden.
-    fn stack(&self) -> usize {
-        0
+        StepNoise::none(noises, self.about().reads_areas)
     }
 
     /// 32 paths in the states `y`; row i is component i. A block of paths has one for each run,

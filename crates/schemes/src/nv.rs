@@ -1,7 +1,7 @@
 //! Weak order two: flows of the Hamiltonians, one by one.
 
 use real::unrolled;
-use systems::{Flows, TRIPLE_JUMP};
+use systems::{Flows, probe::TRIPLE_JUMP};
 
 use crate::{Composition, Paths, Scheme, Step, Times};
 

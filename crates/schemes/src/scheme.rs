@@ -4,7 +4,7 @@ use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Solution};
 use real::Block;
 
-use crate::Step;
+use crate::{About, Step};
 
 /// A one-step method for systems of type S in D dimensions with M noises.
 ///
@@ -17,14 +17,8 @@ use crate::Step;
     note = "implement `Explicit`, `Implicit` or, for a system with `Flows`, `Composition`"
 )]
 pub trait Scheme<S, const D: usize, const M: usize>: Send + Sync {
-    /// Identifier in results, for example `sexp`.
-    fn id(&self) -> &'static str;
-
-    /// Whether the scheme reads the Lévy areas of a step. If so, the driver draws them.
-    fn reads_areas(&self) -> bool;
-
-    /// Whether the driver truncates increments and areas for this scheme.
-    fn clips_increments(&self) -> bool;
+    /// Identifier, and what the scheme needs of a driver.
+    fn about(&self) -> About;
 
     /// Advances every path of the block `y` by one step and overwrites `status`. A path that
     /// `status` marks as failed holds the last iterate of the solver, which is not a solution.

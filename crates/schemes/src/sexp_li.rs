@@ -114,10 +114,6 @@ impl SexpLi {
             },
         })
     }
-
-    pub(crate) fn name(&self) -> &'static str {
-        if self.areas { "sexp-li-levy" } else { "sexp-li" }
-    }
 }
 
 /// The formula. `IMPLICIT`: for an affine B, else for linear Casimirs.

@@ -1,5 +1,6 @@
 //! Time, step size and damping of one step, shared by all paths.
 
+use noise::GOLDEN;
 use real::elementary;
 use systems::Damping;
 
@@ -49,18 +50,17 @@ impl Step {
         if !(tau > 0.0 && tau.is_finite()) {
             return Err(StepError { tau });
         }
-        // Times are products, not sums, so that t_n agrees for different step sizes.
-        let (start, end) = (n as f64 * tau, (n as f64 + 1.0) * tau);
-        let middle = (n as f64 + 0.5) * tau;
-        let (first, second) = (damping.integral(start, middle), damping.integral(middle, end));
+        let (first, first_decay) = over_half(damping, tau, n, 0);
+        let (second, second_decay) = over_half(damping, tau, n, 1);
+        let rate = |part: f64| damping.rate((n as f64 + part) * tau);
         Ok(Self {
-            t: start,
+            t: n as f64 * tau,
             tau,
-            first_decay: dithered_exp(-first, n.wrapping_mul(2)),
-            second_decay: dithered_exp(-second, n.wrapping_mul(2).wrapping_add(1)),
-            rate_at_start: damping.rate(start),
-            rate_at_middle: damping.rate(middle),
-            rate_at_end: damping.rate(end),
+            first_decay,
+            second_decay,
+            rate_at_start: rate(0.0),
+            rate_at_middle: rate(0.5),
+            rate_at_end: rate(1.0),
             damping_integral: first + second,
         })
     }
@@ -68,9 +68,7 @@ impl Step {
     /// exp(−∫γ) of another damping over a half of the step: 0 is the first, 1 the second. It is
     /// dithered like the factors of the step.
     pub fn decay(&self, damping: &(impl Damping + ?Sized), half: u64) -> f64 {
-        let number = self.number().wrapping_mul(2).wrapping_add(half);
-        let time = |n: u64| 0.5 * n as f64 * self.tau;
-        dithered_exp(-damping.integral(time(number), time(number + 1)), number)
+        over_half(damping, self.tau, self.number(), half).1
     }
 
     /// A step of size `tau`, which may be negative, about the middle of this one, without damping.
@@ -101,9 +99,14 @@ impl Step {
     }
 }
 
-/// 2⁶⁴/φ made odd: its multiples modulo 2⁶⁴ are the multiples of the golden ratio modulo one. Of
-/// all such sequences this one has the smallest gaps.
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+/// ∫γ and exp(−∫γ), dithered, over a half of step number n of size `tau`: 0 is the first, 1 the
+/// second.
+fn over_half(damping: &(impl Damping + ?Sized), tau: f64, n: u64, half: u64) -> (f64, f64) {
+    // Times are products, not sums, so that t_n agrees for different step sizes.
+    let time = |halves: u64| (n as f64 + 0.5 * halves as f64) * tau;
+    let integral = damping.integral(time(half), time(half + 1));
+    (integral, dithered_exp(-integral, n.wrapping_mul(2).wrapping_add(half)))
+}
 
 /// One of the two floating-point numbers next to eˣ. A fraction |remainder|/spacing of all
 /// `number`s gives the farther one.

@@ -63,6 +63,8 @@ mod report;
 mod rules;
 mod wells;
 
+use std::sync::Arc;
+
 use noise::{Purpose, StreamKey, Truncation};
 use real::{Row, WIDTH};
 
@@ -199,7 +201,7 @@ impl<'a> Equilibrium<'a> {
         RunError::unmet([(allowed, "number of exponents", range, count as f64)])?;
         let rows = if count == 1 { 1 } else { count + 1 };
         let mut setup = self.setup.clone();
-        setup.scheme = Tangents { dimension: most, count }.around(setup.scheme);
+        setup.scheme = Arc::new(Tangents { method: setup.scheme, dimension: most, count });
         self.averages(&setup, Averaged::Growth(rows), accuracy)
     }
 
@@ -223,7 +225,7 @@ impl<'a> Equilibrium<'a> {
         loop {
             if chains.is_due() {
                 let tau = setup.problem.t_end / chains.steps as f64;
-                let id = setup.scheme.id();
+                let id = setup.scheme.about().id;
                 let now = Averages::new(&chains, settings, (of, id, tau), accuracy, watched);
                 let half_width = now.half_width();
                 told(half_width, (accuracy / half_width).powi(2).min(1.0));

@@ -70,8 +70,12 @@ impl Watched<'_> {
 
     pub fn names(&self) -> Vec<String> {
         let components = self.components().map(|i| self.names[i].clone());
-        let sums =
-            (0..self.sums()).map(|c| format!("{} + {} + …", self.names[c], self.names[c + SUMS]));
+        let sum = |first: usize| {
+            let two: Vec<&str> =
+                self.names.iter().skip(first).step_by(SUMS).take(2).map(String::as_str).collect();
+            format!("{} + …", two.join(" + "))
+        };
+        let sums = (0..self.sums()).map(sum);
         let functions = self.functions.iter().map(|function| function.name().to_owned());
         components.chain(sums).chain(functions).collect()
     }

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use real::{Kernel, PathMask, WIDTH, dispatch, elementary};
+use real::{PathMask, WIDTH, elementary};
 use serde::{Deserialize, Serialize};
 
 use crate::quantile::{CONFIDENCE, two_sided};
@@ -37,7 +37,7 @@ impl CentralMoments {
     pub fn of_block(values: &[f64; WIDTH], paths: PathMask) -> Self {
         match paths.is_empty() {
             true => Self::default(),
-            false => dispatch(OfBlock { values, scale: 1.0, paths }),
+            false => of_block(values, 1.0, paths),
         }
     }
 
@@ -47,11 +47,9 @@ impl CentralMoments {
         if paths.is_empty() {
             return paths;
         }
-        let block = dispatch(OfBlock { values, scale, paths });
+        let block = of_block(values, scale, paths);
         if !block.mean.is_finite() {
-            let mut finite = PathMask::NONE;
-            let is_finite = |&p: &usize| (values[p] * scale).is_finite();
-            paths.paths().filter(is_finite).for_each(|p| finite.insert(p));
+            let finite = PathMask::of(|p| paths.contains(p) && (values[p] * scale).is_finite());
             if finite != paths {
                 return self.add_block(values, scale, finite);
             }
@@ -199,14 +197,6 @@ impl CentralMoments {
     }
 }
 
-/// The moments of some values of a block, times `scale`. Sums run over eight lanes, which are added
-/// in a fixed order, so that every instruction set gives the same bits.
-struct OfBlock<'a> {
-    values: &'a [f64; WIDTH],
-    scale: f64,
-    paths: PathMask,
-}
-
 /// Lanes of a sum.
 const LANES: usize = 8;
 
@@ -244,20 +234,18 @@ fn larger(a: f64, b: f64) -> f64 {
     if a < b { b } else { a }
 }
 
-impl Kernel for OfBlock<'_> {
-    type Output = CentralMoments;
-
-    /// Computes the moments from the deviations from one of the values. It is no further from the
-    /// mean than √(m₂), so at most five bits of the second moment are lost.
-    #[inline(always)]
-    fn run(self) -> CentralMoments {
-        let n = f64::from(self.paths.len());
-        let origin = self.values[self.paths.0.trailing_zeros() as usize % WIDTH] * self.scale;
+real::kernel! {
+    /// The moments of some values of a block, times `scale`, from the deviations from one of the
+    /// values. It is no further from the mean than √(m₂), so at most five bits of the second moment
+    /// are lost. Sums run over eight lanes, which are added in a fixed order, so that every
+    /// instruction set gives the same bits.
+    fn of_block(values: &'a [f64; WIDTH], scale: f64, paths: PathMask) -> CentralMoments {
+        let n = f64::from(paths.len());
+        let origin = values[paths.0.trailing_zeros() as usize % WIDTH] * scale;
         let [mut first, mut second, mut third, mut fourth] = [[0.0; WIDTH]; 4];
         let [mut low, mut high] = [[0.0; WIDTH]; 2];
         for p in 0..WIDTH {
-            let value =
-                if self.paths.0 >> p & 1 == 1 { self.values[p] * self.scale } else { origin };
+            let value = if paths.0 >> p & 1 == 1 { values[p] * scale } else { origin };
             let deviation = value - origin;
             let square = deviation * deviation;
             (low[p], high[p]) = (value, -value);
@@ -275,12 +263,12 @@ impl Kernel for OfBlock<'_> {
             at_ends[p] = at_least + if high[p] == ends[1] { 64.0 } else { 0.0 };
         }
         let at_ends = sum(&at_ends) as u64;
-        let others = WIDTH as u64 - u64::from(self.paths.len());
+        let others = WIDTH as u64 - u64::from(paths.len());
         let without = |count, is_end| count - if is_end { others } else { 0 };
         let at_ends =
             [without(at_ends % 64, origin == ends[0]), without(at_ends / 64, -origin == ends[1])];
         CentralMoments {
-            count: u64::from(self.paths.len()),
+            count: u64::from(paths.len()),
             mean: origin + shift,
             m2: larger(second - n * square, 0.0),
             m3: third - 3.0 * shift * second + 2.0 * n * square * shift,

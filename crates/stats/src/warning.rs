@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 /// Something that a reader of a result must know.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Warning {
-    /// What is wrong or not known.
+    /// Fact that is wrong or not known.
     pub what: String,
     /// Evidence for it, with its numbers; may be empty.
     pub why: String,
-    /// What would help; may be empty.
+    /// Remedy; may be empty.
     pub remedy: String,
 }
 

@@ -1,6 +1,6 @@
 //! The bins of a histogram.
 
-use real::{Kernel, WIDTH, dispatch};
+use real::WIDTH;
 use serde::{Deserialize, Serialize};
 
 /// Bins of equal width, with an underflow below and an overflow above. Bin number k, counted from
@@ -76,7 +76,7 @@ impl Grid {
     pub fn place(&self, values: &[f64; WIDTH], places: &mut [u32; WIDTH]) {
         // Powers of two: both products are exact.
         let scale = 1.0 / self.width;
-        dispatch(Place { values, scale, before: self.lo * scale - 1.0, bins: self.bins, places });
+        place(values, scale, self.lo * scale - 1.0, self.bins, places);
     }
 }
 
@@ -85,28 +85,23 @@ fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
 }
 
-struct Place<'a> {
-    values: &'a [f64; WIDTH],
-    scale: f64,
-    before: f64,
-    bins: u32,
-    places: &'a mut [u32; WIDTH],
-}
-
 /// 2⁵²: the low bits of n + 2⁵² are those of the integer n.
 const TO_INTEGER: f64 = 4_503_599_627_370_496.0;
 
-impl Kernel for Place<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let last = f64::from(self.bins) + 1.0;
+real::kernel! {
+    fn place(
+        values: &'a [f64; WIDTH],
+        scale: f64,
+        before: f64,
+        bins: u32,
+        places: &'a mut [u32; WIDTH]
+    ) {
+        let last = f64::from(bins) + 1.0;
         for p in 0..WIDTH {
-            let place = (self.values[p] * self.scale).floor() - self.before;
+            let place = (values[p] * scale).floor() - before;
             let place = if place > 0.0 { place } else { 0.0 };
             let place = if place < last { place } else { last };
-            self.places[p] = (place + TO_INTEGER).to_bits() as u32;
+            places[p] = (place + TO_INTEGER).to_bits() as u32;
         }
     }
 }

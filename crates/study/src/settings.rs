@@ -178,7 +178,7 @@ impl Record {
             y0: problem.y0.clone(),
             start: start.map(|initial| initial.law.clone()),
             t_end: problem.t_end,
-            scheme: scheme.id().into(),
+            scheme: scheme.about().id.into(),
             truncation: settings.truncation.order(),
             steps: settings.steps,
             times: start.map(|_| 0).into_iter().chain(settings.time_steps()?).collect(),

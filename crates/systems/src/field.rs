@@ -2,7 +2,8 @@
 
 use dgrad::GradientField;
 use real::{
-    Bounded, Degree, Partial, Real, ScalarFunction, along, derivatives, fixed, seeded, unrolled,
+    Bounded, Degree, Partial, Real, ScalarFunction, along, derivatives, fixed, golden, seeded,
+    unrolled,
 };
 
 use crate::PoissonSystem;
@@ -239,12 +240,6 @@ pub fn around(y: &[f64], in_domain: impl Fn(&[f64]) -> bool) -> Vec<Vec<f64>> {
         points.extend(inside.filter(|point| !points.contains(point)));
     }
     points
-}
-
-/// The multiple of the golden ratio with this number, modulo one: successive numbers give points of
-/// [0, 1) with large gaps between them, for any count of points.
-pub(crate) fn golden(number: f64) -> f64 {
-    (number * 0.618_033_988_749_894_8).fract()
 }
 
 #[cfg(test)]

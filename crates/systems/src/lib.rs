@@ -46,6 +46,7 @@
 //! | [`Damping`] | γ(t) and ∫γ |
 //! | [`Invariant`] | a Casimir or an energy with its conformal law |
 //! | [`Problem`] | system, damping, initial value and final time |
+//! | [`probe`] | how the crates above look at a system |
 //! | [`run_time`] | systems whose dimension is known at run time |
 //! | [`paper`] | the problems of Bréhier, Cohen and Komori (2025) |
 //!
@@ -73,18 +74,15 @@ mod rigid_body;
 pub mod run_time;
 mod system;
 
-pub use damping::{
-    Constant, Cosine, Damping, DampingFunction, Harmonic, Linear, RateIntegrals, Sine,
-    rate_integrals,
-};
+pub use damping::{Constant, Cosine, Damping, DampingFunction, Harmonic, Linear, Sine};
 pub use error::SystemError;
 pub use field::{
-    HamiltonianIncrement, area_gradient, around, is_quadratic, ito_correction, jacobi_holds,
-    noises_commute, unit_noise, vanish, vector_field, vector_field_derivative,
+    HamiltonianIncrement, area_gradient, is_quadratic, ito_correction, jacobi_holds,
+    noises_commute, unit_noise, vector_field, vector_field_derivative,
 };
-pub use flows::{Flows, TRIPLE_JUMP};
+pub use flows::Flows;
 pub use invariant::{Form, Invariant, InvariantKind};
-pub use linearity::{Linearity, always_solvable, linearity, shown_solvable};
+pub use linearity::{Linearity, always_solvable, linearity};
 pub use lotka_volterra::LotkaVolterra;
 pub use maxwell_bloch::MaxwellBloch;
 pub use pendulum::Pendulum;
@@ -92,3 +90,14 @@ pub use poisson3::Poisson3;
 pub use problem::Problem;
 pub use rigid_body::{RigidBody, RigidBodyEnergy};
 pub use system::{ImplicitStep, PoissonSystem};
+
+/// How the crates above look at a system: points around a state, what vanishes there, integrals of
+/// a rate.
+pub mod probe {
+    pub use crate::{
+        damping::{RateIntegrals, rate_integrals},
+        field::{around, vanish},
+        flows::TRIPLE_JUMP,
+        linearity::shown_solvable,
+    };
+}

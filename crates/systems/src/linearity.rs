@@ -1,8 +1,8 @@
 //! How B depends on y, which decides whether a step can be linearly implicit.
 
-use real::{Bounded, Degree, elementary};
+use real::{Bounded, Degree, elementary, golden};
 
-use crate::{PoissonSystem, cayley::identity_minus_half, field::golden};
+use crate::{PoissonSystem, cayley::identity_minus_half};
 
 /// Dependence of the structure matrix B on y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -182,14 +182,14 @@ impl<'a> Ready<'a> {
         let scene = &combination.scene;
         let setup = scene.collecting(scene.setup(&settled.0)?);
         let settings = &scene.settings;
-        if setup.scheme.clips_increments()
+        if setup.scheme.about().clips_increments
             && let Err(error) = settings.truncation.bound(settings.until / settings.steps as f64)
         {
             let least = settings.until.floor() as u64 + 1;
             return Err(scene.steps_error(format_args!(
                 "{} truncates increments: {error}. Take at least {least} steps, or leave out \
                  `truncation`",
-                setup.scheme.id()
+                setup.scheme.about().id
             )))?;
         }
         Ok(Self { combination, setup, settled })

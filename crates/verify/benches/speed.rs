@@ -126,7 +126,7 @@ fn peak_memory_mb() -> Option<f64> {
 /// one, and by the clock on the wall; and the largest memory meanwhile, null where the system does
 /// not tell.
 fn measure(of: &str, setup: &Setup<'_>, workload: Workload) -> Result<Value> {
-    let (Setup { problem, scheme }, id) = (setup, setup.scheme.id());
+    let (Setup { problem, scheme }, id) = (setup, setup.scheme.about().id);
     let Workload { paths, steps, threads, levels, repetitions } = workload;
     let runs = (0..=levels).map(|level| Run::new(scheme.clone(), level)).collect();
     let ladder = Ladder::new(problem, steps, levels, truncation(), KEY, runs)?;

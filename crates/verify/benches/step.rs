@@ -24,7 +24,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use noise::{
     AreaPath, AreaSampler, Noise, StepNoise, StreamKey, Truncation, WienerPath, WienerRows, clip,
-    clip_areas, strong_order_one_error,
+    strong_order_one_error,
 };
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, WIDTH};
@@ -84,14 +84,15 @@ impl<S, const D: usize> Run<S, D> {
             bencher.iter(|| {
                 let mut wiener = WienerRows::new(KEY, first_path);
                 let mut sampler = scheme
-                    .reads_areas()
+                    .about()
+                    .reads_areas
                     .then(|| AreaSampler::new(KEY, first_path, M, terms::<M>()));
                 let mut y = Block::splat(self.y0);
                 for step in &self.steps {
                     wiener.increments(TAU.sqrt(), &mut drawn.increments);
                     if let Some(sampler) = &mut sampler {
                         sampler.areas(TAU, &drawn.increments, &mut drawn.areas);
-                        clip_areas(M, &drawn.areas, self.area_bound, &mut shown.areas);
+                        clip(&drawn.areas, self.area_bound, &mut shown.areas);
                     }
                     clip(&drawn.increments, self.bound, &mut shown.increments);
                     scheme.step_block(&self.system, step, &(&shown).into(), &mut y, &mut status);
@@ -130,7 +131,7 @@ impl<S, const D: usize> Run<S, D> {
             bencher.iter(|| {
                 let mut wiener = WienerPath::<M>::new(KEY, path);
                 let mut sampler =
-                    scheme.reads_areas().then(|| AreaPath::<M>::new(KEY, path, terms::<M>()));
+                    scheme.about().reads_areas.then(|| AreaPath::<M>::new(KEY, path, terms::<M>()));
                 let mut areas = [[0.0; M]; M];
                 let mut y = self.y0;
                 for step in &self.steps {

@@ -6,7 +6,7 @@ use mc::Setup;
 use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::Row;
-use schemes::{Method, Step, Stepper};
+use schemes::{About, Method, Step, Stepper};
 
 /// Change of a step and its noise, applied after increments were clipped.
 type Change<'a> = dyn Fn(&mut Step, &mut StepNoise) + Send + Sync + 'a;
@@ -14,7 +14,7 @@ type Change<'a> = dyn Fn(&mut Step, &mut StepNoise) + Send + Sync + 'a;
 /// Method that runs on a changed step or changed noise.
 struct Altered<'a> {
     method: Arc<dyn Method + 'a>,
-    clips: bool,
+    about: About,
     change: Box<Change<'a>>,
 }
 
@@ -26,26 +26,15 @@ pub fn altered<'a>(
     change: impl Fn(&mut Step, &mut StepNoise) + Send + Sync + 'a,
 ) -> Setup<'a> {
     let method = setup.scheme;
-    let clips = clips || method.clips_increments();
-    let scheme = Arc::new(Altered { method, clips, change: Box::new(change) });
+    let mut about = method.about();
+    about.clips_increments |= clips;
+    let scheme = Arc::new(Altered { method, about, change: Box::new(change) });
     Setup { scheme, ..setup }
 }
 
 impl Method for Altered<'_> {
-    fn id(&self) -> &'static str {
-        self.method.id()
-    }
-
-    fn reads_areas(&self) -> bool {
-        self.method.reads_areas()
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.clips
-    }
-
-    fn stack(&self) -> usize {
-        self.method.stack()
+    fn about(&self) -> About {
+        self.about
     }
 
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
@@ -65,9 +54,7 @@ impl Stepper for AlteredStepper<'_> {
     }
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
-        let new = if noise.areas.is_empty() { StepNoise::zero } else { StepNoise::with_areas };
-        let (mut step, mut other) = (*step, new(noise.increments.len()));
-        other.copy_from(noise);
+        let (mut step, mut other) = (*step, noise.clone());
         (self.1)(&mut step, &mut other);
         self.0.step(&step, &other, status);
     }

@@ -43,7 +43,7 @@ impl<'a> Compiled<'a> {
         let setup = |scheme| {
             let made = S::scheme(scheme, problem.system(), problem.y0()).ok()?;
             // Without areas to read, it is the scheme without areas.
-            if scheme.is_for_areas() && !made.reads_areas() {
+            if scheme.is_for_areas() && !made.about().reads_areas {
                 return None;
             }
             let scheme = bind_owned(problem, made);

@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             own = own.min(seconds(&mine_ladder));
             ours = ours.min(seconds(&their_ladder));
         }
-        println!("{}: {:.2} times the time of {}", mine.id(), own / ours, theirs.id());
+        println!("{}: {:.2} times the time of {}", mine.about().id, own / ours, theirs.about().id);
         assert!(own < 1.15 * ours);
     }
     Ok(())

@@ -76,7 +76,7 @@ impl<'a> Candidates<'a> {
         for id in BuiltIn::ALL {
             match bind(id) {
                 // The same without areas is there already.
-                Ok(scheme) if id.is_for_areas() && !scheme.reads_areas() => {}
+                Ok(scheme) if id.is_for_areas() && !scheme.about().reads_areas => {}
                 Ok(scheme) => all = all.and(scheme),
                 Err(_) => {}
             }

@@ -110,7 +110,7 @@ impl<'a> Climb<'a> {
         let stop = settings.stop.within(settings.budget_s);
         let reference = self.pilot(&candidates.reference, &stop)?;
         if let Some(Outcome::Fails(failure)) = reference.excluded {
-            let (scheme, steps) = (candidates.reference.id(), base << LAST_PILOT);
+            let (scheme, steps) = (candidates.reference.about().id, base << LAST_PILOT);
             return Err(RunError::Setting(format!(
                 "{scheme} fails on pilot paths with {steps} steps, too: {failure}; take a shorter \
                  final time, or another reference"
@@ -118,7 +118,7 @@ impl<'a> Climb<'a> {
         }
         let all = candidates.schemes.iter().map(|scheme| self.pilot(scheme, &stop));
         let mut all = all.collect::<Result<Vec<Climber<'_>>, _>>()?;
-        let id = candidates.reference.id().to_owned();
+        let id = candidates.reference.about().id.to_owned();
         let mut found = (Sampled { reference: id, ..Sampled::default() }, f64::INFINITY);
         let cut = match reference.excluded {
             None => self.climb(&mut all, reference.rungs.start, &mut found, &stop)?,
@@ -133,7 +133,7 @@ impl<'a> Climb<'a> {
             _ => DriveResolution::new(problem).unresolved(sampled.steps).map(Choice::NotResolved),
         };
         let candidate = |one: Climber<'_>| {
-            Candidate::new(one.scheme.id(), one.points, one.asked, one.excluded, damped)
+            Candidate::new(one.scheme.about().id, one.points, one.asked, one.excluded, damped)
         };
         let candidates: Vec<Candidate> = all.into_iter().map(candidate).collect();
         Ok(Comparison {
@@ -174,7 +174,7 @@ impl<'a> Climb<'a> {
         }
         Ok(Climber {
             // Of areas that are better than those of a run half of the error is asked.
-            asked: if scheme.reads_areas() { 0.5 } else { 1.0 } * self.settings.error,
+            asked: if scheme.about().reads_areas { 0.5 } else { 1.0 } * self.settings.error,
             scheme: Arc::clone(scheme),
             rungs: first..first,
             excluded,
@@ -281,7 +281,7 @@ impl<'a> Climb<'a> {
             samples,
             failed: measured.failed,
             failures: measured.failures.iter().map(ToString::to_string).collect(),
-            reference: candidates.reference.id().to_owned(),
+            reference: candidates.reference.about().id.to_owned(),
             steps: base << reference,
             last_difference: rms(0),
             spread: rms(2),

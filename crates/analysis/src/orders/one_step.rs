@@ -123,7 +123,7 @@ fn differences(
     let mut sums = vec![(0.0, 0.0, 0.0); amplifications.len()];
     for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
         let first_path = block * WIDTH as u64;
-        let (noises, areas) = (setup.problem.noises, setup.scheme.reads_areas());
+        let (noises, areas) = (setup.problem.noises, setup.scheme.about().reads_areas);
         let draw = |&factor: &f64| two_steps(noises, areas, key, first_path, 0.5 * tau, factor);
         let drawn: Vec<[StepNoise; 2]> = amplifications.iter().map(draw).collect();
         for (p, visit) in visits.iter().enumerate() {

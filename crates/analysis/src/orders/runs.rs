@@ -6,6 +6,8 @@ use mc::{
     parts::{Job, Stop},
 };
 
+use real::golden;
+
 use super::{
     Limit, Order, StepSizes,
     decision::{More, undecided},
@@ -78,8 +80,7 @@ pub fn visits(
     let ladder = sizes.ladder(setup, steps, 0, paths)?;
     let tau = ladder.tau(0);
     let visit = |view: &View<'_>, p: usize| {
-        // Multiples of the golden ratio, modulo one, are spread evenly.
-        let fraction = ((view.first_path + p as u64) as f64 * 0.618_033_988_749_894_8).fract();
+        let fraction = golden((view.first_path + p as u64) as f64);
         let time = (1 + (fraction * steps as f64) as u64).min(steps);
         let t = time as f64 * tau;
         (time == view.time).then(|| Visit { t, state: state(view, 0, p) })

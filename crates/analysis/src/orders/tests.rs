@@ -3,7 +3,7 @@
 use noise::{BlockNoise, Noise, StreamKey, Truncation};
 use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, Real, WIDTH};
-use schemes::{Scheme, Step};
+use schemes::{About, Scheme, Step};
 use stats::{CrossMoments, Rate};
 use systems::PoissonSystem;
 
@@ -207,14 +207,8 @@ impl PoissonSystem<2, 1> for Anything {
 pub struct Single(pub fn(f64, f64, f64, [f64; 2]) -> [f64; 2]);
 
 impl Scheme<Anything, 2, 1> for Single {
-    fn id(&self) -> &'static str {
-        "single"
-    }
-    fn reads_areas(&self) -> bool {
-        false
-    }
-    fn clips_increments(&self) -> bool {
-        false
+    fn about(&self) -> About {
+        About::new("single")
     }
     fn step_block(
         &self,

@@ -61,7 +61,7 @@ fn split_and_nv_have_their_orders_with_friction_on_momenta() {
             .map(|setup| setup.with_friction(friction));
         for setup in [&split, &nv] {
             let order = strong_order(setup, &sizes.clone().within(30_000_000)).unwrap();
-            assert_eq!(order.order(), Some(1.0), "{} {order}", setup.scheme.id());
+            assert_eq!(order.order(), Some(1.0), "{} {order}", setup.scheme.about().id);
         }
         let phi = Observable { name: "p₁", function: |y: [f64; 4]| y[2] };
         let sizes = StepSizes::new(4, Truncation::new(4).unwrap(), key);

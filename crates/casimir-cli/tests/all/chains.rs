@@ -45,7 +45,7 @@ fn wells_that_no_chain_leaves_are_seen_whatever_is_averaged() {
     for seed in ["1", "2"] {
         let arguments = ["--seed", seed, "--path-steps", "3e6"];
         let told = found(WELLS, "equilibrium", &arguments);
-        let why = told["estimates"][0]["unknown"].as_str().unwrap();
+        let why = told["estimates"][0]["unknown"]["what"].as_str().unwrap();
         assert!(why.contains("stay in wells") && told["reached"] == false, "{told:#}");
         let even = WELLS.replace("+ 0.05*q", "");
         let told = found(&even, "equilibrium", &arguments);
@@ -90,7 +90,10 @@ accuracy = 0.02
 #[test]
 fn spins_that_stay_on_their_side_are_seen_in_the_energy() {
     let told = found(SPINS, "equilibrium", &["--path-steps", "3e6"]);
-    assert!(told["reached"] == false && told["estimates"][0]["unknown"].is_string(), "{told:#}");
+    assert!(
+        told["reached"] == false && told["estimates"][0]["unknown"]["what"].is_string(),
+        "{told:#}"
+    );
     // Without anisotropy nothing stays.
     let free = SPINS.replace("anisotropy = 6\n", "").replace("0.02\n", "0.2\n");
     let told = found(&free, "equilibrium", &["--path-steps", "3e7"]);

@@ -10,7 +10,7 @@ use casimir::{
     noise::StepNoise,
     nonlin::BlockStatus,
     real::{Row, WIDTH},
-    schemes::{Method, Step, Stepper},
+    schemes::{About, Method, Step, Stepper},
     study::{Study, StudyResult, StudySettings},
 };
 use scenes::{Changes, Scene, Source};
@@ -41,14 +41,8 @@ struct Counted<'a> {
 }
 
 impl Method for Counting<'_> {
-    fn id(&self) -> &'static str {
-        self.method.id()
-    }
-    fn reads_areas(&self) -> bool {
-        false
-    }
-    fn clips_increments(&self) -> bool {
-        false
+    fn about(&self) -> About {
+        About::new(self.method.about().id)
     }
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         Box::new(Counted { inner: self.method.start(y), of: self })

@@ -197,7 +197,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Checks bᵢⱼ = −bⱼᵢ at the initial value and points near it at which both are finite.
 fn check_skew(entries: &[Vec<Formula>], y0: &[f64]) -> Result<(), DefinitionError> {
-    let points = systems::around(y0, |_| true);
+    let points = systems::probe::around(y0, |_| true);
     for i in 0..entries.len() {
         for j in 0..=i {
             let (lower, upper) = (&entries[i][j], &entries[j][i]);

@@ -8,7 +8,10 @@ use super::{
     flows::{Part, Term, parts},
 };
 use real::Real;
-use systems::run_time::{Op, Parts};
+use systems::{
+    probe::vanish,
+    run_time::{Op, Parts},
+};
 
 use crate::{
     Formula, Graph, Id, Tape,
@@ -361,7 +364,7 @@ impl Expressions {
     }
 
     /// Whether \[fₘ, f_l\] = 0 for all noises, and whether it is −B∇{Hₘ, H_l}, as
-    /// [`systems::vanish`] finds around `y0`. False if there are too many noises or expressions.
+    /// [`vanish`] finds around `y0`. False if there are too many noises or expressions.
     pub fn commutators(mut self, y0: &[f64]) -> [bool; 2] {
         if !(2..=MAX_NOISES).contains(&self.noises) {
             return [self.noises < 2; 2];
@@ -390,7 +393,7 @@ impl Expressions {
             times.iter().all(|&t| {
                 let finite =
                     |y: &[f64]| self.numbers(&expressions, y, t).iter().all(|x| x.is_finite());
-                systems::vanish(y0, finite, |y| self.numbers(&expressions, y, t))
+                vanish(y0, finite, |y| self.numbers(&expressions, y, t))
             })
         })
     }

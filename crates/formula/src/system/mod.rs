@@ -17,10 +17,10 @@ use dgrad::{Rule, nodes_for_degree};
 use real::{Bounded, Row, WIDTH};
 use systems::{
     Linearity, SystemError,
+    probe::shown_solvable,
     run_time::{
         Description, InTime, MAX_INPUTS, Move, Op, Parts, Program, Recorded, System, Weights,
     },
-    shown_solvable,
 };
 
 pub use definition::{Definition, DefinitionError, Which};

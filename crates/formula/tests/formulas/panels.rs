@@ -30,7 +30,7 @@ fn simulate<const M: usize>(
     for n in 0..steps {
         wiener.increments(tau.sqrt(), &mut drawn.0);
         clip(&drawn.0, bound, &mut clipped.0);
-        let used = if scheme.clips_increments() { &clipped } else { &drawn };
+        let used = if scheme.about().clips_increments { &clipped } else { &drawn };
         used.0.iter().zip(noise.increments.iter_mut()).for_each(|(row, dw)| {
             *dw = numbers.map(|number| row[number]);
         });
@@ -73,7 +73,7 @@ fn check<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
             let (mut y, mut status) = (Block::splat(y0), BlockStatus::explicit());
             let mut lost = PathMask::NONE;
             let bound = Truncation::new(4).unwrap().bound(tau).unwrap();
-            let bound = if compiled.clips_increments() { bound } else { f64::INFINITY };
+            let bound = if compiled.about().clips_increments { bound } else { f64::INFINITY };
             for n in 0..steps {
                 wiener.increments(tau.sqrt(), &mut drawn.0);
                 clip(&drawn.0, bound, &mut noise.increments);
@@ -81,7 +81,7 @@ fn check<S: Tuned<D, M>, G: Damping, const D: usize, const M: usize>(
                 compiled.step_block(system, &step, &(&noise).into(), &mut y, &mut status);
                 lost = lost.or(status.failed);
             }
-            let what = format!("{panel}, {}, {steps} steps", compiled.id());
+            let what = format!("{panel}, {}, {steps} steps", compiled.about().id);
             let setup = (problem.damping() as &dyn Damping, &y0[..], tau);
             let order = std::array::from_fn(|p| p);
             let (found, failed) = simulate::<M>((&**at_run_time, &formulas), setup, steps, order);

@@ -50,7 +50,7 @@ fn path(scheme: &dyn Scheme, system: &dyn System, y0: &[f64]) -> Vec<Row> {
         noise.increments.iter_mut().flatten().for_each(|dw| *dw = 0.05 * random.number());
         let mut status = BlockStatus::explicit();
         stepper.step(&step, &noise, &mut status);
-        assert!(status.failed.is_empty(), "{}: {status:?}", scheme.id());
+        assert!(status.failed.is_empty(), "{}: {status:?}", scheme.about().id);
     }
     stepper.state().to_vec()
 }
@@ -86,7 +86,7 @@ fn a_formula_in_one_piece_has_the_bits_of_its_operations() {
         for scheme in schemes {
             let one = path(scheme, &system, y0);
             let other = path(scheme, &OneByOne(&system), y0);
-            assert_eq!(one, other, "{} on {}", scheme.id(), definition.name);
+            assert_eq!(one, other, "{} on {}", scheme.about().id, definition.name);
         }
     }
 }

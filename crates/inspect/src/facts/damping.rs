@@ -3,7 +3,10 @@
 use std::fmt;
 
 use serde::Serialize;
-use systems::{Damping, RateIntegrals, rate_integrals};
+use systems::{
+    Damping,
+    probe::{RateIntegrals, rate_integrals},
+};
 
 use super::Status;
 

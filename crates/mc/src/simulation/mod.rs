@@ -208,7 +208,7 @@ impl<'a> Simulation<'a> {
             TimeSeries {
                 system: problem.name.clone(),
                 damping: problem.describe_damping(),
-                scheme: scheme.id().into(),
+                scheme: scheme.about().id.into(),
                 tau,
                 noise: NoiseOrigin { seed: key.seed, experiment: key.experiment, path },
                 halted: halted.or(stopped),

@@ -121,8 +121,11 @@ fn by_hand(
         }
     }
     let tau = fine_tau * f64::from(1 << level);
-    let truncation =
-        if scheme.clips_increments() { Truncation::new(2).unwrap() } else { Truncation::none() };
+    let truncation = if scheme.about().clips_increments {
+        Truncation::new(2).unwrap()
+    } else {
+        Truncation::none()
+    };
     let (bound, area_bound) = (truncation.bound(tau).unwrap(), truncation.area_bound(tau).unwrap());
     let mut y = problem.y0();
     for (n, noise) in noises.iter().enumerate() {
@@ -173,13 +176,13 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
                 kept[path as usize],
                 alone,
                 "{} level {level} swapped {swapped} path {path}",
-                scheme.id()
+                scheme.about().id
             );
             if *level == 0 && !swapped {
                 let k = Truncation::new(2).unwrap();
                 let followed = super::ladder::path(&problem, *scheme, 32, k, path).unwrap();
                 let end = followed.columns[1..4].iter().map(|column| column.values[32]);
-                assert!(end.eq(alone), "{} path {path}", scheme.id());
+                assert!(end.eq(alone), "{} path {path}", scheme.about().id);
             }
         }
     }

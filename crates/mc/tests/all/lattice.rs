@@ -68,7 +68,7 @@ fn every_length_is_on_its_law_after_100_000_steps() {
         path.advance(steps).unwrap();
         let law = (-1e-3 * path.time()).exp();
         let defect = length_defect(&path, &problem, law);
-        assert!(defect < 1e-12, "{}: {defect:e}", scheme.id());
+        assert!(defect < 1e-12, "{}: {defect:e}", scheme.about().id);
     }
     // An explicit scheme leaves the law.
     let problem = problem(lattice.clone(), 1e-3, 1e-2 * STEPS as f64);
@@ -333,7 +333,7 @@ fn long_chains_need_no_large_stack() {
     for (scheme, steps) in [(&sexp_li as &dyn Scheme, 8), (&Heun, 64), (&Sexp, 64), (&Sexp, 6)] {
         let setup = Setup::at_run_time(&many, scheme).unwrap();
         let paths = Simulation::new(setup, truncation()).paths(steps, KEY, 0..2).unwrap();
-        assert!(paths.iter().all(|path| path.halted.is_none()), "{}", scheme.id());
+        assert!(paths.iter().all(|path| path.halted.is_none()), "{}", scheme.about().id);
         let mut path = LargePath::new(&one, scheme, steps, truncation(), KEY, 0).unwrap();
         path.advance(steps).unwrap();
     }

@@ -7,7 +7,8 @@ use casimir::{
     inspect::facts::is_divergence_free,
     mc::{self, Friction},
     systems::{
-        Constant, Damping, Linearity, around, rate_integrals,
+        Constant, Damping, Linearity,
+        probe::{around, rate_integrals},
         run_time::{Problem, System},
     },
 };

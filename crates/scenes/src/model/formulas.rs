@@ -116,7 +116,7 @@ fn compare(
     }
     let mut names = system.names().clone();
     names.variable("t").map_err(|error| Wrong::new(drift, error))?;
-    let mut points = casimir::systems::around(y0, |y| system.check_domain(y).is_ok());
+    let mut points = casimir::systems::probe::around(y0, |y| system.check_domain(y).is_ok());
     let moving = moving(&of, system, &mut points);
     for (m, texts) in noise.iter().enumerate().map(|(m, noise)| (m + 1, noise)).chain([(0, drift)])
     {

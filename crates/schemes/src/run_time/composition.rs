@@ -4,12 +4,12 @@ use noise::StepNoise;
 use nonlin::BlockStatus;
 use real::{Row, Rows};
 use systems::{
-    TRIPLE_JUMP,
+    probe::TRIPLE_JUMP,
     run_time::{Description, Lanes, Move, Parts, Program, System, Weights},
 };
 
 use super::{Scheme, SchemeError};
-use crate::{Nv, Sexp, Split, Step, Stepper, Sweep};
+use crate::{About, Nv, Sexp, Split, Step, Stepper, Sweep};
 
 /// The parts of a system.
 fn parts<'a>(scheme: &str, system: &'a dyn System) -> Result<&'a Parts, SchemeError> {
@@ -31,12 +31,8 @@ fn symmetric(
 }
 
 impl Scheme for Split {
-    fn id(&self) -> &'static str {
-        "split"
-    }
-
-    fn clips_increments(&self) -> bool {
-        false
+    fn about(&self) -> About {
+        About::new("split")
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
@@ -48,12 +44,8 @@ impl Scheme for Split {
 }
 
 impl Scheme for Nv {
-    fn id(&self) -> &'static str {
-        "nv"
-    }
-
-    fn clips_increments(&self) -> bool {
-        false
+    fn about(&self) -> About {
+        About::new("nv")
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {

@@ -5,7 +5,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use real::{Kernel, Row, Rows, dispatch};
+use real::{Row, Rows};
 use systems::run_time::{Layout, MAX_INPUTS, Program, Recorded, System, Weights};
 
 use super::{
@@ -243,14 +243,14 @@ impl Execution<'_> {
             let out = &mut result[..tile.len()];
             match computation {
                 Computation::Multiple(x, factor) => {
-                    dispatch(Multiple { x: local(x), factor: self.factors[factor], out });
+                    multiple(local(x), self.factors[factor], out);
                 }
                 Computation::Combination { terms, minus } => {
                     let [(x, fx), (y, fy)] = terms.map(|(source, node)| {
                         (local(source), node.map_or(1.0, |node| self.factors[node]))
                     });
                     // a − fb = a + (−f)b to the bit.
-                    dispatch(Combination { x, fx, y, fy: if minus { -fy } else { fy }, out });
+                    combination(x, fx, y, if minus { -fy } else { fy }, out);
                 }
                 Computation::Of(op) => {
                     let is_local = op.is_local();
@@ -269,41 +269,22 @@ impl Execution<'_> {
     }
 }
 
-/// out = factor·x.
-pub struct Multiple<'a> {
-    pub x: &'a [Row],
-    pub factor: f64,
-    pub out: &'a mut [Row],
-}
-
-impl Kernel for Multiple<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
+real::kernel! {
+    /// out = factor·x.
+    pub fn multiple(x: &'a [Row], factor: f64, out: &'a mut [Row]) {
         // One loop over all numbers: one over rows makes gathered loads of them.
-        let out = self.out.as_flattened_mut().iter_mut();
-        for (out, x) in out.zip(self.x.as_flattened()) {
-            *out = x * self.factor;
+        for (out, x) in out.as_flattened_mut().iter_mut().zip(x.as_flattened()) {
+            *out = x * factor;
         }
     }
 }
 
-/// out = fx·x + fy·y. Multiplication by one is exact.
-struct Combination<'a> {
-    x: &'a [Row],
-    fx: f64,
-    y: &'a [Row],
-    fy: f64,
-    out: &'a mut [Row],
-}
-
-impl Kernel for Combination<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        let out = self.out.as_flattened_mut().iter_mut();
-        for ((out, x), y) in out.zip(self.x.as_flattened()).zip(self.y.as_flattened()) {
-            *out = x * self.fx + y * self.fy;
+real::kernel! {
+    /// out = fx·x + fy·y. Multiplication by one is exact.
+    fn combination(x: &'a [Row], fx: f64, y: &'a [Row], fy: f64, out: &'a mut [Row]) {
+        let out = out.as_flattened_mut().iter_mut();
+        for ((out, x), y) in out.zip(x.as_flattened()).zip(y.as_flattened()) {
+            *out = x * fx + y * fy;
         }
     }
 }

@@ -3,21 +3,13 @@
 use systems::run_time::{Description, Lanes, System};
 
 use super::stepper::FormulaStepper;
-use crate::{Implicit, SchemeError, Stepper};
+use crate::{About, Implicit, SchemeError, Stepper, kernel::about};
 
 /// A one-step method for systems whose dimension is known at run time. Every formula is one, with
 /// the same formula as for compiled systems; see [`Explicit`](crate::Explicit) and [`Implicit`].
 pub trait Scheme: Send + Sync {
-    /// Identifier in results, for example `sexp`.
-    fn id(&self) -> &'static str;
-
-    /// Whether the scheme reads the Lévy areas of a step if there are several noises.
-    fn reads_areas(&self) -> bool {
-        false
-    }
-
-    /// Whether the driver truncates increments for this scheme.
-    fn clips_increments(&self) -> bool;
+    /// Identifier, and what the scheme needs of a driver: areas only if there are several noises.
+    fn about(&self) -> About;
 
     /// The state of 32 paths, or of one large path, that advances by this scheme.
     ///
@@ -40,16 +32,8 @@ fn check_areas(scheme: &'static str, system: &dyn System) -> Result<(), SchemeEr
 }
 
 impl<F: Implicit> Scheme for F {
-    fn id(&self) -> &'static str {
-        F::ID
-    }
-
-    fn reads_areas(&self) -> bool {
-        F::READS_AREAS
-    }
-
-    fn clips_increments(&self) -> bool {
-        F::CLIPS_INCREMENTS
+    fn about(&self) -> About {
+        about::<F>()
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {

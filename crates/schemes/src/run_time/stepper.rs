@@ -2,7 +2,7 @@
 
 use noise::StepNoise;
 use nonlin::{BlockStatus, Outcome, criteria::excess};
-use real::{Kernel, PathMask, Row, Rows, WIDTH, dispatch};
+use real::{PathMask, Row, Rows, WIDTH};
 use systems::{
     Constant,
     paper::valid,
@@ -13,7 +13,7 @@ use super::{
     SchemeError,
     derivative::derivative,
     krylov::Krylov,
-    machine::{Machine, Multiple},
+    machine::{Machine, multiple},
     norm::{Changes, sums},
 };
 use crate::{Implicit, Step, Stepper};
@@ -65,7 +65,7 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
             let changes = sums(self.system, Changes, iterates);
             let mut z = std::mem::take(&mut self.machine.buffers[1]);
             let (next, pending) = (self.machine.result(2), &mut pending);
-            let finished = dispatch(TestSweep { number, changes, next, z: &mut z, pending });
+            let finished = test_sweep(number, changes, next, &mut z, pending);
             self.machine.buffers[1] = z;
             if finished {
                 break;
@@ -96,7 +96,7 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
         let (first, second) =
             if F::EXACT_DAMPING { (step.first_decay, step.second_decay) } else { (1.0, 1.0) };
         for input in &mut self.machine.buffers[..2] {
-            dispatch(Multiple { x: &self.state, factor: first, out: input });
+            multiple(&self.state, first, input);
         }
         let solver = self.formula.solver();
         let pending = self.iterate(h, solver.max_sweeps.max(1));
@@ -108,8 +108,7 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
             self.machine.buffers[1] = z;
         }
         *status = BlockStatus::fast(pending);
-        let mut unsolved = PathMask::NONE;
-        (0..WIDTH).filter(|&p| pending[p] > 0.0).for_each(|p| unsolved.insert(p));
+        let unsolved = PathMask::of(|p| pending[p] > 0.0);
         if !unsolved.is_empty() {
             let failed = [Outcome::Failed { residual: f64::INFINITY }; WIDTH];
             let solved = self.rescue(step, unsolved, h).unwrap_or(failed);
@@ -118,7 +117,7 @@ impl<'a, F: Implicit> FormulaStepper<'a, F> {
             paths.paths().for_each(|p| status.set(p, solved[p]));
         }
         let z = &self.machine.buffers[1];
-        dispatch(Multiple { x: z, factor: second, out: &mut self.state });
+        multiple(z, second, &mut self.state);
     }
 }
 
@@ -154,22 +153,17 @@ impl<F: Implicit> Stepper for FormulaStepper<'_, F> {
     }
 }
 
-/// The end of a sweep: the test of every path, and the iterates of those that were not frozen. Its
-/// output is whether all have converged.
-struct TestSweep<'a> {
-    number: u32,
-    /// Sums of the last two changes and of the last iterate.
-    changes: [Row; 3],
-    next: &'a [Row],
-    z: &'a mut [Row],
-    pending: &'a mut Row,
-}
-
-impl Kernel for TestSweep<'_> {
-    type Output = bool;
-    #[inline(always)]
-    fn run(self) -> bool {
-        let Self { number, changes: [change, change_before, size], next, z, pending } = self;
+real::kernel! {
+    /// The end of a sweep: the test of every path by sums of the last two changes and of the last
+    /// iterate, and the iterates of those that were not frozen. Returns whether all have converged.
+    fn test_sweep(
+        number: u32,
+        sums: [Row; 3],
+        next: &'a [Row],
+        z: &'a mut [Row],
+        pending: &'a mut Row
+    ) -> bool {
+        let [change, change_before, size] = sums;
         let number = f64::from(number);
         let frozen = *pending;
         let mut now = frozen;

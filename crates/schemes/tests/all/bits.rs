@@ -67,7 +67,7 @@ impl SideBySide {
             scheme.step_block(system, &step, &noise, &mut block, &mut status);
             for p in 0..WIDTH {
                 let single = scheme.step(system, &step, &noise.path(p), paths[p]);
-                let (scheme, name) = (scheme.id(), system.name());
+                let (scheme, name) = (scheme.about().id, system.name());
                 let place =
                     || format!("{scheme} of {name} at {:?}, step {n}, path {p}", self.level);
                 assert_eq!(bits(single.z), bits(block.path(p)), "{}", place());

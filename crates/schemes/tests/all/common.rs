@@ -124,7 +124,7 @@ pub fn schemes_of<S: Tuned<D, M>, const D: usize, const M: usize>(
 ) -> Vec<Box<dyn Scheme<S, D, M>>> {
     let made = schemes.iter().filter_map(|&kind| {
         let scheme = S::scheme(kind, system, y0).ok()?;
-        (scheme.reads_areas() || !kind.is_for_areas()).then_some(scheme)
+        (scheme.about().reads_areas || !kind.is_for_areas()).then_some(scheme)
     });
     made.collect()
 }

@@ -26,7 +26,7 @@ impl Visit for NothingToAdd {
             let with = stepper.step(system, &step, &Noise { increments: dw, areas }, y).z;
             assert_eq!(stepper.step(system, &step, &none, y).z, without);
             assert_eq!(with == without, levy.commuting(), "{}", system.name());
-            assert_eq!([&stepper, &li].map(|x| x.reads_areas()), [!levy.commuting(); 2]);
+            assert_eq!([&stepper, &li].map(|x| x.about().reads_areas), [!levy.commuting(); 2]);
             self.0 += usize::from(levy.commuting());
         }
     }

@@ -81,12 +81,12 @@ impl Visit for Orders {
         use BuiltIn::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, Split};
         let schemes = [Sexp, Midpoint, Heun, SexpLi, Split, EulerMaruyama];
         for scheme in schemes_of(&schemes, system, y0) {
-            let (name, is_em) = (system.name(), scheme.id() == "em");
+            let (name, is_em) = (system.name(), scheme.about().id == "em");
             let observed = order(y0, reference(system, y0, is_em), |step, y| {
                 scheme.step(system, step, &Noise::increments([0.0; M]), y).z
             });
             let expected = if is_em { 1.0 } else { 2.0 };
-            assert!(in_window(observed, expected), "{} on {name}: {observed}", scheme.id());
+            assert!(in_window(observed, expected), "{} on {name}: {observed}", scheme.about().id);
         }
     }
 }
@@ -117,7 +117,7 @@ fn damping_at_the_wrong_time_has_order_one() {
             wrong(&mut step);
             scheme.step(&body(), &step, &Noise::increments([0.0; 3]), y).z
         });
-        assert!(in_window(observed, 1.0), "{}: {observed}", scheme.id());
+        assert!(in_window(observed, 1.0), "{}: {observed}", scheme.about().id);
     }
     // Flows in a row, and not there and back.
     let y0 = [1.0, 2.0, 3.0];

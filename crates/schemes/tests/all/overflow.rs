@@ -22,7 +22,7 @@ fn overflow_in_the_second_half_is_a_failure() {
             let large = [1e-20, -y];
             let alone = scheme.step(&Alone, step, &Noise::increments([0.1]), large);
             let failed = matches!(alone.outcome, Outcome::Failed { .. });
-            assert_eq!(failed, fails, "{} {y}", scheme.id());
+            assert_eq!(failed, fails, "{} {y}", scheme.about().id);
 
             let mut block = Block::splat([1e-20, 1e-20]);
             block.set_path(7, large);

@@ -57,7 +57,7 @@ impl Explicit for Wide {
 #[test]
 fn what_a_formula_declares_its_scheme_says() {
     fn declared(scheme: &dyn Scheme<systems::RigidBody<3>, 3, 3>) -> (&str, bool, bool) {
-        (scheme.id(), scheme.reads_areas(), scheme.clips_increments())
+        (scheme.about().id, scheme.about().reads_areas, scheme.about().clips_increments)
     }
     let midpoint = ConformalMidpoint { solver: Solver::default() };
     assert_eq!(declared(&EulerWithAreas), ("euler-with-areas", true, false));
@@ -68,7 +68,7 @@ fn what_a_formula_declares_its_scheme_says() {
 }
 
 fn reads_areas<S>(scheme: &impl Scheme<S, 3, 1>, _system: &S) -> bool {
-    scheme.reads_areas()
+    scheme.about().reads_areas
 }
 
 #[test]

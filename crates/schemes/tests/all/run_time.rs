@@ -138,7 +138,7 @@ fn nine_dimensions_have_the_same_bits() {
     ];
     for (tau, both) in [1.0 / 64.0, 0.2].into_iter().flat_map(|tau| schemes.map(|both| (tau, both)))
     {
-        assert_eq!(difference(&system, both, &adapter, y0, tau), 0.0, "{}", both.0.id());
+        assert_eq!(difference(&system, both, &adapter, y0, tau), 0.0, "{}", both.0.about().id);
     }
 }
 

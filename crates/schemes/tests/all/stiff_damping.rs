@@ -49,7 +49,7 @@ fn run<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let step = Step::new(damping, n, TAU).unwrap();
         let dw = any_increments(&mut numbers, TAU);
         let mut noise = Noise::increments(dw);
-        if scheme.reads_areas() {
+        if scheme.about().reads_areas {
             noise.areas = any_areas(&mut numbers, TAU);
         }
         let solution = scheme.step(system, &step, &noise, y);
@@ -97,7 +97,7 @@ impl Table {
         for strength in STRENGTHS {
             let damping = Constant::new(strength / TAU).unwrap();
             let seen = run(scheme, system, &damping, y0, self.floor);
-            let name = format!("{} on {} at γτ = {strength}", scheme.id(), system.name());
+            let name = format!("{} on {} at γτ = {strength}", scheme.about().id, system.name());
             self.rows += 1;
             // Noise and a turning angle may add something in half a unit of time; growth by the
             // factor of an explicit scheme, 5 and more from γτ = 4 on, is 10²² in 32 steps.
@@ -111,7 +111,7 @@ impl Table {
                 // Below this a product of five components underflows, such as H of Lotka–Volterra.
                 Some((_, smallest)) if smallest < 1e-61 => {
                     println!("{name}: fails in step {:?}", seen.failed);
-                    let row = (system.name().to_owned() + &system.parameters(), scheme.id());
+                    let row = (system.name().to_owned() + &system.parameters(), scheme.about().id);
                     if !self.undefined.contains(&row) {
                         self.undefined.push(row);
                     }
@@ -128,7 +128,8 @@ impl Visit for Table {
         use BuiltIn::{Nv, Sexp, SexpLevy, SexpLi, SexpLiLevy, Split};
         for scheme in schemes_of(&[Sexp, SexpLi, SexpLevy, SexpLiLevy, Split, Nv], system, y0) {
             // Flows of its parts move components by up to one and back, and S is rounded there.
-            let rounds = system.name() == "poisson3" && ["split", "nv"].contains(&scheme.id());
+            let rounds =
+                system.name() == "poisson3" && ["split", "nv"].contains(&scheme.about().id);
             self.floor = if rounds { 4.0 * f64::EPSILON } else { 0.0 };
             self.row(&*scheme, system, y0);
         }
@@ -216,7 +217,7 @@ fn damping_that_acts_alone_is_exact() {
     for damping in &dampings {
         for scheme in schemes {
             let worst = largest(scheme, damping.as_ref());
-            assert!(worst <= 1.0, "{} {}: {worst}", scheme.id(), damping.describe());
+            assert!(worst <= 1.0, "{} {}: {worst}", scheme.about().id, damping.describe());
         }
         // Twins.
         assert!(largest(&Heun, damping.as_ref()) > 1e6, "{}", damping.describe());

@@ -98,7 +98,7 @@ fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     y0: [f64; D],
     (exponent, stretch): (i32, f64),
 ) -> Count {
-    let (tau, midpoint) = (2f64.powi(-exponent), scheme.id() == "midpoint");
+    let (tau, midpoint) = (2f64.powi(-exponent), scheme.about().id == "midpoint");
     let truncation = Truncation::new(4).unwrap();
     let (bound, area_bound) = (truncation.bound(tau).unwrap(), truncation.area_bound(tau).unwrap());
     let terms = noise::area_terms(strong_order_one_error(tau), tau, M).unwrap();
@@ -113,7 +113,7 @@ fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
             let mut y = y0;
             for (step, slowest) in steps.iter().zip(&mut slowest) {
                 let dw = noise.increments(tau.sqrt());
-                let drawn = scheme.reads_areas().then(|| sampler.areas(tau, dw));
+                let drawn = scheme.about().reads_areas.then(|| sampler.areas(tau, dw));
                 let clip = |area: f64| area.clamp(-area_bound, area_bound);
                 let drawn = drawn.map(|areas| areas.map(|row| row.map(clip)));
                 let dw = dw.map(|w| w.clamp(-bound, bound));
@@ -134,7 +134,7 @@ fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
                         Solver::default().max_sweeps
                     }
                     Outcome::Failed { .. } => {
-                        panic!("{} {}: {:?}", system.name(), scheme.id(), solution.outcome)
+                        panic!("{} {}: {:?}", system.name(), scheme.about().id, solution.outcome)
                     }
                 };
                 y = solution.z;
@@ -213,13 +213,13 @@ impl Visit for Guard {
         let newton = predicted || S::IMPLICIT_STEP == ImplicitStep::Newton;
         for (exponent, pinned) in [(8, (block_mean, most)), (12, PINNED_SMALL)] {
             for scheme in schemes_of(&[Sexp, SexpLevy, Midpoint], system, y0) {
-                let is_predicted = predicted && scheme.id() == "sexp";
+                let is_predicted = predicted && scheme.about().id == "sexp";
                 let pinned = if is_predicted { PINNED_PREDICTED } else { pinned };
                 let count = count(&*scheme, system, y0, (exponent, 1.0));
                 let (words, mean) = (wrong(&count, newton, pinned), count.block_mean());
                 self.seen += 1;
                 if !words.is_empty() {
-                    let scheme = scheme.id();
+                    let scheme = scheme.about().id;
                     self.wrong
                         .push(format!("{name} {scheme} 2^-{exponent}: {mean}, {count:?} {words}"));
                 }

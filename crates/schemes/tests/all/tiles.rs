@@ -172,11 +172,11 @@ fn bits_depend_neither_on_tiles_nor_on_threads() {
     ];
     for (scheme, robust) in schemes {
         let expected = run(scheme, &one_tile, 1, 0.05);
-        assert_eq!(expected.1, robust, "{}", scheme.id());
+        assert_eq!(expected.1, robust, "{}", scheme.about().id);
         // The last tile is shorter.
         for (tile, threads) in [(3, 1), (3, 2), (12, 3), (33, 2)] {
             let found = run(scheme, &Chain::new(SPINS, tile), threads, 0.05);
-            assert!(found == expected, "{} with tiles of {tile} rows", scheme.id());
+            assert!(found == expected, "{} with tiles of {tile} rows", scheme.about().id);
         }
     }
 }

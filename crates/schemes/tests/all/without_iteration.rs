@@ -11,7 +11,6 @@ use real::Real;
 use schemes::{BuiltIn, Explicit, Increment, Scheme, SchemeError, SexpLi, Split, Step};
 use systems::{
     Constant, Form, Invariant, InvariantKind, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
-    RigidBody,
 };
 
 const SAMPLES: usize = 2000;
@@ -33,7 +32,7 @@ fn largest_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let step = any_step(&mut numbers, damping.as_ref());
         let dw = any_increments(&mut numbers, step.tau);
         let y = any_state(&mut numbers, system, y0);
-        let areas = match scheme.reads_areas() {
+        let areas = match scheme.about().reads_areas {
             true => any_areas(&mut numbers, step.tau),
             false => [[0.0; M]; M],
         };
@@ -60,7 +59,7 @@ impl Visit for KeepsCasimirs {
         use BuiltIn::{Nv, SexpLevy, SexpLi, SexpLiLevy, Split};
         for scheme in schemes_of(&[SexpLi, SexpLevy, SexpLiLevy, Split, Nv], system, y0) {
             let name = system.name();
-            let roundings = match (scheme.id(), name, M) {
+            let roundings = match (scheme.about().id, name, M) {
                 ("sexp-li", ..) => 1.0,
                 // The commutators are three more terms; areas reach twice the increments squared.
                 ("sexp-levy" | "sexp-li-levy", ..) => 2.0,
@@ -73,7 +72,7 @@ impl Visit for KeepsCasimirs {
                 _ => 25.0,
             };
             let largest = largest_defect(&*scheme, system, y0);
-            assert!(largest <= roundings * ALLOWED, "{} on {name}: {largest}", scheme.id());
+            assert!(largest <= roundings * ALLOWED, "{} on {name}: {largest}", scheme.about().id);
             self.0 += 1;
         }
     }
@@ -217,7 +216,7 @@ fn with_large_noise<S: PoissonSystem<3, M>, const M: usize>(
     mut y: [f64; 3],
     deviations: f64,
 ) -> f64 {
-    assert!(!scheme.clips_increments());
+    assert!(!scheme.about().clips_increments);
     let mut numbers = Numbers(4);
     let damping = Constant::new(0.2).unwrap();
     let before = system.invariant(0, y);
@@ -228,7 +227,7 @@ fn with_large_noise<S: PoissonSystem<3, M>, const M: usize>(
         let dw = [(); M].map(|()| deviations * 0.25 * (1.0 + numbers.next().abs()));
         let dw = dw.map(|x| if numbers.next() < 0.0 { -x } else { x });
         let solution = scheme.step(system, &step, &Noise::increments(dw), y);
-        assert!(solution.outcome.converged(), "{} step {n}", scheme.id());
+        assert!(solution.outcome.converged(), "{} step {n}", scheme.about().id);
         y = solution.z;
         law *= (-2.0 * step.damping_integral()).exp();
         largest = largest.max((system.invariant(0, y) / (law * before) - 1.0).abs());
@@ -304,7 +303,7 @@ impl PoissonSystem<3, 1> for Squared {
 
 #[test]
 fn the_kind_of_a_system_is_found() {
-    let clips = |scheme: SexpLi| Scheme::<RigidBody<3>, 3, 3>::clips_increments(&scheme);
+    let clips = |scheme: SexpLi| schemes::run_time::Scheme::about(&scheme).clips_increments;
     // Solvable for every v: nothing is clipped.
     assert!(!clips(SexpLi::new(&body(), MOMENTUM).unwrap()));
     assert!(!clips(SexpLi::new(&MaxwellBloch, [1.0, 2.0, 3.0]).unwrap()));

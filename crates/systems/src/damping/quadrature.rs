@@ -75,7 +75,8 @@ pub fn rate_integrals(
     t_end: f64,
     parts: u32,
 ) -> (Vec<RateIntegrals>, Option<f64>) {
-    let mut quadrature = Refined::new(damping);
+    let (rule, near) = (valid(Rule::new(NODES)), (0.0, 0.0));
+    let mut quadrature = Refined { damping, rule, budget: BUDGET, near, pole: None };
     let time = |n: u32| t_end * f64::from(n) / f64::from(parts * CELLS);
     let part = |n: u32| {
         (n * CELLS..(n + 1) * CELLS).fold(RateIntegrals::default(), |sum, cell| {
@@ -108,29 +109,13 @@ struct Refined<'a> {
     pole: Option<f64>,
 }
 
-impl<'a> Refined<'a> {
-    fn new(damping: &'a dyn Damping) -> Self {
-        Self {
-            damping,
-            rule: valid(Rule::new(NODES)),
-            budget: BUDGET,
-            near: (0.0, 0.0),
-            pole: None,
-        }
-    }
-
+impl Refined<'_> {
     fn rule(&self, a: f64, b: f64) -> RateIntegrals {
-        let mut sum = RateIntegrals::default();
-        for (x, w) in self.rule.nodes().iter().zip(self.rule.weights()) {
-            let term = (b - a) * w * self.damping.rate(a + (b - a) * x);
-            sum = RateIntegrals {
-                net: sum.net + term,
-                size: sum.size + term.abs(),
-                negative: sum.negative + term.min(0.0),
-                rough: false,
-            };
-        }
-        sum
+        let nodes = self.rule.nodes().iter().zip(self.rule.weights());
+        nodes.fold(RateIntegrals::default(), |sum, (x, w)| {
+            let net = (b - a) * w * self.damping.rate(a + (b - a) * x);
+            sum + RateIntegrals { net, size: net.abs(), negative: net.min(0.0), rough: false }
+        })
     }
 
     fn closed(&self, a: f64, b: f64) -> f64 {
@@ -152,10 +137,9 @@ impl<'a> Refined<'a> {
         if smooth(whole.net) && smooth(self.closed(a, b)) {
             return halves;
         }
-        let rough = |halves| RateIntegrals { rough: true, ..halves };
         let is_point = b - a < LEAST * b;
         if halvings == 0 || is_point || self.budget == 0 || halves.net.is_nan() {
-            return rough(halves);
+            return RateIntegrals { rough: true, ..halves };
         }
         self.budget -= 1;
         let left = self.integrate(a, middle, left, halvings - 1);
@@ -168,7 +152,7 @@ impl<'a> Refined<'a> {
             let is_pole = near > DIVERGES * (sum.size - near);
             self.pole = self.pole.or(is_pole.then_some(t));
         }
-        rough(sum)
+        RateIntegrals { rough: true, ..sum }
     }
 
     /// Looks for a pulse that the quadrature of [a, b] missed, in the half with more of the

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use dgrad::Rule;
-use real::{Kernel, Row, WIDTH, along, derivatives, dispatch, fixed};
+use real::{Kernel, Row, WIDTH, along, derivatives, dispatch, exactly, fixed, path};
 
 use super::{Description, Op, System, Weights, derived};
 use crate::{
@@ -109,16 +109,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<
     }
 }
 
-/// The numbers of path p.
-#[inline(always)]
-fn path<const N: usize>(rows: &[Row; N], p: usize) -> [f64; N] {
-    let mut y = [0.0; N];
-    for i in 0..N {
-        y[i] = rows[i][p];
-    }
-    y
-}
-
 /// The skew matrix of the areas of path p.
 #[inline(always)]
 fn skew<const M: usize>(rows: &[Row], p: usize) -> [[f64; M]; M] {
@@ -130,14 +120,6 @@ fn skew<const M: usize>(rows: &[Row], p: usize) -> [[f64; M]; M] {
         }
     }
     areas
-}
-
-/// Rows as an array.
-///
-/// # Panics
-/// Unless there are N of them, which the caller of a [`System`] has to see to.
-fn array<const N: usize>(rows: &[Row]) -> &[Row; N] {
-    rows.try_into().unwrap_or_else(|_| panic!("{N} rows are needed, got {}", rows.len()))
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
@@ -162,10 +144,10 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled
         }
         let count = out.len();
         let out = out.try_into().unwrap_or_else(|_| panic!("{D} rows are needed, got {count}"));
-        let dw = if op.reads_weights() { array(h.dw) } else { &Self::NO_NOISE };
+        let dw = if op.reads_weights() { exactly(h.dw) } else { &Self::NO_NOISE };
         dispatch(OnPaths {
             system: &self.system,
-            op: op.map(array),
+            op: op.map(exactly),
             dt: h.dt,
             dw,
             areas: h.areas,
@@ -175,13 +157,13 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled
 
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, _: &mut [Row]) {
         for p in 0..WIDTH {
-            out[p] = self.system.energy(path(array(y), p), h.dt, path(array(h.dw), p));
+            out[p] = self.system.energy(path(exactly(y), p), h.dt, path(exactly(h.dw), p));
         }
     }
 
     fn invariant(&self, index: usize, y: &[Row], out: &mut Row, _: &mut [Row]) {
         for p in 0..WIDTH {
-            out[p] = self.system.invariant(index, path(array(y), p));
+            out[p] = self.system.invariant(index, path(exactly(y), p));
         }
     }
 

@@ -159,7 +159,7 @@ impl StrongPanel<'_> {
                 rate,
                 ..Series::default()
             });
-            if !(at_end && curve.setup.scheme.clips_increments()) {
+            if !(at_end && curve.setup.scheme.about().clips_increments) {
                 continue;
             }
             for (r, exponent) in self.exponents().enumerate() {

@@ -41,7 +41,7 @@ pub const PIECES: usize = 64;
 /// them.
 pub(super) fn of_scheme(conditions: &Conditions, scheme: &BodyScheme, proven: bool) -> Findings {
     let remainder = |tau: f64, pieces: &_| scheme_remainder(scheme, tau, pieces);
-    let claims = remainder_claims(conditions, scheme.id(), remainder);
+    let claims = remainder_claims(conditions, scheme.about().id, remainder);
     claims.map(|claim| claim.proven(proven)).to_vec().into()
 }
 
@@ -142,7 +142,7 @@ pub fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 /// Takes a step of a scheme; returns its end, and the increments of the whole step, truncated if
 /// the scheme asks for it.
 pub fn scheme_end(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> [Vector; 2] {
-    let truncated = if scheme.clips_increments() { truncation() } else { Truncation::none() };
+    let truncated = if scheme.about().clips_increments { truncation() } else { Truncation::none() };
     let bound = valid(truncated.bound(tau));
     let sum = |m| pieces.iter().map(|dw: &Vector| dw[m]).sum::<f64>().clamp(-bound, bound);
     let (system, damping, y0, _) = problem().into_parts();

@@ -48,9 +48,10 @@ fn run(number: u64, seed: u64, case: fn(&mut Table) -> Result<()>) -> Table {
 fn fail(table: &Table, schemes: &[BuiltIn]) {
     for scheme in schemes {
         let mut cells = table.lines.iter().flat_map(|line| line.split([':', '|'])).map(str::trim);
-        let failed =
-            |cell: &str| cell.starts_with(&format!("{} ", scheme.id())) && cell.contains(FAILS);
-        assert!(cells.any(failed), "{}: {}", scheme.id(), table.lines.join("\n"));
+        let failed = |cell: &str| {
+            cell.starts_with(&format!("{} ", scheme.about().id)) && cell.contains(FAILS)
+        };
+        assert!(cells.any(failed), "{}: {}", scheme.about().id, table.lines.join("\n"));
     }
 }
 
@@ -149,7 +150,7 @@ impl<'a> Setting<'a> {
     ) -> Result<(String, &'static str)> {
         let tau = problem.t_end / self.steps as f64;
         let mut bound = f64::INFINITY;
-        if self.deviation.is_none() && method.clips_increments() {
+        if self.deviation.is_none() && method.about().clips_increments {
             bound = verify::truncation().bound(tau)?;
         }
         let (mut drawn, mut noise) = (WienerRows::new(key, 0), method.no_noise(problem.noises));
@@ -237,7 +238,7 @@ impl Table {
         let mut line = format!("{}:", setting.name);
         for run in &setting.schemes {
             let (words, verdict) = setting.run(self.key, run)?;
-            line += &format!(" {} {words} |", run.0.id());
+            line += &format!(" {} {words} |", run.0.about().id);
             self.verdicts.push(verdict);
         }
         self.lines.push(line);

@@ -102,8 +102,7 @@ impl Referee<'_> {
     fn block(&self, first: u64, tau: f64, mut next: NextNoise) -> Vec<LevelNoise> {
         let (sizes, mut others) = (&self.sizes, self.space_time(first));
         let (top, finest) = (sizes.level(0), sizes.refinement as usize);
-        let mut ladder =
-            DyadicLadder::new(top, || StepNoise::none(self.noises(), self.noises() > 1));
+        let mut ladder = DyadicLadder::new(top, &StepNoise::none(self.noises(), self.noises() > 1));
         let zero = vec![[0.0; WIDTH]; self.noises()];
         // Of the whole step of each level, and of its first half.
         let (mut whole, mut half) = (vec![zero.clone(); top + 1], vec![zero; top + 2]);

@@ -64,7 +64,7 @@ fn orders_of_schemes_on_a_turning_plane() {
         [(&Sexp, 1.0), (&li, 1.0), (&Midpoint, 1.0), (&Heun, 1.0), (&EulerMaruyama, 0.5)];
     for (scheme, order) in schemes {
         for measured in four(scheme, &problem, 32) {
-            assert_eq!(measured.order(), Some(order), "{}: {measured}", scheme.id());
+            assert_eq!(measured.order(), Some(order), "{}: {measured}", scheme.about().id);
             assert!(covers(&measured, order), "{measured}");
             assert!(matches!(measured.limit, Limit::Consistent { .. }), "{measured}");
         }

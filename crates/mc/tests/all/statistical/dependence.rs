@@ -7,7 +7,7 @@ use mc::{Coefficients, Initial, Observable, Problem, Setup};
 use noise::{Purpose, StepNoise, StreamKey, Truncation, WienerRows};
 use nonlin::BlockStatus;
 use real::{Row, WIDTH};
-use schemes::{Method, Step, Stepper};
+use schemes::{About, Method, Step, Stepper};
 use study::{Study, StudyResult, StudySettings, Summary, Wanted};
 use systems::Constant;
 
@@ -28,14 +28,8 @@ const TIMES: u64 = 64;
 const T: f64 = 16.0;
 
 impl Method for Ou {
-    fn id(&self) -> &'static str {
-        "exact"
-    }
-    fn reads_areas(&self) -> bool {
-        false
-    }
-    fn clips_increments(&self) -> bool {
-        false
+    fn about(&self) -> About {
+        About::new("exact")
     }
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         Box::new(OuState { rows: y.to_vec(), gamma: self.gamma })

@@ -19,7 +19,7 @@ use mc::{LadderError, Observable, Observe, RunError, Setup};
 use noise::{StepNoise, StreamKey};
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Real, Row};
-use schemes::{Sexp, SexpLevy, Step, Stepper, WithSolver};
+use schemes::{About, Sexp, SexpLevy, Step, Stepper, WithSolver};
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
 use crate::{
@@ -261,14 +261,8 @@ trait Alter: Fn(&mut dyn Stepper, &Step, &StepNoise, &mut BlockStatus) + Send + 
 impl<F: Fn(&mut dyn Stepper, &Step, &StepNoise, &mut BlockStatus) + Send + Sync> Alter for F {}
 
 impl<F: Alter> schemes::Method for Altered<'_, F> {
-    fn id(&self) -> &'static str {
-        "altered"
-    }
-    fn reads_areas(&self) -> bool {
-        false
-    }
-    fn clips_increments(&self) -> bool {
-        true
+    fn about(&self) -> About {
+        About { clips_increments: true, ..About::new("altered") }
     }
     fn start(&self, y: &[Row]) -> Box<dyn Stepper + '_> {
         Box::new(AlteredPaths { sexp: self.sexp.start(y), step: &self.step })

@@ -72,7 +72,7 @@ where
     S: PoissonSystem<D, M> + 'static,
     X: Scheme<S, D, M> + 'static,
 {
-    let name = format!("{}: {name}", scheme.id());
+    let name = format!("{}: {name}", scheme.about().id);
     let sizes = |key| StepSizes::new(16, truncation(), key);
     let measure = move |sizes: &StepSizes| strong_order(&Setup::of(&problem, &scheme), sizes);
     order_entry(kind, name, Question::StrongOrder, truth, sizes, measure)
@@ -90,7 +90,7 @@ where
     S: PoissonSystem<D, M> + 'static,
     X: Scheme<S, D, M> + 'static,
 {
-    let name = format!("{}: {name}", scheme.id());
+    let name = format!("{}: {name}", scheme.about().id);
     let sizes =
         |key| StepSizes { samples: 20_000, refinement: 1, ..StepSizes::new(8, truncation(), key) };
     let phi = Observable { name: "φ", function };

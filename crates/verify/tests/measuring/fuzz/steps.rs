@@ -87,7 +87,10 @@ fn steps<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     fn boxed<S, const D: usize, const M: usize>(
         scheme: impl Scheme<S, D, M> + 'static,
     ) -> (&'static str, Box<Advance<S, D, M>>) {
-        (scheme.id(), Box::new(move |system, step, noise, y| scheme.step(system, step, noise, y)))
+        (
+            scheme.about().id,
+            Box::new(move |system, step, noise, y| scheme.step(system, step, noise, y)),
+        )
     }
     let sexp = |method| boxed(WithSolver { formula: Sexp, solver: Solver::new(method) });
     let mut all = vec![sexp(Method::FixedPoint), sexp(Method::Newton)];
@@ -167,7 +170,7 @@ fn block_step<S: Tuned<D, M> + 'static, const D: usize, const M: usize>(
     scheme.step_block(system, &step, &noises, &mut y, &mut status);
     for p in 0..WIDTH {
         let alone = scheme.step(system, &step, &noises.path(p), start.path(p));
-        let place = || format!("{} of {}, path {p}", scheme.id(), system.name());
+        let place = || format!("{} of {}, path {p}", scheme.about().id, system.name());
         sound(&alone).with_context(place)?;
         // Of a path that failed only the failure is promised.
         let (failed, together) = (status.failed.contains(p), y.path(p));

@@ -40,7 +40,7 @@ fn altered_strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     change: impl Fn(&mut Step, &mut StepNoise) + Send + Sync,
 ) -> Claim {
     // Areas cost more normals the finer the steps: 2⁻⁴ … 2⁻¹¹ and a reference at 2⁻¹³ will do.
-    let coarsest_steps = if scheme.reads_areas() { 16 } else { 32 };
+    let coarsest_steps = if scheme.about().reads_areas { 16 } else { 32 };
     let sizes = StepSizes { coarsest_steps, ..step_sizes(conditions) };
     let setup = altered(Setup::of(problem, scheme), false, change);
     let measured = Evidence::of_order(valid(strong_order(&setup, &sizes)), order);

@@ -99,7 +99,7 @@ impl Explicit for Sign {
 /// The first claim about the remainder of a scheme.
 pub fn local(conditions: &Conditions, scheme: &BodyScheme) -> Claim {
     let remainder = |tau: f64, pieces: &_| scheme_remainder(scheme, tau, pieces);
-    let [claim, _] = remainder_claims(conditions, scheme.id(), remainder);
+    let [claim, _] = remainder_claims(conditions, scheme.about().id, remainder);
     claim
 }
 
