@@ -13,7 +13,8 @@ noise: real
 dgrad: real
 nonlin: real
 systems: real dgrad
-formula: systems dgrad real
+expression: real
+formula: expression systems dgrad real
 schemes: real systems dgrad nonlin noise
 kernels: schemes systems
 stats: real

@@ -7,11 +7,8 @@ use real::{
 };
 use systems::Damping;
 
-use crate::{
-    Formula, Id,
-    graph::{Graph, Node, Unary},
-    terms::terms,
-};
+use crate::Formula;
+use expression::{Graph, Id, Node, Unary, terms};
 
 /// Nodes of the quadrature of a rate that is not a polynomial: both halves of an interval fit into
 /// a row.

@@ -6,9 +6,8 @@
 //! [`Tape`] has the instructions for some expressions of a graph and runs them on rows of 32
 //! numbers, with the functions of [`real`] and the same bits on every instruction set.
 //!
-//! The way through the crate: text → `parse` → [`Graph`] (identities, `derivative`) → `compile`
-//! (powers written out, operations joined, rows allocated) → [`Tape`] → `instruction` (loops over
-//! rows). Texts → [`Definition`] → `system/expressions` → a tape for each operation of
+//! The way through the crate: text → `parse` → [`Graph`] → [`Tape`], both of [`expression`]. Texts →
+//! [`Definition`] → `system/expressions` → a tape for each operation of
 //! [`FormulaSystem`], or one for a scheme's whole formula (`system/program`).
 //!
 //! ```
@@ -54,29 +53,19 @@
 //! | [`FormulaError`] | what is wrong, with line, column and carets |
 //! | [`excerpt`], [`nearest()`] | the same for other texts |
 
-mod affine;
-mod compile;
 mod damping;
-mod derivative;
 mod error;
 mod formula;
-mod functions;
-mod graph;
-mod instruction;
-mod join;
 mod names;
 mod parse;
 mod system;
-mod tape;
-mod terms;
-mod uniform;
 mod words;
+
+pub use expression::{Binary, Graph, Id, Node, Tape, Unary};
 
 pub use damping::FormulaDamping;
 pub use error::{FormulaError, excerpt};
 pub use formula::Formula;
-pub use graph::{Binary, Graph, Id, Node, Unary};
 pub use names::{NameError, Names, nearest};
 pub use parse::{MAX_BYTES, MAX_DEPTH, parse};
 pub use system::{Definition, DefinitionError, FormulaSystem, Which};
-pub use tape::Tape;

@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, sync::Arc};
 
-use crate::graph::{Binary, Unary};
+use expression::{Binary, Unary};
 
 /// Meaning of a name.
 #[derive(Clone, Debug)]

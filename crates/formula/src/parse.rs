@@ -12,10 +12,11 @@
 
 use std::{collections::HashSet, ops::Range};
 
+use expression::{Graph, Id, Unary};
+
 use crate::{
-    FormulaError, Id, Names,
+    FormulaError, Names,
     error::short,
-    graph::{Graph, Unary},
     names::{Meaning, OfVectors},
 };
 

@@ -1,12 +1,9 @@
 //! Expressions as text.
 
-use crate::{
-    Graph, Id,
-    graph::{
-        Binary::{Add, Div, Max, Min, Mul, Sub},
-        Node,
-        Unary::Neg,
-    },
+use expression::{
+    Binary::{Add, Div, Max, Min, Mul, Sub},
+    Graph, Id, Node,
+    Unary::Neg,
 };
 
 /// Parts whose text is longer are not written out: shared ones may make an endless text.

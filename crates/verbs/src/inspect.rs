@@ -55,10 +55,16 @@ fn inspect(scene: &Scene, watch: &Watch) -> Done<Found> {
     let findings = findings.map_err(|error| scene.source.error(None, error))?;
     let text = format!("{findings}\n{}", bath.as_ref().map_or(String::new(), words));
     let text = with_names(&text, &scene.components);
-    let text = format!("{}{}\n", known.equation(), text.trim_end());
+    let flows = system.description().parts.as_ref().map_or(&[][..], |parts| &parts.words);
+    let of_flows = match flows {
+        [] => String::new(),
+        flows => format!("\nFlows, for split and nv\n  - {}", flows.join("\n  - ")),
+    };
+    let text = format!("{}{}{of_flows}\n", known.equation(), text.trim_end());
     let mistakes = findings.mistakes.clone();
     let mut json = json!(findings);
     json["bath"] = json!(bath);
+    json["flows"] = json!(flows);
     Ok(Found::new(mistakes.into_iter().map(Warning::new), text, json, Vec::new()))
 }
 

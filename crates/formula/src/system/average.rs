@@ -8,11 +8,7 @@
 use dgrad::{Rule, nodes_for_degree};
 
 use super::{MAX_NODES, NODES};
-use crate::{
-    Id,
-    graph::{Graph, Node, Unary},
-    terms::{Weighted, terms},
-};
+use expression::{Graph, Id, Node, Unary, Weighted, terms};
 
 /// (a+b)/2 + distance·(b − a), in the order of operations of `systems::run_time`.
 pub fn point(graph: &mut Graph, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {

@@ -5,7 +5,7 @@
 //! zeros are known, so that nothing is computed with them.
 
 use super::MAX_EXPRESSIONS;
-use crate::{Graph, Id};
+use expression::{Graph, Id};
 
 /// The matrix I − ½A(v), row by row.
 pub fn matrix(graph: &mut Graph, field: &[Id]) -> Vec<Vec<Id>> {
@@ -89,27 +89,4 @@ fn eliminate(graph: &mut Graph, mut a: Vec<Vec<Id>>, mut x: Vec<Id>) -> Option<V
         x[k] = graph.mul(x[k], a[k][k]);
     }
     Some(x)
-}
-
-impl Graph {
-    /// u₁v₂ − u₂v₁.
-    fn minor(&mut self, u: [Id; 2], v: [Id; 2]) -> Id {
-        let (plus, minus) = (self.mul(u[0], v[1]), self.mul(u[1], v[0]));
-        self.sub(plus, minus)
-    }
-
-    /// u × v.
-    pub fn cross(&mut self, u: &[Id], v: &[Id]) -> [Id; 3] {
-        [(1, 2), (2, 0), (0, 1)].map(|(i, j)| self.minor([u[i], u[j]], [v[i], v[j]]))
-    }
-
-    /// Σ uᵢvᵢ.
-    pub fn dot(&mut self, u: &[Id], v: &[Id]) -> Id {
-        let mut sum = self.constant(0.0);
-        for (&u, &v) in u.iter().zip(v) {
-            let product = self.mul(u, v);
-            sum = self.add(sum, product);
-        }
-        sum
-    }
 }

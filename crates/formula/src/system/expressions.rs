@@ -13,9 +13,10 @@ use systems::{
     run_time::{Op, Parts},
 };
 
+use expression::{Binary, Graph, Id, Node, Tape, Unary};
+
 use crate::{
-    Formula, Graph, Id, Tape,
-    graph::{Binary, Node, Unary},
+    Formula,
     words::{self, Binding},
 };
 

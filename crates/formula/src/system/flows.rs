@@ -10,12 +10,7 @@
 use std::{collections::BTreeSet, slice::from_ref};
 
 use super::expressions::Expressions;
-use crate::{
-    Graph, Id,
-    affine::{Affine, forms},
-    graph::{Binary, Node, Unary},
-    terms::terms,
-};
+use expression::{Affine, Binary, Graph, Id, Node, Unary, forms, terms};
 
 /// Systems with more components have no parts.
 const MAX_COMPONENTS: usize = 100;

@@ -13,7 +13,7 @@ use super::{
     average::point,
     expressions::{Expressions, number_of_areas},
 };
-use crate::{Graph, Id, Tape, uniform::Numbers};
+use expression::{Graph, Id, Numbers, Tape};
 
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
 #[derive(Default)]

@@ -61,6 +61,7 @@ impl Numbers {
         }
     }
 
+    /// The numbers.
     pub fn values(&self) -> &[f64] {
         &self.values
     }

@@ -17,13 +17,15 @@ pub struct Id(u32);
 
 impl Id {
     /// Stands in where there is no operand.
-    pub(crate) const FIRST: Self = Self(0);
+    pub const FIRST: Self = Self(0);
 
-    pub(crate) fn at(index: usize) -> Self {
+    /// The expression of this number in its graph.
+    pub fn at(index: usize) -> Self {
         Self(index as u32)
     }
 
-    pub(crate) fn index(self) -> usize {
+    /// Number of the expression in its graph.
+    pub fn index(self) -> usize {
         self.0 as usize
     }
 }
@@ -59,12 +61,11 @@ pub enum Unary {
 
 impl Unary {
     /// The functions that a formula may name.
-    pub(crate) const NAMED: [Self; 11] =
-        [Abs, Sqrt, Exp, Ln, Sin, Cos, Tan, Sinh, Cosh, Tanh, Sinc];
+    pub const NAMED: [Self; 11] = [Abs, Sqrt, Exp, Ln, Sin, Cos, Tan, Sinh, Cosh, Tanh, Sinc];
 
     /// The value at x, as a tape computes it.
     #[inline(always)]
-    pub(crate) fn value<R: Real>(self, x: R) -> R {
+    pub fn value<R: Real>(self, x: R) -> R {
         match self {
             Neg => -x,
             Abs => functions::abs(x),
@@ -107,7 +108,7 @@ pub enum Binary {
 
 impl Binary {
     /// The value at (a, b).
-    pub(crate) fn value<R: Real>(self, a: R, b: R) -> R {
+    pub fn value<R: Real>(self, a: R, b: R) -> R {
         match self {
             Add => a + b,
             Sub => a - b,
@@ -138,7 +139,7 @@ pub enum Node {
 
 impl Node {
     /// The operands.
-    pub(crate) fn operands(self) -> impl Iterator<Item = Id> {
+    pub fn operands(self) -> impl Iterator<Item = Id> {
         let (all, count) = match self {
             Self::Constant(_) | Self::Input(_) => ([Id(0); 4], 0),
             Self::Unary(_, a) | Self::Power(a, _) => ([a; 4], 1),
@@ -149,7 +150,7 @@ impl Node {
     }
 
     /// The node with other operands, without any identity.
-    pub(crate) fn with_operands(self, mut of: impl FnMut(Id) -> Id) -> Self {
+    pub fn with_operands(self, mut of: impl FnMut(Id) -> Id) -> Self {
         match self {
             Self::Constant(_) | Self::Input(_) => self,
             Self::Unary(function, a) => Self::Unary(function, of(a)),
@@ -160,7 +161,7 @@ impl Node {
     }
 
     /// The value, from those of the inputs and of earlier expressions.
-    pub(crate) fn value<R: Real>(self, inputs: &[R], values: &[R]) -> R {
+    pub fn value<R: Real>(self, inputs: &[R], values: &[R]) -> R {
         let of = |id: Id| values[id.index()];
         match self {
             Self::Constant(bits) => R::constant(f64::from_bits(bits)),
@@ -207,26 +208,27 @@ impl Graph {
     }
 
     /// The number of expressions.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    pub(crate) fn ids(&self) -> impl DoubleEndedIterator<Item = Id> + use<> {
+    /// The expressions, operands first.
+    pub fn ids(&self) -> impl DoubleEndedIterator<Item = Id> + use<> {
         (0..self.nodes.len() as u32).map(Id)
     }
 
     /// Sets the place in the text of expressions made from now on.
-    pub(crate) fn set_place(&mut self, place: Range<usize>) {
+    pub fn set_place(&mut self, place: Range<usize>) {
         self.place = Some(place);
     }
 
     /// The place where an expression was made first.
-    pub(crate) fn place(&self, id: Id) -> Option<Range<usize>> {
+    pub fn place(&self, id: Id) -> Option<Range<usize>> {
         self.places[id.index()].clone()
     }
 
     /// Makes an expression as it stands, without any identity.
-    pub(crate) fn intern(&mut self, node: Node) -> Id {
+    pub fn intern(&mut self, node: Node) -> Id {
         *self.ids.entry(node).or_insert_with(|| {
             self.nodes.push(node);
             self.places.push(self.place.clone());
@@ -246,7 +248,7 @@ impl Graph {
     }
 
     /// The number of inputs up to the last that was made.
-    pub(crate) fn inputs(&self) -> usize {
+    pub fn inputs(&self) -> usize {
         let number = |node: &Node| match node {
             Node::Input(k) => *k as usize + 1,
             _ => 0,
@@ -263,7 +265,8 @@ impl Graph {
         }
     }
 
-    pub(crate) fn is_zero(&self, id: Id) -> bool {
+    /// Whether the expression is the number zero.
+    pub fn is_zero(&self, id: Id) -> bool {
         self.as_constant(id) == Some(0.0)
     }
 
@@ -405,7 +408,8 @@ impl Graph {
         power
     }
 
-    pub(crate) fn power_of_size(&mut self, a: Id, n: u32) -> Id {
+    /// aⁿ by repeated squaring.
+    pub fn power_of_size(&mut self, a: Id, n: u32) -> Id {
         match (n, self.as_constant(a), self.negated(a)) {
             (0, _, _) => self.constant(1.0),
             (1, _, _) => a,
@@ -462,7 +466,7 @@ impl Graph {
     }
 
     /// For every expression, whether one of the roots uses it.
-    pub(crate) fn needed(&self, roots: &[Id]) -> Vec<bool> {
+    pub fn needed(&self, roots: &[Id]) -> Vec<bool> {
         let mut needed = vec![false; self.len()];
         for root in roots {
             needed[root.index()] = true;
@@ -483,7 +487,7 @@ impl Graph {
     }
 
     /// The [`degree`](Self::degree) of the `roots`, and of what they are made of.
-    pub(crate) fn degrees(&self, roots: &[Id], inputs: &[usize]) -> Vec<Option<u32>> {
+    pub fn degrees(&self, roots: &[Id], inputs: &[usize]) -> Vec<Option<u32>> {
         let mut degrees = vec![Degree::CONSTANT; self.inputs()];
         let known = inputs.iter().filter(|&&k| k < self.inputs());
         known.for_each(|&k| degrees[k] = Degree::VARIABLE);
@@ -491,19 +495,43 @@ impl Graph {
     }
 
     /// Whether one of the expressions that `roots` use satisfies `is`.
-    pub(crate) fn uses(&self, roots: &[Id], is: impl Fn(Node) -> bool) -> bool {
+    pub fn uses(&self, roots: &[Id], is: impl Fn(Node) -> bool) -> bool {
         let needed = self.needed(roots);
         self.ids().any(|id| needed[id.index()] && is(self.node(id)))
     }
 
     /// The values of `roots` and of what they are made of, on numbers of any type.
-    pub(crate) fn values<R: Real>(&self, roots: &[Id], inputs: &[R]) -> Vec<R> {
+    pub fn values<R: Real>(&self, roots: &[Id], inputs: &[R]) -> Vec<R> {
         let needed = self.needed(roots);
         let mut values = vec![R::zero(); self.len()];
         for id in self.ids().filter(|id| needed[id.index()]) {
             values[id.index()] = self.node(id).value(inputs, &values);
         }
         values
+    }
+}
+
+/// Products of vectors.
+impl Graph {
+    /// u₁v₂ − u₂v₁.
+    pub fn minor(&mut self, u: [Id; 2], v: [Id; 2]) -> Id {
+        let (plus, minus) = (self.mul(u[0], v[1]), self.mul(u[1], v[0]));
+        self.sub(plus, minus)
+    }
+
+    /// u × v.
+    pub fn cross(&mut self, u: &[Id], v: &[Id]) -> [Id; 3] {
+        [(1, 2), (2, 0), (0, 1)].map(|(i, j)| self.minor([u[i], u[j]], [v[i], v[j]]))
+    }
+
+    /// Σ uᵢvᵢ.
+    pub fn dot(&mut self, u: &[Id], v: &[Id]) -> Id {
+        let mut sum = self.constant(0.0);
+        for (&u, &v) in u.iter().zip(v) {
+            let product = self.mul(u, v);
+            sum = self.add(sum, product);
+        }
+        sum
     }
 }
 

@@ -40,7 +40,7 @@ use crate::{
 pub struct Tape {
     code: Vec<Instruction>,
     /// [`Numbers::set`] sets those inputs that are the same at all points.
-    pub(crate) numbers: Numbers,
+    pub numbers: Numbers,
     inputs: Vec<usize>,
     outputs: usize,
     scratch: usize,
@@ -58,7 +58,7 @@ impl Tape {
 
     /// Tape like that of [`new`](Self::new), with inputs that are the same at all points.
     /// [`evaluate_with`](Self::evaluate_with) takes their numbers.
-    pub(crate) fn with_numbers(
+    pub fn with_numbers(
         graph: &Graph,
         outputs: &[Id],
         groups: &[Range<usize>],
@@ -108,7 +108,8 @@ impl Tape {
         out
     }
 
-    pub(crate) fn evaluate_with(
+    /// [`evaluate`](Self::evaluate) with the numbers that are the same at all points.
+    pub fn evaluate_with(
         &self,
         numbers: &Numbers,
         inputs: &[&[Row]],

@@ -24,7 +24,7 @@ impl Graph {
     }
 
     /// [`reverse`](Self::reverse) with expressions in the place of inputs, as if each were an input.
-    pub(crate) fn reverse_at(&mut self, weighted: &[(Id, Id)], inputs: &[Id]) -> Vec<Id> {
+    pub fn reverse_at(&mut self, weighted: &[(Id, Id)], inputs: &[Id]) -> Vec<Id> {
         let varies = self.varies(inputs);
         let mut is_input = vec![false; self.len()];
         inputs.iter().for_each(|x| is_input[x.index()] = true);

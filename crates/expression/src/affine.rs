@@ -10,7 +10,9 @@ use crate::{
 /// c + Σ aₖyₖ. Slopes that are zero are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Affine {
+    /// c.
     pub constant: f64,
+    /// The numbers aₖ that are not zero, by k.
     pub slopes: BTreeMap<usize, f64>,
 }
 
@@ -23,6 +25,8 @@ impl Affine {
         Self { constant: 0.0, slopes: BTreeMap::from([(k, 1.0)]) }
     }
 
+    /// Whether it is zero everywhere.
+    #[must_use]
     pub fn is_zero(&self) -> bool {
         self.constant == 0.0 && self.slopes.is_empty()
     }
