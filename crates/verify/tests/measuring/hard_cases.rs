@@ -48,9 +48,8 @@ fn run(number: u64, seed: u64, case: fn(&mut Table) -> Result<()>) -> Table {
 fn fail(table: &Table, schemes: &[BuiltIn]) {
     for scheme in schemes {
         let mut cells = table.lines.iter().flat_map(|line| line.split([':', '|'])).map(str::trim);
-        let failed = |cell: &str| {
-            cell.starts_with(&format!("{} ", scheme.id())) && cell.contains(FAILS)
-        };
+        let failed =
+            |cell: &str| cell.starts_with(&format!("{} ", scheme.id())) && cell.contains(FAILS);
         assert!(cells.any(failed), "{}: {}", scheme.id(), table.lines.join("\n"));
     }
 }
