@@ -118,6 +118,7 @@ impl Canvas {
     /// Draws an area without a border.
     pub fn area(&mut self, corners: &[Position], color: Color, opacity: f64) {
         let points = list(corners);
+        let opacity = (100.0 * opacity).round() / 100.0;
         let area = format!(r#"<polygon fill="{color}" opacity="{opacity}" points="{points}"/>"#);
         self.elements.push(area);
     }

@@ -48,10 +48,9 @@ fn run(number: u64, seed: u64, case: fn(&mut Table) -> Result<()>) -> Table {
 fn fail(table: &Table, schemes: &[BuiltIn]) {
     for scheme in schemes {
         let mut cells = table.lines.iter().flat_map(|line| line.split([':', '|'])).map(str::trim);
-        let failed = |cell: &str| {
-            cell.starts_with(&format!("{} ", scheme.about().id)) && cell.contains(FAILS)
-        };
-        assert!(cells.any(failed), "{}: {}", scheme.about().id, table.lines.join("\n"));
+        let failed =
+            |cell: &str| cell.starts_with(&format!("{} ", scheme.id())) && cell.contains(FAILS);
+        assert!(cells.any(failed), "{}: {}", scheme.id(), table.lines.join("\n"));
     }
 }
 
@@ -238,7 +237,7 @@ impl Table {
         let mut line = format!("{}:", setting.name);
         for run in &setting.schemes {
             let (words, verdict) = setting.run(self.key, run)?;
-            line += &format!(" {} {words} |", run.0.about().id);
+            line += &format!(" {} {words} |", run.0.id());
             self.verdicts.push(verdict);
         }
         self.lines.push(line);
