@@ -35,7 +35,7 @@ pub struct Segment<R = f64> {
 enum Form {
     Constant,
     Affine,
-    /// Of known mean.
+    /// A function of known mean.
     Known,
     Other,
 }

@@ -57,6 +57,9 @@ const TIMES: [f64; 3] = [0.0, 0.618, 2.236];
 /// The most noises whose Lévy areas are used.
 const MAX_NOISES: usize = 16;
 
+/// Terms of a part that are written out.
+const MAX_TERMS: usize = 4;
+
 /// The input of the first area.
 fn first_area(dimension: usize, noises: usize) -> usize {
     3 * dimension + 1 + noises
@@ -159,13 +162,17 @@ impl Expressions {
             let mut all = (0..found.len()).filter(|&k| has(&found[k]));
             all.next().filter(|_| all.next().is_none())
         };
+        let of = |part: &Part, m: usize| {
+            let terms = part.terms.iter().filter(|term| term.of == m);
+            let all: Vec<String> = terms.map(|term| text(term.root, term.factor)).collect();
+            let shown = all[..all.len().min(MAX_TERMS)].join(" + ").replace("+ -", "- ");
+            let more = all.len().saturating_sub(MAX_TERMS);
+            let more = if more > 0 { format!(" + {more} terms") } else { String::new() };
+            (!all.is_empty()).then(|| format!("{shown}{more} of H{m}"))
+        };
         let words = |part: &Part| {
-            let terms: Vec<String> = part
-                .terms
-                .iter()
-                .map(|term| format!("{} of H{}", text(term.root, term.factor), term.of))
-                .collect();
-            format!("{} by {}", part.kind(), terms.join(", "))
+            let all: Vec<String> = (0..=self.noises).filter_map(|m| of(part, m)).collect();
+            format!("{} by {}", part.kind(), all.join(", "))
         };
         let rest: Vec<Term> = found
             .iter()

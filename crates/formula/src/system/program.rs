@@ -19,7 +19,7 @@ use expression::{Graph, Id, Numbers, Tape};
 #[derive(Default)]
 pub struct Programs(Mutex<Vec<(Key, Option<Arc<SchemeTape>>)>>);
 
-/// What a tape computes.
+/// Content of a tape.
 #[derive(PartialEq)]
 pub enum Key {
     /// Nodes, the number of inputs, and the nodes that are results.
