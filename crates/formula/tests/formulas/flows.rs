@@ -2,10 +2,16 @@
 //! B∇F is the flow of F: both are tested at random states, for all weights.
 
 use formula::{Definition, FormulaSystem};
-use real::{Row, Rows, WIDTH};
-use systems::run_time::{Move, Op, System, Weights};
+use noise::StepNoise;
+use nonlin::BlockStatus;
+use real::{Block, Row, Rows, WIDTH};
+use schemes::{Nv, Scheme, Split, Step, Sweep};
+use systems::{
+    Constant, RigidBody,
+    run_time::{Move, Op, System, Weights},
+};
 
-use crate::expression::Random;
+use crate::{expression::Random, paper};
 
 fn words(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|text| (*text).to_owned()).collect()
@@ -218,4 +224,109 @@ fn what_is_almost_a_flow_is_none() {
     let all = system(&["q", "p"], canonical(1), "p^2*q^2", &[]);
     let reason = all.description().parts.as_ref().unwrap_err();
     assert_eq!(reason, "no flow of p^2 q^2 is known");
+}
+
+/// States after steps of a scheme on independent increments of size √τ, or without noise.
+fn after(
+    scheme: &dyn schemes::run_time::Scheme,
+    system: &dyn System,
+    y0: &[f64],
+    (steps, tau, noisy): (u64, f64, bool),
+) -> Vec<Row> {
+    let mut paths = scheme.stepper(system).unwrap();
+    paths.state_mut().copy_from_slice(&Rows::splat(y0));
+    let mut random = Random::new(5);
+    let mut noise = StepNoise::zero(system.description().noises);
+    let (damping, mut status) = (Constant::new(0.0).unwrap(), BlockStatus::explicit());
+    for n in 0..steps {
+        let size = if noisy { tau.sqrt() } else { 0.0 };
+        noise.increments.iter_mut().flatten().for_each(|dw| *dw = size * random.number());
+        paths.step(&Step::new(&damping, n, tau).unwrap(), &noise, &mut status);
+        assert!(status.failed.is_empty());
+    }
+    paths.state().to_vec()
+}
+
+/// The compiled body turns by Cayley's map, whose angle is wrong by a part of τ².
+#[test]
+fn nv_on_a_text_is_nv_on_the_body() {
+    let (inertia, noise) = ([2.0, 1.0, 0.5], [1.0, 2.0, 3.0]);
+    let (y0, size) = ([0.6, 0.0, 0.8], (512, 1.0 / 512.0, true));
+    let text = FormulaSystem::new(&paper::rigid_body(inertia, noise), &y0).unwrap();
+    let ours = after(&Nv::default(), &text, &y0, size);
+    let body = RigidBody::three_noises(inertia, noise).unwrap();
+    let on_body = |sweep| {
+        let (mut random, mut noise) = (Random::new(5), StepNoise::zero(3));
+        let damping = Constant::new(0.0).unwrap();
+        let (mut y, mut status) = (Block::splat(y0), BlockStatus::explicit());
+        for n in 0..size.0 {
+            noise
+                .increments
+                .iter_mut()
+                .flatten()
+                .for_each(|dw| *dw = size.1.sqrt() * random.number());
+            let step = Step::new(&damping, n, size.1).unwrap();
+            Nv { sweep }.step_block(&body, &step, &(&noise).into(), &mut y, &mut status);
+        }
+        y.0.to_vec()
+    };
+    let off = difference(&on_body(Sweep::Alternating), &ours);
+    assert!(off < 1e-7, "{off:e}");
+    let off = difference(&on_body(Sweep::Forward), &ours);
+    assert!(off > 1e-4, "{off:e}");
+}
+
+/// Casimirs of all degrees, with noise; energies without, whose error is a part of τ².
+#[test]
+fn flows_keep_casimirs_and_nearly_energies() {
+    let at = |k: usize, y: &[Row]| y[k][7];
+    for (system, _) in systems().into_iter().skip(6) {
+        let (d, name) = (system.description().dimension, &system.description().name);
+        let y0: Vec<f64> = (0..d).map(|k| 0.7 + 0.1 * k as f64).collect();
+        let square =
+            |y: &[Row], from: usize| (from..from + 3).map(|k| at(k, y).powi(2)).sum::<f64>();
+        let casimirs = |y: &[Row]| match d {
+            // x² + y² − z² of boosts, and x⁷y⁵z^{−10} of species.
+            3 if name.contains("ln") => {
+                vec![at(0, y).powf(7.0) * at(1, y).powf(5.0) * at(2, y).powf(-10.0)]
+            }
+            3 if name.starts_with("x^2/2 + 0.3") => {
+                vec![at(0, y).powi(2) + at(1, y).powi(2) - at(2, y).powi(2)]
+            }
+            3 => vec![square(y, 0)],
+            _ if name.starts_with('m') => {
+                vec![square(y, 3), (0..3).map(|k| at(k, y) * at(k + 3, y)).sum()]
+            }
+            _ => vec![square(y, 0), square(y, 3)],
+        };
+        let start = Rows::splat(&y0);
+        for scheme in [&Split as &dyn schemes::run_time::Scheme, &Nv::default()] {
+            let end = after(scheme, &system, &y0, (4096, 1.0 / 256.0, true));
+            for (before, after) in casimirs(&start).iter().zip(casimirs(&end)) {
+                assert!((after / before - 1.0).abs() < 1e-12, "{name}: {before} {after}");
+            }
+        }
+        let energy = |y: &[Row]| {
+            let (mut out, mut scratch) =
+                ([0.0; WIDTH], Rows::zero(system.description().scratch_rows()));
+            let dw = Rows::zero(system.description().noises);
+            let h = Weights { dt: 1.0, dw: &dw, ..Weights::NONE };
+            system.energy(y, h, &mut out, &mut scratch);
+            out[7]
+        };
+        let end = after(&Split, &system, &y0, (4096, 1.0 / 256.0, false));
+        let off = (energy(&end) - energy(&start)).abs();
+        assert!(off < 1e-4, "{name}: {off:e}");
+    }
+}
+
+/// A part without a flow: order two without noise.
+#[test]
+fn an_energy_preserving_step_stands_for_the_rest() {
+    let system = system(&["q", "p"], canonical(1), "p^2*(1 + q^2)/2 + q^2/2 + sin(q)", &["0.1*q"]);
+    assert!(system.rest().is_some());
+    let end = |steps: u64| after(&Split, &system, &[0.7, 0.8], (steps, 1.0 / steps as f64, false));
+    let [coarse, fine, exact] = [32, 64, 4096].map(end);
+    let ratio = difference(&coarse, &exact) / difference(&fine, &exact);
+    assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
 }
