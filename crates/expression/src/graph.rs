@@ -279,7 +279,8 @@ impl Graph {
     }
 
     /// (x, c), if the expression is c·x.
-    fn scaled(&self, id: Id) -> Option<(Id, f64)> {
+    #[must_use]
+    pub fn scaled(&self, id: Id) -> Option<(Id, f64)> {
         match self.node(id) {
             Node::Binary(Mul, x, c) => Some((x, self.as_constant(c)?)),
             _ => None,

@@ -193,6 +193,12 @@ fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
                 Node::Binary(Binary::Div, a, c) if graph.as_constant(c).is_some() => {
                     open.push((a, factor / graph.as_constant(c).unwrap_or(1.0)));
                 }
+                Node::Binary(Binary::Mul, a, b)
+                    if graph.scaled(a).or(graph.scaled(b)).is_some() =>
+                {
+                    let [(x, c), (y, d)] = [a, b].map(|id| graph.scaled(id).unwrap_or((id, 1.0)));
+                    open.push((system.graph.mul(x, y), factor * c * d));
+                }
                 _ if system.reads(&[root]).is_empty() => {}
                 _ => all.push(Term { of: m, root, factor }),
             }

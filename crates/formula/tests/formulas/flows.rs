@@ -91,7 +91,15 @@ fn systems() -> Vec<(FormulaSystem, usize)> {
         (system(&TWO, magnetic, "(p1^2 + p2^2)/2 + (q1^2 + q2^2)^2", &["0.2*q2"]), 2),
         (system(&BODY, spins(&BODY), "x^2/4 + y^2/2 + z^2", &["x^2/2", "0.3*y^2", "z^2/7"]), 3),
         (system(&BODY, spins(&BODY), "(0.6*x + 0.8*z)^2 - 0.3*x + 0.2*y", &["0.1*(x + z)"]), 3),
-        (system(&SPINS, spins(&SPINS), "x1*x2 + y1*y2 + z1*z2 - 0.2*z1", &["0.1*(z1 + z2)"]), 2),
+        (
+            system(
+                &SPINS,
+                spins(&SPINS),
+                "0.7*x1*x2 + 0.7*y1*y2 + z2*z1*0.7 - 0.2*z1",
+                &["0.1*(z1 + z2)"],
+            ),
+            2,
+        ),
         (system(&SPINS, spins(&SPINS), "x1*x2 + y1*y2 + 0.5*z1*z2", &["0.1*x1"]), 3),
         (
             system(
@@ -221,6 +229,12 @@ fn what_is_almost_a_flow_is_none() {
         assert_eq!(system.rest().is_some(), is_broken);
     }
     assert_eq!(refused, 33);
+    // In involution, and nearly so.
+    for (c, parts) in [("1", 1), ("1.000000001", 2)] {
+        let energy = format!("(q1 + p2)^4 + (q2 + {c}*p1)^4");
+        let system = system(&["q1", "q2", "p1", "p2"], canonical(2), &energy, &[]);
+        assert_eq!(system.description().parts.as_ref().unwrap().number, parts);
+    }
     let all = system(&["q", "p"], canonical(1), "p^2*q^2", &[]);
     let reason = all.description().parts.as_ref().unwrap_err();
     assert_eq!(reason, "no flow of p^2 q^2 is known");
