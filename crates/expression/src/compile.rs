@@ -24,12 +24,12 @@ pub fn compile(
     let taken = steps.iter().flatten().flat_map(|step| step.numbers);
     let taken: Vec<Id> = taken.filter_map(|number| number.id).collect();
     let (numbers, places) = Numbers::new(&graph, uniform_inputs, &taken);
-    let mut last_use = vec![0; graph.len()];
+    let mut last_use = vec![0; graph.size()];
     for (index, step) in steps.iter().enumerate() {
         step.iter().flat_map(|step| &step.operands).for_each(|x| last_use[x.index()] = index);
     }
     // Where each value is.
-    let mut homes = vec![Place::default(); graph.len()];
+    let mut homes = vec![Place::default(); graph.size()];
     let (mut code, mut free, mut rows) = (Vec::new(), Vec::new(), 0);
     for (index, id) in graph.ids().enumerate() {
         if let (Node::Input(k), false) = (graph.node(id), uniform[index]) {
@@ -76,7 +76,7 @@ pub fn compile(
 fn lowered(graph: &Graph, outputs: &[Id]) -> (Graph, Vec<Id>) {
     let needed = graph.needed(outputs);
     let mut lower = Graph::new();
-    let mut copies = vec![Id::FIRST; graph.len()];
+    let mut copies = vec![Id::FIRST; graph.size()];
     for id in graph.ids().filter(|id| needed[id.index()]) {
         let of = |id: Id| copies[id.index()];
         copies[id.index()] = match graph.node(id) {

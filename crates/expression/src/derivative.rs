@@ -26,9 +26,9 @@ impl Graph {
     /// [`reverse`](Self::reverse) with expressions in the place of inputs, as if each were an input.
     pub fn reverse_at(&mut self, weighted: &[(Id, Id)], inputs: &[Id]) -> Vec<Id> {
         let varies = self.varies(inputs);
-        let mut is_input = vec![false; self.len()];
+        let mut is_input = vec![false; self.size()];
         inputs.iter().for_each(|x| is_input[x.index()] = true);
-        let mut adjoints: Vec<Option<Id>> = vec![None; self.len()];
+        let mut adjoints: Vec<Option<Id>> = vec![None; self.size()];
         for &(f, weight) in weighted {
             self.accumulate(&mut adjoints, &varies, f, weight);
         }
@@ -58,7 +58,7 @@ impl Graph {
 
     /// For every expression, whether it depends on one of `inputs`.
     fn varies(&self, inputs: &[Id]) -> Vec<bool> {
-        let mut varies = vec![false; self.len()];
+        let mut varies = vec![false; self.size()];
         inputs.iter().for_each(|x| varies[x.index()] = true);
         for id in self.ids() {
             let depends = self.node(id).operands().any(|operand| varies[operand.index()]);
@@ -160,7 +160,7 @@ impl Graph {
     /// Along new inputs, of the gradient, it is a Hessian times a vector.
     pub fn forward(&mut self, roots: &[Id], direction: &[(usize, Id)]) -> Vec<Id> {
         let needed = self.needed(roots);
-        let mut tangents: Vec<Option<Id>> = vec![None; self.len()];
+        let mut tangents: Vec<Option<Id>> = vec![None; self.size()];
         for &(k, rate) in direction {
             let input = self.input(k);
             if input.index() < tangents.len() && !self.is_zero(rate) {

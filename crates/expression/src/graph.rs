@@ -208,7 +208,7 @@ impl Graph {
     }
 
     /// The number of expressions.
-    pub fn len(&self) -> usize {
+    pub fn size(&self) -> usize {
         self.nodes.len()
     }
 
@@ -468,7 +468,7 @@ impl Graph {
 
     /// For every expression, whether one of the roots uses it.
     pub fn needed(&self, roots: &[Id]) -> Vec<bool> {
-        let mut needed = vec![false; self.len()];
+        let mut needed = vec![false; self.size()];
         for root in roots {
             needed[root.index()] = true;
         }
@@ -504,7 +504,7 @@ impl Graph {
     /// The values of `roots` and of what they are made of, on numbers of any type.
     pub fn values<R: Real>(&self, roots: &[Id], inputs: &[R]) -> Vec<R> {
         let needed = self.needed(roots);
-        let mut values = vec![R::zero(); self.len()];
+        let mut values = vec![R::zero(); self.size()];
         for id in self.ids().filter(|id| needed[id.index()]) {
             values[id.index()] = self.node(id).value(inputs, &values);
         }

@@ -32,14 +32,14 @@ impl Joined {
 /// For every expression that needs an instruction, its step. A product that one sum uses alone
 /// becomes part of that.
 pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Joined>> {
-    let mut uses = vec![0_u32; graph.len()];
+    let mut uses = vec![0_u32; graph.size()];
     outputs.iter().for_each(|output| uses[output.index()] += 2);
     for id in graph.ids() {
         graph.node(id).operands().for_each(|operand| uses[operand.index()] += 1);
     }
-    let mut wanted = vec![false; graph.len()];
+    let mut wanted = vec![false; graph.size()];
     outputs.iter().for_each(|output| wanted[output.index()] = true);
-    let mut steps = vec![None; graph.len()];
+    let mut steps = vec![None; graph.size()];
     let join = Join { graph, uses, uniform };
     for id in graph.ids().rev() {
         if wanted[id.index()] {

@@ -26,7 +26,7 @@ impl Numbers {
     pub fn new(graph: &Graph, inputs: &Range<usize>, taken: &[Id]) -> (Self, Vec<u32>) {
         let values = [1.0, -1.0].repeat(1 + inputs.len());
         let mut numbers = Self { values, computed: Vec::new() };
-        let (mut places, mut varies) = (vec![ONE; graph.len()], vec![false; graph.len()]);
+        let (mut places, mut varies) = (vec![ONE; graph.size()], vec![false; graph.size()]);
         let needed = graph.needed(taken);
         for (index, id) in graph.ids().enumerate().filter(|&(index, _)| needed[index]) {
             let (node, place) = (graph.node(id), numbers.values.len());
@@ -69,7 +69,7 @@ impl Numbers {
 
 /// For every expression, whether it is a constant or computed from these inputs alone.
 pub fn uniform(graph: &Graph, inputs: &Range<usize>) -> Vec<bool> {
-    let mut uniform = vec![false; graph.len()];
+    let mut uniform = vec![false; graph.size()];
     for id in graph.ids() {
         uniform[id.index()] = match graph.node(id) {
             Node::Input(k) => inputs.contains(&(k as usize)),

@@ -110,7 +110,7 @@ impl Formula {
     /// Whether the formula is a condition: one where something is true, else zero.
     #[must_use]
     pub fn is_condition(&self) -> bool {
-        let mut is_truth = vec![false; self.graph.len()];
+        let mut is_truth = vec![false; self.graph.size()];
         for id in self.graph.ids() {
             is_truth[id.index()] = match self.graph.node(id) {
                 Node::Where([.., a, b]) => is_truth[a.index()] && is_truth[b.index()],

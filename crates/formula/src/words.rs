@@ -23,8 +23,8 @@ pub enum Binding {
 pub fn text(graph: &Graph, root: Id, names: &[String], least: Binding) -> String {
     use Binding::{Power, Product, Sum, Whole};
     let needed = graph.needed(&[root]);
-    let mut texts = vec![(String::new(), Whole); graph.len()];
-    let mut products = vec![(1.0, String::new()); graph.len()];
+    let mut texts = vec![(String::new(), Whole); graph.size()];
+    let mut products = vec![(1.0, String::new()); graph.size()];
     let write = |texts: &[(String, Binding)], id: Id, least: Binding| {
         let (text, binding) = &texts[id.index()];
         if *binding < least { format!("({text})") } else { text.clone() }

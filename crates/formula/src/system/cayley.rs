@@ -61,7 +61,7 @@ fn eliminate(graph: &mut Graph, mut a: Vec<Vec<Id>>, mut x: Vec<Id>) -> Option<V
     let one = graph.constant(1.0);
     for k in 0..x.len() {
         a[k][k] = graph.div(one, a[k][k]);
-        if graph.len() > MAX_EXPRESSIONS {
+        if graph.size() > MAX_EXPRESSIONS {
             return None;
         }
         for i in k + 1..x.len() {

@@ -391,7 +391,7 @@ impl Expressions {
                     commutators.push(commutator);
                     defects.push(self.graph.add(commutator, turned[i]));
                 }
-                if self.graph.len() > MAX_EXPRESSIONS {
+                if self.graph.size() > MAX_EXPRESSIONS {
                     return [false; 2];
                 }
             }

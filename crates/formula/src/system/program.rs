@@ -128,7 +128,7 @@ impl SchemeTape {
             let state = builder.state(node, factor)?;
             builder.states.push(state);
             // One operation may be longer.
-            if builder.graph.len() > MAX_EXPRESSIONS && nodes.len() > inputs + 1 {
+            if builder.graph.size() > MAX_EXPRESSIONS && nodes.len() > inputs + 1 {
                 return None;
             }
         }
