@@ -21,12 +21,13 @@ use crate::{
 /// neighbours in a row, and [`evaluate_one`](Self::evaluate_one) gives the same bits.
 ///
 /// ```
-/// use formula::{Graph, Names, Tape, parse};
+/// use expression::{Graph, Tape, Unary};
 ///
-/// let names = Names::with_variables(&["x", "y"])?;
+/// // x² sin y.
 /// let mut graph = Graph::new();
-/// let f = parse("x^2*sin(y)", &names, &mut graph)?;
-/// let one = graph.constant(1.0);
+/// let (x, y) = (graph.input(0), graph.input(1));
+/// let (square, sin) = (graph.power(x, 2), graph.unary(Unary::Sin, y));
+/// let (f, one) = (graph.mul(square, sin), graph.constant(1.0));
 /// let gradient = graph.reverse(&[(f, one)], &[0, 1]);
 /// let tape = Tape::new(&graph, &gradient, &[0..2]);
 ///
@@ -34,7 +35,6 @@ use crate::{
 /// let (mut out, mut scratch) = ([[0.0; 32]; 2], vec![[0.0; 32]; tape.scratch_rows()]);
 /// tape.evaluate(&[&point], &mut out, &mut scratch);
 /// assert!((out[1][31] - 9.0 * 0.5f64.cos()).abs() < 1e-14);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Tape {

@@ -33,7 +33,6 @@ const BROKEN: &[Broken] = &[
     (OSCILLATOR, "accuracy = 0.05", "accuracy = 0", "line 20, column 12", "must be positive"),
     (OSCILLATOR, "paths = 4", "times = 7", "line 15, column 9", "do not divide 64 steps: take 4"),
     (OSCILLATOR, "\"sexp-li\"", "\"sexp-lo\"", "line 14, column 10", "the nearest is `sexp-li`"),
-    (OSCILLATOR, "\"sexp-li\"", "\"split\"", "line 14, column 10", "split needs a sum of parts"),
     // Formulas.
     (OSCILLATOR, "k*q^2/2", "k*q^2/2)", "line 6, column 22", "was not opened"),
     (OSCILLATOR, "p^2/2 +", "(p^2/2 +", "line 6, column 7", "not closed"),

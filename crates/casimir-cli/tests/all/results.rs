@@ -135,7 +135,11 @@ fn nv_is_a_scheme_like_the_others() {
     let nv = candidates.iter().find(|one| one["scheme"] == "nv").expect("a candidate");
     assert!(nv["outcome"]["reached"].is_object(), "{nv}");
     // Flows of the Hamiltonians are not known.
-    for text in [OSCILLATOR, SPINS] {
+    let unknown = OSCILLATOR.replace("p^2/2 + k*q^2/2", "k*p^2*q^2").replace("s*q", "s*p^2*q");
+    let unknown = unknown.replace("sexp-li", "split");
+    let words = "line 14, column 10: split needs a sum of parts with flows";
+    fails(with_scene(&unknown).path(), &["run", "scene.toml"], 2, &[words, "no flow of p^2 q^2"]);
+    for text in [&unknown, SPINS] {
         let words = "nv needs a sum of parts with flows";
         fails(with_scene(text).path(), &["run", "scene.toml", "--scheme", "nv"], 2, &[words]);
     }
