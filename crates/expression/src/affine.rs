@@ -57,9 +57,15 @@ impl Affine {
         let keys = other.slopes.keys().copied().map(Some).chain([None]);
         let largest = keys.max_by(|a, b| of(other, a).abs().total_cmp(&of(other, b).abs()))?;
         let ratio = of(self, &largest) / of(other, &largest);
+        (ratio.is_finite() && self.is_multiple(ratio, other)).then_some(ratio)
+    }
+
+    /// Whether self = c·other up to rounding.
+    #[must_use]
+    pub fn is_multiple(&self, c: f64, other: &Self) -> bool {
         let mut rest = self.clone();
-        rest.add(-ratio, other);
-        (ratio.is_finite() && rest.is_zero()).then_some(ratio)
+        rest.add(-c, other);
+        rest.is_zero()
     }
 
     /// The value where input k is `of(k)`, as an expression.

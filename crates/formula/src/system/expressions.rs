@@ -27,7 +27,9 @@ pub struct Expressions {
     pub dimension: usize,
     pub noises: usize,
     /// H₀, H₁, …
-    hamiltonians: Vec<Id>,
+    pub hamiltonians: Vec<Id>,
+    /// The entries of B above the diagonal, row by row.
+    pub structure: Vec<Vec<Id>>,
     /// B(y)v.
     field: Vec<Id>,
     /// h.
@@ -81,7 +83,7 @@ impl Expressions {
         let mut import =
             |formula: &Formula| graph.copy(Some(&formula.graph), &[formula.root], &variables)[0];
         let mut hamiltonians: Vec<Id> = formulas.hamiltonians.iter().map(&mut import).collect();
-        let entries: Vec<Vec<Id>> =
+        let structure: Vec<Vec<Id>> =
             formulas.structure.iter().map(|row| row.iter().map(&mut import).collect()).collect();
         if let Some((other, terms)) = rest {
             hamiltonians.fill(graph.constant(0.0));
@@ -95,10 +97,19 @@ impl Expressions {
         }
         let energy = graph.constant(0.0);
         let (field, operations, flows) = (Vec::new(), Vec::new(), Default::default());
-        let mut new =
-            Self { graph, dimension, noises, hamiltonians, field, energy, operations, flows };
+        let mut new = Self {
+            graph,
+            dimension,
+            noises,
+            hamiltonians,
+            structure,
+            field,
+            energy,
+            operations,
+            flows,
+        };
         let [u, v] = [U, V].map(|group| new.inputs(group));
-        new.field = new.times(&entries, &v);
+        new.field = new.times(&v);
         let field = new.field.clone();
         let field_along = new.along(&field, &u);
         let weights = [new.inputs(DT), new.inputs(DW)].concat();
@@ -165,10 +176,15 @@ impl Expressions {
         let of = |part: &Part, m: usize| {
             let terms = part.terms.iter().filter(|term| term.of == m);
             let all: Vec<String> = terms.map(|term| text(term.root, term.factor)).collect();
-            let shown = all[..all.len().min(MAX_TERMS)].join(" + ").replace("+ -", "- ");
+            let (first, others) = all.split_first()?;
             let more = all.len().saturating_sub(MAX_TERMS);
+            let signed = |term: &String| match term.strip_prefix('-') {
+                Some(term) => format!(" - {term}"),
+                None => format!(" + {term}"),
+            };
+            let shown: String = others.iter().take(MAX_TERMS - 1).map(signed).collect();
             let more = if more > 0 { format!(" + {more} terms") } else { String::new() };
-            (!all.is_empty()).then(|| format!("{shown}{more} of H{m}"))
+            Some(format!("{first}{shown}{more} of H{m}"))
         };
         let words = |part: &Part| {
             let all: Vec<String> = (0..=self.noises).filter_map(|m| of(part, m)).collect();
@@ -208,11 +224,6 @@ impl Expressions {
         graph.copy(Some(&self.flows.0), &self.flows.1[part], &inputs)
     }
 
-    /// Hₘ, with m = 0 for H₀.
-    pub fn hamiltonian(&self, m: usize) -> Id {
-        self.hamiltonians[m]
-    }
-
     /// The components of y.
     pub fn states(&mut self) -> Vec<Id> {
         self.inputs(Y)
@@ -226,11 +237,6 @@ impl Expressions {
             _ => None,
         };
         self.graph.ids().filter(|id| needed[id.index()]).filter_map(component).collect()
-    }
-
-    /// B(y)v for a gradient v.
-    pub fn field_of_gradient(&mut self, gradient: &[Id]) -> Vec<Id> {
-        self.field_at(V, gradient)
     }
 
     /// Σ w·c over terms of one function, with the weights w of their Hamiltonians.
@@ -249,11 +255,10 @@ impl Expressions {
         sum
     }
 
-    /// B∇F of the sum of terms with their weights.
-    pub fn field_of_terms(&mut self, terms: &[Term]) -> Vec<Id> {
-        let weighted: Vec<(Id, Id)> =
-            terms.iter().map(|term| (term.root, self.weight(from_ref(term)))).collect();
-        let gradient = self.graph.reverse(&weighted, &self.y());
+    /// B∇F of a term with its weight.
+    pub fn field_of_term(&mut self, term: &Term) -> Vec<Id> {
+        let weight = self.weight(from_ref(term));
+        let gradient = self.graph.reverse(&[(term.root, weight)], &self.y());
         self.field_at(V, &gradient)
     }
 
@@ -276,8 +281,8 @@ impl Expressions {
     }
 
     /// B·v, with bⱼᵢ = −bᵢⱼ below the diagonal.
-    fn times(&mut self, entries: &[Vec<Id>], v: &[Id]) -> Vec<Id> {
-        let graph = &mut self.graph;
+    fn times(&mut self, v: &[Id]) -> Vec<Id> {
+        let Self { graph, structure: entries, .. } = self;
         let mut field = Vec::new();
         for i in 0..v.len() {
             let mut sum = graph.constant(0.0);

@@ -7,7 +7,7 @@
 //! kick, and one that multiplies components by what it does not change is a growth. Terms of none of
 //! these forms are one part, whose steps preserve its energy.
 
-use std::{collections::BTreeSet, slice::from_ref};
+use std::{cmp::Ordering, collections::BTreeSet, slice::from_ref};
 
 use super::expressions::Expressions;
 use expression::{Affine, Binary, Graph, Id, Node, Unary, forms, terms};
@@ -34,6 +34,8 @@ pub struct Term {
     pub of: usize,
     pub root: Id,
     pub factor: f64,
+    /// Its maximal subexpressions that are linear in y, with their directions.
+    functions: Vec<(Id, Affine)>,
 }
 
 /// The form of a flow.
@@ -101,14 +103,8 @@ pub fn parts(system: &mut Expressions) -> Vec<Part> {
     }
     let mut found: Vec<Single> = Vec::new();
     for (group, kind) in singles(system) {
-        match found
-            .iter_mut()
-            .find_map(|(terms, known)| known.with(&kind).map(|k| (terms, known, k)))
-        {
-            Some((terms, known, joined)) => {
-                terms.extend(group);
-                *known = joined;
-            }
+        match found.iter_mut().find_map(|(terms, known)| known.joins(&kind).then_some(terms)) {
+            Some(terms) => terms.extend(group),
             None => found.push((group, kind)),
         }
     }
@@ -125,42 +121,74 @@ pub fn parts(system: &mut Expressions) -> Vec<Part> {
     parts.into_iter().map(|(_, part)| part).collect()
 }
 
+/// Columns of B whose entries are affine in y: those of k are the field of yₖ.
+type Columns = Vec<Vec<Affine>>;
+
 /// Each term of the Hamiltonians with its flow; linear terms of one Hamiltonian are one, and so is
 /// the product of two vectors.
 fn singles(system: &mut Expressions) -> Vec<Single> {
-    let (mut found, axes) = (Vec::new(), axes(system));
+    let columns = columns(system);
+    let vectors = columns.as_ref().map_or(Vec::new(), |columns| vectors(columns));
+    let mut found = Vec::new();
     for m in 0..=system.noises {
         let mut all = all_terms(system, m);
-        let shapes = forms(&system.graph, system.dimension);
-        let mut sum = Affine::default();
-        for term in &all {
-            if let Some(form) = &shapes[term.root.index()] {
-                sum.add(term.factor, form);
+        if let Some(columns) = &columns {
+            join_linear(system, columns, m, &mut all);
+            found.extend(quadratic(system, columns, m, &mut all));
+            spare(system, &vectors, &mut all);
+            while let Some(pair) = pair(system, &vectors, &mut all) {
+                found.push(pair);
             }
         }
-        sum.constant = 0.0;
-        if sum.slopes.len() > 1 && Linear::new(system, sum.clone()).is_some() {
-            all.retain(|term| shapes[term.root.index()].is_none());
-            let y = system.states();
-            let root = sum.expression(&mut system.graph, &y);
-            all.push(Term { of: m, root, factor: 1.0 });
-        }
-        found.extend(quadratic(system, m, &mut all));
-        spare(system, &axes, &mut all);
-        while let Some(pair) = pair(system, &axes, &mut all) {
-            found.push(pair);
-        }
         for term in all {
-            let kind = linear_kind(system, &term).or_else(|| kick(system, &term));
-            found.push((vec![term], kind.unwrap_or(Kind::Rest)));
+            let linear = columns.as_ref().and_then(|columns| linear_kind(columns, &term));
+            let kind = linear.or_else(|| kick(system, &term)).unwrap_or(Kind::Rest);
+            found.push((vec![term], kind));
         }
     }
     found
 }
 
+/// The columns of B, if it is affine.
+fn columns(system: &Expressions) -> Option<Columns> {
+    let shapes = forms(&system.graph, system.dimension);
+    let entry = |i: usize, k: usize| match i.cmp(&k) {
+        Ordering::Less => shapes[system.structure[i][k - i - 1].index()].clone(),
+        Ordering::Equal => Some(Affine::default()),
+        Ordering::Greater => {
+            Some(shapes[system.structure[k][i - k - 1].index()].as_ref()?.times(-1.0))
+        }
+    };
+    let column = |k: usize| (0..system.dimension).map(|i| entry(i, k)).collect();
+    (0..system.dimension).map(column).collect()
+}
+
+/// Makes one term of the linear ones of a Hamiltonian, if there are several.
+fn join_linear(system: &mut Expressions, columns: &Columns, m: usize, all: &mut Vec<Term>) {
+    let is_linear = |term: &Term| matches!(&term.functions[..], [(id, _)] if *id == term.root);
+    let mut sum = Affine::default();
+    for term in all.iter().filter(|term| is_linear(term)) {
+        sum.add(term.factor, &term.functions[0].1);
+    }
+    if sum.slopes.len() > 1 && Linear::new(columns, sum.clone()).is_some() {
+        all.retain(|term| !is_linear(term));
+        let y = system.states();
+        let root = sum.expression(&mut system.graph, &y);
+        all.push(Term { of: m, root, factor: 1.0, functions: vec![(root, sum)] });
+    }
+}
+
 /// The quadratic terms of a Hamiltonian, if B is constant and their motion is one of oscillators
 /// that are not coupled; they are taken out.
-fn quadratic(system: &mut Expressions, m: usize, all: &mut Vec<Term>) -> Option<Single> {
+fn quadratic(
+    system: &mut Expressions,
+    columns: &Columns,
+    m: usize,
+    all: &mut Vec<Term>,
+) -> Option<Single> {
+    if columns.iter().flatten().any(|entry| !entry.slopes.is_empty()) {
+        return None;
+    }
     let y: Vec<usize> = (0..system.dimension).collect();
     let degrees = system.graph.degrees(&all.iter().map(|term| term.root).collect::<Vec<_>>(), &y);
     let degree = |term: &Term| degrees[term.root.index()];
@@ -172,7 +200,13 @@ fn quadratic(system: &mut Expressions, m: usize, all: &mut Vec<Term>) -> Option<
     let weighted: Vec<(Id, Id)> =
         few.iter().map(|term| (term.root, system.graph.constant(term.factor))).collect();
     let gradient = system.graph.reverse(&weighted, &y);
-    let field = Linear::of_gradient(system, Affine::default(), &gradient)?;
+    let shapes = forms(&system.graph, system.dimension);
+    let mut field = vec![Affine::default(); system.dimension];
+    for (slope, column) in gradient.iter().zip(columns) {
+        let slope = shapes[slope.index()].as_ref()?;
+        field.iter_mut().zip(column).for_each(|(sum, entry)| sum.add(entry.constant, slope));
+    }
+    let field = Linear { slopes: Affine::default(), blocks: blocks(&field)?, field };
     let cubes = || field.blocks.iter().map(|block| block.cube);
     if cubes().any(|cube| cube > 0.0) || !cubes().any(|cube| cube < 0.0) {
         return None;
@@ -183,7 +217,7 @@ fn quadratic(system: &mut Expressions, m: usize, all: &mut Vec<Term>) -> Option<
 
 /// The terms of a Hamiltonian that depend on y.
 fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
-    let (mut open, mut all) = (vec![(system.hamiltonian(m), 1.0)], Vec::new());
+    let (mut open, mut found) = (vec![(system.hamiltonians[m], 1.0)], Vec::new());
     while let Some((root, factor)) = open.pop() {
         let one = system.graph.constant(1.0);
         for (root, weight) in terms(&mut system.graph, &[(root, one)]) {
@@ -199,17 +233,20 @@ fn all_terms(system: &mut Expressions, m: usize) -> Vec<Term> {
                     let [(x, c), (y, d)] = [a, b].map(|id| graph.scaled(id).unwrap_or((id, 1.0)));
                     open.push((system.graph.mul(x, y), factor * c * d));
                 }
-                _ if system.reads(&[root]).is_empty() => {}
-                _ => all.push(Term { of: m, root, factor }),
+                _ => found.push((root, factor)),
             }
         }
     }
-    all
+    let shapes = forms(&system.graph, system.dimension);
+    let term = |(root, factor)| {
+        let functions = linear_functions(&system.graph, &shapes, root);
+        (!functions.is_empty()).then_some(Term { of: m, root, factor, functions })
+    };
+    found.into_iter().filter_map(term).collect()
 }
 
 /// The maximal subexpressions of a function that are linear in y, with their directions.
-fn linear_functions(system: &Expressions, root: Id) -> Vec<(Id, Affine)> {
-    let shapes = forms(&system.graph, system.dimension);
+fn linear_functions(graph: &Graph, shapes: &[Option<Affine>], root: Id) -> Vec<(Id, Affine)> {
     let (mut open, mut seen, mut found) = (vec![root], BTreeSet::new(), Vec::new());
     while let Some(id) = open.pop() {
         if !seen.insert(id) {
@@ -220,44 +257,39 @@ fn linear_functions(system: &Expressions, root: Id) -> Vec<(Id, Affine)> {
             Some(form) => {
                 found.push((id, Affine { constant: 0.0, slopes: form.slopes.clone() }));
             }
-            None => open.extend(system.graph.node(id).operands()),
+            None => open.extend(graph.node(id).operands()),
         }
     }
     found
 }
 
 /// The flow of a function of linear functions in involution, if B is affine.
-fn linear_kind(system: &mut Expressions, term: &Term) -> Option<Kind> {
-    let mut all: Vec<Linear> = Vec::new();
-    for (_, slopes) in linear_functions(system, term.root) {
-        if all.iter().any(|known| slopes.over(&known.slopes).is_some()) {
-            continue;
-        }
-        let new = Linear::new(system, slopes)?;
-        if !all.iter().all(|known| known.commutes(&new)) {
+fn linear_kind(columns: &Columns, term: &Term) -> Option<Kind> {
+    let mut all = Kind::Linear(Vec::new());
+    for (_, slopes) in &term.functions {
+        let one = Kind::Linear(vec![Linear::new(columns, slopes.clone())?]);
+        if !all.joins(&one) {
             return None;
         }
-        all.push(new);
     }
-    Some(Kind::Linear(all))
+    Some(all)
 }
 
 impl Linear {
-    fn new(system: &mut Expressions, slopes: Affine) -> Option<Self> {
-        let gradient: Vec<Id> = (0..system.dimension)
-            .map(|k| system.graph.constant(slopes.slopes.get(&k).copied().unwrap_or(0.0)))
-            .collect();
-        Self::of_gradient(system, slopes, &gradient)
+    fn new(columns: &Columns, slopes: Affine) -> Option<Self> {
+        let mut field = vec![Affine::default(); columns.len()];
+        for (&k, &slope) in &slopes.slopes {
+            field.iter_mut().zip(&columns[k]).for_each(|(sum, entry)| sum.add(slope, entry));
+        }
+        Some(Self { slopes, blocks: blocks(&field)?, field })
     }
 
-    /// The field B∇F of a gradient, if it is affine in y and has a closed form.
-    fn of_gradient(system: &mut Expressions, slopes: Affine, gradient: &[Id]) -> Option<Self> {
-        let roots = system.field_of_gradient(gradient);
-        let shapes = forms(&system.graph, system.dimension);
-        let field = roots.iter().map(|root| shapes[root.index()].clone());
-        let field = field.collect::<Option<Vec<Affine>>>()?;
-        let blocks = blocks(&field)?;
-        Some(Self { slopes, field, blocks })
+    /// c with the field c times another.
+    fn over(&self, other: &Self) -> Option<f64> {
+        let moves = other.field.iter().position(|form| !form.is_zero())?;
+        let ratio = self.field[moves].over(&other.field[moves])?;
+        let is_multiple = |(own, other): (&Affine, &Affine)| own.is_multiple(ratio, other);
+        self.field.iter().zip(&other.field).all(is_multiple).then_some(ratio)
     }
 
     /// Whether {ℓ, ℓ′} = 0.
@@ -305,12 +337,7 @@ fn blocks(field: &[Affine]) -> Option<Vec<Block>> {
             None => 0.0,
             Some(k) => third[k].over(&own[k])?,
         };
-        let differs = |(third, own): (&Affine, &Affine)| {
-            let mut rest = third.clone();
-            rest.add(-cube, own);
-            !rest.is_zero()
-        };
-        if third.iter().zip(&own).any(differs) {
+        if !third.iter().zip(&own).all(|(third, own)| third.is_multiple(cube, own)) {
             return None;
         }
         blocks.push(Block { components, cube, second });
@@ -318,12 +345,11 @@ fn blocks(field: &[Affine]) -> Option<Vec<Block>> {
     Some(blocks)
 }
 
-/// For each component k that turns two others as eₖ under so(3), these: the field of yₖ is that of
-/// y × eₖ in the order of k and both.
-fn axes(system: &mut Expressions) -> Vec<Option<[usize; 2]>> {
-    let dimension = system.dimension;
-    let axis = |k| {
-        let Linear { field, .. } = Linear::new(system, Affine::input(k))?;
+/// For each component k of a vector under so(3), on which B acts as y ↦ y × v: the vector from k on.
+fn vectors(columns: &Columns) -> Vec<Option<[usize; 3]>> {
+    // The two components that the field of yₖ turns as y × eₖ does.
+    let axis = |k: usize| {
+        let field = &columns[k];
         let mut moved = (0..field.len()).filter(|&i| !field[i].is_zero());
         let (i, j, None) = (moved.next()?, moved.next()?, moved.next()) else { return None };
         let turns = |i: usize, j: usize| {
@@ -331,23 +357,24 @@ fn axes(system: &mut Expressions) -> Vec<Option<[usize; 2]>> {
         };
         [[i, j], [j, i]].into_iter().find(|&[i, j]| turns(i, j))
     };
-    (0..dimension).map(axis).collect()
+    let vector = |k: usize| {
+        let [i, j] = axis(k)?;
+        (axis(i) == Some([j, k]) && axis(j) == Some([k, i])).then_some([k, i, j])
+    };
+    (0..columns.len()).map(vector).collect()
 }
 
 /// Takes the middle one of three squares of a vector under so(3) from all of them: |y|² moves
 /// nothing. Angles are least then, and one part less turns.
-fn spare(system: &Expressions, axes: &[Option<[usize; 2]>], all: &mut Vec<Term>) {
+fn spare(system: &Expressions, vectors: &[Option<[usize; 3]>], all: &mut Vec<Term>) {
     let square = |all: &[Term], k: usize| {
         all.iter().position(|term| match system.graph.node(term.root) {
             Node::Power(x, 2) => system.graph.node(x) == Node::Input(k as u32),
             _ => false,
         })
     };
-    for (k, axis) in axes.iter().enumerate() {
-        let Some([i, j]) = *axis else { continue };
-        let is_vector = axes[i] == Some([j, k]) && axes[j] == Some([k, i]);
-        let places = [k, i, j].map(|k| square(all, k));
-        if let ([Some(a), Some(b), Some(c)], true) = (places, is_vector && k < i && k < j) {
+    for vector in vectors.iter().flatten().filter(|[k, i, j]| k < i && k < j) {
+        if let [Some(a), Some(b), Some(c)] = vector.map(|k| square(all, k)) {
             let mut factors = [a, b, c].map(|n| all[n].factor);
             factors.sort_unstable_by(f64::total_cmp);
             [a, b, c].iter().for_each(|&n| all[n].factor -= factors[1]);
@@ -357,7 +384,11 @@ fn spare(system: &Expressions, axes: &[Option<[usize; 2]>], all: &mut Vec<Term>)
 }
 
 /// A product of two vectors of so(3) among the terms, which it takes out.
-fn pair(system: &Expressions, axes: &[Option<[usize; 2]>], all: &mut Vec<Term>) -> Option<Single> {
+fn pair(
+    system: &Expressions,
+    vectors: &[Option<[usize; 3]>],
+    all: &mut Vec<Term>,
+) -> Option<Single> {
     let graph = &system.graph;
     let product = |i: usize, j: usize, factor: f64| {
         all.iter().position(|term| {
@@ -370,13 +401,10 @@ fn pair(system: &Expressions, axes: &[Option<[usize; 2]>], all: &mut Vec<Term>) 
     let found = all.iter().find_map(|term| {
         let Node::Binary(Binary::Mul, a, b) = graph.node(term.root) else { return None };
         let (Node::Input(a), Node::Input(b)) = (graph.node(a), graph.node(b)) else { return None };
-        let (a, b) = (a as usize, b as usize);
-        let ([c, e], [d, f]) = ((*axes.get(a)?)?, (*axes.get(b)?)?);
-        let vectors = [[a, c, e], [b, d, f]];
-        let are_two = vectors[0].iter().all(|k| !vectors[1].contains(k));
-        let places =
-            [product(a, b, term.factor)?, product(c, d, term.factor)?, product(e, f, term.factor)?];
-        are_two.then_some((places, vectors))
+        let [one, other] = [(*vectors.get(a as usize)?)?, (*vectors.get(b as usize)?)?];
+        let of = |k: usize| product(one[k], other[k], term.factor);
+        let places = [of(0)?, of(1)?, of(2)?];
+        one.iter().all(|k| !other.contains(k)).then_some((places, [one, other]))
     });
     let (mut places, vectors) = found?;
     places.sort_unstable();
@@ -386,7 +414,7 @@ fn pair(system: &Expressions, axes: &[Option<[usize; 2]>], all: &mut Vec<Term>) 
 
 /// The flow of a field that reads nothing that it changes, or multiplies what it changes.
 fn kick(system: &mut Expressions, term: &Term) -> Option<Kind> {
-    let field = system.field_of_terms(from_ref(term));
+    let field = system.field_of_term(term);
     let changed: BTreeSet<usize> =
         (0..field.len()).filter(|&k| !system.graph.is_zero(field[k])).collect();
     let (mut grown, mut read) = (BTreeSet::new(), BTreeSet::new());
@@ -403,57 +431,49 @@ fn kick(system: &mut Expressions, term: &Term) -> Option<Kind> {
 }
 
 impl Kind {
-    /// The form of a sum of two; none if it has no flow, or not one of this kind.
-    fn with(&self, other: &Self) -> Option<Self> {
+    /// Takes in another form, if the sum has a flow of this form.
+    fn joins(&mut self, other: &Self) -> bool {
         match (self, other) {
             (Self::Linear(known), Self::Linear(new)) => {
-                let mut all = known.clone();
-                for one in new {
-                    if all.iter().any(|known| one.slopes.over(&known.slopes).is_some()) {
-                        continue;
-                    }
-                    if !all.iter().all(|known| known.commutes(one)) {
-                        return None;
-                    }
-                    all.push(one.clone());
+                let is_new = |one: &&Linear| {
+                    !known.iter().any(|known| one.slopes.over(&known.slopes).is_some())
+                };
+                let new: Vec<Linear> = new.iter().filter(is_new).cloned().collect();
+                let commute = new.iter().all(|one| known.iter().all(|known| known.commutes(one)));
+                if commute {
+                    known.extend(new);
                 }
-                Some(Self::Linear(all))
+                commute
             }
             (Self::Quadratic { field, shares }, Self::Quadratic { field: other, shares: more }) => {
-                let moves = field.field.iter().position(|form| !form.is_zero())?;
-                let ratio = other.field[moves].over(&field.field[moves])?;
-                let is_multiple = |(other, own): (&Affine, &Affine)| {
-                    let mut rest = other.clone();
-                    rest.add(-ratio, own);
-                    rest.is_zero()
-                };
-                let more = more.iter().map(|&(m, share)| (m, ratio * share));
-                let shares = shares.iter().copied().chain(more).collect();
-                other
-                    .field
-                    .iter()
-                    .zip(&field.field)
-                    .all(is_multiple)
-                    .then(|| Self::Quadratic { field: field.clone(), shares })
+                let Some(ratio) = other.over(field) else { return false };
+                shares.extend(more.iter().map(|&(m, share)| (m, ratio * share)));
+                true
             }
-            (Self::Rest, Self::Rest) => Some(Self::Rest),
+            (Self::Rest, Self::Rest) => true,
             (Self::Pairs(known), Self::Pairs(new)) => {
-                let meets = |a: &[[usize; 3]; 2], b: &[[usize; 3]; 2]| {
-                    a.iter().flatten().any(|k| b.iter().flatten().any(|l| k == l))
-                };
-                let other = |pair: &&[[usize; 3]; 2]| !known.contains(pair);
-                let new: Vec<_> = new.iter().filter(other).copied().collect();
-                let apart = !new.iter().any(|new| known.iter().any(|known| meets(known, new)));
-                apart.then(|| Self::Pairs([&known[..], &new].concat()))
+                let new: Vec<_> =
+                    new.iter().filter(|pair| !known.contains(pair)).copied().collect();
+                let sites: BTreeSet<usize> = known.iter().flatten().flatten().copied().collect();
+                let apart = new.iter().flatten().flatten().all(|k| !sites.contains(k));
+                if apart {
+                    known.extend(new);
+                }
+                apart
             }
             (Self::Kick { changed, grown, read }, Self::Kick { changed: c, grown: g, read: r }) => {
                 // No component both grows and is pushed.
                 let apart = grown.intersection(c).all(|k| g.contains(k))
-                    && g.intersection(changed).all(|k| grown.contains(k));
-                let (changed, grown, read) = (changed | c, grown | g, read | r);
-                (apart && changed.is_disjoint(&read)).then_some(Self::Kick { changed, grown, read })
+                    && g.intersection(changed).all(|k| grown.contains(k))
+                    && changed.union(c).all(|k| !read.contains(k) && !r.contains(k));
+                if apart {
+                    changed.extend(c);
+                    grown.extend(g);
+                    read.extend(r);
+                }
+                apart
             }
-            _ => None,
+            _ => false,
         }
     }
 
@@ -484,17 +504,20 @@ impl Kind {
                 }
             }
             Self::Kick { grown, .. } => {
-                let field = system.field_of_terms(terms);
-                for (k, &change) in field.iter().enumerate() {
-                    let factor = grown.contains(&k).then(|| system.rate(change, k)).flatten();
-                    let graph = &mut system.graph;
-                    y[k] = match factor {
-                        Some(rate) => {
-                            let factor = graph.unary(Unary::Exp, rate);
-                            graph.mul(y[k], factor)
-                        }
-                        None => graph.add(y[k], change),
-                    };
+                let zero = system.graph.constant(0.0);
+                let [mut rates, mut changes] = [(); 2].map(|()| vec![zero; y.len()]);
+                for term in terms {
+                    let field = system.field_of_term(term);
+                    for (k, &change) in field.iter().enumerate() {
+                        let rate = grown.contains(&k).then(|| system.rate(change, k)).flatten();
+                        let sum = if rate.is_some() { &mut rates[k] } else { &mut changes[k] };
+                        *sum = system.graph.add(*sum, rate.unwrap_or(change));
+                    }
+                }
+                for k in 0..y.len() {
+                    let factor = system.graph.unary(Unary::Exp, rates[k]);
+                    let grown = system.graph.mul(y[k], factor);
+                    y[k] = system.graph.add(grown, changes[k]);
                 }
             }
         }
@@ -529,11 +552,10 @@ fn turn_pair(graph: &mut Graph, time: Id, vectors: &[[usize; 3]; 2], y: &mut [Id
 fn angle(system: &mut Expressions, one: &Linear, terms: &[Term]) -> Id {
     let mut sum = system.graph.constant(0.0);
     for term in terms {
-        let functions = linear_functions(system, term.root);
-        let roots: Vec<Id> = functions.iter().map(|(id, _)| *id).collect();
+        let roots: Vec<Id> = term.functions.iter().map(|(id, _)| *id).collect();
         let weight = system.weight(from_ref(term));
         let slopes = system.graph.reverse_at(&[(term.root, weight)], &roots);
-        for ((_, slopes_of), slope) in functions.iter().zip(slopes) {
+        for ((_, slopes_of), slope) in term.functions.iter().zip(slopes) {
             if let Some(share) = slopes_of.over(&one.slopes) {
                 let share = system.graph.scale(slope, share);
                 sum = system.graph.add(sum, share);

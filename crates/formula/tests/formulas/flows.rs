@@ -79,6 +79,9 @@ fn systems() -> Vec<(FormulaSystem, usize)> {
         }
         rows
     };
+    // {x, y} = z and {x, z} = -y, and y and z commute: not so(3).
+    let mut motions = spins(&SPINS);
+    (motions[1][0], motions[4][0]) = ("0".into(), "0".into());
     let boosts = matrix(3, &[(0, 1, "-z"), (0, 2, "-y"), (1, 2, "x")]);
     let magnetic = matrix(4, &[(0, 2, "1"), (1, 3, "1"), (2, 3, "0.8")]);
     let lotka = matrix(3, &[(0, 1, "x*y"), (0, 2, "0.5*x*z"), (1, 2, "-0.7*y*z")]);
@@ -110,6 +113,7 @@ fn systems() -> Vec<(FormulaSystem, usize)> {
             ),
             3,
         ),
+        (system(&SPINS, motions, "x1*x2 + y1*y2 + z1*z2", &["0.1*x1"]), 2),
         (system(&BODY, boosts, "x^2/2 + 0.3*y^2 + 0.2*z", &["0.1*y"]), 3),
         (system(&BODY, lotka, "x - ln(x) + y^2 + z", &["0.1*ln(y)"]), 3),
     ]

@@ -89,8 +89,10 @@ struct CompositionStepper<'a> {
     /// The part without a flow.
     rest: Option<Box<dyn Stepper + 'a>>,
     state: Rows,
+    /// The result of a program; empty where there is none.
     next: Rows,
-    dw: StepNoise,
+    /// A share of the noise.
+    part: StepNoise,
     scratch: Rows,
 }
 
@@ -121,13 +123,16 @@ impl<'a> CompositionStepper<'a> {
             })
             .collect()
         };
+        let steps: Vec<_> = steps.into_iter().map(step).collect();
+        let is_program = |piece: &Piece| matches!(piece, Piece::Program(_));
+        let next = if steps.iter().flatten().any(is_program) { description.layout.rows } else { 0 };
         Ok(Self {
             system,
-            steps: steps.into_iter().map(step).collect(),
+            steps,
             rest,
             state: Rows::zero(description.layout.rows),
-            next: Rows::zero(description.layout.rows),
-            dw: StepNoise::none(description.layout.noise_rows, false),
+            next: Rows::zero(next),
+            part: StepNoise::zero(description.layout.noise_rows),
             scratch: Rows::zero(description.scratch_rows()),
         })
     }
@@ -144,7 +149,7 @@ impl Stepper for CompositionStepper<'_> {
 
     fn step(&mut self, step: &Step, noise: &StepNoise, status: &mut BlockStatus) {
         *status = BlockStatus::explicit();
-        let Self { system, steps, rest, state, next, dw, scratch } = self;
+        let Self { system, steps, rest, state, next, part: part_of_noise, scratch } = self;
         let number = step.number() as usize % steps.len();
         let factors = [step.first_decay, step.second_decay];
         let t = step.t + 0.5 * step.tau;
@@ -160,15 +165,17 @@ impl Stepper for CompositionStepper<'_> {
                     state.iter_mut().flatten().for_each(|y| *y *= factors[*k]);
                 }
                 Piece::Move(Move::Flow { part, drift, noise: share, only }) => {
-                    if shares != (*share, *only) {
+                    let is_whole = (*share, *only) == (1.0, None);
+                    if !is_whole && shares != (*share, *only) {
                         shares = (*share, *only);
-                        for (m, row) in dw.increments.iter_mut().enumerate() {
+                        for (m, row) in part_of_noise.increments.iter_mut().enumerate() {
                             let share =
                                 if only.is_none_or(|only| only == m) { *share } else { 0.0 };
                             let all = row.iter_mut().zip(&noise.increments[m]);
                             all.for_each(|(to, dw)| *to = share * dw);
                         }
                     }
+                    let dw = if is_whole { noise } else { &*part_of_noise };
                     let dt = *drift * step.tau;
                     match rest {
                         Some(rest) => {
