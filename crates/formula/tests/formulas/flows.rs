@@ -312,6 +312,9 @@ fn flows_keep_casimirs_and_nearly_energies() {
                 vec![at(0, y).powi(2) + at(1, y).powi(2) - at(2, y).powi(2)]
             }
             3 => vec![square(y, 0)],
+            _ if name == "x1*x2 + y1*y2 + z1*z2" => {
+                [1, 4].map(|k| at(k, y).powi(2) + at(k + 1, y).powi(2)).to_vec()
+            }
             _ if name.starts_with('m') => {
                 vec![square(y, 3), (0..3).map(|k| at(k, y) * at(k + 3, y)).sum()]
             }
