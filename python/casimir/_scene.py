@@ -8,17 +8,18 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
 from ._errors import SceneError
-from ._formulas import plain
+from ._formulas import finite, plain, whole
 from ._progress import How, how
-from ._results import Run
-from ._verbs import R, Verbs
+from ._results import Comparison, Expectation, Inspection, Order, Result, Run
+
+R = TypeVar("R", bound=Result)
 
 # What a text names where an array of initial states goes with it; no file is read then.
 _STATES = "states.csv"
@@ -44,7 +45,7 @@ def _definition(entry: dict[str, Any]) -> str:
     return str(found[0]).rsplit("/", 1)[-1]
 
 
-class Scene(Verbs):
+class Scene:
     """A system with its initial value and what is wanted: the contents of a scene's file.
 
     ``Scene("body.toml")`` reads a file, ``Scene({...})`` takes a dictionary with the same keys, and
@@ -223,6 +224,130 @@ class Scene(Verbs):
     def _run(self, independent: bool, how: How, raises: bool) -> Run:
         varied = {str(key): np.array(values) for key, values in self._check()["sweep"].items()}
         return Run(self, _raising(_core.run(self, independent, how), raises), varied)
+
+    # Verbs: the test `declared` of the program writes these methods.
+    def inspect(
+        self,
+        *,
+        threads: int | None = None,
+        progress: bool = True,
+        **changes: Any,
+    ) -> Inspection:
+        """Inspects the system of a scene, whose scheme is not asked for."""
+        options: Mapping[str, Any] = {}
+        return self._called(Inspection, "inspect", options, changes, how(threads, progress))
+
+    def expect(
+        self,
+        *,
+        coarsest_steps: int | None = None,
+        threads: int | None = None,
+        progress: bool = True,
+        raises: bool = False,
+        **changes: Any,
+    ) -> Expectation:
+        """Expectations E[φ(y(T))] with 95 % intervals: ``expect(of=["y1"], accuracy=1e-4)``.
+
+        ``coarsest_steps``: Steps of the coarsest level. Default: chosen with the scheme; about
+        eight in a unit of time for a scheme that is named, and with events or integrals.
+        """
+        options: Mapping[str, Any] = {
+            "coarsest_steps": None if coarsest_steps is None else whole("coarsest_steps", coarsest_steps),
+        }
+        return self._called(Expectation, "expect", options, changes, how(threads, progress), raises)
+
+    def equilibrium(
+        self,
+        *,
+        chains: int = 256,
+        path_steps: float = 1e10,
+        threads: int | None = None,
+        progress: bool = True,
+        raises: bool = False,
+        **changes: Any,
+    ) -> Expectation:
+        """Averages over the stationary law with 95 % intervals that include the step error:
+        ``equilibrium(of=["q^2"], accuracy=1e-3)``. Autocorrelation times, burn-in and histograms
+        are in its JSON.
+
+        ``chains``: Number of chains.
+
+        ``path_steps``: Maximum number of path-steps.
+        """
+        options: Mapping[str, Any] = {
+            "chains": whole("chains", chains),
+            "path_steps": whole("path_steps", path_steps),
+        }
+        return self._called(Expectation, "equilibrium", options, changes, how(threads, progress), raises)
+
+    def lyapunov(
+        self,
+        *,
+        accuracy: float = 0.01,
+        chains: int = 256,
+        count: int = 1,
+        path_steps: float = 1e10,
+        threads: int | None = None,
+        progress: bool = True,
+        raises: bool = False,
+        **changes: Any,
+    ) -> Expectation:
+        """The largest Lyapunov exponents ``"λ1"``, … and ``"their sum"``, with 95 % intervals.
+
+        ``accuracy``: Half-width of the 95 % intervals.
+
+        ``chains``: Number of chains.
+
+        ``count``: Number of exponents, from the largest on.
+
+        ``path_steps``: Maximum number of path-steps.
+        """
+        options: Mapping[str, Any] = {
+            "accuracy": finite("accuracy", accuracy, above=0),
+            "chains": whole("chains", chains),
+            "count": whole("count", count),
+            "path_steps": whole("path_steps", path_steps),
+        }
+        return self._called(Expectation, "lyapunov", options, changes, how(threads, progress), raises)
+
+    def order(
+        self,
+        *,
+        path_steps: float = 3e8,
+        threads: int | None = None,
+        progress: bool = True,
+        **changes: Any,
+    ) -> Order:
+        """The strong and the weak order of the scheme of a scene.
+
+        ``path_steps``: Path-steps that each measurement may take.
+        """
+        options: Mapping[str, Any] = {
+            "path_steps": whole("path_steps", path_steps),
+        }
+        return self._called(Order, "order", options, changes, how(threads, progress))
+
+    def compare(
+        self,
+        *,
+        budget: float = 60.0,
+        error: float = 0.001,
+        threads: int | None = None,
+        progress: bool = True,
+        **changes: Any,
+    ) -> Comparison:
+        """Error against cost of all schemes, and the cheapest one for an error of y(T).
+
+        ``budget``: Seconds that it may take.
+
+        ``error``: The wanted root-mean-square error of y(T).
+        """
+        options: Mapping[str, Any] = {
+            "budget": finite("budget", budget, above=0),
+            "error": finite("error", error, above=0),
+        }
+        return self._called(Comparison, "compare", options, changes, how(threads, progress))
+    # Verbs: the test `declared` of the program writes these methods.
 
     def _called(
         self,

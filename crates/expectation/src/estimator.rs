@@ -151,7 +151,7 @@ impl<'a> Estimator<'a> {
         self.begin(pilot)?;
         let out_of_reach = |why: String, remedy: &str| {
             let what = Message::new("the accuracy is out of reach");
-            Some((WarningKind::OutOfReach, what.because(why).unless(remedy)))
+            Some((WarningKind::OutOfReach, what.with_reason(why).with_remedy(remedy)))
         };
         let mut helps = None;
         let limit = loop {

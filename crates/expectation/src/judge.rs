@@ -40,7 +40,7 @@ impl Evidence<'_> {
         let mut warnings: Vec<Warning> = failing
             .map(|&Samples { level, failed, .. }| {
                 let what = format!("{failed} paths failed on level {level} and were left out");
-                let message = Message::new(what).because("this may bias the estimate");
+                let message = Message::new(what).with_reason("this may bias the estimate");
                 Warning::of_all(WarningKind::FailedPaths, message)
             })
             .collect();
@@ -81,7 +81,7 @@ impl Evidence<'_> {
         let begin = &self.levels[self.first];
         let tail = tail(self.levels, k);
         if tail.is_heavy() {
-            let message = Message::new(tail.to_string()).because("more paths do not help");
+            let message = Message::new(tail.to_string()).with_reason("more paths do not help");
             return Some((WarningKind::FewSamples, message));
         }
         let found = self.levels[last..].iter().find(blind).map(|samples| (samples, 0.0));
@@ -94,7 +94,7 @@ impl Evidence<'_> {
             samples.level
         );
         let why = "a few large ones decide, or the noise is too weak for these steps";
-        Some((WarningKind::FewSamples, Message::new(what).because(why)))
+        Some((WarningKind::FewSamples, Message::new(what).with_reason(why)))
     }
 
     /// Warning of a low order by which differences fall.

@@ -197,8 +197,8 @@ pub fn unresolved(
     let (levels, level) = ([a, b, last], last.level);
     let warning = |kind, what: &str, how: String| {
         let message = Message::new(format!("the steps do not resolve {what}"))
-            .because(format!("on level {level} {how}"))
-            .unless("take more steps of the coarsest level");
+            .with_reason(format!("on level {level} {how}"))
+            .with_remedy("take more steps of the coarsest level");
         Warning::of_all(kind, message)
     };
     let differ = |by: f64| format!("fine and coarse paths differ by {by:.1e} of its motion");

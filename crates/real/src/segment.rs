@@ -151,8 +151,7 @@ impl<R: Real> Real for Segment<R> {
     }
     #[inline(always)]
     fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
-        let chosen = Self::constant(0.0).sum(a).sum(b);
-        let form = if x.larger(y) == Form::Constant { chosen.form } else { Form::Other };
+        let form = if x.larger(y) == Form::Constant { a.larger(b) } else { Form::Other };
         let of = |a: R, b: R| R::where_less(x.middle, y.middle, a, b);
         let (middle, half) = (of(a.middle, b.middle), of(a.half, b.half));
         Self { middle, half, mean: of(a.mean, b.mean), form }

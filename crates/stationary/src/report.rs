@@ -192,13 +192,13 @@ impl Averages {
             } else if let Some(Well { of, crossings }) = well {
                 mean.lengths = mean.lengths.min(crossings);
                 let what = Warning::new("the chains stay in wells on which it depends");
-                mean.unknown.get_or_insert(what.because(format!("{of} does not forget")));
+                mean.unknown.get_or_insert(what.with_reason(format!("{of} does not forget")));
             }
             mean
         });
         let means: Vec<StationaryMean> = means.collect();
         let drifts = Warning::new("the chains still drift after half of their time")
-            .because("no stationary law is reached, or there is none");
+            .with_reason("no stationary law is reached, or there is none");
         let settles = |mean: &StationaryMean| mean.unsettled == 0.0;
         let drifts =
             (burn_in.is_none() && means.iter().take(settling).any(settles)).then_some(drifts);
@@ -212,8 +212,8 @@ impl Averages {
             }
             false => "",
         };
-        let failed =
-            fails.then(|| Warning::new(format!("{failed} of {all} chains failed")).because(large));
+        let failed = fails
+            .then(|| Warning::new(format!("{failed} of {all} chains failed")).with_reason(large));
         Self {
             scheme: scheme.into(),
             means,
@@ -329,7 +329,7 @@ fn mean(kept: &Kept, order: f64, name: String, is_average: bool) -> StationaryMe
         Some(match is_average {
             true => {
                 let what = format!("the chains are {lengths:.1} autocorrelation times long");
-                Warning::new(what + ", or disagree").because(format!("{MIN_LENGTH} are wanted"))
+                Warning::new(what + ", or disagree").with_reason(format!("{MIN_LENGTH} are wanted"))
             }
             false => Warning::new("the chains are too short, or disagree"),
         })

@@ -21,15 +21,15 @@ impl Warning {
         Self { what: what.into(), ..Self::default() }
     }
 
-    /// Adds the evidence.
+    /// Adds the evidence, with its numbers.
     #[must_use]
-    pub fn because(self, why: impl Into<String>) -> Self {
+    pub fn with_reason(self, why: impl Into<String>) -> Self {
         Self { why: why.into(), ..self }
     }
 
-    /// Adds what would help.
+    /// Adds a remedy.
     #[must_use]
-    pub fn unless(self, remedy: impl Into<String>) -> Self {
+    pub fn with_remedy(self, remedy: impl Into<String>) -> Self {
         Self { remedy: remedy.into(), ..self }
     }
 

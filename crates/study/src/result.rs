@@ -175,7 +175,7 @@ fn lasts(Series { observable, kind, points }: &Series) -> Option<Warning> {
         let to = points[points.len() - 1].time;
         let what = format!("{observable} is not small up to a lag of {to}");
         let why = "peaks of its spectrum are broader and lower than they should be";
-        Warning::new(what).because(why).unless("take a longer time")
+        Warning::new(what).with_reason(why).with_remedy("take a longer time")
     })
 }
 
@@ -185,7 +185,7 @@ type Concerns<'a> = &'a dyn Fn(&Summary) -> bool;
 fn warnings(losses: &Losses, paths: u64, series: &[Series], tails: &[Tail]) -> Vec<Warning> {
     let failed = losses.failed;
     let lost = Warning::new(format!("{failed} of {paths} paths failed"));
-    let lost = lost.because("what is left is no fair sample");
+    let lost = lost.with_reason("what is left is no fair sample");
     let mut warnings: Vec<Warning> = (failed > 0).then_some(lost).into_iter().collect();
     let at = |point: &Summary, of: &[Place]| point.quantiles.iter().any(|q| of.contains(&q.place));
     for (Series { observable, points, .. }, tail) in series.iter().zip(tails) {

@@ -2,8 +2,10 @@
 
 use std::time::Instant;
 
-use casimir::expectation::{self, Estimate, ExpectSettings, WarningKind};
-use casimir::mc::Observe;
+use casimir::{
+    expectation::{self, Estimate, ExpectSettings, WarningKind},
+    mc::Observe,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;

@@ -5,10 +5,9 @@ use std::time::Instant;
 use casimir::{
     analysis::{StepCheck, checked_paths, step_check},
     mc::{Observe, RunError, Setup, Simulation, TimeSeries, parts::Job},
+    stats::Warning,
     study::{Kind, Series, Study, StudyResult, StudySettings, Summary},
 };
-
-use casimir::stats::Warning;
 
 use super::{Settled, Watch, scheme};
 use crate::{
@@ -147,7 +146,7 @@ impl Results {
         }
         if study.is_none() && !(scene.wanted.pairs.is_empty() && scene.wanted.lagged.is_empty()) {
             let few = Warning::new("pairs and autocorrelations are of 100 paths or more");
-            all.push(few.unless("take more `paths`"));
+            all.push(few.with_remedy("take more `paths`"));
         }
         all
     }

@@ -1,44 +1,14 @@
-//! The options of a verb are declared once: from them follow the table of docs/scenes.md and the
-//! methods of Python. `WRITE=1 cargo test -p casimir-cli --test all declared` writes both.
+//! The options of a verb are declared once: from them follow a table in docs/scenes.md and methods
+//! of Python's scenes. `WRITE=1 cargo test -p casimir-cli --test all declared` writes both.
 
 use std::{env, fs, path::Path};
 
 use serde_json::{Map, Value};
 use verbs::{NAMES, is_of_samples, options};
 
-const MARK: &str = "<!-- options: written by the test `declared` -->\n";
-
-const HEAD: &str = r#""""Verbs of a scene; `declared.rs` of the tests of `casimir-cli` writes this file."""
-
-from __future__ import annotations
-
-from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
-
-from ._formulas import finite, whole
-from ._progress import How, how
-from ._results import Comparison, Expectation, Inspection, Order, Result
-
-R = TypeVar("R", bound=Result)
-
-
-class Verbs:
-    """Verbs of a scene. Arguments other than the named ones change the scene as ``with_`` does;
-    ``threads`` changes the time, and no bit of the results."""
-
-    __slots__ = ()
-
-    def _called(
-        self,
-        result: Callable[..., R],
-        verb: str,
-        options: Mapping[str, Any],
-        changes: Mapping[str, Any],
-        how: How,
-        raises: bool = False,
-    ) -> R:
-        raise NotImplementedError
-"#;
+/// Marks around what is written.
+const OF_PAGE: &str = "<!-- options: written by the test `declared` -->\n";
+const OF_PYTHON: &str = "    # Verbs: the test `declared` of the program writes these methods.\n";
 
 /// A text of documentation in Python, in lines of at most 92 letters.
 fn wrapped(text: &str) -> String {
@@ -138,7 +108,7 @@ fn method(verb: &str) -> String {
     };
     let end = if words.is_empty() { "" } else { "        " };
     format!(
-        "\n    def {verb}(\n        self,\n        *,\n{arguments}        threads: int | None = \
+        "    def {verb}(\n        self,\n        *,\n{arguments}        threads: int | None = \
          None,\n        progress: bool = True,\n{raises}        **changes: Any,\n    ) -> \
          {result}:\n        \"\"\"{about}{}{words}{end}\"\"\"\n        options: Mapping[str, Any] = \
          {options}\n        return self._called({result}, \"{verb}\", options, changes, \
@@ -162,19 +132,22 @@ fn table() -> String {
 #[test]
 fn options_are_declared_once() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let methods: String = NAMES.iter().map(|verb| method(verb)).collect();
-    let page = root.join("docs/scenes.md");
-    let text = fs::read_to_string(&page).expect("a page");
-    let [before, _, after] = text.split(MARK).collect::<Vec<_>>()[..] else { panic!("two marks") };
-    let files = [
-        (root.join("python/casimir/_verbs.py"), format!("{HEAD}{methods}")),
-        (page, [before, MARK, &table(), MARK, after].concat()),
-    ];
-    for (file, text) in files {
+    let methods: Vec<String> = NAMES.iter().map(|verb| method(verb)).collect();
+    for (file, mark, written) in [
+        ("docs/scenes.md", OF_PAGE, table()),
+        ("python/casimir/_scene.py", OF_PYTHON, methods.join("\n")),
+    ] {
+        let file = root.join(file);
+        let text = fs::read_to_string(&file).expect("a file");
+        let [before, old, after] = text.split(mark).collect::<Vec<_>>()[..] else {
+            panic!("{} has no two marks", file.display())
+        };
         if env::var_os("WRITE").is_some() {
-            fs::write(&file, &text).expect("a file");
+            let text = [before, mark, &written, mark, after].concat();
+            fs::write(&file, text).expect("a file");
+        } else {
+            assert_eq!(old, written, "{}", file.display());
         }
-        assert_eq!(fs::read_to_string(&file).expect("a file"), text, "{}", file.display());
     }
 }
 

@@ -137,7 +137,7 @@ fn a_stiff_bond_in_a_bath_is_said_to_lack_energy() {
                  steps = 500\npaths = 200\n[observe]\npot = '4900*q^2/2'\n";
     let said = says(scene);
     let words = "turns by 0.7 radians in a step: where noise drives it, schemes like the midpoint \
-                 rule give it about 11 % too little energy; 1742 steps leave 1 %";
+                 rule give it about 11 % too little energy; take 1742 steps for 1 %";
     assert!(said.contains(words), "{said}");
     let said = says(&scene.replace("steps = 500", "steps = 2000"));
     assert!(!said.contains("turns"), "{said}");

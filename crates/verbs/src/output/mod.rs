@@ -9,10 +9,10 @@ mod sweep;
 
 use std::{mem::take, path::Path};
 
-use casimir::stats::Warning;
 use casimir::{
     analysis::aligned,
     mc::{TimeSeries, files, write_csv},
+    stats::Warning,
     study::{STATISTICS, Series, StudyResult},
 };
 use serde_json::{Value, json};

@@ -65,14 +65,14 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
         let what = format!("the damping of a step is exp(-{})", digits(check.damping));
         lines.push(
             Warning::new(what)
-                .because("what happens within a step is not resolved")
-                .unless(format!("take more than {} steps", more(check.damping))),
+                .with_reason("what happens within a step is not resolved")
+                .with_remedy(format!("take more than {} steps", more(check.damping))),
         );
     }
     if check.turn > TURN {
         let steps = more(check.turn);
         let what = Warning::new(turns.clone() + ", which is not resolved");
-        lines.push(what.unless(format!("take more than {steps} steps")));
+        lines.push(what.with_remedy(format!("take more than {steps} steps")));
     }
     if let Some((t, enough)) = check.unresolved {
         let take = enough.map_or("many more".into(), |steps| steps.to_string());
@@ -81,8 +81,8 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
             format!("H(t) changes within a step near t = {near} by more than from step to step");
         lines.push(
             Warning::new(what)
-                .because("a step that is half as long may miss the same")
-                .unless(format!("take {take} steps")),
+                .with_reason("a step that is half as long may miss the same")
+                .with_remedy(format!("take {take} steps")),
         );
     }
     if !check.resolves() {
@@ -131,11 +131,12 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
     if !worst.is_empty() {
         let worst = worst.join(", ");
         let what = Warning::new(format!("no digit{along} of {worst} is right"));
-        lines.push(what.because(format!("by {half}")).unless(format!("{steps} steps are too few")));
+        let why = format!("{steps} steps are too few, by {half}");
+        lines.push(what.with_reason(why).with_remedy("take more steps"));
     }
     if !seen.is_empty() {
         let what = Warning::new(format!("step error{along} of {}", seen.join(", of ")));
-        lines.push(what.because(format!("by {half}")));
+        lines.push(what.with_reason(format!("by {half}")));
     }
     let is_unseen = !(below.is_empty() && hidden.is_empty());
     if is_unseen && scene.problem().noises > 0 && check.energy_lost() >= LOST {
@@ -145,8 +146,8 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
         let why = "where noise drives it, schemes like the midpoint rule give it about";
         lines.push(
             Warning::new(turns)
-                .because(format!("{why} {lost} % too little energy"))
-                .unless(format!("{enough} steps leave 1 %")),
+                .with_reason(format!("{why} {lost} % too little energy"))
+                .with_remedy(format!("take {enough} steps for 1 %")),
         );
     }
     if !below.is_empty() {
@@ -154,12 +155,12 @@ pub fn step_lines(results: &Results, scene: &Scene) -> Vec<Warning> {
             "the step error of {} may exceed the sampling error, up to the number after <",
             below.join(", ")
         );
-        lines.push(Warning::new(what).because(format!("{half} see none")));
+        lines.push(Warning::new(what).with_reason(format!("{half} see none")));
     }
     if !hidden.is_empty() {
         let why = format!("{half} see none, and would miss one as large as the deviation");
         let what = format!("cannot tell the step error of {}", hidden.join(", "));
-        lines.push(Warning::new(what).because(why));
+        lines.push(Warning::new(what).with_reason(why));
     }
     lines.extend(failed);
     lines
