@@ -1,5 +1,5 @@
-//! Calls that take long: without the lock of the interpreter, on threads of their own, watched by the
-//! thread that called.
+//! Calls that take long: without the lock of the interpreter, on threads of their own, watched by
+//! the thread that called.
 
 use std::{
     sync::{

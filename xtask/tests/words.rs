@@ -11,6 +11,9 @@ const STARTS: [&str; 9] =
 /// Beginnings of constants in the place of `MAX_` and `MIN_`.
 const LIMITS: [&str; 4] = ["const MOST_", "const LEAST_", "const FEWEST_", "const MAXIMUM_"];
 
+/// Longest line of code and comments, without its indentation; tables may be longer.
+const COLUMNS: usize = 100;
+
 /// All files of Rust under `folder`.
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
@@ -33,6 +36,7 @@ fn broken(before: &str, line: &str) -> Option<&'static str> {
     match () {
         () if starts => Some("start with a noun or a verb"),
         () if is_comment && line.contains(" so many ") => Some("name the parameter"),
+        () if line.chars().count() > COLUMNS && !line.starts_with("//! |") => Some("100 columns"),
         () if LIMITS.iter().any(|name| line.contains(name)) => Some("MAX_ or MIN_"),
         () => None,
     }

@@ -23,7 +23,8 @@ impl Graph {
         self.reverse_at(weighted, &inputs)
     }
 
-    /// [`reverse`](Self::reverse) with expressions in the place of inputs, as if each were an input.
+    /// [`reverse`](Self::reverse) with expressions in the place of inputs, as if each were an
+    /// input.
     pub fn reverse_at(&mut self, weighted: &[(Id, Id)], inputs: &[Id]) -> Vec<Id> {
         let varies = self.varies(inputs);
         let mut is_input = vec![false; self.size()];

@@ -6,9 +6,9 @@
 //! [`Tape`] has the instructions for some expressions of a graph and runs them on rows of 32
 //! numbers, with the functions of [`real`] and the same bits on every instruction set.
 //!
-//! The way through the crate: text → `parse` → [`Graph`] → [`Tape`], both of [`expression`]. Texts →
-//! [`Definition`] → `system/expressions` → a tape for each operation of
-//! [`FormulaSystem`], or one for a scheme's whole formula (`system/program`).
+//! The way through the crate: text → `parse` → [`Graph`] → [`Tape`], both of [`expression`]. Texts
+//! → [`Definition`] → `system/expressions` → a tape for each operation of [`FormulaSystem`], or one
+//! for a scheme's whole formula (`system/program`).
 //!
 //! ```
 //! use formula::{Formula, Names};

@@ -76,8 +76,8 @@ fn is_beyond(x: f64, bound: f64) -> bool {
 }
 
 real::kernel! {
-    /// Writes increments or areas, clipped to ±`bound`, into `clipped`, which has equally many rows.
-    /// Returns how many are changed. Infinities and NaN stay, so that their paths fail.
+    /// Writes increments or areas, clipped to ±`bound`, into `clipped`, which has equally many
+    /// rows. Returns how many are changed. Infinities and NaN stay, so that their paths fail.
     pub fn clip(dw: &'a [Row], bound: f64, clipped: &'a mut [Row]) -> u64 {
         // The counter has the width of the lanes. It wraps, since an overflow check is a branch.
         let mut count = 0u64;

@@ -1,16 +1,17 @@
-//! Numbers that decide: each is a judgement, tuned or checked on known answers, with what goes wrong
-//! without it. Everything else in this crate follows from theory.
+//! Numbers that decide: each is a judgement, tuned or checked on known answers, with what goes
+//! wrong without it. Everything else in this crate follows from theory.
 
 // Where chains begin, and what is left out.
 
-/// Factors of the noise of every four chains at first. With ones only, all chains begin in the well of
-/// the initial value, and averages over others are missed.
+/// Factors of the noise of every four chains at first. With ones only, all chains begin in the well
+/// of the initial value, and averages over others are missed.
 pub const HEAT: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 /// Number of standard errors by which early batches differ from late ones: chance does it once in
-/// 2000. With more, the drift of the beginning is in averages; with less, chains look as if they drift.
+/// 2000. With more, the drift of the beginning is in averages; with less, chains look as if they
+///       drift.
 pub const DRIFTS: f64 = 3.5;
-/// Largest variance over the chains of a batch after the burn-in, over that of late ones. Without it
-/// chains that begin far apart around the right mean count from the beginning.
+/// Largest variance over the chains of a batch after the burn-in, over that of late ones. Without
+/// it chains that begin far apart around the right mean count from the beginning.
 pub const WIDER: f64 = 3.0;
 /// Number of deviations from the mean that a histogram reaches.
 pub const REACH: f64 = 6.0;
@@ -23,14 +24,14 @@ pub const BIAS_PART: f64 = 0.5;
 /// The part of the accuracy of a bias that is small. Without it steps are halved for ever where the
 /// sampling error vanishes.
 pub const BIAS_ENOUGH: f64 = 1.0 / 32.0;
-/// Standard errors by which differences of step sizes exceed what they should be, or zero. With fewer,
-/// steps are halved for noise.
+/// Standard errors by which differences of step sizes exceed what they should be, or zero. With
+/// fewer, steps are halved for noise.
 pub const EXCEEDS: f64 = 3.0;
 /// Least part of 2ᵖ by which differences fall: the next power of τ makes it less. Without it steps
 /// that are too long are extrapolated.
 pub const MIN_FALL: f64 = 0.85;
-/// Largest number of halvings where all chains fail, or where more than half of the failures remain.
-/// Without it steps are halved at a singular point, where chains fail at any step size.
+/// Largest number of halvings where all chains fail, or where more than half of the failures
+/// remain. Without it steps are halved at a singular point, where chains fail at any step size.
 pub const MAX_REVIVALS: u32 = 3;
 
 // Whether chains are long enough.
@@ -44,9 +45,9 @@ pub const ALIKE: f64 = 3.0;
 /// Part of the accuracy of an exponent below which a change does not count: differences that carry
 /// tangent vectors round. Without it exponents of linear systems drift for ever.
 pub const NEGLIGIBLE: f64 = 1e-3;
-/// Part of the path-steps allowed after which a forecast may end the computation, and factor by which
-/// it exceeds those allowed. Without them what is out of reach takes all path-steps, or what is within
-/// reach is given up.
+/// Part of the path-steps allowed after which a forecast may end the computation, and factor by
+/// which it exceeds those allowed. Without them what is out of reach takes all path-steps, or what
+/// is within reach is given up.
 pub const FORECAST: f64 = 1.0 / 64.0;
 pub const MARGIN: f64 = 2.0;
 

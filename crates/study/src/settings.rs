@@ -76,8 +76,8 @@ impl StudySettings {
     pub(super) fn demand(&self, observables: usize) -> Result<(), RunError> {
         let threads = rayon::current_num_threads() as f64;
         let groups = (self.paths as f64 / GROUP_PATHS as f64).max(1.0);
-        // Groups under way and just done, nodes of the tree that wait for their neighbours, nodes in
-        // the checkpoint, and the result, which is four times as wide.
+        // Groups under way and just done, nodes of the tree that wait for their neighbours, nodes
+        // in the checkpoint, and the result, which is four times as wide.
         let nodes = f64::from((groups as u64).ilog2()) + 2.0;
         let sums = (2.0 * threads).min(groups) + 2.0 * nodes + 5.0;
         let (pairs, lagged) = (self.wanted.pairs.len(), self.wanted.lagged.len());

@@ -183,8 +183,8 @@ impl<'a> Climb<'a> {
         })
     }
 
-    /// Measures times and errors on more and more rungs until no scheme climbs, or the time is over;
-    /// returns whether it was over.
+    /// Measures times and errors on more and more rungs until no scheme climbs, or the time is
+    /// over; returns whether it was over.
     fn climb(
         &self,
         all: &mut [Climber<'a>],

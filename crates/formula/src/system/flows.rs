@@ -4,8 +4,8 @@
 //! its field Σ ∂ᵢF(ℓ) B(y)aᵢ is a sum of commuting fields with constant weights, each affine in y
 //! if B is: kicks, turns about an axis, and boosts. A pair of vectors under so(3) whose product is
 //! the Hamiltonian turns about its sum. For any B, a field that changes nothing that it reads is a
-//! kick, and one that multiplies components by what it does not change is a growth. Terms of none of
-//! these forms are one part, whose steps preserve its energy.
+//! kick, and one that multiplies components by what it does not change is a growth. Terms of none
+//! of these forms are one part, whose steps preserve its energy.
 
 use std::{cmp::Ordering, collections::BTreeSet, slice::from_ref};
 
@@ -345,7 +345,8 @@ fn blocks(field: &[Affine]) -> Option<Vec<Block>> {
     Some(blocks)
 }
 
-/// For each component k of a vector under so(3), on which B acts as y ↦ y × v: the vector from k on.
+/// For each component k of a vector under so(3), on which B acts as y ↦ y × v: the vector from k
+/// on.
 fn vectors(columns: &Columns) -> Vec<Option<[usize; 3]>> {
     // The two components that the field of yₖ turns as y × eₖ does.
     let axis = |k: usize| {
@@ -586,8 +587,8 @@ impl Linear {
     }
 }
 
-/// The numbers a, b of exp(tK) = 1 + aK + bK² for K³ = cK with c = 0, −1 or 1, by the sign of `cube`:
-/// t and ½t², sin t and 1 − cos t, sinh t and cosh t − 1.
+/// The numbers a, b of exp(tK) = 1 + aK + bK² for K³ = cK with c = 0, −1 or 1, by the sign of
+/// `cube`: t and ½t², sin t and 1 − cos t, sinh t and cosh t − 1.
 fn by_cube(graph: &mut Graph, time: Id, cube: f64) -> [Id; 2] {
     let functions = match cube {
         0.0 => {

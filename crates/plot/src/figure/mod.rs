@@ -1,9 +1,9 @@
 //! Figures as stand-alone SVG documents, readable at the width of a journal column.
 //!
 //! [`convergence`] draws series of errors against the step size, [`side_by_side`] any curves in
-//! logarithmic coordinates; [`evolution`] an invariant along a path; [`bands`] and [`histogram`] the
-//! law of a quantity, [`against`] and [`multiples`] how it depends on a parameter, [`picture`] and
-//! [`strip`] numbers as colours, [`lines()`] any curves in plain coordinates.
+//! logarithmic coordinates; [`evolution`] an invariant along a path; [`bands`] and [`histogram`]
+//! the law of a quantity, [`against`] and [`multiples`] how it depends on a parameter, [`picture`]
+//! and [`strip`] numbers as colours, [`lines()`] any curves in plain coordinates.
 
 mod axis;
 mod canvas;

@@ -64,8 +64,8 @@ pub trait System: Send + Sync {
         None
     }
 
-    /// Compiles the moves of a composition into one piece with one state as input, if the system can
-    /// do better than one flow after the other.
+    /// Compiles the moves of a composition into one piece with one state as input, if the system
+    /// can do better than one flow after the other.
     fn compose(&self, moves: &[Move]) -> Option<Box<dyn Program>> {
         let _ = moves;
         None

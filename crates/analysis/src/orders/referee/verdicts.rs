@@ -36,7 +36,8 @@ pub enum Verdict {
     CannotTell,
 }
 
-/// Properties of a solver and verdicts on its claims; [`Display`](fmt::Display) has a line for each.
+/// Properties of a solver and verdicts on its claims; [`Display`](fmt::Display) has a line for
+/// each.
 #[derive(Clone, Debug, Serialize)]
 #[serde(transparent)]
 pub struct Verdicts(Vec<Line>);
