@@ -11,7 +11,7 @@ const STARTS: [&str; 9] =
 /// Beginnings of constants in the place of `MAX_` and `MIN_`.
 const LIMITS: [&str; 4] = ["const MOST_", "const LEAST_", "const FEWEST_", "const MAXIMUM_"];
 
-/// Longest line of code and comments, without its indentation; tables may be longer.
+/// Longest line; tables in comments may be longer.
 const COLUMNS: usize = 100;
 
 /// All files of Rust under `folder`.
@@ -29,6 +29,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
 
 /// The rule that a line breaks after the line before it.
 fn broken(before: &str, line: &str) -> Option<&'static str> {
+    let is_long = line.chars().count() > COLUMNS;
     let (before, line) = (before.trim_start(), line.trim_start());
     let first = line.strip_prefix("/// ").filter(|_| !before.starts_with("///"));
     let is_comment = line.starts_with("///") || line.starts_with("//!");
@@ -36,7 +37,7 @@ fn broken(before: &str, line: &str) -> Option<&'static str> {
     match () {
         () if starts => Some("start with a noun or a verb"),
         () if is_comment && line.contains(" so many ") => Some("name the parameter"),
-        () if line.chars().count() > COLUMNS && !line.starts_with("//! |") => Some("100 columns"),
+        () if is_long && !line.starts_with("//! |") => Some("100 columns"),
         () if LIMITS.iter().any(|name| line.contains(name)) => Some("MAX_ or MIN_"),
         () => None,
     }

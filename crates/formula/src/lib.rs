@@ -1,14 +1,9 @@
 //! **Formulas from text, evaluated on 32 points at a time, with their derivatives.**
 //!
-//! A formula is parsed into a [`Graph`], in which every
-//! subexpression stands once. Derivatives are further expressions of the graph: gradients by
-//! reverse accumulation, directional derivatives forward, Hessian–vector products by both. A
-//! [`Tape`] has the instructions for some expressions of a graph and runs them on rows of 32
-//! numbers, with the functions of [`real`] and the same bits on every instruction set.
-//!
-//! The way through the crate: text → `parse` → [`Graph`] → [`Tape`], both of [`expression`]. Texts
-//! → [`Definition`] → `system/expressions` → a tape for each operation of [`FormulaSystem`], or one
-//! for a scheme's whole formula (`system/program`).
+//! A text is parsed into a [`Graph`] of [`expression`], which has its derivatives, and evaluated as a
+//! [`Tape`]. The texts of a [`Definition`] become a [`FormulaSystem`]: `system/expressions` has each
+//! operation of a system as expressions, `system/flows` the parts whose flows are known, and
+//! `system/program` makes one tape of a scheme's whole formula, or of a composition of flows.
 //!
 //! ```
 //! use formula::{Formula, Names};
