@@ -1,8 +1,8 @@
 //! **Formulas from text, evaluated on 32 points at a time, with their derivatives.**
 //!
-//! A text is parsed into a [`Graph`] of [`expression`], which has its derivatives, and evaluated as a
-//! [`Tape`]. The texts of a [`Definition`] become a [`FormulaSystem`]: `system/expressions` has each
-//! operation of a system as expressions, `system/flows` the parts whose flows are known, and
+//! A text is parsed into a [`Graph`] of [`expression`], which has its derivatives, and evaluated as
+//! a [`Tape`]. The texts of a [`Definition`] become a [`FormulaSystem`]: `system/expressions` has
+//! each operation of a system as expressions, `system/flows` the parts whose flows are known, and
 //! `system/program` makes one tape of a scheme's whole formula, or of a composition of flows.
 //!
 //! ```

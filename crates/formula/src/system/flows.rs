@@ -34,7 +34,7 @@ pub struct Term {
     pub of: usize,
     pub root: Id,
     pub factor: f64,
-    /// Its maximal subexpressions that are linear in y, with their directions.
+    /// Maximal subexpressions that are linear in y, with their directions.
     functions: Vec<(Id, Affine)>,
 }
 
