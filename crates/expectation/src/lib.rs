@@ -57,8 +57,8 @@
 //! - *Resolution.* Each component of fine and coarse states must agree to half of its motion in
 //!   root mean square over all coarse times, better than on the levels below, φ to 0.7 of its
 //!   motion at eight of them, and φ must vary on both in the same way. The damping that the scheme
-//!   reads, summed over the steps, must agree with ∫γ by quadrature, as far as its changes from step
-//!   to step allow ([`DampingResolution`](mc::DampingResolution)).
+//!   reads, summed over the steps, must agree with ∫γ by quadrature, as far as its changes from
+//!   step to step allow ([`DampingResolution`](mc::DampingResolution)).
 //!
 //! **What is assumed.** A scheme that converges to the solution with the weak order assumed, and an
 //! expansion of the bias in powers of τ on the last levels. Nothing that occurs on no path of any

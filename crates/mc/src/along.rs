@@ -8,11 +8,11 @@
 //! **First passage.** At the ends of steps alone a passage is seen too late: the bias is of order
 //! √τ, since a path that noise drives may be beyond zero between two ends that are not. Given both
 //! ends a, b < 0, a Brownian motion of variance rate s passes zero within the step with the
-//! probability exp(−2ab/(sτ)) (Gobet 2000), which leaves a bias of order τ. Of its time t within the
-//! step, t/(τ − t) is inverse Gaussian with the mean |a/b| and λ = a²/(sτ), for any b (the bridge is
-//! a Brownian motion with drift in that time; drawn as by Michael, Schucany and Haas 1976). The
-//! random numbers for this come from the last bits of the increments of the step, which are
-//! independent of their leading ones but for rounding. So streams are the same with and without
+//! probability exp(−2ab/(sτ)) (Gobet 2000), which leaves a bias of order τ. Of its time t within
+//! the step, t/(τ − t) is inverse Gaussian with the mean |a/b| and λ = a²/(sτ), for any b (the
+//! bridge is a Brownian motion with drift in that time; drawn as by Michael, Schucany and Haas
+//! 1976). The random numbers for this come from the last bits of the increments of the step, which
+//! are independent of their leading ones but for rounding. So streams are the same with and without
 //! events. (What is clipped from increments counts, so that clipped paths have numbers of their
 //! own.) Where no noise acts on the function, s is zero.
 

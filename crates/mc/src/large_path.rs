@@ -42,7 +42,8 @@ use crate::{
 /// let mut path = LargePath::new(&problem, &scheme, 100, Truncation::new(4)?, key, 0)?;
 /// while path.steps_done() < 100 {
 ///     path.advance(10)?;
-///     let square = |spin: usize| (0..3).map(|i| path.component(3 * spin + i).powi(2)).sum::<f64>();
+///     let of = |spin: usize, i: usize| path.component(3 * spin + i);
+///     let square = |spin| (0..3).map(|i| of(spin, i).powi(2)).sum::<f64>();
 ///     assert!((0..8000).all(|spin| (square(spin).sqrt() - 1.0).abs() < 1e-13));
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())

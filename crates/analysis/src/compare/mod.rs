@@ -13,7 +13,7 @@
 //! use analysis::compare::{Candidates, Choice, CompareSettings, Outcome, compare};
 //!
 //! let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
-//! // `Candidates::compiled(&problem, BuiltIn::compiled)` has all schemes; here are two of one's own.
+//! // `Candidates::compiled(&problem, BuiltIn::compiled)` has all schemes; here are two.
 //! let candidates = Candidates::against(bind(&problem, &Sexp))
 //!     .and(bind(&problem, &Heun))
 //!     .and(bind(&problem, &EulerMaruyama));

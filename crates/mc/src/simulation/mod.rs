@@ -117,8 +117,8 @@ impl<'a> Simulation<'a> {
     /// The table of path number `path` in `steps` steps to the final time.
     ///
     /// # Errors
-    /// [`RunError::Ladder`] as in [`Setup::ladder`]. [`RunError::Setting`] if `every` is zero, or two
-    /// columns have the same name.
+    /// [`RunError::Ladder`] as in [`Setup::ladder`]. [`RunError::Setting`] if `every` is zero, or
+    /// two columns have the same name.
     pub fn path(&self, steps: u64, key: StreamKey, path: u64) -> Result<TimeSeries, RunError> {
         Ok(self.paths(steps, key, path..path + 1)?.swap_remove(0))
     }
