@@ -128,7 +128,7 @@ type Columns = Vec<Vec<Affine>>;
 /// the product of two vectors.
 fn singles(system: &mut Expressions) -> Vec<Single> {
     let columns = columns(system);
-    let vectors = columns.as_ref().map_or(Vec::new(), |columns| vectors(columns));
+    let vectors = columns.as_ref().map_or(Vec::new(), vectors);
     let mut found = Vec::new();
     for m in 0..=system.noises {
         let mut all = all_terms(system, m);
