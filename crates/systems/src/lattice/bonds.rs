@@ -1,6 +1,6 @@
 //! The exact flows of a lattice, for splitting.
 
-use real::{Kernel, Row, WIDTH, path};
+use real::{Kernel, Row, WIDTH};
 
 use super::{
     formulas::Couplings,
@@ -38,10 +38,21 @@ impl Part {
     }
 }
 
-/// The spins of L paths at a site: of 32, or of one.
+/// Paths that are turned at once.
+pub const CHUNK: usize = 8;
+
+/// The number of a site's x of the first path, how many numbers further its y is, and the paths.
 #[inline(always)]
-fn get<const L: usize>(sites: usize, y: &[Row], site: usize) -> [[f64; L]; 3] {
-    let ((begin, plane), numbers) = (first::<L>(sites, site), y.as_flattened());
+fn place_of<const L: usize>(sites: usize, site: usize) -> (usize, usize, usize) {
+    if L == CHUNK {
+        return (3 * WIDTH * site, WIDTH, WIDTH);
+    }
+    let (begin, plane) = place(sites, site);
+    (begin, plane, L)
+}
+
+#[inline(always)]
+fn get<const L: usize>(numbers: &[f64], (begin, plane): (usize, usize)) -> [[f64; L]; 3] {
     let mut spins = [[0.0; L]; 3];
     for c in 0..3 {
         spins[c].copy_from_slice(&numbers[begin + c * plane..][..L]);
@@ -50,20 +61,13 @@ fn get<const L: usize>(sites: usize, y: &[Row], site: usize) -> [[f64; L]; 3] {
 }
 
 #[inline(always)]
-fn put<const L: usize>(sites: usize, y: &mut [Row], site: usize, spins: [[f64; L]; 3]) {
-    let ((begin, plane), numbers) = (first::<L>(sites, site), y.as_flattened_mut());
+fn put<const L: usize>(numbers: &mut [f64], (begin, plane): (usize, usize), s: &[[f64; L]; 3]) {
     for c in 0..3 {
-        numbers[begin + c * plane..][..L].copy_from_slice(&spins[c]);
+        numbers[begin + c * plane..][..L].copy_from_slice(&s[c]);
     }
 }
 
-/// The number of the first x at a site, and how many numbers further the first y is.
-#[inline(always)]
-fn first<const L: usize>(sites: usize, site: usize) -> (usize, usize) {
-    if L == WIDTH { (3 * WIDTH * site, WIDTH) } else { place(sites, site) }
-}
-
-/// The flow of a part on L paths.
+/// The flow of a part; L is [`CHUNK`] for rows of paths, 1 for rows of one path.
 pub struct Flow<'a, const L: usize> {
     pub shape: &'a Shape,
     pub couplings: Couplings,
@@ -79,39 +83,46 @@ impl<const L: usize> Kernel for Flow<'_, L> {
     fn run(self) {
         let Self { shape, couplings, part, h, y } = self;
         let sites = shape.sites();
+        let (y, noises) = (y.as_flattened_mut(), h.dw.as_flattened());
         let Couplings { exchange, anisotropy, field, noise, local, .. } = couplings;
-        let mut dw = [[0.0; L]; 3];
-        for m in 0..if local { 0 } else { 3 } {
-            dw[m].copy_from_slice(&h.dw[m][..L]);
-        }
         for site in 0..sites {
-            let mut spins: [[f64; L]; 3] = get(sites, y, site);
+            let (begin, plane, paths) = place_of::<L>(sites, site);
             if let Part::Bonds { axis, odd } = part {
                 let begins = shape.coordinate(site, axis) % 2 == usize::from(odd);
                 let up = Direction { axis, up: true };
                 let next = if begins { shape.neighbour(site, up) } else { None };
                 let Some(next) = next else { continue };
-                let mut other: [[f64; L]; 3] = get(sites, y, next);
-                for p in 0..L {
-                    let (a, b) = turned(path(&spins, p), path(&other, p), -exchange * h.dt);
-                    set(&mut spins, p, a);
-                    set(&mut other, p, b);
+                let (other, other_plane, _) = place_of::<L>(sites, next);
+                for q in (0..paths).step_by(L) {
+                    let mut spins: [[f64; L]; 3] = get(y, (begin + q, plane));
+                    let mut others: [[f64; L]; 3] = get(y, (other + q, other_plane));
+                    for p in 0..L {
+                        let (a, b) = turned(lane(&spins, p), lane(&others, p), -exchange * h.dt);
+                        set(&mut spins, p, a);
+                        set(&mut others, p, b);
+                    }
+                    put(y, (other + q, other_plane), &others);
+                    put(y, (begin + q, plane), &spins);
                 }
-                put(sites, y, next, other);
-            } else {
-                if local && part == Part::Field {
-                    dw = get(sites, h.dw, site);
+                continue;
+            }
+            let of_noise = if local { (begin, plane) } else { (0, WIDTH) };
+            for q in (0..paths).step_by(L) {
+                let mut spins: [[f64; L]; 3] = get(y, (begin + q, plane));
+                let mut dw = [[0.0; L]; 3];
+                if part == Part::Field {
+                    dw = get(noises, (of_noise.0 + q, of_noise.1));
                 }
                 for p in 0..L {
-                    let (s, dw) = (path(&spins, p), path(&dw, p));
+                    let (s, dw) = (lane(&spins, p), lane(&dw, p));
                     let axis = match part {
                         Part::Anisotropy => [0.0, 0.0, -anisotropy * h.dt * s[2]],
                         _ => [0, 1, 2].map(|c| -(field[c] * h.dt + noise * dw[c])),
                     };
                     set(&mut spins, p, cayley_cross(s, axis));
                 }
+                put(y, (begin + q, plane), &spins);
             }
-            put(sites, y, site, spins);
         }
     }
 }
@@ -121,6 +132,12 @@ impl<const L: usize> Kernel for Flow<'_, L> {
 fn turned(a: [f64; 3], b: [f64; 3], weight: f64) -> ([f64; 3], [f64; 3]) {
     let axis = [weight * (a[0] + b[0]), weight * (a[1] + b[1]), weight * (a[2] + b[2])];
     (cayley_cross(a, axis), cayley_cross(b, axis))
+}
+
+/// Written out: a loop over the components is not kept in registers.
+#[inline(always)]
+fn lane<const L: usize>(spins: &[[f64; L]; 3], p: usize) -> [f64; 3] {
+    [spins[0][p], spins[1][p], spins[2][p]]
 }
 
 #[inline(always)]

@@ -33,7 +33,7 @@ use crate::{
     paper::valid,
     run_time::{Description, Lanes, Layout, Op, Parts, System, Weights, derived},
 };
-use bonds::{Flow, Part};
+use bonds::{CHUNK, Flow, Part};
 use formulas::OnTile;
 use layout::{OnPaths, OnePath, TILE_ROWS, TILE_SITES};
 
@@ -240,7 +240,7 @@ impl System for SpinLattice {
     fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, _: &mut [Row]) {
         let (shape, couplings, part) = (&self.shape, self.couplings, self.parts[part]);
         match self.description.layout.lanes {
-            Lanes::Paths => dispatch(Flow::<WIDTH> { shape, couplings, part, h, y }),
+            Lanes::Paths => dispatch(Flow::<CHUNK> { shape, couplings, part, h, y }),
             Lanes::Components => dispatch(Flow::<1> { shape, couplings, part, h, y }),
         }
     }
